@@ -54,6 +54,7 @@ records         a file, one per level; as many as there are coefficients, or mor
 --no-figures    write no pictures: they take longer than all the rest
 --json          write {TABLES[0]} to this file, too; - shows it instead of the table
 --report        write the report, one page of HTML with everything, to this file
+--sets          a YAML file that lists sets of records, each with its settings: each gets a folder of --output, all one page
 --overwrite     replace results that are there already
 """
 
@@ -62,6 +63,13 @@ _SCREEN = Path("-")
 
 def run(options: argparse.Namespace) -> None:
     """Identify, show the table or the document, write the results."""
+    if options.sets is not None:
+        _run_sets(options)
+        return
+    missing = [n for n in ("records", "--stiffness") if not getattr(options, n.strip("-"))]
+    if missing:
+        names = ", ".join(missing).replace("records", "RECORD")
+        raise ValueError(f"the following arguments are required: {names}")
     from ..identification.measured import identify  # slow to import, not needed for help
 
     folder: Path | None = options.output
@@ -109,6 +117,25 @@ def run(options: argparse.Namespace) -> None:
         print(said, file=sys.stderr if shown_as_json else sys.stdout)
 
 
+def _run_sets(options: argparse.Namespace) -> None:
+    """Identify several sets, and show their table; ValueError where one of them failed."""
+    from ..identification.batch import OVERVIEW, identify_sets  # slow to import, not needed for help
+
+    taken = ("--sets", "--output", "--overwrite", "--largest")
+    for name, of in _OPTIONS.items():
+        given = getattr(options, name.strip("-").replace("-", "_"))
+        if given and given != of.get("default") and name not in taken:
+            raise ValueError(f"--sets takes all settings from its file: leave out {name}")
+    if options.output is None:
+        raise ValueError("--sets needs --output, the folder for the results of all sets")
+    text, failed = identify_sets(
+        options.sets, options.output, overwrite=options.overwrite, largest=options.largest
+    )
+    print(f"{text}\nWritten to {options.output}: {', '.join(OVERVIEW)}, and a folder for each set.")
+    if failed:
+        raise ValueError(f"{failed} of the sets could not be identified; the table says why")
+
+
 def _labels(text: str) -> tuple[str, str]:
     """A type of argument: a term and a label for each record, F_k=A,A,B."""
     name, equals, labels = text.partition("=")
@@ -131,9 +158,9 @@ def _once(named: Iterable[tuple[str, Any]], option: str) -> dict[str, Any]:
 
 _SEVERAL: dict[str, Any] = {"action": "append", "default": []}
 _OPTIONS: dict[str, dict[str, Any]] = {
-    "records": {"nargs": "+", "type": Path, "metavar": "RECORD"},
+    "records": {"nargs": "*", "type": Path, "metavar": "RECORD"},
     "--kind": {"choices": ("forced", "ring-down"), "default": "recognised"},
-    "--stiffness": {"type": with_error, "required": True, "metavar": "K"},
+    "--stiffness": {"type": with_error, "metavar": "K"},
     "--frequency": {"type": number(1e-9, 1e9), "metavar": "HZ"},
     "--terms": {"metavar": "TERMS"},
     "--given": {"type": coefficients, **_SEVERAL, "metavar": "TERM=VALUE"},
@@ -151,6 +178,7 @@ _OPTIONS: dict[str, dict[str, Any]] = {
     "--no-figures": {"action": "store_true"},
     "--json": {"type": Path, "metavar": "FILE"},
     "--report": {"type": Path, "metavar": "FILE"},
+    "--sets": {"type": Path, "metavar": "FILE"},
     "--overwrite": {"action": "store_true"},
 }
 ARGUMENTS = {

@@ -33,6 +33,7 @@ from ..records.measurement import EXCITATIONS, RESPONSES, Channel, Measurement
 from ..solver import NORMAL_95, solve
 from .answer import (
     CONFIDENCE,
+    SHAPE,
     UNKNOWN,
     Answer,
     Balance,
@@ -122,12 +123,12 @@ class DecayOutcome(Outcome):
     @property
     def levels(self) -> list[Level]:
         """Swings of each decay, spread over it: what half a cycle between two turns loses, twice. The first, which
-        begins at no turn, is left out."""
+        begins at no turn, and the last, which may end in sticking, are left out."""
         F_k, rows = next(iter(self.answers.values())).values["F_k"], self.half_cycles
         levels = []
         for i, (turns, _) in enumerate(rows.turns):
             of = rows.columns[rows.decay == i]
-            for n in np.unique(np.linspace(1, len(of) - 1, _SWINGS).round().astype(int)):
+            for n in [] if len(of) < 3 else np.unique(np.linspace(1, len(of) - 2, _SWINGS).round().astype(int)):
                 (start, x_a), (end, x_b) = turns[n : n + 2]
                 X, omega = 0.5 * abs(x_b - x_a), math.pi / (end - start)
                 name = f"decay {i + 1} at {start:.3g} s"
@@ -367,7 +368,7 @@ def _solved(
     balance = Balance(
         Rows(rows.terms, rows.columns[:, W]),
         np.sqrt(np.diag(rows.covariance)),
-        tuple("shape" if i is None else f"decay {i}" for i in numbers),
+        tuple(SHAPE if i is None else f"decay {i}" for i in numbers),
         {"decay": numbers},
     )
     answer = Answer(

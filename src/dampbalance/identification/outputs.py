@@ -13,6 +13,9 @@ TABLES = ("identification.json", "identification.csv", "features.csv", "summary.
 REPORT = "report.html"
 """All of it on a page, for a reader: of a set of records, or of several sets."""
 
+COMPLETE = ".complete"
+"""Mark of a set among several whose results are complete."""
+
 
 def pictures_of(figures: Iterable[str]) -> tuple[str, ...]:
     """The files of figures of those names."""

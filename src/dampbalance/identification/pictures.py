@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from datetime import date
 from typing import Any
 
 import numpy as np
@@ -16,13 +17,23 @@ from matplotlib.ticker import MaxNLocator
 
 from ..arrays import Array
 from ..figures.looks import in_maths, label_of, look_of
-from ..figures.style import DASHED, DOUBLE_COLUMN, FAINT, SLIP, STICK, page, place, styled
+from ..figures.style import (
+    DASHED,
+    DOTTED,
+    DOUBLE_COLUMN,
+    FAINT,
+    SLIP,
+    STICK,
+    page,
+    place,
+    styled,
+)
 from ..law.terms import term
 from ..project.wording import cut
 from ..reading.mean_harmonics import Reading
 from ..reading.ringdown_fit import COMMON, RingFit
 from ..reading.waveforms import WaveformFit
-from .answer import Answer
+from .answer import SHAPE, USABLE, Answer, ParameterEstimate, unit_of
 from .loading import Loaded
 from .microstick import Microstick
 
@@ -178,7 +189,8 @@ def balance(answers: Mapping[str, Answer], two: bool) -> Figure:
     (best, first), check = next(iter(answers.items())), next(iter(checks.values()))
     for index, (name, answer) in enumerate(checks.items()):
         assert answer.balance is not None
-        rows, usable, off = answer.balance.rows, answer.balance.rows.usable, answer.row_misfit
+        rows, off = answer.balance.rows, answer.row_misfit
+        usable = rows.usable & [of != SHAPE for of in answer.balance.names]
         look = look_of(name)
         marks: dict[str, Any] = {"color": look.colour, "fillstyle": "none"}
         marks["label"] = in_maths(label_of(name))
@@ -247,6 +259,76 @@ def decays(fit: RingFit, turns: Sequence[tuple[Array, Array]]) -> Figure:
         axes.set_xticklabels([])
         axes.set_ylabel(f"${symbol}$ ({unit})", labelpad=1.0)
         below.set_xlabel("$t$ (s)", labelpad=1.0)
+    return _explained(figure, panels)
+
+
+@styled()
+def sets(
+    names: Sequence[str],
+    estimates: Mapping[str, Mapping[str, tuple[ParameterEstimate, str]]],
+    places: Mapping[str, float],
+    dated: bool,
+) -> Figure:
+    """The numbers of several sets of records side by side, a panel per number: value and interval of 95 %, filled where
+    it is usable; a dotted line where a set was not identified.
+
+    names : of all sets.   estimates : symbol → set → (number, verdict), of those that were identified.   places : of
+    the sets on an axis of loads or dates; empty where they stand one below the other by name.   dated : whether places
+    are days.
+    """
+    count, beside = len(names), bool(places)
+    at = places or {name: float(-i) for i, name in enumerate(names)}
+    wide = 0.0 if beside else min(40.0, 1.6 * max(map(len, names)))
+    across = min(3, len(estimates))
+    pitch, tall = (DOUBLE_COLUMN - wide) / across, 45.0 if beside else 10.0 + 6.0 * count
+    rows = math.ceil(len(estimates) / across)
+    figure = page(DOUBLE_COLUMN, rows * (tall + 14.0) + 18.0)
+    panels = []
+    for n, (symbol, of_sets) in enumerate(estimates.items()):
+        row, column = divmod(n, across)
+        left, bottom = wide + 14.0 * beside + 3.0 + pitch * column, 24.0 + (rows - 1 - row) * (tall + 14.0)
+        axes = place(figure, left, bottom, pitch - 7.0 - 11.0 * beside, tall)
+        for name in names:
+            p, verdict = of_sets.get(name, (None, ""))
+            if p is None or not math.isfinite(p.interval.low):
+                (axes.axvline if beside else axes.axhline)(
+                    at[name], color=FAINT, linestyle=DOTTED, label="no value"
+                )
+                continue
+            ends = [p.interval.low, p.interval.high if math.isfinite(p.interval.high) else p.value]
+            if not math.isfinite(p.value):  # a lower limit
+                ends, value = [p.interval.low] * 2, p.interval.low
+                look, marker = "lower limit", "^" if beside else ">"
+            else:
+                value, marker = p.value, "o"
+                look = "usable" if verdict == USABLE else "doubtful"
+            colour = SLIP if look == "usable" else STICK
+            error = np.abs(np.array(ends) - value)[:, None]
+            error = np.where(np.isfinite(error), error, 0.0)
+            marks: dict[str, Any] = {"fmt": marker, "color": colour, "capsize": 2.0, "label": look}
+            marks["fillstyle"] = "full" if look == "usable" else "none"
+            if beside:
+                axes.errorbar([at[name]], [value], yerr=error, **marks)
+            else:
+                axes.errorbar([value], [at[name]], xerr=error, **marks)
+        label = in_maths(symbol) + (f" ({unit_of(symbol)})" if unit_of(symbol) else "")
+        if beside:
+            axes.set_ylabel(label)
+            axes.margins(x=0.12)
+            if dated:
+                days = sorted(set(at.values()))
+                shown = days[:: math.ceil(len(days) / 4)]
+                axes.set_xticks(shown, [date.fromordinal(int(day)).isoformat() for day in shown])
+                axes.tick_params(axis="x", rotation=20)
+            else:
+                axes.set_xlabel("at")
+        else:
+            axes.set_xlabel(label)
+            axes.set_ylim(-count + 0.4, 0.6)
+            heads = [cut(name, 26) for name in names] if not column else [""] * count
+            axes.set_yticks([at[name] for name in names], heads, parse_math=False)
+        axes.xaxis.set_major_locator(axes.xaxis.get_major_locator() if dated else MaxNLocator(4))
+        panels.append((axes, axes))
     return _explained(figure, panels)
 
 

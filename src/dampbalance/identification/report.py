@@ -17,7 +17,7 @@ from .. import __version__
 from ..figures.dark import DARK, follows_the_screen
 from ..figures.style import COOL, GRID, INK, PAPER
 from ..law.terms import parted, term
-from ..project.wording import dotted, in_html, listed, number, percent, signed_percent, visible
+from ..project.wording import Remark, dotted, in_html, listed, number, percent, signed_percent, visible
 from .answer import DOUBTFUL, NONE, USABLE, Answer, ParameterEstimate, unit_of
 from .outcome import Outcome
 from .remarks import in_a_sentence, limits
@@ -67,11 +67,11 @@ def report(outcome: Outcome, document: Mapping[str, Any], drawings: Mapping[str,
     names = listed([visible(name) for name in outcome.sources]) if count < 4 else f"{count} records"
     shown = [name for name in _CAPTIONS if name in drawings]
     parts = [
-        verdict(answer),
+        verdict(answer, outcome.warnings),
         paragraph(f"{outcome.head}."),
         _numbers(answer),
-        *(_bulleted("What limits the answer", _limits(outcome, answer.name))),
-        *(_bulleted("What to check and do next", _next(outcome, document, answer))),
+        *(bulleted("What limits the answer", _limits(outcome, answer.name))),
+        *(bulleted("What to check and do next", _next(outcome, document, answer))),
         *(figure(drawings[name], _CAPTIONS[name], outcome.pictures[name].words) for name in shown),
         *_levels(document["damping"]),
         *_sensitivities(document),
@@ -150,8 +150,8 @@ def word(verdict: str) -> str:
     return f'<span class="verdict {escape(verdict)}">{sign} {escape(verdict)}</span>'
 
 
-def _bulleted(title: str, sentences: Sequence[str]) -> Iterator[str]:
-    """A list below a title; nothing where there are no sentences."""
+def bulleted(title: str, sentences: Sequence[str]) -> Iterator[str]:
+    """A list of sentences below a title; nothing where there are none."""
     if sentences:
         yield f"<h2>{title}</h2>\n{_items(sentences)}"
 
@@ -162,16 +162,18 @@ def _items(sentences: Sequence[str]) -> str:
 
 
 def _sentence(text: str) -> str:
-    """Words as a sentence; one that begins with a symbol keeps its letter."""
-    symbol = len(text) > 1 and text[1] in "_ ="
-    return (text[0] if symbol else text[0].upper()) + text[1:].rstrip(".") + "."
+    """Words as a sentence; one that begins with a symbol or a file keeps its letter."""
+    first = text.split(" ")[0].rstrip(":,")
+    capital = first.isalpha() and (len(first) > 1 or first == "a")
+    return (text[0].upper() if capital else text[0]) + text[1:].rstrip(".") + "."
 
 
 # --- the answer -----------------------------------------------------------------------------------
 
 
-def verdict(answer: Answer) -> str:
-    """The whole result in a sentence: which numbers can be used, with their values, and why others cannot."""
+def verdict(answer: Answer, warnings: Sequence[Remark]) -> str:
+    """The whole result in a sentence: which numbers can be used, with their values, and the first reason where others
+    cannot."""
     groups: dict[str, list[str]] = {USABLE: [], DOUBTFUL: [], NONE: []}
     for symbol, one in answer.verdicts.items():
         groups[one.verdict].append(symbol)
@@ -186,14 +188,28 @@ def verdict(answer: Answer) -> str:
     if none:
         parts.append(f"{listed(none)} cannot be had from these records")
     kind = DOUBTFUL if usable and (doubtful or none) else next(k for k, of in groups.items() if of)
-    return paragraph(_sentence(f"{'; '.join(parts)}"), f"lead {kind}")
+    if kind != USABLE:
+        casting = [one for one in warnings if any(one.doubts.values())] or [*answer.notes]
+        reasons = [_clause(one.words).partition(":")[0] + _of(one.source) for one in casting]
+        reasons += [_clause(one.reason) for one in answer.verdicts.values() if one.reason]
+        parts.append(f"the first reason: {reasons[0]}")
+    return paragraph(_sentence("; ".join(parts)), f"lead {kind}")
+
+
+def _clause(text: str) -> str:
+    """What a sentence says first."""
+    return text.partition(";")[0]
+
+
+def _of(source: str) -> str:
+    return f" ({visible(PurePath(source).name)})" if source else ""
 
 
 def _values(answer: Answer, symbols: Sequence[str]) -> str:
     texts = []
     for symbol in symbols:
         p = answer.parameters[symbol]
-        share = f" (± {_part(p)})" if interval_of(p) != "–" else ""
+        share = f" (±\N{NO-BREAK SPACE}{_part(p)})" if interval_of(p) != "–" else ""
         value = value_of(p)
         equal = "" if value.startswith(">") else "= "
         texts.append(f"{symbol} {equal}{value} {unit_of(symbol)}".rstrip() + share)
@@ -213,7 +229,9 @@ def _numbers(answer: Answer) -> str:
                 escape(interval_of(p)),
                 escape(f"± {_part(p)}") if interval_of(p) != "–" else "–",
                 word(verdict),
-                in_html(reason) or "nothing speaks against it",
+                in_html(_clause(reason)) + " …" * (";" in reason)
+                if reason
+                else "nothing speaks against it",
             ]
         )
     heads = ["quantity", "value", "95 % interval", "half width", "verdict", "why"]
@@ -231,13 +249,13 @@ def _half(p: ParameterEstimate) -> float:
 
 
 def _part(p: ParameterEstimate) -> str:
-    return f"{number(100.0 * _half(p), 2)} %"
+    return f"{number(100.0 * _half(p), 2)}\N{NO-BREAK SPACE}%"
 
 
 def _limits(outcome: Outcome, name: str, of_others: bool = False) -> list[str]:
     """What limits the answer of this name, or what limits the others only."""
     return [
-        in_a_sentence(limit, outcome.sources)
+        limit.words if limit.of == (name,) else in_a_sentence(limit, outcome.sources)
         for limit in limits(outcome.answers, outcome.warnings)
         if (limit.kind == "approaches" and name not in limit.of) == of_others
     ]
