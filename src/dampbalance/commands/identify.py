@@ -119,7 +119,10 @@ def run(options: argparse.Namespace) -> None:
 
 def _run_sets(options: argparse.Namespace) -> None:
     """Identify several sets, and show their table; ValueError where one of them failed."""
-    from ..identification.batch import OVERVIEW, identify_sets  # slow to import, not needed for help
+    from ..identification.batch import (
+        OVERVIEW,
+        identify_sets,
+    )  # slow to import, not needed for help
 
     taken = ("--sets", "--output", "--overwrite", "--largest")
     for name, of in _OPTIONS.items():

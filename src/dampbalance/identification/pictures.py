@@ -135,9 +135,7 @@ def friction(
             K_z, F_k = orbit.oscillator.K_z, orbit.oscillator.F_k
             axes.plot(1e3 * state.x, K_z * state.z, label="fitted oscillator", **look)
             ends = 1e3 * orbit.X_s * np.array([1.0, -1.0])
-            axes.plot(
-                ends, [F_k, -F_k], "o", color=STICK, markersize=3.0, label="onset of slip"
-            )
+            axes.plot(ends, [F_k, -F_k], "o", color=STICK, markersize=3.0, label="onset of slip")
         axes.set_ylabel("$f$ (N)", labelpad=1.0)
         axes.margins(0.08)
     return _explained(figure, panels)
@@ -276,60 +274,75 @@ def sets(
     the sets on an axis of loads or dates; empty where they stand one below the other by name.   dated : whether places
     are days.
     """
-    count, beside = len(names), bool(places)
+    count, upright = len(names), bool(places)
     at = places or {name: float(-i) for i, name in enumerate(names)}
-    wide = 0.0 if beside else min(40.0, 1.6 * max(map(len, names)))
-    across = min(3, len(estimates))
-    pitch, tall = (DOUBLE_COLUMN - wide) / across, 45.0 if beside else 10.0 + 6.0 * count
+    left = 17.0 if upright else min(40.0, 5.0 + 1.6 * max(map(len, names)))
+    right, tall = (4.0, 45.0) if upright else (7.0, 6.0 + 6.0 * count)
+    across, pitch = min(3, len(estimates)), tall + 16.0
+    wide = (DOUBLE_COLUMN - left) / across
     rows = math.ceil(len(estimates) / across)
-    figure = page(DOUBLE_COLUMN, rows * (tall + 14.0) + 18.0)
+    figure = page(DOUBLE_COLUMN, rows * pitch + 18.0)
     panels = []
     for n, (symbol, of_sets) in enumerate(estimates.items()):
         row, column = divmod(n, across)
-        left, bottom = wide + 14.0 * beside + 3.0 + pitch * column, 24.0 + (rows - 1 - row) * (tall + 14.0)
-        axes = place(figure, left, bottom, pitch - 7.0 - 11.0 * beside, tall)
+        bottom, width = 28.0 + (rows - 1 - row) * pitch, wide - right - 13.0 * upright
+        axes = place(figure, left + wide * column, bottom, width, tall)
         for name in names:
-            p, verdict = of_sets.get(name, (None, ""))
-            if p is None or not math.isfinite(p.interval.low):
-                (axes.axvline if beside else axes.axhline)(
-                    at[name], color=FAINT, linestyle=DOTTED, label="no value"
-                )
-                continue
-            ends = [p.interval.low, p.interval.high if math.isfinite(p.interval.high) else p.value]
-            if not math.isfinite(p.value):  # a lower limit
-                ends, value = [p.interval.low] * 2, p.interval.low
-                look, marker = "lower limit", "^" if beside else ">"
-            else:
-                value, marker = p.value, "o"
-                look = "usable" if verdict == USABLE else "doubtful"
-            colour = SLIP if look == "usable" else STICK
-            error = np.abs(np.array(ends) - value)[:, None]
-            error = np.where(np.isfinite(error), error, 0.0)
-            marks: dict[str, Any] = {"fmt": marker, "color": colour, "capsize": 2.0, "label": look}
-            marks["fillstyle"] = "full" if look == "usable" else "none"
-            if beside:
-                axes.errorbar([at[name]], [value], yerr=error, **marks)
-            else:
-                axes.errorbar([value], [at[name]], xerr=error, **marks)
-        label = in_maths(symbol) + (f" ({unit_of(symbol)})" if unit_of(symbol) else "")
-        if beside:
-            axes.set_ylabel(label)
+            _interval(axes, at[name], of_sets.get(name), upright)
+        unit = f" ({unit_of(symbol)})" if unit_of(symbol) else ""
+        if upright:
+            axes.set_ylabel(f"{_in_italics(symbol)}{unit}")
             axes.margins(x=0.12)
+            axes.xaxis.set_major_locator(MaxNLocator(4))
             if dated:
-                days = sorted(set(at.values()))
-                shown = days[:: math.ceil(len(days) / 4)]
-                axes.set_xticks(shown, [date.fromordinal(int(day)).isoformat() for day in shown])
-                axes.tick_params(axis="x", rotation=20)
-            else:
-                axes.set_xlabel("at")
+                days = _apart([*at.values()])
+                axes.set_xticks(days, [date.fromordinal(int(day)).isoformat() for day in days])
+                axes.tick_params(axis="x", rotation=20.0)
         else:
-            axes.set_xlabel(label)
-            axes.set_ylim(-count + 0.4, 0.6)
-            heads = [cut(name, 26) for name in names] if not column else [""] * count
+            axes.set_xlabel(f"{_in_italics(symbol)}{unit}")
+            axes.xaxis.set_major_locator(MaxNLocator(3))
+            axes.set_ylim(0.6 - count, 0.6)
+            heads = [cut(name, 24) for name in names] if not column else [""] * count
             axes.set_yticks([at[name] for name in names], heads, parse_math=False)
-        axes.xaxis.set_major_locator(axes.xaxis.get_major_locator() if dated else MaxNLocator(4))
         panels.append((axes, axes))
-    return _explained(figure, panels)
+    return _explained(figure, panels, scale=1.0)
+
+
+def _interval(
+    axes: Axes, at: float, one: tuple[ParameterEstimate, str] | None, upright: bool
+) -> None:
+    """A value with its interval at a place; an arrow head for a lower limit, a dotted line for none."""
+    if one is None or not math.isfinite(one[0].interval.low):
+        line = axes.axvline if upright else axes.axhline
+        line(at, color=FAINT, linestyle=DOTTED, label="no value")
+        return
+    (p, verdict), marker, label = one, "o", "doubtful"
+    ends = np.array([p.interval.low, p.interval.high])
+    if not np.isfinite(ends).all():
+        ends, marker, label = ends[[0, 0]], "^" if upright else ">", "lower limit"
+    elif verdict == USABLE:
+        label = USABLE
+    usable, value = label == USABLE, p.value if marker == "o" else p.interval.low
+    look: dict[str, Any] = {"fmt": marker, "color": SLIP if usable else STICK, "capsize": 2.0}
+    look |= {"fillstyle": "full" if usable else "none", "label": label}
+    error = np.abs(ends - value)[:, None]
+    if upright:
+        axes.errorbar([at], [value], yerr=error, **look)
+    else:
+        axes.errorbar([value], [at], xerr=error, **look)
+
+
+def _apart(days: Sequence[float]) -> list[float]:
+    """Days far enough from each other for their dates to be read, from the first on."""
+    shown: list[float] = []
+    for day in sorted(days):
+        if not shown or day - shown[-1] > 0.3 * (max(days) - min(days)):
+            shown.append(day)
+    return shown
+
+
+def _in_italics(symbol: str) -> str:
+    return in_maths(symbol) if "_" in symbol else f"${symbol}$"
 
 
 def _thinned(size: int) -> slice:
@@ -345,14 +358,19 @@ def _residual(axes: Axes, along: Array, left: Array) -> None:
     axes.yaxis.set_major_locator(MaxNLocator(3, integer=True, prune="upper"))
 
 
-def _explained(figure: Figure, panels: Sequence[tuple[Axes, Axes]]) -> Figure:
-    """The figure with a legend at its foot of all that its panels show."""
+def _explained(figure: Figure, panels: Sequence[tuple[Axes, Axes]], scale: float = 2.0) -> Figure:
+    """The figure with a legend at its foot of all that its panels show, marks so many times as large."""
     named = {
         label: handle
         for axes, _ in panels
         for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)
     }
-    handles = {"loc": "lower center", "ncols": len(named), "borderaxespad": 0.3, "markerscale": 2.0}
+    handles = {
+        "loc": "lower center",
+        "ncols": len(named),
+        "borderaxespad": 0.3,
+        "markerscale": scale,
+    }
     figure.legend([*named.values()], [*named], **handles)
     return figure
 

@@ -17,7 +17,16 @@ from .. import __version__
 from ..figures.dark import DARK, follows_the_screen
 from ..figures.style import COOL, GRID, INK, PAPER
 from ..law.terms import parted, term
-from ..project.wording import Remark, dotted, in_html, listed, number, percent, signed_percent, visible
+from ..project.wording import (
+    Remark,
+    dotted,
+    in_html,
+    listed,
+    number,
+    percent,
+    signed_percent,
+    visible,
+)
 from .answer import DOUBTFUL, NONE, USABLE, Answer, ParameterEstimate, unit_of
 from .outcome import Outcome
 from .remarks import in_a_sentence, limits
@@ -116,7 +125,10 @@ def paragraph(text: str, kind: str = "") -> str:
 
 
 def table(
-    heads: Sequence[str], rows: Iterable[Sequence[str]], caption: str = "", words: Sequence[int] = ()
+    heads: Sequence[str],
+    rows: Iterable[Sequence[str]],
+    caption: str = "",
+    words: Sequence[int] = (),
 ) -> str:
     """A table; cells are HTML.   words : numbers of the columns, after the first, that are text."""
 
@@ -289,13 +301,27 @@ def _levels(damping: Mapping[str, Any]) -> Iterator[str]:
         return
     yield "<h2>Damping of each level</h2>"
     ratio = damping["damping_ratio"]
-    zeta = "" if ratio is None else f"The damping ratio of c alone is ζ = c/(2√(km)) = {percent(ratio)}. "
+    zeta = (
+        ""
+        if ratio is None
+        else f"The damping ratio of c alone is ζ = c/(2√(km)) = {percent(ratio)}. "
+    )
     said = paragraph(
         f"{zeta}Friction takes less of a large motion than of a small one, so the numbers below belong to the amplitude "
         "they stand next to: use them to compare with other rigs, or in a linear model at that amplitude. W is the "
         "energy lost in a cycle, c_eq = W/(πωX²), ζ_eq = c_eq/(2√(km)), η = W/(πkX²) and Q = 1/η, with k of the spring."
     )
-    heads = ["level", "X (mm)", "f (Hz)", "W (mJ)", "of it friction", "c_eq (N s/m)", "ζ_eq", "η", "Q"]
+    heads = [
+        "level",
+        "X (mm)",
+        "f (Hz)",
+        "W (mJ)",
+        "of it friction",
+        "c_eq (N s/m)",
+        "ζ_eq",
+        "η",
+        "Q",
+    ]
     lines = table(
         heads,
         (
