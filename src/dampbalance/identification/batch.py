@@ -1,4 +1,4 @@
-"""Several sets of records, identified one by one: their estimates in one table, on one page, and what became of each."""
+"""Several sets of records, identified one by one: their estimates in one table and on one page, with every failure."""
 
 from __future__ import annotations
 

@@ -27,7 +27,7 @@ from ..reading.ringdown_bursts import NoDecay, Signal, noise_of
 from ..reading.ringdown_fit import COMMON, RingFit, fit_decays, with_noise_of
 from ..reading.ringdown_laws import Departure, departures
 from ..reading.ringdown_minima import minima_of, with_intervals
-from ..reading.ringdown_rows import RingRows, A, W, at_rest, rows_of
+from ..reading.ringdown_rows import A, RingRows, W, at_rest, rows_of
 from ..reading.ringdown_search import fit_all, separate_fits
 from ..records.measurement import EXCITATIONS, RESPONSES, Channel, Measurement
 from ..solver import NORMAL_95, solve

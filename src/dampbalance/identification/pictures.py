@@ -33,7 +33,7 @@ from ..project.wording import cut
 from ..reading.mean_harmonics import Reading
 from ..reading.ringdown_fit import COMMON, RingFit
 from ..reading.waveforms import WaveformFit
-from .answer import SHAPE, USABLE, Answer, ParameterEstimate, unit_of
+from .answer import DOUBTFUL, SHAPE, UNKNOWN, USABLE, Answer, ParameterEstimate, unit_of
 from .loading import Loaded
 from .microstick import Microstick
 
@@ -50,6 +50,7 @@ _MOST_DECAYS = 24  # panels
 _BOTTOM, _TOP = 18.0, 7.0  # mm
 _HIGHER = {1: 1.6, 2: 1.3, 3: 1.0}  # panels abreast → how much higher each is
 _FINE = 2880  # points of a cycle: its corners are between two of them
+_MOST_PLACES = 16  # of sets that are named along an axis
 _AT_REST = 1.5  # periods of rest that are shown after the motion
 _DOTS: dict[str, Any] = {"color": FAINT, "markersize": 1.0, "rasterized": True}
 
@@ -267,82 +268,43 @@ def sets(
     places: Mapping[str, float],
     dated: bool,
 ) -> Figure:
-    """The numbers of several sets of records side by side, a panel per number: value and interval of 95 %, filled where
-    it is usable; a dotted line where a set was not identified.
+    """The numbers of several sets of records side by side, a panel per number: values with intervals of 95 %, rings
+    where they are doubtful, an arrow head for a lower limit, a dotted line where a set has no value.
 
-    names : of all sets.   estimates : symbol → set → (number, verdict), of those that were identified.   places : of
-    the sets on an axis of loads or dates; empty where they stand one below the other by name.   dated : whether places
-    are days.
+    names : of all sets.   estimates : symbol → set → (number, verdict).   places : of the sets along the axis, loads or
+    dates; empty where they stand there by name.   dated : whether places are days.
     """
-    count, upright = len(names), bool(places)
-    at = places or {name: float(-i) for i, name in enumerate(names)}
-    left = 17.0 if upright else min(40.0, 5.0 + 1.6 * max(map(len, names)))
-    right, tall = (4.0, 45.0) if upright else (7.0, 6.0 + 6.0 * count)
-    across, pitch = min(3, len(estimates)), tall + 16.0
-    wide = (DOUBLE_COLUMN - left) / across
-    rows = math.ceil(len(estimates) / across)
-    figure = page(DOUBLE_COLUMN, rows * pitch + 18.0)
-    panels = []
-    for n, (symbol, of_sets) in enumerate(estimates.items()):
-        row, column = divmod(n, across)
-        bottom, width = 28.0 + (rows - 1 - row) * pitch, wide - right - 13.0 * upright
-        axes = place(figure, left + wide * column, bottom, width, tall)
+    at = places or {name: float(i) for i, name in enumerate(names)}
+    height = 26.0 + 34.0 * len(estimates)
+    figure, panels = page(DOUBLE_COLUMN, height + 3.0), []
+    for n, (symbol, of_sets) in enumerate(estimates.items(), 1):
+        axes = place(figure, 22.0, height - 34.0 * n, 154.0, 32.0)
         for name in names:
-            _interval(axes, at[name], of_sets.get(name), upright)
+            p, verdict = of_sets.get(name, (UNKNOWN, ""))
+            ends, value = np.array(p.interval), p.value
+            if not math.isfinite(ends[0]):
+                axes.axvline(at[name], color=FAINT, linestyle=DOTTED, label="no value")
+                continue
+            label, fill = (verdict, "full") if verdict == USABLE else (DOUBTFUL, "none")
+            marker, colour = "o", SLIP if verdict == USABLE else STICK
+            if not np.isfinite([value, ends[1]]).all():
+                label, marker, value, ends = "lower limit", "^", ends[0], ends[[0, 0]]
+            look: dict[str, Any] = {"fmt": marker, "color": colour, "fillstyle": fill}
+            error = np.abs(ends - value)[:, None]
+            axes.errorbar([at[name]], [value], yerr=error, capsize=2.0, label=label, **look)
         unit = f" ({unit_of(symbol)})" if unit_of(symbol) else ""
-        if upright:
-            axes.set_ylabel(f"{_in_italics(symbol)}{unit}")
-            axes.margins(x=0.12)
-            axes.xaxis.set_major_locator(MaxNLocator(4))
-            if dated:
-                days = _apart([*at.values()])
-                axes.set_xticks(days, [date.fromordinal(int(day)).isoformat() for day in days])
-                axes.tick_params(axis="x", rotation=20.0)
-        else:
-            axes.set_xlabel(f"{_in_italics(symbol)}{unit}")
-            axes.xaxis.set_major_locator(MaxNLocator(3))
-            axes.set_ylim(0.6 - count, 0.6)
-            heads = [cut(name, 24) for name in names] if not column else [""] * count
-            axes.set_yticks([at[name] for name in names], heads, parse_math=False)
+        axes.set_ylabel((in_maths(symbol) if "_" in symbol else f"${symbol}$") + unit)
+        axes.margins(x=0.08, y=0.12)
+        axes.tick_params(labelbottom=n == len(estimates))
+        if not places or dated:
+            shown = sorted({*at.values()})[:: math.ceil(len(at) / _MOST_PLACES)]
+            of = {place: cut(name, 18) for name, place in at.items()}
+            words = [date.fromordinal(int(p)).isoformat() if dated else of[p] for p in shown]
+            axes.set_xticks(shown, words, rotation=25.0, ha="right", parse_math=False)
+        elif n == len(estimates):
+            axes.set_xlabel("at")
         panels.append((axes, axes))
     return _explained(figure, panels, scale=1.0)
-
-
-def _interval(
-    axes: Axes, at: float, one: tuple[ParameterEstimate, str] | None, upright: bool
-) -> None:
-    """A value with its interval at a place; an arrow head for a lower limit, a dotted line for none."""
-    if one is None or not math.isfinite(one[0].interval.low):
-        line = axes.axvline if upright else axes.axhline
-        line(at, color=FAINT, linestyle=DOTTED, label="no value")
-        return
-    (p, verdict), marker, label = one, "o", "doubtful"
-    ends = np.array([p.interval.low, p.interval.high])
-    if not np.isfinite(ends).all():
-        ends, marker, label = ends[[0, 0]], "^" if upright else ">", "lower limit"
-    elif verdict == USABLE:
-        label = USABLE
-    usable, value = label == USABLE, p.value if marker == "o" else p.interval.low
-    look: dict[str, Any] = {"fmt": marker, "color": SLIP if usable else STICK, "capsize": 2.0}
-    look |= {"fillstyle": "full" if usable else "none", "label": label}
-    error = np.abs(ends - value)[:, None]
-    if upright:
-        axes.errorbar([at], [value], yerr=error, **look)
-    else:
-        axes.errorbar([value], [at], xerr=error, **look)
-
-
-def _apart(days: Sequence[float]) -> list[float]:
-    """Days far enough from each other for their dates to be read, from the first on."""
-    shown: list[float] = []
-    for day in sorted(days):
-        if not shown or day - shown[-1] > 0.3 * (max(days) - min(days)):
-            shown.append(day)
-    return shown
-
-
-def _in_italics(symbol: str) -> str:
-    return in_maths(symbol) if "_" in symbol else f"${symbol}$"
 
 
 def _thinned(size: int) -> slice:
@@ -365,13 +327,8 @@ def _explained(figure: Figure, panels: Sequence[tuple[Axes, Axes]], scale: float
         for axes, _ in panels
         for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)
     }
-    handles = {
-        "loc": "lower center",
-        "ncols": len(named),
-        "borderaxespad": 0.3,
-        "markerscale": scale,
-    }
-    figure.legend([*named.values()], [*named], **handles)
+    look: dict[str, Any] = {"loc": "lower center", "borderaxespad": 0.3, "markerscale": scale}
+    figure.legend([*named.values()], [*named], ncols=len(named), **look)
     return figure
 
 

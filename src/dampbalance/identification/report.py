@@ -56,14 +56,6 @@ _CAPTIONS = {
 }
 """What each picture shows, in the order of the report."""
 _CONTACT = "contact stiffness"
-_CHECKS = {
-    "drive_gain_1_percent": ("the calibration of the drive", "1 %"),
-    "response_gain_1_percent": ("the calibration of the response", "1 %"),
-    "response_phase_1_degree": ("the phase between drive and response", "1°"),
-    "response_late_100_us": ("the delay between drive and response", "100 µs"),
-    "stiffness_1_percent": ("the stiffness", "1 %"),
-}
-"""Fault → what to check against it, and its size."""
 
 
 def report(outcome: Outcome, document: Mapping[str, Any], drawings: Mapping[str, str]) -> str:
@@ -86,8 +78,8 @@ def report(outcome: Outcome, document: Mapping[str, Any], drawings: Mapping[str,
         *_sensitivities(document),
         "<h2>Other ways of evaluation</h2>",
         paragraph(
-            "The first line is the answer, and the others check it from the same records: “maximum likelihood” fits one "
-            "oscillator to all of them, every other way balances the energy of a cycle. A star marks one with a note."
+            "The first line is the answer, and the others check it from the same records: “maximum likelihood” fits "
+            "one oscillator to all of them, every other way balances the energy of a cycle. A star marks a note."
         ),
         f'<div class="wide">{answers_table(outcome.answers)}</div>',
         _items(_limits(outcome, answer.name, of_others=True)),
@@ -276,19 +268,14 @@ def _limits(outcome: Outcome, name: str, of_others: bool = False) -> list[str]:
 def _next(outcome: Outcome, document: Mapping[str, Any], answer: Answer) -> list[str]:
     """What helps most: the fault that the numbers feel most, against what their intervals allow, and the rest of what
     the records cannot test."""
-    worst: tuple[float, str] = (0.0, "")
-    for name, effect in document["sensitivities"].items():
+    felt = [("", 1.0)]
+    for effect in document["sensitivities"].values():
         for symbol, p in answer.parameters.items():
-            change = abs(effect.get(f"{symbol}_percent") or 0.0) / 100.0
-            half = _half(p)
-            if math.isfinite(half) and half > 0.0 and change / half > max(worst[0], 1.0):
-                what, size = _CHECKS[name]
-                worst = (
-                    change / half,
-                    f"check {what} first: an error of {size} moves {symbol} by {percent(change)}, and its interval "
-                    f"shows {percent(half)} only",
-                )
-    return [*filter(None, [worst[1]]), *outcome.rig]
+            change, half = abs(effect.get(f"{symbol}_percent") or 0.0) / 100.0, _half(p)
+            if half > 0.0 and math.isfinite(half):
+                words = f"{effect['fault']}, {symbol} is off by {percent(change)}, and its interval"
+                felt.append((f"check first: if {words} shows {_part(p)} only", change / half))
+    return [*filter(None, [max(felt, key=lambda one: one[1])[0]]), *outcome.rig]
 
 
 # --- what follows from it -------------------------------------------------------------------------
@@ -307,9 +294,9 @@ def _levels(damping: Mapping[str, Any]) -> Iterator[str]:
         else f"The damping ratio of c alone is ζ = c/(2√(km)) = {percent(ratio)}. "
     )
     said = paragraph(
-        f"{zeta}Friction takes less of a large motion than of a small one, so the numbers below belong to the amplitude "
-        "they stand next to: use them to compare with other rigs, or in a linear model at that amplitude. W is the "
-        "energy lost in a cycle, c_eq = W/(πωX²), ζ_eq = c_eq/(2√(km)), η = W/(πkX²) and Q = 1/η, with k of the spring."
+        f"{zeta}Friction takes less of a large motion than of a small one, so the numbers below belong to the "
+        "amplitude next to them: use them to compare with other rigs, or in a linear model at that amplitude. W is the "
+        "energy lost in a cycle, c_eq = W/(πωX²), ζ_eq = c_eq/(2√(km)), η = W/(πkX²) and Q = 1/η; k is the spring’s."
     )
     heads = [
         "level",
