@@ -232,7 +232,8 @@ def _page(
         "Friction and damping of several sets of records",
         [
             report.paragraph(f"{lead}.", f"lead {kind}"),
-            report.table(heads, linked, "The answer to use of each set, with 95 % intervals."),
+            report.paragraph("The answer to use of each set, with its 95 % intervals:"),
+            report.table(heads, linked, "answers of all sets"),
             *report.bulleted(
                 "Not identified", [f"the set {n}: {error}" for n, error in failed.items()]
             ),

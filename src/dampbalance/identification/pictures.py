@@ -16,6 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from ..arrays import Array
+from ..figures.cycle import branches, whole
 from ..figures.looks import in_maths, label_of, look_of
 from ..figures.style import (
     DASHED,
@@ -131,7 +132,7 @@ def friction(
         axes.plot(x, np.append(left, left[0]), color=SLIP, label="from the record")
         if fit is not None:
             orbit = fit.responses[i].orbit
-            state = orbit.state(np.linspace(0.0, orbit.motion.period, _FINE))
+            state = whole(branches(orbit))
             look: dict[str, Any] = {"color": STICK, "linestyle": DASHED}
             K_z, F_k = orbit.oscillator.K_z, orbit.oscillator.F_k
             axes.plot(1e3 * state.x, K_z * state.z, label="fitted oscillator", **look)
@@ -153,8 +154,8 @@ def loops(loaded: Sequence[Loaded], readings: Sequence[Reading], shared: Microst
     for reading, (axes, _) in zip(readings, panels, strict=True):
         cycle = reading.averaged_cycle()
         x, acceleration = 1e3 * cycle["x"], cycle["acceleration"]
-        whole = np.append(x, x[0]), np.append(acceleration, acceleration[0])
-        axes.plot(*whole, color=SLIP, label="averaged cycle")
+        closed = np.append(x, x[0]), np.append(acceleration, acceleration[0])
+        axes.plot(*closed, color=SLIP, label="averaged cycle")
         waveform = reading.waveform
         if shared.resolved and waveform is not None:
             osc, X = waveform.response.orbit.oscillator, 1e3 * waveform.response.X

@@ -65,7 +65,11 @@ def report(outcome: Outcome, document: Mapping[str, Any], drawings: Mapping[str,
     """
     answer = next(iter(outcome.answers.values()))
     count = len(outcome.sources)
-    names = listed([visible(name) for name in outcome.sources]) if count < 4 else f"{count} records"
+    names = (
+        listed([visible(PurePath(name).name) for name in outcome.sources])
+        if count < 4
+        else f"{count} records"
+    )
     shown = [name for name in _CAPTIONS if name in drawings]
     parts = [
         verdict(answer, outcome.warnings),
@@ -73,6 +77,7 @@ def report(outcome: Outcome, document: Mapping[str, Any], drawings: Mapping[str,
         _numbers(answer),
         *(bulleted("What limits the answer", _limits(outcome, answer.name))),
         *(bulleted("What to check and do next", _next(outcome, document, answer))),
+        "<h2>What the records show</h2>",
         *(figure(drawings[name], _CAPTIONS[name], outcome.pictures[name].words) for name in shown),
         *_levels(document["damping"]),
         *_sensitivities(document),
@@ -81,7 +86,7 @@ def report(outcome: Outcome, document: Mapping[str, Any], drawings: Mapping[str,
             "The first line is the answer, and the others check it from the same records: “maximum likelihood” fits "
             "one oscillator to all of them, every other way balances the energy of a cycle. A star marks a note."
         ),
-        f'<div class="wide">{answers_table(outcome.answers)}</div>',
+        wide(answers_table(outcome.answers), "answers"),
         _items(_limits(outcome, answer.name, of_others=True)),
         *_laws(outcome),
         *_origin(document),
@@ -117,12 +122,9 @@ def paragraph(text: str, kind: str = "") -> str:
 
 
 def table(
-    heads: Sequence[str],
-    rows: Iterable[Sequence[str]],
-    caption: str = "",
-    words: Sequence[int] = (),
+    heads: Sequence[str], rows: Iterable[Sequence[str]], label: str, words: Sequence[int] = ()
 ) -> str:
-    """A table; cells are HTML.   words : numbers of the columns, after the first, that are text."""
+    """A table; cells are HTML.   label : what it holds.   words : numbers of the columns, after the first, of text."""
 
     def kind(column: int) -> str:
         return "words" if column in words else "num"
@@ -137,15 +139,22 @@ def table(
         + "</tr>"
         for first, *cells in rows
     )
-    said = f"<caption>{in_html(caption)}</caption>" if caption else ""
-    return f'<div class="wide"><table>{said}<thead><tr>{top}</tr></thead>\n<tbody>\n{body}\n</tbody></table></div>'
+    return wide(f"<table><thead><tr>{top}</tr></thead>\n<tbody>\n{body}\n</tbody></table>", label)
+
+
+def wide(inner: str, label: str) -> str:
+    """What may be wider than the screen, and is then scrolled, also by keyboard.   label : what it holds."""
+    return (
+        f'<div class="wide" role="region" tabindex="0" aria-label="{escape(label)}">{inner}</div>'
+    )
 
 
 def figure(svg: str, caption: str, words: str) -> str:
     """A picture inside the page, which follows light and dark by itself.   words : for those who cannot see it."""
     data = base64.b64encode(follows_the_screen(svg).encode()).decode()
     picture = f'<img alt="{escape(words)}" src="data:image/svg+xml;base64,{data}">'
-    return f"<figure><figcaption>{in_html(caption)}</figcaption>{picture}</figure>"
+    shown = wide(picture, "picture")
+    return f"<figure><figcaption>{in_html(caption)}</figcaption>{shown}</figure>"
 
 
 def word(verdict: str) -> str:
@@ -239,7 +248,7 @@ def _numbers(answer: Answer) -> str:
             ]
         )
     heads = ["quantity", "value", "95 % interval", "half width", "verdict", "why"]
-    return table(heads, rows, words=[5])
+    return table(heads, rows, "the numbers", words=[5])
 
 
 def _words(symbol: str) -> str:
@@ -325,6 +334,7 @@ def _levels(damping: Mapping[str, Any]) -> Iterator[str]:
             ]
             for level in levels
         ),
+        "damping of each level",
     )
     yield f"{said}\n{lines}".replace("_eq", "<sub>eq</sub>")
 
@@ -352,7 +362,9 @@ def _sensitivities(document: Mapping[str, Any]) -> Iterator[str]:
         "By how much each number would be off if the fault were there and nobody knew; of another size, in proportion. "
         f"For: {document['sensitivities_of']}."
     )
-    yield table(["if", *(column.removesuffix("_percent") for column in columns)], rows)
+    yield table(
+        ["if", *(column.removesuffix("_percent") for column in columns)], rows, "effect of faults"
+    )
 
 
 def _change(change: float | None) -> str:
@@ -376,13 +388,13 @@ def _origin(document: Mapping[str, Any]) -> Iterator[str]:
         ]
         for record in document["records"]
     )
-    yield table(["record", "SHA-256", "mapping"], rows, words=[1, 2])
+    yield table(["record", "SHA-256", "mapping"], rows, "records", words=[1, 2])
     settings = (
         [f"<code>{escape(name)}</code>", escape(_shown(value))]
         for name, value in dotted(document["options"])
         if value not in (None, [], {})
     )
-    yield table(["setting", "value"], settings, words=[1])
+    yield table(["setting", "value"], settings, "settings", words=[1])
 
 
 def _shown(value: Any) -> str:
