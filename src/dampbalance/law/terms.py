@@ -25,6 +25,7 @@ import numpy as np
 
 from ..arguments import shown
 from ..arrays import Array, Complexes
+from ..model import named_with_unit
 
 Force = Callable[[Any, Any, Any, Any], Any]
 """h, or ∂h/∂ẋ, of (ẋ, ẏ, k, ω), numbers or arrays; m/s, m/s, N/m, rad/s."""
@@ -75,16 +76,6 @@ class Term:
     def integral_column(self) -> str:
         """Column of tables that holds the integral: a_m, b_m2_per_s."""
         return named_with_unit(self.integral, self.integral_unit)
-
-
-_EXPONENTS = str.maketrans("²³⁴⁵⁶", "23456")
-
-
-def named_with_unit(name: str, unit: str) -> str:
-    """A name for a column or key: what it holds, then its unit, as in c_N_s_per_m; no unit, no ending."""
-    name = name.replace("[", "_").replace("]", "").replace(" ", "_")
-    ending = unit.replace(" ", "_").replace("/", "_per_").translate(_EXPONENTS)
-    return f"{name}_{ending}" if ending else name
 
 
 KNOWN_TERMS: Mapping[str, Term] = MappingProxyType(

@@ -9,7 +9,8 @@ import pytest
 
 from dampbalance.balance import Rows
 from dampbalance.law.law import Law, law_of
-from dampbalance.law.terms import KNOWN_TERMS, in_order, named_with_unit, parted, term
+from dampbalance.law.terms import KNOWN_TERMS, in_order, parted, term
+from dampbalance.model import named_with_unit
 from dampbalance.solver import solve
 
 
