@@ -132,7 +132,7 @@ class Identified:
     ) -> Any:
         """Draw one of the pictures that `figures` names, the first by default, and return its axes.
 
-        ax : where to draw. By default on a new figure of pyplot, of which an array of axes is returned: a panel for each
+        ax : where to draw. By default on a new figure of pyplot, whose axes are returned as an array: a panel for each
         record or, for the balance, its rows and their residuals. Axes of yours take the first panel, and are returned;
         a sequence of axes takes as many panels as it has entries, and leaves out those for which it has None:
         `ax=[None, axes]` draws the residuals of the balance alone. Add a legend to axes of yours by `axes.legend()`.

@@ -72,7 +72,8 @@ class Orbits:
             named_with_unit(name, UNITS[name]): of.ravel()
             for name, of in (dict(self.given) | features).items()
         }
-        regime = pd.Categorical.from_codes(self.regime.ravel(), [str(one) for one in Regime])
+        words: Any = [str(one) for one in Regime]
+        regime = pd.Categorical.from_codes(self.regime.ravel(), words)
         return pd.DataFrame(columns | {"regime": regime})
 
     def plot(
@@ -119,10 +120,10 @@ class Orbits:
         lines = []
         for index in itertools.islice(np.ndindex(self.X.shape), _SHOWN):
             of = ", ".join(f"{n} = {self.given[n][index]:.4g} {UNITS[n]}" for n in self.varied)
-            values = f"{in_words(self, SHOWN_FIRST, index)}: {Regime(self.regime[index])}"
+            values = f"{in_words(self, SHOWN_FIRST, index)}: {Regime(int(self.regime[index]))}"
             lines.append(f"{of}:  {values}" if of else values)
         more = [f"… and {self.X.size - _SHOWN:,} more"] * (self.X.size > _SHOWN)
-        head = f"Orbits  {self.X.size:,} case{'s' * (self.X.size != 1)} of shape {self.X.shape}"
+        head = f"Orbits  shape {self.X.shape}"
         return "\n    ".join([head, *lines, *more])
 
     def _repr_html_(self) -> str:
@@ -184,10 +185,9 @@ def steady_orbits(
     with ThreadPoolExecutor(max_workers=cores or 1) as pool:
         for _ in pool.map(solve, range(0, size, _BLOCK)):
             pass
-    # the fields of `Orbits` are those of `Measures`, in their order, the regime and the arguments
-    return Orbits(
-        *(row.reshape(shape) for row in (*out, regime)), dict(zip(given, views, strict=True))
-    )
+    fields: dict[str, Any] = dict(zip((*Measures._fields, "regime"), (*out, regime), strict=True))
+    arrays_of = {name: row.reshape(shape) for name, row in fields.items()}
+    return Orbits(**arrays_of, given=dict(zip(given, views, strict=True)))
 
 
 def _common_shape(arrays: list[Array]) -> tuple[int, ...]:
