@@ -383,7 +383,7 @@ def unregister(name: str) -> None:
     registered = [
         known
         for known, own in ((KNOWN_TERMS, BUILT_IN), (APPROACHES, _BUILT_IN))
-        if name in known and name not in own
+        if text("name", name) in known and name not in own
     ]
     if not registered:
         raise ValueError(f"{shown(name)} is no term and no approach that was registered")

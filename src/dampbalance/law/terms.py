@@ -23,7 +23,7 @@ from typing import Any
 
 import numpy as np
 
-from ..arguments import flag, shown
+from ..arguments import flag, shown, text
 from ..arrays import Array, Complexes
 from ..model import named_with_unit
 
@@ -242,6 +242,15 @@ def register_term(
     >>> unregister("c_4")
     """
     require_free("symbol", symbol, KNOWN_TERMS, BUILT_IN, overwrite)
+    words, unit, integral, integral_unit = (
+        text(name, value)
+        for name, value in (
+            ("words", words),
+            ("unit", unit),
+            ("integral", integral),
+            ("integral_unit", integral_unit),
+        )
+    )
     v = np.array([[-2.0, -0.5, 0.25], [0.5, 1.0, 2.0]])
 
     def h(v: Array, w: Array | float = 0.0, k: float = 2310.0, omega: float = 31.0) -> Array:

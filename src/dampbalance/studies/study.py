@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pandas as pd
 
-from ..arguments import names, whole
+from ..arguments import names, shown, whole
 from ..model import UNITS, Oscillator, named_with_unit
 from ..records.errors import library
 from .axes import Listed
@@ -22,6 +22,7 @@ from .sizes import columns_of
 if TYPE_CHECKING:
     import xarray as xr
 
+_DEEPEST = 20  # as in a file
 _OF_NAMES = ("approaches", "phases", "sharing", "contact", "weights", "yardsticks", "fits")
 
 
@@ -164,17 +165,15 @@ def study(
     from ..project.documents import ConfigurationError, in_lines, read_schema
     from .checking import MOST_NUMBERS, SCHEMA, problems
 
-    given: dict[str, Any] = {
-        "base": base,
-        "levels_m": levels_m,
-        "levels_of_Y": levels_of_Y,
-        "route": route,
+    given = {
+        **{"axes": axes, "base": base, "levels_m": levels_m, "levels_of_Y": levels_of_Y},
+        **{"estimation": estimation, "route": route, "read_out": read_out, "columns": columns},
     }
-    given |= {"estimation": estimation, "read_out": read_out, "columns": columns}
-    document: dict[str, Any] = {"title": "study()", "axes": axes}
-    document |= {key: value for key, value in given.items() if value is not None}
-    document = _document(document)
-    if wrong := list(problems(document, _with_terms(read_schema(SCHEMA), follow_terms()), PAPER)):
+    stated = {key: value for key, value in given.items() if value is not None or key == "axes"}
+    document, schema = {"title": "study()", **_document(stated)}, read_schema(SCHEMA)
+    if registered := follow_terms():
+        schema = _with_terms(schema, registered)
+    if wrong := list(problems(document, schema, PAPER)):
         if isinstance(axes, Mapping):  # whose blocks have no number
             wrong = [(key[:1] + key[2:] if key[0] == "axes" else key, text) for key, text in wrong]
         raise ConfigurationError(in_lines(wrong, {"study()": document}))
@@ -190,12 +189,10 @@ def study(
 
 def _with_terms(schema: Any, registered: Sequence[str]) -> Any:
     """The schema with the coefficients of registered terms as parameters, wherever it has that of a known one."""
-    if not registered or not isinstance(schema, dict):
-        return (
-            [_with_terms(of, registered) for of in schema]
-            if registered and isinstance(schema, list)
-            else schema
-        )
+    if isinstance(schema, list):
+        return [_with_terms(of, registered) for of in schema]
+    if not isinstance(schema, dict):
+        return schema
     copy = {key: _with_terms(of, registered) for key, of in schema.items()}
     return copy | dict.fromkeys(registered, copy["eta"]) if "eta" in copy else copy
 
@@ -205,40 +202,37 @@ def _document(given: Mapping[str, Any]) -> dict[str, Any]:
     document: dict[str, Any] = _plain(given)
     axes = document["axes"]
     if isinstance(axes, dict):
-        axes = [{"sample": of} if name == "sample" else {name: of} for name, of in axes.items()]
-    document["axes"] = (
-        axes
-        if not isinstance(axes, list)
-        else [
-            {name: {"values": of} if isinstance(of, list) else of for name, of in block.items()}
-            if isinstance(block, dict)
-            else block
-            for block in axes
-        ]
-    )
+        axes = [{name: of} for name, of in axes.items()]
+    for block in axes if isinstance(axes, list) else ():
+        if isinstance(block, dict):
+            block |= {name: {"values": of} for name, of in block.items() if isinstance(of, list)}
+    document["axes"] = axes
     if isinstance(document.get("route"), str):
         document["route"] = {"kind": document["route"]}
-    places = [(document, "columns"), *((document.get("estimation"), key) for key in _OF_NAMES)]
-    for section, key in places:
+    estimation = document.get("estimation")
+    for section, key in ((document, "columns"), *((estimation, key) for key in _OF_NAMES)):
         if isinstance(section, dict) and isinstance(section.get(key), str):
             section[key] = list(names(key, section[key]))
-    if isinstance(of := document.get("estimation"), dict) and "terms" in of:
-        terms = [of["terms"]] if isinstance(of["terms"], str) else of["terms"]
-        of["terms"] = [list(names("terms", one)) if isinstance(one, str) else one for one in terms]
+    if isinstance(estimation, dict) and isinstance(terms := estimation.get("terms"), str | list):
+        laws = [terms] if isinstance(terms, str) else terms
+        estimation["terms"] = [list(names("terms", x)) if isinstance(x, str) else x for x in laws]
     return document
 
 
-def _plain(value: Any) -> Any:
-    """A value as a YAML file would hold it."""
+def _plain(value: Any, depth: int = 0) -> Any:
+    """A value as a YAML file would hold it; what none can hold is text, which the schema refuses."""
+    if depth > _DEEPEST:
+        raise ValueError(f"study(): more than {_DEEPEST} lists and mappings inside each other")
     if isinstance(value, Oscillator):
-        return {
-            named_with_unit(name, UNITS[name]): number for name, number in asdict(value).items()
-        }
-    if hasattr(value, "tolist"):
-        return value.tolist()
+        numbers = asdict(value).items()
+        return {named_with_unit(name, UNITS[name]): number for name, number in numbers}
+    if hasattr(value, "tolist") and not isinstance(value, type):
+        return _plain(value.tolist(), depth + 1)
     if isinstance(value, Mapping):
-        return {str(key): _plain(of) for key, of in value.items()}
-    return [_plain(of) for of in value] if isinstance(value, list | tuple | range) else value
+        return {str(key): _plain(of, depth + 1) for key, of in value.items()}
+    if isinstance(value, list | tuple | range):
+        return [_plain(of, depth + 1) for of in value]
+    return value if isinstance(value, str | int | float | None) else shown(value)
 
 
 def _installed(package: str, otherwise: str) -> Any:
