@@ -11,7 +11,7 @@ from folders import ROOT
 
 SCHEMAS = {
     "config": "workflow/schemas/config.schema.yaml",
-    "study": "workflow/schemas/study.schema.yaml",
+    "study": "src/dampbalance/studies/study.schema.yaml",
     "mapping": "src/dampbalance/records/mapping.schema.yaml",
     "codecheck": "workflow/schemas/codecheck.schema.yaml",
 }

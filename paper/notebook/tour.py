@@ -506,7 +506,7 @@ measured
 # `identify(["level1.csv", "level2.csv"], stiffness=2310)`. Here are the rows, and what they leave:
 
 # %% alt="Rows of the balance on a straight line of slope F_k; what each leaves, over its standard deviation."
-measured.plot("balance")
+axes = measured.plot("balance")
 
 # %% [markdown]
 # ## Exercises

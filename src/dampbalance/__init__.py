@@ -8,9 +8,12 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from .balance import Rows, register_approach, unregister
+    from .features import Features
     from .identification.answer import Answer, Interval, ParameterEstimate, Verdict
     from .identification.identified import Identified
     from .identification.measured import identify
+    from .law.terms import Term, register_term
     from .model import BaseMotion, Oscillator
     from .motion.orbit import NoSteadyOrbit, Orbit, steady_orbit
     from .motion.orbits import Orbits, steady_orbits
@@ -21,6 +24,7 @@ if TYPE_CHECKING:
     from .records.measured import MeasuredRecord, read_records
     from .records.measurement import Channel, Measurement
     from .records.synthetic import measured_orbit, measured_ring_down
+    from .studies.study import StudyResult, study
 
 __version__ = "0.1.0"
 
@@ -28,6 +32,7 @@ __all__ = [
     "Answer",
     "BaseMotion",
     "Channel",
+    "Features",
     "Identified",
     "Interval",
     "MeasuredRecord",
@@ -39,23 +44,33 @@ __all__ = [
     "ParameterEstimate",
     "RecordError",
     "Regime",
+    "Rows",
     "State",
+    "StudyResult",
+    "Term",
     "Trajectory",
     "Verdict",
     "identify",
     "measured_orbit",
     "measured_ring_down",
     "read_records",
+    "register_approach",
+    "register_term",
     "steady_orbit",
     "steady_orbits",
+    "study",
     "transient",
+    "unregister",
 ]
 
 # Loaded when they are asked for: the command line starts without NumPy.
 _MODULES = {
+    "balance": ("Rows", "register_approach", "unregister"),
+    "features": ("Features",),
     "identification.answer": ("Answer", "Interval", "ParameterEstimate", "Verdict"),
     "identification.identified": ("Identified",),
     "identification.measured": ("identify",),
+    "law.terms": ("Term", "register_term"),
     "model": ("BaseMotion", "Oscillator"),
     "motion.orbit": ("NoSteadyOrbit", "Orbit", "steady_orbit"),
     "motion.orbits": ("Orbits", "steady_orbits"),
@@ -66,6 +81,7 @@ _MODULES = {
     "records.measured": ("MeasuredRecord", "read_records"),
     "records.measurement": ("Channel", "Measurement"),
     "records.synthetic": ("measured_orbit", "measured_ring_down"),
+    "studies.study": ("StudyResult", "study"),
 }
 
 
@@ -79,4 +95,4 @@ def __getattr__(name: str) -> object:
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__})
+    return sorted(["__version__", *__all__])

@@ -25,9 +25,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .arguments import flag, names, shown, text
 from .arrays import Array, Mask
 from .law.law import Law
-from .law.terms import KNOWN_TERMS, Term, of_group
+from .law.terms import BUILT_IN, KNOWN_TERMS, Term, in_order, of_group, require_free
 
 if TYPE_CHECKING:
     from .features import Features
@@ -226,7 +227,7 @@ class Approach:
     integral: Callable[[Features, ArrayLike, str], Array] | None = None
 
     def __call__(
-        self, features: Features, k: ArrayLike, terms: Sequence[str] | None = None
+        self, features: Features, k: ArrayLike, terms: Sequence[str] | str | None = None
     ) -> Rows:
         """The rows that this approach obtains from `features`, with the stiffness k, N/m.
 
@@ -242,7 +243,7 @@ class Approach:
             else unknown
             if self.integral is None
             else self.integral(features, k, symbol)
-            for symbol in terms
+            for symbol in names("terms", terms)
         }
         return replace(rows, terms=columns)
 
@@ -278,7 +279,116 @@ APPROACHES: dict[str, Approach] = {
     "V_s": Approach(slip_velocity, "V_s", integral=_of_harmonic_motion),
     "fourier": Approach(fourier, "Fourier", takes_phase=False, integral=_of_three_harmonics),
 }
-"""Every approach by the name that configurations and tables know it by: to add one is a function and an entry here."""
+"""Every approach by the name that configurations and tables know it by: to add one is a function and an entry here, or,
+for a session, a call of `register_approach`."""
+
+_BUILT_IN = frozenset(APPROACHES)
+_TAKEN = ("simpson", "fit", "maximum likelihood")  # what approaches are compared with
+
+
+def register_approach(
+    name: str,
+    rows: Callable[[Features, ArrayLike], Rows],
+    *,
+    label: str = "",
+    terms: Sequence[str] | str = tuple(TERMS),
+    takes_phase: bool = False,
+    overwrite: bool = False,
+) -> Approach:
+    """Make a way to obtain the rows of the balance known to this session, without a change of the package: an entry of
+    `APPROACHES`.
+
+    Use it to try an approach of your own next to those of the paper: `identify` and `study` then take it by its name,
+    and all that have no list of approaches include it. It is judged like the others: its rows are solved, compared with
+    the fit of maximum likelihood, tabulated and drawn. It is asked for the terms that it has; of a law with others it
+    gives no estimate. It lasts as long as the session.
+
+    name : a name of letters, digits and "_".
+    rows : function of `features.Features` and the stiffness k, N/m, that returns `Rows`. It must work element by
+    element on features of any shape, (levels,) or (levels, cases), and give NaN where a feature does not exist.
+    label : what figures and tables call it; default, its name.
+    terms : symbols of the coefficients that its rows are for, in their order.
+    takes_phase : whether the rows use `features.phi`; studies then try each definition of the phase.
+    overwrite : whether to replace a registered approach of that name, as when a cell is run again.
+
+    Raises ValueError for a name that is taken, a function that fails, and rows without these terms or of another shape.
+
+    >>> import numpy as np
+    >>> from dampbalance import Rows, register_approach, study, unregister
+    >>> def rectangular(features, k):
+    ...     \"\"\"Friction travel of a rigid contact, 4X; work and viscous integral of the fundamental.\"\"\"
+    ...     b = np.pi * features.omega * features.X_1**2
+    ...     W = np.pi * k * features.Y * features.X_1 * np.sin(features.phi_fundamental)
+    ...     return Rows({"F_k": 4.0 * features.X, "c": b}, W)
+    >>> approach = register_approach("rectangular", rectangular, label="4X")
+    >>> studied = study({"frequency_hz": [3.5, 4.92]}, estimation={"approaches": "rectangular"})
+    >>> errors = studied.to_frame().filter(like="F_k_relative_error")
+    >>> [f"{100 * error:.1f} %" for error in errors.iloc[:, 0]]
+    ['0.9 %', '0.2 %']
+    >>> unregister("rectangular")
+    """
+    require_free("name", name, APPROACHES, (*_BUILT_IN, *_TAKEN), overwrite)
+    symbols = in_order(names("terms", terms))
+    approach = Approach(
+        rows, text("label", label) or name, flag("takes_phase", takes_phase), symbols
+    )
+    trial = _trial()
+    for features in (trial[:, 0], trial):
+        shape = features.X.shape
+        try:
+            made = rows(features, np.full(shape[1:], 2310.0))
+        except Exception as error:
+            raise ValueError(
+                f"the approach {name} failed for features of shape {shape}: {type(error).__name__}: {error}; it is a "
+                "function of features and k that works element by element"
+            ) from error
+        if not isinstance(made, Rows):
+            raise ValueError(f"the approach {name} must return Rows, got {shown(made)}")
+        if set(made.terms) != set(symbols):
+            raise ValueError(
+                f"the rows of the approach {name} must have the terms {', '.join(symbols)}, got "
+                f"{', '.join(made.terms) or 'none'}: state others by terms="
+            )
+        for what, array in {**made.terms, "W": made.W}.items():
+            if np.shape(array) != shape:
+                raise ValueError(
+                    f"{what} of the approach {name} must have the shape of its features, {shape}, got "
+                    f"{np.shape(array)}: combine arrays element by element"
+                )
+    APPROACHES[name] = approach
+    return approach
+
+
+def _trial() -> Features:
+    """Features of three levels in two cases."""
+    from .features import of_orbits
+    from .motion.jit import interpreted
+    from .motion.orbits import steady_orbits
+
+    Y, omega = np.array([[0.004], [0.008], [0.012]]), np.array([22.0, 31.0])
+    with interpreted():
+        orbits = steady_orbits(m=2.42, c=90.0, k=2310.0, K_z=208000.0, F_k=1.28, Y=Y, omega=omega)
+    return of_orbits(orbits, Y, omega)
+
+
+def unregister(name: str) -> None:
+    """Forget the term or the approach that `register_term` or `register_approach` made known under a name.
+
+    Raises ValueError for a name that is not registered, or is one of the package.
+
+    >>> from dampbalance import register_term, unregister
+    >>> term = register_term("c_5", lambda v, w, k, omega: v**5)
+    >>> unregister("c_5")
+    """
+    registered = [
+        known
+        for known, own in ((KNOWN_TERMS, BUILT_IN), (APPROACHES, _BUILT_IN))
+        if text("name", name) in known and name not in own
+    ]
+    if not registered:
+        raise ValueError(f"{shown(name)} is no term and no approach that was registered")
+    for known in registered:
+        del known[name]
 
 
 def takes_phase(name: str) -> bool:

@@ -17,6 +17,8 @@ Symbols used throughout the package, with their units:
     F_k  N        friction force in slip         V_s  m/s    velocity at forward slip onset
     Z_m  m        largest contact deflection     t_s  s      duration from the reversal at −X to slip onset
     φ (phi)  rad  lag of x behind y              a  m, b  m²/s, W  J   terms of the energy balance a F_k + b c = W
+
+`UNITS` has them for programs; `named_with_unit` names columns of tables.
 """
 
 from __future__ import annotations
@@ -30,6 +32,24 @@ from numpy.typing import ArrayLike
 
 from .arguments import instance, number, numbers
 from .arrays import Array
+
+UNITS = {
+    **{"m": "kg", "c": "N s/m", "k": "N/m", "K_z": "N/m", "F_k": "N", "Y": "m", "omega": "rad/s"},
+    **{"X": "m", "X_s": "m", "V_s": "m/s", "t_s": "s", "phi": "rad", "phi_zero_crossing": "rad"},
+    **{"a": "m", "b": "m²/s", "W": "J", "X_1": "m", "phi_1": "rad", "X_3": "m", "phi_3": "rad"},
+    **{"X_5": "m", "phi_5": "rad", "t": "s", "x": "m", "v": "m/s", "acceleration": "m/s²"},
+    **{"z": "m", "y": "m"},
+}
+"""The unit of each symbol: an oscillator and its excitation, the features of its orbits, and its motion in time."""
+
+_EXPONENTS = str.maketrans("²³⁴⁵⁶⁷⁸⁹", "23456789", "^")
+
+
+def named_with_unit(name: str, unit: str) -> str:
+    """A name for a column or key: what it holds, then its unit, as in c_N_s_per_m; no unit, no ending."""
+    name = name.replace("[", "_").replace("]", "").replace(" ", "_")
+    ending = unit.replace(" ", "_").replace("/", "_per_").translate(_EXPONENTS)
+    return f"{name}_{ending}" if ending else name
 
 
 @dataclass(frozen=True, slots=True)

@@ -212,7 +212,7 @@ def _numbers(project: Project, cases: list[str], files: list[str]) -> None:
         case=CONFIG,
         folder=RESULTS,
         studies=OF_ARTICLE,
-        schema="workflow/schemas/study.schema.yaml",
+        schema="src/dampbalance/studies/study.schema.yaml",
         base="config/config.yaml",
         packages=["dampbalance", "numpy", "typst"],
     )

@@ -99,7 +99,7 @@ def test_every_function_of_an_equation_is_documented(site):
     ("page", "schema"),
     [
         ("case", "workflow/schemas/config.schema.yaml"),
-        ("study", "workflow/schemas/study.schema.yaml"),
+        ("study", "src/dampbalance/studies/study.schema.yaml"),
         ("mapping", "src/dampbalance/records/mapping.schema.yaml"),
     ],
 )

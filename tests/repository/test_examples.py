@@ -32,6 +32,11 @@ def test_every_public_function_has_one(name):
     assert examples(name)
 
 
+def test_the_package_shows_its_public_names_and_no_other():
+    assert dir(dampbalance) == sorted(["__version__", *dampbalance.__all__])
+    assert all(hasattr(dampbalance, name) for name in dir(dampbalance))
+
+
 def test_a_wrong_example_would_be_seen():
     test = doctest.DocTestParser().get_doctest(">>> 1 + 1\n3\n", {}, "wrong", None, None)
     said: list[str] = []

@@ -9,8 +9,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from dampbalance.balance import APPROACHES, unregister
 from dampbalance.estimates import estimate_table
 from dampbalance.figures import figure3, save
+from dampbalance.law.terms import KNOWN_TERMS
 from dampbalance.replication.claim_verdicts import VERDICTS, counts
 from dampbalance.replication.claims.rules import Sources
 from dampbalance.replication.claims.table import claims_table
@@ -72,8 +74,8 @@ def examples() -> dict[str, str]:
     return {re.search(r"from dampbalance import (\w+)", code)[1]: code for code in pieces}
 
 
-def test_there_is_an_example_of_both_jobs():
-    assert set(examples()) == {"BaseMotion", "identify"}
+def test_there_is_an_example_of_each_job():
+    assert set(examples()) == {"BaseMotion", "Rows", "identify"}
 
 
 def test_the_example_of_records_runs(tmp_path, monkeypatch):
@@ -93,6 +95,17 @@ def test_the_example_runs():
     orbit, osc = names["orbit"], names["osc"]
     # A difference of numbers of some 0.08 J: a few units of rounding, 1e-17 J each.
     assert abs(orbit.a * osc.F_k + orbit.b * osc.c - orbit.W) < 1e-16
+
+
+def test_the_example_of_a_notebook_runs():
+    names: dict[str, object] = {}
+    try:
+        exec(examples()["Rows"], names)
+        assert "fourier__least_squares" in repr(names["studied"])
+        assert {"c_4", "mine"} <= {*KNOWN_TERMS, *APPROACHES}
+    finally:
+        for name in ("c_4", "mine"):
+            unregister(name)
 
 
 def test_every_file_it_links_to_is_there():

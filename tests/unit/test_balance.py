@@ -16,11 +16,13 @@ from dampbalance.balance import (
     Rows,
     direct,
     fourier,
+    register_approach,
     slip_displacement,
     slip_time,
     slip_velocity,
     slip_velocity_as_printed,
     takes_phase,
+    unregister,
     viscous_integral,
 )
 from dampbalance.features import of_numbers, of_orbit, stack
@@ -32,6 +34,53 @@ from paper_case import FREQUENCIES_HZ, PAPER, features_at
 
 K = PAPER.k
 HARMONIC = ("X_s", "t_s", "V_s")
+
+
+@pytest.mark.parametrize(
+    ("name", "rows", "message"),
+    [
+        ("direct", direct, "name 'direct' is one of the package: choose another"),
+        ("fit", direct, "name 'fit' is one of the package: choose another"),
+        (
+            "mine",
+            lambda features: direct(features, K),
+            r"failed for features of shape \(3,\): Type",
+        ),
+        ("mine", lambda features, k: features.a, "must return Rows, got array"),
+        (
+            "mine",
+            lambda f, k: Rows({"F_k": f.a}, f.W),
+            "must have the terms F_k, c, got F_k: state others by terms=",
+        ),
+        (
+            "mine",
+            lambda f, k: Rows({"F_k": f.a.mean(), "c": f.b}, f.W),
+            r"F_k of the approach mine must have the shape of its features, \(3,\), got \(\)",
+        ),
+        (
+            "mine",
+            lambda f, k: Rows({"F_k": f.a, "c": f.b}, f.W.ravel()),
+            r"W of the approach mine must have the shape of its features, \(3, 2\), got \(6,\)",
+        ),
+    ],
+)
+def test_rows_that_are_no_approach_are_refused(name, rows, message):
+    with pytest.raises(ValueError, match=message):
+        register_approach(name, rows)
+    assert "mine" not in APPROACHES
+
+
+def test_a_registered_approach_is_one_until_it_is_forgotten():
+    mine = register_approach("mine", direct, label="mine too", terms="F_k,c")
+    assert APPROACHES["mine"] is mine
+    with pytest.raises(ValueError, match="'mine' is registered already: add overwrite=True"):
+        register_approach("mine", fourier)
+    register_approach("mine", fourier, overwrite=True)
+    assert least_squares(APPROACHES["mine"](features_at(), K))["F_k"] == pytest.approx(
+        least_squares(APPROACHES["fourier"](features_at(), K))["F_k"], rel=1e-15
+    )
+    unregister("mine")
+    assert "mine" not in APPROACHES
 
 
 @pytest.mark.parametrize("name", APPROACHES)

@@ -28,14 +28,20 @@ from dampbalance import (
     measured_orbit,
     measured_ring_down,
     read_records,
+    register_approach,
+    register_term,
     steady_orbit,
     steady_orbits,
+    study,
     transient,
+    unregister,
 )
+from dampbalance.balance import direct
 from dampbalance.features import of_orbit
 from dampbalance.law.law import Law, law_of
 from dampbalance.law.response import law_orbit, law_transient
 from dampbalance.motion.fixed_step import simulate
+from dampbalance.project.documents import ConfigurationError
 from dampbalance.record import Record
 from dampbalance.records.readers import channels, open_channels, read
 from dampbalance.records.writers import write
@@ -201,6 +207,24 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, object], Callable[..., o
     "read": (read, {"path": "level1.csv", "mapping": None, "largest": 100}, repr),
     "channels": (channels, {"path": "level1.csv", "mapping": None}, repr),
     "open_channels": (open_channels, {"path": "level1.csv", "mapping": None, "block": 9, "largest": 9}, repr),
+    "study": (
+        study,
+        {"axes": {"zeta": [0.1]}, "base": {}, "levels_m": [0.004, 0.008], "estimation": {}, "read_out": {}}
+        | {"route": "exact", "columns": "errors", "threads": 1},
+        repr,
+    ),
+    "register_term": (
+        lambda **of: unregister(register_term(**of).symbol),
+        {"symbol": "p", "force": lambda v, w, k, omega: v, "words": "", "unit": "", "integral": ""}
+        | {"integral_unit": "", "overwrite": False},
+        repr,
+    ),
+    "register_approach": (
+        lambda name, **of: (register_approach(name, **of), unregister(name)),
+        {"name": "p", "rows": direct, "label": "", "terms": "F_k,c", "takes_phase": False, "overwrite": False},
+        repr,
+    ),
+    "unregister": (unregister, {"name": "p"}, repr),
     "identify": (
         identify,
         {"records": STEADY, "stiffness": 2310.0, "mapping": None, "kind": "forced", "frequency": 3.5, "mass": 2.42}
@@ -234,7 +258,8 @@ def test_a_hostile_value_gives_a_right_result_or_one_clear_error(
             holds(function(**right | {argument: value()}))
         except (ValueError, NoSteadyOrbit) as error:
             lines = str(error).split("\n")  # one; of a mapping, one for each key that is wrong
-            if not lines[0] or (len(lines) > 1 and not isinstance(error, RecordError)):
+            several = isinstance(error, RecordError | ConfigurationError)
+            if not lines[0] or (len(lines) > 1 and not several):
                 wrong.append(f"{shown}: {error!r:.200}")
         except BaseException as error:  # whatever it is, and a warning is one, too
             wrong.append(f"{shown}: {error!r:.200}")

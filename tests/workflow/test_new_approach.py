@@ -18,17 +18,17 @@ from processes import output_of
 
 pytestmark = pytest.mark.slow
 
-TERM = """            Term(
-                "c_4",
-                "N s⁴/m⁴",
-                "quartic damping",
-                "b_4",
-                "m⁵/s⁴",
-                force=lambda v, w, k, omega: np.abs(v) ** 3 * v,
-                slope=lambda v, w, k, omega: 4.0 * np.abs(v) ** 3,
-                harmonic=lambda omega, X, Y, phi, k: 32.0 / 15.0 * omega**4 * X**5,
-                order=4,
-            ),
+TERM = """        Term(
+            "c_4",
+            "N s⁴/m⁴",
+            "quartic damping",
+            "b_4",
+            "m⁵/s⁴",
+            force=lambda v, w, k, omega: np.abs(v) ** 3 * v,
+            slope=lambda v, w, k, omega: 4.0 * np.abs(v) ** 3,
+            harmonic=lambda omega, X, Y, phi, k: 32.0 / 15.0 * omega**4 * X**5,
+            order=4,
+        ),
 """
 # Direct integration with a quartic damper in addition. There is none.
 ADDED = """
@@ -73,12 +73,8 @@ def extended(checkout):
     with (copy.folder / "src/dampbalance/balance.py").open("a", encoding="utf-8") as module:
         module.write(ADDED)
     terms = copy.folder / "src/dampbalance/law/terms.py"
-    before, last = terms.read_text(encoding="utf-8").split(
-        '            Term(\n                "eta"'
-    )
-    terms.write_text(
-        f'{before}{TERM}            Term(\n                "eta"{last}', encoding="utf-8"
-    )
+    before, last = terms.read_text(encoding="utf-8").split('        Term(\n            "eta"')
+    terms.write_text(f'{before}{TERM}        Term(\n            "eta"{last}', encoding="utf-8")
     for file, document in (("toy.yaml", CASE), ("config/studies/toy.yaml", STUDY)):
         text = yaml.safe_dump(document, allow_unicode=True)
         (copy.folder / file).write_text(text, encoding="utf-8")

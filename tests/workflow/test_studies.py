@@ -77,7 +77,7 @@ def test_everything_is_made(studied, name):
 def test_chunks_joined_are_the_study_computed_at_once(studied, name):
     study = checking.read_study(
         studied.folder / f"config/studies/{name}.yaml",
-        studied.folder / "workflow/schemas/study.schema.yaml",
+        studied.folder / "src/dampbalance/studies/study.schema.yaml",
         studied.folder / "config/config.yaml",
     )
     cases = pd.read_parquet(studied.folder / f"results/studies/{name}/cases.parquet")

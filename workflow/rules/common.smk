@@ -99,7 +99,7 @@ LOGS = f"results/logs/{CASE.name}"
 FIRST = 10  # priority of what leads to the paper's tables and verdicts: they are seen before the studies are computed
 ENVIRONMENT = "../envs/dampbalance.yaml"
 STUDY_DEFAULTS = {  # what a script needs to read the file of a study
-    "schema": project_file("workflow/schemas/study.schema.yaml"),
+    "schema": project_file("src/dampbalance/studies/study.schema.yaml"),
     "base": BASE_CONFIG,
 }
 

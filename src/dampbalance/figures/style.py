@@ -8,8 +8,9 @@ the markers help.
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from contextvars import ContextVar
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -72,8 +73,29 @@ def styled() -> Iterator[None]:
         yield
 
 
+_PANELS: ContextVar[Iterator[Axes | None] | None] = ContextVar("panels", default=None)
+_SHOWN: ContextVar[bool] = ContextVar("shown by pyplot", default=False)
+
+
+@contextmanager
+def drawn_in(axes: Iterable[Axes | None] | None) -> Iterator[None]:
+    """While this holds, a picture is drawn where a caller wants it: in these axes, one for each panel in order, or on a
+    figure of pyplot where there are None. A panel for which there are no axes is drawn on a page that is not kept."""
+    token = _PANELS.set(None if axes is None else iter(axes))
+    shown = _SHOWN.set(axes is None)
+    try:
+        yield
+    finally:
+        _PANELS.reset(token)
+        _SHOWN.reset(shown)
+
+
 def page(width: float, height: float) -> Figure:
     """An empty figure of the given size, mm. A notebook shows it as it shows those of pyplot."""
+    if _SHOWN.get():
+        from matplotlib import pyplot  # slow to import
+
+        return pyplot.figure(figsize=(width * MM, height * MM))
     from matplotlib.figure import Figure
 
     if "IPython" in sys.modules:  # which may not have been told yet how a figure is shown
@@ -85,6 +107,8 @@ def page(width: float, height: float) -> Figure:
 
 def place(figure: Figure, left: float, bottom: float, width: float, height: float) -> Axes:
     """Axes whose frame has its lower left corner and its size at these places of the page, mm."""
+    if (panel := next(_PANELS.get() or iter(()), None)) is not None:
+        return panel
     wide, high = (float(size) / MM for size in figure.get_size_inches())
     return figure.add_axes((left / wide, bottom / high, width / wide, height / high))
 

@@ -16,7 +16,8 @@ import numpy as np
 
 from ..arrays import Array
 from ..balance import Rows
-from ..law.terms import named_with_unit, term
+from ..law.terms import term
+from ..model import named_with_unit
 from ..project.wording import Remark
 from ..reading.oscillator_fit import OscillatorFit
 from ..solver import NORMAL_95

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from .. import __version__
 from ..arguments import flag, one_of, path
@@ -23,7 +25,7 @@ from .outputs import ALL_PICTURES, REPORT, TABLES, pictures_of, require_room
 
 if TYPE_CHECKING:
     import pandas as pd
-    from matplotlib.figure import Figure
+    from matplotlib.axes import Axes
 
 QUICK = 200_000
 """Calls of kernels, which take no more time in Python than Numba takes to load."""
@@ -122,14 +124,36 @@ class Identified:
                 lines.append(line | p.interval._asdict() | verdict._asdict())
         return pd.DataFrame(lines)
 
-    def plot(self, figure: str | None = None) -> Figure:
-        """One of the pictures that `figures` names; the first by default.
+    def plot(
+        self,
+        figure: str | None = None,
+        *,
+        ax: Axes | Sequence[Axes | None] | None = None,
+        **style: Any,
+    ) -> Any:
+        """Draw one of the pictures that `figures` names, the first by default, and return its axes.
+
+        ax : where to draw. By default on a new figure of pyplot, whose axes are returned as an array: a panel for each
+        record or, for the balance, its rows and their residuals. Axes of yours take the first panel, and are returned;
+        a sequence of axes takes as many panels as it has entries, and leaves out those for which it has None:
+        `ax=[None, axes]` draws the residuals of the balance alone. Add a legend to axes of yours by `axes.legend()`.
+        style : properties of all lines and marks, as in `Axes.plot`: color="k", markersize=8.
 
         Raises ValueError for a name that is none of them.
         """
+        from ..figures.style import drawn_in  # slow to import, and needed for pictures only
+
         name = self.figures[0] if figure is None else one_of("figure", figure, self.figures)
-        with _lacking_glyphs():
-            return self.result.draw(name)
+        several = ax is None or isinstance(ax, Iterable)
+        given: Any = ax if several else [ax]
+        held = [] if given is None else [one for one in given if one is not None]
+        before = {line for axes in held for line in axes.get_lines()}
+        with _lacking_glyphs(), drawn_in(given):
+            drawn = self.result.draw(name)
+        axes = held or drawn.axes
+        for line in (line for one in axes for line in one.get_lines() if line not in before):
+            line.set(**style)
+        return np.array(axes) if several else ax
 
     def text(self) -> str:
         """The table for a screen, with what limits the answer."""

@@ -16,15 +16,16 @@ Those of any other motion follow from its harmonics (`of_harmonics`).
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+import re
+from collections.abc import Callable, Container, Iterable, Sequence
 from dataclasses import dataclass, replace
-from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 
-from ..arguments import shown
+from ..arguments import flag, shown, text
 from ..arrays import Array, Complexes
+from ..model import named_with_unit
 
 Force = Callable[[Any, Any, Any, Any], Any]
 """h, or ∂h/∂ẋ, of (ẋ, ẏ, k, ω), numbers or arrays; m/s, m/s, N/m, rad/s."""
@@ -50,7 +51,7 @@ class Term:
     force: Force | None = None
     slope: Force | None = None
     harmonic: Harmonic | None = None
-    order: int = 0
+    order: float = 0
 
     def __reduce__(self) -> tuple[Callable[[str], Term], tuple[str]]:
         """A copy is the term of that key again, as its functions cannot be pickled."""
@@ -77,80 +78,69 @@ class Term:
         return named_with_unit(self.integral, self.integral_unit)
 
 
-_EXPONENTS = str.maketrans("²³⁴⁵⁶", "23456")
-
-
-def named_with_unit(name: str, unit: str) -> str:
-    """A name for a column or key: what it holds, then its unit, as in c_N_s_per_m; no unit, no ending."""
-    name = name.replace("[", "_").replace("]", "").replace(" ", "_")
-    ending = unit.replace(" ", "_").replace("/", "_per_").translate(_EXPONENTS)
-    return f"{name}_{ending}" if ending else name
-
-
-KNOWN_TERMS: Mapping[str, Term] = MappingProxyType(
-    {
-        term.symbol: term
-        for term in (
-            Term("F_k", "N", "friction force", "a", "m"),
-            Term(
-                "c",
-                "N s/m",
-                "viscous damping",
-                "b",
-                "m²/s",
-                force=lambda v, w, k, omega: v,
-                slope=lambda v, w, k, omega: np.ones_like(v),
-                harmonic=lambda omega, X, Y, phi, k: np.pi * omega * X**2,
-                order=1,
-            ),
-            Term(
-                "c_r",
-                "N s/m",
-                "viscous damping on the velocity relative to the base",
-                "b_r",
-                "m²/s",
-                force=lambda v, w, k, omega: v - w,
-                slope=lambda v, w, k, omega: np.ones_like(v),
-                harmonic=lambda omega, X, Y, phi, k: np.pi * omega * (X**2 - X * Y * np.cos(phi)),
-                order=1,
-            ),
-            Term(
-                "c_2",
-                "N s²/m²",
-                "quadratic damping",
-                "b_2",
-                "m³/s²",
-                force=lambda v, w, k, omega: np.abs(v) * v,
-                slope=lambda v, w, k, omega: 2.0 * np.abs(v),
-                harmonic=lambda omega, X, Y, phi, k: 8.0 / 3.0 * omega**2 * X**3,
-                order=2,
-            ),
-            Term(
-                "c_3",
-                "N s³/m³",
-                "cubic damping",
-                "b_3",
-                "m⁴/s³",
-                force=lambda v, w, k, omega: v**3,
-                slope=lambda v, w, k, omega: 3.0 * v**2,
-                harmonic=lambda omega, X, Y, phi, k: 0.75 * np.pi * omega**3 * X**4,
-                order=3,
-            ),
-            Term(
-                "eta",
-                "",
-                "structural damping",
-                "b_eta",
-                "J",
-                force=lambda v, w, k, omega: k / omega * v,
-                slope=lambda v, w, k, omega: k / omega * np.ones_like(v),
-                harmonic=lambda omega, X, Y, phi, k: np.pi * k * X**2,
-                order=1,
-            ),
-        )
-    }
-)
-"""Every term that a law can have, by symbol, in the order of columns in tables: to add one is an entry here.
+KNOWN_TERMS: dict[str, Term] = {
+    term.symbol: term
+    for term in (
+        Term("F_k", "N", "friction force", "a", "m"),
+        Term(
+            "c",
+            "N s/m",
+            "viscous damping",
+            "b",
+            "m²/s",
+            force=lambda v, w, k, omega: v,
+            slope=lambda v, w, k, omega: np.ones_like(v),
+            harmonic=lambda omega, X, Y, phi, k: np.pi * omega * X**2,
+            order=1,
+        ),
+        Term(
+            "c_r",
+            "N s/m",
+            "viscous damping on the velocity relative to the base",
+            "b_r",
+            "m²/s",
+            force=lambda v, w, k, omega: v - w,
+            slope=lambda v, w, k, omega: np.ones_like(v),
+            harmonic=lambda omega, X, Y, phi, k: np.pi * omega * (X**2 - X * Y * np.cos(phi)),
+            order=1,
+        ),
+        Term(
+            "c_2",
+            "N s²/m²",
+            "quadratic damping",
+            "b_2",
+            "m³/s²",
+            force=lambda v, w, k, omega: np.abs(v) * v,
+            slope=lambda v, w, k, omega: 2.0 * np.abs(v),
+            harmonic=lambda omega, X, Y, phi, k: 8.0 / 3.0 * omega**2 * X**3,
+            order=2,
+        ),
+        Term(
+            "c_3",
+            "N s³/m³",
+            "cubic damping",
+            "b_3",
+            "m⁴/s³",
+            force=lambda v, w, k, omega: v**3,
+            slope=lambda v, w, k, omega: 3.0 * v**2,
+            harmonic=lambda omega, X, Y, phi, k: 0.75 * np.pi * omega**3 * X**4,
+            order=3,
+        ),
+        Term(
+            "eta",
+            "",
+            "structural damping",
+            "b_eta",
+            "J",
+            force=lambda v, w, k, omega: k / omega * v,
+            slope=lambda v, w, k, omega: k / omega * np.ones_like(v),
+            harmonic=lambda omega, X, Y, phi, k: np.pi * k * X**2,
+            order=1,
+        ),
+    )
+}
+"""Every term that a law can have, by symbol, in the order of columns in tables: to add one is an entry here, or, for
+a session, a call of `register_term`.
 
 c : force cẋ.   c_r : c_r(ẋ − ẏ).   c_2 : c_2|ẋ|ẋ.   c_3 : c_3ẋ³.   eta : η(k/ω)ẋ, the loss factor of the spring: at
 one frequency it cannot be told from c.
@@ -194,6 +184,152 @@ def listed(symbols: Sequence[str]) -> str:
     """Symbols as a sentence names them: "F_k", "F_k and c", "F_k, c and c_2". Texts use `project.wording.listed`, which
     stands on a higher floor and does without the libraries that this module imports."""
     return " and ".join([", ".join(symbols[:-1]), symbols[-1]] if len(symbols) > 1 else symbols)
+
+
+BUILT_IN = tuple(KNOWN_TERMS)
+"""The terms of the package."""
+
+
+def register_term(
+    symbol: str,
+    force: Force,
+    *,
+    words: str = "",
+    unit: str = "",
+    integral: str = "",
+    integral_unit: str = "",
+    overwrite: bool = False,
+) -> Term:
+    """Make a dissipation term known to this session, without a change of the package: an entry of `KNOWN_TERMS`.
+
+    Use it to try a damping law of your own: its coefficient p is then identified from forced records like any other,
+    `identify(records, k, terms="F_k,c,c_4")`, `laws=True` tries it, studies take it as a parameter and as a term of the
+    balance, and `law.response.law_orbit` computes the response under it.
+
+    A term of this kind is a force p h in which h grows with a fixed power n ≥ 1 of the velocity,
+
+        h(ẋ, ẏ, k, ω) = h_1(k, ω) |ẋ|ⁿ⁻¹ ẋ,    for n = 1 also  h_x(k, ω) ẋ + h_y(k, ω) ẏ
+
+    since the fit scales a response with its level; g = ∮ h ẋ dt, ∂h/∂ẋ and n follow from h. A force that saturates, or
+    depends on the displacement or the history, is none. Free decays determine F_k, c, c_2 and c_3 alone, and the
+    Fourier approach, which has three harmonics only, gives no estimate of it. It lasts as long as the session.
+
+    symbol : of the coefficient, a name of letters, digits and "_".
+    force : h, a function of arrays or numbers: ẋ, ẏ (m/s), k (N/m), ω (rad/s).
+    words : what the term is, for tables; default, its power.
+    unit : of the coefficient; needed where h depends on k or ω, else "N s⁴/m⁴" and the like by default.
+    integral, integral_unit : symbol and unit of g, for the columns of rows; default, b_ and the symbol, by the power.
+    overwrite : whether to replace a registered term of that symbol, as when a cell is run again.
+
+    Raises ValueError for a symbol that is taken, a function that fails or returns another shape, and a force that is
+    not of this kind.
+
+    >>> import math
+    >>> from dampbalance import BaseMotion, Oscillator, identify, measured_orbit, register_term, unregister
+    >>> from dampbalance.law.response import law_orbit
+    >>> term = register_term("c_4", lambda v, w, k, omega: abs(v) ** 3 * v, words="quartic damping")
+    >>> term.unit, term.integral_column
+    ('N s⁴/m⁴', 'b_c_4_m5_per_s4')
+    >>> osc = Oscillator(m=2.42, c=0.0, k=2310.0, K_z=208000.0, F_k=1.28)
+    >>> records = []
+    >>> for Y in (0.004, 0.008, 0.012):
+    ...     orbit = law_orbit(osc, BaseMotion(Y=Y, omega=2 * math.pi * 4.92), {"c_4": 20000.0})
+    ...     records.append(measured_orbit(orbit, rate_hz=500.0, cycles=20.0, noise=0.001))
+    >>> found = identify(records, stiffness=2310.0, terms="F_k,c_4", approaches="direct")
+    >>> low, high = found.intervals["c_4"]
+    >>> bool(low < 20000.0 < high), found.verdicts["c_4"].verdict
+    (True, 'usable')
+    >>> unregister("c_4")
+    """
+    require_free("symbol", symbol, KNOWN_TERMS, BUILT_IN, overwrite)
+    words, unit, integral, integral_unit = (
+        text(name, value)
+        for name, value in (
+            ("words", words),
+            ("unit", unit),
+            ("integral", integral),
+            ("integral_unit", integral_unit),
+        )
+    )
+    v = np.array([[-2.0, -0.5, 0.25], [0.5, 1.0, 2.0]])
+
+    def h(v: Array, w: Array | float = 0.0, k: float = 2310.0, omega: float = 31.0) -> Array:
+        w = np.broadcast_to(w, v.shape)
+        try:
+            value = np.asarray(force(v, w, k, omega), dtype=np.float64)
+        except Exception as error:
+            raise ValueError(
+                f"the force of {symbol} failed for arrays of shape {v.shape}: {type(error).__name__}: {error}; it is a "
+                "function of the velocities of the mass and of the base, k and omega: lambda v, w, k, omega: v**3"
+            ) from error
+        if value.shape != v.shape or not np.isfinite(value).all():
+            raise ValueError(
+                f"the force of {symbol} must be a finite number for each velocity: for arrays of shape {v.shape} it "
+                f"returned {shown(value) if value.shape == v.shape else f'the shape {value.shape}'}"
+            )
+        return value
+
+    one = float(h(np.ones(1))[0])
+    ratio = float(h(np.full(1, 2.0))[0]) / one if one > 0.0 else 0.0
+    order: float = round(math.log2(ratio), 9) if ratio > 0.0 else 0.0
+    linear, of_base = order == 1.0, float(h(np.zeros(1), 1.0)[0])
+    wanted = one * np.abs(v) ** order * np.sign(v)
+    alike = [np.allclose(h(v, w), wanted + of_base * w, rtol=1e-9) for w in (0.0, 1.0, v[::-1])]
+    if not (one > 0.0 and order >= 1.0 and all(alike) and (linear or of_base == 0.0)):
+        raise ValueError(
+            f"the force of {symbol} must be a positive number times |v|^(n-1) v with one n of at least 1, such as "
+            "abs(v) * v, or linear in v and w: it takes energy at every speed, and scales with the level"
+        )
+    plain = all(np.array_equal(h(v, 0.5, *at), h(v, 0.5)) for at in ((1.0, 31.0), (2310.0, 1.0)))
+    if not plain and not (unit and integral_unit):
+        raise ValueError(
+            f"the force of {symbol} depends on k or omega: state unit and integral_unit"
+        )
+    order = int(order) if order.is_integer() else order
+    work = 2.0 * math.sqrt(math.pi) * math.gamma(0.5 * order + 1.0) / math.gamma(0.5 * order + 1.5)
+
+    def harmonic(omega: Any, X: Any, Y: Any, phi: Any, k: Any) -> Any:
+        of_mass, of_base = force(1.0, 0.0, k, omega), force(0.0, 1.0, k, omega) if linear else 0.0
+        return work * omega**order * (of_mass * X ** (order + 1) + of_base * X * Y * np.cos(phi))
+
+    KNOWN_TERMS[symbol] = Term(
+        symbol,
+        unit or _of_powers("N", order, "s", "m"),
+        words or f"damping by the power {order:g} of the velocity",
+        integral or f"b_{symbol}",
+        integral_unit or _of_powers("", order + 1, "m", "s", order),
+        force=force,
+        slope=lambda v, w, k, omega: force(1.0, 0.0, k, omega) * order * np.abs(v) ** (order - 1),
+        harmonic=harmonic,
+        order=order,
+    )
+    return KNOWN_TERMS[symbol]
+
+
+def require_free(
+    what: str, name: object, known: Container[str], built_in: Container[str], overwrite: bool
+) -> None:
+    """ValueError for a name that cannot be registered: no name, or one that is taken."""
+    if not isinstance(name, str) or not re.fullmatch("[A-Za-z][A-Za-z0-9_]{0,39}", name):
+        raise ValueError(f'{what} must be a name of letters, digits and "_", got {shown(name)}')
+    if name in built_in:
+        raise ValueError(f"{what} {name!r} is one of the package: choose another")
+    if name in known and not flag("overwrite", overwrite):
+        raise ValueError(f"{what} {name!r} is registered already: add overwrite=True to replace it")
+
+
+def _of_powers(unit: str, power: float, above: str, below: str, less: float | None = None) -> str:
+    """A unit of powers: N s⁴/m⁴, m⁵/s⁴."""
+    top, bottom = (
+        _power(u, p) for u, p in ((above, power), (below, power if less is None else less))
+    )
+    return f"{unit} {top}/{bottom}".strip()
+
+
+def _power(unit: str, power: float) -> str:
+    if power == 1:
+        return unit
+    return f"{unit}^{power:g}" if power not in range(10) else unit + "⁰¹²³⁴⁵⁶⁷⁸⁹"[int(power)]
 
 
 _POINTS = 512  # of a cycle, at least; |ẋ|³ has a jump in its third derivative, and the rule an error of 1e-9
@@ -240,5 +376,6 @@ def of_harmonics(
     sigma2 = 0.5 * omega**2 * float(variance @ n**2)
     power = of_term.order + 1
     mean = np.mean(of_term.force(v, 0.0, k, omega) * v, axis=1)
-    mean -= 0.5 * power * (power - 1) * sigma2 * np.mean(np.abs(v) ** (power - 2), axis=1)
+    bias = 0.5 * power * (power - 1) * sigma2 * np.mean(np.abs(v) ** (power - 2), axis=1)
+    mean -= bias * float(of_term.force(1.0, 0.0, k, omega))
     return np.asarray(2.0 * math.pi / omega * mean)

@@ -68,7 +68,9 @@ def _folder() -> Path | None:
     else:
         kept = "" if any(folder.iterdir()) else "once, and keeping them"
     if kept:
-        print(f"dampbalance: compiling its kernels ({kept}) …", file=sys.stderr)
+        # a notebook shows stderr in red, as if something had gone wrong
+        stream = sys.stdout if "ipykernel" in sys.modules else sys.stderr
+        print(f"dampbalance: compiling its kernels ({kept}) …", file=stream)
     return folder
 
 

@@ -4,30 +4,40 @@ from __future__ import annotations
 
 import json
 import math
-from dataclasses import asdict, dataclass, field
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arguments import instance, numbers, whole
+from ..arguments import instance, numbers, one_of, whole
 from ..arrays import Array, Complexes
-from ..model import BaseMotion, Oscillator, Parameters, parameters
-from .events import MOST_RADIANS
+from ..model import UNITS, BaseMotion, Oscillator, Parameters, named_with_unit, parameters
+from .events import MOST_RADIANS, PHASE_S, PHASE_T
 from .integrals import Measures, measure
 from .regime import Regime
 from .states import State, states_in_phases
 from .steady import solve_steady
 from .steady_slopes import steady_harmonics
 
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.axes import Axes
+
+FEATURES = ("X", "X_s", "V_s", "t_s", "phi", "phi_zero_crossing", "a", "b", "W")
+SHOWN_FIRST = ("X", "phi", "W")
+_SIGNS = {"v": r"\dot x", "acceleration": r"\ddot x"}
+_POINTS = 2001  # of a period that is drawn
+
 
 class NoSteadyOrbit(ArithmeticError):
     """The oscillator has no steady orbit, or none was found."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Orbit:
     """Steady orbit: the phases of its half cycle, from the reversal at x = −X on, and everything that follows from
     them.
@@ -45,7 +55,7 @@ class Orbit:
     motion: BaseMotion
     regime: Regime
     theta: float
-    phases: Array = field(repr=False)
+    phases: Array
 
     def __post_init__(self) -> None:
         self.phases.flags.writeable = False
@@ -144,6 +154,70 @@ class Orbit:
         rows = states_in_phases(since, self.phases, self.theta, self.parameters)
         return np.negative(rows, out=rows, where=mirrored)
 
+    def to_frame(self) -> pd.DataFrame:
+        """One row: the oscillator, its excitation and the features of the orbit, in columns named with their units, and
+        the regime in words. `pandas.concat` puts the rows of several orbits together."""
+        import pandas as pd  # slow to import
+
+        numbers = self.parameters._asdict() | {name: getattr(self, name) for name in FEATURES}
+        row = {named_with_unit(name, UNITS[name]): value for name, value in numbers.items()}
+        return pd.DataFrame([row | {"regime": str(self.regime)}])
+
+    def plot(
+        self, quantity: str = "x", against: str = "t", *, ax: Axes | None = None, **style: Any
+    ) -> Axes:
+        """Draw one period, from the reversal at −X on, and return the axes; the thick parts are those in stick.
+
+        quantity, against : t, x, v, acceleration, z (deflection of the contact spring) or y (base), in SI units.
+        `plot("acceleration", "x")` is the loop in which the paper reads the microstick line.
+        ax : axes to draw in; default, new ones of pyplot.   style : properties of the lines, as in `Axes.plot`.
+
+        Raises ValueError for an unknown quantity.
+        """
+        drawn = {"quantity": quantity, "against": against}
+        for name, value in drawn.items():
+            one_of(name, value, ("t", *State._fields, "y"))
+        if ax is None:
+            from matplotlib import pyplot  # slow to import
+
+            ax = pyplot.figure(layout="constrained").add_subplot()
+        half, start = 0.5 * self.motion.period, self.theta / self.motion.omega
+        begins = self.phases[:, PHASE_T]
+        ends = np.append(begins[1:], half)
+
+        def line(since: Array) -> tuple[Array, Array]:
+            t = start + since
+            at = {"t": t, **self.state(t)._asdict(), "y": self.motion.y(t)}
+            return at[against], at[quantity]
+
+        whole_period = np.union1d(
+            np.linspace(0.0, 2.0 * half, _POINTS), [*begins, *(half + begins)]
+        )
+        (drawn_line,) = ax.plot(*line(whole_period), **style)
+        stick: dict[str, Any] = {
+            "color": drawn_line.get_color(),
+            "linewidth": 2.5 * drawn_line.get_linewidth(),
+        }
+        for i in np.flatnonzero(self.phases[:, PHASE_S] == 0.0):
+            for of_half in (0.0, half):
+                ax.plot(*line(of_half + np.linspace(begins[i], ends[i], 100)), **stick)
+        for name, label in ((against, ax.set_xlabel), (quantity, ax.set_ylabel)):
+            label(f"${_SIGNS.get(name, name)}$ ({UNITS[name]})")
+        return ax
+
+    def __repr__(self) -> str:
+        """The values, then what they belong to."""
+        first = f"{in_words(self, SHOWN_FIRST)}: {self.regime}"
+        others = in_words(self, [name for name in FEATURES if name not in SHOWN_FIRST])
+        return "Orbit  " + "\n       ".join([first, others, f"{self.oscillator}, {self.motion}"])
+
+    def _repr_html_(self) -> str:
+        """The same as a table."""
+        frame = self.to_frame()
+        values_first = frame.columns[np.roll(np.arange(frame.shape[1]), -len(self.parameters))]
+        html: str = frame[values_first].T.to_html(header=False, float_format="{:.6g}".format)
+        return html
+
     def to_dict(self) -> dict[str, Any]:
         """The orbit as plain numbers and lists, from which `from_dict` makes it again, bit for bit."""
         return {
@@ -164,6 +238,16 @@ class Orbit:
             float(data["theta"]),
             np.array(data["phases"], dtype=float).reshape(-1, 5),
         )
+
+
+def in_words(features: Any, names: Sequence[str], index: Any = None) -> str:
+    """Features with their units, X = 0.002728 m; of an array that at `index`."""
+    words = []
+    for name in names:
+        value = getattr(features, name)
+        value = value if index is None else value[index]
+        words.append(f"{'φ' if name == 'phi' else name} = {value:.4g} {UNITS[name]}")
+    return ", ".join(words)
 
 
 def read_orbits(path: str | Path) -> list[Orbit]:

@@ -2,29 +2,40 @@
 
 from __future__ import annotations
 
+import itertools
 import os
+from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arguments import numbers, whole
+from ..arguments import numbers, one_of, whole
 from ..arrays import Array, Codes
-from ..model import Parameters
+from ..model import UNITS, Parameters, named_with_unit
 from .events import MOST_RADIANS
 from .integrals import Measures, measure
 from .jit import jit
+from .orbit import SHOWN_FIRST, in_words
+from .regime import Regime
 from .steady import MAX_PHASES, NO_CLOSED_FORM, solve_closed, solve_otherwise
 
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.axes import Axes
+
+_SHOWN, _NAMED = 5, 10  # cases that a repr lists, and lines that a legend names, at most
 _BLOCK = 4096  # cases handed to a thread at a time: the scratch memory stays below a megabyte
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Orbits:
     """Features of many steady orbits, arrays of the broadcast shape of the inputs; names and units as in `Orbit`.
 
     X_n, phi_n : amplitude, m, and lag, rad, of the odd harmonics.   regime : codes of `Regime` (uint8).
+    given : the arguments of `steady_orbits`, of the same shape.
     A feature that does not exist is NaN, and `regime` says why; where no orbit was found everything is NaN.
     """
 
@@ -44,6 +55,81 @@ class Orbits:
     X_5: Array
     phi_5: Array
     regime: Codes
+    given: Mapping[str, Array]
+
+    @property
+    def varied(self) -> tuple[str, ...]:
+        """The arguments that are not the same in all cases."""
+        return tuple(name for name, of in self.given.items() if of.size and np.ptp(of) > 0.0)
+
+    def to_frame(self) -> pd.DataFrame:
+        """A row for each case, the last axis running fastest: the arguments, the features and the regime in words, in
+        columns named with their units."""
+        import pandas as pd  # slow to import
+
+        features = {name: getattr(self, name) for name in Measures._fields}
+        columns = {
+            named_with_unit(name, UNITS[name]): of.ravel()
+            for name, of in (dict(self.given) | features).items()
+        }
+        words: Any = [str(one) for one in Regime]
+        regime = pd.Categorical.from_codes(self.regime.ravel(), words)
+        return pd.DataFrame(columns | {"regime": regime})
+
+    def plot(
+        self, feature: str = "X", against: str = "", *, ax: Axes | None = None, **style: Any
+    ) -> Axes:
+        """Draw a feature against an argument that varies, SI units, and return the axes: a line for each set of the
+        others.
+
+        feature : name of a field.   against : name of an argument; default, the one that has the most values.
+        ax : axes to draw in; default, new ones of pyplot.   style : properties of the lines, as in `Axes.plot`.
+
+        Raises ValueError for an unknown feature, and for an argument that is the same in all cases.
+        """
+        one_of("feature", feature, Measures._fields)
+        if not self.varied:
+            raise ValueError("nothing varies in these orbits: give arrays to steady_orbits")
+        most = max(self.varied, key=lambda name: np.unique(self.given[name]).size)
+        against = one_of("against", against, self.varied) if against else most
+        if ax is None:
+            from matplotlib import pyplot  # slow to import
+
+            ax = pyplot.figure(layout="constrained").add_subplot()
+        x, y = self.given[against].ravel(), getattr(self, feature).ravel()
+        others = {name: self.given[name].ravel() for name in self.varied if name != against}
+        sets, member = np.unique(
+            np.array([*others.values()]).reshape(-1, x.size), axis=1, return_inverse=True
+        )
+        if sets.shape[1] == x.size:  # they vary with it
+            sets, member = sets[:0, :1], np.zeros(x.size, dtype=np.intp)
+        for i, values in enumerate(sets.T):
+            those = np.flatnonzero(member.ravel() == i)
+            those = those[np.argsort(x[those], kind="stable")]
+            named = [f"{n} = {v:.4g} {UNITS[n]}" for n, v in zip(others, values, strict=False)]
+            label = {"label": ", ".join(named)} if named and sets.shape[1] <= _NAMED else {}
+            ax.plot(x[those], y[those], **(label | style))
+        ax.set_xlabel(f"{against} ({UNITS[against]})")
+        ax.set_ylabel(f"{feature} ({UNITS[feature]})")
+        if ax.get_legend_handles_labels()[1]:
+            ax.legend()
+        return ax
+
+    def __repr__(self) -> str:
+        """The values of the first cases, with the arguments that vary."""
+        lines = []
+        for index in itertools.islice(np.ndindex(self.X.shape), _SHOWN):
+            of = ", ".join(f"{n} = {self.given[n][index]:.4g} {UNITS[n]}" for n in self.varied)
+            values = f"{in_words(self, SHOWN_FIRST, index)}: {Regime(int(self.regime[index]))}"
+            lines.append(f"{of}:  {values}" if of else values)
+        more = [f"… and {self.X.size - _SHOWN:,} more"] * (self.X.size > _SHOWN)
+        head = f"Orbits  shape {self.X.shape}"
+        return "\n    ".join([head, *lines, *more])
+
+    def _repr_html_(self) -> str:
+        """The same as a table, with all features."""
+        html: str = self.to_frame().to_html(max_rows=2 * _SHOWN, float_format="{:.6g}".format)
+        return html
 
 
 def steady_orbits(
@@ -75,6 +161,8 @@ def steady_orbits(
     ['0.002', '2.728', '9.369']
     >>> str(Regime(orbits.regime[0]))
     'no slip: the contact only sticks'
+    >>> list(orbits.to_frame()["X_m"].round(6))
+    [2e-06, 0.002728, 0.009369]
     """
     given = {"m": m, "c": c, "k": k, "K_z": K_z, "F_k": F_k, "Y": Y, "omega": omega}
     arrays = [numbers(name, value) for name, value in given.items()]
@@ -97,8 +185,9 @@ def steady_orbits(
     with ThreadPoolExecutor(max_workers=cores or 1) as pool:
         for _ in pool.map(solve, range(0, size, _BLOCK)):
             pass
-    # the fields of `Orbits` are those of `Measures`, in their order, and the regime
-    return Orbits(*(row.reshape(shape) for row in (*out, regime)))
+    fields: dict[str, Any] = dict(zip((*Measures._fields, "regime"), (*out, regime), strict=True))
+    arrays_of = {name: row.reshape(shape) for name, row in fields.items()}
+    return Orbits(**arrays_of, given=dict(zip(given, views, strict=True)))
 
 
 def _common_shape(arrays: list[Array]) -> tuple[int, ...]:

@@ -11,7 +11,7 @@ import re
 from collections import Counter
 from dataclasses import dataclass
 
-from ..law.terms import named_with_unit
+from ..model import named_with_unit
 from ..project.wording import shortened
 from .errors import LONGEST_NAME
 from .measurement import QUANTITIES

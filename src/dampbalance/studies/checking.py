@@ -1,6 +1,6 @@
 """What can be wrong with the YAML file of a study, found before anything runs.
 
-The schema (workflow/schemas/study.schema.yaml) says which keys there are, and what each may hold. This module checks
+The schema (study.schema.yaml) says which keys there are, and what each may hold. This module checks
 what takes more than one key to see: axes that contradict each other, a route that lacks a parameter, a figure or a fact
 about something that the study does not have, numbers that cannot be solved or held in memory.
 """
@@ -35,6 +35,8 @@ from .routes import ROUTES, terms_named
 from .settings import BANDS, CHOICES, OF_INTERVALS, SPREADS, Study, paper_defaults
 from .sizes import PART, columns_of
 from .usual_figure import usual_figures
+
+SCHEMA = Path(__file__).with_name("study.schema.yaml")
 
 MOST_POINTS = 50_000
 """Cases on the curves of a figure; more are drawn as a map."""
@@ -422,7 +424,7 @@ def _wrong_fact(study: Study, key: Key, spec: Mapping[str, Any]) -> Iterator[Pro
     yield from wrong
     if of not in study.route.answers:
         text = f"the route {study.route.kind} does not answer {of}; take"
-        yield (*key, "of"), f"{text} {listed(study.route.answers, 'or')}"
+        yield (*key, "of"), f"{text} {listed([*study.route.answers], 'or')}"
         return
     if of == "law" or take in CHOICES:
         if of != "law" or take not in CHOICES:

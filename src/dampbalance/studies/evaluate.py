@@ -56,12 +56,39 @@ def case_parameters(study: Study, start: int, stop: int) -> dict[str, Words]:
     return fixed | case_values(study.blocks, start, stop)
 
 
-def _evaluate(study: Study, start: int, stop: int, threads: int | None) -> dict[str, Any]:
+def responses_of(study: Study, start: int, stop: int, threads: int | None = None) -> pd.DataFrame:
+    """The responses of the cases start … stop − 1, from which `evaluate` identifies: a row for each case and level,
+    with the axes, the level counted from 1 and the features, in columns named with their units.
+
+    Raises ValueError for a study of laws, whose cases are records of different oscillators.
+    """
+    if not study.route.approaches:
+        raise ValueError(f"a study of the route {study.route.kind} has no responses of one kind")
+    parts = []
+    for first in range(start, stop, _SLICE):
+        cases = _cases(study, first, min(first + _SLICE, stop))
+        levels, count = cases.Y.shape
+        columns = {"case": cases.numbers} | {name: cases.values[name] for name in study.axis_names}
+        table: dict[str, Any] = {name: np.repeat(of, levels) for name, of in columns.items()}
+        table["level"] = np.tile(np.arange(levels) + 1, count)
+        seen = _responses(cases, threads).features.to_columns()
+        table |= {name: np.asarray(of).T.ravel() for name, of in seen.items()}
+        table["regime"] = np.array([REGIME_NAMES.get(of, NOT_READ) for of in table["regime"]])
+        parts.append(pd.DataFrame(table))
+    return pd.concat(parts, ignore_index=True)
+
+
+def _cases(study: Study, start: int, stop: int) -> Cases:
     values = case_parameters(study, start, stop)
-    table: dict[str, Any] = {"case": np.arange(start, stop)}
-    table |= {name: values[name] for name in study.axis_names}
     si = in_si({name: values[name].astype(float) for name in MECHANICAL if name in values})
-    cases = Cases(study, table["case"], values, si, study.amplitudes(si["Y"]))
+    return Cases(study, np.arange(start, stop), values, si, study.amplitudes(si["Y"]))
+
+
+def _evaluate(study: Study, start: int, stop: int, threads: int | None) -> dict[str, Any]:
+    cases = _cases(study, start, stop)
+    values, si = cases.values, cases.si
+    table: dict[str, Any] = {"case": cases.numbers}
+    table |= {name: values[name] for name in study.axis_names}
     responses, rules = _responses(cases, threads), _read_out_rules(values)
     named = {name: si[key] for key, (name, _, _) in SI_COLUMNS.items()}
     named |= {name: si[key] for name, key in OF_LAW.items() if key in si}

@@ -17,7 +17,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..balance import TERMS
-from ..law.terms import KNOWN_TERMS
+from ..law.terms import BUILT_IN, KNOWN_TERMS
 from ..model import Oscillator
 from ..project.wording import shortened
 
@@ -58,7 +58,14 @@ def in_tex(symbol: str) -> str:
     return symbol.replace("eta", r"\eta")
 
 
-OF_LAW = {term.column: symbol for symbol, term in KNOWN_TERMS.items() if symbol not in TERMS}
+def _of_law(symbol: str) -> Parameter:
+    term = KNOWN_TERMS[symbol]
+    return Parameter(
+        "oscillator", term.unit or "1", f"{term.words} {symbol}", in_tex(symbol), "", True
+    )
+
+
+OF_LAW = {KNOWN_TERMS[symbol].column: symbol for symbol in BUILT_IN if symbol not in TERMS}
 """Coefficients of further terms of the damping law, zero where they are not set: parameter → symbol."""
 
 _NOISE = "rms of the noise of each channel over that of its signal"
@@ -71,10 +78,7 @@ PARAMETERS: dict[str, Parameter] = {
     "k_N_per_m": Parameter("oscillator", "N/m", "stiffness k of the spring to the base", "k"),
     "K_z_N_per_m": Parameter("oscillator", "N/m", "contact stiffness K_z", "K_z"),
     "F_k_N": Parameter("oscillator", "N", "friction force F_k in slip", "F_k", zero_allowed=True),
-    **{
-        name: Parameter("oscillator", term.unit or "1", f"{term.words} {s}", in_tex(s), "", True)
-        for name, s, term in ((name, s, KNOWN_TERMS[s]) for name, s in OF_LAW.items())
-    },
+    **{name: _of_law(symbol) for name, symbol in OF_LAW.items()},
     "frequency_hz": Parameter("excitation", "Hz", "drive frequency f = ω/2π", "f"),
     "Y_m": Parameter("excitation", "m", "reference amplitude Y of the base", "Y"),
     "omega_over_omega_n": Parameter(
@@ -108,7 +112,21 @@ PARAMETERS: dict[str, Parameter] = {
 }
 """Every name that an axis can have."""
 
-MECHANICAL = tuple(name for name, p in PARAMETERS.items() if p.kind in ("oscillator", "excitation"))
+MECHANICAL = [name for name, p in PARAMETERS.items() if p.kind in ("oscillator", "excitation")]
+"""Those that make up the oscillator and its excitation."""
+
+
+def follow_terms() -> list[str]:
+    """Take the terms that are registered now (`register_term`) as parameters, in place of those that were; the names of
+    these parameters."""
+    for name in [name for name, symbol in OF_LAW.items() if symbol not in BUILT_IN]:
+        MECHANICAL.remove(name)
+        del OF_LAW[name], PARAMETERS[name]
+    registered = {t.column: symbol for symbol, t in KNOWN_TERMS.items() if symbol not in BUILT_IN}
+    OF_LAW.update(registered)
+    PARAMETERS.update({name: _of_law(symbol) for name, symbol in registered.items()})
+    MECHANICAL.extend(registered)
+    return list(registered)
 
 
 def synonyms(name: str) -> list[str]:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Collection, Iterable
+from dataclasses import dataclass, field
 
 from ..balance import APPROACHES
 from ..law.terms import FRICTION, KNOWN_TERMS, in_order
@@ -35,8 +35,8 @@ class Route:
     settings: tuple[str, ...] = ()
     refuses: tuple[str, ...] = ()
     any_law: bool = False
-    answers: tuple[str, ...] = tuple(KNOWN_TERMS)
-    approaches: tuple[str, ...] = tuple(APPROACHES)
+    answers: Collection[str] = field(default_factory=KNOWN_TERMS.keys)
+    approaches: Collection[str] = field(default_factory=APPROACHES.keys)
     figures: tuple[str, ...] = ("curves", "map", "steps", "scatter")
     columns: tuple[str, ...] = ("parameters", "errors")
     cycles: int = 4

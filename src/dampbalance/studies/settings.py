@@ -227,6 +227,21 @@ class Study:
         )
 
 
+PAPER: Mapping[str, Any] = {
+    "base": {
+        "m_kg": 2.42,
+        "c_N_s_per_m": 90.0,
+        "k_N_per_m": 2310.0,
+        "K_z_N_per_m": 208000.0,
+        "F_k_N": 1.28,
+        "frequency_hz": 4.92,
+        "Y_m": 0.004,
+    },
+    "levels_m": [0.004, 0.006, 0.008, 0.010, 0.012],
+}
+"""`paper_defaults` of the paper's case, where there is no configuration to read."""
+
+
 def paper_defaults(config: Mapping[str, Any]) -> dict[str, Any]:
     """The paper's values of the parameters and levels that a study leaves out: {base: …, levels_m: …}."""
     frequencies, levels = config["excitation"]["frequencies"], config["excitation"]["levels_m"]

@@ -10,6 +10,7 @@ import math
 import numpy as np
 import pandas as pd
 import pytest
+from matplotlib import pyplot
 
 from dampbalance import (
     BaseMotion,
@@ -182,15 +183,25 @@ def test_a_name_is_no_markup():
 @BOTH
 def test_every_picture_can_be_drawn(found):
     for name in found.figures:
-        assert found.plot(name).axes
-    assert found.plot().axes
+        panels = found.plot(name)
+        assert len(panels) > 1
+        assert pyplot.figure(panels[0].figure).get_axes() == [*panels]  # which pyplot shows
+        figure, wide = pyplot.subplots(1, 2)
+        assert found.plot(name, ax=wide[0], color="r") is wide[0]
+        assert [line.get_color() for line in wide[0].get_lines()] == ["r"] * len(panels[0].lines)
+        assert wide[0].get_xlabel() == panels[0].get_xlabel()
+        assert [*found.plot(name, ax=[None, wide[1]])] == [wide[1]]
+        assert wide[1].get_ylabel() == panels[1].get_ylabel()
+        assert figure.get_axes() == [*wide]
+    assert found.plot()[0].get_lines()
+    pyplot.close("all")
     with pytest.raises(ValueError, match=f"one of {', '.join(found.figures)}, got 'loop'"):
         found.plot("loop")
 
 
 def test_the_line_of_the_balance_takes_the_coefficient_that_is_given():
     given = identify(made(), PAPER.k, given={"c": 90.0}, approaches=["direct"], replicates=20)
-    *_, line = given.plot("balance").axes[0].get_lines()
+    *_, line = given.plot("balance")[0].get_lines()
     (_, end), heights = line.get_data()
     np.testing.assert_allclose(heights, [90.0, 90.0 + given.values["F_k"] * end], rtol=1e-12)
 
@@ -288,7 +299,7 @@ def test_the_averaged_cycle_lies_on_the_samples_whatever_the_zero_of_the_transdu
     channels = [records[1]["base_displacement"], Channel(x.quantity, x.t, x.values + 0.02)]
     records[1] = Measurement.of("with a zero of its own", channels)
     found = identify(records, PAPER.k, approaches=["direct"], replicates=20)
-    for reading, axes in zip(found.result.readings, found.plot("cycles").axes, strict=True):
+    for reading, axes in zip(found.result.readings, found.plot("cycles"), strict=True):
         dots, line = axes.get_lines()
         on_line = np.interp(dots.get_xdata(), line.get_xdata(), line.get_ydata(), period=360.0)
         # half a degree between the points of the line, and the noise

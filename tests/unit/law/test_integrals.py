@@ -11,13 +11,32 @@ import pytest
 from analytic.cases import SEVERAL_SLIPS, case
 from analytic.integrals import input_work, of_motion
 from dampbalance import BaseMotion, Oscillator, steady_orbit
-from dampbalance.balance import Rows
+from dampbalance.balance import Rows, unregister
 from dampbalance.law.response import law_orbit
-from dampbalance.law.terms import FRICTION, KNOWN_TERMS, of_harmonics
+from dampbalance.law.terms import FRICTION, KNOWN_TERMS, of_harmonics, register_term
 from dampbalance.solver import solve
 from paper_case import PAPER, motions_at
 
-OTHERS = tuple(symbol for symbol in KNOWN_TERMS if symbol != FRICTION)
+REGISTERED = {  # force, and units where they do not follow from it
+    "twice_cubed": (lambda v, w, k, omega: 2.0 * v**3, {}),
+    "to_base": (lambda v, w, k, omega: 2.0 * v - 0.5 * w, {}),
+    "of_k": (
+        lambda v, w, k, omega: k / omega * np.abs(v) ** 1.5 * v,
+        {"unit": "s^1.5/m^1.5", "integral_unit": "J m^1.5/s^1.5"},
+    ),
+}
+OTHERS = (*(symbol for symbol in KNOWN_TERMS if symbol != FRICTION), *REGISTERED)
+
+UNSMOOTH = ("c_2", "of_k")
+
+
+@pytest.fixture(scope="module", autouse=True)
+def registered():
+    for symbol, (force, units) in REGISTERED.items():
+        register_term(symbol, force, **units)
+    yield
+    for symbol in REGISTERED:
+        unregister(symbol)
 
 
 @pytest.mark.parametrize(
@@ -70,7 +89,16 @@ def test_the_harmonic_form_of_a_term_is_its_integral_of_a_harmonic_motion(symbol
     found = of_harmonics(symbol, n, x, n, np.array([[Y + 0j]]), omega, k)
     assert found.shape == (1,)
     # of 512 points; |cos|³ loses 1e-9
-    assert found[0] == pytest.approx(expected, rel=2e-9 if symbol == "c_2" else 1e-12)
+    assert found[0] == pytest.approx(expected, rel=2e-9 if symbol in UNSMOOTH else 1e-12)
+
+
+@pytest.mark.parametrize("symbol", OTHERS)
+def test_the_slope_of_a_term_is_that_of_its_force(symbol):
+    term, v, step = KNOWN_TERMS[symbol], np.array([-1.3, -0.2, 0.4, 2.0]), 1e-6
+    high, low = (term.force(v + side * step, 0.3, 300.0, 7.0) for side in (1.0, -1.0))
+    np.testing.assert_allclose(
+        term.slope(v, 0.3, 300.0, 7.0), (high - low) / (2.0 * step), rtol=1e-8
+    )
 
 
 @pytest.mark.parametrize("symbol", OTHERS)
@@ -90,7 +118,7 @@ def test_harmonics_of_any_motion_give_the_integral_of_its_velocity(symbol):
     found = of_harmonics(symbol, n, x, y_n, y, omega, k)
     size = 2.0 * math.pi / omega * np.mean(np.abs(power))
     # |ẋ|³ of six harmonics of one size, which no response has, loses 1.8e-7 at 512 points
-    tolerance = 1e-6 if symbol == "c_2" else 1e-12
+    tolerance = 1e-6 if symbol in UNSMOOTH else 1e-12
     np.testing.assert_allclose(found, expected, rtol=0, atol=tolerance * size)
 
 
@@ -116,7 +144,7 @@ def test_the_travel_of_friction_is_no_matter_of_harmonics():
         of_harmonics("F_k", n, n[None] + 0j, n, n[None] + 0j, 1.0, 1.0)
 
 
-@pytest.mark.parametrize("symbol", KNOWN_TERMS)
+@pytest.mark.parametrize("symbol", [*KNOWN_TERMS, "twice_cubed"])
 def test_a_coefficient_times_its_integral_is_an_energy(symbol):
     # lengths times 2, times times 3, masses times 5: a work becomes 5·2²/3² of itself, and a unit says how p does
     length, time, mass = 2.0, 3.0, 5.0

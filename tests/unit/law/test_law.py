@@ -7,9 +7,10 @@ import math
 import numpy as np
 import pytest
 
-from dampbalance.balance import Rows
+from dampbalance.balance import Rows, unregister
 from dampbalance.law.law import Law, law_of
-from dampbalance.law.terms import KNOWN_TERMS, in_order, named_with_unit, parted, term
+from dampbalance.law.terms import KNOWN_TERMS, in_order, parted, register_term, term
+from dampbalance.model import named_with_unit
 from dampbalance.solver import solve
 
 
@@ -38,6 +39,44 @@ def test_a_group_has_a_coefficient_of_its_own():
     assert [law.key("F_k", i) for i in range(3)] == ["F_k[250 g]", "F_k[350 g]", "F_k[250 g]"]
     assert law.key("c", 1) == "c"
     assert law.keys_of("F_k") == ("F_k[250 g]", "F_k[350 g]")
+
+
+@pytest.mark.parametrize(
+    ("symbol", "force", "message"),
+    [
+        ("c_2", lambda v, w, k, omega: v, "symbol 'c_2' is one of the package: choose another"),
+        ("a b", lambda v, w, k, omega: v, "must be a name of letters, digits and"),
+        ("p", lambda v: v, r"the force of p failed for arrays of shape \(1,\): TypeError"),
+        ("p", lambda v, w, k, omega: 1.0, r"a finite number for each velocity: .* the shape \(\)"),
+        ("p", lambda v, w, k, omega: v / 0.0, r"failed for arrays .*|must be a finite number"),
+        ("p", lambda v, w, k, omega: np.tanh(v), r"a positive number times \|v\|\^\(n-1\) v"),
+        ("p", lambda v, w, k, omega: v**2, r"a positive number times"),
+        ("p", lambda v, w, k, omega: -v, r"a positive number times"),
+        ("p", lambda v, w, k, omega: np.cbrt(v), r"with one n of at least 1"),
+        ("p", lambda v, w, k, omega: v**3 + w, r"or linear in v and w"),
+        ("p", lambda v, w, k, omega: k * v, "depends on k or omega: state unit and integral_unit"),
+    ],
+)
+def test_a_force_that_is_no_term_is_refused(symbol, force, message):
+    with np.errstate(all="ignore"), pytest.raises(ValueError, match=message):
+        register_term(symbol, force)
+    assert symbol not in ("p", "a b") or symbol not in KNOWN_TERMS
+
+
+def test_a_registered_term_is_replaced_when_asked_and_forgotten():
+    made = register_term("p", lambda v, w, k, omega: np.abs(v) ** 0.5 * v)
+    assert (made.order, made.unit, made.column) == (1.5, "N s^1.5/m^1.5", "p_N_s1.5_per_m1.5")
+    with pytest.raises(ValueError, match="'p' is registered already: add overwrite=True"):
+        register_term("p", lambda v, w, k, omega: v)
+    assert register_term("p", lambda v, w, k, omega: v, overwrite=True).linear
+    assert Law(("F_k", "p")).terms == ("F_k", "p")
+    unregister("p")
+    with pytest.raises(ValueError, match="'p' is no term and no approach that was registered"):
+        unregister("p")
+    with pytest.raises(ValueError, match="'c' is no term"):
+        unregister("c")
+    with pytest.raises(ValueError, match="unknown term 'p'"):
+        Law(("F_k", "p"))
 
 
 @pytest.mark.parametrize(

@@ -185,7 +185,7 @@ def test_numba_is_left_as_it_was(monkeypatch, tmp_path):
     assert config.CACHE_DIR == "somewhere"
 
 
-def in_words(chosen_folder, monkeypatch, capsys):
+def in_words(chosen_folder, monkeypatch, capsys, stream="err"):
     """What a process says that looks for the cache folder for the first time."""
     monkeypatch.setattr(dampbalance.motion.jit, "_cache_folder", chosen_folder)
     dampbalance.motion.jit._folder.cache_clear()
@@ -193,7 +193,7 @@ def in_words(chosen_folder, monkeypatch, capsys):
         dampbalance.motion.jit._folder()
     finally:
         dampbalance.motion.jit._folder.cache_clear()
-    return capsys.readouterr().err
+    return getattr(capsys.readouterr(), stream)
 
 
 def test_the_first_process_says_that_it_compiles(chosen_folder, monkeypatch, capsys):
@@ -202,6 +202,9 @@ def test_the_first_process_says_that_it_compiles(chosen_folder, monkeypatch, cap
     (chosen_folder() / "kernel").touch()
     assert in_words(chosen_folder, monkeypatch, capsys) == ""
     assert "again in every process" in in_words(lambda: None, monkeypatch, capsys)
+    # a notebook shows stderr in red
+    monkeypatch.setitem(sys.modules, "ipykernel", sys)
+    assert "again in every process" in in_words(lambda: None, monkeypatch, capsys, "out")
 
 
 def test_threads_share_one_dispatcher(monkeypatch):

@@ -9,10 +9,12 @@ import re
 
 import numpy as np
 import pytest
+from matplotlib import pyplot
 
 from analytic.cases import SEVERAL_SLIPS, case
 from dampbalance import BaseMotion, NoSteadyOrbit, Orbit, Oscillator, Regime, State, steady_orbit
 from dampbalance.motion.events import PHASE_S, PHASE_T, PHASE_Z
+from paper_case import PAPER
 
 CASES = [
     (0.6, 1.0, 90.0, 0.14),
@@ -257,3 +259,27 @@ def test_no_steady_orbit_is_an_error_that_names_the_case():
         NoSteadyOrbit, match=r"no steady orbit found for Oscillator\(m=1\.0, c=0\.0"
     ):
         steady_orbit(resonant, BaseMotion(Y=1.0, omega=2.0))
+
+
+@pytest.mark.parametrize("Y", [0.004, 0.0002])
+def test_it_shows_values_first_and_draws_itself(Y):
+    orbit = steady_orbit(PAPER, BaseMotion(Y, 22.0))
+    assert repr(orbit).startswith(f"Orbit  X = {orbit.X:.4g} m, φ = {orbit.phi:.4g} rad, W = ")
+    assert str(orbit.regime) in repr(orbit).splitlines()[0]
+    assert repr(PAPER) in repr(orbit)
+    assert f"{orbit.b:.6g}" in orbit._repr_html_()
+    (row,) = orbit.to_frame().to_dict("records")
+    assert (row["k_N_per_m"], row["X_m"], row["regime"]) == (PAPER.k, orbit.X, str(orbit.regime))
+    axes = orbit.plot("acceleration", "x", color="r")
+    whole, *stick = axes.get_lines()
+    assert {line.get_color() for line in (whole, *stick)} == {"r"}
+    x, acceleration = whole.get_data()
+    assert x.max() == pytest.approx(orbit.X, rel=1e-12)
+    assert acceleration[0] == pytest.approx(acceleration[-1], rel=1e-9)
+    assert len(stick) == 2
+    if orbit.regime is Regime.ONE_SLIP:  # the microstick line runs from −X to X_s
+        assert stick[0].get_xdata()[[0, -1]] == pytest.approx([-orbit.X, orbit.X_s], rel=1e-9)
+    assert orbit.plot(ax=axes) is axes
+    pyplot.close("all")
+    with pytest.raises(ValueError, match=r"quantity must be one of t, x, v, .* got 'force'"):
+        orbit.plot("force")

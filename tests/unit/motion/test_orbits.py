@@ -9,6 +9,7 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 from hypothesis import given, settings
+from matplotlib import pyplot
 
 from analytic.cases import SEVERAL_SLIPS, dimensions, drawn, orbit_of
 from dampbalance import (
@@ -20,7 +21,7 @@ from dampbalance import (
 from dampbalance.motion.orbits import _BLOCK
 from paper_case import PAPER
 
-NAMES = [field.name for field in dataclasses.fields(Orbits)]
+NAMES = [field.name for field in dataclasses.fields(Orbits) if field.name != "given"]
 MODEL = ("m", "c", "k", "K_z", "F_k")
 PAPER_CASE = {name: getattr(PAPER, name) for name in MODEL} | {"Y": 0.004, "omega": 30.9}
 
@@ -241,3 +242,47 @@ def test_arguments_are_named():
         steady_orbits(*PAPER_CASE.values())
     with pytest.raises(TypeError, match="omega"):
         steady_orbits(**{n: v for n, v in PAPER_CASE.items() if n != "omega"})
+
+
+AT_TWO_LEVELS = PAPER_CASE | {"Y": [[0.0002], [0.004]], "omega": [22.0, 31.0, 40.0]}
+
+
+def test_they_show_values_first_and_all_in_a_frame():
+    orbits = steady_orbits(**AT_TWO_LEVELS)
+    assert orbits.varied == ("Y", "omega")
+    first, second = repr(orbits).splitlines()[:2]
+    assert first == "Orbits  shape (2, 3)"
+    assert second.startswith(
+        f"    Y = 0.0002 m, omega = 22 rad/s:  X = {orbits.X[0, 0]:.4g} m, φ = "
+    )
+    assert second.endswith("no slip: the contact only sticks")
+    assert repr(orbits).endswith("… and 1 more")
+    frame = orbits.to_frame()
+    assert frame["Y_m"].tolist() == [0.0002] * 3 + [0.004] * 3
+    assert frame["omega_rad_per_s"].tolist() == [22.0, 31.0, 40.0] * 2
+    np.testing.assert_array_equal(frame["b_m2_per_s"], orbits.b.ravel())
+    assert frame["regime"].tolist() == [str(Regime(code)) for code in orbits.regime.ravel()]
+    assert f"{orbits.X[1, 2]:.6g}" in orbits._repr_html_()
+    assert repr(steady_orbits(**{**AT_TWO_LEVELS, "Y": [], "omega": 22.0})) == "Orbits  shape (0,)"
+
+
+def test_a_feature_is_drawn_against_what_varies():
+    orbits = steady_orbits(**AT_TWO_LEVELS)
+    axes = orbits.plot()  # the frequencies are more
+    assert axes.get_xlabel() == "omega (rad/s)"
+    for level, line in enumerate(axes.get_lines()):
+        np.testing.assert_array_equal(line.get_xydata().T, [[22.0, 31.0, 40.0], orbits.X[level]])
+    assert [text.get_text() for text in axes.get_legend().texts] == ["Y = 0.0002 m", "Y = 0.004 m"]
+    other = pyplot.figure().add_subplot()
+    assert orbits.plot("W", "Y", ax=other, color="r") is other
+    assert [line.get_color() for line in other.get_lines()] == ["r"] * 3
+    both = steady_orbits(**{**AT_TWO_LEVELS, "Y": [0.012, 0.004], "omega": [22.0, 31.0]})
+    (line,) = both.plot("X", "Y").get_lines()  # they vary together: one line, from left to right
+    np.testing.assert_array_equal(line.get_ydata(), both.X[::-1])
+    pyplot.close("all")
+    with pytest.raises(ValueError, match=r"feature must be one of X, .* got 'Q'"):
+        orbits.plot("Q")
+    with pytest.raises(ValueError, match="against must be one of Y, omega, got 'k'"):
+        orbits.plot("X", "k")
+    with pytest.raises(ValueError, match="nothing varies in these orbits: give arrays"):
+        steady_orbits(**{**AT_TWO_LEVELS, "Y": 0.004, "omega": 22.0}).plot()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from dampbalance.law.terms import named_with_unit
+from dampbalance.model import named_with_unit
 from dampbalance.records.units import (
     DIMENSIONS,
     UNITS,

@@ -9,7 +9,7 @@ from itertools import groupby
 from operator import getitem, itemgetter
 from typing import Any
 
-from ...law.terms import named_with_unit
+from ...model import named_with_unit
 from ...project.wording import MINUS, in_markdown, listed, markdown_table
 
 # The ending of the name of a key → the unit that it states, the longest endings first

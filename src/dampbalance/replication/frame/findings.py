@@ -32,7 +32,8 @@ from ...identification.forced import identify_readings
 from ...identification.loading import Loaded, load
 from ...identification.remarks import DIRECT
 from ...law.law import Law, law_of
-from ...law.terms import FRICTION, named_with_unit, term
+from ...law.terms import FRICTION, term
+from ...model import named_with_unit
 from ...reading.mean_harmonics import Reading, read_features
 from ...reading.turning import turning_points
 from ...records.measured import read_records

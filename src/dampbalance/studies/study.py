@@ -1,0 +1,245 @@
+"""Studies from Python: the keys, the checks and the numbers of a study's YAML file, without a file."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pandas as pd
+
+from ..arguments import names, shown, whole
+from ..model import UNITS, Oscillator, named_with_unit
+from ..records.errors import library
+from .axes import Listed
+from .evaluate import evaluate, responses_of
+from .parameters import follow_terms
+from .settings import PAPER, Study
+from .sizes import columns_of
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+_DEEPEST = 20  # as in a file
+_OF_NAMES = ("approaches", "phases", "sharing", "contact", "weights", "yardsticks", "fits")
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class StudyResult:
+    """The cases of a study; what `study` returns. It shows itself as its `summary`.
+
+    settings : what was studied.   cases : the table of cases, as `to_frame` gives it.
+    """
+
+    settings: Study
+    cases: pd.DataFrame
+
+    def to_frame(self) -> pd.DataFrame:
+        """A row for each case: the axes, the parameters in SI units, the regime, and for each way to identify F_k and c
+        what `columns` asks for, such as F_k_relative_error__X_s__reversal__individual__least_squares."""
+        return self.cases.copy()
+
+    @cached_property
+    def responses(self) -> pd.DataFrame:
+        """A row for each case and level: the axes, the level counted from 1 and the features of the response, X_m,
+        X_s_m, phi_rad, W_J and so on. They are computed when they are first asked for; noisy ones are the same as those
+        from which the errors come."""
+        return responses_of(self.settings, 0, self.settings.cases)
+
+    @property
+    def summary(self) -> pd.DataFrame:
+        """A row for each way to identify: the median and the largest size of the relative errors of each coefficient
+        over the cases that have one, and the share of these."""
+        rows = {}
+        for fit in self.settings.fits:
+            row: dict[str, float] = {}
+            for symbol in fit.identified:
+                if (errors := self.cases.get(f"{symbol}_relative_error__{fit.label}")) is not None:
+                    size = errors.abs()
+                    row |= {f"{symbol} median": size.median(), f"{symbol} largest": size.max()}
+                    row.setdefault("identified", size.notna().mean())
+            rows[fit.label] = row
+        return pd.DataFrame.from_dict(rows, orient="index").rename_axis("fit")
+
+    def to_xarray(self) -> xr.Dataset:
+        """The same as a data set of xarray, which has to be installed: errors over the axes and the dimension `fit`,
+        responses over the axes and the dimension `level`.
+
+        Axes that are varied together share the dimension of the first of them; a sample has a dimension of its own.
+        """
+        xarray = _installed("xarray", "to_xarray needs the package xarray: use to_frame instead")
+        study, described = self.settings, {c.name: c for c in columns_of(self.settings)}
+        sizes: dict[str, int] = {}
+        coords: dict[str, Any] = {}
+        for number, block in enumerate(study.blocks, start=1):
+            dimension = block.names[0] if isinstance(block, Listed) else f"sample_{number}"
+            sizes[dimension] = block.count
+            points = block.at(np.arange(block.count))
+            coords |= {name: (dimension, of) for name, of in points.items()}
+        shape, dims = tuple(sizes.values()), tuple(sizes)
+        coords["fit"], coords["level"] = (
+            [f.label for f in study.fits],
+            np.arange(len(study.levels)) + 1,
+        )
+        data: dict[str, Any] = {}
+        for name in self.cases.columns.difference(["case", *study.axis_names], sort=False):
+            quantity, _, label = name.partition("__")
+            column, values = described[name], self.cases[name].to_numpy().reshape(shape)
+            about = {"units": column.unit, "long_name": column.meaning.partition(";")[0]}
+            if not label:
+                data[quantity] = dims, values, about
+                continue
+            if quantity not in data:
+                empty = np.full((*shape, len(study.fits)), np.nan)
+                data[quantity] = (*dims, "fit"), empty, about
+            data[quantity][1][..., coords["fit"].index(label)] = values
+        if study.route.approaches:
+            of_levels = self.responses.drop(columns=["case", "level", *study.axis_names])
+            for name in of_levels.columns:
+                values = of_levels[name].to_numpy().reshape(*shape, len(study.levels))
+                data[f"response_{name}" if name in data else name] = (*dims, "level"), values
+        return xarray.Dataset(data, coords)
+
+    def __repr__(self) -> str:
+        """What was studied, and the summary."""
+        return f"{self._head}\n{self.summary.to_string(float_format='{:.3g}'.format)}"
+
+    def _repr_html_(self) -> str:
+        """The same as a table."""
+        return f"<p>{self._head}</p>{self.summary.to_html(float_format='{:.3g}'.format)}"
+
+    @property
+    def _head(self) -> str:
+        study = self.settings
+        over = ", ".join(study.axis_names)
+        return f"Study over {over}: {study.cases:,} cases of {len(study.levels)} levels; sizes of relative errors"
+
+
+def study(
+    axes: Mapping[str, Any] | Sequence[Mapping[str, Any]],
+    *,
+    base: Mapping[str, float] | Oscillator | None = None,
+    levels_m: Sequence[float] | None = None,
+    levels_of_Y: Sequence[float] | None = None,
+    estimation: Mapping[str, Any] | None = None,
+    route: Mapping[str, Any] | str | None = None,
+    read_out: Mapping[str, Any] | None = None,
+    columns: Sequence[str] | str | None = None,
+    threads: int | None = None,
+) -> StudyResult:
+    """How well approaches identify F_k and c, over any parameters of the oscillator, the excitation or the noise.
+
+    Use it to find out how far the method holds for a system like yours, or to try an approach of your own
+    (`register_approach`). The arguments are the keys of a study's YAML file, with the same meaning, defaults and
+    checks; take a file for a study with a figure and a text, on many cores, or larger than memory. What is left out is
+    the paper's.
+
+    axes : name of a parameter → its values, an array or a list, or a range {"from": 0.4, "to": 2.6, "count": 50,
+    "spacing": "log"}; the cases are their product. Or a list of blocks as in the file: axes that are in one block vary
+    together, and {"sample": {...}} is a sample of a box.
+    base : parameters that no axis sets, or an oscillator.
+    levels_m, levels_of_Y : amplitudes of the base at the levels, m, or as multiples of Y_m.
+    estimation : how F_k and c are identified: approaches, phases, sharing, contact, fits, terms, ...; a name alone
+    stands for a list of one.
+    route : where the responses come from, {"kind": "measured", "sampling_hz": 1000, "noise": 0.01, "seed": 0}; a name
+    alone is its kind; default, the exact solution, a million orbits in a second.
+    read_out : rules by which features are rounded.
+    columns : what the table holds of each fit: parameters, errors, estimates, residuals, intervals.
+    threads : for exact responses; default, the cores that this process may use.
+
+    Raises ConfigurationError, a ValueError, that names every argument that is wrong, and what would be right.
+
+    >>> import numpy as np
+    >>> from dampbalance import study
+    >>> studied = study({"frequency_hz": [3.5, 4.92, 11.1]}, estimation={"approaches": ["X_s", "fourier"]})
+    >>> errors = studied.to_frame()["F_k_relative_error__X_s__reversal__individual__least_squares"]
+    >>> [f"{100 * error:+.1f} %" for error in errors]
+    ['-16.2 %', '+0.7 %', '+11.8 %']
+    >>> studied.responses[["frequency_hz", "level", "Y_m", "X_m"]].round(6).head(2).values.tolist()
+    [[3.5, 1.0, 0.004, 0.003387], [3.5, 2.0, 0.006, 0.005411]]
+    """
+    for package in ("jsonschema", "yaml"):
+        library(package, "a study")
+    from ..project.documents import ConfigurationError, in_lines, read_schema
+    from .checking import MOST_NUMBERS, SCHEMA, problems
+
+    given = {
+        **{"axes": axes, "base": base, "levels_m": levels_m, "levels_of_Y": levels_of_Y},
+        **{"estimation": estimation, "route": route, "read_out": read_out, "columns": columns},
+    }
+    stated = {key: value for key, value in given.items() if value is not None or key == "axes"}
+    document, schema = {"title": "study()", **_document(stated)}, read_schema(SCHEMA)
+    if registered := follow_terms():
+        schema = _with_terms(schema, registered)
+    if wrong := list(problems(document, schema, PAPER)):
+        if isinstance(axes, Mapping):  # whose blocks have no number
+            wrong = [(key[:1] + key[2:] if key[0] == "axes" else key, text) for key, text in wrong]
+        raise ConfigurationError(in_lines(wrong, {"study()": document}))
+    settings = Study.of("study", document, PAPER)
+    if (size := settings.cases * len(columns_of(settings))) > MOST_NUMBERS:
+        raise ConfigurationError(
+            f"study(): axes: {settings.cases:,} cases with {size // settings.cases} columns do not fit in memory; "
+            "take fewer, or let the workflow run a file of config/studies"
+        )
+    cores = None if threads is None else whole("threads", threads)
+    return StudyResult(settings, evaluate(settings, 0, settings.cases, cores))
+
+
+def _with_terms(schema: Any, registered: Sequence[str]) -> Any:
+    """The schema with the coefficients of registered terms as parameters, wherever it has that of a known one."""
+    if isinstance(schema, list):
+        return [_with_terms(of, registered) for of in schema]
+    if not isinstance(schema, dict):
+        return schema
+    copy = {key: _with_terms(of, registered) for key, of in schema.items()}
+    return copy | dict.fromkeys(registered, copy["eta"]) if "eta" in copy else copy
+
+
+def _document(given: Mapping[str, Any]) -> dict[str, Any]:
+    """The arguments as the document of a YAML file: plain values, and lists where a name alone stands for one."""
+    document: dict[str, Any] = _plain(given)
+    axes = document["axes"]
+    if isinstance(axes, dict):
+        axes = [{name: of} for name, of in axes.items()]
+    for block in axes if isinstance(axes, list) else ():
+        if isinstance(block, dict):
+            block |= {name: {"values": of} for name, of in block.items() if isinstance(of, list)}
+    document["axes"] = axes
+    if isinstance(document.get("route"), str):
+        document["route"] = {"kind": document["route"]}
+    estimation = document.get("estimation")
+    for section, key in ((document, "columns"), *((estimation, key) for key in _OF_NAMES)):
+        if isinstance(section, dict) and isinstance(section.get(key), str):
+            section[key] = list(names(key, section[key]))
+    if isinstance(estimation, dict) and isinstance(terms := estimation.get("terms"), str | list):
+        laws = [terms] if isinstance(terms, str) else terms
+        estimation["terms"] = [list(names("terms", x)) if isinstance(x, str) else x for x in laws]
+    return document
+
+
+def _plain(value: Any, depth: int = 0) -> Any:
+    """A value as a YAML file would hold it; what none can hold is text, which the schema refuses."""
+    if depth > _DEEPEST:
+        raise ValueError(f"study(): more than {_DEEPEST} lists and mappings inside each other")
+    if isinstance(value, Oscillator):
+        numbers = asdict(value).items()
+        return {named_with_unit(name, UNITS[name]): number for name, number in numbers}
+    if hasattr(value, "tolist") and not isinstance(value, type):
+        return _plain(value.tolist(), depth + 1)
+    if isinstance(value, Mapping):
+        return {str(key): _plain(of, depth + 1) for key, of in value.items()}
+    if isinstance(value, list | tuple | range):
+        return [_plain(of, depth + 1) for of in value]
+    return value if isinstance(value, str | int | float | None) else shown(value)
+
+
+def _installed(package: str, otherwise: str) -> Any:
+    """A module that is not needed elsewhere. Raises ValueError where it is not installed."""
+    from importlib import import_module
+
+    try:
+        return import_module(package)
+    except ImportError:
+        raise ValueError(f"{otherwise}; or install {package}") from None
