@@ -514,11 +514,3 @@ def test_the_fit_takes_a_base_acceleration_and_any_answer(response, tmp_path, ca
         unit, true = truth()[symbol]
         error = fit[f"{symbol}_standard_error_{unit}"]
         assert abs(fit[f"{symbol}_{unit}"] - true) < 4.0 * error < 0.04 * true
-
-
-def test_the_worked_example_shows_what_its_records_give(capsys):
-    assert main(["identify", *RECORDS, "--stiffness", "2310"]) == 0
-    said = capsys.readouterr().out
-    shown = (EXAMPLE / "README.md").read_text(encoding="utf-8").split("```")
-    (table,) = [part.strip() for part in shown if "maximum likelihood " in part]
-    assert table in said

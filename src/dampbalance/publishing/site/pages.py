@@ -30,6 +30,8 @@ _LINK = re.compile(
     r"(`+)(?:(?!\1).)+?\1|(?P<before>(?P<picture>!?)\[[^\[\]]*\]\()(?P<target>[^()\s]+)\)",
     re.DOTALL,
 )
+_PATH = re.compile(r"\[`[^`]*[/.][^`]*`\]\(")  # a link under the name of a file or folder
+_PAGE = re.compile(r"[^:]*\.md(?:#.*)?")
 _NOT_IN_AN_ANCHOR = re.compile(r"[^\w\- ]")
 
 
@@ -92,13 +94,16 @@ def of_project(text: str, folder: str) -> str:
 def relinked(text: str, new: Callable[[str, bool], str]) -> str:
     """A text with the target of every link and picture replaced, except in code.
 
+    A link to a page under the name of a file or folder, which a reader of the page may not have, takes the page's title.
     new : (target, whether the target is a picture) → new target.
     """
 
     def replaced(link: re.Match[str]) -> str:
         if not link["target"]:
             return link[0]
-        return f"{link['before']}{new(link['target'], bool(link['picture']))})"
+        target = new(link["target"], bool(link["picture"]))
+        titled = _PAGE.fullmatch(target) and _PATH.fullmatch(link["before"])
+        return f"{'[](' if titled else link['before']}{target})"
 
     blocks = (
         (in_code, "".join(line for _, line in lines))
