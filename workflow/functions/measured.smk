@@ -4,7 +4,7 @@ import glob
 from dampbalance.project.documents import refuse
 from dampbalance.records.errors import RecordError
 from dampbalance.records.mapping import mapping_file, mapping_for, parts_of
-from dampbalance.identification.batch import ESTIMATES, SUMMARY as OVERVIEW, summarise
+from dampbalance.identification.batch import OVERVIEW, SUMMARY as SET_SUMMARY, summarise
 from dampbalance.identification.measured import of_forced_only
 from dampbalance.identification.outputs import outputs_of
 from dampbalance.law.law import law_of
@@ -13,6 +13,7 @@ MEASURED = {one["name"]: {**one} for one in config.get("measured") or []}
 for one in MEASURED.values():
     if one.get("mapping"):
         one["mapping"] = named_file(one["mapping"])
+PLACES = {name: one.get("at") for name, one in MEASURED.items()}
 MEASURED_FILES = f"{RESULTS}/measured"
 FROM = "from the folder of the run or of the project on"
 
@@ -44,8 +45,8 @@ def overview_with_failures():
     """Write and return what became of each set when some could not be identified; the next run makes it anew."""
     folder = Path(placed(MEASURED_FILES))
     folder.mkdir(parents=True, exist_ok=True)
-    text = summarise(folder, failures())
-    for name in (ESTIMATES, OVERVIEW):
+    text = summarise(folder, failures(), PLACES)
+    for name in OVERVIEW:
         os.utime(folder / name, (0, 0))
     return text
 

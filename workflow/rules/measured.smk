@@ -45,12 +45,13 @@ rule measured:
     output:
         csv=f"{MEASURED_FILES}/identification.csv",
         summary=f"{MEASURED_FILES}/summary.txt",
+        report=f"{MEASURED_FILES}/report.html",
     log:
         log_file("measured"),
     conda:
         ENVIRONMENT
     params:
-        names=list(MEASURED),
+        at=PLACES,
     message:
         "Estimates of all sets of records"
     script:

@@ -12,9 +12,9 @@ from ..arguments import MOST_REPLICATES
 from ..balance import APPROACHES
 from ..features import Phase
 from ..identification.forced import REPLICATES, SEED
-from ..identification.outputs import ALL_PICTURES, OUTPUTS, TABLES, require_room
+from ..identification.outputs import ALL_PICTURES, OUTPUTS, REPORT, TABLES, require_room
 from ..law.terms import KNOWN_TERMS
-from ..project.files import json_text, write_json
+from ..project.files import json_text, write_json, write_text
 from ..project.wording import shortened
 from ..records.errors import LARGEST
 from .options import coefficients, count, number, whole, with_error
@@ -53,6 +53,8 @@ records         a file, one per level; as many as there are coefficients, or mor
 --output        write {", ".join(OUTPUTS)} there
 --no-figures    write no pictures: they take longer than all the rest
 --json          write {TABLES[0]} to this file, too; - shows it instead of the table
+--report        write the report, one page of HTML with everything, to this file
+--sets          a YAML file that lists sets of records, each with its settings: each gets a folder of --output, all one page
 --overwrite     replace results that are there already
 """
 
@@ -61,6 +63,13 @@ _SCREEN = Path("-")
 
 def run(options: argparse.Namespace) -> None:
     """Identify, show the table or the document, write the results."""
+    if options.sets is not None:
+        _run_sets(options)
+        return
+    missing = [n for n in ("records", "--stiffness") if not getattr(options, n.strip("-"))]
+    if missing:
+        names = ", ".join(missing).replace("records", "RECORD")
+        raise ValueError(f"the following arguments are required: {names}")
     from ..identification.measured import identify  # slow to import, not needed for help
 
     folder: Path | None = options.output
@@ -70,8 +79,8 @@ def run(options: argparse.Namespace) -> None:
     permission = "" if options.overwrite else "--overwrite"
     if folder is not None:
         require_room(folder, (*TABLES, *ALL_PICTURES), permission)
-    if document is not None:
-        require_room(document.parent, [document.name], permission)
+    for file in filter(None, (document, options.report)):
+        require_room(file.parent, [file.name], permission)
     result = identify(
         options.records,
         options.stiffness,
@@ -98,9 +107,33 @@ def run(options: argparse.Namespace) -> None:
     if folder is not None:
         files = result.save(folder, figures=not options.no_figures, overwrite=options.overwrite)
         places.append(f"{folder}: {', '.join(file.name for file in files)}")
+    if options.report is not None:
+        drawn = folder is not None and not options.no_figures
+        text = (folder / REPORT).read_text(encoding="utf-8") if drawn else result.report()
+        write_text(options.report, text)
+        places.append(str(options.report))
     if places:
         said = f"\nWritten to {'; '.join(places)}."
         print(said, file=sys.stderr if shown_as_json else sys.stdout)
+
+
+def _run_sets(options: argparse.Namespace) -> None:
+    """Identify several sets, and show their table; ValueError where one of them failed."""
+    from ..identification.batch import OVERVIEW, identify_sets  # slow to import, not needed for help
+
+    taken = ("--sets", "--output", "--overwrite", "--largest")
+    for name, of in _OPTIONS.items():
+        given = getattr(options, name.strip("-").replace("-", "_"))
+        if given and given != of.get("default") and name not in taken:
+            raise ValueError(f"--sets takes all settings from its file: leave out {name}")
+    if options.output is None:
+        raise ValueError("--sets needs --output, the folder for the results of all sets")
+    text, failed = identify_sets(
+        options.sets, options.output, overwrite=options.overwrite, largest=options.largest
+    )
+    print(f"{text}\nWritten to {options.output}: {', '.join(OVERVIEW)}, and a folder for each set.")
+    if failed:
+        raise ValueError(f"{failed} of the sets could not be identified; the table says why")
 
 
 def _labels(text: str) -> tuple[str, str]:
@@ -125,9 +158,9 @@ def _once(named: Iterable[tuple[str, Any]], option: str) -> dict[str, Any]:
 
 _SEVERAL: dict[str, Any] = {"action": "append", "default": []}
 _OPTIONS: dict[str, dict[str, Any]] = {
-    "records": {"nargs": "+", "type": Path, "metavar": "RECORD"},
+    "records": {"nargs": "*", "type": Path, "metavar": "RECORD"},
     "--kind": {"choices": ("forced", "ring-down"), "default": "recognised"},
-    "--stiffness": {"type": with_error, "required": True, "metavar": "K"},
+    "--stiffness": {"type": with_error, "metavar": "K"},
     "--frequency": {"type": number(1e-9, 1e9), "metavar": "HZ"},
     "--terms": {"metavar": "TERMS"},
     "--given": {"type": coefficients, **_SEVERAL, "metavar": "TERM=VALUE"},
@@ -144,6 +177,8 @@ _OPTIONS: dict[str, dict[str, Any]] = {
     "--output": {"type": Path, "metavar": "DIR"},
     "--no-figures": {"action": "store_true"},
     "--json": {"type": Path, "metavar": "FILE"},
+    "--report": {"type": Path, "metavar": "FILE"},
+    "--sets": {"type": Path, "metavar": "FILE"},
     "--overwrite": {"action": "store_true"},
 }
 ARGUMENTS = {

@@ -1,66 +1,281 @@
-"""Several sets of records, identified one by one: their estimates in one table, and what became of each."""
+"""Several sets of records, identified one by one: their estimates in one table, on one page, and what became of each."""
 
 from __future__ import annotations
 
+import difflib
+import glob
+import hashlib
+import json
 import math
-from collections.abc import Mapping
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from datetime import date
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import pandas as pd
 
-from ..project.files import read_csv, write_csv, write_text
-from .answer import Interval, ParameterEstimate, Verdict, column
-from .outputs import TABLES
+from .. import __version__
+from ..project.files import read_csv, sha256, write_csv, write_text
+from ..project.troubles import trouble
+from ..project.wording import in_html, listed, number, shortened
+from ..records.errors import LARGEST, library
+from ..records.mapping import mapping_file, mapping_for, parts_of
+from .answer import USABLE, Interval, ParameterEstimate, Verdict, column, unit_of
+from .measured import SETTINGS, configured, identify
+from .outputs import COMPLETE, REPORT, TABLES, outputs_of, require_room
 from .screen import aligned, headed, in_one, with_interval
 
 ESTIMATES, SUMMARY = TABLES[1], TABLES[3]
+OVERVIEW = (ESTIMATES, SUMMARY, REPORT)
 """Names of the files of a set, and of those of all sets."""
 
 _VERDICT = "_verdict"
 
 
-def summarise(folder: Path, errors: Mapping[str, str]) -> str:
-    """Write the estimates of all sets as one table, and as text a line for each set; return the text.
+def read_sets(file: str | Path) -> list[dict[str, Any]]:
+    """The sets of records that a YAML file lists under `measured`, as a configuration of the workflow does.
+
+    Raises ValueError naming file, set, key and remedy.
+    """
+    library("yaml", "a list of sets")
+    library("jsonschema", "a list of sets")
+    from ..project.documents import read_yaml
+
+    document = read_yaml(file)
+    sets = document.get("measured") if isinstance(document, Mapping) else None
+    example = "measured: [{name: steady, records: [level*.csv], stiffness_N_per_m: 2310}]"
+    if not isinstance(sets, list) or not sets:
+        raise ValueError(f"{file}: lists no sets of records; give at least one, as in {example}")
+    for i, one in enumerate(sets):
+        if not isinstance(one, Mapping):
+            raise ValueError(f"{file}: measured[{i}] is no set; give keys, as in {example}")
+        name = one.get("name")
+        if not isinstance(name, str) or Path(name).name != name or name.startswith("."):
+            raise ValueError(f"{file}: measured[{i}].name names a folder; got {shortened(name)}")
+        for key in one:
+            if key not in SETTINGS:
+                near = difflib.get_close_matches(str(key), SETTINGS, n=1)
+                raise ValueError(
+                    f"{file}: {key} of the set {name} is not known"
+                    + (f" (did you mean {near[0]}?)" if near else f"; known: {', '.join(SETTINGS)}")
+                )
+        for key in ("records", "stiffness_N_per_m"):
+            if one.get(key) in (None, []):
+                raise ValueError(f"{file}: the set {name} has no {key}; add it")
+    names = [one["name"].casefold() for one in sets]
+    if len(set(names)) < len(names):
+        raise ValueError(f"{file}: two sets have the same name, capital or small; rename one")
+    return [dict(one) for one in sets]
+
+
+def identify_sets(
+    file: str | Path, folder: str | Path, *, overwrite: bool = False, largest: int = LARGEST
+) -> tuple[str, int]:
+    """Identify all sets of a file, each into a folder of its name; return the table of all, and how many failed.
+
+    A set that cannot be identified keeps no other from it, and stands with its error in table and page. One whose
+    records and settings are those of its results is not identified again.
+
+    file : as for `read_sets`; records and mappings are looked for from the present folder on, then from that of the
+    file.   folder : for the results.   overwrite : whether results of other settings or records may be replaced.
+
+    Raises ValueError for a file that lists no sets, and where nothing can be written.
+    """
+    sets, folder, root = read_sets(file), Path(folder), Path(file).parent
+    require_room(folder, (), "")
+    errors: dict[str, str] = {}
+    for one in sets:
+        try:
+            _identify_set(one, root, folder / one["name"], overwrite, largest)
+            errors[one["name"]] = ""
+        except (ValueError, ArithmeticError, OSError) as error:
+            errors[one["name"]] = " ".join((trouble(error) or str(error)).split("\n"))
+    text = summarise(folder, errors, {one["name"]: one.get("at") for one in sets})
+    return text, sum(map(bool, errors.values()))
+
+
+def _identify_set(
+    one: Mapping[str, Any], root: Path, folder: Path, overwrite: bool, largest: int
+) -> None:
+    patterns = one["records"] if isinstance(one["records"], list) else [one["records"]]
+    records = list(dict.fromkeys(f for pattern in patterns for f in _matching(pattern, root)))
+    settings = {"largest": largest} | configured(one)
+    if mapping := settings.get("mapping"):
+        settings["mapping"] = mapping if Path(mapping).exists() else str(root / mapping)
+    mapping = settings.get("mapping")
+    of_mapping = {mapping_file(record, mapping) for record in records} - {None}
+    parts = {part for record in records for part in parts_of(record, mapping_for(record, mapping))}
+    used = [*records, *sorted({str(path) for path in of_mapping | parts} - {*records})]
+    made_of = [__version__, settings, [(path, sha256(path)) for path in used]]
+    digest = hashlib.sha256(json.dumps(made_of, default=str).encode()).hexdigest()
+    mark = folder / COMPLETE
+    files = [folder / name for name in outputs_of(settings["kind"])]
+    same = mark.is_file() and mark.read_text(encoding="utf-8").strip() == digest
+    if same and all(path.is_file() for path in files):
+        return
+    require_room(folder, TABLES, "" if overwrite or same else "--overwrite")
+    result = identify(records, **settings)
+    mark.unlink(missing_ok=True)
+    result.save(folder, overwrite=True)
+    write_text(mark, digest + "\n")
+
+
+def _matching(pattern: str, root: Path) -> list[str]:
+    """The records that a pattern finds, sorted; ValueError for none."""
+    if Path(pattern).is_file():  # whatever brackets its name has
+        return [pattern]
+    found = glob.glob(pattern) or [
+        os.path.join(root, name) for name in glob.glob(pattern, root_dir=root)
+    ]
+    files = sorted(name for name in found if not name.endswith((".yaml", ".md")))
+    if not files:
+        raise ValueError(f"no file {pattern}: name files, or a pattern, from here or from {root} on")
+    return files
+
+
+def summarise(
+    folder: Path, errors: Mapping[str, str], at: Mapping[str, Any] | None = None
+) -> str:
+    """Write the estimates of all sets as one table, as text a line for each set, and a page; return the text.
 
     folder : with one of its name for each set that is identified.   errors : set → why it could not be identified,
-    empty where it was.
+    empty where it was.   at : set → date or load that it belongs to, by which sets are put in order and drawn.
     """
-    parts, table, failed = [], [], {name: error for name, error in errors.items() if error}
-    for name, error in errors.items():
+    stated = {name: (at or {}).get(name) for name in errors}
+    places, dated = _places(stated)
+    order = sorted(errors, key=places.__getitem__) if places else list(errors)
+    parts, table, failed = [], [], {name: errors[name] for name in order if errors[name]}
+    for name in order:
+        error = errors[name]
         one = pd.DataFrame({"error": [error]}) if error else read_csv(folder / name / ESTIMATES)
         one.insert(0, "set", name)
+        if any(of is not None for of in stated.values()):
+            one.insert(1, "at", "" if stated[name] is None else str(stated[name]))
         parts.append(one)
     every = pd.concat(parts, ignore_index=True)
     every["error"] = every.pop("error") if failed else ""
     symbols = [str(head).removesuffix(_VERDICT) for head in every if str(head).endswith(_VERDICT)]
     symbols.sort(key=lambda symbol: symbol == "K_z")  # the contact last
-    for row in every.groupby("set", sort=False).head(1).to_dict("records"):
+    first = every.groupby("set", sort=False).head(1).to_dict("records")
+    shown = ["at"] * ("at" in every)
+    for row in first:
         found = row["set"] not in failed
         cells = [_cell(row, symbol) if found else "–" for symbol in symbols]
-        words_of = {symbol: row.get(symbol + _VERDICT) for symbol in symbols}
-        verdicts = {s: Verdict(word, "") for s, word in words_of.items() if isinstance(word, str)}
-        words = in_one(verdicts) if found else "not identified"
-        table.append([row["set"], row["approach"] if found else "–", *cells, words])
+        words = in_one(_verdicts(row, symbols)) if found else "not identified"
+        of_set = [str(row[name]) for name in ("set", *shown)]
+        table.append([*of_set, row["approach"] if found else "–", *cells, words])
+    heads = ["set", *shown, "answer", *map(headed, symbols), "verdict"]
     count = len(errors) - len(failed)
-    lines = [
-        f"{count} of {len(errors)} sets of records identified in {folder}; the answer to use of each:",
-        "",
-    ]
-    lines += aligned([["set", "answer", *map(headed, symbols), "verdict"], *table])
+    head = f"{count} of {len(errors)} sets of records identified"
+    lines = [f"{head} in {folder}; the answer to use of each:", "", *aligned([heads, *table])]
     lines += ["", *(f"{name}: {error}" for name, error in failed.items())] if failed else []
     text = "\n".join(lines) + "\n"
     write_csv(folder / ESTIMATES, every)
     write_text(folder / SUMMARY, text)
+    estimates = {symbol: _of_sets(first, symbol) for symbol in symbols}
+    drawing = ""
+    if symbols:
+        from ..figures.style import save_svg  # slow to import
+        from .pictures import sets
+
+        with TemporaryDirectory() as own:
+            svg = Path(own) / "sets.svg"
+            save_svg(sets(order, estimates, places, dated), svg)
+            drawing = svg.read_text(encoding="utf-8")
+    write_text(folder / REPORT, _page(head, [heads, *table], failed, estimates, drawing))
     return text
+
+
+def _places(at: Mapping[str, Any]) -> tuple[dict[str, float], bool]:
+    """Numbers, or days, that sets belong to, and whether they are days; none where one of them is neither."""
+
+    def day(text: str) -> float:
+        return float(date.fromisoformat(text).toordinal())
+
+    for reading in (float, day):
+        try:
+            return {name: reading(str(of)) for name, of in at.items()}, reading is day
+        except ValueError:
+            continue
+    return {}, False
+
+
+def _page(
+    head: str,
+    table: Sequence[Sequence[str]],
+    failed: Mapping[str, str],
+    estimates: Mapping[str, Mapping[str, tuple[ParameterEstimate, str]]],
+    drawing: str,
+) -> str:
+    """The page that compares the sets."""
+    from . import report  # slow to import, as it knows the colours of pictures
+
+    heads, *rows = table
+    linked = (
+        [in_html(name) if name in failed else f'<a href="{name}/{REPORT}">{in_html(name)}</a>']
+        + [*map(in_html, cells)]
+        for name, *cells in rows
+    )
+    lead = f"{head}" + (f"; not identified: {listed([*failed])}" if failed else "")
+    agree = [*_agreement(estimates)]
+    return report.page(
+        "Friction and damping of several sets of records",
+        [
+            report.paragraph(f"{lead}.", f"lead {'doubtful' if failed else USABLE}"),
+            report.table(heads, linked, "The answer to use of each set, with 95 % intervals."),
+            *report.bulleted("Not identified", [f"{n}: {error}" for n, error in failed.items()]),
+            *report.bulleted("Whether the sets agree", agree),
+            report.figure(drawing, "Values of all sets with 95 % intervals.", head) * bool(drawing),
+        ],
+    )
+
+
+def _agreement(
+    estimates: Mapping[str, Mapping[str, tuple[ParameterEstimate, str]]],
+) -> Iterator[str]:
+    """For each number whether one value lies in the intervals of all sets."""
+    for symbol, of_sets in estimates.items():
+        ends = [p.interval for p, _ in of_sets.values() if math.isfinite(p.interval.low)]
+        if len(ends) < 2:
+            continue
+        low, high = max(end.low for end in ends), min(end.high for end in ends)
+        unit = unit_of(symbol)
+        if low <= high:
+            upper = f"{number(low, 4)} to {number(high, 4)}" if math.isfinite(high) else ""
+            yield f"{symbol}: the intervals of all sets have {upper or 'values'} {unit} in common"
+        else:
+            yield (
+                f"{symbol}: the sets differ by more than their intervals show; no value from {number(high, 4)} to "
+                f"{number(low, 4)} {unit} lies in all of them"
+            )
+
+
+def _of_sets(
+    rows: Sequence[Mapping[Any, Any]], symbol: str
+) -> dict[str, tuple[ParameterEstimate, str]]:
+    """Set → a number and the verdict on it, for the sets that have one."""
+    known = ((row, _verdicts(row, [symbol])) for row in rows)
+    return {row["set"]: (_parameter(row, symbol), of[symbol].verdict) for row, of in known if of}
+
+
+def _verdicts(row: Mapping[Any, Any], symbols: Sequence[str]) -> dict[str, Verdict]:
+    words = {symbol: row.get(symbol + _VERDICT) for symbol in symbols}
+    return {s: Verdict(word, "") for s, word in words.items() if isinstance(word, str) and word}
 
 
 def _cell(row: Mapping[Any, Any], symbol: str) -> str:
     """A value with its interval; a dash where the answer has none."""
+    return with_interval(_parameter(row, symbol))
+
+
+def _parameter(row: Mapping[Any, Any], symbol: str) -> ParameterEstimate:
+    """A number of a row of the table of estimates."""
     value, low, high = (
         float(row.get(column(symbol, end), math.nan)) for end in ("", "_low", "_high")
     )
     high = (
         math.inf if math.isnan(high) and math.isfinite(low) else high
     )  # an open end is empty in the table
-    return with_interval(ParameterEstimate(value, math.nan, math.nan, Interval(low, high)))
+    return ParameterEstimate(value, math.nan, math.nan, Interval(low, high))

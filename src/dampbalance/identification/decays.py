@@ -27,12 +27,13 @@ from ..reading.ringdown_bursts import NoDecay, Signal, noise_of
 from ..reading.ringdown_fit import COMMON, RingFit, fit_decays, with_noise_of
 from ..reading.ringdown_laws import Departure, departures
 from ..reading.ringdown_minima import minima_of, with_intervals
-from ..reading.ringdown_rows import RingRows, W, at_rest, rows_of
+from ..reading.ringdown_rows import RingRows, A, W, at_rest, rows_of
 from ..reading.ringdown_search import fit_all, separate_fits
 from ..records.measurement import EXCITATIONS, RESPONSES, Channel, Measurement
 from ..solver import NORMAL_95, solve
 from .answer import (
     CONFIDENCE,
+    SHAPE,
     UNKNOWN,
     Answer,
     Balance,
@@ -43,6 +44,7 @@ from .answer import (
     normal,
 )
 from .decay_laws import compare_decay_laws, condition_of, doubt_of
+from .equivalents import Level
 from .outcome import Outcome, Picture
 from .remarks import forbidden
 from .screen import implied
@@ -55,6 +57,7 @@ _ORDERS = {quantity: order for order, quantity in enumerate(RESPONSES)}
 _CHANCE = 1e-4  # probability of a misfit in noise, below which there is another reason
 _MASS_OFF = 4.0  # standard errors
 _LIGHTER = 1e-2  # of a mass that is given: small enough for first order, large compared with where a climb ends
+_SWINGS = 6  # of a decay whose equivalent damping is listed
 # half cycles, and K_z/k, below which a motion that does not fit shows no contact
 _FEWEST, _LOOSE = 2, 1e-2
 
@@ -117,6 +120,21 @@ class DecayOutcome(Outcome):
             for (t, x), error in zip(turns, errors, strict=True)
         ]
 
+    @property
+    def levels(self) -> list[Level]:
+        """Swings of each decay, spread over it: what half a cycle between two turns loses, twice. The first, which
+        begins at no turn, and the last, which may end in sticking, are left out."""
+        F_k, rows = next(iter(self.answers.values())).values["F_k"], self.half_cycles
+        levels = []
+        for i, (turns, _) in enumerate(rows.turns):
+            of = rows.columns[rows.decay == i]
+            for n in [] if len(of) < 3 else np.unique(np.linspace(1, len(of) - 2, _SWINGS).round().astype(int)):
+                (start, x_a), (end, x_b) = turns[n : n + 2]
+                X, omega = 0.5 * abs(x_b - x_a), math.pi / (end - start)
+                name = f"decay {i + 1} at {start:.3g} s"
+                levels.append(Level(name, X, omega, 2.0 * of[n, W], 2.0 * F_k * of[n, A]))
+        return levels
+
     def shifts(
         self, faults: Mapping[str, Fault], names: Collection[str]
     ) -> dict[str, dict[str, dict[str, float]]]:
@@ -143,10 +161,14 @@ class DecayOutcome(Outcome):
 
     @property
     def pictures(self) -> dict[str, Picture]:
-        """decays : each with the motion fitted to it."""
+        """decays : each with the motion fitted to it.   balance : rows of the half cycles, and what they leave."""
         count = len(self.fit.decays)
         words = f"{count} free decays with the motion fitted to them, their turns and the residual"
-        return {"decays": Picture(words, (self.fit, self.half_cycles.turns))}
+        of_rows = "energy that the law takes of each half cycle against what is lost, and the residuals"
+        return {
+            "decays": Picture(words, (self.fit, self.half_cycles.turns)),
+            "balance": Picture(of_rows, (self.answers, False)),
+        }
 
 
 def _counted(n: int, what: str) -> str:
@@ -346,7 +368,7 @@ def _solved(
     balance = Balance(
         Rows(rows.terms, rows.columns[:, W]),
         np.sqrt(np.diag(rows.covariance)),
-        tuple("shape" if i is None else f"decay {i}" for i in numbers),
+        tuple(SHAPE if i is None else f"decay {i}" for i in numbers),
         {"decay": numbers},
     )
     answer = Answer(

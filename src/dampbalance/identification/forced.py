@@ -19,7 +19,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from operator import itemgetter
 from typing import Any
 
@@ -46,14 +46,15 @@ from .answer import (
     ParameterEstimate,
     covariance_of,
 )
+from .equivalents import Level
 from .law_rows import LawRows
 from .loading import Loaded
 from .microstick import Microstick, Sample, Samples, microstick, read_samples
 from .oscillator import JointFit, joined, joint_fit
 from .outcome import Outcome, Picture
-from .remarks import DIRECT, agreement, limits, with_notes
+from .remarks import DIRECT, agreement, with_notes
 from .screen import implied, with_error
-from .sensitivities import FAULTS, Fault, sensitivities, shifts_of_fit
+from .sensitivities import Fault, sensitivities, shifts_of_fit
 
 REPLICATES = 1000
 SEED = 2010
@@ -83,9 +84,8 @@ class ForcedOutcome(Outcome):
     loaded: tuple[Loaded, ...] = ()
 
     def findings(self) -> dict[str, Any]:
-        """Comparison of laws, microstick line, features of each record, effect of faults, and limits."""
+        """Comparison of laws, microstick line, features of each record."""
         line = self.microstick
-        of, effects = self.sensitivities()
         return {
             **({} if self.laws is None else {"laws": self.laws.document()}),
             "microstick": {
@@ -95,22 +95,24 @@ class ForcedOutcome(Outcome):
                 "upper_bound_m": line.bound,
             },
             "records": [self._record(i) for i in range(len(self.readings))],
-            "sensitivities_of": of,
-            "sensitivities": {
-                name: {"fault": FAULTS[name].words}
-                | {f"{symbol}_percent": 100.0 * change for symbol, change in changes.items()}
-                for name, changes in effects.items()
-            },
-            "limits": [asdict(limit) for limit in limits(self.answers, self.warnings)],
         }
 
-    def sensitivities(self) -> tuple[str | None, dict[str, dict[str, float]]]:
-        """Name of the answer to use first, and what each of `FAULTS` does to it, fault → symbol → number;
-        the next answer where that is the fit, and it does not describe the waveforms."""
-        for name in self.answers:
-            if changes := self.shifts(FAULTS, [name]).get(name):
-                return name, changes
-        return None, {}
+    @property
+    def levels(self) -> list[Level]:
+        """A cycle of each record that has an input work."""
+        of, a = self.features, self.features.a
+        values = next(iter(self.answers.values())).values
+        return [
+            Level(
+                reading.steady.source,
+                float(of.X[i]),
+                reading.steady.omega,
+                float(of.W[i]),
+                values.get(self.law.key(FRICTION, i), self.law.given.get(FRICTION, math.nan))
+                * float(a[i]),
+            )
+            for i, reading in enumerate(self.readings)
+        ]
 
     def shifts(
         self, faults: Mapping[str, Fault], names: Collection[str]
@@ -156,16 +158,34 @@ class ForcedOutcome(Outcome):
             for i, reading in enumerate(self.readings)
         ]
 
+    def _damping(self) -> list[dict[str, float]]:
+        """Of each record the coefficients of all terms but friction that are known, SI."""
+        values = {**next(iter(self.answers.values())).values, **self.law.given}
+        keys = [
+            {s: self.law.key(s, i) for s in self.law.terms if s != FRICTION}
+            for i in range(len(self.readings))
+        ]
+        return [
+            {s: values[key] for s, key in of.items() if math.isfinite(values.get(key, math.nan))}
+            for of in keys
+        ]
+
     @property
     def pictures(self) -> dict[str, Picture]:
-        """cycles : each record folded onto one cycle.   loops : acceleration against displacement.   balance : its rows
-        and what they leave."""
+        """cycles : each record folded onto one cycle.   friction : friction force against displacement.   loops :
+        acceleration against displacement.   balance : its rows and what they leave."""
         count, two = len(self.readings), set(self.law.keys) == {"F_k", "c"}
+        fit = None if self.joint.linear else self.joint.fit
         line = "on a line of slope F_k" if two else "on the line where the law takes the input work"
         return {
             "cycles": Picture(
-                f"{count} records folded onto one cycle of the drive, with their averaged cycle",
-                (self.loaded, self.readings),
+                f"{count} records folded onto one cycle of the drive, with their averaged cycle, the fitted one and "
+                "what it leaves of the samples",
+                (self.loaded, self.readings, fit),
+            ),
+            "friction": Picture(
+                f"friction force against displacement of {count} records, with the loop of the fitted oscillator",
+                (self.loaded, self.readings, self.k, self._damping(), fit),
             ),
             "loops": Picture(
                 f"acceleration against displacement of {count} records, with the fitted microstick lines",

@@ -8,6 +8,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 from .. import __version__
@@ -18,7 +19,7 @@ from ..records.measured import MeasuredRecord
 from . import screen
 from .answer import Answer, Interval, Verdict, unit_of
 from .outcome import Outcome, document, estimates_table
-from .outputs import ALL_PICTURES, TABLES, pictures_of, require_room
+from .outputs import ALL_PICTURES, REPORT, TABLES, pictures_of, require_room
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -153,26 +154,47 @@ class Identified:
         folder = path("folder", folder, "the path of a folder")
         remedy = "" if flag("overwrite", overwrite) else "overwrite=True"
         require_room(folder, (*TABLES, *ALL_PICTURES), remedy)
-        pictures = pictures_of(self.figures) if flag("figures", figures) else ()
+        pictures = (*pictures_of(self.figures), REPORT) if flag("figures", figures) else ()
         for name in set(ALL_PICTURES) - set(pictures):
             (folder / name).unlink(missing_ok=True)
         if figures:
-            self._save_figures(folder)
+            drawings = self._save_figures(folder)
+            write_text(folder / REPORT, self._report(drawings))
         write_rows(folder / "identification.csv", estimates_table(self.result))
         write_rows(folder / "features.csv", self.result.features_table())
         write_text(folder / "summary.txt", self.text())
         write_json(folder / "identification.json", self.document())
         return [folder / name for name in (*TABLES, *pictures)]
 
+    def report(self) -> str:
+        """The report as one page of HTML that needs no other file: verdict, numbers, pictures, what limits the answer
+        and what to do next, damping of each level, effect of faults, settings. Use it to hand a result to others;
+        `save` writes it as report.html."""
+        with TemporaryDirectory() as folder:
+            return self._report(self._save_figures(Path(folder), png=False))
+
     @interpreted(calls=QUICK)
-    def _save_figures(self, folder: Path) -> None:
-        from ..figures.style import save  # slow to import, and needed for pictures only
+    def _report(self, drawings: Mapping[str, str]) -> str:
+        from .report import report  # slow to import, as it knows the colours of pictures
+
+        return report(self.result, self.document(), drawings)
+
+    @interpreted(calls=QUICK)
+    def _save_figures(self, folder: Path, png: bool = True) -> dict[str, str]:
+        """Write the pictures, and give each as SVG."""
+        from ..figures.style import save, save_svg  # slow to import, and needed for pictures only
         from .pictures import DPI
 
+        drawings = {}
         for name, picture in self.result.pictures.items():
-            svg, png = (folder / file for file in pictures_of([name]))
+            svg, other = (folder / file for file in pictures_of([name]))
             with _lacking_glyphs():
-                save(self.result.draw(name), svg, png, picture.words, DPI)
+                if png:
+                    save(self.result.draw(name), svg, other, picture.words, DPI)
+                else:
+                    save_svg(self.result.draw(name), svg, picture.words)
+            drawings[name] = svg.read_text(encoding="utf-8")
+        return drawings
 
     def __repr__(self) -> str:
         """The table for a screen."""

@@ -10,7 +10,7 @@ from ..reading.conditioning import condition_blocks
 from ..reading.frequency import stands_still
 from ..reading.mean_harmonics import Reading, read_features
 from ..records.measured import MeasuredRecord
-from ..records.measurement import EXCITATIONS
+from ..records.measurement import EXCITATIONS, Correction
 from ..records.readers import open_channels
 
 EXCERPT = 16_384  # leading samples of each channel that are kept for plots
@@ -22,7 +22,8 @@ class NotDriven(ValueError):
 
 @dataclass(frozen=True, eq=False)
 class Loaded:
-    """A record, its features, and its leading samples (t, values) by quantity, s and SI units, for pictures."""
+    """A record, its features, and its leading samples (t, values) by quantity, s and SI units, with known
+    gains and delays taken off, for pictures."""
 
     record: MeasuredRecord
     reading: Reading
@@ -70,5 +71,10 @@ def load(
         steady = reading.steady
         first = {q: (measurement[q].t, measurement[q].values) for q in measurement}
     reading = Reading(replace(steady, warnings=(*record.warnings, *steady.warnings)))
-    excerpt = {q: (t[:EXCERPT], values[:EXCERPT]) for q, (t, values) in first.items()}
+    excerpt = {}
+    for q, (t, values) in first.items():
+        own = measurement[q].correction if measurement is not None else None
+        rule = record.rules.channels.get(q)
+        known = own or (rule.correction if rule else None) or Correction()
+        excerpt[q] = t[:EXCERPT] - known.delay, values[:EXCERPT] / known.gain
     return Loaded(record, reading, excerpt)

@@ -166,7 +166,16 @@ _FORCED_DEFAULTS: dict[str, object] = {
 """Options that free decays do not take, with their defaults."""
 
 _CONFIGURED = {"stiffness_N_per_m": "stiffness", "mass_kg": "mass", "frequency_hz": "frequency"}
-_OF_THE_WORKFLOW = ("name", "records")
+_OF_THE_WORKFLOW = ("name", "records", "at")
+SETTINGS = (
+    *_OF_THE_WORKFLOW,
+    "kind",
+    *_OF_K_AND_M,
+    "frequency_hz",
+    *("terms", "given", "groups", "laws", "approaches", "phase"),
+    *("mapping", "skip_cycles", "replicates", "seed", "largest"),
+)
+"""Keys of a set of records in a configuration."""
 
 
 def of_forced_only(settings: Mapping[str, Any]) -> list[str]:

@@ -8,20 +8,20 @@ import itertools
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 from ..project.files import plain
 from ..project.wording import Remark
 from .answer import REFERENCE, USABLE, Answer, ParameterEstimate, column
+from .equivalents import Level, damping_ratio, of_level
 from .law_comparison import LawComparison
-from .remarks import doubted
+from .remarks import doubted, limits
+from .sensitivities import FAULTS, Fault
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-    from .sensitivities import Fault
 
 
 class Picture(NamedTuple):
@@ -86,6 +86,11 @@ class Outcome(ABC):
 
     @property
     @abstractmethod
+    def levels(self) -> list[Level]:
+        """Cycles of the motion, what each loses: of each forced record, or of swings of a free decay."""
+
+    @property
+    @abstractmethod
     def pictures(self) -> dict[str, Picture]:
         """The pictures by name, the most telling first."""
 
@@ -95,6 +100,23 @@ class Outcome(ABC):
     ) -> dict[str, dict[str, dict[str, float]]]:
         """By which part of themselves faults change the numbers of answers of these names, to first order: name of the
         answer → fault → symbol, "m" for the mass."""
+
+    def sensitivities(self) -> tuple[str | None, dict[str, dict[str, float]]]:
+        """Name of the answer to use first, and what each of `FAULTS` that acts does to it, fault → symbol → number; the
+        next answer where that is the fit, and it does not describe the waveforms."""
+        for name in self.answers:
+            if changes := self.shifts(FAULTS, [name]).get(name):
+                return name, {fault: of for fault, of in changes.items() if any(of.values())}
+        return None, {}
+
+    def damping(self) -> dict[str, Any]:
+        """Mass and damping ratio of the answer, and the equivalent measures of each level, for the document."""
+        m = math.nan if self.reference is None else self.reference.merit.get("m_kg", math.nan)
+        c = next(iter(self.answers.values())).values.get("c", math.nan)
+        return {
+            "damping_ratio": damping_ratio(c, self.k, m),
+            "levels": [of_level(level, self.k, m) for level in self.levels],
+        }
 
     def draw(self, name: str) -> Figure:
         """One of the pictures."""
@@ -129,6 +151,7 @@ def document(
     answers, findings = {n: _entries(a) for n, a in outcome.answers.items()}, outcome.findings()
     for record, file in zip(findings["records"], files, strict=bool(files)):
         record |= file
+    of, effects = outcome.sensitivities()
     everything = {
         "dampbalance": version,
         **outcome.kind,
@@ -139,6 +162,14 @@ def document(
         "approaches": {name: answers[name] for name in outcome.estimates},
         "maximum_likelihood": answers.get(REFERENCE),
         **findings,
+        "damping": outcome.damping(),
+        "sensitivities_of": of,
+        "sensitivities": {
+            name: {"fault": FAULTS[name].words}
+            | {f"{symbol}_percent": 100.0 * change for symbol, change in changes.items()}
+            for name, changes in effects.items()
+        },
+        "limits": [asdict(limit) for limit in limits(outcome.answers, outcome.warnings)],
         "warnings": list(outcome.warnings),
     }
     return plain(everything)

@@ -10,24 +10,37 @@ TABLES = ("identification.json", "identification.csv", "features.csv", "summary.
 """The document with everything; the estimates; the features; the table of the screen."""
 
 
+REPORT = "report.html"
+"""All of it on a page, for a reader: of a set of records, or of several sets."""
+
+COMPLETE = ".complete"
+"""Mark of a set among several whose results are complete."""
+
+
 def pictures_of(figures: Iterable[str]) -> tuple[str, ...]:
     """The files of figures of those names."""
     return tuple(f"{name}.{suffix}" for name in figures for suffix in ("svg", "png"))
 
 
-PICTURES = {"forced": ("cycles", "loops", "balance"), "ring-down": ("decays",)}
+PICTURES = {
+    "forced": ("cycles", "friction", "loops", "balance"),
+    "ring-down": ("decays", "balance"),
+}
 """The pictures of each kind of records."""
 
 
 def outputs_of(kind: str) -> tuple[str, ...]:
     """The files that an identification of records of a kind is written to."""
-    return (*TABLES, *pictures_of(PICTURES[kind]))
+    return (*TABLES, *pictures_of(PICTURES[kind]), REPORT)
 
 
 OUTPUTS = outputs_of("forced")
 
-ALL_PICTURES = pictures_of(name for names in PICTURES.values() for name in names)
-"""The files of the pictures of any kind of records."""
+ALL_PICTURES = (
+    *pictures_of(dict.fromkeys(name for names in PICTURES.values() for name in names)),
+    REPORT,
+)
+"""The files that show pictures of any kind of records."""
 
 
 def require_room(folder: Path, names: Iterable[str], permission: str) -> None:

@@ -1,10 +1,13 @@
-"""Pictures of an identification: of forced records the averaged cycles, the loops with the microstick lines, and the
-rows of the balance; of free decays each decay with the motion fitted to it."""
+"""Pictures of an identification: of forced records the averaged cycles with the fit, the friction loops, the loops of
+the acceleration with the microstick lines, and the rows of the balance; of free decays each decay with the motion
+fitted to it, and the rows. One panel takes the whole width, more of them share it.
+"""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from datetime import date
 from typing import Any
 
 import numpy as np
@@ -14,11 +17,23 @@ from matplotlib.ticker import MaxNLocator
 
 from ..arrays import Array
 from ..figures.looks import in_maths, label_of, look_of
-from ..figures.style import DOUBLE_COLUMN, FAINT, SLIP, STICK, page, place, styled
+from ..figures.style import (
+    DASHED,
+    DOTTED,
+    DOUBLE_COLUMN,
+    FAINT,
+    SLIP,
+    STICK,
+    page,
+    place,
+    styled,
+)
+from ..law.terms import term
 from ..project.wording import cut
 from ..reading.mean_harmonics import Reading
 from ..reading.ringdown_fit import COMMON, RingFit
-from .answer import Answer
+from ..reading.waveforms import WaveformFit
+from .answer import SHAPE, USABLE, Answer, ParameterEstimate, unit_of
 from .loading import Loaded
 from .microstick import Microstick
 
@@ -32,18 +47,25 @@ _SHOWN = {  # quantity → (symbol, factor, unit, column of the averaged cycle)
 }
 _LONGEST_TITLE = 60  # characters
 _MOST_DECAYS = 24  # panels
-_BOTTOM, _TOP = 11.0, 7.0  # mm
+_BOTTOM, _TOP = 18.0, 7.0  # mm
+_HIGHER = {1: 1.6, 2: 1.3, 3: 1.0}  # panels abreast → how much higher each is
+_FINE = 2880  # points of a cycle: its corners are between two of them
+_AT_REST = 1.5  # periods of rest that are shown after the motion
 _DOTS: dict[str, Any] = {"color": FAINT, "markersize": 1.0, "rasterized": True}
 
 
 @styled()
-def cycles(loaded: Sequence[Loaded], readings: Sequence[Reading]) -> Figure:
-    """Each record folded onto one cycle of the drive (dots), and its averaged cycle (line), a panel per record.
+def cycles(
+    loaded: Sequence[Loaded], readings: Sequence[Reading], fit: WaveformFit | None = None
+) -> Figure:
+    """Each record folded onto one cycle of the drive (dots), its averaged cycle (line), and that of the fitted
+    oscillator (dashes); below, what the fit leaves of the samples, over the standard deviation of the noise. Without a
+    fit, what the averaged cycle leaves. A panel per record.
 
     Of several response channels the sharpest is shown. The phase is that of the base, whose peak is at 0.
     """
-    figure, panels = _panels_of_records(loaded, "phase of the drive (°)")
-    for one, reading, axes in zip(loaded, readings, panels, strict=True):
+    figure, panels = _panels_of_records(loaded, "phase of the drive (°)", below=9.0)
+    for i, (one, reading, (axes, below)) in enumerate(zip(loaded, readings, panels, strict=True)):
         steady = reading.steady
         quantity = next(q for q in reversed(_SHOWN) if q in one.excerpt)
         symbol, factor, unit, column = _SHOWN[quantity]
@@ -51,17 +73,74 @@ def cycles(loaded: Sequence[Loaded], readings: Sequence[Reading]) -> Figure:
         kept = _thinned(t.size)
         base = float(np.angle(steady.mean(steady.Y)[1]))
         theta = (steady.omega * (t[kept] - steady.start) + base) % (2.0 * math.pi)
-        axes.plot(np.degrees(theta), factor * values[kept], ".", **_DOTS)
-        averaged = reading.averaged_cycle()
+        axes.plot(np.degrees(theta), factor * values[kept], ".", label="samples", **_DOTS)
+        averaged = reading.averaged_cycle(_FINE)
         # an averaged cycle has no mean, the zero of a transducer has
         channel = steady.channels[quantity]
         level = float(np.average(channel.coefficients[:, 0].real, weights=channel.weights))
-        line = factor * (averaged[column] + level)
-        axes.plot(np.degrees(averaged["phase"]), line, color=STICK)
-        axes.set_xlim(0.0, 360.0)
-        axes.set_xticks([0, 90, 180, 270, 360])
+        degrees, model = np.degrees(averaged["phase"]), averaged
+        axes.plot(degrees, factor * (averaged[column] + level), color=STICK, label="averaged cycle")
+        if fit is not None:
+            model = reading.fitted_cycle(fit.waveforms[i], _FINE)
+            line = factor * (model[column] + level)
+            axes.plot(degrees, line, color=SLIP, linestyle=DASHED, label="fitted oscillator")
+        expected = np.interp(theta, averaged["phase"], model[column] + level, period=2.0 * math.pi)
+        left = (values[kept] - expected) / (steady.noise_rms[quantity] or math.nan)
+        _residual(below, np.degrees(theta), left)
+        for frame in (axes, below):
+            frame.set_xlim(0.0, 360.0)
+            frame.set_xticks([0, 90, 180, 270, 360])
+        axes.set_xticklabels([])
         axes.set_ylabel(f"${symbol}$ ({unit})", labelpad=1.0)
-    return figure
+    return _explained(figure, panels)
+
+
+@styled()
+def friction(
+    loaded: Sequence[Loaded],
+    readings: Sequence[Reading],
+    k: float,
+    laws: Sequence[Mapping[str, float]],
+    fit: WaveformFit | None = None,
+) -> Figure:
+    """Friction force against displacement, a panel per record: what the averaged cycle leaves of the forces,
+
+        f = k(y − x) − mẍ − Σ p_j h_j(ẋ, ẏ)
+
+    (line), the loop K_z z of the fitted oscillator (dashes), and where it begins to slip (dots).
+
+    The mass is that of the fit. Without one it is ∮ k(y − x)ẍ dt / ∮ ẍ² dt, exact for a contact that does not yield:
+    neither a force of constant size against ẋ nor one in proportion to ẋ correlates with ẍ over a cycle.
+
+    laws : of each record, symbol → coefficient of the terms beside friction, SI.
+    """
+    figure, panels = _panels_of_records(loaded, "$x$ (mm)")
+    for i, (reading, (axes, _)) in enumerate(zip(readings, panels, strict=True)):
+        cycle = reading.averaged_cycle()
+        spring, acceleration = k * (cycle["y"] - cycle["x"]), cycle["acceleration"]
+        m = spring @ acceleration / (acceleration @ acceleration) if fit is None else fit.m
+        omega = reading.steady.omega
+        forces = [
+            p * force(cycle["v"], cycle["w"], k, omega)
+            for symbol, p in laws[i].items()
+            if (force := term(symbol).force) is not None
+        ]
+        left = spring - m * acceleration - sum(forces, np.zeros_like(spring))
+        x = 1e3 * np.append(cycle["x"], cycle["x"][0])
+        axes.plot(x, np.append(left, left[0]), color=SLIP, label="from the record")
+        if fit is not None:
+            orbit = fit.responses[i].orbit
+            state = orbit.state(np.linspace(0.0, orbit.motion.period, _FINE))
+            look: dict[str, Any] = {"color": STICK, "linestyle": DASHED}
+            K_z, F_k = orbit.oscillator.K_z, orbit.oscillator.F_k
+            axes.plot(1e3 * state.x, K_z * state.z, label="fitted oscillator", **look)
+            ends = 1e3 * orbit.X_s * np.array([1.0, -1.0])
+            axes.plot(
+                ends, [F_k, -F_k], "o", color=STICK, markersize=3.0, label="onset of slip"
+            )
+        axes.set_ylabel("$f$ (N)", labelpad=1.0)
+        axes.margins(0.08)
+    return _explained(figure, panels)
 
 
 @styled()
@@ -72,23 +151,26 @@ def loops(loaded: Sequence[Loaded], readings: Sequence[Reading], shared: Microst
     has the length `shared` by all records; where that is not resolved, no line is drawn.
     """
     figure, panels = _panels_of_records(loaded, "$x$ (mm)")
-    for reading, axes in zip(readings, panels, strict=True):
+    for reading, (axes, _) in zip(readings, panels, strict=True):
         cycle = reading.averaged_cycle()
         x, acceleration = 1e3 * cycle["x"], cycle["acceleration"]
-        axes.plot(np.append(x, x[0]), np.append(acceleration, acceleration[0]), color=SLIP)
+        whole = np.append(x, x[0]), np.append(acceleration, acceleration[0])
+        axes.plot(*whole, color=SLIP, label="averaged cycle")
         waveform = reading.waveform
         if shared.resolved and waveform is not None:
             osc, X = waveform.response.orbit.oscillator, 1e3 * waveform.response.X
             length = 1e3 * shared.length
             drop = (osc.k * shared.length + 2.0 * osc.F_k) / osc.m
             start = float(acceleration[int(np.argmin(x))])  # at the reversal
-            for sign in (1.0, -1.0):
-                line = sign * np.array([[-X, length - X], [start, start - drop]])
-                axes.plot(*line, color=STICK)
-                axes.plot(*line[:, 1], "o", color=STICK, markersize=2.5)
+            line = np.array([[-X, length - X], [start, start - drop]])
+            # forward and backward, with a gap between them
+            both = np.concatenate([line, np.full((2, 1), np.nan), -line], axis=1)
+            axes.plot(*both, color=STICK, label="microstick line")
+            ends = both[:, [1, -1]]
+            axes.plot(*ends, "o", color=STICK, markersize=2.5, label="onset of slip")
         axes.set_ylabel(r"$\ddot x$ (m/s²)", labelpad=1.0)
         axes.margins(0.08)
-    return figure
+    return _explained(figure, panels)
 
 
 @styled()
@@ -101,15 +183,14 @@ def balance(answers: Mapping[str, Answer], two: bool) -> Figure:
 
     two : whether the law has F_k and c, and nothing else.
     """
-    figure = page(DOUBLE_COLUMN, 78.0)
+    figure = page(DOUBLE_COLUMN, 74.0)
     left, right = place(figure, 17.0, 20.0, 68.0, 50.0), place(figure, 107.0, 20.0, 70.0, 50.0)
-    for axes in (left, right):
-        axes.set_title("", y=1.0)
     checks = {name: answer for name, answer in answers.items() if answer.balance is not None}
     (best, first), check = next(iter(answers.items())), next(iter(checks.values()))
     for index, (name, answer) in enumerate(checks.items()):
         assert answer.balance is not None
-        rows, usable, off = answer.balance.rows, answer.balance.rows.usable, answer.row_misfit
+        rows, off = answer.balance.rows, answer.row_misfit
+        usable = rows.usable & [of != SHAPE for of in answer.balance.names]
         look = look_of(name)
         marks: dict[str, Any] = {"color": look.colour, "fillstyle": "none"}
         marks["label"] = in_maths(label_of(name))
@@ -134,7 +215,7 @@ def balance(answers: Mapping[str, Answer], two: bool) -> Figure:
     left.set_xlabel("$a/b$ (s/m)" if two else "$W$ (J)")
     left.set_ylabel("$W/b$ (N s/m)" if two else "energy lost, by the law (J)")
     right.axhline(0.0, color=FAINT, linewidth=0.6, zorder=0)
-    right.set_xlabel("record")
+    right.set_xlabel("row")
     right.set_ylabel("residual / standard deviation")
     right.xaxis.set_major_locator(MaxNLocator(integer=True))
     largest = max((abs(v) for v in right.get_ylim()), default=1.0)
@@ -158,23 +239,97 @@ def decays(fit: RingFit, turns: Sequence[tuple[Array, Array]]) -> Figure:
     for i, one in enumerate(shown):
         (axes, below), (signal, residual) = panels[i], last_channel[i]
         symbol, factor, unit, _ = _SHOWN[signal.quantity]
-        kept = _thinned(signal.t.size)
-        t = signal.t[kept]
-        axes.plot(t, factor * signal.values[kept], ".", **_DOTS)
-        model = signal.values + residual * signal.noise
-        axes.plot(t, factor * model[kept], color=SLIP, linewidth=0.6)
+        # as long as the mass moves, and a little of its rest
+        end = min(one.end, one.start + fit.sticks_from(i) + _AT_REST * one.period)
+        seen = signal.t <= end
+        t, values, residual = (of[seen] for of in (signal.t, signal.values, residual))
+        kept = _thinned(t.size)
+        axes.plot(t[kept], factor * values[kept], ".", label="samples", **_DOTS)
+        model = values + residual * signal.noise
+        look: dict[str, Any] = {"color": SLIP, "linewidth": 0.6, "label": "fitted oscillator"}
+        axes.plot(t[kept], factor * model[kept], **look)
         if signal.order == 0:
             t_turn, x_turn = turns[i][0].T
             x = factor * (x_turn + float(fit.point[len(COMMON) + signal.offset]))
-            axes.plot(t_turn, x, "o", color=STICK, markersize=2.5, fillstyle="none")
-        below.plot(t, residual[kept], ".", **_DOTS)
-        below.axhline(0.0, color=SLIP, linewidth=0.6)
+            rings: dict[str, Any] = {"markersize": 2.5, "fillstyle": "none", "label": "turns"}
+            axes.plot(t_turn, x, "o", color=STICK, **rings)
+        _residual(below, t[kept], residual[kept])
         for frame in (axes, below):
-            frame.set_xlim(one.start, one.end)
+            frame.set_xlim(one.start, end)
         axes.set_xticklabels([])
         axes.set_ylabel(f"${symbol}$ ({unit})", labelpad=1.0)
         below.set_xlabel("$t$ (s)", labelpad=1.0)
-    return figure
+    return _explained(figure, panels)
+
+
+@styled()
+def sets(
+    names: Sequence[str],
+    estimates: Mapping[str, Mapping[str, tuple[ParameterEstimate, str]]],
+    places: Mapping[str, float],
+    dated: bool,
+) -> Figure:
+    """The numbers of several sets of records side by side, a panel per number: value and interval of 95 %, filled where
+    it is usable; a dotted line where a set was not identified.
+
+    names : of all sets.   estimates : symbol → set → (number, verdict), of those that were identified.   places : of
+    the sets on an axis of loads or dates; empty where they stand one below the other by name.   dated : whether places
+    are days.
+    """
+    count, beside = len(names), bool(places)
+    at = places or {name: float(-i) for i, name in enumerate(names)}
+    wide = 0.0 if beside else min(40.0, 1.6 * max(map(len, names)))
+    across = min(3, len(estimates))
+    pitch, tall = (DOUBLE_COLUMN - wide) / across, 45.0 if beside else 10.0 + 6.0 * count
+    rows = math.ceil(len(estimates) / across)
+    figure = page(DOUBLE_COLUMN, rows * (tall + 14.0) + 18.0)
+    panels = []
+    for n, (symbol, of_sets) in enumerate(estimates.items()):
+        row, column = divmod(n, across)
+        left, bottom = wide + 14.0 * beside + 3.0 + pitch * column, 24.0 + (rows - 1 - row) * (tall + 14.0)
+        axes = place(figure, left, bottom, pitch - 7.0 - 11.0 * beside, tall)
+        for name in names:
+            p, verdict = of_sets.get(name, (None, ""))
+            if p is None or not math.isfinite(p.interval.low):
+                (axes.axvline if beside else axes.axhline)(
+                    at[name], color=FAINT, linestyle=DOTTED, label="no value"
+                )
+                continue
+            ends = [p.interval.low, p.interval.high if math.isfinite(p.interval.high) else p.value]
+            if not math.isfinite(p.value):  # a lower limit
+                ends, value = [p.interval.low] * 2, p.interval.low
+                look, marker = "lower limit", "^" if beside else ">"
+            else:
+                value, marker = p.value, "o"
+                look = "usable" if verdict == USABLE else "doubtful"
+            colour = SLIP if look == "usable" else STICK
+            error = np.abs(np.array(ends) - value)[:, None]
+            error = np.where(np.isfinite(error), error, 0.0)
+            marks: dict[str, Any] = {"fmt": marker, "color": colour, "capsize": 2.0, "label": look}
+            marks["fillstyle"] = "full" if look == "usable" else "none"
+            if beside:
+                axes.errorbar([at[name]], [value], yerr=error, **marks)
+            else:
+                axes.errorbar([value], [at[name]], xerr=error, **marks)
+        label = in_maths(symbol) + (f" ({unit_of(symbol)})" if unit_of(symbol) else "")
+        if beside:
+            axes.set_ylabel(label)
+            axes.margins(x=0.12)
+            if dated:
+                days = sorted(set(at.values()))
+                shown = days[:: math.ceil(len(days) / 4)]
+                axes.set_xticks(shown, [date.fromordinal(int(day)).isoformat() for day in shown])
+                axes.tick_params(axis="x", rotation=20)
+            else:
+                axes.set_xlabel("at")
+        else:
+            axes.set_xlabel(label)
+            axes.set_ylim(-count + 0.4, 0.6)
+            heads = [cut(name, 26) for name in names] if not column else [""] * count
+            axes.set_yticks([at[name] for name in names], heads, parse_math=False)
+        axes.xaxis.set_major_locator(axes.xaxis.get_major_locator() if dated else MaxNLocator(4))
+        panels.append((axes, axes))
+    return _explained(figure, panels)
 
 
 def _thinned(size: int) -> slice:
@@ -182,27 +337,59 @@ def _thinned(size: int) -> slice:
     return slice(None, None, max(1, size // _POINTS))
 
 
-def _panels_of_records(loaded: Sequence[Loaded], xlabel: str) -> tuple[Figure, list[Axes]]:
+def _residual(axes: Axes, along: Array, left: Array) -> None:
+    """What a fit leaves, over the standard deviation of the noise."""
+    axes.plot(along, left, ".", **_DOTS)
+    axes.axhline(0.0, color=SLIP, linewidth=0.6)
+    axes.set_ylabel("left/σ", labelpad=1.0, fontsize=7.5)
+    axes.yaxis.set_major_locator(MaxNLocator(3, integer=True, prune="upper"))
+
+
+def _explained(figure: Figure, panels: Sequence[tuple[Axes, Axes]]) -> Figure:
+    """The figure with a legend at its foot of all that its panels show."""
+    named = {
+        label: handle
+        for axes, _ in panels
+        for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)
+    }
+    handles = {"loc": "lower center", "ncols": len(named), "borderaxespad": 0.3, "markerscale": 2.0}
+    figure.legend([*named.values()], [*named], **handles)
+    return figure
+
+
+def _panels_of_records(
+    loaded: Sequence[Loaded], xlabel: str, below: float = 0.0
+) -> tuple[Figure, list[tuple[Axes, Axes]]]:
     """A panel for each record; the lowest of each column has the label of the abscissa."""
-    figure, panels = _panels([one.record.label for one in loaded], 34.0, 9.0)
-    for axes, _ in panels[-3:]:
-        axes.set_xlabel(xlabel)
-    return figure, [axes for axes, _ in panels]
+    figure, panels = _panels([one.record.label for one in loaded], 34.0, 9.0, below)
+    for _, lowest in panels[-_across(len(panels)) :]:
+        lowest.set_xlabel(xlabel)
+    return figure, panels
+
+
+def _across(count: int) -> int:
+    """How many of so many panels stand abreast."""
+    return 2 if count == 4 else min(count, 3)
 
 
 def _panels(
     titles: Sequence[str], height: float, gap: float, below: float = 0.0
 ) -> tuple[Figure, list[tuple[Axes, Axes]]]:
-    """A panel for each title, three abreast, with a lower one where it has a height, mm; else that is the panel."""
-    rows, pitch = math.ceil(len(titles) / 3), height + below + gap
-    top = _BOTTOM + rows * pitch - gap
+    """A panel for each title, with a lower one where it has a height, mm; else that is the panel.
+
+    height : of a panel, mm, where three stand abreast; fewer are wider and higher.   gap : between rows of them, mm.
+    """
+    across = _across(len(titles))
+    height, pitch = height * _HIGHER[across], DOUBLE_COLUMN / across
+    rows, step = math.ceil(len(titles) / across), height + below + gap
+    top = _BOTTOM + rows * step - gap
     figure = page(DOUBLE_COLUMN, top + _TOP)
     panels = []
     for i, title in enumerate(titles):
-        row, column = divmod(i, 3)
-        left, bottom = 13.0 + 60.0 * column, top - height - row * pitch
-        axes = place(figure, left, bottom, 44.0, height)
-        lower = place(figure, left, bottom - below, 44.0, below) if below else axes
+        row, column = divmod(i, across)
+        left, bottom = 13.0 + pitch * column, top - height - row * step
+        axes = place(figure, left, bottom, pitch - 16.0, height)
+        lower = place(figure, left, bottom - below, pitch - 16.0, below) if below else axes
         # a name is no mathematics, whatever it holds
         axes.set_title(cut(title, _LONGEST_TITLE), pad=3.0, y=1.0, parse_math=False)
         panels.append((axes, lower))

@@ -23,8 +23,8 @@ _MANTISSA = 6  # decimals of a number with a power of ten
 def text(outcome: Outcome) -> str:
     """For a screen: the answers with their 95 % intervals and verdicts, a line each, then what limits them."""
     lines = [outcome.head, "", *aligned(_table(outcome.answers)), "", *outcome.rig]
-    comparison = _comparison(outcome.laws)
-    lines += ["", *comparison] if comparison else []
+    tests = comparison(outcome.laws)
+    lines += ["", *tests] if tests else []
     sentences = _limits(outcome)
     lines += ["", LIMITS, *sentences] if sentences else []
     return "\n".join(lines) + "\n"
@@ -32,7 +32,19 @@ def text(outcome: Outcome) -> str:
 
 def html(outcome: Outcome) -> str:
     """For a notebook: what `text` says, as HTML."""
-    heads, *lines = _table(outcome.answers)
+    parts = [f"<p>{escape(outcome.head)}</p>", answers_table(outcome.answers)]
+    parts += [f"<p>{escape(' '.join(outcome.rig))}</p>"] if outcome.rig else []
+    if tests := comparison(outcome.laws):
+        parts.append(f"<pre>{escape(chr(10).join(tests))}</pre>")
+    if sentences := _limits(outcome):
+        items = "".join(f"<li>{escape(words)}</li>" for words in sentences)
+        parts.append(f"<p>{escape(LIMITS)}</p><ul>{items}</ul>")
+    return f"<div>{''.join(parts)}</div>"
+
+
+def answers_table(answers: Mapping[str, Answer]) -> str:
+    """The table of the answers as HTML."""
+    heads, *lines = _table(answers)
     columns = "".join(f'<th scope="col">{escape(head)}</th>' for head in heads)
     rows = "".join(
         f'<tr><th scope="row">{escape(name)}</th>'
@@ -40,17 +52,7 @@ def html(outcome: Outcome) -> str:
         + "</tr>"
         for name, *cells in lines
     )
-    parts = [
-        f"<p>{escape(outcome.head)}</p>",
-        f"<table><thead><tr>{columns}</tr></thead><tbody>{rows}</tbody></table>",
-    ]
-    parts += [f"<p>{escape(' '.join(outcome.rig))}</p>"] if outcome.rig else []
-    if comparison := _comparison(outcome.laws):
-        parts.append(f"<pre>{escape(chr(10).join(comparison))}</pre>")
-    if sentences := _limits(outcome):
-        items = "".join(f"<li>{escape(words)}</li>" for words in sentences)
-        parts.append(f"<p>{escape(LIMITS)}</p><ul>{items}</ul>")
-    return f"<div>{''.join(parts)}</div>"
+    return f"<table><thead><tr>{columns}</tr></thead><tbody>{rows}</tbody></table>"
 
 
 def aligned(table: Sequence[Sequence[str]]) -> list[str]:
@@ -83,7 +85,7 @@ def in_one(verdicts: Mapping[str, Verdict]) -> str:
     return "; ".join(f"{word}: {', '.join(symbols)}" for word, symbols in by_word.items())
 
 
-def _comparison(laws: LawComparison | None) -> list[str]:
+def comparison(laws: LawComparison | None) -> list[str]:
     """What follows from a comparison of laws, then a line for each law with its tests."""
     if laws is None:
         return []
@@ -141,13 +143,26 @@ def with_error(value: float, error: float) -> str:
 
 def with_interval(parameter: ParameterEstimate) -> str:
     """1.2807 [1.2784, 1.2831]: digits down to a tenth of the interval's half width."""
+    value, interval = value_of(parameter), interval_of(parameter)
+    return value if interval == "–" else f"{value} {interval}"
+
+
+def value_of(parameter: ParameterEstimate) -> str:
+    """1.2807: the value alone; "> 30000" for a lower limit, a dash for none."""
     value, (low, high) = parameter.value, parameter.interval
     if math.isfinite(low) and not math.isfinite(high):
         return f"> {_rounded(low, low)}"
     if not all(map(math.isfinite, (value, low, high))):
         return "–"
-    half = 0.5 * (high - low)
-    return f"{_rounded(value, half)} [{_rounded(low, half)}, {_rounded(high, half)}]"
+    return _rounded(value, 0.5 * (high - low))
+
+
+def interval_of(parameter: ParameterEstimate) -> str:
+    """[1.2784, 1.2831]: the interval alone; a dash where an end is not known."""
+    if not all(map(math.isfinite, (parameter.value, *parameter.interval))):
+        return "–"
+    low, high = parameter.interval
+    return f"[{_rounded(low, 0.5 * (high - low))}, {_rounded(high, 0.5 * (high - low))}]"
 
 
 def headed(symbol: str) -> str:

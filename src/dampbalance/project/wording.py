@@ -6,6 +6,7 @@ import math
 import re
 import unicodedata
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from html import escape
 from typing import Any
 
 MINUS, TIMES, NONE = "−", "·", "–"
@@ -195,6 +196,16 @@ def plain(text: str) -> str:
         return name + (lowered if lowered != index or not index else f"_{index}")
 
     return SYMBOL.sub(symbol, text)
+
+
+def in_html(text: str) -> str:
+    """Text as HTML, its symbols set: X_s becomes an italic X with a lowered s, phi an italic φ."""
+
+    def symbol(match: re.Match[str]) -> str:
+        name, index = GREEK.get(match[1]) or match[3], match[2] or match[4]
+        return f"<i>{name}</i>" + (f"<sub>{index}</sub>" if index else "")
+
+    return SYMBOL.sub(symbol, escape(text))
 
 
 def shortened(value: object, most: int = 60) -> str:

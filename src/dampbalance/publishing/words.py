@@ -6,7 +6,7 @@ import re
 
 from markupsafe import Markup, escape
 
-from ..project.wording import GREEK, SYMBOL
+from ..project.wording import in_html
 
 _INDEXED = re.compile(r"(\w)([₀-₉]+)")
 _RAISED = str.maketrans("₀₁₂₃₄₅₆₇₈₉", "0123456789")
@@ -27,13 +27,7 @@ _UNIT = re.compile(r"(?<=\d) (?=(?:%|N|Hz|mm|µm|m|ms|µs|s|rad)(?:\W|$))")  # t
 
 def rich(text: str) -> Markup:
     """Text with its symbols set in HTML: X_s an italic X with a lowered s, phi φ; a unit stays with its number."""
-
-    def symbol(match: re.Match[str]) -> str:
-        name = GREEK.get(match[1]) or match[3]
-        index = match[2] or match[4]
-        return f"<i>{name}</i>" + (f"<sub>{index}</sub>" if index else "")
-
-    return Markup(SYMBOL.sub(symbol, str(escape(_UNIT.sub("\N{NO-BREAK SPACE}", text)))))
+    return Markup(in_html(_UNIT.sub("\N{NO-BREAK SPACE}", text)))
 
 
 def from_tex(text: str) -> Markup:

@@ -269,13 +269,26 @@ class Reading:
     def averaged_cycle(self, points: int = 720) -> dict[str, Array]:
         """One cycle as the harmonics of the record and, beyond them, the waveform give it, for plots.
 
-        phase : ωt, the peak of the base at 0, rad.   x, v, acceleration : m, m/s, m/s².
+        phase : ωt, the peak of the base at 0, rad.   x, v, acceleration : m, m/s, m/s².   y, w : of the base and its
+        velocity, m, m/s.
         """
         series = self.series(self.mean, np.zeros((self._unknowns, 1)))
+        cycle = self._cycle(series.n, series.x[0], points)
+        y = np.append(np.abs(self.steady.mean(self.steady.Y[:, 1:2])), self.lines.base)
+        of_base = self._cycle(np.arange(1.0, y.size + 1.0), y, points)
+        return cycle | {"y": of_base["x"], "w": of_base["v"]}
+
+    def fitted_cycle(self, waveform: Waveform, points: int = 720) -> dict[str, Array]:
+        """One cycle of a waveform fitted to this record, in the columns of `averaged_cycle` without the base."""
+        x = waveform.tail + added(self.lines.base, waveform.response, waveform.tail.size)
+        return self._cycle(np.arange(1.0, 2.0 * x.size, 2.0), x, points)
+
+    def _cycle(self, n: Array, x: Complexes, points: int) -> dict[str, Array]:
+        """Re Σ x_n e^{inθ} with its first two derivatives by time."""
         theta = np.linspace(0.0, 2.0 * math.pi, points, endpoint=False)
-        turn, rate = np.exp(1j * np.outer(theta, series.n)), 1j * series.n * self.steady.omega
+        turn, rate = np.exp(1j * np.outer(theta, n)), 1j * n * self.steady.omega
         return {"phase": theta} | {
-            name: (turn @ (rate**order * series.x[0])).real
+            name: (turn @ (rate**order * x)).real
             for order, name in enumerate(("x", "v", "acceleration"))
         }
 

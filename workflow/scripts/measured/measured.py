@@ -1,4 +1,4 @@
-"""The estimates of all sets of records in one table, and a line on each."""
+"""The estimates of all sets of records in one table, a line on each, and the page that compares them."""
 
 from pathlib import Path
 
@@ -7,4 +7,5 @@ from dampbalance.project.troubles import brief_troubles
 
 if __name__ == "__main__":
     brief_troubles(snakemake.log)
-    summarise(Path(snakemake.output.csv).parent, dict.fromkeys(snakemake.params.names, ""))
+    at = snakemake.params.at
+    summarise(Path(snakemake.output.csv).parent, dict.fromkeys(at, ""), at)
