@@ -1,4 +1,4 @@
-"""dampbalance demo: example records, their identification and its pictures, to see within seconds what comes out."""
+"""dampbalance demo: example records, their identification and its report, to see within seconds what comes out."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import webbrowser
 from pathlib import Path
 from typing import Any
 
-from ..identification.outputs import require_room
+from ..identification.outputs import REPORT, require_room
 from ..motion.jit import interpreted
 from .main import parser
 from .simulate import ARGUMENTS as OF_SIMULATED
@@ -29,7 +29,7 @@ ARGUMENTS: dict[str, dict[str, Any]] = {
         "metavar": "FOLDER",
         "help": "where records and results go (default: %(default)s)",
     },
-    "--open": {"action": "store_true", "help": "show the picture in the browser"},
+    "--open": {"action": "store_true", "help": "show the report in the browser"},
     "--overwrite": {"action": "store_true", "help": "replace what is there already"},
 }
 
@@ -46,7 +46,7 @@ _RECORD = (
 
 
 def run(options: argparse.Namespace) -> None:
-    """Simulate, identify, and say where the picture is, or show it."""
+    """Simulate, identify, and say where the report is, or show it."""
     folder: Path = options.folder
     records = [folder / f"level{level}.csv" for level, _ in enumerate(_LEVELS_MM, start=1)]
     found = folder / "found"
@@ -58,15 +58,15 @@ def run(options: argparse.Namespace) -> None:
             _run("simulate", str(record), *motion, *_RECORD, *again)
     given = ["--stiffness", f"{_STIFFNESS:g}", "--mass", f"{_MASS:g}", "--frequency", "3.5"]
     given += ["--output", str(found)]
-    picture = found / "loops.svg"
+    report = found / REPORT
     print(f"\n$ dampbalance identify {shlex.quote(str(folder))}/level*.csv {shlex.join(given)}")
     _run("identify", *map(str, records), *given, *again)
     print(
         f"\nThe records were made with F_k = {FRICTION:g} N, c = {DAMPING:g} N s/m and K_z = {_CONTACT:g} N/m: compare "
-        f"the first line.\nLook at {picture}, and repeat the command above with records of your own."
+        f"the first line.\nThe report is {report}. Repeat the command above with records of your own."
     )
     if options.open:
-        webbrowser.open(picture.resolve().as_uri())
+        webbrowser.open(report.resolve().as_uri())
 
 
 def _run(name: str, *arguments: str) -> None:

@@ -196,7 +196,7 @@ def test_simulated_records_come_back_in_every_format(name, tmp_path):
         np.testing.assert_allclose(found[quantity].t, plain[quantity].t, rtol=1e-12)
 
 
-def test_the_demo_makes_the_example_identifies_it_and_shows_the_picture(
+def test_the_demo_makes_the_example_identifies_it_and_shows_the_report(
     tmp_path, capsys, monkeypatch
 ):
     shown = []
@@ -211,13 +211,13 @@ def test_the_demo_makes_the_example_identifies_it_and_shows_the_picture(
     assert f"$ dampbalance identify '{folder}'/level*.csv --stiffness 2310" in said
     assert (folder / "found/summary.txt").read_text(encoding="utf-8") in said
     (address,) = shown
-    picture = Path(url2pathname(urlsplit(address).path))
-    assert picture.is_relative_to(folder / "found")
-    assert picture.stat().st_size > 10_000
-    before = picture.stat().st_mtime_ns
+    report = Path(url2pathname(urlsplit(address).path))
+    assert report == folder / "found/report.html"
+    assert report.read_text(encoding="utf-8").count("<svg") > 3
+    before = report.stat().st_mtime_ns
     assert main(["demo", str(folder)]) == 2
     assert "holds level1.csv already: choose another folder" in capsys.readouterr().err
-    assert picture.stat().st_mtime_ns == before
+    assert report.stat().st_mtime_ns == before
     assert len(shown) == 1
 
 
