@@ -108,9 +108,7 @@ def write_pages(root: Path, stage: Path, parser: argparse.ArgumentParser) -> Non
     pages.write_copies(stage / EXTRA)
 
 
-def _functions(
-    root: Path, parser: argparse.ArgumentParser, session: Session
-) -> Mapping[str, Any]:
+def _functions(root: Path, parser: argparse.ArgumentParser, session: Session) -> Mapping[str, Any]:
     """The functions and values that templates may use."""
     commands = commands_of(parser)
     equations = (root / EQUATIONS).read_text(encoding="utf-8")

@@ -9,8 +9,10 @@ import shutil
 import subprocess
 import sys
 import textwrap
+from collections import defaultdict
 from collections.abc import Sequence
 from pathlib import Path
+from threading import Lock
 from typing import Any
 
 from .pages import SiteError
@@ -21,7 +23,7 @@ _PROGRAM = re.compile(r"^(?:dampbalance|python)\b")
 
 
 class Session:
-    """A shell below a folder. A command that a second page shows is not run again.
+    """Shells below a folder, each in its place. A command that a second page shows is not run again.
 
     folder : for the files, which the site holds.   source : where the package is.   inputs : folder of files to start
     from; its programs write the others.
@@ -30,20 +32,22 @@ class Session:
     def __init__(self, folder: Path, source: Path, inputs: Path) -> None:
         self.folder, self.source, self.inputs = folder, source, inputs
         self._said: dict[tuple[str, str], str] = {}
+        self._busy: defaultdict[str, Lock] = defaultdict(Lock)
 
     def run(self, place: str, command: str, status: int = 0) -> str:
         """What a command says in the folder `place`; its line stands in commands.sh there.
 
         status : which it ends with.   Raises SiteError where it ends with another.
         """
-        if (place, command) not in self._said:
-            folder = self.folder / place
-            if not folder.exists():
-                self._start(folder)
-            self._said[place, command] = self._run(folder, command, status)
-            with (folder / "commands.sh").open("a", encoding="utf-8") as lines:
-                lines.write(f"{command}\n")
-        return self._said[place, command]
+        with self._busy[place]:
+            if (place, command) not in self._said:
+                folder = self.folder / place
+                if not folder.exists():
+                    self._start(folder)
+                self._said[place, command] = self._run(folder, command, status)
+                with (folder / "commands.sh").open("a", encoding="utf-8") as lines:
+                    lines.write(f"{command}\n")
+            return self._said[place, command]
 
     def document(self, path: str) -> Any:
         """What a JSON file holds that a command has written."""
@@ -61,10 +65,18 @@ class Session:
         environment = os.environ | {"PYTHONPATH": os.pathsep.join(paths), "PYTHON": sys.executable}
         line = _PROGRAM.sub(lambda word: _PROGRAMS[word[0]], command)
         done = subprocess.run(
-            line, shell=True, cwd=folder, env=environment, capture_output=True, text=True, check=False
+            line,
+            shell=True,
+            cwd=folder,
+            env=environment,
+            capture_output=True,
+            text=True,
+            check=False,
         )
         if done.returncode != status:
-            raise SiteError(f"`{command}` ends with {done.returncode}: {done.stderr or done.stdout}")
+            raise SiteError(
+                f"`{command}` ends with {done.returncode}: {done.stderr or done.stdout}"
+            )
         return done.stderr if status else done.stdout
 
 
