@@ -8,7 +8,7 @@ from typing import Any
 
 from docutils import nodes
 from pygments.lexers.special import TextLexer
-from sphinx.addnodes import desc_signature
+from sphinx.addnodes import desc_signature, index
 from sphinx.application import Sphinx
 from sphinx.util.nodes import make_refnode
 from sphinx.writers.html5 import HTML5Translator
@@ -45,10 +45,12 @@ class Symbol(nodes.Inline, nodes.TextElement):
 def setup(app: Sphinx) -> dict[str, Any]:
     """Add it all."""
     app.add_html_math_renderer("mathml", (_inline_formula, None), (_displayed_formula, None))
-    app.add_lexer("csv", TextLexer)
+    for name in ("csv", "screen"):
+        app.add_lexer(name, TextLexer)
     app.connect("autodoc-process-docstring", _docstring)
     app.connect("autodoc-process-signature", _signature)
     app.add_node(Symbol, html=(_symbol, None))
+    app.connect("doctree-read", _enter_keywords)
     app.connect("doctree-resolved", _link_names)
     app.connect("doctree-resolved", _set_symbols)
     app.connect("html-page-context", _for_all_readers)
@@ -82,6 +84,14 @@ def _inline_formula(translator: HTML5Translator, node: nodes.math) -> None:
 def _displayed_formula(translator: HTML5Translator, node: nodes.math_block) -> None:
     translator.body.append(f"{formulas.displayed(node.astext())}\n")
     raise nodes.SkipNode
+
+
+def _enter_keywords(app: Sphinx, tree: nodes.document) -> None:
+    """The words under which a page is looked for, which its first lines state (`keywords: …`), as entries of the index:
+    the search shows such a page first."""
+    words = app.env.metadata[app.env.docname].get("keywords", "")
+    entries = [("single", word.strip(), "", "main", None) for word in words.split(",") if word]
+    tree.append(index(entries=entries))
 
 
 def _link_names(app: Sphinx, tree: nodes.document, page: str) -> None:

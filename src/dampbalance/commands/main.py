@@ -13,6 +13,7 @@ from ..project.troubles import trouble
 from ..project.wording import cut, visible
 
 COMMANDS = {
+    "demo": "example records, identified, with a report of the result, in seconds",
     "identify": "identify F_k, c and K_z from records",
     "simulate": "write a record with known truth",
     "release": "write a record of a free decay with known truth",

@@ -7,6 +7,8 @@ import json
 import re
 import sys
 from pathlib import Path
+from urllib.parse import urlsplit
+from urllib.request import url2pathname
 
 import numpy as np
 import pandas as pd
@@ -194,18 +196,29 @@ def test_simulated_records_come_back_in_every_format(name, tmp_path):
         np.testing.assert_allclose(found[quantity].t, plain[quantity].t, rtol=1e-12)
 
 
-def test_the_example_is_what_its_commands_write(tmp_path):
-    for i, amplitude in enumerate(("0.004", "0.006", "0.008", "0.010", "0.012"), start=1):
-        path = tmp_path / f"level{i}.csv"
-        command = (
-            f"simulate {path} --frequency 3.5 --amplitude {amplitude} --rate 1000 --cycles 20 --noise 0.01 --seed {i} "
-            "--start 0.1 --channel base_displacement --channel displacement --channel acceleration --decimals 6"
-        )
-        assert main(command.split()) == 0
-        made, kept = (pd.read_csv(p) for p in (path, EXAMPLE / path.name))
-        assert list(made) == list(kept)
+def test_the_demo_makes_the_example_identifies_it_and_shows_the_report(
+    tmp_path, capsys, monkeypatch
+):
+    shown = []
+    monkeypatch.setattr("webbrowser.open", shown.append)
+    folder = tmp_path / "a demo"
+    assert main(["demo", str(folder), "--open"]) == 0
+    for kept in map(Path, RECORDS):
+        made = pd.read_csv(folder / kept.name)
         # another machine may round the sixth decimal the other way
-        np.testing.assert_allclose(made, kept, atol=1.01e-6, rtol=0.0)
+        pd.testing.assert_frame_equal(made, pd.read_csv(kept), atol=1.01e-6, rtol=0.0)
+    said = capsys.readouterr().out
+    assert f"$ dampbalance identify '{folder}'/level*.csv --stiffness 2310" in said
+    assert (folder / "found/summary.txt").read_text(encoding="utf-8") in said
+    (address,) = shown
+    report = Path(url2pathname(urlsplit(address).path))
+    assert report == folder / "found/report.html"
+    assert report.read_text(encoding="utf-8").count("<svg") > 3
+    before = report.stat().st_mtime_ns
+    assert main(["demo", str(folder)]) == 2
+    assert "holds level1.csv already: choose another folder" in capsys.readouterr().err
+    assert report.stat().st_mtime_ns == before
+    assert len(shown) == 1
 
 
 def test_a_simulated_record_is_not_overwritten_unasked(tmp_path, capsys):
@@ -540,11 +553,3 @@ def test_the_fit_takes_a_base_acceleration_and_any_answer(response, tmp_path, ca
         unit, true = truth()[symbol]
         error = fit[f"{symbol}_standard_error_{unit}"]
         assert abs(fit[f"{symbol}_{unit}"] - true) < 4.0 * error < 0.04 * true
-
-
-def test_the_worked_example_shows_what_its_records_give(capsys):
-    assert main(["identify", *RECORDS, "--stiffness", "2310"]) == 0
-    said = capsys.readouterr().out
-    shown = (EXAMPLE / "README.md").read_text(encoding="utf-8").split("```")
-    (table,) = [part.strip() for part in shown if "maximum likelihood " in part]
-    assert table in said

@@ -29,6 +29,7 @@ from ...project.wording import in_markdown
 from ..formulas import font_face
 from . import keys, reference
 from .pages import EXTRA, Pages, SiteError
+from .session import Session, shown
 
 STUDIES, RESULTS = "config/studies", "results/studies"
 
@@ -67,6 +68,8 @@ def _shown(summary: str) -> str:
 
 
 SOURCE = "paper/site"
+CASE = "case"  # folder of the worked case
+RUN = "run"  # folder of the site with what its commands write
 EQUATIONS = "paper/equations.md"
 PACKAGE = "dampbalance"
 _WIDTH = 64  # letters of a command's help in a line: what a page shows without scrolling
@@ -95,15 +98,17 @@ def build(root: str | Path, target: str | Path, parser: argparse.ArgumentParser)
 
 def write_pages(root: Path, stage: Path, parser: argparse.ArgumentParser) -> None:
     """Write the sources of the site for Sphinx: pages, settings, styles, and the files that pages show or link to."""
-    shutil.copytree(root / SOURCE, stage, ignore=shutil.ignore_patterns("*.md", "__pycache__"))
-    pages = Pages(root, SOURCE, _functions(root, parser))
+    ignored = shutil.ignore_patterns("*.md", "__pycache__", CASE)
+    shutil.copytree(root / SOURCE, stage, ignore=ignored)
+    session = Session(stage / EXTRA / RUN, Path(dampbalance.__file__).parents[1], root / SOURCE)
+    pages = Pages(root, SOURCE, _functions(root, parser, session))
     for name, text in pages.made().items():
         (stage / name).parent.mkdir(parents=True, exist_ok=True)
         (stage / name).write_text(text, encoding="utf-8")
     pages.write_copies(stage / EXTRA)
 
 
-def _functions(root: Path, parser: argparse.ArgumentParser) -> Mapping[str, Any]:
+def _functions(root: Path, parser: argparse.ArgumentParser, session: Session) -> Mapping[str, Any]:
     """The functions and values that templates may use."""
     commands = commands_of(parser)
     equations = (root / EQUATIONS).read_text(encoding="utf-8")
@@ -113,6 +118,10 @@ def _functions(root: Path, parser: argparse.ArgumentParser) -> Mapping[str, Any]
         "command": lambda name: _help(commands[name]),
         "schema": lambda path: keys.tables(read_yaml(root / path), _REGISTRIES),
         "gallery": lambda: gallery(root),
+        "run": session.run,
+        "document": session.document,
+        "screen": shown,
+        "source": lambda path: (root / path).read_text(encoding="utf-8").strip(),
         "terms": KNOWN_TERMS.values(),
         "public": reference.by_room(dampbalance.__all__, PACKAGE),
         "documented": reference.directives,

@@ -10,6 +10,7 @@ from __future__ import annotations
 import posixpath
 import re
 from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import dropwhile, groupby, takewhile
@@ -30,6 +31,8 @@ _LINK = re.compile(
     r"(`+)(?:(?!\1).)+?\1|(?P<before>(?P<picture>!?)\[[^\[\]]*\]\()(?P<target>[^()\s]+)\)",
     re.DOTALL,
 )
+_PATH = re.compile(r"\[`[^`]*[/.][^`]*`\]\(")  # a link under the name of a file or folder
+_PAGE = re.compile(r"[^:]*\.md(?:#.*)?")
 _NOT_IN_AN_ANCHOR = re.compile(r"[^\w\- ]")
 
 
@@ -92,13 +95,16 @@ def of_project(text: str, folder: str) -> str:
 def relinked(text: str, new: Callable[[str, bool], str]) -> str:
     """A text with the target of every link and picture replaced, except in code.
 
+    A link to a page under the name of a file or folder, which a reader of the page may not have, takes the page's title.
     new : (target, whether the target is a picture) → new target.
     """
 
     def replaced(link: re.Match[str]) -> str:
         if not link["target"]:
             return link[0]
-        return f"{link['before']}{new(link['target'], bool(link['picture']))})"
+        target = new(link["target"], bool(link["picture"]))
+        titled = _PAGE.fullmatch(target) and _PATH.fullmatch(link["before"])
+        return f"{'[](' if titled else link['before']}{target})"
 
     blocks = (
         (in_code, "".join(line for _, line in lines))
@@ -124,6 +130,7 @@ EXTRA = "extra"
 """Folder next to the pages that Sphinx copies unchanged."""
 
 FOLDER = "files"
+_AT_ONCE = 2  # pages that are rendered
 _LARGEST = 4_000_000  # bytes of a file that is copied
 _LOCAL_LINK = re.compile(r"""(?<=<a)([^>]*?)\shref="(?![a-z]+:|#)([^"#]*)(?:#[^"]*)?"(?=[^>]*>)""")
 
@@ -148,18 +155,30 @@ class Pages:
     def made(self) -> dict[str, str]:
         """The Markdown of each page, by its path below the folder. Raises SiteError if a page cannot be rendered."""
         pages = templates(jinja2.FileSystemLoader(self.root / self.folder))
-        rendered = {}
-        for name in sorted(pages.list_templates(extensions=["md"])):
-            given = {
-                "text": partial(self._text, name),
-                "section": partial(self._section, name),
-                "there": lambda path: (self.root / path).is_file(),
-            }
-            try:
-                rendered[name] = pages.get_template(name).render(**given, **self.functions)
-            except jinja2.TemplateError as error:
-                raise SiteError(f"{self.folder}/{name}: {error}") from error
-        return {name: relinked(text, partial(self._led, name)) for name, text in rendered.items()}
+        names = sorted(pages.list_templates(extensions=["md"]))
+        with ThreadPoolExecutor(_AT_ONCE) as threads:  # some wait for commands
+            rendered = list(threads.map(partial(self._rendered, pages), names))
+        texts = zip(names, rendered, strict=True)
+        return {name: relinked(text, partial(self._led, name)) for name, text in texts}
+
+    def _rendered(self, pages: jinja2.Environment, name: str) -> str:
+        given = {
+            "text": partial(self._text, name),
+            "section": partial(self._section, name),
+            "there": self._there,
+            "picture": self._picture,
+        }
+        try:
+            return pages.get_template(name).render(**given, **self.functions)
+        except jinja2.TemplateError as error:
+            raise SiteError(f"{self.folder}/{name}: {error}") from error
+
+    def _there(self, path: str) -> bool:
+        return (self.root / path).is_file()
+
+    def _picture(self, path: str, words: str) -> str:
+        """A picture among the results, with what it shows in words; nothing where it was not made."""
+        return f"![{words}]({SCHEME}{path})" if self._there(path) else ""
 
     def _sections(self, path: str) -> list[Section]:
         text = (self.root / path).read_text(encoding="utf-8")

@@ -1,0 +1,75 @@
+"""dampbalance demo: example records, their identification and its report, to see within seconds what comes out."""
+
+from __future__ import annotations
+
+import argparse
+import shlex
+import webbrowser
+from pathlib import Path
+from typing import Any
+
+from ..identification.outputs import REPORT, require_room
+from ..motion.jit import interpreted
+from .main import parser
+from .simulate import ARGUMENTS as OF_SIMULATED
+from .simulate import DAMPING, FRICTION
+
+EPILOG = """\
+Five records of the paper's oscillator below its resonance are simulated, with 1 % of noise, and identified by the
+command that is shown: repeat it with records and a stiffness of your own.
+
+  dampbalance demo --open
+"""
+
+ARGUMENTS: dict[str, dict[str, Any]] = {
+    "folder": {
+        "nargs": "?",
+        "type": Path,
+        "default": Path("dampbalance-demo"),
+        "metavar": "FOLDER",
+        "help": "where records and results go (default: %(default)s)",
+    },
+    "--open": {"action": "store_true", "help": "show the report in the browser"},
+    "--overwrite": {"action": "store_true", "help": "replace what is there already"},
+}
+
+_LEVELS_MM = (4, 6, 8, 10, 12)
+_STIFFNESS, _CONTACT, _MASS = (
+    OF_SIMULATED[name]["default"] for name in ("--stiffness", "--contact-stiffness", "--mass")
+)
+_RECORD = (
+    *("--frequency", "3.5", "--rate", "1000", "--cycles", "20", "--noise", "0.01", "--start"),
+    *("0.1", "--channel", "base_displacement", "--channel", "displacement", "--channel"),
+    *("acceleration", "--decimals", "6"),
+)
+"""Of each record, as of those in config/records/example."""
+
+
+def run(options: argparse.Namespace) -> None:
+    """Simulate, identify, and say where the report is, or show it."""
+    folder: Path = options.folder
+    records = [folder / f"level{level}.csv" for level, _ in enumerate(_LEVELS_MM, start=1)]
+    found = folder / "found"
+    again = ["--overwrite"] * options.overwrite
+    require_room(folder, [one.name for one in (*records, found)], "" if again else "--overwrite")
+    with interpreted():  # what was not compiled yet shall not be waited for
+        for seed, (record, level) in enumerate(zip(records, _LEVELS_MM, strict=True), start=1):
+            motion = ("--amplitude", f"{level / 1000:g}", "--seed", f"{seed}")
+            _run("simulate", str(record), *motion, *_RECORD, *again)
+    given = ["--stiffness", f"{_STIFFNESS:g}", "--mass", f"{_MASS:g}", "--frequency", "3.5"]
+    given += ["--output", str(found)]
+    report = found / REPORT
+    print(f"\n$ dampbalance identify {shlex.quote(str(folder))}/level*.csv {shlex.join(given)}")
+    _run("identify", *map(str, records), *given, *again)
+    print(
+        f"\nThe records were made with F_k = {FRICTION:g} N, c = {DAMPING:g} N s/m and K_z = {_CONTACT:g} N/m: compare "
+        f"the first line.\nThe report is {report}. Repeat the command above with records of your own."
+    )
+    if options.open:
+        webbrowser.open(report.resolve().as_uri())
+
+
+def _run(name: str, *arguments: str) -> None:
+    """Run another command of this room with these arguments."""
+    options = parser([name]).parse_args([name, *arguments])
+    options.run(options)
