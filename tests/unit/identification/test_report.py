@@ -141,7 +141,7 @@ def test_the_friction_loop_takes_what_friction_takes(steady, fitted):
 
 @pytest.mark.parametrize(("kind", "largest"), [("steady", 1.1), ("doubtful", 20.0)])
 def test_the_residual_of_a_cycle_is_noise_unless_the_fit_fails(found, kind, largest):
-    below = found.plot("cycles").axes[1::2]
+    below = found.plot("cycles")[1::2]
     spread = [np.sqrt(np.mean(axes.get_lines()[0].get_ydata() ** 2)) for axes in below]
     assert spread[:2] == pytest.approx([1.0, 1.0], abs=0.15)
     assert spread[2] < largest
@@ -149,7 +149,7 @@ def test_the_residual_of_a_cycle_is_noise_unless_the_fit_fails(found, kind, larg
 
 
 def test_a_decay_fills_the_picture_as_long_as_it_moves(decay):
-    panel = decay.plot("decays").axes[0]
+    panel = decay.plot("decays")[0]
     assert panel.get_position().width > 0.85
     (start, end), fit = panel.get_xlim(), decay.result.fit
     moves = fit.sticks_from(0)

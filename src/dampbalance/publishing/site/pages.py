@@ -95,7 +95,7 @@ def of_project(text: str, folder: str) -> str:
 def relinked(text: str, new: Callable[[str, bool], str]) -> str:
     """A text with the target of every link and picture replaced, except in code.
 
-    A link to a page under the name of a file or folder, which a reader of the page may not have, takes the page's title.
+    A link to a page by the name of a file or folder, which its reader may not have, takes the page's title.
     new : (target, whether the target is a picture) → new target.
     """
 
