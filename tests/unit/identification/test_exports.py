@@ -205,6 +205,19 @@ def test_a_voltage_needs_its_scale_alone(tmp_path):
     np.testing.assert_allclose(found, signals(0)["base_displacement"], rtol=1e-7, atol=1e-10)
 
 
+def test_a_column_that_is_no_number_is_left_aside(tmp_path):
+    export = Export("Time [foo],A [mm],B [g],State", (TIME, BASE, ("acceleration", 1 / G), MASS))
+    file = tmp_path / "run.csv"
+    export.write(file, signals(0))
+    lines = file.read_text().split("\n")
+    lines[3000] = ",".join([*lines[3000].split(",")[:3], "overflow"])
+    file.write_text("\n".join(lines))
+    mapping = mapping_to_start_from(file)
+    assert "# left aside: 'State': it holds what is no number" in mapping
+    assert "time: {channel: Time, unit: s}  # rises by 0.001 from sample to sample" in mapping
+    assert list(read(file, yaml.safe_load(mapping))) == ["base_displacement", "acceleration"]
+
+
 def test_what_is_known_already_is_kept(tmp_path):
     export = Export("a;b", (BASE, MASS), ";", ",")
     file = export.write(tmp_path / "run.csv", signals(0))
