@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from functools import cache
 
@@ -144,6 +145,7 @@ def test_forced_records_are_read_as_they_were_recorded(name, tmp_path):
         mapping = mapping_to_start_from(file)
         indented = mapping.rstrip("\n").replace("\n", "\n  ")
         assert str(error.value).endswith(f"for example\n  {indented}")
+        assert re.search(r"# .*; relative_\w+ if measured against the base", mapping)
         for reason in export.aside:
             assert f"# left aside: {reason}" in mapping
         assert mapping.count("left aside") == len(export.aside)
@@ -186,7 +188,9 @@ def test_a_decay_of_one_channel(header, columns, tmp_path):
     channel = decay["displacement"]
     held = others(channel.t) | {"displacement": channel.values}
     file = Export(header, columns).write(tmp_path / "decay.csv", held)
-    mapping = yaml.safe_load(mapping_to_start_from(file))
+    text = mapping_to_start_from(file)
+    assert text.startswith("channels:  # none that drives: those of a free decay\n")
+    mapping = yaml.safe_load(text)
     for given in (None, mapping) if "/" in header else (mapping,):
         found = identify(file, LOOSE.k, mapping=given)
         for symbol, (low, high) in found.intervals.items():

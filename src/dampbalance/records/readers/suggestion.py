@@ -31,6 +31,7 @@ _ROUNDED = 0.6  # of a step, by which times with too few digits are off
 _IN_MM = 0.05  # half the range of a displacement: more is in mm, less in m
 # by the least step: nothing is sampled at less than 20 Hz
 _TIME_UNITS = {"µs": 50.0, "ms": 0.05, "s": 0.0}
+_BY_NAME = "by its name"
 _RESPONSE_OF = {"base_displacement": "displacement", "base_acceleration": "acceleration"}
 _LAYOUT = (
     *("delimiter", "decimal", "header_lines"),
@@ -144,7 +145,7 @@ class Suggestion:
             (quantity, i), *_ = self.chosen.items()
             if quantity in _RESPONSE_OF:
                 self.chosen = {_RESPONSE_OF[quantity]: i}
-                self.why[i] = "the only signal: that of a free decay"
+                self.why[i] = "the only signal"
 
     @property
     def complete(self) -> bool:
@@ -153,11 +154,14 @@ class Suggestion:
 
     def lines(self) -> list[str]:
         """The mapping in YAML, each line with its reason, and what is left aside."""
-        lines = ["channels:"]
+        driving = [q for q in self.chosen if q in EXCITATIONS]
+        lines = ["channels:" if driving else "channels:  # none that drives: those of a free decay"]
         for quantity in (q for q in QUANTITIES if q in self.chosen):
             i = self.chosen[quantity]
             unit, scale, remark = self._in_unit(i, quantity)
             entry = f"{quantity}: {{channel: {self._which(i)}, unit: {unit}{scale}}}"
+            if quantity in ABSOLUTE and driving not in ([], ["force"]) and self.why[i] != _BY_NAME:
+                remark = f"; relative_{quantity} if measured against the base{remark}"
             lines.append(f"  {entry}  # {self.why[i]}{remark}")
         for key in _LAYOUT:
             if (value := getattr(self.mapping, key)) not in (None, ""):
@@ -201,7 +205,7 @@ class Suggestion:
             taken = driven if quantity in EXCITATIONS else quantity in self.chosen
             if not taken:
                 self.chosen[quantity] = i
-                self.why[i] = "by its name" if quantity == named else reason
+                self.why[i] = _BY_NAME if quantity == named else reason
                 if quantity != named and quantity in EXCITATIONS:
                     self.why[i] += "; taken as the drive, as it comes first"
                 return
