@@ -107,7 +107,9 @@ def in_other_frame(readings: Sequence[Reading], k: float, law: Law | None) -> Ot
     if "force" in channels or (absolute and relative):
         return None
     sign = 1.0 if absolute else -1.0
-    fit = fit_records([_moved_by_base(one.lines, sign) for one in readings], k, law)
+    lines = [_moved_by_base(one.lines, sign) for one in readings]
+    # where it holds, the nearest starts lead there: no wide search for what most records are not
+    fit = fit_records(lines, k, law, thorough=False)
     if fit is None or not fit.adequate:
         return None
     return OtherFrame(bool(absolute), absolute or relative, fit)

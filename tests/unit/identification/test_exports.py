@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from functools import cache
 
@@ -144,6 +145,7 @@ def test_forced_records_are_read_as_they_were_recorded(name, tmp_path):
         mapping = mapping_to_start_from(file)
         indented = mapping.rstrip("\n").replace("\n", "\n  ")
         assert str(error.value).endswith(f"for example\n  {indented}")
+        assert re.search(r"# .*; relative_\w+ if measured against the base", mapping)
         for reason in export.aside:
             assert f"# left aside: {reason}" in mapping
         assert mapping.count("left aside") == len(export.aside)
@@ -186,7 +188,9 @@ def test_a_decay_of_one_channel(header, columns, tmp_path):
     channel = decay["displacement"]
     held = others(channel.t) | {"displacement": channel.values}
     file = Export(header, columns).write(tmp_path / "decay.csv", held)
-    mapping = yaml.safe_load(mapping_to_start_from(file))
+    text = mapping_to_start_from(file)
+    assert text.startswith("channels:  # none that drives: those of a free decay\n")
+    mapping = yaml.safe_load(text)
     for given in (None, mapping) if "/" in header else (mapping,):
         found = identify(file, LOOSE.k, mapping=given)
         for symbol, (low, high) in found.intervals.items():
@@ -203,6 +207,19 @@ def test_a_voltage_needs_its_scale_alone(tmp_path):
     document = yaml.safe_load(mapping.replace("1.0", "100.0", 1))
     found = read(file, document)["base_displacement"].values
     np.testing.assert_allclose(found, signals(0)["base_displacement"], rtol=1e-7, atol=1e-10)
+
+
+def test_a_column_that_is_no_number_is_left_aside(tmp_path):
+    export = Export("Time [foo],A [mm],B [g],State", (TIME, BASE, ("acceleration", 1 / G), MASS))
+    file = tmp_path / "run.csv"
+    export.write(file, signals(0))
+    lines = file.read_text().split("\n")
+    lines[3000] = ",".join([*lines[3000].split(",")[:3], "overflow"])
+    file.write_text("\n".join(lines))
+    mapping = mapping_to_start_from(file)
+    assert "# left aside: 'State': it holds what is no number" in mapping
+    assert "time: {channel: Time, unit: s}  # rises by 0.001 from sample to sample" in mapping
+    assert list(read(file, yaml.safe_load(mapping))) == ["base_displacement", "acceleration"]
 
 
 def test_what_is_known_already_is_kept(tmp_path):

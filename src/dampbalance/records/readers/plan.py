@@ -229,7 +229,7 @@ class _Plan:
         """The error for channels that cannot be told apart, with what to write."""
         return RecordError(
             f"{self.path}: {what}; it needs one of {', '.join(EXCITATIONS)}, unless it is a free decay, and at least"
-            f" one of {', '.join(ABSOLUTE)}, with relative_ before it where it is one to the base. Its channels are "
+            f" one of {', '.join(ABSOLUTE)} (relative_displacement, … if measured against the base). Its channels are "
             f"{self.overview}. {self.suggested('Say which is which')}"
         )
 

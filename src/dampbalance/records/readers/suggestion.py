@@ -31,6 +31,7 @@ _ROUNDED = 0.6  # of a step, by which times with too few digits are off
 _IN_MM = 0.05  # half the range of a displacement: more is in mm, less in m
 # by the least step: nothing is sampled at less than 20 Hz
 _TIME_UNITS = {"µs": 50.0, "ms": 0.05, "s": 0.0}
+_BY_NAME = "by its name"
 _RESPONSE_OF = {"base_displacement": "displacement", "base_acceleration": "acceleration"}
 _LAYOUT = (
     *("delimiter", "decimal", "header_lines"),
@@ -52,7 +53,7 @@ def first_of(names: Sequence[str]) -> str:
 
 @dataclass(frozen=True, eq=False)
 class Samples:
-    """The first samples of each channel, or none where they cannot be read.
+    """The first samples of each channel, or none of one that cannot be read.
 
     aside : channels that are no motion and no force, by name, unit or samples, with what they are instead.
     rising : steps of those that rise in equal steps and are no counters.
@@ -68,16 +69,14 @@ def look_at(file: RecordFile) -> Samples:
     channels = file.channels
     if not channels:
         return Samples([], {}, {})
-    everything = range(len(channels))
-    values: Sequence[Array] = [np.empty(0)] * len(channels)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RecordWarning)  # comes where the record is read
-        try:
-            blocks = file.blocks(everything, max(_NUMBERS // len(channels), _FEWEST))
-            values = next(iter(blocks), values)
-        except RecordError:  # a text in some column: names and units must do
-            pass
+    everything, none = range(len(channels)), np.empty(0)
+    values = _first(file, everything)
     aside, rising = {}, {}
+    if values is None:  # a text in some column
+        alone = [_first(file, [i]) for i in everything[:LISTED]]
+        aside = {i: "it holds what is no number" for i, one in enumerate(alone) if one is None}
+        values = [none if one is None else one[0] for one in alone]
+        values += [none] * (len(channels) - len(values))
     for i, raw in enumerate(channels):
         if (other := unusable(raw)) is not None:
             aside[i] = other
@@ -97,8 +96,21 @@ def look_at(file: RecordFile) -> Samples:
     return Samples(values, aside, rising)
 
 
+def _first(file: RecordFile, wanted: Sequence[int]) -> list[Array] | None:
+    """The first samples of some channels; None where they cannot be read."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RecordWarning)  # comes where the record is read
+        try:
+            blocks = file.blocks(wanted, max(_NUMBERS // len(file.channels), _FEWEST))
+            return next(iter(blocks), [np.empty(0)] * len(wanted))
+        except RecordError:
+            return None
+
+
 def _equal_step(values: Array) -> float | None:
     """The step of values that rise in equal steps, as times and counters do; None for others."""
+    if values.size < _FEWEST:
+        return None
     line = np.linspace(values[0], values[-1], values.size)
     step = float(line[1] - line[0])
     rises = step > 0.0 and np.diff(values).min() >= 0.0
@@ -133,7 +145,7 @@ class Suggestion:
             (quantity, i), *_ = self.chosen.items()
             if quantity in _RESPONSE_OF:
                 self.chosen = {_RESPONSE_OF[quantity]: i}
-                self.why[i] = "the only signal: that of a free decay"
+                self.why[i] = "the only signal"
 
     @property
     def complete(self) -> bool:
@@ -142,11 +154,14 @@ class Suggestion:
 
     def lines(self) -> list[str]:
         """The mapping in YAML, each line with its reason, and what is left aside."""
-        lines = ["channels:"]
+        driving = [q for q in self.chosen if q in EXCITATIONS]
+        lines = ["channels:" if driving else "channels:  # none that drives: those of a free decay"]
         for quantity in (q for q in QUANTITIES if q in self.chosen):
             i = self.chosen[quantity]
             unit, scale, remark = self._in_unit(i, quantity)
             entry = f"{quantity}: {{channel: {self._which(i)}, unit: {unit}{scale}}}"
+            if quantity in ABSOLUTE and driving not in ([], ["force"]) and self.why[i] != _BY_NAME:
+                remark = f"; relative_{quantity} if measured against the base{remark}"
             lines.append(f"  {entry}  # {self.why[i]}{remark}")
         for key in _LAYOUT:
             if (value := getattr(self.mapping, key)) not in (None, ""):
@@ -190,7 +205,7 @@ class Suggestion:
             taken = driven if quantity in EXCITATIONS else quantity in self.chosen
             if not taken:
                 self.chosen[quantity] = i
-                self.why[i] = "by its name" if quantity == named else reason
+                self.why[i] = _BY_NAME if quantity == named else reason
                 if quantity != named and quantity in EXCITATIONS:
                     self.why[i] += "; taken as the drive, as it comes first"
                 return
@@ -221,12 +236,12 @@ class Suggestion:
                 return []
             return ["sample_rate_hz: 1000  # the file has no times: replace by the rate"]
         first = times[0]
-        unit = self.mapping.time_unit or unit_of(self.channels[first])
-        if unit is not None:
+        known = find_unit(self.mapping.time_unit or unit_of(self.channels[first]) or "")
+        if known is not None and known.dimension == "time":
             alone = len(times) == 1
-            return [f"time: {{channel: {self._which(first)}, unit: {unit}}}"] if alone else []
+            return [f"time: {{channel: {self._which(first)}, unit: {known.name}}}"] if alone else []
         values = self.samples.values[first]
-        step = self.samples.rising.get(first) or (_equal_step(values) if values.size else None)
+        step = self.samples.rising.get(first) or _equal_step(values)
         unit = next(unit for unit, least in _TIME_UNITS.items() if (step or 0.0) >= least)
         shows = f"rises by {step:.6g} from sample to sample; " if step else ""
         line = f"time: {{channel: {self._which(first)}, unit: {unit}}}"
