@@ -153,7 +153,7 @@ def figure(svg: str, caption: str, words: str) -> str:
     """A picture inside the page, which follows light and dark by itself.   words : for those who cannot see it."""
     data = base64.b64encode(follows_the_screen(svg).encode()).decode()
     picture = f'<img alt="{escape(words)}" src="data:image/svg+xml;base64,{data}">'
-    shown = wide(picture, "picture")
+    shown = wide(picture, f"picture: {caption}")
     return f"<figure><figcaption>{in_html(caption)}</figcaption>{shown}</figure>"
 
 

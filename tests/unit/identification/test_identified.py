@@ -22,7 +22,7 @@ from dampbalance import (
     read_records,
     steady_orbit,
 )
-from dampbalance.identification.outputs import ALL_PICTURES, TABLES, pictures_of
+from dampbalance.identification.outputs import ALL_PICTURES, REPORT, TABLES, pictures_of
 from dampbalance.records.measurement import Channel, Measurement
 from folders import ROOT
 from paper_case import PAPER
@@ -211,7 +211,8 @@ def test_all_of_it_is_saved_and_nothing_is_replaced_unasked(found, tmp_path):
     folder = tmp_path / "new" / "found"
     files = found.save(folder)
     assert sorted(files) == sorted(folder.iterdir())
-    assert {file.name for file in files} == {*TABLES, *pictures_of(found.figures)}
+    assert {file.name for file in files} == {*TABLES, *pictures_of(found.figures), REPORT}
+    assert (folder / REPORT).read_text(encoding="utf-8") == found.report()
     document = (folder / "identification.json").read_text(encoding="utf-8")
     assert json.loads(document) == json.loads(json.dumps(found.document()))
     assert (folder / "summary.txt").read_text(encoding="utf-8") == found.text()
