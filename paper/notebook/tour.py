@@ -611,4 +611,5 @@ pd.DataFrame(
 #
 # - `README.md` says how to rebuild the paper's tables and figures, with a verdict on every printed number.
 # - `paper/equations.md` leads from each equation to its function and to its test.
-# - An approach of your own is one function from features to rows: `CONTRIBUTING.md`, *Adding an approach*.
+# - An approach of your own is one function from features to rows: `register_approach` makes it known to `identify`
+#   and to `study`, which compares it with the others over any parameters; `register_term` does so for a damping term.

@@ -23,7 +23,9 @@ PAGE_FIGURES = {
 rule page:
     input:
         claims=f"{RESULTS}/claims.csv" if config["published"] else [],
-        misprints=[*map(unmoved, Path(PUBLISHED).glob("misprints.json"))] if config["published"] else [],
+        misprints=(
+            [*map(unmoved, Path(PUBLISHED).glob("misprints.json"))] if config["published"] else []
+        ),
         tables=rules.tables.output.csv,
         figures=list(PAGE_FIGURES.values()),
         evidence=rules.article_numbers.output.evidence if config["published"] else [],

@@ -151,6 +151,10 @@ class Identified:
         with _lacking_glyphs(), drawn_in(given):
             drawn = self.result.draw(name)
         axes = held or drawn.axes
+        for one in held:  # what the panels of a picture share, each of these has
+            shared = [panel.get_xlabel() for panel in drawn.axes if panel.get_xlabel()]
+            one.set_xlabel(one.get_xlabel() or next(iter(shared), ""))
+            one.tick_params(labelbottom=True)
         for line in (line for one in axes for line in one.get_lines() if line not in before):
             line.set(**style)
         return np.array(axes) if several else ax

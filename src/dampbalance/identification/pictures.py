@@ -101,7 +101,7 @@ def cycles(
         for frame in (axes, below):
             frame.set_xlim(0.0, 360.0)
             frame.set_xticks([0, 90, 180, 270, 360])
-        axes.set_xticklabels([])
+        axes.tick_params(labelbottom=False)
         axes.set_ylabel(f"${symbol}$ ({unit})", labelpad=1.0)
     return _explained(figure, panels)
 
@@ -265,7 +265,7 @@ def decays(fit: RingFit, turns: Sequence[tuple[Array, Array]]) -> Figure:
         _residual(below, t[kept], residual[kept])
         for frame in (axes, below):
             frame.set_xlim(one.start, end)
-        axes.set_xticklabels([])
+        axes.tick_params(labelbottom=False)
         axes.set_ylabel(f"${symbol}$ ({unit})", labelpad=1.0)
         below.set_xlabel("$t$ (s)", labelpad=1.0)
     return _explained(figure, panels)

@@ -20,7 +20,7 @@ from .settings import PAPER, Study
 from .sizes import columns_of
 
 if TYPE_CHECKING:
-    import xarray as xr
+    import xarray
 
 _DEEPEST = 20  # as in a file
 _OF_NAMES = ("approaches", "phases", "sharing", "contact", "weights", "yardsticks", "fits")
@@ -63,13 +63,18 @@ class StudyResult:
             rows[fit.label] = row
         return pd.DataFrame.from_dict(rows, orient="index").rename_axis("fit")
 
-    def to_xarray(self) -> xr.Dataset:
+    def to_xarray(self) -> xarray.Dataset:
         """The same as a data set of xarray, which has to be installed: errors over the axes and the dimension `fit`,
         responses over the axes and the dimension `level`.
 
         Axes that are varied together share the dimension of the first of them; a sample has a dimension of its own.
         """
-        xarray = _installed("xarray", "to_xarray needs the package xarray: use to_frame instead")
+        try:
+            import xarray
+        except ImportError:
+            raise ValueError(
+                "to_xarray needs the package xarray: install it, or use to_frame"
+            ) from None
         study, described = self.settings, {c.name: c for c in columns_of(self.settings)}
         sizes: dict[str, int] = {}
         coords: dict[str, Any] = {}
@@ -233,13 +238,3 @@ def _plain(value: Any, depth: int = 0) -> Any:
     if isinstance(value, list | tuple | range):
         return [_plain(of, depth + 1) for of in value]
     return value if isinstance(value, str | int | float | None) else shown(value)
-
-
-def _installed(package: str, otherwise: str) -> Any:
-    """A module that is not needed elsewhere. Raises ValueError where it is not installed."""
-    from importlib import import_module
-
-    try:
-        return import_module(package)
-    except ImportError:
-        raise ValueError(f"{otherwise}; or install {package}") from None

@@ -120,7 +120,7 @@ def test_a_data_set_has_a_dimension_for_each_axis(monkeypatch):
     ]
     studied = study(axes, estimation={"approaches": ["direct", "X_s"]})
     monkeypatch.setitem(sys.modules, "xarray", None)
-    with pytest.raises(ValueError, match="needs the package xarray: use to_frame instead"):
+    with pytest.raises(ValueError, match="needs the package xarray: install it, or use to_frame"):
         studied.to_xarray()
     # what it would be made from: the package is not among those that are locked
     fake = SimpleNamespace(Dataset=lambda data, coords: (data, coords))
