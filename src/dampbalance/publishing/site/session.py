@@ -1,4 +1,4 @@
-"""Commands that run while the site is built: a page shows what they say and what they write, not what once was typed."""
+"""Commands that run while the site is built: a page shows what they say and write, not what once was typed."""
 
 from __future__ import annotations
 
