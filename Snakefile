@@ -60,14 +60,8 @@ onstart:
 onsuccess:
     # What was done, as far as it has something to say: the messages of its rules stand in the log.
     done = "".join(Path(file).read_text(encoding="utf-8") for file in log)
-    # Of sets of records the table stands here again when nothing was to be done.
-    fresh = [name for name in MEASURED if f"records of {name}" in done]
-    overviews = [f"{MEASURED_FILES}/{name}/{SET_SUMMARY}" for name in fresh or list(MEASURED)[:1]]
-    if len(MEASURED) > 1:
-        overviews = [*overviews[: len(fresh)], f"{MEASURED_FILES}/{SET_SUMMARY}"]
-    for file in map(Path, map(placed, overviews)):
-        if file.is_file():
-            print(file.read_text(encoding="utf-8"))
+    if fresh := [name for name in MEASURED if f"records of {name}" in done]:
+        show_tables(fresh)
     if config["published"] and compared_at() != COMPARED_BEFORE:
         summary = SUMMARY.read_text(encoding="utf-8")
         print(summary, end="")

@@ -12,6 +12,7 @@ import pytest
 import yaml
 
 from dampbalance import identify
+from dampbalance.identification.batch import OVERVIEW
 from dampbalance.identification.outputs import OUTPUTS, outputs_of
 from folders import ROOT, restored
 
@@ -31,7 +32,7 @@ def test_everything_is_made_and_shown(built):
     copy, said = built
     files = copy.files("example")
     of_the_set = {f"{SET}/{name}" for name in (*OUTPUTS, ".complete")}
-    of_all = {f"measured/{name}" for name in ("identification.csv", "summary.txt")}
+    of_all = {f"measured/{name}" for name in OVERVIEW}
     assert set(files) == of_all | of_the_set
     summary = files[f"{SET}/summary.txt"].decode()
     assert summary.splitlines()[3] in said
@@ -128,6 +129,9 @@ def test_a_set_that_fails_stands_with_its_error_beside_the_others(rig):
     for name, kind in (("steady", "forced"), ("released", "ring-down")):
         assert {f"measured/{name}/{file}" for file in outputs_of(kind)} <= files.keys()
     assert not any(name.startswith("measured/broken") for name in files)
+    page = files["measured/report.html"].decode()
+    assert "The set broken: broken.csv: line" in page
+    assert '<a href="released/report.html">' in page
     table = pd.read_csv(rig.folder / "results/rig/measured/identification.csv")
     assert dict(table["set"].value_counts()) == {"steady": 6, "released": 2, "broken": 1}
     assert table["error"].notna().tolist() == (table["set"] == "broken").tolist()
@@ -143,6 +147,8 @@ def test_without_the_set_that_failed_nothing_is_left_of_it(rig):
     assert "2 of 2 sets" in shown
     assert "broken" not in shown
     assert rig.jobs("--configfile", "rig.yaml") == {}
+    # a run that finds nothing to do shows the table again
+    assert shown in rig.made("--configfile", "rig.yaml")
 
 
 def against(copy, change):
@@ -163,6 +169,7 @@ def against(copy, change):
         ),
         ({"stiffness_N_per_m": 0.0}, "measured[1].stiffness_N_per_m"),
         ({"stiffness": 2310.0}, "stiffness"),
+        ({"at": [1]}, "measured[1].at"),
         ({"approaches": ["best"]}, "measured[1].approaches[1]"),
         ({"kind": "ring-down"}, "measured[1].frequency_hz: is for forced records"),
         ({"kind": "decay"}, "measured[1].kind: 'decay' is not allowed. forced records, one per"),

@@ -9,6 +9,7 @@ import time
 import pytest
 import yaml
 
+from dampbalance.identification.batch import OVERVIEW
 from dampbalance.identification.outputs import OUTPUTS
 from dampbalance.project.files import ROUTES
 from folders import restored
@@ -78,7 +79,7 @@ def named(checkout):
     copy = checkout()
     texts = {"maps/one.yaml": yaml.safe_dump(MAPPING), "named.yaml": yaml.safe_dump(CASE)}
     results = "results/named/measured"
-    all_sets = [f"{results}/{name}" for name in ("identification.csv", "summary.txt")]
+    all_sets = [f"{results}/{name}" for name in OVERVIEW]
     made = [f"{results}/set/{name}" for name in (*OUTPUTS, ".complete")]
     for name in (*NAMED, *texts, *made, *all_sets):
         file = copy.folder / name

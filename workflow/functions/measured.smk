@@ -1,6 +1,8 @@
 # Sets of measured records: their files, and what is wrong with them before anything is read.
 import glob
+import logging
 
+from snakemake.common import NOTHING_TO_BE_DONE_MSG
 from dampbalance.project.documents import refuse
 from dampbalance.records.errors import RecordError
 from dampbalance.records.mapping import mapping_file, mapping_for, parts_of
@@ -39,6 +41,27 @@ def measured_files():
         *(file for name in MEASURED for file in set_files(name, kind_of(name))),
         *(f"{MEASURED_FILES}/{name}/.complete" for name in MEASURED),
     ]
+
+
+def show_tables(names):
+    """Print the tables of sets, and that of all where there are several."""
+    several = [f"{MEASURED_FILES}/{SET_SUMMARY}"] if len(MEASURED) > 1 else []
+    for file in [*(f"{MEASURED_FILES}/{name}/{SET_SUMMARY}" for name in names), *several]:
+        if Path(placed(file)).is_file():
+            print(Path(placed(file)).read_text(encoding="utf-8"))
+
+
+class NothingToDo(logging.Filter):
+    """Shows the table again when nothing was to be done: Snakemake says so, and calls no hook."""
+
+    def filter(self, record):
+        if record.getMessage() == NOTHING_TO_BE_DONE_MSG and not workflow.dryrun:
+            show_tables([] if len(MEASURED) > 1 else MEASURED)
+        return True
+
+
+if MEASURED and workflow.is_main_process:
+    logger.addFilter(NothingToDo())
 
 
 def overview_with_failures():

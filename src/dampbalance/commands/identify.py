@@ -54,7 +54,7 @@ records         a file, one per level; as many as there are coefficients, or mor
 --no-figures    write no pictures: they take longer than all the rest
 --json          write {TABLES[0]} to this file, too; - shows it instead of the table
 --report        write the report, one page of HTML with everything, to this file
---sets          a YAML file that lists sets of records, each with its settings: each gets a folder of --output, all one page
+--sets          a YAML file that lists sets of records and their settings; each gets a folder in --output
 --overwrite     replace results that are there already
 """
 
@@ -104,13 +104,13 @@ def run(options: argparse.Namespace) -> None:
     if document is not None:
         write_json(document, result.document())
         places.append(str(document))
+    drawn = ""
     if folder is not None:
         files = result.save(folder, figures=not options.no_figures, overwrite=options.overwrite)
         places.append(f"{folder}: {', '.join(file.name for file in files)}")
+        drawn = "" if options.no_figures else (folder / REPORT).read_text(encoding="utf-8")
     if options.report is not None:
-        drawn = folder is not None and not options.no_figures
-        text = (folder / REPORT).read_text(encoding="utf-8") if drawn else result.report()
-        write_text(options.report, text)
+        write_text(options.report, drawn or result.report())
         places.append(str(options.report))
     if places:
         said = f"\nWritten to {'; '.join(places)}."
@@ -119,7 +119,10 @@ def run(options: argparse.Namespace) -> None:
 
 def _run_sets(options: argparse.Namespace) -> None:
     """Identify several sets, and show their table; ValueError where one of them failed."""
-    from ..identification.batch import OVERVIEW, identify_sets  # slow to import, not needed for help
+    from ..identification.batch import (
+        OVERVIEW,
+        identify_sets,
+    )  # slow to import, not needed for help
 
     taken = ("--sets", "--output", "--overwrite", "--largest")
     for name, of in _OPTIONS.items():

@@ -39,6 +39,8 @@ def values(figure: Figure) -> list[dict[str, Any]]:
     blocks : lines at the same places, which are values or names. Each line has a name, its values (None where there is
     none), and where its places lie on the drawing.
     """
+    if not any(line.get_gid() for axes in figure.axes for line in axes.get_lines()):
+        return []  # drawing takes as long as writing
     figure.draw_without_rendering()
     return [panel for axes in figure.axes if (panel := _panel(axes))]
 

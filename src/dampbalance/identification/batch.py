@@ -1,4 +1,4 @@
-"""Several sets of records, identified one by one: their estimates in one table, on one page, and what became of each."""
+"""Several sets of records, identified one by one: their estimates in one table and on one page, with every failure."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from datetime import date
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
+from urllib.parse import quote
 
 import pandas as pd
 
@@ -22,7 +23,7 @@ from ..project.troubles import trouble
 from ..project.wording import in_html, listed, number, shortened
 from ..records.errors import LARGEST, library
 from ..records.mapping import mapping_file, mapping_for, parts_of
-from .answer import USABLE, Interval, ParameterEstimate, Verdict, column, unit_of
+from .answer import DOUBTFUL, USABLE, Interval, ParameterEstimate, Verdict, column, unit_of
 from .measured import SETTINGS, configured, identify
 from .outputs import COMPLETE, REPORT, TABLES, outputs_of, require_room
 from .screen import aligned, headed, in_one, with_interval
@@ -131,13 +132,13 @@ def _matching(pattern: str, root: Path) -> list[str]:
     ]
     files = sorted(name for name in found if not name.endswith((".yaml", ".md")))
     if not files:
-        raise ValueError(f"no file {pattern}: name files, or a pattern, from here or from {root} on")
+        raise ValueError(
+            f"no file {pattern}: name files, or a pattern, from here or from {root} on"
+        )
     return files
 
 
-def summarise(
-    folder: Path, errors: Mapping[str, str], at: Mapping[str, Any] | None = None
-) -> str:
+def summarise(folder: Path, errors: Mapping[str, str], at: Mapping[str, Any] | None = None) -> str:
     """Write the estimates of all sets as one table, as text a line for each set, and a page; return the text.
 
     folder : with one of its name for each set that is identified.   errors : set → why it could not be identified,
@@ -213,20 +214,30 @@ def _page(
     from . import report  # slow to import, as it knows the colours of pictures
 
     heads, *rows = table
-    linked = (
-        [in_html(name) if name in failed else f'<a href="{name}/{REPORT}">{in_html(name)}</a>']
-        + [*map(in_html, cells)]
-        for name, *cells in rows
+    linked = []
+    for name, *cells in rows:
+        link = in_html(name)
+        if name not in failed:
+            link = f'<a href="{quote(name)}/{REPORT}">{link}</a>'
+        # the interval below its value
+        linked.append([link, *(in_html(cell).replace(" [", "<br>[") for cell in cells)])
+    doubtful = [name for name, *_, words in rows if words != USABLE and name not in failed]
+    lead = head + "".join(
+        f"; {what}: {listed(names)}"
+        for what, names in (("in part doubtful", doubtful), ("not identified", [*failed]))
+        if names
     )
-    lead = f"{head}" + (f"; not identified: {listed([*failed])}" if failed else "")
-    agree = [*_agreement(estimates)]
+    kind = DOUBTFUL if failed or doubtful else USABLE
     return report.page(
         "Friction and damping of several sets of records",
         [
-            report.paragraph(f"{lead}.", f"lead {'doubtful' if failed else USABLE}"),
-            report.table(heads, linked, "The answer to use of each set, with 95 % intervals."),
-            *report.bulleted("Not identified", [f"{n}: {error}" for n, error in failed.items()]),
-            *report.bulleted("Whether the sets agree", agree),
+            report.paragraph(f"{lead}.", f"lead {kind}"),
+            report.paragraph("The answer to use of each set, with its 95 % intervals:"),
+            report.table(heads, linked, "answers of all sets"),
+            *report.bulleted(
+                "Not identified", [f"the set {n}: {error}" for n, error in failed.items()]
+            ),
+            *report.bulleted("Whether the sets agree", [*_agreement(estimates)]),
             report.figure(drawing, "Values of all sets with 95 % intervals.", head) * bool(drawing),
         ],
     )

@@ -27,7 +27,7 @@ from ..reading.ringdown_bursts import NoDecay, Signal, noise_of
 from ..reading.ringdown_fit import COMMON, RingFit, fit_decays, with_noise_of
 from ..reading.ringdown_laws import Departure, departures
 from ..reading.ringdown_minima import minima_of, with_intervals
-from ..reading.ringdown_rows import RingRows, A, W, at_rest, rows_of
+from ..reading.ringdown_rows import A, RingRows, W, at_rest, rows_of
 from ..reading.ringdown_search import fit_all, separate_fits
 from ..records.measurement import EXCITATIONS, RESPONSES, Channel, Measurement
 from ..solver import NORMAL_95, solve
@@ -128,7 +128,11 @@ class DecayOutcome(Outcome):
         levels = []
         for i, (turns, _) in enumerate(rows.turns):
             of = rows.columns[rows.decay == i]
-            for n in [] if len(of) < 3 else np.unique(np.linspace(1, len(of) - 2, _SWINGS).round().astype(int)):
+            for n in (
+                []
+                if len(of) < 3
+                else np.unique(np.linspace(1, len(of) - 2, _SWINGS).round().astype(int))
+            ):
                 (start, x_a), (end, x_b) = turns[n : n + 2]
                 X, omega = 0.5 * abs(x_b - x_a), math.pi / (end - start)
                 name = f"decay {i + 1} at {start:.3g} s"
@@ -164,7 +168,9 @@ class DecayOutcome(Outcome):
         """decays : each with the motion fitted to it.   balance : rows of the half cycles, and what they leave."""
         count = len(self.fit.decays)
         words = f"{count} free decays with the motion fitted to them, their turns and the residual"
-        of_rows = "energy that the law takes of each half cycle against what is lost, and the residuals"
+        of_rows = (
+            "energy that the law takes of each half cycle against what is lost, and the residuals"
+        )
         return {
             "decays": Picture(words, (self.fit, self.half_cycles.turns)),
             "balance": Picture(of_rows, (self.answers, False)),

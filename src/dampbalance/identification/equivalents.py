@@ -1,8 +1,8 @@
 """What a test engineer compares damping by: damping ratio, loss factor, quality factor and equivalent viscous damping.
 
-The first is a property of the oscillator. The others are those of a level: friction takes less of a large motion than of
-a small one, so each of them belongs to the amplitude at which it was measured. Use them to compare with other rigs, or
-in a linear model at about that amplitude; F_k and c hold at all of them.
+The first is a property of the oscillator. The others are those of a level: friction takes less of a large motion than
+of a small one, so each of them belongs to the amplitude at which it was measured. Use them to compare with other rigs,
+or in a linear model at about that amplitude; F_k and c hold at all of them.
 """
 
 from __future__ import annotations

@@ -16,6 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from ..arrays import Array
+from ..figures.cycle import branches, whole
 from ..figures.looks import in_maths, label_of, look_of
 from ..figures.style import (
     DASHED,
@@ -33,7 +34,7 @@ from ..project.wording import cut
 from ..reading.mean_harmonics import Reading
 from ..reading.ringdown_fit import COMMON, RingFit
 from ..reading.waveforms import WaveformFit
-from .answer import SHAPE, USABLE, Answer, ParameterEstimate, unit_of
+from .answer import DOUBTFUL, SHAPE, UNKNOWN, USABLE, Answer, ParameterEstimate, unit_of
 from .loading import Loaded
 from .microstick import Microstick
 
@@ -50,6 +51,7 @@ _MOST_DECAYS = 24  # panels
 _BOTTOM, _TOP = 18.0, 7.0  # mm
 _HIGHER = {1: 1.6, 2: 1.3, 3: 1.0}  # panels abreast → how much higher each is
 _FINE = 2880  # points of a cycle: its corners are between two of them
+_MOST_PLACES = 16  # of sets that are named along an axis
 _AT_REST = 1.5  # periods of rest that are shown after the motion
 _DOTS: dict[str, Any] = {"color": FAINT, "markersize": 1.0, "rasterized": True}
 
@@ -130,14 +132,12 @@ def friction(
         axes.plot(x, np.append(left, left[0]), color=SLIP, label="from the record")
         if fit is not None:
             orbit = fit.responses[i].orbit
-            state = orbit.state(np.linspace(0.0, orbit.motion.period, _FINE))
+            state = whole(branches(orbit))
             look: dict[str, Any] = {"color": STICK, "linestyle": DASHED}
             K_z, F_k = orbit.oscillator.K_z, orbit.oscillator.F_k
             axes.plot(1e3 * state.x, K_z * state.z, label="fitted oscillator", **look)
             ends = 1e3 * orbit.X_s * np.array([1.0, -1.0])
-            axes.plot(
-                ends, [F_k, -F_k], "o", color=STICK, markersize=3.0, label="onset of slip"
-            )
+            axes.plot(ends, [F_k, -F_k], "o", color=STICK, markersize=3.0, label="onset of slip")
         axes.set_ylabel("$f$ (N)", labelpad=1.0)
         axes.margins(0.08)
     return _explained(figure, panels)
@@ -154,8 +154,8 @@ def loops(loaded: Sequence[Loaded], readings: Sequence[Reading], shared: Microst
     for reading, (axes, _) in zip(readings, panels, strict=True):
         cycle = reading.averaged_cycle()
         x, acceleration = 1e3 * cycle["x"], cycle["acceleration"]
-        whole = np.append(x, x[0]), np.append(acceleration, acceleration[0])
-        axes.plot(*whole, color=SLIP, label="averaged cycle")
+        closed = np.append(x, x[0]), np.append(acceleration, acceleration[0])
+        axes.plot(*closed, color=SLIP, label="averaged cycle")
         waveform = reading.waveform
         if shared.resolved and waveform is not None:
             osc, X = waveform.response.orbit.oscillator, 1e3 * waveform.response.X
@@ -269,67 +269,43 @@ def sets(
     places: Mapping[str, float],
     dated: bool,
 ) -> Figure:
-    """The numbers of several sets of records side by side, a panel per number: value and interval of 95 %, filled where
-    it is usable; a dotted line where a set was not identified.
+    """The numbers of several sets of records side by side, a panel per number: values with intervals of 95 %, rings
+    where they are doubtful, an arrow head for a lower limit, a dotted line where a set has no value.
 
-    names : of all sets.   estimates : symbol → set → (number, verdict), of those that were identified.   places : of
-    the sets on an axis of loads or dates; empty where they stand one below the other by name.   dated : whether places
-    are days.
+    names : of all sets.   estimates : symbol → set → (number, verdict).   places : of the sets along the axis, loads or
+    dates; empty where they stand there by name.   dated : whether places are days.
     """
-    count, beside = len(names), bool(places)
-    at = places or {name: float(-i) for i, name in enumerate(names)}
-    wide = 0.0 if beside else min(40.0, 1.6 * max(map(len, names)))
-    across = min(3, len(estimates))
-    pitch, tall = (DOUBLE_COLUMN - wide) / across, 45.0 if beside else 10.0 + 6.0 * count
-    rows = math.ceil(len(estimates) / across)
-    figure = page(DOUBLE_COLUMN, rows * (tall + 14.0) + 18.0)
-    panels = []
-    for n, (symbol, of_sets) in enumerate(estimates.items()):
-        row, column = divmod(n, across)
-        left, bottom = wide + 14.0 * beside + 3.0 + pitch * column, 24.0 + (rows - 1 - row) * (tall + 14.0)
-        axes = place(figure, left, bottom, pitch - 7.0 - 11.0 * beside, tall)
+    at = places or {name: float(i) for i, name in enumerate(names)}
+    height = 26.0 + 34.0 * len(estimates)
+    figure, panels = page(DOUBLE_COLUMN, height + 3.0), []
+    for n, (symbol, of_sets) in enumerate(estimates.items(), 1):
+        axes = place(figure, 22.0, height - 34.0 * n, 154.0, 32.0)
         for name in names:
-            p, verdict = of_sets.get(name, (None, ""))
-            if p is None or not math.isfinite(p.interval.low):
-                (axes.axvline if beside else axes.axhline)(
-                    at[name], color=FAINT, linestyle=DOTTED, label="no value"
-                )
+            p, verdict = of_sets.get(name, (UNKNOWN, ""))
+            ends, value = np.array(p.interval), p.value
+            if not math.isfinite(ends[0]):
+                axes.axvline(at[name], color=FAINT, linestyle=DOTTED, label="no value")
                 continue
-            ends = [p.interval.low, p.interval.high if math.isfinite(p.interval.high) else p.value]
-            if not math.isfinite(p.value):  # a lower limit
-                ends, value = [p.interval.low] * 2, p.interval.low
-                look, marker = "lower limit", "^" if beside else ">"
-            else:
-                value, marker = p.value, "o"
-                look = "usable" if verdict == USABLE else "doubtful"
-            colour = SLIP if look == "usable" else STICK
-            error = np.abs(np.array(ends) - value)[:, None]
-            error = np.where(np.isfinite(error), error, 0.0)
-            marks: dict[str, Any] = {"fmt": marker, "color": colour, "capsize": 2.0, "label": look}
-            marks["fillstyle"] = "full" if look == "usable" else "none"
-            if beside:
-                axes.errorbar([at[name]], [value], yerr=error, **marks)
-            else:
-                axes.errorbar([value], [at[name]], xerr=error, **marks)
-        label = in_maths(symbol) + (f" ({unit_of(symbol)})" if unit_of(symbol) else "")
-        if beside:
-            axes.set_ylabel(label)
-            axes.margins(x=0.12)
-            if dated:
-                days = sorted(set(at.values()))
-                shown = days[:: math.ceil(len(days) / 4)]
-                axes.set_xticks(shown, [date.fromordinal(int(day)).isoformat() for day in shown])
-                axes.tick_params(axis="x", rotation=20)
-            else:
-                axes.set_xlabel("at")
-        else:
-            axes.set_xlabel(label)
-            axes.set_ylim(-count + 0.4, 0.6)
-            heads = [cut(name, 26) for name in names] if not column else [""] * count
-            axes.set_yticks([at[name] for name in names], heads, parse_math=False)
-        axes.xaxis.set_major_locator(axes.xaxis.get_major_locator() if dated else MaxNLocator(4))
+            label, fill = (verdict, "full") if verdict == USABLE else (DOUBTFUL, "none")
+            marker, colour = "o", SLIP if verdict == USABLE else STICK
+            if not np.isfinite([value, ends[1]]).all():
+                label, marker, value, ends = "lower limit", "^", ends[0], ends[[0, 0]]
+            look: dict[str, Any] = {"fmt": marker, "color": colour, "fillstyle": fill}
+            error = np.abs(ends - value)[:, None]
+            axes.errorbar([at[name]], [value], yerr=error, capsize=2.0, label=label, **look)
+        unit = f" ({unit_of(symbol)})" if unit_of(symbol) else ""
+        axes.set_ylabel((in_maths(symbol) if "_" in symbol else f"${symbol}$") + unit)
+        axes.margins(x=0.08, y=0.12)
+        axes.tick_params(labelbottom=n == len(estimates))
+        if not places or dated:
+            shown = sorted({*at.values()})[:: math.ceil(len(at) / _MOST_PLACES)]
+            of = {place: cut(name, 18) for name, place in at.items()}
+            words = [date.fromordinal(int(p)).isoformat() if dated else of[p] for p in shown]
+            axes.set_xticks(shown, words, rotation=25.0, ha="right", parse_math=False)
+        elif n == len(estimates):
+            axes.set_xlabel("at")
         panels.append((axes, axes))
-    return _explained(figure, panels)
+    return _explained(figure, panels, scale=1.0)
 
 
 def _thinned(size: int) -> slice:
@@ -345,15 +321,15 @@ def _residual(axes: Axes, along: Array, left: Array) -> None:
     axes.yaxis.set_major_locator(MaxNLocator(3, integer=True, prune="upper"))
 
 
-def _explained(figure: Figure, panels: Sequence[tuple[Axes, Axes]]) -> Figure:
-    """The figure with a legend at its foot of all that its panels show."""
+def _explained(figure: Figure, panels: Sequence[tuple[Axes, Axes]], scale: float = 2.0) -> Figure:
+    """The figure with a legend at its foot of all that its panels show, marks so many times as large."""
     named = {
         label: handle
         for axes, _ in panels
         for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)
     }
-    handles = {"loc": "lower center", "ncols": len(named), "borderaxespad": 0.3, "markerscale": 2.0}
-    figure.legend([*named.values()], [*named], **handles)
+    look: dict[str, Any] = {"loc": "lower center", "borderaxespad": 0.3, "markerscale": scale}
+    figure.legend([*named.values()], [*named], ncols=len(named), **look)
     return figure
 
 

@@ -17,7 +17,16 @@ from .. import __version__
 from ..figures.dark import DARK, follows_the_screen
 from ..figures.style import COOL, GRID, INK, PAPER
 from ..law.terms import parted, term
-from ..project.wording import Remark, dotted, in_html, listed, number, percent, signed_percent, visible
+from ..project.wording import (
+    Remark,
+    dotted,
+    in_html,
+    listed,
+    number,
+    percent,
+    signed_percent,
+    visible,
+)
 from .answer import DOUBTFUL, NONE, USABLE, Answer, ParameterEstimate, unit_of
 from .outcome import Outcome
 from .remarks import in_a_sentence, limits
@@ -47,14 +56,6 @@ _CAPTIONS = {
 }
 """What each picture shows, in the order of the report."""
 _CONTACT = "contact stiffness"
-_CHECKS = {
-    "drive_gain_1_percent": ("the calibration of the drive", "1 %"),
-    "response_gain_1_percent": ("the calibration of the response", "1 %"),
-    "response_phase_1_degree": ("the phase between drive and response", "1°"),
-    "response_late_100_us": ("the delay between drive and response", "100 µs"),
-    "stiffness_1_percent": ("the stiffness", "1 %"),
-}
-"""Fault → what to check against it, and its size."""
 
 
 def report(outcome: Outcome, document: Mapping[str, Any], drawings: Mapping[str, str]) -> str:
@@ -64,7 +65,11 @@ def report(outcome: Outcome, document: Mapping[str, Any], drawings: Mapping[str,
     """
     answer = next(iter(outcome.answers.values()))
     count = len(outcome.sources)
-    names = listed([visible(name) for name in outcome.sources]) if count < 4 else f"{count} records"
+    names = (
+        listed([visible(PurePath(name).name) for name in outcome.sources])
+        if count < 4
+        else f"{count} records"
+    )
     shown = [name for name in _CAPTIONS if name in drawings]
     parts = [
         verdict(answer, outcome.warnings),
@@ -72,15 +77,16 @@ def report(outcome: Outcome, document: Mapping[str, Any], drawings: Mapping[str,
         _numbers(answer),
         *(bulleted("What limits the answer", _limits(outcome, answer.name))),
         *(bulleted("What to check and do next", _next(outcome, document, answer))),
+        "<h2>What the records show</h2>",
         *(figure(drawings[name], _CAPTIONS[name], outcome.pictures[name].words) for name in shown),
         *_levels(document["damping"]),
         *_sensitivities(document),
         "<h2>Other ways of evaluation</h2>",
         paragraph(
-            "The first line is the answer, and the others check it from the same records: “maximum likelihood” fits one "
-            "oscillator to all of them, every other way balances the energy of a cycle. A star marks one with a note."
+            "The first line is the answer, and the others check it from the same records: “maximum likelihood” fits "
+            "one oscillator to all of them, every other way balances the energy of a cycle. A star marks a note."
         ),
-        f'<div class="wide">{answers_table(outcome.answers)}</div>',
+        wide(answers_table(outcome.answers), "answers"),
         _items(_limits(outcome, answer.name, of_others=True)),
         *_laws(outcome),
         *_origin(document),
@@ -116,9 +122,9 @@ def paragraph(text: str, kind: str = "") -> str:
 
 
 def table(
-    heads: Sequence[str], rows: Iterable[Sequence[str]], caption: str = "", words: Sequence[int] = ()
+    heads: Sequence[str], rows: Iterable[Sequence[str]], label: str, words: Sequence[int] = ()
 ) -> str:
-    """A table; cells are HTML.   words : numbers of the columns, after the first, that are text."""
+    """A table; cells are HTML.   label : what it holds.   words : numbers of the columns, after the first, of text."""
 
     def kind(column: int) -> str:
         return "words" if column in words else "num"
@@ -133,15 +139,22 @@ def table(
         + "</tr>"
         for first, *cells in rows
     )
-    said = f"<caption>{in_html(caption)}</caption>" if caption else ""
-    return f'<div class="wide"><table>{said}<thead><tr>{top}</tr></thead>\n<tbody>\n{body}\n</tbody></table></div>'
+    return wide(f"<table><thead><tr>{top}</tr></thead>\n<tbody>\n{body}\n</tbody></table>", label)
+
+
+def wide(inner: str, label: str) -> str:
+    """What may be wider than the screen, and is then scrolled, also by keyboard.   label : what it holds."""
+    return (
+        f'<div class="wide" role="region" tabindex="0" aria-label="{escape(label)}">{inner}</div>'
+    )
 
 
 def figure(svg: str, caption: str, words: str) -> str:
     """A picture inside the page, which follows light and dark by itself.   words : for those who cannot see it."""
     data = base64.b64encode(follows_the_screen(svg).encode()).decode()
     picture = f'<img alt="{escape(words)}" src="data:image/svg+xml;base64,{data}">'
-    return f"<figure><figcaption>{in_html(caption)}</figcaption>{picture}</figure>"
+    shown = wide(picture, f"picture: {caption}")
+    return f"<figure><figcaption>{in_html(caption)}</figcaption>{shown}</figure>"
 
 
 def word(verdict: str) -> str:
@@ -235,7 +248,7 @@ def _numbers(answer: Answer) -> str:
             ]
         )
     heads = ["quantity", "value", "95 % interval", "half width", "verdict", "why"]
-    return table(heads, rows, words=[5])
+    return table(heads, rows, "the numbers", words=[5])
 
 
 def _words(symbol: str) -> str:
@@ -264,19 +277,14 @@ def _limits(outcome: Outcome, name: str, of_others: bool = False) -> list[str]:
 def _next(outcome: Outcome, document: Mapping[str, Any], answer: Answer) -> list[str]:
     """What helps most: the fault that the numbers feel most, against what their intervals allow, and the rest of what
     the records cannot test."""
-    worst: tuple[float, str] = (0.0, "")
-    for name, effect in document["sensitivities"].items():
+    felt = [("", 1.0)]
+    for effect in document["sensitivities"].values():
         for symbol, p in answer.parameters.items():
-            change = abs(effect.get(f"{symbol}_percent") or 0.0) / 100.0
-            half = _half(p)
-            if math.isfinite(half) and half > 0.0 and change / half > max(worst[0], 1.0):
-                what, size = _CHECKS[name]
-                worst = (
-                    change / half,
-                    f"check {what} first: an error of {size} moves {symbol} by {percent(change)}, and its interval "
-                    f"shows {percent(half)} only",
-                )
-    return [*filter(None, [worst[1]]), *outcome.rig]
+            change, half = abs(effect.get(f"{symbol}_percent") or 0.0) / 100.0, _half(p)
+            if half > 0.0 and math.isfinite(half):
+                words = f"{effect['fault']}, {symbol} is off by {percent(change)}, and its interval"
+                felt.append((f"check first: if {words} shows {_part(p)} only", change / half))
+    return [*filter(None, [max(felt, key=lambda one: one[1])[0]]), *outcome.rig]
 
 
 # --- what follows from it -------------------------------------------------------------------------
@@ -289,13 +297,27 @@ def _levels(damping: Mapping[str, Any]) -> Iterator[str]:
         return
     yield "<h2>Damping of each level</h2>"
     ratio = damping["damping_ratio"]
-    zeta = "" if ratio is None else f"The damping ratio of c alone is ζ = c/(2√(km)) = {percent(ratio)}. "
-    said = paragraph(
-        f"{zeta}Friction takes less of a large motion than of a small one, so the numbers below belong to the amplitude "
-        "they stand next to: use them to compare with other rigs, or in a linear model at that amplitude. W is the "
-        "energy lost in a cycle, c_eq = W/(πωX²), ζ_eq = c_eq/(2√(km)), η = W/(πkX²) and Q = 1/η, with k of the spring."
+    zeta = (
+        ""
+        if ratio is None
+        else f"The damping ratio of c alone is ζ = c/(2√(km)) = {percent(ratio)}. "
     )
-    heads = ["level", "X (mm)", "f (Hz)", "W (mJ)", "of it friction", "c_eq (N s/m)", "ζ_eq", "η", "Q"]
+    said = paragraph(
+        f"{zeta}Friction takes less of a large motion than of a small one, so the numbers below belong to the "
+        "amplitude next to them: use them to compare with other rigs, or in a linear model at that amplitude. W is the "
+        "energy lost in a cycle, c_eq = W/(πωX²), ζ_eq = c_eq/(2√(km)), η = W/(πkX²) and Q = 1/η; k is the spring’s."
+    )
+    heads = [
+        "level",
+        "X (mm)",
+        "f (Hz)",
+        "W (mJ)",
+        "of it friction",
+        "c_eq (N s/m)",
+        "ζ_eq",
+        "η",
+        "Q",
+    ]
     lines = table(
         heads,
         (
@@ -312,6 +334,7 @@ def _levels(damping: Mapping[str, Any]) -> Iterator[str]:
             ]
             for level in levels
         ),
+        "damping of each level",
     )
     yield f"{said}\n{lines}".replace("_eq", "<sub>eq</sub>")
 
@@ -339,7 +362,9 @@ def _sensitivities(document: Mapping[str, Any]) -> Iterator[str]:
         "By how much each number would be off if the fault were there and nobody knew; of another size, in proportion. "
         f"For: {document['sensitivities_of']}."
     )
-    yield table(["if", *(column.removesuffix("_percent") for column in columns)], rows)
+    yield table(
+        ["if", *(column.removesuffix("_percent") for column in columns)], rows, "effect of faults"
+    )
 
 
 def _change(change: float | None) -> str:
@@ -363,13 +388,13 @@ def _origin(document: Mapping[str, Any]) -> Iterator[str]:
         ]
         for record in document["records"]
     )
-    yield table(["record", "SHA-256", "mapping"], rows, words=[1, 2])
+    yield table(["record", "SHA-256", "mapping"], rows, "records", words=[1, 2])
     settings = (
         [f"<code>{escape(name)}</code>", escape(_shown(value))]
         for name, value in dotted(document["options"])
         if value not in (None, [], {})
     )
-    yield table(["setting", "value"], settings, words=[1])
+    yield table(["setting", "value"], settings, "settings", words=[1])
 
 
 def _shown(value: Any) -> str:

@@ -45,7 +45,7 @@ def html(outcome: Outcome) -> str:
 def answers_table(answers: Mapping[str, Answer]) -> str:
     """The table of the answers as HTML."""
     heads, *lines = _table(answers)
-    columns = "".join(f'<th scope="col">{escape(head)}</th>' for head in heads)
+    columns = "".join(f'<th scope="col">{escape(head or "answer")}</th>' for head in heads)
     rows = "".join(
         f'<tr><th scope="row">{escape(name)}</th>'
         + "".join(f"<td>{escape(cell)}</td>" for cell in cells)
