@@ -19,6 +19,7 @@ extensions = [
     "extension",
 ]
 exclude_patterns = ["extra"]
+templates_path = ["templates"]
 html_extra_path = ["extra"] if Path(__file__).with_name("extra").exists() else []
 html_static_path = ["static"]
 html_css_files = ["site.css"]
@@ -63,4 +64,4 @@ html_theme_options = {
     "pygments_dark_style": "a11y-high-contrast-dark",
 }
 html_context = {"default_mode": "auto"}
-html_sidebars = {"index": [], "**": ["sidebar-nav-bs", "page-toc"]}
+html_sidebars = {"index": [], "**": ["sidebar-nav-bs", "contents"]}

@@ -34,6 +34,15 @@ def pages(site):
     return [path for path in sorted(site.rglob("*.html")) if "_static" not in path.parts]
 
 
+def briefly(root):
+    """A project whose site runs no command."""
+    pages = root / "paper/site"
+    for page in [*pages.rglob("*.md")]:
+        if "run(" in page.read_text(encoding="utf-8"):
+            page.unlink()
+    return root
+
+
 def test_it_has_its_pages(site):
     for name in ("index", "search", "start/records", "reference/api", "explain/phase", "studies"):
         assert (site / f"{name}.html").is_file()
@@ -66,7 +75,8 @@ def test_a_dead_link_would_be_seen(site):
 
 def test_nothing_is_loaded_from_elsewhere(site, pages):
     for path in pages:
-        assert [target for target in read_page(path).loaded if local(path, target) is None] == []
+        remote = [target for target in read_page(path).loaded if local(path, target) is None]
+        assert [target for target in remote if not target.startswith("data:")] == []
     for style in site.rglob("*.css"):
         remote = re.findall(
             r"""@import[^;]*//[^;]*|url\(\s*["']?(?:https?:)?//[^)]*""",
@@ -137,6 +147,27 @@ def test_every_section_is_shown_somewhere(site, path):
             assert " ".join(words[0].split()) in everything, section.title
 
 
+@pytest.mark.parametrize("index", ["start", "howto", "explain"])
+def test_each_page_of_a_part_has_a_sentence_in_its_index(index):
+    text = (ROOT / f"paper/site/{index}/index.md").read_text(encoding="utf-8")
+    others = {page.name for page in (ROOT / "paper/site" / index).glob("*.md")} - {"index.md"}
+    assert {*re.findall(r"^- \[\]\((\S+)\): \S.{30,}\.$", text, re.MULTILINE)} == others
+
+
+def test_what_commands_say_and_write_is_shown(site):
+    """The numbers on the pages are those of the documents that the commands wrote, which can be downloaded."""
+    for page, place in (("howto/identify", "example/dampbalance-demo"), ("start/case", "case")):
+        shown = read_page(site / f"{page}.html").text
+        table = (site / f"run/{place}/found/summary.txt").read_text(encoding="utf-8").splitlines()
+        (answer,) = (line for line in table if line.startswith("maximum likelihood"))
+        assert answer in shown
+    case = site / "run/case"
+    assert {"run1.csv", "mount.yaml", "decide.py"} <= {path.name for path in case.iterdir()}
+    commands = (case / "commands.sh").read_text(encoding="utf-8").splitlines()
+    assert all(command in shown for command in commands)
+    assert "leave the clamp as it is" in shown
+
+
 def test_a_page_of_results_keeps_the_links_that_lead_somewhere(site):
     page = read_page(site / "files/results/paper/report.html")
     assert page.links == ["../../config/config.yaml", "#top"]
@@ -175,7 +206,7 @@ def test_without_results_it_says_how_to_make_them(tmp_path):
     write_pages(project(tmp_path / "project", results=False), tmp_path / "pages", parser())
     index = (tmp_path / "pages/index.md").read_text(encoding="utf-8")
     assert "`make`, then `make docs`" in index
-    assert "report.html" not in index
+    assert "results/paper/report.html" not in index
 
 
 @pytest.mark.parametrize(
@@ -188,10 +219,12 @@ def test_without_results_it_says_how_to_make_them(tmp_path):
         ('{{ text("paper/equations.md") }}', r"paper/equations.md is on .* already"),
         ("[x](project:no/such/file.md)", r"a link leads to no/such/file.md"),
         ("{{ nothing }}", r"'nothing' is undefined"),
+        ('{{ run("case", "dampbalance identify none.csv --stiffness 1") }}', "none.csv"),
+        ('{{ screen("one", ["two"]) }}', "no line of the output matches 'two'"),
     ],
 )
 def test_a_page_that_cannot_be_made_is_refused(tmp_path, page, message):
-    root = project(tmp_path / "project", results=False)
+    root = briefly(project(tmp_path / "project", results=False))
     (root / "paper/site/wrong.md").write_text(f"# Wrong\n\n{page}\n", encoding="utf-8")
     with pytest.raises(SiteError, match=message) as error:
         build(root, tmp_path / "site", parser())

@@ -15,7 +15,16 @@ from paper.site_case import built
 pytestmark = [pytest.mark.slow, pytest.mark.skipif(CHROMIUM is None, reason=REASON)]
 
 PHONE = {"width": 375, "height": 800}
-SAMPLE = ("index", "start/paper", "explain/balance", "reference/api", "studies", "search")
+LAPTOP = {"width": 1280, "height": 800}
+SAMPLE = (
+    "index",
+    "start/paper",
+    "explain/balance",
+    "reference/api",
+    "studies",
+    "search",
+    "start/case",
+)
 
 
 @pytest.fixture(scope="module")
@@ -37,6 +46,51 @@ def test_a_search_without_a_network_finds_it(site, visit, words, leads):
     assert any(leads in link for link in links)
 
 
+@pytest.mark.parametrize(
+    ("words", "first"),
+    [
+        ("sweep", "howto/study.html"),
+        ("batch", "howto/sets.html"),
+        ("confidence interval", "explain/uncertainty.html"),
+        ("logarithmic decrement", "howto/decays.html"),
+    ],
+)
+def test_a_search_for_a_word_of_practice_shows_its_page_first(site, visit, words, first):
+    page = visit(f"{(site / 'search.html').as_uri()}?q={words}")
+    page.wait_for_selector("#search-results li a")
+    links = page.eval_on_selector_all("#search-results li a", "all => all.map(a => a.href)")
+    assert links[0].split("#")[0].endswith(first)
+
+
+def test_the_first_screen_shows_a_figure_and_a_result(site, visit):
+    page = visit((site / "index.html").as_uri(), viewport=LAPTOP)
+    for wanted in ("article img", "article td:has-text('1.28')", "article pre"):
+        box = page.locator(wanted).first.bounding_box()
+        assert box["y"] + box["height"] < LAPTOP["height"]
+        assert box["width"] > 60.0
+    loaded = "all => all.every(one => one.naturalWidth > 100)"
+    assert page.eval_on_selector_all("article img", loaded)
+
+
+def test_no_block_is_cut_on_a_laptop(site, visit):
+    """Code on all pages; tables on those that are not lists of numbers or keys."""
+    page = visit("about:blank", viewport=LAPTOP)
+    wider = "all => all.filter(one => one.scrollWidth > one.clientWidth).map(one => one.innerText)"
+    cut, counted = [], 0
+    for path in sorted(site.rglob("*.html")):
+        name = path.relative_to(site).as_posix()
+        if name.startswith(("files/", "run/")):
+            continue
+        page.goto(path.as_uri())
+        counted += page.locator("pre").count()
+        cut += [(name, text) for text in page.eval_on_selector_all("pre", wider)]
+        if not name.startswith(("reference/", "explain/")):
+            tables = ".pst-scrollable-table-container"
+            cut += [(name, text) for text in page.eval_on_selector_all(tables, wider)]
+    assert cut == []
+    assert counted > 60
+
+
 def test_the_search_field_leads_to_the_results(site, visit):
     page = visit((site / "index.html").as_uri())
     page.keyboard.press("Control+k")
@@ -50,7 +104,7 @@ def test_no_page_is_wider_than_a_phone(site, visit):
     page = visit("about:blank", viewport=PHONE)
     wide = []
     for path in sorted(site.rglob("*.html")):
-        if "files" not in path.relative_to(site).parts:
+        if not {"files", "run"} & {*path.relative_to(site).parts}:
             page.goto(path.as_uri())
             width = page.evaluate("() => document.documentElement.scrollWidth")
             if width > PHONE["width"]:

@@ -1,10 +1,11 @@
 """Does the clamp of the mount keep its friction? The interval decides, not the value alone."""
 
 import json
+from pathlib import Path
 
 LEAST = 2.0  # N, below which the clamp is to be tightened
 
-found = json.load(open("found/identification.json"))
+found = json.loads(Path("found/identification.json").read_text())
 low, high = found["maximum_likelihood"]["F_k_interval_N"]
 verdict = found["maximum_likelihood"]["verdicts"]["F_k"]["verdict"]
 if verdict != "usable":

@@ -8,7 +8,7 @@ import textwrap
 import docutils.core
 import pytest
 
-from dampbalance.publishing.site import keys, pages, reference
+from dampbalance.publishing.site import keys, pages, reference, session
 from dampbalance.publishing.site.reference import markup
 
 TEXT = """\
@@ -84,6 +84,23 @@ def test_links_are_named_from_the_root_on():
     assert "`[code](not/a/link.md)`" in named
     assert "[no](link.md)" in named
     assert pages.of_project("[up](../../README.md)", "config/records") == "[up](project:README.md)"
+
+
+def test_a_link_to_a_page_has_its_title_and_not_the_name_of_a_folder():
+    text = "[`docs/`](x.md), [`docs/x.md`](x.md#y), [words](x.md), [`docs/a.csv`](copied:a.csv), `[a/](x.md)`"
+    shown = pages.relinked(text, lambda target, picture: target)
+    assert (
+        shown == "[](x.md), [](x.md#y), [words](x.md), [`docs/a.csv`](copied:a.csv), `[a/](x.md)`"
+    )
+
+
+def test_output_is_shown_with_numbers_at_the_lines_that_are_explained():
+    output = "one   two\n" + "long " * 60
+    shown = session.shown(output, ["^long", "two$"]).splitlines()
+    assert shown[0] == "```screen"
+    assert shown[1] == "one   two  ②"
+    assert shown[-2].endswith("long  ①")
+    assert max(map(len, shown)) <= session.WIDTH
 
 
 def test_the_anchor_of_a_heading():

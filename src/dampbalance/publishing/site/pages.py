@@ -95,7 +95,7 @@ def of_project(text: str, folder: str) -> str:
 def relinked(text: str, new: Callable[[str, bool], str]) -> str:
     """A text with the target of every link and picture replaced, except in code.
 
-    A link to a page by the name of a file or folder, which its reader may not have, takes the page's title.
+    A link to a page under the name of a file or folder, which a reader may not have, takes the page's title.
     new : (target, whether the target is a picture) → new target.
     """
 
@@ -170,7 +170,7 @@ class Pages:
         }
         try:
             return pages.get_template(name).render(**given, **self.functions)
-        except jinja2.TemplateError as error:
+        except (jinja2.TemplateError, SiteError) as error:
             raise SiteError(f"{self.folder}/{name}: {error}") from error
 
     def _there(self, path: str) -> bool:
@@ -187,7 +187,7 @@ class Pages:
     def _text(self, page: str, path: str) -> str:
         """A whole text, whose title becomes that of the page."""
         if path in self.whole:
-            raise SiteError(f"{self.folder}/{page}: {path} is on {self.whole[path]} already")
+            raise SiteError(f"{path} is on {self.whole[path]} already")
         self.whole[path] = page
         return written(self._sections(path))
 
@@ -200,14 +200,12 @@ class Pages:
         chosen = with_inner(known, title) if title else known[:1]
         if not chosen:
             titles = ", ".join(repr(section.title) for section in known)
-            raise SiteError(
-                f"{self.folder}/{page}: {path} has no section {title!r}; it has {titles}"
-            )
+            raise SiteError(f"{path} has no section {title!r}; it has {titles}")
         first, others = chosen[0], chosen[1:] if inner else []
         anchor = first.anchor if title else ""
         if title and (path, anchor) in self.parts:
             where = self.parts[path, anchor][0]
-            raise SiteError(f"{self.folder}/{page}: {title!r} of {path} is on {where} already")
+            raise SiteError(f"{title!r} of {path} is on {where} already")
         self.parts[path, anchor] = (page, anchor if level else "")
         self.parts |= {(path, one.anchor): (page, one.anchor) for one in others}
         down = (level or 1) - first.level
