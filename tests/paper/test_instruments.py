@@ -332,9 +332,11 @@ def test_an_address_opens_its_instrument_on_a_phone(opened):
 @pytest.mark.slow
 @pytest.mark.parametrize("width", [390, 1280])
 @pytest.mark.parametrize("name", ["off_resonance", "integrator", "cloud", "misprint"])
-def test_an_address_leads_to_its_instrument(opened, name, width):
+def test_an_address_leads_to_its_instrument(visit, report, name, width):
     """Though the instruments above it grow once they are there."""
-    page = opened(f"#{name}", viewport={"width": width, "height": 844})
+    address = f"{(report / 'report.html').as_uri()}#{name}"
+    page = visit(address, reduced_motion="reduce", viewport={"width": width, "height": 844})
+    page.wait_for_selector("#misprint.ready", state="attached")  # the last one
     page.wait_for_function(
         "name => { const y = document.getElementById(name).getBoundingClientRect().y; return y > 0 && y < 150; }",
         arg=name,

@@ -182,7 +182,7 @@ def _instruments(content: PageContent) -> dict[str, Any]:
     shown: dict[str, Any] = {"script": "\n".join(one.read_text("utf-8") for one in scripts)}
     shown["engine"] = base64.b64encode((static / "engine.wasm").read_bytes()).decode()
     shown["printed"] = content.claims is not None
-    shown["misprints"] = content.digits is not None
+    shown["misprints"] = shown["printed"] and content.digits is not None
     return shown | {"instruments": as_json(instruments_data(content))}
 
 
