@@ -34,7 +34,7 @@ def main(params, inputs):
     facts = json.loads(read_text(inputs.facts)) if inputs.facts else {}
     studies = [read_study(file, params.schema, params.base) for file in inputs.study_files]
     claims = read_csv(inputs.claims, dtype=str) if inputs.claims else None
-    misprints = [json.loads(read_text(file)) for file in inputs.misprints]
+    misprints = [json.loads(read_text(file)) for file in inputs.misprints or ()]
     return PageContent(
         case=case,
         config=config,
