@@ -221,6 +221,7 @@ def balance(answers: Mapping[str, Answer], two: bool) -> Figure:
         bars: dict[str, Any] = {"yerr": 1.0, "fmt": look.marker, "elinewidth": 0.6, **marks}
         right.errorbar(places[usable], scaled[usable], **bars)
     left.set_xlim(left=0.0)
+    left.xaxis.set_major_locator(MaxNLocator(6))
     left.set_xlabel("$a/b$ (s/m)" if two else "$W$ (J)")
     left.set_ylabel("$W/b$ (N s/m)" if two else "energy lost, by the law (J)")
     right.axhline(0.0, color=FAINT, linewidth=0.6, zorder=0)

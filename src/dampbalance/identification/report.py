@@ -65,11 +65,7 @@ def report(outcome: Outcome, document: Mapping[str, Any], drawings: Mapping[str,
     """
     answer = next(iter(outcome.answers.values()))
     count = len(outcome.sources)
-    names = (
-        listed([visible(PurePath(name).name) for name in outcome.sources])
-        if count < 4
-        else f"{count} records"
-    )
+    names = listed([_short(name) for name in outcome.sources]) if count < 4 else f"{count} records"
     shown = [name for name in _CAPTIONS if name in drawings]
     parts = [
         verdict(answer, outcome.warnings),
@@ -215,14 +211,20 @@ def _clause(text: str) -> str:
 
 
 def _of(source: str) -> str:
-    return f" ({visible(PurePath(source).name)})" if source else ""
+    return f" ({_short(source)})" if source else ""
+
+
+def _short(source: str) -> str:
+    """The name of a file without its folder; of a record from elsewhere all of it, whatever slashes it has."""
+    path = PurePath(source)
+    return visible(path.name if path.suffix else source)
 
 
 def _values(answer: Answer, symbols: Sequence[str]) -> str:
     texts = []
     for symbol in symbols:
         p = answer.parameters[symbol]
-        share = f" (±\N{NO-BREAK SPACE}{_part(p)})" if interval_of(p) != "–" else ""
+        share = f" (±\N{NO-BREAK SPACE}{_part(p)})" if _half(p) < 1.0 else ""
         value = value_of(p)
         equal = "" if value.startswith(">") else "= "
         texts.append(f"{symbol} {equal}{value} {unit_of(symbol)}".rstrip() + share)
@@ -322,7 +324,7 @@ def _levels(damping: Mapping[str, Any]) -> Iterator[str]:
         heads,
         (
             [
-                escape(visible(PurePath(level["level"]).name)),
+                escape(_short(level["level"])),
                 _figures(level["X_m"], 1e3),
                 _figures(level["frequency_Hz"]),
                 _figures(level["W_J"], 1e3),

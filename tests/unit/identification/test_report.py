@@ -107,10 +107,10 @@ def test_the_first_sentence_says_what_can_be_used(steady, doubtful):
 
 def test_a_name_is_no_markup_in_a_report():
     frames = [record.to_frame() for record in read_records(FILES[::4])]
-    frames[0].attrs["name"] = "<script>&"
+    frames[0].attrs["name"] = "<script>& at 2 m/s"
     html = identify(frames, PAPER.k, **QUICK).report()
     assert "<script>" not in html
-    assert "&lt;script&gt;&amp;" in html
+    assert "<h1>Friction and damping from &lt;script&gt;&amp; at 2 m/s" in html
 
 
 # --- pictures -------------------------------------------------------------------------------------
