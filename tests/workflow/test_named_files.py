@@ -25,6 +25,7 @@ NAMES_A_FILE = {
 NAMES_NONE = {
     "config: frame.set",
     "config: measured[].groups.*[]",
+    "config: measured[].at",
     *(f"study: {key}" for key in ("title", "shows", "summary_by[]", "route.law")),
     *(f"study: figure.{key}" for key in ("x", "y", "panels", "at.*")),
     *(f"study: facts.*.{key}" for key in ("along", "at.*")),

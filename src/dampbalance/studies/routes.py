@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable
+from collections.abc import Callable, Collection, Iterable
 from dataclasses import dataclass, field
 
 from ..balance import APPROACHES
@@ -41,6 +41,10 @@ class Route:
     columns: tuple[str, ...] = ("parameters", "errors")
     cycles: int = 4
     chunk_cases: int = 512
+
+    def __reduce__(self) -> tuple[Callable[[str], Route], tuple[str]]:
+        """A copy is the route itself, whose answers and approaches follow what is registered."""
+        return _named, (self.kind,)
 
     @property
     def parameters(self) -> set[str]:
@@ -94,6 +98,11 @@ ROUTES = {
         ),
     )
 }
+
+
+def _named(kind: str) -> Route:
+    return ROUTES[kind]
+
 
 REPLICATES = 200
 """Bootstrap replicates if the file does not say; their standard error is accurate to 5 %."""
