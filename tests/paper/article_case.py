@@ -147,7 +147,7 @@ def build(folder: Path) -> Project:
     """All that the article needs, and the article."""
     project = Project(folder)
     shutil.copytree(ROOT / "paper/article", folder / "paper/article")
-    for name in ("config", "workflow", "CITATION.cff"):
+    for name in ("config", "src", "workflow", "CITATION.cff"):
         (folder / name).symlink_to(ROOT / name)
     _routes(folder)
     cases, files = _studies(project)
