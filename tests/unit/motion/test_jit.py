@@ -197,6 +197,7 @@ def in_words(chosen_folder, monkeypatch, capsys, stream="err"):
 
 
 def test_the_first_process_says_that_it_compiles(chosen_folder, monkeypatch, capsys):
+    monkeypatch.delitem(sys.modules, "ipykernel", raising=False)  # another test may have loaded it
     said = in_words(chosen_folder, monkeypatch, capsys)
     assert said == "dampbalance: compiling its kernels (once, and keeping them) …\n"
     (chosen_folder() / "kernel").touch()
