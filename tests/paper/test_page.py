@@ -19,8 +19,7 @@ from dampbalance.project import wording
 from dampbalance.publishing import colours, match, words
 from dampbalance.publishing.match import match_picture
 from dampbalance.publishing.page import drawings, report
-from dampbalance.publishing.page.origins import ORIGINS, link, study_origin
-from dampbalance.publishing.page.report import LARGEST_PAGE
+from dampbalance.publishing.page.report import LARGEST_PAGE, ORIGINS, link, study_origin
 from dampbalance.replication import resonance
 from dampbalance.replication.claim_verdicts import KINDS, VERDICTS, counts
 from dampbalance.replication.printed_tables import claim_of

@@ -17,7 +17,7 @@ import pandas as pd
 from ..project.documents import ConfigurationError, against_schema, in_lines, read_schema, read_yaml
 from ..project.files import sha256
 from ..replication.claim_verdicts import HOLDING, ROUTE_NAMES, VERDICTS, counts
-from .markdown import templates
+from .words import templates
 
 
 def read(file: str | Path, schema: str | Path) -> dict[str, Any]:

@@ -7,7 +7,7 @@ from typing import Any
 
 from ..identification.answer import USABLE
 from ..project.wording import in_words, listed, minus, number, percent
-from .markdown import templates
+from .words import templates
 
 
 def frame_page(

@@ -19,7 +19,7 @@ from pathlib import Path, PurePosixPath
 from typing import Any
 
 from ...project.files import json_text, replacing, sha256
-from ..markdown import templates
+from ..words import templates
 from .crate import DESCRIPTOR, crate
 from .manifest import ARCHIVED_VERSION
 

@@ -19,7 +19,7 @@ from typing import Any
 
 import jinja2
 
-from ..markdown import templates
+from ..words import templates
 
 SCHEME = "project:"
 """Prefix of a link to a file of the project, followed by the path from the root."""
