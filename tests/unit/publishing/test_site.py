@@ -8,7 +8,7 @@ import textwrap
 import docutils.core
 import pytest
 
-from dampbalance.publishing.site import keys, pages, reference, session
+from dampbalance.publishing.site import pages, reference
 from dampbalance.publishing.site.reference import markup
 
 TEXT = """\
@@ -96,11 +96,11 @@ def test_a_link_to_a_page_has_its_title_and_not_the_name_of_a_folder():
 
 def test_output_is_shown_with_numbers_at_the_lines_that_are_explained():
     output = "one   two\n" + "long " * 60
-    shown = session.shown(output, ["^long", "two$"]).splitlines()
+    shown = pages.screen(output, ["^long", "two$"]).splitlines()
     assert shown[0] == "```screen"
     assert shown[1] == "one   two  ②"
     assert shown[-2].endswith("long  ①")
-    assert max(map(len, shown)) <= session.WIDTH
+    assert max(map(len, shown)) <= pages.WIDTH
 
 
 def test_the_anchor_of_a_heading():
@@ -218,11 +218,11 @@ SCHEMA = {
     ],
 )
 def test_keys_of_a_schema(line):
-    assert line in keys.tables(SCHEMA, {"approach": ["direct", "X_s"]}, level=3).splitlines()
+    assert line in reference.tables(SCHEMA, {"approach": ["direct", "X_s"]}, level=3).splitlines()
 
 
 def test_every_key_of_a_schema_stands_once_below_what_it_is_inside_of():
-    lines = keys.tables(SCHEMA, {"approach": ["direct"]}).splitlines()
+    lines = reference.tables(SCHEMA, {"approach": ["direct"]}).splitlines()
     named = [re.match(r"## `(.*)`|\| `(\w+)`", line) for line in lines]
     found = " ".join(name[1] or name[2] for name in named if name)
     assert found == "hz levels_m phase sets what sets[] m_kg"
@@ -242,13 +242,13 @@ def test_every_key_of_a_schema_stands_once_below_what_it_is_inside_of():
     ],
 )
 def test_the_unit_of_a_key_is_the_end_of_its_name(key, unit):
-    table = keys.tables({"properties": {key: {"type": "number"}}}, {})
+    table = reference.tables({"properties": {key: {"type": "number"}}}, {})
     assert table.splitlines()[2] == f"| `{key}` | number | {unit} |  |"
 
 
 @pytest.mark.parametrize(("value", "shown"), [(-1e-9, "−1e−9"), (1e12, "1e12"), (250000, "250000")])
 def test_bounds_are_written_as_short_as_they_can_be(value, shown):
-    table = keys.tables({"properties": {"x": {"type": "number", "minimum": value}}}, {})
+    table = reference.tables({"properties": {"x": {"type": "number", "minimum": value}}}, {})
     assert f"number ≥ {shown} " in table
 
 

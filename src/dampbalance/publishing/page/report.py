@@ -197,7 +197,7 @@ def report_page(content: PageContent, page: str) -> str:
     if content.claims is not None:
         claims = content.claims.set_index("id", drop=False).to_dict("index")
         counted = counts(content.claims)
-    tables = {
+    tables: dict[str, list[dict[str, Any]]] = {
         frequency: [
             {"title": TITLES[name], "parts": list(_parts(table, name, {} if n else claims))}
             for name, table in content.tables[frequency].items()
@@ -211,15 +211,8 @@ def report_page(content: PageContent, page: str) -> str:
     absent = {name for name, of in (("studies", studies), ("noise", noise)) if not of}
     if not claims:
         absent |= OF_PRINT
-    in_tables = {
-        claim
-        for table in tables[next(iter(frequencies))]
-        for part in table["parts"]
-        for _, lines in part["groups"]
-        for _, cells in lines
-        for _, verdict, claim in cells
-        if verdict
-    }
+    first = tables[next(iter(frequencies))]
+    in_tables = {claim for table in first for part in table["parts"] for claim in part["claims"]}
     html = (
         _environment(case.name, page)
         .get_template("report.html.j2")
@@ -276,15 +269,16 @@ def _parts(
 ) -> Iterator[dict[str, Any]]:
     """A table as the paper lays it out, in parts whose rows share their quantities.
 
-    columns : (symbol, unit) each.   groups : a row's label and its lines, (route, cells) each, the printed one first
-    where there is one; a cell is its text, and for a printed number the verdict and the claim that gives the reason.
+    columns : (symbol, unit) each.   claims : those on its printed numbers.
+    groups : a row's label and its lines, (route, cells) each, the printed one first where there is one; a cell is its
+    text, and for a printed number the verdict and the claim that gives the reason.
 
     table : a frame of `printed_tables.COLUMNS`, `printed` as text.   name : table1, table2, table3 or statistics.
     claims : id → row of the table of claims, from which the cells take their digits on the way, {} for none.
     """
     places = {row: place for place, row in enumerate(dict.fromkeys(table["row"]), start=1)}
     for quantities, block in blocks(table):
-        groups = []
+        groups, judged = [], set()
         for label, rows in block.groupby("row", sort=False):
             cells = {
                 claim_of(name, str(label), places[label], str(cell["quantity"])): cell
@@ -295,6 +289,7 @@ def _parts(
                 for claim, cell in cells.items()
                 for text in [cell["printed"]]
             ]
+            judged |= {claim for _, verdict, claim in printed if verdict}
             lines = [("printed", printed)] if any(text for text, *_ in printed) else []
             for route in SHOWN_ROUTES:
                 texts = (
@@ -304,7 +299,7 @@ def _parts(
                 lines.append((ROUTE_NAMES[route], [(minus(text), None, "") for text in texts]))
             groups.append((label, lines))
         columns = list(zip(quantities, map(unit_of, block["unit"]), strict=False))
-        yield {"columns": columns, "groups": groups}
+        yield {"columns": columns, "groups": groups, "claims": judged}
 
 
 def _study(content: PageContent, sheet: Sheet, study: Study, svg: str) -> dict[str, Any]:

@@ -64,13 +64,15 @@ def pack(
         for job in manifest["reproducible"]["jobs"]
         if not digests.keys().isdisjoint(job["outputs"])
     ]
+    # a job ended when its files were written; unpacked files have no such time
+    times = {file: Path(file).stat().st_mtime for file in packed}
     kept = {"results": [results[file] for file in sorted(packed)], "jobs": jobs}
     metadata = crate(
         {**manifest, "reproducible": {**manifest["reproducible"], **kept}},
         manifest_file,
         citation,
         others={file: digest for file, digest in digests.items() if file != manifest_file},
-        ended=_when_written(packed),
+        ended={file: time for file, time in times.items() if time > TIME},
     )
     written[DESCRIPTOR] = json_text(metadata).encode()
     digests[DESCRIPTOR] = _digest(written[DESCRIPTOR])
@@ -87,8 +89,10 @@ def pack(
             data = written[file] if file in written else files[file].read_bytes()
             if file in files and _digest(data) != digests[file]:
                 raise ValueError(f"{file} changed while it was packed: run `make archive` again")
-            executable = file in files and os.access(files[file], os.X_OK)
-            tar.addfile(_entry(f"{name}/{file}", len(data), executable), io.BytesIO(data))
+            entry = tarfile.TarInfo(f"{name}/{file}")
+            entry.size, entry.mtime = len(data), TIME
+            entry.mode = 0o755 if file in files and os.access(files[file], os.X_OK) else 0o644
+            tar.addfile(entry, io.BytesIO(data))
 
 
 def unpack(path: str | Path, folder: str | Path) -> None:
@@ -151,18 +155,6 @@ def readme(
         sizes={result["path"]: result["bytes"] for result in made["results"]},
         largest=f"{LARGEST_PACKED / 1e6:.0f}",
     )
-
-
-def _entry(name: str, size: int, executable: bool) -> tarfile.TarInfo:
-    entry = tarfile.TarInfo(name)
-    entry.size, entry.mtime, entry.mode = size, TIME, 0o755 if executable else 0o644
-    return entry
-
-
-def _when_written(files: Iterable[str]) -> dict[str, float]:
-    """The time when each file was last written, s since 1970, which is when its job ended; none for unpacked files."""
-    times = {file: Path(file).stat().st_mtime for file in files}
-    return {file: time for file, time in times.items() if time > TIME}
 
 
 def _digest(data: bytes) -> str:
