@@ -52,23 +52,39 @@ def pack(
     files = {file: Path(file) for file in {*sources, *packed, manifest_file, crate_file}}
     digests = {file: sha256(source) for file, source in files.items()}
 
-    code = manifest["run"]["code"]
-    guide = readme(name, manifest, set(results) - packed, manifest_file, rebuild)
+    run, made = manifest["run"], manifest["reproducible"]
+    numerical = [f"{p} {run['packages'][p]}" for p in NUMERICAL if p in run["packages"]]
+    guide = (
+        templates()
+        .get_template("archive.md.j2")
+        .render(
+            name=name,
+            made=made,
+            run=run,
+            packages=", ".join(numerical) or "those named in pyproject.toml",
+            rebuild=rebuild,
+            manifest=manifest_file,
+            left_out=sorted(set(results) - packed),
+            sizes={file: result["bytes"] for file, result in results.items()},
+            largest=f"{LARGEST_PACKED / 1e6:.0f}",
+        )
+    )
+    code = {key: value for key, value in run["code"].items() if key != "known_from"}
     written = {
-        ARCHIVED_VERSION: json_text({k: v for k, v in code.items() if k != "known_from"}).encode(),
+        ARCHIVED_VERSION: json_text(code).encode(),
         "ARCHIVE.md": guide.encode(),
     }
     digests |= {file: _digest(data) for file, data in written.items()}
     jobs = [
         {**job, "outputs": [file for file in job["outputs"] if file in digests]}
-        for job in manifest["reproducible"]["jobs"]
+        for job in made["jobs"]
         if not digests.keys().isdisjoint(job["outputs"])
     ]
     # a job ended when its files were written; unpacked files have no such time
     times = {file: Path(file).stat().st_mtime for file in packed}
     kept = {"results": [results[file] for file in sorted(packed)], "jobs": jobs}
     metadata = crate(
-        {**manifest, "reproducible": {**manifest["reproducible"], **kept}},
+        {**manifest, "reproducible": {**made, **kept}},
         manifest_file,
         citation,
         others={file: digest for file, digest in digests.items() if file != manifest_file},
@@ -130,31 +146,6 @@ def _problem(entries: Sequence[tarfile.TarInfo]) -> str:
     tops = {PurePosixPath(entry.name).parts[:1] for entry in entries}
     alone = len(tops) == 1 and "".join(*tops).startswith("dampbalance-")
     return "" if alone else "does not hold one folder dampbalance-…"
-
-
-def readme(
-    name: str, manifest: Mapping[str, Any], left_out: set[str], manifest_file: str, rebuild: str
-) -> str:
-    """The instructions in the archive: its contents, how to verify it and how to rebuild the results."""
-    made, run = manifest["reproducible"], manifest["run"]
-    code = run["code"]
-    commit = f"commit {code['commit']}" if code["commit"] else "a commit that is not known"
-    if code["modified"]:
-        commit += ", with changes that the archive holds"
-    packages = [f"{p} {run['packages'][p]}" for p in NUMERICAL if p in run["packages"]]
-    template = templates().get_template("archive.md.j2")
-    return template.render(
-        name=name,
-        made=made,
-        commit=commit,
-        run=run,
-        packages=", ".join(packages) or "those named in pyproject.toml",
-        rebuild=rebuild,
-        manifest=manifest_file,
-        left_out=sorted(left_out),
-        sizes={result["path"]: result["bytes"] for result in made["results"]},
-        largest=f"{LARGEST_PACKED / 1e6:.0f}",
-    )
 
 
 def _digest(data: bytes) -> str:
