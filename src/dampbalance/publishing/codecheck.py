@@ -46,29 +46,27 @@ def report(
     above = Path(path).parent
     files = {item["file"]: Path(top, item["file"]) for item in configuration["manifest"]}
     manifest = [
-        {
-            **item,
-            "link": _link(files[item["file"]], above),
-            "bytes": files[item["file"]].stat().st_size,
-            "digest": sha256(files[item["file"]]),
-        }
-        for item in configuration["manifest"]
+        {**item, "link": _link(file, above), "bytes": file.stat().st_size, "digest": sha256(file)}
+        for item, file in zip(configuration["manifest"], files.values(), strict=True)
     ]
     tables = [file.with_suffix(".md") for file in files.values() if file.parent.name == "tables"]
     counted = counts(claims)
-    template = templates().get_template("codecheck.md.j2")
-    return template.render(
-        configuration=configuration,
-        version=version,
-        folder=_link(above.parent, above),
-        manifest=manifest,
-        counted=counted,
-        total=counted[-1],
-        verdicts=list(VERDICTS.values()),
-        routes=ROUTE_NAMES,
-        rest=claims[~claims["verdict"].isin(HOLDING)].to_dict("records"),
-        # each a section of the report: its heading two levels down
-        tables=[table.read_text("utf-8").strip().replace("# ", "### ", 1) for table in tables],
+    return (
+        templates()
+        .get_template("codecheck.md.j2")
+        .render(
+            configuration=configuration,
+            version=version,
+            folder=_link(above.parent, above),
+            manifest=manifest,
+            counted=counted,
+            total=counted[-1],
+            verdicts=list(VERDICTS.values()),
+            routes=ROUTE_NAMES,
+            rest=claims[~claims["verdict"].isin(HOLDING)].to_dict("records"),
+            # each a section of the report: its heading two levels down
+            tables=[table.read_text("utf-8").strip().replace("# ", "### ", 1) for table in tables],
+        )
     )
 
 
