@@ -17,7 +17,7 @@ import pandas as pd
 from ..project.documents import ConfigurationError, against_schema, in_lines, read_schema, read_yaml
 from ..project.files import sha256
 from ..replication.claim_verdicts import HOLDING, ROUTE_NAMES, VERDICTS, counts
-from .words import templates
+from .words import rendered
 
 
 def read(file: str | Path, schema: str | Path) -> dict[str, Any]:
@@ -51,22 +51,19 @@ def report(
     ]
     tables = [file.with_suffix(".md") for file in files.values() if file.parent.name == "tables"]
     counted = counts(claims)
-    return (
-        templates()
-        .get_template("codecheck.md.j2")
-        .render(
-            configuration=configuration,
-            version=version,
-            folder=_link(above.parent, above),
-            manifest=manifest,
-            counted=counted,
-            total=counted[-1],
-            verdicts=list(VERDICTS.values()),
-            routes=ROUTE_NAMES,
-            rest=claims[~claims["verdict"].isin(HOLDING)].to_dict("records"),
-            # each a section of the report: its heading two levels down
-            tables=[table.read_text("utf-8").strip().replace("# ", "### ", 1) for table in tables],
-        )
+    return rendered(
+        "codecheck.md.j2",
+        configuration=configuration,
+        version=version,
+        folder=_link(above.parent, above),
+        manifest=manifest,
+        counted=counted,
+        total=counted[-1],
+        verdicts=list(VERDICTS.values()),
+        routes=ROUTE_NAMES,
+        rest=claims[~claims["verdict"].isin(HOLDING)].to_dict("records"),
+        # each a section of the report: its heading two levels down
+        tables=[table.read_text("utf-8").strip().replace("# ", "### ", 1) for table in tables],
     )
 
 

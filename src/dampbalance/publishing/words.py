@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from typing import Any
 
 import jinja2
 from markupsafe import Markup, escape
@@ -37,6 +38,11 @@ def templates(loader: jinja2.BaseLoader | None = None, html: bool = False) -> ji
     )
     environment.filters["in_markdown"] = in_markdown
     return environment
+
+
+def rendered(template: str, **values: Any) -> str:
+    """A template of this room in Markdown, with these values."""
+    return templates().get_template(template).render(**values)
 
 
 def rich(text: str) -> Markup:

@@ -33,12 +33,9 @@ from ...project.wording import (
     unit_of,
 )
 from ...replication.claim_verdicts import (
-    DIFFERS,
     HOLDING,
     KINDS,
     PARTS,
-    RECONSTRUCTED,
-    REPRODUCED,
     ROUTE_NAMES,
     VERDICTS,
     Count,
@@ -54,12 +51,7 @@ from ..colours import css_variables, verdict_styles
 from .drawings import Sheet
 from .instruments import instruments_data
 
-TITLE = "How the printed numbers of an energy balance fare"
 LARGEST_PAGE = 1_500_000  # bytes: a page that a phone loads
-TITLE_OF_CASE = "Friction and damping from an energy balance"
-HEADLINE_OF_CASE = (
-    "Friction and viscous damping of a driven oscillator from the balance of energy over a period."
-)
 STATIC = files(__package__) / "static"
 STYLES = ("style.css", "instruments.css")
 SCRIPTS = (
@@ -213,48 +205,43 @@ def report_page(content: PageContent, page: str) -> str:
         absent |= OF_PRINT
     first = tables[next(iter(frequencies))]
     in_tables = {claim for table in first for part in table["parts"] for claim in part["claims"]}
-    html = (
-        _environment(case.name, page)
-        .get_template("report.html.j2")
-        .render(
-            version=__version__,
-            case=case.name,
-            page=page,
-            title=TITLE if claims else TITLE_OF_CASE,
-            headline=_headline(counted[-1]) if claims else HEADLINE_OF_CASE,
-            counts=counted,
-            total=counted[-1] if claims else None,
-            claims=[_claim(row) | {"in_table": id in in_tables} for id, row in claims.items()],
-            verdicts=VERDICTS.values(),
-            kinds=KINDS,
-            frequencies=[
-                {"name": frequency_name(name), "hz": f"{hz:g}", "tables": tables[name]}
-                for name, hz in frequencies.items()
-            ],
-            terms=list(TERMS),
-            error_table=list(_error_lines(approaches, frequencies)),
-            costs=off_resonance(approaches, frequencies),
-            mends={
-                recipe: [_error(error, signed_percent) for error in errors]
-                for recipe, errors in mends(approaches, frequencies).items()
-            },
-            figures=figures,
-            studies=studies.values(),
-            noise=noise,
-            sheet=sheet,
-            sections=[(name, title) for name, title in SECTIONS.items() if name not in absent],
-            origins=ORIGINS,
-            all_origins=[origin for name, origin in ORIGINS.items() if name not in absent],
-            configuration=[(key, _value(value)) for key, value in dotted(content.config)],
-            evidence=content.evidence,
-            facts=content.facts,
-            css_variables=css_variables,
-            style=f"{verdict_styles()}\n{''.join(map(_static, STYLES))}",
-            script="\n".join(map(_static, SCRIPTS)),
-            engine=base64.b64encode((STATIC / "engine.wasm").read_bytes()).decode(),
-            misprints=claims and content.digits is not None,
-            instruments=as_json(instruments_data(case, content.claims, content.digits)),
-        )
+    template = _environment(case.name, page).get_template("report.html.j2")
+    html = template.render(
+        version=__version__,
+        case=case.name,
+        page=page,
+        counts=counted,
+        total=counted[-1] if claims else None,
+        claims=[_claim(row) | {"in_table": id in in_tables} for id, row in claims.items()],
+        verdicts=VERDICTS.values(),
+        kinds=KINDS,
+        frequencies=[
+            {"name": frequency_name(name), "hz": f"{hz:g}", "tables": tables[name]}
+            for name, hz in frequencies.items()
+        ],
+        terms=list(TERMS),
+        error_table=list(_error_lines(approaches, frequencies)),
+        costs=off_resonance(approaches, frequencies),
+        mends={
+            recipe: [_error(error, signed_percent) for error in errors]
+            for recipe, errors in mends(approaches, frequencies).items()
+        },
+        figures=figures,
+        studies=studies.values(),
+        noise=noise,
+        sheet=sheet,
+        sections=[(name, title) for name, title in SECTIONS.items() if name not in absent],
+        origins=ORIGINS,
+        all_origins=[origin for name, origin in ORIGINS.items() if name not in absent],
+        configuration=[(key, _value(value)) for key, value in dotted(content.config)],
+        evidence=content.evidence,
+        facts=content.facts,
+        css_variables=css_variables,
+        style=f"{verdict_styles()}\n{''.join(map(_static, STYLES))}",
+        script="\n".join(map(_static, SCRIPTS)),
+        engine=base64.b64encode((STATIC / "engine.wasm").read_bytes()).decode(),
+        misprints=claims and content.digits is not None,
+        instruments=as_json(instruments_data(case, content.claims, content.digits)),
     )
     size = len(html.encode())
     if size > LARGEST_PAGE:
@@ -349,20 +336,6 @@ def _claim(row: Mapping[Any, str]) -> dict[str, Any]:
         "verdict": VERDICTS[row["verdict"]],
         "holds": row["verdict"] in HOLDING,
     }
-
-
-def _headline(total: Count) -> str:
-    """The whole match in two sentences: the computed numbers, and how those fare that neither route gives."""
-    n = dict(total.of_verdict)
-    reproduced, reconstructed, differs = (
-        n.pop(verdict.name) for verdict in (REPRODUCED, RECONSTRUCTED, DIFFERS)
-    )
-    others = ", ".join(f"{count} {name}" for name, count in n.items() if count) or "none"
-    return (
-        f"Of the {total.computed} computed numbers that the paper prints, {reproduced} are reproduced by the exact "
-        f"solution and {reconstructed} by reconstructing how they were computed; the others: {others}, and "
-        f"{'none differs' if not differs else f'{differs} differ'}."
-    )
 
 
 def _error_lines(approaches: pd.DataFrame, frequencies: Iterable[str]) -> Iterator[dict[str, Any]]:

@@ -19,7 +19,7 @@ from pathlib import Path, PurePosixPath
 from typing import Any
 
 from ...project.files import json_text, replacing, sha256
-from ..words import templates
+from ..words import rendered
 from .crate import DESCRIPTOR, crate
 from .manifest import ARCHIVED_VERSION
 
@@ -54,20 +54,17 @@ def pack(
 
     run, made = manifest["run"], manifest["reproducible"]
     numerical = [f"{p} {run['packages'][p]}" for p in NUMERICAL if p in run["packages"]]
-    guide = (
-        templates()
-        .get_template("archive.md.j2")
-        .render(
-            name=name,
-            made=made,
-            run=run,
-            packages=", ".join(numerical) or "those named in pyproject.toml",
-            rebuild=rebuild,
-            manifest=manifest_file,
-            left_out=sorted(set(results) - packed),
-            sizes={file: result["bytes"] for file, result in results.items()},
-            largest=f"{LARGEST_PACKED / 1e6:.0f}",
-        )
+    guide = rendered(
+        "archive.md.j2",
+        name=name,
+        made=made,
+        run=run,
+        packages=", ".join(numerical) or "those named in pyproject.toml",
+        rebuild=rebuild,
+        manifest=manifest_file,
+        left_out=sorted(set(results) - packed),
+        sizes={file: result["bytes"] for file, result in results.items()},
+        largest=f"{LARGEST_PACKED / 1e6:.0f}",
     )
     code = {key: value for key, value in run["code"].items() if key != "known_from"}
     written = {
