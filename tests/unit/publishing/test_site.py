@@ -70,7 +70,7 @@ def test_a_section_takes_its_level_on_a_page(tmp_path, arguments, shown):
         (tmp_path / name).write_text(text)
     (tmp_path / "site").mkdir()
     (tmp_path / "site/page.md").write_text(f'{{{{ section("README.md", {arguments}) }}}}\n')
-    page = pages.Pages(tmp_path, "site", {}).made()["page.md"]
+    page = pages.Pages(tmp_path, "site", {}, tmp_path / "extra").made()["page.md"]
     assert [line for line in page.splitlines() if line.startswith("#")] == shown
     assert ("Before." in page) == (not shown)
 
@@ -274,11 +274,10 @@ def test_files_are_copied_as_they_lie_with_links_that_lead_somewhere(tmp_path):
         '<a href="https://example.org/">web</a>'
     )
     (root / "a/b.txt").write_text("b")
-    site = pages.Pages(root, "", {})
+    site = pages.Pages(root, "", {}, tmp_path / "site")
     assert site.copied("a/page.html") == "files/a/page.html"
     assert site.copied("a/no.txt") is None
     assert site.copied("../secret") is None
-    site.write_copies(tmp_path / "site")
     assert (tmp_path / "site/files/a/b.txt").read_text() == "b"
     assert (tmp_path / "site/files/a/page.html").read_text() == (
         '<a href="b.txt#x">b</a><a class="y">none</a><a href="#z">z</a>'

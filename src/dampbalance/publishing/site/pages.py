@@ -138,11 +138,9 @@ def write_pages(root: Path, stage: Path, parser: argparse.ArgumentParser) -> Non
         "documented": reference.directives,
         "others": lambda naming: reference.others([equations, naming], "dampbalance"),
     }
-    pages = Pages(root, SOURCE, functions)
-    for name, text in pages.made().items():
+    for name, text in Pages(root, SOURCE, functions, stage / EXTRA).made().items():
         (stage / name).parent.mkdir(parents=True, exist_ok=True)
         (stage / name).write_text(text, encoding="utf-8")
-    pages.write_copies(stage / EXTRA)
 
 
 def commands_of(parser: argparse.ArgumentParser) -> dict[str, argparse.ArgumentParser]:
@@ -340,14 +338,13 @@ def _lines(text: str) -> Iterator[tuple[bool, str]]:
 class Pages:
     """The pages of a site, made from the templates in a folder of the project.
 
+    functions : for templates.   copies : the folder for copies of the files to which pages link.
     parts : (text, anchor) → (page, anchor there, "" for its top); the anchor None stands for the whole text.
-    copies : path → contents of the files to which pages link.
     """
 
-    def __init__(self, root: str | Path, folder: str, functions: Mapping[str, Any]) -> None:
-        self.root, self.folder, self.functions = Path(root), folder, functions
+    def __init__(self, root: Path, folder: str, functions: Mapping[str, Any], copies: Path) -> None:
+        self.root, self.folder, self.functions, self.copies = root, folder, functions, copies
         self.parts: dict[tuple[str, str | None], tuple[str, str]] = {}
-        self.copies: dict[str, bytes] = {}
 
     def made(self) -> dict[str, str]:
         """The Markdown of each page, by its path below the folder. Raises SiteError if a page cannot be rendered."""
@@ -441,16 +438,11 @@ class Pages:
             target = posixpath.normpath(posixpath.join(posixpath.dirname(path), link[2]))
             return link[1] if self.copied(target) is None else link[0]
 
-        if path not in self.copies:
-            self.copies[path] = file.read_bytes()
+        copy = self.copies / FOLDER / path
+        if not copy.exists():
+            copy.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(file, copy)
             if file.suffix == ".html":
-                live = _LOCAL_LINK.sub(kept, self.copies[path].decode())
-                self.copies[path] = live.encode()
+                text = file.read_text(encoding="utf-8")
+                copy.write_text(_LOCAL_LINK.sub(kept, text), encoding="utf-8")
         return f"{FOLDER}/{path}"
-
-    def write_copies(self, target: str | Path) -> None:
-        """Write all of them into the folder FOLDER below `target`."""
-        for path, content in self.copies.items():
-            place = Path(target, FOLDER, path)
-            place.parent.mkdir(parents=True, exist_ok=True)
-            place.write_bytes(content)
