@@ -59,18 +59,10 @@ SCRIPTS = (
     *("oscillator.js", "off_resonance.js", "integrator.js", "noise.js", "digits.js"),
 )
 SECTIONS = {
-    "findings": "Findings",
-    "instruments": "Instruments",
-    "match": "Match",
-    "numbers": "Every number",
-    "tables": "Tables",
-    "digits": "Digits",
-    "figure3": "Figure 3",
-    "errors": "Off resonance",
-    "studies": "Studies",
-    "noise": "Noise",
-    "conclusion": "Conclusion",
-    "provenance": "Sources",
+    **{"findings": "Findings", "instruments": "Instruments", "match": "Match"},
+    **{"numbers": "Every number", "tables": "Tables", "digits": "Digits", "figure3": "Figure 3"},
+    **{"errors": "Off resonance", "studies": "Studies", "noise": "Noise"},
+    **{"conclusion": "Conclusion", "provenance": "Sources"},
 }
 OF_PRINT = {"claims", "match", "numbers", "digits", "findings", "conclusion"}
 """The sections and origins that a case with nothing printed does not have."""
@@ -293,7 +285,6 @@ def _study(content: PageContent, sheet: Sheet, study: Study, svg: str) -> dict[s
     """The figure of a study, with what it shows in words."""
     name = study.name.replace("_", "-")
     return {
-        "name": name,
         "title": study.title,
         "paragraph": filled(study, content.facts[study.name]),
         "figure": sheet.drawing(f"study-{name}", svg),

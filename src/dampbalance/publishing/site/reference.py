@@ -37,6 +37,7 @@ _TYPES = {
     "object": "keys",
     "string": "text",
 }
+_BLANKS = {"\t": "a tab", " ": "a blank", "": "a blank"}
 _LIMITS = {"minimum": "≥", "exclusiveMinimum": ">", "maximum": "≤", "exclusiveMaximum": "<"}
 
 
@@ -99,7 +100,8 @@ def _type(node: Mapping[str, Any], registered: Mapping[str, Sequence[str]]) -> s
     if "registered" in node:
         words = [f"`{name}`" for name in (*registered[node["registered"]], *node.get("also", []))]
     elif "enum" in node or "const" in node:
-        words = [_value(value) for value in node.get("enum", [node.get("const")])]
+        values = map(str, node.get("enum", [node.get("const")]))
+        words = [_BLANKS.get(value, f"`{value}`") for value in values]
     elif "anyOf" in node:
         words = [_type(choice, registered) for choice in node["anyOf"]]
     else:
@@ -116,12 +118,6 @@ def _type(node: Mapping[str, Any], registered: Mapping[str, Sequence[str]]) -> s
 def _unit(key: str) -> str:
     """The unit that is stated at the end of the name of a key; "" if there is none."""
     return next((unit for end, unit in _UNITS.items() if f"_{key}".endswith(end)), "")
-
-
-def _value(value: object) -> str:
-    if value == "\t":
-        return "a tab"
-    return f"`{value}`" if str(value).strip() else "a blank"
 
 
 def _range(node: Mapping[str, Any]) -> str:
@@ -162,12 +158,10 @@ def directive(name: str) -> str:
     """The directive that documents a name, by its full path."""
     documented = resolved(name)[1]
     kind, options = "data", ["no-value"]
-    if inspect.isclass(documented):
-        kind, options = "class", ["members"]
-        if issubclass(documented, Enum):
-            options.append("undoc-members")
-        if issubclass(documented, BaseException):
-            kind, options = "exception", []
+    if inspect.isclass(documented) and issubclass(documented, BaseException):
+        kind, options = "exception", []
+    elif inspect.isclass(documented):
+        kind, options = "class", ["members", *["undoc-members"] * issubclass(documented, Enum)]
     elif callable(documented):
         kind, options = "function", []
     return "\n".join([f".. auto{kind}:: {name}", *(f"    :{one}:" for one in options), ""])
