@@ -37,10 +37,14 @@ _USUAL = {"stroke-dashoffset": "0", "stroke-linejoin": "round", "stroke-width": 
 
 @dataclass
 class Sheet:
-    """What the drawings of a page share: outlines and words (SVG, with NAME for the name) and styles → their names."""
+    """What the drawings of a page share: outlines and words (SVG, with NAME for the name) and styles → their names.
+
+    names : of the definitions in the file that is being drawn → those here.
+    """
 
     outlines: dict[str, str] = field(default_factory=dict)
     styles: dict[str, str] = field(default_factory=dict)
+    names: dict[str, str] = field(default_factory=dict)
 
     @property
     def svg(self) -> Markup:
@@ -60,50 +64,41 @@ class Sheet:
         inner : the elements in it.   tables : the values.   Raises ValueError for a colour without a name on the page.
         """
         root = ElementTree.fromstring(svg.replace("xmlns=", "xmlns:svg="))
-        file = _File(self)
+        self.names = {}
         for one in (one for defs in root.iter("defs") for one in defs if "id" in one.attrib):
-            file.define(one)
+            self._define(one)
         return {
             "name": name,
             "alt": next((e.text or "" for e in root.iter() if e.tag.endswith("}description")), ""),
-            "inner": Markup("".join(map(file.lean, root))),
+            "inner": Markup("".join(map(self._lean, root))),
             "box": _rounded(root.attrib["viewBox"]),
             "tables": list(_tables(read_values(svg))),
         }
 
+    def _named(self, element: str) -> str:
+        return self.outlines.setdefault(element, f"o{len(self.outlines)}")
 
-@dataclass
-class _File:
-    """One SVG on its way into the page. names : of its definitions → those of the sheet."""
-
-    sheet: Sheet
-    names: dict[str, str] = field(default_factory=dict)
-
-    def outline(self, element: str) -> str:
-        """The name of an element on the sheet."""
-        return self.sheet.outlines.setdefault(element, f"o{len(self.sheet.outlines)}")
-
-    def define(self, element: Any) -> None:
+    def _define(self, element: Any) -> None:
         """Put what other elements refer to into the sheet."""
-        inner = "".join(map(self.lean, element))
-        text = f'<{element.tag} id="NAME"{self.attributes(element, digits=2)}'
+        inner = "".join(map(self._lean, element))
+        text = f'<{element.tag} id="NAME"{self._attributes(element, digits=2)}'
         text += f">{inner}</{element.tag}>" if inner else "/>"
-        self.names[element.attrib["id"]] = self.outline(text)
+        self.names[element.attrib["id"]] = self._named(text)
 
-    def lean(self, element: Any) -> str:
+    def _lean(self, element: Any) -> str:
         """An element without what nobody sees, in the page's colours; words are put into the sheet."""
         if element.tag in ("metadata", "defs"):
             return ""
-        inner = "".join(map(self.lean, element))
-        attributes = self.attributes(element)
+        inner = "".join(map(self._lean, element))
+        attributes = self._attributes(element)
         if element.tag == "g" and not (attributes and inner):
             return inner
         if "scale(" in attributes and len(element) > 1:
-            words = self.outline(f'<g id="NAME">{inner}</g>')
+            words = self._named(f'<g id="NAME">{inner}</g>')
             return f'<use href="#{words}"{attributes}/>'
         return f"<{element.tag}{attributes}" + (f">{inner}</{element.tag}>" if inner else "/>")
 
-    def attributes(self, element: Any, digits: int = 1) -> str:
+    def _attributes(self, element: Any, digits: int = 1) -> str:
         """The attributes of an element as text, its style as a class."""
         given = {key: value for key, value in element.attrib.items() if key not in ("id", "style")}
         if _XLINK in given:
@@ -119,7 +114,7 @@ class _File:
         if "transform" in given:
             given["transform"] = _PLACE.sub(lambda m: _rounded(m[0]), given["transform"])
         if style := _declarations(element.attrib.get("style", "")):
-            given["class"] = self.sheet.styles.setdefault(style, f"d{len(self.sheet.styles)}")
+            given["class"] = self.styles.setdefault(style, f"d{len(self.styles)}")
         return "".join(f' {key}="{value}"' for key, value in given.items())
 
 

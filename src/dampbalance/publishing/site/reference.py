@@ -177,14 +177,11 @@ def by_room(names: Iterable[str], package: str) -> list[tuple[str, str, list[str
     for name in sorted(names, key=lambda name: (name[0].isupper(), name)):
         room = getattr(import_module(package), name).__module__.split(".")[1]
         rooms.setdefault(room, []).append(name)
+    purposes = {room: inspect.getdoc(import_module(f"{package}.{room}")) or "" for room in rooms}
     return [
-        (room, _first_paragraph(import_module(f"{package}.{room}")), inside)
+        (room, " ".join(purposes[room].split("\n\n")[0].split()), inside)
         for room, inside in sorted(rooms.items())
     ]
-
-
-def _first_paragraph(module: Any) -> str:
-    return " ".join((inspect.getdoc(module) or "").split("\n\n")[0].split())
 
 
 def others(naming: Iterable[str], package: str) -> dict[str, list[str]]:
@@ -233,10 +230,23 @@ _INLINE = re.compile(
 
 
 def markup(lines: Iterable[str]) -> list[str]:
-    """The lines of a docstring as lines of reStructuredText."""
+    """The lines of a docstring as lines of reStructuredText; its arguments become a definition list."""
     made: list[str] = []
     for paragraph in _paragraphs(lines):
-        made += [*_block(paragraph), ""]
+        text = "\n".join(paragraph).rstrip()
+        block = paragraph
+        if text.startswith(" "):
+            block = [".. code-block:: none", "", *indent(dedent(text), "    ").split("\n")]
+        elif _ARGUMENT.match(text):
+            _, *parts = _ARGUMENT.split(text)
+            pairs = zip(parts[::2], map(_line, parts[1::2]), strict=True)
+            block = [line for names, words in pairs for line in (f"``{names}``", f"    {words}")]
+        elif _LIST.match(text):
+            entries = (entry.split(" ", 1) for entry in re.split(rf"\n(?={_LIST.pattern})", text))
+            block = [f"{mark} {_line(words)}" for mark, words in entries]
+        elif not text.startswith(">>> "):
+            block = _INLINE.sub(_set, text).split("\n")
+        made += [*block, ""]
     return made
 
 
@@ -258,37 +268,9 @@ def _is_argument(block: list[str]) -> bool:
     return bool(_ARGUMENT.match(block[0])) or bool(_LIST.match(block[0]))
 
 
-def _block(paragraph: list[str]) -> list[str]:
-    text = "\n".join(paragraph).rstrip()
-    if text.startswith(">>> "):
-        return paragraph
-    if text.startswith(" "):
-        return [".. code-block:: none", "", *indent(dedent(text), "    ").split("\n")]
-    if _ARGUMENT.match(text):
-        return list(_arguments(text))
-    if _LIST.match(text):
-        return list(_listed(text))
-    return _inline(text).split("\n")
-
-
-def _arguments(text: str) -> Iterator[str]:
-    """A definition list of arguments with their meanings."""
-    _, *parts = _ARGUMENT.split(text)
-    for names, meaning in zip(parts[::2], parts[1::2], strict=True):
-        yield f"``{names}``"
-        yield f"    {_inline(' '.join(meaning.split()))}"
-
-
-def _listed(text: str) -> Iterator[str]:
-    """A list with one entry for each mark at the beginning of a line."""
-    for entry in re.split(r"\n(?=(?:[-*]|\d+\.) )", text):
-        mark, words = entry.split(" ", 1)
-        yield f"{mark} {_inline(' '.join(words.split()))}"
-
-
-def _inline(text: str) -> str:
-    """Text in which code and emphasis are marked up and all other characters are literal."""
-    return _INLINE.sub(_set, text)
+def _line(text: str) -> str:
+    """Text in one line, in which code and emphasis are marked up and all other characters are literal."""
+    return _INLINE.sub(_set, " ".join(text.split()))
 
 
 def _set(found: re.Match[str]) -> str:
