@@ -108,30 +108,21 @@ WORDS = {
 UNKNOWN = "unknown"
 
 
-def licence(package: str) -> str:
-    """The licence of an installed package as an SPDX expression, or "unknown" with the words that the package uses.
-
-    Raises PackageNotFoundError for a package that is not installed.
-    """
-    return stated_licence(metadata.metadata(package))
-
-
 def stated_licence(stated: PackageMetadata) -> str:
-    """The licence that the metadata of a package state: by their expression, their field, or their one classifier."""
+    """The licence of a package as an SPDX expression, or "unknown" with the words that the package uses.
+
+    stated : the metadata of the package, which state it by an expression, a field, or one classifier.
+    """
     classified = [
         words.rpartition(" :: ")[2]
         for words in stated.get_all("Classifier") or []
         if words.startswith("License ::")
     ]
-    field, expression = (
-        next(iter(stated.get_all(key) or []), "") for key in ("License", "License-Expression")
-    )
-    given = [expression, field, *(classified if len(classified) == 1 else [])]
-    for words in given:
-        try:
+    keys = ("License-Expression", "License")
+    expression, field = ((stated.get_all(key) or [""])[0] for key in keys)
+    for words in (expression, field, *(classified if len(classified) == 1 else [])):
+        with suppress(InvalidLicenseExpression):
             return str(canonicalize_license_expression(WORDS.get(words, words)))
-        except InvalidLicenseExpression:
-            continue
     said = classified or [line for line in field.splitlines()[:1] if line]
     return f"{UNKNOWN} ({'; '.join(said)})" if said else UNKNOWN
 
@@ -206,7 +197,7 @@ def _packages(lock: Path) -> dict[str, Any]:
             installed[name] = metadata.version(name)
     return {
         "packages": installed,
-        "licences": {name: licence(name) for name in installed},
+        "licences": {name: stated_licence(metadata.metadata(name)) for name in installed},
         "packages_not_as_locked": [n for n, v in installed.items() if v not in pinned[n]],
     }
 
