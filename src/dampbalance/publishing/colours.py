@@ -54,15 +54,6 @@ def verdicts() -> dict[str, tuple[str, str]]:
     }
 
 
-def verdict_styles() -> str:
-    """A rule of CSS per verdict: `.v-reproduced` has --fill, --tint and --text in its colours."""
-    return "\n".join(
-        f".v-{v.css} {{ --fill: {variable(v.css)}; --tint: {variable(f'{v.css}-tint')}; "
-        f"--text: {variable(f'{v.css}-text')}; }}"
-        for v in VERDICTS.values()
-    )
-
-
 def palette(mode: Mode) -> dict[str, str]:
     """All colours of the page by name, as #rrggbb."""
     which = ("light", "dark").index(mode)

@@ -47,7 +47,7 @@ from ...replication.resonance import mends, off_resonance
 from ...studies.settings import Study
 from ...studies.shown.facts import filled
 from .. import words
-from ..colours import css_variables, verdict_styles
+from ..colours import css_variables
 from .drawings import Sheet
 from .instruments import instruments_data
 
@@ -229,7 +229,7 @@ def report_page(content: PageContent, page: str) -> str:
         evidence=content.evidence,
         facts=content.facts,
         css_variables=css_variables,
-        style=f"{verdict_styles()}\n{''.join(map(_static, STYLES))}",
+        style="".join(map(_static, STYLES)),
         script="\n".join(map(_static, SCRIPTS)),
         engine=base64.b64encode((STATIC / "engine.wasm").read_bytes()).decode(),
         misprints=claims and content.digits is not None,
