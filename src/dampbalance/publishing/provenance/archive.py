@@ -27,7 +27,6 @@ from .manifest import ARCHIVED_VERSION
 LARGEST_PACKED = 5_000_000
 TIME = 315_532_800  # of every file, s: 1980-01-01, the earliest that all formats can hold
 SUMS = "SHA256SUMS"
-NUMERICAL = ("numpy", "scipy", "numba", "pandas", "matplotlib")
 
 
 def pack(
@@ -53,13 +52,11 @@ def pack(
     digests = {file: sha256(source) for file, source in files.items()}
 
     run, made = manifest["run"], manifest["reproducible"]
-    numerical = [f"{p} {run['packages'][p]}" for p in NUMERICAL if p in run["packages"]]
     guide = rendered(
         "archive.md.j2",
         name=name,
         made=made,
         run=run,
-        packages=", ".join(numerical) or "those named in pyproject.toml",
         rebuild=rebuild,
         manifest=manifest_file,
         left_out=sorted(set(results) - packed),

@@ -10,6 +10,7 @@ project gives the same bytes in any folder.
 from __future__ import annotations
 
 import argparse
+import io
 import json
 import os
 import posixpath
@@ -30,6 +31,7 @@ from threading import Lock
 from typing import Any
 
 import jinja2
+from markdown_it import MarkdownIt
 
 import dampbalance
 
@@ -63,7 +65,6 @@ _ONE = 0x2460  # ①
 _PROGRAMS = {"python": '"$PYTHON"', "dampbalance": '"$PYTHON" -m dampbalance'}
 
 _HEADING = re.compile(r"(#{1,6})\s+(.+?)\s*$")
-_FENCE = re.compile(r"\s*(`{3,}|~{3,})")
 _COMMENT = re.compile(r"^<!--.*?-->\n?", re.MULTILINE | re.DOTALL)
 _LINK = re.compile(
     r"(`+)(?:(?!\1).)+?\1|(?P<before>(?P<picture>!?)\[[^\[\]]*\]\()(?P<target>[^()\s]+)\)",
@@ -327,12 +328,9 @@ def relinked(text: str, new: Callable[[str, bool], str]) -> str:
 
 def _lines(text: str) -> Iterator[tuple[bool, str]]:
     """The lines of a text, including their line ends, each with whether it belongs to a fenced code block."""
-    fence = ""
-    for line in text.splitlines(keepends=True):
-        mark = _FENCE.match(line)
-        yield bool(fence or mark), line
-        if mark and mark[1].startswith(fence):
-            fence = "" if fence else mark[1]
+    fences = (token for token in MarkdownIt().parse(text) if token.type == "fence")
+    in_code = {number for fence in fences for number in range(*(fence.map or ()))}
+    return ((number in in_code, line) for number, line in enumerate(io.StringIO(text)))
 
 
 class Pages:
