@@ -82,7 +82,7 @@ def derived_numbers(
                 "effective": oscillator.c + added,
                 "relative": added / oscillator.c if oscillator.c else math.nan,
             },
-            "integrals": integral_deviations(features, claims, schemes, first),
+            "integrals": integral_deviations(features["exact"][first], rebuilt, claims, schemes),
             "lock_in": {name: lock_in_errors(f, oscillator, pairs) for name, f in exact.items()},
             "fourier_largest": {
                 term: errors.loc[["fourier"], f"{term}_largest_pair_error_percent"].max()
@@ -173,10 +173,7 @@ def recipe(case: Case, exact: Features) -> Json:
 
 
 def integral_deviations(
-    features: Mapping[str, Mapping[str, pd.DataFrame]],
-    claims: pd.DataFrame,
-    schemes: pd.DataFrame,
-    frequency: str,
+    exact: pd.DataFrame, rebuilt: pd.DataFrame, claims: pd.DataFrame, schemes: pd.DataFrame
 ) -> Json:
     """Relative deviations of a, b and W of Table 2, as ranges over the levels.
 
@@ -189,12 +186,11 @@ def integral_deviations(
     ]
     deviations: Json = {}
     for name, _, column, _ in TABLE_2:
-        exact, rebuilt = (features[route][frequency][column] for route in ("exact", "as_published"))
         printed = _printed(claims, name)
-        from_rebuilt = np.abs(printed / rebuilt - 1.0)
+        from_rebuilt = np.abs(printed / rebuilt[column] - 1.0)
         deviations[name] = {
-            "printed": _range(printed / exact - 1.0),
-            "as_published": _range(rebuilt / exact - 1.0),
+            "printed": _range(printed / exact[column] - 1.0),
+            "as_published": _range(rebuilt[column] / exact[column] - 1.0),
             "printed_from_rebuilt": _range(from_rebuilt),
             "printed_from_rebuilt_beyond_first": _range(from_rebuilt[1:]),
             "printed_from_unrounded": _range(np.abs(printed / unrounded[column].to_numpy() - 1.0)),

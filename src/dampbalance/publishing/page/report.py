@@ -204,7 +204,17 @@ def report_page(content: PageContent, page: str) -> str:
         page=page,
         counts=counted,
         total=counted[-1] if claims else None,
-        claims=[_claim(row) | {"in_table": id in in_tables} for id, row in claims.items()],
+        claims=[
+            {
+                **row,
+                **{name: minus(row[name]) for name in ("printed", "explanation", *ROUTE_NAMES)},
+                **{"part": PARTS[part_of(id)], "unit": unit_of(row["unit"])},
+                **{"verdict": VERDICTS[row["verdict"]], "holds": row["verdict"] in HOLDING},
+                "in_table": id in in_tables,
+            }
+            for id, row in claims.items()
+        ],
+        routes=ROUTE_NAMES,
         verdicts=VERDICTS.values(),
         kinds=KINDS,
         frequencies=[
@@ -314,19 +324,6 @@ def _environment(case: str, page: str) -> jinja2.Environment:
         "significant": number,
     }
     return environment
-
-
-def _claim(row: Mapping[Any, str]) -> dict[str, Any]:
-    """One printed number as the page shows it, from its row of the table of claims."""
-    return {
-        **{name: row[name] for name in ("id", "where", "quantity", "kind")},
-        **{name: minus(row[name]) for name in ("printed", "explanation")},
-        "part": PARTS[part_of(row["id"])],
-        "unit": unit_of(row["unit"]),
-        "routes": [(route.capitalize(), minus(row[name])) for name, route in ROUTE_NAMES.items()],
-        "verdict": VERDICTS[row["verdict"]],
-        "holds": row["verdict"] in HOLDING,
-    }
 
 
 def _error_lines(approaches: pd.DataFrame, frequencies: Iterable[str]) -> Iterator[dict[str, Any]]:
