@@ -17,8 +17,7 @@ from dampbalance.figures.numerics import Evidence
 from dampbalance.figures.style import save_svg
 from dampbalance.project.files import read_csv, write_csv
 from dampbalance.publishing.article.derived_numbers import at_a_glance, derived_numbers
-from dampbalance.publishing.page.content import PageContent
-from dampbalance.publishing.page.report import report_page
+from dampbalance.publishing.page.report import PageContent, report_page
 from dampbalance.replication.as_published import cycle_table, scheme_table
 from dampbalance.replication.claims.changed_digits import packed
 from dampbalance.replication.printed_tables import RouteTables, paper_tables

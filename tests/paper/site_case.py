@@ -10,7 +10,7 @@ from urllib.parse import unquote, urlsplit
 
 from dampbalance.commands.main import parser
 from dampbalance.publishing.provenance.manifest import PROJECT, files_of
-from dampbalance.publishing.site.build import build
+from dampbalance.publishing.site.pages import build
 from folders import ROOT
 from paper.html import Tree
 

@@ -19,8 +19,7 @@ from dampbalance.project import wording
 from dampbalance.publishing import colours, match, words
 from dampbalance.publishing.match import match_picture
 from dampbalance.publishing.page import drawings, report
-from dampbalance.publishing.page.origins import ORIGINS, link, study_origin
-from dampbalance.publishing.page.report import LARGEST_PAGE
+from dampbalance.publishing.page.report import LARGEST_PAGE, ORIGINS, link, study_origin
 from dampbalance.replication import resonance
 from dampbalance.replication.claim_verdicts import KINDS, VERDICTS, counts
 from dampbalance.replication.printed_tables import claim_of
@@ -327,7 +326,7 @@ def test_every_figure_is_named_and_described_and_drawn_in_colours_of_the_page(tr
 def test_a_colour_without_a_name_on_the_page_is_an_error():
     sheet = drawings.Sheet()
     svg = '<svg xmlns="a" viewBox="0 0 1 1"><path d="M 0 0" style="fill: {}"/></svg>'
-    assert 'd="M0 0"' in sheet.drawing("a", svg.format("#0b4f8a")).inner
+    assert 'd="M0 0"' in sheet.drawing("a", svg.format("#0b4f8a"))["inner"]
     with pytest.raises(ValueError, match="the colour #123456"):
         sheet.drawing("a", svg.format("#123456"))
 

@@ -12,8 +12,7 @@ import yaml
 
 import dampbalance
 from dampbalance.commands.main import parser
-from dampbalance.publishing.site.build import build, commands_of
-from dampbalance.publishing.site.pages import SiteError, sections
+from dampbalance.publishing.site.pages import SiteError, build, commands_of, sections
 from folders import ROOT, shared
 from paper.site_case import built, local, project, read_page
 
@@ -201,7 +200,7 @@ def test_the_same_project_gives_the_same_bytes_elsewhere(site, tmp_path):
 
 
 def test_without_results_it_says_how_to_make_them(tmp_path):
-    from dampbalance.publishing.site.build import write_pages
+    from dampbalance.publishing.site.pages import write_pages
 
     write_pages(project(tmp_path / "project", results=False), tmp_path / "pages", parser())
     index = (tmp_path / "pages/index.md").read_text(encoding="utf-8")

@@ -17,7 +17,7 @@ import pandas as pd
 from ..project.documents import ConfigurationError, against_schema, in_lines, read_schema, read_yaml
 from ..project.files import sha256
 from ..replication.claim_verdicts import HOLDING, ROUTE_NAMES, VERDICTS, counts
-from .markdown import templates
+from .words import rendered
 
 
 def read(file: str | Path, schema: str | Path) -> dict[str, Any]:
@@ -46,18 +46,13 @@ def report(
     above = Path(path).parent
     files = {item["file"]: Path(top, item["file"]) for item in configuration["manifest"]}
     manifest = [
-        {
-            **item,
-            "link": _link(files[item["file"]], above),
-            "bytes": files[item["file"]].stat().st_size,
-            "digest": sha256(files[item["file"]]),
-        }
-        for item in configuration["manifest"]
+        {**item, "link": _link(file, above), "bytes": file.stat().st_size, "digest": sha256(file)}
+        for item, file in zip(configuration["manifest"], files.values(), strict=True)
     ]
     tables = [file.with_suffix(".md") for file in files.values() if file.parent.name == "tables"]
     counted = counts(claims)
-    template = templates().get_template("codecheck.md.j2")
-    return template.render(
+    return rendered(
+        "codecheck.md.j2",
         configuration=configuration,
         version=version,
         folder=_link(above.parent, above),

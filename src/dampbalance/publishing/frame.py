@@ -7,7 +7,7 @@ from typing import Any
 
 from ..identification.answer import USABLE
 from ..project.wording import in_words, listed, minus, number, percent
-from .markdown import templates
+from .words import templates
 
 
 def frame_page(
@@ -19,14 +19,8 @@ def frame_page(
     identification, by its own account, a sentence each.
     """
     environment = templates()
-    environment.filters |= {
-        "percent": percent,
-        "number": number,
-        "in_words": in_words,
-        "signed": signed,
-        "minus": minus,
-        "listed": listed,
-        "shares": shares,
+    filters = (percent, number, in_words, signed, minus, listed, shares)
+    environment.filters |= {function.__name__: function for function in filters} | {
         "interval": lambda ends, digits: " to ".join(number(end, digits) for end in ends),
         "span": lambda values: minus(" to ".join(f"{f(values):.0f}" for f in (min, max))),
     }
@@ -52,8 +46,8 @@ def frame_page(
         best=best,
         better=[
             row["record"]
-            for row in rows
-            if row["speed_laws"][best]["rms"] < row["speed_laws"]["constant"]["rms"]
+            for row, rms in ((row, row["speed_laws"]) for row in rows)
+            if rms[best]["rms"] < rms["constant"]["rms"]
         ],
         limits=limits,
     )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from xml.sax.saxutils import escape
 
 from ..replication.claim_verdicts import VERDICTS, Count
@@ -47,49 +47,36 @@ def match_picture(counts: Sequence[Count]) -> str:
     ]
     for row, count in enumerate(shown):
         lines += _bar(count, TOP + STEP * row + (6 if count is total else 0), last=count is total)
-    lines += _legend(legend + 15)
-    return "\n".join([*lines, "</svg>", ""])
+    return "\n".join([*lines, *_legend(legend + 15), "</svg>", ""])
 
 
-def _bar(count: Count, top: int, last: bool) -> list[str]:
+def _bar(count: Count, top: int, last: bool) -> Iterator[str]:
     """One part: its name, a stretch per verdict that occurs, and how many numbers it has."""
-    middle = top + BAR // 2 + 5
-    weight = " all" if last else ""
-    lines = [f'<text class="part{weight}" x="{LEFT - 12}" y="{middle}">{escape(count.part)}</text>']
-    room = WIDTH - LEFT - RIGHT
-    before = 0
+    middle, weight, part = top + BAR // 2 + 5, " all" if last else "", escape(count.part)
+    yield f'<text class="part{weight}" x="{LEFT - 12}" y="{middle}">{part}</text>'
+    before, room = 0, WIDTH - LEFT - RIGHT
     for name, n in count.of_verdict.items():
-        if not n:
-            continue
-        verdict = VERDICTS[name]
-        left = LEFT + room * before / count.computed
+        verdict, left = VERDICTS[name], LEFT + room * before / count.computed
         width = room * n / count.computed - GAP
         before += n
-        lines.append(
-            f'<rect x="{left:.1f}" y="{top}" width="{width:.1f}" height="{BAR}" rx="2" '
-            f'fill="{variable(verdict.css)}"><title>{escape(count.part)}: {n} {name}</title></rect>'
-        )
-        text = f"{verdict.mark} {n}" if width >= SYMBOL_FITS else f"{n}"
-        if width >= NARROW:
-            lines.append(
-                f'<text class="in" x="{left + 0.5 * width:.1f}" y="{middle}">{text}</text>'
+        if n:
+            yield (
+                f'<rect x="{left:.1f}" y="{top}" width="{width:.1f}" height="{BAR}" rx="2" '
+                f'fill="{variable(verdict.css)}"><title>{part}: {n} {name}</title></rect>'
             )
-    lines.append(
-        f'<text class="total{weight}" x="{WIDTH - RIGHT + 10}" y="{middle}">{count.computed}</text>'
-    )
-    return lines
+        if width >= NARROW:
+            text = f"{verdict.mark} {n}" if width >= SYMBOL_FITS else f"{n}"
+            yield f'<text class="in" x="{left + 0.5 * width:.1f}" y="{middle}">{text}</text>'
+    right = WIDTH - RIGHT + 10
+    yield f'<text class="total{weight}" x="{right}" y="{middle}">{count.computed}</text>'
 
 
-def _legend(first: int) -> list[str]:
+def _legend(first: int) -> Iterator[str]:
     """What symbol and colour stand for. first : px, base line of its first row."""
-    lines = []
     width = (WIDTH - LEFT) // LEGEND_COLUMNS
     for number, verdict in enumerate(VERDICTS.values()):
         row, column = divmod(number, LEGEND_COLUMNS)
-        left, base = LEFT + width * column, first + LEGEND_STEP * row
-        lines += [
-            f'<rect x="{left}" y="{base - 15}" width="24" height="20" rx="2" fill="{variable(verdict.css)}"/>',
-            f'<text class="in" x="{left + 12}" y="{base}">{verdict.mark}</text>',
-            f'<text x="{left + 31}" y="{base}">{verdict.name}</text>',
-        ]
-    return lines
+        left, base, fill = LEFT + width * column, first + LEGEND_STEP * row, variable(verdict.css)
+        yield f'<rect x="{left}" y="{base - 15}" width="24" height="20" rx="2" fill="{fill}"/>'
+        yield f'<text class="in" x="{left + 12}" y="{base}">{verdict.mark}</text>'
+        yield f'<text x="{left + 31}" y="{base}">{verdict.name}</text>'

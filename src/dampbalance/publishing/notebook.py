@@ -92,7 +92,15 @@ def run(source: str | Path, timeout: int = 300) -> NotebookNode:
                 f"{source}: cell {failed + 1} fails with {error.ename}: {error.evalue}\n\n"
                 f"{notebook.cells[failed].source}"
             ) from None
-    return _settled(notebook)
+    # Nothing stays that depends on the run or the machine; stderr is passed on.
+    notebook.metadata.pop("jupytext", None)
+    notebook.metadata.get("language_info", {}).pop("version", None)
+    for cell in notebook.cells:
+        for output in list(cell.get("outputs", [])):
+            if output.output_type == "stream" and output.name == "stderr":
+                print(output.text, file=sys.stderr, end="")
+                cell.outputs.remove(output)
+    return notebook
 
 
 def write(notebook: NotebookNode) -> str:
@@ -116,15 +124,11 @@ def page(notebook: NotebookNode, style: str, template: str | Path) -> str:
     page = jinja2.Template(Path(template).read_text(encoding="utf-8"), keep_trailing_newline=True)
     style = formulas.font_face(shown) + style
     text = page.render(title=title[1], style=style, contents=heads, body=shown)
-    remote = _REMOTE.search(text)
-    if remote:
+    if remote := _REMOTE.search(text):
         raise NotebookError(f"the page would load from elsewhere: {remote[0][:100]}; embed it")
     # A browser may break the line between a formula and the comma after it.
-    return _numbered(_MATH_AND_STOP.sub(r'<span class="together">\1\2</span>', text))
-
-
-def _numbered(text: str) -> str:
-    """The page with a number in the label of every table, picture and equation, so that labels are unique."""
+    text = _MATH_AND_STOP.sub(r'<span class="together">\1\2</span>', text)
+    # The label of every table, picture and equation has a number, so that labels are unique.
     numbers = {kind: itertools.count(1) for kind in ("Table", "Picture", "Equation")}
     label = rf'(?<=aria-label=")({"|".join(numbers)})(?=")'
     return re.sub(label, lambda match: f"{match[1]} {next(numbers[match[1]])}", text)
@@ -136,10 +140,9 @@ def body(notebook: NotebookNode) -> str:
     for folded, cells in itertools.groupby(
         notebook.cells, key=lambda cell: "outcome" in cell.metadata.get("tags", [])
     ):
-        blocks = [block for cell in cells for block in _blocks(cell)]
-        if folded:
-            blocks = ["<details>\n<summary>Outcome</summary>", *blocks, "</details>"]
-        parts += blocks
+        blocks = (block for cell in cells for block in _blocks(cell))
+        fold = ["<details>\n<summary>Outcome</summary>"], ["</details>"]
+        parts += [*fold[0], *blocks, *fold[1]] if folded else blocks
     return "\n".join(parts)
 
 
@@ -228,18 +231,6 @@ def _head(cell: Element) -> str:
 def _set(part: Element) -> str:
     """The text of a part with its symbols set and true minus signs."""
     return str(words.rich(minus((part.text or "").strip())))
-
-
-def _settled(notebook: NotebookNode) -> NotebookNode:
-    """The executed notebook without anything that depends on the run or the machine; stderr is passed on."""
-    notebook.metadata.pop("jupytext", None)
-    notebook.metadata.get("language_info", {}).pop("version", None)
-    for cell in notebook.cells:
-        for output in list(cell.get("outputs", [])):
-            if output.output_type == "stream" and output.name == "stderr":
-                print(output.text, file=sys.stderr, end="")
-                cell.outputs.remove(output)
-    return notebook
 
 
 def _environment(folder: Path) -> dict[str, str]:

@@ -1,12 +1,14 @@
-"""Symbols and units as HTML; `project/wording.py` writes them in plain characters."""
+"""Templates of pages, and what they set: symbols and units as HTML (`project/wording.py` has plain characters)."""
 
 from __future__ import annotations
 
 import re
+from typing import Any
 
+import jinja2
 from markupsafe import Markup, escape
 
-from ..project.wording import in_html
+from ..project.wording import in_html, in_markdown
 
 _INDEXED = re.compile(r"(\w)([₀-₉]+)")
 _RAISED = str.maketrans("₀₁₂₃₄₅₆₇₈₉", "0123456789")
@@ -14,15 +16,33 @@ _RAISED = str.maketrans("₀₁₂₃₄₅₆₇₈₉", "0123456789")
 _OF_QUANTITY = re.compile(r"(?<![\w’'])([b-zB-Z]|a(?=:))(?![\w’'])")
 _OF_REASON = re.compile(r"(?<![\w’'.])([bcWXYk])(?![\w’'])")
 _SIGNS = {
-    r"\ddot{x}": "ẍ",
-    r"\dot{x}": "ẋ",
-    r"\varphi": "φ",
-    r"\omega": "ω",
-    r"\zeta": "ζ",
-    r"\pi": "π",
-    r"\mathrm": "",
+    **{r"\ddot{x}": "ẍ", r"\dot{x}": "ẋ", r"\varphi": "φ", r"\omega": "ω", r"\zeta": "ζ"},
+    **{r"\pi": "π", r"\mathrm": "", "-": "−"},
 }
 _UNIT = re.compile(r"(?<=\d) (?=(?:%|N|Hz|mm|µm|m|ms|µs|s|rad)(?:\W|$))")  # the space before a unit
+
+
+def templates(loader: jinja2.BaseLoader | None = None, html: bool = False) -> jinja2.Environment:
+    """The templates of this room, or those of another loader, with the filter for text of a user.
+
+    An undefined name is an error, and a line with a statement only leaves no trace.   html : whether what they insert
+    is escaped; Markdown comes from files of the project and numbers only.
+    """
+    environment = jinja2.Environment(
+        loader=loader or jinja2.PackageLoader(__package__),
+        autoescape=html,
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+    environment.filters["in_markdown"] = in_markdown
+    return environment
+
+
+def rendered(template: str, **values: Any) -> str:
+    """A template of this room in Markdown, with these values."""
+    return templates().get_template(template).render(**values)
 
 
 def rich(text: str) -> Markup:
@@ -45,12 +65,14 @@ def _maths(tex: str) -> str:
         tag = {"_": "sub", "^": "sup"}.get(match[1], "i")
         return f"<{tag}>{match[2].strip('{}') if match[1] else match[3]}</{tag}>"
 
-    return re.sub(r"([_^])(\{.*?\}|.)|([A-Za-zα-ωẋẍ]+)", token, tex.replace("-", "−"))
+    return re.sub(r"([_^])(\{.*?\}|.)|([A-Za-zα-ωẋẍ]+)", token, tex)
 
 
-def one_letter(text: str) -> Markup:
-    """`rich`, and a single letter is a symbol too: c, a, X."""
-    return Markup(f"<i>{escape(text)}</i>") if len(text) == 1 else rich(text)
+def symbol(text: str) -> Markup:
+    """`rich` for a column head, where a single letter is a symbol too: a, F_k, c by X_s."""
+    head, by, approach = text.partition(" by ")
+    shown = Markup(f"<i>{escape(head)}</i>") if len(head) == 1 else rich(head)
+    return shown + by + rich(approach)
 
 
 def quantity(text: str) -> Markup:

@@ -83,11 +83,8 @@ def test_a_digest_does_not_depend_on_the_order_of_keys_and_does_on_every_value()
 def manifest_of(folder, monkeypatch, locked="numpy==0.1", **outputs):
     """The manifest of a run that made these files in a folder, from then on the current one."""
     monkeypatch.chdir(folder)
-    for name, text in {
-        "in": "1",
-        "lock": f"{locked} \\\n    --hash=sha256:00\n",
-        **outputs,
-    }.items():
+    lock = f"{locked} \\\n    --hash=sha256:00\n"
+    for name, text in {"in": "1", "lock": lock, **outputs}.items():
         Path(name).write_text(text, encoding="utf-8")
     jobs = [{"rule": o, "script": "s.py", "inputs": ["in"], "outputs": [o]} for o in outputs]
     code = {"version": "1", "commit": "c0ffee", "committed": "2026-01-02", "modified": False}
@@ -115,13 +112,17 @@ def test_the_date_of_a_crate_is_that_of_the_release(tmp_path, monkeypatch):
     assert date(citation | {"date-released": "2027-05-06"}) == "2027-05-06"
 
 
-def test_sources_in_another_folder_are_described_and_results_are_found():
-    beside, away = CrateFolder("results/it"), CrateFolder("results/it", beside_sources=False)
-    assert beside.name("results/it/a b.csv") == away.name("results/it/a b.csv") == "a%20b.csv"
-    assert beside.name("results/studies/x.csv") == away.name("results/studies/x.csv")
-    assert beside.name("results/studies/x.csv") == "../studies/x.csv"
-    assert beside.name("config/c.yaml") == "../../config/c.yaml"
-    assert away.name("config/c.yaml") == "#config/c.yaml"
+@pytest.mark.parametrize(
+    ("path", "beside", "away"),
+    [
+        ("results/it/a b.csv", "a%20b.csv", "a%20b.csv"),
+        ("results/studies/x.csv", "../studies/x.csv", "../studies/x.csv"),
+        ("config/c.yaml", "../../config/c.yaml", "#config/c.yaml"),
+    ],
+)
+def test_sources_in_another_folder_are_described_and_results_are_found(path, beside, away):
+    assert CrateFolder("results/it").name(path) == beside
+    assert CrateFolder("results/it", beside_sources=False).name(path) == away
 
 
 def test_large_results_stay_out_and_are_named(tmp_path, monkeypatch):

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
+import html
 import re
-import textwrap
 
 import docutils.core
 import pytest
 
-from dampbalance.publishing.site import keys, pages, reference, session
-from dampbalance.publishing.site.reference import markup
+from dampbalance.publishing.site import pages, reference
 
 TEXT = """\
 # Title
@@ -36,7 +35,7 @@ Last.
 """
 
 
-def test_a_text_is_cut_at_its_headings_and_not_in_its_code():
+def test_a_text_is_cut_at_its_headings_and_not_in_its_code_and_goes_together_again():
     found = pages.sections(TEXT)
     assert [(one.level, one.title, one.anchor) for one in found] == [
         (1, "Title", "title"),
@@ -48,11 +47,7 @@ def test_a_text_is_cut_at_its_headings_and_not_in_its_code():
     assert found[3].body == "Last."
     assert [one.title for one in pages.with_inner(found, "One")] == ["One", "Inner"]
     assert pages.with_inner(found, "Three") == []
-
-
-def test_what_is_cut_goes_together_again():
-    comment = "<!-- kept by a test -->\n"
-    assert pages.written(pages.sections(TEXT)) == TEXT.replace(comment, "")
+    assert pages.written(found) == TEXT.replace("<!-- kept by a test -->\n", "")
 
 
 @pytest.mark.parametrize(
@@ -70,19 +65,19 @@ def test_a_section_takes_its_level_on_a_page(tmp_path, arguments, shown):
         (tmp_path / name).write_text(text)
     (tmp_path / "site").mkdir()
     (tmp_path / "site/page.md").write_text(f'{{{{ section("README.md", {arguments}) }}}}\n')
-    page = pages.Pages(tmp_path, "site", {}).made()["page.md"]
+    page = pages.Pages(tmp_path, "site", {}, tmp_path / "extra").made()["page.md"]
     assert [line for line in page.splitlines() if line.startswith("#")] == shown
     assert ("Before." in page) == (not shown)
 
 
 def test_links_are_named_from_the_root_on():
     named = pages.of_project(TEXT, "config/records")
-    assert "[a file](project:config/records/docs/x.md#place)" in named
-    assert "![picture](project:config/records/a.svg)" in named
-    assert "[two](#two)" in named
-    assert "(https://example.org/)" in named
-    assert "`[code](not/a/link.md)`" in named
-    assert "[no](link.md)" in named
+    for link in (
+        "[a file](project:config/records/docs/x.md#place)",
+        "![picture](project:config/records/a.svg)",
+        *("[two](#two)", "(https://example.org/)", "`[code](not/a/link.md)`", "[no](link.md)"),
+    ):
+        assert link in named
     assert pages.of_project("[up](../../README.md)", "config/records") == "[up](project:README.md)"
 
 
@@ -96,28 +91,42 @@ def test_a_link_to_a_page_has_its_title_and_not_the_name_of_a_folder():
 
 def test_output_is_shown_with_numbers_at_the_lines_that_are_explained():
     output = "one   two\n" + "long " * 60
-    shown = session.shown(output, ["^long", "two$"]).splitlines()
+    shown = pages.screen(output, ["^long", "two$"]).splitlines()
     assert shown[0] == "```screen"
     assert shown[1] == "one   two  ②"
     assert shown[-2].endswith("long  ①")
-    assert max(map(len, shown)) <= session.WIDTH
+    assert max(map(len, shown)) <= pages.WIDTH
 
 
-def test_the_anchor_of_a_heading():
-    def anchor(title):
-        return pages.Section(2, title, "").anchor
-
-    assert anchor("How the printed numbers fare") == "how-the-printed-numbers-fare"
-    assert anchor("What is printed wrongly ✎") == "what-is-printed-wrongly-"
-    assert anchor("1. One `linear` phase") == "1-one-linear-phase"
+@pytest.mark.parametrize(
+    ("title", "anchor"),
+    [
+        ("How the printed numbers fare", "how-the-printed-numbers-fare"),
+        ("What is printed wrongly ✎", "what-is-printed-wrongly-"),
+        ("1. One `linear` phase", "1-one-linear-phase"),
+    ],
+)
+def test_the_anchor_of_a_heading(title, anchor):
+    assert pages.Section(2, title, "").anchor == anchor
 
 
 # --- docstrings ----------------------------------------------------------------------------------
 
 
+INDENTED = """\
+It is
+
+    a = 2 ∫ |ẋ| dt      (7a)
+
+    b = x*
+
+and no more.
+"""
+
+
 def shown(docstring):
     """A docstring as HTML; docutils says nothing against its markup."""
-    text = "\n".join(markup(textwrap.dedent(docstring).strip("\n").splitlines()))
+    text = "\n".join(reference.markup(docstring.splitlines()))
     settings = {"report_level": 1, "halt_level": 1, "embed_stylesheet": False}
     settings["syntax_highlight"] = "none"
     parts = docutils.core.publish_parts(text, writer="html5", settings_overrides=settings)
@@ -125,55 +134,35 @@ def shown(docstring):
 
 
 def test_arguments_on_one_line_or_several_become_a_list():
-    html = shown(
-        """
-        m : mass, kg, > 0.   c : viscous damping,
-        N s/m.
-        K_z, F_k : of the contact, `None` for none.
-        """
+    made = shown(
+        "m : mass, kg, > 0.   c : viscous damping,\nN s/m.\nK_z, F_k : of it, `None` for none."
     )
-    terms = [part.split("</dt>")[0] for part in html.split("<dt>")[1:]]
-    assert ["m" in terms[0], "c" in terms[1], "K_z, F_k" in terms[2]] == [True] * 3
-    assert len(terms) == 3
-    assert "<p>viscous damping, N s/m.</p>" in html
+    terms = [re.sub("<.*?>", "", part.split("</dt>")[0]) for part in made.split("<dt>")[1:]]
+    assert terms == ["m", "c", "K_z, F_k"]
+    assert "<p>viscous damping, N s/m.</p>" in made
 
 
 @pytest.mark.parametrize(
     "text", ["|x|, |z| ≤ Z_m and x_ or *p", "a_F_k_ `code_`_", "<b> & \\n", "2 * 3 * 4", "_x_ |a"]
 )
 def test_text_stays_as_it_is_whatever_it_holds(text):
-    import html
-
     said = html.unescape(re.sub(r"<[^>]*>", "", shown(text)))
     assert said == text.replace("`", "")
 
 
-def test_code_emphasis_and_errors_are_set():
-    html = shown("Raises ValueError for `x < 0`, *never* else.")
-    assert html.count('<span class="docutils literal">') == 2
-    assert "<em>never</em>" in html
-
-
-def test_what_is_indented_is_shown_as_it_is():
-    html = shown(
-        """
-        It is
-
-            a = 2 ∫ |ẋ| dt      (7a)
-
-            b = x*
-
-        and no more.
-        """
-    )
-    assert "a = 2 ∫ |ẋ| dt (7a) b = x*" in html
-    assert html.count("<pre") == 1
-    assert html.endswith("<p>and no more.</p>")
-
-
-def test_an_example_stays_an_example():
-    html = shown("So:\n\n>>> 1 + 1\n2\n")
-    assert "&gt;&gt;&gt; 1 + 1 2" in html
+@pytest.mark.parametrize(
+    ("docstring", "part", "times"),
+    [
+        ("Raises ValueError for `x < 0`.", '<span class="docutils literal">', 2),
+        ("If so, *never* else.", "<em>never</em>", 1),
+        (INDENTED, "a = 2 ∫ |ẋ| dt (7a) b = x*", 1),
+        (INDENTED, "<pre", 1),
+        (INDENTED, "<p>and no more.</p>", 1),
+        ("So:\n\n>>> 1 + 1\n2\n", "&gt;&gt;&gt; 1 + 1 2", 1),
+    ],
+)
+def test_code_emphasis_equations_and_examples_are_set(docstring, part, times):
+    assert shown(docstring).count(part) == times
 
 
 # --- schemas and commands ------------------------------------------------------------------------
@@ -218,14 +207,13 @@ SCHEMA = {
     ],
 )
 def test_keys_of_a_schema(line):
-    assert line in keys.tables(SCHEMA, {"approach": ["direct", "X_s"]}, level=3).splitlines()
+    assert line in reference.tables(SCHEMA, {"approach": ["direct", "X_s"]}, level=3).splitlines()
 
 
 def test_every_key_of_a_schema_stands_once_below_what_it_is_inside_of():
-    lines = keys.tables(SCHEMA, {"approach": ["direct"]}).splitlines()
-    named = [re.match(r"## `(.*)`|\| `(\w+)`", line) for line in lines]
-    found = " ".join(name[1] or name[2] for name in named if name)
-    assert found == "hz levels_m phase sets what sets[] m_kg"
+    table = reference.tables(SCHEMA, {"approach": ["direct"]})
+    found = re.findall(r"^(?:##|\|) `([\w\[\]]+)", table, re.MULTILINE)
+    assert " ".join(found) == "hz levels_m phase sets what sets[] m_kg"
 
 
 @pytest.mark.parametrize(
@@ -242,13 +230,13 @@ def test_every_key_of_a_schema_stands_once_below_what_it_is_inside_of():
     ],
 )
 def test_the_unit_of_a_key_is_the_end_of_its_name(key, unit):
-    table = keys.tables({"properties": {key: {"type": "number"}}}, {})
+    table = reference.tables({"properties": {key: {"type": "number"}}}, {})
     assert table.splitlines()[2] == f"| `{key}` | number | {unit} |  |"
 
 
 @pytest.mark.parametrize(("value", "shown"), [(-1e-9, "−1e−9"), (1e12, "1e12"), (250000, "250000")])
 def test_bounds_are_written_as_short_as_they_can_be(value, shown):
-    table = keys.tables({"properties": {"x": {"type": "number", "minimum": value}}}, {})
+    table = reference.tables({"properties": {"x": {"type": "number", "minimum": value}}}, {})
     assert f"number ≥ {shown} " in table
 
 
@@ -274,11 +262,10 @@ def test_files_are_copied_as_they_lie_with_links_that_lead_somewhere(tmp_path):
         '<a href="https://example.org/">web</a>'
     )
     (root / "a/b.txt").write_text("b")
-    site = pages.Pages(root, "", {})
+    site = pages.Pages(root, "", {}, tmp_path / "site")
     assert site.copied("a/page.html") == "files/a/page.html"
     assert site.copied("a/no.txt") is None
     assert site.copied("../secret") is None
-    site.write_copies(tmp_path / "site")
     assert (tmp_path / "site/files/a/b.txt").read_text() == "b"
     assert (tmp_path / "site/files/a/page.html").read_text() == (
         '<a href="b.txt#x">b</a><a class="y">none</a><a href="#z">z</a>'

@@ -2,7 +2,7 @@
 
 from dampbalance.commands.main import parser
 from dampbalance.project.troubles import brief_troubles
-from dampbalance.publishing.site.build import build
+from dampbalance.publishing.site.pages import build
 
 if __name__ == "__main__":
     brief_troubles(snakemake.log)

@@ -56,19 +56,37 @@ def derived_numbers(
     """
     oscillator, pairs = case.oscillator, case.pairs
     exact = {name: Features.from_frame(table) for name, table in features["exact"].items()}
-    first = next(iter(exact))
-    terms = {name: balance_terms(f, oscillator) for name, f in exact.items()}
-    fourier = approaches[approaches["approach"] == "fourier"]
+    first, features_of_first = next(iter(exact.items()))
+    terms = {name: balance_terms(of, oscillator) for name, of in exact.items()}
+    errors = approaches.set_index("approach")
+    rebuilt = features["as_published"][first]
+    per_sample = 2.0 * rebuilt["V_s_m_per_s"] * case.numerics.step_s  # of a, for one sample more
+    added = added_damping(case, float(features_of_first.omega[0]))
     return plain(
         {
-            "setting": setting(case, exact[first]),
-            "verdicts": verdict_counts(claims),
-            "recipe": recipe(case, exact[first]),
-            "dissipation": dissipation(case, float(exact[first].omega[0])),
-            "integrals": integral_deviations(features, claims, schemes, first),
+            "setting": setting(case, features_of_first),
+            "verdicts": {
+                count.key: {
+                    **count.of_verdict,
+                    "computed": count.computed,
+                    "given": count.given,
+                    "statement": count.statements,
+                    "statements_held": count.statements_held,
+                }
+                for count in counts(claims)
+            },
+            "recipe": recipe(case, features_of_first),
+            # of backward Euler near resonance, where c acts as c + mω²h, N s/m
+            "dissipation": {
+                "added": added,
+                "effective": oscillator.c + added,
+                "relative": added / oscillator.c if oscillator.c else math.nan,
+            },
+            "integrals": integral_deviations(features["exact"][first], rebuilt, claims, schemes),
             "lock_in": {name: lock_in_errors(f, oscillator, pairs) for name, f in exact.items()},
             "fourier_largest": {
-                term: float(fourier[f"{term}_largest_pair_error_percent"].max()) for term in TERMS
+                term: errors.loc[["fourier"], f"{term}_largest_pair_error_percent"].max()
+                for term in TERMS
             },
             "balance": terms,
             "fundamental_work_largest": max(of["W_fundamental"]["max"] for of in terms.values()),
@@ -81,8 +99,15 @@ def derived_numbers(
                 }
                 for route, of in estimates.items()
             },
-            "direct_largest": direct_largest(approaches),
-            "slip_detected": samples_off(features["as_published"][first], claims, case),
+            "direct_largest": {  # with exact features at any frequency, %
+                term: errors.loc[["direct"]]
+                .filter(regex=f"^{term}_.*error_percent$")
+                .abs()
+                .max(axis=None)
+                for term in TERMS
+            },
+            # of the printed a from the rebuilt one, in samples of the instant at which slip is detected
+            "slip_detected": _range((_printed(claims, "a") - rebuilt["a_m"]) / per_sample),
             "step_from_W": step_from_work(claims, schemes, case),
             "cycles": sampling_instants(cycles, claims, case),
             "vocabulary": {
@@ -91,22 +116,6 @@ def derived_numbers(
             },
         }
     )
-
-
-def verdict_counts(claims: pd.DataFrame) -> Json:
-    """Count the verdicts: part of the paper or "all" → how many of its numbers are computed, given and stated, how many
-    of the computed ones have each verdict, and how many statements hold.   claims : columns id, kind and verdict.
-    """
-    return {
-        count.key: {
-            **count.of_verdict,
-            "computed": count.computed,
-            "given": count.given,
-            "statement": count.statements,
-            "statements_held": count.statements_held,
-        }
-        for count in counts(claims)
-    }
 
 
 def setting(case: Case, first: Features) -> Json:
@@ -163,20 +172,8 @@ def recipe(case: Case, exact: Features) -> Json:
     }
 
 
-def dissipation(case: Case, omega: float) -> Json:
-    """Numerical dissipation of backward Euler near resonance, where c acts as c + mω²h.
-
-    added, effective : mω²h and the sum, N s/m.   relative : mω²h over c.
-    """
-    c, added = case.oscillator.c, added_damping(case, omega)
-    return {"added": added, "effective": c + added, "relative": added / c if c else math.nan}
-
-
 def integral_deviations(
-    features: Mapping[str, Mapping[str, pd.DataFrame]],
-    claims: pd.DataFrame,
-    schemes: pd.DataFrame,
-    frequency: str,
+    exact: pd.DataFrame, rebuilt: pd.DataFrame, claims: pd.DataFrame, schemes: pd.DataFrame
 ) -> Json:
     """Relative deviations of a, b and W of Table 2, as ranges over the levels.
 
@@ -189,28 +186,17 @@ def integral_deviations(
     ]
     deviations: Json = {}
     for name, _, column, _ in TABLE_2:
-        exact, rebuilt = (features[route][frequency][column] for route in ("exact", "as_published"))
         printed = _printed(claims, name)
-        from_rebuilt = np.abs(printed / rebuilt.to_numpy() - 1.0)
+        from_rebuilt = np.abs(printed / rebuilt[column] - 1.0)
         deviations[name] = {
-            "printed": _range(printed / exact.to_numpy() - 1.0),
-            "as_published": _range(rebuilt.to_numpy() / exact.to_numpy() - 1.0),
+            "printed": _range(printed / exact[column] - 1.0),
+            "as_published": _range(rebuilt[column] / exact[column] - 1.0),
             "printed_from_rebuilt": _range(from_rebuilt),
             "printed_from_rebuilt_beyond_first": _range(from_rebuilt[1:]),
             "printed_from_unrounded": _range(np.abs(printed / unrounded[column].to_numpy() - 1.0)),
-            "printed_from_rebuilt_at_first": float(from_rebuilt[0]),
+            "printed_from_rebuilt_at_first": from_rebuilt[0],
         }
     return deviations
-
-
-def samples_off(rebuilt: pd.DataFrame, claims: pd.DataFrame, case: Case) -> Json:
-    """Distance of each printed a from the rebuilt one, in samples of the instant at which slip is detected.
-
-    One sample more or less changes a by 2 V_s h.   rebuilt : as-published features of the levels of Table 2.
-    """
-    printed = _printed(claims, "a")
-    per_sample = 2.0 * rebuilt["V_s_m_per_s"] * case.numerics.step_s
-    return _range(((printed - rebuilt["a_m"]) / per_sample).to_numpy())
 
 
 def step_from_work(claims: pd.DataFrame, schemes: pd.DataFrame, case: Case) -> Json:
@@ -250,11 +236,11 @@ def at_a_glance(
     evidence : what the figure of the numerics draws.   approaches : the table of `comparison.approaches_table`.
     """
     estimates, c = evidence.estimates, case.oscillator.c
-    direct = (estimates["approach"] == "direct") & (estimates["kind"] == "least_squares")
+    fits = estimates[estimates["kind"] == "least_squares"].set_index("approach")
     damping = glance.Damping(
         true=c,
         added=added_damping(case, float(evidence.exact["omega_rad_per_s"].iloc[0])),
-        rebuilt=float(estimates.loc[direct, "c_N_s_per_m"].iloc[0]),
+        rebuilt=float(fits["c_N_s_per_m"]["direct"]),
         printed=float(evidence.printed("text.c_direct_ls")[0]),
     )
     ways = approaches.set_index(list(comparison.WAY))["F_k_error_percent"]
@@ -263,19 +249,6 @@ def at_a_glance(
         for label, way in GLANCE.items()
     }
     return damping, errors, list(case.frequencies_hz.values())
-
-
-def direct_largest(approaches: pd.DataFrame) -> Json:
-    """Size of the largest error of F_k and c, %, that direct integration makes with exact features at any frequency.
-
-    approaches : the table of `comparison.approaches_table`.
-    """
-    rows = approaches[approaches["approach"] == "direct"]
-    columns = ("{}_error_percent", "{}_largest_pair_error_percent")
-    return {
-        term: float(rows[[column.format(term) for column in columns]].abs().to_numpy().max())
-        for term in TERMS
-    }
 
 
 def lock_in_errors(features: Features, oscillator: Oscillator, pairs: Sequence[Pair]) -> Json:
@@ -302,30 +275,27 @@ def balance_terms(features: Features, oscillator: Oscillator) -> Json:
     W_fundamental : size of the error of πkYX_1 sin φ_1, which is rounding.   b_harmonic : error of πωX².
     b_first, b_fifth : error of πωΣn²X_n² up to n = 1, 5.   third : X_3/X_1.
     """
-    k, Y, X = oscillator.k, features.Y, features.X
-    work = np.pi * k * Y * X
-    fundamental = np.pi * k * Y * features.X_1 * np.sin(features.phi_fundamental)
-    sines = {
-        phase: np.sin(getattr(features, f"phi_{phase}")) for phase in ("reversal", "fundamental")
-    }
+    work = np.pi * oscillator.k * features.Y
+    W, b = features.W, features.b
+    phases = {"reversal": features.phi_reversal, "fundamental": features.phi_fundamental}
+    sines = {name: np.sin(phase) for name, phase in phases.items()}
     common = np.sin(np.mean(features.phi_reversal))
     harmonics = {1: features.X_1, 3: features.X_3, 5: features.X_5}
     terms = {
-        "friction_share": features.a * oscillator.F_k / features.W,
-        "W_common": work * common / features.W - 1.0,
-        "W_individual": work * sines["reversal"] / features.W - 1.0,
-        "W_fundamental": np.abs(fundamental / features.W - 1.0),
-        "b_harmonic": np.pi * features.omega * X**2 / features.b - 1.0,
-        "b_first": viscous_integral(features.omega, {1: features.X_1}) / features.b - 1.0,
-        "b_fifth": viscous_integral(features.omega, harmonics) / features.b - 1.0,
+        "friction_share": features.a * oscillator.F_k / W,
+        "W_common": work * features.X * common / W - 1.0,
+        "W_individual": work * features.X * sines["reversal"] / W - 1.0,
+        "W_fundamental": np.abs(work * features.X_1 * sines["fundamental"] / W - 1.0),
+        "b_harmonic": np.pi * features.omega * features.X**2 / b - 1.0,
+        "b_first": viscous_integral(features.omega, {1: features.X_1}) / b - 1.0,
+        "b_fifth": viscous_integral(features.omega, harmonics) / b - 1.0,
         "third": features.X_3 / features.X_1,
     }
-    ranges: Json = {name: _range(100.0 * values) for name, values in terms.items()}
-    ranges["sine"] = _range(sines["reversal"])
-    ranges["phase_spread"] = {
-        name: 100.0 * float(np.ptp(of) / np.mean(of)) for name, of in sines.items()
+    return {
+        **{name: _range(100.0 * values) for name, values in terms.items()},
+        "sine": _range(sines["reversal"]),
+        "phase_spread": {name: 100.0 * (np.ptp(of) / np.mean(of)) for name, of in sines.items()},
     }
-    return ranges
 
 
 def _printed(claims: pd.DataFrame, name: str) -> np.ndarray:
@@ -334,12 +304,13 @@ def _printed(claims: pd.DataFrame, name: str) -> np.ndarray:
     return claims.loc[in_column, "printed"].astype(float).to_numpy()
 
 
-def _range(values: np.ndarray) -> Json:
+def _range(values: Any) -> Json:
     """Smallest and largest value, those of the first and the last level, and the largest size."""
+    numbers = np.asarray(values)
     return {
-        "min": float(np.min(values)),
-        "max": float(np.max(values)),
-        "first": float(values[0]),
-        "last": float(values[-1]),
-        "size": float(np.max(np.abs(values))),
+        "min": numbers.min(),
+        "max": numbers.max(),
+        "first": numbers[0],
+        "last": numbers[-1],
+        "size": np.abs(numbers).max(),
     }

@@ -35,48 +35,16 @@ _PLACE = re.compile(r"translate\(.*?\)")
 _USUAL = {"stroke-dashoffset": "0", "stroke-linejoin": "round", "stroke-width": "1"}
 
 
-@dataclass(frozen=True, slots=True)
-class Drawing:
-    """A figure of the page.
-
-    name : unique on the page.   alt : what it shows, in a sentence.   box : the viewBox of the SVG.   inner : what
-    stands in it.   tables : the values.
-    """
-
-    name: str
-    alt: str
-    box: str
-    inner: Markup
-    tables: tuple[Table, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class Table:
-    """The values of lines at the same places.
-
-    title : what they are.   rows : tab-separated, below a head; a missing value is empty.   places : how to find a
-    value on the drawing, for the script: the scale of the values and where the places lie.
-    """
-
-    title: Markup
-    rows: Markup
-    places: str
-
-
 @dataclass
 class Sheet:
-    """What the drawings of a page share: outlines and words by their content, styles by their declarations."""
+    """What the drawings of a page share: outlines and words (SVG, with NAME for the name) and styles → their names.
+
+    names : of the definitions in the file that is being drawn → those here.
+    """
 
     outlines: dict[str, str] = field(default_factory=dict)
     styles: dict[str, str] = field(default_factory=dict)
-
-    def outline(self, element: str) -> str:
-        """The name of an element, given as SVG with NAME for it."""
-        return self.outlines.setdefault(element, f"o{len(self.outlines)}")
-
-    def style(self, declarations: str) -> str:
-        """The class of a style."""
-        return self.styles.setdefault(declarations, f"d{len(self.styles)}")
+    names: dict[str, str] = field(default_factory=dict)
 
     @property
     def svg(self) -> Markup:
@@ -89,46 +57,48 @@ class Sheet:
         """The styles of all drawings."""
         return "\n".join(f".{name} {{ {text} }}" for text, name in self.styles.items())
 
-    def drawing(self, name: str, svg: str) -> Drawing:
-        """A figure that `figures.style.save` wrote. Raises ValueError for a colour that the page has no name for."""
+    def drawing(self, name: str, svg: str) -> dict[str, Any]:
+        """A figure that `figures.style.save` wrote, for the page.
+
+        name : unique on the page.   alt : what it shows, in a sentence.   box : the viewBox of the SVG.
+        inner : the elements in it.   tables : the values.   Raises ValueError for a colour without a name on the page.
+        """
         root = ElementTree.fromstring(svg.replace("xmlns=", "xmlns:svg="))
-        alt = next((e.text or "" for e in root.iter() if e.tag.endswith("}description")), "")
-        file = _File(self)
+        self.names = {}
         for one in (one for defs in root.iter("defs") for one in defs if "id" in one.attrib):
-            file.define(one)
-        inner = "".join(map(file.lean, root))
-        box, tables = _rounded(root.attrib["viewBox"]), tuple(_tables(read_values(svg)))
-        return Drawing(name, alt, box, Markup(inner), tables)
+            self._define(one)
+        return {
+            "name": name,
+            "alt": next((e.text or "" for e in root.iter() if e.tag.endswith("}description")), ""),
+            "inner": Markup("".join(map(self._lean, root))),
+            "box": _rounded(root.attrib["viewBox"]),
+            "tables": list(_tables(read_values(svg))),
+        }
 
+    def _named(self, element: str) -> str:
+        return self.outlines.setdefault(element, f"o{len(self.outlines)}")
 
-class _File:
-    """One SVG on its way into the page. names : of its definitions → those of the sheet."""
-
-    def __init__(self, sheet: Sheet) -> None:
-        self.sheet = sheet
-        self.names: dict[str, str] = {}
-
-    def define(self, element: Any) -> None:
+    def _define(self, element: Any) -> None:
         """Put what other elements refer to into the sheet."""
-        inner = "".join(map(self.lean, element))
-        text = f'<{element.tag} id="NAME"{self.attributes(element, digits=2)}'
+        inner = "".join(map(self._lean, element))
+        text = f'<{element.tag} id="NAME"{self._attributes(element, digits=2)}'
         text += f">{inner}</{element.tag}>" if inner else "/>"
-        self.names[element.attrib["id"]] = self.sheet.outline(text)
+        self.names[element.attrib["id"]] = self._named(text)
 
-    def lean(self, element: Any) -> str:
+    def _lean(self, element: Any) -> str:
         """An element without what nobody sees, in the page's colours; words are put into the sheet."""
         if element.tag in ("metadata", "defs"):
             return ""
-        inner = "".join(map(self.lean, element))
-        attributes = self.attributes(element)
+        inner = "".join(map(self._lean, element))
+        attributes = self._attributes(element)
         if element.tag == "g" and not (attributes and inner):
             return inner
         if "scale(" in attributes and len(element) > 1:
-            words = self.sheet.outline(f'<g id="NAME">{inner}</g>')
+            words = self._named(f'<g id="NAME">{inner}</g>')
             return f'<use href="#{words}"{attributes}/>'
         return f"<{element.tag}{attributes}" + (f">{inner}</{element.tag}>" if inner else "/>")
 
-    def attributes(self, element: Any, digits: int = 1) -> str:
+    def _attributes(self, element: Any, digits: int = 1) -> str:
         """The attributes of an element as text, its style as a class."""
         given = {key: value for key, value in element.attrib.items() if key not in ("id", "style")}
         if _XLINK in given:
@@ -144,21 +114,19 @@ class _File:
         if "transform" in given:
             given["transform"] = _PLACE.sub(lambda m: _rounded(m[0]), given["transform"])
         if style := _declarations(element.attrib.get("style", "")):
-            given["class"] = self.sheet.style(style)
+            given["class"] = self.styles.setdefault(style, f"d{len(self.styles)}")
         return "".join(f' {key}="{value}"' for key, value in given.items())
 
 
 def _declarations(style: str) -> str:
-    """A style in the colours of the page."""
+    """A style in the colours of the page, each as the variable of its style sheet."""
     pairs = ((part.strip() for part in one.split(":")) for one in filter(None, style.split(";")))
-    return "; ".join(f"{k}: {_colour(v)}" for k, v in pairs if _USUAL.get(k) != v)
-
-
-def _colour(value: str) -> str:
-    """A colour of print as the variable of the page's style."""
-    if value.startswith("#") and value not in _VARIABLES:
-        raise ValueError(f"the page has no variable for the colour {value}: name it in drawings.py")
-    return _VARIABLES.get(value, value)
+    kept = [(key, value) for key, value in pairs if _USUAL.get(key) != value]
+    if lost := [v for _, v in kept if v.startswith("#") and v not in _VARIABLES]:
+        raise ValueError(
+            f"the page has no variable for the colour {lost[0]}: name it in drawings.py"
+        )
+    return "; ".join(f"{key}: {_VARIABLES.get(value, value)}" for key, value in kept)
 
 
 def _rounded(text: str, digits: int = 1) -> str:
@@ -169,25 +137,25 @@ def _rounded(text: str, digits: int = 1) -> str:
     return re.sub(r"\s*([A-Za-z])\s*", r"\1", " ".join(text.split())).replace("-0 ", "0 ")
 
 
-def _tables(panels: list[dict[str, Any]]) -> Iterator[Table]:
-    """The values of all panels."""
+def _tables(panels: list[dict[str, Any]]) -> Iterator[dict[str, Any]]:
+    """The values of all panels: a table for the lines at the same places.
+
+    title : what they are.   rows : tab-separated, below a head; a missing value is empty.   places : how to find a
+    value on the drawing, for the script: the scale of the values and where the places lie.
+    """
     for panel in panels:
         what = " against ".join(filter(None, (panel["y"], panel["x"])))
-        title = from_tex(", ".join(filter(None, (panel["title"], what))))
+        labels = {axis: str(from_tex(panel[axis])) for axis in "xy"}
         for block in panel["blocks"]:
-            lines = block["lines"]
-            head = [panel["x"] or "what", *(name for name, _, _ in lines)]
-            rows = zip(block["places"], *(values for _, values, _ in lines), strict=True)
-            text = [map(from_tex, head), *(map(_cell, row) for row in rows)]
-            places = {"up": panel["up"], "scale": panel["scale"], "at": [at for *_, at in lines]}
-            if all(at == lines[0][2] for *_, at in lines):
-                places["at"] = [lines[0][2]]
-            told = {"x": str(from_tex(panel["x"])), "y": str(from_tex(panel["y"])), **places}
-            yield Table(
-                title,
-                Markup("\n").join(Markup("\t").join(row) for row in text),
-                json.dumps(told, ensure_ascii=False, separators=(",", ":")),
-            )
+            names, values, at = zip(*block["lines"], strict=True)
+            rows = [[panel["x"] or "what", *names], *zip(block["places"], *values, strict=True)]
+            at = at[:1] if all(one == at[0] for one in at) else at
+            places = {**labels, "up": panel["up"], "scale": panel["scale"], "at": at}
+            yield {
+                "title": from_tex(", ".join(filter(None, (panel["title"], what)))),
+                "rows": Markup("\n").join(Markup("\t").join(map(_cell, row)) for row in rows),
+                "places": json.dumps(places, ensure_ascii=False, separators=(",", ":")),
+            }
 
 
 def _cell(value: float | str | None) -> Markup:

@@ -1,33 +1,47 @@
-"""What the instruments of the page need to know of the configured case; they compute everything else themselves."""
+"""What the instruments of the page need to know of the case and its print; they compute everything else themselves."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import Any
 
+import pandas as pd
+
 from ...balance import APPROACHES
-from ...figures.looks import label_of, look_of
+from ...figures.looks import SCHEME_LOOKS, label_of, look_of
+from ...motion.fixed_step import SCHEMES
 from ...project.case import Case
+from ...project.wording import plain
+from ...replication.as_published import coefficients
+from ...replication.claim_verdicts import VERDICTS, of_cell
 from ...replication.comparison import WAYS
+from ...replication.printed_tables import TABLE_2, UNKNOWNS
 from ...replication.resonance import RECIPES
 from ..colours import variable
 from ..words import titled
-from .content import PageContent
-from .printed import printed_data
 
 IN_THE_BROWSER = ("direct", "X_s", "t_s", "V_s", "fourier")  # the approaches that kit.js knows
 STEPS = 200  # of a slider, at least
+STOPS_US = (1, 1.5, 2, 2.5, 3, 4, 4.5, 5, 5.5, 6, 7, 8, 10, 15, 20, 30, 50)
+"""Steps that "Guess the integrator" offers, µs; the configured one is among them in any case."""
 
 
-def instruments_data(content: PageContent) -> dict[str, Any]:
+def instruments_data(
+    case: Case, claims: pd.DataFrame | None, digits: Mapping[str, Any] | None
+) -> dict[str, Any]:
     """The case in SI units and the sliders in the units that they show, for `kit.js`; to stand in the page as JSON.
 
     case : m, c, k, K_z, F_k, levels (m), frequencies (name → Hz) and pairs of levels (counted from 0).
     approaches : key → its label, colour and shape.   steps : ways to mend the balance off resonance, the paper's first.
-    sliders : name → what `it.slider` of kit.js takes.   Those of `printed_data`, where something is printed.
+    sliders : name → what `it.slider` of kit.js takes.
+    integrator, where something is printed : the schemes, the recipe of the configuration, Table 2 as printed (the
+    text), its pairs of levels.
+    digits, where there are any : `changed_digits.packed` with names for the numbers and the looks of the verdicts.
+
+    claims : `claims.csv` as text, or None for a case with nothing printed.   digits : as packed, if on record.
     """
-    case = content.case
-    return {
+    data: dict[str, Any] = {
         "case": {
             **{name: getattr(case.oscillator, name) for name in ("m", "c", "k", "K_z", "F_k")},
             "levels": list(case.levels_m),
@@ -45,8 +59,63 @@ def instruments_data(content: PageContent) -> dict[str, Any]:
             for way, words in RECIPES.items()
         ],
         "sliders": sliders(case),
-        **printed_data(content),
     }
+    if claims is not None:
+        data["integrator"] = _integrator(case, claims)
+    if claims is not None and digits:
+        rows = claims.set_index("id")
+        names = {
+            name: _name(*rows.loc[name, ["where", "quantity"]].tolist()) for name in digits["was"]
+        }
+        looks = [(verdict.css, verdict.mark) for verdict in VERDICTS.values()]
+        data["digits"] = {**digits, "looks": looks, "names": names}
+    return data
+
+
+def _integrator(case: Case, claims: pd.DataFrame) -> dict[str, Any]:
+    """The data of `integrator.js`."""
+    numerics = case.numerics
+    printed: dict[str, dict[str, str]] = {}
+    for symbol in (quantity.symbol for quantity in (*TABLE_2, *UNKNOWNS)):
+        rows = claims[claims["id"].str.startswith(of_cell("table2", symbol))]
+        places = rows["id"].str.rpartition(".")[2]
+        printed[symbol] = dict(zip(places, rows["printed"], strict=True))
+    step = float(f"{1e6 * numerics.step_s:.12g}")
+    return {
+        "schemes": [
+            {"name": name, "label": SCHEME_LOOKS[name][0], "dissipation": scheme.dissipation}
+            for name, scheme in SCHEMES.items()
+        ],
+        "recipe": {
+            "scheme": numerics.scheme,
+            "step": step,
+            "cycles": numerics.cycles,
+            "slip_samples": [numerics.after_slip(i) for i in range(len(case.levels_m))],
+            "decimals": [numerics.c_over_m_decimals, numerics.k_over_m_decimals],
+        },
+        "rounded": coefficients(case),
+        "stops": sorted({*STOPS_US, step}),
+        "omega": case.omega(next(iter(case.frequencies_hz))),
+        "printed": {symbol: list(of.values()) for symbol, of in printed.items()},
+        "pairs": [[int(level) - 1 for level in label.split("-")] for label in printed["F_k"]],
+    }
+
+
+def _name(where: str, quantity: str) -> str:
+    """A printed number in a few words: "level 2: X_s", "pair 1-2: F_k by X_s"; of the running text what it is."""
+    table, _, line = where.partition(", ")
+    if not table.startswith("Table"):
+        return plain(quantity)
+    return plain(f"{line}: {quantity.partition(':')[0].partition(', ')[0]}")
+
+
+def of_run(record: Mapping[str, Any], claims: pd.DataFrame) -> bool:
+    """Whether a record by `changed_digits.packed` is of a run's print and verdicts.   claims : claims.csv as text."""
+    computed = claims[claims["kind"] == "computed"].set_index("id")
+    was = {name: record["verdicts"][place] for name, place in record["was"].items()}
+    printed = {name: text for name, (text, _) in record["numbers"].items()}
+    same = printed.items() <= computed["printed"].to_dict().items()
+    return same and was == computed["verdict"].to_dict()
 
 
 def sliders(case: Case) -> dict[str, dict[str, Any]]:
@@ -57,14 +126,13 @@ def sliders(case: Case) -> dict[str, dict[str, Any]]:
     K_z : logarithmic, from the softness of the spring k to ten times its value.
     """
     osc, levels, hz = case.oscillator, case.levels_m, list(case.frequencies_hz.values())
-    critical = 2.0 * math.sqrt(osc.k * osc.m)
+    most_c = 2.0 * osc.c or 0.2 * math.sqrt(osc.k * osc.m)  # a tenth of the critical damping
+    most_F_k = max(1.1 * osc.k * levels[0], 2.0 * osc.F_k)
     return {
         "Y": _slider("Drive *Y*", "mm", 1e3 * levels[0], 0.0, 1.3e3 * max(levels), least=1),
         "f": _slider("Frequency *f*", "Hz", hz[0], 0.6 * min(hz), 1.25 * max(hz), least=1),
-        "c": _slider("Damping *c*", "N s/m", osc.c, 0.0, 2.0 * osc.c or 0.1 * critical),
-        "F_k": _slider(
-            "Friction F_k", "N", osc.F_k, 0.0, max(1.1 * osc.k * levels[0], 2.0 * osc.F_k)
-        ),
+        "c": _slider("Damping *c*", "N s/m", osc.c, 0.0, most_c),
+        "F_k": _slider("Friction F_k", "N", osc.F_k, 0.0, most_F_k),
         "K_z": {
             **{"label": titled("Contact K_z"), "unit": "N/m", "log": True, "value": osc.K_z},
             **{"min": min(osc.k, 0.1 * osc.K_z), "max": 10.0 * osc.K_z},
@@ -79,8 +147,10 @@ def _slider(
     step = 10.0 ** math.floor(math.log10(high / STEPS))
     places = max(0, -math.floor(math.log10(step)))
     shown = float(f"{value:.15g}")  # without the rounding of the change of units
-    ends = (max(least, math.floor(low / step)), math.ceil(high / step))
-    first, last = (round(end * step, places) for end in ends)
+    first, last = (
+        round(end * step, places)
+        for end in (max(least, math.floor(low / step)), math.ceil(high / step))
+    )
     return {
         **{"label": titled(label), "unit": unit, "value": shown},
         **{"min": min(first, shown), "max": last, "step": round(step, places)},

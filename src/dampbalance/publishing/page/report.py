@@ -8,19 +8,20 @@ from __future__ import annotations
 import base64
 import json
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from importlib.resources import files
+from pathlib import PurePosixPath
 from typing import Any
 
 import jinja2
 import pandas as pd
-from markupsafe import Markup
 
 from ... import __version__
 from ...balance import TERMS
 from ...figures.looks import label_of
+from ...project.case import Case
 from ...project.wording import (
-    MINUS,
     NONE,
     dotted,
     frequency_name,
@@ -28,57 +29,145 @@ from ...project.wording import (
     number,
     percent,
     power_of_ten,
+    signed_percent,
     unit_of,
 )
 from ...replication.claim_verdicts import (
-    DIFFERS,
     HOLDING,
     KINDS,
     PARTS,
-    RECONSTRUCTED,
-    REPRODUCED,
     ROUTE_NAMES,
     VERDICTS,
     Count,
     counts,
     part_of,
 )
-from ...replication.printed_tables import TITLES
+from ...replication.printed_tables import SHOWN_ROUTES, TITLES, blocks, claim_of
 from ...replication.resonance import mends, off_resonance
 from ...studies.settings import Study
 from ...studies.shown.facts import filled
 from .. import words
-from ..colours import css_variables, verdict_styles
-from .cells import subtables
-from .content import PageContent
+from ..colours import css_variables
 from .drawings import Sheet
 from .instruments import instruments_data
-from .origins import ORIGINS, link, study_origin
 
-TITLE = "How the printed numbers of an energy balance fare"
 LARGEST_PAGE = 1_500_000  # bytes: a page that a phone loads
-TITLE_OF_CASE = "Friction and damping from an energy balance"
-HEADLINE_OF_CASE = (
-    "Friction and viscous damping of a driven oscillator from the balance of energy over a period."
-)
+STATIC = files(__package__) / "static"
+STYLES = ("style.css", "instruments.css")
 SCRIPTS = (
     *("page.js", "engine.js", "kit.js"),
     *("oscillator.js", "off_resonance.js", "integrator.js", "noise.js", "digits.js"),
 )
 SECTIONS = {
-    "findings": "Findings",
-    "instruments": "Instruments",
-    "match": "Match",
-    "numbers": "Every number",
-    "tables": "Tables",
-    "digits": "Digits",
-    "figure3": "Figure 3",
-    "errors": "Off resonance",
-    "studies": "Studies",
-    "noise": "Noise",
-    "conclusion": "Conclusion",
-    "provenance": "Sources",
+    **{"findings": "Findings", "instruments": "Instruments", "match": "Match"},
+    **{"numbers": "Every number", "tables": "Tables", "digits": "Digits", "figure3": "Figure 3"},
+    **{"errors": "Off resonance", "studies": "Studies", "noise": "Noise"},
+    **{"conclusion": "Conclusion", "provenance": "Sources"},
 }
+OF_PRINT = {"claims", "match", "numbers", "digits", "findings", "conclusion"}
+"""The sections and origins that a case with nothing printed does not have."""
+
+
+@dataclass(frozen=True)
+class PageContent:
+    """What the page shows.
+
+    case : as configured.   config : the merged configuration, to be listed.
+    claims : `claims.csv` as text, or None for a case with nothing printed.
+    tables : frequency → name → frame of `printed_tables.COLUMNS`.   approaches : tables/approaches.csv.
+    figures : name → SVG by `figures.style.save`: figure3, estimation_error, and where something is printed glance and
+    numerics.
+    evidence : `derived_numbers`, which the article argues with.   facts : study → its facts in words, as there.
+    studies : (study, its figure as SVG).   digits : `changed_digits.packed`, if it is on record.
+    """
+
+    case: Case
+    config: Mapping[str, Any]
+    claims: pd.DataFrame | None
+    tables: Mapping[str, Mapping[str, pd.DataFrame]]
+    approaches: pd.DataFrame
+    figures: Mapping[str, str]
+    evidence: Mapping[str, Any] | None = None
+    facts: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
+    studies: Sequence[tuple[Study, str]] = ()
+    digits: Mapping[str, Any] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Origin:
+    """Where a result comes from, as paths in the repository.
+
+    results : its files, {case} standing for the case's folder.   rule : the Snakemake rule.   rules : the file
+    that holds it.   code : the modules that do the work.
+    """
+
+    what: str
+    results: tuple[str, ...]
+    rule: str
+    rules: str
+    code: tuple[str, ...]
+
+
+def _origin(what: str, chain: str) -> Origin:
+    """An origin from "result, below results/ ← file/rule ← modules of the package"."""
+    result, rule, code = chain.split(" ← ")
+    file, _, name = rule.partition("/")
+    modules = tuple(f"src/dampbalance/{module}" for module in code.split())
+    return Origin(what, (f"results/{result}",), name, f"workflow/rules/{file}.smk", modules)
+
+
+ORIGINS = {
+    "claims": _origin(
+        "Verdicts on the printed numbers",
+        "{case}/claims.csv ← claims/claims ← replication/claims/table.py replication/claims/judging.py",
+    ),
+    "orbits": _origin(
+        "Exact steady responses",
+        "{case}/orbits ← simulate/simulate_exact ← motion/steady.py motion/one_slip.py",
+    ),
+    "records": _origin(
+        "Fixed-step records, as the paper’s own numbers were computed",
+        "{case}/records ← simulate/simulate_as_published ← motion/fixed_step.py",
+    ),
+    "features": _origin(
+        "What is read off the responses",
+        "{case}/features ← features/features_exact ← features.py reading/clean.py",
+    ),
+    "estimates": _origin(
+        "F_k and c by every approach",
+        "{case}/estimates ← estimates/estimate_exact ← balance.py solver.py",
+    ),
+    "tables": _origin("Tables", "{case}/tables ← tables/tables ← replication/printed_tables.py"),
+    "digits": _origin(
+        "How the printed digits arose",
+        "{case}/figures/numerics.svg ← article/article_figure ← figures/numerics.py motion/fixed_step.py",
+    ),
+    "figure3": _origin(
+        "Figure 3",
+        "{case}/figures/figure3.svg ← figures/figures ← figures/acceleration.py motion/orbit.py",
+    ),
+    "errors": _origin(
+        "Estimation error of each approach",
+        "{case}/figures/estimation_error.svg ← figures/figures ← figures/error_levels.py solver.py",
+    ),
+    "studies": _origin(
+        "Parameter studies",
+        "studies ← studies/study_cases ← studies/evaluate.py studies/responses.py",
+    ),
+    "page": _origin("This page", "{case}/report.html ← page/page ← publishing/page/report.py"),
+}
+
+
+def study_origin(name: str) -> Origin:
+    """The origin of one study: its file says what is varied."""
+    files = (f"results/studies/{name}/cases.parquet", f"config/studies/{name}.yaml")
+    return replace(ORIGINS["studies"], results=files)
+
+
+def link(path: str, page: str) -> str:
+    """The address of a file of the repository as seen from the page, both as paths from the repository's root."""
+    up = len(PurePosixPath(page).parent.parts)
+    return "../" * up + path
 
 
 def report_page(content: PageContent, page: str) -> str:
@@ -86,14 +175,46 @@ def report_page(content: PageContent, page: str) -> str:
 
     Raises ValueError where it would become larger than LARGEST_PAGE.
     """
-    case, frequencies = content.case.name, content.case.frequencies_hz
-    tables = _paper_tables(content)
-    shown = _numbers(content, next(iter(tables.values()))) | _drawings(content)
-    template = _environment(case, page).get_template("report.html.j2")
+    case, frequencies, approaches = content.case, content.case.frequencies_hz, content.approaches
+    claims: dict[Any, Any] = {}
+    counted: list[Count] = []
+    if content.claims is not None:
+        claims = content.claims.set_index("id", drop=False).to_dict("index")
+        counted = counts(content.claims)
+    tables: dict[str, list[dict[str, Any]]] = {
+        frequency: [
+            {"title": TITLES[name], "parts": list(_parts(table, name, {} if n else claims))}
+            for name, table in content.tables[frequency].items()
+        ]
+        for n, frequency in enumerate(frequencies)
+    }
+    sheet = Sheet()
+    figures = {name: sheet.drawing(f"drawing-{name}", svg) for name, svg in content.figures.items()}
+    studies = {study.name: _study(content, sheet, study, svg) for study, svg in content.studies}
+    noise = studies.pop("noise", None)
+    absent = {name for name, of in (("studies", studies), ("noise", noise)) if not of}
+    if not claims:
+        absent |= OF_PRINT
+    first = tables[next(iter(frequencies))]
+    in_tables = {claim for table in first for part in table["parts"] for claim in part["claims"]}
+    template = _environment(case.name, page).get_template("report.html.j2")
     html = template.render(
         version=__version__,
-        case=case,
+        case=case.name,
         page=page,
+        counts=counted,
+        total=counted[-1] if claims else None,
+        claims=[
+            {
+                **row,
+                **{name: minus(row[name]) for name in ("printed", "explanation", *ROUTE_NAMES)},
+                **{"part": PARTS[part_of(id)], "unit": unit_of(row["unit"])},
+                **{"verdict": VERDICTS[row["verdict"]], "holds": row["verdict"] in HOLDING},
+                "in_table": id in in_tables,
+            }
+            for id, row in claims.items()
+        ],
+        routes=ROUTE_NAMES,
         verdicts=VERDICTS.values(),
         kinds=KINDS,
         frequencies=[
@@ -101,18 +222,28 @@ def report_page(content: PageContent, page: str) -> str:
             for name, hz in frequencies.items()
         ],
         terms=list(TERMS),
-        error_table=list(_error_lines(content.approaches, frequencies)),
-        costs=off_resonance(content.approaches, frequencies),
+        error_table=list(_error_lines(approaches, frequencies)),
+        costs=off_resonance(approaches, frequencies),
         mends={
-            recipe: [_signed(error) for error in errors]
-            for recipe, errors in mends(content.approaches, frequencies).items()
+            recipe: [_error(error, signed_percent) for error in errors]
+            for recipe, errors in mends(approaches, frequencies).items()
         },
-        **shown,
-        **_provenance(content),
+        figures=figures,
+        studies=studies.values(),
+        noise=noise,
+        sheet=sheet,
+        sections=[(name, title) for name, title in SECTIONS.items() if name not in absent],
+        origins=ORIGINS,
+        all_origins=[origin for name, origin in ORIGINS.items() if name not in absent],
+        configuration=[(key, _value(value)) for key, value in dotted(content.config)],
         evidence=content.evidence,
         facts=content.facts,
-        style=_style(),
-        **_instruments(content),
+        css_variables=css_variables,
+        style="".join(map(_static, STYLES)),
+        script="\n".join(map(_static, SCRIPTS)),
+        engine=base64.b64encode((STATIC / "engine.wasm").read_bytes()).decode(),
+        misprints=claims and content.digits is not None,
+        instruments=as_json(instruments_data(case, content.claims, content.digits)),
     )
     size = len(html.encode())
     if size > LARGEST_PAGE:
@@ -122,68 +253,53 @@ def report_page(content: PageContent, page: str) -> str:
     return html
 
 
-def _paper_tables(content: PageContent) -> dict[str, list[dict[str, Any]]]:
-    """The paper's tables at each frequency; those of the first have the digits and the verdicts of the claims."""
-    claims: dict[Any, Any] = {}
-    if content.claims is not None:
-        claims = content.claims.set_index("id").to_dict("index")
+def _parts(
+    table: pd.DataFrame, name: str, claims: Mapping[str, Mapping[str, str]]
+) -> Iterator[dict[str, Any]]:
+    """A table as the paper lays it out, in parts whose rows share their quantities.
+
+    columns : (symbol, unit) each.   claims : those on its printed numbers.
+    groups : a row's label and its lines, (route, cells) each, the printed one first where there is one; a cell is its
+    text, and for a printed number the verdict and the claim that gives the reason.
+
+    table : a frame of `printed_tables.COLUMNS`, `printed` as text.   name : table1, table2, table3 or statistics.
+    claims : id → row of the table of claims, from which the cells take their digits on the way, {} for none.
+    """
+    places = {row: place for place, row in enumerate(dict.fromkeys(table["row"]), start=1)}
+    for quantities, block in blocks(table):
+        groups, judged = [], set()
+        for label, rows in block.groupby("row", sort=False):
+            cells = {
+                claim_of(name, str(label), places[label], str(cell["quantity"])): cell
+                for cell in rows.to_dict("records")
+            }
+            printed = [
+                (minus(text), VERDICTS[cell["verdict"]] if text else None, claim)
+                for claim, cell in cells.items()
+                for text in [cell["printed"]]
+            ]
+            judged |= {claim for _, verdict, claim in printed if verdict}
+            lines = [("printed", printed)] if any(text for text, *_ in printed) else []
+            for route in SHOWN_ROUTES:
+                texts = (
+                    claims.get(claim, {}).get(route, "") or number(float(cell[route]))
+                    for claim, cell in cells.items()
+                )
+                lines.append((ROUTE_NAMES[route], [(minus(text), None, "") for text in texts]))
+            groups.append((label, lines))
+        columns = list(zip(quantities, map(unit_of, block["unit"]), strict=False))
+        yield {"columns": columns, "groups": groups, "claims": judged}
+
+
+def _study(content: PageContent, sheet: Sheet, study: Study, svg: str) -> dict[str, Any]:
+    """The figure of a study, with what it shows in words."""
+    name = study.name.replace("_", "-")
     return {
-        frequency: [
-            {"title": TITLES[name], "subtables": subtables(table, name, {} if n else claims)}
-            for name, table in content.tables[frequency].items()
-        ]
-        for n, frequency in enumerate(content.case.frequencies_hz)
+        "title": study.title,
+        "paragraph": filled(study, content.facts[study.name]),
+        "figure": sheet.drawing(f"study-{name}", svg),
+        "origin": study_origin(study.name),
     }
-
-
-def _numbers(content: PageContent, tables: Sequence[dict[str, Any]]) -> dict[str, Any]:
-    """The printed numbers, counted and one by one, and the title above them. tables : those with verdicts."""
-    if content.claims is None:
-        nothing: dict[str, Any] = {"counts": [], "claims": [], "total": None}
-        return {"title": TITLE_OF_CASE, "headline": HEADLINE_OF_CASE, **nothing}
-    counted = counts(content.claims)
-    in_tables = {claim for table in tables for part in table["subtables"] for claim in part.claims}
-    claims = [
-        _claim(row) | {"in_table": row["id"] in in_tables}
-        for row in content.claims.to_dict("records")
-    ]
-    total = counted[-1]
-    return {
-        "title": TITLE,
-        "headline": _headline(total),
-        "counts": counted,
-        "total": total,
-        "claims": claims,
-    }
-
-
-def _drawings(content: PageContent) -> dict[str, Any]:
-    """The figures, those of the studies with what they show in words, and what they share."""
-    sheet = Sheet()
-    figures = {name: sheet.drawing(f"drawing-{name}", svg) for name, svg in content.figures.items()}
-    studies = {
-        study.name: {
-            "name": study.name.replace("_", "-"),
-            "title": study.title,
-            "paragraph": filled(study, content.facts[study.name]),
-            "figure": sheet.drawing(f"study-{study.name.replace('_', '-')}", svg),
-            "origin": study_origin(study.name),
-        }
-        for study, svg in content.studies
-    }
-    noise = studies.pop("noise", None)
-    return {"figures": figures, "studies": studies.values(), "noise": noise, "sheet": sheet}
-
-
-def _instruments(content: PageContent) -> dict[str, Any]:
-    """The scripts, and what the instruments need: the engine as base64, and their data as JSON."""
-    static = files(__package__) / "static"
-    scripts = [static / name for name in SCRIPTS if (static / name).is_file()]
-    shown: dict[str, Any] = {"script": "\n".join(one.read_text("utf-8") for one in scripts)}
-    shown["engine"] = base64.b64encode((static / "engine.wasm").read_bytes()).decode()
-    shown["printed"] = content.claims is not None
-    shown["misprints"] = shown["printed"] and content.digits is not None
-    return shown | {"instruments": as_json(instruments_data(content))}
 
 
 def as_json(data: Any) -> str:
@@ -192,40 +308,15 @@ def as_json(data: Any) -> str:
     return text.replace("</", "<\\/").replace("<!--", "<\\u0021--")
 
 
-def _provenance(content: PageContent) -> dict[str, Any]:
-    """The sections that there are, where each comes from, and the configuration."""
-    absent = {name for name in ("studies", "noise") if name not in _kinds(content.studies)}
-    if content.claims is None:
-        absent |= {"claims", "match", "numbers", "digits", "findings", "conclusion"}
-    return {
-        "sections": [(name, title) for name, title in SECTIONS.items() if name not in absent],
-        "origins": ORIGINS,
-        "all_origins": [origin for name, origin in ORIGINS.items() if name not in absent],
-        "configuration": [(key, _value(value)) for key, value in dotted(content.config)],
-    }
-
-
-def _kinds(studies: Sequence[tuple[Study, str]]) -> set[str]:
-    """The sections that studies fill."""
-    return {"noise" if study.name == "noise" else "studies" for study, _ in studies}
-
-
 def _environment(case: str, page: str) -> jinja2.Environment:
     """Templates with the filters that they use; an undefined name is an error."""
-    environment = jinja2.Environment(
-        loader=jinja2.PackageLoader("dampbalance.publishing.page"),
-        autoescape=True,
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-    )
+    environment = words.templates(jinja2.PackageLoader(__package__), html=True)
     environment.filters |= {
         "rich": words.rich,
         "titled": words.titled,
         "quantity": words.quantity,
         "reason": words.reason,
-        "symbol": _quantity,
+        "symbol": words.symbol,
         "here": lambda path: link(path.format(case=case), page),
         "at_case": lambda path: path.format(case=case),
         "approach": lambda key: words.rich(label_of(key)),
@@ -235,39 +326,6 @@ def _environment(case: str, page: str) -> jinja2.Environment:
     return environment
 
 
-def _quantity(text: str) -> Markup:
-    """A column head: F_k by X_s, a."""
-    symbol, by, approach = text.partition(" by ")
-    return words.one_letter(symbol) + by + words.rich(approach)
-
-
-def _claim(row: Mapping[Any, str]) -> dict[str, Any]:
-    """One printed number as the page shows it, from its row of the table of claims."""
-    return {
-        **{name: row[name] for name in ("id", "where", "quantity", "kind")},
-        **{name: minus(row[name]) for name in ("printed", "explanation")},
-        "part": PARTS[part_of(row["id"])],
-        "unit": unit_of(row["unit"]),
-        "routes": [(route.capitalize(), minus(row[name])) for name, route in ROUTE_NAMES.items()],
-        "verdict": VERDICTS[row["verdict"]],
-        "holds": row["verdict"] in HOLDING,
-    }
-
-
-def _headline(total: Count) -> str:
-    """The whole match in two sentences: the computed numbers, and how those fare that neither route gives."""
-    n = dict(total.of_verdict)
-    reproduced, reconstructed, differs = (
-        n.pop(verdict.name) for verdict in (REPRODUCED, RECONSTRUCTED, DIFFERS)
-    )
-    others = ", ".join(f"{count} {name}" for name, count in n.items() if count) or "none"
-    return (
-        f"Of the {total.computed} computed numbers that the paper prints, {reproduced} are reproduced by the exact "
-        f"solution and {reconstructed} by reconstructing how they were computed; the others: {others}, and "
-        f"{'none differs' if not differs else f'{differs} differ'}."
-    )
-
-
 def _error_lines(approaches: pd.DataFrame, frequencies: Iterable[str]) -> Iterator[dict[str, Any]]:
     """The table of errors: (least squares, largest of the pairs) per frequency and quantity, side by side."""
     for key, rows in approaches.groupby(["approach", "phase", "sharing"], sort=False):
@@ -275,8 +333,8 @@ def _error_lines(approaches: pd.DataFrame, frequencies: Iterable[str]) -> Iterat
         at = rows.set_index("frequency")
         errors = [
             (
-                _signed(float(at[f"{unknown}_error_percent"][frequency])),
-                _size(float(at[f"{unknown}_largest_pair_error_percent"][frequency])),
+                _error(float(at[f"{unknown}_error_percent"][frequency]), signed_percent),
+                _error(float(at[f"{unknown}_largest_pair_error_percent"][frequency])),
             )
             for frequency in frequencies
             for unknown in TERMS
@@ -285,17 +343,12 @@ def _error_lines(approaches: pd.DataFrame, frequencies: Iterable[str]) -> Iterat
         yield {"approach": approach, "phase": phase, "sharing": sharing or NONE, "errors": errors}
 
 
-def _size(error: float) -> str:
-    """The size of an error given in %; a bound where it is nothing but rounding."""
-    text = percent(0.01 * error).removesuffix(" %")
-    return f"≤ {text}" if abs(error) < 1e-6 else text
-
-
-def _signed(error: float) -> str:
-    """An error given in %, with its sign unless it is nothing but rounding."""
+def _error(error: float, in_percent: Callable[[float], str] = percent) -> str:
+    """An error given in %, without its unit; a bound without a sign where it is nothing but rounding."""
     if not math.isfinite(error) or abs(error) < 1e-6:
-        return _size(error)
-    return (MINUS if error < 0.0 else "+") + _size(error)
+        in_percent = percent
+    text = in_percent(0.01 * error).removesuffix(" %")
+    return f"≤ {text}" if abs(error) < 1e-6 else text
 
 
 def _value(value: Any, inner: bool = False) -> str:
@@ -308,14 +361,5 @@ def _value(value: Any, inner: bool = False) -> str:
     return "none" if value is None else str(value)
 
 
-def _style() -> str:
-    """The style sheet, with the colours of both modes; print is always light."""
-    return (
-        f":root {{ color-scheme: light dark; {css_variables('light')} }}\n"
-        f"@media screen and (prefers-color-scheme: dark) {{ :root {{ {css_variables('dark')} }} }}\n"
-        f"{verdict_styles()}\n" + _text("static/style.css") + _text("static/instruments.css")
-    )
-
-
-def _text(name: str) -> str:
-    return files(__package__).joinpath(name).read_text(encoding="utf-8")
+def _static(name: str) -> str:
+    return (STATIC / name).read_text(encoding="utf-8")

@@ -19,7 +19,7 @@ from pathlib import Path, PurePosixPath
 from typing import Any
 
 from ...project.files import json_text, replacing, sha256
-from ..markdown import templates
+from ..words import rendered
 from .crate import DESCRIPTOR, crate
 from .manifest import ARCHIVED_VERSION
 
@@ -27,7 +27,6 @@ from .manifest import ARCHIVED_VERSION
 LARGEST_PACKED = 5_000_000
 TIME = 315_532_800  # of every file, s: 1980-01-01, the earliest that all formats can hold
 SUMS = "SHA256SUMS"
-NUMERICAL = ("numpy", "scipy", "numba", "pandas", "matplotlib")
 
 
 def pack(
@@ -52,25 +51,38 @@ def pack(
     files = {file: Path(file) for file in {*sources, *packed, manifest_file, crate_file}}
     digests = {file: sha256(source) for file, source in files.items()}
 
-    code = manifest["run"]["code"]
-    guide = readme(name, manifest, set(results) - packed, manifest_file, rebuild)
+    run, made = manifest["run"], manifest["reproducible"]
+    guide = rendered(
+        "archive.md.j2",
+        name=name,
+        made=made,
+        run=run,
+        rebuild=rebuild,
+        manifest=manifest_file,
+        left_out=sorted(set(results) - packed),
+        sizes={file: result["bytes"] for file, result in results.items()},
+        largest=f"{LARGEST_PACKED / 1e6:.0f}",
+    )
+    code = {key: value for key, value in run["code"].items() if key != "known_from"}
     written = {
-        ARCHIVED_VERSION: json_text({k: v for k, v in code.items() if k != "known_from"}).encode(),
+        ARCHIVED_VERSION: json_text(code).encode(),
         "ARCHIVE.md": guide.encode(),
     }
     digests |= {file: _digest(data) for file, data in written.items()}
     jobs = [
         {**job, "outputs": [file for file in job["outputs"] if file in digests]}
-        for job in manifest["reproducible"]["jobs"]
+        for job in made["jobs"]
         if not digests.keys().isdisjoint(job["outputs"])
     ]
+    # a job ended when its files were written; unpacked files have no such time
+    times = {file: Path(file).stat().st_mtime for file in packed}
     kept = {"results": [results[file] for file in sorted(packed)], "jobs": jobs}
     metadata = crate(
-        {**manifest, "reproducible": {**manifest["reproducible"], **kept}},
+        {**manifest, "reproducible": {**made, **kept}},
         manifest_file,
         citation,
         others={file: digest for file, digest in digests.items() if file != manifest_file},
-        ended=_when_written(packed),
+        ended={file: time for file, time in times.items() if time > TIME},
     )
     written[DESCRIPTOR] = json_text(metadata).encode()
     digests[DESCRIPTOR] = _digest(written[DESCRIPTOR])
@@ -87,8 +99,10 @@ def pack(
             data = written[file] if file in written else files[file].read_bytes()
             if file in files and _digest(data) != digests[file]:
                 raise ValueError(f"{file} changed while it was packed: run `make archive` again")
-            executable = file in files and os.access(files[file], os.X_OK)
-            tar.addfile(_entry(f"{name}/{file}", len(data), executable), io.BytesIO(data))
+            entry = tarfile.TarInfo(f"{name}/{file}")
+            entry.size, entry.mtime = len(data), TIME
+            entry.mode = 0o755 if file in files and os.access(files[file], os.X_OK) else 0o644
+            tar.addfile(entry, io.BytesIO(data))
 
 
 def unpack(path: str | Path, folder: str | Path) -> None:
@@ -126,43 +140,6 @@ def _problem(entries: Sequence[tarfile.TarInfo]) -> str:
     tops = {PurePosixPath(entry.name).parts[:1] for entry in entries}
     alone = len(tops) == 1 and "".join(*tops).startswith("dampbalance-")
     return "" if alone else "does not hold one folder dampbalance-…"
-
-
-def readme(
-    name: str, manifest: Mapping[str, Any], left_out: set[str], manifest_file: str, rebuild: str
-) -> str:
-    """The instructions in the archive: its contents, how to verify it and how to rebuild the results."""
-    made, run = manifest["reproducible"], manifest["run"]
-    code = run["code"]
-    commit = f"commit {code['commit']}" if code["commit"] else "a commit that is not known"
-    if code["modified"]:
-        commit += ", with changes that the archive holds"
-    packages = [f"{p} {run['packages'][p]}" for p in NUMERICAL if p in run["packages"]]
-    template = templates().get_template("archive.md.j2")
-    return template.render(
-        name=name,
-        made=made,
-        commit=commit,
-        run=run,
-        packages=", ".join(packages) or "those named in pyproject.toml",
-        rebuild=rebuild,
-        manifest=manifest_file,
-        left_out=sorted(left_out),
-        sizes={result["path"]: result["bytes"] for result in made["results"]},
-        largest=f"{LARGEST_PACKED / 1e6:.0f}",
-    )
-
-
-def _entry(name: str, size: int, executable: bool) -> tarfile.TarInfo:
-    entry = tarfile.TarInfo(name)
-    entry.size, entry.mtime, entry.mode = size, TIME, 0o755 if executable else 0o644
-    return entry
-
-
-def _when_written(files: Iterable[str]) -> dict[str, float]:
-    """The time when each file was last written, s since 1970, which is when its job ended; none for unpacked files."""
-    times = {file: Path(file).stat().st_mtime for file in files}
-    return {file: time for file, time in times.items() if time > TIME}
 
 
 def _digest(data: bytes) -> str:

@@ -12,16 +12,15 @@ the jobs of the step.
 
 All recommendations of the profiles are followed, with these exceptions. Tools should have an address on the web, and
 the sources have none. The crate of a case has no time of the run (`endTime`), so that the same inputs give the same
-bytes; the crate of an archive, which describes one run, has it. If neither a release date nor a commit is known, the
-date of publication (`datePublished`) is missing. The agent of the run is the author named in the citation, who is
-responsible for the published results.
+bytes; the crate of an archive, which describes one run, has it. Without a release date and a commit there is no date of
+publication. The agent of the run is the author named in the citation, who is responsible for the published results.
 """
 
 from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from graphlib import TopologicalSorter
@@ -55,23 +54,13 @@ _PARAMETER_TYPES = {bool: "Boolean", int: "Integer", float: "Number", str: "Text
 
 # Everything else is text. Python's own table grows with every version and depends on the system.
 _FILE_TYPES = {
-    "application/json": [".json"],
-    "application/pdf": [".pdf"],
-    "application/toml": [".toml"],
-    "application/vnd.apache.parquet": [".parquet"],
-    "application/x-ipynb+json": [".ipynb"],
-    "application/yaml": [".cff", ".yaml", ".yml"],
-    "image/png": [".png"],
-    "image/svg+xml": [".svg"],
-    "text/css": [".css"],
-    "text/csv": [".csv"],
-    "text/html": [".html"],
-    "text/javascript": [".js"],
-    "text/markdown": [".md"],
-    "text/x-python": [".py"],
-    "text/x-rst": [".rst"],
+    **{".css": "text/css", ".csv": "text/csv", ".html": "text/html", ".js": "text/javascript"},
+    **{".md": "text/markdown", ".py": "text/x-python", ".rst": "text/x-rst"},
+    **{".pdf": "application/pdf", ".png": "image/png", ".svg": "image/svg+xml"},
+    **{".json": "application/json", ".ipynb": "application/x-ipynb+json"},
+    **dict.fromkeys((".cff", ".yaml", ".yml"), "application/yaml"),
+    **{".toml": "application/toml", ".parquet": "application/vnd.apache.parquet"},
 }
-_TYPE_OF = {suffix: kind for kind, suffixes in _FILE_TYPES.items() for suffix in suffixes}
 
 Entity = dict[str, Any]
 
@@ -140,16 +129,16 @@ def crate(
     jobs, others, folder = made["jobs"], others or {}, folder or CrateFolder()
     results = {result["path"]: result for result in made["results"]}
     digests = {**made["sources"], **others, **{p: r["sha256"] for p, r in results.items()}}
-    configuration = made["configuration_files"]  # every job takes its parameters from these
-    scripts = {job["script"] for job in jobs}
-    used = {file for job in jobs for file in job["inputs"]} | set(configuration)
+    configuration = set(made["configuration_files"])  # every job takes its parameters from these
+    scripts = sorted({job["script"] for job in jobs})
+    used = {file for job in jobs for file in job["inputs"]} | configuration
     named = {*results, *others, *scripts, WORKFLOW_FILE} | (used & digests.keys())
     files = {
         path: entity(
             folder.name(path),
             "File",
             name=path,
-            encodingFormat=_TYPE_OF.get(PurePosixPath(path).suffix, "text/plain"),
+            encodingFormat=_FILE_TYPES.get(PurePosixPath(path).suffix, "text/plain"),
             contentSize=str(results[path]["bytes"]) if path in results else None,
             sha256=digests.get(path),
         )
@@ -157,16 +146,40 @@ def crate(
     }
     files[manifest_file] |= {"description": ABOUT_MANIFEST}
     authors = [
-        _author(author, i, folder) for i, author in enumerate(citation.get("authors", []), 1)
+        entity(
+            author.get("orcid") or f"#author-{number}",
+            "Organization" if "name" in author else "Person",
+            name=author_name(author),
+            url=author.get("website") or at(folder.name("CITATION.cff")),
+        )
+        for number, author in enumerate(citation.get("authors", []), 1)
     ]
-    terms, spdx = citation["license"], f"{LICENCES}{citation['license']}"
-    licence = entity(spdx, "CreativeWork", name=terms, identifier=spdx)
+    spdx = f"{LICENCES}{citation['license']}"
+    licence = entity(spdx, "CreativeWork", name=citation["license"], identifier=spdx)
     keys, settings = _parameters(made["configuration"])
     steps = _steps(jobs, folder)
-    acts = _actions(jobs, steps, settings, configuration, named, authors, folder, ended or {})
 
+    def action(key: str, tool: str, inputs: set[str], outputs: list[str], **words: str) -> Entity:
+        """What a tool made of files, of those that the crate describes."""
+        times = [ended[file] for file in outputs if file in ended] if ended else []
+        last = datetime.fromtimestamp(max(times), UTC) if times else None
+        return entity(
+            key,
+            "CreateAction",
+            instrument=at(folder.name(tool)),
+            agent=authors,
+            object=[
+                *folder.references((inputs | configuration) & named),
+                *(settings if tool == WORKFLOW_FILE else []),
+            ],
+            result=folder.references(outputs),
+            endTime=last and last.isoformat(timespec="seconds"),
+            **words,
+        )
+
+    acts = _actions(jobs, steps, authors, action)
     of_source = {"version": made["version"], "programmingLanguage": "Python"}
-    for path in sorted(scripts):
+    for path in scripts:
         files[path] |= {"@type": ["File", "SoftwareSourceCode"], "url": at(files[path]["@id"])}
         files[path] |= of_source
     files[WORKFLOW_FILE] |= entity(
@@ -180,7 +193,7 @@ def crate(
         name="dampbalance",
         description=_code(run["code"]),
         conformsTo=at(f"{BIOSCHEMAS}ComputationalWorkflow/1.0-RELEASE"),
-        hasPart=[files[path] for path in sorted(scripts)],
+        hasPart=[files[path] for path in scripts],
         input=keys,
         step=steps,
     )
@@ -209,19 +222,16 @@ def crate(
         entity(address, "CreativeWork", name=name, version=address.rsplit("/", 1)[-1])
         for address, name in PROFILES.items()
     ]
-    software = _snakemake(run["packages"].get("snakemake"))
+    version = run["packages"].get("snakemake")
+    names = {"name": "Snakemake", "alternateName": "Snakemake workflow language"}
+    language = {**names, "identifier": ENGINE, "url": ENGINE, "version": version}
+    engine = {"name": "Snakemake", "url": ENGINE, "softwareVersion": version}
+    software = [
+        entity(LANGUAGE, "ComputerLanguage", **language),
+        entity(ENGINE, "SoftwareApplication", **engine),
+    ]
     graph = [descriptor, top, *files.values(), *software, *keys, *settings, *steps, *acts]
     return {"@context": CONTEXT, "@graph": [*graph, *authors, licence, *profiles]}
-
-
-def _author(author: Mapping[str, str], number: int, folder: CrateFolder) -> Entity:
-    """A person or an organisation named in the citation; without a website, the citation file serves as its URL."""
-    return entity(
-        author.get("orcid") or f"#author-{number}",
-        "Organization" if "name" in author else "Person",
-        name=author_name(author),
-        url=author.get("website") or at(folder.name("CITATION.cff")),
-    )
 
 
 def _code(code: Mapping[str, Any]) -> str:
@@ -229,17 +239,6 @@ def _code(code: Mapping[str, Any]) -> str:
         return "Commit unknown; the digests of the sources are in the manifest."
     changed = ", with changes; their digests are in the manifest" if code.get("modified") else ""
     return f"Commit {code['commit']}{changed}."
-
-
-def _snakemake(version: str | None) -> list[Entity]:
-    """Snakemake as the language of the workflow and as the engine that ran it."""
-    names = {"name": "Snakemake", "alternateName": "Snakemake workflow language"}
-    of_language = {**names, "identifier": ENGINE, "url": ENGINE, "version": version}
-    of_engine = {"name": "Snakemake", "url": ENGINE, "softwareVersion": version}
-    return [
-        entity(LANGUAGE, "ComputerLanguage", **of_language),
-        entity(ENGINE, "SoftwareApplication", **of_engine),
-    ]
 
 
 def _parameters(configuration: Mapping[str, Any]) -> tuple[list[Entity], list[Entity]]:
@@ -278,57 +277,31 @@ def _steps(jobs: Sequence[Mapping[str, Any]], folder: CrateFolder) -> list[Entit
 def _actions(
     jobs: Sequence[Mapping[str, Any]],
     steps: Sequence[Entity],
-    settings: list[Entity],
-    configuration: Iterable[str],
-    known: set[str],
     agents: list[Entity],
-    folder: CrateFolder,
-    ended: Mapping[str, float],
+    action: Callable[..., Entity],
 ) -> list[Entity]:
     """The actions of the run, of its jobs and of the engine that organised them; the run comes first.
 
-    settings : values of the parameters.   configuration : the files that hold them; every job takes its own from there.
-    known : the files that the crate describes.   agents : those who are responsible for the run.
+    agents : those who are responsible for the run.   action : makes one of (key, tool, inputs, outputs, words).
     """
-    configured = set(configuration)
-
-    def action(key: str, tool: str, inputs: set[str], outputs: list[str], **words: str) -> Entity:
-        times = [ended[file] for file in outputs if file in ended]
-        given = settings if tool == WORKFLOW_FILE else []
-        return entity(
-            key,
-            "CreateAction",
-            instrument=at(folder.name(tool)),
-            agent=agents,
-            object=[*folder.references(inputs & known), *given],
-            result=folder.references(outputs),
-            endTime=_iso(max(times)) if times else None,
-            **words,
-        )
-
     results = [file for job in jobs for file in job["outputs"]]
-    inputs = {file for job in jobs for file in job["inputs"]} - set(results) | configured
-    words = {
-        "name": "The run of the workflow",
-        "description": f"Snakemake ran {len(jobs)} jobs, which made {len(results)} files.",
-    }
+    inputs = {file for job in jobs for file in job["inputs"]} - set(results)
+    said = f"Snakemake ran {len(jobs)} jobs, which made {len(results)} files."
+    words = {"name": "The run of the workflow", "description": said}
     run = action("#run", WORKFLOW_FILE, inputs, results, **words)
-    of_rule: dict[str, list[Entity]] = {}
     single = []
     for job in jobs:
         rule, script, outputs = job["rule"], job["script"], job["outputs"]
         said = f"Rule {rule}: {script} made {', '.join(outputs)}."
-        inputs, words = {*job["inputs"], *configured}, {"name": rule, "description": said}
-        key = f"#job/{quote(min(outputs))}"
-        single.append(action(key, script, inputs, outputs, **words))
-        of_rule.setdefault(rule, []).append(single[-1])
+        key, words = f"#job/{quote(min(outputs))}", {"name": rule, "description": said}
+        single.append(action(key, script, set(job["inputs"]), outputs, **words))
     controls = [
         entity(
             f"#control/{quote(step['name'])}",
             "ControlAction",
             name=f"Snakemake ran the jobs of rule {step['name']}",
             instrument=step,
-            object=of_rule[step["name"]],
+            object=[job for job in single if job["name"] == step["name"]],
         )
         for step in steps
     ]
@@ -343,7 +316,3 @@ def _actions(
         endTime=run.get("endTime"),
     )
     return [run, *single, *controls, organised]
-
-
-def _iso(time: float) -> str:
-    return datetime.fromtimestamp(time, UTC).isoformat(timespec="seconds")

@@ -28,39 +28,18 @@ from packaging.licenses import InvalidLicenseExpression, canonicalize_license_ex
 from ...project.files import sha256
 
 COMPUTING = (
-    "Snakefile",
-    "codecheck.yml",
-    "config",
-    "paper",
-    "pyproject.toml",
-    "requirements.lock",
-    "src",
-    "workflow",
+    *("Snakefile", "codecheck.yml", "config", "paper", "pyproject.toml"),
+    *("requirements.lock", "src", "workflow"),
 )
 """Files and folders on which results can depend."""
 
 PROJECT = (
     *COMPUTING,
-    ".ci",
-    ".editorconfig",
-    ".gitattributes",
-    ".github",
-    ".gitignore",
-    ".snakemake-workflow-catalog.yml",
-    "CHANGELOG.md",
-    "CITATION.cff",
-    "CONTRIBUTING.md",
-    "LICENSE",
-    "LICENSES",
-    "Makefile",
-    "README.md",
-    "REUSE.toml",
-    "requirements-build.lock",
-    "requirements-dev.lock",
-    "requirements-engine.lock",
-    "results/README.md",
-    "tests",
-    "trials",
+    *(".ci", ".editorconfig", ".gitattributes", ".github", ".gitignore"),
+    *(".snakemake-workflow-catalog.yml", "CHANGELOG.md", "CITATION.cff", "CONTRIBUTING.md"),
+    *("LICENSE", "LICENSES", "Makefile", "README.md", "REUSE.toml", "results/README.md"),
+    *("requirements-build.lock", "requirements-dev.lock", "requirements-engine.lock"),
+    *("tests", "trials"),
 )
 """All files and folders of the project, as under version control."""
 
@@ -129,30 +108,21 @@ WORDS = {
 UNKNOWN = "unknown"
 
 
-def licence(package: str) -> str:
-    """The licence of an installed package as an SPDX expression, or "unknown" with the words that the package uses.
-
-    Raises PackageNotFoundError for a package that is not installed.
-    """
-    return stated_licence(metadata.metadata(package))
-
-
 def stated_licence(stated: PackageMetadata) -> str:
-    """The licence that the metadata of a package state: by their expression, their field, or their one classifier."""
+    """The licence of a package as an SPDX expression, or "unknown" with the words that the package uses.
+
+    stated : the metadata of the package, which state it by an expression, a field, or one classifier.
+    """
     classified = [
         words.rpartition(" :: ")[2]
         for words in stated.get_all("Classifier") or []
         if words.startswith("License ::")
     ]
-    field, expression = (
-        next(iter(stated.get_all(key) or []), "") for key in ("License", "License-Expression")
-    )
-    given = [expression, field, *(classified if len(classified) == 1 else [])]
-    for words in given:
-        try:
+    keys = ("License-Expression", "License")
+    expression, field = ((stated.get_all(key) or [""])[0] for key in keys)
+    for words in (expression, field, *(classified if len(classified) == 1 else [])):
+        with suppress(InvalidLicenseExpression):
             return str(canonicalize_license_expression(WORDS.get(words, words)))
-        except InvalidLicenseExpression:
-            continue
     said = classified or [line for line in field.splitlines()[:1] if line]
     return f"{UNKNOWN} ({'; '.join(said)})" if said else UNKNOWN
 
@@ -182,6 +152,14 @@ def manifest(
     that holds the results.
     """
     rule_of = {file: job["rule"] for job in jobs for file in job["outputs"]}
+    files = {name: Path(top, name) for name in sorted(rule_of)}
+    results = [
+        {
+            **{"path": name, "bytes": file.stat().st_size},
+            **{"sha256": sha256(file), "rule": rule_of[name]},
+        }
+        for name, file in files.items()
+    ]
     digests = {name: sha256(path) for name, path in sorted(sources.items())}
     return {
         "about": ABOUT,
@@ -193,15 +171,7 @@ def manifest(
             "configuration_files": list(configuration_files),
             "sources_sha256": digest_of(digests),
             "sources": digests,
-            "results": [
-                {
-                    "path": file,
-                    "bytes": Path(top, file).stat().st_size,
-                    "sha256": sha256(Path(top, file)),
-                    "rule": rule_of[file],
-                }
-                for file in sorted(rule_of)
-            ],
+            "results": results,
             "jobs": sorted((dict(job) for job in jobs), key=lambda job: list(job["outputs"])),
         },
         "run": {
@@ -223,23 +193,18 @@ def _packages(lock: Path) -> dict[str, Any]:
         pinned.setdefault(name, set()).add(version)
     installed = {}
     for name in sorted(pinned):
-        # one may be for another system, or of an extra that is not installed
-        with suppress(metadata.PackageNotFoundError):
+        with suppress(metadata.PackageNotFoundError):  # of another system, or of an extra
             installed[name] = metadata.version(name)
     return {
         "packages": installed,
-        "licences": {name: licence(name) for name in installed},
+        "licences": {name: stated_licence(metadata.metadata(name)) for name in installed},
         "packages_not_as_locked": [n for n, v in installed.items() if v not in pinned[n]],
     }
 
 
 ADDRESSES = {
-    "repository-code": "repository",
-    "repository": "repository",
-    "url": "page",
-    "repository-artifact": "archive",
-    "doi": "doi",
-    "commit": "commit",
+    **{"repository-code": "repository", "repository": "repository", "url": "page"},
+    **{"repository-artifact": "archive", "doi": "doi", "commit": "commit"},
 }
 """Key of CITATION.cff → what it is called here."""
 
@@ -250,12 +215,11 @@ def software(citation: Mapping[str, Any]) -> dict[str, Any]:
     authors : names in the order of the file.   addresses : repository, page, archive, doi and commit, those stated.
     Raises KeyError for a file without version, license or authors.
     """
-    stated = {ADDRESSES[key]: str(citation[key]) for key in ADDRESSES if citation.get(key)}
     return {
         "version": str(citation["version"]),
         "licence": str(citation["license"]),
         "authors": [author_name(author) for author in citation["authors"]],
-        "addresses": stated,
+        "addresses": {ADDRESSES[k]: str(citation[k]) for k in ADDRESSES if citation.get(k)},
     }
 
 

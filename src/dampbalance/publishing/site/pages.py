@@ -1,31 +1,70 @@
-"""Renders the templates of `paper/site` to pages for Sphinx and inserts the texts of the project that they show.
+"""Builds the site from templates, texts, docstrings, schemas, commands and studies.
 
 A page is a Jinja template in Markdown: `{{ text("config/README.md") }}` inserts a whole text of the project,
-`{{ section("README.md", "Rebuild it") }}` one of its sections without the heading. The links of an inserted text are
-rewritten to the page that shows their target, or to a copy of the file.
+`{{ section("README.md", "Rebuild it") }}` one of its sections without the heading, `{{ run("case", "head run1.csv") }}`
+what a command says. The links of an inserted text are rewritten to the page that shows their target, or to a copy of
+the file. Sphinx runs in a temporary folder and in a separate process; any warning that it gives is an error. The same
+project gives the same bytes in any folder.
 """
 
 from __future__ import annotations
 
+import argparse
+import io
+import json
+import os
 import posixpath
 import re
-from collections.abc import Callable, Iterator, Mapping
+import shutil
+import subprocess
+import sys
+import tempfile
+import textwrap
+from collections import defaultdict
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import dropwhile, groupby, takewhile
 from pathlib import Path
+from threading import Lock
 from typing import Any
 
 import jinja2
+from markdown_it import MarkdownIt
 
-from ..markdown import templates
+import dampbalance
+
+from ...balance import APPROACHES
+from ...law.terms import KNOWN_TERMS
+from ...project.documents import read_yaml
+from ...project.files import UNFINISHED
+from ...project.wording import in_markdown
+from ..formulas import font_face
+from ..words import templates
+from . import reference
 
 SCHEME = "project:"
 """Prefix of a link to a file of the project, followed by the path from the root."""
 
+FILE = "copied:"
+"""Prefix of a link to a copied file; Sphinx does not change the rest of such a link."""
+
+EXTRA, FOLDER, RUN = "extra", "files", "run"
+"""The folder next to the pages that Sphinx copies unchanged; in it, copied files and what commands write."""
+
+SOURCE, CASE = "paper/site", "case"  # the templates; in them, the folder of the worked case
+EQUATIONS = "paper/equations.md"
+PACKAGE_FOLDER = Path(dampbalance.__file__).parents[1]
+WIDTH = 112  # letters of a line of output that is not a row of a table
+_HELP_WIDTH = 64  # letters of a command's help in a line: what a page shows without scrolling
+_REGISTRIES = {"approach": list(APPROACHES), "term": list(KNOWN_TERMS)}
+_AT_ONCE = 2  # pages that are rendered
+_LARGEST = 4_000_000  # bytes of a file that is copied
+_ONE = 0x2460  # ①
+_PROGRAMS = {"python": '"$PYTHON"', "dampbalance": '"$PYTHON" -m dampbalance'}
+
 _HEADING = re.compile(r"(#{1,6})\s+(.+?)\s*$")
-_FENCE = re.compile(r"\s*(`{3,}|~{3,})")
 _COMMENT = re.compile(r"^<!--.*?-->\n?", re.MULTILINE | re.DOTALL)
 _LINK = re.compile(
     r"(`+)(?:(?!\1).)+?\1|(?P<before>(?P<picture>!?)\[[^\[\]]*\]\()(?P<target>[^()\s]+)\)",
@@ -33,14 +72,188 @@ _LINK = re.compile(
 )
 _PATH = re.compile(r"\[`[^`]*[/.][^`]*`\]\(")  # a link under the name of a file or folder
 _PAGE = re.compile(r"[^:]*\.md(?:#.*)?")
-_NOT_IN_AN_ANCHOR = re.compile(r"[^\w\- ]")
+_LOCAL_LINK = re.compile(r"""(?<=<a)([^>]*?)\shref="(?![a-z]+:|#)([^"#]*)(?:#[^"]*)?"(?=[^>]*>)""")
+_FIGURE_OR_TABLE = re.compile(r"^(?:!\[|\||Size of the relative error)", re.MULTILINE)
+_VARIED = re.compile(r"(?<= cases; varied: )[\w, ]+")
+
+
+class SiteError(ValueError):
+    """A page cannot be rendered; the message names the page and the problem."""
+
+
+def build(root: str | Path, target: str | Path, parser: argparse.ArgumentParser) -> None:
+    """Build the site of the project in the folder `root` into the folder `target`, which is replaced.
+
+    parser : the parser of the command line, with its commands.
+
+    Raises SiteError for a page that cannot be rendered, and for any warning of Sphinx.
+    """
+    root, target = Path(root), Path(target)
+    with tempfile.TemporaryDirectory(prefix="site-") as folder:
+        stage, made = Path(folder, "pages"), Path(folder, "made")
+        write_pages(root, stage, parser)
+        flags = ["-b", "html", "-W", "--keep-going", "-n", "-q", "-j", "1", "-d", f"{folder}/trees"]
+        done = subprocess.run(
+            [sys.executable, "-m", "sphinx", *flags, str(stage), str(made)],
+            env=_environment(PYTHONHASHSEED="0", SOURCE_DATE_EPOCH="0"),
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        if done.returncode:
+            said = (done.stderr or done.stdout).replace(f"{stage}/", f"{SOURCE}/")
+            raise SiteError(f"the site was not built:\n{said}")
+        (made / ".buildinfo").unlink()  # serves only another run of Sphinx in this folder
+        (made / "_sources").rmdir()
+        pages = (page.read_text(encoding="utf-8") for page in sorted(made.rglob("*.html")))
+        with (made / "_static/site.css").open("a", encoding="utf-8") as style:
+            style.write(font_face("".join(pages)))
+        target.parent.mkdir(parents=True, exist_ok=True)
+        # the old site is removed only when the new one is complete
+        with tempfile.TemporaryDirectory(dir=target.parent, prefix=f"{UNFINISHED}site-") as beside:
+            ready = shutil.copytree(made, Path(beside, "ready"))
+            if target.exists():
+                target.rename(Path(beside, "before"))
+            ready.rename(target)
+
+
+def write_pages(root: Path, stage: Path, parser: argparse.ArgumentParser) -> None:
+    """Write the sources of the site for Sphinx: pages, settings, styles, and the files that pages show or link to."""
+    ignored = shutil.ignore_patterns("*.md", "__pycache__", CASE)
+    shutil.copytree(root / SOURCE, stage, ignore=ignored)
+    session = Session(stage / EXTRA / RUN, root / SOURCE)
+    commands = commands_of(parser)
+    equations = (root / EQUATIONS).read_text(encoding="utf-8")
+    functions = {
+        "version": dampbalance.__version__,
+        "commands": commands,
+        "command": lambda name: _help(commands[name]),
+        "schema": lambda path: reference.tables(read_yaml(root / path), _REGISTRIES),
+        "studies": lambda: _studies(root),
+        "run": session.run,
+        "document": lambda path: json.loads((session.folder / path).read_text(encoding="utf-8")),
+        "screen": screen,
+        "source": lambda path: (root / path).read_text(encoding="utf-8").strip(),
+        "terms": KNOWN_TERMS.values(),
+        "public": reference.by_room(dampbalance.__all__, "dampbalance"),
+        "documented": reference.directives,
+        "others": lambda naming: reference.others([equations, naming], "dampbalance"),
+    }
+    for name, text in Pages(root, SOURCE, functions, stage / EXTRA).made().items():
+        (stage / name).parent.mkdir(parents=True, exist_ok=True)
+        (stage / name).write_text(text, encoding="utf-8")
+
+
+def commands_of(parser: argparse.ArgumentParser) -> dict[str, argparse.ArgumentParser]:
+    """The commands of a command line, by name."""
+    (commands,) = (a for a in parser._actions if isinstance(a, argparse._SubParsersAction))
+    return dict(commands.choices)
+
+
+def _help(command: argparse.ArgumentParser) -> str:
+    """The help of a command as it shows it, in lines that a page has room for."""
+    command.formatter_class = partial(argparse.RawDescriptionHelpFormatter, width=_HELP_WIDTH)
+    parts = command.format_help().rstrip().split("\n\n")
+    filled = (p if re.search("^ ", p, re.M) else textwrap.fill(p, _HELP_WIDTH) for p in parts)
+    return "```\n" + "\n\n".join(filled) + "\n```\n"
+
+
+def _studies(root: Path) -> Iterator[dict[str, str]]:
+    """The studies of a project in the order of their files: title, file, folder of results, and in words what came out.
+
+    words : the paragraphs of the summary before its figure or table, with the names of axes as code; "" without one.
+    """
+    for file in sorted((root / "config/studies").glob("*.yaml")):
+        folder = f"results/studies/{file.stem}"
+        summary = root / folder / "summary.md"
+        said = summary.read_text(encoding="utf-8").split("\n", 1)[1] if summary.is_file() else ""
+        words = _FIGURE_OR_TABLE.split(said, maxsplit=1)[0].strip()
+        yield {
+            "title": in_markdown(" ".join(str(read_yaml(file)["title"]).split())),
+            "file": file.name,
+            "folder": folder,
+            "words": _VARIED.sub(lambda line: re.sub(r"\w+", r"`\g<0>`", line[0]), words),
+        }
+
+
+def _environment(**settings: str) -> dict[str, str]:
+    """The environment of a process that imports this package, with further variables."""
+    paths = filter(None, [str(PACKAGE_FOLDER), os.environ.get("PYTHONPATH")])
+    return {**os.environ, "PYTHONPATH": os.pathsep.join(paths), **settings}
+
+
+class Session:
+    """Shells below a folder, each in its place: a page shows what commands say and write, not what once was typed.
+
+    folder : for the files, which the site holds.   inputs : folder of files to start from; its programs write the
+    others. A command that a second page shows is not run again.
+    """
+
+    def __init__(self, folder: Path, inputs: Path) -> None:
+        self.folder, self.inputs = folder, inputs
+        self._said: dict[tuple[str, str], str] = {}
+        self._busy: defaultdict[str, Lock] = defaultdict(Lock)
+
+    def run(self, place: str, command: str, status: int = 0) -> str:
+        """What a command says in the folder `place`; its line stands in commands.sh there.
+
+        status : which it ends with.   Raises SiteError where it ends with another.
+        """
+        with self._busy[place]:
+            if (place, command) not in self._said:
+                folder, inputs = self.folder / place, self.inputs / place
+                if not folder.exists():
+                    folder.mkdir(parents=True)
+                    if inputs.is_dir():
+                        shutil.copytree(inputs, folder, dirs_exist_ok=True)
+                        self._run(folder, "python lab.py", 0)
+                self._said[place, command] = self._run(folder, command, status)
+                with (folder / "commands.sh").open("a", encoding="utf-8") as lines:
+                    lines.write(f"{command}\n")
+            return self._said[place, command]
+
+    def _run(self, folder: Path, command: str, status: int) -> str:
+        program, _, rest = command.partition(" ")
+        done = subprocess.run(
+            f"{_PROGRAMS.get(program, program)} {rest}",
+            shell=True,
+            cwd=folder,
+            env=_environment(PYTHON=sys.executable),
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        if done.returncode != status:
+            raise SiteError(
+                f"`{command}` ends with {done.returncode}: {done.stderr or done.stdout}"
+            )
+        return done.stderr if status else done.stdout
+
+
+def screen(output: str, marks: Sequence[str] = ()) -> str:
+    """Output as a block of a page, its long lines wrapped.
+
+    marks : patterns; the first line that one matches ends with its number, ①, ②, … Raises SiteError for one that
+    matches no line.
+    """
+    lines = output.rstrip().split("\n")
+    for number, pattern in enumerate(marks):
+        at = next((i for i, line in enumerate(lines) if re.search(pattern, line)), None)
+        if at is None:
+            raise SiteError(f"no line of the output matches {pattern!r}")
+        lines[at] += f"  {chr(_ONE + number)}"
+    wrapped = (
+        [line] if re.search(r"\S {3,}\S", line) else textwrap.wrap(line, WIDTH) or [""]
+        for line in lines
+    )
+    return "```screen\n" + "\n".join(part for parts in wrapped for part in parts) + "\n```"
 
 
 @dataclass(frozen=True, slots=True)
 class Section:
     """A heading of a text with the lines below it, up to the next heading of any level.
 
-    level : 1 to 6; 0 for the lines before the first heading.   title : as written.   body : the lines below it.
+    level : number of its #, 0 for what precedes the first heading.
     """
 
     level: int
@@ -50,7 +263,7 @@ class Section:
     @property
     def anchor(self) -> str:
         """The anchor of the heading in links, formed as code hosts and MyST form it."""
-        return _NOT_IN_AN_ANCHOR.sub("", self.title.strip().lower().replace(" ", "-"))
+        return re.sub(r"[^\w\- ]", "", self.title.strip().lower().replace(" ", "-"))
 
 
 def sections(text: str) -> list[Section]:
@@ -115,46 +328,26 @@ def relinked(text: str, new: Callable[[str, bool], str]) -> str:
 
 def _lines(text: str) -> Iterator[tuple[bool, str]]:
     """The lines of a text, including their line ends, each with whether it belongs to a fenced code block."""
-    fence = ""
-    for line in text.splitlines(keepends=True):
-        mark = _FENCE.match(line)
-        yield bool(fence or mark), line
-        if mark and mark[1].startswith(fence):
-            fence = "" if fence else mark[1]
-
-
-FILE = "copied:"
-"""Prefix of a link to a copied file; Sphinx does not change the rest of such a link."""
-
-EXTRA = "extra"
-"""Folder next to the pages that Sphinx copies unchanged."""
-
-FOLDER = "files"
-_AT_ONCE = 2  # pages that are rendered
-_LARGEST = 4_000_000  # bytes of a file that is copied
-_LOCAL_LINK = re.compile(r"""(?<=<a)([^>]*?)\shref="(?![a-z]+:|#)([^"#]*)(?:#[^"]*)?"(?=[^>]*>)""")
-
-
-class SiteError(ValueError):
-    """A page cannot be rendered; the message names the page and the problem."""
+    fences = (token for token in MarkdownIt().parse(text) if token.type == "fence")
+    in_code = {number for fence in fences for number in range(*(fence.map or ()))}
+    return ((number in in_code, line) for number, line in enumerate(io.StringIO(text)))
 
 
 class Pages:
     """The pages of a site, made from the templates in a folder of the project.
 
-    whole : text → the page that shows all of it.   parts : (text, anchor) → (page, anchor there, "" for its top).
-    copies : path → contents of the files to which pages link.
+    functions : for templates.   copies : the folder for copies of the files to which pages link.
+    parts : (text, anchor) → (page, anchor there, "" for its top); the anchor None stands for the whole text.
     """
 
-    def __init__(self, root: str | Path, folder: str, functions: Mapping[str, Any]) -> None:
-        self.root, self.folder, self.functions = Path(root), folder, functions
-        self.whole: dict[str, str] = {}
-        self.parts: dict[tuple[str, str], tuple[str, str]] = {}
-        self.copies: dict[str, bytes] = {}
+    def __init__(self, root: Path, folder: str, functions: Mapping[str, Any], copies: Path) -> None:
+        self.root, self.folder, self.functions, self.copies = root, folder, functions, copies
+        self.parts: dict[tuple[str, str | None], tuple[str, str]] = {}
 
     def made(self) -> dict[str, str]:
         """The Markdown of each page, by its path below the folder. Raises SiteError if a page cannot be rendered."""
         pages = templates(jinja2.FileSystemLoader(self.root / self.folder))
+        pages.globals |= {**self.functions, "there": self._there, "picture": self._picture}
         names = sorted(pages.list_templates(extensions=["md"]))
         with ThreadPoolExecutor(_AT_ONCE) as threads:  # some wait for commands
             rendered = list(threads.map(partial(self._rendered, pages), names))
@@ -162,14 +355,9 @@ class Pages:
         return {name: relinked(text, partial(self._led, name)) for name, text in texts}
 
     def _rendered(self, pages: jinja2.Environment, name: str) -> str:
-        given = {
-            "text": partial(self._text, name),
-            "section": partial(self._section, name),
-            "there": self._there,
-            "picture": self._picture,
-        }
+        inserted = {"text": partial(self._text, name), "section": partial(self._section, name)}
         try:
-            return pages.get_template(name).render(**given, **self.functions)
+            return pages.get_template(name).render(inserted)
         except (jinja2.TemplateError, SiteError) as error:
             raise SiteError(f"{self.folder}/{name}: {error}") from error
 
@@ -184,11 +372,15 @@ class Pages:
         text = (self.root / path).read_text(encoding="utf-8")
         return sections(of_project(text, posixpath.dirname(path)))
 
+    def _placed(self, page: str, path: str, anchor: str | None, there: str, what: str) -> None:
+        """Note that a page shows a text, or a section of it. Raises SiteError where another does."""
+        if (path, anchor) in self.parts:
+            raise SiteError(f"{what} is on {self.parts[path, anchor][0]} already")
+        self.parts[path, anchor] = (page, there)
+
     def _text(self, page: str, path: str) -> str:
         """A whole text, whose title becomes that of the page."""
-        if path in self.whole:
-            raise SiteError(f"{path} is on {self.whole[path]} already")
-        self.whole[path] = page
+        self._placed(page, path, None, "", path)
         return written(self._sections(path))
 
     def _section(self, page: str, path: str, title: str, level: int = 0, inner: bool = True) -> str:
@@ -202,13 +394,14 @@ class Pages:
             titles = ", ".join(repr(section.title) for section in known)
             raise SiteError(f"{path} has no section {title!r}; it has {titles}")
         first, others = chosen[0], chosen[1:] if inner else []
-        anchor = first.anchor if title else ""
-        if title and (path, anchor) in self.parts:
-            where = self.parts[path, anchor][0]
-            raise SiteError(f"{title!r} of {path} is on {where} already")
-        self.parts[path, anchor] = (page, anchor if level else "")
-        self.parts |= {(path, one.anchor): (page, one.anchor) for one in others}
         down = (level or 1) - first.level
+        if title:
+            self._placed(
+                page, path, first.anchor, first.anchor * bool(level), f"{title!r} of {path}"
+            )
+        else:
+            self.parts[path, ""] = (page, "")
+        self.parts |= {(path, one.anchor): (page, one.anchor) for one in others}
         others = [replace(one, level=one.level + down) for one in others]
         return written([replace(first, level=level), *others])
 
@@ -218,10 +411,10 @@ class Pages:
             return target
         path, _, place = target.removeprefix(SCHEME).partition("#")
         for text in (path, posixpath.join(path, "README.md")):
-            if (text, place) in self.parts or text in self.whole:
-                shown, anchor = self.parts.get((text, place)) or (self.whole[text], place)
-                address = posixpath.relpath(shown, posixpath.dirname(page) or ".")
-                return f"{address}#{anchor}" if anchor else address
+            part, whole = self.parts.get((text, place)), self.parts.get((text, None))
+            if found := part or (whole and (whole[0], place)):
+                address = posixpath.relpath(found[0], posixpath.dirname(page) or ".")
+                return f"{address}#{found[1]}" if found[1] else address
         copied = self.copied(path)
         if copied is None:
             raise SiteError(
@@ -243,16 +436,11 @@ class Pages:
             target = posixpath.normpath(posixpath.join(posixpath.dirname(path), link[2]))
             return link[1] if self.copied(target) is None else link[0]
 
-        if path not in self.copies:
-            self.copies[path] = file.read_bytes()
+        copy = self.copies / FOLDER / path
+        if not copy.exists():
+            copy.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(file, copy)
             if file.suffix == ".html":
-                live = _LOCAL_LINK.sub(kept, self.copies[path].decode())
-                self.copies[path] = live.encode()
+                text = file.read_text(encoding="utf-8")
+                copy.write_text(_LOCAL_LINK.sub(kept, text), encoding="utf-8")
         return f"{FOLDER}/{path}"
-
-    def write_copies(self, target: str | Path) -> None:
-        """Write all of them into the folder FOLDER below `target`."""
-        for path, content in self.copies.items():
-            place = Path(target, FOLDER, path)
-            place.parent.mkdir(parents=True, exist_ok=True)
-            place.write_bytes(content)

@@ -1,9 +1,9 @@
-"""The reference of the package: which names it documents, the Sphinx directives for them, and their docstrings in
-reStructuredText, the markup that Sphinx reads.
+"""The reference: keys of files, documented names, and docstrings in reStructuredText, the markup that Sphinx reads.
 
-In a docstring of this project a paragraph that begins like `m : mass, kg.   c : viscous damping, N s/m.` describes
-arguments; several on one line are separated by three blanks. Indented lines are equations or tables and are shown
-unchanged; backticks mark code. Everything else is text, whatever characters it contains: |x|, x*, F_k.
+A schema becomes Markdown tables of its keys, each with its type, bounds, unit and meaning. In a docstring of this
+project a paragraph that begins like `m : mass, kg.   c : viscous damping, N s/m.` describes arguments; several on one
+line are separated by three blanks. Indented lines are equations or tables and are shown unchanged; backticks mark code.
+Everything else is text, whatever characters it contains: |x|, x*, F_k.
 """
 
 from __future__ import annotations
@@ -12,11 +12,138 @@ import inspect
 import pkgutil
 import re
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from enum import Enum
+from functools import reduce
 from importlib import import_module
+from itertools import groupby
+from operator import getitem, itemgetter
 from textwrap import dedent, indent
 from typing import Any
+
+from ...model import named_with_unit
+from ...project.wording import MINUS, in_markdown, listed, markdown_table
+
+# The ending of the name of a key → the unit that it states, the longest endings first
+_UNITS = {
+    named_with_unit("", unit): unit
+    for unit in ("N s³/m³", "N s²/m²", "N s/m", "N/m", "rad/s", "kg", "N", "m", "s")
+} | {"_hz": "Hz"}
+_TYPES = {
+    "array": "list",
+    "boolean": "true or false",
+    "integer": "whole number",
+    "null": "`null`",
+    "object": "keys",
+    "string": "text",
+}
+_BLANKS = {"\t": "a tab", " ": "a blank", "": "a blank"}
+_LIMITS = {"minimum": "≥", "exclusiveMinimum": ">", "maximum": "≤", "exclusiveMaximum": "<"}
+
+
+def tables(
+    schema: Mapping[str, Any], registered: Mapping[str, Sequence[str]], level: int = 2
+) -> str:
+    """Markdown tables of all keys of a schema: first the keys at the top level, then those inside other keys.
+
+    Each further table has a heading of that level with the path of its keys, in which [] stands for each entry of a
+    list and * for a name chosen by the user. Consecutive keys with the same description share a row.
+
+    registered : the names in each registry to which the schema refers (`registered: NAME`).
+    """
+    lines: dict[str, dict[tuple[str, ...], None]] = {}
+    for parent, cells in _rows(_resolved(schema, schema), "", registered):
+        lines.setdefault(parent, {})[cells] = None
+    parts = []
+    for parent, rows in lines.items():
+        parts += [f"{'#' * level} `{parent}`\n"] if parent else []
+        parts.append(markdown_table(["key", "type", "unit", "meaning"], rows) + "\n")
+    return "\n".join(parts)
+
+
+def _resolved(node: Any, schema: Mapping[str, Any]) -> Any:
+    """A node of a schema with its references (`$ref`) within the schema replaced by what they refer to."""
+    if isinstance(node, list):
+        return [_resolved(item, schema) for item in node]
+    if not isinstance(node, Mapping):
+        return node
+    own = {name: _resolved(value, schema) for name, value in node.items() if name != "$ref"}
+    path = node["$ref"].removeprefix("#/").split("/") if "$ref" in node else []
+    return {**_resolved(reduce(getitem, path, schema), schema), **own} if path else own
+
+
+def _rows(
+    node: Mapping[str, Any], parent: str, registered: Mapping[str, Sequence[str]]
+) -> Iterator[tuple[str, tuple[str, ...]]]:
+    """The path of the table and the cells of each row; a key precedes the keys inside it."""
+    for inner, name in (("items", "[]"), ("additionalProperties", ".*")):
+        if isinstance(node.get(inner), Mapping):
+            yield from _rows(node[inner], f"{parent}{name}".lstrip("."), registered)
+    for child, alike in groupby(node.get("properties", {}).items(), key=itemgetter(1)):
+        names = [name for name, _ in alike]
+        needed = " *needed*" * (names[0] in node.get("required", ()))
+        yield (
+            parent,
+            (
+                ", ".join(f"`{name}`" for name in names) + needed,
+                _type(child, registered),
+                ", ".join(dict.fromkeys(filter(None, map(_unit, names)))),
+                in_markdown(" ".join(child.get("description", "").split())),
+            ),
+        )
+        inside = names[0] if len(names) == 1 else "*"
+        yield from _rows(child, f"{parent}.{inside}".lstrip("."), registered)
+
+
+def _type(node: Mapping[str, Any], registered: Mapping[str, Sequence[str]]) -> str:
+    """The type in words with its bounds, or the admissible values."""
+    if "registered" in node:
+        words = [f"`{name}`" for name in (*registered[node["registered"]], *node.get("also", []))]
+    elif "enum" in node or "const" in node:
+        values = map(str, node.get("enum", [node.get("const")]))
+        words = [_BLANKS.get(value, f"`{value}`") for value in values]
+    elif "anyOf" in node:
+        words = [_type(choice, registered) for choice in node["anyOf"]]
+    else:
+        kinds, words = node.get("type", "any value"), []
+        for kind in [kinds] if isinstance(kinds, str) else kinds:
+            words.append(_TYPES.get(kind, kind) + _range(node) * (kind in ("number", "integer")))
+            if kind == "array" and isinstance(node.get("items"), Mapping):
+                inner = _type(node["items"], registered)
+                what = "entries with keys" if inner == _TYPES["object"] else inner
+                words[-1] = f"list of {_length(node)}{what}"
+    return listed(list(dict.fromkeys(words)), "or")
+
+
+def _unit(key: str) -> str:
+    """The unit that is stated at the end of the name of a key; "" if there is none."""
+    return next((unit for end, unit in _UNITS.items() if f"_{key}".endswith(end)), "")
+
+
+def _range(node: Mapping[str, Any]) -> str:
+    """The bounds of a number, to be written after its type."""
+    low, high = node.get("minimum"), node.get("maximum")
+    if low is not None and high is not None:
+        return f" from {_number(low)} to {_number(high)}"
+    return ",".join(
+        f" {sign} {_number(node[name])}" for name, sign in _LIMITS.items() if name in node
+    )
+
+
+def _length(node: Mapping[str, Any]) -> str:
+    """The admissible number of entries of a list, to be written before their type."""
+    least, most = node.get("minItems"), node.get("maxItems")
+    if least and most:
+        return f"{least} " if least == most else f"{least} to {most} "
+    if most:
+        return f"up to {most} "
+    return f"{least} or more " if least and least > 1 else ""
+
+
+def _number(value: float) -> str:
+    """A number whose exponent has no plus sign and no leading zeros."""
+    return re.sub(r"e\+?(-?)0*", r"e\1", f"{value:g}").replace("-", MINUS)
+
 
 _NAMED = re.compile(r"`((?:[a-z_]+\.)+\w+)`")
 
@@ -31,12 +158,10 @@ def directive(name: str) -> str:
     """The directive that documents a name, by its full path."""
     documented = resolved(name)[1]
     kind, options = "data", ["no-value"]
-    if inspect.isclass(documented):
-        kind, options = "class", ["members"]
-        if issubclass(documented, Enum):
-            options.append("undoc-members")
-        if issubclass(documented, BaseException):
-            kind, options = "exception", []
+    if inspect.isclass(documented) and issubclass(documented, BaseException):
+        kind, options = "exception", []
+    elif inspect.isclass(documented):
+        kind, options = "class", ["members", *["undoc-members"] * issubclass(documented, Enum)]
     elif callable(documented):
         kind, options = "function", []
     return "\n".join([f".. auto{kind}:: {name}", *(f"    :{one}:" for one in options), ""])
@@ -52,14 +177,11 @@ def by_room(names: Iterable[str], package: str) -> list[tuple[str, str, list[str
     for name in sorted(names, key=lambda name: (name[0].isupper(), name)):
         room = getattr(import_module(package), name).__module__.split(".")[1]
         rooms.setdefault(room, []).append(name)
+    purposes = {room: inspect.getdoc(import_module(f"{package}.{room}")) or "" for room in rooms}
     return [
-        (room, _first_paragraph(import_module(f"{package}.{room}")), inside)
+        (room, " ".join(purposes[room].split("\n\n")[0].split()), inside)
         for room, inside in sorted(rooms.items())
     ]
-
-
-def _first_paragraph(module: Any) -> str:
-    return " ".join((inspect.getdoc(module) or "").split("\n\n")[0].split())
 
 
 def others(naming: Iterable[str], package: str) -> dict[str, list[str]]:
@@ -108,10 +230,23 @@ _INLINE = re.compile(
 
 
 def markup(lines: Iterable[str]) -> list[str]:
-    """The lines of a docstring as lines of reStructuredText."""
+    """The lines of a docstring as lines of reStructuredText; its arguments become a definition list."""
     made: list[str] = []
     for paragraph in _paragraphs(lines):
-        made += [*_block(paragraph), ""]
+        text = "\n".join(paragraph).rstrip()
+        block = paragraph
+        if text.startswith(" "):
+            block = [".. code-block:: none", "", *indent(dedent(text), "    ").split("\n")]
+        elif _ARGUMENT.match(text):
+            _, *parts = _ARGUMENT.split(text)
+            pairs = zip(parts[::2], map(_line, parts[1::2]), strict=True)
+            block = [line for names, words in pairs for line in (f"``{names}``", f"    {words}")]
+        elif _LIST.match(text):
+            entries = (entry.split(" ", 1) for entry in re.split(rf"\n(?={_LIST.pattern})", text))
+            block = [f"{mark} {_line(words)}" for mark, words in entries]
+        elif not text.startswith(">>> "):
+            block = _INLINE.sub(_set, text).split("\n")
+        made += [*block, ""]
     return made
 
 
@@ -133,37 +268,9 @@ def _is_argument(block: list[str]) -> bool:
     return bool(_ARGUMENT.match(block[0])) or bool(_LIST.match(block[0]))
 
 
-def _block(paragraph: list[str]) -> list[str]:
-    text = "\n".join(paragraph).rstrip()
-    if text.startswith(">>> "):
-        return paragraph
-    if text.startswith(" "):
-        return [".. code-block:: none", "", *indent(dedent(text), "    ").split("\n")]
-    if _ARGUMENT.match(text):
-        return list(_arguments(text))
-    if _LIST.match(text):
-        return list(_listed(text))
-    return _inline(text).split("\n")
-
-
-def _arguments(text: str) -> Iterator[str]:
-    """A definition list of arguments with their meanings."""
-    _, *parts = _ARGUMENT.split(text)
-    for names, meaning in zip(parts[::2], parts[1::2], strict=True):
-        yield f"``{names}``"
-        yield f"    {_inline(' '.join(meaning.split()))}"
-
-
-def _listed(text: str) -> Iterator[str]:
-    """A list with one entry for each mark at the beginning of a line."""
-    for entry in re.split(r"\n(?=(?:[-*]|\d+\.) )", text):
-        mark, words = entry.split(" ", 1)
-        yield f"{mark} {_inline(' '.join(words.split()))}"
-
-
-def _inline(text: str) -> str:
-    """Text in which code and emphasis are marked up and all other characters are literal."""
-    return _INLINE.sub(_set, text)
+def _line(text: str) -> str:
+    """Text in one line, in which code and emphasis are marked up and all other characters are literal."""
+    return _INLINE.sub(_set, " ".join(text.split()))
 
 
 def _set(found: re.Match[str]) -> str:
