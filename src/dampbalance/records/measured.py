@@ -18,10 +18,9 @@ from ..project.files import sha256
 from ..project.wording import Remark, listed, visible
 from .errors import LARGEST, RecordError, RecordWarning
 from .mapping import MappingLike, RecordMapping, mapping_file, mapping_for, parts_of
-from .measurement import EXCITATIONS, Measurement
+from .measurement import EXCITATIONS, Measurement, mean_rate
 from .readers import open_channels, read, read_signals, stated_numbers
 from .readers.record_file import is_table
-from .readers.times import mean_rate
 
 if TYPE_CHECKING:
     import pandas as pd

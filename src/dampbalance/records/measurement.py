@@ -36,6 +36,16 @@ ORDERS = {q: [*ABSOLUTE.values()].index(unit) for q, unit in QUANTITIES.items() 
 """How many times a motion is derived by time: 0 for a displacement, 2 for an acceleration."""
 
 
+def sample_times(rate_hz: float, start: float, first: int, count: int) -> Array:
+    """Times, s, of `count` samples from number `first` on; the sample number 0 is taken at `start`."""
+    return start + np.arange(first, first + count) / rate_hz
+
+
+def mean_rate(t: Array) -> float:
+    """Samples per second of a channel with these times, s."""
+    return (t.size - 1) / float(t[-1] - t[0])
+
+
 @dataclass(frozen=True, slots=True)
 class Correction:
     """What a channel does to a signal on its way into the file, as far as it is known.

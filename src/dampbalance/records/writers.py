@@ -21,9 +21,8 @@ from ..arrays import Array
 from ..project.files import replacing, write_text
 from ..project.wording import shortened
 from .errors import RecordError, library
-from .measurement import QUANTITIES, Channel, Measurement
+from .measurement import QUANTITIES, Channel, Measurement, mean_rate, sample_times
 from .readers.formats import FORMATS, format_by_suffix, require_showable
-from .readers.times import mean_rate, times
 from .units import DIMENSIONS, column_name
 
 MATLAB_73 = "matlab73"
@@ -213,7 +212,7 @@ def _unit_of(column: str) -> str:
 
 def _is_even(channel: Channel, start: float, step: float) -> bool:
     """Whether first time and step give every time to the last bit."""
-    return np.array_equal(times(1.0 / step, start, 0, len(channel)), channel.t)
+    return np.array_equal(sample_times(1.0 / step, start, 0, len(channel)), channel.t)
 
 
 def _describe(path: Path, version: str, rest: bytes = b"") -> None:

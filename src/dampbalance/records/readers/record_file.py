@@ -57,6 +57,7 @@ class RecordFile(ABC):
 
     path: Path
     channels: Sequence[RawChannel]
+    rows_stated: int = 0  # about, where a channel has no size
 
     @abstractmethod
     def blocks(self, wanted: Sequence[int], size: int) -> Iterator[list[Array]]:

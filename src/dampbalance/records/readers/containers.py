@@ -1,14 +1,18 @@
-"""Universal files, TDMS and WAV: files of sampled signals."""
+"""Files of acquisition systems and data tools, read by their libraries: Parquet, universal files, TDMS, WAV, and the
+text of LabVIEW."""
 
 from __future__ import annotations
 
 import io
 import warnings
+from collections.abc import Iterator, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from ...arrays import Array
+from ...project.wording import shortened
 from ..errors import RecordError, library
 from .record_file import (
     RawChannel,
@@ -19,6 +23,76 @@ from .record_file import (
     require_bytes,
     unit_among,
 )
+
+_TICKS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}  # s
+
+
+class ParquetFile(RecordFile):
+    """A Parquet file; the unit of a column from its field's metadata, else from its name."""
+
+    def __init__(self, path: Path, largest: int) -> None:
+        names = ("pyarrow", "pyarrow.compute", "pyarrow.types", "pyarrow.parquet")
+        self._arrow, self._compute, self._types, parquet = (library(n, "Parquet") for n in names)
+        self.path = path
+        with intact(path, "Parquet"):
+            self._file = parquet.ParquetFile(path)
+        self.channels = [self._channel(field) for field in self._file.schema_arrow]
+
+    def _channel(self, field: Any) -> RawChannel:
+        size = self._file.metadata.num_rows
+        if self._is_time(field.type):
+            return RawChannel(field.name, "s", size, label=field.name, stamps=True)
+        metadata = {k.decode(errors="replace"): v for k, v in (field.metadata or {}).items()}
+        return described(self.path, field.name, size, {}, unit_among(metadata))
+
+    def blocks(self, wanted: Sequence[int], size: int) -> Iterator[list[Array]]:
+        """The wanted columns, `size` rows at a time; a missing value is NaN."""
+        fields = [self._file.schema_arrow.field(i) for i in wanted]
+        names = sorted({field.name for field in fields})
+        with intact(self.path, "Parquet"):
+            origins = [self._origin(field) for field in fields]
+            pending: list[list[Array]] = []
+            for batch in self._file.iter_batches(batch_size=size, columns=names):
+                pending.append(list(map(self._numbers, fields, [batch] * len(fields), origins)))
+                if sum(parts[0].size for parts in pending) == size:
+                    yield [np.concatenate(parts) for parts in zip(*pending, strict=True)]
+                    pending = []
+            if pending:
+                yield [np.concatenate(parts) for parts in zip(*pending, strict=True)]
+
+    def _is_time(self, kind: Any) -> bool:
+        return bool(self._types.is_timestamp(kind) or self._types.is_duration(kind))
+
+    def _origin(self, field: Any) -> Any:
+        """The first point in time of a column, in its ticks; 0 for spans, which have their own, and for numbers."""
+        if self._types.is_timestamp(field.type):
+            for batch in self._file.iter_batches(batch_size=1, columns=[field.name]):
+                if len(batch):
+                    return batch.column(field.name).cast(self._arrow.int64())[0]
+        return self._arrow.scalar(0, self._arrow.int64())
+
+    def _numbers(self, field: Any, batch: Any, origin: Any) -> Array:
+        column, types = batch.column(field.name), self._types
+        if self._is_time(field.type):
+            # exact: 19 digits
+            ticks = self._compute.subtract(column.cast(self._arrow.int64()), origin)
+            return _TICKS[field.type.unit] * _floats(ticks)
+        held = column.type.value_type if types.is_dictionary(column.type) else column.type
+        if not (types.is_integer(held) or types.is_floating(held) or types.is_decimal(held)):
+            what = shortened(str(column.type))[1:-1]
+            raise RecordError(
+                f"{self.path}: column {shortened(field.name)} holds {what}, not numbers"
+            )
+        return _floats(column)
+
+    def close(self) -> None:
+        """Let go of the file."""
+        self._file.close()
+
+
+def _floats(column: Any) -> Array:
+    return np.asarray(column.to_numpy(zero_copy_only=False), dtype=np.float64)
+
 
 _TIME_RESPONSE = 1  # function type of a data set 58
 _SPECIFIC_TYPES = {8: "displacement", 9: "force", 11: "velocity", 12: "acceleration", 13: "force"}
@@ -134,3 +208,36 @@ def _stated(item: dict[str, str], *keys: str) -> str | None:
     """The first text under these keys; a universal file says NONE for nothing."""
     texts = (item[key].strip() for key in keys)
     return next((text for text in texts if text.upper() not in ("", "NONE")), None)
+
+
+def lvm_file(path: Path, largest: int) -> RecordFile:
+    """A text file of LabVIEW: the channels of its one segment, with names and units, in the steps of its header."""
+    reader = library("lvm_read", "a text file of LabVIEW")
+    require_bytes(path, "a text file of LabVIEW", largest)
+    with intact(path, "a text file of LabVIEW"):
+        document = reader.read(str(path), read_from_pickle=False, dump_file=False)
+        if document["Segments"] != 1:
+            raise RecordError(
+                f"{path}: holds {document['Segments']} segments; a record is one: keep that of one level"
+            )
+        segment = document[0]
+        names = [name.strip() for name in segment["Channel names"]]
+        data = segment["data"]
+        if "Comment" in names:
+            data, names = data[:, : names.index("Comment")], names[: names.index("Comment")]
+        steps, starts = (iter(segment.get(key, [])) for key in ("Delta_X", "X0"))
+        units = iter(segment.get("Y_Unit_Label", []))
+        channels = []
+        for name in names:
+            if name == "X_Value":
+                channels.append(RawChannel("time", "s", len(data), label=name))
+                continue
+            step, start = next(steps, 0.0), next(starts, 0.0)
+            timing = {"dt": step, "t0": start} if step > 0.0 else {}
+            unit = next(units, "").strip() or None
+            channels.append(described(path, name, len(data), timing, unit))
+        even = all(raw.rate_hz for raw in channels if raw.label != "X_Value")
+    # the header has the digits that a column of times lacks
+    kept = [i for i, raw in enumerate(channels) if not (even and raw.label == "X_Value")]
+    channels = [channels[i] for i in kept]
+    return Sliced(path, channels, lambda i, a, b: data[a:b, kept[i]], "a text file of LabVIEW")
