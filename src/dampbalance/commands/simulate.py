@@ -33,9 +33,7 @@ c_r on that relative to the base, c_2 quadratic, c_3 cubic, eta structural, a lo
 """
 _MOST_SWINGS = 300_000  # a second or two of computing
 _MOST_SWINGS_OF_LAW = 3_000  # a minute or two
-DAMPING, FRICTION = 90.0, 1.28
-"""The paper's c, N s/m, and F_k, N."""
-
+DAMPING, FRICTION = 90.0, 1.28  # the paper's c, N s/m, and F_k, N
 _CHANNELS = ("base_displacement", "displacement")
 
 

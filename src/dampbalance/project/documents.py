@@ -24,18 +24,10 @@ from ..law.terms import KNOWN_TERMS
 from .wording import cut, shortened
 
 Key = tuple[str | int, ...]
-Problem = tuple[Key, str]
-"""A key, and what is wrong with it and what would be right."""
-
-MOST_BYTES = 1_000_000
-"""Size of the largest file that is read; the longest one of the project has 20 kB."""
-
-MOST_VALUES = 20_000
-"""Keys and values in a file, those that aliases repeat counted as often as they stand for them."""
-
-DEEPEST = 20
-"""Lists and mappings inside each other; the schemas go down to seven."""
-
+Problem = tuple[Key, str]  # a key, and what is wrong with it and what would be right
+MOST_BYTES = 1_000_000  # of a file that is read; the longest one of the project has 20 kB
+MOST_VALUES = 20_000  # keys and values in a file, those that aliases repeat counted each time
+DEEPEST = 20  # lists and mappings inside each other; the schemas go down to seven
 _LARGEST = 2**63 - 1  # what an integer of the arrays holds
 _LINE, _KEY = 300, 40  # characters of a message, and of a key in it
 _MESSAGES = 20  # of a file that is wrong all over
@@ -61,8 +53,7 @@ class Section:
         return self.file
 
 
-Source = str | Path | Section
-"""Where a configuration stands."""
+Source = str | Path | Section  # where a configuration stands
 
 
 def section_of(given: Mapping[str, Any], files: Sequence[str | Path], else_in: str) -> Section:

@@ -20,9 +20,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 
-ROUTES = ("exact", "as_published")
-"""The ways in which a case is computed, as their folders are named."""
-
+ROUTES = ("exact", "as_published")  # how a case is computed, as the folders are named
 SIGNIFICANT_DIGITS = 15
 """Of a float in a table: all that survive a round trip through decimal text. Exact responses have them on any
 processor that was tried, and what follows from two of them needs them."""
@@ -36,8 +34,7 @@ STATISTICAL_DIGITS = 6
 # What reads a table starts from equal numbers again; only one at a tie between two roundings may still differ. Orbits,
 # records and cases of studies (JSON, Parquet) keep every bit: too many for no tie to occur, or to be continued.
 
-UNFINISHED = ".~"
-"""How the name of a temporary file or folder begins."""
+UNFINISHED = ".~"  # how the name of a temporary file or folder begins
 
 
 @contextmanager

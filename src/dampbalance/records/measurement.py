@@ -19,9 +19,7 @@ from .errors import LARGEST_VALUE, LATEST
 EXCITATIONS = {"base_displacement": "m", "base_acceleration": "m/s²", "force": "N"}
 """What drives the oscillator, one of these, or none in a free decay; a force f stands for the base motion y = f/k."""
 
-ABSOLUTE = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s²"}
-"""What the mass does against the ground."""
-
+ABSOLUTE = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s²"}  # against the ground
 RELATIVE = {f"relative_{quantity}": unit for quantity, unit in ABSOLUTE.items()}
 """What the mass does against the base, x − y: what a transducer between the two reads."""
 

@@ -65,8 +65,7 @@ _OTHER_SPELLINGS = {
 }
 
 
-VOLTAGE = "a voltage"
-"""What any transducer may give: the `scale` of a mapping makes a motion of it."""
+VOLTAGE = "a voltage"  # what any transducer may give: the `scale` of a mapping makes a motion of it
 
 _OTHERS = {
     "a temperature": ("°C", "degC", "deg C", "C", "K", "°F", "degF", "deg F"),

@@ -12,18 +12,8 @@ import numpy as np
 from ...arrays import Array
 from ...project.wording import Remark
 from ...record import GRID_TOLERANCE
-from ..errors import (
-    FINEST,
-    HIGHEST_RATE,
-    LARGEST,
-    LARGEST_VALUE,
-    LATEST,
-    LOWEST_RATE,
-    SMALLEST_RANGE,
-    RecordError,
-    RecordWarning,
-    require_size,
-)
+from .. import errors
+from ..errors import RecordError, RecordWarning, require_size
 from ..measurement import QUANTITIES, Channel, sample_times
 from .channels import Pick
 from .record_file import RecordFile
@@ -54,7 +44,7 @@ def whole(file: RecordFile, picks: Sequence[Pick], largest: int) -> list[Channel
     """
     require_size(file.path, stated_size(file, picks), largest)
     wanted = wanted_of(picks)
-    blocks = list(file.blocks(wanted, max(file.channels[i].size or LARGEST for i in wanted)))
+    blocks = list(file.blocks(wanted, max(file.channels[i].size or errors.LARGEST for i in wanted)))
     # what is one array already is not copied
     arrays = [p[0] if len(p) == 1 else np.concatenate(p) for p in zip(*blocks, strict=True)]
     columns = dict(zip(wanted, arrays or [np.empty(0)] * len(wanted), strict=True))
@@ -134,15 +124,14 @@ class Stretch:
             raise RecordError(
                 f"{self.file.path}: channel {pick.name!r} has {self.count + values.size} samples; that is no record"
             )
-        signal = self._in_si(
-            pick.index, values, pick.factor, LARGEST_VALUE, QUANTITIES[pick.quantity]
-        )
+        unit = QUANTITIES[pick.quantity]
+        signal = self._in_si(pick.index, values, pick.factor, errors.LARGEST_VALUE, unit)
         self._require_no_overflow(values)
         if pick.time is None:
             t = sample_times(pick.rate_hz, pick.start, self.count, values.size)
         else:
             where = f"{self.file.path}: time channel {self.file.channels[pick.time].name!r}"
-            t = self._in_si(pick.time, columns[pick.time], pick.time_factor, LATEST, "s")
+            t = self._in_si(pick.time, columns[pick.time], pick.time_factor, errors.LATEST, "s")
             if self.entire:
                 t = _in_equal_steps(t, where)
             self._require_uniform(pick.time, t, where)
@@ -161,12 +150,12 @@ class Stretch:
         span, constant = self.high - self.low, f"{self.low:g} in all {self.count} samples"
         if not span:
             raise RecordError(f"{channel} is constant, {constant}; check transducer and mapping")
-        if (swing := span * abs(self.pick.factor)) < SMALLEST_RANGE:
+        if (swing := span * abs(self.pick.factor)) < errors.SMALLEST_RANGE:
             raise RecordError(
                 f"{channel} moves by {swing:.3g} {QUANTITIES[self.pick.quantity]} in all, too little to mean anything; "
                 "check its unit and scale"
             )
-        if span < FINEST * max(abs(self.low), abs(self.high)):
+        if span < errors.FINEST * max(abs(self.low), abs(self.high)):
             raise RecordError(
                 f"{channel} is constant except for rounding, {constant}; check transducer and mapping, or take off its"
                 " offset"
@@ -206,14 +195,14 @@ class Stretch:
 
     def _require_uniform(self, index: int, t: Array, where: str) -> None:
         line = t if self.last is None else np.concatenate([[self.last], t])
+        steps, first = np.diff(line), self.count - (line.size - t.size)
 
         def place(i: int) -> str:
-            return self.file.place(index, self.count - (line.size - t.size) + i)
+            return self.file.place(index, first + i)
 
-        steps = np.diff(line)
         if self.step is None:
             self.step = float(np.median(steps))
-        if self.step > 0.0 and not LOWEST_RATE <= 1.0 / self.step <= HIGHEST_RATE:
+        if self.step > 0.0 and not errors.LOWEST_RATE <= 1.0 / self.step <= errors.HIGHEST_RATE:
             raise RecordError(
                 f"{where} has steps of {self.step:g} s, which no recorder has; check its unit, or give sample_rate_hz"
             )

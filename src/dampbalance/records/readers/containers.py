@@ -24,15 +24,17 @@ from .record_file import (
     unit_among,
 )
 
-_TICKS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}  # s
+# of universal files: the function type of a time response, and what a channel without a name holds
+_TIME_RESPONSE = 1
+_SPECIFIC_TYPES = {8: "displacement", 9: "force", 11: "velocity", 12: "acceleration", 13: "force"}
+_NO_SIZE = (0, 0xFFFFFFFF)  # what a program writes that does not know how long a WAV will become
 
 
 class ParquetFile(RecordFile):
     """A Parquet file; the unit of a column from its field's metadata, else from its name."""
 
     def __init__(self, path: Path, largest: int) -> None:
-        names = ("pyarrow", "pyarrow.compute", "pyarrow.types", "pyarrow.parquet")
-        self._arrow, self._compute, self._types, parquet = (library(n, "Parquet") for n in names)
+        self._types, parquet = (library(f"pyarrow.{n}", "Parquet") for n in ("types", "parquet"))
         self.path = path
         with intact(path, "Parquet"):
             self._file = parquet.ParquetFile(path)
@@ -50,10 +52,10 @@ class ParquetFile(RecordFile):
         fields = [self._file.schema_arrow.field(i) for i in wanted]
         names = sorted({field.name for field in fields})
         with intact(self.path, "Parquet"):
-            origins = [self._origin(field) for field in fields]
             pending: list[list[Array]] = []
+            origins: dict[str, Any] = {}  # the first point in time of a column
             for batch in self._file.iter_batches(batch_size=size, columns=names):
-                pending.append(list(map(self._numbers, fields, [batch] * len(fields), origins)))
+                pending.append([self._numbers(field, batch, origins) for field in fields])
                 if sum(parts[0].size for parts in pending) == size:
                     yield [np.concatenate(parts) for parts in zip(*pending, strict=True)]
                     pending = []
@@ -63,40 +65,24 @@ class ParquetFile(RecordFile):
     def _is_time(self, kind: Any) -> bool:
         return bool(self._types.is_timestamp(kind) or self._types.is_duration(kind))
 
-    def _origin(self, field: Any) -> Any:
-        """The first point in time of a column, in its ticks; 0 for spans, which have their own, and for numbers."""
-        if self._types.is_timestamp(field.type):
-            for batch in self._file.iter_batches(batch_size=1, columns=[field.name]):
-                if len(batch):
-                    return batch.column(field.name).cast(self._arrow.int64())[0]
-        return self._arrow.scalar(0, self._arrow.int64())
-
-    def _numbers(self, field: Any, batch: Any, origin: Any) -> Array:
+    def _numbers(self, field: Any, batch: Any, origins: dict[str, Any]) -> Array:
         column, types = batch.column(field.name), self._types
         if self._is_time(field.type):
-            # exact: 19 digits
-            ticks = self._compute.subtract(column.cast(self._arrow.int64()), origin)
-            return _TICKS[field.type.unit] * _floats(ticks)
+            values = column.to_numpy(zero_copy_only=False)
+            if types.is_timestamp(field.type) and len(values):
+                values = values - origins.setdefault(field.name, values[0])  # exact: 19 digits
+            return np.asarray(values / np.timedelta64(1, "s"))
         held = column.type.value_type if types.is_dictionary(column.type) else column.type
         if not (types.is_integer(held) or types.is_floating(held) or types.is_decimal(held)):
             what = shortened(str(column.type))[1:-1]
             raise RecordError(
                 f"{self.path}: column {shortened(field.name)} holds {what}, not numbers"
             )
-        return _floats(column)
+        return np.asarray(column.to_numpy(zero_copy_only=False), dtype=np.float64)
 
     def close(self) -> None:
         """Let go of the file."""
         self._file.close()
-
-
-def _floats(column: Any) -> Array:
-    return np.asarray(column.to_numpy(zero_copy_only=False), dtype=np.float64)
-
-
-_TIME_RESPONSE = 1  # function type of a data set 58
-_SPECIFIC_TYPES = {8: "displacement", 9: "force", 11: "velocity", 12: "acceleration", 13: "force"}
-_NO_SIZE = (0, 0xFFFFFFFF)  # what a program writes that does not know how long a WAV will become
 
 
 def uff_file(path: Path, largest: int) -> RecordFile:
