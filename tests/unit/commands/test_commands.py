@@ -491,8 +491,7 @@ def test_wrong_options_records_and_contradictions_are_refused(arguments, message
 
 
 @pytest.mark.parametrize(
-    ("name", "content"),
-    [("a.mat", b"time,x\n0,1\n"), ("b.parquet", b"PAR1"), ("c.wav", b"RIFF")],
+    ("name", "content"), [("a.mat", b"time,x\n0,1\n"), ("b.parquet", b"PAR1"), ("c.wav", b"RIFF")]
 )
 def test_a_file_that_is_not_what_its_name_says(tmp_path, capsys, name, content):
     (tmp_path / name).write_bytes(content)

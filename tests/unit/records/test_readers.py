@@ -293,8 +293,7 @@ def test_tdms_groups_and_segments(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("dtype", "full"),
-    [("<i2", 2**15), ("<i4", 2**31), ("u1", None), ("<f4", None), ("<f8", None)],
+    ("dtype", "full"), [("<i2", 2**15), ("<i4", 2**31), ("u1", None), ("<f4", None), ("<f8", None)]
 )
 def test_wav_in_parts_of_full_scale(tmp_path, dtype, full):
     path = tmp_path / "run.wav"

@@ -5,14 +5,7 @@ from __future__ import annotations
 import pytest
 
 from dampbalance.model import named_with_unit
-from dampbalance.records.units import (
-    DIMENSIONS,
-    UNITS,
-    UnitError,
-    find_unit,
-    split_label,
-    unit_for,
-)
+from dampbalance.records.units import DIMENSIONS, UNITS, UnitError, find_unit, split_label, unit_for
 
 # The definitions: the inch is 25.4 mm, standard gravity 9.80665 m/s², the pound-force 0.45359237 kg under it.
 _LENGTHS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "µm": 1e-6, "nm": 1e-9, "in": 0.0254}
