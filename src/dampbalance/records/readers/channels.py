@@ -94,24 +94,19 @@ def quantity_of(raw: RawChannel, *, all_words: bool = True) -> str | None:
     words = _words(raw.name)
     if not (all_words or len(words) == 1):
         words = [word for word in words if word in _MEANINGS and len(word) > 1]
-    if not all(word in _MEANINGS for word in words):
-        return None
-    found = {_MEANINGS[word] for word in words}
-    bodies = [body for body in _BODIES if body in found]
-    quantities = found - {*_BODIES}
+    found = {_MEANINGS.get(word, "") for word in words}
+    bodies, quantities = found & {*_BODIES}, found - {*_BODIES}
     if not all_words and len(bodies) > 1:
-        bodies = ["relative"]
-    if len(bodies) > 1 or len(quantities) > 1 or not found:
+        bodies = {"relative"}
+    if len(bodies) > 1 or len(quantities) > 1 or not found or "" in found:
         return None
-    quantity = next(iter(quantities), None) or by_unit(raw)
-    if quantity is None and (bodies == ["base"] or not all_words):
+    body, quantity = "".join(bodies), "".join(quantities) or by_unit(raw)
+    if quantity is None and (body == "base" or not all_words):
         quantity = "displacement"
-    if bodies in ([], ["mass"]) or quantity is None:
-        return quantity if quantity != "force" or not bodies else None
-    if bodies == ["base"] and quantity in ("force", "base_displacement"):
+    if body == "base" and quantity in ("force", "base_displacement"):
         return quantity
-    named = f"{bodies[0]}_{quantity}"
-    return named if named in DIMENSIONS else None
+    named = quantity if body in ("", "mass") else f"{body}_{quantity}"
+    return named if named in DIMENSIONS and (body, named) != ("mass", "force") else None
 
 
 def by_unit(raw: RawChannel) -> str | None:
@@ -290,18 +285,14 @@ class _Plan:
         """
         sizes = {self.channels[pick.index].size for pick in picks}
         used = {i for pick in picks for i in (pick.index, pick.time)}
-        reasons = {i: unusable(raw) for i, raw in enumerate(self.channels) if not holds_time(raw)}
         if names := [
-            shortened(_full_name(self.channels[i])) + f" ({reason})" * (reason is not None)
-            for i, reason in reasons.items()
-            if i not in used and self.channels[i].size in sizes
+            shortened(_full_name(raw)) + f" ({unusable(raw)})" * (unusable(raw) is not None)
+            for i, raw in enumerate(self.channels)
+            if i not in used and raw.size in sizes and not holds_time(raw)
         ]:
-            warnings.warn(
-                f"{self.path}: channels not used: {_first_of(names)}; say in {self.where} what they "
-                "hold, if it is needed",
-                RecordWarning,
-                stacklevel=2,
-            )
+            said = f"{_first_of(names)}; say in {self.where} what they hold, if it is needed"
+            unused = RecordWarning(f"{self.path}: channels not used: {said}")
+            warnings.warn(unused, stacklevel=2)
 
     def unnamed(self, used: Collection[int | None]) -> bool:
         """Whether there are signals that are not used."""
@@ -320,12 +311,9 @@ class _Plan:
             raise RecordError(
                 f"{said} there is no channel {which}; {path} has {len(channels)}: {self.overview}"
             )
+        names = [(raw.name, _full_name(raw), raw.label or raw.name) for raw in channels]
         for spelt in (str, key_of):  # as it stands, else without regard to case, blanks and path
-            matches = [
-                i
-                for i, raw in enumerate(channels)
-                if spelt(which) in map(spelt, (raw.name, _full_name(raw), raw.label or raw.name))
-            ]
+            matches = [i for i, own in enumerate(names) if spelt(which) in map(spelt, own)]
             if len(matches) == 1:
                 return matches[0]
             if matches:
@@ -341,14 +329,11 @@ class _Plan:
         """SI units per unit of the channel."""
         text = given or unit_of(raw)
         channel = f"{self.path}: channel {shortened(raw.name)}"
-        if text is None and self.mapping.channels:
-            key = "time" if quantity == "time" else f"channels.{quantity}"
-            raise RecordError(
-                f"{channel} has no unit: say unit: {QUANTITIES.get(quantity, 's')}, or as recorded, at {key} in "
-                f"{self.where}"
-            )
         if text is None:
-            raise RecordError(f"{channel} has no unit. {self.suggested('Give it')}")
+            key = "time" if quantity == "time" else f"channels.{quantity}"
+            stated = f": say unit: {QUANTITIES.get(quantity, 's')}, or as recorded, at {key} in {self.where}"
+            shown = stated if self.mapping.channels else f". {self.suggested('Give it')}"
+            raise RecordError(f"{channel} has no unit{shown}")
         if find_other(text) == VOLTAGE and not self.mapping.channels:
             raise RecordError(f"{channel} is in {text}. {self.suggested('Give its scale')}")
         try:
@@ -368,13 +353,10 @@ class _Plan:
         """A mapping to write that is complete, and holds for these channels if the guesses do."""
         suggestion = _Suggestion(self)
         if not suggestion.complete:
-            return (
-                "A record has two signals at least: give one that holds both, or name the file of each in "
-                f"{self.where}"
-            )
+            remedy = "give one that holds both, or name the file of each in"
+            return f"A record has two signals at least: {remedy} {self.where}"
         here = "" if self.mapping.source else " (--write-mapping writes it)"
-        lines = [f"{what} in {self.where}{here}, for example"]
-        return "\n  ".join([*lines, *suggestion.lines()])
+        return "\n  ".join([f"{what} in {self.where}{here}, for example", *suggestion.lines()])
 
 
 def _full_name(raw: RawChannel) -> str:
@@ -457,12 +439,10 @@ class _Suggestion:
         names = {i: self._named(i) for i in range(len(self.channels)) if plan.may_move(i)}
         for i in sorted(names, key=lambda i: (names[i] is None, by_unit(self.channels[i]) is None)):
             self._take(i, names[i])
-        driving = [q for q in self.chosen if q in EXCITATIONS]
-        if driving and len(self.chosen) == 1 and names[self.chosen[driving[0]]] is None:
-            (quantity, i), *_ = self.chosen.items()
-            if quantity in _RESPONSE_OF:
-                self.chosen = {_RESPONSE_OF[quantity]: i}
-                self.why[i] = "the only signal"
+        if len(self.chosen) == 1:
+            ((quantity, i),) = self.chosen.items()
+            if quantity in _RESPONSE_OF and names[i] is None:
+                self.chosen, self.why[i] = {_RESPONSE_OF[quantity]: i}, "the only signal"
 
     @property
     def complete(self) -> bool:
@@ -489,7 +469,7 @@ class _Suggestion:
             for i, raw in enumerate(self.channels)
             if i not in self.chosen.values() and not self._is_time(i)
         ]
-        more = [f"# and {len(aside) - _LISTED} more"] if len(aside) > _LISTED else []
+        more = [f"# and {len(aside) - _LISTED} more"] * (len(aside) > _LISTED)
         return [*lines, *aside[:_LISTED], *more]
 
     def _named(self, i: int) -> str | None:
@@ -506,13 +486,11 @@ class _Suggestion:
         if of_unit is None and raw.unit and not find_other(raw.unit):
             self.why[i] = f"its unit, {shortened(raw.unit)}, is that of no motion and no force"
             return
-        if of_unit is None:
-            fitting = ["base_displacement"] * (not driven) + ["displacement"] * (not self.complete)
-            reason = "neither name nor unit says what it is"
-        else:
-            dimension = DIMENSIONS[of_unit]
-            fitting = [q for q in (*EXCITATIONS, *ABSOLUTE) if DIMENSIONS[q] == dimension]
-            reason = "by its unit"
+        fitting = ["base_displacement"] * (not driven) + ["displacement"] * (not self.complete)
+        reason = "neither name nor unit says what it is"
+        if of_unit is not None:
+            reason, one = "by its unit", DIMENSIONS[of_unit]
+            fitting = [q for q in (*EXCITATIONS, *ABSOLUTE) if DIMENSIONS[q] == one]
         for quantity in filter(None, [named, *fitting]):
             taken = driven if quantity in EXCITATIONS else quantity in self.chosen
             if not taken:
@@ -533,9 +511,8 @@ class _Suggestion:
             unit = "mm" if unit == "m" else unit
             remark = f"; recorded in {raw.unit}: replace 1.0 by the {unit} per {raw.unit}"
             return unit, ", scale: 1.0", remark
-        if unit == "m" and values.size and 0.5 * np.ptp(values) > _IN_MM:
-            unit = "mm"
-        return unit, "", "; unit guessed, the file has none"
+        large = unit == "m" and values.size and 0.5 * np.ptp(values) > _IN_MM
+        return "mm" if large else unit, "", "; unit guessed, the file has none"
 
     def _time(self) -> list[str]:
         """The line about times, if one is needed."""
