@@ -71,9 +71,8 @@ class MeasuredRecord:
         channels = [self.whole()[quantity] for quantity in self.quantities]
         t = channels[0].t
         if not all(np.array_equal(c.t, t) for c in channels):
-            raise ValueError(
-                f"{self.name}: its channels have times of their own; take each from its measurement"
-            )
+            remedy = "take each from its measurement"
+            raise ValueError(f"{self.name}: its channels have times of their own; {remedy}")
         columns = {column_name(c.quantity): c.values for c in channels}
         return pd.DataFrame(columns, index=pd.Index(t, name="time_s"))
 
@@ -147,10 +146,8 @@ def _in_memory(
 ) -> MeasuredRecord:
     """The record of signals in memory, the `number`-th of several, under a name that is not taken."""
     if not (is_table(record) or isinstance(record, Measurement)):
-        raise RecordError(
-            f"record {number} is a {type(record).__name__}; give the path of a file, a pandas DataFrame, or a mapping "
-            "of names to arrays"
-        )
+        remedy = "give the path of a file, a pandas DataFrame, or a mapping of names to arrays"
+        raise RecordError(f"record {number} is a {type(record).__name__}; {remedy}")
     stated = getattr(record, "attrs", {}).get("name") or getattr(record, "source", None)
     own = visible(str(stated or f"record {number}"))
     names = itertools.chain([own], (f"{own} ({count})" for count in itertools.count(2)))

@@ -49,9 +49,8 @@ def write(
     by_suffix = format_by_suffix(path)
     name = by_suffix if format is None else text("format", format)
     if name not in _WRITERS:
-        raise RecordError(
-            f"{path}: unknown format {shortened(name)}; known are {', '.join(_WRITERS)}"
-        )
+        remedy = f"known are {', '.join(_WRITERS)}"
+        raise RecordError(f"{path}: unknown format {shortened(name)}; {remedy}")
     if path.suffix.lower() not in FORMATS["matlab" if name == MATLAB_73 else name].suffixes:
         raise RecordError(f"{path}: its suffix does not fit the format {name}")
     corrected = [q for q in measurement if measurement[q].correction]

@@ -79,9 +79,8 @@ def _datasets(h5py: Any, path: Path, file: Any) -> Iterator[tuple[str, Any, dict
         here = inherited | _attributes(group)
         for name in group:
             if next(links) > _MOST_LINKS:
-                raise RecordError(
-                    f"{path}: holds more than {_MOST_LINKS:,} objects; keep those of one record"
-                )
+                remedy = "keep those of one record"
+                raise RecordError(f"{path}: holds more than {_MOST_LINKS:,} objects; {remedy}")
             if name.startswith("#"):  # MATLAB's own: #refs#, #subsystem#
                 continue
             where = f"{prefix}{name}"
@@ -121,9 +120,8 @@ def _linked(h5py: Any, file: Any, group: Any, name: str, what: str) -> Any:
 def _require_own(data: Any, what: str) -> None:
     """RecordError for an array that lies in other files, or in pieces too large to unpack."""
     if data.is_virtual:
-        raise RecordError(
-            f"{what} is put together from other data sets; copy its values into the record"
-        )
+        remedy = "copy its values into the record"
+        raise RecordError(f"{what} is put together from other data sets; {remedy}")
     if data.external:
         raise RecordError(f"{what} lies in another file; copy its values into the record")
     if data.chunks and math.prod(data.chunks) * data.dtype.itemsize > _LARGEST_CHUNK:

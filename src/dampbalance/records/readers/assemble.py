@@ -78,9 +78,8 @@ def in_blocks(file: RecordFile, pick: Pick, size: int, largest: int) -> Iterator
     wanted = wanted_of([pick])
     if len({file.channels[i].size for i in wanted}) > 1:
         named = ", ".join(f"{file.channels[i].name!r} {file.channels[i].size}" for i in wanted)
-        raise RecordError(
-            f"{file.path}: its channels have unequal lengths ({named}); such a file is read only as a whole"
-        )
+        remedy = "such a file is read only as a whole"
+        raise RecordError(f"{file.path}: its channels have unequal lengths ({named}); {remedy}")
     return _checked(Stretch(file, pick), file.blocks(wanted, size), largest)
 
 
@@ -156,10 +155,8 @@ class Stretch:
                 "check its unit and scale"
             )
         if span < errors.FINEST * max(abs(self.low), abs(self.high)):
-            raise RecordError(
-                f"{channel} is constant except for rounding, {constant}; check transducer and mapping, or take off its"
-                " offset"
-            )
+            remedy = "check transducer and mapping, or take off its offset"
+            raise RecordError(f"{channel} is constant except for rounding, {constant}; {remedy}")
 
     def _in_si(self, index: int, values: Array, factor: float, bound: float, unit: str) -> Array:
         """The values in SI, finite and within the bound either way."""

@@ -308,9 +308,8 @@ class _Plan:
         if isinstance(which, int):
             if 1 <= which <= len(channels):
                 return which - 1
-            raise RecordError(
-                f"{said} there is no channel {which}; {path} has {len(channels)}: {self.overview}"
-            )
+            remedy = f"{path} has {len(channels)}: {self.overview}"
+            raise RecordError(f"{said} there is no channel {which}; {remedy}")
         names = [(raw.name, _full_name(raw), raw.label or raw.name) for raw in channels]
         for spelt in (str, key_of):  # as it stands, else without regard to case, blanks and path
             matches = [i for i, own in enumerate(names) if spelt(which) in map(spelt, own)]
@@ -321,9 +320,8 @@ class _Plan:
                 raise RecordError(
                     f"{said} {path} has {len(matches)} channels {shortened(which)}, numbers {numbers}; give one"
                 )
-        raise RecordError(
-            f"{said} {path} has no channel {shortened(which)}; it has {self.overview}"
-        )
+        remedy = f"it has {self.overview}"
+        raise RecordError(f"{said} {path} has no channel {shortened(which)}; {remedy}")
 
     def unit(self, raw: RawChannel, given: str | None, quantity: str) -> float:
         """SI units per unit of the channel."""

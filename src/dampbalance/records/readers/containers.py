@@ -139,9 +139,8 @@ def tdms_file(path: Path, largest: int) -> RecordFile:
         every = (channel for group in file.groups() for channel in group.channels())
         signals = [c for c in every if c.dtype.kind in "fiu" and len(c)]
         if not signals:
-            raise RecordError(
-                f"{path}: holds no channel of numbers; it was cut short, or the recording was not closed"
-            )
+            remedy = "it was cut short, or the recording was not closed"
+            raise RecordError(f"{path}: holds no channel of numbers; {remedy}")
         if file.file_status.incomplete_final_segment:
             raise RecordError(
                 f"{path}: its last segment is incomplete: the file was cut short, or the recording was not closed"
@@ -203,9 +202,8 @@ def lvm_file(path: Path, largest: int) -> RecordFile:
     with intact(path, "a text file of LabVIEW"):
         document = reader.read(str(path), read_from_pickle=False, dump_file=False)
         if document["Segments"] != 1:
-            raise RecordError(
-                f"{path}: holds {document['Segments']} segments; a record is one: keep that of one level"
-            )
+            remedy = "a record is one: keep that of one level"
+            raise RecordError(f"{path}: holds {document['Segments']} segments; {remedy}")
         segment = document[0]
         names = [name.strip() for name in segment["Channel names"]]
         data = segment["data"]

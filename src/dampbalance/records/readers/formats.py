@@ -100,10 +100,8 @@ def checked_format(path: Path) -> str:
     if size == 0:
         raise RecordError(f"{path}: is empty")
     if content is None:
-        raise RecordError(
-            f"{path}: is not {kind.title}, as its name says; its first bytes are of no format known here, "
-            "perhaps it is damaged"
-        )
+        remedy = "its first bytes are of no format known here, perhaps it is damaged"
+        raise RecordError(f"{path}: is not {kind.title}, as its name says; {remedy}")
     if content not in kind.contents:
         known = FORMATS["matlab" if content == "matlab73" else content]
         version = {"matlab": " 5", "matlab73": " 7.3"}.get(content, "")

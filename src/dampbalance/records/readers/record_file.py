@@ -252,16 +252,14 @@ def signals_file(name: str, signals: Signals) -> Sliced:
         single = not isinstance(values, list | tuple) and not np.ndim(values)
         (stated if single else several)[label] = values
         if single and label.lower() not in TIMING_NAMES:
-            raise RecordError(
-                f"{path}: {shortened(label)} is a single value; a signal is an array of its samples"
-            )
+            remedy = "a signal is an array of its samples"
+            raise RecordError(f"{path}: {shortened(label)} is a single value; {remedy}")
     channels, arrays = [], []
     for label, values in several.items():
         array, stamps = _samples(values)
         if array.ndim != 1:
-            raise RecordError(
-                f"{path}: {shortened(label)} has the shape {array.shape}; give each signal a name of its own"
-            )
+            remedy = "give each signal a name of its own"
+            raise RecordError(f"{path}: {shortened(label)} has the shape {array.shape}; {remedy}")
         time = RawChannel(label, "s", array.size, label=label, stamps=True)
         channels.append(time if stamps else described(path, label, array.size, stated))
         arrays.append(array)

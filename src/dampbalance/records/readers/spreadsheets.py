@@ -56,7 +56,32 @@ def spreadsheet_file(path: Path, largest: int) -> RecordFile:
     first = next((i for i, row in enumerate(rows) if _is_row(row)), None)
     if first is None:
         raise RecordError(f"{path}: no sheet holds rows of at least two numbers")
-    return _sheet(path, rows, first)
+    width = max(i for i, cell in enumerate(rows[first], start=1) if cell != "")
+    last = max(i for i, row in enumerate(rows, start=1) if any(cell != "" for cell in row[:width]))
+    table = [row[:width] for row in rows[first:last]]
+    header = [[" ".join(str(cell).split()) for cell in row[:width]] for row in rows[:first]]
+    for names in header:
+        names[0] = names[0].lstrip("#% ")
+    channels = columns_of(path, header, width)
+    for i, (raw, cell) in enumerate(zip(channels, table[0], strict=True)):
+        stamps = isinstance(cell, _DAYS)
+        unit = "s" if stamps else raw.unit
+        channels[i] = replace(raw, unit=unit, size=len(table), stamps=stamps)
+
+    @cache
+    def column(i: int) -> Array:
+        cells = [row[i] for row in table]
+        if channels[i].stamps:
+            # from the first point in time of the column, or its first span
+            spans = (_span(c) - _span(cells[0]) if isinstance(c, _DAYS) else None for c in cells)
+            return np.array([math.nan if s is None else s.total_seconds() for s in spans])
+        for number, cell in enumerate(cells, start=first + 1):
+            if not _is_number(cell) and cell != "":
+                where = f"row {number}, column {shortened(channels[i].name)}"
+                raise RecordError(f"{path}: {where}: {shortened(str(cell))} is not a number")
+        return np.array([math.nan if cell == "" else float(cell) for cell in cells])
+
+    return Sliced(path, channels, lambda i, a, b: column(i)[a:b], "a spreadsheet")
 
 
 def _cells(path: Path, most: int) -> Generator[tuple[str, Any], None, None]:
@@ -95,35 +120,6 @@ def _too_large(path: Path, what: str, cells: int) -> RecordError:
     return too_large(path, f"holds {what}", "a spreadsheet", _PART * cells, ", save it as CSV")
 
 
-def _sheet(path: Path, rows: Sequence[Sequence[Any]], first: int) -> RecordFile:
-    width = max(i for i, cell in enumerate(rows[first], start=1) if cell != "")
-    last = max(i for i, row in enumerate(rows, start=1) if any(cell != "" for cell in row[:width]))
-    table = [row[:width] for row in rows[first:last]]
-    header = [[" ".join(str(cell).split()) for cell in row[:width]] for row in rows[:first]]
-    for names in header:
-        names[0] = names[0].lstrip("#% ")
-    channels = columns_of(path, header, width)
-    for i, (raw, cell) in enumerate(zip(channels, table[0], strict=True)):
-        stamps = isinstance(cell, _DAYS)
-        unit = "s" if stamps else raw.unit
-        channels[i] = replace(raw, unit=unit, size=len(table), stamps=stamps)
-
-    @cache
-    def column(i: int) -> Array:
-        cells = [row[i] for row in table]
-        if channels[i].stamps:
-            return np.array([_seconds(cell, cells[0]) for cell in cells])
-        for number, cell in enumerate(cells, start=first + 1):
-            if not _is_number(cell) and cell != "":
-                raise RecordError(
-                    f"{path}: row {number}, column {shortened(channels[i].name)}: {shortened(str(cell))} is not a "
-                    "number"
-                )
-        return np.array([math.nan if cell == "" else float(cell) for cell in cells])
-
-    return Sliced(path, channels, lambda i, a, b: column(i)[a:b], "a spreadsheet")
-
-
 def _is_row(row: Sequence[Any]) -> bool:
     """Whether a row has at least two cells, numbers or points in time, and a number among them."""
     cells = [cell for cell in row if cell != ""]
@@ -133,12 +129,6 @@ def _is_row(row: Sequence[Any]) -> bool:
 
 def _is_number(cell: Any) -> bool:
     return isinstance(cell, int | float) and not isinstance(cell, bool)
-
-
-def _seconds(cell: Any, first: Any) -> float:
-    """Seconds from the first point in time of a column, or its first span; NaN for what is another."""
-    known = isinstance(cell, _DAYS)
-    return (_span(cell) - _span(first)).total_seconds() if known else math.nan
 
 
 def _span(cell: Any) -> datetime.timedelta:

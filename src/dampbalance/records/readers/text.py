@@ -36,7 +36,6 @@ _SAMPLE_LINES = 400  # enough for any header and some rows
 _SAMPLE_CHARACTERS = 2_000_000
 _ROWS_TO_AGREE = 20
 _COMMENTS = "#%"
-_COMMENT_COLUMN = ("comment", "kommentar")
 _BRACKETS = "[](){} "
 _MISSING = {"", "na", "n/a", "null", "none"} | {
     sign + word for sign in ("", "+", "-") for word in ("nan", "inf", "infinity")
@@ -112,12 +111,12 @@ def _header_table(lines: Sequence[str], delimiter: str, width: int, most: int) -
         bare = line.strip()
         text = bare.lstrip(_COMMENTS).strip() if bare.startswith(tuple(_COMMENTS)) else line
         cells = _header_cells(text, delimiter, width)
-        while len(cells) > width and (
-            not cells[-1] or len(cells) <= most or cells[-1].lower() in _COMMENT_COLUMN
-        ):
+        dropped = ("", "comment", "kommentar")
+        while len(cells) > width and (len(cells) <= most or cells[-1].lower() in dropped):
             cells.pop()
-        table.append(cells)
-    return [cells for cells in table if cells and (delimiter != WHITESPACE or len(cells) == width)]
+        if cells and (delimiter != WHITESPACE or len(cells) == width):
+            table.append(cells)
+    return table
 
 
 def columns_of(path: Path, table: Sequence[list[str]], width: int) -> list[RawChannel]:
@@ -128,14 +127,12 @@ def columns_of(path: Path, table: Sequence[list[str]], width: int) -> list[RawCh
             f"{path}: its header has {len(table[-1])} names, its rows have {width} cells; if it has 0,5 for 0.5, "
             'say decimal: "," and the delimiter in a mapping'
         )
-    units: list[str | None] = [None] * width
-    if len(fitting) > 1 and _are_units(fitting[-1]):
-        units = [cell.strip(_BRACKETS) or None for cell in fitting.pop()]
+    units = fitting.pop() if len(fitting) > 1 and _are_units(fitting[-1]) else [""] * width
     columns = []
-    labels = fitting[-1] if fitting else [""] * width
-    for i, (label, unit) in enumerate(zip(labels, units, strict=True), start=1):
+    for i, label in enumerate(fitting[-1] if fitting else [""] * width):
         name, own = split_label(label)
-        columns.append(RawChannel(name or f"column {i}", unit or own, label=label))
+        unit = units[i].strip(_BRACKETS) or own
+        columns.append(RawChannel(name or f"column {i + 1}", unit, label=label))
     return columns
 
 
@@ -162,10 +159,9 @@ def _are_units(cells: Sequence[str]) -> bool:
 def _no_rows(path: Path, lines: Sequence[str], comment: str, mapping: RecordMapping) -> str:
     if not any(line.strip() for line in lines):
         return f"{path}: is empty"
-    for decimal in ".,":
-        cells = [line.split(comment, 1)[0].strip() for line in lines]
-        if sum(_NUMBER[decimal].fullmatch(cell) is not None for cell in cells) > 1:
-            return f"{path}: has one column only; a record needs an excitation and a response"
+    cells = [line.split(comment, 1)[0].strip() for line in lines]
+    if any(sum(bool(mark.fullmatch(cell)) for cell in cells) > 1 for mark in _NUMBER.values()):
+        return f"{path}: has one column only; a record needs an excitation and a response"
     skipped = mapping.header_lines
     where = "" if skipped is None else f" after {skipped} header lines"
     return (
@@ -292,11 +288,8 @@ class TextFile(RecordFile):
             file.seek(max(0, self.path.stat().st_size - 4))
             ended = file.read().replace(b"\x00", b"").endswith((b"\n", b"\r"))
         if not ended:
-            warnings.warn(
-                f"{self.path}: its last line has no end; if the file was cut, its last number is wrong",
-                RecordWarning,
-                stacklevel=2,
-            )
+            cut = "its last line has no end; if the file was cut, its last number is wrong"
+            warnings.warn(RecordWarning(f"{self.path}: {cut}"), stacklevel=2)
         table = self._of_numbers()
         if table is not None:
             for start in range(0, len(table), size):
@@ -358,10 +351,8 @@ class TextFile(RecordFile):
         width = len(self.channels)
         for number, cells in self._rows():
             if any(cells[width:]) or len(cells) <= max(wanted):
-                return (
-                    f"{self.path}: line {number} has {len(cells)} cells, the others {width}; mend it, "
-                    "or cut the file before it"
-                )
+                remedy = "mend it, or cut the file before it"
+                return f"{self.path}: line {number} has {len(cells)} cells, the others {width}; {remedy}"
             for i in wanted:
                 cell, time = cells[i], self.channels[i].stamps
                 number_like = _NUMBER[self.decimal].fullmatch(cell) or cell.lower() in _MISSING
@@ -369,8 +360,8 @@ class TextFile(RecordFile):
                     continue
                 what = f"is not a {'time' if time else 'number'}"
                 if _DATE.fullmatch(cell):
-                    what = "is a date that can be read in several ways: write 2026-03-01T12:00:00.5, or give "
-                    what += "sample_rate_hz instead"
+                    ways = "write 2026-03-01T12:00:00.5, or give sample_rate_hz instead"
+                    what = f"is a date that can be read in several ways: {ways}"
                 name = shortened(self.channels[i].name)
                 return f"{self.path}: line {number}, column {name}: {shortened(cell)} {what}"
         return f"{self.path}: cannot be read: {shortened(fallback, 200)[1:-1]}"
