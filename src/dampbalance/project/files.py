@@ -49,7 +49,8 @@ def replacing(path: str | Path) -> Iterator[Path]:
     temporary = Path(name)
     try:
         yield temporary
-        temporary.chmod(0o666 & ~_umask())
+        os.umask(mask := os.umask(0))
+        temporary.chmod(0o666 & ~mask)
         temporary.replace(path)
     finally:
         temporary.unlink(missing_ok=True)
@@ -103,10 +104,8 @@ def write_rows(path: str | Path, rows: Sequence[Mapping[str, object]]) -> None:
     """Write a table given as its rows, by column, as `write_csv` would, whose library takes longer to import than a
     small table to write."""
     out = io.StringIO()
-    table = csv.writer(out, lineterminator="\n")
-    table.writerow(rows[0])
-    for row in rows:
-        table.writerow([_digits(v) if isinstance(v, float) else v for v in row.values()])
+    cells = ([_digits(v) if isinstance(v, float) else v for v in row.values()] for row in rows)
+    csv.writer(out, lineterminator="\n").writerows([rows[0], *cells])
     write_text(path, out.getvalue())
 
 
@@ -152,9 +151,3 @@ def sha256(path: str | Path) -> str:
 
 def _digits(value: float, digits: int = SIGNIFICANT_DIGITS) -> str:
     return "" if math.isnan(value) else repr(float(f"{value:.{digits}g}"))
-
-
-def _umask() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask

@@ -53,30 +53,29 @@ def write(
         raise RecordError(f"{path}: unknown format {shortened(name)}; {remedy}")
     if path.suffix.lower() not in FORMATS["matlab" if name == MATLAB_73 else name].suffixes:
         raise RecordError(f"{path}: its suffix does not fit the format {name}")
-    corrected = [q for q in measurement if measurement[q].correction]
-    if corrected:
+    if corrected := [q for q in measurement if measurement[q].correction]:
         raise RecordError(
             f"{path}: cannot hold that the {corrected[0]} is to be corrected for gain, delay or filters; keep the "
             "original with its mapping"
         )
-    beside = {}
-    if name == "wav":
-        beside[path.with_name(f"{path.name}.yaml")] = _wav_mapping(path, measurement)
+    mapping = _wav_mapping(path, measurement) if name == "wav" else ""
     with replacing(path) as temporary:
         _WRITERS[name](temporary, measurement)
-    for file, mapping in beside.items():
-        write_text(file, mapping)
-    return path, *beside
+    if not mapping:
+        return (path,)
+    beside = path.with_name(f"{path.name}.yaml")
+    write_text(beside, mapping)
+    return path, beside
 
 
 def _columns_of(measurement: Measurement) -> dict[str, Array]:
     """The signals by column name, times first: time_s for all channels, or displacement_time_s before each."""
     channels = _channels(measurement)
-    if all(np.array_equal(channel.t, channels[0].t) for channel in channels):
-        return {"time_s": channels[0].t} | {column_name(c.quantity): c.values for c in channels}
+    shared = all(np.array_equal(channel.t, channels[0].t) for channel in channels)
     columns: dict[str, Array] = {}
     for c in channels:
-        columns |= {f"{c.quantity}_time_s": c.t, column_name(c.quantity): c.values}
+        times = "time_s" if shared else f"{c.quantity}_time_s"
+        columns |= {times: c.t, column_name(c.quantity): c.values}
     return columns
 
 
@@ -189,9 +188,8 @@ def _wav_mapping(path: Path, measurement: Measurement) -> str:
             f"{path}: a WAV begins at time 0 and has a whole number of samples per second, not {t[0]:g} s and "
             f"{mean_rate(t):.9g} Hz; use another format"
         )
-    rules = [
-        f"  {c.quantity}: {{channel: {i}, unit: {c.unit}}}" for i, c in enumerate(channels, start=1)
-    ]
+    entries = enumerate(channels, start=1)
+    rules = [f"  {c.quantity}: {{channel: {i}, unit: {c.unit}}}" for i, c in entries]
     return "\n".join(["channels:", *rules, f"notes: {_WAV_NOTE}", ""])
 
 
