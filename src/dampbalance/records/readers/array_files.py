@@ -186,33 +186,30 @@ def _require_readable(path: Path, most: int) -> None:
             stream.seek(end)
 
 
-def _counts(read: Callable[[int], bytes], order: str, size: int) -> Iterator[int]:
-    """How many numbers each part of an array of `size` bytes says it has, before they are read.
+def _counts(read: Callable[[int], bytes], order: str, left: int, depth: int = 1) -> Iterator[int]:
+    """How many numbers each part of an array of `left` bytes says it has, before they are read.
 
     Raises ValueError for parts that do not fit into what holds them.
     """
-    left = [size]  # bytes of each array that holds the next
-    while left:
-        if left[-1] < 8:
-            _skip(read, left.pop())
-            continue
+    if depth > _DEEPEST:
+        raise ValueError(f"arrays more than {_DEEPEST} deep")
+    while left >= 8:
         kind, count = struct.unpack(f"{order}II", read(8))
-        left[-1] -= 8
+        left -= 8
         if kind >> 16:  # a part that stands in its tag
             continue
         if kind not in _TYPES:
             raise ValueError(f"a part of no known type ({kind})")
-        if count > left[-1]:
+        if count > left:
             raise ValueError("a part is larger than what holds it")
-        padded = min(count + -count % 8, left[-1])
-        left[-1] -= padded
+        padded = min(count + -count % 8, left)
+        left -= padded
         if kind == _ARRAY:
-            left.append(padded)
-            if len(left) > _DEEPEST:
-                raise ValueError(f"arrays more than {_DEEPEST} deep")
+            yield from _counts(read, order, padded, depth + 1)
         else:
             yield count // _BYTES.get(kind, 1)
             _skip(read, padded)
+    _skip(read, left)
 
 
 def _skip(read: Callable[[int], bytes], count: int) -> None:

@@ -11,7 +11,7 @@ import itertools
 import re
 import warnings
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -183,38 +183,32 @@ def _encoding(path: Path) -> str:
     return "utf-8-sig"
 
 
-class Clock:
-    """Turns the texts of a column, part by part, into seconds from its first one on."""
+def _clock(first: str) -> Callable[[pd.Series[str]], Array]:
+    """What turns the texts of a column, part by part, into seconds from its first one on; NaN for an empty cell."""
+    import pandas as pd  # slow to import
 
-    def __init__(self, first: str) -> None:
-        self.points = bool(_POINT.fullmatch(first))
-        self.of_day = not self.points and "day" not in first
-        self.first = self._read([first])[0]
-        self.passed, self.last = 0.0, 0.0
+    kind, last, passed = _POINT if _POINT.fullmatch(first) else _SPAN, 0.0, 0.0
 
-    def seconds(self, cells: pd.Series[str]) -> Array:
-        """Seconds from the first text of the column on; NaN for an empty cell. Raises ValueError."""
-        import pandas as pd  # slow to import
-
-        spans = pd.TimedeltaIndex(self._read(cells) - self.first)
-        seconds = np.asarray(spans.total_seconds(), dtype=np.float64)
-        if self.of_day and seconds.size:
-            back = np.diff(seconds, prepend=self.last) < -0.5 * _DAY
-            self.last = float(seconds[-1])
-            seconds = seconds + self.passed + _DAY * np.cumsum(back)
-            self.passed += _DAY * float(np.count_nonzero(back))
-        return seconds
-
-    def _read(self, cells: pd.Series[str] | list[str]) -> pd.DatetimeIndex | pd.TimedeltaIndex:
-        import pandas as pd  # slow to import
-
+    def read(cells: pd.Series[str] | list[str]) -> pd.DatetimeIndex | pd.TimedeltaIndex:
         texts = pd.Index(cells).str.replace(",", ".").str.strip()
         # pandas takes many a text for a span
-        if not texts.dropna().str.fullmatch((_POINT if self.points else _SPAN).pattern).all():
+        if not texts.dropna().str.fullmatch(kind.pattern).all():
             raise ValueError("a cell is no time")
-        if self.points:
+        if kind is _POINT:
             return pd.DatetimeIndex(pd.to_datetime(texts, format="ISO8601", utc=True))
         return pd.TimedeltaIndex(pd.to_timedelta(texts))
+
+    def seconds(cells: pd.Series[str]) -> Array:
+        nonlocal last, passed
+        spans = pd.TimedeltaIndex(read(cells) - origin)
+        seconds = np.asarray(spans.total_seconds(), dtype=np.float64)
+        if kind is _SPAN and "day" not in first and seconds.size:  # midnight may pass
+            days = passed + _DAY * np.cumsum(np.diff(seconds, prepend=last) < -0.5 * _DAY)
+            last, passed, seconds = float(seconds[-1]), float(days[-1]), seconds + days
+        return seconds
+
+    origin = read([first])[0]
+    return seconds
 
 
 _AT_ONCE = 4_000_000  # cells that are parsed at once, wanted or not
@@ -301,7 +295,7 @@ class TextFile(RecordFile):
         stamped = [i for i in wanted if self.channels[i].stamps]
         try:
             _, first = next(self._rows()) if stamped else (0, [])
-            seconds = {i: Clock(first[i]).seconds for i in stamped}
+            seconds = {i: _clock(first[i]) for i in stamped}
             with (
                 _bounded(self.path, self.encoding) as stream,
                 pd.read_csv(
