@@ -12,7 +12,6 @@ import sys
 import tracemalloc
 import warnings
 import xml.dom.minidom
-import zipfile
 import zlib
 
 import h5py
@@ -36,6 +35,7 @@ from dampbalance.records.readers import channels, open_channels, read
 from dampbalance.records.synthetic import measured_orbit
 from paper_case import PAPER
 from processes import run
+from unit.records.workbooks import packed, row, xlsx
 
 RATE = 500.0
 NAMES = ("time_s", "base_displacement_m", "displacement_m")
@@ -470,58 +470,43 @@ def test_hdf5_that_leaves_its_file_or_all_bounds(fill, message, tmp_path):
 
 # Spreadsheets
 
-OFFICE = "http://schemas.openxmlformats.org/officeDocument/2006/relationships"
-OASIS = "urn:oasis:names:tc:opendocument:xmlns"
-OPEN = (
-    "xl/worksheets/sheet1.xml",
-    '<worksheet><dimension ref="A1:B2"/><sheetData>{}</sheetData></worksheet>',
-    {
-        "xl/workbook.xml": f'<workbook xmlns:r="{OFFICE}"><sheets><sheet name="a" sheetId="1" r:id="r1"/></sheets>'
-        "</workbook>",
-        "xl/_rels/workbook.xml.rels": '<Relationships><Relationship Id="r1" '
-        f'Type="{OFFICE}/worksheet" Target="worksheets/sheet1.xml"/></Relationships>',
-        "_rels/.rels": f'<Relationships><Relationship Id="r1" Type="{OFFICE}/officeDocument" '
-        'Target="xl/workbook.xml"/></Relationships>',
-    },
-)
-ODF = (
-    "content.xml",
-    f'<office:document-content xmlns:office="{OASIS}:office:1.0" xmlns:table="{OASIS}:table:1.0" '
-    f'xmlns:text="{OASIS}:text:1.0"><office:body><office:spreadsheet><table:table table:name="a">{{}}</table:table>'
-    "</office:spreadsheet></office:body></office:document-content>",
-    {
-        "mimetype": "application/vnd.oasis.opendocument.spreadsheet",
-        "META-INF/manifest.xml": f'<manifest:manifest xmlns:manifest="{OASIS}:manifest:1.0"/>',
-    },
-)
-ROW = '<row r="{}"><c r="{}"><v>1</v></c></row>'
-ODF_ROW = '<table:table-row {}><table:table-cell office:value-type="{}"{}/></table:table-row>'
+ONE = '<row r="{}"><c r="{}"><v>1</v></c></row>'
 SHEETS = {
-    "the last cell.xlsx": (OPEN, [ROW.format(1, "A1") + ROW.format(1048576, "XFD1048576")], "takes more memory"),
-    "a row of 115 million.xlsx": (OPEN, [ROW.format(1, "A1") + ROW.format(7000, "XFD7000")], "takes more memory"),
-    "columns.ods": (ODF, [ODF_ROW.format("", 'float" office:value="1', ' table:number-columns-repeated="90000000"')],
-                    "channels, more than"),
-    "long text.ods": (ODF, [ODF_ROW.format("", f'string" office:string-value="{"x" * 10**6}',
-                                           ' table:number-columns-repeated="10000"')], "takes more memory"),
+    "the last cell.xlsx": ([ONE.format(1, "A1"), ONE.format(1048576, "XFD1048576")], "takes more memory"),
+    "a row of 115 million.xlsx": ([ONE.format(1, "A1"), ONE.format(7000, "XFD7000")], "takes more memory"),
+    "columns.ods": (['float" office:value="1" table:number-columns-repeated="90000000'], "channels, more than"),
+    "long text.ods": (['string" office:string-value="', *["x" * 10**6], '" table:number-columns-repeated="10000'],
+                      "takes more memory"),
 }  # fmt: skip
 
 
-def write_sheet(path, kind, parts):
-    part, around, others = kind
-    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as file:
-        for name, text in others.items():
-            file.writestr(name, text)
-        head, tail = around.split("{}")
-        with file.open(part, "w") as stream:
-            for text in (head, *parts, tail):
-                stream.write(text.encode())
+def ods(path, cell):
+    """A sheet of one cell, given from its type on."""
+    oasis = "urn:oasis:names:tc:opendocument:xmlns"
+    names = " ".join(f'xmlns:{n}="{oasis}:{n}:1.0"' for n in ("office", "table", "text"))
+    content = (
+        f'<office:document-content {names}><office:body><office:spreadsheet><table:table table:name="a">'
+        '<table:table-row ><table:table-cell office:value-type="',
+        *cell,
+        '"/></table:table-row></table:table></office:spreadsheet></office:body></office:document-content>',
+    )
+    packed(
+        path,
+        {
+            "content.xml": content,
+            "mimetype": ["application/vnd.oasis.opendocument.spreadsheet"],
+            "META-INF/manifest.xml": [
+                f'<manifest:manifest xmlns:manifest="{oasis}:manifest:1.0"/>'
+            ],
+        },
+    )
 
 
 @pytest.mark.parametrize("name", SHEETS)
 def test_a_spreadsheet_takes_no_more_memory_than_it_explains(name, tmp_path):
-    kind, parts, message = SHEETS[name]
+    parts, message = SHEETS[name]
     path = tmp_path / name
-    write_sheet(path, kind, parts)
+    (xlsx if path.suffix == ".xlsx" else ods)(path, parts)
     code = (
         "import re, resource, sys\n"
         "from pathlib import Path\n"
@@ -540,7 +525,7 @@ def test_a_spreadsheet_takes_no_more_memory_than_it_explains(name, tmp_path):
 
 def test_a_spreadsheet_that_unpacks_to_much_is_not_unpacked(tmp_path):
     path = tmp_path / "bad.xlsx"
-    write_sheet(path, OPEN, ["<row><c/></row>" * 10_000] * 20)
+    xlsx(path, ["<row><c/></row>" * 10_000] * 20)
     refused(path, r"holds 3,000,\d+ bytes, unpacked, .*--largest", largest=300_000)
     refused(path, "no sheet holds rows of at least two numbers")
 
@@ -548,12 +533,7 @@ def test_a_spreadsheet_that_unpacks_to_much_is_not_unpacked(tmp_path):
 def test_the_limit_of_a_spreadsheet_can_be_raised(tmp_path):
     path = tmp_path / "run.xlsx"
     t, y, x = np.arange(200) / RATE, *np.random.default_rng(1).standard_normal((2, 200))
-    names = "".join(f'<c t="str"><v>{name}</v></c>' for name in NAMES)
-    rows = [
-        f"<row>{''.join(f'<c><v>{v!r}</v></c>' for v in row)}</row>"
-        for row in np.column_stack([t, y, x]).tolist()
-    ]
-    write_sheet(path, OPEN, [f"<row>{names}</row>", *rows])
+    xlsx(path, map(row, [NAMES, *np.column_stack([t, y, x]).tolist()]))
     np.testing.assert_array_equal(read(path)["displacement"].values, x)
     most = 3 * (t.size + 1)
     assert read(path, largest=16 * most)
@@ -565,15 +545,9 @@ def test_the_limit_of_a_spreadsheet_can_be_raised(tmp_path):
 def test_cells_that_do_not_begin_in_the_first_column(tmp_path):
     path = tmp_path / "run.xlsx"
     values = np.random.default_rng(1).standard_normal((200, 2)).tolist()
-    table = [NAMES, *((i / RATE, *row) for i, row in enumerate(values))]
-    rows = []
-    for i, row in enumerate(table, start=3):
-        cells = zip("CDE", row, strict=True)
-        kind = ' t="str"' * (i == 3)
-        line = "".join(f'<c r="{at}{i}"{kind}><v>{value}</v></c>' for at, value in cells)
-        rows.append(f'<row r="{i}">{line}</row>')
-    write_sheet(path, OPEN, rows)
-    assert read(path)["displacement"].values.tolist() == [row[1] for row in values]
+    table = [NAMES, *((i / RATE, *pair) for i, pair in enumerate(values))]
+    xlsx(path, [row(cells, "CDE", i) for i, cells in enumerate(table, start=3)])
+    assert read(path)["displacement"].values.tolist() == [pair[1] for pair in values]
 
 
 # Text and mappings
