@@ -260,14 +260,11 @@ def test_results_are_not_overwritten_unasked(tmp_path, capsys):
     assert list(json.loads(document.read_text(encoding="utf-8"))["approaches"]) == ["fourier"]
 
 
-@pytest.mark.parametrize(
-    "name", ["a.csv", "a.tsv", "a.parquet", "a.mat", "a.h5", "a.uff", "a.tdms", "a.wav"]
-)
-def test_simulated_records_come_back_in_every_format(name, tmp_path):
-    path = tmp_path / name
-    assert simulate(path, *SMALL) == 0
-    assert simulate(tmp_path / "plain.csv", *SMALL) == 0
-    found, plain = read(path), read(tmp_path / "plain.csv")
+@pytest.mark.parametrize("suffix", ["tsv", "parquet", "mat", "h5", "uff", "tdms", "wav"])
+def test_simulated_records_come_back_in_every_format(suffix, tmp_path):
+    for name in (f"a.{suffix}", "plain.csv"):
+        assert simulate(tmp_path / name, *SMALL) == 0
+    found, plain = read(tmp_path / f"a.{suffix}"), read(tmp_path / "plain.csv")
     for quantity in ("base_displacement", "displacement"):
         np.testing.assert_allclose(found[quantity].values, plain[quantity].values, rtol=1e-12)
         np.testing.assert_allclose(found[quantity].t, plain[quantity].t, rtol=1e-12)
@@ -423,11 +420,9 @@ WRONG = {
 def test_a_record_that_cannot_be_used_is_one_clear_error(name, tmp_path, capsys):
     change, message = WRONG[name]
     output = tmp_path / "out"
-    code = main(["identify", *spoiled(tmp_path / "in", change), *COMMON, "--output", str(output)])
+    assert code_of("identify", *spoiled(tmp_path / "in", change), *COMMON, "--output", output) == 2
     said = capsys.readouterr()
-    assert code == 2
     assert said.err.startswith("dampbalance identify: error: ")
-    assert "Traceback" not in said.err
     assert said.out == ""
     assert message in said.err
     assert not output.exists()
@@ -488,15 +483,6 @@ ONE, TWO = RECORDS[0], [*RECORDS[:2], *COMMON]
 def test_wrong_options_records_and_contradictions_are_refused(arguments, message, capsys):
     assert code_of("identify", *arguments) == 2
     assert message in capsys.readouterr().err
-
-
-@pytest.mark.parametrize(
-    ("name", "content"), [("a.mat", b"time,x\n0,1\n"), ("b.parquet", b"PAR1"), ("c.wav", b"RIFF")]
-)
-def test_a_file_that_is_not_what_its_name_says(tmp_path, capsys, name, content):
-    (tmp_path / name).write_bytes(content)
-    assert main(["identify", str(tmp_path / name), RECORDS[1], *COMMON]) == 2
-    assert name in capsys.readouterr().err
 
 
 def test_large_files_are_read_in_blocks_with_the_same_result(monkeypatch):

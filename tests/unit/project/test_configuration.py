@@ -14,7 +14,7 @@ from dampbalance.model import Oscillator
 from dampbalance.project.case import NOT_GIVEN, Case, check, excerpt, require_own_case
 from dampbalance.project.documents import ConfigurationError
 from folders import ROOT
-from schemas import values
+from schemas import SCHEMAS, values
 
 FILE = ROOT / "config/config.yaml"
 SCHEMA = ROOT / "workflow/schemas/config.schema.yaml"
@@ -124,9 +124,8 @@ def test_broken_yaml_is_reported_with_its_file(config, tmp_path):
     assert str(file) in problem(config, [file])
 
 
-def test_every_key_is_described():
-    schema = yaml.safe_load(SCHEMA.read_text(encoding="utf-8"))
-
+@pytest.mark.parametrize("name", ["config", "mapping"])
+def test_every_key_is_described(name):
     def walk(node, name):
         for key, child in node.get("properties", {}).items():
             assert child.get("description"), f"{key} has no description in the schema"
@@ -134,7 +133,7 @@ def test_every_key_is_described():
         if node.get("properties"):
             assert node["additionalProperties"] is False, f"{name} would take unknown keys"
 
-    walk(schema, "top level")
+    walk(yaml.safe_load((ROOT / SCHEMAS[name]).read_text(encoding="utf-8")), "top level")
 
 
 # Beside these, what a study sets and draws is bounded in `studies.parameters`, and positions by what there is.
