@@ -88,9 +88,7 @@ def find_mapping(record: str | Path) -> Path | None:
 
 def mapping_for(record: str | Path, mapping: MappingLike = None) -> RecordMapping:
     """The mapping given (itself, as a document or as a file), else the one beside the record, else an empty one.
-
-    Raises RecordError naming file, key and remedy.
-    """
+    Raises RecordError naming file, key and remedy."""
     if isinstance(mapping, RecordMapping | Mapping):
         return mapping if isinstance(mapping, RecordMapping) else mapping_from(mapping)
     if mapping is not None:

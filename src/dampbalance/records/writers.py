@@ -118,9 +118,7 @@ def _write_hdf5(path: Path, measurement: Measurement) -> None:
 
 def _write_uff(path: Path, measurement: Measurement) -> None:
     """Binary data sets 58. The header has five decimals for the step: where these are too few, every time is stored.
-
-    Put together here: pyuff, which reads them, writes a wrong number of bytes where times are stored, and is slow.
-    """
+    Put together here: pyuff, which reads them, writes a wrong number of bytes where times are stored, and is slow."""
     sets = []
     for number, channel in enumerate(_channels(measurement), start=1):
         quantity = channel.quantity

@@ -73,10 +73,8 @@ def read_signals(
 
 
 def stated_numbers(path: str | Path, mapping: MappingLike = None, largest: int = LARGEST) -> int:
-    """How many numbers (samples × channels) a file says its measurement has: about, for text.
-
-    0 for what is read whole when it is opened. Raises RecordError as `read`.
-    """
+    """How many numbers (samples × channels) a file says its measurement has: about, for text. 0 for what is read whole
+    when it is opened. Raises RecordError as `read`."""
     files = _files(*_named(path, mapping), largest, skipped=_READ_WHOLE)
     return sum(stated_size(file, picks, file.rows_stated) for file, picks in files)
 

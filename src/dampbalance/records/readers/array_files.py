@@ -142,10 +142,8 @@ def _attributes(item: Any) -> dict[str, object]:
 
 
 def matlab_file(path: Path, largest: int) -> RecordFile:
-    """A MATLAB 5 file: every real array in it is a channel, a field of a structure by "structure.field".
-
-    Raises RecordError when it holds more numbers than may be read whole, a quarter of `largest`.
-    """
+    """A MATLAB 5 file: every real array in it is a channel, a field of a structure by "structure.field". Raises
+    RecordError when it holds more numbers than may be read whole, a quarter of `largest`."""
     from scipy.io import whosmat  # slow to import
 
     reader = library("pymatreader", "MATLAB")
@@ -187,10 +185,8 @@ def _require_readable(path: Path, most: int) -> None:
 
 
 def _counts(read: Callable[[int], bytes], order: str, left: int, depth: int = 1) -> Iterator[int]:
-    """How many numbers each part of an array of `left` bytes says it has, before they are read.
-
-    Raises ValueError for parts that do not fit into what holds them.
-    """
+    """How many numbers each part of an array of `left` bytes says it has, before they are read. Raises ValueError for
+    parts that do not fit into what holds them."""
     if depth > _DEEPEST:
         raise ValueError(f"arrays more than {_DEEPEST} deep")
     while left >= 8:

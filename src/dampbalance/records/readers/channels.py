@@ -196,10 +196,8 @@ def picks_of(file: RecordFile, mapping: RecordMapping, *, entire: bool = True) -
 
 
 def suggested_mapping(file: RecordFile, mapping: RecordMapping) -> str:
-    """A mapping in YAML for a file whose mapping, so far, names no channels: each line with its reason.
-
-    Raises RecordError where the mapping names channels already, or the file has no response.
-    """
+    """A mapping in YAML for a file whose mapping, so far, names no channels: each line with its reason. Raises
+    RecordError where the mapping names channels already, or the file has no response."""
     plan = _Plan(file, mapping)
     if mapping.channels:
         raise RecordError(f"{mapping.source} names the channels of {file.path} already")
@@ -279,10 +277,8 @@ class _Plan:
         return next(iter(named or before[-1:] or times), None)
 
     def warn_of_unused(self, picks: Sequence[Pick]) -> None:
-        """Warn of signals as long as those read that no name told apart.
-
-        A mapping that names channels leaves the others out on purpose.
-        """
+        """Warn of signals as long as those read that no name told apart. A mapping that names channels leaves the
+        others out on purpose."""
         sizes = {self.channels[pick.index].size for pick in picks}
         used = {i for pick in picks for i in (pick.index, pick.time)}
         if names := [

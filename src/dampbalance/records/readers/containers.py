@@ -86,10 +86,8 @@ class ParquetFile(RecordFile):
 
 
 def uff_file(path: Path, largest: int) -> RecordFile:
-    """A universal file: its time responses, data sets 58, with even or uneven abscissa, in text or binary.
-
-    A channel is called by its ordinate's label, else by its first ID line, else by what the data type says.
-    """
+    """A universal file: its time responses, data sets 58, with even or uneven abscissa, in text or binary. A channel
+    is called by its ordinate's label, else by its first ID line, else by what the data type says."""
     pyuff = library("pyuff", "a universal file")
     require_bytes(path, "a universal file", largest)
     channels, arrays = [], []

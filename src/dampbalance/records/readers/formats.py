@@ -79,10 +79,8 @@ def require_showable(path: Path) -> None:
 
 
 def checked_format(path: Path) -> str:
-    """The content (`content_of`) of a regular file that is there, not empty, and what its name says it is.
-
-    Raises RecordError otherwise.
-    """
+    """The content (`content_of`) of a regular file that is there, not empty, and what its name says it is. Raises
+    RecordError otherwise."""
     require_showable(path)
     try:
         if path.is_dir():

@@ -151,9 +151,7 @@ def signals_in(
     close: Callable[[], None] = lambda: None,
 ) -> Sliced:
     """The signals in arrays (name, array, attributes, unit): each array itself, or its rows or columns if it has two.
-
-    A signal runs along the longer side.
-    """
+    A signal runs along the longer side."""
     channels: list[RawChannel] = []
     signals = []
     for name, data, attributes, unit in arrays:

@@ -34,10 +34,8 @@ _SECONDS, _SPEED = 30, 2_000_000  # of processor time, and bytes read in a secon
 
 
 def spreadsheet_file(path: Path, largest: int) -> RecordFile:
-    """A spreadsheet: the columns of its first sheet that holds rows of at least two numbers.
-
-    Names and units stand above the first such row, as in a text file; points in time are read as s from the first on.
-    """
+    """A spreadsheet: the columns of its first sheet that holds rows of at least two numbers. Names and units stand
+    above the first such row, as in a text file; points in time are read as s from the first on."""
     library("python_calamine", "a spreadsheet")
     most = largest // _PART
     rows: list[Sequence[Any]] = []

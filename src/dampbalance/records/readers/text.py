@@ -102,10 +102,8 @@ def _first_row(
 
 
 def _header_table(lines: Sequence[str], delimiter: str, width: int, most: int) -> list[list[str]]:
-    """The cells of each line of a header; where blanks separate them, of the lines with as many as the rows.
-
-    Without those above cells that are empty in every row, and LabVIEW's column of comments, which rows may lack.
-    """
+    """The cells of each line of a header; where blanks separate them, of the lines with as many as the rows. Without
+    those above cells that are empty in every row, and LabVIEW's column of comments, which rows may lack."""
     table = []
     for line in lines:
         bare = line.strip()
@@ -216,10 +214,8 @@ _SMALL = 4_000_000  # bytes of a file that NumPy parses in less time than pandas
 
 
 class TextFile(RecordFile):
-    """A delimited text file: its layout follows from its first lines and from what the mapping says about it.
-
-    Raises RecordError when there are no rows of numbers, only one column, or a header that does not fit the rows.
-    """
+    """A delimited text file: its layout follows from its first lines and from what the mapping says about it. Raises
+    RecordError when there are no rows of numbers, only one column, or a header that does not fit the rows."""
 
     def __init__(self, path: Path, mapping: RecordMapping) -> None:
         self.path, self.encoding = path, _encoding(path)
@@ -274,10 +270,8 @@ class TextFile(RecordFile):
                 yield number, cells
 
     def blocks(self, wanted: Sequence[int], size: int) -> Iterator[list[Array]]:
-        """The wanted columns, `size` rows at a time or fewer; an empty cell is NaN.
-
-        Raises RecordError naming line and column for a cell that is no number and a row that has too many or too few.
-        """
+        """The wanted columns, `size` rows at a time or fewer; an empty cell is NaN. Raises RecordError naming line and
+        column for a cell that is no number and a row that has too many or too few."""
         with open(self.path, "rb") as file:
             file.seek(max(0, self.path.stat().st_size - 4))
             ended = file.read().replace(b"\x00", b"").endswith((b"\n", b"\r"))
