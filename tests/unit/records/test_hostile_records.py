@@ -6,7 +6,6 @@ import json
 import os
 import random
 import re
-import signal
 import struct
 import sys
 import tracemalloc
@@ -34,7 +33,7 @@ from dampbalance.records.measured import read_records
 from dampbalance.records.readers import channels, open_channels, read
 from dampbalance.records.synthetic import measured_orbit
 from paper_case import PAPER
-from processes import run
+from processes import in_time, run
 from unit.records.workbooks import packed, row, xlsx
 
 RATE = 500.0
@@ -49,16 +48,8 @@ CHANNELS = {
 
 @pytest.fixture(autouse=True)
 def _no_hang():
-    """What waits for ever fails. Nothing here takes a tenth of that."""
-
-    def stop(*_):
-        raise AssertionError("still at it after two minutes")
-
-    before = signal.signal(signal.SIGALRM, stop)
-    signal.alarm(120)
-    yield
-    signal.alarm(0)
-    signal.signal(signal.SIGALRM, before)
+    with in_time(120):  # nothing here takes a tenth of that
+        yield
 
 
 @pytest.fixture(autouse=True)
@@ -78,13 +69,12 @@ def signals(Y=0.004, seed=1):
 @pytest.fixture(scope="module")
 def sound(tmp_path_factory):
     """A sound record at another level, to go with the hostile one."""
-    path = tmp_path_factory.mktemp("sound") / "sound.csv"
-    write(path, *signals(0.009, seed=2))
+    path = write(tmp_path_factory.mktemp("sound") / "sound.csv", *signals(0.009, seed=2))
     return str(path)
 
 
 def write(path, *columns, names=NAMES):
-    """Columns by their names, in the format of the suffix; in a WAV, without times."""
+    """Write columns by their names, in the format of the suffix; in a WAV, without times. Gives the path."""
     arrays = dict(zip(names, columns, strict=True))
     match path.suffix:
         case ".csv":
@@ -104,6 +94,7 @@ def write(path, *columns, names=NAMES):
         case ".wav":
             wavfile.write(path, int(RATE), np.stack(columns[1:], axis=1))
             path.with_name(f"{path.name}.yaml").write_text(json.dumps({"channels": CHANNELS}))
+    return path
 
 
 FORMATS = ("csv", "parquet", "mat", "h5", "tdms", "wav")
@@ -167,8 +158,7 @@ VALUES = {
 def test_values_that_no_rig_gives(name, suffix, tmp_path):
     change, message = VALUES[name]
     t, y, x = signals()
-    path = tmp_path / f"bad.{suffix}"
-    write(path, t, *change(y, x))
+    path = write(tmp_path / f"bad.{suffix}", t, *change(y, x))
     refused(path, message)
     with pytest.raises(RecordError, match=message):
         [list(blocks()) for blocks in open_channels(path, block=500).values()]
@@ -180,8 +170,7 @@ def test_a_response_that_is_the_excitation(change, large, tmp_path, capsys, soun
     if large:
         monkeypatch.setattr(measured, "LARGE", 1000)
     t, y, _ = signals()
-    path = tmp_path / "bad.h5"
-    write(path, t, y, change(y))
+    path = write(tmp_path / "bad.h5", t, y, change(y))
     code, said = tried(tmp_path, capsys, path, sound)
     assert code == 2
     assert "displacement is base_displacement itself, times" in said
@@ -192,19 +181,17 @@ def test_a_response_that_is_the_excitation(change, large, tmp_path, capsys, soun
 @pytest.mark.parametrize("suffix", ["csv", "parquet", "mat", "h5", "tdms"])
 def test_an_integer_that_ran_over(dtype, scale, suffix, tmp_path):
     t, y, x = signals()
-    path = tmp_path / f"bad.{suffix}"
     counts = (scale * x).astype("i8")
     wrapped = counts.astype(dtype)
     assert not np.array_equal(counts, wrapped)
-    write(path, t, y, wrapped, names=(*NAMES[:2], "displacement_nm"))
+    path = write(tmp_path / f"bad.{suffix}", t, y, wrapped, names=(*NAMES[:2], "displacement_nm"))
     refused(path, f"an integer of {8 * wrapped.itemsize} bits ran over")
 
 
 def test_a_full_range_is_no_overflow(tmp_path):
     t, y, x = signals()
-    path = tmp_path / "run.h5"
     counts = np.round(32767 * x / np.abs(x).max()).astype("i2")
-    write(path, t, y, counts, names=(*NAMES[:2], "displacement_nm"))
+    path = write(tmp_path / "run.h5", t, y, counts, names=(*NAMES[:2], "displacement_nm"))
     np.testing.assert_array_equal(read(path)["displacement"].values, counts * 1e-9)
 
 
@@ -219,12 +206,8 @@ def test_truth_values_and_dates_are_no_signals(tmp_path):
         "tdms": [x > 0, micros.astype("datetime64[us]")],
     }.items():  # fmt: skip
         for column in values:
-            path = tmp_path / f"bad.{suffix}"
-            write(path, t, y, column)
-            wrong = (
-                "not numbers|holds points in time, no |is not a number|finds no response|texts are"
-            )
-            refused(path, wrong)
+            wrong = "not numbers|holds points in time|is not a number|finds no response|texts are"
+            refused(write(tmp_path / f"bad.{suffix}", t, y, column), wrong)
 
 
 # Times
@@ -243,15 +226,13 @@ def test_truth_values_and_dates_are_no_signals(tmp_path):
 )
 def test_times_that_no_recorder_has(change, message, suffix, tmp_path):
     t, y, x = signals()
-    path = tmp_path / f"bad.{suffix}"
-    write(path, change(t), y, x)
+    path = write(tmp_path / f"bad.{suffix}", change(t), y, x)
     refused(path, message)
 
 
 @pytest.mark.parametrize("step", [0.0, -1e-3, 1e-300, 1e300, np.nan, np.inf, "often", 1 + 2j, True])
 def test_steps_that_no_recorder_has(step, tmp_path):
-    path = tmp_path / "bad.h5"
-    write(path, *signals()[1:], names=NAMES[1:])
+    path = write(tmp_path / "bad.h5", *signals()[1:], names=NAMES[1:])
     with h5py.File(path, "a") as file:
         file.attrs["dt"] = step
     refused(path, "dt of channel 'base_displacement_m' is")
@@ -291,8 +272,7 @@ def test_what_unpacks_to_more_than_it_may_is_refused_before(suffix, tmp_path):
 
 
 def test_more_than_the_usual_limit_is_read_on_request(tmp_path):
-    path = tmp_path / "run.h5"
-    write(path, *signals())
+    path = write(tmp_path / "run.h5", *signals())
     count = 3 * signals()[0].size
     assert read(path, largest=count)
     refused(path, f"{count:,} numbers, more than {count - 1:,}.*--largest {count}", largest=count - 1)  # fmt: skip
@@ -300,8 +280,7 @@ def test_more_than_the_usual_limit_is_read_on_request(tmp_path):
 
 
 def test_text_is_counted_as_it_comes(tmp_path):
-    path = tmp_path / "run.csv"
-    write(path, *signals())
+    path = write(tmp_path / "run.csv", *signals())
     blocks = open_channels(path, block=100, largest=500)["displacement"]()
     with pytest.raises(RecordError, match="more than 500"):
         list(blocks)
@@ -573,8 +552,7 @@ def test_text_that_is_no_record(name, tmp_path):
 
 
 def test_a_parser_is_not_given_a_line_without_end(tmp_path, monkeypatch):
-    path = tmp_path / "run.csv"
-    write(path, *signals())
+    path = write(tmp_path / "run.csv", *signals())
     assert read(path)
     monkeypatch.setattr("dampbalance.records.readers.text._SMALL", 0)  # as a large file is read
     monkeypatch.setattr("dampbalance.records.readers.text._WITHOUT_END", 0)
@@ -677,8 +655,7 @@ def test_one_record_is_one_level(way, tmp_path, capsys):
     elif way == "copy":
         other.write_bytes(path.read_bytes())
     else:
-        other = tmp_path / "b.mat"
-        write(other, *signals())
+        other = write(tmp_path / "b.mat", *signals())
     code, said = tried(tmp_path, capsys, path, other)
     assert code == 2
     assert "each record is one level" in said
@@ -687,8 +664,7 @@ def test_one_record_is_one_level(way, tmp_path, capsys):
 @pytest.mark.parametrize("seed", range(6))
 @pytest.mark.parametrize("suffix", FORMATS)
 def test_damage_is_refused_or_does_no_harm(suffix, seed, tmp_path, capsys, sound):
-    path = tmp_path / f"bad.{suffix}"
-    write(path, *signals())
+    path = write(tmp_path / f"bad.{suffix}", *signals())
     data, chance = bytearray(path.read_bytes()), random.Random(f"{suffix}{seed}")
     if seed < 2:
         data = data[: chance.randrange(len(data))]
@@ -797,8 +773,7 @@ def test_characters_that_act_are_spelt(name, tmp_path, capsys, sound):
 def test_results_stay_where_they_are_asked_for(name, tmp_path, capsys, sound):
     inner = tmp_path / "inner"
     inner.mkdir()
-    path = inner / "run.csv"
-    write(path, *signals())
+    path = write(inner / "run.csv", *signals())
     path.with_name("run.yaml").write_text(json.dumps({"level": name}))
     code, _ = tried(tmp_path, capsys, path, sound, "--output", inner / "out")
     assert code == 0
@@ -808,8 +783,7 @@ def test_results_stay_where_they_are_asked_for(name, tmp_path, capsys, sound):
 
 @pytest.mark.parametrize("mass", ["1e-12", "1e12"])
 def test_a_mass_that_cannot_be_is_refused(mass, tmp_path, capsys, sound):
-    path = tmp_path / "run.csv"
-    write(path, *signals())
+    path = write(tmp_path / "run.csv", *signals())
     code, said = tried(tmp_path, capsys, path, sound, "--mass", mass)
     assert code == 2
     assert "times in a cycle" in said
