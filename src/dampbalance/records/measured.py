@@ -28,9 +28,7 @@ if TYPE_CHECKING:
 
     RecordLike: TypeAlias = "str | Path | Signals | Measurement | MeasuredRecord"
 
-LARGE = (
-    256_000_000  # bytes of a file, packed or not, from which it is not taken into memory as a whole
-)
+LARGE = 256_000_000  # bytes of a file, packed or not; a larger one is not taken into memory
 
 
 @dataclass(frozen=True, eq=False, repr=False)
