@@ -199,11 +199,11 @@ def _clock(first: str) -> Callable[[pd.Series[str]], Array]:
     def seconds(cells: pd.Series[str]) -> Array:
         nonlocal last, passed
         spans = pd.TimedeltaIndex(read(cells) - origin)
-        seconds = np.asarray(spans.total_seconds(), dtype=np.float64)
-        if kind is _SPAN and "day" not in first and seconds.size:  # midnight may pass
-            days = passed + _DAY * np.cumsum(np.diff(seconds, prepend=last) < -0.5 * _DAY)
-            last, passed, seconds = float(seconds[-1]), float(days[-1]), seconds + days
-        return seconds
+        t = np.asarray(spans.total_seconds(), dtype=np.float64)
+        if kind is _SPAN and "day" not in first and t.size:  # midnight may pass
+            days = passed + _DAY * np.cumsum(np.diff(t, prepend=last) < -0.5 * _DAY)
+            last, passed, t = float(t[-1]), float(days[-1]), t + days
+        return t
 
     origin = read([first])[0]
     return seconds
