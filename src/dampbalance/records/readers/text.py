@@ -40,6 +40,7 @@ _BRACKETS = "[](){} "
 _MISSING = {"", "na", "n/a", "null", "none"} | {
     sign + word for sign in ("", "+", "-") for word in ("nan", "inf", "infinity")
 }
+# times: 2026-03-01T12:00:00.0005+01:00; 12:00:00,0005 of a day; 0 days 00:00:00.0005, as pandas writes a span
 _CLOCK = r"\d{1,2}:\d{2}(:\d{2}([.,]\d+)?)?"
 _POINT = re.compile(rf"\d{{4}}-\d{{2}}-\d{{2}}[T ]{_CLOCK} ?(Z|[+-]\d{{2}}(:?\d{{2}})?)?")
 _SPAN = re.compile(rf"(-?\d+ days? \+?)?{_CLOCK}")
