@@ -1,9 +1,13 @@
-"""Processes that tests start: `output_of` for one that must succeed, `run` for one that may fail, and git."""
+"""Processes that tests start: `output_of` for one that must succeed, `run` for one that may fail, and git; `in_time`
+for what must not hang."""
 
 from __future__ import annotations
 
 import os
+import signal
 import subprocess
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -41,6 +45,22 @@ def output_of(*command: str | Path, **options: Any) -> str:
     done = run(*command, **options)
     assert done.returncode == 0, done.stderr
     return done.stdout
+
+
+@contextmanager
+def in_time(seconds: int) -> Iterator[None]:
+    """What is still at it after so many seconds fails."""
+
+    def late(*_: Any) -> None:
+        raise AssertionError(f"still at it after {seconds} s")
+
+    before = signal.signal(signal.SIGALRM, late)
+    signal.alarm(seconds)
+    try:
+        yield
+    finally:
+        signal.alarm(0)
+        signal.signal(signal.SIGALRM, before)
 
 
 def git(folder: Path, *arguments: str) -> str:

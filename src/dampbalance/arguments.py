@@ -23,9 +23,7 @@ from .arrays import Array
 
 Kind = TypeVar("Kind")
 
-SMALLEST, LARGEST = 1e-30, 1e30
-"""SI units. Beyond them, products of a few numbers overflow, or vanish."""
-
+SMALLEST, LARGEST = 1e-30, 1e30  # SI units; beyond them, products of a few numbers overflow
 MOST_REPLICATES = 10_000
 """Of a bootstrap. More tell nothing new: the standard error of a standard error is 0.7 % of it then."""
 

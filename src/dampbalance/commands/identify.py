@@ -15,7 +15,7 @@ from ..features import Phase
 from ..identification.forced import REPLICATES, SEED
 from ..identification.outputs import ALL_PICTURES, OUTPUTS, REPORT, TABLES, require_room
 from ..law.terms import KNOWN_TERMS
-from ..project.files import json_text, replacing, write_json, write_text
+from ..project.files import json_text, replacing, write_text
 from ..project.wording import shortened
 from ..records.errors import LARGEST
 from .options import coefficients, count, number, whole, with_error
@@ -62,6 +62,11 @@ records         a file, one per level; as many as there are coefficients, or mor
 """
 
 _SCREEN = Path("-")
+_SETTINGS = (
+    *("kind", "mapping", "frequency", "mass", "terms", "laws", "approaches", "phase"),
+    *("skip_cycles", "replicates", "seed", "largest"),
+)
+"""What `identify` takes as it stands in the options."""
 
 
 def run(options: argparse.Namespace) -> None:
@@ -79,8 +84,7 @@ def run(options: argparse.Namespace) -> None:
     from ..identification.measured import identify  # slow to import, not needed for help
 
     folder: Path | None = options.output
-    shown_as_json = options.json == _SCREEN
-    document: Path | None = None if shown_as_json else options.json
+    document: Path | None = None if options.json == _SCREEN else options.json
     # before anything is computed
     permission = "" if options.overwrite else "--overwrite"
     if folder is not None:
@@ -90,27 +94,16 @@ def run(options: argparse.Namespace) -> None:
     result = identify(
         options.records,
         options.stiffness,
-        kind=options.kind,
-        mapping=options.mapping,
-        frequency=options.frequency,
-        skip_cycles=options.skip_cycles,
-        terms=options.terms,
         given=_once((one for some in options.given for one in some.items()), "--given"),
         groups=_once(options.groups, "--groups"),
-        laws=options.laws,
-        approaches=options.approach,
-        phase=options.phase,
-        mass=options.mass,
-        replicates=options.replicates,
-        seed=options.seed,
-        largest=options.largest,
+        **{name: getattr(options, name) for name in _SETTINGS},
     )
-    print(json_text(result.document()) if shown_as_json else result.text(), end="")
-    places = []
+    said = json_text(result.document())
+    print(said if options.json == _SCREEN else result.text(), end="")
+    places, drawn = [], ""
     if document is not None:
-        write_json(document, result.document())
+        write_text(document, said)
         places.append(str(document))
-    drawn = ""
     if folder is not None:
         files = result.save(folder, figures=not options.no_figures, overwrite=options.overwrite)
         places.append(f"{folder}: {', '.join(file.name for file in files)}")
@@ -119,8 +112,8 @@ def run(options: argparse.Namespace) -> None:
         write_text(options.report, drawn or result.report())
         places.append(str(options.report))
     if places:
-        said = f"\nWritten to {'; '.join(places)}."
-        print(said, file=sys.stderr if shown_as_json else sys.stdout)
+        stream = sys.stderr if options.json == _SCREEN else sys.stdout
+        print(f"\nWritten to {'; '.join(places)}.", file=stream)
 
 
 def _write_mapping(options: argparse.Namespace) -> None:
@@ -145,14 +138,11 @@ def _write_mapping(options: argparse.Namespace) -> None:
 
 def _run_sets(options: argparse.Namespace) -> None:
     """Identify several sets, and show their table; ValueError where one of them failed."""
-    from ..identification.batch import (
-        OVERVIEW,
-        identify_sets,
-    )  # slow to import, not needed for help
+    from ..identification.batch import OVERVIEW, identify_sets  # slow to import
 
     taken = ("--sets", "--output", "--overwrite", "--largest")
     for name, of in _OPTIONS.items():
-        given = getattr(options, name.strip("-").replace("-", "_"))
+        given = getattr(options, of.get("dest", name.strip("-").replace("-", "_")))
         if given and given != of.get("default") and name not in taken:
             raise ValueError(f"--sets takes all settings from its file: leave out {name}")
     if options.output is None:
@@ -195,7 +185,7 @@ _OPTIONS: dict[str, dict[str, Any]] = {
     "--given": {"type": coefficients, **_SEVERAL, "metavar": "TERM=VALUE"},
     "--groups": {"type": _labels, **_SEVERAL, "metavar": "TERM=LABELS"},
     "--laws": {"action": "store_true"},
-    "--approach": {"action": "append", "choices": list(APPROACHES)},
+    "--approach": {"action": "append", "choices": list(APPROACHES), "dest": "approaches"},
     "--phase": {"choices": get_args(Phase), "default": "reversal"},
     "--mass": {"type": number(), "metavar": "M"},
     "--write-mapping": {"type": Path, "metavar": "FILE"},

@@ -60,12 +60,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = parser(arguments).parse_args(arguments)
     try:
         options.run(options)
-    except (
-        ValueError,
-        ArithmeticError,
-        OSError,
-        MemoryError,
-    ) as error:  # RecordError is a ValueError
+    except (ValueError, ArithmeticError, OSError, MemoryError) as error:
         text = _NO_MEMORY if isinstance(error, MemoryError) else trouble(error) or str(error)
         shown = "\n".join(cut(visible(line), _LONGEST) for line in text.split("\n"))
         print(f"dampbalance {options.command}: error: {shown}", file=sys.stderr)

@@ -23,10 +23,9 @@ def quantity(
     default: float | None, words: str, low: float = SMALLEST, high: float = LARGEST, **more: Any
 ) -> dict[str, Any]:
     """An option with a number; without a default, the words say what stands for it."""
-    if default is None:
-        return {"type": number(low, high), "help": words, **more}
-    words = f"{words} (default: %(default)s)"
-    return {"type": number(low, high), "default": default, "help": words, **more}
+    if default is not None:
+        words, more["default"] = f"{words} (default: %(default)s)", default
+    return {"type": number(low, high), "help": words, **more}
 
 
 def with_error(text: str) -> tuple[float, float]:

@@ -33,11 +33,8 @@ c_r on that relative to the base, c_2 quadratic, c_3 cubic, eta structural, a lo
 """
 _MOST_SWINGS = 300_000  # a second or two of computing
 _MOST_SWINGS_OF_LAW = 3_000  # a minute or two
-DAMPING, FRICTION = 90.0, 1.28
-"""The paper's c, N s/m, and F_k, N."""
-
+DAMPING, FRICTION = 90.0, 1.28  # the paper's c, N s/m, and F_k, N
 _CHANNELS = ("base_displacement", "displacement")
-
 
 ARGUMENTS: dict[str, dict[str, Any]] = {
     "record": {"type": Path, "metavar": "FILE", "help": "its suffix names the format"},
@@ -98,9 +95,8 @@ def run(options: argparse.Namespace) -> None:
 def require_new(options: argparse.Namespace) -> None:
     """Raise ValueError where the record exists and may not be replaced."""
     if options.record.exists() and not options.overwrite:
-        raise ValueError(
-            f"{options.record} exists already: choose another name, or add --overwrite"
-        )
+        remedy = "choose another name, or add --overwrite"
+        raise ValueError(f"{options.record} exists already: {remedy}")
 
 
 def require_brief(
@@ -133,9 +129,7 @@ def oscillator(options: argparse.Namespace, law: dict[str, float]) -> Oscillator
         law.pop(symbol, default[symbol] if given[symbol] is None else given[symbol])
         for symbol in ("c", "F_k")
     )
-    return Oscillator(
-        m=options.mass, c=c, k=options.stiffness, K_z=options.contact_stiffness, F_k=F_k
-    )
+    return Oscillator(options.mass, c, options.stiffness, options.contact_stiffness, F_k)
 
 
 def _steady(osc: Oscillator, motion: BaseMotion, law: dict[str, float]) -> Orbit | LawOrbit:
@@ -148,12 +142,10 @@ def _steady(osc: Oscillator, motion: BaseMotion, law: dict[str, float]) -> Orbit
 
 
 def _rounded(measurement: Measurement, decimals: int) -> Measurement:
-    channels = [
-        Channel(q, measurement[q].t, np.round(measurement[q].values, decimals)) for q in measurement
-    ]
+    each = measurement.channels.values()
+    channels = [Channel(c.quantity, c.t, np.round(c.values, decimals)) for c in each]
     for channel in channels:
         if not np.ptp(channel.values) > 0.0:
-            raise RecordError(
-                f"{channel.quantity} is constant when rounded to {decimals} decimals: keep more of them"
-            )
+            rounded = f"constant when rounded to {decimals} decimals"
+            raise RecordError(f"{channel.quantity} is {rounded}: keep more of them")
     return Measurement.of(measurement.source, channels)

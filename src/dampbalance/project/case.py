@@ -23,13 +23,8 @@ from .documents import (
 
 NOT_GIVEN: Any = None
 
-_TAKEN = (
-    "paper",
-    "studies",
-    "archive",
-    "benchmarks",
-    "site",
-)  # folders of results that no other case can have
+# folders of results that no other case can have
+_TAKEN = ("paper", "studies", "archive", "benchmarks", "site")
 
 
 @dataclass(frozen=True)
@@ -118,13 +113,8 @@ def excerpt(
 
 
 def _oscillator(section: Mapping[str, float]) -> Oscillator:
-    return Oscillator(
-        m=section["m_kg"],
-        c=section["c_N_s_per_m"],
-        k=section["k_N_per_m"],
-        K_z=section["K_z_N_per_m"],
-        F_k=section["F_k_N"],
-    )
+    keys = ("m_kg", "c_N_s_per_m", "k_N_per_m", "K_z_N_per_m", "F_k_N")
+    return Oscillator(*(section[key] for key in keys))
 
 
 # Field of a case → section and key of the configuration, and what makes the one from the other.

@@ -43,7 +43,8 @@ def _imported_files(file: Path, changed: int, source: Path) -> frozenset[Path]:
         if isinstance(node, ast.Import):
             names.update(alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
-            base = _base(node, file, source)
+            package = ".".join(file.relative_to(source).parent.parts) if node.level else None
+            base = resolve_name("." * node.level + (node.module or ""), package)
             names.add(base)
             names.update(f"{base}.{alias.name}" for alias in node.names)
     files = set()
@@ -62,11 +63,3 @@ def _statements(node: ast.AST) -> Iterator[ast.AST]:
         for child in getattr(node, field, ()):
             yield child
             yield from _statements(child)
-
-
-def _base(node: ast.ImportFrom, file: Path, source: Path) -> str:
-    """The absolute name of the module that an import statement takes from."""
-    if node.level == 0:
-        return node.module or ""
-    package = ".".join(file.relative_to(source).parent.parts)
-    return resolve_name("." * node.level + (node.module or ""), package)

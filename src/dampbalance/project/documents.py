@@ -24,18 +24,10 @@ from ..law.terms import KNOWN_TERMS
 from .wording import cut, shortened
 
 Key = tuple[str | int, ...]
-Problem = tuple[Key, str]
-"""A key, and what is wrong with it and what would be right."""
-
-MOST_BYTES = 1_000_000
-"""Size of the largest file that is read; the longest one of the project has 20 kB."""
-
-MOST_VALUES = 20_000
-"""Keys and values in a file, those that aliases repeat counted as often as they stand for them."""
-
-DEEPEST = 20
-"""Lists and mappings inside each other; the schemas go down to seven."""
-
+Problem = tuple[Key, str]  # a key, and what is wrong with it and what would be right
+MOST_BYTES = 1_000_000  # of a file that is read; the longest one of the project has 20 kB
+MOST_VALUES = 20_000  # keys and values in a file, those that aliases repeat counted each time
+DEEPEST = 20  # lists and mappings inside each other; the schemas go down to seven
 _LARGEST = 2**63 - 1  # what an integer of the arrays holds
 _LINE, _KEY = 300, 40  # characters of a message, and of a key in it
 _MESSAGES = 20  # of a file that is wrong all over
@@ -47,7 +39,7 @@ class ConfigurationError(ValueError):
 
 
 @dataclass(frozen=True)
-class Section:
+class SectionOfFile:
     """A configuration that is part of a file, as that which another workflow gives to this one as a module.
 
     file : in which it stands.   key : of it there; None where the file is no YAML but a Snakefile.
@@ -61,11 +53,12 @@ class Section:
         return self.file
 
 
-Source = str | Path | Section
-"""Where a configuration stands."""
+Source = str | Path | SectionOfFile  # where a configuration stands
 
 
-def section_of(given: Mapping[str, Any], files: Sequence[str | Path], else_in: str) -> Section:
+def section_of(
+    given: Mapping[str, Any], files: Sequence[str | Path], else_in: str
+) -> SectionOfFile:
     """The section of the last of the YAML files in which a configuration, or some of it, stands; if there is none, the
     whole of the file `else_in`, which is no YAML."""
 
@@ -77,15 +70,17 @@ def section_of(given: Mapping[str, Any], files: Sequence[str | Path], else_in: s
         inside = (place(value, (*key, name)) for name, value in document.items())
         return next((key for key in inside if key is not None), None)
 
-    places = ((str(file), place(read_yaml(file), ())) for file in reversed(files))
-    held = ((file, key) for file, key in places if key is not None)
-    file, key = next(held, (else_in, None))
-    return Section(file, key, given)
+    for file in reversed(files):
+        if (key := place(read_yaml(file), ())) is not None:
+            return SectionOfFile(str(file), key, given)
+    return SectionOfFile(else_in, None, given)
 
 
 def documents_of(files: Iterable[Source]) -> dict[str, Any]:
     """What each file says, a section as itself."""
-    return {str(file): file if isinstance(file, Section) else read_yaml(file) for file in files}
+    return {
+        str(file): file if isinstance(file, SectionOfFile) else read_yaml(file) for file in files
+    }
 
 
 def refuse(key: Key, text: str, files: Iterable[Source]) -> NoReturn:
@@ -149,8 +144,8 @@ def _text(file: str | Path) -> str:
         reason = error.strerror or "unreadable"
         raise _unreadable(file, f"cannot be read ({reason}); name a YAML file") from None
     if len(data) > MOST_BYTES:
-        what = f"has more than {MOST_BYTES:,} bytes; give ranges instead of lists"
-        raise _unreadable(file, what)
+        much = f"more than {MOST_BYTES:,} bytes"
+        raise _unreadable(file, f"has {much}; give ranges instead of lists")
     try:
         return data.decode("utf-8")
     except UnicodeDecodeError as error:
@@ -226,10 +221,13 @@ def in_lines(problems: Iterable[Problem], documents: Mapping[str, Any]) -> str:
     listed, lines = list(problems), []
     tree = functools.cache(lambda file: _parsed(file)[1] if Path(file).is_file() else None)
     for key, text in listed[:_MESSAGES]:
-        file, depth = _origin(key, documents)
+        depths = {file: _depth(key, of) for file, of in documents.items()}
+        # the last file that sets the key, or the longest part of it that any file sets
+        file = max(reversed(depths), key=lambda file: depths[file], default="configuration")
         section = documents.get(file)
-        above = section.key if isinstance(section, Section) else ()
-        line = "" if above is None else _line_of((*above, *key[:depth]), tree(file))
+        above = section.key if isinstance(section, SectionOfFile) else ()
+        set_there = (*(above or ()), *key[: depths.get(file, 0)])
+        line = "" if above is None else _line_of(set_there, tree(file))
         place = f"{_file_name(file)}: {line}{_dotted((*(above or ()), *key))}"
         lines.append(_one_line(f"{place}: {text}"))
     if len(listed) > _MESSAGES:
@@ -254,9 +252,8 @@ def _explain(error: ValidationError) -> Iterable[Problem]:
             if name not in value:
                 described = schema["properties"][name].get("description", "").strip()
                 yield (*key, name), f"missing; {described}"
-    elif error.validator == "type" and _reads_as_number(value) and _of_numbers(wanted):
-        number = _yaml_number(value) if "e" in value.lower() else "it without quotes"
-        yield key, f"{shortened(value)} is text to YAML; write {number}. {meaning}"
+    elif error.validator == "type" and _of_numbers(wanted) and _as_number(value):
+        yield key, f"{shortened(value)} is text to YAML; write {_as_number(value)}. {meaning}"
     elif error.validator == "registered":
         yield key, error.message
     elif error.validator == "pattern":
@@ -270,18 +267,20 @@ def _nearest(name: object, keys: list[str]) -> str:
     return f" (did you mean {matches[0]}?)" if matches else ""
 
 
-def _reads_as_number(text: object) -> bool:
-    if not isinstance(text, str):
-        return False
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True
-
-
 def _of_numbers(wanted: str | list[str]) -> bool:
     return not {"number", "integer"}.isdisjoint([wanted] if isinstance(wanted, str) else wanted)
+
+
+def _as_number(text: object) -> str:
+    """How to write a number that is text to YAML, which wants a mantissa with a point, and an exponent with a sign;
+    nothing for what is no number."""
+    try:
+        float(text if isinstance(text, str) else "")
+    except ValueError:
+        return ""
+    mantissa, e, exponent = str(text).lower().partition("e")
+    point = mantissa if "." in mantissa else f"{mantissa}.0"
+    return f"{point}e{int(exponent):+d}" if e else "it without quotes"
 
 
 def _as_float(value: Any) -> Any:
@@ -289,13 +288,6 @@ def _as_float(value: Any) -> Any:
     if isinstance(value, list):
         return list(map(_as_float, value))
     return float(value) if type(value) is int else value
-
-
-def _yaml_number(text: str) -> str:
-    """The number as YAML reads it: a mantissa with a point, an exponent with a sign."""
-    mantissa, exponent = text.lower().split("e")
-    point = mantissa if "." in mantissa else f"{mantissa}.0"
-    return f"{point}e{int(exponent):+d}"
 
 
 def _not_finite(value: Any, key: Key = ()) -> Iterable[tuple[Key, float]]:
@@ -314,21 +306,15 @@ def _dotted(key: Key) -> str:
     return text.removeprefix(".") or "(top level)"
 
 
-def _origin(key: Key, documents: Mapping[str, Any]) -> tuple[str, int]:
-    """The last file that sets the key, or the longest part of it that any file sets, and the length of that part."""
-    best, depth = "configuration", 0
-    for file, document in documents.items():
-        document = document.document if isinstance(document, Section) else document
-        length = 0
-        for part in key:
-            try:
-                document = document[part]
-            except (KeyError, IndexError, TypeError):
-                break
-            length += 1
-        if length >= depth:
-            best, depth = file, length
-    return best, depth
+def _depth(key: Key, document: Any) -> int:
+    """How many parts of a key a document sets."""
+    held = document.document if isinstance(document, SectionOfFile) else document
+    for depth, part in enumerate(key):
+        try:
+            held = held[part]
+        except (KeyError, IndexError, TypeError):
+            return depth
+    return len(key)
 
 
 def _line_of(key: Key, node: yaml.Node | None) -> str:

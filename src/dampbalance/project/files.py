@@ -20,9 +20,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 
-ROUTES = ("exact", "as_published")
-"""The ways in which a case is computed, as their folders are named."""
-
+ROUTES = ("exact", "as_published")  # how a case is computed, as the folders are named
 SIGNIFICANT_DIGITS = 15
 """Of a float in a table: all that survive a round trip through decimal text. Exact responses have them on any
 processor that was tried, and what follows from two of them needs them."""
@@ -36,8 +34,7 @@ STATISTICAL_DIGITS = 6
 # What reads a table starts from equal numbers again; only one at a tie between two roundings may still differ. Orbits,
 # records and cases of studies (JSON, Parquet) keep every bit: too many for no tie to occur, or to be continued.
 
-UNFINISHED = ".~"
-"""How the name of a temporary file or folder begins."""
+UNFINISHED = ".~"  # how the name of a temporary file or folder begins
 
 
 @contextmanager
@@ -52,7 +49,8 @@ def replacing(path: str | Path) -> Iterator[Path]:
     temporary = Path(name)
     try:
         yield temporary
-        temporary.chmod(0o666 & ~_umask())
+        os.umask(mask := os.umask(0))
+        temporary.chmod(0o666 & ~mask)
         temporary.replace(path)
     finally:
         temporary.unlink(missing_ok=True)
@@ -106,10 +104,8 @@ def write_rows(path: str | Path, rows: Sequence[Mapping[str, object]]) -> None:
     """Write a table given as its rows, by column, as `write_csv` would, whose library takes longer to import than a
     small table to write."""
     out = io.StringIO()
-    table = csv.writer(out, lineterminator="\n")
-    table.writerow(rows[0])
-    for row in rows:
-        table.writerow([_digits(v) if isinstance(v, float) else v for v in row.values()])
+    cells = ([_digits(v) if isinstance(v, float) else v for v in row.values()] for row in rows)
+    csv.writer(out, lineterminator="\n").writerows([rows[0], *cells])
     write_text(path, out.getvalue())
 
 
@@ -155,9 +151,3 @@ def sha256(path: str | Path) -> str:
 
 def _digits(value: float, digits: int = SIGNIFICANT_DIGITS) -> str:
     return "" if math.isnan(value) else repr(float(f"{value:.{digits}g}"))
-
-
-def _umask() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask

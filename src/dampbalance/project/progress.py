@@ -19,9 +19,7 @@ Item = TypeVar("Item")
 FOLDER = "DAMPBALANCE_PROGRESS"
 """Environment variable: the folder in which jobs leave how long they still take, s, in files <rule>.<process>."""
 
-WIPE = "\r\x1b[K"
-"""What clears the line of a terminal, in which the cursor stands."""
-
+WIPE = "\r\x1b[K"  # what clears the line of a terminal, in which the cursor stands
 _PATIENCE = 2.0  # s, of whoever waits: what is done before says nothing
 _PAUSE = 0.2  # s, between two lines
 _at_work: list[str] = []  # what is counted, while something is

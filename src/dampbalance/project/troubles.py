@@ -12,9 +12,6 @@ from typing import TextIO
 
 from .progress import WIPE
 
-_FULL = (errno.ENOSPC, errno.EDQUOT)
-_CLOSED = (errno.EROFS, errno.EACCES, errno.EPERM)
-
 
 def trouble(error: BaseException) -> str | None:
     """One sentence on what the machine lacks and what to do about it; None for an error of any other kind."""
@@ -22,9 +19,9 @@ def trouble(error: BaseException) -> str | None:
         return "the memory does not suffice: use fewer processors (make CORES=1), or smaller chunks of a study"
     if isinstance(error, OSError):
         file = error.filename or "a file"
-        if error.errno in _FULL:
+        if error.errno in (errno.ENOSPC, errno.EDQUOT):
             return f"{file} cannot be written, as the disk is full: make room, then go on with the same command"
-        if error.errno in _CLOSED:
+        if error.errno in (errno.EROFS, errno.EACCES, errno.EPERM):
             return f"{file} cannot be written or read: give yourself the right to"
     return None
 

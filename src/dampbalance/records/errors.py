@@ -24,16 +24,12 @@ def library(name: str, purpose: str) -> Any:
     try:
         return importlib.import_module(name)
     except ImportError:
-        package = name.partition(".")[0]
-        raise RecordError(
-            f"{purpose} needs the package {package}, which is not installed: "
-            'pip install "dampbalance[records]"'
-        ) from None
+        missing = f"the package {name.partition('.')[0]}, which is not installed"
+        remedy = 'pip install "dampbalance[records]"'
+        raise RecordError(f"{purpose} needs {missing}: {remedy}") from None
 
 
-LARGEST = (
-    200_000_000  # numbers that are read of a record by default: samples × channels, with times
-)
+LARGEST = 200_000_000  # numbers that are read of a record: samples × channels, with times
 LARGEST_VALUE = 1e15  # SI unit of the quantity; no signal goes beyond it
 SMALLEST_RANGE = 1e-15  # SI unit of the quantity; a signal whose values lie closer together is none
 FINEST = 1e-10  # of the largest value: a range below it is rounding
@@ -46,7 +42,6 @@ LONGEST_NAME = 1000  # characters of a channel's name
 def require_size(path: object, numbers: int, largest: int) -> None:
     """RecordError for a record of more numbers than may be read."""
     if numbers > largest:
-        raise RecordError(
-            f"{path}: the channels read would be {numbers:,} numbers, more than {largest:,}; give a part of the record,"
-            f" or raise the limit (--largest {numbers})"
-        )
+        remedy = f"give a part of the record, or raise the limit (--largest {numbers})"
+        much = f"{numbers:,} numbers, more than {largest:,}"
+        raise RecordError(f"{path}: the channels read would be {much}; {remedy}")

@@ -29,11 +29,9 @@ SCHEMA = Path(__file__).with_name("mapping.schema.yaml")
 FOLDER_FILE = "channels.yaml"
 
 _FILTERS = ("low_pass", "high_pass")
-_UNCERTAIN = ("gain_uncertainty", "delay_uncertainty")
-_CORRECTED = ("delay", "gain", *_FILTERS, *_UNCERTAIN)
+_CORRECTED = {"gain", "delay", *_FILTERS, "gain_uncertainty", "delay_uncertainty"}
 
-Which = str | int
-"""A channel by its name, or by its number counted from 1."""
+Which = str | int  # a channel by its name, or by its number counted from 1
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,13 +88,9 @@ def find_mapping(record: str | Path) -> Path | None:
 
 def mapping_for(record: str | Path, mapping: MappingLike = None) -> RecordMapping:
     """The mapping given (itself, as a document or as a file), else the one beside the record, else an empty one.
-
-    Raises RecordError naming file, key and remedy.
-    """
-    if isinstance(mapping, RecordMapping):
-        return mapping
-    if isinstance(mapping, Mapping):
-        return mapping_from(mapping)
+    Raises RecordError naming file, key and remedy."""
+    if isinstance(mapping, RecordMapping | Mapping):
+        return mapping if isinstance(mapping, RecordMapping) else mapping_from(mapping)
     if mapping is not None:
         path("mapping", mapping, "what the channels hold, or the path of a file that says it")
     file = mapping_file(record, mapping)
@@ -164,7 +158,7 @@ def _rule(stated: Mapping[str, Any]) -> ChannelRule:
         return ChannelRule(**plain)
     low, high = (tuple(_poles(stated.get(key, {}))) for key in _FILTERS)
     gain, delay = float(stated.get("gain", 1.0)), _seconds(stated.get("delay", 0.0))
-    errors = (_seconds(stated.get(key, 0.0)) for key in _UNCERTAIN)
+    errors = (_seconds(stated.get(f"{key}_uncertainty", 0.0)) for key in ("gain", "delay"))
     return ChannelRule(**plain, correction=Correction(gain, delay, low, high, *errors))
 
 

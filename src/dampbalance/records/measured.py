@@ -7,7 +7,6 @@ import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -18,10 +17,9 @@ from ..project.files import sha256
 from ..project.wording import Remark, listed, visible
 from .errors import LARGEST, RecordError, RecordWarning
 from .mapping import MappingLike, RecordMapping, mapping_file, mapping_for, parts_of
-from .measurement import EXCITATIONS, Measurement
+from .measurement import EXCITATIONS, Measurement, mean_rate
 from .readers import open_channels, read, read_signals, stated_numbers
 from .readers.record_file import is_table
-from .readers.times import mean_rate
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -30,9 +28,7 @@ if TYPE_CHECKING:
 
     RecordLike: TypeAlias = "str | Path | Signals | Measurement | MeasuredRecord"
 
-LARGE = (
-    256_000_000  # bytes of a file, packed or not, from which it is not taken into memory as a whole
-)
+LARGE = 256_000_000  # bytes of a file, packed or not; a larger one is not taken into memory
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -72,9 +68,8 @@ class MeasuredRecord:
         channels = [self.whole()[quantity] for quantity in self.quantities]
         t = channels[0].t
         if not all(np.array_equal(c.t, t) for c in channels):
-            raise ValueError(
-                f"{self.name}: its channels have times of their own; take each from its measurement"
-            )
+            remedy = "take each from its measurement"
+            raise ValueError(f"{self.name}: its channels have times of their own; {remedy}")
         columns = {column_name(c.quantity): c.values for c in channels}
         return pd.DataFrame(columns, index=pd.Index(t, name="time_s"))
 
@@ -131,16 +126,14 @@ def read_records(
     single = isinstance(records, str | Path | Measurement | MeasuredRecord) or is_table(records)
     wanted = "the path of a file, a pandas DataFrame, a mapping of names to arrays, or a sequence of them"
     several = [records] if single else items("records", records, wanted)
-    found: list[MeasuredRecord] = []
+    made: list[MeasuredRecord] = []
     for number, one in enumerate(several, start=1):
-        if isinstance(one, MeasuredRecord):
-            found.append(one)
-        elif isinstance(one, str | Path):
-            found.append(_of_file(path("each record", one, "a file"), mapping, largest))
-        else:
-            names = {record.name for record in found}
-            found.append(_in_memory(one, number, names, mapping, largest))
-    return tuple(found)
+        if isinstance(one, str | Path):
+            one = _of_file(path("each record", one, "a file"), mapping, largest)
+        elif not isinstance(one, MeasuredRecord):
+            one = _in_memory(one, number, {record.name for record in made}, mapping, largest)
+        made.append(one)
+    return tuple(made)
 
 
 def _in_memory(
@@ -148,10 +141,8 @@ def _in_memory(
 ) -> MeasuredRecord:
     """The record of signals in memory, the `number`-th of several, under a name that is not taken."""
     if not (is_table(record) or isinstance(record, Measurement)):
-        raise RecordError(
-            f"record {number} is a {type(record).__name__}; give the path of a file, a pandas DataFrame, or a mapping "
-            "of names to arrays"
-        )
+        remedy = "give the path of a file, a pandas DataFrame, or a mapping of names to arrays"
+        raise RecordError(f"record {number} is a {type(record).__name__}; {remedy}")
     stated = getattr(record, "attrs", {}).get("name") or getattr(record, "source", None)
     own = visible(str(stated or f"record {number}"))
     names = itertools.chain([own], (f"{own} ({count})" for count in itertools.count(2)))
@@ -172,13 +163,18 @@ def _of_file(path: Path, mapping: MappingLike, largest: int) -> MeasuredRecord:
     with _told(str(path)) as said:
         stated = 8 * stated_numbers(path, rules, largest)
         stored = sum(file.stat().st_size for file in parts_of(path, rules))
-        if max(stated, stored) > LARGE:
-            quantities = tuple(open_channels(path, rules, largest=largest))
-        else:
+        if max(stated, stored) <= LARGE:
             measurement = replace(read(path, rules, largest), source=str(path))
-            quantities = tuple(measurement)
+        quantities = tuple(measurement or open_channels(path, rules, largest=largest))
     label, notes = visible(rules.level or path.name), tuple(said)
-    files = _digests(path, mapping, rules)
+    # digests of its file, of the file that names its channels, and of others that hold some
+    file = mapping_file(path, mapping)
+    others = [part for part in parts_of(path, rules) if part != path]
+    more = [{"file": str(part), "sha256": sha256(part)} for part in others]
+    files = ({"others": more} if more else {}) | {
+        "sha256": sha256(path),
+        "mapping": None if file is None else {"file": str(file), "sha256": sha256(file)},
+    }
     return MeasuredRecord(str(path), label, quantities, measurement, rules, notes, files, largest)
 
 
@@ -189,24 +185,10 @@ def _told(name: str) -> Iterator[list[Remark]]:
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", RecordWarning)
         yield said
-    odd = (w.message.args[0] for w in caught if isinstance(w.message, RecordWarning))
-    said += dict.fromkeys(map(partial(_nameless, name), odd))
-
-
-def _nameless(name: str, message: str) -> Remark:
-    """A message of a reader without the name of the record that it begins with."""
-    said = message if isinstance(message, Remark) else Remark(message)
-    parts = (said.template, *said.of)
-    nameless = [p.removeprefix(f"{name}: ") if isinstance(p, str) else p for p in parts]
-    return Remark(*nameless, doubts=said.doubts, spares=said.spares)
-
-
-def _digests(path: Path, mapping: MappingLike, rules: RecordMapping) -> dict[str, Any]:
-    """The SHA-256 digest of a record's file, of the file that names its channels, and of others that hold some."""
-    file = mapping_file(path, mapping)
-    others = [part for part in parts_of(path, rules) if part != path]
-    more = [{"file": str(part), "sha256": sha256(part)} for part in others]
-    return ({"others": more} if more else {}) | {
-        "sha256": sha256(path),
-        "mapping": None if file is None else {"file": str(file), "sha256": sha256(file)},
-    }
+    for one in (w.message.args[0] for w in caught if isinstance(w.message, RecordWarning)):
+        odd = one if isinstance(one, Remark) else Remark(one)
+        parts = (odd.template, *odd.of)
+        nameless = [p.removeprefix(f"{name}: ") if isinstance(p, str) else p for p in parts]
+        remark = Remark(*nameless, doubts=odd.doubts, spares=odd.spares)
+        if remark not in said:
+            said.append(remark)

@@ -19,9 +19,7 @@ from .errors import LARGEST_VALUE, LATEST
 EXCITATIONS = {"base_displacement": "m", "base_acceleration": "m/s²", "force": "N"}
 """What drives the oscillator, one of these, or none in a free decay; a force f stands for the base motion y = f/k."""
 
-ABSOLUTE = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s²"}
-"""What the mass does against the ground."""
-
+ABSOLUTE = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s²"}  # against the ground
 RELATIVE = {f"relative_{quantity}": unit for quantity, unit in ABSOLUTE.items()}
 """What the mass does against the base, x − y: what a transducer between the two reads."""
 
@@ -34,6 +32,16 @@ QUANTITIES = EXCITATIONS | RESPONSES
 
 ORDERS = {q: [*ABSOLUTE.values()].index(unit) for q, unit in QUANTITIES.items() if unit != "N"}
 """How many times a motion is derived by time: 0 for a displacement, 2 for an acceleration."""
+
+
+def sample_times(rate_hz: float, start: float, first: int, count: int) -> Array:
+    """Times, s, of `count` samples from number `first` on; the sample number 0 is taken at `start`."""
+    return start + np.arange(first, first + count) / rate_hz
+
+
+def mean_rate(t: Array) -> float:
+    """Samples per second of a channel with these times, s."""
+    return (t.size - 1) / float(t[-1] - t[0])
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,17 +114,13 @@ class Channel:
             if not within.all():
                 i = int(np.argmin(within))
                 beyond = f", beyond {bound:g}" if np.isfinite(array[i]) else ""
-                raise ValueError(
-                    f"{this}: {what} {i} (counted from 0) is {array[i]}{beyond}; "
-                    "cut the record before it, or repair it"
-                )
+                what = f"{what} {i} (counted from 0) is {array[i]}{beyond}"
+                raise ValueError(f"{this}: {what}; cut the record before it, or repair it")
         rising = np.diff(self.t) > 0.0
         if not rising.all():
             i = int(np.argmin(rising))
-            raise ValueError(
-                f"{this}: its time does not increase from sample {i} to {i + 1} "
-                f"({self.t[i]:g} s, {self.t[i + 1]:g} s)"
-            )
+            stretch = f"from sample {i} to {i + 1} ({self.t[i]:g} s, {self.t[i + 1]:g} s)"
+            raise ValueError(f"{this}: its time does not increase {stretch}")
 
     def __len__(self) -> int:
         return self.values.size
@@ -145,19 +149,15 @@ class Measurement:
         object.__setattr__(self, "channels", ReadOnly(channels))
         for quantity, channel in channels.items():
             if quantity != instance(quantity, channel, Channel).quantity:
-                raise ValueError(
-                    f"{self.source}: the channel under {quantity!r} holds {channel.quantity!r}"
-                )
+                held = f"the channel under {quantity!r} holds {channel.quantity!r}"
+                raise ValueError(f"{self.source}: {held}")
         driving = [q for q in EXCITATIONS if q in self.channels]
         if len(driving) > 1:
-            raise ValueError(
-                f"{self.source}: needs one excitation ({', '.join(EXCITATIONS)}), or none for a free decay, found "
-                f"{' and '.join(driving)}"
-            )
-        if not any(q in self.channels for q in RESPONSES):
-            raise ValueError(
-                f"{self.source}: needs a response ({', '.join(RESPONSES)}), found none"
-            )
+            needed = f"one excitation ({', '.join(EXCITATIONS)}), or none for a free decay"
+            raise ValueError(f"{self.source}: needs {needed}, found {' and '.join(driving)}")
+        if not self.responses:
+            needed = f"a response ({', '.join(RESPONSES)})"
+            raise ValueError(f"{self.source}: needs {needed}, found none")
 
     @classmethod
     def of(cls, source: str, channels: Iterable[Channel]) -> Measurement:
@@ -167,9 +167,8 @@ class Measurement:
             instance("each of the channels", channel, Channel)
             other = by_quantity.setdefault(channel.quantity, channel)
             if other is not channel:
-                raise ValueError(
-                    f"{source}: the channels {other.name!r} and {channel.name!r} both hold {channel.quantity}"
-                )
+                both = f"the channels {other.name!r} and {channel.name!r}"
+                raise ValueError(f"{source}: {both} both hold {channel.quantity}")
         return cls(source, by_quantity)
 
     def __getitem__(self, quantity: str) -> Channel:
@@ -189,12 +188,10 @@ class Measurement:
     @property
     def excitation(self) -> Channel:
         """The channel that drives the oscillator. Raises ValueError where there is none."""
-        for quantity, channel in self.channels.items():
-            if quantity in EXCITATIONS:
-                return channel
-        raise ValueError(
-            f"{self.source}: needs one excitation ({', '.join(EXCITATIONS)}), found none"
-        )
+        if not self.driven:
+            needed = f"one excitation ({', '.join(EXCITATIONS)})"
+            raise ValueError(f"{self.source}: needs {needed}, found none")
+        return next(self.channels[q] for q in EXCITATIONS if q in self.channels)
 
     @property
     def responses(self) -> tuple[Channel, ...]:

@@ -65,9 +65,8 @@ def measured_orbit(
         )
     count = round(samples)
     if count < 2:
-        raise ValueError(
-            f"{cycles} cycles at {rate_hz:g} samples per second are {count} samples; at least 2 are needed"
-        )
+        sampled = f"{cycles} cycles at {rate_hz:g} samples per second"
+        raise ValueError(f"{sampled} are {count} samples; at least 2 are needed")
     t = start + np.arange(count) / rate_hz
     state = orbit.state(t)
     y = np.asarray(motion.y(t), dtype=np.float64)

@@ -65,8 +65,7 @@ _OTHER_SPELLINGS = {
 }
 
 
-VOLTAGE = "a voltage"
-"""What any transducer may give: the `scale` of a mapping makes a motion of it."""
+VOLTAGE = "a voltage"  # what any transducer may give: the `scale` of a mapping makes a motion of it
 
 _OTHERS = {
     "a temperature": ("°C", "degC", "deg C", "C", "K", "°F", "degF", "deg F"),
@@ -105,9 +104,8 @@ def unit_for(text: str, quantity: str) -> Unit:
     if unit is None:
         near = difflib.get_close_matches(text.strip()[:_LONGEST], [u.name for u in UNITS], n=1)
         hint = f" (did you mean {near[0]}?)" if near else ""
-        raise UnitError(
-            f"unknown unit {shortened(text)}{hint}; known for {wanted}: {', '.join(fitting)}"
-        )
+        remedy = f"known for {wanted}: {', '.join(fitting)}"
+        raise UnitError(f"unknown unit {shortened(text)}{hint}; {remedy}")
     if unit.dimension != wanted:
         raise UnitError(
             f"{text!r} is a unit of {unit.dimension}, but {quantity.replace('_', ' ')} needs one of {wanted}: "

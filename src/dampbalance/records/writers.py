@@ -21,9 +21,8 @@ from ..arrays import Array
 from ..project.files import replacing, write_text
 from ..project.wording import shortened
 from .errors import RecordError, library
-from .measurement import QUANTITIES, Channel, Measurement
+from .measurement import QUANTITIES, Channel, Measurement, mean_rate, sample_times
 from .readers.formats import FORMATS, format_by_suffix, require_showable
-from .readers.times import mean_rate, times
 from .units import DIMENSIONS, column_name
 
 MATLAB_73 = "matlab73"
@@ -50,35 +49,33 @@ def write(
     by_suffix = format_by_suffix(path)
     name = by_suffix if format is None else text("format", format)
     if name not in _WRITERS:
-        raise RecordError(
-            f"{path}: unknown format {shortened(name)}; known are {', '.join(_WRITERS)}"
-        )
+        remedy = f"known are {', '.join(_WRITERS)}"
+        raise RecordError(f"{path}: unknown format {shortened(name)}; {remedy}")
     if path.suffix.lower() not in FORMATS["matlab" if name == MATLAB_73 else name].suffixes:
         raise RecordError(f"{path}: its suffix does not fit the format {name}")
-    corrected = [q for q in measurement if measurement[q].correction]
-    if corrected:
+    if corrected := [q for q in measurement if measurement[q].correction]:
         raise RecordError(
             f"{path}: cannot hold that the {corrected[0]} is to be corrected for gain, delay or filters; keep the "
             "original with its mapping"
         )
-    beside = {}
-    if name == "wav":
-        beside[path.with_name(f"{path.name}.yaml")] = _wav_mapping(path, measurement)
+    mapping = _wav_mapping(path, measurement) if name == "wav" else ""
     with replacing(path) as temporary:
         _WRITERS[name](temporary, measurement)
-    for file, mapping in beside.items():
-        write_text(file, mapping)
-    return path, *beside
+    if not mapping:
+        return (path,)
+    beside = path.with_name(f"{path.name}.yaml")
+    write_text(beside, mapping)
+    return path, beside
 
 
 def _columns_of(measurement: Measurement) -> dict[str, Array]:
     """The signals by column name, times first: time_s for all channels, or displacement_time_s before each."""
     channels = _channels(measurement)
-    if all(np.array_equal(channel.t, channels[0].t) for channel in channels):
-        return {"time_s": channels[0].t} | {column_name(c.quantity): c.values for c in channels}
+    shared = all(np.array_equal(channel.t, channels[0].t) for channel in channels)
     columns: dict[str, Array] = {}
     for c in channels:
-        columns |= {f"{c.quantity}_time_s": c.t, column_name(c.quantity): c.values}
+        times = "time_s" if shared else f"{c.quantity}_time_s"
+        columns |= {times: c.t, column_name(c.quantity): c.values}
     return columns
 
 
@@ -121,9 +118,7 @@ def _write_hdf5(path: Path, measurement: Measurement) -> None:
 
 def _write_uff(path: Path, measurement: Measurement) -> None:
     """Binary data sets 58. The header has five decimals for the step: where these are too few, every time is stored.
-
-    Put together here: pyuff, which reads them, writes a wrong number of bytes where times are stored, and is slow.
-    """
+    Put together here: pyuff, which reads them, writes a wrong number of bytes where times are stored, and is slow."""
     sets = []
     for number, channel in enumerate(_channels(measurement), start=1):
         quantity = channel.quantity
@@ -191,9 +186,8 @@ def _wav_mapping(path: Path, measurement: Measurement) -> str:
             f"{path}: a WAV begins at time 0 and has a whole number of samples per second, not {t[0]:g} s and "
             f"{mean_rate(t):.9g} Hz; use another format"
         )
-    rules = [
-        f"  {c.quantity}: {{channel: {i}, unit: {c.unit}}}" for i, c in enumerate(channels, start=1)
-    ]
+    entries = enumerate(channels, start=1)
+    rules = [f"  {c.quantity}: {{channel: {i}, unit: {c.unit}}}" for i, c in entries]
     return "\n".join(["channels:", *rules, f"notes: {_WAV_NOTE}", ""])
 
 
@@ -213,7 +207,7 @@ def _unit_of(column: str) -> str:
 
 def _is_even(channel: Channel, start: float, step: float) -> bool:
     """Whether first time and step give every time to the last bit."""
-    return np.array_equal(times(1.0 / step, start, 0, len(channel)), channel.t)
+    return np.array_equal(sample_times(1.0 / step, start, 0, len(channel)), channel.t)
 
 
 def _describe(path: Path, version: str, rest: bytes = b"") -> None:

@@ -14,7 +14,7 @@ from dampbalance.model import Oscillator
 from dampbalance.project.case import NOT_GIVEN, Case, check, excerpt, require_own_case
 from dampbalance.project.documents import ConfigurationError
 from folders import ROOT
-from schemas import values
+from schemas import SCHEMAS, values
 
 FILE = ROOT / "config/config.yaml"
 SCHEMA = ROOT / "workflow/schemas/config.schema.yaml"
@@ -110,23 +110,21 @@ def test_the_file_that_sets_the_key_is_named_when_several_are_merged(config, tmp
     assert message.startswith(f"{FILE}: line 7: oscillator.c_N_s_per_m")
 
 
-def test_a_key_that_stands_twice_is_refused(config, tmp_path):
-    file = tmp_path / "twice.yaml"
-    file.write_text("case: a\noscillator: {}\ncase: b\n", encoding="utf-8")
-    message = problem(config, [file])
-    assert str(file) in message
-    assert "line 3: case: stands twice, first in line 1" in message
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("case: a\noscillator: {}\ncase: b\n", "line 3: case: stands twice, first in line 1"),
+        ("case: [a\n", "not readable as YAML"),
+    ],
+)
+def test_a_file_that_cannot_be_read_is_named(config, tmp_path, text, message):
+    file = tmp_path / "wrong.yaml"
+    file.write_text(text, encoding="utf-8")
+    assert re.match(rf"{file}: .*{message}", problem(config, [file]))
 
 
-def test_broken_yaml_is_reported_with_its_file(config, tmp_path):
-    file = tmp_path / "broken.yaml"
-    file.write_text("case: [a\n", encoding="utf-8")
-    assert str(file) in problem(config, [file])
-
-
-def test_every_key_is_described():
-    schema = yaml.safe_load(SCHEMA.read_text(encoding="utf-8"))
-
+@pytest.mark.parametrize("name", ["config", "mapping"])
+def test_every_key_is_described(name):
     def walk(node, name):
         for key, child in node.get("properties", {}).items():
             assert child.get("description"), f"{key} has no description in the schema"
@@ -134,7 +132,7 @@ def test_every_key_is_described():
         if node.get("properties"):
             assert node["additionalProperties"] is False, f"{name} would take unknown keys"
 
-    walk(schema, "top level")
+    walk(yaml.safe_load((ROOT / SCHEMAS[name]).read_text(encoding="utf-8")), "top level")
 
 
 # Beside these, what a study sets and draws is bounded in `studies.parameters`, and positions by what there is.

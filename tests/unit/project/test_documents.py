@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import os
 import random
-import signal
-from contextlib import contextmanager
 
 import pytest
 
@@ -18,27 +16,14 @@ from dampbalance.project.documents import (
     shortened,
 )
 from folders import ROOT
+from processes import in_time
 
 LONGEST = 300  # characters of a message
 SECONDS = 20  # a file of the largest size takes one on an idle core
 
 
-@contextmanager
-def in_time():
-    def late(*_):
-        raise AssertionError(f"not read within {SECONDS} s")
-
-    before = signal.signal(signal.SIGALRM, late)
-    signal.alarm(SECONDS)
-    try:
-        yield
-    finally:
-        signal.alarm(0)
-        signal.signal(signal.SIGALRM, before)
-
-
 def error_of(file):
-    with in_time(), pytest.raises(ConfigurationError) as caught:
+    with in_time(SECONDS), pytest.raises(ConfigurationError) as caught:
         read_yaml(file)
     message = str(caught.value)
     assert len(message) <= LONGEST
@@ -135,7 +120,7 @@ def test_a_file_with_errors_put_into_it_is_read_or_refused(tmp_path, seed):
     file = tmp_path / "mutated.yaml"
     file.write_bytes(bytes(data))
     message = ""
-    with in_time():
+    with in_time(SECONDS):
         try:
             read_yaml(file)
         except ConfigurationError as error:

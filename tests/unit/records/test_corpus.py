@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import re
 import sys
-import zipfile
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +13,7 @@ import pytest
 
 from dampbalance.records.errors import RecordError, RecordWarning
 from dampbalance.records.readers import open_channels, read, stated_numbers
+from unit.records.workbooks import row, xlsx
 
 RATE = 20000.0
 T = np.arange(4000) / RATE
@@ -69,42 +69,9 @@ EXCEL_EPOCH = pd.Timestamp("1899-12-30")
 
 def _xlsx(folder: Path, rows: list[list[object]], stamps: bool = False) -> Path:
     """A workbook as spreadsheets write it: a sheet of text alone, then one of text and numbers."""
-
-    def cell(value, style):
-        if isinstance(value, str):
-            return f'<c t="inlineStr"><is><t>{value}</t></is></c>' if value else "<c/>"
-        return f'<c s="{style}"><v>{value!r}</v></c>'
-
-    def sheet(table):
-        lines = "".join(
-            f"<row>{''.join(cell(v, int(stamps and i == 0)) for i, v in enumerate(row))}</row>"
-            for row in table
-        )
-        return f'<worksheet xmlns="{main}"><sheetData>{lines}</sheetData></worksheet>'
-
-    main = "http://schemas.openxmlformats.org/spreadsheetml/2006/main"
-    office = "http://schemas.openxmlformats.org/officeDocument/2006/relationships"
-    package = "http://schemas.openxmlformats.org/package/2006/relationships"
-
-    def related(*targets):
-        lines = (f'<Relationship Id="r{i}" Type="{office}/{kind}" Target="{target}"/>'
-                 for i, (kind, target) in enumerate(targets, start=1))  # fmt: skip
-        return f'<Relationships xmlns="{package}">{"".join(lines)}</Relationships>'
-
-    sheets = [("worksheet", f"worksheets/sheet{i}.xml") for i in (1, 2)]
-    parts = {
-        "_rels/.rels": related(("officeDocument", "xl/workbook.xml")),
-        "xl/workbook.xml": f'<workbook xmlns="{main}" xmlns:r="{office}"><sheets><sheet name="notes" sheetId="1" '
-        'r:id="r1"/><sheet name="record" sheetId="2" r:id="r2"/></sheets></workbook>',
-        "xl/_rels/workbook.xml.rels": related(*sheets, ("styles", "styles.xml")),
-        "xl/styles.xml": f'<styleSheet xmlns="{main}"><cellXfs count="2"><xf numFmtId="0"/><xf numFmtId="22" '
-        'applyNumberFormat="1"/></cellXfs></styleSheet>',
-        "xl/worksheets/sheet1.xml": sheet([["Rig 3"], ["second run", "by hand"]]),
-        "xl/worksheets/sheet2.xml": sheet(rows),
-    }
-    with zipfile.ZipFile(folder / "run.xlsx", "w", zipfile.ZIP_DEFLATED) as file:
-        for name, text in parts.items():
-            file.writestr(name, f'<?xml version="1.0" encoding="UTF-8"?>{text}')
+    notes = [row(["Rig 3"]), row(["second run", "by hand"])]
+    record = [row(cells, style=int(stamps and not isinstance(cells[0], str))) for cells in rows]
+    xlsx(folder / "run.xlsx", notes, record)
     return folder / "run.xlsx"
 
 

@@ -6,13 +6,11 @@ import json
 import os
 import random
 import re
-import signal
 import struct
 import sys
 import tracemalloc
 import warnings
 import xml.dom.minidom
-import zipfile
 import zlib
 
 import h5py
@@ -35,7 +33,8 @@ from dampbalance.records.measured import read_records
 from dampbalance.records.readers import channels, open_channels, read
 from dampbalance.records.synthetic import measured_orbit
 from paper_case import PAPER
-from processes import run
+from processes import in_time, run
+from unit.records.workbooks import packed, row, xlsx
 
 RATE = 500.0
 NAMES = ("time_s", "base_displacement_m", "displacement_m")
@@ -49,16 +48,8 @@ CHANNELS = {
 
 @pytest.fixture(autouse=True)
 def _no_hang():
-    """What waits for ever fails. Nothing here takes a tenth of that."""
-
-    def stop(*_):
-        raise AssertionError("still at it after two minutes")
-
-    before = signal.signal(signal.SIGALRM, stop)
-    signal.alarm(120)
-    yield
-    signal.alarm(0)
-    signal.signal(signal.SIGALRM, before)
+    with in_time(120):  # nothing here takes a tenth of that
+        yield
 
 
 @pytest.fixture(autouse=True)
@@ -78,13 +69,12 @@ def signals(Y=0.004, seed=1):
 @pytest.fixture(scope="module")
 def sound(tmp_path_factory):
     """A sound record at another level, to go with the hostile one."""
-    path = tmp_path_factory.mktemp("sound") / "sound.csv"
-    write(path, *signals(0.009, seed=2))
+    path = write(tmp_path_factory.mktemp("sound") / "sound.csv", *signals(0.009, seed=2))
     return str(path)
 
 
 def write(path, *columns, names=NAMES):
-    """Columns by their names, in the format of the suffix; in a WAV, without times."""
+    """Write columns by their names, in the format of the suffix; in a WAV, without times. Gives the path."""
     arrays = dict(zip(names, columns, strict=True))
     match path.suffix:
         case ".csv":
@@ -104,6 +94,7 @@ def write(path, *columns, names=NAMES):
         case ".wav":
             wavfile.write(path, int(RATE), np.stack(columns[1:], axis=1))
             path.with_name(f"{path.name}.yaml").write_text(json.dumps({"channels": CHANNELS}))
+    return path
 
 
 FORMATS = ("csv", "parquet", "mat", "h5", "tdms", "wav")
@@ -167,8 +158,7 @@ VALUES = {
 def test_values_that_no_rig_gives(name, suffix, tmp_path):
     change, message = VALUES[name]
     t, y, x = signals()
-    path = tmp_path / f"bad.{suffix}"
-    write(path, t, *change(y, x))
+    path = write(tmp_path / f"bad.{suffix}", t, *change(y, x))
     refused(path, message)
     with pytest.raises(RecordError, match=message):
         [list(blocks()) for blocks in open_channels(path, block=500).values()]
@@ -180,8 +170,7 @@ def test_a_response_that_is_the_excitation(change, large, tmp_path, capsys, soun
     if large:
         monkeypatch.setattr(measured, "LARGE", 1000)
     t, y, _ = signals()
-    path = tmp_path / "bad.h5"
-    write(path, t, y, change(y))
+    path = write(tmp_path / "bad.h5", t, y, change(y))
     code, said = tried(tmp_path, capsys, path, sound)
     assert code == 2
     assert "displacement is base_displacement itself, times" in said
@@ -192,19 +181,17 @@ def test_a_response_that_is_the_excitation(change, large, tmp_path, capsys, soun
 @pytest.mark.parametrize("suffix", ["csv", "parquet", "mat", "h5", "tdms"])
 def test_an_integer_that_ran_over(dtype, scale, suffix, tmp_path):
     t, y, x = signals()
-    path = tmp_path / f"bad.{suffix}"
     counts = (scale * x).astype("i8")
     wrapped = counts.astype(dtype)
     assert not np.array_equal(counts, wrapped)
-    write(path, t, y, wrapped, names=(*NAMES[:2], "displacement_nm"))
+    path = write(tmp_path / f"bad.{suffix}", t, y, wrapped, names=(*NAMES[:2], "displacement_nm"))
     refused(path, f"an integer of {8 * wrapped.itemsize} bits ran over")
 
 
 def test_a_full_range_is_no_overflow(tmp_path):
     t, y, x = signals()
-    path = tmp_path / "run.h5"
     counts = np.round(32767 * x / np.abs(x).max()).astype("i2")
-    write(path, t, y, counts, names=(*NAMES[:2], "displacement_nm"))
+    path = write(tmp_path / "run.h5", t, y, counts, names=(*NAMES[:2], "displacement_nm"))
     np.testing.assert_array_equal(read(path)["displacement"].values, counts * 1e-9)
 
 
@@ -219,12 +206,8 @@ def test_truth_values_and_dates_are_no_signals(tmp_path):
         "tdms": [x > 0, micros.astype("datetime64[us]")],
     }.items():  # fmt: skip
         for column in values:
-            path = tmp_path / f"bad.{suffix}"
-            write(path, t, y, column)
-            wrong = (
-                "not numbers|holds points in time, no |is not a number|finds no response|texts are"
-            )
-            refused(path, wrong)
+            wrong = "not numbers|holds points in time|is not a number|finds no response|texts are"
+            refused(write(tmp_path / f"bad.{suffix}", t, y, column), wrong)
 
 
 # Times
@@ -243,15 +226,13 @@ def test_truth_values_and_dates_are_no_signals(tmp_path):
 )
 def test_times_that_no_recorder_has(change, message, suffix, tmp_path):
     t, y, x = signals()
-    path = tmp_path / f"bad.{suffix}"
-    write(path, change(t), y, x)
+    path = write(tmp_path / f"bad.{suffix}", change(t), y, x)
     refused(path, message)
 
 
 @pytest.mark.parametrize("step", [0.0, -1e-3, 1e-300, 1e300, np.nan, np.inf, "often", 1 + 2j, True])
 def test_steps_that_no_recorder_has(step, tmp_path):
-    path = tmp_path / "bad.h5"
-    write(path, *signals()[1:], names=NAMES[1:])
+    path = write(tmp_path / "bad.h5", *signals()[1:], names=NAMES[1:])
     with h5py.File(path, "a") as file:
         file.attrs["dt"] = step
     refused(path, "dt of channel 'base_displacement_m' is")
@@ -291,8 +272,7 @@ def test_what_unpacks_to_more_than_it_may_is_refused_before(suffix, tmp_path):
 
 
 def test_more_than_the_usual_limit_is_read_on_request(tmp_path):
-    path = tmp_path / "run.h5"
-    write(path, *signals())
+    path = write(tmp_path / "run.h5", *signals())
     count = 3 * signals()[0].size
     assert read(path, largest=count)
     refused(path, f"{count:,} numbers, more than {count - 1:,}.*--largest {count}", largest=count - 1)  # fmt: skip
@@ -300,8 +280,7 @@ def test_more_than_the_usual_limit_is_read_on_request(tmp_path):
 
 
 def test_text_is_counted_as_it_comes(tmp_path):
-    path = tmp_path / "run.csv"
-    write(path, *signals())
+    path = write(tmp_path / "run.csv", *signals())
     blocks = open_channels(path, block=100, largest=500)["displacement"]()
     with pytest.raises(RecordError, match="more than 500"):
         list(blocks)
@@ -470,58 +449,43 @@ def test_hdf5_that_leaves_its_file_or_all_bounds(fill, message, tmp_path):
 
 # Spreadsheets
 
-OFFICE = "http://schemas.openxmlformats.org/officeDocument/2006/relationships"
-OASIS = "urn:oasis:names:tc:opendocument:xmlns"
-OPEN = (
-    "xl/worksheets/sheet1.xml",
-    '<worksheet><dimension ref="A1:B2"/><sheetData>{}</sheetData></worksheet>',
-    {
-        "xl/workbook.xml": f'<workbook xmlns:r="{OFFICE}"><sheets><sheet name="a" sheetId="1" r:id="r1"/></sheets>'
-        "</workbook>",
-        "xl/_rels/workbook.xml.rels": '<Relationships><Relationship Id="r1" '
-        f'Type="{OFFICE}/worksheet" Target="worksheets/sheet1.xml"/></Relationships>',
-        "_rels/.rels": f'<Relationships><Relationship Id="r1" Type="{OFFICE}/officeDocument" '
-        'Target="xl/workbook.xml"/></Relationships>',
-    },
-)
-ODF = (
-    "content.xml",
-    f'<office:document-content xmlns:office="{OASIS}:office:1.0" xmlns:table="{OASIS}:table:1.0" '
-    f'xmlns:text="{OASIS}:text:1.0"><office:body><office:spreadsheet><table:table table:name="a">{{}}</table:table>'
-    "</office:spreadsheet></office:body></office:document-content>",
-    {
-        "mimetype": "application/vnd.oasis.opendocument.spreadsheet",
-        "META-INF/manifest.xml": f'<manifest:manifest xmlns:manifest="{OASIS}:manifest:1.0"/>',
-    },
-)
-ROW = '<row r="{}"><c r="{}"><v>1</v></c></row>'
-ODF_ROW = '<table:table-row {}><table:table-cell office:value-type="{}"{}/></table:table-row>'
+ONE = '<row r="{}"><c r="{}"><v>1</v></c></row>'
 SHEETS = {
-    "the last cell.xlsx": (OPEN, [ROW.format(1, "A1") + ROW.format(1048576, "XFD1048576")], "takes more memory"),
-    "a row of 115 million.xlsx": (OPEN, [ROW.format(1, "A1") + ROW.format(7000, "XFD7000")], "takes more memory"),
-    "columns.ods": (ODF, [ODF_ROW.format("", 'float" office:value="1', ' table:number-columns-repeated="90000000"')],
-                    "channels, more than"),
-    "long text.ods": (ODF, [ODF_ROW.format("", f'string" office:string-value="{"x" * 10**6}',
-                                           ' table:number-columns-repeated="10000"')], "takes more memory"),
+    "the last cell.xlsx": ([ONE.format(1, "A1"), ONE.format(1048576, "XFD1048576")], "takes more memory"),
+    "a row of 115 million.xlsx": ([ONE.format(1, "A1"), ONE.format(7000, "XFD7000")], "takes more memory"),
+    "columns.ods": (['float" office:value="1" table:number-columns-repeated="90000000'], "channels, more than"),
+    "long text.ods": (['string" office:string-value="', *["x" * 10**6], '" table:number-columns-repeated="10000'],
+                      "takes more memory"),
 }  # fmt: skip
 
 
-def write_sheet(path, kind, parts):
-    part, around, others = kind
-    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as file:
-        for name, text in others.items():
-            file.writestr(name, text)
-        head, tail = around.split("{}")
-        with file.open(part, "w") as stream:
-            for text in (head, *parts, tail):
-                stream.write(text.encode())
+def ods(path, cell):
+    """A sheet of one cell, given from its type on."""
+    oasis = "urn:oasis:names:tc:opendocument:xmlns"
+    names = " ".join(f'xmlns:{n}="{oasis}:{n}:1.0"' for n in ("office", "table", "text"))
+    content = (
+        f'<office:document-content {names}><office:body><office:spreadsheet><table:table table:name="a">'
+        '<table:table-row ><table:table-cell office:value-type="',
+        *cell,
+        '"/></table:table-row></table:table></office:spreadsheet></office:body></office:document-content>',
+    )
+    packed(
+        path,
+        {
+            "content.xml": content,
+            "mimetype": ["application/vnd.oasis.opendocument.spreadsheet"],
+            "META-INF/manifest.xml": [
+                f'<manifest:manifest xmlns:manifest="{oasis}:manifest:1.0"/>'
+            ],
+        },
+    )
 
 
 @pytest.mark.parametrize("name", SHEETS)
 def test_a_spreadsheet_takes_no_more_memory_than_it_explains(name, tmp_path):
-    kind, parts, message = SHEETS[name]
+    parts, message = SHEETS[name]
     path = tmp_path / name
-    write_sheet(path, kind, parts)
+    (xlsx if path.suffix == ".xlsx" else ods)(path, parts)
     code = (
         "import re, resource, sys\n"
         "from pathlib import Path\n"
@@ -540,7 +504,7 @@ def test_a_spreadsheet_takes_no_more_memory_than_it_explains(name, tmp_path):
 
 def test_a_spreadsheet_that_unpacks_to_much_is_not_unpacked(tmp_path):
     path = tmp_path / "bad.xlsx"
-    write_sheet(path, OPEN, ["<row><c/></row>" * 10_000] * 20)
+    xlsx(path, ["<row><c/></row>" * 10_000] * 20)
     refused(path, r"holds 3,000,\d+ bytes, unpacked, .*--largest", largest=300_000)
     refused(path, "no sheet holds rows of at least two numbers")
 
@@ -548,12 +512,7 @@ def test_a_spreadsheet_that_unpacks_to_much_is_not_unpacked(tmp_path):
 def test_the_limit_of_a_spreadsheet_can_be_raised(tmp_path):
     path = tmp_path / "run.xlsx"
     t, y, x = np.arange(200) / RATE, *np.random.default_rng(1).standard_normal((2, 200))
-    names = "".join(f'<c t="str"><v>{name}</v></c>' for name in NAMES)
-    rows = [
-        f"<row>{''.join(f'<c><v>{v!r}</v></c>' for v in row)}</row>"
-        for row in np.column_stack([t, y, x]).tolist()
-    ]
-    write_sheet(path, OPEN, [f"<row>{names}</row>", *rows])
+    xlsx(path, map(row, [NAMES, *np.column_stack([t, y, x]).tolist()]))
     np.testing.assert_array_equal(read(path)["displacement"].values, x)
     most = 3 * (t.size + 1)
     assert read(path, largest=16 * most)
@@ -565,15 +524,9 @@ def test_the_limit_of_a_spreadsheet_can_be_raised(tmp_path):
 def test_cells_that_do_not_begin_in_the_first_column(tmp_path):
     path = tmp_path / "run.xlsx"
     values = np.random.default_rng(1).standard_normal((200, 2)).tolist()
-    table = [NAMES, *((i / RATE, *row) for i, row in enumerate(values))]
-    rows = []
-    for i, row in enumerate(table, start=3):
-        cells = zip("CDE", row, strict=True)
-        kind = ' t="str"' * (i == 3)
-        line = "".join(f'<c r="{at}{i}"{kind}><v>{value}</v></c>' for at, value in cells)
-        rows.append(f'<row r="{i}">{line}</row>')
-    write_sheet(path, OPEN, rows)
-    assert read(path)["displacement"].values.tolist() == [row[1] for row in values]
+    table = [NAMES, *((i / RATE, *pair) for i, pair in enumerate(values))]
+    xlsx(path, [row(cells, "CDE", i) for i, cells in enumerate(table, start=3)])
+    assert read(path)["displacement"].values.tolist() == [pair[1] for pair in values]
 
 
 # Text and mappings
@@ -599,8 +552,7 @@ def test_text_that_is_no_record(name, tmp_path):
 
 
 def test_a_parser_is_not_given_a_line_without_end(tmp_path, monkeypatch):
-    path = tmp_path / "run.csv"
-    write(path, *signals())
+    path = write(tmp_path / "run.csv", *signals())
     assert read(path)
     monkeypatch.setattr("dampbalance.records.readers.text._SMALL", 0)  # as a large file is read
     monkeypatch.setattr("dampbalance.records.readers.text._WITHOUT_END", 0)
@@ -703,8 +655,7 @@ def test_one_record_is_one_level(way, tmp_path, capsys):
     elif way == "copy":
         other.write_bytes(path.read_bytes())
     else:
-        other = tmp_path / "b.mat"
-        write(other, *signals())
+        other = write(tmp_path / "b.mat", *signals())
     code, said = tried(tmp_path, capsys, path, other)
     assert code == 2
     assert "each record is one level" in said
@@ -713,8 +664,7 @@ def test_one_record_is_one_level(way, tmp_path, capsys):
 @pytest.mark.parametrize("seed", range(6))
 @pytest.mark.parametrize("suffix", FORMATS)
 def test_damage_is_refused_or_does_no_harm(suffix, seed, tmp_path, capsys, sound):
-    path = tmp_path / f"bad.{suffix}"
-    write(path, *signals())
+    path = write(tmp_path / f"bad.{suffix}", *signals())
     data, chance = bytearray(path.read_bytes()), random.Random(f"{suffix}{seed}")
     if seed < 2:
         data = data[: chance.randrange(len(data))]
@@ -823,8 +773,7 @@ def test_characters_that_act_are_spelt(name, tmp_path, capsys, sound):
 def test_results_stay_where_they_are_asked_for(name, tmp_path, capsys, sound):
     inner = tmp_path / "inner"
     inner.mkdir()
-    path = inner / "run.csv"
-    write(path, *signals())
+    path = write(inner / "run.csv", *signals())
     path.with_name("run.yaml").write_text(json.dumps({"level": name}))
     code, _ = tried(tmp_path, capsys, path, sound, "--output", inner / "out")
     assert code == 0
@@ -834,8 +783,7 @@ def test_results_stay_where_they_are_asked_for(name, tmp_path, capsys, sound):
 
 @pytest.mark.parametrize("mass", ["1e-12", "1e12"])
 def test_a_mass_that_cannot_be_is_refused(mass, tmp_path, capsys, sound):
-    path = tmp_path / "run.csv"
-    write(path, *signals())
+    path = write(tmp_path / "run.csv", *signals())
     code, said = tried(tmp_path, capsys, path, sound, "--mass", mass)
     assert code == 2
     assert "times in a cycle" in said

@@ -14,16 +14,16 @@ from typing import TYPE_CHECKING
 
 from ... import arguments
 from ...arrays import Array
-from ..errors import LARGEST, RecordError, RecordWarning
+from ..errors import LARGEST, RecordError, RecordWarning, require_size
 from ..mapping import MappingLike, RecordMapping, mapping_for, parts_of
 from ..measurement import QUANTITIES, Channel, Measurement
-from . import streams, tables
 from .array_files import hdf5_file, matlab_file
-from .assemble import in_blocks, stated_size, wanted_of, whole
+from .assemble import in_blocks, stated_size, whole
+from .channels import Pick, picks_of, suggested_mapping
+from .containers import ParquetFile, lvm_file, tdms_file, uff_file, wav_file
 from .formats import FORMATS, checked_format
-from .plan import Pick, picks_of, suggested_mapping
 from .record_file import RawChannel, RecordFile, require_nameable, signals_file
-from .tables import ParquetFile
+from .spreadsheets import spreadsheet_file
 from .text import TextFile
 
 if TYPE_CHECKING:
@@ -73,17 +73,10 @@ def read_signals(
 
 
 def stated_numbers(path: str | Path, mapping: MappingLike = None, largest: int = LARGEST) -> int:
-    """How many numbers (samples × channels) a file says its measurement has: about, for text.
-
-    0 for what is read whole when it is opened. Raises RecordError as `read`.
-    """
-    (path, rules), numbers = _named(path, mapping), 0
-    for file, picks in _files(path, rules, largest, skipped=_READ_WHOLE):
-        if isinstance(file, TextFile):
-            numbers += len(wanted_of(picks)) * file.layout.rows_stated
-        else:
-            numbers += stated_size(file, picks, largest)
-    return numbers
+    """How many numbers (samples × channels) a file says its measurement has: about, for text. 0 for what is read whole
+    when it is opened. Raises RecordError as `read`."""
+    files = _files(*_named(path, mapping), largest, skipped=_READ_WHOLE)
+    return sum(stated_size(file, picks, file.rows_stated) for file, picks in files)
 
 
 def open_channels(
@@ -104,7 +97,7 @@ def open_channels(
     path, rules = _named(path, mapping)
     picked: dict[str, tuple[Path, Pick]] = {}
     for file, picks in _files(path, rules, largest):
-        stated_size(file, picks, largest)
+        require_size(file.path, stated_size(file, picks), largest)
         picked |= {pick.quantity: (file.path, pick) for pick in picks}
 
     def blocks(part: Path, pick: Pick) -> Iterator[tuple[Array, Array]]:
@@ -155,10 +148,7 @@ def _files(
 
 def _open(path: Path, rules: RecordMapping, largest: int) -> RecordFile:
     content = checked_format(path)
-    if content == "text":
-        file: RecordFile = TextFile(path, rules)
-    else:
-        file = _OPENERS[content](path, largest)
+    file = TextFile(path, rules) if content == "text" else _OPENERS[content](path, largest)
     try:
         require_nameable(path, file.channels)
     except RecordError:
@@ -174,9 +164,9 @@ _OPENERS: dict[str, Callable[[Path, int], RecordFile]] = {  # each imports its l
     "hdf5": hdf5_file,
     "matlab73": hdf5_file,
     "matlab": matlab_file,
-    "uff": streams.uff_file,
-    "tdms": streams.tdms_file,
-    "wav": streams.wav_file,
-    "lvm": tables.lvm_file,
-    "spreadsheet": tables.spreadsheet_file,
+    "uff": uff_file,
+    "tdms": tdms_file,
+    "wav": wav_file,
+    "lvm": lvm_file,
+    "spreadsheet": spreadsheet_file,
 }

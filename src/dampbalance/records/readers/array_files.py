@@ -4,6 +4,7 @@ them, packed or not, whose numbers are counted before they are read.
 
 from __future__ import annotations
 
+import itertools
 import math
 import struct
 import zlib
@@ -32,6 +33,13 @@ _LARGEST_CHUNK = 256_000_000  # bytes that are unpacked at once
 _LARGEST_ATTRIBUTE = 4096  # bytes
 _NO_NUMBERS = (b"char", b"logical", "char", "logical")  # classes of MATLAB
 
+# MATLAB 5
+_HEADER = 128  # bytes
+_ARRAY, _PACKED = 14, 15  # types of an element: an array, and one that is compressed
+_TYPES = range(1, 19)
+_BYTES = {3: 2, 4: 2, 5: 4, 6: 4, 7: 4, 9: 8, 12: 8, 13: 8, 17: 2, 18: 4}  # of a number; others: 1
+_PIECE = 1 << 20  # bytes unpacked at once
+
 
 def hdf5_file(path: Path, largest: int) -> RecordFile:
     """An HDF5 file, or one of MATLAB 7.3: every array of numbers in it is a channel, by its path.
@@ -44,7 +52,7 @@ def hdf5_file(path: Path, largest: int) -> RecordFile:
     with intact(path, "HDF5"):
         file = h5py.File(path, "r")
     with intact(path, "HDF5", file.close):
-        datasets = list(_Contents(h5py, path, file).datasets(file, "", {}, 0))
+        datasets = list(_datasets(h5py, path, file))
         scalars = {
             last: d[()].item()
             for name, d, _ in datasets
@@ -55,82 +63,72 @@ def hdf5_file(path: Path, largest: int) -> RecordFile:
         return signals_in(path, "HDF5", arrays, file.close)
 
 
-class _Contents:
-    """What a file holds, found without leaving it."""
+def _datasets(h5py: Any, path: Path, file: Any) -> Iterator[tuple[str, Any, dict[str, object]]]:
+    """Every array of real numbers in a file, which is not left: its path, itself and the attributes of its groups."""
+    links, visited = itertools.count(1), set[int]()  # addresses of groups
 
-    def __init__(self, h5py: Any, path: Path, file: Any) -> None:
-        self.h5py, self.path, self.file = h5py, path, file
-        self.links = 0
-        self.visited: set[int] = set()  # addresses of groups
-
-    def datasets(
-        self, group: Any, prefix: str, inherited: dict[str, object], depth: int
+    def below(
+        group: Any, prefix: str, inherited: dict[str, object], depth: int
     ) -> Iterator[tuple[str, Any, dict[str, object]]]:
-        """Every array of real numbers below a group: its path, itself and the attributes of the groups that hold it."""
-        address = self.h5py.h5o.get_info(group.id).addr
-        if address in self.visited:
+        address = h5py.h5o.get_info(group.id).addr
+        if address in visited:
             return
-        self.visited.add(address)
+        visited.add(address)
         if depth > _DEEPEST:
-            raise RecordError(f"{self.path}: has groups more than {_DEEPEST} deep; flatten it")
+            raise RecordError(f"{path}: has groups more than {_DEEPEST} deep; flatten it")
         here = inherited | _attributes(group)
         for name in group:
-            self.links += 1
-            if self.links > _MOST_LINKS:
-                raise RecordError(
-                    f"{self.path}: holds more than {_MOST_LINKS:,} objects; keep those of one record"
-                )
+            if next(links) > _MOST_LINKS:
+                remedy = "keep those of one record"
+                raise RecordError(f"{path}: holds more than {_MOST_LINKS:,} objects; {remedy}")
             if name.startswith("#"):  # MATLAB's own: #refs#, #subsystem#
                 continue
-            item, where = self.item(group, name, f"{prefix}{name}"), f"{prefix}{name}"
-            if isinstance(item, self.h5py.Group):
-                yield from self.datasets(item, f"{where}/", here, depth + 1)
-            elif isinstance(item, self.h5py.Dataset) and self.holds_numbers(item):
-                self.require_own(item, f"{self.path}: {shortened(where)}")
+            where = f"{prefix}{name}"
+            item = _linked(h5py, file, group, name, f"{path}: {shortened(where)}")
+            if isinstance(item, h5py.Group):
+                yield from below(item, f"{where}/", here, depth + 1)
+            elif isinstance(item, h5py.Dataset) and (
+                item.dtype.kind in "fiu"  # real numbers: no truth values, no enumeration, no text
+                and item.size
+                and h5py.check_enum_dtype(item.dtype) is None
+                and item.attrs.get("MATLAB_class") not in _NO_NUMBERS
+            ):
+                _require_own(item, f"{path}: {shortened(where)}")
                 yield where, item, here
 
-    def item(self, group: Any, name: str, where: str) -> Any:
-        """What a link leads to; None for a soft link that leads to no data set by hard links alone."""
-        link = group.get(name, getlink=True)
-        if isinstance(link, self.h5py.HardLink):
-            return group[name]
-        if isinstance(link, self.h5py.ExternalLink):
-            raise RecordError(
-                f"{self.path}: {shortened(where)} is a link into another file, {shortened(link.filename)}; copy what "
-                "it leads to into the record"
-            )
-        target = self.file if link.path.startswith("/") else group
-        for part in filter(None, link.path.split("/")[:_DEEPEST]):
-            if not isinstance(target, self.h5py.Group) or not isinstance(
-                target.get(part, None, getlink=True), self.h5py.HardLink
-            ):
-                return None
-            target = target[part]
-        return target if isinstance(target, self.h5py.Dataset) else None
+    yield from below(file, "", {}, 0)
 
-    def holds_numbers(self, data: Any) -> bool:
-        """Whether a data set holds real numbers: no truth values, no enumeration, no text."""
-        return bool(
-            data.dtype.kind in "fiu"
-            and data.size
-            and self.h5py.check_enum_dtype(data.dtype) is None
-            and data.attrs.get("MATLAB_class") not in _NO_NUMBERS
+
+def _linked(h5py: Any, file: Any, group: Any, name: str, what: str) -> Any:
+    """What a link leads to; None for a soft link that leads to no data set by hard links alone."""
+    link = group.get(name, getlink=True)
+    if isinstance(link, h5py.HardLink):
+        return group[name]
+    if isinstance(link, h5py.ExternalLink):
+        raise RecordError(
+            f"{what} is a link into another file, {shortened(link.filename)}; copy what it leads to into the record"
         )
+    target = file if link.path.startswith("/") else group
+    for part in filter(None, link.path.split("/")[:_DEEPEST]):
+        inside = isinstance(target, h5py.Group) and target.get(part, None, getlink=True)
+        if not isinstance(inside, h5py.HardLink):
+            return None
+        target = target[part]
+    return target if isinstance(target, h5py.Dataset) else None
 
-    @staticmethod
-    def require_own(data: Any, what: str) -> None:
-        """RecordError for an array that lies in other files, or in pieces too large to unpack."""
-        if data.is_virtual:
-            raise RecordError(
-                f"{what} is put together from other data sets; copy its values into the record"
-            )
-        if data.external:
-            raise RecordError(f"{what} lies in another file; copy its values into the record")
-        if data.chunks and math.prod(data.chunks) * data.dtype.itemsize > _LARGEST_CHUNK:
-            raise RecordError(
-                f"{what} is stored in chunks of {math.prod(data.chunks):,} numbers, too large to unpack; store it in "
-                "smaller ones"
-            )
+
+def _require_own(data: Any, what: str) -> None:
+    """RecordError for an array that lies in other files, or in pieces too large to unpack."""
+    if data.is_virtual:
+        remedy = "copy its values into the record"
+        raise RecordError(f"{what} is put together from other data sets; {remedy}")
+    if data.external:
+        raise RecordError(f"{what} lies in another file; copy its values into the record")
+    if data.chunks and math.prod(data.chunks) * data.dtype.itemsize > _LARGEST_CHUNK:
+        raise RecordError(
+            f"{what} is stored in chunks of {math.prod(data.chunks):,} numbers, too large to unpack; store it in "
+            "smaller ones"
+        )
 
 
 def _attributes(item: Any) -> dict[str, object]:
@@ -143,20 +141,9 @@ def _attributes(item: Any) -> dict[str, object]:
     }
 
 
-_HEADER = 128  # bytes
-_ARRAY, _PACKED = 14, 15  # types of an element: an array, and one that is compressed
-_TYPES = range(1, 19)
-_BYTES = {3: 2, 4: 2, 5: 4, 6: 4, 7: 4, 9: 8, 12: 8, 13: 8, 17: 2, 18: 4}  # of a number; others: 1
-_PIECE = 1 << 20  # bytes unpacked at once
-
-_Read = Callable[[int], bytes]
-
-
 def matlab_file(path: Path, largest: int) -> RecordFile:
-    """A MATLAB 5 file: every real array in it is a channel, a field of a structure by "structure.field".
-
-    Raises RecordError when it holds more numbers than may be read whole, a quarter of `largest`.
-    """
+    """A MATLAB 5 file: every real array in it is a channel, a field of a structure by "structure.field". Raises
+    RecordError when it holds more numbers than may be read whole, a quarter of `largest`."""
     from scipy.io import whosmat  # slow to import
 
     reader = library("pymatreader", "MATLAB")
@@ -185,7 +172,7 @@ def _require_readable(path: Path, most: int) -> None:
             end = stream.tell() + size
             elements += 1
             require_channels(path, elements)
-            read: _Read = stream.read
+            read: Callable[[int], bytes] = stream.read
             if kind == _PACKED:
                 read = _Unpacked(stream, size).read
                 kind, size = struct.unpack(f"{order}II", read(8))
@@ -197,36 +184,31 @@ def _require_readable(path: Path, most: int) -> None:
             stream.seek(end)
 
 
-def _counts(read: _Read, order: str, size: int) -> Iterator[int]:
-    """How many numbers each part of an array of `size` bytes says it has, before they are read.
-
-    Raises ValueError for parts that do not fit into what holds them.
-    """
-    left = [size]  # bytes of each array that holds the next
-    while left:
-        if left[-1] < 8:
-            _skip(read, left.pop())
-            continue
+def _counts(read: Callable[[int], bytes], order: str, left: int, depth: int = 1) -> Iterator[int]:
+    """How many numbers each part of an array of `left` bytes says it has, before they are read. Raises ValueError for
+    parts that do not fit into what holds them."""
+    if depth > _DEEPEST:
+        raise ValueError(f"arrays more than {_DEEPEST} deep")
+    while left >= 8:
         kind, count = struct.unpack(f"{order}II", read(8))
-        left[-1] -= 8
+        left -= 8
         if kind >> 16:  # a part that stands in its tag
             continue
         if kind not in _TYPES:
             raise ValueError(f"a part of no known type ({kind})")
-        if count > left[-1]:
+        if count > left:
             raise ValueError("a part is larger than what holds it")
-        padded = min(count + -count % 8, left[-1])
-        left[-1] -= padded
+        padded = min(count + -count % 8, left)
+        left -= padded
         if kind == _ARRAY:
-            left.append(padded)
-            if len(left) > _DEEPEST:
-                raise ValueError(f"arrays more than {_DEEPEST} deep")
+            yield from _counts(read, order, padded, depth + 1)
         else:
             yield count // _BYTES.get(kind, 1)
             _skip(read, padded)
+    _skip(read, left)
 
 
-def _skip(read: _Read, count: int) -> None:
+def _skip(read: Callable[[int], bytes], count: int) -> None:
     while count > 0 and (passed := len(read(min(count, _PIECE)))):
         count -= passed
 

@@ -1,45 +1,38 @@
 """From the columns of a file to a Measurement in SI: finite, within bounds, in equal steps, not constant, no overflow;
-at once or in blocks."""
+at once or in blocks. Times that were rounded to too few digits are put in equal steps."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+import warnings
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from ...arrays import Array
+from ...project.wording import Remark
 from ...record import GRID_TOLERANCE
-from ..errors import (
-    FINEST,
-    HIGHEST_RATE,
-    LARGEST,
-    LARGEST_VALUE,
-    LATEST,
-    LOWEST_RATE,
-    SMALLEST_RANGE,
-    RecordError,
-    require_size,
-)
-from ..measurement import QUANTITIES, Channel
-from .plan import Pick
+from .. import errors
+from ..errors import RecordError, RecordWarning, require_size
+from ..measurement import QUANTITIES, Channel, sample_times
+from .channels import Pick
 from .record_file import RecordFile
-from .times import in_equal_steps, times
 
 _GAP = 1.5  # steps
 _BITS = (8, 16, 24, 32, 64)  # of the integers that converters and files have
 # of their range: no oscillation passes through so much of it from one sample to the next
 _WRAPPED = 0.9
+_INTEGER = 0.01  # of the resolution: room for the rounding of its multiples to floats
+_WITHIN = 1.5  # resolutions; rounding, and what the line is off by itself
+_ACCURATE = 1e-3  # of the rate, that it may be off by at the most: c is then off by as much
 
 
-def stated_size(file: RecordFile, picks: Sequence[Pick], largest: int) -> int:
-    """How many numbers the picked channels are, as far as the file tells before it is read.
+def stated_size(file: RecordFile, picks: Sequence[Pick], otherwise: int = 0) -> int:
+    """How many numbers the picked channels are, as the file says before it is read.
 
-    Raises RecordError when they are more than `largest`.
+    otherwise : samples of a channel of which it does not.
     """
-    numbers = sum(file.channels[i].size or 0 for i in wanted_of(picks))
-    require_size(file.path, numbers, largest)
-    return numbers
+    return sum(file.channels[i].size or otherwise for i in wanted_of(picks))
 
 
 def whole(file: RecordFile, picks: Sequence[Pick], largest: int) -> list[Channel]:
@@ -49,26 +42,30 @@ def whole(file: RecordFile, picks: Sequence[Pick], largest: int) -> list[Channel
     times that do not increase, have a gap or unequal steps, a constant channel, an integer that ran over, channels of
     unequal lengths.
     """
-    stated_size(file, picks, largest)
+    require_size(file.path, stated_size(file, picks), largest)
     wanted = wanted_of(picks)
-    blocks = list(file.blocks(wanted, max(file.channels[i].size or LARGEST for i in wanted)))
-    arrays = [*map(_joined, zip(*blocks, strict=True))] or [np.empty(0)] * len(wanted)
+    blocks = list(file.blocks(wanted, max(file.channels[i].size or errors.LARGEST for i in wanted)))
+    # what is one array already is not copied
+    arrays = [p[0] if len(p) == 1 else np.concatenate(p) for p in zip(*blocks, strict=True)]
+    columns = dict(zip(wanted, arrays or [np.empty(0)] * len(wanted), strict=True))
     require_size(file.path, sum(len(array) for array in arrays), largest)
-    columns = dict(zip(wanted, arrays, strict=True))
     first_of: dict[tuple[object, ...], Pick] = {}  # of the channels that share their times
-    channels = []
+    channels: list[Channel] = []
     for pick in picks:
-        samples = _without_padding(file, pick, columns)
         first = first_of.setdefault((pick.time, pick.rate_hz, pick.start), pick)
-        sizes = [columns[one.index].size for one in (first, pick)]
-        if len({*sizes}) > 1:
+        size, others = columns[pick.index].size, columns[first.index].size
+        if pick.time is not None and columns[pick.time].size != size:
             raise RecordError(
-                f"{file.path}: channel {first.name!r} has {sizes[0]} samples, {pick.name!r} has {sizes[1]}; channels "
+                f"{file.path}: channel {pick.name!r} has {size} samples, its time "
+                f"{file.channels[pick.time].name!r} has {columns[pick.time].size}; each sample needs its time"
+            )
+        if others != size:
+            raise RecordError(
+                f"{file.path}: channel {first.name!r} has {others} samples, {pick.name!r} has {size}; channels "
                 "that share their times have equal lengths"
             )
-        stretch = Stretch(file, pick, entire=True)
-        channels.append(stretch.channel(samples))
-        stretch.finish()
+        own = [columns[i] for i in wanted_of([pick])]
+        channels += _checked(Stretch(file, pick, entire=True), [own], largest)
     return channels
 
 
@@ -81,20 +78,23 @@ def in_blocks(file: RecordFile, pick: Pick, size: int, largest: int) -> Iterator
     wanted = wanted_of([pick])
     if len({file.channels[i].size for i in wanted}) > 1:
         named = ", ".join(f"{file.channels[i].name!r} {file.channels[i].size}" for i in wanted)
-        raise RecordError(
-            f"{file.path}: its channels have unequal lengths ({named}); such a file is read only as a whole"
-        )
-    stretch = Stretch(file, pick)
+        remedy = "such a file is read only as a whole"
+        raise RecordError(f"{file.path}: its channels have unequal lengths ({named}); {remedy}")
+    return _checked(Stretch(file, pick), file.blocks(wanted, size), largest)
+
+
+def _checked(stretch: Stretch, raw: Iterable[list[Array]], largest: int) -> Iterator[Channel]:
+    """The blocks of one channel, and of its times, as they pass all checks."""
+    wanted = wanted_of([stretch.pick])
     # One block is kept back, so that a last one of a single sample can join it.
     waiting: list[Array] = []
-    raw = file.blocks(wanted, size)
-    for block in raw if pick.time is None else _without_empty_end(raw):
+    for block in raw if stretch.pick.time is None else _without_empty_end(raw):
         if waiting and block[0].size < 2:
             waiting = [np.concatenate(pair) for pair in zip(waiting, block, strict=True)]
             continue
         if waiting:
             yield stretch.channel(dict(zip(wanted, waiting, strict=True)))
-            require_size(file.path, stretch.count * len(wanted), largest)
+            require_size(stretch.file.path, stretch.count * len(wanted), largest)
         waiting = block
     yield stretch.channel(dict(zip(wanted, waiting or [np.empty(0)] * len(wanted), strict=True)))
     stretch.finish()
@@ -123,17 +123,16 @@ class Stretch:
             raise RecordError(
                 f"{self.file.path}: channel {pick.name!r} has {self.count + values.size} samples; that is no record"
             )
-        signal = self._in_si(
-            pick.index, values, pick.factor, LARGEST_VALUE, QUANTITIES[pick.quantity]
-        )
+        unit = QUANTITIES[pick.quantity]
+        signal = self._in_si(pick.index, values, pick.factor, errors.LARGEST_VALUE, unit)
         self._require_no_overflow(values)
         if pick.time is None:
-            t = times(pick.rate_hz, pick.start, self.count, values.size)
+            t = sample_times(pick.rate_hz, pick.start, self.count, values.size)
         else:
             where = f"{self.file.path}: time channel {self.file.channels[pick.time].name!r}"
-            t = self._in_si(pick.time, columns[pick.time], pick.time_factor, LATEST, "s")
+            t = self._in_si(pick.time, columns[pick.time], pick.time_factor, errors.LATEST, "s")
             if self.entire:
-                t = in_equal_steps(t, where)
+                t = _in_equal_steps(t, where)
             self._require_uniform(pick.time, t, where)
         self.count += values.size
         self.last = float(t[-1])
@@ -150,16 +149,14 @@ class Stretch:
         span, constant = self.high - self.low, f"{self.low:g} in all {self.count} samples"
         if not span:
             raise RecordError(f"{channel} is constant, {constant}; check transducer and mapping")
-        if (swing := span * abs(self.pick.factor)) < SMALLEST_RANGE:
+        if (swing := span * abs(self.pick.factor)) < errors.SMALLEST_RANGE:
             raise RecordError(
                 f"{channel} moves by {swing:.3g} {QUANTITIES[self.pick.quantity]} in all, too little to mean anything; "
                 "check its unit and scale"
             )
-        if span < FINEST * max(abs(self.low), abs(self.high)):
-            raise RecordError(
-                f"{channel} is constant except for rounding, {constant}; check transducer and mapping, or take off its"
-                " offset"
-            )
+        if span < errors.FINEST * max(abs(self.low), abs(self.high)):
+            remedy = "check transducer and mapping, or take off its offset"
+            raise RecordError(f"{channel} is constant except for rounding, {constant}; {remedy}")
 
     def _in_si(self, index: int, values: Array, factor: float, bound: float, unit: str) -> Array:
         """The values in SI, finite and within the bound either way."""
@@ -195,14 +192,14 @@ class Stretch:
 
     def _require_uniform(self, index: int, t: Array, where: str) -> None:
         line = t if self.last is None else np.concatenate([[self.last], t])
+        steps, first = np.diff(line), self.count - (line.size - t.size)
 
         def place(i: int) -> str:
-            return self.file.place(index, self.count - (line.size - t.size) + i)
+            return self.file.place(index, first + i)
 
-        steps = np.diff(line)
         if self.step is None:
             self.step = float(np.median(steps))
-        if self.step > 0.0 and not LOWEST_RATE <= 1.0 / self.step <= HIGHEST_RATE:
+        if self.step > 0.0 and not errors.LOWEST_RATE <= 1.0 / self.step <= errors.HIGHEST_RATE:
             raise RecordError(
                 f"{where} has steps of {self.step:g} s, which no recorder has; check its unit, or give sample_rate_hz"
             )
@@ -232,27 +229,12 @@ def wanted_of(picks: Sequence[Pick]) -> list[int]:
     return sorted({i for pick in picks for i in (pick.index, pick.time) if i is not None})
 
 
-def _without_padding(
-    file: RecordFile, pick: Pick, columns: Mapping[int, Array]
-) -> Mapping[int, Array]:
-    """The columns of a channel without the empty cells that a shorter time base leaves at its end in a table."""
-    if pick.time is None:
-        return columns
-    values, time = columns[pick.index], columns[pick.time]
-    if time.size != values.size:
-        raise RecordError(
-            f"{file.path}: channel {pick.name!r} has {values.size} samples, its time "
-            f"{file.channels[pick.time].name!r} has {time.size}; each sample needs its time"
-        )
-    end = _end([values, time])
-    return {pick.index: values[:end], pick.time: time[:end]}
-
-
-def _without_empty_end(blocks: Iterator[list[Array]]) -> Iterator[list[Array]]:
-    """The blocks without the rows at the end of the table that are empty in every column."""
+def _without_empty_end(blocks: Iterable[list[Array]]) -> Iterator[list[Array]]:
+    """The blocks without the rows at the end that are empty in every column, as a shorter time base leaves them."""
     empty = 0  # rows that are, so far, the end
     for block in blocks:
-        end = _end(block)
+        present = np.flatnonzero(~np.all([np.isnan(column) for column in block], axis=0))
+        end = int(present[-1]) + 1 if present.size else 0
         if end:
             if empty:  # they were not the end: an error, which the checks will find
                 yield [np.full(empty, np.nan) for _ in block]
@@ -261,12 +243,42 @@ def _without_empty_end(blocks: Iterator[list[Array]]) -> Iterator[list[Array]]:
         empty += block[0].size - end
 
 
-def _joined(parts: Sequence[Array]) -> Array:
-    """The parts of a column as one array, which is not copied where it is one already."""
-    return parts[0] if len(parts) == 1 else np.concatenate(parts)
+def _in_equal_steps(t: Array, where: str) -> Array:
+    """The times of a channel: t_i = t_0 + i Δt by least squares, where it holds these rounded to too few digits, as
+    stamps in ms of 20,000 samples a second are.
+
+    It does if all are multiples of a decimal resolution q apart and none is further than that from the line. Rounding
+    errors of up to q/2 put the slope off by 3q/2T at the most, T being the length of the record; they rarely conspire
+    like that, and a hundredth of it is common. A warning states the bound. Any other times are returned as they are.
+
+    t : s.   where : file and channel, for the warning.
+    """
+    steps = np.diff(t)
+    if t.size < 3 or not steps.min() >= 0.0 or not t[-1] > t[0]:
+        return t
+    even = np.linspace(t[0], t[-1], t.size)
+    if np.abs(t - even).max() <= GRID_TOLERANCE * (even[1] - even[0]):
+        return t
+    q = next((q for n in range(13) if _are_multiples(steps, q := 10.0**-n)), np.inf)
+    i = np.arange(t.size) - 0.5 * (t.size - 1)
+    middle = float(t.mean())
+    step = float(i @ (t - middle)) / float(i @ i)
+    line = np.asarray(middle + step * i)
+    bound = 1.5 * q / (step * t.size)
+    if np.ptp(t - line) > _WITHIN * q or bound > _ACCURATE:
+        return t
+    rounded = Remark(
+        "{} is rounded to {:.3g} s, its samples are {:.3g} s apart: {:.9g} samples a second are taken, from the line "
+        "through it, off by {:.3g} ppm at the most; give sample_rate_hz if known",
+        *(where, q, step, 1.0 / step, 1e6 * bound),
+        doubts={"": bound},
+    )
+    warnings.warn(RecordWarning(rounded), stacklevel=2)
+    return line
 
 
-def _end(columns: Sequence[Array]) -> int:
-    """The number of rows up to the last that is not empty in every column."""
-    present = np.flatnonzero(~np.all([np.isnan(column) for column in columns], axis=0))
-    return int(present[-1]) + 1 if present.size else 0
+def _are_multiples(steps: Array, q: float) -> bool:
+    """Whether all steps are multiples of q, none but zero being lost."""
+    multiples = np.round(steps / q)
+    lost = (multiples == 0.0) & (steps > 0.0)
+    return not lost.any() and bool(np.abs(steps / q - multiples).max() < _INTEGER)

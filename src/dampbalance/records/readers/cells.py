@@ -1,4 +1,4 @@
-"""Run as a script by `tables.py`: sends the cells of a spreadsheet from a process whose memory and time are limited.
+"""Run as a script by `spreadsheets.py`: sends the cells of a sheet from a process whose memory and time are limited.
 
 The library allocates a sheet from its first cell to its last before it says how large that is: a file of 2 kB can ask
 for more than a machine has. The script imports nothing of the package, and so starts at once.

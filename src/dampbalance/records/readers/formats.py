@@ -8,7 +8,6 @@ from typing import NamedTuple
 from ...project.wording import shortened, visible
 from ..errors import RecordError
 
-_HDF5 = b"\x89HDF\r\n\x1a\n"
 _BEGINNINGS: dict[str, bytes | tuple[bytes, ...]] = {
     "matlab": b"MATLAB 5.0",
     "matlab73": b"MATLAB 7.3",
@@ -17,9 +16,7 @@ _BEGINNINGS: dict[str, bytes | tuple[bytes, ...]] = {
     "spreadsheet": (b"PK\x03\x04", b"\xd0\xcf\x11\xe0"),
     "lvm": (b"LabVIEW Measurement", b"\xef\xbb\xbfLabVIEW Measurement"),
 }
-_BYTE_ORDER_MARKS = (b"\xef\xbb\xbf", b"\xff\xfe", b"\xfe\xff")
 _HEAD = 4096  # bytes that tell: a user block of a few kB may precede HDF5
-_SHEETS = (".xlsx", ".xlsm", ".xlsb", ".xls", ".ods")
 
 
 class Format(NamedTuple):
@@ -39,12 +36,11 @@ FORMATS = {
     "tdms": Format("TDMS", (".tdms",), ("tdms",)),
     "wav": Format("WAV", (".wav", ".wave"), ("wav",)),
     "lvm": Format("a text file of LabVIEW", (".lvm",), ("lvm",)),
-    "spreadsheet": Format("a spreadsheet", _SHEETS, ("spreadsheet",)),
+    "spreadsheet": Format(
+        "a spreadsheet", (".xlsx", ".xlsm", ".xlsb", ".xls", ".ods"), ("spreadsheet",)
+    ),
 }
 """The formats read, and all but the last two written, by short name."""
-
-_TITLES = {name: kind.title for name, kind in FORMATS.items()}
-_TITLES |= {"matlab": "MATLAB 5", "matlab73": "MATLAB 7.3"}
 
 
 def format_by_suffix(path: Path) -> str:
@@ -63,14 +59,15 @@ def content_of(path: Path) -> str | None:
     for content, beginnings in _BEGINNINGS.items():
         if head.startswith(beginnings):
             return content
-    if any(head[at:].startswith(_HDF5) for at in (0, 512, 1024, 2048)):
+    if any(head[at:].startswith(b"\x89HDF\r\n\x1a\n") for at in (0, 512, 1024, 2048)):
         return "hdf5"
     if head[:4] in (b"RIFF", b"RIFX", b"RF64") and head[8:12] == b"WAVE":
         return "wav"
     if head.lstrip(b"\r\n").startswith(b"    -1"):
         return "uff"
+    marked = head.startswith((b"\xef\xbb\xbf", b"\xff\xfe", b"\xfe\xff"))  # the byte order
     control = any(byte < 9 or 13 < byte < 27 or 27 < byte < 32 for byte in head)
-    return None if control and not head.startswith(_BYTE_ORDER_MARKS) else "text"
+    return None if control and not marked else "text"
 
 
 def require_showable(path: Path) -> None:
@@ -82,10 +79,8 @@ def require_showable(path: Path) -> None:
 
 
 def checked_format(path: Path) -> str:
-    """The content (`content_of`) of a regular file that is there, not empty, and what its name says it is.
-
-    Raises RecordError otherwise.
-    """
+    """The content (`content_of`) of a regular file that is there, not empty, and what its name says it is. Raises
+    RecordError otherwise."""
     require_showable(path)
     try:
         if path.is_dir():
@@ -103,14 +98,13 @@ def checked_format(path: Path) -> str:
     if size == 0:
         raise RecordError(f"{path}: is empty")
     if content is None:
-        raise RecordError(
-            f"{path}: is not {kind.title}, as its name says; its first bytes are of no format known here, "
-            "perhaps it is damaged"
-        )
+        remedy = "its first bytes are of no format known here, perhaps it is damaged"
+        raise RecordError(f"{path}: is not {kind.title}, as its name says; {remedy}")
     if content not in kind.contents:
-        suffix = FORMATS["matlab" if content == "matlab73" else content].suffixes[0]
+        known = FORMATS["matlab" if content == "matlab73" else content]
+        version = {"matlab": " 5", "matlab73": " 7.3"}.get(content, "")
         raise RecordError(
-            f"{path}: is not {kind.title}, as its name says, but {_TITLES[content]}; rename it to "
-            f"{path.with_suffix(suffix).name}"
+            f"{path}: is not {kind.title}, as its name says, but {known.title}{version}; rename it to "
+            f"{path.with_suffix(known.suffixes[0]).name}"
         )
     return content

@@ -57,6 +57,7 @@ class RecordFile(ABC):
 
     path: Path
     channels: Sequence[RawChannel]
+    rows_stated: int = 0  # about, where a channel has no size
 
     @abstractmethod
     def blocks(self, wanted: Sequence[int], size: int) -> Iterator[list[Array]]:
@@ -150,9 +151,7 @@ def signals_in(
     close: Callable[[], None] = lambda: None,
 ) -> Sliced:
     """The signals in arrays (name, array, attributes, unit): each array itself, or its rows or columns if it has two.
-
-    A signal runs along the longer side.
-    """
+    A signal runs along the longer side."""
     channels: list[RawChannel] = []
     signals = []
     for name, data, attributes, unit in arrays:
@@ -208,27 +207,25 @@ def described(
     start = next((number(key) for key in START_NAMES if key in values), 0.0)
     if not abs(start) <= LATEST:
         raise RecordError(f"{path}: {channel} begins at {start:g} s; {remedy}")
-    rate = None
-    if key := next((key for key in (*RATE_NAMES, *STEP_NAMES) if key in values), None):
-        value, bounds = number(key), (LOWEST_RATE, HIGHEST_RATE)
-        if key in STEP_NAMES:
-            bounds = (1.0 / HIGHEST_RATE, 1.0 / LOWEST_RATE)
-        if not bounds[0] <= value <= bounds[1]:
-            raise RecordError(
-                f"{path}: {key} of {channel} is {value:g}, not within {bounds[0]:g} to {bounds[1]:g}; {remedy}"
-            )
-        rate = 1.0 / value if key in STEP_NAMES else value
+    key = next((key for key in (*RATE_NAMES, *STEP_NAMES) if key in values), None)
+    if key is None:
+        return RawChannel(name, unit or own, size, None, start, label)
+    value, low, high = number(key), LOWEST_RATE, HIGHEST_RATE
+    if key in STEP_NAMES:
+        low, high = 1.0 / HIGHEST_RATE, 1.0 / LOWEST_RATE
+    if not low <= value <= high:
+        raise RecordError(
+            f"{path}: {key} of {channel} is {value:g}, not within {low:g} to {high:g}; {remedy}"
+        )
+    rate = 1.0 / value if key in STEP_NAMES else value
     return RawChannel(name, unit or own, size, rate, start, label)
 
 
 def unit_among(attributes: dict[str, object]) -> str | None:
     """The unit among attributes of a channel, or None."""
-    for key, value in attributes.items():
-        if str(key).lower() in UNIT_NAMES:
-            text = value.decode("utf-8", "replace") if isinstance(value, bytes) else str(value)
-            if text.strip():
-                return text.strip()
-    return None
+    units = (value for key, value in attributes.items() if str(key).lower() in UNIT_NAMES)
+    texts = (u.decode("utf-8", "replace") if isinstance(u, bytes) else str(u) for u in units)
+    return next(filter(None, map(str.strip, texts)), None)
 
 
 if TYPE_CHECKING:
@@ -253,18 +250,16 @@ def signals_file(name: str, signals: Signals) -> Sliced:
         single = not isinstance(values, list | tuple) and not np.ndim(values)
         (stated if single else several)[label] = values
         if single and label.lower() not in TIMING_NAMES:
-            raise RecordError(
-                f"{path}: {shortened(label)} is a single value; a signal is an array of its samples"
-            )
+            remedy = "a signal is an array of its samples"
+            raise RecordError(f"{path}: {shortened(label)} is a single value; {remedy}")
     channels, arrays = [], []
     for label, values in several.items():
         array, stamps = _samples(values)
         if array.ndim != 1:
-            raise RecordError(
-                f"{path}: {shortened(label)} has the shape {array.shape}; give each signal a name of its own"
-            )
-        plain = RawChannel(label, "s", array.size, label=label, stamps=True)
-        channels.append(plain if stamps else described(path, label, array.size, stated))
+            remedy = "give each signal a name of its own"
+            raise RecordError(f"{path}: {shortened(label)} has the shape {array.shape}; {remedy}")
+        time = RawChannel(label, "s", array.size, label=label, stamps=True)
+        channels.append(time if stamps else described(path, label, array.size, stated))
         arrays.append(array)
     require_nameable(path, channels)
 

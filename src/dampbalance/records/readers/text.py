@@ -11,9 +11,10 @@ import itertools
 import re
 import warnings
 from collections import Counter
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -23,7 +24,9 @@ from ..errors import RecordError, RecordWarning
 from ..mapping import RecordMapping
 from ..units import find_other, find_unit, split_label
 from .record_file import RawChannel, RecordFile
-from .times import Clock, is_date, is_stamp
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 WHITESPACE = "whitespace"
 # characters: room for all channels that a record may have, and no more than the module csv takes
@@ -33,11 +36,17 @@ _SAMPLE_LINES = 400  # enough for any header and some rows
 _SAMPLE_CHARACTERS = 2_000_000
 _ROWS_TO_AGREE = 20
 _COMMENTS = "#%"
-_COMMENT_COLUMN = ("comment", "kommentar")
 _BRACKETS = "[](){} "
 _MISSING = {"", "na", "n/a", "null", "none"} | {
     sign + word for sign in ("", "+", "-") for word in ("nan", "inf", "infinity")
 }
+# times: 2026-03-01T12:00:00.0005+01:00; 12:00:00,0005 of a day; 0 days 00:00:00.0005, as pandas writes a span
+_CLOCK = r"\d{1,2}:\d{2}(:\d{2}([.,]\d+)?)?"
+_POINT = re.compile(rf"\d{{4}}-\d{{2}}-\d{{2}}[T ]{_CLOCK} ?(Z|[+-]\d{{2}}(:?\d{{2}})?)?")
+_SPAN = re.compile(rf"(-?\d+ days? \+?)?{_CLOCK}")
+_STAMP = re.compile(f"{_POINT.pattern}|{_SPAN.pattern}")
+_DATE = re.compile(r"\d{1,4}[-./]\d{1,2}[-./]\d{1,4}([T ].{1,30})?")
+_DAY = 86400.0  # s
 _NUMBER = {
     mark: re.compile(rf"[+-]?(\d+({re.escape(mark)}\d*)?|{re.escape(mark)}\d+)([eE][+-]?\d+)?")
     for mark in ".,"
@@ -46,86 +55,6 @@ _NUMBER = {
 # Tried in this order; of two that fit as many rows the first wins. In "1,5;2,5" the semicolon must, so it comes before
 # the comma.
 _DELIMITERS = ("\t", ";", "|", ",", WHITESPACE)
-
-
-@dataclass(frozen=True)
-class Layout:
-    """How to read a text file.
-
-    header_lines : lines before the first row.   comment : character that opens a comment.   ends_in_line_end : whether
-    the last line does; otherwise it may have been cut.   rows_stated : about, from the size and the first lines.
-    """
-
-    encoding: str
-    delimiter: str
-    decimal: str
-    comment: str
-    header_lines: int
-    columns: tuple[RawChannel, ...]
-    ends_in_line_end: bool
-    rows_stated: int
-
-    def rows(self, path: Path) -> Iterator[tuple[int, list[str]]]:
-        """Line number, counted from 1, and cells of every row of data; slow, for finding what is wrong."""
-        numbered = enumerate(lines_of(path, self.encoding), start=1)
-        for number, line in itertools.islice(numbered, self.header_lines, None):
-            if cells := cells_of(line, self.delimiter, self.comment):
-                yield number, cells
-
-    def is_readable(self, cell: str) -> bool:
-        """Whether a cell is a number, or NaN or an infinity, which the check for finite values names."""
-        return bool(_NUMBER[self.decimal].fullmatch(cell)) or cell.lower() in _MISSING
-
-
-def layout_of(path: Path, mapping: RecordMapping) -> Layout:
-    """The layout of a text file, from its first lines and from what the mapping says about it.
-
-    Raises RecordError when there are no rows of numbers, only one column, or a header that does not fit the rows.
-    """
-    encoding = _encoding(path)
-    lines: list[str] = []
-    for line in itertools.islice(lines_of(path, encoding), _SAMPLE_LINES):
-        lines.append(line)
-        if sum(map(len, lines)) > _SAMPLE_CHARACTERS:
-            break
-    comment = next((line.lstrip()[0] for line in lines if line.lstrip()[:1] in [*_COMMENTS]), "#")
-    fits = [
-        (fit, delimiter, decimal)
-        for least in ([2] if mapping.sample_rate_hz is None else [2, 1])  # times may be missing
-        for delimiter in ([mapping.delimiter] if mapping.delimiter else _DELIMITERS)
-        for decimal in (mapping.decimal or ".,")
-        if decimal != delimiter
-        # without the mark there is one cell to a line: nothing to look at closely
-        if least == 1 or delimiter == WHITESPACE or any(delimiter in line for line in lines)
-        if (fit := _first_row(lines, delimiter, decimal, comment, mapping.header_lines, least))
-    ]
-    if not fits:
-        raise RecordError(_no_rows(path, lines, comment, mapping))
-    (_, header, width, cells), delimiter, decimal = max(
-        fits, key=lambda fit: (fit[0][2] > 1, fit[0][0])
-    )
-    columns = columns_of(path, _header_table(lines[:header], delimiter, width, cells), width)
-    first = next(filter(None, (cells_of(line, delimiter, comment) for line in lines[header:])), [])
-    for i, cell in enumerate(first[:width]):
-        if is_stamp(cell) or (is_date(cell) and ":" in cell):
-            columns[i] = replace(columns[i], unit="s", stamps=True)
-    length = sum(map(len, lines[header:])) / max(1, len(lines) - header)
-    rows = round(path.stat().st_size / max(1.0, length))
-    ended = _ends_in_line_end(path)
-    return Layout(encoding, delimiter, decimal, comment, header, tuple(columns), ended, rows)
-
-
-def lines_of(path: Path, encoding: str) -> Iterator[str]:
-    """The lines of a text file. Raises RecordError for one that is too long to be a row of a record."""
-    with open(path, encoding=encoding, errors="replace", newline=None) as stream:
-        every = iter(lambda: stream.readline(LONGEST_LINE + 1), "")
-        for number, line in enumerate(every, start=1):
-            if len(line) > LONGEST_LINE:
-                raise RecordError(
-                    f"{path}: line {number} has more than {LONGEST_LINE:,} characters; it is no row of a record: "
-                    "keep the channels of one record, one row a sample"
-                )
-            yield line
 
 
 def cells_of(line: str, delimiter: str, comment: str) -> list[str]:
@@ -141,28 +70,29 @@ def _split(line: str, delimiter: str) -> list[str]:
 
 
 def _first_row(
-    lines: Sequence[str], delimiter: str, decimal: str, comment: str, header: int | None, least: int
+    table: Sequence[list[str]], decimal: str, header: int | None, least: int
 ) -> tuple[int, int, int, int] | None:
-    """How many rows fit these marks, the line (counted from 0) of the first one, and its number of cells, without and
-    with empty ones at the end; or None.
+    """How many rows of the cells of lines fit this mark, the line (counted from 0) of the first one, and its number of
+    cells, without and with empty ones at the end; or None.
 
     A row has at least so many cells, a number in one and a number, a time or nothing in the others.
     """
     number = _NUMBER[decimal]
 
-    def row(line: str) -> tuple[int, int]:
+    def row(cells: Sequence[str]) -> tuple[int, int]:
         """Number of cells, and of those up to the last that is not empty; (0, 0) for no row."""
-        cells = cells_of(line, delimiter, comment)
+        if len(cells) < least:
+            return 0, 0
         others = [cell for cell in cells if not number.fullmatch(cell)]
-        texts = {cell for cell in others if not is_stamp(cell) and not is_date(cell)}
-        if not least <= len(cells) > len(others) or {cell.lower() for cell in texts} - _MISSING:
+        texts = (c.lower() for c in others if not (_STAMP.fullmatch(c) or _DATE.fullmatch(c)))
+        if len(others) == len(cells) or set(texts) - _MISSING:
             return 0, 0
         return len(cells), max(i for i, cell in enumerate(cells, start=1) if cell)
 
     start = header
     if start is None:
-        start = next((i for i, line in enumerate(lines) if row(line)[0]), len(lines))
-    sizes = [row(line) for line in lines[start:] if cells_of(line, delimiter, comment)]
+        start = next((i for i, cells in enumerate(table) if row(cells)[0]), len(table))
+    sizes = [row(cells) for cells in table[start:] if cells]
     counts = Counter(cells for cells, _ in sizes[:_ROWS_TO_AGREE] if cells)
     if not counts:
         return None
@@ -173,21 +103,19 @@ def _first_row(
 
 
 def _header_table(lines: Sequence[str], delimiter: str, width: int, most: int) -> list[list[str]]:
-    """The cells of each line of a header; where blanks separate them, of the lines with as many as the rows.
-
-    Without those above cells that are empty in every row, and LabVIEW's column of comments, which rows may lack.
-    """
+    """The cells of each line of a header; where blanks separate them, of the lines with as many as the rows. Without
+    those above cells that are empty in every row, and LabVIEW's column of comments, which rows may lack."""
     table = []
     for line in lines:
         bare = line.strip()
         text = bare.lstrip(_COMMENTS).strip() if bare.startswith(tuple(_COMMENTS)) else line
         cells = _header_cells(text, delimiter, width)
-        while len(cells) > width and (
-            not cells[-1] or len(cells) <= most or cells[-1].lower() in _COMMENT_COLUMN
-        ):
+        dropped = ("", "comment", "kommentar")
+        while len(cells) > width and (len(cells) <= most or cells[-1].lower() in dropped):
             cells.pop()
-        table.append(cells)
-    return [cells for cells in table if cells and (delimiter != WHITESPACE or len(cells) == width)]
+        if cells and (delimiter != WHITESPACE or len(cells) == width):
+            table.append(cells)
+    return table
 
 
 def columns_of(path: Path, table: Sequence[list[str]], width: int) -> list[RawChannel]:
@@ -198,14 +126,12 @@ def columns_of(path: Path, table: Sequence[list[str]], width: int) -> list[RawCh
             f"{path}: its header has {len(table[-1])} names, its rows have {width} cells; if it has 0,5 for 0.5, "
             'say decimal: "," and the delimiter in a mapping'
         )
-    units: list[str | None] = [None] * width
-    if len(fitting) > 1 and _are_units(fitting[-1]):
-        units = [cell.strip(_BRACKETS) or None for cell in fitting.pop()]
+    units = fitting.pop() if len(fitting) > 1 and _are_units(fitting[-1]) else [""] * width
     columns = []
-    labels = fitting[-1] if fitting else [""] * width
-    for i, (label, unit) in enumerate(zip(labels, units, strict=True), start=1):
+    for i, label in enumerate(fitting[-1] if fitting else [""] * width):
         name, own = split_label(label)
-        columns.append(RawChannel(name or f"column {i}", unit or own, label=label))
+        unit = units[i].strip(_BRACKETS) or own
+        columns.append(RawChannel(name or f"column {i + 1}", unit, label=label))
     return columns
 
 
@@ -232,10 +158,9 @@ def _are_units(cells: Sequence[str]) -> bool:
 def _no_rows(path: Path, lines: Sequence[str], comment: str, mapping: RecordMapping) -> str:
     if not any(line.strip() for line in lines):
         return f"{path}: is empty"
-    for decimal in ".,":
-        cells = [line.split(comment, 1)[0].strip() for line in lines]
-        if sum(_NUMBER[decimal].fullmatch(cell) is not None for cell in cells) > 1:
-            return f"{path}: has one column only; a record needs an excitation and a response"
+    cells = [line.split(comment, 1)[0].strip() for line in lines]
+    if any(sum(bool(mark.fullmatch(cell)) for cell in cells) > 1 for mark in _NUMBER.values()):
+        return f"{path}: has one column only; a record needs an excitation and a response"
     skipped = mapping.header_lines
     where = "" if skipped is None else f" after {skipped} header lines"
     return (
@@ -257,11 +182,32 @@ def _encoding(path: Path) -> str:
     return "utf-8-sig"
 
 
-def _ends_in_line_end(path: Path) -> bool:
-    with open(path, "rb") as stream:
-        stream.seek(0, io.SEEK_END)
-        stream.seek(max(0, stream.tell() - 4))
-        return stream.read().replace(b"\x00", b"").endswith((b"\n", b"\r"))
+def _clock(first: str) -> Callable[[pd.Series[str]], Array]:
+    """What turns the texts of a column, part by part, into seconds from its first one on; NaN for an empty cell."""
+    import pandas as pd  # slow to import
+
+    kind, last, passed = _POINT if _POINT.fullmatch(first) else _SPAN, 0.0, 0.0
+
+    def read(cells: pd.Series[str] | list[str]) -> pd.DatetimeIndex | pd.TimedeltaIndex:
+        texts = pd.Index(cells).str.replace(",", ".").str.strip()
+        # pandas takes many a text for a span
+        if not texts.dropna().str.fullmatch(kind.pattern).all():
+            raise ValueError("a cell is no time")
+        if kind is _POINT:
+            return pd.DatetimeIndex(pd.to_datetime(texts, format="ISO8601", utc=True))
+        return pd.TimedeltaIndex(pd.to_timedelta(texts))
+
+    def seconds(cells: pd.Series[str]) -> Array:
+        nonlocal last, passed
+        spans = pd.TimedeltaIndex(read(cells) - origin)
+        t = np.asarray(spans.total_seconds(), dtype=np.float64)
+        if kind is _SPAN and "day" not in first and t.size:  # midnight may pass
+            days = passed + _DAY * np.cumsum(np.diff(t, prepend=last) < -0.5 * _DAY)
+            last, passed, t = float(t[-1]), float(days[-1]), t + days
+        return t
+
+    origin = read([first])[0]
+    return seconds
 
 
 _AT_ONCE = 4_000_000  # cells that are parsed at once, wanted or not
@@ -269,24 +215,70 @@ _SMALL = 4_000_000  # bytes of a file that NumPy parses in less time than pandas
 
 
 class TextFile(RecordFile):
-    """A delimited text file; `layout_of` finds out its delimiter, decimal mark, header and columns."""
+    """A delimited text file: its layout follows from its first lines and from what the mapping says about it. Raises
+    RecordError when there are no rows of numbers, only one column, or a header that does not fit the rows."""
 
     def __init__(self, path: Path, mapping: RecordMapping) -> None:
-        self.path, self.layout = path, layout_of(path, mapping)
-        self.channels = self.layout.columns
+        self.path, self.encoding = path, _encoding(path)
+        lines: list[str] = []
+        for line in itertools.islice(self._lines(), _SAMPLE_LINES):
+            lines.append(line)
+            if sum(map(len, lines)) > _SAMPLE_CHARACTERS:
+                break
+        begun = (line.lstrip()[:1] for line in lines)
+        self.comment = next((mark for mark in begun if mark in [*_COMMENTS]), "#")
+        possible = [mapping.delimiter] if mapping.delimiter else _DELIMITERS
+        tables = {mark: [cells_of(line, mark, self.comment) for line in lines] for mark in possible}
+        fits = [
+            (fit, delimiter, decimal)
+            for least in ([2] if mapping.sample_rate_hz is None else [2, 1])  # times may be missing
+            for delimiter, table in tables.items()
+            for decimal in (mapping.decimal or ".,")
+            if decimal != delimiter
+            if (fit := _first_row(table, decimal, mapping.header_lines, least))
+        ]
+        if not fits:
+            raise RecordError(_no_rows(path, lines, self.comment, mapping))
+        (_, header, width, cells), self.delimiter, self.decimal = max(
+            fits, key=lambda fit: (fit[0][2] > 1, fit[0][0])
+        )
+        above = _header_table(lines[:header], self.delimiter, width, cells)
+        self.header_lines, self.channels = header, columns_of(path, above, width)
+        first = next(filter(None, tables[self.delimiter][header:]), [])
+        for i, cell in enumerate(first[:width]):
+            if _STAMP.fullmatch(cell) or (_DATE.fullmatch(cell) and ":" in cell):
+                self.channels[i] = replace(self.channels[i], unit="s", stamps=True)
+        length = sum(map(len, lines[header:])) / max(1, len(lines) - header)
+        self.rows_stated = round(path.stat().st_size / max(1.0, length))
+
+    def _lines(self) -> Iterator[str]:
+        """The lines of the file. Raises RecordError for one that is too long to be a row of a record."""
+        with open(self.path, encoding=self.encoding, errors="replace", newline=None) as stream:
+            every = iter(lambda: stream.readline(LONGEST_LINE + 1), "")
+            for number, line in enumerate(every, start=1):
+                if len(line) > LONGEST_LINE:
+                    raise RecordError(
+                        f"{self.path}: line {number} has more than {LONGEST_LINE:,} characters; it is no row of a "
+                        "record: keep the channels of one record, one row a sample"
+                    )
+                yield line
+
+    def _rows(self) -> Iterator[tuple[int, list[str]]]:
+        """Line number, counted from 1, and cells of every row of data; slow, for finding what is wrong."""
+        numbered = enumerate(self._lines(), start=1)
+        for number, line in itertools.islice(numbered, self.header_lines, None):
+            if cells := cells_of(line, self.delimiter, self.comment):
+                yield number, cells
 
     def blocks(self, wanted: Sequence[int], size: int) -> Iterator[list[Array]]:
-        """The wanted columns, `size` rows at a time or fewer; an empty cell is NaN.
-
-        Raises RecordError naming line and column for a cell that is no number and a row that has too many or too few.
-        """
-        layout = self.layout
-        if not layout.ends_in_line_end:
-            warnings.warn(
-                f"{self.path}: its last line has no end; if the file was cut, its last number is wrong",
-                RecordWarning,
-                stacklevel=2,
-            )
+        """The wanted columns, `size` rows at a time or fewer; an empty cell is NaN. Raises RecordError naming line and
+        column for a cell that is no number and a row that has too many or too few."""
+        with open(self.path, "rb") as file:
+            file.seek(max(0, self.path.stat().st_size - 4))
+            ended = file.read().replace(b"\x00", b"").endswith((b"\n", b"\r"))
+        if not ended:
+            cut = "its last line has no end; if the file was cut, its last number is wrong"
+            warnings.warn(RecordWarning(f"{self.path}: {cut}"), stacklevel=2)
         table = self._of_numbers()
         if table is not None:
             for start in range(0, len(table), size):
@@ -297,21 +289,21 @@ class TextFile(RecordFile):
         # No `names` and no `usecols`: with them pandas drops without a word what a row has beyond the others.
         stamped = [i for i in wanted if self.channels[i].stamps]
         try:
-            _, first = next(layout.rows(self.path)) if stamped else (0, [])
-            seconds = {i: Clock(first[i]).seconds for i in stamped}
+            _, first = next(self._rows()) if stamped else (0, [])
+            seconds = {i: _clock(first[i]) for i in stamped}
             with (
-                _bounded(self.path, layout.encoding) as stream,
+                _bounded(self.path, self.encoding) as stream,
                 pd.read_csv(
                     stream,
                     chunksize=min(size, max(1, _AT_ONCE // len(self.channels))),
                     header=None,
                     dtype=dict.fromkeys(wanted, np.float64) | dict.fromkeys(stamped, str),
                     low_memory=False,
-                    skiprows=layout.header_lines,
-                    comment=layout.comment,
-                    decimal=layout.decimal,
+                    skiprows=self.header_lines,
+                    comment=self.comment,
+                    decimal=self.decimal,
                     skipinitialspace=True,
-                    sep=r"\s+" if layout.delimiter == WHITESPACE else layout.delimiter,
+                    sep=r"\s+" if self.delimiter == WHITESPACE else self.delimiter,
                 ) as chunks,
             ):
                 for chunk in chunks:
@@ -321,19 +313,18 @@ class TextFile(RecordFile):
 
     def _of_numbers(self) -> Array | None:
         """All cells of a small file in which every one is a number; None for any other: pandas reads or refuses it."""
-        layout = self.layout
-        if self.path.stat().st_size > _SMALL or layout.decimal != ".":
+        if self.path.stat().st_size > _SMALL or self.decimal != ".":
             return None
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore", UserWarning)  # no rows
                 table = np.loadtxt(
                     self.path,
-                    delimiter=None if layout.delimiter == WHITESPACE else layout.delimiter,
-                    comments=layout.comment,
-                    skiprows=layout.header_lines,
+                    delimiter=None if self.delimiter == WHITESPACE else self.delimiter,
+                    comments=self.comment,
+                    skiprows=self.header_lines,
                     ndmin=2,
-                    encoding=layout.encoding,
+                    encoding=self.encoding,
                 )
         except ValueError:
             return None
@@ -341,26 +332,25 @@ class TextFile(RecordFile):
 
     def place(self, channel: int, sample: int) -> str:
         """The line of a row, counted from 1."""
-        row = next(itertools.islice(self.layout.rows(self.path), sample, None), None)
+        row = next(itertools.islice(self._rows(), sample, None), None)
         return f"line {row[0]}" if row else f"row {sample + 1}"
 
     def _complaint(self, wanted: Sequence[int], fallback: str) -> str:
         """What is wrong with the first row that cannot be read."""
         width = len(self.channels)
-        for number, cells in self.layout.rows(self.path):
+        for number, cells in self._rows():
             if any(cells[width:]) or len(cells) <= max(wanted):
-                return (
-                    f"{self.path}: line {number} has {len(cells)} cells, the others {width}; mend it, "
-                    "or cut the file before it"
-                )
+                remedy = "mend it, or cut the file before it"
+                return f"{self.path}: line {number} has {len(cells)} cells, the others {width}; {remedy}"
             for i in wanted:
                 cell, time = cells[i], self.channels[i].stamps
-                if is_stamp(cell) if time else self.layout.is_readable(cell):
+                number_like = _NUMBER[self.decimal].fullmatch(cell) or cell.lower() in _MISSING
+                if _STAMP.fullmatch(cell) if time else number_like:
                     continue
                 what = f"is not a {'time' if time else 'number'}"
-                if is_date(cell):
-                    what = "is a date that can be read in several ways: write 2026-03-01T12:00:00.5, or give "
-                    what += "sample_rate_hz instead"
+                if _DATE.fullmatch(cell):
+                    ways = "write 2026-03-01T12:00:00.5, or give sample_rate_hz instead"
+                    what = f"is a date that can be read in several ways: {ways}"
                 name = shortened(self.channels[i].name)
                 return f"{self.path}: line {number}, column {name}: {shortened(cell)} {what}"
         return f"{self.path}: cannot be read: {shortened(fallback, 200)[1:-1]}"

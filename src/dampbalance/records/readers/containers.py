@@ -1,14 +1,18 @@
-"""Universal files, TDMS and WAV: files of sampled signals."""
+"""Files of acquisition systems and data tools, read by their libraries: Parquet, universal files, TDMS, WAV, and the
+text of LabVIEW."""
 
 from __future__ import annotations
 
 import io
 import warnings
+from collections.abc import Iterator, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from ...arrays import Array
+from ...project.wording import shortened
 from ..errors import RecordError, library
 from .record_file import (
     RawChannel,
@@ -20,16 +24,70 @@ from .record_file import (
     unit_among,
 )
 
-_TIME_RESPONSE = 1  # function type of a data set 58
+# of universal files: the function type of a time response, and what a channel without a name holds
+_TIME_RESPONSE = 1
 _SPECIFIC_TYPES = {8: "displacement", 9: "force", 11: "velocity", 12: "acceleration", 13: "force"}
 _NO_SIZE = (0, 0xFFFFFFFF)  # what a program writes that does not know how long a WAV will become
 
 
-def uff_file(path: Path, largest: int) -> RecordFile:
-    """A universal file: its time responses, data sets 58, with even or uneven abscissa, in text or binary.
+class ParquetFile(RecordFile):
+    """A Parquet file; the unit of a column from its field's metadata, else from its name."""
 
-    A channel is called by its ordinate's label, else by its first ID line, else by what the data type says.
-    """
+    def __init__(self, path: Path, largest: int) -> None:
+        self._types, parquet = (library(f"pyarrow.{n}", "Parquet") for n in ("types", "parquet"))
+        self.path = path
+        with intact(path, "Parquet"):
+            self._file = parquet.ParquetFile(path)
+        self.channels = [self._channel(field) for field in self._file.schema_arrow]
+
+    def _channel(self, field: Any) -> RawChannel:
+        size = self._file.metadata.num_rows
+        if self._is_time(field.type):
+            return RawChannel(field.name, "s", size, label=field.name, stamps=True)
+        metadata = {k.decode(errors="replace"): v for k, v in (field.metadata or {}).items()}
+        return described(self.path, field.name, size, {}, unit_among(metadata))
+
+    def blocks(self, wanted: Sequence[int], size: int) -> Iterator[list[Array]]:
+        """The wanted columns, `size` rows at a time; a missing value is NaN."""
+        fields = [self._file.schema_arrow.field(i) for i in wanted]
+        names = sorted({field.name for field in fields})
+        with intact(self.path, "Parquet"):
+            pending: list[list[Array]] = []
+            origins: dict[str, Any] = {}  # the first point in time of a column
+            for batch in self._file.iter_batches(batch_size=size, columns=names):
+                pending.append([self._numbers(field, batch, origins) for field in fields])
+                if sum(parts[0].size for parts in pending) == size:
+                    yield [np.concatenate(parts) for parts in zip(*pending, strict=True)]
+                    pending = []
+            if pending:
+                yield [np.concatenate(parts) for parts in zip(*pending, strict=True)]
+
+    def _is_time(self, kind: Any) -> bool:
+        return bool(self._types.is_timestamp(kind) or self._types.is_duration(kind))
+
+    def _numbers(self, field: Any, batch: Any, origins: dict[str, Any]) -> Array:
+        column, types = batch.column(field.name), self._types
+        if self._is_time(field.type):
+            values = column.to_numpy(zero_copy_only=False)
+            if types.is_timestamp(field.type) and len(values):
+                values = values - origins.setdefault(field.name, values[0])  # exact: 19 digits
+            return np.asarray(values / np.timedelta64(1, "s"))
+        held = column.type.value_type if types.is_dictionary(column.type) else column.type
+        if not (types.is_integer(held) or types.is_floating(held) or types.is_decimal(held)):
+            what = shortened(str(column.type))[1:-1]
+            raise RecordError(
+                f"{self.path}: column {shortened(field.name)} holds {what}, not numbers"
+            )
+        return np.asarray(column.to_numpy(zero_copy_only=False), dtype=np.float64)
+
+    def close(self) -> None:
+        """Let go of the file."""
+        self._file.close()
+
+
+def uff_file(path: Path, largest: int) -> RecordFile:
+    """A universal file: its time responses, data sets 58, with even or uneven abscissa, in text or binary. A channel
+    is called by its ordinate's label, else by its first ID line, else by what the data type says."""
     pyuff = library("pyuff", "a universal file")
     require_bytes(path, "a universal file", largest)
     channels, arrays = [], []
@@ -79,9 +137,8 @@ def tdms_file(path: Path, largest: int) -> RecordFile:
         every = (channel for group in file.groups() for channel in group.channels())
         signals = [c for c in every if c.dtype.kind in "fiu" and len(c)]
         if not signals:
-            raise RecordError(
-                f"{path}: holds no channel of numbers; it was cut short, or the recording was not closed"
-            )
+            remedy = "it was cut short, or the recording was not closed"
+            raise RecordError(f"{path}: holds no channel of numbers; {remedy}")
         if file.file_status.incomplete_final_segment:
             raise RecordError(
                 f"{path}: its last segment is incomplete: the file was cut short, or the recording was not closed"
@@ -134,3 +191,35 @@ def _stated(item: dict[str, str], *keys: str) -> str | None:
     """The first text under these keys; a universal file says NONE for nothing."""
     texts = (item[key].strip() for key in keys)
     return next((text for text in texts if text.upper() not in ("", "NONE")), None)
+
+
+def lvm_file(path: Path, largest: int) -> RecordFile:
+    """A text file of LabVIEW: the channels of its one segment, with names and units, in the steps of its header."""
+    reader = library("lvm_read", "a text file of LabVIEW")
+    require_bytes(path, "a text file of LabVIEW", largest)
+    with intact(path, "a text file of LabVIEW"):
+        document = reader.read(str(path), read_from_pickle=False, dump_file=False)
+        if document["Segments"] != 1:
+            remedy = "a record is one: keep that of one level"
+            raise RecordError(f"{path}: holds {document['Segments']} segments; {remedy}")
+        segment = document[0]
+        names = [name.strip() for name in segment["Channel names"]]
+        data = segment["data"]
+        if "Comment" in names:
+            data, names = data[:, : names.index("Comment")], names[: names.index("Comment")]
+        steps, starts = (iter(segment.get(key, [])) for key in ("Delta_X", "X0"))
+        units = iter(segment.get("Y_Unit_Label", []))
+        channels = []
+        for name in names:
+            if name == "X_Value":
+                channels.append(RawChannel("time", "s", len(data), label=name))
+                continue
+            step, start = next(steps, 0.0), next(starts, 0.0)
+            timing = {"dt": step, "t0": start} if step > 0.0 else {}
+            unit = next(units, "").strip() or None
+            channels.append(described(path, name, len(data), timing, unit))
+        even = all(raw.rate_hz for raw in channels if raw.label != "X_Value")
+    # the header has the digits that a column of times lacks
+    kept = [i for i, raw in enumerate(channels) if not (even and raw.label == "X_Value")]
+    channels = [channels[i] for i in kept]
+    return Sliced(path, channels, lambda i, a, b: data[a:b, kept[i]], "a text file of LabVIEW")

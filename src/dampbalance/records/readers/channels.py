@@ -1,0 +1,543 @@
+"""Which channel of a file holds what: by its mapping, else by its heading, its unit and its samples.
+
+A heading is taken word by word: "Weg Tisch", "table displacement", "BaseDisp" and "base_displacement" are all the
+displacement of the base. Where it names a body and no quantity, "Base [g]", the unit says which quantity it is. Where
+headings do not suffice, a mapping to start from says what each channel may hold, and why.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+import unicodedata
+import warnings
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from ...arrays import Array
+from ...project.wording import shortened
+from ..errors import RecordError, RecordWarning
+from ..mapping import ChannelRule, RecordMapping, Which
+from ..measurement import ABSOLUTE, EXCITATIONS, QUANTITIES, RESPONSES, Correction
+from ..units import DIMENSIONS, VOLTAGE, UnitError, find_other, find_unit, unit_for
+from .record_file import RawChannel, RecordFile
+
+WORDS: dict[str, tuple[str, ...]] = {
+    "displacement": ("displacement", "disp", "deflection", "x", "weg", "auslenkung", "verschiebung"),
+    "velocity": ("velocity", "vel", "v", "geschwindigkeit"),
+    "acceleration": ("acceleration", "accel", "acc", "beschleunigung"),
+    "force": ("force", "kraft"),
+    "base_displacement": ("y",),
+    "base": (
+        *("base", "ground", "table", "shaker", "foundation", "support", "excitation", "input"),
+        *("basis", "boden", "tisch", "fundament", "fußpunkt", "anregung", "erregung"),
+    ),
+    "mass": ("mass", "response", "absolute", "masse", "antwort", "absolut"),
+    "relative": ("relative", "rel", "relativ"),
+}  # fmt: skip
+"""Words by which a channel is recognised, in lower case: quantities, then what moves, and against what."""
+
+TEMPERATURE = ("temp", "temperature", "temperatur", "thermocouple")
+"""Words of a heading that make a channel a temperature, which is left aside."""
+
+_MEANINGS = {word: meaning for meaning, words in WORDS.items() for word in words}
+_BODIES = ("base", "mass", "relative")
+_SHORTEST = 3  # letters of a word that may be part of another
+_TIME = re.compile(
+    r"((elapsed|relative|rel|running|test|record|recording|measurement|date|abs|absolute|sample)_?)?"
+    r"(time|zeit|t|messzeit|zeitstempel|uhrzeit|timestamps?)(_?(stamps?|axis|value|achse|\d+))?"
+)
+_SECONDS = re.compile(r"x_values?|seconds?|sekunden?")  # LabVIEW and oscilloscopes
+_NAMED_TIME = re.compile(r"x_axis|date_?times?(_?\d+)?")
+
+
+def key_of(name: str) -> str:
+    """The last part of a path, in lower case, with "_" for what separates words."""
+    return re.sub(r"[\s\-]+", "_", re.split(r"[/.](?=[^/.])", name.strip())[-1].strip().lower())
+
+
+def names_time(raw: RawChannel) -> bool:
+    """Whether a channel holds times by its name, or points in time."""
+    key = key_of(raw.name)
+    return raw.stamps or any(p.fullmatch(key) for p in (_TIME, _SECONDS, _NAMED_TIME))
+
+
+def holds_time(raw: RawChannel) -> bool:
+    """Whether a channel holds times, by its name or unit."""
+    unit = find_unit(raw.unit or "")
+    return names_time(raw) or bool(unit and unit.dimension == "time")
+
+
+def unit_of(raw: RawChannel) -> str | None:
+    """The unit of a channel as the file spells it, or as its name implies; None for none."""
+    return raw.unit or ("s" if _SECONDS.fullmatch(key_of(raw.name)) else None)
+
+
+def unusable(raw: RawChannel) -> str | None:
+    """What a channel is instead of a motion or a force, by its name or unit; None where they do not say."""
+    if set(_words(raw.name)) & {*TEMPERATURE}:
+        return "a temperature"
+    other = find_other(raw.unit or "")
+    return None if other == VOLTAGE else other
+
+
+def quantity_of(raw: RawChannel, *, all_words: bool = True) -> str | None:
+    """The quantity that the heading of a channel names; None where it does not, or names several.
+
+    all_words : whether every word must be known, so that nothing is guessed. Otherwise unknown words are passed over,
+    single letters (of a direction) with them; base and mass together are a relative motion, and a body alone moves by
+    a displacement.
+    """
+    words = _words(raw.name)
+    if not (all_words or len(words) == 1):
+        words = [word for word in words if word in _MEANINGS and len(word) > 1]
+    found = {_MEANINGS.get(word, "") for word in words}
+    bodies, quantities = found & {*_BODIES}, found - {*_BODIES}
+    if not all_words and len(bodies) > 1:
+        bodies = {"relative"}
+    if len(bodies) > 1 or len(quantities) > 1 or not found or "" in found:
+        return None
+    body, quantity = "".join(bodies), "".join(quantities) or by_unit(raw)
+    if quantity is None and (body == "base" or not all_words):
+        quantity = "displacement"
+    if body == "base" and quantity in ("force", "base_displacement"):
+        return quantity
+    named = quantity if body in ("", "mass") else f"{body}_{quantity}"
+    return named if named in DIMENSIONS and (body, named) != ("mass", "force") else None
+
+
+def by_unit(raw: RawChannel) -> str | None:
+    """The first quantity that has the unit of a channel; None where it has none, or one of no motion and no force."""
+    unit = find_unit(raw.unit or "")
+    fitting = (*ABSOLUTE, *EXCITATIONS)
+    return next((q for q in fitting if unit and DIMENSIONS[q] == unit.dimension), None)
+
+
+def _words(name: str) -> list[str]:
+    """The words of a heading in lower case, compounds taken apart: Relativweg is relativ and weg."""
+    name = unicodedata.normalize("NFC", re.split(r"[/.](?=[^/.])", name.strip())[-1])
+    spaced = re.sub(r"(?<=[a-zß-ÿ])(?=[A-Z])|(?<=\D)(?=\d)|(?<=\d)(?=\D)", " ", name)
+    words: list[str] = []
+    spaced = spaced.lower().replace("_", " ").replace("fusspunkt", "fußpunkt")
+    for word in re.findall(r"\w+", spaced):
+        cuts = range(_SHORTEST, len(word) - _SHORTEST + 1)
+        parts = (part for i in cuts if {*(part := (word[:i], word[i:]))} <= _MEANINGS.keys())
+        words += [word] if word in _MEANINGS else next(parts, (word,))
+    return words
+
+
+# words that YAML takes for others
+_YAML_WORDS = ("y", "n", "yes", "no", "on", "off", "true", "false", "null")
+_LISTED = 20  # channels in a message
+_LONGEST = 60  # characters of a name; a channel with a longer one is called by its number
+_NUMBERS = 4_000_000  # that are looked at
+_FEWEST = 4  # samples of which it shows that they rise in equal steps
+_ROUNDED = 0.6  # of a step, by which times with too few digits are off
+_IN_MM = 0.05  # half the range of a displacement: more is in mm, less in m
+# by the least step: nothing is sampled at less than 20 Hz
+_TIME_UNITS = {"µs": 50.0, "ms": 0.05, "s": 0.0}
+_BY_NAME = "by its name"
+_RESPONSE_OF = {"base_displacement": "displacement", "base_acceleration": "acceleration"}
+_KEPT = ("delimiter", "decimal", "header_lines", "sample_rate_hz", "frequency_hz", "level", "notes")
+"""Keys of a mapping that stay in the one suggested."""
+
+
+@dataclass(frozen=True, slots=True)
+class Pick:
+    """One quantity of the record: value in SI = factor · what channel `index` holds.
+
+    time : index of its time channel, None for equal steps at `rate_hz` from `start` (s) on; time_factor : seconds per
+    unit of that channel.   correction : that its harmonics need.
+    """
+
+    quantity: str
+    index: int
+    name: str
+    factor: float
+    time: int | None = None
+    time_factor: float = 1.0
+    rate_hz: float = 0.0
+    start: float = 0.0
+    correction: Correction | None = None
+
+
+def picks_of(file: RecordFile, mapping: RecordMapping, *, entire: bool = True) -> tuple[Pick, ...]:
+    """What to read from a file, in the order of QUANTITIES.
+
+    entire : whether it holds all of the record, a response and an excitation; none of these in a free decay, if no
+    channel is left that could be one, or the mapping names none.
+
+    Raises RecordError naming the channel and the remedy: one that is not there, is there twice or has no unit or no
+    time, a unit that does not fit; channels that cannot be told apart, with the mapping to write.
+    """
+    plan = _Plan(file, mapping)
+    rules: Mapping[str, ChannelRule] = mapping.channels
+    if rules:
+        chosen = {q: plan.find(rule.channel, f"channels.{q}.channel") for q, rule in rules.items()}
+    else:
+        chosen = plan.recognised()
+        rules = {quantity: ChannelRule(channel=index + 1) for quantity, index in chosen.items()}
+    driving, answering = ([q for q in of if q in chosen] for of in (EXCITATIONS, RESPONSES))
+    if entire and len(driving) > 1:
+        raise plan.unclear(f"finds {' and '.join(driving)}")
+    # a channel without a name may drive: only where there is none left is it a free decay
+    unnamed = answering and not mapping.channels and plan.unnamed(chosen.values())
+    if entire and not driving and (unnamed or not answering):
+        raise plan.unclear("finds no excitation")
+    if entire and not answering:
+        raise plan.unclear("finds no response")
+    picks = tuple(plan.pick(q, chosen[q], rules[q]) for q in QUANTITIES if q in chosen)
+    if not mapping.channels:
+        plan.warn_of_unused(picks)
+    return picks
+
+
+def suggested_mapping(file: RecordFile, mapping: RecordMapping) -> str:
+    """A mapping in YAML for a file whose mapping, so far, names no channels: each line with its reason. Raises
+    RecordError where the mapping names channels already, or the file has no response."""
+    plan = _Plan(file, mapping)
+    if mapping.channels:
+        raise RecordError(f"{mapping.source} names the channels of {file.path} already")
+    suggestion = _Suggestion(plan)
+    if not suggestion.complete:
+        raise plan.unclear("finds no response")
+    return "\n".join([*suggestion.lines(), ""])
+
+
+class _Plan:
+    """The channels of a file, as its mapping and their names tell them apart."""
+
+    def __init__(self, file: RecordFile, mapping: RecordMapping) -> None:
+        self.file, self.path, self.channels, self.mapping = file, file.path, file.channels, mapping
+        self.where = mapping.source or f"{file.path}.yaml"
+        self.keys = [key_of(raw.name) for raw in self.channels]
+        named = [f"{i} {shortened(_full_name(raw))}" for i, raw in enumerate(self.channels, 1)]
+        self.overview = _first_of(named) or "none"
+
+    @cached_property
+    def samples(self) -> _Samples:
+        """The first samples of the channels: needed where their names do not suffice."""
+        return _Samples(self.file)
+
+    def pick(self, quantity: str, index: int, rule: ChannelRule) -> Pick:
+        """The pick of a channel with the times that the mapping or the file gives it."""
+        raw = self.channels[index]
+        if raw.stamps:
+            raise RecordError(
+                f"{self.path}: channel {shortened(raw.name)} holds points in time, no {quantity}; give another"
+            )
+        factor = rule.sign * rule.scale * self.unit(raw, rule.unit, quantity)
+        pick = Pick(quantity, index, raw.name, factor, correction=rule.correction)
+        if self.mapping.sample_rate_hz is not None:
+            return replace(pick, rate_hz=self.mapping.sample_rate_hz)
+        which, key = rule.time, f"channels.{quantity}.time"
+        if which is None:
+            which, key = self.mapping.time, "time.channel"
+        time = self.time_of(index) if which is None else self.find(which, key)
+        if time == index:
+            raise RecordError(f"{self.path}: channel {raw.name!r} cannot be its own time")
+        if time is not None:
+            seconds = self.unit(self.channels[time], self.mapping.time_unit, "time")
+            return replace(pick, time=time, time_factor=seconds)
+        if raw.rate_hz is not None:
+            return replace(pick, rate_hz=raw.rate_hz, start=raw.start)
+        raise RecordError(
+            f"{self.path}: channel {raw.name!r} has no times: no channel is called time or t, and the file gives "
+            f"no sampling rate. {self.suggested('Say when it was sampled')}"
+        )
+
+    def recognised(self) -> dict[str, int]:
+        """Quantity → channel, by the names; of a single signal by its unit, if that is one of a response."""
+        chosen: dict[str, int] = {}
+        for i, raw in enumerate(self.channels):
+            quantity = None if holds_time(raw) or unusable(raw) else quantity_of(raw)
+            if quantity in chosen:
+                both = [shortened(self.channels[at].name) for at in (chosen[quantity], i)]
+                raise self.unclear(f"takes both {' and '.join(both)} for {quantity}")
+            if quantity:
+                chosen[quantity] = i
+        if not chosen:
+            signals = [i for i in range(len(self.channels)) if self.may_move(i)]
+            quantity = by_unit(self.channels[signals[0]]) if len(signals) == 1 else None
+            if quantity is not None and quantity in ABSOLUTE:
+                return {quantity: signals[0]}
+        return chosen
+
+    def time_of(self, index: int) -> int | None:
+        """The time channel of another: the one named after it, else the nearest before it, else the first."""
+        key = self.keys[index]
+        own = {f"{key}_time", f"time_{key}", f"time_of_{key}", f"t_{key}", f"{key}_t"}
+        named = [i for i, name in enumerate(self.keys) if name in own]
+        is_time = names_time if any(map(names_time, self.channels)) else holds_time
+        times = [i for i, raw in enumerate(self.channels) if is_time(raw)]
+        before = [i for i in times if i < index]
+        return next(iter(named or before[-1:] or times), None)
+
+    def warn_of_unused(self, picks: Sequence[Pick]) -> None:
+        """Warn of signals as long as those read that no name told apart. A mapping that names channels leaves the
+        others out on purpose."""
+        sizes = {self.channels[pick.index].size for pick in picks}
+        used = {i for pick in picks for i in (pick.index, pick.time)}
+        if names := [
+            shortened(_full_name(raw)) + f" ({unusable(raw)})" * (unusable(raw) is not None)
+            for i, raw in enumerate(self.channels)
+            if i not in used and raw.size in sizes and not holds_time(raw)
+        ]:
+            said = f"{_first_of(names)}; say in {self.where} what they hold, if it is needed"
+            unused = RecordWarning(f"{self.path}: channels not used: {said}")
+            warnings.warn(unused, stacklevel=2)
+
+    def unnamed(self, used: Collection[int | None]) -> bool:
+        """Whether there are signals that are not used."""
+        return any(i not in used and self.may_move(i) for i in range(len(self.channels)))
+
+    def may_move(self, i: int) -> bool:
+        """Whether a channel may hold a motion or a force: no time, no temperature, no counter, nothing constant."""
+        return not holds_time(self.channels[i]) and i not in self.samples.aside
+
+    def find(self, which: Which, key: str) -> int:
+        """The channel of that name or number."""
+        said, path, channels = f"{self.mapping.source}: {key}:", self.path, self.channels
+        if isinstance(which, int):
+            if 1 <= which <= len(channels):
+                return which - 1
+            remedy = f"{path} has {len(channels)}: {self.overview}"
+            raise RecordError(f"{said} there is no channel {which}; {remedy}")
+        names = [(raw.name, _full_name(raw), raw.label or raw.name) for raw in channels]
+        for spelt in (str, key_of):  # as it stands, else without regard to case, blanks and path
+            matches = [i for i, own in enumerate(names) if spelt(which) in map(spelt, own)]
+            if len(matches) == 1:
+                return matches[0]
+            if matches:
+                numbers = " and ".join(str(i + 1) for i in matches[:_LISTED])
+                raise RecordError(
+                    f"{said} {path} has {len(matches)} channels {shortened(which)}, numbers {numbers}; give one"
+                )
+        remedy = f"it has {self.overview}"
+        raise RecordError(f"{said} {path} has no channel {shortened(which)}; {remedy}")
+
+    def unit(self, raw: RawChannel, given: str | None, quantity: str) -> float:
+        """SI units per unit of the channel."""
+        text = given or unit_of(raw)
+        channel = f"{self.path}: channel {shortened(raw.name)}"
+        if text is None:
+            key = "time" if quantity == "time" else f"channels.{quantity}"
+            stated = f": say unit: {QUANTITIES.get(quantity, 's')}, or as recorded, at {key} in {self.where}"
+            shown = stated if self.mapping.channels else f". {self.suggested('Give it')}"
+            raise RecordError(f"{channel} has no unit{shown}")
+        if find_other(text) == VOLTAGE and not self.mapping.channels:
+            raise RecordError(f"{channel} is in {text}. {self.suggested('Give its scale')}")
+        try:
+            return unit_for(text, quantity).factor
+        except UnitError as error:
+            raise RecordError(f"{channel}: {error}") from None
+
+    def unclear(self, what: str) -> RecordError:
+        """The error for channels that cannot be told apart, with what to write."""
+        return RecordError(
+            f"{self.path}: {what}; it needs one of {', '.join(EXCITATIONS)}, unless it is a free decay, and at least"
+            f" one of {', '.join(ABSOLUTE)} (relative_displacement, … if measured against the base). Its channels are "
+            f"{self.overview}. {self.suggested('Say which is which')}"
+        )
+
+    def suggested(self, what: str) -> str:
+        """A mapping to write that is complete, and holds for these channels if the guesses do."""
+        suggestion = _Suggestion(self)
+        if not suggestion.complete:
+            remedy = "give one that holds both, or name the file of each in"
+            return f"A record has two signals at least: {remedy} {self.where}"
+        here = "" if self.mapping.source else " (--write-mapping writes it)"
+        return "\n  ".join([f"{what} in {self.where}{here}, for example", *suggestion.lines()])
+
+
+def _full_name(raw: RawChannel) -> str:
+    """Name and unit of a channel."""
+    return f"{raw.name} [{raw.unit}]" if raw.unit else raw.name
+
+
+def _first_of(names: Sequence[str]) -> str:
+    """Names in a row, the first 20 of them."""
+    more = len(names) - _LISTED
+    return ", ".join(names[:_LISTED]) + f" and {more} more" * (more > 0)
+
+
+class _Samples:
+    """The first samples of each channel (`values`), or none of one that cannot be read.
+
+    aside : channels that are no motion and no force, by name, unit or samples, with what they are instead.
+    rising : steps of those that rise in equal steps and are no counters.
+    """
+
+    def __init__(self, file: RecordFile) -> None:
+        everything = range(len(file.channels))
+        self.values = _first(file, everything) or []
+        self.aside: dict[int, str] = {}
+        self.rising: dict[int, float] = {}
+        if not self.values:  # a text in some column
+            alone = {i: _first(file, [i]) for i in everything[:_LISTED]}
+            self.aside = {i: "it holds what is no number" for i in alone if alone[i] is None}
+            self.values = [(alone.get(i) or [np.empty(0)])[0] for i in everything]
+        for i, (raw, values) in enumerate(zip(file.channels, self.values, strict=True)):
+            known = values[np.isfinite(values)]
+            if (other := unusable(raw)) is not None:
+                self.aside[i] = other
+            elif holds_time(raw) or known.size < _FEWEST:
+                continue
+            elif not np.ptp(known):
+                self.aside[i] = f"constant, {known[0]:g}"
+            elif (step := _equal_step(known)) is not None:
+                counts = step == 1.0 and not np.any(known % 1.0)
+                kind = "a counter" if counts else "a time"
+                self.aside[i] = f"rises by {step:.6g} from sample to sample: {kind}"
+                if not counts:
+                    self.rising[i] = step
+
+
+def _first(file: RecordFile, wanted: Sequence[int]) -> list[Array] | None:
+    """The first samples of some channels; None where they cannot be read."""
+    if not wanted:
+        return []
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RecordWarning)  # comes where the record is read
+        try:
+            blocks = file.blocks(wanted, max(_NUMBERS // len(file.channels), _FEWEST))
+            return next(iter(blocks), [np.empty(0)] * len(wanted))
+        except RecordError:
+            return None
+
+
+def _equal_step(values: Array) -> float | None:
+    """The step of values that rise in equal steps, as times and counters do; None for others."""
+    if values.size < _FEWEST:
+        return None
+    line = np.linspace(values[0], values[-1], values.size)
+    step = float(line[1] - line[0])
+    rises = step > 0.0 and np.diff(values).min() >= 0.0
+    return step if rises and np.abs(values - line).max() < _ROUNDED * step else None
+
+
+class _Suggestion:
+    """A guess for every channel that there is room for, one excitation at the most.
+
+    chosen : quantity → channel.   why : by channel, what the guess comes from, or why there is none.
+    """
+
+    def __init__(self, plan: _Plan) -> None:
+        self.channels, self.mapping, self.keys = plan.channels, plan.mapping, plan.keys
+        self.samples, self.chosen = plan.samples, dict[str, int]()
+        self.why = dict(self.samples.aside)
+        # what names say goes first, then units
+        names = {i: self._named(i) for i in range(len(self.channels)) if plan.may_move(i)}
+        for i in sorted(names, key=lambda i: (names[i] is None, by_unit(self.channels[i]) is None)):
+            self._take(i, names[i])
+        if len(self.chosen) == 1:
+            ((quantity, i),) = self.chosen.items()
+            if quantity in _RESPONSE_OF and names[i] is None:
+                self.chosen, self.why[i] = {_RESPONSE_OF[quantity]: i}, "the only signal"
+
+    @property
+    def complete(self) -> bool:
+        """Whether there is a response."""
+        return any(q in RESPONSES for q in self.chosen)
+
+    def lines(self) -> list[str]:
+        """The mapping in YAML, each line with its reason, and what is left aside."""
+        driving = [q for q in self.chosen if q in EXCITATIONS]
+        lines = ["channels:" if driving else "channels:  # none that drives: those of a free decay"]
+        for quantity in (q for q in QUANTITIES if q in self.chosen):
+            i = self.chosen[quantity]
+            unit, scale, remark = self._in_unit(i, quantity)
+            entry = f"{quantity}: {{channel: {self._which(i)}, unit: {unit}{scale}}}"
+            if quantity in ABSOLUTE and driving not in ([], ["force"]) and self.why[i] != _BY_NAME:
+                remark = f"; relative_{quantity} if measured against the base{remark}"
+            lines.append(f"  {entry}  # {self.why[i]}{remark}")
+        for key in _KEPT:
+            if (value := getattr(self.mapping, key)) not in (None, ""):
+                lines.append(f"{key}: {json.dumps(value, ensure_ascii=False)}")
+        lines += self._time()
+        aside = [
+            f"# left aside: {shortened(_full_name(raw))}: {self.why[i]}"
+            for i, raw in enumerate(self.channels)
+            if i not in self.chosen.values() and not self._is_time(i)
+        ]
+        more = [f"# and {len(aside) - _LISTED} more"] * (len(aside) > _LISTED)
+        return [*lines, *aside[:_LISTED], *more]
+
+    def _named(self, i: int) -> str | None:
+        """The quantity that a heading names, if its unit is not of another one."""
+        raw, unit = self.channels[i], by_unit(self.channels[i])
+        quantity = quantity_of(raw) or quantity_of(raw, all_words=False)
+        fits = quantity and (unit is None or DIMENSIONS[unit] == DIMENSIONS[quantity])
+        return quantity if fits else None
+
+    def _take(self, i: int, named: str | None) -> None:
+        """Choose a quantity for a channel, or say why there is none."""
+        raw, of_unit = self.channels[i], by_unit(self.channels[i])
+        driven = any(q in EXCITATIONS for q in self.chosen)
+        if of_unit is None and raw.unit and not find_other(raw.unit):
+            self.why[i] = f"its unit, {shortened(raw.unit)}, is that of no motion and no force"
+            return
+        fitting = ["base_displacement"] * (not driven) + ["displacement"] * (not self.complete)
+        reason = "neither name nor unit says what it is"
+        if of_unit is not None:
+            reason, one = "by its unit", DIMENSIONS[of_unit]
+            fitting = [q for q in (*EXCITATIONS, *ABSOLUTE) if DIMENSIONS[q] == one]
+        for quantity in filter(None, [named, *fitting]):
+            taken = driven if quantity in EXCITATIONS else quantity in self.chosen
+            if not taken:
+                self.chosen[quantity] = i
+                guessed = "; taken as the drive, as it comes first" * (quantity in EXCITATIONS)
+                self.why[i] = _BY_NAME if quantity == named else reason + guessed
+                return
+        wanted = next(filter(None, [named, *fitting]), None)
+        self.why[i] = f"another channel is taken for {wanted}" if wanted else reason
+
+    def _in_unit(self, i: int, quantity: str) -> tuple[str, str, str]:
+        """Unit, scale and remark of a channel in the mapping."""
+        raw, unit, values = self.channels[i], QUANTITIES[quantity], self.samples.values[i]
+        own = find_unit(raw.unit or "")
+        if own and own.dimension == DIMENSIONS[quantity]:
+            return own.name, "", ""
+        if raw.unit:
+            unit = "mm" if unit == "m" else unit
+            remark = f"; recorded in {raw.unit}: replace 1.0 by the {unit} per {raw.unit}"
+            return unit, ", scale: 1.0", remark
+        large = unit == "m" and values.size and 0.5 * np.ptp(values) > _IN_MM
+        return "mm" if large else unit, "", "; unit guessed, the file has none"
+
+    def _time(self) -> list[str]:
+        """The line about times, if one is needed."""
+        if self.mapping.sample_rate_hz is not None:
+            return []
+        times = [i for i in range(len(self.channels)) if self._is_time(i)]
+        if not times:
+            stated = any(raw.rate_hz for raw in self.channels)
+            line = "sample_rate_hz: 1000  # the file has no times: replace by the rate"
+            return [] if stated else [line]
+        first, line = times[0], f"time: {{channel: {self._which(times[0])}, unit: "
+        known = find_unit(self.mapping.time_unit or unit_of(self.channels[first]) or "")
+        if known is not None and known.dimension == "time":
+            return [f"{line}{known.name}}}"] if len(times) == 1 else []
+        step = self.samples.rising.get(first) or _equal_step(self.samples.values[first])
+        unit = next(unit for unit, least in _TIME_UNITS.items() if (step or 0.0) >= least)
+        shows = f"rises by {step:.6g} from sample to sample; " if step else ""
+        return [f"{line}{unit}}}  # {shows}unit guessed, the file has none"]
+
+    def _is_time(self, i: int) -> bool:
+        """Whether a channel is taken for the times: by the mapping, name or unit, or as the only one that rises."""
+        if self.mapping.time is not None:
+            return self.mapping.time in (i + 1, self.channels[i].name)
+        if any(map(holds_time, self.channels)):
+            return holds_time(self.channels[i])
+        return i in self.samples.rising
+
+    def _which(self, i: int) -> str:
+        """A channel as a mapping names it: by its name, or by its number where that is long or not its alone."""
+        name = self.channels[i].name
+        if self.keys.count(self.keys[i]) > 1 or len(name) > _LONGEST:
+            return str(i + 1)
+        plain = re.fullmatch(r"[A-Za-z]\w*( \w+)*", name) and name.lower() not in _YAML_WORDS
+        return name if plain else json.dumps(name, ensure_ascii=not name.isprintable())
