@@ -7,9 +7,8 @@ one of its modules is imported. That of the top package is left out altogether: 
 
 from __future__ import annotations
 
-import ast
 import os
-from collections.abc import Iterator
+import re
 from functools import cache
 from importlib.util import resolve_name
 from pathlib import Path
@@ -35,18 +34,17 @@ def package_modules(
     return sorted(os.path.relpath(path, relative_to or source) for path in modules)
 
 
+# from .. import a, (b as c) or import a; a text that reads like one names a file more at most.
+_IMPORT = re.compile(r"^ *(?:from +(\.*)([\w.]*) +import +(\([^)]*\)|.*)|import +([\w.]+))", re.MULTILINE)
+
+
 @cache  # a workflow asks about many scripts that share their modules
 def _imported_files(file: Path, changed: int, source: Path) -> frozenset[Path]:
-    tree = ast.parse(file.read_text(encoding="utf-8"), filename=str(file))
     names: set[str] = set()
-    for node in _statements(tree):
-        if isinstance(node, ast.Import):
-            names.update(alias.name for alias in node.names)
-        elif isinstance(node, ast.ImportFrom):
-            package = ".".join(file.relative_to(source).parent.parts) if node.level else None
-            base = resolve_name("." * node.level + (node.module or ""), package)
-            names.add(base)
-            names.update(f"{base}.{alias.name}" for alias in node.names)
+    for dots, module, taken, plain in _IMPORT.findall(file.read_text(encoding="utf-8")):
+        package = ".".join(file.relative_to(source).parent.parts) if dots else None
+        base = plain or resolve_name(dots + module, package)
+        names |= {base, *(f"{base}.{name}" for name in re.findall(r"\w+", taken))}
     files = set()
     for name in names:
         path = source.joinpath(*name.split("."))
@@ -55,11 +53,3 @@ def _imported_files(file: Path, changed: int, source: Path) -> frozenset[Path]:
         elif "." in name and (path / "__init__.py").is_file():  # a subpackage is its __init__
             files.add(path / "__init__.py")
     return frozenset(files)
-
-
-def _statements(node: ast.AST) -> Iterator[ast.AST]:
-    """The statements below a node, at any depth; expressions, which hold no imports, are most of a tree."""
-    for field in ("body", "orelse", "finalbody", "handlers", "cases"):
-        for child in getattr(node, field, ()):
-            yield child
-            yield from _statements(child)
