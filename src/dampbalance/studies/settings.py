@@ -1,23 +1,269 @@
-"""A study as its YAML file describes it; `checking` finds what is wrong with the file."""
+"""A study as its YAML file describes it: axes, route and fits; `checking` finds what is wrong with the file.
+
+The cases of a study are the product of its blocks of axes, the last block running fastest. A block is one axis, several
+paired (zipped) axes of equal length, or a sample of points in the box that several parameters span. The values of any
+stretch of cases follow without ever making a list of all cases.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+import warnings
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
-from typing import Any, Self
+from typing import Any, Literal, Self
 
 import numpy as np
 
-from ..arrays import Array
+from ..arrays import Array, Integers, Mask, Words
 from ..balance import APPROACHES, TERMS, takes_phase
-from ..law.terms import in_order
+from ..law.terms import FRICTION, KNOWN_TERMS, in_order
 from ..reading.clean import ReadAt
-from .axes import Block, Listed, Range, Sampled, spread
 from .parameters import PARAMETERS, synonyms
-from .routes import REPLICATES, ROUTES, Route
+
+# --- axes --------------------------------------------------------------------------------------------
+
+# 2³² points at most; with more bits scipy cannot skip to the first point of a chunk.
+SOBOL_BITS = 32
+SAME = 1e-12  # relative: values of an axis that differ by less are equal except for rounding
+Spacing = Literal["linear", "log"]
+
+
+@dataclass(frozen=True)
+class Listed:
+    """Paired axes: name → values, all of the same length. A plain axis has one name."""
+
+    values: Mapping[str, Sequence[float | int | str]]
+
+    @property
+    def count(self) -> int:
+        """The number of points in the block."""
+        return len(next(iter(self.values.values())))
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The parameters that the block sets."""
+        return tuple(self.values)
+
+    def at(self, index: Integers) -> dict[str, Words]:
+        """The values of each parameter at the points `index`."""
+        return {name: np.asarray(values)[index] for name, values in self.values.items()}
+
+
+@dataclass(frozen=True)
+class Range:
+    """Bounds of one parameter of a sample; `spacing` says whether the values or their logarithms are spread evenly."""
+
+    low: float
+    high: float
+    spacing: Spacing
+
+    def at(self, share: Array) -> Array:
+        """The value at a share 0 … 1 of the way from low to high."""
+        if self.spacing == "linear":
+            return np.asarray(self.low + share * (self.high - self.low))
+        low, high = math.log(self.low), math.log(self.high)
+        return np.clip(np.exp(low + share * (high - low)), self.low, self.high)
+
+
+@dataclass(frozen=True)
+class Sampled:
+    """Points in the box of `ranges`: a scrambled Sobol sequence, or independent random ones.
+
+    The points depend only on method, seed and their place in the sequence: any stretch can be computed by itself.
+    """
+
+    method: Literal["sobol", "random"]
+    count: int
+    seed: int
+    ranges: Mapping[str, Range]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The parameters that the block sets."""
+        return tuple(self.ranges)
+
+    def at(self, index: Integers) -> dict[str, Words]:
+        """The values of each parameter at the points `index`."""
+        first = int(index.min())
+        shares = self._shares(first, int(index.max()) - first + 1)[index - first]
+        return {
+            name: limits.at(shares[:, i]) for i, (name, limits) in enumerate(self.ranges.items())
+        }
+
+    def _shares(self, start: int, count: int) -> Array:
+        dimension = len(self.ranges)
+        if self.method == "random":
+            bits = np.random.PCG64(self.seed).advance(start * dimension)  # one draw a number
+            return np.random.Generator(bits).random((count, dimension))
+        from scipy.stats import qmc  # slow to import: longer than a chunk takes to compute
+
+        points = qmc.Sobol(dimension, scramble=True, bits=SOBOL_BITS, rng=self.seed)
+        if start:
+            points.fast_forward(start)
+        with warnings.catch_warnings():  # the whole sequence matters, not the length of a stretch
+            warnings.filterwarnings("ignore", "The balance properties", UserWarning)
+            return np.asarray(points.random(count), dtype=np.float64)
+
+
+Block = Listed | Sampled
+
+
+def case_values(blocks: Sequence[Block], start: int, stop: int) -> dict[str, Words]:
+    """The value of every axis in the cases start … stop − 1, each an array of length stop − start."""
+    remaining = np.arange(start, stop, dtype=np.int64)
+    values: dict[str, Words] = {}
+    for block in reversed(blocks):
+        remaining, index = np.divmod(remaining, block.count)
+        values = block.at(index) | values
+    return values
+
+
+def spread(spec: Mapping[str, Any]) -> list[float]:
+    """The values of an axis that is given by its ends, which it includes, and their number: evenly spaced themselves or
+    in their logarithms, with further values, `also`, in ascending order; such a value replaces one that equals it
+    except for rounding."""
+    spaced = np.geomspace if spec.get("spacing") == "log" else np.linspace
+    values = spaced(float(spec["from"]), float(spec["to"]), spec["count"]).tolist()
+    if "also" not in spec:
+        return values
+    also = np.array(spec["also"], float)
+    return sorted([*(x for x in values if not is_value(also, x).any()), *also.tolist()])
+
+
+def is_value(values: Words, wanted: float) -> Mask:
+    """Which values equal the wanted one, except for rounding."""
+    return np.abs(values.astype(float) - wanted) <= SAME * abs(wanted)
+
+
+def selected(values: Mapping[str, Words], spec: Mapping[str, Any]) -> Mask:
+    """Which points have the values of axes that a fact or a figure names in `at`, and lie in its bounds, `between`;
+    axes that have no values here do not count."""
+    kept = np.ones(len(next(iter(values.values()))), dtype=bool)
+    for name, wanted in spec.get("at", {}).items():
+        if name in values:
+            here = values[name]
+            kept &= here == wanted if isinstance(wanted, str) else is_value(here, wanted)
+    for name, (low, high) in spec.get("between", {}).items():
+        if name in values:
+            kept &= (values[name] >= low) & (values[name] <= high)
+    return kept
+
+
+# --- routes ------------------------------------------------------------------------------------------
+
+NONE = "none"
+"""The name where no law is chosen."""
+
+
+@dataclass(frozen=True, slots=True)
+class Route:
+    """A way to the responses of a case; what depends on the route is asked here.
+
+    kind : its name in the file.
+    needs : parameters of the route; of each group one is needed.
+    optional : further parameters that it takes.
+    settings : other keys of the section `route` that it takes.
+    refuses : sections of the file that mean nothing to it, and why.
+    any_law : whether the oscillator may have further damping terms, and the balance too.
+    figures : kinds of figures.
+    columns : kinds of columns in the table of cases, if the file does not say.
+    cycles, chunk_cases : if the file does not say; a chunk is a few seconds of work.
+    """
+
+    kind: str
+    needs: tuple[tuple[str, ...], ...] = ()
+    optional: tuple[str, ...] = ()
+    settings: tuple[str, ...] = ()
+    refuses: tuple[str, ...] = ()
+    any_law: bool = False
+    figures: tuple[str, ...] = ("curves", "map", "steps", "scatter")
+    columns: tuple[str, ...] = ("parameters", "errors")
+    cycles: int = 4
+    chunk_cases: int = 512
+
+    @property
+    def parameters(self) -> set[str]:
+        """Every parameter that means something to the route."""
+        return {name for group in self.needs for name in group} | set(self.optional)
+
+    @property
+    def answers(self) -> Collection[str]:
+        """What a case ends in, which facts are about: coefficients by symbol, or the law that its records support."""
+        return KNOWN_TERMS if self.approaches else ("law",)
+
+    @property
+    def approaches(self) -> Collection[str]:
+        """Approaches to the balance, if the file does not say; none where a case ends in a law."""
+        return () if "chosen" in self.columns else APPROACHES
+
+    @property
+    def is_noisy(self) -> bool:
+        """Whether the records have noise, which needs a seed and makes rules of reading meaningless."""
+        return "seed" in self.settings
+
+    @property
+    def has_intervals(self) -> bool:
+        """Whether coefficients have standard errors, by which their rows can be weighted."""
+        return "replicates" in self.settings
+
+
+ROUTES = {
+    route.kind: route
+    for route in (
+        Route("exact", any_law=True, chunk_cases=524_288),
+        Route(
+            "fixed_step",
+            needs=(("scheme",), ("step_s", "steps_per_cycle")),
+            settings=("cycles", "reading"),
+            cycles=10,
+            chunk_cases=64,
+        ),
+        Route("sampled", needs=(("sampling_hz",),), settings=("cycles", "reading")),
+        Route(
+            "measured",
+            needs=(("sampling_hz",), ("noise",)),
+            optional=("run",),
+            settings=("cycles", "seed", "replicates"),
+            cycles=100,
+            chunk_cases=60,
+        ),
+        Route(
+            "laws",
+            needs=(("law",), ("noise",)),
+            optional=("run",),
+            settings=("cycles", "seed"),
+            refuses=("base", "estimation", "columns", "summary_by"),
+            any_law=True,
+            figures=("confusion",),
+            columns=("chosen",),
+            cycles=100,
+            chunk_cases=2,
+        ),
+    )
+}
+
+
+REPLICATES = 200
+"""Bootstrap replicates if the file does not say; their standard error is accurate to 5 %."""
+
+
+def law_named(terms: Iterable[str]) -> str:
+    """The name of a law by its terms, friction first: F_k + c + c_2."""
+    return " + ".join(in_order((FRICTION, *terms)))
+
+
+def terms_named(name: str) -> tuple[str, ...]:
+    """The terms of a law by its name. Raises ValueError for an unknown term, or a name of another form."""
+    terms = in_order(name.split(" + "))
+    if law_named(terms) != name:
+        raise ValueError(f"the law {name!r} should be written {law_named(terms)!r}")
+    return terms
+
+
+# --- fits --------------------------------------------------------------------------------------------
 
 COMPLIANT, RIGID = "compliant", "rigid"
 """Models of the contact: with the slip onset as it was read, or without one (`Features.rigid`)."""
@@ -32,10 +278,10 @@ rigid contact and equal weights, and the maximum-likelihood oscillator, which ne
 
 OF_INTERVALS = ("standard_error", "coverage", "coverage_low", "coverage_high")
 SPREADS = ("bias", "rms", "p95_error", *OF_INTERVALS)
-"""Facts about a set of runs, each by one fit: see `groups.Spread`."""
+"""Facts about a set of runs, each by one fit: see `statistics.spread`."""
 
 CHOICES = ("right", "right_low", "right_high", "extra", "extra_low", "extra_high", "none")
-"""Facts about the laws that are chosen: see `confusion.choices_of`."""
+"""Facts about the laws that are chosen: see `statistics.choices_of`."""
 
 BANDS = ("band", "from")
 """Facts about a stretch of an axis: both its ends, or the lower one."""
@@ -87,6 +333,9 @@ class Fit:
         weights = EQUAL if self.weights == EQUAL else ""
         parts = (self.approach, "+".join(self.terms), contact, weights, self.phase, self.sharing)
         return "__".join(part for part in (*parts, self.kind) if part)
+
+
+# --- the study ---------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,8 @@ from dampbalance.project.documents import ConfigurationError, read_yaml
 from dampbalance.project.wording import number
 from dampbalance.solver import least_squares, pair
 from dampbalance.studies import evaluate, outputs
-from dampbalance.studies.shown import error_curves, facts
+from dampbalance.studies.shown import facts
+from dampbalance.studies.shown.study_figure import study_figure
 from folders import ROOT
 from paper_case import PAPER
 
@@ -77,9 +78,12 @@ def test_a_figure_of_curves_takes_the_cases_that_it_names(make, computed):
     axes = [{"zeta": {"from": 0.1, "to": 0.9, "count": 9}}, {"K_z_over_k": {"values": [9.0, 90.0]}}]
     figure = {"kind": "curves", "x": "zeta", "at": {"K_z_over_k": 9.0}}
     study, frame, path = computed({"axes": axes, "figure": figure})
-    (panel,) = error_curves.error_curves(study, path).panels
-    assert (frame["K_z_over_k"][panel.cases] == 9.0).all()
-    assert panel.x.tolist() == sorted(set(frame["zeta"]))
+    lines = study_figure(study, path).axes[0].lines
+    (curve,) = (line for line in lines if "X_s" in str(line.get_gid()))
+    drawn = frame[frame["K_z_over_k"] == 9.0].sort_values("zeta")
+    assert curve.get_xdata().tolist() == drawn["zeta"].tolist()
+    errors = 100.0 * drawn["F_k_relative_error__X_s__reversal__individual__least_squares"]
+    assert curve.get_ydata().tolist() == errors.tolist()
     with pytest.raises(ConfigurationError, match=r"figure\.at\.K_z_over_k: 8\.0 is not among"):
         make({"axes": axes, "figure": figure | {"at": {"K_z_over_k": 8.0}}})
 

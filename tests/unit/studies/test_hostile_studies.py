@@ -14,7 +14,8 @@ import yaml
 
 from dampbalance.figures.style import save
 from dampbalance.project.documents import ConfigurationError
-from dampbalance.studies import checking, evaluate, outputs, sizes
+from dampbalance.studies import cases as sizes
+from dampbalance.studies import checking, evaluate, outputs
 from dampbalance.studies.shown import facts, summary
 from dampbalance.studies.shown.study_figure import alternative_text, study_figure
 from folders import PAPER_FILE, STUDY_SCHEMA

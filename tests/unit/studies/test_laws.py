@@ -8,9 +8,9 @@ import pytest
 
 from analytic.integrals import input_work, of_motion
 from dampbalance.law.response import law_orbit
-from dampbalance.studies import evaluate, law_selection
-from dampbalance.studies.routes import law_named, terms_named
-from dampbalance.studies.shown import confusion, facts, summary
+from dampbalance.studies import evaluate, responses
+from dampbalance.studies.settings import law_named, terms_named
+from dampbalance.studies.shown import facts, summary
 from dampbalance.studies.shown.study_figure import alternative_text, study_figure
 from unit.studies.documents import document
 
@@ -31,7 +31,7 @@ def test_a_law_is_named_by_its_terms():
 @pytest.mark.parametrize("law", SIX)
 def test_what_is_drawn_has_every_term_of_its_law_matter(law):
     # the shares once more, from the motion that the integrator finds; what the harmonics cut off is below 1e-4
-    truth = law_selection.drawn(law, LEVELS, np.random.default_rng(3))
+    truth = responses.drawn_oscillator(law, LEVELS, np.random.default_rng(3))
     assert law_named(truth.coefficients) == law
     taken = {symbol: [] for symbol in truth.coefficients}
     for motion in truth.motions:
@@ -54,9 +54,9 @@ def test_what_is_drawn_has_every_term_of_its_law_matter(law):
 
 
 def test_a_law_whose_oscillators_never_slip_as_wanted_is_named(monkeypatch):
-    monkeypatch.setattr(law_selection.Truth, "responses", lambda _: None)
+    monkeypatch.setattr(responses.Truth, "responses", lambda _: None)
     with pytest.raises(ArithmeticError, match="no oscillator with the law F_k \\+ c slips once"):
-        law_selection.drawn("F_k + c", LEVELS, np.random.default_rng(1))
+        responses.drawn_oscillator("F_k + c", LEVELS, np.random.default_rng(1))
 
 
 @pytest.fixture(scope="module")
@@ -78,26 +78,21 @@ def test_records_that_cannot_be_read_have_no_law(monkeypatch):
     def too_short(*_):
         raise ValueError("too few cycles")
 
-    monkeypatch.setattr(law_selection, "read_features", too_short)
-    assert law_selection.chosen_law("F_k + c", (1.0,), 12, 0.01, np.random.default_rng(1)) == "none"
+    monkeypatch.setattr(responses, "read_features", too_short)
+    assert responses.chosen_law("F_k + c", (1.0,), 12, 0.01, np.random.default_rng(1)) == "none"
 
 
 def test_noise_and_oscillator_follow_from_seed_law_and_run(make, monkeypatch):
     seen = []
     monkeypatch.setattr(
-        law_selection, "chosen_law", lambda *given: seen.append(given[-1].random()) or "none"
+        responses, "chosen_law", lambda *given: seen.append(given[-1].random()) or "none"
     )
-    values = {
-        "law": np.array(["F_k + c", "F_k + c", "F_k + c_2"]),
-        "noise": np.array([0.01, 0.01, 0.01]),
-        "run": np.array([1, 2, 1]),
-    }
     study, other = (make(SMALL | {"route": SMALL["route"] | {"seed": seed}}) for seed in (1, 2))
-    law_selection.chosen_laws(study, values)
-    law_selection.chosen_laws(study, {name: array[::-1] for name, array in values.items()})
-    assert seen[:3] == seen[:2:-1]
-    law_selection.chosen_laws(other, values)
-    assert len({*seen[:3], *seen[6:]}) == 6
+    evaluate.evaluate(study, 0, 4)
+    evaluate.evaluate(study, 1, 4)
+    assert seen[1:4] == seen[4:]
+    evaluate.evaluate(other, 0, 4)
+    assert len({*seen}) == 8
 
 
 @pytest.fixture
@@ -168,4 +163,4 @@ def test_the_figure_shows_each_number_and_names_each_law(counted):
     ]
     assert len(axes.patches) == 2  # the right ones
     assert "true law" in alternative_text(study)
-    assert set(confusion.laws_in(confusion.confusion(path))) >= {"none", "F_k + c"}
+    assert set(summary.laws_in(summary.confusion(path))) >= {"none", "F_k + c"}

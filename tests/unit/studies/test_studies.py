@@ -21,9 +21,16 @@ from dampbalance.project.wording import percent
 from dampbalance.reading.clean import of_record
 from dampbalance.replication.as_published import ReadOut
 from dampbalance.solver import least_squares, pair
-from dampbalance.studies import checking, evaluate, outputs, sizes
-from dampbalance.studies.axes import SOBOL_BITS, Listed, Range, Sampled, case_values, spread
+from dampbalance.studies import cases, checking, evaluate, outputs
 from dampbalance.studies.parameters import MECHANICAL, PARAMETERS, in_si
+from dampbalance.studies.settings import (
+    SOBOL_BITS,
+    Listed,
+    Range,
+    Sampled,
+    case_values,
+    spread,
+)
 from dampbalance.studies.shown import facts, summary
 from dampbalance.studies.shown.logarithmic import is_logarithmic
 from dampbalance.studies.shown.statistics import Sizes
@@ -292,7 +299,7 @@ def test_the_stated_size_is_an_upper_bound_and_not_far_off(make, tmp_path):
     changed = document("sobol")
     changed["axes"][0]["sample"]["count"] = 3000
     made = make(changed)
-    size = sizes.size_of(made)
+    size = cases.size_of(made)
     assert (size.cases, size.responses, size.chunks) == (3000, 9000, 1)
     outputs.write_parts(tmp_path / "a.parquet", [evaluate.evaluate(made, 0, 3000)], made, "0")
     written = (tmp_path / "a.parquet").stat().st_size
@@ -304,15 +311,15 @@ def test_a_study_too_large_is_refused_with_cases_and_bytes(make, tmp_path):
     changed["axes"][0]["sample"] |= {"count": 10**14, "method": "random"}
     made = make(changed | {"chunk_cases": 10**11})
     with pytest.raises(ConfigurationError, match=r"100,000,000,000,000 cases would take .* PB"):
-        sizes.check_size(made, sizes.size_of(made), tmp_path / "not/there", "test.yaml")
+        cases.check_size(made, cases.size_of(made), tmp_path / "not/there", "test.yaml")
     made = make(changed | {"chunk_cases": 1000})
     with pytest.raises(ConfigurationError, match="take chunks of at least 5,000,000,000 cases"):
-        sizes.check_size(made, sizes.size_of(made), tmp_path, "test.yaml")
+        cases.check_size(made, cases.size_of(made), tmp_path, "test.yaml")
 
 
 def test_chunks_cover_every_case_once(make):
     made = make(SOBOL | {"chunk_cases": 7})
-    bounds = [sizes.chunk_bounds(made, i) for i in range(sizes.size_of(made).chunks)]
+    bounds = [cases.chunk_bounds(made, i) for i in range(cases.size_of(made).chunks)]
     assert [case for start, stop in bounds for case in range(start, stop)] == list(range(40))
 
 
@@ -321,10 +328,10 @@ def test_progress_states_what_is_left(make, tmp_path):
     for i in range(2):
         (tmp_path / f"0000{i}.parquet").touch()
     now = (tmp_path / "00001.parquet").stat().st_mtime
-    text = sizes.progress(made, tmp_path, 6, now - 10.0, now)
+    text = cases.progress(made, tmp_path, 6, now - 10.0, now)
     assert text == "Study test: 2 of 6 chunks, about 20 s left"
-    assert sizes.progress(made, tmp_path, 6, math.nan, now) == "Study test: 2 of 6 chunks"
-    assert sizes.progress(made, tmp_path, 2, now - 10.0, now) == "Study test: 2 of 2 chunks"
+    assert cases.progress(made, tmp_path, 6, math.nan, now) == "Study test: 2 of 6 chunks"
+    assert cases.progress(made, tmp_path, 2, now - 10.0, now) == "Study test: 2 of 2 chunks"
 
 
 # --- outputs ---------------------------------------------------------------------------------------
@@ -335,7 +342,7 @@ def test_chunks_join_to_the_same_table(make, tmp_path):
     chunks = []
     for i in range(3):
         chunks.append(tmp_path / f"{i}.parquet")
-        frame = evaluate.evaluate(made, *sizes.chunk_bounds(made, i))
+        frame = evaluate.evaluate(made, *cases.chunk_bounds(made, i))
         outputs.write_parts(chunks[-1], [frame], made, __version__)
     outputs.join_chunks(tmp_path / "cases.parquet", chunks, made)
     joined = pd.read_parquet(tmp_path / "cases.parquet")
@@ -392,7 +399,7 @@ def test_facts_are_taken_from_the_cases_they_name(computed):
         }
     )
     error = frame["F_k_relative_error__X_s__reversal__individual__least_squares"]
-    worst, one, part, band, cases = facts.paragraph(made, path).split("; ")
+    worst, one, part, band, all_cases = facts.paragraph(made, path).split("; ")
     assert worst == percent(error.abs().max())
     assert one.lstrip("+−") == percent(abs(error[2]))
     assert one.startswith("+" if error[2] > 0.0 else "−")
@@ -401,7 +408,7 @@ def test_facts_are_taken_from_the_cases_they_name(computed):
     beyond = (size <= 0.01).tolist().index(False)
     crossing = np.interp(0.01, size[beyond - 1 : beyond + 1], zeta[beyond - 1 : beyond + 1])
     assert band == f"0.100 (where the axis begins) to {crossing:.3f}"
-    assert cases == f"9 {facts.INTERPOLATED}"
+    assert all_cases == f"9 {facts.INTERPOLATED}"
 
 
 @pytest.mark.parametrize(

@@ -15,9 +15,9 @@ from dampbalance.law.steady import steady_response
 from dampbalance.law.terms import KNOWN_TERMS
 from dampbalance.motion.orbit import steady_orbit
 from dampbalance.studies import evaluate
-from dampbalance.studies.one_by_one import of_response
 from dampbalance.studies.parameters import OF_LAW, PARAMETERS
-from dampbalance.studies.shown import error_curves, facts, summary
+from dampbalance.studies.responses import of_response
+from dampbalance.studies.shown import facts, summary
 from dampbalance.studies.shown.study_figure import study_figure
 from paper_case import PAPER
 from unit.studies.documents import document
@@ -152,10 +152,9 @@ def test_the_study_separates_the_lists_of_terms(done):
     assert "| c_2 | direct, F_k, c, c_2 |" in page
     out = table[f"F_k_relative_error__{WITHOUT}"].abs().max()
     assert facts.paragraph(study, path).startswith(f"{100 * out:.0f} %")
-    curves = error_curves.error_curves(study, path)  # the first list: without the term
-    assert curves.symbols == ("F_k", "c")
-    np.testing.assert_allclose(np.abs(curves.curves["F_k", 0][0].error).max(), 100.0 * out)
-    assert len(study_figure(study, path).axes) == 2
+    panels = study_figure(study, path).axes  # of the first list, without the term: F_k and c
+    assert len(panels) == 2
+    np.testing.assert_allclose(np.abs(panels[0].lines[0].get_ydata()).max(), 100.0 * out)
 
 
 def test_fixed_further_damping_is_a_column_and_other_studies_have_none(make):

@@ -19,11 +19,10 @@ from ...figures.looks import in_maths, label_of
 from ...figures.series import EXACT, SignedScale, decades, signed_scale
 from ...figures.style import DOUBLE_COLUMN, GREY, INK, note, place, styled
 from ...project.wording import listed, minus, percent
-from ..axes import Sampled
 from ..outputs import stretches, terms_of
-from ..settings import Fit, Study
-from .error_curves import axis_label, bounded_label
-from .logarithmic import is_even, logarithmic_ticks
+from ..parameters import PARAMETERS
+from ..settings import Fit, Sampled, Study
+from .logarithmic import bounded_label, is_even, logarithmic_ticks
 from .statistics import Sizes
 
 MOST_BINS = 72  # along each axis
@@ -86,11 +85,11 @@ def error_map(study: Study, cases: str | Path) -> Figure:
         if covered[0] == 0:
             axes.set_title(in_maths(label_of(fit.approach)), pad=11.0)
         if column == 0:
-            panels.name_row(axes, axis_label(study.figure["y"]))
+            panels.name_row(axes, PARAMETERS[study.figure["y"]].label)
         text = f"{_words(symbol, fit, kinds)}: {percent(sizes[fit, symbol].share)}"
         note(axes, text, (0.0, 1.0), (0.0, 2.0), size=7.5, xycoords="axes fraction")
     clear_labels([lowest[column] for column in sorted(lowest)])
-    panels.text_below(axis_label(study.figure["x"]))
+    panels.text_below(PARAMETERS[study.figure["x"]].label)
     words = [f"In each panel: share of the cases within {within:g} %."]
     if any(np.isnan(values).any() for values in shown.values()):
         words.append("Grey: not identified.")

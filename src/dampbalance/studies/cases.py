@@ -1,18 +1,22 @@
-"""What a study will hold before anything runs: columns, cases, chunks, bytes; and how much is done while it runs."""
+"""The cases of a study: their values, their responses, the columns of their table, and how much all of it will be."""
 
 from __future__ import annotations
 
 import shutil
+from collections.abc import Mapping
 from pathlib import Path
 from typing import NamedTuple
 
+import numpy as np
+
+from ..arrays import Array, Integers, Words
+from ..features import Features
 from ..law.terms import KNOWN_TERMS
+from ..motion.regime import Regime
 from ..project.documents import ConfigurationError
 from ..project.progress import duration_in_words
-from .axes import Sampled
-from .parameters import OF_LAW, PARAMETERS, SI_COLUMNS
-from .responses import REGIME_NAMES
-from .settings import Study
+from .parameters import MECHANICAL, OF_LAW, PARAMETERS, SI_COLUMNS, in_si
+from .settings import Sampled, Study, case_values
 
 PART = 131_072
 """Cases that are in memory at a time, and a row group of the file: 0.8 kB each while they are worked on."""
@@ -21,6 +25,62 @@ MOST_CHUNKS = 20_000
 """More jobs than this keep the scheduler busier than the processors: make the chunks larger."""
 
 _SPARE = 0.05  # share of the free disk that a study leaves free
+
+
+class Cases(NamedTuple):
+    """n cases that are computed together.
+
+    numbers : in the study, (n,).
+    values : of every parameter, by the names of PARAMETERS, each (n,).
+    si : m, c, k, K_z, F_k, omega and coefficients of further terms by symbol, SI units, each (n,).
+    Y : amplitudes of the base at L levels, m, (L, n).
+    """
+
+    study: Study
+    numbers: Integers
+    values: Mapping[str, Words]
+    si: Mapping[str, Array]
+    Y: Array
+
+
+def cases_between(study: Study, start: int, stop: int) -> Cases:
+    """The cases start … stop − 1 of a study."""
+    fixed = {name: np.full(stop - start, value) for name, value in study.fixed.items()}
+    values: dict[str, Words] = fixed | case_values(study.blocks, start, stop)
+    si = in_si({name: values[name].astype(float) for name in MECHANICAL if name in values})
+    return Cases(study, np.arange(start, stop), values, si, study.amplitudes(si["Y"]))
+
+
+class Responses(NamedTuple):
+    """The responses of n cases at L levels.
+
+    features : (L, n). The rest is for noisy records only.
+    chosen : names of the laws that the records support, (n,), where a study asks for them instead of coefficients.
+    drawn : bootstrap replicates of the features, (L, n, r).
+    simpson : features and replicates with a, b and W by `reading.simpson`, where a fit asks for them.
+    likelihood : values and standard errors of the maximum-likelihood oscillator by symbol, SI units, (n,) each.
+    """
+
+    features: Features
+    drawn: Features | None = None
+    simpson: tuple[Features, ...] = ()
+    likelihood: tuple[Mapping[str, Array], Mapping[str, Array]] = ({}, {})
+    chosen: Words | None = None
+
+
+NOT_READ = "not_read"
+STEP_TOO_COARSE = "the fixed step is too coarse for the stick phases, or unstable"
+
+REGIME_NAMES = {
+    **{str(regime): regime.name.lower() for regime in Regime},
+    STEP_TOO_COARSE: "step_too_coarse",
+    "no slip onset could be read off the record": NOT_READ,
+}
+"""The regime of a response, or why a feature is missing: words → name in the table of cases. Other words give the
+reason why a record could not be read."""
+
+
+# --- the table ---------------------------------------------------------------------------------------
 
 
 class Column(NamedTuple):
@@ -32,20 +92,14 @@ class Column(NamedTuple):
     words: bool = False
 
 
+_STANDARD_ERROR = "standard error of {0.symbol} (bootstrap over cycles; of the fit, its covariance)"
+_COVERED = "1 if the 95 % interval of {0.symbol} holds its true value, else 0"
 _OF_TERMS = {
     "errors": [("{0.symbol}_relative_error", "1", "{0.symbol} identified / true − 1")],
     "estimates": [("{0.column}", "{0.unit}", "{0.symbol} identified")],
     "intervals": [
-        (
-            "{0.symbol}_relative_standard_error",
-            "1",
-            "standard error of {0.symbol} (bootstrap over cycles; of the fit, its covariance) / true {0.symbol}",
-        ),
-        (
-            "{0.symbol}_covered",
-            "1",
-            "1 if the 95 % interval of {0.symbol} holds its true value, else 0",
-        ),
+        ("{0.symbol}_relative_standard_error", "1", _STANDARD_ERROR + " / true {0.symbol}"),
+        ("{0.symbol}_covered", "1", _COVERED),
     ],
 }
 """Columns of a fit for each term, by the word that asks for them: name, unit and meaning, as formats of the term."""
@@ -53,15 +107,11 @@ _OF_TERMS = {
 
 def columns_of(study: Study) -> list[Column]:
     """The columns of the table of cases, in their order."""
-    columns = [Column("case", "1", "number of the case, counted from 0")]
-    columns += map(_of_parameter, study.axis_names)
+    names, columns = study.axis_names, [Column("case", "1", "number of the case, counted from 0")]
+    columns += map(_of_parameter, names)
     if "parameters" in study.columns:
-        columns += [
-            Column(*described)
-            for described in SI_COLUMNS.values()
-            if described[0] not in study.axis_names
-            and (described[0] != "Y_m" or study.levels_relative)
-        ]
+        known = {*names} if study.levels_relative else {*names, "Y_m"}
+        columns += [Column(*of) for of in SI_COLUMNS.values() if of[0] not in known]
         columns += [_of_parameter(name) for name in OF_LAW if name in study.fixed]
     kinds = ", ".join(REGIME_NAMES.values())
     regimes = f"kind of response at each level, one word if all are alike: {kinds}"
@@ -71,17 +121,12 @@ def columns_of(study: Study) -> list[Column]:
     true = {*SI_COLUMNS, *(OF_LAW[name] for name in OF_LAW if name in study.parameters)}
     for fit in study.fits:
         how = " ".join(part.replace("_", " ") for part in fit.label.split("__"))
-        for kind, described in _OF_TERMS.items():
-            columns += [
-                Column(
-                    f"{name}__{fit.label}".format(term),
-                    unit.format(term),
-                    f"{meaning.format(term)}; {how}",
-                )
-                for term in map(KNOWN_TERMS.__getitem__, fit.identified)
-                for name, unit, meaning in described
-                if kind in study.columns and (kind == "estimates" or term.symbol in true)
-            ]
+        terms = [KNOWN_TERMS[symbol] for symbol in fit.identified]
+        for kind in (kind for kind in _OF_TERMS if kind in study.columns):
+            for term in (of for of in terms if kind == "estimates" or of.symbol in true):
+                for described in _OF_TERMS[kind]:
+                    name, unit, meaning = (text.format(term) for text in described)
+                    columns.append(Column(f"{name}__{fit.label}", unit, f"{meaning}; {how}"))
         if "residuals" in study.columns:
             columns.append(Column(f"residual__{fit.label}", "1", f"‖A p − W‖/‖W‖; {how}"))
     return columns
@@ -90,6 +135,9 @@ def columns_of(study: Study) -> list[Column]:
 def _of_parameter(name: str) -> Column:
     parameter = PARAMETERS[name]
     return Column(name, parameter.unit, parameter.meaning, words=parameter.is_word)
+
+
+# --- sizes -------------------------------------------------------------------------------------------
 
 
 class StudySize(NamedTuple):
@@ -150,12 +198,8 @@ def check_size(study: Study, size: StudySize, folder: str | Path, file: str | Pa
 
 def size_in_words(count: float) -> str:
     """A number of bytes with a unit that suits it, e.g. 1.2 GB."""
-    unit = "bytes"
-    for larger in ("kB", "MB", "GB", "TB", "PB"):
-        if count < 1000.0:
-            break
-        count, unit = count / 1000.0, larger
-    return f"{count:.3g} {unit}"
+    power = next((p for p in range(5) if count < 1000.0 ** (p + 1)), 5)
+    return f"{count / 1000.0**power:.3g} {('bytes', 'kB', 'MB', 'GB', 'TB', 'PB')[power]}"
 
 
 def progress(study: Study, folder: str | Path, chunks: int, started: float, now: float) -> str:
