@@ -141,20 +141,19 @@ def _of_parameter(name: str) -> Column:
 
 
 class StudySize(NamedTuple):
-    """Size of a study: cases, responses (cases × levels), chunks, bytes of the finished table, and bytes of disk that
-    are in use at the worst moment, while the finished chunks are joined."""
+    """Size of a study: cases, levels of each, chunks, and bytes of the finished table; while the finished chunks are
+    joined, twice as many are in use."""
 
     cases: int
-    responses: int
+    levels: int
     chunks: int
     table_bytes: int
-    disk_bytes: int
 
     def __str__(self) -> str:
-        chunks = f"{self.chunks:,} chunk{'s' if self.chunks > 1 else ''}"
+        most, while_joined = (size_in_words(times * self.table_bytes) for times in (1, 2))
         return (
-            f"{self.cases:,} cases × {self.responses // self.cases} levels = {self.responses:,} responses, {chunks}, "
-            f"up to {size_in_words(self.table_bytes)} (while it runs {size_in_words(self.disk_bytes)})"
+            f"{self.cases:,} cases × {self.levels} levels = {self.cases * self.levels:,} responses, "
+            f"{self.chunks:,} chunk{'s' if self.chunks > 1 else ''}, up to {most} (while it runs {while_joined})"
         )
 
 
@@ -165,10 +164,9 @@ def size_of(study: Study) -> StudySize:
     """
     varied = sum(len(b.names) for b in study.blocks if isinstance(b, Sampled))
     columns = [c for c in columns_of(study) if c.words or c.name not in study.axis_names]
-    cases, each = study.cases, 8 * varied + 2 + sum(1 if c.words else 8 for c in columns)
-    table = 20_000 + cases * each
-    chunks = -(-cases // study.chunk_cases)
-    return StudySize(cases, cases * len(study.levels), chunks, table, 2 * table)
+    each = 8 * varied + 2 + sum(1 if c.words else 8 for c in columns)
+    chunks = -(-study.cases // study.chunk_cases)
+    return StudySize(study.cases, len(study.levels), chunks, 20_000 + study.cases * each)
 
 
 def chunk_bounds(study: Study, chunk: int) -> tuple[int, int]:
@@ -188,11 +186,11 @@ def check_size(study: Study, size: StudySize, folder: str | Path, file: str | Pa
         )
     path = Path(folder).absolute()
     existing = next(place for place in (path, *path.parents) if place.exists())
-    free = int((1.0 - _SPARE) * shutil.disk_usage(existing).free)
-    if size.disk_bytes > free:
+    needed, free = 2 * size.table_bytes, int((1.0 - _SPARE) * shutil.disk_usage(existing).free)
+    if needed > free:
         raise ConfigurationError(
-            f"{file}: axes: {size.cases:,} cases would take {size_in_words(size.disk_bytes)} of disk while they are "
-            f"computed, and {size_in_words(free)} are free; take fewer cases or fewer columns"
+            f"{file}: axes: {size.cases:,} cases would take {size_in_words(needed)} of disk while they are computed, "
+            f"and {size_in_words(free)} are free; take fewer cases or fewer columns"
         )
 
 

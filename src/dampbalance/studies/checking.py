@@ -352,8 +352,16 @@ def _wrong_figure(study: Study) -> Iterator[Problem]:
     if kind == "curves" and study.cases > MOST_POINTS:
         text = f"{study.cases:,} cases are more than curves can show, {MOST_POINTS:,}; take a map"
         yield ("figure", "kind"), text
-    if kind in ("curves", "scatter") and (text := _no_panels(study, figure.get("panels"), kind)):
-        yield ("figure", "panels"), text
+    if kind in ("curves", "scatter") and (name := figure.get("panels")):
+        if name == "phase" and kind == "curves":
+            if not any(fit.phase for fit in study.fits):
+                text = "no approach of this study takes a phase; leave it out"
+                yield ("figure", "panels"), text
+        elif name not in study.axis_names or name == x:
+            yield ("figure", "panels"), f"{shortened(name)} is not another axis of this study"
+        elif not 0 < len(study.values_of(name)) <= MOST_PANELS:
+            text = f"{name} must have {MOST_PANELS} listed values at most, a column of panels each"
+            yield ("figure", "panels"), text
     low, high = study.extent(x)
     lowest, highest = low / FAR if low > 0.0 else FAR * min(low, -high), FAR * max(high, -low)
     for name, value in figure.get("marks", {}).items():
@@ -377,23 +385,6 @@ def _not_drawn(study: Study, name: str) -> str:
     if kind == "scatter" and (low <= 0.0 or not values):
         return f"{name} must be listed values above zero: a scatter has a logarithmic axis"
     return ""
-
-
-def _no_panels(study: Study, name: str | None, kind: str) -> str:
-    """Why a figure cannot have a column of panels for each value of an axis, or each phase; nothing if it can."""
-    if name is None:
-        return ""
-    if name == "phase" and kind == "curves":
-        has_phase = any(fit.phase for fit in study.fits)
-        return "" if has_phase else "no approach of this study takes a phase; leave it out"
-    if name not in study.axis_names or name == study.figure["x"]:
-        return f"{shortened(name)} is not another axis of this study"
-    few = 0 < len(study.values_of(name)) <= MOST_PANELS
-    return (
-        ""
-        if few
-        else f"{name} must have {MOST_PANELS} listed values at most, a column of panels each"
-    )
 
 
 def _usual_figures(study: Study) -> Iterator[dict[str, Any]]:
@@ -466,7 +457,7 @@ def _wrong_fact(study: Study, key: Key, spec: Mapping[str, Any]) -> Iterator[Pro
         along = str(spec.get("along"))
         if not study.values_of(along) or PARAMETERS[along].is_word:
             yield (*key, "along"), "must be an axis of this study whose values are listed numbers"
-        elif "around" in spec and (text := _not_held(study, along, spec["around"])):
+        elif "around" in spec and (text := _not_selected(study, along, spec["around"])):
             yield (*key, "around"), text
     if take == "signed" and not wrong and (cases := _selected(study, spec)) > 1:
         text = f"is the error of one case, and {cases:,} are selected"
@@ -477,11 +468,11 @@ def _selected(study: Study, spec: Mapping[str, Any]) -> int:
     """How many cases the conditions on listed axes leave."""
     left = 1
     for block in study.blocks:
+        kept = block.count
         if isinstance(block, Listed):
             values = {name: np.asarray(held) for name, held in block.values.items()}
-            left *= int(np.count_nonzero(selected(values, spec)))
-        else:
-            left *= block.count
+            kept = int(np.count_nonzero(selected(values, spec)))
+        left *= kept
     return left
 
 
@@ -505,29 +496,22 @@ def _not_selected(study: Study, name: str, wanted: Any) -> str:
         return "not an axis of this study"
     is_word, values = PARAMETERS[name].is_word, study.values_of(name)
     if isinstance(wanted, list):
-        in_order = not is_word and wanted[0] <= wanted[1]
         text = f"{shortened(wanted)} are not two bounds of {name}, the lower one first"
-        return "" if in_order else text
+        return text if is_word or wanted[0] > wanted[1] else ""
     if is_word:
         text = f"{shortened(wanted)} is not among its values: {', '.join(map(str, values))}"
         return "" if wanted in values else text
     if isinstance(wanted, str):
         return f"{shortened(wanted)} is not a number"
-    return _not_held(study, name, wanted)
-
-
-def _not_held(study: Study, name: str, wanted: float) -> str:
-    """Why an axis of numbers has no case at a value; nothing if it has."""
-    values = np.asarray(study.values_of(name), float)
-    if not values.size:
+    if not values:
         text = f"{wanted:g} is no value of {name}, which is sampled"
         return f"{text}: take the cases between two bounds"
-    if is_value(values, wanted).any():
+    places = np.asarray(values, float)
+    if is_value(places, wanted).any():
         return ""
-    nearest = sorted(values[np.argsort(np.abs(values - wanted), kind="stable")[:2]])
-    places = listed([f"{value:.10g}" for value in nearest])
-    are = "is" if len(nearest) == 1 else "are"
+    nearest = sorted(places[np.argsort(np.abs(places - wanted), kind="stable")[:2]])
+    are = f"{'is' if len(nearest) == 1 else 'are'} {listed([f'{x:.10g}' for x in nearest])}"
     return (
-        f"{wanted!r} is not among the {len(values)} values of {name}, whose nearest {are} {places}; take one of them, "
+        f"{wanted!r} is not among the {len(values)} values of {name}, whose nearest {are}; take one of them, "
         f"or add it to the axis, in values or as a further value, also: [{wanted!r}]"
     )

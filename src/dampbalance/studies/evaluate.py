@@ -17,15 +17,7 @@ from ..motion.orbits import steady_orbits
 from ..project.progress import followed
 from ..replication.as_published import ReadOut
 from ..solver import NORMAL_95, Estimate, solve
-from .cases import (
-    NOT_READ,
-    PART,
-    REGIME_NAMES,
-    Cases,
-    Responses,
-    cases_between,
-    columns_of,
-)
+from .cases import NOT_READ, PART, REGIME_NAMES, Cases, Responses, cases_between, columns_of
 from .parameters import OF_LAW, PARAMETERS, SI_COLUMNS
 from .settings import LIKELIHOOD, RIGID, SIMPSON, WEIGHTED, Fit, Study
 
@@ -95,24 +87,20 @@ def _evaluate(cases: Cases, threads: int | None) -> dict[str, Any]:
         read, replicates = responses.features, responses.drawn
         if fit.approach == SIMPSON:
             read, replicates = responses.simpson
-        key = replace(fit, weights="", levels=None)
+        key, errors = replace(fit, weights="", levels=None), dict[str, Array]()
         if key not in cached:
             cached[key] = _rows(fit, read, si["k"], rules)
-        rows, errors = _of_levels(cached[key], fit), dict[str, Array]()
+        of_levels = slice(None) if fit.levels is None else list(fit.levels)
+        rows = cached[key][of_levels]
         if replicates is None:
             estimate = solve(rows)
         else:
-            drawn = _of_levels(_rows(fit, replicates, si["k"][:, None], ()), fit)
+            drawn = _rows(fit, replicates, si["k"][:, None], ())[of_levels]
             estimate, errors = _with_errors(rows, drawn, fit.weights == WEIGHTED)
         if len(rows.W) > len(estimate.values):  # else only rounding is left
             table[f"residual__{fit.label}"] = estimate.residual
         table |= _results(fit, estimate.values, errors, si)
     return table
-
-
-def _of_levels(rows: Rows, fit: Fit) -> Rows:
-    """The rows that a fit uses: all, or those of its two levels."""
-    return rows if fit.levels is None else rows[list(fit.levels)]
 
 
 def _with_errors(rows: Rows, drawn: Rows, weighted: bool) -> tuple[Estimate, dict[str, Array]]:
@@ -128,12 +116,6 @@ def _with_errors(rows: Rows, drawn: Rows, weighted: bool) -> tuple[Estimate, dic
     return estimate, {s: of.std(axis=1, ddof=1) for s, of in solve(drawn).values.items()}
 
 
-def _relative(value: Array, true: Array) -> Array:
-    """The ratio of a value to the true one; NaN where that is zero."""
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return np.where(true > 0.0, value / true, np.nan)
-
-
 def _results(
     fit: Fit, estimates: Mapping[str, Array], errors: Mapping[str, Array], si: Mapping[str, Array]
 ) -> dict[str, Array]:
@@ -144,12 +126,13 @@ def _results(
         table[f"{KNOWN_TERMS[symbol].column}__{fit.label}"] = value
         if symbol not in si:  # a term that the oscillator does not have
             continue
-        table[f"{symbol}_relative_error__{fit.label}"] = _relative(value, si[symbol]) - 1.0
+        true = np.where(si[symbol] > 0.0, si[symbol], np.nan)  # zero has no relative error
+        table[f"{symbol}_relative_error__{fit.label}"] = value / true - 1.0
         if symbol in errors:
-            error, off = errors[symbol], np.abs(value - si[symbol])
-            covered = np.where(off <= NORMAL_95 * error, 1.0, 0.0)
+            error = errors[symbol]
+            covered = np.where(np.abs(value - si[symbol]) <= NORMAL_95 * error, 1.0, 0.0)
             judged = np.isfinite(value) & np.isfinite(error)
-            table[f"{symbol}_relative_standard_error__{fit.label}"] = _relative(error, si[symbol])
+            table[f"{symbol}_relative_standard_error__{fit.label}"] = error / true
             table[f"{symbol}_covered__{fit.label}"] = np.where(judged, covered, np.nan)
     return table
 

@@ -26,14 +26,14 @@ def make(tmp_path_factory):
 def computed(make, tmp_path_factory):
     """Makes a study and computes it: computed({"axes": …}) -> (Study, its table of cases, the file that holds it).
 
-    A table that is given stands for the computed one.
+    Columns that are given stand for computed ones; a table that is given stands for the computed one.
     """
 
-    def run(document, table=None):
+    def run(document, table=None, **columns):
         study = make(document)
         table = evaluate.evaluate(study, 0, study.cases) if table is None else table
         path = tmp_path_factory.mktemp("cases") / "cases.parquet"
-        outputs.write_parts(path, [table], study, __version__)
+        outputs.write_parts(path, [table.assign(**columns)], study, __version__)
         return study, table, path
 
     return run

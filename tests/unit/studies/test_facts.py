@@ -9,13 +9,12 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from dampbalance import BaseMotion, Oscillator, __version__, steady_orbit
+from dampbalance import BaseMotion, Oscillator, steady_orbit
 from dampbalance.balance import APPROACHES
 from dampbalance.features import of_orbit, stack
 from dampbalance.project.documents import ConfigurationError, read_yaml
 from dampbalance.project.wording import number
 from dampbalance.solver import least_squares, pair
-from dampbalance.studies import evaluate, outputs
 from dampbalance.studies.shown import facts
 from dampbalance.studies.shown.study_figure import study_figure
 from folders import ROOT
@@ -91,13 +90,17 @@ def test_a_figure_of_curves_takes_the_cases_that_it_names(make, computed):
 # --- crossings -------------------------------------------------------------------------------------
 
 
-def table(study, folder, error):
-    """The table of cases of a study over zeta, with an error that is a given function of it."""
-    frame = evaluate.evaluate(study, 0, study.cases)
-    name = "F_k_relative_error__direct__least_squares"
-    frame[name] = error(frame["zeta"].to_numpy(float))
-    outputs.write_parts(folder / "cases.parquet", [frame], study, __version__)
-    return folder / "cases.parquet"
+@pytest.fixture
+def stated(computed):
+    """Makes the first fact of a study over zeta whose error of F_k by direct integration is a given function of it."""
+
+    def fact(document, error):
+        zetas = computed(document)[1]["zeta"].to_numpy(float)
+        wrong = {"F_k_relative_error__direct__least_squares": error(zetas)}
+        study, _, path = computed(document, **wrong)
+        return facts.paragraph(study, path)
+
+    return fact
 
 
 @pytest.mark.parametrize(
@@ -113,18 +116,17 @@ def table(study, folder, error):
         (lambda z: 0.02 + z, "nowhere"),
     ],
 )
-def test_the_ends_of_a_band_are_where_its_error_crosses_the_bound(make, tmp_path, error, words):
+def test_the_ends_of_a_band_are_where_its_error_crosses_the_bound(stated, error, words):
     band = DIRECT_BAND | {"around": 0.5}
-    study = make(zeta(facts={"band": band}, shows="{band}"))
-    assert facts.paragraph(study, table(study, tmp_path, error)).startswith(words)
+    assert stated(zeta(facts={"band": band}, shows="{band}"), error).startswith(words)
 
 
-def test_the_lower_end_is_where_the_first_of_several_cases_crosses_the_bound(make, tmp_path):
-    lower = DIRECT_BAND | {"take": "from", "around": 0.6}
-    study = make({"axes": [*zeta()["axes"], {"K_z_over_k": {"values": [50.0, 90.0]}}]})
+def test_the_lower_end_is_where_the_first_of_several_cases_crosses_the_bound(stated):
+    lower = {"lower": DIRECT_BAND | {"take": "from", "around": 0.6}}
+    axes = [*zeta()["axes"], {"K_z_over_k": {"values": [50.0, 90.0]}}]
     slope = np.tile([50.0, 90.0], 9) / 90.0  # +1 % at ζ = 0.2943 and at 0.4543
-    made = table(study, tmp_path, lambda z: 0.05 * slope * (0.6543 - z))
-    assert facts.fact(study, made, lower) == "0.454"
+    study = {"axes": axes, "facts": lower, "shows": "{lower}"}
+    assert stated(study, lambda z: 0.05 * slope * (0.6543 - z)).startswith("0.454 ")
 
 
 def errors_of_F_k(approach, hz, levels=LEVELS, phase="reversal", rigid=False, pairs=False, **other):

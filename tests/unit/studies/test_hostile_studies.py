@@ -14,8 +14,7 @@ import yaml
 
 from dampbalance.figures.style import save
 from dampbalance.project.documents import ConfigurationError
-from dampbalance.studies import cases as sizes
-from dampbalance.studies import checking, evaluate, outputs
+from dampbalance.studies import cases, checking, evaluate, outputs
 from dampbalance.studies.shown import facts, summary
 from dampbalance.studies.shown.study_figure import alternative_text, study_figure
 from folders import PAPER_FILE, STUDY_SCHEMA
@@ -77,20 +76,15 @@ def of_sample(draw, study):
 
 
 def of_figure(draw, study):
-    edit = draw.choice(
-        [
-            {"x": draw.choice(NAMES)},
-            {"y": draw.choice(NAMES)},
-            {"panels": draw.choice(NAMES)},
-            {"kind": draw.choice(list(SOUND))},
-            {"fit": draw.choice(["pairs", "pair_1_2", "pair_9_9"])},
-            {"phase": "fundamental"},
-            {"contact": "rigid"},
-            {"within": draw.choice([1e-300, 1e300])},
-            {"marks": {draw.choice([*TEXTS, 1, True, "omega1"]): draw.choice(PLACES)}},
-        ]
-    )
-    study["figure"] |= edit
+    keys = {"x": NAMES, "y": NAMES, "panels": NAMES, "kind": list(SOUND), "phase": ["fundamental"]}
+    keys |= {
+        "fit": ["pairs", "pair_1_2", "pair_9_9"],
+        "contact": ["rigid"],
+        "within": [1e-300, 1e300],
+    }
+    keys |= {"marks": [{draw.choice([*TEXTS, 1, True, "omega1"]): draw.choice(PLACES)}]}
+    key = draw.choice(list(keys))
+    study["figure"][key] = draw.choice(keys[key])
 
 
 def of_facts(draw, study):
@@ -118,28 +112,23 @@ def of_text(draw, study):
 
 
 def of_settings(draw, study):
-    key, value = draw.choice(
-        [
-            ("levels_m", [0.004, 0.004 * (1 + 1e-12)]),
-            ("levels_m", [1e-300, 1e300]),
-            ("levels_of_Y", list(range(1, 2000))),
-            ("chunk_cases", 10**9),
-            ("chunk_cases", 1),
-            ("columns", ["errors", "intervals"]),
-            ("columns", ["parameters"]),
-            ("summary_by", [draw.choice(NAMES)]),
-            ("read_out", {"X_decimals": 400}),
-            ("read_out", {"t_s_unit_s": 1e-300}),
-            ("base", {"c_N_s_per_m": 1e300}),
-            ("base", {"K_z_N_per_m": 1e-300, "F_k_N": 2**62}),
-            ("estimation", {"fits": [[1, 1]]}),
-            ("estimation", {"fits": [[1, 9]]}),
-            ("route", {"kind": "fixed_step", "scheme": "rk4", "step_s": 1e-12}),
-            ("route", {"kind": "sampled", "sampling_hz": 1e9}),
-            ("route", SOUND["scatter"]["route"] | {"noise": 0.0, "cycles": 10**5}),
-        ]
-    )
-    study[key] = value
+    values = {
+        "levels_m": [[0.004, 0.004 * (1 + 1e-12)], [1e-300, 1e300]],
+        "levels_of_Y": [list(range(1, 2000))],
+        "chunk_cases": [10**9, 1],
+        "columns": [["errors", "intervals"], ["parameters"]],
+        "summary_by": [[draw.choice(NAMES)]],
+        "read_out": [{"X_decimals": 400}, {"t_s_unit_s": 1e-300}],
+        "base": [{"c_N_s_per_m": 1e300}, {"K_z_N_per_m": 1e-300, "F_k_N": 2**62}],
+        "estimation": [{"fits": [[1, 1]]}, {"fits": [[1, 9]]}],
+        "route": [
+            {"kind": "fixed_step", "scheme": "rk4", "step_s": 1e-12},
+            {"kind": "sampled", "sampling_hz": 1e9},
+            SOUND["scatter"]["route"] | {"noise": 0.0, "cycles": 10**5},
+        ],
+    }
+    key = draw.choice(list(values))
+    study[key] = draw.choice(values[key])
 
 
 EDITS = (of_axes, of_sample, of_figure, of_figure, of_facts, of_facts, of_text, of_settings)
@@ -156,18 +145,18 @@ def drawn(seed: int) -> dict:
 def built(study, folder) -> str:
     """Everything that the rules make of a study; returns its page."""
     chunks = []
-    for number in range(sizes.size_of(study).chunks):
+    for number in range(cases.size_of(study).chunks):
         chunks.append(folder / f"{number:05d}.parquet")
-        parts = evaluate.in_parts(study, *sizes.chunk_bounds(study, number), threads=1)
+        parts = evaluate.in_parts(study, *cases.chunk_bounds(study, number), threads=1)
         outputs.write_parts(chunks[-1], parts, study, "0")
-    cases = folder / "cases.parquet"
-    outputs.join_chunks(cases, chunks, study)
-    outputs.write_manifest(folder / "manifest.json", cases, study, "0")
+    file = folder / "cases.parquet"
+    outputs.join_chunks(file, chunks, study)
+    outputs.write_manifest(folder / "manifest.json", file, study, "0")
     if study.figure:
         text = alternative_text(study)
-        save(study_figure(study, cases), folder / "a.svg", folder / "a.png", text)
-    table = summary.summary_of(cases, study)
-    return summary.summary_markdown(study, table, facts.paragraph(study, cases), "figure.png")
+        save(study_figure(study, file), folder / "a.svg", folder / "a.png", text)
+    table = summary.summary_of(file, study)
+    return summary.summary_markdown(study, table, facts.paragraph(study, file), "figure.png")
 
 
 @pytest.mark.parametrize("seed", range(30))
@@ -177,7 +166,7 @@ def test_it_is_refused_or_made(tmp_path, seed):
     refusal = ""
     try:
         study = checking.read_study(file, STUDY_SCHEMA, PAPER_FILE)
-        sizes.check_size(study, sizes.size_of(study), tmp_path, file)
+        cases.check_size(study, cases.size_of(study), tmp_path, file)
     except ConfigurationError as error:
         refusal = str(error)
     for line in refusal.splitlines():

@@ -72,8 +72,7 @@ def test_a_case_is_an_experiment_as_one_would_do_it(done):
 
 
 def test_yardsticks_are_added_and_change_nothing_else(done, make):
-    study, table, _ = done
-    case = 7
+    (study, table, _), case = done, 7
     more = make(SMALL | {"estimation": SMALL["estimation"] | {"yardsticks": ["simpson", "fit"]}})
     with_them = evaluate.evaluate(more, case, case + 1)
     before = table.iloc[[case]].reset_index(drop=True)
