@@ -162,7 +162,7 @@ def size_of(study: Study) -> StudySize:
 
     Eight bytes for every number that can differ from case to case, one or two for words and case numbers.
     """
-    varied = sum(len(b.names) for b in study.blocks if isinstance(b, Sampled))
+    varied = sum(len(b.axes) for b in study.blocks if isinstance(b, Sampled))
     columns = [c for c in columns_of(study) if c.words or c.name not in study.axis_names]
     each = 8 * varied + 2 + sum(1 if c.words else 8 for c in columns)
     chunks = -(-study.cases // study.chunk_cases)

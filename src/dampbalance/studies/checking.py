@@ -402,9 +402,7 @@ def _usual_figures(study: Study) -> Iterator[dict[str, Any]]:
     if {"scheme", "step_s"} <= set(study.axis_names):
         yield {"kind": "steps", "x": "step_s"}
     # paired axes go in step: one of them stands for all
-    blocks = [
-        block.names if isinstance(block, Sampled) else block.names[:1] for block in study.blocks
-    ]
+    blocks = [[*block.axes][: None if isinstance(block, Sampled) else 1] for block in study.blocks]
     values = {name: [*dict.fromkeys(study.values_of(name))] for names in blocks for name in names}
     sizes = {name: len(listed) or math.inf for name, listed in values.items() if len(listed) != 1}
     few = [name for name in sizes if sizes[name] <= _USUAL_PANELS]
@@ -470,7 +468,7 @@ def _selected(study: Study, spec: Mapping[str, Any]) -> int:
     for block in study.blocks:
         kept = block.count
         if isinstance(block, Listed):
-            values = {name: np.asarray(held) for name, held in block.values.items()}
+            values = {name: np.asarray(held) for name, held in block.axes.items()}
             kept = int(np.count_nonzero(selected(values, spec)))
         left *= kept
     return left

@@ -125,7 +125,7 @@ def _packing(study: Study) -> dict[str, Any]:
     packed: dict[str, Any] = {"write_statistics": False, "compression_level": 1}
     if study.cases < MANY:
         return packed | {"compression": "zstd"}
-    listed = {name for b in study.blocks if isinstance(b, Listed) for name in b.names}
+    listed = {name for b in study.blocks if isinstance(b, Listed) for name in b.axes}
     columns = columns_of(study)
     repeated = [c.name for c in columns if c.words or c.name in listed]
     kinds = {c.name: "zstd" if c.name in repeated else "none" for c in columns}

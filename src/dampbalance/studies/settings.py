@@ -13,7 +13,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
-from typing import Any, Literal, Self
+from typing import Any, Literal, NamedTuple, Self
 
 import numpy as np
 
@@ -28,37 +28,14 @@ from .parameters import PARAMETERS, synonyms
 # 2³² points at most; with more bits scipy cannot skip to the first point of a chunk.
 SOBOL_BITS = 32
 SAME = 1e-12  # relative: values of an axis that differ by less are equal except for rounding
-Spacing = Literal["linear", "log"]
 
 
-@dataclass(frozen=True)
-class Listed:
-    """Paired axes: name → values, all of the same length. A plain axis has one name."""
-
-    values: Mapping[str, Sequence[float | int | str]]
-
-    @property
-    def count(self) -> int:
-        """The number of points in the block."""
-        return len(next(iter(self.values.values())))
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """The parameters that the block sets."""
-        return tuple(self.values)
-
-    def at(self, index: Integers) -> dict[str, Words]:
-        """The values of each parameter at the points `index`."""
-        return {name: np.asarray(values)[index] for name, values in self.values.items()}
-
-
-@dataclass(frozen=True)
-class Range:
+class Range(NamedTuple):
     """Bounds of one parameter of a sample; `spacing` says whether the values or their logarithms are spread evenly."""
 
     low: float
     high: float
-    spacing: Spacing
+    spacing: Literal["linear", "log"]
 
     def at(self, share: Array) -> Array:
         """The value at a share 0 … 1 of the way from low to high."""
@@ -69,32 +46,41 @@ class Range:
 
 
 @dataclass(frozen=True)
+class Listed:
+    """Paired axes: name → values, all of the same length. A plain axis has one name."""
+
+    axes: Mapping[str, Sequence[float | int | str]]
+
+    @property
+    def count(self) -> int:
+        """The number of points in the block."""
+        return len(next(iter(self.axes.values())))
+
+    def at(self, index: Integers) -> dict[str, Words]:
+        """The values of each parameter at the points `index`."""
+        return {name: np.asarray(values)[index] for name, values in self.axes.items()}
+
+
+@dataclass(frozen=True)
 class Sampled:
-    """Points in the box of `ranges`: a scrambled Sobol sequence, or independent random ones.
+    """Points in the box of the axes: a scrambled Sobol sequence, or independent random ones.
 
     The points depend only on method, seed and their place in the sequence: any stretch can be computed by itself.
     """
 
+    axes: Mapping[str, Range]
     method: Literal["sobol", "random"]
     count: int
     seed: int
-    ranges: Mapping[str, Range]
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """The parameters that the block sets."""
-        return tuple(self.ranges)
 
     def at(self, index: Integers) -> dict[str, Words]:
         """The values of each parameter at the points `index`."""
         first = int(index.min())
         shares = self._shares(first, int(index.max()) - first + 1)[index - first]
-        return {
-            name: limits.at(shares[:, i]) for i, (name, limits) in enumerate(self.ranges.items())
-        }
+        return {name: of.at(shares[:, i]) for i, (name, of) in enumerate(self.axes.items())}
 
     def _shares(self, start: int, count: int) -> Array:
-        dimension = len(self.ranges)
+        dimension = len(self.axes)
         if self.method == "random":
             bits = np.random.PCG64(self.seed).advance(start * dimension)  # one draw a number
             return np.random.Generator(bits).random((count, dimension))
@@ -109,6 +95,16 @@ class Sampled:
 
 
 Block = Listed | Sampled
+
+
+def _block(item: Mapping[str, Any]) -> Block:
+    if "sample" not in item:
+        return Listed({name: spec.get("values") or spread(spec) for name, spec in item.items()})
+    ranges = {
+        name: Range(float(spec["from"]), float(spec["to"]), spec.get("spacing", "linear"))
+        for name, spec in item["sample"]["over"].items()
+    }
+    return Sampled(ranges, *(item["sample"][key] for key in ("method", "count", "seed")))
 
 
 def case_values(blocks: Sequence[Block], start: int, stop: int) -> dict[str, Words]:
@@ -376,7 +372,7 @@ class Study:
     @cached_property
     def axis_names(self) -> tuple[str, ...]:
         """The parameters that the axes set, in the order of the file."""
-        return tuple(name for block in self.blocks for name in block.names)
+        return tuple(name for block in self.blocks for name in block.axes)
 
     @cached_property
     def parameters(self) -> frozenset[str]:
@@ -385,19 +381,19 @@ class Study:
 
     def block_of(self, axis: str) -> Block | None:
         """The block that sets a parameter, None where none does."""
-        return next((block for block in self.blocks if axis in block.names), None)
+        return next((block for block in self.blocks if axis in block.axes), None)
 
     def values_of(self, axis: str) -> Sequence[float | int | str]:
         """The listed values of an axis; none where it is sampled or there is no such axis."""
         block = self.block_of(axis)
-        return block.values[axis] if isinstance(block, Listed) else ()
+        return block.axes[axis] if isinstance(block, Listed) else ()
 
     def extent(self, name: str) -> tuple[float, float]:
         """The least and the largest value of a parameter, whether it is fixed or an axis of numbers."""
         block = self.block_of(name)
         if isinstance(block, Sampled):
-            return block.ranges[name].low, block.ranges[name].high
-        values = [float(x) for x in (block.values[name] if block else [self.fixed[name]])]
+            return block.axes[name][:2]
+        values = [float(x) for x in (block.axes[name] if block else [self.fixed[name]])]
         return min(values), max(values)
 
     def amplitudes(self, Y: Array) -> Array:
@@ -422,9 +418,8 @@ class Study:
         if "lines" in spec:
             lines = [self.fits_of(line) for line in spec["lines"].values()]
             return [fit for (fit,) in lines] if set(map(len, lines)) == {1} else []
-        terms = (
-            in_order(spec["terms"]) if "terms" in spec else next((f.terms for f in self.fits), ())
-        )
+        first = next((fit.terms for fit in self.fits), ())
+        terms = in_order(spec["terms"]) if "terms" in spec else first
         fits = [fit for fit in self.fits if fit.terms == terms]
         usual = {"contact": COMPLIANT, "weights": WEIGHTED}
         for key in ("approach", "phase", "sharing", "contact", "weights"):
@@ -448,7 +443,7 @@ class Study:
             for key, value in (route | document.get("read_out", {})).items()
             if key in PARAMETERS and value is not None
         }
-        taken = {other for block in blocks for axis in block.names for other in synonyms(axis)}
+        taken = {other for block in blocks for axis in block.axes for other in synonyms(axis)}
         fixed = {key: value for key, value in given.items() if key not in taken}
         taken |= {other for key in fixed for other in synonyms(key)}
         fixed |= {key: value for key, value in paper["base"].items() if key not in taken}
@@ -498,29 +493,15 @@ def paper_defaults(config: Mapping[str, Any]) -> dict[str, Any]:
     return {"base": base, "levels_m": levels}
 
 
-def _block(item: Mapping[str, Any]) -> Block:
-    if "sample" in item:
-        sample = item["sample"]
-        ranges = {
-            name: Range(float(spec["from"]), float(spec["to"]), spec.get("spacing", "linear"))
-            for name, spec in sample["over"].items()
-        }
-        return Sampled(sample["method"], sample["count"], sample["seed"], ranges)
-    return Listed({name: spec.get("values") or spread(spec) for name, spec in item.items()})
-
-
 def _fits(estimation: Mapping[str, Any], way: Route) -> Iterator[Fit]:
     kinds = estimation.get("fits", ["least_squares"])
     levels = [None if kind == "least_squares" else (kind[0] - 1, kind[1] - 1) for kind in kinds]
-    phases, sharings = (
-        estimation.get("phases", ["reversal"]),
-        estimation.get("sharing", ["individual"]),
-    )
+    of_phase = estimation.get("phases", ["reversal"]), estimation.get("sharing", ["individual"])
     contacts = estimation.get("contact", [COMPLIANT])
     weights = estimation.get("weights", [WEIGHTED]) if way.has_intervals else [""]
     terms = list(dict.fromkeys(map(in_order, estimation.get("terms", [()]))))
     for approach in estimation.get("approaches", way.approaches):
-        choices = (phases, sharings) if takes_phase(approach) else ([""], [""])
+        choices = of_phase if takes_phase(approach) else ([""], [""])
         for choice in product(*choices, contacts, weights, levels, terms):
             yield Fit(approach, *choice)
     of_yardsticks = {SIMPSON: (RIGID, EQUAL), LIKELIHOOD: (COMPLIANT, "")}

@@ -79,7 +79,7 @@ class StudyResult:
         sizes: dict[str, int] = {}
         coords: dict[str, Any] = {}
         for number, block in enumerate(study.blocks, start=1):
-            dimension = block.names[0] if isinstance(block, Listed) else f"sample_{number}"
+            dimension = next(iter(block.axes)) if isinstance(block, Listed) else f"sample_{number}"
             sizes[dimension] = block.count
             points = block.at(np.arange(block.count))
             coords |= {name: (dimension, of) for name, of in points.items()}

@@ -67,7 +67,7 @@ def test_a_fact_about_a_case_that_does_not_exist_is_refused(make, axes, fact, ke
 
 def test_an_axis_takes_further_values_in_their_places(make):
     (block,) = make(zeta(axis={"also": [0.31, 0.05, 0.3, 2.0]})).blocks
-    values = block.values["zeta"]
+    values = block.axes["zeta"]
     assert values == sorted(values)
     assert len(values) == 12  # 0.3 is a value of the range already
     assert {0.05, 0.3, 0.31, 2.0} <= set(values)

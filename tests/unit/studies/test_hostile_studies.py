@@ -1,4 +1,5 @@
-"""A study, however odd, is refused in one line each, or all that its rules make is made; nothing else happens.
+"""A study that cannot be run is refused in a sentence that names the file, the key and the remedy; and however odd a
+study is, it is refused in one line each, or all that its rules make is made; nothing else happens.
 
 The studies are drawn by a seeded generator: a sound one of each kind, with up to three things in it that are not.
 """
@@ -18,7 +19,7 @@ from dampbalance.studies import cases, checking, evaluate, outputs
 from dampbalance.studies.shown import facts, summary
 from dampbalance.studies.shown.study_figure import alternative_text, study_figure
 from folders import PAPER_FILE, STUDY_SCHEMA
-from unit.studies.documents import DOCUMENTS
+from unit.studies.documents import DOCUMENTS, REFUSALS, document
 
 LONGEST = 300  # characters of a line
 SOUND = {name: DOCUMENTS[name] for name in ("curves", "map", "steps", "scatter")}
@@ -184,3 +185,14 @@ def test_it_is_refused_or_made(tmp_path, seed):
 @pytest.mark.parametrize("kind", SOUND)
 def test_the_studies_that_the_draws_start_from_are_sound(tmp_path, make, kind):
     assert built(make(SOUND[kind]), tmp_path).startswith("# Test")
+
+
+@pytest.mark.parametrize(("name", "change", "words"), REFUSALS)
+def test_a_wrong_study_is_refused_in_one_sentence(make, name, change, words):
+    if words is None:
+        make(document(name, **change))
+        return
+    with pytest.raises(ConfigurationError) as caught:
+        make(document(name, **change))
+    assert words in str(caught.value)
+    assert str(caught.value).count("test.yaml: ") == len(str(caught.value).splitlines())

@@ -185,9 +185,8 @@ def test_blocks_are_multiplied_and_the_last_runs_fastest():
 
 @pytest.mark.parametrize("method", ["sobol", "random"])
 def test_any_stretch_of_a_sample_is_part_of_the_whole(method):
-    sample = Sampled(
-        method, 100, 7, {"zeta": Range(0.01, 1.0, "log"), "Y_m": Range(1, 2, "linear")}
-    )
+    box = {"zeta": Range(0.01, 1.0, "log"), "Y_m": Range(1, 2, "linear")}
+    sample = Sampled(box, method, 100, 7)
     whole = case_values([sample], 0, 100)
     for start, stop in ((0, 33), (33, 100), (50, 51)):
         part = case_values([sample], start, stop)
@@ -196,7 +195,7 @@ def test_any_stretch_of_a_sample_is_part_of_the_whole(method):
     # spread evenly in the logarithm: the mean of 100 points is within 3 standard errors, 3·0.289/10
     share = np.log(whole["zeta"] / 0.01) / math.log(100.0)
     assert abs(share.mean() - 0.5) < 0.09
-    other = case_values([Sampled(method, 100, 8, sample.ranges)], 0, 100)
+    other = case_values([Sampled(box, method, 100, 8)], 0, 100)
     assert not np.array_equal(other["zeta"], whole["zeta"])
 
 

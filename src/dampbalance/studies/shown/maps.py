@@ -55,7 +55,7 @@ def _axis(study: Study, name: str) -> _Axis:
     """An axis whose bins lie around each listed value, or over the range of a sample."""
     block = study.block_of(name)
     if isinstance(block, Sampled):
-        limits = block.ranges[name]
+        limits = block.axes[name]
         bins = int(np.clip(np.sqrt(study.cases / PER_BIN), 4, MOST_BINS))
         edges, logarithmic = limits.at(np.linspace(0.0, 1.0, bins + 1)), limits.spacing == "log"
     else:
