@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 from scipy.optimize import brentq
 
-from ..arrays import Array, Complexes
+from ..arrays import Array
 from ..balance import TERMS
 from ..features import Features, beside, of_numbers, of_orbit, stack, wrapped
 from ..identification.law_comparison import compare_laws
@@ -86,12 +86,18 @@ def of_response(
     base = np.ones(1), np.full((1, 1), complex(motion.Y))
     integrals = {s: of_harmonics(s, n, x[None], *base, omega, k) for s in ("c", *terms)}
     reversal = float(wrapped(response.orbit.theta - response.advance - math.pi))
+
+    def displacement(theta: float) -> float:
+        return float((x * np.exp(1j * n * theta)).real.sum())
+
+    # of zero, before the reversal at +X
+    upward = float(brentq(displacement, reversal - math.pi, reversal, xtol=1e-14))
     changed: dict[str, Any] = {
         "Y": np.array([motion.Y]),
         "X": response.X,
         "phi": reversal,
         "phi_reversal": reversal,
-        "phi_zero_crossing": float(wrapped(_upward_crossing(n, x, reversal) + 0.5 * math.pi)),
+        "phi_zero_crossing": float(wrapped(upward + 0.5 * math.pi)),
         "phi_fundamental": float(wrapped(-np.angle(x[0]))),
         "b": integrals.pop("c"),
         "W": -math.pi * k * motion.Y * x[0].imag,
@@ -103,15 +109,6 @@ def of_response(
         changed |= {"X_r": -X_s, "V_r": -response.V_s, "t_r": response.t_s}
         changed |= {"a": 4.0 * response.X - response.taken}
     return replace(of_orbit(response.orbit), **changed, integrals=integrals)
-
-
-def _upward_crossing(n: Array, x: Complexes, reversal: float) -> float:
-    """Phase ωt of the upward zero crossing that precedes the reversal at +X, rad."""
-
-    def displacement(theta: float) -> float:
-        return float((x * np.exp(1j * n * theta)).real.sum())
-
-    return float(brentq(displacement, reversal - math.pi, reversal, xtol=1e-14))
 
 
 # --- records without noise ---------------------------------------------------------------------------
@@ -328,27 +325,21 @@ class Truth:
     law: Mapping[str, float]
     motions: tuple[BaseMotion, ...]
 
-    def responses(self) -> list[Response] | None:
-        """The steady responses; None unless each slips once per half cycle."""
-        responses = []
+    def shares(self) -> dict[str, Array]:
+        """Share of the input work that each term takes, by symbol, each (records,); friction takes the rest. Empty
+        unless each steady response slips once per half cycle."""
+        osc, parts = self.oscillator, []
         for motion in self.motions:
             try:
-                response = steady_response(self.oscillator, motion, self.law)
+                response = steady_response(osc, motion, self.law)
             except NoSteadyOrbit:
-                return None
-            once = response.orbit.regime == Regime.ONE_SLIP
-            if not (once and _STICKS * self.oscillator.Z_m < response.X):
-                return None
-            responses.append(response)
-        return responses
-
-    def shares(self, responses: Sequence[Response]) -> dict[str, Array]:
-        """Share of the input work that each term takes, by symbol, each (records,); friction takes the rest."""
-        k, law = self.oscillator.k, self.coefficients
-        pairs = zip(responses, self.motions, strict=True)
-        seen = stack([of_response(response, motion, k, self.law) for response, motion in pairs])
+                return {}
+            if response.orbit.regime != Regime.ONE_SLIP or _STICKS * osc.Z_m >= response.X:
+                return {}
+            parts.append(of_response(response, motion, osc.k, self.law))
+        seen = stack(parts)
         integrals = {"c": seen.b, **seen.integrals}
-        taken = {symbol: p * integrals[symbol] / seen.W for symbol, p in law.items()}
+        taken = {s: p * integrals[s] / seen.W for s, p in self.coefficients.items()}
         return {FRICTION: 1.0 - np.sum(list(taken.values()), axis=0), **taken}
 
     @property
@@ -362,10 +353,9 @@ def drawn_oscillator(law: str, levels: Sequence[float], random: np.random.Genera
     """A random oscillator as `chosen_laws` wants it.   law : its name.   levels : parts of the highest amplitude."""
     for _ in range(_MOST_DRAWINGS):
         truth = _candidate(terms_named(law), levels, random)
-        if responses := truth.responses():
-            shares = truth.shares(responses).values()
-            if all(((part >= SHARE[0]) & (part <= SHARE[1])).any() for part in shares):
-                return truth
+        shares = truth.shares().values()
+        if shares and all(((of >= SHARE[0]) & (of <= SHARE[1])).any() for of in shares):
+            return truth
     raise ArithmeticError(f"no oscillator with the law {law} slips once per half cycle as wanted")
 
 

@@ -80,9 +80,8 @@ def test_a_map_of_single_cases_shows_their_errors_with_zero_in_the_middle(single
     level = int(np.flatnonzero(lines.levels == 1.0)[0])
     ends = lines.get_paths()[level].vertices
     place = ends[np.isclose(ends[:, 1], ends[:, 1].max()), 0]
-    assert place.min() == pytest.approx(
-        np.interp(1.0, upper, x), abs=0.1
-    )  # linear in a bin, to its size
+    # linear in a bin, to its size
+    assert place.min() == pytest.approx(np.interp(1.0, upper, x), abs=0.1)
     assert "1 %" in {text.get_text() for text in panel.texts}
 
 
@@ -117,24 +116,19 @@ def test_the_colours_of_maps_grow_darker_with_the_error_also_without_colour():
     assert red > blue  # too large is red
 
 
+ALONG = {
+    "Y_m": {"from": 0.004, "to": 0.012, "count": 5},
+    "K_z_over_k": {"from": 10.0, "to": 1000.0, "count": 5, "spacing": "log"},
+}
+
+
 @pytest.mark.parametrize("panels", range(2, 7))
-@pytest.mark.parametrize(
-    "x",
-    [
-        {"Y_m": {"from": 0.004, "to": 0.012, "count": 5}},
-        {"K_z_over_k": {"from": 10.0, "to": 1000.0, "count": 5, "spacing": "log"}},
-    ],
-)
-def test_labels_of_neighbouring_panels_keep_apart(computed, x, panels):
-    (name,) = x
-    study, _, path = computed(
-        {
-            "axes": [{"frequency_hz": {"values": [3.5, 5.0, 6.0, 8.0, 11.0, 13.0][:panels]}}, x],
-            "levels_of_Y": [1, 2],
-            "estimation": {"approaches": ["X_s"]},
-            "figure": {"kind": "curves", "x": name, "panels": "frequency_hz"},
-        }
-    )
+@pytest.mark.parametrize("name", ALONG)
+def test_labels_of_neighbouring_panels_keep_apart(computed, name, panels):
+    hertz = {"frequency_hz": {"values": [3.5, 5.0, 6.0, 8.0, 11.0, 13.0][:panels]}}
+    changed = {"axes": [hertz, {name: ALONG[name]}], "levels_of_Y": [1, 2]}
+    changed |= {"figure": {"kind": "curves", "x": name, "panels": "frequency_hz"}}
+    study, _, path = computed(changed | {"estimation": {"approaches": ["X_s"]}})
     figure = study_figure(study, path)
     figure.draw_without_rendering()
     boxes = []

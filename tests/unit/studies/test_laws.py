@@ -39,7 +39,7 @@ def test_what_is_drawn_has_every_term_of_its_law_matter(law):
         assert len(orbit.onsets) == 1
         for symbol, p in truth.coefficients.items():
             taken[symbol].append(p * of_motion(symbol, orbit) / input_work(orbit))
-    shares = truth.shares(truth.responses())
+    shares = truth.shares()
     taken["F_k"] = 1.0 - np.sum(list(taken.values()), axis=0)
     for symbol, part in taken.items():
         np.testing.assert_allclose(shares[symbol], part, atol=1e-4)
@@ -54,19 +54,13 @@ def test_what_is_drawn_has_every_term_of_its_law_matter(law):
 
 
 def test_a_law_whose_oscillators_never_slip_as_wanted_is_named(monkeypatch):
-    monkeypatch.setattr(responses.Truth, "responses", lambda _: None)
+    monkeypatch.setattr(responses.Truth, "shares", lambda _: {})
     with pytest.raises(ArithmeticError, match="no oscillator with the law F_k \\+ c slips once"):
         responses.drawn_oscillator("F_k + c", LEVELS, np.random.default_rng(1))
 
 
-@pytest.fixture(scope="module")
-def done(computed):
-    """The study, its table of cases, and the file that holds it."""
-    return computed(SMALL)
-
-
-def test_the_law_of_clear_records_is_found_whatever_the_chunk(done):
-    study, table, _ = done
+def test_the_law_of_clear_records_is_found_whatever_the_chunk(computed):
+    study, table, _ = computed("laws")
     assert list(table.columns) == ["case", "law", "run", "regime", "chosen"]
     assert list(table["chosen"]) == list(table["law"])
     assert set(table["regime"]) == {"one_slip"}
@@ -99,9 +93,9 @@ def test_noise_and_oscillator_follow_from_seed_law_and_run(make, monkeypatch):
 def counted(computed):
     """A study whose choices are set by hand: of F_k + c 17 right, 2 with a term too many, 1 none; of F_k + c_r 18
     right, 2 others, which have no term too many."""
-    laws, runs = ["F_k + c", "F_k + c_r"], range(1, 21)
-    axes = [{"law": {"values": laws}}, {"run": {"values": list(runs)}}]
-    table = pd.DataFrame({"case": np.arange(40), "law": np.repeat(laws, 20), "run": [*runs] * 2})
+    laws, runs = ["F_k + c", "F_k + c_r"], [*range(1, 21)]
+    axes = [{"law": {"values": laws}}, {"run": {"values": runs}}]
+    table = pd.DataFrame({"case": np.arange(40), "law": np.repeat(laws, 20), "run": runs * 2})
     chosen = ["F_k + c"] * 17 + ["F_k + c + c_2"] * 2 + ["none"]
     chosen += ["F_k + c_r"] * 18 + ["F_k + c", "F_k + c_2 + eta"]
     study, _, path = computed(

@@ -30,12 +30,6 @@ TRUE = {"F_k": ("F_k_N", PAPER.F_k), "c": ("c_N_s_per_m", PAPER.c)}
 DIRECT, X_S = "direct__least_squares", "X_s__fundamental__individual__least_squares"
 
 
-@pytest.fixture(scope="module")
-def done(computed):
-    """The study, its table of cases, and the file that holds it."""
-    return computed(SMALL)
-
-
 def experiment(case):
     """The records of a case at 3.5 Hz with 0.1 % of noise, as one would take them, and what is read off them."""
     for level, motion in enumerate(motions_at(3.5, (0.004, 0.012))):
@@ -45,8 +39,8 @@ def experiment(case):
         yield measurement, read_features(measurement, PAPER.k)
 
 
-def test_a_case_is_an_experiment_as_one_would_do_it(done):
-    _, table, _ = done
+def test_a_case_is_an_experiment_as_one_would_do_it(computed):
+    _, table, _ = computed("noisy")
     case = 7  # 3.5 Hz, 0.1 %, run 2
     assert table.loc[case, ["frequency_hz", "noise", "run"]].tolist() == [3.5, 0.001, 2]
     readings = [reading for _, reading in experiment(case)]
@@ -65,8 +59,8 @@ def test_a_case_is_an_experiment_as_one_would_do_it(done):
             assert found[f"{name}_covered__{label}"] == float(held)
 
 
-def test_yardsticks_are_added_and_change_nothing_else(done, make):
-    (study, table, _), case = done, 7
+def test_yardsticks_are_added_and_change_nothing_else(computed, make):
+    (study, table, _), case = computed("noisy"), 7
     more = make(SMALL | {"estimation": SMALL["estimation"] | {"yardsticks": ["simpson", "fit"]}})
     with_them = evaluate.evaluate(more, case, case + 1)
     before = table.iloc[[case]].reset_index(drop=True)
@@ -104,15 +98,15 @@ def test_yardsticks_are_added_and_change_nothing_else(done, make):
     assert stated == pytest.approx(drawn.std() * math.sqrt(19.0 / 18.0), rel=0.45)
 
 
-def test_a_case_does_not_depend_on_its_chunk(done):
-    study, table, _ = done
+def test_a_case_does_not_depend_on_its_chunk(computed):
+    study, table, _ = computed("noisy")
     part = evaluate.evaluate(study, 5, 8)
     expected = table.iloc[5:8].reset_index(drop=True)
     pd.testing.assert_frame_equal(part, expected, check_exact=True)
 
 
-def test_runs_differ_and_seeds_too(done, make):
-    _, table, _ = done
+def test_runs_differ_and_seeds_too(computed, make):
+    _, table, _ = computed("noisy")
     column = f"F_k_relative_error__{DIRECT}"
     assert table[column].nunique() == len(table)
     other = make(SMALL | {"route": SMALL["route"] | {"seed": 8}})
@@ -215,8 +209,8 @@ def test_equal_weights_are_distinguished(computed):
     assert 1.5 < errors[1] / errors[0] < 4.0
 
 
-def test_the_summary_separates_the_groups(done):
-    study, table, path = done
+def test_the_summary_separates_the_groups(computed):
+    study, table, path = computed("noisy")
     found = summary.summary_of(path, study)
     assert len(found) == 4 * 2 * len(study.fits)
     # in the order of the study's axes
@@ -244,15 +238,15 @@ def test_the_summary_separates_the_groups(done):
     assert "nan" not in page
 
 
-def test_no_bound_where_it_would_mean_nothing(done, make):
-    study, table, _ = done
+def test_no_bound_where_it_would_mean_nothing(computed, make):
+    study, table, _ = computed("noisy")
     of_all = study, table["case"].to_numpy()  # four groups at once
     for one, numbers in (of_all, (study, np.arange(0)), (make(document("good")), np.array([0]))):
         assert np.isnan([*bounds_of(one, numbers).values()]).all()
 
 
-def test_facts_of_many_runs(done, make):
-    _, table, path = done
+def test_facts_of_many_runs(computed, make):
+    _, table, path = computed("noisy")
     where = {"frequency_hz": 4.92, "noise": 0.01}
     takes = ("bias", "rms", "standard_error", "coverage", "p95")
     spec = {"of": "F_k", "approach": "direct", "at": where}
@@ -322,8 +316,8 @@ def test_the_figure_shows_95_percent_of_the_errors_and_the_coverage_of_each_line
     assert "95 % of the errors" in alternative_text(study)
 
 
-def test_without_intervals_or_lines_the_figure_shows_the_errors_of_all_fits(done, make):
-    _, _, path = done
+def test_without_intervals_or_lines_the_figure_shows_the_errors_of_all_fits(computed, make):
+    _, _, path = computed("noisy")
     study = make(SMALL | {"columns": ["errors"]})
     axes = {axes.get_label(): axes for axes in study_figure(study, path).axes}
     assert list(axes) == ["F_k 4.92 errors", "F_k 3.5 errors", "c 4.92 errors", "c 3.5 errors"]

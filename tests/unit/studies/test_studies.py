@@ -11,7 +11,7 @@ import pyarrow.parquet as pq
 import pytest
 import yaml
 
-from dampbalance import BaseMotion, Oscillator, __version__, steady_orbit
+from dampbalance import BaseMotion, Oscillator, __version__
 from dampbalance.balance import APPROACHES, takes_phase
 from dampbalance.estimates import estimate_table
 from dampbalance.features import of_orbit, stack
@@ -45,12 +45,6 @@ SOBOL = document("sobol")
 # --- the numbers -----------------------------------------------------------------------------------
 
 
-@pytest.fixture(scope="module")
-def sobol(computed):
-    """The study of the sample, its table of cases, and the file that holds it."""
-    return computed(SOBOL)
-
-
 def one_by_one(row, levels, phase):
     """The table of estimates of one case, from its orbits one at a time."""
     osc = Oscillator(*row[["m_kg", "c_N_s_per_m", "k_N_per_m", "K_z_N_per_m", "F_k_N"]])
@@ -59,8 +53,8 @@ def one_by_one(row, levels, phase):
     return estimate_table(features.with_phase(phase), osc.k, [(0, 2)]), features
 
 
-def test_a_chunk_is_its_cases_one_at_a_time(sobol):
-    (made, table, _), compared = sobol, 0
+def test_a_chunk_is_its_cases_one_at_a_time(computed):
+    (made, table, _), compared = computed("sobol"), 0
     for _, row in table.iterrows():
         for phase in ("reversal", "zero_crossing", "fundamental"):
             expected, features = one_by_one(row, made.levels, phase)
@@ -87,8 +81,8 @@ def test_a_chunk_is_its_cases_one_at_a_time(sobol):
     assert len(set(table["regime"])) > 2  # levels that slip, and levels that do not
 
 
-def test_no_number_is_missing_without_a_regime_that_says_why(sobol):
-    made, table, _ = sobol
+def test_no_number_is_missing_without_a_regime_that_says_why(computed):
+    made, table, _ = computed("sobol")
     missing = table[f"F_k_N__X_s__{FIRST}"].isna()
     words = table["regime"].map(lambda words: (words.split(", ") * 3)[: len(made.levels)])
     slipping = words.map(lambda w: w.count("one_slip") + w.count("several_slips"))
@@ -97,9 +91,9 @@ def test_no_number_is_missing_without_a_regime_that_says_why(sobol):
 
 
 @pytest.mark.parametrize("bounds", [(0, 7), (7, 40), (13, 14)])
-def test_a_case_does_not_depend_on_its_chunk_or_the_threads(sobol, bounds):
-    whole = evaluate.evaluate(sobol[0], 0, 40, threads=2)
-    part = evaluate.evaluate(sobol[0], *bounds, threads=1)
+def test_a_case_does_not_depend_on_its_chunk_or_the_threads(make, bounds):
+    whole = evaluate.evaluate(make(SOBOL), 0, 40, threads=2)
+    part = evaluate.evaluate(make(SOBOL), *bounds, threads=1)
     expected = whole.iloc[slice(*bounds)].reset_index(drop=True)
     pd.testing.assert_frame_equal(part, expected, check_exact=True)
 
@@ -303,14 +297,14 @@ def test_progress_states_what_is_left(make, tmp_path):
 # --- outputs ---------------------------------------------------------------------------------------
 
 
-def test_chunks_cover_every_case_once_and_join_to_the_same_table(make, sobol, tmp_path):
+def test_chunks_cover_every_case_once_and_join_to_the_same_table(make, computed, tmp_path):
     made, chunks = make(SOBOL | {"chunk_cases": 15}), []
     for i in range(cases.size_of(made).chunks):
         chunks.append(tmp_path / f"{i}.parquet")
         frame = evaluate.evaluate(made, *cases.chunk_bounds(made, i))
         outputs.write_parts(chunks[-1], [frame], made, __version__)
     outputs.join_chunks(tmp_path / "cases.parquet", chunks, made)
-    joined, whole = pd.read_parquet(tmp_path / "cases.parquet"), sobol[1]
+    joined, whole = pd.read_parquet(tmp_path / "cases.parquet"), computed("sobol")[1]
     joined["regime"] = joined["regime"].astype(whole["regime"].dtype)
     pd.testing.assert_frame_equal(joined, whole, check_exact=True)
     schema = pq.read_schema(tmp_path / "cases.parquet")
@@ -319,8 +313,8 @@ def test_chunks_cover_every_case_once_and_join_to_the_same_table(make, sobol, tm
     assert pq.ParquetFile(tmp_path / "cases.parquet").num_row_groups == 3
 
 
-def test_the_summary_counts_what_is_there(sobol):
-    made, frame, path = sobol
+def test_the_summary_counts_what_is_there(computed):
+    made, frame, path = computed("sobol")
     table = summary.summary_of(path, made)
     assert len(table) == 2 * len(made.fits)
     by = ["quantity", "approach", "phase", "sharing", "fit"]

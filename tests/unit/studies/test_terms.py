@@ -14,7 +14,6 @@ from dampbalance.law.response import law_orbit
 from dampbalance.law.steady import steady_response
 from dampbalance.law.terms import KNOWN_TERMS
 from dampbalance.motion.orbit import steady_orbit
-from dampbalance.studies import evaluate
 from dampbalance.studies.parameters import OF_LAW, PARAMETERS
 from dampbalance.studies.responses import of_response
 from dampbalance.studies.shown import facts, summary
@@ -105,14 +104,9 @@ def test_what_only_sticks_has_no_onset_of_slip():
 def done(computed):
     """The study of a term left out, its table of cases, and the file that holds it."""
     every = {"of": "c_2", "take": "max", "terms": ["F_k", "c", "c_2"]}
-    return computed(
-        document(
-            "terms",
-            figure={"kind": "curves", "x": "c_2_N_s2_per_m2"},
-            facts={"out": {"of": "F_k", "take": "max"}, "within": every},
-            shows="{out} {within}",
-        )
-    )
+    shown = {"figure": {"kind": "curves", "x": "c_2_N_s2_per_m2"}, "shows": "{out} {within}"}
+    shown |= {"facts": {"out": {"of": "F_k", "take": "max"}, "within": every}}
+    return computed(LEFT_OUT | shown)
 
 
 def test_a_term_left_out_is_shared_out_and_a_term_taken_in_is_found(done):
@@ -157,22 +151,19 @@ def test_the_study_separates_the_lists_of_terms(done):
     np.testing.assert_allclose(np.abs(panels[0].lines[0].get_ydata()).max(), 100.0 * out)
 
 
-def test_fixed_further_damping_is_a_column_and_other_studies_have_none(make):
+def test_fixed_further_damping_is_a_column_and_other_studies_have_none(computed):
     axes = {"axes": [{"frequency_hz": {"values": [4.92, 11.1]}}]}
-    study = make(LEFT_OUT | axes | {"base": {"eta": 0.2}})
-    table = evaluate.evaluate(study, 0, study.cases)
+    _, table, _ = computed(LEFT_OUT | axes | {"base": {"eta": 0.2}})
     assert table["eta"].tolist() == [0.2, 0.2]
-    plain = make(axes)
-    assert not set(OF_LAW) & set(evaluate.evaluate(plain, 0, 2).columns)
+    plain, table, _ = computed(axes)
+    assert not set(OF_LAW) & set(table.columns)
     assert all(fit.terms == () for fit in plain.fits)
 
 
-def test_a_case_without_a_steady_response_says_so(make):
+def test_a_case_without_a_steady_response_says_so(computed):
     # a contact that hardly slips, with strong cubic damping: the response is not one of those that are followed
     axes = [{"F_k_N": {"values": [1.28, 300.0]}}]
     base = {"c_3_N_s3_per_m3": 1e3, "frequency_hz": 0.9}
-    study = make(LEFT_OUT | {"axes": axes, "base": base})
-    table = evaluate.evaluate(study, 0, study.cases)
-    assert len(table) == 2
+    _, table, _ = computed(LEFT_OUT | {"axes": axes, "base": base})
     assert "one_slip" not in table["regime"][1]
     assert np.isnan(table[f"F_k_relative_error__{WITHOUT}"][1])
