@@ -109,7 +109,7 @@ def title_of(name):
 
 
 def study_title(wildcards):
-    """The same of the job's study."""
+    """What the report calls the study of a job."""
     return title_of(wildcards.study)(wildcards)
 
 

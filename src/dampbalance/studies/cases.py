@@ -48,7 +48,10 @@ def cases_between(study: Study, start: int, stop: int) -> Cases:
     fixed = {name: np.full(stop - start, value) for name, value in study.fixed.items()}
     values: dict[str, Words] = fixed | case_values(study.blocks, start, stop)
     si = in_si({name: values[name].astype(float) for name in MECHANICAL if name in values})
-    return Cases(study, np.arange(start, stop), values, si, study.amplitudes(si["Y"]))
+    Y = np.array(study.levels)[:, None] * (
+        si["Y"] if study.levels_relative else np.ones(stop - start)
+    )
+    return Cases(study, np.arange(start, stop), values, si, Y)
 
 
 class Responses(NamedTuple):

@@ -171,6 +171,7 @@ def _wrong_values(document: Mapping[str, Any]) -> Iterator[Problem]:
 
 
 def _contradictions(document: Mapping[str, Any], study: Study) -> Iterator[Problem]:
+    """What does not go together: levels, route, rules of reading, laws, fits, weights, terms of the balance."""
     estimation = document.get("estimation", {})
     given = {*document.get("base", {}), *study.axis_names} & {"Y_m", "F_k_over_kY"}
     if "levels_m" in document and study.levels_relative:
@@ -186,13 +187,27 @@ def _contradictions(document: Mapping[str, Any], study: Study) -> Iterator[Probl
             terms_named(law)
         except ValueError as error:
             yield ("axes",), str(error)
-    yield from _wrong_terms(estimation, study)
     for i, fit in enumerate(estimation.get("fits", [])):
         if fit != "least_squares" and max(fit) > len(study.levels):
             yield ("estimation", "fits", i), f"there are only {len(study.levels)} levels"
     if "weights" in estimation and not study.route.has_intervals:
         text = f"means nothing to the route {study.route.kind}: without noise all rows weigh alike"
         yield ("estimation", "weights"), text
+    if not study.route.any_law:
+        text = f"needs the route exact, not {study.route.kind}"
+        yield from ((("route",), f"{name} {text}") for name in OF_LAW if name in study.parameters)
+        if "terms" in estimation:
+            yield ("estimation", "terms"), text
+    for i, terms in enumerate(estimation.get("terms", [])):
+        key: Key = ("estimation", "terms", i)
+        try:
+            Law(tuple(terms)).require([1.0] * len(study.levels))  # a case has one frequency
+        except ValueError as error:
+            yield key, str(error)
+            continue
+        if len(terms) > 2 and any(fit.levels for fit in study.fits):
+            text = f"a pair of levels identifies two terms, not {len(terms)}: take fits: [least_squares]"
+            yield key, text
 
 
 def _wrong_route(document: Mapping[str, Any], study: Study) -> Iterator[Problem]:
@@ -204,8 +219,9 @@ def _wrong_route(document: Mapping[str, Any], study: Study) -> Iterator[Problem]
             yield ("route",), f"{wanted.kind} needs {' or '.join(names)}, here or as an axis"
         elif used.issuperset(names) and len(names) > 1:
             yield ("route",), f"{' and '.join(names)} set the same quantity; keep one"
+    taken = {*wanted.optional, *(name for names in wanted.needs for name in names)}
     for name in sorted(used):
-        if PARAMETERS[name].kind == "numerics" and name not in wanted.parameters:
+        if PARAMETERS[name].kind == "numerics" and name not in taken:
             yield ("route",), f"{name} {nothing}"
         if PARAMETERS[name].kind == "read_out" and wanted.is_noisy:
             yield ("read_out", name), f"{nothing}: noise is its limit"
@@ -225,25 +241,6 @@ def _wrong_route(document: Mapping[str, Any], study: Study) -> Iterator[Problem]
             yield ("levels_of_Y",), text
         for name in filter(MECHANICAL.__contains__, study.axis_names):
             yield ("axes",), f"{name} {nothing}, which draws oscillators"
-
-
-def _wrong_terms(estimation: Mapping[str, Any], study: Study) -> Iterator[Problem]:
-    """What is wrong with the terms of the balance, and with those of the oscillator's law."""
-    if not study.route.any_law:
-        text = f"needs the route exact, not {study.route.kind}"
-        yield from ((("route",), f"{name} {text}") for name in OF_LAW if name in study.parameters)
-        if "terms" in estimation:
-            yield ("estimation", "terms"), text
-    for i, terms in enumerate(estimation.get("terms", [])):
-        key: Key = ("estimation", "terms", i)
-        try:
-            Law(tuple(terms)).require([1.0] * len(study.levels))  # a case has one frequency
-        except ValueError as error:
-            yield key, str(error)
-            continue
-        if len(terms) > 2 and any(fit.levels for fit in study.fits):
-            text = f"a pair of levels identifies two terms, not {len(terms)}: take fits: [least_squares]"
-            yield key, text
 
 
 # --- sizes -------------------------------------------------------------------------------------------

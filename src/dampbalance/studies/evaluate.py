@@ -154,13 +154,21 @@ def _responses(cases: Cases, threads: int | None) -> Responses:
 def _rows(
     fit: Fit, responses: Features, k: Array, rules: Sequence[tuple[Integers, ReadOut]]
 ) -> Rows:
-    """Rows of the balance that the approach of a fit forms from features."""
+    """Rows of the balance that the approach of a fit forms from features, which are rounded, each case by its rules,
+    and have the mean φ and t_s of the levels where the fit wants them common."""
     if fit.approach == SIMPSON:
         return direct(responses, k)
     seen = responses.with_phase(fit.phase) if fit.phase else responses
+    common = fit.sharing == "common"
     if rules:
-        seen = _as_read(seen, rules, common=fit.sharing == "common")
-    elif fit.sharing == "common":
+        changed = {name: np.empty(seen.X.shape) for name in READ}
+        for cases, read_out in rules:
+            of = read_out.common if common else read_out.apply
+            read = of(seen[:, cases])
+            for name, array in changed.items():
+                array[:, cases] = getattr(read, name)
+        seen = seen.replaced(**changed)
+    elif common:
         seen = seen.with_common("phi", "t_s")
     if fit.contact == RIGID:
         seen = seen.rigid()
@@ -178,19 +186,6 @@ def _read_out_rules(values: Mapping[str, Words]) -> list[tuple[Integers, ReadOut
             section = {name: int(x) if PARAMETERS[name].whole else x for name, x in kept}
             rules.append((cases.index.to_numpy(), ReadOut.from_config(section)))
     return rules
-
-
-def _as_read(
-    responses: Features, rules: Sequence[tuple[Integers, ReadOut]], common: bool
-) -> Features:
-    """The features after rounding, each case by its own rules; with the mean φ and t_s of its levels if `common`."""
-    changed = {name: np.empty(responses.X.shape) for name in READ}
-    for cases, read_out in rules:
-        part = responses[:, cases]
-        seen = read_out.common(part) if common else read_out.apply(part)
-        for name, array in changed.items():
-            array[:, cases] = getattr(seen, name)
-    return responses.replaced(**changed)
 
 
 def _regime_names(words: Words) -> Words:

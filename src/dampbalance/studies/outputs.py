@@ -77,7 +77,15 @@ def write_parts(
         pq.ParquetWriter(temporary, schema, **_packing(study)) as writer,
     ):
         for frame in parts:
-            arrays = [_array(frame[field.name].to_numpy(), field.type) for field in schema]
+            arrays = []
+            for field in schema:
+                values = frame[field.name].to_numpy()
+                if pa.types.is_dictionary(field.type):
+                    codes, words = pd.factorize(values, sort=True)
+                    held = pa.array(codes, pa.int32()), pa.array(list(words), pa.string())
+                    arrays.append(pa.DictionaryArray.from_arrays(*held))
+                else:
+                    arrays.append(pa.array(values, field.type))
             table = pa.Table.from_arrays(arrays, schema=schema)
             writer.write_table(table, row_group_size=max(len(frame), 1))
 
@@ -142,11 +150,3 @@ def _schema(study: Study, version: str) -> pa.Schema:
     settings = json.dumps(study.settings, sort_keys=True, ensure_ascii=False)
     about = {"study": study.name, "dampbalance": version, "settings": settings}
     return pa.schema(fields, metadata=about)
-
-
-def _array(values: Words, kind: pa.DataType) -> pa.Array:
-    if pa.types.is_dictionary(kind):
-        codes, words = pd.factorize(values, sort=True)
-        words = pa.array(list(words), pa.string())
-        return pa.DictionaryArray.from_arrays(pa.array(codes, pa.int32()), words)
-    return pa.array(values, kind)

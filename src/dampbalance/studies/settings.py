@@ -181,11 +181,6 @@ class Route:
     chunk_cases: int = 512
 
     @property
-    def parameters(self) -> set[str]:
-        """Every parameter that means something to the route."""
-        return {name for group in self.needs for name in group} | set(self.optional)
-
-    @property
     def answers(self) -> Collection[str]:
         """What a case ends in, which facts are about: coefficients by symbol, or the law that its records support."""
         return KNOWN_TERMS if self.approaches else ("law",)
@@ -357,9 +352,9 @@ class Study:
     reading: ReadAt
     seed: int
     replicates: int
-    columns: tuple[str, ...]
+    columns: Sequence[str]
     chunk_cases: int
-    summary_by: tuple[str, ...]
+    summary_by: Sequence[str]
     figure: Mapping[str, Any]
     facts: Mapping[str, Mapping[str, Any]]
     shows: str
@@ -396,10 +391,6 @@ class Study:
         values = [float(x) for x in (block.axes[name] if block else [self.fixed[name]])]
         return min(values), max(values)
 
-    def amplitudes(self, Y: Array) -> Array:
-        """Amplitudes of the base at the levels, m, (L, n), of cases with the reference amplitudes Y, m, (n,)."""
-        return np.array(self.levels)[:, None] * (Y if self.levels_relative else np.ones_like(Y))
-
     @property
     def seeds(self) -> list[int]:
         """Seeds of the samples, in the order of the file, and of the noise."""
@@ -434,10 +425,8 @@ class Study:
     @classmethod
     def of(cls, name: str, document: Mapping[str, Any], paper: Mapping[str, Any]) -> Self:
         """The study of a document in which `checking.problems` finds nothing wrong; paper : see `paper_defaults`."""
-        blocks = tuple(map(_block, document["axes"]))
-        route = {"kind": "exact", "reading": "interpolated"} | document.get("route", {})
-        way = ROUTES[route["kind"]]
-        estimation = document.get("estimation", {})
+        blocks, route = tuple(map(_block, document["axes"])), document.get("route", {})
+        way = ROUTES[route.get("kind", "exact")]
         given = document.get("base", {}) | {
             key: value
             for key, value in (route | document.get("read_out", {})).items()
@@ -448,6 +437,11 @@ class Study:
         taken |= {other for key in fixed for other in synonyms(key)}
         fixed |= {key: value for key, value in paper["base"].items() if key not in taken}
         levels = document.get("levels_of_Y", document.get("levels_m", paper["levels_m"]))
+        # what is meant where the file does not say
+        of_route: dict[str, Any] = {"cycles": way.cycles, "reading": "interpolated"}
+        of_route |= {"seed": 0, "replicates": REPLICATES}
+        of_study: dict[str, Any] = {"columns": way.columns, "chunk_cases": way.chunk_cases}
+        of_study |= {"summary_by": (), "figure": {}, "facts": {}}
         return cls(
             name=name,
             title=document["title"],
@@ -456,18 +450,11 @@ class Study:
             fixed=fixed,
             levels=tuple(levels),
             levels_relative="levels_of_Y" in document,
-            fits=tuple(_fits(estimation, way)),
+            fits=tuple(_fits(document.get("estimation", {}), way)),
             route=way,
-            cycles=route.get("cycles", way.cycles),
-            reading=route["reading"],
-            seed=route.get("seed", 0),
-            replicates=route.get("replicates", REPLICATES),
-            columns=tuple(document.get("columns", way.columns)),
-            chunk_cases=document.get("chunk_cases", way.chunk_cases),
-            summary_by=tuple(document.get("summary_by", [])),
-            figure=document.get("figure") or {},
-            facts=document.get("facts", {}),
             shows=document.get("shows", "").strip(),
+            **{key: route.get(key, usual) for key, usual in of_route.items()},
+            **{key: document.get(key) or usual for key, usual in of_study.items()},
         )
 
 

@@ -63,7 +63,7 @@ class StudyResult:
         return pd.DataFrame.from_dict(rows, orient="index").rename_axis("fit")
 
     def to_xarray(self) -> xarray.Dataset:
-        """The same as a data set of xarray, which has to be installed: errors over the axes and the dimension `fit`,
+        """The table as a data set of xarray, which has to be installed: errors over the axes and the dimension `fit`,
         responses over the axes and the dimension `level`.
 
         Axes that are varied together share the dimension of the first of them; a sample has a dimension of its own.
@@ -109,7 +109,7 @@ class StudyResult:
         return f"{self._head}\n{self.summary.to_string(float_format='{:.3g}'.format)}"
 
     def _repr_html_(self) -> str:
-        """The same as a table."""
+        """What was studied, and the summary as a table."""
         return f"<p>{self._head}</p>{self.summary.to_html(float_format='{:.3g}'.format)}"
 
     @property

@@ -23,50 +23,22 @@ from unit.studies.documents import DOCUMENTS, REFUSALS, document
 
 LONGEST = 300  # characters of a line
 SOUND = {name: DOCUMENTS[name] for name in ("curves", "map", "steps", "scatter")}
-TEXTS = [
-    "<script>alert(1)</script>",
-    "a | b",
-    "$x$ $\\frac$",
-    "$",
-    "`c`",
-    "x" * 190,
-    "two\nlines",
-    "",
-]
+TEXTS = ["<script>alert(1)</script>", "a | b", "$x$ $\\frac$", "$", "`c`", "x" * 190, "two\nlines", ""]  # fmt: skip
 NUMBERS = [0, -1, True, None, "x", "", [], {}, 1e-300, 1e300, 2**62, float("nan"), float("inf")]
 PLACES = [0.5, 50.0, -5.0, 1e300]
 NAMES = ["scheme", "phase", "case", "regime", "nowhere", "noise", "zeta", "K_z_over_k", ""]
-SHOWS = [
-    "{",
-    "}",
-    "{}",
-    "{0}",
-    "{f:.3f}",
-    "{f!r}",
-    "{f.real}",
-    "{f[0]}",
-    "{g}",
-    "{{f}}",
-    "{cases}",
-    "{f}",
-]
+SHOWS = ["{", "}", "{}", "{0}", "{f:.3f}", "{f!r}", "{f.real}", "{f[0]}", "{g}", "{{f}}", "{cases}", "{f}"]  # fmt: skip
 
 
 def of_axes(draw, study):
     block = draw.choice(study["axes"])
     name = draw.choice(list(block))
-    block[name] = draw.choice(
-        [
-            {"values": [draw.choice(NUMBERS), 1.0]},
-            {"values": [10**30, 10**18]},
-            {"from": 1.0, "to": 2.0, "count": draw.choice([2, 10**5, 10**9, 2**62])},
-            {"from": 1.0, "to": 1.0 + 1e-15, "count": 50},
-            {"from": 1e-300, "to": 1e300, "count": 3, "spacing": "log"},
-            {"from": 0, "to": 3, "count": 10},
-            {"values": [1.0]},
-            {"values": list(range(1, 15001))},
-        ]
-    )
+    values = [[draw.choice(NUMBERS), 1.0], [10**30, 10**18], [1.0], list(range(1, 15001))]
+    ranges = [(1.0, 2.0, draw.choice([2, 10**5, 10**9, 2**62])), (1.0, 1.0 + 1e-15, 50), (0, 3, 10)]
+    specs = [{"values": given} for given in values]
+    specs += [{"from": low, "to": high, "count": count} for low, high, count in ranges]
+    specs += [{"from": 1e-300, "to": 1e300, "count": 3, "spacing": "log"}]
+    block[name] = draw.choice(specs)
 
 
 def of_sample(draw, study):
@@ -78,11 +50,7 @@ def of_sample(draw, study):
 
 def of_figure(draw, study):
     keys = {"x": NAMES, "y": NAMES, "panels": NAMES, "kind": list(SOUND), "phase": ["fundamental"]}
-    keys |= {
-        "fit": ["pairs", "pair_1_2", "pair_9_9"],
-        "contact": ["rigid"],
-        "within": [1e-300, 1e300],
-    }
+    keys |= {"fit": ["pairs", "pair_1_2", "pair_9_9"], "contact": ["rigid"], "within": [1e300]}
     keys |= {"marks": [{draw.choice([*TEXTS, 1, True, "omega1"]): draw.choice(PLACES)}]}
     key = draw.choice(list(keys))
     study["figure"][key] = draw.choice(keys[key])

@@ -118,28 +118,22 @@ def test_the_summary_counts_what_was_chosen(counted):
     # Wilson's interval of 17 in 20
     assert table.loc["F_k + c", "right_low_percent"] == pytest.approx(63.96, abs=0.005)
     assert table.loc["F_k + c", "right_high_percent"] == pytest.approx(94.76, abs=0.005)
-    page = summary.summary_markdown(
-        study, table.reset_index(), facts.paragraph(study, path), "figure.png"
-    )
+    text = facts.paragraph(study, path)
+    page = summary.summary_markdown(study, table.reset_index(), text, "figure.png")
     assert "40: 87.5 %" in page
-    assert (
-        "| F_k + c | 17 |  | 2 |  | 1 | 85.0 % (64.0 % to 94.8 %) | 10.0 % (2.79 % to 30.1 %) |"
-        in page
-    )
+    shares = "85.0 % (64.0 % to 94.8 %) | 10.0 % (2.79 % to 30.1 %)"
+    assert f"| F_k + c | 17 |  | 2 |  | 1 | {shares} |" in page
 
 
 def test_facts_are_shares_of_all_laws_or_of_one(counted):
     study, path = counted
 
-    def fact(take, **at):
-        return facts.fact(study, path, {"of": "law", "take": take, "at": at})
-
-    assert fact("right") == "87.5 %"
-    assert fact("right", law="F_k + c_r") == "90.0 %"
-    assert fact("extra") == "5.00 %"
-    assert fact("extra_low") == "1.38 %"
-    assert fact("extra_high") == "16.5 %"
-    assert fact("none", law="F_k + c") == "5.00 %"
+    expected = {"right": "87.5 %", "extra": "5.00 %", "extra_low": "1.38 %", "extra_high": "16.5 %"}
+    of_law = {("right", "F_k + c_r"): "90.0 %", ("none", "F_k + c"): "5.00 %"}
+    for take, words in expected.items():
+        assert facts.fact(study, path, {"of": "law", "take": take}) == words
+    for (take, law), words in of_law.items():
+        assert facts.fact(study, path, {"of": "law", "take": take, "at": {"law": law}}) == words
 
 
 def test_the_figure_shows_each_number_and_names_each_law(counted):
@@ -148,13 +142,8 @@ def test_the_figure_shows_each_number_and_names_each_law(counted):
     (axes,) = figure.axes
     texts = [text.get_text() for text in axes.texts]
     assert texts[:10] == ["17", "0", "2", "0", "1", "1", "18", "0", "1", "0"]
-    assert [label.get_text() for label in axes.get_xticklabels()] == [
-        "$F_k+c$",
-        "$F_k+c_r$",
-        "$F_k+c+c_2$",
-        r"$F_k+c_2+\eta$",
-        "none",
-    ]
+    named = [label.get_text() for label in axes.get_xticklabels()]
+    assert named == ["$F_k+c$", "$F_k+c_r$", "$F_k+c+c_2$", r"$F_k+c_2+\eta$", "none"]
     assert len(axes.patches) == 2  # the right ones
     assert "true law" in alternative_text(study)
     assert set(summary.laws_in(summary.confusion(path))) >= {"none", "F_k + c"}

@@ -100,9 +100,8 @@ def test_yardsticks_are_added_and_change_nothing_else(computed, make):
 
 def test_a_case_does_not_depend_on_its_chunk(computed):
     study, table, _ = computed("noisy")
-    part = evaluate.evaluate(study, 5, 8)
     expected = table.iloc[5:8].reset_index(drop=True)
-    pd.testing.assert_frame_equal(part, expected, check_exact=True)
+    pd.testing.assert_frame_equal(evaluate.evaluate(study, 5, 8), expected, check_exact=True)
 
 
 def test_runs_differ_and_seeds_too(computed, make):
@@ -127,10 +126,9 @@ def test_without_noise_the_truth_comes_back(computed):
     assert (table["regime"] == "one_slip").all()
 
 
-def test_a_record_that_cannot_be_read_says_so(make):
+def test_a_record_that_cannot_be_read_says_so(computed):
     route = SMALL["route"] | {"sampling_hz": 6, "cycles": 3}  # hardly a sample per cycle
-    study = make(SMALL | {"route": route})
-    table = evaluate.evaluate(study, 0, 1)
+    _, table, _ = computed(SMALL | {"route": route})
     assert table["regime"][0] == "not_read"
     assert math.isnan(table[f"F_k_relative_error__{DIRECT}"][0])
     assert math.isnan(table[f"F_k_covered__{DIRECT}"][0])
@@ -247,9 +245,8 @@ def test_no_bound_where_it_would_mean_nothing(computed, make):
 
 def test_facts_of_many_runs(computed, make):
     _, table, path = computed("noisy")
-    where = {"frequency_hz": 4.92, "noise": 0.01}
+    spec = {"of": "F_k", "approach": "direct", "at": {"frequency_hz": 4.92, "noise": 0.01}}
     takes = ("bias", "rms", "standard_error", "coverage", "p95")
-    spec = {"of": "F_k", "approach": "direct", "at": where}
     specs = {take: {"take": take, **spec} for take in takes}
     study = make(SMALL | {"facts": specs, "shows": "; ".join(f"{{{take}}}" for take in takes)})
     cases = table[(table["frequency_hz"] == 4.92) & (table["noise"] == 0.01)]

@@ -57,9 +57,11 @@ def fact(study: Study, cases: str | Path, spec: Mapping[str, Any]) -> str:
         errors = worst(study, part, spec)
         sizes.add(errors)
         signed = next(iter(errors), signed)  # of the one case
+    if not sizes.known:
+        return _in_words(math.nan)
     values = {"share": sizes.share, "signed": signed, "max": sizes.largest, "min": sizes.smallest}
     values |= {"median": sizes.quantile(0.5), "p95": sizes.quantile(0.95)}
-    return _in_words(values[take] if sizes.known else math.nan, signed=take == "signed")
+    return _in_words(values[take], signed=take == "signed")
 
 
 def error_columns(study: Study, spec: Mapping[str, Any]) -> list[str]:
