@@ -328,16 +328,16 @@ class Truth:
     def shares(self) -> dict[str, Array]:
         """Share of the input work that each term takes, by symbol, each (records,); friction takes the rest. Empty
         unless each steady response slips once per half cycle."""
-        osc, parts = self.oscillator, []
+        osc, responses = self.oscillator, []
         for motion in self.motions:
             try:
                 response = steady_response(osc, motion, self.law)
             except NoSteadyOrbit:
                 return {}
-            if response.orbit.regime != Regime.ONE_SLIP or _STICKS * osc.Z_m >= response.X:
+            if response.orbit.regime != Regime.ONE_SLIP or response.X <= _STICKS * osc.Z_m:
                 return {}
-            parts.append(of_response(response, motion, osc.k, self.law))
-        seen = stack(parts)
+            responses.append((response, motion))
+        seen = stack([of_response(*each, osc.k, self.law) for each in responses])
         integrals = {"c": seen.b, **seen.integrals}
         taken = {s: p * integrals[s] / seen.W for s, p in self.coefficients.items()}
         return {FRICTION: 1.0 - np.sum(list(taken.values()), axis=0), **taken}

@@ -21,38 +21,34 @@ NOISY = {"route": {"kind": "measured", "sampling_hz": 1000, "noise": 0.01, "seed
 RUN = {"run": {"from": 0, "to": 9, "count": 10}}
 
 
+CURVES = {"kind": "curves", "x": "omega_over_omega_n"}
+MILLION = {"sample": SAMPLE | {"count": 10**6}}
+SCHEME = {"scheme": {"values": ["rk4"]}}
+
+
 @pytest.mark.parametrize(
     ("document", "figure"),
     [
-        ({"axes": [LONG]}, {"kind": "curves", "x": "omega_over_omega_n"}),
-        (
-            {"axes": [LONG], "estimation": {"phases": ["reversal", "fundamental"]}},
-            {"kind": "curves", "x": "omega_over_omega_n", "panels": "phase"},
-        ),
-        ({"axes": [FEW, LONG]}, {"kind": "curves", "x": "omega_over_omega_n", "panels": "zeta"}),
+        ({"axes": [LONG]}, CURVES),
+        ({"axes": [LONG], "estimation": {"phases": ["reversal", "fundamental"]}}, CURVES | {"panels": "phase"}),
+        ({"axes": [FEW, LONG]}, CURVES | {"panels": "zeta"}),
         (
             {"axes": [FEW, {"K_z_over_k": {"values": [10, 20, 30]}}, LONG]},
-            {"kind": "curves", "x": "omega_over_omega_n", "panels": "zeta", "at": {"K_z_over_k": 20}},
+            CURVES | {"panels": "zeta", "at": {"K_z_over_k": 20}},
         ),
         ({"axes": [STIFF, LONG]}, {"kind": "map", "x": "omega_over_omega_n", "y": "K_z_over_k"}),
         ({"axes": [{"sample": SAMPLE | {"count": 64}}]}, {"kind": "curves", "x": "zeta"}),
-        (
-            {"axes": [{"sample": SAMPLE | {"count": 10**6}}, STIFF]},
-            {"kind": "map", "x": "zeta", "y": "K_z_over_k"},
-        ),
+        ({"axes": [MILLION, STIFF]}, {"kind": "map", "x": "zeta", "y": "K_z_over_k"}),
         (NOISY | {"axes": [{"noise": {"values": [0.01, 0.1]}}, RUN]}, {"kind": "scatter", "x": "noise"}),
         (
             NOISY | {"axes": [{"frequency_hz": {"values": [3.5, 6.0]}}, FEW, RUN]},
             {"kind": "scatter", "x": "frequency_hz", "panels": "zeta"},
         ),
         (NOISY | {"axes": [RUN]}, {"kind": "curves", "x": "run"}),
-        (
-            SIMULATED | {"axes": [{"scheme": {"values": ["rk4"]}}, {"step_s": {"values": [2e-5, 4e-5]}}]},
-            {"kind": "steps", "x": "step_s"},
-        ),
+        (SIMULATED | {"axes": [SCHEME, {"step_s": {"values": [2e-5, 4e-5]}}]}, {"kind": "steps", "x": "step_s"}),
         # not drawn: too many cases for curves; words only; nothing that varies; as the file wants it
-        ({"axes": [{"sample": SAMPLE | {"count": 10**6}}]}, {}),
-        ({"axes": [{"scheme": {"values": ["rk4"]}}], "route": {"kind": "fixed_step", "step_s": 1e-5}}, {}),
+        ({"axes": [MILLION]}, {}),
+        ({"axes": [SCHEME], "route": {"kind": "fixed_step", "step_s": 1e-5}}, {}),
         ({"axes": [{"zeta": {"values": [0.1]}}]}, {}),
         ({"axes": [LONG], "figure": None}, {}),
     ],
@@ -134,12 +130,9 @@ def test_labels_of_neighbouring_panels_keep_apart(computed, name, panels):
     boxes = []
     for axes in figure.axes[-panels:]:
         low, high = axes.get_xlim()
-        shown = [
-            tick.label1.get_window_extent()
-            for tick in axes.xaxis.get_major_ticks()
-            if tick.label1.get_text() and low <= tick.get_loc() <= high
-        ]
-        assert shown  # every panel keeps a label
-        boxes += shown
+        ticks = [tick for tick in axes.xaxis.get_major_ticks() if low <= tick.get_loc() <= high]
+        labels = [tick.label1 for tick in ticks if tick.label1.get_text()]
+        assert labels  # every panel keeps a label
+        boxes += [label.get_window_extent() for label in labels]
     assert all(one.x1 < other.x0 for one, other in itertools.pairwise(boxes))
     assert boxes[-1].x1 < figure.get_figwidth() * STYLE["figure.dpi"]

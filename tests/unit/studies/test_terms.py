@@ -50,15 +50,8 @@ def test_features_of_a_response_are_those_of_the_integrated_motion(name, hz):
     found = of_response(steady_response(PAPER, motion, law), motion, PAPER.k, list(KNOWN_TERMS)[2:])
     orbit = law_orbit(PAPER, motion, law)
     ((_, X_s, V_s),) = orbit.phases[orbit.phases[:, 1] != 0.0][:, [0, 2, 3]]
-    expected = {
-        "X": orbit.X,
-        "X_s": X_s,
-        "V_s": V_s,
-        "t_s": orbit.onsets[0, 0],
-        "a": orbit.a,
-        "b": of_motion("c", orbit),
-        "W": input_work(orbit),
-    }
+    expected = {"X": orbit.X, "X_s": X_s, "V_s": V_s, "t_s": orbit.onsets[0, 0], "a": orbit.a}
+    expected |= {"b": of_motion("c", orbit), "W": input_work(orbit)}
     for feature, value in expected.items():
         rel = 1e-3 if feature in ("V_s", "t_s") else 1e-6
         assert getattr(found, feature)[0] == pytest.approx(value, rel=rel), feature
@@ -66,9 +59,8 @@ def test_features_of_a_response_are_those_of_the_integrated_motion(name, hz):
         assert integral[0] == pytest.approx(of_motion(symbol, orbit), rel=1e-6), symbol
     assert set(found.integrals) == {"c_r", "c_2", "c_3", "eta"}
     # x is at its peak at phi, and passes zero upwards at its crossing
-    at_peak, at_zero = orbit.state(
-        np.array([found.phi[0], found.phi_zero_crossing[0] - 0.5 * math.pi]) / motion.omega
-    ).x
+    phases = np.array([found.phi[0], found.phi_zero_crossing[0] - 0.5 * math.pi])
+    at_peak, at_zero = orbit.state(phases / motion.omega).x
     assert at_peak == pytest.approx(orbit.X, rel=1e-9)
     assert abs(at_zero) < 1e-6 * orbit.X
     # the fundamental of the integrated motion, by the rule of rectangles: 4096 points, an error of 1e-9 at its kinks
