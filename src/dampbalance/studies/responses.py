@@ -334,7 +334,7 @@ class Truth:
                 response = steady_response(osc, motion, self.law)
             except NoSteadyOrbit:
                 return {}
-            if response.orbit.regime != Regime.ONE_SLIP or response.X <= _STICKS * osc.Z_m:
+            if response.orbit.regime != Regime.ONE_SLIP or _STICKS * osc.Z_m >= response.X:
                 return {}
             responses.append((response, motion))
         seen = stack([of_response(*each, osc.k, self.law) for each in responses])
