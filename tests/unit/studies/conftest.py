@@ -8,7 +8,7 @@ import pytest
 import yaml
 
 from dampbalance import __version__
-from dampbalance.studies import checking, evaluate, outputs
+from dampbalance.studies import case_files, checking, evaluate
 from folders import PAPER_FILE, STUDY_SCHEMA
 from unit.studies.documents import document
 
@@ -43,7 +43,7 @@ def computed(make, tmp_path_factory):
         study = make(given)
         table = evaluate.evaluate(study, 0, study.cases) if table is None else table
         path = tmp_path_factory.mktemp("cases") / "cases.parquet"
-        outputs.write_parts(path, [table.assign(**columns)], study, __version__)
+        case_files.write_parts(path, [table.assign(**columns)], study, __version__)
         return study, table, path
 
     return run

@@ -15,7 +15,7 @@ import yaml
 
 from dampbalance.figures.style import save
 from dampbalance.project.documents import ConfigurationError
-from dampbalance.studies import cases, checking, evaluate, outputs
+from dampbalance.studies import case_files, cases, checking, evaluate
 from dampbalance.studies.shown import facts, summary
 from dampbalance.studies.shown.study_figure import alternative_text, study_figure
 from folders import PAPER_FILE, STUDY_SCHEMA
@@ -117,10 +117,10 @@ def built(study, folder) -> str:
     for number in range(cases.size_of(study).chunks):
         chunks.append(folder / f"{number:05d}.parquet")
         parts = evaluate.in_parts(study, *cases.chunk_bounds(study, number), threads=1)
-        outputs.write_parts(chunks[-1], parts, study, "0")
+        case_files.write_parts(chunks[-1], parts, study, "0")
     file = folder / "cases.parquet"
-    outputs.join_chunks(file, chunks, study)
-    outputs.write_manifest(folder / "manifest.json", file, study, "0")
+    case_files.join_chunks(file, chunks, study)
+    case_files.write_manifest(folder / "manifest.json", file, study, "0")
     if study.figure:
         text = alternative_text(study)
         save(study_figure(study, file), folder / "a.svg", folder / "a.png", text)

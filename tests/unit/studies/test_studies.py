@@ -21,7 +21,7 @@ from dampbalance.project.wording import percent
 from dampbalance.reading.clean import of_record
 from dampbalance.replication.as_published import ReadOut
 from dampbalance.solver import least_squares, pair
-from dampbalance.studies import cases, checking, evaluate, outputs
+from dampbalance.studies import case_files, cases, checking, evaluate
 from dampbalance.studies.parameters import MECHANICAL, PARAMETERS, in_si
 from dampbalance.studies.settings import Listed, Range, Sampled, case_values, spread
 from dampbalance.studies.shown import facts, summary
@@ -271,7 +271,7 @@ def test_progress_states_what_is_left(make, tmp_path):
     assert cases.progress(made, tmp_path, 2, now - 10.0, now) == "Study test: 2 of 2 chunks"
 
 
-# --- outputs ---------------------------------------------------------------------------------------
+# --- files -----------------------------------------------------------------------------------------
 
 
 def test_chunks_cover_every_case_once_and_join_to_the_same_table(make, computed, tmp_path):
@@ -279,8 +279,8 @@ def test_chunks_cover_every_case_once_and_join_to_the_same_table(make, computed,
     for i in range(cases.size_of(made).chunks):
         chunks.append(tmp_path / f"{i}.parquet")
         frame = evaluate.evaluate(made, *cases.chunk_bounds(made, i))
-        outputs.write_parts(chunks[-1], [frame], made, __version__)
-    outputs.join_chunks(tmp_path / "cases.parquet", chunks, made)
+        case_files.write_parts(chunks[-1], [frame], made, __version__)
+    case_files.join_chunks(tmp_path / "cases.parquet", chunks, made)
     joined, whole = pd.read_parquet(tmp_path / "cases.parquet"), computed("sobol")[1]
     joined["regime"] = joined["regime"].astype(whole["regime"].dtype)
     pd.testing.assert_frame_equal(joined, whole, check_exact=True)

@@ -2,7 +2,7 @@
 
 from dampbalance import __version__
 from dampbalance.project.troubles import brief_troubles
-from dampbalance.studies import checking, evaluate, outputs
+from dampbalance.studies import case_files, checking, evaluate
 
 if __name__ == "__main__":
     brief_troubles(snakemake.log)
@@ -10,8 +10,8 @@ if __name__ == "__main__":
     for file, cases, manifest in zip(p.files, output.cases, output.manifests, strict=True):
         study = checking.read_study(file, p.schema, p.base)
         if chunks:
-            outputs.join_chunks(cases, chunks, study)
+            case_files.join_chunks(cases, chunks, study)
         else:
             parts = evaluate.in_parts(study, 0, study.cases, threads=snakemake.threads)
-            outputs.write_parts(cases, parts, study, __version__)
-        outputs.write_manifest(manifest, cases, study, __version__)
+            case_files.write_parts(cases, parts, study, __version__)
+        case_files.write_manifest(manifest, cases, study, __version__)

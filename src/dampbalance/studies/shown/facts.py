@@ -13,7 +13,7 @@ import pandas as pd
 
 from ...arrays import Array, Words
 from ...project.wording import minus, number, percent, signed_percent
-from ..outputs import stretches
+from ..case_files import stretches
 from ..settings import BANDS, CHOICES, SPREADS, Study, is_value, selected
 from .statistics import Sizes, choices_of, share_of, spread_of
 

@@ -19,7 +19,7 @@ from ...figures.looks import in_maths, label_of
 from ...figures.series import EXACT, SignedScale, decades, signed_scale
 from ...figures.style import DOUBLE_COLUMN, GREY, INK, note, place, styled
 from ...project.wording import listed, minus, percent
-from ..outputs import stretches, terms_of
+from ..case_files import stretches, terms_of
 from ..parameters import PARAMETERS
 from ..settings import Fit, Sampled, Study
 from .logarithmic import bounded_label, is_even, logarithmic_ticks

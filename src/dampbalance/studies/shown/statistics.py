@@ -16,8 +16,8 @@ from ...likelihood.information import cramer_rao, noise_of_rms
 from ...model import BaseMotion
 from ...motion.orbit import NoSteadyOrbit
 from ...solver import NORMAL_95
+from ..case_files import column_of
 from ..cases import cases_between
-from ..outputs import column_of
 from ..parameters import oscillator_of
 from ..settings import NONE, Fit, Study, terms_named
 

@@ -39,7 +39,7 @@ from ...model import Oscillator
 from ...motion.fixed_step import SCHEMES
 from ...project.wording import in_figure, listed
 from ...solver import NORMAL_95
-from ..outputs import column_of, terms_of
+from ..case_files import column_of, terms_of
 from ..parameters import PARAMETERS, SI_COLUMNS, in_tex
 from ..settings import NONE, Fit, Study, selected
 from .facts import worst_errors
@@ -102,6 +102,11 @@ def error_curves(study: Study, cases: str | Path) -> Figure:
     identified = {fit.approach: fit.identified for fit in fits}
     symbols = [s for s in terms_of(cases) if any(s in of for of in identified.values())]
     sharings = [name for name in SHARINGS if any(fit.sharing == name for fit in fits)]
+    lines = [
+        (number, approach, sharing)
+        for number, approach in enumerate(identified)
+        for sharing in (sharings if takes_phase(approach) else [""])
+    ]
     shown = list(_panels(study, cases))
     panels = grid(len(symbols), len(shown))
     exact: dict[str, float] = {}
@@ -110,22 +115,21 @@ def error_curves(study: Study, cases: str | Path) -> Figure:
         here, errors = [], []
         for column, (title, phase, those) in enumerate(shown):
             here.append(axes := panels.panel(row, column))
-            for number, (approach, of) in enumerate(identified.items()):
-                for sharing in sharings if takes_phase(approach) else ("",):
-                    if symbol not in of:
-                        continue
-                    which = {"of": symbol, "approach": approach, "sharing": sharing}
-                    which |= {"phase": phase} if phase else {}
-                    error = 100.0 * worst_errors(study, cases, {**figure, **which})[those]
-                    largest = float(np.nanmax(np.abs(error), initial=0.0))
-                    if largest < EXACT:
-                        exact[approach] = max(largest, exact.get(approach, 0.0))
-                        continue
-                    drawn.add(approach)
-                    errors.append(error)
-                    second = sharing == INDIVIDUAL and len(sharings) > 1
-                    style = _curve_style(approach, number, second, few=len(those) <= FEW)
-                    axes.plot(x[those], error, gid=named(approach, sharing), **style)
+            for number, approach, sharing in lines:
+                if symbol not in identified[approach]:
+                    continue
+                which = {"of": symbol, "approach": approach, "sharing": sharing}
+                which |= {"phase": phase} if phase else {}
+                error = 100.0 * worst_errors(study, cases, {**figure, **which})[those]
+                largest = float(np.nanmax(np.abs(error), initial=0.0))
+                if largest < EXACT:
+                    exact[approach] = max(largest, exact.get(approach, 0.0))
+                    continue
+                drawn.add(approach)
+                errors.append(error)
+                second = sharing == INDIVIDUAL and len(sharings) > 1
+                style = _curve_style(approach, number, second, few=len(those) <= FEW)
+                axes.plot(x[those], error, gid=named(approach, sharing), **style)
             if row == 0 and title:
                 axes.set_title(title, pad=12.0 if figure.get("marks") else 4.0)
         for column, axes in enumerate(here):

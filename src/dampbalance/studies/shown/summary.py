@@ -10,7 +10,7 @@ from typing import Any
 import pandas as pd
 
 from ...project.wording import in_markdown, listed, markdown_table, percent
-from ..outputs import stretches, terms_of
+from ..case_files import stretches, terms_of
 from ..settings import EQUAL, NONE, RIGID, Fit, Study
 from .statistics import Sizes, bounds_of, choices_of, groups, share_of, spread_of, terms_of_choice
 
