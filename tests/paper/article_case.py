@@ -27,7 +27,7 @@ from dampbalance.figures import style
 from dampbalance.project.files import write_csv
 from dampbalance.publishing.article import compiling
 from dampbalance.replication.printed_tables import paper_tables
-from dampbalance.studies import outputs
+from dampbalance.studies import case_files
 from dampbalance.studies.shown.study_figure import alternative_text, study_figure
 from dampbalance.studies.shown.summary import summary_of
 from legible import faults
@@ -184,7 +184,7 @@ def _studies(project: Project) -> tuple[list[str], list[str]]:
         project.save(figure, table.with_name("figure.svg"), None, alternative_text(study))
         if name == "noise":
             write_csv(table.with_name("summary.csv"), summary_of(table, study))
-            outputs.write_manifest(table.with_name("manifest.json"), table, study, "0")
+            case_files.write_manifest(table.with_name("manifest.json"), table, study, "0")
         cases.append(f"{STUDIES}/{name}/cases.parquet")
         files.append(f"{STUDIES}/{name}.yaml")
     return cases, files

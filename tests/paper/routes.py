@@ -23,7 +23,7 @@ from dampbalance.replication.claims.rules import Sources
 from dampbalance.replication.claims.table import claims_table
 from dampbalance.replication.comparison import approaches_table
 from dampbalance.replication.printed_tables import RouteTables
-from dampbalance.studies import evaluate, outputs
+from dampbalance.studies import case_files, evaluate
 from dampbalance.studies.checking import read_study
 from dampbalance.studies.settings import Study
 from folders import PUBLISHED, ROOT, STUDY_SCHEMA
@@ -121,5 +121,5 @@ def computed(name: str, folder: Path, coarser: tuple[str, str] = ("", "")) -> tu
     cases.parent.mkdir(parents=True)
     file.write_text(text.replace(*coarser) if coarser[0] else text, encoding="utf-8")
     study = read_study(file, STUDY_SCHEMA, ROOT / "config/config.yaml")
-    outputs.write_parts(cases, [evaluate.evaluate(study, 0, study.cases, threads=1)], study, "0")
+    case_files.write_parts(cases, [evaluate.evaluate(study, 0, study.cases, threads=1)], study, "0")
     return study, cases

@@ -51,7 +51,6 @@ def test_an_identification_loads_what_it_uses(arguments, needed, tmp_path):
         ("studies/study_cases", {"matplotlib", "numba", "scipy"}),
         ("studies/study_chunk", {"matplotlib", "numba", "scipy"}),
         ("studies/study_summary", {"matplotlib", "numba", "scipy"}),
-        ("studies/small_studies", {"matplotlib", "numba", "scipy"}),
         ("figures/figures", {"numba", "pandas", "scipy"}),
         ("studies/study_figure", {"numba", "scipy"}),
         ("page/page", {"matplotlib", "numba", "scipy"}),

@@ -35,7 +35,7 @@ def study_files(names):
 @functools.cache
 def study_plan(name):
     """(study, its size), checked against the schema and the free disk; one clear error for a file that is wrong."""
-    from dampbalance.studies.sizes import check_size, size_of
+    from dampbalance.studies.cases import check_size, size_of
     from dampbalance.studies.checking import read_study
 
     file = Path(study_file(name))
@@ -109,7 +109,7 @@ def title_of(name):
 
 
 def study_title(wildcards):
-    """The same of the job's study."""
+    """What the report calls the study of a job."""
     return title_of(wildcards.study)(wildcards)
 
 

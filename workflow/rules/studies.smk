@@ -48,8 +48,8 @@ rule study_cases:
         chunks=study_chunks,
         modules=script_modules("studies/study_cases.py"),
     output:
-        cases=f"{STUDY_RESULTS}/{{study}}/cases.parquet",
-        manifest=f"{STUDY_RESULTS}/{{study}}/manifest.json",
+        cases=[f"{STUDY_RESULTS}/{{study}}/cases.parquet"],
+        manifests=[f"{STUDY_RESULTS}/{{study}}/manifest.json"],
     log:
         study_log("cases"),
     benchmark:
@@ -62,8 +62,8 @@ rule study_cases:
         runtime=60,
     params:
         **STUDY_DEFAULTS,
-        file=lambda wildcards: study_file(wildcards.study),
-        computed_from=lambda wildcards: study_settings(wildcards.study),
+        files=lambda wildcards: [study_file(wildcards.study)],
+        computed_from=lambda wildcards: [study_settings(wildcards.study)],
     message:
         "Study {wildcards.study}: all cases in one file"
     script:
@@ -71,30 +71,22 @@ rule study_cases:
 
 
 # Those of SMALL_STUDIES that have changed, and the others with them.
-rule small_studies:
+use rule study_cases as small_studies with:
     input:
-        modules=script_modules("studies/small_studies.py"),
+        modules=script_modules("studies/study_cases.py"),
     output:
         cases=expand(rules.study_cases.output.cases, study=SMALL_STUDIES),
-        manifests=expand(rules.study_cases.output.manifest, study=SMALL_STUDIES),
+        manifests=expand(rules.study_cases.output.manifests, study=SMALL_STUDIES),
     log:
         log_file("small_studies"),
     benchmark:
         log_file("small_studies", "tsv")
-    conda:
-        ENVIRONMENT
-    threads: 1
-    resources:
-        mem_mb=chunk_memory_mb,
-        runtime=60,
     params:
         **STUDY_DEFAULTS,
         files=[study_file(name) for name in SMALL_STUDIES],
         computed_from=lambda wildcards: [*map(study_settings, SMALL_STUDIES)],
     message:
         "Small studies: all cases"
-    script:
-        "../scripts/studies/small_studies.py"
 
 
 ruleorder: small_studies > study_cases
@@ -102,7 +94,7 @@ ruleorder: small_studies > study_cases
 
 rule study_figure:
     input:
-        cases=[rules.study_cases.output.cases],
+        cases=rules.study_cases.output.cases,
         files=lambda wildcards: [unmoved(study_file(wildcards.study))],
         modules=script_modules("studies/study_figure.py"),
     output:

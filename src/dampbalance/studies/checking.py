@@ -1,4 +1,4 @@
-"""What can be wrong with the YAML file of a study, found before anything runs.
+"""What can be wrong with the YAML file of a study, found before anything runs; and the figure of a file without one.
 
 The schema (study.schema.yaml) says which keys there are, and what each may hold. This module checks
 what takes more than one key to see: axes that contradict each other, a route that lacks a parameter, a figure or a fact
@@ -7,8 +7,9 @@ about something that the study does not have, numbers that cannot be solved or h
 
 from __future__ import annotations
 
+import math
 import string
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import product
 from pathlib import Path
@@ -29,12 +30,24 @@ from ..project.documents import (
 )
 from ..project.wording import listed, shortened
 from ..replication.feasibility import MOST_EVENTS, MOST_STEPS, RANGES
-from .axes import SOBOL_BITS, Listed, is_value, selected, spread
+from .cases import PART, columns_of
 from .parameters import MECHANICAL, OF_LAW, PARAMETERS, in_si, objection, synonyms
-from .routes import ROUTES, terms_named
-from .settings import BANDS, CHOICES, OF_INTERVALS, SPREADS, Study, paper_defaults
-from .sizes import PART, columns_of
-from .usual_figure import usual_figures
+from .settings import (
+    BANDS,
+    CHOICES,
+    OF_INTERVALS,
+    ROUTES,
+    SOBOL_BITS,
+    SPREADS,
+    Listed,
+    Sampled,
+    Study,
+    is_value,
+    paper_defaults,
+    selected,
+    spread,
+    terms_named,
+)
 
 SCHEMA = Path(__file__).with_name("study.schema.yaml")
 
@@ -54,30 +67,26 @@ MOST_NUMBERS = 200_000_000
 """Numbers that a job holds at a time: cases × columns, or × replicates × levels × features."""
 
 _FEATURES = 20  # of a replicate
+_USUAL_PANELS = 6  # an axis of more values gets an axis of the usual figure
 
 
 def read_study(path: str | Path, schema_file: str | Path, paper_file: str | Path) -> Study:
-    """The study of a YAML file, named after the file.
+    """The study of a YAML file, named after the file; without a figure, it gets the first of the usual ones that can be
+    drawn.
 
     paper_file : the configuration of the paper's case, whose oscillator, first frequency and levels stand for what the
     study leaves out.
 
     Raises ConfigurationError listing every problem, a line each: file, key, what is wrong, what would be right.
     """
-    path = Path(path)
-    document = read_yaml(path)
-    paper = paper_defaults(read_yaml(paper_file))
-    wrong = problems(document, read_schema(schema_file), paper)
-    if wrong:
+    document, paper = read_yaml(path), paper_defaults(read_yaml(paper_file))
+    if wrong := problems(document, read_schema(schema_file), paper):
         raise ConfigurationError(in_lines(wrong, {str(path): document}))
-    study = Study.of(path.stem, document, paper)
-    return study if "figure" in document else replace(study, figure=_usual_figure(study))
-
-
-def _usual_figure(study: Study) -> Mapping[str, Any]:
-    """The first of the usual figures that can be drawn; nothing where none can."""
-    drawn = (replace(study, figure=figure) for figure in usual_figures(study))
-    return next((one.figure for one in drawn if not any(_wrong_figure(one, one.figure))), {})
+    study = Study.of(Path(path).stem, document, paper)
+    if "figure" in document:
+        return study
+    drawn = (replace(study, figure=figure) for figure in _usual_figures(study))
+    return next((one for one in drawn if not any(_wrong_figure(one))), study)
 
 
 def problems(
@@ -101,7 +110,7 @@ def _wrong_axes(axes: Sequence[Mapping[str, Any]]) -> Iterator[Problem]:
     seen: set[str] = set()
     for i, block in enumerate(axes):
         key: Key = ("axes", i)
-        over, sample = block, block.get("sample", {})
+        over, sizes, sample = block, {}, block.get("sample", {})
         if sample:
             over, key = sample["over"], (*key, "sample", "over")
         if sample.get("method") == "sobol" and sample["count"] > 2**SOBOL_BITS:
@@ -109,6 +118,7 @@ def _wrong_axes(axes: Sequence[Mapping[str, Any]]) -> Iterator[Problem]:
             yield ("axes", i, "sample", "count"), text
         for name, spec in over.items():
             yield from _wrong_axis((*key, name), name, spec)
+            sizes[name] = len(spec.get("values", ())) or spec.get("count")
             if spec.get("also") and len(over) > 1:
                 text = "cannot be paired with another axis; list the values of both"
                 yield (*key, name, "also"), text
@@ -116,11 +126,6 @@ def _wrong_axes(axes: Sequence[Mapping[str, Any]]) -> Iterator[Problem]:
                 reason = "twice" if other == name else f"together with {other}, the same quantity"
                 yield ("axes", i), f"{name} is set {reason}; keep one"
             seen.add(name)
-        sizes = (
-            {}
-            if sample
-            else {name: spec.get("count") or len(spec["values"]) for name, spec in over.items()}
-        )
         if len(set(sizes.values())) > 1:
             text = ", ".join(f"{name} has {size}" for name, size in sizes.items())
             yield key, f"paired axes need the same number of values: {text}"
@@ -128,20 +133,20 @@ def _wrong_axes(axes: Sequence[Mapping[str, Any]]) -> Iterator[Problem]:
 
 def _wrong_axis(key: Key, name: str, spec: Mapping[str, Any]) -> Iterator[Problem]:
     """What is wrong with the values or the range of an axis."""
-    yield from _objections(key, name, spec.get("values", ()))
-    yield from _objections((*key, "also"), name, spec.get("also", ()))
+    given = [(key, spec.get("values", [])), ((*key, "also"), spec.get("also", []))]
+    given += [((*key, end), [spec[end]]) for end in ("from", "to") if end in spec]
+    wrong = [
+        (where, text) for where, values in given for x in values if (text := objection(name, x))
+    ]
+    yield from wrong
     if "from" not in spec:
         return
     low, high = spec["from"], spec["to"]
-    wrong = [
-        problem for end in ("from", "to") for problem in _objections((*key, end), name, [spec[end]])
-    ]
     if low >= high:
-        wrong.append((key, f"from must lie below to, got {low!r} and {high!r}"))
-    if spec.get("spacing") == "log" and low <= 0.0:
-        wrong.append(((*key, "from"), "a logarithmic range begins above zero"))
-    yield from wrong
-    if "count" in spec and not wrong:
+        yield key, f"from must lie below to, got {low!r} and {high!r}"
+    elif spec.get("spacing") == "log" and low <= 0.0:
+        yield (*key, "from"), "a logarithmic range begins above zero"
+    elif "count" in spec and not wrong:
         values = spread({part: value for part, value in spec.items() if part != "also"})
         if len(set(values)) < len(values):
             text = f"its ends are too close for {len(values):,} different values; take fewer"
@@ -150,16 +155,11 @@ def _wrong_axis(key: Key, name: str, spec: Mapping[str, Any]) -> Iterator[Proble
             yield key, f"{PARAMETERS[name].meaning} must be whole numbers; list the values"
 
 
-def _objections(key: Key, name: str, values: Iterable[Any]) -> Iterator[Problem]:
-    """What is wrong with values of a parameter."""
-    return ((key, wrong) for value in values if (wrong := objection(name, value)))
-
-
 def _wrong_values(document: Mapping[str, Any]) -> Iterator[Problem]:
     for section in ("base", "route", "read_out"):
         for name, value in document.get(section, {}).items():
-            if name in PARAMETERS and value is not None:
-                yield from _objections((section, name), name, [value])
+            if name in PARAMETERS and value is not None and (text := objection(name, value)):
+                yield (section, name), text
     base = document.get("base", {})
     for name in base:
         for other in synonyms(name):
@@ -171,6 +171,7 @@ def _wrong_values(document: Mapping[str, Any]) -> Iterator[Problem]:
 
 
 def _contradictions(document: Mapping[str, Any], study: Study) -> Iterator[Problem]:
+    """What does not go together: levels, route, rules of reading, laws, fits, weights, terms of the balance."""
     estimation = document.get("estimation", {})
     given = {*document.get("base", {}), *study.axis_names} & {"Y_m", "F_k_over_kY"}
     if "levels_m" in document and study.levels_relative:
@@ -181,63 +182,17 @@ def _contradictions(document: Mapping[str, Any], study: Study) -> Iterator[Probl
     yield from _wrong_route(document, study)
     if {"X_s_mark_m", "X_s_decimals"} <= study.parameters:
         yield ("read_out",), "X_s_mark_m and X_s_decimals both round X_s; keep one"
-    yield from _wrong_laws(study)
-    yield from _wrong_terms(estimation, study)
+    for law in map(str, study.values_of("law")):
+        try:
+            terms_named(law)
+        except ValueError as error:
+            yield ("axes",), str(error)
     for i, fit in enumerate(estimation.get("fits", [])):
         if fit != "least_squares" and max(fit) > len(study.levels):
             yield ("estimation", "fits", i), f"there are only {len(study.levels)} levels"
     if "weights" in estimation and not study.route.has_intervals:
         text = f"means nothing to the route {study.route.kind}: without noise all rows weigh alike"
         yield ("estimation", "weights"), text
-
-
-def _wrong_route(document: Mapping[str, Any], study: Study) -> Iterator[Problem]:
-    """What does not fit the route: parameters and settings that are missing, or that mean nothing to it."""
-    used, wanted, section = study.parameters, study.route, document.get("route", {})
-    nothing = f"means nothing to the route {wanted.kind}"
-    for names in wanted.needs:
-        if used.isdisjoint(names):
-            yield ("route",), f"{wanted.kind} needs {' or '.join(names)}, here or as an axis"
-        elif used.issuperset(names) and len(names) > 1:
-            yield ("route",), f"{' and '.join(names)} set the same quantity; keep one"
-    for name in sorted(used):
-        if PARAMETERS[name].kind == "numerics" and name not in wanted.parameters:
-            yield ("route",), f"{name} {nothing}"
-        if PARAMETERS[name].kind == "read_out" and wanted.is_noisy:
-            yield ("read_out", name), f"{nothing}: noise is its limit"
-    settings = {key for each in ROUTES.values() for key in each.settings}
-    for name in section:
-        if name in settings and name not in wanted.settings:
-            yield ("route", name), f"{nothing}; leave it out"
-    for key in wanted.refuses:
-        if key in document:
-            yield (key,), f"{nothing}, which draws oscillators; leave it out"
-    if wanted.is_noisy and "seed" not in section:
-        yield ("route", "seed"), "missing; the seed of the noise, an integer of at least 0"
-    if "intervals" in study.columns and not wanted.has_intervals:
-        yield ("columns",), "intervals are those of noisy records: they need the route measured"
-
-
-def _wrong_laws(study: Study) -> Iterator[Problem]:
-    """What does not fit oscillators that are drawn, each with a law."""
-    if "base" in study.route.refuses:
-        kind = study.route.kind
-        if not study.levels_relative:
-            yield (
-                ("levels_of_Y",),
-                f"missing; the levels of the route {kind}, in parts of the highest",
-            )
-        for name in filter(MECHANICAL.__contains__, study.axis_names):
-            yield ("axes",), f"{name} means nothing to the route {kind}, which draws oscillators"
-    for law in study.values_of("law"):
-        try:
-            terms_named(str(law))
-        except ValueError as error:
-            yield ("axes",), str(error)
-
-
-def _wrong_terms(estimation: Mapping[str, Any], study: Study) -> Iterator[Problem]:
-    """What is wrong with the terms of the balance, and with those of the oscillator's law."""
     if not study.route.any_law:
         text = f"needs the route exact, not {study.route.kind}"
         yield from ((("route",), f"{name} {text}") for name in OF_LAW if name in study.parameters)
@@ -253,6 +208,39 @@ def _wrong_terms(estimation: Mapping[str, Any], study: Study) -> Iterator[Proble
         if len(terms) > 2 and any(fit.levels for fit in study.fits):
             text = f"a pair of levels identifies two terms, not {len(terms)}: take fits: [least_squares]"
             yield key, text
+
+
+def _wrong_route(document: Mapping[str, Any], study: Study) -> Iterator[Problem]:
+    """What does not fit the route: parameters and settings that are missing, or that mean nothing to it."""
+    used, wanted, section = study.parameters, study.route, document.get("route", {})
+    nothing = f"means nothing to the route {wanted.kind}"
+    for names in wanted.needs:
+        if used.isdisjoint(names):
+            yield ("route",), f"{wanted.kind} needs {' or '.join(names)}, here or as an axis"
+        elif used.issuperset(names) and len(names) > 1:
+            yield ("route",), f"{' and '.join(names)} set the same quantity; keep one"
+    taken = {*wanted.optional, *(name for names in wanted.needs for name in names)}
+    for name in sorted(used):
+        if PARAMETERS[name].kind == "numerics" and name not in taken:
+            yield ("route",), f"{name} {nothing}"
+        if PARAMETERS[name].kind == "read_out" and wanted.is_noisy:
+            yield ("read_out", name), f"{nothing}: noise is its limit"
+    others = {key for each in ROUTES.values() for key in each.settings} - {*wanted.settings}
+    for name in filter(others.__contains__, section):
+        yield ("route", name), f"{nothing}; leave it out"
+    for key in wanted.refuses:
+        if key in document:
+            yield (key,), f"{nothing}, which draws oscillators; leave it out"
+    if wanted.is_noisy and "seed" not in section:
+        yield ("route", "seed"), "missing; the seed of the noise, an integer of at least 0"
+    if "intervals" in study.columns and not wanted.has_intervals:
+        yield ("columns",), "intervals are those of noisy records: they need the route measured"
+    if "base" in wanted.refuses:
+        if not study.levels_relative:
+            text = f"missing; the levels of the route {wanted.kind}, in parts of the highest"
+            yield ("levels_of_Y",), text
+        for name in filter(MECHANICAL.__contains__, study.axis_names):
+            yield ("axes",), f"{name} {nothing}, which draws oscillators"
 
 
 # --- sizes -------------------------------------------------------------------------------------------
@@ -276,23 +264,15 @@ def _wrong_sizes(_: object, study: Study) -> Iterator[Problem]:
     if events > MOST_EVENTS:
         times = f"{events:.3g} times that of the drive; {MOST_EVENTS:g} at most can be solved"
         yield ("axes",), f"reach to a natural frequency on the contact of {times}"
-    yield from _long_records(study, 2.0 * np.pi / float(np.min(si["omega"])))
-    yield from _large_chunks(study)
-
-
-def _long_records(study: Study, period: float) -> Iterator[Problem]:
-    """period : the longest of the drive, s."""
-    simulated = study.route.kind == "fixed_step"
-    kept, most = (3, MOST_STEPS) if simulated else (study.cycles, MOST_SAMPLES)
+    # the longest record, of the longest period
+    period, cycles = 2.0 * np.pi / float(np.min(si["omega"])), study.cycles
+    kept, most = (3, MOST_STEPS) if study.route.kind == "fixed_step" else (cycles, MOST_SAMPLES)
     for name in study.parameters.intersection(("step_s", "steps_per_cycle", "sampling_hz")):
         low, high = study.extent(name)
         samples = {"step_s": period / low, "sampling_hz": period * high}.get(name, high)
-        if samples * kept > MOST_SAMPLES or samples * study.cycles > most:
-            text = f"{name} makes records of {samples * study.cycles:.3g} samples"
+        if samples * kept > MOST_SAMPLES or samples * cycles > most:
+            text = f"{name} makes records of {samples * cycles:.3g} samples"
             yield ("route",), f"{text}; take fewer cycles, or samples further apart"
-
-
-def _large_chunks(study: Study) -> Iterator[Problem]:
     held = len(columns_of(study))
     if study.route.has_intervals:
         held = max(held, study.replicates * len(study.levels) * _FEATURES)
@@ -302,19 +282,10 @@ def _large_chunks(study: Study) -> Iterator[Problem]:
         yield ("chunk_cases",), text
 
 
-# --- what the figure, the facts, the summary and the text refer to -----------------------------------
+# --- what the summary, the figure, the facts and the text refer to ------------------------------------
 
 
 def _wrong_references(_: object, study: Study) -> Iterator[Problem]:
-    yield from _wrong_summary(study)
-    if study.figure:
-        yield from _wrong_figure(study, study.figure)
-    for fact, spec in study.facts.items():
-        yield from _wrong_fact(study, ("facts", fact), spec)
-    yield from _wrong_text(study)
-
-
-def _wrong_summary(study: Study) -> Iterator[Problem]:
     groups = 1
     for i, axis in enumerate(study.summary_by):
         if block := study.block_of(axis):
@@ -324,9 +295,10 @@ def _wrong_summary(study: Study) -> Iterator[Problem]:
     if groups > MOST_GROUPS:
         text = f"{groups:,} groups are more than {MOST_GROUPS}; take axes of few values"
         yield ("summary_by",), text
-
-
-def _wrong_text(study: Study) -> Iterator[Problem]:
+    if study.figure:
+        yield from _wrong_figure(study)
+    for fact, spec in study.facts.items():
+        yield from _wrong_fact(study, ("facts", fact), spec)
     try:
         fields = [field for field in string.Formatter().parse(study.shows) if field[1] is not None]
     except ValueError as error:
@@ -340,11 +312,12 @@ def _wrong_text(study: Study) -> Iterator[Problem]:
             yield ("shows",), f"write {{{name}}} with nothing else in the braces: facts are words"
 
 
-def _wrong_figure(study: Study, figure: Mapping[str, Any]) -> Iterator[Problem]:
+def _wrong_figure(study: Study) -> Iterator[Problem]:
+    figure, route = study.figure, study.route
     kind, x, y = figure["kind"], figure["x"], figure.get("y")
-    if kind not in study.route.figures:
-        text = f"{kind} shows nothing of the route {study.route.kind}; take"
-        yield ("figure", "kind"), f"{text} {listed(study.route.figures, 'or')}"
+    if kind not in route.figures:
+        text = f"{kind} shows nothing of the route {route.kind}; take {listed(route.figures, 'or')}"
+        yield ("figure", "kind"), text
         return
     if kind == "confusion":
         if x != "law":
@@ -353,25 +326,39 @@ def _wrong_figure(study: Study, figure: Mapping[str, Any]) -> Iterator[Problem]:
     if kind == "map" and y is None:
         yield ("figure", "y"), "missing; a map has two axes, x and y"
         return
-    places = ["x", "y"] if kind == "map" else ["x"]
-    wrong = [(("figure", part), text) for part in places if (text := _not_drawn(study, part))]
-    yield from wrong
+    axes = {"x": x, "y": y} if kind == "map" else {"x": x}
+    undrawn = {part: text for part, name in axes.items() if (text := _not_drawn(study, name))}
+    yield from ((("figure", part), text) for part, text in undrawn.items())
     if not study.fits_of(figure):
         yield ("figure",), "selects no fit of this study: see estimation"
-    if wrong:
+    if undrawn:
         return
     if kind == "map" and x == y:
         yield ("figure", "y"), f"{y} is the axis x already; take another"
     if kind == "steps":
-        yield from _wrong_steps(study, x)
+        if x != "step_s" or "scheme" not in study.axis_names:
+            text = "steps shows the error against step_s for each scheme: both must be axes"
+            yield ("figure", "x"), f"{text}, step_s as x"
+        if "parameters" not in study.columns:
+            yield ("columns",), "a figure of steps needs the columns of parameters"
+        if not study.fits_of({"approach": "direct"}):
+            yield ("figure",), "a figure of steps shows the approach direct: see estimation"
     if "at" in figure and kind != "curves":
         yield ("figure", "at"), f"is for curves; a figure of {kind} takes all cases"
     yield from _wrong_selection(study, ("figure",), {"at": figure.get("at", {})})
     if kind == "curves" and study.cases > MOST_POINTS:
         text = f"{study.cases:,} cases are more than curves can show, {MOST_POINTS:,}; take a map"
         yield ("figure", "kind"), text
-    if "panels" in figure and kind in ("curves", "scatter"):
-        yield from _wrong_panels(study, figure["panels"], kind)
+    if kind in ("curves", "scatter") and (name := figure.get("panels")):
+        if name == "phase" and kind == "curves":
+            if not any(fit.phase for fit in study.fits):
+                text = "no approach of this study takes a phase; leave it out"
+                yield ("figure", "panels"), text
+        elif name not in study.axis_names or name == x:
+            yield ("figure", "panels"), f"{shortened(name)} is not another axis of this study"
+        elif not 0 < len(study.values_of(name)) <= MOST_PANELS:
+            text = f"{name} must have {MOST_PANELS} listed values at most, a column of panels each"
+            yield ("figure", "panels"), text
     low, high = study.extent(x)
     lowest, highest = low / FAR if low > 0.0 else FAR * min(low, -high), FAR * max(high, -low)
     for name, value in figure.get("marks", {}).items():
@@ -380,9 +367,9 @@ def _wrong_figure(study: Study, figure: Mapping[str, Any]) -> Iterator[Problem]:
             yield ("figure", "marks", name), text
 
 
-def _not_drawn(study: Study, part: str) -> str:
-    """Why an axis of the figure cannot be drawn; nothing if it can."""
-    name, kind = study.figure[part], study.figure["kind"]
+def _not_drawn(study: Study, name: str) -> str:
+    """Why the figure cannot be drawn along an axis; nothing if it can."""
+    kind = study.figure["kind"]
     if name not in study.axis_names:
         return f"{shortened(name)} is not an axis of this study"
     if PARAMETERS[name].is_word:
@@ -397,34 +384,52 @@ def _not_drawn(study: Study, part: str) -> str:
     return ""
 
 
-def _wrong_steps(study: Study, x: str) -> Iterator[Problem]:
-    if x != "step_s" or "scheme" not in study.axis_names:
-        text = "steps shows the error against step_s for each scheme: both must be axes"
-        yield ("figure", "x"), f"{text}, step_s as x"
-    if "parameters" not in study.columns:
-        yield ("columns",), "a figure of steps needs the columns of parameters"
-    if not study.fits_of({"approach": "direct"}):
-        yield ("figure",), "a figure of steps shows the approach direct: see estimation"
+def _usual_figures(study: Study) -> Iterator[dict[str, Any]]:
+    """Figures that suit the axes of a study, the most telling first, as its file would ask for them; some may be
+    refused.
 
-
-def _wrong_panels(study: Study, name: str, kind: str) -> Iterator[Problem]:
-    key = ("figure", "panels")
-    if name == "phase" and kind == "curves":
-        if not any(fit.phase for fit in study.fits):
-            yield key, "no approach of this study takes a phase; leave it out"
-    elif name not in study.axis_names or name == study.figure["x"]:
-        yield key, f"{shortened(name)} is not another axis of this study"
-    elif not 0 < len(study.values_of(name)) <= MOST_PANELS:
-        yield key, f"{name} must have {MOST_PANELS} listed values at most, a column of panels each"
+    Laws: who is taken for whom. Steps of several schemes: the error of c against the step. Runs that differ by their
+    noise: statistics of their errors along the noise, or another axis. One axis: curves along it. More: a map over the
+    two with the most values, but where the others have few, curves along the longest with a panel for each value of the
+    next; all further axes are then at the middle of their values.
+    """
+    if study.route.figures == ("confusion",):
+        yield {"kind": "confusion", "x": "law"}
+        return
+    if {"scheme", "step_s"} <= set(study.axis_names):
+        yield {"kind": "steps", "x": "step_s"}
+    # paired axes go in step: one of them stands for all
+    blocks = [[*block.axes][: None if isinstance(block, Sampled) else 1] for block in study.blocks]
+    values = {name: [*dict.fromkeys(study.values_of(name))] for names in blocks for name in names}
+    sizes = {name: len(listed) or math.inf for name, listed in values.items() if len(listed) != 1}
+    few = [name for name in sizes if sizes[name] <= _USUAL_PANELS]
+    numbers = [name for name in sizes if not PARAMETERS[name].is_word]
+    if study.route.has_intervals and "run" in sizes:
+        for x in sorted(
+            (name for name in numbers if name != "run"), key=lambda name: name != "noise"
+        ):
+            panels = ({"panels": name} for name in few if name not in (x, "run"))
+            yield {"kind": "scatter", "x": x, **next(panels, {})}
+    long = sorted(numbers, key=lambda name: -sizes[name])
+    if len(long) > 1 and long[1] not in few:
+        yield {"kind": "map", "x": long[0], "y": long[1]}
+    if long:
+        curves: dict[str, Any] = {"kind": "curves", "x": long[0]}
+        if other := [name for name in few if name != long[0]]:
+            at = {name: values[name][len(values[name]) // 2] for name in other[1:]}
+            curves |= {"panels": other[0], **({"at": at} if at else {})}
+        elif len({fit.phase for fit in study.fits} - {""}) > 1:
+            curves["panels"] = "phase"
+        yield curves
 
 
 def _wrong_fact(study: Study, key: Key, spec: Mapping[str, Any]) -> Iterator[Problem]:
-    take, of, fits = spec["take"], spec["of"], study.fits_of(spec)
+    take, of, route, fits = spec["take"], spec["of"], study.route, study.fits_of(spec)
     wrong = list(_wrong_selection(study, key, spec))
     yield from wrong
-    if of not in study.route.answers:
-        text = f"the route {study.route.kind} does not answer {of}; take"
-        yield (*key, "of"), f"{text} {listed([*study.route.answers], 'or')}"
+    if of not in route.answers:
+        text = f"the route {route.kind} does not answer {of}; take {listed([*route.answers], 'or')}"
+        yield (*key, "of"), text
         return
     if of == "law" or take in CHOICES:
         if of != "law" or take not in CHOICES:
@@ -447,7 +452,7 @@ def _wrong_fact(study: Study, key: Key, spec: Mapping[str, Any]) -> Iterator[Pro
         along = str(spec.get("along"))
         if not study.values_of(along) or PARAMETERS[along].is_word:
             yield (*key, "along"), "must be an axis of this study whose values are listed numbers"
-        elif "around" in spec and (text := _not_held(study, along, spec["around"])):
+        elif "around" in spec and (text := _not_selected(study, along, spec["around"])):
             yield (*key, "around"), text
     if take == "signed" and not wrong and (cases := _selected(study, spec)) > 1:
         text = f"is the error of one case, and {cases:,} are selected"
@@ -458,11 +463,11 @@ def _selected(study: Study, spec: Mapping[str, Any]) -> int:
     """How many cases the conditions on listed axes leave."""
     left = 1
     for block in study.blocks:
+        kept = block.count
         if isinstance(block, Listed):
-            values = {name: np.asarray(held) for name, held in block.values.items()}
-            left *= int(np.count_nonzero(selected(values, spec)))
-        else:
-            left *= block.count
+            values = {name: np.asarray(held) for name, held in block.axes.items()}
+            kept = int(np.count_nonzero(selected(values, spec)))
+        left *= kept
     return left
 
 
@@ -486,30 +491,22 @@ def _not_selected(study: Study, name: str, wanted: Any) -> str:
         return "not an axis of this study"
     is_word, values = PARAMETERS[name].is_word, study.values_of(name)
     if isinstance(wanted, list):
-        in_order = not is_word and wanted[0] <= wanted[1]
         text = f"{shortened(wanted)} are not two bounds of {name}, the lower one first"
-    elif is_word:
-        in_order = wanted in values
+        return text if is_word or wanted[0] > wanted[1] else ""
+    if is_word:
         text = f"{shortened(wanted)} is not among its values: {', '.join(map(str, values))}"
-    elif isinstance(wanted, str):
+        return "" if wanted in values else text
+    if isinstance(wanted, str):
         return f"{shortened(wanted)} is not a number"
-    else:
-        return _not_held(study, name, wanted)
-    return "" if in_order else text
-
-
-def _not_held(study: Study, name: str, wanted: float) -> str:
-    """Why an axis of numbers has no case at a value; nothing if it has."""
-    values = np.asarray(study.values_of(name), float)
-    if not values.size:
+    if not values:
         text = f"{wanted:g} is no value of {name}, which is sampled"
         return f"{text}: take the cases between two bounds"
-    if is_value(values, wanted).any():
+    places = np.asarray(values, float)
+    if is_value(places, wanted).any():
         return ""
-    nearest = sorted(values[np.argsort(np.abs(values - wanted), kind="stable")[:2]])
-    places = listed([f"{value:.10g}" for value in nearest])
-    are = "is" if len(nearest) == 1 else "are"
+    nearest = sorted(places[np.argsort(np.abs(places - wanted), kind="stable")[:2]])
+    are = f"{'is' if len(nearest) == 1 else 'are'} {listed([f'{x:.10g}' for x in nearest])}"
     return (
-        f"{wanted!r} is not among the {len(values)} values of {name}, whose nearest {are} {places}; take one of them, "
+        f"{wanted!r} is not among the {len(values)} values of {name}, whose nearest {are}; take one of them, "
         f"or add it to the axis, in values or as a further value, also: [{wanted!r}]"
     )

@@ -11,17 +11,15 @@ import pandas as pd
 
 from ..arrays import Array, Integers, Words
 from ..balance import APPROACHES, TERMS, Rows, direct
-from ..features import Features, of_numbers
+from ..features import Features, of_orbits
 from ..law.terms import KNOWN_TERMS
-from ..motion.regime import Regime
+from ..motion.orbits import steady_orbits
 from ..project.progress import followed
 from ..replication.as_published import ReadOut
 from ..solver import NORMAL_95, Estimate, solve
-from .axes import case_values
-from .parameters import MECHANICAL, OF_LAW, PARAMETERS, SI_COLUMNS, in_si
-from .responses import NOT_READ, REGIME_NAMES, Cases, Responses, exact_responses
+from .cases import NOT_READ, PART, REGIME_NAMES, Cases, Responses, cases_between, columns_of
+from .parameters import OF_LAW, PARAMETERS, SI_COLUMNS
 from .settings import LIKELIHOOD, RIGID, SIMPSON, WEIGHTED, Fit, Study
-from .sizes import PART, columns_of
 
 READ = ("X", "X_s", "X_r", "V_s", "V_r", "t_s", "t_r", "phi")
 """The features that rules of reading change, as far as the rows need them."""
@@ -37,7 +35,8 @@ def evaluate(study: Study, start: int, stop: int, threads: int | None = None) ->
     firsts: Iterable[int] = range(start, stop, _SLICE)
     if stop - start > _SLICE:  # else the cases themselves are followed, where they take long
         firsts = followed(firsts, (stop - start) / _SLICE, "slices")
-    parts = [_evaluate(study, first, min(first + _SLICE, stop), threads) for first in firsts]
+    slices = (cases_between(study, first, min(first + _SLICE, stop)) for first in firsts)
+    parts = [_evaluate(cases, threads) for cases in slices]
     names = [column.name for column in columns_of(study)]
     return pd.DataFrame({name: np.concatenate([part[name] for part in parts]) for name in names})
 
@@ -50,12 +49,6 @@ def in_parts(
         yield evaluate(study, first, min(first + PART, stop), threads)
 
 
-def case_parameters(study: Study, start: int, stop: int) -> dict[str, Words]:
-    """The value of every parameter in the cases start … stop − 1, by the names of PARAMETERS, each (stop − start,)."""
-    fixed = {name: np.full(stop - start, value) for name, value in study.fixed.items()}
-    return fixed | case_values(study.blocks, start, stop)
-
-
 def responses_of(study: Study, start: int, stop: int, threads: int | None = None) -> pd.DataFrame:
     """The responses of the cases start … stop − 1, from which `evaluate` identifies: a row for each case and level,
     with the axes, the level counted from 1 and the features, in columns named with their units.
@@ -66,7 +59,7 @@ def responses_of(study: Study, start: int, stop: int, threads: int | None = None
         raise ValueError(f"a study of the route {study.route.kind} has no responses of one kind")
     parts = []
     for first in range(start, stop, _SLICE):
-        cases = _cases(study, first, min(first + _SLICE, stop))
+        cases = cases_between(study, first, min(first + _SLICE, stop))
         levels, count = cases.Y.shape
         columns = {"case": cases.numbers} | {name: cases.values[name] for name in study.axis_names}
         table: dict[str, Any] = {name: np.repeat(of, levels) for name, of in columns.items()}
@@ -78,51 +71,36 @@ def responses_of(study: Study, start: int, stop: int, threads: int | None = None
     return pd.concat(parts, ignore_index=True)
 
 
-def _cases(study: Study, start: int, stop: int) -> Cases:
-    values = case_parameters(study, start, stop)
-    si = in_si({name: values[name].astype(float) for name in MECHANICAL if name in values})
-    return Cases(study, np.arange(start, stop), values, si, study.amplitudes(si["Y"]))
-
-
-def _evaluate(study: Study, start: int, stop: int, threads: int | None) -> dict[str, Any]:
-    cases = _cases(study, start, stop)
-    values, si = cases.values, cases.si
-    table: dict[str, Any] = {"case": cases.numbers}
-    table |= {name: values[name] for name in study.axis_names}
+def _evaluate(cases: Cases, threads: int | None) -> dict[str, Any]:
+    study, values, si = cases.study, cases.values, cases.si
     responses, rules = _responses(cases, threads), _read_out_rules(values)
-    named = {name: si[key] for key, (name, _, _) in SI_COLUMNS.items()}
-    named |= {name: si[key] for name, key in OF_LAW.items() if key in si}
-    table = named | table | {"regime": _regime_names(responses.features.regime)}
-    table["chosen"] = responses.chosen
+    table: dict[str, Any] = {name: si[key] for key, (name, _, _) in SI_COLUMNS.items()}
+    table |= {name: si[key] for name, key in OF_LAW.items() if key in si}
+    table |= {"case": cases.numbers} | {name: values[name] for name in study.axis_names}
+    table |= {"regime": _regime_names(responses.features.regime), "chosen": responses.chosen}
     cached: dict[Fit, Rows] = {}
     for fit in study.fits:
-        residual = np.full(stop - start, np.nan)
+        table[f"residual__{fit.label}"] = np.full(len(cases.numbers), np.nan)
         if fit.approach == LIKELIHOOD:
-            estimates, errors = responses.likelihood
+            table |= _results(fit, *responses.likelihood, si)
+            continue
+        read, replicates = responses.features, responses.drawn
+        if fit.approach == SIMPSON:
+            read, replicates = responses.simpson
+        key, errors = replace(fit, weights="", levels=None), dict[str, Array]()
+        if key not in cached:
+            cached[key] = _rows(fit, read, si["k"], rules)
+        of_levels = slice(None) if fit.levels is None else list(fit.levels)
+        rows = cached[key][of_levels]
+        if replicates is None:
+            estimate = solve(rows)
         else:
-            read, replicates = responses.features, responses.drawn
-            if fit.approach == SIMPSON:
-                read, replicates = responses.simpson
-            key = replace(fit, weights="", levels=None)
-            if key not in cached:
-                cached[key] = _rows(fit, read, si["k"], rules)
-            rows = _of_levels(cached[key], fit)
-            if replicates is None:
-                estimate, errors = solve(rows), {}
-            else:
-                drawn = _of_levels(_rows(fit, replicates, si["k"][:, None], ()), fit)
-                estimate, errors = _with_errors(rows, drawn, fit.weights == WEIGHTED)
-            estimates = estimate.values
-            if len(rows.W) > len(estimates):  # else only rounding is left
-                residual = estimate.residual
-        table |= _results(fit, estimates, errors, si)
-        table[f"residual__{fit.label}"] = residual
+            drawn = _rows(fit, replicates, si["k"][:, None], ())[of_levels]
+            estimate, errors = _with_errors(rows, drawn, fit.weights == WEIGHTED)
+        if len(rows.W) > len(estimate.values):  # else only rounding is left
+            table[f"residual__{fit.label}"] = estimate.residual
+        table |= _results(fit, estimate.values, errors, si)
     return table
-
-
-def _of_levels(rows: Rows, fit: Fit) -> Rows:
-    """The rows that a fit uses: all, or those of its two levels."""
-    return rows if fit.levels is None else rows[list(fit.levels)]
 
 
 def _with_errors(rows: Rows, drawn: Rows, weighted: bool) -> tuple[Estimate, dict[str, Array]]:
@@ -138,12 +116,6 @@ def _with_errors(rows: Rows, drawn: Rows, weighted: bool) -> tuple[Estimate, dic
     return estimate, {s: of.std(axis=1, ddof=1) for s, of in solve(drawn).values.items()}
 
 
-def _relative(value: Array, true: Array) -> Array:
-    """The ratio of a value to the true one; NaN where that is zero."""
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return np.where(true > 0.0, value / true, np.nan)
-
-
 def _results(
     fit: Fit, estimates: Mapping[str, Array], errors: Mapping[str, Array], si: Mapping[str, Array]
 ) -> dict[str, Array]:
@@ -154,50 +126,49 @@ def _results(
         table[f"{KNOWN_TERMS[symbol].column}__{fit.label}"] = value
         if symbol not in si:  # a term that the oscillator does not have
             continue
-        table[f"{symbol}_relative_error__{fit.label}"] = _relative(value, si[symbol]) - 1.0
+        true = np.where(si[symbol] > 0.0, si[symbol], np.nan)  # zero has no relative error
+        table[f"{symbol}_relative_error__{fit.label}"] = value / true - 1.0
         if symbol in errors:
-            error, off = errors[symbol], np.abs(value - si[symbol])
-            covered = np.where(off <= NORMAL_95 * error, 1.0, 0.0)
+            error = errors[symbol]
+            covered = np.where(np.abs(value - si[symbol]) <= NORMAL_95 * error, 1.0, 0.0)
             judged = np.isfinite(value) & np.isfinite(error)
-            table[f"{symbol}_relative_standard_error__{fit.label}"] = _relative(error, si[symbol])
+            table[f"{symbol}_relative_standard_error__{fit.label}"] = error / true
             table[f"{symbol}_covered__{fit.label}"] = np.where(judged, covered, np.nan)
     return table
 
 
 def _responses(cases: Cases, threads: int | None) -> Responses:
-    """The responses of the cases. What a single route needs is slow to import."""
-    study = cases.study
-    if study.route.kind == "measured":
-        from .experiments import measured_responses
-
-        return measured_responses(cases)
-    if study.route.kind == "laws":
-        from .law_selection import chosen_laws
-
-        slipping = of_numbers(cases.si["omega"], str(Regime.ONE_SLIP), Y=cases.Y)
-        return Responses(slipping, chosen=chosen_laws(study, cases.values))
-    if study.route.kind != "exact":
-        from .one_by_one import record_responses
-
-        return Responses(record_responses(cases))
+    """The responses of the cases; all except the exact ones are computed one after the other, by `responses`."""
+    si, study = cases.si, cases.study
     terms = {symbol for fit in study.fits for symbol in fit.terms} - TERMS.keys()
-    if terms or cases.si.keys() & set(OF_LAW.values()):
-        from .one_by_one import law_responses
+    if study.route.kind == "exact" and not terms and si.keys().isdisjoint(OF_LAW.values()):
+        of = {name: si[name] for name in ("m", "c", "k", "K_z", "F_k", "omega")}
+        return Responses(
+            of_orbits(steady_orbits(**of, Y=cases.Y, threads=threads), cases.Y, si["omega"])
+        )
+    from .responses import ROUTES_TO_RESPONSES  # slow to import
 
-        return Responses(law_responses(cases, terms))
-    return Responses(exact_responses(cases, threads))
+    return ROUTES_TO_RESPONSES[study.route.kind](cases, terms)
 
 
 def _rows(
     fit: Fit, responses: Features, k: Array, rules: Sequence[tuple[Integers, ReadOut]]
 ) -> Rows:
-    """Rows of the balance that the approach of a fit forms from features."""
+    """Rows of the balance that the approach of a fit forms from features, which are rounded, each case by its rules,
+    and have the mean φ and t_s of the levels where the fit wants them common."""
     if fit.approach == SIMPSON:
         return direct(responses, k)
     seen = responses.with_phase(fit.phase) if fit.phase else responses
+    common = fit.sharing == "common"
     if rules:
-        seen = _as_read(seen, rules, common=fit.sharing == "common")
-    elif fit.sharing == "common":
+        changed = {name: np.empty(seen.X.shape) for name in READ}
+        for cases, read_out in rules:
+            of = read_out.common if common else read_out.apply
+            read = of(seen[:, cases])
+            for name, array in changed.items():
+                array[:, cases] = getattr(read, name)
+        seen = seen.replaced(**changed)
+    elif common:
         seen = seen.with_common("phi", "t_s")
     if fit.contact == RIGID:
         seen = seen.rigid()
@@ -207,29 +178,14 @@ def _rows(
 def _read_out_rules(values: Mapping[str, Words]) -> list[tuple[Integers, ReadOut]]:
     """(cases, rules of reading) for each different set of rules among the cases; empty without rules."""
     names = [name for name in values if PARAMETERS[name].kind == "read_out"]
-    if not names:
-        return []
-    table = np.column_stack([values[name].astype(float) for name in names])
-    sets, member = np.unique(table, axis=0, return_inverse=True)
     rules = []
-    for i, row in enumerate(sets.tolist()):
-        kept = zip(names, row, strict=True)
-        section = {name: int(x) if PARAMETERS[name].whole else x for name, x in kept}
-        rules.append((np.flatnonzero(member.ravel() == i), ReadOut.from_config(section)))
+    if names:
+        held = pd.DataFrame({name: values[name].astype(float) for name in names})
+        for row, cases in held.groupby(names):
+            kept = zip(names, np.array(row).tolist(), strict=True)
+            section = {name: int(x) if PARAMETERS[name].whole else x for name, x in kept}
+            rules.append((cases.index.to_numpy(), ReadOut.from_config(section)))
     return rules
-
-
-def _as_read(
-    responses: Features, rules: Sequence[tuple[Integers, ReadOut]], common: bool
-) -> Features:
-    """The features after rounding, each case by its own rules; with the mean φ and t_s of its levels if `common`."""
-    changed = {name: np.empty(responses.X.shape) for name in READ}
-    for cases, read_out in rules:
-        part = responses[:, cases]
-        seen = read_out.common(part) if common else read_out.apply(part)
-        for name, array in changed.items():
-            array[:, cases] = getattr(seen, name)
-    return responses.replaced(**changed)
 
 
 def _regime_names(words: Words) -> Words:

@@ -47,6 +47,22 @@ class Parameter:
         """Whether its values are words, which have no unit and no range."""
         return self.unit == ""
 
+    @property
+    def name(self) -> str:
+        """Its symbol, in TeX, or its meaning where it has none."""
+        return f"${self.symbol}$" if self.symbol else self.meaning
+
+    @property
+    def label(self) -> str:
+        """Symbol and unit, for the axis of a figure."""
+        unit = self.unit.removeprefix("1")
+        return f"{self.name} ({unit})" if self.symbol and unit else self.name
+
+    def shown(self, value: float | str, digits: int = 4) -> str:
+        """A value with its unit, e.g. 4.92 Hz."""
+        text = value if isinstance(value, str) else f"{value:.{digits}g}"
+        return f"{text} {self.unit.removeprefix('1')}".rstrip()
+
 
 def _decimals(feature: str, unit: str) -> Parameter:
     meaning = f"decimals (of {unit}) kept of {feature}"

@@ -1,66 +1,401 @@
-"""Cases and their responses, the names of regimes, and the exact steady responses of n cases at L levels."""
+"""Responses of cases that are computed one after the other, by route.
+
+`exact` under any damping law; `fixed_step` and `sampled`: records of a scheme, or of the exact orbit; `measured`: noisy
+records, as from a measurement; `laws`: records of oscillators that are drawn, and the damping law that they support. An
+exact orbit takes a microsecond, one of these milliseconds: such studies have thousands of responses, not millions.
+
+Noise and bootstrap come from generators seeded by (seed, number of the case, level), oscillators of the route `laws` by
+(seed, law, run): a case does not depend on the chunk in which it is computed.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import NamedTuple
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
 
-from ..arrays import Array, Integers, Words
-from ..features import Features, of_orbits
-from ..motion.orbits import steady_orbits
+import numpy as np
+from scipy.optimize import brentq
+
+from ..arrays import Array
+from ..balance import TERMS
+from ..features import Features, beside, of_numbers, of_orbit, stack, wrapped
+from ..identification.law_comparison import compare_laws
+from ..identification.microstick import read_samples
+from ..identification.oscillator import JointFit, joined, joint_fit
+from ..law.response import law_orbit
+from ..law.steady import Response, steady_response
+from ..law.terms import FRICTION, KNOWN_TERMS, of_harmonics
+from ..model import BaseMotion, Oscillator
+from ..motion.fixed_step import StepTooCoarse, simulate
+from ..motion.orbit import NoSteadyOrbit, steady_orbit
 from ..motion.regime import Regime
-from .settings import Study
+from ..project.progress import followed
+from ..reading.clean import CYCLES_TO_READ, of_record
+from ..reading.mean_harmonics import Reading, read_features
+from ..reading.simpson import cycle_integrals, replicates_of
+from ..record import Record
+from ..records.measurement import Measurement
+from ..records.synthetic import measured_orbit
+from .cases import NOT_READ, STEP_TOO_COARSE, Cases, Responses
+from .parameters import OF_LAW, oscillator_of
+from .settings import NONE, SIMPSON, law_named, terms_named
+
+_HARMONICS = 128  # odd ones: what lies beyond takes 1e-9 of the work or less
 
 
-class Cases(NamedTuple):
-    """n cases that are computed together.
+def _one_by_one(
+    cases: Cases, response: Callable[[Oscillator, BaseMotion, int], Features]
+) -> Features:
+    """Features (L, n).   response : of an oscillator under a base motion, with the number of the case among these."""
+    columns = []
+    for case, omega in enumerate(followed(cases.si["omega"].tolist(), len(cases.numbers), "cases")):
+        osc, levels = oscillator_of(cases.si, case), cases.Y[:, case].tolist()
+        columns.append(stack([response(osc, BaseMotion(Y, omega), case) for Y in levels]))
+    return beside(columns)
 
-    numbers : in the study, (n,).
-    values : of every parameter, by the names of PARAMETERS, each (n,).
-    si : m, c, k, K_z, F_k, omega and coefficients of further terms by symbol, SI units, each (n,).
-    Y : amplitudes of the base at L levels, m, (L, n).
+
+# --- under any damping law ---------------------------------------------------------------------------
+
+
+def law_responses(cases: Cases, terms: Iterable[str]) -> Responses:
+    """The steady responses under the damping law of each case.   terms : symbols of the further terms to integrate."""
+    si, terms = cases.si, list(terms)
+
+    def response(osc: Oscillator, motion: BaseMotion, case: int) -> Features:
+        law = {symbol: float(si[symbol][case]) for symbol in OF_LAW.values() if symbol in si}
+        try:
+            return of_response(steady_response(osc, motion, law), motion, osc.k, terms)
+        except NoSteadyOrbit:
+            nothing = {symbol: np.full(1, np.nan) for symbol in terms}
+            return of_numbers(motion.omega, str(Regime.NOT_FOUND), integrals=nothing)
+
+    return Responses(_one_by_one(cases, response))
+
+
+def of_response(
+    response: Response, motion: BaseMotion, k: float, terms: Iterable[str] = ()
+) -> Features:
+    """Features of one steady response under any law, (1,).
+
+    motion : of the base.   k : spring to the base, N/m.   terms : symbols of the further terms to integrate.
     """
+    omega, n = motion.omega, np.arange(1.0, 2.0 * _HARMONICS, 2.0)
+    x = response.harmonics(_HARMONICS)
+    base = np.ones(1), np.full((1, 1), complex(motion.Y))
+    integrals = {s: of_harmonics(s, n, x[None], *base, omega, k) for s in ("c", *terms)}
+    reversal = float(wrapped(response.orbit.theta - response.advance - math.pi))
 
-    study: Study
-    numbers: Integers
-    values: Mapping[str, Words]
-    si: Mapping[str, Array]
-    Y: Array
+    def displacement(theta: float) -> float:
+        return float((x * np.exp(1j * n * theta)).real.sum())
+
+    # of zero, before the reversal at +X
+    upward = float(brentq(displacement, reversal - math.pi, reversal, xtol=1e-14))
+    changed: dict[str, Any] = {
+        "Y": np.array([motion.Y]),
+        "X": response.X,
+        "phi": reversal,
+        "phi_reversal": reversal,
+        "phi_zero_crossing": float(wrapped(upward + 0.5 * math.pi)),
+        "phi_fundamental": float(wrapped(-np.angle(x[0]))),
+        "b": integrals.pop("c"),
+        "W": -math.pi * k * motion.Y * x[0].imag,
+        **{f"X_{order}": abs(x[i]) for i, order in enumerate((1, 3, 5))},
+    }
+    if response.change is not None and response.slips:
+        X_s = 2.0 * response.orbit.oscillator.Z_m - response.X
+        changed |= {"X_s": X_s, "V_s": response.V_s, "t_s": response.t_s}
+        changed |= {"X_r": -X_s, "V_r": -response.V_s, "t_r": response.t_s}
+        changed |= {"a": 4.0 * response.X - response.taken}
+    return replace(of_orbit(response.orbit), **changed, integrals=integrals)
 
 
-class Responses(NamedTuple):
-    """The responses of n cases at L levels.
+# --- records without noise ---------------------------------------------------------------------------
 
-    features : (L, n). The rest is for noisy records only.
-    chosen : names of the laws that the records support, (n,), where a study asks for them instead of coefficients.
-    drawn : bootstrap replicates of the features, (L, n, r).
-    simpson : features and replicates with a, b and W by `reading.simpson`, where a fit asks for them.
-    likelihood : values and standard errors of the maximum-likelihood oscillator by symbol, SI units, (n,) each.
+
+def record_responses(cases: Cases, _: Iterable[str]) -> Responses:
+    """The responses read off the records of the routes fixed_step and sampled."""
+    record_of = _simulated if cases.study.route.kind == "fixed_step" else _sampled
+
+    def read(osc: Oscillator, motion: BaseMotion, case: int) -> Features:
+        try:
+            record = record_of(cases, osc, motion, case)
+            return of_record(record, motion.omega, osc.k, cases.study.reading)
+        except StepTooCoarse:
+            return of_numbers(motion.omega, STEP_TOO_COARSE)
+        except NoSteadyOrbit:
+            return of_numbers(motion.omega, str(Regime.NOT_FOUND))
+        except ValueError:  # too short, or too coarse to contain a reversal
+            return of_numbers(motion.omega, NOT_READ)
+
+    return Responses(_one_by_one(cases, read).replaced(Y=cases.Y))
+
+
+def _simulated(cases: Cases, osc: Oscillator, motion: BaseMotion, case: int) -> Record:
+    """The last three cycles of those that a fixed-step scheme computes."""
+    values = cases.values
+    if "step_s" in values:
+        step = float(values["step_s"][case])
+    else:
+        step = motion.period / float(values["steps_per_cycle"][case])
+    if not 0.0 < step < motion.period:
+        raise StepTooCoarse
+    kept = {"cycles": cases.study.cycles, "keep_cycles": CYCLES_TO_READ}
+    return simulate(osc, motion, scheme=str(values["scheme"][case]), step=step, **kept)
+
+
+def _sampled(cases: Cases, osc: Oscillator, motion: BaseMotion, case: int) -> Record:
+    """The exact response, sampled at sampling_hz for the cycles of the study, from ωt = 0 on."""
+    orbit = steady_orbit(osc, motion)
+    rate = float(cases.values["sampling_hz"][case])
+    t = np.arange(int(cases.study.cycles * motion.period * rate) + 1) / rate
+    state = orbit.state(t)
+    return Record(t, motion.y(t), state.x, state.v, state.acceleration)
+
+
+# --- noisy records -----------------------------------------------------------------------------------
+
+
+def measured_responses(cases: Cases, _: Iterable[str]) -> Responses:
+    """The responses, measured over the cycles of the study at sampling_hz with noise in each channel, and read.
+
+    Each case is a separate experiment. The reader is given the stiffness k alone: frequency, amplitudes and phases are
+    identified. Where a fit of the study asks for it, the signals are integrated as they are, by Simpson's rule; that
+    changes no other number.
     """
+    study = cases.study
+    by_simpson = any(fit.approach == SIMPSON for fit in study.fits)
+    points, replicates, plain = [], [], []
+    fitted = np.full((2, len(TERMS), len(cases.numbers)), np.nan)
+    numbers = followed(cases.numbers.tolist(), len(cases.numbers), "experiments")
+    for case, number in enumerate(numbers):
+        osc = oscillator_of(cases.si, case)
+        records = [_measured(cases, osc, case, level) for level in range(len(cases.Y))]
+        random = np.random.default_rng([study.seed, number, len(cases.Y)])
+        read = [record if isinstance(record, str) else record[0] for record in records]
+        point, replicate, whole = _with_one_oscillator(read, osc.k, study.replicates, random)
+        points.append(point)
+        replicates.append(replicate)
+        if whole is not None and (answer := whole.answer):
+            for row, of in zip(fitted, (answer.values, answer.standard_errors), strict=True):
+                row[:, case] = [of[symbol] for symbol in TERMS]
+        if by_simpson:
+            integrals = _by_simpson(records, osc.k, study.replicates, random)
+            pairs = zip((point, replicate), integrals, strict=True)
+            plain.append([seen.replaced(**dict(zip("abW", of, strict=True))) for seen, of in pairs])
+    values, errors = (dict(zip(TERMS, of, strict=True)) for of in fitted)
+    simpson = tuple(beside(parts) for parts in zip(*plain, strict=True))
+    return Responses(beside(points), beside(replicates), simpson, (values, errors))
 
-    features: Features
-    drawn: Features | None = None
-    simpson: tuple[Features, ...] = ()
-    likelihood: tuple[Mapping[str, Array], Mapping[str, Array]] = ({}, {})
-    chosen: Words | None = None
 
-
-NOT_READ = "not_read"
-STEP_TOO_COARSE = "the fixed step is too coarse for the stick phases, or unstable"
-
-REGIME_NAMES = {
-    **{str(regime): regime.name.lower() for regime in Regime},
-    STEP_TOO_COARSE: "step_too_coarse",
-    "no slip onset could be read off the record": NOT_READ,
-}
-"""The regime of a response, or why a feature is missing: words → name in the table of cases. Other words give the
-reason why a record could not be read."""
-
-
-def exact_responses(cases: Cases, threads: int | None = None) -> Features:
-    """The exact steady responses of n cases at L levels, as features of shape (L, n)."""
-    si, Y = cases.si, cases.Y
-    orbits = steady_orbits(
-        **{name: si[name] for name in ("m", "c", "k", "K_z", "F_k", "omega")}, Y=Y, threads=threads
+def _measured(
+    cases: Cases, osc: Oscillator, case: int, level: int
+) -> tuple[Reading, Measurement] | str:
+    """The reading of one record, and the record; the reason, in words, where it cannot be read."""
+    study = cases.study
+    motion = BaseMotion(float(cases.Y[level, case]), float(cases.si["omega"][case]))
+    random = np.random.default_rng([study.seed, int(cases.numbers[case]), level])
+    rate_hz, noise = (float(cases.values[name][case]) for name in ("sampling_hz", "noise"))
+    try:
+        orbit = steady_orbit(osc, motion)
+    except NoSteadyOrbit:
+        return str(Regime.NOT_FOUND)
+    start = random.random() * motion.period  # a record begins anywhere in the cycle
+    measurement = measured_orbit(
+        orbit, rate_hz=rate_hz, cycles=study.cycles, noise=noise, seed=random, start=start
     )
-    return of_orbits(orbits, Y, si["omega"])
+    try:
+        return read_features(measurement, osc.k), measurement
+    except ValueError:  # too few samples or cycles, or nothing but noise
+        return NOT_READ
+
+
+def _with_one_oscillator(
+    read: Sequence[Reading | str], k: float, count: int, random: np.random.Generator
+) -> tuple[Features, Features, JointFit | None]:
+    """Features (L,) and replicates (L, count) of the levels of a case, and the oscillator fitted to all of them.
+
+    The onsets of slip are those of that oscillator, as in `identification`. A level that was not read has NaN and the
+    reason; where no oscillator fits the records, no level has a friction travel.
+    """
+    readings = [reading for reading in read if isinstance(reading, Reading)]
+    points = [of_numbers(np.nan, reason) for reason in read if isinstance(reason, str)]
+    replicates = [nothing[:, None][:, [0] * count] for nothing in points]
+    whole = None
+    if readings:
+        whole = joint_fit([reading.lines for reading in readings], k)
+        samples = read_samples(joined(readings, whole), count, random, jackknife=False)
+        of_all = samples.point.features, samples.drawn.features
+        if not whole.waveforms_hold:
+            of_all = of_all[0].replaced(a=np.nan), of_all[1].replaced(a=np.nan)
+        points, replicates = [of_all[0], *points], [of_all[1], *replicates]
+    last = [isinstance(reading, str) for reading in read]  # of the parts
+    levels = np.argsort(np.argsort(last, kind="stable"))
+    return stack(points)[levels], stack(replicates)[levels], whole
+
+
+def _by_simpson(
+    records: Sequence[tuple[Reading, Measurement] | str],
+    k: float,
+    count: int,
+    random: np.random.Generator,
+) -> tuple[Array, Array]:
+    """a, b and W of the levels of a case by `reading.simpson`, (3, L), and replicates, (3, L, count); NaN where the
+    record was not read."""
+    values, drawn = np.full((3, len(records)), np.nan), np.full((3, len(records), count), np.nan)
+    for level, record in enumerate(records):
+        if not isinstance(record, str):
+            reading, measurement = record
+            y, x = measurement.excitation, measurement["displacement"]
+            dt = float(x.t[-1] - x.t[0]) / (len(x) - 1)
+            of_cycles = cycle_integrals(y.values, x.values, dt, reading.steady.omega, k)
+            values[:, level] = of_cycles.mean(axis=-1)
+            drawn[:, level] = replicates_of(of_cycles, count, random)
+    return values, drawn
+
+
+# --- laws --------------------------------------------------------------------------------------------
+
+SHARE = (0.2, 0.6)
+"""Smallest and largest share of the input work that each term of a law takes at one level at least."""
+
+MASSES, NATURAL_HZ = (0.1, 10.0), (1.0, 50.0)  # kg, Hz
+HIGHEST = (1e-4, 1e-2)  # m, amplitude of the base at the highest level
+ZETA = (0.01, 0.08)  # damping ratio of a viscous damper that takes as much work as all terms
+STIFFNESSES = (10.0, 200.0)  # K_z/k
+BELOW, ABOVE = (0.6, 0.9), (1.1, 1.6)  # ω/ω_n
+
+_SAMPLES = (190.0, 210.0)  # per cycle
+_MOST_DRAWINGS = 1000
+_STICKS = 2.0  # in units of Z_m: the amplitude up to which the contact hardly slips
+
+
+def chosen_laws(cases: Cases, _: Iterable[str]) -> Responses:
+    """The law that is chosen in each case of the route laws.
+
+    An oscillator is drawn for each law and run; its steady motion under its law is computed by `law/response.py`,
+    sampled with noise at every level and at two frequencies, one below the resonance and one above it, and identified
+    like measured records. Each term of the law takes a significant SHARE of the work at one level at least, and the
+    contact slips once per half cycle at all of them.
+    """
+    study, values, chosen = cases.study, cases.values, []
+    runs = values.get("run", np.zeros(len(cases.numbers)))
+    each = zip(values["law"], values["noise"], runs, strict=True)
+    for law, noise, run in followed(each, len(runs), "cases"):
+        random = np.random.default_rng([study.seed, *str(law).encode(), int(run)])
+        chosen.append(chosen_law(str(law), study.levels, study.cycles, float(noise), random))
+    slipping = of_numbers(cases.si["omega"], str(Regime.ONE_SLIP), Y=cases.Y)
+    return Responses(slipping, chosen=np.array(chosen, dtype=object))
+
+
+def chosen_law(
+    law: str, levels: Sequence[float], cycles: int, noise: float, random: np.random.Generator
+) -> str:
+    """The law that `compare_laws` chooses for the records of an oscillator with `law`, by name; NONE where it rejects
+    all, or cannot read the records."""
+    truth = drawn_oscillator(law, levels, random)
+    readings: list[Reading] = []
+    for motion in truth.motions:
+        try:
+            measurement = measured_orbit(
+                law_orbit(truth.oscillator, motion, truth.law),
+                rate_hz=random.uniform(*_SAMPLES) / motion.period,
+                cycles=cycles,
+                noise=noise,
+                seed=random,
+                start=random.random() * motion.period,
+            )
+            readings.append(read_features(measurement, truth.oscillator.k))
+        except (ValueError, NoSteadyOrbit):
+            return NONE
+    chosen = compare_laws(readings, truth.oscillator.k).chosen
+    return NONE if chosen is None else law_named(chosen)
+
+
+@dataclass(frozen=True)
+class Truth:
+    """The oscillator, law and base motions from which the records of a case are computed.
+
+    oscillator : with its c.   law : symbol → coefficient of the terms other than friction and c, SI.   motions : of the
+    base, one for each record.
+    """
+
+    oscillator: Oscillator
+    law: Mapping[str, float]
+    motions: tuple[BaseMotion, ...]
+
+    def shares(self) -> dict[str, Array]:
+        """Share of the input work that each term takes, by symbol, each (records,); friction takes the rest. Empty
+        unless each steady response slips once per half cycle."""
+        osc, responses = self.oscillator, []
+        for motion in self.motions:
+            try:
+                response = steady_response(osc, motion, self.law)
+            except NoSteadyOrbit:
+                return {}
+            if response.orbit.regime != Regime.ONE_SLIP or _STICKS * osc.Z_m >= response.X:
+                return {}
+            responses.append((response, motion))
+        seen = stack([of_response(*each, osc.k, self.law) for each in responses])
+        integrals = {"c": seen.b, **seen.integrals}
+        taken = {s: p * integrals[s] / seen.W for s, p in self.coefficients.items()}
+        return {FRICTION: 1.0 - np.sum(list(taken.values()), axis=0), **taken}
+
+    @property
+    def coefficients(self) -> dict[str, float]:
+        """Coefficients of the terms other than friction, by symbol."""
+        c = {"c": self.oscillator.c} if self.oscillator.c else {}
+        return {**c, **self.law}
+
+
+def drawn_oscillator(law: str, levels: Sequence[float], random: np.random.Generator) -> Truth:
+    """A random oscillator as `chosen_laws` wants it.   law : its name.   levels : parts of the highest amplitude."""
+    for _ in range(_MOST_DRAWINGS):
+        truth = _candidate(terms_named(law), levels, random)
+        shares = truth.shares().values()
+        if shares and all(((of >= SHARE[0]) & (of <= SHARE[1])).any() for of in shares):
+            return truth
+    raise ArithmeticError(f"no oscillator with the law {law} slips once per half cycle as wanted")
+
+
+def _candidate(terms: Sequence[str], levels: Sequence[float], random: np.random.Generator) -> Truth:
+    """A random oscillator whose terms would share the work as wanted at one level if its motion were harmonic."""
+
+    def spread(within: tuple[float, float]) -> float:
+        return math.exp(random.uniform(math.log(within[0]), math.log(within[1])))
+
+    m, omega_n = spread(MASSES), 2.0 * math.pi * spread(NATURAL_HZ)
+    k = m * omega_n**2
+    frequencies = [omega_n * random.uniform(*within) for within in (BELOW, ABOVE)]
+    highest, zeta = spread(HIGHEST), spread(ZETA)
+    omega = frequencies[int(random.integers(2))]
+    Y = highest * sorted(levels)[len(levels) // 2]
+    damper = 2.0 * zeta * math.sqrt(k * m)
+    x = k * Y / complex(k - m * omega**2, damper * omega)
+    X, phi = abs(x), -float(np.angle(x))
+    work = math.pi * damper * omega * X**2
+    parts = np.zeros(1)  # random shares of the work, each within SHARE, whose sum is one
+    while parts.min() < SHARE[0] or parts.max() > SHARE[1]:
+        parts = random.dirichlet(np.full(len(terms), 4.0))
+    friction, *others = parts
+    law = {}
+    for symbol, share in zip(terms[1:], others, strict=True):
+        harmonic = KNOWN_TERMS[symbol].harmonic
+        assert harmonic is not None
+        law[symbol] = float(share) * work / float(harmonic(omega, X, Y, phi, k))
+    return Truth(
+        Oscillator(m, law.pop("c", 0.0), k, k * spread(STIFFNESSES), friction * work / (4.0 * X)),
+        law,
+        tuple(BaseMotion(highest * level, float(f)) for f in frequencies for level in levels),
+    )
+
+
+ROUTES_TO_RESPONSES = {
+    "exact": law_responses,
+    "fixed_step": record_responses,
+    "sampled": record_responses,
+    "measured": measured_responses,
+    "laws": chosen_laws,
+}
+"""Route → the responses of cases, with the further terms of the balance to integrate."""

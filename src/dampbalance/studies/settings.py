@@ -1,23 +1,260 @@
-"""A study as its YAML file describes it; `checking` finds what is wrong with the file."""
+"""A study as its YAML file describes it: axes, route and fits; `checking` finds what is wrong with the file.
+
+The cases of a study are the product of its blocks of axes, the last block running fastest. A block is one axis, several
+paired (zipped) axes of equal length, or a sample of points in the box that several parameters span. The values of any
+stretch of cases follow without ever making a list of all cases.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+import warnings
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
-from typing import Any, Self
+from typing import Any, Literal, NamedTuple, Self
 
 import numpy as np
 
-from ..arrays import Array
+from ..arrays import Array, Integers, Mask, Words
 from ..balance import APPROACHES, TERMS, takes_phase
-from ..law.terms import in_order
+from ..law.terms import FRICTION, KNOWN_TERMS, in_order
 from ..reading.clean import ReadAt
-from .axes import Block, Listed, Range, Sampled, spread
 from .parameters import PARAMETERS, synonyms
-from .routes import REPLICATES, ROUTES, Route
+
+# --- axes --------------------------------------------------------------------------------------------
+
+# 2³² points at most; with more bits scipy cannot skip to the first point of a chunk.
+SOBOL_BITS = 32
+SAME = 1e-12  # relative: values of an axis that differ by less are equal except for rounding
+
+
+class Range(NamedTuple):
+    """Bounds of one parameter of a sample; `spacing` says whether the values or their logarithms are spread evenly."""
+
+    low: float
+    high: float
+    spacing: Literal["linear", "log"]
+
+    def at(self, share: Array) -> Array:
+        """The value at a share 0 … 1 of the way from low to high."""
+        if self.spacing == "linear":
+            return np.asarray(self.low + share * (self.high - self.low))
+        low, high = math.log(self.low), math.log(self.high)
+        return np.clip(np.exp(low + share * (high - low)), self.low, self.high)
+
+
+@dataclass(frozen=True)
+class Listed:
+    """Paired axes: name → values, all of the same length. A plain axis has one name."""
+
+    axes: Mapping[str, Sequence[float | int | str]]
+
+    @property
+    def count(self) -> int:
+        """The number of points in the block."""
+        return len(next(iter(self.axes.values())))
+
+    def at(self, index: Integers) -> dict[str, Words]:
+        """The values of each parameter at the points `index`."""
+        return {name: np.asarray(values)[index] for name, values in self.axes.items()}
+
+
+@dataclass(frozen=True)
+class Sampled:
+    """Points in the box of the axes: a scrambled Sobol sequence, or independent random ones.
+
+    The points depend only on method, seed and their place in the sequence: any stretch can be computed by itself.
+    """
+
+    axes: Mapping[str, Range]
+    method: Literal["sobol", "random"]
+    count: int
+    seed: int
+
+    def at(self, index: Integers) -> dict[str, Words]:
+        """The values of each parameter at the points `index`."""
+        first = int(index.min())
+        shares = self._shares(first, int(index.max()) - first + 1)[index - first]
+        return {name: of.at(shares[:, i]) for i, (name, of) in enumerate(self.axes.items())}
+
+    def _shares(self, start: int, count: int) -> Array:
+        dimension = len(self.axes)
+        if self.method == "random":
+            bits = np.random.PCG64(self.seed).advance(start * dimension)  # one draw a number
+            return np.random.Generator(bits).random((count, dimension))
+        from scipy.stats import qmc  # slow to import: longer than a chunk takes to compute
+
+        points = qmc.Sobol(dimension, scramble=True, bits=SOBOL_BITS, rng=self.seed)
+        if start:
+            points.fast_forward(start)
+        with warnings.catch_warnings():  # the whole sequence matters, not the length of a stretch
+            warnings.filterwarnings("ignore", "The balance properties", UserWarning)
+            return np.asarray(points.random(count), dtype=np.float64)
+
+
+Block = Listed | Sampled
+
+
+def _block(item: Mapping[str, Any]) -> Block:
+    if "sample" not in item:
+        return Listed({name: spec.get("values") or spread(spec) for name, spec in item.items()})
+    ranges = {
+        name: Range(float(spec["from"]), float(spec["to"]), spec.get("spacing", "linear"))
+        for name, spec in item["sample"]["over"].items()
+    }
+    return Sampled(ranges, *(item["sample"][key] for key in ("method", "count", "seed")))
+
+
+def case_values(blocks: Sequence[Block], start: int, stop: int) -> dict[str, Words]:
+    """The value of every axis in the cases start … stop − 1, each an array of length stop − start."""
+    remaining = np.arange(start, stop, dtype=np.int64)
+    values: dict[str, Words] = {}
+    for block in reversed(blocks):
+        remaining, index = np.divmod(remaining, block.count)
+        values = block.at(index) | values
+    return values
+
+
+def spread(spec: Mapping[str, Any]) -> list[float]:
+    """The values of an axis that is given by its ends, which it includes, and their number: evenly spaced themselves or
+    in their logarithms, with further values, `also`, in ascending order; such a value replaces one that equals it
+    except for rounding."""
+    spaced = np.geomspace if spec.get("spacing") == "log" else np.linspace
+    values = spaced(float(spec["from"]), float(spec["to"]), spec["count"]).tolist()
+    if "also" not in spec:
+        return values
+    also = np.array(spec["also"], float)
+    return sorted([*(x for x in values if not is_value(also, x).any()), *also.tolist()])
+
+
+def is_value(values: Words, wanted: float) -> Mask:
+    """Which values equal the wanted one, except for rounding."""
+    return np.abs(values.astype(float) - wanted) <= SAME * abs(wanted)
+
+
+def selected(values: Mapping[str, Words], spec: Mapping[str, Any]) -> Mask:
+    """Which points have the values of axes that a fact or a figure names in `at`, and lie in its bounds, `between`;
+    axes that have no values here do not count."""
+    kept = np.ones(len(next(iter(values.values()))), dtype=bool)
+    for name, wanted in spec.get("at", {}).items():
+        if name in values:
+            here = values[name]
+            kept &= here == wanted if isinstance(wanted, str) else is_value(here, wanted)
+    for name, (low, high) in spec.get("between", {}).items():
+        if name in values:
+            kept &= (values[name] >= low) & (values[name] <= high)
+    return kept
+
+
+# --- routes ------------------------------------------------------------------------------------------
+
+NONE = "none"
+"""The name where no law is chosen."""
+
+
+@dataclass(frozen=True, slots=True)
+class Route:
+    """A way to the responses of a case; what depends on the route is asked here.
+
+    kind : its name in the file.
+    needs : parameters of the route; of each group one is needed.
+    optional : further parameters that it takes.
+    settings : other keys of the section `route` that it takes.
+    refuses : sections of the file that mean nothing to it, and why.
+    any_law : whether the oscillator may have further damping terms, and the balance too.
+    figures : kinds of figures.
+    columns : kinds of columns in the table of cases, if the file does not say.
+    cycles, chunk_cases : if the file does not say; a chunk is a few seconds of work.
+    """
+
+    kind: str
+    needs: tuple[tuple[str, ...], ...] = ()
+    optional: tuple[str, ...] = ()
+    settings: tuple[str, ...] = ()
+    refuses: tuple[str, ...] = ()
+    any_law: bool = False
+    figures: tuple[str, ...] = ("curves", "map", "steps", "scatter")
+    columns: tuple[str, ...] = ("parameters", "errors")
+    cycles: int = 4
+    chunk_cases: int = 512
+
+    @property
+    def answers(self) -> Collection[str]:
+        """What a case ends in, which facts are about: coefficients by symbol, or the law that its records support."""
+        return KNOWN_TERMS if self.approaches else ("law",)
+
+    @property
+    def approaches(self) -> Collection[str]:
+        """Approaches to the balance, if the file does not say; none where a case ends in a law."""
+        return () if "chosen" in self.columns else APPROACHES
+
+    @property
+    def is_noisy(self) -> bool:
+        """Whether the records have noise, which needs a seed and makes rules of reading meaningless."""
+        return "seed" in self.settings
+
+    @property
+    def has_intervals(self) -> bool:
+        """Whether coefficients have standard errors, by which their rows can be weighted."""
+        return "replicates" in self.settings
+
+
+ROUTES = {
+    route.kind: route
+    for route in (
+        Route("exact", any_law=True, chunk_cases=524_288),
+        Route(
+            "fixed_step",
+            needs=(("scheme",), ("step_s", "steps_per_cycle")),
+            settings=("cycles", "reading"),
+            cycles=10,
+            chunk_cases=64,
+        ),
+        Route("sampled", needs=(("sampling_hz",),), settings=("cycles", "reading")),
+        Route(
+            "measured",
+            needs=(("sampling_hz",), ("noise",)),
+            optional=("run",),
+            settings=("cycles", "seed", "replicates"),
+            cycles=100,
+            chunk_cases=60,
+        ),
+        Route(
+            "laws",
+            needs=(("law",), ("noise",)),
+            optional=("run",),
+            settings=("cycles", "seed"),
+            refuses=("base", "estimation", "columns", "summary_by"),
+            any_law=True,
+            figures=("confusion",),
+            columns=("chosen",),
+            cycles=100,
+            chunk_cases=2,
+        ),
+    )
+}
+
+
+REPLICATES = 200
+"""Bootstrap replicates if the file does not say; their standard error is accurate to 5 %."""
+
+
+def law_named(terms: Iterable[str]) -> str:
+    """The name of a law by its terms, friction first: F_k + c + c_2."""
+    return " + ".join(in_order((FRICTION, *terms)))
+
+
+def terms_named(name: str) -> tuple[str, ...]:
+    """The terms of a law by its name. Raises ValueError for an unknown term, or a name of another form."""
+    terms = in_order(name.split(" + "))
+    if law_named(terms) != name:
+        raise ValueError(f"the law {name!r} should be written {law_named(terms)!r}")
+    return terms
+
+
+# --- fits --------------------------------------------------------------------------------------------
 
 COMPLIANT, RIGID = "compliant", "rigid"
 """Models of the contact: with the slip onset as it was read, or without one (`Features.rigid`)."""
@@ -32,10 +269,10 @@ rigid contact and equal weights, and the maximum-likelihood oscillator, which ne
 
 OF_INTERVALS = ("standard_error", "coverage", "coverage_low", "coverage_high")
 SPREADS = ("bias", "rms", "p95_error", *OF_INTERVALS)
-"""Facts about a set of runs, each by one fit: see `groups.Spread`."""
+"""Facts about a set of runs, each by one fit: see `statistics.spread`."""
 
 CHOICES = ("right", "right_low", "right_high", "extra", "extra_low", "extra_high", "none")
-"""Facts about the laws that are chosen: see `confusion.choices_of`."""
+"""Facts about the laws that are chosen: see `statistics.choices_of`."""
 
 BANDS = ("band", "from")
 """Facts about a stretch of an axis: both its ends, or the lower one."""
@@ -89,6 +326,9 @@ class Fit:
         return "__".join(part for part in (*parts, self.kind) if part)
 
 
+# --- the study ---------------------------------------------------------------------------------------
+
+
 @dataclass(frozen=True)
 class Study:
     """One parameter study.
@@ -112,9 +352,9 @@ class Study:
     reading: ReadAt
     seed: int
     replicates: int
-    columns: tuple[str, ...]
+    columns: Sequence[str]
     chunk_cases: int
-    summary_by: tuple[str, ...]
+    summary_by: Sequence[str]
     figure: Mapping[str, Any]
     facts: Mapping[str, Mapping[str, Any]]
     shows: str
@@ -127,7 +367,7 @@ class Study:
     @cached_property
     def axis_names(self) -> tuple[str, ...]:
         """The parameters that the axes set, in the order of the file."""
-        return tuple(name for block in self.blocks for name in block.names)
+        return tuple(name for block in self.blocks for name in block.axes)
 
     @cached_property
     def parameters(self) -> frozenset[str]:
@@ -136,24 +376,20 @@ class Study:
 
     def block_of(self, axis: str) -> Block | None:
         """The block that sets a parameter, None where none does."""
-        return next((block for block in self.blocks if axis in block.names), None)
+        return next((block for block in self.blocks if axis in block.axes), None)
 
     def values_of(self, axis: str) -> Sequence[float | int | str]:
         """The listed values of an axis; none where it is sampled or there is no such axis."""
         block = self.block_of(axis)
-        return block.values[axis] if isinstance(block, Listed) else ()
+        return block.axes[axis] if isinstance(block, Listed) else ()
 
     def extent(self, name: str) -> tuple[float, float]:
         """The least and the largest value of a parameter, whether it is fixed or an axis of numbers."""
         block = self.block_of(name)
         if isinstance(block, Sampled):
-            return block.ranges[name].low, block.ranges[name].high
-        values = [float(x) for x in (block.values[name] if block else [self.fixed[name]])]
+            return block.axes[name][:2]
+        values = [float(x) for x in (block.axes[name] if block else [self.fixed[name]])]
         return min(values), max(values)
-
-    def amplitudes(self, Y: Array) -> Array:
-        """Amplitudes of the base at the levels, m, (L, n), of cases with the reference amplitudes Y, m, (n,)."""
-        return np.array(self.levels)[:, None] * (Y if self.levels_relative else np.ones_like(Y))
 
     @property
     def seeds(self) -> list[int]:
@@ -173,9 +409,8 @@ class Study:
         if "lines" in spec:
             lines = [self.fits_of(line) for line in spec["lines"].values()]
             return [fit for (fit,) in lines] if set(map(len, lines)) == {1} else []
-        terms = (
-            in_order(spec["terms"]) if "terms" in spec else next((f.terms for f in self.fits), ())
-        )
+        first = next((fit.terms for fit in self.fits), ())
+        terms = in_order(spec["terms"]) if "terms" in spec else first
         fits = [fit for fit in self.fits if fit.terms == terms]
         usual = {"contact": COMPLIANT, "weights": WEIGHTED}
         for key in ("approach", "phase", "sharing", "contact", "weights"):
@@ -190,20 +425,23 @@ class Study:
     @classmethod
     def of(cls, name: str, document: Mapping[str, Any], paper: Mapping[str, Any]) -> Self:
         """The study of a document in which `checking.problems` finds nothing wrong; paper : see `paper_defaults`."""
-        blocks = tuple(map(_block, document["axes"]))
-        route = {"kind": "exact", "reading": "interpolated"} | document.get("route", {})
-        way = ROUTES[route["kind"]]
-        estimation = document.get("estimation", {})
+        blocks, route = tuple(map(_block, document["axes"])), document.get("route", {})
+        way = ROUTES[route.get("kind", "exact")]
         given = document.get("base", {}) | {
             key: value
             for key, value in (route | document.get("read_out", {})).items()
             if key in PARAMETERS and value is not None
         }
-        taken = {other for block in blocks for axis in block.names for other in synonyms(axis)}
+        taken = {other for block in blocks for axis in block.axes for other in synonyms(axis)}
         fixed = {key: value for key, value in given.items() if key not in taken}
         taken |= {other for key in fixed for other in synonyms(key)}
         fixed |= {key: value for key, value in paper["base"].items() if key not in taken}
         levels = document.get("levels_of_Y", document.get("levels_m", paper["levels_m"]))
+        # what is meant where the file does not say
+        of_route: dict[str, Any] = {"cycles": way.cycles, "reading": "interpolated"}
+        of_route |= {"seed": 0, "replicates": REPLICATES}
+        of_study: dict[str, Any] = {"columns": way.columns, "chunk_cases": way.chunk_cases}
+        of_study |= {"summary_by": (), "figure": {}, "facts": {}}
         return cls(
             name=name,
             title=document["title"],
@@ -212,18 +450,11 @@ class Study:
             fixed=fixed,
             levels=tuple(levels),
             levels_relative="levels_of_Y" in document,
-            fits=tuple(_fits(estimation, way)),
+            fits=tuple(_fits(document.get("estimation", {}), way)),
             route=way,
-            cycles=route.get("cycles", way.cycles),
-            reading=route["reading"],
-            seed=route.get("seed", 0),
-            replicates=route.get("replicates", REPLICATES),
-            columns=tuple(document.get("columns", way.columns)),
-            chunk_cases=document.get("chunk_cases", way.chunk_cases),
-            summary_by=tuple(document.get("summary_by", [])),
-            figure=document.get("figure") or {},
-            facts=document.get("facts", {}),
             shows=document.get("shows", "").strip(),
+            **{key: route.get(key, usual) for key, usual in of_route.items()},
+            **{key: document.get(key) or usual for key, usual in of_study.items()},
         )
 
 
@@ -249,29 +480,15 @@ def paper_defaults(config: Mapping[str, Any]) -> dict[str, Any]:
     return {"base": base, "levels_m": levels}
 
 
-def _block(item: Mapping[str, Any]) -> Block:
-    if "sample" in item:
-        sample = item["sample"]
-        ranges = {
-            name: Range(float(spec["from"]), float(spec["to"]), spec.get("spacing", "linear"))
-            for name, spec in sample["over"].items()
-        }
-        return Sampled(sample["method"], sample["count"], sample["seed"], ranges)
-    return Listed({name: spec.get("values") or spread(spec) for name, spec in item.items()})
-
-
 def _fits(estimation: Mapping[str, Any], way: Route) -> Iterator[Fit]:
     kinds = estimation.get("fits", ["least_squares"])
     levels = [None if kind == "least_squares" else (kind[0] - 1, kind[1] - 1) for kind in kinds]
-    phases, sharings = (
-        estimation.get("phases", ["reversal"]),
-        estimation.get("sharing", ["individual"]),
-    )
+    of_phase = estimation.get("phases", ["reversal"]), estimation.get("sharing", ["individual"])
     contacts = estimation.get("contact", [COMPLIANT])
     weights = estimation.get("weights", [WEIGHTED]) if way.has_intervals else [""]
     terms = list(dict.fromkeys(map(in_order, estimation.get("terms", [()]))))
     for approach in estimation.get("approaches", way.approaches):
-        choices = (phases, sharings) if takes_phase(approach) else ([""], [""])
+        choices = of_phase if takes_phase(approach) else ([""], [""])
         for choice in product(*choices, contacts, weights, levels, terms):
             yield Fit(approach, *choice)
     of_yardsticks = {SIMPSON: (RIGID, EQUAL), LIKELIHOOD: (COMPLIANT, "")}

@@ -13,11 +13,10 @@ import pandas as pd
 from ..arguments import names, shown, whole
 from ..model import UNITS, Oscillator, named_with_unit
 from ..records.errors import library
-from .axes import Listed
+from .cases import columns_of
 from .evaluate import evaluate, responses_of
 from .parameters import follow_terms
-from .settings import PAPER, Study
-from .sizes import columns_of
+from .settings import PAPER, Listed, Study
 
 if TYPE_CHECKING:
     import xarray
@@ -64,7 +63,7 @@ class StudyResult:
         return pd.DataFrame.from_dict(rows, orient="index").rename_axis("fit")
 
     def to_xarray(self) -> xarray.Dataset:
-        """The same as a data set of xarray, which has to be installed: errors over the axes and the dimension `fit`,
+        """The table as a data set of xarray, which has to be installed: errors over the axes and the dimension `fit`,
         responses over the axes and the dimension `level`.
 
         Axes that are varied together share the dimension of the first of them; a sample has a dimension of its own.
@@ -75,31 +74,29 @@ class StudyResult:
             raise ValueError(
                 "to_xarray needs the package xarray: install it, or use to_frame"
             ) from None
-        study, described = self.settings, {c.name: c for c in columns_of(self.settings)}
+        study = self.settings
+        data: dict[str, Any] = {}
         sizes: dict[str, int] = {}
         coords: dict[str, Any] = {}
         for number, block in enumerate(study.blocks, start=1):
-            dimension = block.names[0] if isinstance(block, Listed) else f"sample_{number}"
+            dimension = next(iter(block.axes)) if isinstance(block, Listed) else f"sample_{number}"
             sizes[dimension] = block.count
             points = block.at(np.arange(block.count))
             coords |= {name: (dimension, of) for name, of in points.items()}
-        shape, dims = tuple(sizes.values()), tuple(sizes)
-        coords["fit"], coords["level"] = (
-            [f.label for f in study.fits],
-            np.arange(len(study.levels)) + 1,
-        )
-        data: dict[str, Any] = {}
-        for name in self.cases.columns.difference(["case", *study.axis_names], sort=False):
-            quantity, _, label = name.partition("__")
-            column, values = described[name], self.cases[name].to_numpy().reshape(shape)
-            about = {"units": column.unit, "long_name": column.meaning.partition(";")[0]}
-            if not label:
-                data[quantity] = dims, values, about
+        shape, dims, fits = tuple(sizes.values()), tuple(sizes), [fit.label for fit in study.fits]
+        coords |= {"fit": fits, "level": np.arange(len(study.levels)) + 1}
+        for column in columns_of(study):
+            if column.name in ("case", *study.axis_names):
                 continue
-            if quantity not in data:
-                empty = np.full((*shape, len(study.fits)), np.nan)
-                data[quantity] = (*dims, "fit"), empty, about
-            data[quantity][1][..., coords["fit"].index(label)] = values
+            quantity, _, label = column.name.partition("__")
+            values = self.cases[column.name].to_numpy().reshape(shape)
+            about = {"units": column.unit, "long_name": column.meaning.partition(";")[0]}
+            if label:
+                empty = np.full((*shape, len(fits)), np.nan)
+                _, of_fits, _ = data.setdefault(quantity, ((*dims, "fit"), empty, about))
+                of_fits[..., fits.index(label)] = values
+            else:
+                data[quantity] = dims, values, about
         if study.route.approaches:
             of_levels = self.responses.drop(columns=["case", "level", *study.axis_names])
             for name in of_levels.columns:
@@ -112,7 +109,7 @@ class StudyResult:
         return f"{self._head}\n{self.summary.to_string(float_format='{:.3g}'.format)}"
 
     def _repr_html_(self) -> str:
-        """The same as a table."""
+        """What was studied, and the summary as a table."""
         return f"<p>{self._head}</p>{self.summary.to_html(float_format='{:.3g}'.format)}"
 
     @property
@@ -205,13 +202,11 @@ def _with_terms(schema: Any, registered: Sequence[str]) -> Any:
 def _document(given: Mapping[str, Any]) -> dict[str, Any]:
     """The arguments as the document of a YAML file: plain values, and lists where a name alone stands for one."""
     document: dict[str, Any] = _plain(given)
-    axes = document["axes"]
-    if isinstance(axes, dict):
-        axes = [{name: of} for name, of in axes.items()]
-    for block in axes if isinstance(axes, list) else ():
+    if isinstance(document["axes"], dict):
+        document["axes"] = [{name: of} for name, of in document["axes"].items()]
+    for block in document["axes"] if isinstance(document["axes"], list) else ():
         if isinstance(block, dict):
             block |= {name: {"values": of} for name, of in block.items() if isinstance(of, list)}
-    document["axes"] = axes
     if isinstance(document.get("route"), str):
         document["route"] = {"kind": document["route"]}
     estimation = document.get("estimation")
@@ -229,10 +224,9 @@ def _plain(value: Any, depth: int = 0) -> Any:
     if depth > _DEEPEST:
         raise ValueError(f"study(): more than {_DEEPEST} lists and mappings inside each other")
     if isinstance(value, Oscillator):
-        numbers = asdict(value).items()
-        return {named_with_unit(name, UNITS[name]): number for name, number in numbers}
+        value = {named_with_unit(name, UNITS[name]): of for name, of in asdict(value).items()}
     if hasattr(value, "tolist") and not isinstance(value, type):
-        return _plain(value.tolist(), depth + 1)
+        value = value.tolist()
     if isinstance(value, Mapping):
         return {str(key): _plain(of, depth + 1) for key, of in value.items()}
     if isinstance(value, list | tuple | range):

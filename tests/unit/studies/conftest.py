@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import functools
+
 import pytest
 import yaml
 
 from dampbalance import __version__
-from dampbalance.studies import checking, evaluate, outputs
+from dampbalance.studies import case_files, checking, evaluate
 from folders import PAPER_FILE, STUDY_SCHEMA
+from unit.studies.documents import document
 
 
 @pytest.fixture(scope="session")
@@ -26,14 +29,21 @@ def make(tmp_path_factory):
 def computed(make, tmp_path_factory):
     """Makes a study and computes it: computed({"axes": …}) -> (Study, its table of cases, the file that holds it).
 
-    A table that is given stands for the computed one.
+    The name of one of documents.yaml stands for it, and is computed once. Columns that are given stand for computed
+    ones; a table that is given stands for the computed one.
     """
 
-    def run(document, table=None):
-        study = make(document)
+    @functools.cache
+    def named(name):
+        return run(document(name))
+
+    def run(given, table=None, **columns):
+        if isinstance(given, str):
+            return named(given)
+        study = make(given)
         table = evaluate.evaluate(study, 0, study.cases) if table is None else table
         path = tmp_path_factory.mktemp("cases") / "cases.parquet"
-        outputs.write_parts(path, [table], study, __version__)
+        case_files.write_parts(path, [table.assign(**columns)], study, __version__)
         return study, table, path
 
     return run

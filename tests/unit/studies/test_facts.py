@@ -3,24 +3,21 @@
 from __future__ import annotations
 
 import functools
-import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from dampbalance import BaseMotion, Oscillator, __version__, steady_orbit
 from dampbalance.balance import APPROACHES
-from dampbalance.features import of_orbit, stack
 from dampbalance.project.documents import ConfigurationError, read_yaml
 from dampbalance.project.wording import number
-from dampbalance.solver import least_squares, pair
-from dampbalance.studies import evaluate, outputs
-from dampbalance.studies.shown import error_curves, facts
+from dampbalance.solver import least_squares
+from dampbalance.studies.shown import facts
+from dampbalance.studies.shown.study_figure import study_figure
 from folders import ROOT
-from paper_case import PAPER
+from paper_case import LEVELS, PAPER, features_at
 
-LEVELS = (0.004, 0.006, 0.008, 0.010, 0.012)
 X_S = {"of": "F_k", "take": "signed", "approach": "X_s"}
 DIRECT_BAND = {"of": "F_k", "take": "band", "within": 0.01, "along": "zeta", "approach": "direct"}
 
@@ -67,7 +64,7 @@ def test_a_fact_about_a_case_that_does_not_exist_is_refused(make, axes, fact, ke
 
 def test_an_axis_takes_further_values_in_their_places(make):
     (block,) = make(zeta(axis={"also": [0.31, 0.05, 0.3, 2.0]})).blocks
-    values = block.values["zeta"]
+    values = block.axes["zeta"]
     assert values == sorted(values)
     assert len(values) == 12  # 0.3 is a value of the range already
     assert {0.05, 0.3, 0.31, 2.0} <= set(values)
@@ -77,9 +74,12 @@ def test_a_figure_of_curves_takes_the_cases_that_it_names(make, computed):
     axes = [{"zeta": {"from": 0.1, "to": 0.9, "count": 9}}, {"K_z_over_k": {"values": [9.0, 90.0]}}]
     figure = {"kind": "curves", "x": "zeta", "at": {"K_z_over_k": 9.0}}
     study, frame, path = computed({"axes": axes, "figure": figure})
-    (panel,) = error_curves.error_curves(study, path).panels
-    assert (frame["K_z_over_k"][panel.cases] == 9.0).all()
-    assert panel.x.tolist() == sorted(set(frame["zeta"]))
+    lines = study_figure(study, path).axes[0].lines
+    (curve,) = (line for line in lines if "X_s" in str(line.get_gid()))
+    drawn = frame[frame["K_z_over_k"] == 9.0].sort_values("zeta")
+    assert curve.get_xdata().tolist() == drawn["zeta"].tolist()
+    errors = 100.0 * drawn["F_k_relative_error__X_s__reversal__individual__least_squares"]
+    assert curve.get_ydata().tolist() == errors.tolist()
     with pytest.raises(ConfigurationError, match=r"figure\.at\.K_z_over_k: 8\.0 is not among"):
         make({"axes": axes, "figure": figure | {"at": {"K_z_over_k": 8.0}}})
 
@@ -87,13 +87,17 @@ def test_a_figure_of_curves_takes_the_cases_that_it_names(make, computed):
 # --- crossings -------------------------------------------------------------------------------------
 
 
-def table(study, folder, error):
-    """The table of cases of a study over zeta, with an error that is a given function of it."""
-    frame = evaluate.evaluate(study, 0, study.cases)
-    name = "F_k_relative_error__direct__least_squares"
-    frame[name] = error(frame["zeta"].to_numpy(float))
-    outputs.write_parts(folder / "cases.parquet", [frame], study, __version__)
-    return folder / "cases.parquet"
+@pytest.fixture
+def stated(computed):
+    """Makes the first fact of a study over zeta whose error of F_k by direct integration is a given function of it."""
+
+    def fact(document, error):
+        zetas = computed(document)[1]["zeta"].to_numpy(float)
+        wrong = {"F_k_relative_error__direct__least_squares": error(zetas)}
+        study, _, path = computed(document, **wrong)
+        return facts.paragraph(study, path)
+
+    return fact
 
 
 @pytest.mark.parametrize(
@@ -102,82 +106,65 @@ def table(study, folder, error):
         (lambda z: 0.05 * (z - 0.444), "0.244 to 0.644"),  # −1 % at 0.244, +1 % at 0.644
         (lambda z: 0.01 + 0.05 * (0.333 - z), "0.333 to 0.733"),
         (lambda z: 0.001 / z, "0.100 (where the axis begins) to 0.900 (where the axis ends)"),
-        (
-            lambda z: np.where(z < 0.25, np.nan, 0.02 * (z - 0.1)),
-            "0.300 (beyond it there are cases",
-        ),
+        (lambda z: np.where(z < 0.25, np.nan, 0.02 * z - 0.002), "0.300 (beyond it there are cases"),
         (lambda z: 0.02 + z, "nowhere"),
     ],
-)
-def test_the_ends_of_a_band_are_where_its_error_crosses_the_bound(make, tmp_path, error, words):
+)  # fmt: skip
+def test_the_ends_of_a_band_are_where_its_error_crosses_the_bound(stated, error, words):
     band = DIRECT_BAND | {"around": 0.5}
-    study = make(zeta(facts={"band": band}, shows="{band}"))
-    assert facts.paragraph(study, table(study, tmp_path, error)).startswith(words)
+    assert stated(zeta(facts={"band": band}, shows="{band}"), error).startswith(words)
 
 
-def test_the_lower_end_is_where_the_first_of_several_cases_crosses_the_bound(make, tmp_path):
-    lower = DIRECT_BAND | {"take": "from", "around": 0.6}
-    study = make({"axes": [*zeta()["axes"], {"K_z_over_k": {"values": [50.0, 90.0]}}]})
+def test_the_lower_end_is_where_the_first_of_several_cases_crosses_the_bound(stated):
+    lower = {"lower": DIRECT_BAND | {"take": "from", "around": 0.6}}
+    axes = [*zeta()["axes"], {"K_z_over_k": {"values": [50.0, 90.0]}}]
     slope = np.tile([50.0, 90.0], 9) / 90.0  # +1 % at ζ = 0.2943 and at 0.4543
-    made = table(study, tmp_path, lambda z: 0.05 * slope * (0.6543 - z))
-    assert facts.fact(study, made, lower) == "0.454"
+    study = {"axes": axes, "facts": lower, "shows": "{lower}"}
+    assert stated(study, lambda z: 0.05 * slope * (0.6543 - z)).startswith("0.454 ")
 
 
-def errors_of_F_k(approach, hz, levels=LEVELS, phase="reversal", rigid=False, pairs=False, **other):
-    """Relative errors of F_k by least squares, or by each neighbouring pair of levels, from single orbits."""
-    osc = Oscillator(
-        **({name: getattr(PAPER, name) for name in ("m", "c", "k", "K_z", "F_k")} | other)
-    )
-    orbits = [steady_orbit(osc, BaseMotion(Y=Y, omega=2.0 * math.pi * hz)) for Y in levels]
-    seen = stack([of_orbit(orbit) for orbit in orbits]).with_phase(phase)
+def error_of_F_k(hz, approach="X_s", levels=LEVELS, phase="reversal", rigid=False, **other):
+    """Relative error of F_k by least squares, from single orbits."""
+    osc = replace(PAPER, **other)
+    seen = features_at(hz, levels, osc).with_phase(phase)
     rows = APPROACHES[approach](seen.rigid() if rigid else seen, osc.k)
-    fits = [pair(rows[i, i + 1]) for i in range(4)] if pairs else [least_squares(rows)]
-    return [float(fit["F_k"]) / osc.F_k - 1.0 for fit in fits]
+    return float(least_squares(rows)["F_k"]) / osc.F_k - 1.0
 
 
 @pytest.fixture(scope="module")
 def shipped(computed):
-    """Facts of a study as it is shipped, from all of its cases."""
+    """A fact of a study as it is shipped, from all of its cases."""
     made = functools.cache(lambda name: computed(read_yaml(ROOT / f"config/studies/{name}.yaml")))
 
-    def facts_of(name, *wanted):
+    def fact_of(name, fact):
         study, _, path = made(name)
-        return [facts.fact(study, path, study.facts[fact]) for fact in wanted]
+        return facts.fact(study, path, study.facts[fact])
 
-    return facts_of
-
-
-def in_words(error):
-    return facts._in_words(error, signed=True)
+    return fact_of
 
 
-def test_facts_of_the_contact_and_the_level_are_at_the_parameters_that_they_name(shipped):
-    k = PAPER.k
-    assert shipped("contact_stiffness", "paper", "soft", "off_soft") == [
-        in_words(errors_of_F_k("X_s", 4.92)[0]),
-        in_words(errors_of_F_k("X_s", 4.92, K_z=2.0 * k)[0]),
-        in_words(errors_of_F_k("X_s", 11.1, K_z=2.0 * k)[0]),
-    ]
-    low = errors_of_F_k("X_s", 4.92, levels=(0.004, 0.006))[0]
-    assert shipped("level", "low") == [in_words(low)]
+@pytest.mark.parametrize(
+    ("name", "fact", "of"),
+    [
+        ("contact_stiffness", "paper", {"hz": 4.92}),
+        ("contact_stiffness", "soft", {"hz": 4.92, "K_z": 2.0 * PAPER.k}),
+        ("contact_stiffness", "off_soft", {"hz": 11.1, "K_z": 2.0 * PAPER.k}),
+        ("level", "low", {"hz": 4.92, "levels": (0.004, 0.006)}),
+        # at the paper's frequencies, as `results/paper/tables/approaches.csv` and the page have them
+        ("frequency", "below_individual", {"hz": 3.5}),
+        ("frequency", "below_fundamental", {"hz": 3.5, "phase": "fundamental"}),
+        ("frequency", "above_individual", {"hz": 11.1}),
+        ("rigid_contact", "soft_omega1", {"hz": 4.92, "approach": "direct", "rigid": True, "K_z": 2.0 * PAPER.k}),
+    ],
+)  # fmt: skip
+def test_facts_are_at_the_parameters_that_they_name(shipped, name, fact, of):
+    assert shipped(name, fact) == facts._in_words(error_of_F_k(**of), signed=True)
 
 
-def test_facts_of_the_frequency_are_those_of_the_table_of_approaches(shipped):
-    """At the paper's own frequencies, as `results/paper/tables/approaches.csv` and the page have them."""
-    assert shipped("frequency", "below_individual", "below_fundamental", "above_individual") == [
-        in_words(errors_of_F_k("X_s", 3.5)[0]),
-        in_words(errors_of_F_k("X_s", 3.5, phase="fundamental")[0]),
-        in_words(errors_of_F_k("X_s", 11.1)[0]),
-    ]
+@pytest.mark.parametrize(("number_of", "hz"), [(1, 4.92), (2, 3.5), (3, 11.1)])
+def test_thresholds_of_a_rigid_model_are_where_its_error_is_one_per_cent(shipped, number_of, hz):
+    def excess(K):
+        return abs(error_of_F_k(hz, "direct", rigid=True, K_z=K * PAPER.k)) - 0.01
 
-
-def test_thresholds_of_a_rigid_model_are_where_its_error_is_one_per_cent(shipped):
-    def excess(K, hz):
-        return abs(errors_of_F_k("direct", hz, rigid=True, K_z=K * PAPER.k)[0]) - 0.01
-
-    expected = [brentq(excess, 5.0, 200.0, args=(hz,), rtol=1e-6) for hz in (4.92, 3.5, 11.1)]
-    assert shipped("rigid_contact", "from_omega1", "from_omega2", "from_omega3") == [
-        number(K, 3) for K in expected
-    ]
-    soft = errors_of_F_k("direct", 4.92, rigid=True, K_z=2.0 * PAPER.k)[0]
-    assert shipped("rigid_contact", "soft_omega1") == [in_words(soft)]
+    expected = number(brentq(excess, 5.0, 200.0, rtol=1e-6), 3)
+    assert shipped("rigid_contact", f"from_omega{number_of}") == expected

@@ -21,38 +21,34 @@ NOISY = {"route": {"kind": "measured", "sampling_hz": 1000, "noise": 0.01, "seed
 RUN = {"run": {"from": 0, "to": 9, "count": 10}}
 
 
+CURVES = {"kind": "curves", "x": "omega_over_omega_n"}
+MILLION = {"sample": SAMPLE | {"count": 10**6}}
+SCHEME = {"scheme": {"values": ["rk4"]}}
+
+
 @pytest.mark.parametrize(
     ("document", "figure"),
     [
-        ({"axes": [LONG]}, {"kind": "curves", "x": "omega_over_omega_n"}),
-        (
-            {"axes": [LONG], "estimation": {"phases": ["reversal", "fundamental"]}},
-            {"kind": "curves", "x": "omega_over_omega_n", "panels": "phase"},
-        ),
-        ({"axes": [FEW, LONG]}, {"kind": "curves", "x": "omega_over_omega_n", "panels": "zeta"}),
+        ({"axes": [LONG]}, CURVES),
+        ({"axes": [LONG], "estimation": {"phases": ["reversal", "fundamental"]}}, CURVES | {"panels": "phase"}),
+        ({"axes": [FEW, LONG]}, CURVES | {"panels": "zeta"}),
         (
             {"axes": [FEW, {"K_z_over_k": {"values": [10, 20, 30]}}, LONG]},
-            {"kind": "curves", "x": "omega_over_omega_n", "panels": "zeta", "at": {"K_z_over_k": 20}},
+            CURVES | {"panels": "zeta", "at": {"K_z_over_k": 20}},
         ),
         ({"axes": [STIFF, LONG]}, {"kind": "map", "x": "omega_over_omega_n", "y": "K_z_over_k"}),
         ({"axes": [{"sample": SAMPLE | {"count": 64}}]}, {"kind": "curves", "x": "zeta"}),
-        (
-            {"axes": [{"sample": SAMPLE | {"count": 10**6}}, STIFF]},
-            {"kind": "map", "x": "zeta", "y": "K_z_over_k"},
-        ),
+        ({"axes": [MILLION, STIFF]}, {"kind": "map", "x": "zeta", "y": "K_z_over_k"}),
         (NOISY | {"axes": [{"noise": {"values": [0.01, 0.1]}}, RUN]}, {"kind": "scatter", "x": "noise"}),
         (
             NOISY | {"axes": [{"frequency_hz": {"values": [3.5, 6.0]}}, FEW, RUN]},
             {"kind": "scatter", "x": "frequency_hz", "panels": "zeta"},
         ),
         (NOISY | {"axes": [RUN]}, {"kind": "curves", "x": "run"}),
-        (
-            SIMULATED | {"axes": [{"scheme": {"values": ["rk4"]}}, {"step_s": {"values": [2e-5, 4e-5]}}]},
-            {"kind": "steps", "x": "step_s"},
-        ),
+        (SIMULATED | {"axes": [SCHEME, {"step_s": {"values": [2e-5, 4e-5]}}]}, {"kind": "steps", "x": "step_s"}),
         # not drawn: too many cases for curves; words only; nothing that varies; as the file wants it
-        ({"axes": [{"sample": SAMPLE | {"count": 10**6}}]}, {}),
-        ({"axes": [{"scheme": {"values": ["rk4"]}}], "route": {"kind": "fixed_step", "step_s": 1e-5}}, {}),
+        ({"axes": [MILLION]}, {}),
+        ({"axes": [SCHEME], "route": {"kind": "fixed_step", "step_s": 1e-5}}, {}),
         ({"axes": [{"zeta": {"values": [0.1]}}]}, {}),
         ({"axes": [LONG], "figure": None}, {}),
     ],
@@ -80,9 +76,8 @@ def test_a_map_of_single_cases_shows_their_errors_with_zero_in_the_middle(single
     level = int(np.flatnonzero(lines.levels == 1.0)[0])
     ends = lines.get_paths()[level].vertices
     place = ends[np.isclose(ends[:, 1], ends[:, 1].max()), 0]
-    assert place.min() == pytest.approx(
-        np.interp(1.0, upper, x), abs=0.1
-    )  # linear in a bin, to its size
+    # linear in a bin, to its size
+    assert place.min() == pytest.approx(np.interp(1.0, upper, x), abs=0.1)
     assert "1 %" in {text.get_text() for text in panel.texts}
 
 
@@ -117,35 +112,27 @@ def test_the_colours_of_maps_grow_darker_with_the_error_also_without_colour():
     assert red > blue  # too large is red
 
 
+ALONG = {
+    "Y_m": {"from": 0.004, "to": 0.012, "count": 5},
+    "K_z_over_k": {"from": 10.0, "to": 1000.0, "count": 5, "spacing": "log"},
+}
+
+
 @pytest.mark.parametrize("panels", range(2, 7))
-@pytest.mark.parametrize(
-    "x",
-    [
-        {"Y_m": {"from": 0.004, "to": 0.012, "count": 5}},
-        {"K_z_over_k": {"from": 10.0, "to": 1000.0, "count": 5, "spacing": "log"}},
-    ],
-)
-def test_labels_of_neighbouring_panels_keep_apart(computed, x, panels):
-    (name,) = x
-    study, _, path = computed(
-        {
-            "axes": [{"frequency_hz": {"values": [3.5, 5.0, 6.0, 8.0, 11.0, 13.0][:panels]}}, x],
-            "levels_of_Y": [1, 2],
-            "estimation": {"approaches": ["X_s"]},
-            "figure": {"kind": "curves", "x": name, "panels": "frequency_hz"},
-        }
-    )
+@pytest.mark.parametrize("name", ALONG)
+def test_labels_of_neighbouring_panels_keep_apart(computed, name, panels):
+    hertz = {"frequency_hz": {"values": [3.5, 5.0, 6.0, 8.0, 11.0, 13.0][:panels]}}
+    changed = {"axes": [hertz, {name: ALONG[name]}], "levels_of_Y": [1, 2]}
+    changed |= {"figure": {"kind": "curves", "x": name, "panels": "frequency_hz"}}
+    study, _, path = computed(changed | {"estimation": {"approaches": ["X_s"]}})
     figure = study_figure(study, path)
     figure.draw_without_rendering()
     boxes = []
     for axes in figure.axes[-panels:]:
         low, high = axes.get_xlim()
-        shown = [
-            tick.label1.get_window_extent()
-            for tick in axes.xaxis.get_major_ticks()
-            if tick.label1.get_text() and low <= tick.get_loc() <= high
-        ]
-        assert shown  # every panel keeps a label
-        boxes += shown
+        ticks = [tick for tick in axes.xaxis.get_major_ticks() if low <= tick.get_loc() <= high]
+        labels = [tick.label1 for tick in ticks if tick.label1.get_text()]
+        assert labels  # every panel keeps a label
+        boxes += [label.get_window_extent() for label in labels]
     assert all(one.x1 < other.x0 for one, other in itertools.pairwise(boxes))
     assert boxes[-1].x1 < figure.get_figwidth() * STYLE["figure.dpi"]

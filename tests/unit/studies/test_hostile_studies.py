@@ -1,4 +1,5 @@
-"""A study, however odd, is refused in one line each, or all that its rules make is made; nothing else happens.
+"""A study that cannot be run is refused in a sentence that names the file, the key and the remedy; and however odd a
+study is, it is refused in one line each, or all that its rules make is made; nothing else happens.
 
 The studies are drawn by a seeded generator: a sound one of each kind, with up to three things in it that are not.
 """
@@ -14,58 +15,30 @@ import yaml
 
 from dampbalance.figures.style import save
 from dampbalance.project.documents import ConfigurationError
-from dampbalance.studies import checking, evaluate, outputs, sizes
+from dampbalance.studies import case_files, cases, checking, evaluate
 from dampbalance.studies.shown import facts, summary
 from dampbalance.studies.shown.study_figure import alternative_text, study_figure
 from folders import PAPER_FILE, STUDY_SCHEMA
-from unit.studies.documents import DOCUMENTS
+from unit.studies.documents import DOCUMENTS, REFUSALS, document
 
 LONGEST = 300  # characters of a line
 SOUND = {name: DOCUMENTS[name] for name in ("curves", "map", "steps", "scatter")}
-TEXTS = [
-    "<script>alert(1)</script>",
-    "a | b",
-    "$x$ $\\frac$",
-    "$",
-    "`c`",
-    "x" * 190,
-    "two\nlines",
-    "",
-]
+TEXTS = ["<script>alert(1)</script>", "a | b", "$x$ $\\frac$", "$", "`c`", "x" * 190, "two\nlines", ""]  # fmt: skip
 NUMBERS = [0, -1, True, None, "x", "", [], {}, 1e-300, 1e300, 2**62, float("nan"), float("inf")]
 PLACES = [0.5, 50.0, -5.0, 1e300]
 NAMES = ["scheme", "phase", "case", "regime", "nowhere", "noise", "zeta", "K_z_over_k", ""]
-SHOWS = [
-    "{",
-    "}",
-    "{}",
-    "{0}",
-    "{f:.3f}",
-    "{f!r}",
-    "{f.real}",
-    "{f[0]}",
-    "{g}",
-    "{{f}}",
-    "{cases}",
-    "{f}",
-]
+SHOWS = ["{", "}", "{}", "{0}", "{f:.3f}", "{f!r}", "{f.real}", "{f[0]}", "{g}", "{{f}}", "{cases}", "{f}"]  # fmt: skip
 
 
 def of_axes(draw, study):
     block = draw.choice(study["axes"])
     name = draw.choice(list(block))
-    block[name] = draw.choice(
-        [
-            {"values": [draw.choice(NUMBERS), 1.0]},
-            {"values": [10**30, 10**18]},
-            {"from": 1.0, "to": 2.0, "count": draw.choice([2, 10**5, 10**9, 2**62])},
-            {"from": 1.0, "to": 1.0 + 1e-15, "count": 50},
-            {"from": 1e-300, "to": 1e300, "count": 3, "spacing": "log"},
-            {"from": 0, "to": 3, "count": 10},
-            {"values": [1.0]},
-            {"values": list(range(1, 15001))},
-        ]
-    )
+    values = [[draw.choice(NUMBERS), 1.0], [10**30, 10**18], [1.0], list(range(1, 15001))]
+    ranges = [(1.0, 2.0, draw.choice([2, 10**5, 10**9, 2**62])), (1.0, 1.0 + 1e-15, 50), (0, 3, 10)]
+    specs = [{"values": given} for given in values]
+    specs += [{"from": low, "to": high, "count": count} for low, high, count in ranges]
+    specs += [{"from": 1e-300, "to": 1e300, "count": 3, "spacing": "log"}]
+    block[name] = draw.choice(specs)
 
 
 def of_sample(draw, study):
@@ -76,20 +49,11 @@ def of_sample(draw, study):
 
 
 def of_figure(draw, study):
-    edit = draw.choice(
-        [
-            {"x": draw.choice(NAMES)},
-            {"y": draw.choice(NAMES)},
-            {"panels": draw.choice(NAMES)},
-            {"kind": draw.choice(list(SOUND))},
-            {"fit": draw.choice(["pairs", "pair_1_2", "pair_9_9"])},
-            {"phase": "fundamental"},
-            {"contact": "rigid"},
-            {"within": draw.choice([1e-300, 1e300])},
-            {"marks": {draw.choice([*TEXTS, 1, True, "omega1"]): draw.choice(PLACES)}},
-        ]
-    )
-    study["figure"] |= edit
+    keys = {"x": NAMES, "y": NAMES, "panels": NAMES, "kind": list(SOUND), "phase": ["fundamental"]}
+    keys |= {"fit": ["pairs", "pair_1_2", "pair_9_9"], "contact": ["rigid"], "within": [1e300]}
+    keys |= {"marks": [{draw.choice([*TEXTS, 1, True, "omega1"]): draw.choice(PLACES)}]}
+    key = draw.choice(list(keys))
+    study["figure"][key] = draw.choice(keys[key])
 
 
 def of_facts(draw, study):
@@ -117,28 +81,23 @@ def of_text(draw, study):
 
 
 def of_settings(draw, study):
-    key, value = draw.choice(
-        [
-            ("levels_m", [0.004, 0.004 * (1 + 1e-12)]),
-            ("levels_m", [1e-300, 1e300]),
-            ("levels_of_Y", list(range(1, 2000))),
-            ("chunk_cases", 10**9),
-            ("chunk_cases", 1),
-            ("columns", ["errors", "intervals"]),
-            ("columns", ["parameters"]),
-            ("summary_by", [draw.choice(NAMES)]),
-            ("read_out", {"X_decimals": 400}),
-            ("read_out", {"t_s_unit_s": 1e-300}),
-            ("base", {"c_N_s_per_m": 1e300}),
-            ("base", {"K_z_N_per_m": 1e-300, "F_k_N": 2**62}),
-            ("estimation", {"fits": [[1, 1]]}),
-            ("estimation", {"fits": [[1, 9]]}),
-            ("route", {"kind": "fixed_step", "scheme": "rk4", "step_s": 1e-12}),
-            ("route", {"kind": "sampled", "sampling_hz": 1e9}),
-            ("route", SOUND["scatter"]["route"] | {"noise": 0.0, "cycles": 10**5}),
-        ]
-    )
-    study[key] = value
+    values = {
+        "levels_m": [[0.004, 0.004 * (1 + 1e-12)], [1e-300, 1e300]],
+        "levels_of_Y": [list(range(1, 2000))],
+        "chunk_cases": [10**9, 1],
+        "columns": [["errors", "intervals"], ["parameters"]],
+        "summary_by": [[draw.choice(NAMES)]],
+        "read_out": [{"X_decimals": 400}, {"t_s_unit_s": 1e-300}],
+        "base": [{"c_N_s_per_m": 1e300}, {"K_z_N_per_m": 1e-300, "F_k_N": 2**62}],
+        "estimation": [{"fits": [[1, 1]]}, {"fits": [[1, 9]]}],
+        "route": [
+            {"kind": "fixed_step", "scheme": "rk4", "step_s": 1e-12},
+            {"kind": "sampled", "sampling_hz": 1e9},
+            SOUND["scatter"]["route"] | {"noise": 0.0, "cycles": 10**5},
+        ],
+    }
+    key = draw.choice(list(values))
+    study[key] = draw.choice(values[key])
 
 
 EDITS = (of_axes, of_sample, of_figure, of_figure, of_facts, of_facts, of_text, of_settings)
@@ -155,18 +114,18 @@ def drawn(seed: int) -> dict:
 def built(study, folder) -> str:
     """Everything that the rules make of a study; returns its page."""
     chunks = []
-    for number in range(sizes.size_of(study).chunks):
+    for number in range(cases.size_of(study).chunks):
         chunks.append(folder / f"{number:05d}.parquet")
-        parts = evaluate.in_parts(study, *sizes.chunk_bounds(study, number), threads=1)
-        outputs.write_parts(chunks[-1], parts, study, "0")
-    cases = folder / "cases.parquet"
-    outputs.join_chunks(cases, chunks, study)
-    outputs.write_manifest(folder / "manifest.json", cases, study, "0")
+        parts = evaluate.in_parts(study, *cases.chunk_bounds(study, number), threads=1)
+        case_files.write_parts(chunks[-1], parts, study, "0")
+    file = folder / "cases.parquet"
+    case_files.join_chunks(file, chunks, study)
+    case_files.write_manifest(folder / "manifest.json", file, study, "0")
     if study.figure:
         text = alternative_text(study)
-        save(study_figure(study, cases), folder / "a.svg", folder / "a.png", text)
-    table = summary.summary_of(cases, study)
-    return summary.summary_markdown(study, table, facts.paragraph(study, cases), "figure.png")
+        save(study_figure(study, file), folder / "a.svg", folder / "a.png", text)
+    table = summary.summary_of(file, study)
+    return summary.summary_markdown(study, table, facts.paragraph(study, file), "figure.png")
 
 
 @pytest.mark.parametrize("seed", range(30))
@@ -176,7 +135,7 @@ def test_it_is_refused_or_made(tmp_path, seed):
     refusal = ""
     try:
         study = checking.read_study(file, STUDY_SCHEMA, PAPER_FILE)
-        sizes.check_size(study, sizes.size_of(study), tmp_path, file)
+        cases.check_size(study, cases.size_of(study), tmp_path, file)
     except ConfigurationError as error:
         refusal = str(error)
     for line in refusal.splitlines():
@@ -194,3 +153,14 @@ def test_it_is_refused_or_made(tmp_path, seed):
 @pytest.mark.parametrize("kind", SOUND)
 def test_the_studies_that_the_draws_start_from_are_sound(tmp_path, make, kind):
     assert built(make(SOUND[kind]), tmp_path).startswith("# Test")
+
+
+@pytest.mark.parametrize(("name", "change", "words"), REFUSALS)
+def test_a_wrong_study_is_refused_in_one_sentence(make, name, change, words):
+    if words is None:
+        make(document(name, **change))
+        return
+    with pytest.raises(ConfigurationError) as caught:
+        make(document(name, **change))
+    assert words in str(caught.value)
+    assert str(caught.value).count("test.yaml: ") == len(str(caught.value).splitlines())

@@ -8,9 +8,9 @@ import pytest
 
 from analytic.integrals import input_work, of_motion
 from dampbalance.law.response import law_orbit
-from dampbalance.studies import evaluate, law_selection
-from dampbalance.studies.routes import law_named, terms_named
-from dampbalance.studies.shown import confusion, facts, summary
+from dampbalance.studies import evaluate, responses
+from dampbalance.studies.settings import law_named, terms_named
+from dampbalance.studies.shown import facts, summary
 from dampbalance.studies.shown.study_figure import alternative_text, study_figure
 from unit.studies.documents import document
 
@@ -31,7 +31,7 @@ def test_a_law_is_named_by_its_terms():
 @pytest.mark.parametrize("law", SIX)
 def test_what_is_drawn_has_every_term_of_its_law_matter(law):
     # the shares once more, from the motion that the integrator finds; what the harmonics cut off is below 1e-4
-    truth = law_selection.drawn(law, LEVELS, np.random.default_rng(3))
+    truth = responses.drawn_oscillator(law, LEVELS, np.random.default_rng(3))
     assert law_named(truth.coefficients) == law
     taken = {symbol: [] for symbol in truth.coefficients}
     for motion in truth.motions:
@@ -39,7 +39,7 @@ def test_what_is_drawn_has_every_term_of_its_law_matter(law):
         assert len(orbit.onsets) == 1
         for symbol, p in truth.coefficients.items():
             taken[symbol].append(p * of_motion(symbol, orbit) / input_work(orbit))
-    shares = truth.shares(truth.responses())
+    shares = truth.shares()
     taken["F_k"] = 1.0 - np.sum(list(taken.values()), axis=0)
     for symbol, part in taken.items():
         np.testing.assert_allclose(shares[symbol], part, atol=1e-4)
@@ -54,19 +54,13 @@ def test_what_is_drawn_has_every_term_of_its_law_matter(law):
 
 
 def test_a_law_whose_oscillators_never_slip_as_wanted_is_named(monkeypatch):
-    monkeypatch.setattr(law_selection.Truth, "responses", lambda _: None)
+    monkeypatch.setattr(responses.Truth, "shares", lambda _: {})
     with pytest.raises(ArithmeticError, match="no oscillator with the law F_k \\+ c slips once"):
-        law_selection.drawn("F_k + c", LEVELS, np.random.default_rng(1))
+        responses.drawn_oscillator("F_k + c", LEVELS, np.random.default_rng(1))
 
 
-@pytest.fixture(scope="module")
-def done(computed):
-    """The study, its table of cases, and the file that holds it."""
-    return computed(SMALL)
-
-
-def test_the_law_of_clear_records_is_found_whatever_the_chunk(done):
-    study, table, _ = done
+def test_the_law_of_clear_records_is_found_whatever_the_chunk(computed):
+    study, table, _ = computed("laws")
     assert list(table.columns) == ["case", "law", "run", "regime", "chosen"]
     assert list(table["chosen"]) == list(table["law"])
     assert set(table["regime"]) == {"one_slip"}
@@ -78,35 +72,30 @@ def test_records_that_cannot_be_read_have_no_law(monkeypatch):
     def too_short(*_):
         raise ValueError("too few cycles")
 
-    monkeypatch.setattr(law_selection, "read_features", too_short)
-    assert law_selection.chosen_law("F_k + c", (1.0,), 12, 0.01, np.random.default_rng(1)) == "none"
+    monkeypatch.setattr(responses, "read_features", too_short)
+    assert responses.chosen_law("F_k + c", (1.0,), 12, 0.01, np.random.default_rng(1)) == "none"
 
 
 def test_noise_and_oscillator_follow_from_seed_law_and_run(make, monkeypatch):
     seen = []
     monkeypatch.setattr(
-        law_selection, "chosen_law", lambda *given: seen.append(given[-1].random()) or "none"
+        responses, "chosen_law", lambda *given: seen.append(given[-1].random()) or "none"
     )
-    values = {
-        "law": np.array(["F_k + c", "F_k + c", "F_k + c_2"]),
-        "noise": np.array([0.01, 0.01, 0.01]),
-        "run": np.array([1, 2, 1]),
-    }
     study, other = (make(SMALL | {"route": SMALL["route"] | {"seed": seed}}) for seed in (1, 2))
-    law_selection.chosen_laws(study, values)
-    law_selection.chosen_laws(study, {name: array[::-1] for name, array in values.items()})
-    assert seen[:3] == seen[:2:-1]
-    law_selection.chosen_laws(other, values)
-    assert len({*seen[:3], *seen[6:]}) == 6
+    evaluate.evaluate(study, 0, 4)
+    evaluate.evaluate(study, 1, 4)
+    assert seen[1:4] == seen[4:]
+    evaluate.evaluate(other, 0, 4)
+    assert len({*seen}) == 8
 
 
 @pytest.fixture
 def counted(computed):
     """A study whose choices are set by hand: of F_k + c 17 right, 2 with a term too many, 1 none; of F_k + c_r 18
     right, 2 others, which have no term too many."""
-    laws, runs = ["F_k + c", "F_k + c_r"], range(1, 21)
-    axes = [{"law": {"values": laws}}, {"run": {"values": list(runs)}}]
-    table = pd.DataFrame({"case": np.arange(40), "law": np.repeat(laws, 20), "run": [*runs] * 2})
+    laws, runs = ["F_k + c", "F_k + c_r"], [*range(1, 21)]
+    axes = [{"law": {"values": laws}}, {"run": {"values": runs}}]
+    table = pd.DataFrame({"case": np.arange(40), "law": np.repeat(laws, 20), "run": runs * 2})
     chosen = ["F_k + c"] * 17 + ["F_k + c + c_2"] * 2 + ["none"]
     chosen += ["F_k + c_r"] * 18 + ["F_k + c", "F_k + c_2 + eta"]
     study, _, path = computed(
@@ -129,28 +118,22 @@ def test_the_summary_counts_what_was_chosen(counted):
     # Wilson's interval of 17 in 20
     assert table.loc["F_k + c", "right_low_percent"] == pytest.approx(63.96, abs=0.005)
     assert table.loc["F_k + c", "right_high_percent"] == pytest.approx(94.76, abs=0.005)
-    page = summary.summary_markdown(
-        study, table.reset_index(), facts.paragraph(study, path), "figure.png"
-    )
+    text = facts.paragraph(study, path)
+    page = summary.summary_markdown(study, table.reset_index(), text, "figure.png")
     assert "40: 87.5 %" in page
-    assert (
-        "| F_k + c | 17 |  | 2 |  | 1 | 85.0 % (64.0 % to 94.8 %) | 10.0 % (2.79 % to 30.1 %) |"
-        in page
-    )
+    shares = "85.0 % (64.0 % to 94.8 %) | 10.0 % (2.79 % to 30.1 %)"
+    assert f"| F_k + c | 17 |  | 2 |  | 1 | {shares} |" in page
 
 
 def test_facts_are_shares_of_all_laws_or_of_one(counted):
     study, path = counted
 
-    def fact(take, **at):
-        return facts.fact(study, path, {"of": "law", "take": take, "at": at})
-
-    assert fact("right") == "87.5 %"
-    assert fact("right", law="F_k + c_r") == "90.0 %"
-    assert fact("extra") == "5.00 %"
-    assert fact("extra_low") == "1.38 %"
-    assert fact("extra_high") == "16.5 %"
-    assert fact("none", law="F_k + c") == "5.00 %"
+    expected = {"right": "87.5 %", "extra": "5.00 %", "extra_low": "1.38 %", "extra_high": "16.5 %"}
+    of_law = {("right", "F_k + c_r"): "90.0 %", ("none", "F_k + c"): "5.00 %"}
+    for take, words in expected.items():
+        assert facts.fact(study, path, {"of": "law", "take": take}) == words
+    for (take, law), words in of_law.items():
+        assert facts.fact(study, path, {"of": "law", "take": take, "at": {"law": law}}) == words
 
 
 def test_the_figure_shows_each_number_and_names_each_law(counted):
@@ -159,13 +142,8 @@ def test_the_figure_shows_each_number_and_names_each_law(counted):
     (axes,) = figure.axes
     texts = [text.get_text() for text in axes.texts]
     assert texts[:10] == ["17", "0", "2", "0", "1", "1", "18", "0", "1", "0"]
-    assert [label.get_text() for label in axes.get_xticklabels()] == [
-        "$F_k+c$",
-        "$F_k+c_r$",
-        "$F_k+c+c_2$",
-        r"$F_k+c_2+\eta$",
-        "none",
-    ]
+    named = [label.get_text() for label in axes.get_xticklabels()]
+    assert named == ["$F_k+c$", "$F_k+c_r$", "$F_k+c+c_2$", r"$F_k+c_2+\eta$", "none"]
     assert len(axes.patches) == 2  # the right ones
     assert "true law" in alternative_text(study)
-    assert set(confusion.laws_in(confusion.confusion(path))) >= {"none", "F_k + c"}
+    assert set(summary.laws_in(summary.confusion(path))) >= {"none", "F_k + c"}

@@ -4,75 +4,63 @@ from __future__ import annotations
 
 import itertools
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
 import pytest
 
-from dampbalance import BaseMotion, __version__, steady_orbit
+from dampbalance import steady_orbit
 from dampbalance.identification.forced import identify_readings
 from dampbalance.likelihood.information import cramer_rao, noise_of_rms
 from dampbalance.project.wording import percent
 from dampbalance.reading.mean_harmonics import read_features
 from dampbalance.reading.simpson import cycle_integrals
 from dampbalance.records.synthetic import measured_orbit
-from dampbalance.studies import evaluate, outputs
+from dampbalance.studies import evaluate
+from dampbalance.studies.cases import cases_between, columns_of
 from dampbalance.studies.shown import facts, statistics, summary
 from dampbalance.studies.shown.statistics import bounds_of
 from dampbalance.studies.shown.study_figure import alternative_text, study_figure
-from dampbalance.studies.sizes import columns_of
 from paper_case import FREQUENCIES_HZ, PAPER, motions_at
 from unit.studies.documents import document
 
 SMALL = document("noisy")
-
-
-@pytest.fixture(scope="module")
-def done(computed):
-    """The study, its table of cases, and the file that holds it."""
-    return computed(SMALL)
+TRUE = {"F_k": ("F_k_N", PAPER.F_k), "c": ("c_N_s_per_m", PAPER.c)}
+DIRECT, X_S = "direct__least_squares", "X_s__fundamental__individual__least_squares"
 
 
 def experiment(case):
     """The records of a case at 3.5 Hz with 0.1 % of noise, as one would take them, and what is read off them."""
-    omega = 2.0 * math.pi * 3.5
-    for level, Y in enumerate((0.004, 0.012)):
+    for level, motion in enumerate(motions_at(3.5, (0.004, 0.012))):
         random = np.random.default_rng([7, case, level])
-        start = random.random() / 3.5
-        orbit = steady_orbit(PAPER, BaseMotion(Y, omega))
-        measurement = measured_orbit(
-            orbit, rate_hz=1000, cycles=20, noise=0.001, seed=random, start=start
-        )
+        taken = {"rate_hz": 1000, "cycles": 20, "noise": 0.001, "start": random.random() / 3.5}
+        measurement = measured_orbit(steady_orbit(PAPER, motion), seed=random, **taken)
         yield measurement, read_features(measurement, PAPER.k)
 
 
-def test_a_case_is_an_experiment_as_one_would_do_it(done):
-    _, table, _ = done
+def test_a_case_is_an_experiment_as_one_would_do_it(computed):
+    _, table, _ = computed("noisy")
     case = 7  # 3.5 Hz, 0.1 %, run 2
     assert table.loc[case, ["frequency_hz", "noise", "run"]].tolist() == [3.5, 0.001, 2]
     readings = [reading for _, reading in experiment(case)]
     # what `identify` makes of them; its replicates differ, as they are drawn from one generator
     expected = identify_readings(readings, PAPER.k, phase="fundamental", replicates=400).estimates
     found = table.loc[case]
-    for approach, label in (
-        ("fourier", "fourier__least_squares"),
-        ("direct", "direct__least_squares"),
-        ("X_s", "X_s__fundamental__individual__least_squares"),
-    ):
-        for name, unit, true in (("F_k", "N", PAPER.F_k), ("c", "N_s_per_m", PAPER.c)):
-            parameter = expected[approach].coefficients[name]
+    for label in ("fourier__least_squares", DIRECT, X_S):
+        for name, (column, true) in TRUE.items():
+            parameter = expected[label.partition("__")[0]].coefficients[name]
             # The same records, rows and solver: sin and cos of longer arrays may round otherwise, no more.
-            assert found[f"{name}_{unit}__{label}"] == pytest.approx(parameter.value, rel=1e-11)
+            assert found[f"{column}__{label}"] == pytest.approx(parameter.value, rel=1e-11)
             stated = true * found[f"{name}_relative_standard_error__{label}"]
             # 25 replicates know a standard error to 14 %: three of these
             assert stated == pytest.approx(parameter.standard_error, rel=0.45)
-            held = abs(found[f"{name}_{unit}__{label}"] - true) <= 1.959964 * stated
+            held = abs(found[f"{column}__{label}"] - true) <= 1.959964 * stated
             assert found[f"{name}_covered__{label}"] == float(held)
 
 
-def test_yardsticks_are_added_and_change_nothing_else(done, make):
-    study, table, _ = done
-    case = 7
+def test_yardsticks_are_added_and_change_nothing_else(computed, make):
+    (study, table, _), case = computed("noisy"), 7
     more = make(SMALL | {"estimation": SMALL["estimation"] | {"yardsticks": ["simpson", "fit"]}})
     with_them = evaluate.evaluate(more, case, case + 1)
     before = table.iloc[[case]].reset_index(drop=True)
@@ -84,7 +72,7 @@ def test_yardsticks_are_added_and_change_nothing_else(done, make):
     # The fit is what `identify` says of the same records.
     result = identify_readings([reading for _, reading in records], PAPER.k, replicates=10)
     answer = result.reference
-    for symbol, column, true in (("F_k", "F_k_N", PAPER.F_k), ("c", "c_N_s_per_m", PAPER.c)):
+    for symbol, (column, true) in TRUE.items():
         value, error = answer.values[symbol], answer.standard_errors[symbol]
         assert found[f"{column}__{fit}"] == pytest.approx(value, rel=1e-11)
         stated = found[f"{symbol}_relative_standard_error__{fit}"]
@@ -98,9 +86,9 @@ def test_yardsticks_are_added_and_change_nothing_else(done, make):
         for m, r in records
     ]  # fmt: skip
     a, b, W = np.mean(of_cycles, axis=2).T
-    F_k, c = np.linalg.solve(np.column_stack([a, b]), W)
-    assert found[f"F_k_N__{simpson}"] == pytest.approx(F_k, rel=1e-9)
-    assert found[f"c_N_s_per_m__{simpson}"] == pytest.approx(c, rel=1e-9)
+    columns = [f"{column}__{simpson}" for column, _ in TRUE.values()]
+    expected = np.linalg.solve(np.column_stack([a, b]), W)
+    assert found[columns].tolist() == pytest.approx(expected, rel=1e-9)
     rng = np.random.default_rng(1)
     means = [np.array(rows)[:, rng.integers(0, 19, (19, 4000))].mean(axis=1) for rows in of_cycles]
     (a1, b1, W1), (a2, b2, W2) = means
@@ -110,42 +98,40 @@ def test_yardsticks_are_added_and_change_nothing_else(done, make):
     assert stated == pytest.approx(drawn.std() * math.sqrt(19.0 / 18.0), rel=0.45)
 
 
-def test_a_case_does_not_depend_on_its_chunk(done):
-    study, table, _ = done
-    part = evaluate.evaluate(study, 5, 8)
+def test_a_case_does_not_depend_on_its_chunk(computed):
+    study, table, _ = computed("noisy")
     expected = table.iloc[5:8].reset_index(drop=True)
-    pd.testing.assert_frame_equal(part, expected, check_exact=True)
+    pd.testing.assert_frame_equal(evaluate.evaluate(study, 5, 8), expected, check_exact=True)
 
 
-def test_runs_differ_and_seeds_too(done, make):
-    _, table, _ = done
-    column = "F_k_relative_error__direct__least_squares"
+def test_runs_differ_and_seeds_too(computed, make):
+    _, table, _ = computed("noisy")
+    column = f"F_k_relative_error__{DIRECT}"
     assert table[column].nunique() == len(table)
     other = make(SMALL | {"route": SMALL["route"] | {"seed": 8}})
     assert other.seeds == [8]
     assert evaluate.evaluate(other, 0, 1)[column][0] != table[column][0]
 
 
-def test_without_noise_the_truth_comes_back(make):
+def test_without_noise_the_truth_comes_back(computed):
     axes = [{"frequency_hz": {"values": [*FREQUENCIES_HZ.values()]}}]
     route = SMALL["route"] | {"noise": 0.0, "sampling_hz": 5000}
-    study = make(document("noisy", axes=axes, route=route, summary_by=None, figure=None))
-    table = evaluate.evaluate(study, 0, 3)
+    changed = document("noisy", axes=axes, route=route, summary_by=None, figure=None)
+    _, table, _ = computed(changed)
     # Direct integration of the record's harmonics and of the waveform beyond: what is left is the waveform's fit.
-    assert table["F_k_relative_error__direct__least_squares"].abs().max() < 1e-4
-    assert table["c_relative_error__direct__least_squares"].abs().max() < 1e-5
+    assert table[f"F_k_relative_error__{DIRECT}"].abs().max() < 1e-4
+    assert table[f"c_relative_error__{DIRECT}"].abs().max() < 1e-5
     # The Fourier balance: what it leaves out, 0.08 % of F_k for the two levels at 3.5 Hz (tests of balance.py).
     assert table["F_k_relative_error__fourier__least_squares"].abs().max() < 1e-3
     assert (table["regime"] == "one_slip").all()
 
 
-def test_a_record_that_cannot_be_read_says_so(make):
+def test_a_record_that_cannot_be_read_says_so(computed):
     route = SMALL["route"] | {"sampling_hz": 6, "cycles": 3}  # hardly a sample per cycle
-    study = make(SMALL | {"route": route})
-    table = evaluate.evaluate(study, 0, 1)
+    _, table, _ = computed(SMALL | {"route": route})
     assert table["regime"][0] == "not_read"
-    assert math.isnan(table["F_k_relative_error__direct__least_squares"][0])
-    assert math.isnan(table["F_k_covered__direct__least_squares"][0])
+    assert math.isnan(table[f"F_k_relative_error__{DIRECT}"][0])
+    assert math.isnan(table[f"F_k_covered__{DIRECT}"][0])
 
 
 # --- many runs together ----------------------------------------------------------------------------
@@ -158,7 +144,7 @@ def test_the_spread_of_known_errors():
     stated = np.full(n, scatter)
     covered = (np.abs(errors - bias) <= 1.959964 * stated).astype(float)
     errors[::100], stated[::100], covered[::100] = np.nan, np.nan, np.nan
-    found = statistics.spread(errors, stated, covered)
+    found = SimpleNamespace(**statistics.spread(errors, stated, covered))
     assert (found.runs, found.identified) == (n, n - n // 100)
     # Four standard errors of each, from n runs: σ/√n, σ/√2n, √(0.95 · 0.05/n).
     assert found.bias == pytest.approx(bias, abs=4.0 * scatter / math.sqrt(n))
@@ -171,10 +157,9 @@ def test_the_spread_of_known_errors():
     sizes = np.sort(np.abs(errors[np.isfinite(errors)]))
     half, most = (math.ceil(share * len(sizes)) - 1 for share in (0.5, 0.95))
     assert (found.median, found.p95) == (sizes[half], sizes[most])
-    nothing = statistics.spread(np.full(3, np.nan))
-    assert (nothing.runs, nothing.identified) == (3, 0)
-    assert math.isnan(nothing.bias)
-    assert math.isnan(nothing.coverage)
+    runs, identified, *others = statistics.spread(np.full(3, np.nan)).values()
+    assert (runs, identified) == (3, 0)
+    assert np.isnan(others).all()
 
 
 def test_the_error_of_a_quantile_is_that_of_drawing_again():
@@ -202,94 +187,81 @@ def test_the_error_of_the_stated_error_is_that_of_their_scatter():
     """σ² of n runs that state σ² (1 ± 0.2): their rms is known to 0.1/√n."""
     rng, n = np.random.default_rng(6), 5000
     stated = 0.03 * np.sqrt(1.0 + 0.2 * rng.standard_normal(n).clip(-4.0, 4.0))
-    found = statistics.spread(np.zeros(n), stated)
-    assert found.standard_error_error == pytest.approx(0.1 * 0.03 / math.sqrt(n), rel=0.05)
+    found = statistics.spread(np.zeros(n), stated)["standard_error_error"]
+    assert found == pytest.approx(0.1 * 0.03 / math.sqrt(n), rel=0.05)
 
 
-def test_equal_weights_are_distinguished(make):
+def test_equal_weights_are_distinguished(computed):
     axes = {"frequency_hz": [4.92], "noise": [0.01, 0.02], "run": [1]}
-    change = {
+    changed = SMALL | {
         "levels_m": [0.004, 0.008, 0.012],  # two levels are met exactly, whatever they weigh
         "axes": [{name: {"values": values}} for name, values in axes.items()],
         "estimation": {"approaches": ["direct"], "weights": ["weighted", "equal"]},
     }
-    study = make(SMALL | change)
-    labels = [fit.label for fit in study.fits]
-    assert labels == ["direct__least_squares", "direct__equal__least_squares"]
-    (weighted,) = study.fits_of({"approach": "direct"})
-    (equal,) = study.fits_of({"approach": "direct", "weights": "equal"})
-    table = evaluate.evaluate(study, 0, study.cases)
-    stated = "F_k_relative_standard_error"
-    errors = [float(table[f"{stated}__{fit.label}"][0]) for fit in (weighted, equal)]
+    study, table, _ = computed(changed)
+    fits = study.fits_of({"approach": "direct"})
+    fits += study.fits_of({"approach": "direct", "weights": "equal"})
+    assert [fit.label for fit in fits] == [DIRECT, "direct__equal__least_squares"]
+    errors = [float(table[f"F_k_relative_standard_error__{fit.label}"][0]) for fit in fits]
     # 16 % of the information is a standard error 2.5 times as large; 25 replicates know it to 14 %
     assert 1.5 < errors[1] / errors[0] < 4.0
 
 
-def test_the_summary_separates_the_groups(done):
-    study, table, path = done
+def test_the_summary_separates_the_groups(computed):
+    study, table, path = computed("noisy")
     found = summary.summary_of(path, study)
     assert len(found) == 4 * 2 * len(study.fits)
     # in the order of the study's axes
-    assert found[["frequency_hz", "noise"]].drop_duplicates().to_numpy().tolist() == [
-        [4.92, 0.001],
-        [4.92, 0.01],
-        [3.5, 0.001],
-        [3.5, 0.01],
+    by = ["frequency_hz", "noise"]
+    assert [*found.groupby(by, sort=False).groups] == [
+        *itertools.product((4.92, 3.5), (0.001, 0.01))
     ]
     of_c = found[(found["quantity"] == "c") & (found["approach"] == "X_s")]
-    label = "X_s__fundamental__individual__least_squares"
-    by = table.groupby(["frequency_hz", "noise"], sort=False)
-    errors = by[f"c_relative_error__{label}"]
-    assert of_c["bias_percent"].to_numpy() == pytest.approx(100.0 * errors.mean().to_numpy())
-    assert of_c["scatter_percent"].to_numpy() == pytest.approx(100.0 * errors.std().to_numpy())
-    covered = by[f"c_covered__{label}"].mean().to_numpy()
-    assert of_c["coverage_percent"].to_numpy() == pytest.approx(100.0 * covered)
+    errors = table.groupby(by, sort=False)[f"c_relative_error__{X_S}"]
+    covered = table.groupby(by, sort=False)[f"c_covered__{X_S}"]
+    of_runs = {"bias": errors.mean(), "scatter": errors.std(), "coverage": covered.mean()}
+    for name, expected in of_runs.items():
+        assert of_c[f"{name}_percent"].to_numpy() == pytest.approx(100.0 * expected.to_numpy())
     # the bound is in proportion to the noise; the information its square over that of the rms error
     bound = found.drop_duplicates(["frequency_hz", "noise", "quantity"])["bound_percent"].to_numpy()
     np.testing.assert_allclose(bound[2:4] / bound[:2], 10.0, rtol=1e-9)
     motions = motions_at(levels=study.levels)
-    noise = noise_of_rms(PAPER, motions, 0.001)
-    least = cramer_rao(
-        PAPER, motions, rate_hz=study.fixed["sampling_hz"], cycles=study.cycles, noise=noise
-    )
-    np.testing.assert_allclose(bound[:2], 100.0 * np.array(least.relative[:2]), rtol=1e-12)
-    np.testing.assert_allclose(
-        found["information_percent"], 100.0 * (found["bound_percent"] / found["rms_percent"]) ** 2
-    )
+    taken = {"rate_hz": 1000, "cycles": 20, "noise": noise_of_rms(PAPER, motions, 0.001)}
+    least = cramer_rao(PAPER, motions, **taken).relative[:2]
+    np.testing.assert_allclose(bound[:2], 100.0 * np.array(least), rtol=1e-12)
+    used = 100.0 * (found["bound_percent"] / found["rms_percent"]) ** 2
+    np.testing.assert_allclose(found["information_percent"], used)
     page = summary.summary_markdown(study, found, "", "")
     assert page.count("## frequency_hz = 3.5, noise = 0.01") == 1
     assert "nan" not in page
 
 
-def test_no_bound_where_it_would_mean_nothing(done, make):
-    study, table, _ = done
-    of_all = bounds_of(study, table["case"].to_numpy())  # four groups at once
-    assert math.isnan(of_all["F_k"])
-    assert math.isnan(bounds_of(study, np.array([], dtype=int))["c"])
-    exact = make(document("good"))
-    assert math.isnan(bounds_of(exact, np.array([0]))["F_k"])
+def test_no_bound_where_it_would_mean_nothing(computed, make):
+    study, table, _ = computed("noisy")
+    of_all = study, table["case"].to_numpy()  # four groups at once
+    for one, numbers in (of_all, (study, np.arange(0)), (make(document("good")), np.array([0]))):
+        assert np.isnan([*bounds_of(one, numbers).values()]).all()
 
 
-def test_facts_of_many_runs(done, make):
-    _, table, path = done
-    where = {"frequency_hz": 4.92, "noise": 0.01}
+def test_facts_of_many_runs(computed, make):
+    _, table, path = computed("noisy")
+    spec = {"of": "F_k", "approach": "direct", "at": {"frequency_hz": 4.92, "noise": 0.01}}
     takes = ("bias", "rms", "standard_error", "coverage", "p95")
-    spec = {"of": "F_k", "approach": "direct", "at": where}
     specs = {take: {"take": take, **spec} for take in takes}
     study = make(SMALL | {"facts": specs, "shows": "; ".join(f"{{{take}}}" for take in takes)})
     cases = table[(table["frequency_hz"] == 4.92) & (table["noise"] == 0.01)]
-    errors = cases["F_k_relative_error__direct__least_squares"]
-    stated = cases["F_k_relative_standard_error__direct__least_squares"]
+    errors = cases[f"F_k_relative_error__{DIRECT}"]
+    stated = cases[f"F_k_relative_standard_error__{DIRECT}"]
     bias, rms, error, coverage, p95 = facts.paragraph(study, path).split("; ")
     assert bias == ("−" if errors.mean() < 0.0 else "+") + percent(abs(errors.mean()))
     assert rms == percent(math.sqrt((errors**2).mean()))
     assert error == percent(math.sqrt((stated**2).mean()))
-    assert coverage == percent(cases["F_k_covered__direct__least_squares"].mean())
+    assert coverage == percent(cases[f"F_k_covered__{DIRECT}"].mean())
     # Counted in bins of 0.1 %: of three runs the largest.
     assert float(p95.split()[0]) == pytest.approx(100.0 * errors.abs().max(), rel=0.01)
 
 
-def test_the_figure_shows_95_percent_of_the_errors_and_the_coverage_of_each_line(make, tmp_path):
+def test_the_figure_shows_95_percent_of_the_errors_and_the_coverage_of_each_line(make, computed):
     """Of 30 invented runs a cell: 95 % lie below the 29th, and so many intervals hold as are said to."""
     lines = {"X_s, rigid": {"approach": "X_s", "contact": "rigid"}}
     lines |= {"direct": {"approach": "direct"}, "fit alone": {"approach": "fit"}}
@@ -297,30 +269,25 @@ def test_the_figure_shows_95_percent_of_the_errors_and_the_coverage_of_each_line
     changed["axes"][2] = {"run": {"from": 1, "to": 30, "count": 30}}
     changed["estimation"] |= {"contact": ["compliant", "rigid"], "yardsticks": ["fit"]}
     changed["columns"] = ["errors", "intervals"]
-    study = make(changed | {"figure": {**SMALL["figure"], "lines": lines}})
+    changed["figure"]["lines"] = lines
+    study = make(changed)
     rng, n = np.random.default_rng(8), study.cases
-    table = pd.DataFrame({c.name: np.zeros(n) for c in columns_of(study)})
-    for name in study.axis_names:
-        table[name] = evaluate.case_parameters(study, 0, n)[name]
-    table["case"], table["regime"] = np.arange(n), "one_slip"
+    values = cases_between(study, 0, n).values | {"case": np.arange(n), "regime": "one_slip"}
+    table = pd.DataFrame({c.name: values.get(c.name, 0.0) for c in columns_of(study)})
     for name in table:
         if "relative" in name:
             table[name] = rng.standard_normal(n) * table["noise"]
         if "covered" in name:
             table[name] = (rng.random(n) < 0.8).astype(float)
-    path = tmp_path / "cases.parquet"
-    outputs.write_parts(path, [table], study, __version__)
+    _, _, path = computed(changed, table)
 
     figure = study_figure(study, path)
     axes = {axes.get_label(): axes for axes in figure.axes}
     places = itertools.product(("F_k", "c"), (4.92, 3.5), ("errors", "coverage"))
     assert list(axes) == ["{} {} {}".format(*place) for place in places]
     fits = study.fits_of(study.figure)
-    assert [fit.label for fit in fits] == [
-        "X_s__rigid__fundamental__individual__least_squares",
-        "direct__least_squares",
-        "fit__maximum_likelihood",
-    ]
+    rigid = X_S.replace("X_s", "X_s__rigid")
+    assert [fit.label for fit in fits] == [rigid, DIRECT, "fit__maximum_likelihood"]
     at = table[table["frequency_hz"] == 3.5].groupby("noise")
     drawn = {what: axes[f"c 3.5 {what}"].containers for what in ("errors", "coverage")}
     for i, fit in enumerate(fits):
@@ -338,14 +305,13 @@ def test_the_figure_shows_95_percent_of_the_errors_and_the_coverage_of_each_line
         assert ends == pytest.approx(100.0 * np.array(bounds))
         # neighbouring lines stand apart
         assert i == 0 or np.all(points.get_xdata() > drawn["coverage"][i - 1][0].get_xdata() * 1.05)
-    (legend,) = figure.legends
-    labels = [text.get_text() for text in legend.get_texts()]
+    labels = [text.get_text() for text in figure.legends[0].get_texts()]
     assert labels == ["$X_s$, rigid", "direct", "fit alone"]
     assert "95 % of the errors" in alternative_text(study)
 
 
-def test_without_intervals_or_lines_the_figure_shows_the_errors_of_all_fits(done, make):
-    _, _, path = done
+def test_without_intervals_or_lines_the_figure_shows_the_errors_of_all_fits(computed, make):
+    _, _, path = computed("noisy")
     study = make(SMALL | {"columns": ["errors"]})
     axes = {axes.get_label(): axes for axes in study_figure(study, path).axes}
     assert list(axes) == ["F_k 4.92 errors", "F_k 3.5 errors", "c 4.92 errors", "c 3.5 errors"]

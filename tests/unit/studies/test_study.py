@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from dataclasses import asdict
 from types import SimpleNamespace
 
 import numpy as np
@@ -45,12 +46,7 @@ def test_what_is_left_out_is_the_paper_s():
 
 
 @pytest.mark.parametrize(
-    ("change", "words"),
-    [
-        (change, words)
-        for name, change, words in REFUSALS
-        if name == "good" and {*change} <= {*KEYS}
-    ],
+    ("change", "words"), [of[1:] for of in REFUSALS if of[0] == "good" and {*of[1]} <= {*KEYS}]
 )
 def test_it_refuses_what_a_file_is_refused_for(change, words):
     with pytest.raises(ConfigurationError) as caught:
@@ -60,19 +56,16 @@ def test_it_refuses_what_a_file_is_refused_for(change, words):
 
 
 def test_arrays_names_and_an_oscillator_stand_for_what_a_file_writes_out():
-    frequencies = np.array([3.5, 11.1])
+    frequencies, zeta = np.array([3.5, 11.1]), {"zeta": {"from": 0.1, "to": 0.5, "count": 3}}
     short = study(
-        {"frequency_hz": frequencies, "zeta": {"from": 0.1, "to": 0.5, "count": 3}},
+        {"frequency_hz": frequencies} | zeta,
         base=OSCILLATOR,
         levels_m=np.array([0.004, 0.008]),
         estimation={"approaches": "direct,X_s", "terms": "F_k,c"},
         columns="errors",
     )
     long = study(
-        [
-            {"frequency_hz": {"values": [3.5, 11.1]}},
-            {"zeta": {"from": 0.1, "to": 0.5, "count": 3}},
-        ],
+        [{"frequency_hz": {"values": [3.5, 11.1]}}, zeta],
         base={"m_kg": 2.42, "k_N_per_m": 2310.0, "K_z_N_per_m": 208000.0, "F_k_N": 1.28},
         levels_m=[0.004, 0.008],
         estimation={"approaches": ["direct", "X_s"], "terms": [["F_k", "c"]]},
@@ -87,12 +80,8 @@ def test_arrays_names_and_an_oscillator_stand_for_what_a_file_writes_out():
 
 def test_the_responses_are_those_that_the_errors_come_from(make):
     studied = study({"frequency_hz": [3.5, 11.1]}, levels_m=[0.004, 0.008], route="exact")
-    responses = studied.responses
-    orbits = steady_orbits(
-        **{name: getattr(OSCILLATOR, name) for name in ("m", "c", "k", "K_z", "F_k")},
-        Y=[0.004, 0.008],
-        omega=2.0 * np.pi * np.array([[3.5], [11.1]]),
-    )
+    responses, omega = studied.responses, 2.0 * np.pi * np.array([[3.5], [11.1]])
+    orbits = steady_orbits(**asdict(OSCILLATOR), Y=[0.004, 0.008], omega=omega)
     np.testing.assert_array_equal(responses["X_m"], orbits.X.ravel())
     assert responses["level"].tolist() == [1, 2, 1, 2]
     assert responses["frequency_hz"].tolist() == [3.5, 3.5, 11.1, 11.1]
@@ -114,11 +103,10 @@ def test_it_shows_its_errors_first():
 
 
 def test_a_data_set_has_a_dimension_for_each_axis(monkeypatch):
-    axes = [
-        {"zeta": [0.1, 0.2, 0.3], "K_z_over_k": [10.0, 20.0, 30.0]},
-        {"frequency_hz": [3.5, 11.1]},
-    ]
-    studied = study(axes, estimation={"approaches": ["direct", "X_s"]})
+    paired = {"zeta": [0.1, 0.2, 0.3], "K_z_over_k": [10.0, 20.0, 30.0]}
+    studied = study(
+        [paired, {"frequency_hz": [3.5, 11.1]}], estimation={"approaches": "direct,X_s"}
+    )
     monkeypatch.setitem(sys.modules, "xarray", None)
     with pytest.raises(ValueError, match="needs the package xarray: install it, or use to_frame"):
         studied.to_xarray()

@@ -14,10 +14,9 @@ from dampbalance.law.response import law_orbit
 from dampbalance.law.steady import steady_response
 from dampbalance.law.terms import KNOWN_TERMS
 from dampbalance.motion.orbit import steady_orbit
-from dampbalance.studies import evaluate
-from dampbalance.studies.one_by_one import of_response
 from dampbalance.studies.parameters import OF_LAW, PARAMETERS
-from dampbalance.studies.shown import error_curves, facts, summary
+from dampbalance.studies.responses import of_response
+from dampbalance.studies.shown import facts, summary
 from dampbalance.studies.shown.study_figure import study_figure
 from paper_case import PAPER
 from unit.studies.documents import document
@@ -51,15 +50,8 @@ def test_features_of_a_response_are_those_of_the_integrated_motion(name, hz):
     found = of_response(steady_response(PAPER, motion, law), motion, PAPER.k, list(KNOWN_TERMS)[2:])
     orbit = law_orbit(PAPER, motion, law)
     ((_, X_s, V_s),) = orbit.phases[orbit.phases[:, 1] != 0.0][:, [0, 2, 3]]
-    expected = {
-        "X": orbit.X,
-        "X_s": X_s,
-        "V_s": V_s,
-        "t_s": orbit.onsets[0, 0],
-        "a": orbit.a,
-        "b": of_motion("c", orbit),
-        "W": input_work(orbit),
-    }
+    expected = {"X": orbit.X, "X_s": X_s, "V_s": V_s, "t_s": orbit.onsets[0, 0], "a": orbit.a}
+    expected |= {"b": of_motion("c", orbit), "W": input_work(orbit)}
     for feature, value in expected.items():
         rel = 1e-3 if feature in ("V_s", "t_s") else 1e-6
         assert getattr(found, feature)[0] == pytest.approx(value, rel=rel), feature
@@ -67,9 +59,8 @@ def test_features_of_a_response_are_those_of_the_integrated_motion(name, hz):
         assert integral[0] == pytest.approx(of_motion(symbol, orbit), rel=1e-6), symbol
     assert set(found.integrals) == {"c_r", "c_2", "c_3", "eta"}
     # x is at its peak at phi, and passes zero upwards at its crossing
-    at_peak, at_zero = orbit.state(
-        np.array([found.phi[0], found.phi_zero_crossing[0] - 0.5 * math.pi]) / motion.omega
-    ).x
+    phases = np.array([found.phi[0], found.phi_zero_crossing[0] - 0.5 * math.pi])
+    at_peak, at_zero = orbit.state(phases / motion.omega).x
     assert at_peak == pytest.approx(orbit.X, rel=1e-9)
     assert abs(at_zero) < 1e-6 * orbit.X
     # the fundamental of the integrated motion, by the rule of rectangles: 4096 points, an error of 1e-9 at its kinks
@@ -105,14 +96,9 @@ def test_what_only_sticks_has_no_onset_of_slip():
 def done(computed):
     """The study of a term left out, its table of cases, and the file that holds it."""
     every = {"of": "c_2", "take": "max", "terms": ["F_k", "c", "c_2"]}
-    return computed(
-        document(
-            "terms",
-            figure={"kind": "curves", "x": "c_2_N_s2_per_m2"},
-            facts={"out": {"of": "F_k", "take": "max"}, "within": every},
-            shows="{out} {within}",
-        )
-    )
+    shown = {"figure": {"kind": "curves", "x": "c_2_N_s2_per_m2"}, "shows": "{out} {within}"}
+    shown |= {"facts": {"out": {"of": "F_k", "take": "max"}, "within": every}}
+    return computed(LEFT_OUT | shown)
 
 
 def test_a_term_left_out_is_shared_out_and_a_term_taken_in_is_found(done):
@@ -152,28 +138,24 @@ def test_the_study_separates_the_lists_of_terms(done):
     assert "| c_2 | direct, F_k, c, c_2 |" in page
     out = table[f"F_k_relative_error__{WITHOUT}"].abs().max()
     assert facts.paragraph(study, path).startswith(f"{100 * out:.0f} %")
-    curves = error_curves.error_curves(study, path)  # the first list: without the term
-    assert curves.symbols == ("F_k", "c")
-    np.testing.assert_allclose(np.abs(curves.curves["F_k", 0][0].error).max(), 100.0 * out)
-    assert len(study_figure(study, path).axes) == 2
+    panels = study_figure(study, path).axes  # of the first list, without the term: F_k and c
+    assert len(panels) == 2
+    np.testing.assert_allclose(np.abs(panels[0].lines[0].get_ydata()).max(), 100.0 * out)
 
 
-def test_fixed_further_damping_is_a_column_and_other_studies_have_none(make):
+def test_fixed_further_damping_is_a_column_and_other_studies_have_none(computed):
     axes = {"axes": [{"frequency_hz": {"values": [4.92, 11.1]}}]}
-    study = make(LEFT_OUT | axes | {"base": {"eta": 0.2}})
-    table = evaluate.evaluate(study, 0, study.cases)
+    _, table, _ = computed(LEFT_OUT | axes | {"base": {"eta": 0.2}})
     assert table["eta"].tolist() == [0.2, 0.2]
-    plain = make(axes)
-    assert not set(OF_LAW) & set(evaluate.evaluate(plain, 0, 2).columns)
+    plain, table, _ = computed(axes)
+    assert not set(OF_LAW) & set(table.columns)
     assert all(fit.terms == () for fit in plain.fits)
 
 
-def test_a_case_without_a_steady_response_says_so(make):
+def test_a_case_without_a_steady_response_says_so(computed):
     # a contact that hardly slips, with strong cubic damping: the response is not one of those that are followed
     axes = [{"F_k_N": {"values": [1.28, 300.0]}}]
     base = {"c_3_N_s3_per_m3": 1e3, "frequency_hz": 0.9}
-    study = make(LEFT_OUT | {"axes": axes, "base": base})
-    table = evaluate.evaluate(study, 0, study.cases)
-    assert len(table) == 2
+    _, table, _ = computed(LEFT_OUT | {"axes": axes, "base": base})
     assert "one_slip" not in table["regime"][1]
     assert np.isnan(table[f"F_k_relative_error__{WITHOUT}"][1])

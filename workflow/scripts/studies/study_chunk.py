@@ -7,13 +7,13 @@ from pathlib import Path
 
 from dampbalance import __version__
 from dampbalance.project.troubles import brief_troubles
-from dampbalance.studies import checking, evaluate, outputs, sizes
+from dampbalance.studies import case_files, cases, checking, evaluate
 
 
 def main(path, params, chunk, threads):
     study = checking.read_study(params.file, params.schema, params.base)
-    parts = evaluate.in_parts(study, *sizes.chunk_bounds(study, chunk), threads=threads)
-    outputs.write_parts(path, parts, study, __version__)
+    parts = evaluate.in_parts(study, *cases.chunk_bounds(study, chunk), threads=threads)
+    case_files.write_parts(path, parts, study, __version__)
     return study
 
 
@@ -22,7 +22,7 @@ if __name__ == "__main__":
     path = Path(snakemake.output.chunk)
     study = main(path, snakemake.params, int(snakemake.wildcards.chunk), snakemake.threads)
     print(
-        sizes.progress(
+        cases.progress(
             study,
             path.parent,
             snakemake.params.chunks,

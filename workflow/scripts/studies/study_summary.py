@@ -9,13 +9,10 @@ from dampbalance.studies.shown import facts, summary
 
 if __name__ == "__main__":
     brief_troubles(snakemake.log)
-    study = checking.read_study(
-        snakemake.input.file, snakemake.params.schema, snakemake.params.base
-    )
-    table = summary.summary_of(snakemake.input.cases, study)
-    figure = next((Path(file).name for file in snakemake.input.figure if file.endswith(".png")), "")
-    page = summary.summary_markdown(
-        study, table, facts.paragraph(study, snakemake.input.cases), figure
-    )
-    write_csv(snakemake.output.csv, table, STATISTICAL_DIGITS)
-    write_text(snakemake.output.md, page)
+    i, o, p = (getattr(snakemake, name) for name in ("input", "output", "params"))
+    study, (cases,) = checking.read_study(i.file, p.schema, p.base), i.cases
+    table = summary.summary_of(cases, study)
+    figure = next((Path(file).name for file in i.figure if file.endswith(".png")), "")
+    page = summary.summary_markdown(study, table, facts.paragraph(study, cases), figure)
+    write_csv(o.csv, table, STATISTICAL_DIGITS)
+    write_text(o.md, page)

@@ -13,11 +13,9 @@ import pandas as pd
 
 from ...arrays import Array, Words
 from ...project.wording import minus, number, percent, signed_percent
-from ..axes import is_value, selected
-from ..outputs import stretches
-from ..settings import BANDS, CHOICES, SPREADS, Study
-from .confusion import choices_of, share_of
-from .statistics import Sizes, spread_of
+from ..case_files import stretches
+from ..settings import BANDS, CHOICES, SPREADS, Study, is_value, selected
+from .statistics import Sizes, choices_of, share_of, spread_of
 
 CROSSING, BEGINS, ENDS = "", " (where the axis begins)", " (where the axis ends)"
 UNKNOWN = " (beyond it there are cases that cannot be identified)"
@@ -44,15 +42,14 @@ def fact(study: Study, cases: str | Path, spec: Mapping[str, Any]) -> str:
     lies, interpolated between cases."""
     take = spec["take"]
     if take in CHOICES:
-        table = choices_of(cases)
-        kind, _, end = take.partition("_")
-        kept = selected({"law": table["law"].to_numpy()}, spec)
-        return percent(share_of(table[kind][kept])[f"_{end}" if end else ""])
+        table, (kind, *_) = choices_of(cases), take.split("_")
+        held = table[kind][selected({"law": table["law"].to_numpy()}, spec)]
+        return percent(share_of(held)[take.removeprefix(kind)])
     if take in SPREADS:
         (fit,) = study.fits_of(spec)
         kept = np.concatenate([part["case"] for part in _cases_of(cases, spec, ["case"])])
         spread = spread_of(study, cases, spec["of"], fit, kept)
-        return _in_words(float(getattr(spread, take)), signed=take == "bias")
+        return _in_words(float(spread[take]), signed=take == "bias")
     if take in BANDS:
         return _stretch(study, cases, spec)
     sizes, signed = Sizes(spec.get("within", math.inf)), math.nan
@@ -62,14 +59,8 @@ def fact(study: Study, cases: str | Path, spec: Mapping[str, Any]) -> str:
         signed = next(iter(errors), signed)  # of the one case
     if not sizes.known:
         return _in_words(math.nan)
-    values = {
-        "share": sizes.share,
-        "signed": signed,
-        "max": sizes.largest,
-        "min": sizes.smallest,
-        "median": sizes.quantile(0.5),
-        "p95": sizes.quantile(0.95),
-    }
+    values = {"share": sizes.share, "signed": signed, "max": sizes.largest, "min": sizes.smallest}
+    values |= {"median": sizes.quantile(0.5), "p95": sizes.quantile(0.95)}
     return _in_words(values[take], signed=take == "signed")
 
 

@@ -1,17 +1,17 @@
-"""Logarithmic axes of the figures: whether values ask for one, and ticks that can be read on a short one."""
+"""Powers of ten in the figures: whether values ask for a logarithmic axis, ticks that can be read on a short one, and
+labels of approaches that are exact."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from ...arrays import Array
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
+from ...figures.looks import in_maths, label_of
 
 _SHORT = 12.0  # ratio of the ends of an axis up to which 1, 2, 3, 5 are labelled as well as powers of ten
 
@@ -35,8 +35,6 @@ def logarithmic_ticks(axes: Axes, which: str, low: float, high: float, ends: boo
 
     ends : whether a tick at the upper end has a label (where no panel follows with which it would collide).
     """
-    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter  # the page needs none
-
     axes.set(**{f"{which}scale": "log"})
     axis = axes.xaxis if which == "x" else axes.yaxis
     short = high / low <= _SHORT
@@ -51,3 +49,9 @@ def logarithmic_ticks(axes: Axes, which: str, low: float, high: float, ends: boo
         return f"{value:g}" if short else f"$10^{{{round(math.log10(value))}}}$"
 
     axis.set_major_formatter(FuncFormatter(label))
+
+
+def bounded_label(approach: str, bound: float) -> str:
+    """The label of an exact approach with the power of ten that its errors stay below.   bound : of them, %."""
+    power = math.ceil(math.log10(max(bound, 1e-14)))
+    return rf"{in_maths(label_of(approach))} (below $10^{{{power}}}$ %)"

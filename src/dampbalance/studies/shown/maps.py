@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -19,21 +19,18 @@ from ...figures.looks import in_maths, label_of
 from ...figures.series import EXACT, SignedScale, decades, signed_scale
 from ...figures.style import DOUBLE_COLUMN, GREY, INK, note, place, styled
 from ...project.wording import listed, minus, percent
-from ..axes import Sampled
-from ..outputs import stretches, terms_of
-from ..settings import Fit, Study
-from .error_curves import axis_label, bounded_label
-from .logarithmic import is_even, logarithmic_ticks
+from ..case_files import stretches, terms_of
+from ..parameters import PARAMETERS
+from ..settings import Fit, Sampled, Study
+from .logarithmic import bounded_label, is_even, logarithmic_ticks
 from .statistics import Sizes
 
 MOST_BINS = 72  # along each axis
 PER_BIN = 40  # cases that a bin of a sample should hold on average
 REGION = 0.9  # share of the cases of a bin that its colour is about: nine of ten, as a single one would be chance
 FINEST = 0.1  # of the bound: no lines at smaller errors
-FLOOR, CEILING = (
-    1e-2,
-    1e3,
-)  # %: colours tell no smaller errors from zero, and no larger ones from each other
+# %: colours tell no smaller errors from zero, and no larger ones from each other
+FLOOR, CEILING = 1e-2, 1e3
 
 RIGHT, BAR = 17.0, 3.0  # mm
 HEIGHT = 40.0  # mm, of a panel
@@ -46,6 +43,35 @@ _LOWEST, _PER_DECADE, _BINS = -8, 24, 288
 _HALO: list[AbstractPathEffect] = [withStroke(linewidth=1.6, foreground="white", alpha=0.7)]
 
 
+class _Axis(NamedTuple):
+    """An axis of a map: edges and centres of its bins, and whether it is logarithmic."""
+
+    edges: Array
+    centres: Array
+    logarithmic: bool
+
+
+def _axis(study: Study, name: str) -> _Axis:
+    """An axis whose bins lie around each listed value, or over the range of a sample."""
+    block = study.block_of(name)
+    if isinstance(block, Sampled):
+        limits = block.axes[name]
+        bins = int(np.clip(np.sqrt(study.cases / PER_BIN), 4, MOST_BINS))
+        edges, logarithmic = limits.at(np.linspace(0.0, 1.0, bins + 1)), limits.spacing == "log"
+    else:
+        values = np.unique(np.asarray(study.values_of(name), dtype=float))
+        logarithmic = bool(values[0] > 0.0 and not is_even(values))
+        if logarithmic:
+            middle = np.sqrt(values[1:] * values[:-1])
+            ends = values[0] ** 2 / middle[0], values[-1] ** 2 / middle[-1]
+        else:
+            middle = 0.5 * (values[1:] + values[:-1])
+            ends = 2 * values[0] - middle[0], 2 * values[-1] - middle[-1]
+        edges = np.array([ends[0], *middle, ends[1]])
+    centres = np.sqrt(edges[1:] * edges[:-1]) if logarithmic else 0.5 * (edges[1:] + edges[:-1])
+    return _Axis(edges, centres, logarithmic)
+
+
 @styled()
 def error_map(study: Study, cases: str | Path) -> Figure:
     """Relative error, %, over two axes, by colour, with a line at each power of ten and a thick one at the bound.
@@ -55,10 +81,14 @@ def error_map(study: Study, cases: str | Path) -> Figure:
     Rows: the terms, with each phase definition. Columns: approaches; one that takes no phase has a panel as high as
     all rows of a term. An approach that is exact in every case is named below the panels and not drawn.
     """
-    within = 100.0 * study.figure.get("within", 0.01)
+    within, names = 100.0 * study.figure.get("within", 0.01), [study.figure[x] for x in ("x", "y")]
+    x, y = (_axis(study, name) for name in names)
+    # whether each place is one case: two axes of listed values, and nothing else that varies
+    places = math.prod(len(set(study.values_of(name))) for name in names)
+    signed = study.cases == places and study.block_of(names[0]) is not study.block_of(names[1])
     fits, symbols = study.fits_of(study.figure), terms_of(cases)
     sizes = {(fit, s): Sizes(0.01 * within) for fit in fits for s in symbols if s in fit.identified}
-    errors = _errors(study, cases, sizes)
+    errors = _errors(cases, dict(zip(names, (x, y), strict=True)), sizes, signed)
     worst: dict[str, float] = {}
     for (fit, _), of in sizes.items():
         largest = 100.0 * of.largest if of.known else math.inf
@@ -67,10 +97,8 @@ def error_map(study: Study, cases: str | Path) -> Figure:
     exact = {} if len(exact) == len(worst) else exact  # something must be drawn
     shown = {key: of for key, of in errors.items() if key[0].approach not in exact}
     approaches = list(dict.fromkeys(fit.approach for fit, _ in shown))
-    phases = dict.fromkeys((fit.phase, fit.sharing) for fit, _ in shown if fit.phase)
-    kinds = list(phases) or [("", "")]
-    rows = [(symbol, *kind) for symbol in symbols for kind in kinds]
-    signed = _is_single(study)
+    kinds = [*dict.fromkeys((fit.phase, fit.sharing) for fit, _ in shown if fit.phase)]
+    rows = [(symbol, *kind) for symbol in symbols for kind in kinds or [("", "")]]
     norm, lines = _scale([of.ravel() for of in shown.values()], signed, within)
     panels = grid(len(rows), len(approaches), right=RIGHT, most=HEIGHT)
     lowest: dict[int, Axes] = {}
@@ -80,17 +108,24 @@ def error_map(study: Study, cases: str | Path) -> Figure:
             i for i, row in enumerate(rows) if row == kind or (not fit.phase and row[0] == symbol)
         ]
         axes = panels.panel(covered[-1], column, rows=len(covered))
-        _draw(axes, study, values, SIGNED if signed else SIZES, norm, lines, within)
+        _draw(
+            axes, x, y, values, norm, {line: 1.2 if abs(line) == within else 0.5 for line in lines}
+        )
         axes.tick_params(labelbottom=covered[-1] == len(rows) - 1, labelleft=column == 0)
         lowest[column] = axes  # the last row comes last
         if covered[0] == 0:
             axes.set_title(in_maths(label_of(fit.approach)), pad=11.0)
         if column == 0:
-            panels.name_row(axes, axis_label(study.figure["y"]))
-        text = f"{_words(symbol, fit, kinds)}: {percent(sizes[fit, symbol].share)}"
+            panels.name_row(axes, PARAMETERS[names[1]].label)
+        # what the panel shows, as far as others of its column show something else
+        words = [f"${symbol}$"]
+        if len(kinds) > 1 and fit.phase:
+            words.append(fit.phase.replace("_", " "))
+            words += [fit.sharing] if len({sharing for _, sharing in kinds}) > 1 else []
+        text = f"{', '.join(words)}: {percent(sizes[fit, symbol].share)}"
         note(axes, text, (0.0, 1.0), (0.0, 2.0), size=7.5, xycoords="axes fraction")
     clear_labels([lowest[column] for column in sorted(lowest)])
-    panels.text_below(axis_label(study.figure["x"]))
+    panels.text_below(PARAMETERS[names[0]].label)
     words = [f"In each panel: share of the cases within {within:g} %."]
     if any(np.isnan(values).any() for values in shown.values()):
         words.append("Grey: not identified.")
@@ -108,30 +143,27 @@ def error_map(study: Study, cases: str | Path) -> Figure:
     return panels.figure
 
 
-def _is_single(study: Study) -> bool:
-    """Whether each place of the map is one case: two axes of listed values, and nothing else that varies."""
-    x, y = (study.figure[axis] for axis in ("x", "y"))
-    count = math.prod(len(set(study.values_of(name))) for name in (x, y))
-    return study.block_of(x) is not study.block_of(y) and study.cases == count
-
-
 def _errors(
-    study: Study, cases: str | Path, sizes: dict[tuple[Fit, str], Sizes]
+    cases: str | Path,
+    axes: Mapping[str, _Axis],
+    sizes: Mapping[tuple[Fit, str], Sizes],
+    single: bool,
 ) -> dict[tuple[Fit, str], Array]:
     """The map of each fit and term, %, (bins of y, bins of x), NaN where it is unknown; counted a stretch of cases at
-    a time, also into `sizes`."""
-    names, single = [study.figure[axis] for axis in ("x", "y")], _is_single(study)
-    x_edges, y_edges = (_edges(study, name)[0] for name in names)
-    shape, depth = (len(y_edges) - 1, len(x_edges) - 1), 1 if single else _BINS
-    columns = {key: f"{key[1]}_relative_error__{key[0].label}" for key in sizes}
-    counts = {key: np.zeros(math.prod(shape) * depth) for key in columns}
-    for values in stretches(cases, [*names, *columns.values()]):
+    a time, also into `sizes`.   axes : x and y, by name.   single : whether each place is one case."""
+    x, y = axes.values()
+    shape, depth = (len(y.centres), len(x.centres)), 1 if single else _BINS
+    errors = {key: f"{key[1]}_relative_error__{key[0].label}" for key in sizes}
+    counts = {key: np.zeros(math.prod(shape) * depth) for key in errors}
+    for values in stretches(cases, [*axes, *errors.values()]):
         i, j = (
-            np.clip(np.searchsorted(edges, values[name], "right") - 1, 0, len(edges) - 2)
-            for edges, name in zip((x_edges, y_edges), names, strict=True)
+            np.clip(
+                np.searchsorted(axis.edges, values[name], "right") - 1, 0, len(axis.centres) - 1
+            )
+            for name, axis in axes.items()
         )
         bins = j * shape[1] + i
-        for key, name in columns.items():
+        for key, name in errors.items():
             sizes[key].add(values[name])
             if single:
                 counts[key][bins] = 100.0 * values[name]
@@ -169,31 +201,18 @@ def _scale(values: Sequence[Array], signed: bool, within: float) -> tuple[Normal
 
 
 def _draw(
-    axes: Axes,
-    study: Study,
-    values: Array,
-    colours: str,
-    norm: Normalize,
-    lines: Sequence[float],
-    within: float,
+    axes: Axes, x: _Axis, y: _Axis, values: Array, norm: Normalize, lines: Mapping[float, float]
 ) -> None:
-    """One map with its lines, each with its level in %."""
-    centres, edges_of = [], []
-    for which in ("x", "y"):
-        edges, logarithmic = _edges(study, study.figure[which])
-        edges_of.append(edges)
-        middle = 0.5 * (edges[1:] + edges[:-1])
-        centres.append(np.sqrt(edges[1:] * edges[:-1]) if logarithmic else middle)
-        axes.set(**{f"{which}lim": edges[[0, -1]]})
-        if logarithmic:
-            logarithmic_ticks(axes, which, edges[0], edges[-1])
+    """One map with its lines, each with its level in %.   lines : level → width."""
+    for which, axis in (("x", x), ("y", y)):
+        axes.set(**{f"{which}lim": axis.edges[[0, -1]]})
+        if axis.logarithmic:
+            logarithmic_ticks(axes, which, axis.edges[0], axis.edges[-1])
     axes.set_facecolor(GREY)
-    look: dict[str, Any] = {"cmap": colours, "rasterized": True, "linewidth": 0}
-    axes.pcolormesh(*edges_of, values, norm=norm, **look)
-    smooth = values
-    if not isinstance(
-        norm, AsinhNorm
-    ):  # sizes in bins of a few cases: their logarithms over neighbouring bins
+    signed, smooth = isinstance(norm, AsinhNorm), values
+    look: dict[str, Any] = {"cmap": SIGNED if signed else SIZES, "rasterized": True, "linewidth": 0}
+    axes.pcolormesh(x.edges, y.edges, values, norm=norm, **look)
+    if not signed:  # sizes in bins of a few cases: their logarithms over neighbouring bins
         from scipy.ndimage import gaussian_filter  # slow to import, and needed for maps only
 
         known = np.isfinite(values)
@@ -202,38 +221,11 @@ def _draw(
         smooth = np.exp(np.divide(total, weight, out=np.full_like(total, np.nan), where=known))
     if min(values.shape) < 2 or not np.isfinite(smooth).any():
         return
-    if not (crossed := [x for x in lines if np.nanmin(smooth) < x < np.nanmax(smooth)]):
-        return
-    widths = [1.2 if abs(x) == within else 0.5 for x in crossed]
-    drawn = axes.contour(
-        *centres, smooth, crossed, colors=INK, linewidths=widths, linestyles="solid"
-    )
-    drawn.set_path_effects(_HALO)
-    for label in axes.clabel(
-        drawn, fontsize=6.0, inline_spacing=1.0, fmt=lambda x: minus(f"{x:g} %")
-    ):
-        label.set_path_effects(_HALO)
-
-
-def _words(symbol: str, fit: Fit, kinds: list[tuple[str, str]]) -> str:
-    """What a panel shows, as far as others of its column show something else."""
-    words = [f"${symbol}$"]
-    if len(kinds) > 1 and fit.phase:
-        words.append(fit.phase.replace("_", " "))
-        words += [fit.sharing] if len({sharing for _, sharing in kinds}) > 1 else []
-    return ", ".join(words)
-
-
-def _edges(study: Study, name: str) -> tuple[Array, bool]:
-    """Bin edges along an axis, around each listed value or over the range of a sample; whether it is logarithmic."""
-    block = study.block_of(name)
-    if isinstance(block, Sampled):
-        limits = block.ranges[name]
-        bins = int(np.clip(np.sqrt(study.cases / PER_BIN), 4, MOST_BINS))
-        return limits.at(np.linspace(0.0, 1.0, bins + 1)), limits.spacing == "log"
-    values = np.unique(np.asarray(study.values_of(name), dtype=float))
-    if values[0] > 0.0 and not is_even(values):
-        middle = np.sqrt(values[1:] * values[:-1])
-        return np.array([values[0] ** 2 / middle[0], *middle, values[-1] ** 2 / middle[-1]]), True
-    middle = 0.5 * (values[1:] + values[:-1])
-    return np.array([2 * values[0] - middle[0], *middle, 2 * values[-1] - middle[-1]]), False
+    low, high = np.nanmin(smooth), np.nanmax(smooth)
+    if crossed := {level: width for level, width in lines.items() if low < level < high}:
+        look = {"colors": INK, "linewidths": [*crossed.values()], "linestyles": "solid"}
+        drawn = axes.contour(x.centres, y.centres, smooth, [*crossed], **look)
+        drawn.set_path_effects(_HALO)
+        look = {"fontsize": 6.0, "inline_spacing": 1.0, "fmt": lambda level: minus(f"{level:g} %")}
+        for label in axes.clabel(drawn, **look):
+            label.set_path_effects(_HALO)

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
+import pandas as pd
 
 from ...arrays import Array, Integers
 from ...balance import TERMS
@@ -14,10 +16,10 @@ from ...likelihood.information import cramer_rao, noise_of_rms
 from ...model import BaseMotion
 from ...motion.orbit import NoSteadyOrbit
 from ...solver import NORMAL_95
-from ..evaluate import case_parameters
-from ..outputs import column_of
-from ..parameters import MECHANICAL, in_si, oscillator_of
-from ..settings import Fit, Study
+from ..case_files import column_of
+from ..cases import cases_between
+from ..parameters import oscillator_of
+from ..settings import NONE, Fit, Study, terms_named
 
 # Bins of sizes: a quantile is good to 0.06 %, below the three digits that are shown.
 _PER_DECADE = 2000
@@ -63,34 +65,18 @@ class Sizes:
         return float(min(max(middle, self.smallest), self.largest))
 
 
-class Spread(NamedTuple):
+def spread(
+    errors: Array, standard_errors: Array = _NOTHING, covered: Array = _NOTHING
+) -> dict[str, float]:
     """Statistics of an estimator over n runs. All except the counts are relative to the true value; NaN if unknown.
 
-    bias : mean error.   bias_error : its standard error, scatter/√n.   scatter : standard deviation of the errors.
-    rms : root of their mean square.   median, p95 : sizes that half and 95 % do not exceed; p95_error : standard error
-    of the latter, see `quantile_error`.   standard_error : rms of the stated ones; standard_error_error : its standard
-    error, s(x²)/(2 rms √n).   coverage : share of the runs whose 95 % interval holds the true value;
-    coverage_low, coverage_high : its 95 % interval, see `share_interval`.
+    runs, identified : how many there are, and have an estimate.   bias : mean error.   bias_error : its standard error,
+    scatter/√n.   scatter : standard deviation of the errors.   rms : root of their mean square.   median, p95 : sizes
+    that half and 95 % do not exceed.   p95_error : standard error of the latter, see `quantile_error`.
+    standard_error : rms of the stated ones.   standard_error_error : its standard error, s(x²)/(2 rms √n).
+    coverage : share of the runs whose 95 % interval holds the true value.   coverage_low, coverage_high : its 95 %
+    interval, see `share_interval`.
     """
-
-    runs: int
-    identified: int
-    bias: float
-    bias_error: float
-    scatter: float
-    rms: float
-    median: float
-    p95: float
-    p95_error: float
-    standard_error: float
-    standard_error_error: float
-    coverage: float
-    coverage_low: float
-    coverage_high: float
-
-
-def spread(errors: Array, standard_errors: Array = _NOTHING, covered: Array = _NOTHING) -> Spread:
-    """The spread of relative errors; also of the stated standard errors and of the coverage, where there are any."""
     finite, stated, judged = (x[np.isfinite(x)] for x in (errors, standard_errors, covered))
     n, squares, rms_error = len(finite), stated**2, math.nan
     if len(squares) > 1 and squares.any():
@@ -99,30 +85,44 @@ def spread(errors: Array, standard_errors: Array = _NOTHING, covered: Array = _N
     sizes, shares = np.abs(finite), (0.5, 0.95)
     median, p95 = np.quantile(sizes, shares, method="inverted_cdf") if n else (np.nan, np.nan)
     low, high = share_interval(int(judged.sum()), len(judged))
-    return Spread(
-        runs=len(errors),
-        identified=n,
-        bias=_mean(finite),
-        bias_error=scatter / np.sqrt(n) if n else np.nan,
-        scatter=scatter,
-        rms=math.sqrt(_mean(finite**2)),
-        median=median,
-        p95=p95,
-        p95_error=quantile_error(sizes, 0.95),
-        standard_error=math.sqrt(_mean(squares)),
-        standard_error_error=rms_error,
-        coverage=_mean(judged),
-        coverage_low=low,
-        coverage_high=high,
-    )
+    return {
+        "runs": len(errors),
+        "identified": n,
+        "bias": _mean(finite),
+        "bias_error": scatter / np.sqrt(n) if n else np.nan,
+        "scatter": scatter,
+        "rms": math.sqrt(_mean(finite**2)),
+        "median": median,
+        "p95": p95,
+        "p95_error": quantile_error(sizes, 0.95),
+        "standard_error": math.sqrt(_mean(squares)),
+        "standard_error_error": rms_error,
+        "coverage": _mean(judged),
+        "coverage_low": low,
+        "coverage_high": high,
+    }
 
 
-def spread_of(study: Study, cases: str | Path, quantity: str, fit: Fit, kept: Any = ...) -> Spread:
-    """The spread of one quantity by one fit over the cases `kept` (an index or a mask; default: all)."""
+def spread_of(
+    study: Study, cases: str | Path, quantity: str, fit: Fit, kept: Integers
+) -> dict[str, float]:
+    """The `spread` of one quantity by one fit over the cases with the numbers `kept`."""
     names = ["relative_error"]
     if "intervals" in study.columns:
         names += ["relative_standard_error", "covered"]
     return spread(*(column_of(cases, f"{quantity}_{name}__{fit.label}")[kept] for name in names))
+
+
+def groups(cases: str | Path, by: Sequence[str]) -> Iterator[tuple[dict[str, Any], Integers]]:
+    """({axis: value}, numbers of the cases) for each combination of values of the axes `by`, in the order of the
+    cases."""
+    values = pd.DataFrame({name: column_of(cases, name) for name in by})
+    for where, rows in values.groupby(list(by), sort=False):
+        yield dict(zip(by, where, strict=True)), rows.index.to_numpy()
+
+
+def _mean(values: Array) -> float:
+    return float(values.mean()) if len(values) else np.nan
 
 
 def quantile_error(values: Array, share: float) -> float:
@@ -166,13 +166,14 @@ def bounds_of(study: Study, cases: Integers) -> dict[str, float]:
     nothing = dict.fromkeys(TERMS, math.nan)
     if not study.route.has_intervals or not cases.size:
         return nothing
-    values = case_parameters(study, int(cases.min()), int(cases.max()) + 1)
-    here = {name: array[cases - cases.min()] for name, array in values.items() if name != "run"}
+    first = int(cases.min())
+    held = cases_between(study, first, int(cases.max()) + 1)
+    here = {name: array[cases - first] for name, array in held.values.items() if name != "run"}
     if any(len(set(array.tolist())) > 1 for array in here.values()) or here["noise"][0] == 0.0:
         return nothing
-    si = in_si({name: here[name][:1].astype(float) for name in MECHANICAL if name in here})
-    osc, omega = oscillator_of(si, 0), float(si["omega"][0])
-    motions = [BaseMotion(float(Y), omega) for Y in study.amplitudes(si["Y"])[:, 0]]
+    at, omega = int(cases[0]) - first, float(held.si["omega"][cases[0] - first])
+    osc = oscillator_of(held.si, at)
+    motions = [BaseMotion(float(Y), omega) for Y in held.Y[:, at]]
     try:
         noise = noise_of_rms(osc, motions, float(here["noise"][0]))
         rate_hz = float(here["sampling_hz"][0])
@@ -183,5 +184,22 @@ def bounds_of(study: Study, cases: Integers) -> dict[str, float]:
     return nothing | {"F_k": F_k, "c": c}
 
 
-def _mean(values: Array) -> float:
-    return float(values.mean()) if len(values) else np.nan
+def choices_of(cases: str | Path) -> pd.DataFrame:
+    """A row per case of a study of laws: its true law and the one that was chosen, by name; whether the choice is
+    right, has all terms of the true law and more (extra), or is none."""
+    table = pd.DataFrame({name: column_of(cases, name) for name in ("law", "chosen")}, dtype=object)
+    true, chosen = (table[name].map(terms_of_choice) for name in table)
+    extra = [fewer < more for fewer, more in zip(true, chosen, strict=True)]
+    right, none = table["law"] == table["chosen"], table["chosen"] == NONE
+    return table.assign(right=right, extra=extra, none=none)
+
+
+def terms_of_choice(name: str) -> frozenset[str]:
+    """The terms of a law that is chosen; NONE has none."""
+    return frozenset() if name == NONE else frozenset(terms_named(name))
+
+
+def share_of(held: pd.Series) -> dict[str, float]:
+    """The share of the cases in which something holds, and the bounds of its 95 % interval (`share_interval`)."""
+    low, high = share_interval(int(held.sum()), len(held))
+    return {"": float(held.mean()), "_low": low, "_high": high}

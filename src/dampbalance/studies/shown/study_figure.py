@@ -1,22 +1,26 @@
-"""The figure of a study: errors along one axis, the error of c against the step of fixed-step schemes, laws chosen, or
-what `maps` and `scatter` draw."""
+"""The figure of a study: errors along one axis, the error of c against the step of fixed-step schemes, errors over many
+runs, laws chosen, or what `maps` draws."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
+from matplotlib.ticker import NullFormatter
 
-from ...balance import TERMS
-from ...figures.grid import NAMED, clear_labels, grid, signed_axis
+from ...arrays import Array, Integers
+from ...balance import TERMS, takes_phase
+from ...figures.grid import NAMED, clear_labels, decades_axis, grid, signed_axis
 from ...figures.looks import SCHEME_LOOKS, in_maths, label_of, look_of, named
-from ...figures.series import COMMON, INDIVIDUAL, signed_scale
+from ...figures.series import COMMON, EXACT, INDIVIDUAL, SHARINGS, decades, signed_scale
 from ...figures.style import (
     DASHED,
     DOTTED,
@@ -31,20 +35,34 @@ from ...figures.style import (
     place,
     styled,
 )
+from ...model import Oscillator
+from ...motion.fixed_step import SCHEMES
 from ...project.wording import in_figure, listed
-from ..parameters import PARAMETERS, in_tex
-from ..routes import NONE
-from ..settings import Study
-from . import error_curves as curves
-from .confusion import confusion, laws_in
-from .logarithmic import logarithmic_ticks
+from ...solver import NORMAL_95
+from ..case_files import column_of, terms_of
+from ..parameters import PARAMETERS, SI_COLUMNS, in_tex
+from ..settings import NONE, Fit, Study, selected
+from .facts import worst_errors
+from .logarithmic import bounded_label, is_logarithmic, logarithmic_ticks
 from .maps import error_map
-from .scatter import errors_of_runs
+from .statistics import groups, spread_of
+from .summary import confusion, laws_in
 
+FLOOR, CEILING = 1e-3, 1e3  # %: a smaller error is drawn on a linear axis, a larger one not at all
+FEW = 24  # cases on a curve up to which each is marked
+PHASES = {
+    "reversal": "phase of the velocity reversal",
+    "zero_crossing": "phase of the zero crossing",
+    "fundamental": "phase of the fundamental",
+}
 LEAST_BIAS = 1e-6  # N s/m: a smaller error of c is drawn on a linear axis
 LEFT, BOTTOM, TOP, CELL = 34.0, 4.0, 20.0, 9.0  # mm, around and in the matrix of laws
 _WORDS = 33.0  # mm, of a column of words next to the cells
 _DARK = 0.5  # share of a row from which on its number is white
+_APART = 1.13  # ratio by which neighbouring lines are moved apart along x, so that their bars do not overlap
+_COVERAGE, _GAP, _ERRORS = 24.0, 3.0, 40.0  # heights in a row of panels of many runs, mm
+_CONFIDENCE = 95.0  # %
+_TRAITS = ("phase", "sharing", "contact", "weights", "kind")
 
 
 def study_figure(study: Study, cases: str | Path) -> Figure:
@@ -68,44 +86,68 @@ def alternative_text(study: Study) -> str:
     return f"{study.title}: {shown[figure['kind']]}."
 
 
+# --- errors along one axis ---------------------------------------------------------------------------
+
+
 @styled()
 def error_curves(study: Study, cases: str | Path) -> Figure:
     """Relative error, %, with its sign, along the axis x; a row of panels per term, a curve per approach.
 
     Columns of panels: phase definitions, or the values of another axis. Solid: φ and t_s common to the levels, where
-    it has such curves; dashed: of each level.
+    it has such curves; dashed: of each level. Where a curve stands for several fits (all pairs) it is the worst. An
+    approach of which every curve is exact is named in the legend, with the bound of its error, and not drawn.
     """
-    shown = curves.error_curves(study, cases)
-    panels = grid(len(shown.symbols), len(shown.panels))
-    lowest = []
-    for row, symbol in enumerate(shown.symbols):
-        scale = shown.scale(symbol)
-        for column, panel in enumerate(shown.panels):
-            axes = panels.panel(row, column)
-            for curve in shown.curves[symbol, column]:
-                second = curve.sharing == INDIVIDUAL and len(shown.sharings) > 1
-                _curve(axes, panel, curve, shown.approaches.index(curve.approach), second)
-            _x_axis(axes, shown, last=column == len(shown.panels) - 1)
-            signed_axis(axes, scale)
-            axes.tick_params(labelbottom=row == len(shown.symbols) - 1, labelleft=column == 0)
-            lowest += [axes] if row == len(shown.symbols) - 1 else []
-            if row == 0 and panel.value:
-                axes.set_title(_title(panel), pad=12.0 if study.figure.get("marks") else 4.0)
-            if column == 0:
-                panels.name_row(axes, f"error of ${symbol}$ (%)")
+    figure, x = study.figure, column_of(cases, study.figure["x"])
+    fits, places = study.fits_of(figure), np.unique(x)
+    identified = {fit.approach: fit.identified for fit in fits}
+    symbols = [s for s in terms_of(cases) if any(s in of for of in identified.values())]
+    sharings = [name for name in SHARINGS if any(fit.sharing == name for fit in fits)]
+    lines = [
+        (number, approach, sharing)
+        for number, approach in enumerate(identified)
+        for sharing in (sharings if takes_phase(approach) else [""])
+    ]
+    shown = list(_panels(study, cases))
+    panels = grid(len(symbols), len(shown))
+    exact: dict[str, float] = {}
+    drawn: set[str] = set()
+    for row, symbol in enumerate(symbols):
+        here, errors = [], []
+        for column, (title, phase, those) in enumerate(shown):
+            here.append(axes := panels.panel(row, column))
+            for number, approach, sharing in lines:
+                if symbol not in identified[approach]:
+                    continue
+                which = {"of": symbol, "approach": approach, "sharing": sharing}
+                which |= {"phase": phase} if phase else {}
+                error = 100.0 * worst_errors(study, cases, {**figure, **which})[those]
+                largest = float(np.nanmax(np.abs(error), initial=0.0))
+                if largest < EXACT:
+                    exact[approach] = max(largest, exact.get(approach, 0.0))
+                    continue
+                drawn.add(approach)
+                errors.append(error)
+                second = sharing == INDIVIDUAL and len(sharings) > 1
+                style = _curve_style(approach, number, second, few=len(those) <= FEW)
+                axes.plot(x[those], error, gid=named(approach, sharing), **style)
+            if row == 0 and title:
+                axes.set_title(title, pad=12.0 if figure.get("marks") else 4.0)
+        for column, axes in enumerate(here):
+            _x_axis(axes, figure["x"], places, last=column == len(shown) - 1)
+            signed_axis(axes, signed_scale(errors, FLOOR, CEILING, cut=0.02))
+            axes.tick_params(labelbottom=row == len(symbols) - 1, labelleft=column == 0)
             _marks(axes, study, label=row == 0)
-    clear_labels(lowest)
-    panels.text_below(curves.axis_label(shown.name))
+        panels.name_row(here[0], f"error of ${symbol}$ (%)")
+    clear_labels(here)
+    panels.text_below(PARAMETERS[figure["x"]].label)
     # the approaches by colour, those that are not drawn by the bound of their error; φ and t_s by the line
     handles = []
-    for key in shown.approaches:
-        look, bound = look_of(key), shown.exact.get(key)
-        style: dict[str, Any] = (
-            {"lw": 0.0} if bound is not None else {"lw": 1.2, "marker": look.marker, "ms": 3.2}
-        )
-        label = curves.bounded_label(key, bound) if bound is not None else in_maths(label_of(key))
+    for key in identified:
+        look, bound = look_of(key), None if key in drawn else exact.get(key)
+        style = {"lw": 1.2, "marker": look.marker, "ms": 3.2} if bound is None else {"lw": 0.0}
+        label = in_maths(label_of(key)) if bound is None else bounded_label(key, bound)
         handles.append(Line2D([], [], color=look.colour, label=label, **style))
-    for name, fill in ((COMMON, FAINT), (INDIVIDUAL, PAPER)) if len(shown.sharings) > 1 else ():
+    for name, fill in ((COMMON, FAINT), (INDIVIDUAL, PAPER)) if len(sharings) > 1 else ():
         style = {"ls": DASHED if name == INDIVIDUAL else "-", "marker": "o", "ms": 3.2, "mfc": fill}
         label = rf"{name} $\varphi$, $t_s$"
         handles.append(Line2D([], [], color=FAINT, lw=0.9, label=label, **style))
@@ -113,36 +155,221 @@ def error_curves(study: Study, cases: str | Path) -> Figure:
     return panels.figure
 
 
+def _panels(study: Study, cases: str | Path) -> Iterator[tuple[str, str, Integers]]:
+    """The panels that the figure asks for: title, phase of all its errors ("" for any), and cases by ascending x."""
+    at, by = study.figure.get("at", {}), study.figure.get("panels")
+    order = np.argsort(column_of(cases, study.figure["x"]), kind="stable")
+    here = {name: column_of(cases, name) for name in ("case", *at)}
+    order = order[selected(here, {"at": at})[order]]
+    phase = str(study.figure.get("phase", ""))
+    if by is None:
+        yield "", phase, order
+    elif by == "phase":
+        for name in dict.fromkeys(fit.phase for fit in study.fits if fit.phase):
+            yield PHASES[name], name, order
+    else:
+        values, of = column_of(cases, by), PARAMETERS[by]
+        for value in dict.fromkeys(values.tolist()):
+            title = (
+                f"{of.name} = {of.shown(value)}" if of.symbol else f"{of.name}: {of.shown(value)}"
+            )
+            yield title, phase, order[values[order] == value]
+
+
+def _curve_style(approach: str, number: int, second: bool, few: bool) -> dict[str, Any]:
+    """The look of a curve, with the marks of its approach: at every case, or apart from those of the other approaches.
+
+    second : whether it is the dashed one of two of this approach.   few : whether each case can be marked.
+    """
+    look = look_of(approach)
+    style: dict[str, Any] = {"color": look.colour, "marker": look.marker, "mew": 0.7}
+    style |= {"lw": look.width, "ms": 3.2, "ls": DASHED if second else "-"}
+    style |= {"mfc": PAPER if second else look.colour}
+    if not few:  # with an edge, which keeps them visible on curves that coincide
+        edge = look.colour if second else PAPER
+        style |= {"markevery": (0.03 + 0.04 * number, 0.2), "ms": 4.0, "mec": edge}
+    return style
+
+
+def _x_axis(axes: Axes, name: str, places: Array, last: bool) -> None:
+    margin, whole = 0.0, PARAMETERS[name].whole
+    if whole and len(places) <= FEW:
+        axes.set_xticks(places)
+        axes.minorticks_off()
+        margin = 0.4
+    elif not whole and is_logarithmic(places):
+        logarithmic_ticks(axes, "x", places[0], places[-1], ends=last)
+    axes.set_xlim(places[0] - margin, places[-1] + margin)
+
+
+def _marks(axes: Axes, study: Study, label: bool, factor: float = 1.0) -> None:
+    """The places on x, times a factor, that the study's figure names, above the frame."""
+    for name, value in study.figure.get("marks", {}).items():
+        axes.axvline(factor * value, color=FAINT, lw=0.6, ls=DOTTED, zorder=0)
+        if label:
+            text = f"${omega}$" if (omega := omega_of(name)) else in_figure(name)
+            at = ("data", "axes fraction")
+            above: dict[str, Any] = {"size": 7.5, "color": FAINT, "xycoords": at}
+            note(axes, text, (factor * value, 1.0), (0.0, 1.5), "center", **above)
+
+
 @styled()
 def error_of_steps(study: Study, cases: str | Path) -> Figure:
-    """Error of c, N s/m, by direct integration against the step of each scheme, with the lines ±m ω² h."""
-    shown = curves.error_of_steps(study, cases)
-    first, last = shown.steps[[0, -1]]
+    """Error of c, N s/m, with its sign, by direct integration against the step of each fixed-step scheme, and the line
+    ± m ω² h: the damping that backward Euler adds to c and explicit Euler takes from it."""
+    h, schemes = column_of(cases, "step_s"), column_of(cases, "scheme")
+    m, c, k, omega = (column_of(cases, SI_COLUMNS[name][0]) for name in ("m", "c", "k", "omega"))
+    errors = c * worst_errors(study, cases, {"of": "c", "approach": "direct"})
+    oscillator = Oscillator(m=m[0], c=c[0], k=k[0], K_z=1.0, F_k=0.0)
+    steps = np.unique(h)
     figure = page(SINGLE_COLUMN + 35.0, 76.0)
     axes = place(figure, 16.0, 12.0, SINGLE_COLUMN - 20.0, 60.0)
-    h = np.geomspace(first, last, 50)  # s; drawn in µs
+    along = np.geomspace(steps[0], steps[-1], 50)  # s; drawn in µs
+    euler = SCHEMES["backward-euler"]
+    added = np.array([abs(euler.balance_bias(oscillator, omega[0], step)) for step in along])
     bias: dict[str, Any] = {"color": FAINT, "lw": 2.5, "alpha": 0.45}
     for sign in (1.0, -1.0):
-        axes.plot(1e6 * h, sign * shown.line(h), zorder=0, **bias)
+        axes.plot(1e6 * along, sign * added, zorder=0, **bias)
     handles = [Line2D([], [], label=r"$\pm m\omega^2 h$", **bias)]
-    for name, (steps, errors) in shown.errors.items():
-        label, look = SCHEME_LOOKS[name]
-        style: dict[str, Any] = {"color": look.colour, "marker": look.marker, "lw": 0.7}
-        style |= {"ms": 3.4, "mfc": "white", "mew": 0.7}
-        axes.plot(1e6 * steps, errors, gid=label, **style)
-        handles.append(Line2D([], [], label=label, **style))
-    logarithmic_ticks(axes, "x", 1e6 * first, 1e6 * last)
-    if len(shown.steps) <= NAMED:
-        axes.set_xticks(1e6 * shown.steps, [f"{1e6 * step:g}" for step in shown.steps])
-    axes.set_xlim(0.9e6 * first, 1.1e6 * last)
-    errors_of = [errors for _, errors in shown.errors.values()]
-    signed_axis(axes, signed_scale(errors_of, LEAST_BIAS, math.inf))
+    for name, (label, look) in SCHEME_LOOKS.items():
+        those = np.flatnonzero(schemes == name)
+        if those.size:
+            those = those[np.argsort(h[those])]
+            style: dict[str, Any] = {"color": look.colour, "marker": look.marker, "lw": 0.7}
+            style |= {"ms": 3.4, "mfc": "white", "mew": 0.7}
+            axes.plot(1e6 * h[those], errors[those], gid=label, **style)
+            handles.append(Line2D([], [], label=label, **style))
+    logarithmic_ticks(axes, "x", 1e6 * steps[0], 1e6 * steps[-1])
+    if len(steps) <= NAMED:
+        axes.set_xticks(1e6 * steps, [f"{1e6 * step:g}" for step in steps])
+    axes.set_xlim(0.9e6 * steps[0], 1.1e6 * steps[-1])
+    signed_axis(axes, signed_scale([errors], LEAST_BIAS, math.inf))
     axes.set_xlabel("step $h$ (µs)")
     axes.set_ylabel(r"$c_\mathrm{identified} - c$ (N s/m)")
     clear_labels([axes])
     _marks(axes, study, label=True, factor=1e6)
     figure.legend(handles=handles, loc="center left", bbox_to_anchor=(0.71, 0.55))
     return figure
+
+
+# --- errors over many runs ---------------------------------------------------------------------------
+
+
+@styled()
+def errors_of_runs(study: Study, cases: str | Path) -> Figure:
+    """Over the runs, along the axis x: the size that 95 % of the errors do not exceed, %, and below it, where the study
+    has intervals, the share of the 95 % intervals that hold the true value, %.
+
+    A row of panels per term, a column per value of another axis, a line per fit. Bars: the uncertainty
+    from the number of runs, 1.96 standard errors of the size, and the 95 % interval of the coverage.
+    """
+    name, by = study.figure["x"], study.figure.get("panels")
+    factor = 100.0 if name == "noise" else 1.0  # a part of the signal, in %
+    lines, intervals = _lines(study), "intervals" in study.columns
+    kept = list(groups(cases, [name, *([by] if by else [])]))
+    values: list[Any] = list(dict.fromkeys(where[by] for where, _ in kept)) if by else [None]
+    symbols, low = terms_of(cases), _COVERAGE + _GAP if intervals else 0.0
+    panels = grid(len(symbols), len(values), height=low + _ERRORS)
+    for row, symbol in enumerate(symbols):
+        drawn = []
+        for column, value in enumerate(values):
+            runs = [rows for where, rows in kept if not by or where[by] == value]
+            x = factor * np.array([w[name] for w, _ in kept if not by or w[by] == value])
+            errors = panels.panel(row, column, low)
+            below = [panels.panel(row, column, 0.0, _COVERAGE)] if intervals else []
+            for axes, what in zip([errors, *below], ("errors", "coverage"), strict=False):
+                axes.set_label(f"{symbol} {value} {what}")
+                _axis_of_runs(axes, x)
+                axes.tick_params(labelbottom=False, labelleft=column == 0)
+            axes.tick_params(labelbottom=row == len(symbols) - 1)
+            styles = _line_styles(lines, _between(x))
+            for (label, fit), (shift, style) in zip(lines.items(), styles, strict=True):
+                of = pd.DataFrame([spread_of(study, cases, symbol, fit, rows) for rows in runs])
+                style |= {"label": label, "gid": label}
+                size = 100.0 * of["p95"].to_numpy()
+                reach = np.nan_to_num(100.0 * NORMAL_95 * of["p95_error"].to_numpy())
+                bars = [np.minimum(reach, 0.9 * size), reach]  # of a logarithmic axis
+                errors.errorbar(shift * x, np.where(size > 0.0, size, np.nan), yerr=bars, **style)
+                for axes in below:
+                    share = 100.0 * of["coverage"].to_numpy()
+                    ends = 100.0 * of[["coverage_low", "coverage_high"]].to_numpy().T
+                    axes.axhline(_CONFIDENCE, color=FAINT, lw=0.5, zorder=0)
+                    axes.set_ylim(-6.0, 106.0)
+                    axes.set_yticks([0.0, 50.0, _CONFIDENCE])
+                    # without lines, which would cross each other
+                    axes.errorbar(shift * x, share, yerr=abs(share - ends), **style | {"ls": ""})
+            drawn.append(errors)
+            if column == 0:
+                panels.name_row(errors, f"95 % of errors of ${symbol}$ below (%)")
+                for axes in below:
+                    panels.name_row(axes, "coverage (%)")
+            if row == 0 and by:
+                of_panel = PARAMETERS[by]
+                errors.set_title(f"{of_panel.name} = {of_panel.shown(value, 6)}", pad=4.0)
+        sizes = [np.asarray(line.get_ydata(), float) for axes in drawn for line in axes.lines]
+        for axes in drawn:
+            decades_axis(axes, decades(sizes))
+    along = PARAMETERS[name]
+    panels.text_below(f"{along.meaning} (%)" if name == "noise" else along.label)
+    handles = []
+    for label, (_, style) in zip(lines, _line_styles(lines), strict=True):
+        del style["elinewidth"]
+        handles.append(Line2D([], [], label=label, **style))
+    panels.legend_below(handles, columnspacing=1.2, handlelength=2.4, handletextpad=0.5)
+    return panels.figure
+
+
+def _lines(study: Study) -> dict[str, Fit]:
+    """The fits to draw, by the label in the legend: the one given, or the approach and how it differs from others."""
+    fits = study.fits_of(study.figure)
+    if "lines" in study.figure:
+        labels = [in_maths(in_figure(label)) for label in study.figure["lines"]]
+        return dict(zip(labels, fits, strict=True))
+    differing = [key for key in _TRAITS if len({getattr(fit, key) for fit in fits} - {""}) > 1]
+    named_fits = {}
+    for fit in fits:
+        traits = [getattr(fit, key).replace("_", " ") for key in differing]
+        named_fits[", ".join([in_maths(label_of(fit.approach)), *filter(None, traits)])] = fit
+    return named_fits
+
+
+def _line_styles(
+    lines: Mapping[str, Fit], between: float = math.inf
+) -> Iterator[tuple[float, dict[str, Any]]]:
+    """The ratio by which each line is moved along x, and its style. The lines of one approach have its colour: the
+    first has filled marks, the second open ones, the third crosses.   between : least ratio of neighbouring places."""
+    looks: list[dict[str, Any]] = [
+        {"ls": "-"},
+        {"ls": DASHED, "mfc": "white"},
+        {"ls": DOTTED, "marker": "x"},
+    ]
+    apart = min(_APART, between ** (0.7 / len(lines)))
+    seen: list[str] = []
+    for index, fit in enumerate(lines.values()):
+        look = look_of(fit.approach)
+        style: dict[str, Any] = {"color": look.colour, "marker": look.marker, "ms": 3.4, "mew": 0.7}
+        style |= {"lw": 0.6, "elinewidth": 0.7} | looks[min(seen.count(fit.approach), 2)]
+        seen.append(fit.approach)
+        yield apart ** (index - 0.5 * (len(lines) - 1)), style
+
+
+def _axis_of_runs(axes: Axes, places: Array) -> None:
+    """A logarithmic axis with a tick at each place."""
+    axes.set_xscale("log")
+    axes.set_xticks(places, [f"{place:g}" for place in places])
+    axes.xaxis.set_minor_formatter(NullFormatter())
+    axes.tick_params(axis="x", which="minor", bottom=False, top=False)
+    margin = min(1.8, _between(places) ** 0.6)
+    axes.set_xlim(places.min() / margin, places.max() * margin)
+
+
+def _between(places: Array) -> float:
+    """The least ratio of neighbouring places."""
+    ordered = np.unique(places)
+    return float(np.min(ordered[1:] / ordered[:-1], initial=10.0))
+
+
+# --- laws that are chosen ----------------------------------------------------------------------------
 
 
 @styled()
@@ -157,23 +384,21 @@ def confusion_matrix(study: Study, cases: str | Path) -> Figure:
     cell = min(CELL, (DOUBLE_COLUMN - LEFT - 2.0 * _WORDS) / columns)
     figure = page(LEFT + columns * cell + 2.0 * _WORDS, BOTTOM + rows * CELL + TOP)
     axes = place(figure, LEFT, BOTTOM, columns * cell, rows * CELL)
-    shares = summary[chosen].to_numpy(dtype=float) / summary["cases"].to_numpy(dtype=float)[:, None]
-    axes.pcolormesh(
-        np.arange(columns + 1), np.arange(rows + 1), shares, cmap="Blues", vmin=0.0, vmax=1.2
-    )
+    counts = summary[chosen].to_numpy()
+    shares = counts / summary["cases"].to_numpy(dtype=float)[:, None]
+    edges = np.arange(columns + 1), np.arange(rows + 1)
+    axes.pcolormesh(*edges, shares, cmap="Blues", vmin=0.0, vmax=1.2)
+    frame: dict[str, Any] = {"fill": False, "ec": INK, "lw": 0.9, "clip_on": False, "zorder": 3}
     for i, j in np.ndindex(rows, columns):
-        count, share = summary[chosen[j]].iloc[i], shares[i, j]
-        colour = "white" if share >= _DARK else INK if count else FAINT
-        axes.text(j + 0.5, i + 0.5, f"{count}", ha="center", va="center", color=colour)
+        colour = "white" if shares[i, j] >= _DARK else INK if counts[i, j] else FAINT
+        axes.text(j + 0.5, i + 0.5, f"{counts[i, j]}", ha="center", va="center", color=colour)
         if chosen[j] == laws[i]:
-            axes.add_patch(
-                Rectangle((j, i), 1.0, 1.0, fill=False, ec=INK, lw=0.9, clip_on=False, zorder=3)
-            )
+            axes.add_patch(Rectangle((j, i), 1.0, 1.0, **frame))
     # names of the laws at the cells
     axes.set_ylim(rows, 0.0)
-    named = [law if law == NONE else f"${in_tex(law).replace(' ', '')}$" for law in chosen]
-    axes.set_yticks(np.arange(rows) + 0.5, named[:rows])  # the true ones come first
-    axes.set_xticks(np.arange(columns) + 0.5, named, rotation=50)
+    texts = [law if law == NONE else f"${in_tex(law).replace(' ', '')}$" for law in chosen]
+    axes.set_yticks(np.arange(rows) + 0.5, texts[:rows])  # the true ones come first
+    axes.set_xticks(np.arange(columns) + 0.5, texts, rotation=50)
     axes.tick_params(length=0.0, labelbottom=False, labeltop=True)
     for label in axes.get_xticklabels():
         label.set(ha="left", rotation_mode="anchor")
@@ -184,54 +409,8 @@ def confusion_matrix(study: Study, cases: str | Path) -> Figure:
     for place_at, (name, head) in enumerate((("right", "right"), ("extra", "a term too many"))):
         left = columns + (0.12 + place_at) * _WORDS / cell
         axes.text(left, -0.25, head, ha="left", va="bottom", clip_on=False)
-        for i, row in enumerate(summary.to_dict("records")):
-            part, low, high = (row[f"{name}{end}_percent"] for end in ("", "_low", "_high"))
-            text = f"{part:.3g} % ({low:.3g} to {high:.3g})"
+        ends = [f"{name}{end}_percent" for end in ("", "_low", "_high")]
+        for i, held in enumerate(summary[ends].itertuples(index=False)):
+            text = "{:.3g} % ({:.3g} to {:.3g})".format(*held)
             axes.text(left, i + 0.5, text, va="center", size=7.5)
     return figure
-
-
-def _title(panel: curves.Panel) -> str:
-    if panel.axis is None:
-        return panel.value
-    symbol = panel.axis.symbol
-    return f"${symbol}$ = {panel.value}" if symbol else f"{panel.axis.meaning}: {panel.value}"
-
-
-def _curve(axes: Axes, panel: curves.Panel, curve: curves.Curve, number: int, second: bool) -> None:
-    """A curve with the marks of its approach: at every case, or at places apart from those of the other approaches.
-
-    second : whether it is the dashed one of two of this approach.
-    """
-    look = look_of(curve.approach)
-    style: dict[str, Any] = {"ls": "-", "mfc": look.colour, "ms": 3.2, "mew": 0.7, "lw": look.width}
-    style |= {"ls": DASHED, "mfc": PAPER} if second else {}
-    style |= {"color": look.colour, "marker": look.marker}
-    if not panel.few:  # with an edge, which keeps them visible on curves that coincide
-        edge = look.colour if second else PAPER
-        style |= {"markevery": (0.03 + 0.04 * number, 0.2), "ms": 4.0, "mec": edge}
-    axes.plot(panel.x, curve.error, gid=named(curve.approach, curve.sharing), **style)
-
-
-def _x_axis(axes: Axes, shown: curves.ErrorCurves, last: bool) -> None:
-    first_place, last_place = shown.places[[0, -1]]
-    margin = 0.0
-    if PARAMETERS[shown.name].whole and len(shown.places) <= curves.FEW:
-        axes.set_xticks(shown.places)
-        axes.minorticks_off()
-        margin = 0.4
-    elif shown.is_logarithmic:
-        logarithmic_ticks(axes, "x", first_place, last_place, ends=last)
-    axes.set_xlim(first_place - margin, last_place + margin)
-
-
-def _marks(axes: Axes, study: Study, label: bool, factor: float = 1.0) -> None:
-    """The places on x, times a factor, that the study's figure names, above the frame."""
-    for name, value in study.figure.get("marks", {}).items():
-        value *= factor
-        axes.axvline(value, color=FAINT, lw=0.6, ls=DOTTED, zorder=0)
-        if label:
-            omega = omega_of(name)
-            text = f"${omega}$" if omega else in_figure(name)
-            at = ("data", "axes fraction")
-            note(axes, text, (value, 1.0), (0.0, 1.5), "center", size=7.5, color=FAINT, xycoords=at)

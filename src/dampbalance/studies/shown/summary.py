@@ -7,15 +7,12 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pandas as pd
 
-from ...arrays import Mask
 from ...project.wording import in_markdown, listed, markdown_table, percent
-from ..outputs import column_of, stretches, terms_of
-from ..settings import EQUAL, RIGID, Fit, Study
-from .confusion import confusion, confusion_markdown
-from .statistics import Sizes, bounds_of, spread_of
+from ..case_files import stretches, terms_of
+from ..settings import EQUAL, NONE, RIGID, Fit, Study
+from .statistics import Sizes, bounds_of, choices_of, groups, share_of, spread_of, terms_of_choice
 
 WITHIN = 0.01  # relative error that the summary counts as good
 SHARE = f"within_{100 * WITHIN:g}_percent_share"
@@ -27,24 +24,24 @@ def summary_of(cases: str | Path, study: Study) -> pd.DataFrame:
     """The table that the study asks for: of errors, by the values of some axes or over all cases, or of laws."""
     if "chosen" in study.columns:
         return confusion(cases)
-    return grouped_summary(cases, study) if study.summary_by else overall_summary(cases, study)
+    records = _grouped_records if study.summary_by else _overall_records
+    return pd.DataFrame.from_records(list(records(cases, study)))
 
 
-def overall_summary(cases: str | Path, study: Study) -> pd.DataFrame:
+def _overall_records(cases: str | Path, study: Study) -> Iterator[dict[str, Any]]:
     """One row per fit and quantity: how many cases it could be identified in, and how large its error is, in %.
 
     Median and 95 % quantile of the error's size (to 0.06 % of themselves), its maximum, and the share of all cases
     with an error of at most WITHIN.
     """
-    records, terms = [], terms_of(cases)
+    terms = terms_of(cases)
     for fit in study.fits:
         for quantity in (symbol for symbol in terms if symbol in fit.identified):
             # a column at a time: a file may have hundreds
-            name = f"{quantity}_relative_error__{fit.label}"
-            sizes = Sizes(WITHIN)
+            name, sizes = f"{quantity}_relative_error__{fit.label}", Sizes(WITHIN)
             for stretch in stretches(cases, [name]):
                 sizes.add(stretch[name])
-            how_large = {
+            yield _which(quantity, fit) | {
                 "cases": sizes.cases,
                 "identified": sizes.known,
                 "median_error_percent": 100.0 * sizes.quantile(0.5),
@@ -52,39 +49,28 @@ def overall_summary(cases: str | Path, study: Study) -> pd.DataFrame:
                 "max_error_percent": 100.0 * sizes.largest if sizes.known else math.nan,
                 SHARE: sizes.share,
             }
-            records.append(_which(quantity, fit) | how_large)
-    return pd.DataFrame.from_records(records)
 
 
-def grouped_summary(cases: str | Path, study: Study) -> pd.DataFrame:
-    """One row per combination of values of `study.summary_by`, quantity and fit; shares of `Spread` in %.
+def _grouped_records(cases: str | Path, study: Study) -> Iterator[dict[str, Any]]:
+    """One row per combination of values of `study.summary_by`, quantity and fit; shares of `spread` in %.
 
     For noisy records, also the Cramér–Rao bound and the share of the information that is used, (bound/rms error)².
     """
-    records = []
     for where, kept in groups(cases, study.summary_by):
-        bounds = bounds_of(study, np.flatnonzero(kept))
+        bounds = bounds_of(study, kept)
         for quantity in terms_of(cases):
             for fit in (fit for fit in study.fits if quantity in fit.identified):
                 errors = spread_of(study, cases, quantity, fit, kept)
-                runs, identified, *shares = errors._asdict().items()
-                record = {**where, **_which(quantity, fit), **dict([runs, identified])}
-                record |= {f"{name}_percent": 100.0 * share for name, share in shares}
-                record |= {"bias_over_standard_error": errors.bias / errors.standard_error}
+                ratio = errors["bias"] / errors["standard_error"]
+                counts = {name: errors.pop(name) for name in ("runs", "identified")}
+                record = where | _which(quantity, fit) | counts
+                record |= {f"{name}_percent": 100.0 * share for name, share in errors.items()}
+                record |= {"bias_over_standard_error": ratio}
                 if study.route.has_intervals:
-                    bound = bounds[quantity]
-                    used = (bound / errors.rms) ** 2 if errors.rms > 0.0 else np.nan
+                    bound, rms = bounds[quantity], errors["rms"]
+                    used = (bound / rms) ** 2 if rms > 0.0 else math.nan
                     record |= {"bound_percent": 100.0 * bound, "information_percent": 100.0 * used}
-                records.append(record)
-    return pd.DataFrame.from_records(records)
-
-
-def groups(cases: str | Path, by: Sequence[str]) -> Iterator[tuple[dict[str, Any], Mask]]:
-    """({axis: value}, which cases) for each combination of values of the axes `by`, in the order of the cases."""
-    values = pd.DataFrame({name: column_of(cases, name) for name in by})
-    for where in values.drop_duplicates().to_dict("records"):
-        kept = (values == pd.Series(where)).all(axis=1).to_numpy()
-        yield {str(name): value for name, value in where.items()}, kept
+                yield record
 
 
 def _which(quantity: str, fit: Fit) -> dict[str, str]:
@@ -95,6 +81,32 @@ def _which(quantity: str, fit: Fit) -> dict[str, str]:
     return by | {"weights": fit.weights, "fit": fit.kind}
 
 
+def confusion(cases: str | Path) -> pd.DataFrame:
+    """A row per true law, a column per law that is true or chosen somewhere, and for none: numbers of cases; how many
+    are right and have a term too many, as shares with their 95 % intervals, %."""
+    table, records = choices_of(cases), []
+    laws = list(dict.fromkeys(table["law"]))
+    others = set(table["chosen"]) - {*laws, NONE}
+    laws += sorted(others, key=lambda law: (len(terms_of_choice(law)), law))
+    for law, own in table.groupby("law", sort=False):
+        record: dict[str, Any] = {"law": law, "cases": len(own)}
+        record |= {other: int((own["chosen"] == other).sum()) for other in (*laws, NONE)}
+        for kind in ("right", "extra"):
+            shares = share_of(own[kind]).items()
+            record |= {f"{kind}{end}_percent": 100.0 * share for end, share in shares}
+        records.append(record)
+    return pd.DataFrame.from_records(records)
+
+
+def laws_in(summary: pd.DataFrame) -> list[str]:
+    """The columns of `confusion` that hold numbers of cases by the law that is chosen."""
+    names = [str(name) for name in summary]
+    return names[names.index("cases") + 1 : names.index("right_percent")]
+
+
+# --- the page ----------------------------------------------------------------------------------------
+
+
 def summary_markdown(study: Study, summary: pd.DataFrame, paragraph: str, figure: str) -> str:
     """A page to read: what was varied, what it shows, the figure, and the table of errors."""
     title = in_markdown(" ".join(study.title.split()))
@@ -103,23 +115,18 @@ def summary_markdown(study: Study, summary: pd.DataFrame, paragraph: str, figure
     lines += [in_markdown(paragraph), ""] if paragraph else []
     lines += [f"![{title}]({figure})", ""] if figure else []
     if "chosen" in study.columns:
-        lines += confusion_markdown(summary)
+        lines += _confusion_markdown(summary)
     elif study.summary_by:
         lines += _grouped_markdown(study, summary)
     else:
-        lines += _overall_markdown(summary)
+        identified = listed(list(summary["quantity"].unique()))
+        lines += [
+            f"Size of the relative error over all cases in which {identified} could be identified."
+        ]
+        heads = ["identified", "median", "95 %", "largest", f"within {100 * WITHIN:g} %"]
+        lines += ["", _table_of_fits(heads, summary, _overall_cells)]
     lines += ["", "All numbers: `cases.parquet`; what they are: `manifest.json`.", ""]
     return "\n".join(lines)
-
-
-def _overall_markdown(summary: pd.DataFrame) -> list[str]:
-    heads = ["identified", "median", "95 %", "largest", f"within {100 * WITHIN:g} %"]
-    identified = listed(list(summary["quantity"].unique()))
-    return [
-        f"Size of the relative error over all cases in which {identified} could be identified.",
-        "",
-        _table_of_fits(heads, summary, _overall_cells),
-    ]
 
 
 def _overall_cells(row: Row) -> list[str]:
@@ -162,7 +169,7 @@ def _grouped_cells(row: Row) -> list[str]:
         f"{sign}{_percent(row, 'bias')} ± {_percent(row, 'bias_error')}",
         _percent(row, "scatter"),
         *(f"{_percent(row, n)} ± {_percent(row, f'{n}_error')}" for n in ("standard_error", "p95")),
-        f"{_percent(row, 'coverage')} ({_percent(row, 'coverage_low')} to {_percent(row, 'coverage_high')})",
+        _with_interval(row, "coverage"),
         *(_percent(row, name) for name in ("bound", "information") if f"{name}_percent" in row),
     ]
 
@@ -180,6 +187,26 @@ def _table_of_fits(
         how += ["equal weights"] if row["weights"] == EQUAL else []
         rows.append([row["quantity"], ", ".join(how), phase, row["sharing"], fit, *cells(row)])
     return markdown_table([*which, *heads], rows, "l" * len(which) + "r" * len(heads))
+
+
+def _confusion_markdown(summary: pd.DataFrame) -> list[str]:
+    chosen = laws_in(summary)
+    heads = ["true law", *chosen, "right", "a term too many"]
+    rows = []
+    for row in summary.to_dict("records"):
+        shares = (_with_interval(row, kind) for kind in ("right", "extra"))
+        rows.append([row["law"], *(str(row[name] or "") for name in chosen), *shares])
+    return [
+        "Rows: the true law. Columns: the law that is chosen, in cases. Right, a term too many: shares of the row, "
+        "with the bounds between which the number of cases leaves them (95 %).",
+        "",
+        markdown_table(heads, rows, "l" + "r" * (len(heads) - 1)),
+    ]
+
+
+def _with_interval(row: Row, name: str) -> str:
+    """A share with the bounds of its 95 % interval."""
+    return "{} ({} to {})".format(*(_percent(row, name + end) for end in ("", "_low", "_high")))
 
 
 def _percent(row: Row, name: str) -> str:

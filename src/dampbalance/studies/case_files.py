@@ -23,10 +23,8 @@ import pyarrow.parquet as pq
 from ..arrays import Words
 from ..law.terms import KNOWN_TERMS
 from ..project.files import replacing, write_json
-from .axes import Listed
-from .responses import REGIME_NAMES
-from .settings import Study
-from .sizes import Column, columns_of
+from .cases import REGIME_NAMES, columns_of
+from .settings import Listed, Study
 
 MANY = 100_000
 """A table of so many cases or more is written uncompressed: numbers of which no two are alike hardly compress, and
@@ -79,7 +77,15 @@ def write_parts(
         pq.ParquetWriter(temporary, schema, **_packing(study)) as writer,
     ):
         for frame in parts:
-            arrays = [_array(frame[field.name].to_numpy(), field.type) for field in schema]
+            arrays = []
+            for field in schema:
+                values = frame[field.name].to_numpy()
+                if pa.types.is_dictionary(field.type):
+                    codes, words = pd.factorize(values, sort=True)
+                    held = pa.array(codes, pa.int32()), pa.array(list(words), pa.string())
+                    arrays.append(pa.DictionaryArray.from_arrays(*held))
+                else:
+                    arrays.append(pa.array(values, field.type))
             table = pa.Table.from_arrays(arrays, schema=schema)
             writer.write_table(table, row_group_size=max(len(frame), 1))
 
@@ -127,33 +133,20 @@ def _packing(study: Study) -> dict[str, Any]:
     packed: dict[str, Any] = {"write_statistics": False, "compression_level": 1}
     if study.cases < MANY:
         return packed | {"compression": "zstd"}
-    listed = {name for b in study.blocks if isinstance(b, Listed) for name in b.names}
-    repeated = [c.name for c in columns_of(study) if c.words or c.name in listed]
-    kinds = {c.name: "zstd" if c.name in repeated else "none" for c in columns_of(study)}
+    listed = {name for b in study.blocks if isinstance(b, Listed) for name in b.axes}
+    columns = columns_of(study)
+    repeated = [c.name for c in columns if c.words or c.name in listed]
+    kinds = {c.name: "zstd" if c.name in repeated else "none" for c in columns}
     levels = dict.fromkeys(repeated, 1)
     return packed | {"use_dictionary": repeated, "compression": kinds, "compression_level": levels}
 
 
 def _schema(study: Study, version: str) -> pa.Schema:
     """Names, types, units and meanings of the columns; the study and its settings as metadata of the file."""
-    fields = [
-        pa.field(c.name, _type(c), metadata={"unit": c.unit, "meaning": c.meaning})
-        for c in columns_of(study)
-    ]
+    words, fields = pa.dictionary(pa.int32(), pa.string()), []
+    for c in columns_of(study):
+        kind = words if c.words else pa.int64() if c.name == "case" else pa.float64()
+        fields.append(pa.field(c.name, kind, metadata={"unit": c.unit, "meaning": c.meaning}))
     settings = json.dumps(study.settings, sort_keys=True, ensure_ascii=False)
     about = {"study": study.name, "dampbalance": version, "settings": settings}
     return pa.schema(fields, metadata=about)
-
-
-def _type(column: Column) -> pa.DataType:
-    if column.words:
-        return pa.dictionary(pa.int32(), pa.string())
-    return pa.int64() if column.name == "case" else pa.float64()
-
-
-def _array(values: Words, kind: pa.DataType) -> pa.Array:
-    if pa.types.is_dictionary(kind):
-        codes, words = pd.factorize(values, sort=True)
-        words = pa.array(list(words), pa.string())
-        return pa.DictionaryArray.from_arrays(pa.array(codes, pa.int32()), words)
-    return pa.array(values, kind)

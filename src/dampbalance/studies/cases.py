@@ -1,0 +1,217 @@
+"""The cases of a study: their values, their responses, the columns of their table, and how much all of it will be."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Mapping
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from ..arrays import Array, Integers, Words
+from ..features import Features
+from ..law.terms import KNOWN_TERMS
+from ..motion.regime import Regime
+from ..project.documents import ConfigurationError
+from ..project.progress import duration_in_words
+from .parameters import MECHANICAL, OF_LAW, PARAMETERS, SI_COLUMNS, in_si
+from .settings import Sampled, Study, case_values
+
+PART = 131_072
+"""Cases that are in memory at a time, and a row group of the file: 0.8 kB each while they are worked on."""
+
+MOST_CHUNKS = 20_000
+"""More jobs than this keep the scheduler busier than the processors: make the chunks larger."""
+
+_SPARE = 0.05  # share of the free disk that a study leaves free
+
+
+class Cases(NamedTuple):
+    """n cases that are computed together.
+
+    numbers : in the study, (n,).
+    values : of every parameter, by the names of PARAMETERS, each (n,).
+    si : m, c, k, K_z, F_k, omega and coefficients of further terms by symbol, SI units, each (n,).
+    Y : amplitudes of the base at L levels, m, (L, n).
+    """
+
+    study: Study
+    numbers: Integers
+    values: Mapping[str, Words]
+    si: Mapping[str, Array]
+    Y: Array
+
+
+def cases_between(study: Study, start: int, stop: int) -> Cases:
+    """The cases start … stop − 1 of a study."""
+    fixed = {name: np.full(stop - start, value) for name, value in study.fixed.items()}
+    values: dict[str, Words] = fixed | case_values(study.blocks, start, stop)
+    si = in_si({name: values[name].astype(float) for name in MECHANICAL if name in values})
+    Y = np.array(study.levels)[:, None] * (
+        si["Y"] if study.levels_relative else np.ones(stop - start)
+    )
+    return Cases(study, np.arange(start, stop), values, si, Y)
+
+
+class Responses(NamedTuple):
+    """The responses of n cases at L levels.
+
+    features : (L, n). The rest is for noisy records only.
+    chosen : names of the laws that the records support, (n,), where a study asks for them instead of coefficients.
+    drawn : bootstrap replicates of the features, (L, n, r).
+    simpson : features and replicates with a, b and W by `reading.simpson`, where a fit asks for them.
+    likelihood : values and standard errors of the maximum-likelihood oscillator by symbol, SI units, (n,) each.
+    """
+
+    features: Features
+    drawn: Features | None = None
+    simpson: tuple[Features, ...] = ()
+    likelihood: tuple[Mapping[str, Array], Mapping[str, Array]] = ({}, {})
+    chosen: Words | None = None
+
+
+NOT_READ = "not_read"
+STEP_TOO_COARSE = "the fixed step is too coarse for the stick phases, or unstable"
+
+REGIME_NAMES = {
+    **{str(regime): regime.name.lower() for regime in Regime},
+    STEP_TOO_COARSE: "step_too_coarse",
+    "no slip onset could be read off the record": NOT_READ,
+}
+"""The regime of a response, or why a feature is missing: words → name in the table of cases. Other words give the
+reason why a record could not be read."""
+
+
+# --- the table ---------------------------------------------------------------------------------------
+
+
+class Column(NamedTuple):
+    """A column of the table of cases: name with unit, unit, meaning, and whether it holds words."""
+
+    name: str
+    unit: str
+    meaning: str
+    words: bool = False
+
+
+_STANDARD_ERROR = "standard error of {0.symbol} (bootstrap over cycles; of the fit, its covariance)"
+_COVERED = "1 if the 95 % interval of {0.symbol} holds its true value, else 0"
+_OF_TERMS = {
+    "errors": [("{0.symbol}_relative_error", "1", "{0.symbol} identified / true − 1")],
+    "estimates": [("{0.column}", "{0.unit}", "{0.symbol} identified")],
+    "intervals": [
+        ("{0.symbol}_relative_standard_error", "1", _STANDARD_ERROR + " / true {0.symbol}"),
+        ("{0.symbol}_covered", "1", _COVERED),
+    ],
+}
+"""Columns of a fit for each term, by the word that asks for them: name, unit and meaning, as formats of the term."""
+
+
+def columns_of(study: Study) -> list[Column]:
+    """The columns of the table of cases, in their order."""
+    names, columns = study.axis_names, [Column("case", "1", "number of the case, counted from 0")]
+    columns += map(_of_parameter, names)
+    if "parameters" in study.columns:
+        known = {*names} if study.levels_relative else {*names, "Y_m"}
+        columns += [Column(*of) for of in SI_COLUMNS.values() if of[0] not in known]
+        columns += [_of_parameter(name) for name in OF_LAW if name in study.fixed]
+    kinds = ", ".join(REGIME_NAMES.values())
+    regimes = f"kind of response at each level, one word if all are alike: {kinds}"
+    columns.append(Column("regime", "", regimes, words=True))
+    if "chosen" in study.columns:
+        columns.append(Column("chosen", "", "law that the records support, or none", words=True))
+    true = {*SI_COLUMNS, *(OF_LAW[name] for name in OF_LAW if name in study.parameters)}
+    for fit in study.fits:
+        how = " ".join(part.replace("_", " ") for part in fit.label.split("__"))
+        terms = [KNOWN_TERMS[symbol] for symbol in fit.identified]
+        for kind in (kind for kind in _OF_TERMS if kind in study.columns):
+            for term in (of for of in terms if kind == "estimates" or of.symbol in true):
+                for described in _OF_TERMS[kind]:
+                    name, unit, meaning = (text.format(term) for text in described)
+                    columns.append(Column(f"{name}__{fit.label}", unit, f"{meaning}; {how}"))
+        if "residuals" in study.columns:
+            columns.append(Column(f"residual__{fit.label}", "1", f"‖A p − W‖/‖W‖; {how}"))
+    return columns
+
+
+def _of_parameter(name: str) -> Column:
+    parameter = PARAMETERS[name]
+    return Column(name, parameter.unit, parameter.meaning, words=parameter.is_word)
+
+
+# --- sizes -------------------------------------------------------------------------------------------
+
+
+class StudySize(NamedTuple):
+    """Size of a study: cases, levels of each, chunks, and bytes of the finished table; while the finished chunks are
+    joined, twice as many are in use."""
+
+    cases: int
+    levels: int
+    chunks: int
+    table_bytes: int
+
+    def __str__(self) -> str:
+        most, while_joined = (size_in_words(times * self.table_bytes) for times in (1, 2))
+        return (
+            f"{self.cases:,} cases × {self.levels} levels = {self.cases * self.levels:,} responses, "
+            f"{self.chunks:,} chunk{'s' if self.chunks > 1 else ''}, up to {most} (while it runs {while_joined})"
+        )
+
+
+def size_of(study: Study) -> StudySize:
+    """The size of a study. Bytes are an upper bound: constant columns and repeated words pack to next to nothing.
+
+    Eight bytes for every number that can differ from case to case, one or two for words and case numbers.
+    """
+    varied = sum(len(b.axes) for b in study.blocks if isinstance(b, Sampled))
+    columns = [c for c in columns_of(study) if c.words or c.name not in study.axis_names]
+    each = 8 * varied + 2 + sum(1 if c.words else 8 for c in columns)
+    chunks = -(-study.cases // study.chunk_cases)
+    return StudySize(study.cases, len(study.levels), chunks, 20_000 + study.cases * each)
+
+
+def chunk_bounds(study: Study, chunk: int) -> tuple[int, int]:
+    """First case of a chunk and the one after its last."""
+    start = chunk * study.chunk_cases
+    return start, min(start + study.chunk_cases, study.cases)
+
+
+def check_size(study: Study, size: StudySize, folder: str | Path, file: str | Path) -> None:
+    """Raise ConfigurationError, with the number of cases and bytes, for a study that does not fit on the disk of
+    `folder` or falls into too many chunks."""
+    if size.chunks > MOST_CHUNKS:
+        enough = -(-size.cases // MOST_CHUNKS)
+        raise ConfigurationError(
+            f"{file}: chunk_cases: {size.cases:,} cases in chunks of {study.chunk_cases:,} are {size.chunks:,} jobs; "
+            f"take chunks of at least {enough:,} cases"
+        )
+    path = Path(folder).absolute()
+    existing = next(place for place in (path, *path.parents) if place.exists())
+    needed, free = 2 * size.table_bytes, int((1.0 - _SPARE) * shutil.disk_usage(existing).free)
+    if needed > free:
+        raise ConfigurationError(
+            f"{file}: axes: {size.cases:,} cases would take {size_in_words(needed)} of disk while they are computed, "
+            f"and {size_in_words(free)} are free; take fewer cases or fewer columns"
+        )
+
+
+def size_in_words(count: float) -> str:
+    """A number of bytes with a unit that suits it, e.g. 1.2 GB."""
+    power = next((p for p in range(5) if count < 1000.0 ** (p + 1)), 5)
+    return f"{count / 1000.0**power:.3g} {('bytes', 'kB', 'MB', 'GB', 'TB', 'PB')[power]}"
+
+
+def progress(study: Study, folder: str | Path, chunks: int, started: float, now: float) -> str:
+    """How many chunks of a study are done, and how long the rest takes at the rate of this run.
+
+    folder : of the finished chunks.   started, now : s since the epoch, of the run and of this moment; NaN for unknown.
+    """
+    done = list(Path(folder).glob("[0-9]*.parquet"))
+    text = f"Study {study.name}: {len(done)} of {chunks} chunks"
+    recent = sum(path.stat().st_mtime >= started for path in done)
+    if len(done) >= chunks or not recent:
+        return text
+    left = (chunks - len(done)) * (now - started) / recent
+    return f"{text}, about {duration_in_words(left)} left"
