@@ -47,20 +47,19 @@ def glance(
     figure = page(DOUBLE_COLUMN, BOTTOM + HEIGHT + TOP)
     left = place(figure, 28.0, BOTTOM, 62.0, HEIGHT)
     right = place(figure, 110.0, BOTTOM, 68.0, HEIGHT)
-    dissipative = damping.true + damping.added
-    rows = (
-        ("true $c$", damping.true, {"marker": "D", "color": INK}),
-        (r"true $c + m\omega^2h$", dissipative, {"marker": "^", "color": FAINT}),
-        ("rebuilt", damping.rebuilt, {"marker": "s", "color": REBUILT}),
-        ("printed", damping.printed, {"marker": "o", "color": PRINTED["color"]}),
-    )
-    for n, (_, c, mark) in enumerate(rows):
+    rows = {
+        "true $c$": (damping.true, {"marker": "D", "color": INK}),
+        r"true $c + m\omega^2h$": (damping.true + damping.added, {"marker": "^", "color": FAINT}),
+        "rebuilt": (damping.rebuilt, {"marker": "s", "color": REBUILT}),
+        "printed": (damping.printed, {"marker": "o", "color": PRINTED["color"]}),
+    }
+    for n, (c, mark) in enumerate(rows.values()):
         left.plot([c], [n], gid="$c$", ls="none", ms=4.5, zorder=3, **mark)
         note(left, f"{c:.4f}", (c, n), (5.0, 0.0), "left", "center", size=8.0)
     arrow(left, (damping.true, 1.0), (damping.true + 0.96 * damping.added, 1.0), FAINT)
     left.axvline(damping.true, color=FAINT, lw=0.5, ls=":")
     left.axvline(damping.printed, color=PRINTED["color"], lw=0.5, ls=":")
-    left.set_yticks(range(len(rows)), [text for text, _, _ in rows])
+    left.set_yticks(range(len(rows)), list(rows))
     left.set_ylim(len(rows) - 0.5, -0.6)
     left.set_xlim(damping.true - 0.25 * damping.added, damping.true + 1.6 * damping.added)
     left.ticklabel_format(axis="x", useOffset=False)
@@ -72,19 +71,21 @@ def glance(
         places = [f + 0.28 * (n - 1) for f in range(len(frequencies))]
         right.vlines(places, 0.0, values, color=look["color"], lw=1.2)
         right.plot(places, values, ls="none", ms=4.5, label=label, gid=label, **look)
-        for x, error in zip(places, values, strict=True):
-            text = f"{error:+#.2g}".rstrip(".").replace("-", "−")
-            if n == len(LOOKS) - 1:  # beside the last mark, clear of the stems of the others
-                note(right, text, (x, error), (2.0, 3.0), "left", size=7.0)
-                continue
-            up = (0.0, 4.0, "bottom") if error > 0.0 else (0.0, -4.0, "top")
-            note(right, text, (x, error), up[:2], "center", up[2], size=7.0)
+        for at in zip(places, values, strict=True):
+            text = f"{at[1]:+#.2g}".rstrip(".").replace("-", "−")
+            if (
+                n == len(LOOKS) - 1
+            ):  # to the right of the last mark, clear of the stems of the others
+                note(right, text, at, (2.0, 3.0), "left", size=7.0)
+            elif at[1] > 0.0:
+                note(right, text, at, (0.0, 4.0), "center", "bottom", size=7.0)
+            else:
+                note(right, text, at, (0.0, -4.0), "center", "top", size=7.0)
     right.axhline(0.0, color=INK, lw=0.6)
     right.set_yscale("asinh", linear_width=0.05)
     right.set_ylim(-1500.0, 4000.0)
-    right.set_yticks(
-        [-100, -10, -1, 0, 1, 10, 100], ["−100", "−10", "−1", "0", "+1", "+10", "+100"]
-    )
+    ticks = [-100, -10, -1, 0, 1, 10, 100]
+    right.set_yticks(ticks, [f"{tick:+d}".replace("-", "−") if tick else "0" for tick in ticks])
     right.minorticks_off()
     right.set_xlim(-0.5, len(frequencies) - 0.25)
     right.set_xticks(range(len(frequencies)), [f"{hz:g} Hz" for hz in frequencies])

@@ -38,30 +38,22 @@ STYLE: dict[str, Any] = {
     "font.size": 9.0,
     "axes.labelsize": 9.0,
     "axes.titlesize": 9.0,
-    "xtick.labelsize": 8.0,
-    "ytick.labelsize": 8.0,
     "legend.fontsize": 8.5,
     "axes.linewidth": 0.6,
     "lines.linewidth": 0.9,
     "lines.markersize": 4.0,
-    "xtick.direction": "in",
-    "ytick.direction": "in",
     "xtick.top": True,
     "ytick.right": True,
-    "xtick.major.width": 0.6,
-    "ytick.major.width": 0.6,
-    "xtick.minor.width": 0.4,
-    "ytick.minor.width": 0.4,
-    "xtick.major.size": 3.0,
-    "ytick.major.size": 3.0,
-    "xtick.minor.size": 1.6,
-    "ytick.minor.size": 1.6,
     "legend.frameon": False,
     "figure.dpi": DPI,
     "savefig.dpi": DPI,
     "svg.fonttype": "path",  # the letters are in the file: it looks the same where the font is not installed
     "svg.hashsalt": "dampbalance",  # names inside the file follow from its content, not from chance
 }
+for _ticks in ("xtick", "ytick"):
+    STYLE |= {f"{_ticks}.labelsize": 8.0, f"{_ticks}.direction": "in"}
+    STYLE |= {f"{_ticks}.major.width": 0.6, f"{_ticks}.major.size": 3.0}
+    STYLE |= {f"{_ticks}.minor.width": 0.4, f"{_ticks}.minor.size": 1.6}
 
 
 @contextmanager

@@ -57,7 +57,7 @@ ORIGINS = {
     ),
     "figure3": _origin(
         "Figure 3",
-        "{case}/figures/figure3.svg ← figures/figures ← figures/acceleration.py motion/orbit.py",
+        "{case}/figures/figure3.svg ← figures/figures ← figures/cycle.py motion/orbit.py",
     ),
     "errors": _origin(
         "Estimation error of each approach",
