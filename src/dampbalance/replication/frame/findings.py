@@ -20,7 +20,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy import special
@@ -51,15 +51,14 @@ from .friction import (
 )
 
 
-@dataclass(frozen=True)
-class Drift:
-    """The straight line through forces at equal steps.
+class Drift(NamedTuple):
+    """The straight line through forces at equal steps, N.
 
-    slope, error : per step, and its standard error, N.
+    slope, error : per step, and its standard error.
     p : probability of a slope as large as this if there were none, by Student's t.
     significant : whether p is small enough where several such tests are made together.
-    reach : half the width of the interval about the middle of the line, N.
-    steps : number of forces.
+    reach : half the width of the interval about the middle of the line.
+    over_record : by how much the line rises from the first force to the last.
     """
 
     slope: float
@@ -67,12 +66,7 @@ class Drift:
     p: float
     significant: bool
     reach: float
-    steps: int
-
-    @property
-    def over_record(self) -> float:
-        """By how much the line rises from the first force to the last, N."""
-        return self.slope * (self.steps - 1)
+    over_record: float
 
 
 def as_recorded(reading: Reading, since: float) -> Reading:
@@ -120,7 +114,8 @@ def drift(forces: Array, confidence: float, tests: int) -> Drift:
     p = 2.0 * float(special.stdtr(freedom, -abs(slope) / error)) if error > 0.0 else 1.0
     quantile = float(special.stdtrit(freedom, 0.5 + 0.5 * confidence))
     reach = quantile * scatter / math.sqrt(forces.size)
-    return Drift(slope, error, p, p < (1.0 - confidence) / tests, reach, forces.size)
+    rise = slope * (forces.size - 1)
+    return Drift(slope, error, p, p < (1.0 - confidence) / tests, reach, rise)
 
 
 _GRAVITY = 9.80665  # the standard one, m/s²
@@ -176,40 +171,39 @@ def findings(
     readings = [Reading(one.reading.steady, joint=True, terms=further) for one in records]
     direct = identified["approaches"][DIRECT]
     forces = [
-        _force(direct, law, i) | _robust(direct, law, i, reading, records)
+        _force(direct, law, i, reading, records[i], len(records))
         for i, reading in enumerate(readings)
     ]
-    loops = [friction_loop(reading, m, law.given) for reading in readings]
-    first = _first_cycles(records, k, law, frame["cycles_identified"])
-    fitted = [speed_laws_of(part, m, F_k, law) for part, F_k in first]
-    predictions = [
-        _prediction(one, part, m, law.given, laws)
-        for one, (part, _), laws in zip(records, first, fitted, strict=True)
-    ]
-    errors_of = [_errors(*pair) for pair in zip(predictions, loops, strict=True)]
     errors = [force["standard_error_N"] for force in forces]
-    line, off = load_line(loads, [force["F_k_N"] for force in forces], errors)
-    by_series, _ = load_line(loads, [force["F_k_by_series_N"] for force in forces], errors)
-    rows = [
-        {
-            "record": one.record.label,
+    (line, off), (by_series, _) = (
+        load_line(loads, [force[name] for force in forces], errors)
+        for name in ("F_k_N", "F_k_by_series_N")
+    )
+    rows, loops, predictions = [], [], []
+    for i, (first, F_k) in enumerate(_first_cycles(records, k, law, frame["cycles_identified"])):
+        loop, fitted = friction_loop(readings[i], m, law.given), speed_laws_of(first, m, F_k, law)
+        prediction = _prediction(records[i], first, m, law.given, fitted)
+        errors_of = _errors(prediction, loop.X)
+        row = {
+            "record": records[i].record.label,
             "load_kg": loads[i],
             **forces[i],
             "off_line": off[i],
             "lost_to_damper": _share(direct, law, i),
-            "X_m": loops[i].X,
-            "loop": shape(loops[i], forces[i]["F_k_N"]),
+            "X_m": loop.X,
+            "loop": shape(loop, forces[i]["F_k_N"]),
             "foretold": {
-                **errors_of[i]["constant"],
-                "rms_of_mean_cycle": errors_of[i]["repeated"]["rms"],
-                "F_k_N": first[i][1],
+                **errors_of["constant"],
+                "rms_of_mean_cycle": errors_of["repeated"]["rms"],
+                "F_k_N": F_k,
             },
             "speed_laws": {
-                name: {**fit.coefficients, **errors_of[i][name]} for name, fit in fitted[i].items()
+                name: {**fit.coefficients, **errors_of[name]} for name, fit in fitted.items()
             },
         }
-        for i, one in enumerate(records)
-    ]
+        rows.append(row)
+        loops.append(loop)
+        predictions.append(prediction)
     document = {
         "files": _digests(identified),
         "line": line,
@@ -271,25 +265,20 @@ def load_line(
     return line, (off / force).tolist()
 
 
-def _force(estimates: Mapping[str, Any], law: Law, i: int) -> dict[str, Any]:
-    """F_k of record i with its standard error, interval, N, and verdict, by direct integration."""
-    key = law.key(FRICTION, i)
-    ends = {"F_k_N": "", "standard_error_N": "_standard_error", "interval_N": "_interval"}
-    numbers = {name: estimates[named_with_unit(f"{key}{end}", "N")] for name, end in ends.items()}
-    return numbers | estimates["verdicts"][key]
-
-
-def _robust(
-    estimates: Mapping[str, Any], law: Law, i: int, reading: Reading, records: Sequence[Loaded]
+def _force(
+    estimates: Mapping[str, Any], law: Law, i: int, reading: Reading, record: Loaded, records: int
 ) -> dict[str, Any]:
-    """How F_k of record i depends on the time in the record, on its clocks and on the convention of the travel."""
+    """F_k of record i by direct integration with its verdict, and how it depends on the time in the record, on its
+    clocks and on the convention of the travel.   records : how many there are."""
     key = law.key(FRICTION, i)
-    force = estimates[named_with_unit(key, "N")]
-    low, high = estimates[named_with_unit(f"{key}_interval", "N")]
+    force, error, (low, high) = (
+        estimates[named_with_unit(f"{key}{end}", "N")]
+        for end in ("", "_standard_error", "_interval")
+    )
     others = {s: _coefficient(estimates, law.key(s, i), law) for s in law.terms if s != FRICTION}
-    began = float(records[i].record.whole().excitation.t[0])
+    began = float(record.record.whole().excitation.t[0])
     of_rows = [friction_of_rows(r, others) for r in (as_recorded(reading, began), reading)]
-    line, left = (drift(forces, _CONFIDENCE, len(records)) for forces in of_rows)
+    line, left = (drift(forces, _CONFIDENCE, records) for forces in of_rows)
     a = estimates["rows"][term(key).integral_column][i]
     at_rests, of_series = (
         float(turning_points(reading.series(reading.mean), rests=rests)[1][0])
@@ -299,8 +288,12 @@ def _robust(
     reach = line.reach + (0.5 * abs(line.over_record) if line.significant else 0.0)
     recorded = force + float(of_rows[0].mean() - of_rows[1].mean())
     clocks = reading.steady.gathered.clocks.values()
-    per_cycle = line.steps / reading.steady.cycles
+    per_cycle = of_rows[0].size / reading.steady.cycles
     return {
+        "F_k_N": force,
+        "standard_error_N": error,
+        "interval_N": [low, high],
+        **estimates["verdicts"][key],
         "drift": {
             "slope_N_per_cycle": line.slope * per_cycle,
             "standard_error_N_per_cycle": line.error * per_cycle,
@@ -436,12 +429,12 @@ def _prediction(
     return Prediction(t, x, displacements, again)
 
 
-def _errors(prediction: Prediction, loop: Loop) -> dict[str, dict[str, float]]:
+def _errors(prediction: Prediction, X: float) -> dict[str, dict[str, float]]:
     """The errors of each prediction, rms over X, and by how much its range is too large."""
     measured = prediction.measured
     return {
         name: {
-            "rms": float(np.sqrt(np.mean((x - measured) ** 2))) / loop.X,
+            "rms": float(np.sqrt(np.mean((x - measured) ** 2))) / X,
             "range": float(np.ptp(x) / np.ptp(measured)) - 1.0,
         }
         for name, x in {**prediction.predicted, "repeated": prediction.repeated}.items()
