@@ -87,41 +87,33 @@ def packed(sources: Sources, names: Iterable[str]) -> dict[str, Any]:
     Verdicts, reasons, because and sets are given by their places in these lists.
     """
     ranks, was = list(VERDICTS), verdicts(sources)
-    reasons, because, sets = Pool(), Pool(), Pool()
+    pools: dict[str, dict[Any, int]] = {"reasons": {}, "because": {}, "sets": {}}
+
+    def place(pool: str, thing: Any) -> int:
+        return pools[pool].setdefault(thing, len(pools[pool]))
+
+    def rank(claim: Claim) -> int:
+        return ranks.index(verdict(claim).name)
+
     numbers: dict[str, Any] = {}
     for name, printed, changed in misprints(sources, names):
+        own = changed.get(name)
         others = tuple(
-            (other, ranks.index(verdict(claim).name), because.place(_because(claim)))
+            (other, rank(claim), place("because", _because(claim)))
             for other, claim in changed.items()
             if other != name
         )
-        own = changed.get(name)
         reason = explanation(replace(own, cause="")) if own else ""
         _, changes = numbers.setdefault(name, [sources.published[name].text, []])
-        changes.append(
-            [
-                printed,
-                ranks.index(verdict(own).name if own else was[name]),
-                reasons.place(_NUMBER.sub("#", reason)),
-                " ".join(_NUMBER.findall(reason)),
-                sets.place(others),
-            ]
-        )
-    pools = {"reasons": reasons, "because": because, "sets": sets}
+        change = [printed, rank(own) if own else ranks.index(was[name])]
+        change += [place("reasons", _NUMBER.sub("#", reason)), " ".join(_NUMBER.findall(reason))]
+        changes.append([*change, place("sets", others)])
     return {
         "verdicts": ranks,
         "was": {name: ranks.index(of) for name, of in was.items()},
         **{name: list(pool) for name, pool in pools.items()},
         "numbers": numbers,
     }
-
-
-class Pool(dict[Any, int]):
-    """Different things in the order in which they came, each with its place."""
-
-    def place(self, thing: Any) -> int:
-        """The place of a thing, which enters if it is new."""
-        return self.setdefault(thing, len(self))
 
 
 def _because(claim: Claim) -> str:
