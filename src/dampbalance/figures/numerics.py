@@ -155,10 +155,11 @@ def _steps(axes: Axes, e: Evidence, oscillator: Oscillator, step_s: float) -> No
 
 def _coefficients(axes: Axes, e: Evidence) -> None:
     """(c) What is left of the printed W against the simulation, with rounded and with exact coefficients."""
-    euler = e.schemes[e.schemes["scheme"] == "backward-euler"].set_index("coefficients")
+    euler = e.schemes[e.schemes["scheme"] == "backward-euler"]
     for name, marker, colour in (("rounded", "o", REBUILT), ("exact", "^", OTHER)):
-        off = 1e6 * (e.printed("table2.W.") / euler.loc[name, "W_J"].to_numpy() - 1.0)
-        look = {"marker": marker, "color": colour, "lw": 0.8}
+        W = euler.loc[euler["coefficients"] == name, "W_J"].to_numpy()
+        off = 1e6 * (e.printed("table2.W.") / W - 1.0)
+        look: dict[str, Any] = {"marker": marker, "color": colour, "lw": 0.8}
         _named(axes, 1e3 * e.exact["Y_m"], off, f"{name} $c/m$, $k/m$", **look)
     axes.axhline(0.0, color=PRINTED["color"], lw=0.6, ls=":")
     axes.set_ylim(-0.7, 3.9)

@@ -8,8 +8,7 @@ from typing import Any
 from ...balance import APPROACHES
 from ...figures.looks import label_of, look_of
 from ...project.case import Case
-from ...replication.comparison import WAYS
-from ...replication.resonance import RECIPES
+from ...replication.comparison import RECIPES, WAYS
 from ..colours import variable
 from ..words import titled
 from .content import PageContent

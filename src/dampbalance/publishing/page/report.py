@@ -43,8 +43,8 @@ from ...replication.claim_verdicts import (
     counts,
     part_of,
 )
+from ...replication.comparison import mends, off_resonance
 from ...replication.printed_tables import TITLES
-from ...replication.resonance import mends, off_resonance
 from ...studies.settings import Study
 from ...studies.shown.facts import filled
 from .. import words

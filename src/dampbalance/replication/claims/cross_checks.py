@@ -231,7 +231,8 @@ class _Table:
         off."""
         off, slopes = self.off, self.slopes
         both = np.hstack([np.vstack([slopes, -slopes]), -np.ones((2 * len(off), 1))])
-        return _program([0.0] * self.inputs + [1.0], both, np.concatenate([-off, off]))
+        least = np.append(np.zeros(self.inputs), 1.0)
+        return _program(least, both, np.concatenate([-off, off]))
 
     def _ends(self, place: int) -> Range | None:
         """Least and greatest of one number, in units off print, with all others within half a unit; None for none."""
@@ -246,7 +247,7 @@ class _Table:
         return ends[0], ends[1]
 
 
-def _program(least: ArrayLike, A: Array, b: Array) -> OptimizeResult:
+def _program(least: Array, A: Array, b: Array) -> OptimizeResult:
     """The x of any sign with the smallest `least`·x among those of A x ≤ b."""
     from scipy.optimize import linprog  # slow to import, and not needed to read or to check claims
 
