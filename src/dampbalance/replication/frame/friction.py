@@ -32,10 +32,10 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import partial
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.integrate import solve_ivp
 from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq, least_squares
@@ -288,41 +288,39 @@ def predicted(mass: Mass, t: Array, y: Array, x: float, v: float, omega: float) 
     now, end = float(t[0]), float(t[-1])
     at_rest = float(mass.friction(np.asarray(0.0)))
 
-    def push(at: float, x: float, v: float) -> float:
+    def push(at: ArrayLike, x: float, v: float = 0.0) -> Array:
         of_terms = viscous(mass.damping, np.asarray(v), speed(at), mass.k, omega)
-        return float(mass.k * (base(at) - x + mass.zero) - of_terms)
+        return np.asarray(mass.k * (base(at) - x + mass.zero) - of_terms)
 
+    def over(at: float, x: float) -> float:
+        return abs(float(push(at, x))) - at_rest
+
+    def rate(at: float, state: Array, sign: float) -> list[float]:
+        x, v = state.tolist()
+        force = float(push(at, x, v)) - sign * float(mass.friction(np.asarray(abs(v))))
+        return [v, force / mass.m]
+
+    def still(at: float, state: Array, sign: float) -> float:
+        return sign * float(state[1])
+
+    still.terminal, still.direction = True, -1.0  # type: ignore[attr-defined]
     sign = float(np.sign(v))
     while now < end:
-        if sign == 0.0:
-            last = _released(at_rest, partial(push, x=x, v=0.0), t[t > now], now)
+        if sign == 0.0:  # at rest until the push first exceeds the friction
+            ahead = np.append(now, t[t > now])
+            free = np.flatnonzero(np.abs(push(ahead, x)) > at_rest)
+            last = float(ahead[free[0]]) if free.size else end
+            if free.size and free[0] > 0:
+                last = float(brentq(over, ahead[free[0] - 1], last, args=(x,)))
             out[(t >= now) & (t <= last)] = x
-            sign, now = float(np.sign(push(last, x, 0.0))), last
+            sign, now = float(np.sign(push(last, x))), last
             continue
-
-        def rate(at: float, state: Array, sign: float = sign) -> list[float]:
-            x, v = state.tolist()
-            force = push(at, x, v) - sign * float(mass.friction(np.asarray(abs(v))))
-            return [v, force / mass.m]
-
-        def still(at: float, state: Array, sign: float = sign) -> float:
-            return sign * float(state[1])
-
-        still.terminal, still.direction = True, -1.0  # type: ignore[attr-defined]
-        run = solve_ivp(rate, (now, end), [x, v], events=still, dense_output=True, **_METHOD)
+        run = solve_ivp(
+            rate, (now, end), [x, v], events=still, args=(sign,), dense_output=True, **_METHOD
+        )
         assert run.sol is not None
         last = float(run.t[-1])
         inside = (t >= now) & (t <= last)
         out[inside] = run.sol(t[inside])[0]
         x, v, sign, now = float(run.y[0, -1]), 0.0, 0.0, last
     return out
-
-
-def _released(F: float, push: Callable[[float], float], times: Array, now: float) -> float:
-    """When a rest that began `now` ends: where the push first exceeds F, at the last time at the latest."""
-    before = now
-    for at in [now, *times.tolist()]:
-        if abs(push(at)) > F:
-            return before if at == now else float(brentq(lambda t: abs(push(t)) - F, before, at))
-        before = at
-    return before
