@@ -45,7 +45,7 @@ class RouteTables:
 
     def feature(self, column: str, level: int, frequency: str = "omega1") -> float:
         """A feature of the level counted from 1."""
-        values = self._columns.get(frequency, {}).get(column, ())
+        values = list(self.features.get(frequency, _NOTHING).get(column, ()))
         return float(values[level - 1]) if level <= len(values) else math.nan
 
     def mean_feature(self, column: str) -> float:
@@ -71,11 +71,6 @@ class RouteTables:
         """The estimates of all pairs by some approaches."""
         frame = _as_in_paper(self.estimates.get(frequency, _NOTHING))
         return frame[frame["approach"].isin(approaches) & (frame["kind"] == "pair")]
-
-    @cached_property
-    def _columns(self) -> dict[str, dict[Hashable, list[Any]]]:
-        """The columns of the features by frequency."""
-        return {frequency: frame.to_dict("list") for frequency, frame in self.features.items()}
 
     @cached_property
     def _lines(self) -> dict[tuple[str, ...], dict[Hashable, Any]]:

@@ -31,9 +31,6 @@ from . import causes, cross_checks, judging, published
 from .judging import Claim
 from .published import FILE, FREQUENCIES, LEVELS, LONGEST, PAIRS, Published, Row, column_ids
 
-SIMULATING = ("exact", "as_published")
-"""The routes that simulate."""
-
 
 def require_paper(case: Case) -> None:
     """Raise ValueError when the case lacks a frequency or a level of the paper."""
@@ -94,7 +91,7 @@ class Sources:
 
     def features(self, column: str, level: int) -> dict[str, float]:
         """A feature by the routes that simulate; arguments as in `RouteTables.feature`."""
-        return {name: self.routes[name].feature(column, level) for name in SIMULATING}
+        return {name: self.routes[name].feature(column, level) for name in ROUTES}
 
     def estimates(self, row: Row, **which: str) -> dict[str, float]:
         """The estimates that a row is about, by every route.   which : kind or pair, as in `RouteTables.estimate`."""
@@ -235,7 +232,7 @@ def least_squares(sources: Sources, row: Row) -> Claim:
     moved = causes.printed_inputs(values, inputs, row.number)
     cause = f"{moved} {causes.cut_off(values['from_print'], row.number)}".strip()
     # The residual comes from the rounding of the printed tables; without it, its size is another.
-    apart = SIMULATING if row.symbol == RESIDUAL.symbol else ()
+    apart = ROUTES if row.symbol == RESIDUAL.symbol else ()
     return _from_print(row, values, cause, apart=apart)
 
 
@@ -245,7 +242,7 @@ def moment_of_pairs(sources: Sources, row: Row) -> Claim:
     pairs = sources.published.column("table2", row.symbol)
     values = sources.estimates(row, kind="mean" if mean else "std")
     values["from_print"] = float(pairs.mean() if mean else pairs.std(ddof=1))
-    apart = () if mean else SIMULATING  # the printed b_1 makes nearly all of the deviation
+    apart = () if mean else ROUTES  # the printed b_1 makes nearly all of the deviation
     return _from_print(row, values, "Over the five pairs that Table 2 prints.", apart=apart)
 
 

@@ -179,17 +179,28 @@ def findings(
         load_line(loads, [force[name] for force in forces], errors)
         for name in ("F_k_N", "F_k_by_series_N")
     )
+    given = [
+        np.multiply(p, direct["rows"][term(of).integral_column]) for of, p in law.given.items()
+    ]
+    lost = (np.sum(given, axis=0) / np.array(direct["rows"]["W_J"])).tolist()
     rows, loops, predictions = [], [], []
     for i, (first, F_k) in enumerate(_first_cycles(records, k, law, frame["cycles_identified"])):
         loop, fitted = friction_loop(readings[i], m, law.given), speed_laws_of(first, m, F_k, law)
-        prediction = _prediction(records[i], first, m, law.given, fitted)
-        errors_of = _errors(prediction, loop.X)
+        prediction = _prediction(records[i].record.whole(), first, m, law, fitted)
+        measured = prediction.measured
+        errors_of = {
+            name: {
+                "rms": float(np.sqrt(np.mean((x - measured) ** 2))) / loop.X,
+                "range": float(np.ptp(x) / np.ptp(measured)) - 1.0,
+            }
+            for name, x in {**prediction.predicted, "repeated": prediction.repeated}.items()
+        }
         row = {
             "record": records[i].record.label,
             "load_kg": loads[i],
             **forces[i],
             "off_line": off[i],
-            "lost_to_damper": _share(direct, law, i),
+            "lost_to_damper": lost[i],
             "X_m": loop.X,
             "loop": shape(loop, forces[i]["F_k_N"]),
             "foretold": {
@@ -204,8 +215,13 @@ def findings(
         rows.append(row)
         loops.append(loop)
         predictions.append(prediction)
+    files_of = [
+        (one.get("record") or one["file"], one["sha256"])
+        for record in identified["records"]
+        for one in (record, *record.get("others", ()))
+    ]
     document = {
-        "files": _digests(identified),
+        "files": dict(sorted((Path(name).name, digest) for name, digest in files_of)),
         "line": line,
         "line_by_series": by_series,
         "clock": common_clock([row["clocks"] for row in rows]),
@@ -275,7 +291,11 @@ def _force(
         estimates[named_with_unit(f"{key}{end}", "N")]
         for end in ("", "_standard_error", "_interval")
     )
-    others = {s: _coefficient(estimates, law.key(s, i), law) for s in law.terms if s != FRICTION}
+    keys = {symbol: law.key(symbol, i) for symbol in law.terms if symbol != FRICTION}
+    others = {
+        symbol: float(law.given[of] if of in law.given else estimates[term(of).column])
+        for symbol, of in keys.items()
+    }
     began = float(record.record.whole().excitation.t[0])
     of_rows = [friction_of_rows(r, others) for r in (as_recorded(reading, began), reading)]
     line, left = (drift(forces, _CONFIDENCE, records) for forces in of_rows)
@@ -336,11 +356,6 @@ def common_clock(clocks: Sequence[Mapping[str, Any]]) -> dict[str, float] | None
     }
 
 
-def _coefficient(estimates: Mapping[str, Any], key: str, law: Law) -> float:
-    """The coefficient of that key, given or identified."""
-    return float(law.given[key] if key in law.given else estimates[term(key).column])
-
-
 def speed_laws_of(part: Reading, m: float, F_k: float, law: Law) -> dict[str, SpeedLaw]:
     """The laws of friction and speed that the cycles of a reading show, by name.
 
@@ -359,13 +374,6 @@ def speed_laws_of(part: Reading, m: float, F_k: float, law: Law) -> dict[str, Sp
     error = math.sqrt((len(slopes) - 1) * float(np.var(slopes)))
     known = {**laws["linear"].coefficients, "F_1_standard_error_N_s_per_m": error}
     return laws | {"linear": replace(laws["linear"], coefficients=known)}
-
-
-def _share(estimates: Mapping[str, Any], law: Law, i: int) -> float:
-    """The share of the work of record i that goes to the terms whose coefficients are given."""
-    rows = estimates["rows"]
-    lost = math.fsum(p * rows[term(key).integral_column][i] for key, p in law.given.items())
-    return float(lost / rows["W_J"][i])
 
 
 def _first_cycles(
@@ -394,57 +402,30 @@ def _first_cycles(
 
 
 def _prediction(
-    one: Loaded,
-    first: Reading,
-    m: float,
-    damping: Mapping[str, float],
-    laws: Mapping[str, SpeedLaw],
+    record: Measurement, first: Reading, m: float, law: Law, laws: Mapping[str, SpeedLaw]
 ) -> Prediction:
     """Predict the cycles that follow the identified ones, from the displacement and velocity at their beginning.
 
-    damping : coefficients of the terms other than friction.   laws : of friction, by name.
+    law : whose given terms damp.   laws : of friction, by name.
     """
-    record = one.record.whole()
     steady = first.steady
     base, response = record.excitation, record["displacement"]
     period = 2.0 * math.pi / steady.omega
     begin = steady.start + steady.cycles * period
     kept = (response.t >= begin) & (response.t < begin + steady.cycles * period)
     t, x = response.t[kept], response.values[kept]
-    loop = friction_loop(first, m, damping)
+    loop = friction_loop(first, m, law.given)
     X_0, Y_0 = (float(steady.mean(rows)[0].real) for rows in (steady.X, steady.Y))
     zero = X_0 - Y_0 - loop.level / steady.k
     speed = float(np.gradient(response.values, response.t)[kept][0])
     speed = speed if abs(speed) > AT_REST * np.abs(loop.v).max() else 0.0
     y = np.interp(t, base.t, base.values)
+    masses = {name: Mass(m, steady.k, of.force, law.given, zero) for name, of in laws.items()}
     displacements = {
-        name: predicted(
-            Mass(m, steady.k, law.force, damping, zero), t, y, float(x[0]), speed, steady.omega
-        )
-        for name, law in laws.items()
+        name: predicted(mass, t, y, float(x[0]), speed, steady.omega)
+        for name, mass in masses.items()
     }
     phase = steady.omega * (t - steady.start) + float(np.angle(steady.mean(steady.Y)[1]))
     angles = np.linspace(0.0, 2.0 * math.pi, loop.x.size, endpoint=False)
     again = np.interp(phase, angles, loop.x, period=2.0 * math.pi) + X_0
     return Prediction(t, x, displacements, again)
-
-
-def _errors(prediction: Prediction, X: float) -> dict[str, dict[str, float]]:
-    """The errors of each prediction, rms over X, and by how much its range is too large."""
-    measured = prediction.measured
-    return {
-        name: {
-            "rms": float(np.sqrt(np.mean((x - measured) ** 2))) / X,
-            "range": float(np.ptp(x) / np.ptp(measured)) - 1.0,
-        }
-        for name, x in {**prediction.predicted, "repeated": prediction.repeated}.items()
-    }
-
-
-def _digests(identified: Mapping[str, Any]) -> dict[str, str]:
-    """Name → SHA-256 of each file of the records."""
-    digests = {}
-    for record in identified["records"]:
-        digests[Path(record["record"]).name] = record["sha256"]
-        digests |= {Path(other["file"]).name: other["sha256"] for other in record.get("others", ())}
-    return dict(sorted(digests.items()))
