@@ -2,11 +2,12 @@
 
 Figures are drawn for print: sizes are given in millimetres, a single column is 90 mm wide and a double one
 180 mm. Fonts are those that come with matplotlib. Colours keep apart for colour-blind readers and in grey, where
-the markers help.
+the markers help; each has a dark partner, in which a screen may show the drawing.
 """
 
 from __future__ import annotations
 
+import re
 import sys
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
@@ -15,6 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..project.files import replacing
+from .looks import LOOKS, SPARE
 from .values import values, with_values
 
 if TYPE_CHECKING:
@@ -174,3 +176,39 @@ def _write(figure: Figure, path: Path, kind: str, alt: str, dpi: int) -> None:
     unsaid = ("Date", "Creator") if kind == "svg" else ("Software",)
     metadata: dict[str, Any] = dict.fromkeys(unsaid) | ({"Description": alt} if alt else {})
     figure.savefig(path, format=kind, dpi=dpi, metadata=metadata)
+
+
+DARK: dict[str, str] = {
+    INK: "#E7EBF0",
+    PAPER: "#14181D",
+    FAINT: "#AAB4C0",
+    GRID: "#353E49",
+    SLIP: "#8FBCEC",
+    STICK: "#FF9A4D",
+    GREY: "#4A525C",
+    COOL: "#242C36",
+    WARM: "#43301F",
+    **{look.colour: look.dark for look in (*LOOKS.values(), *SPARE)},
+}
+"""Colour on white paper → colour on a dark screen, as #RRGGBB. Colour maps of errors are the same on both."""
+
+
+def follows_the_screen(svg: str) -> str:
+    """An SVG file of matplotlib that is drawn in the dark colours where the reader prefers them."""
+    rules = "".join(dark_rules(svg))
+    style = f"<style>@media (prefers-color-scheme: dark) {{ :root {{ fill: {DARK[INK]} }} {rules} }}</style>"
+    return re.sub(r"<svg\b[^>]*>", lambda tag: tag[0] + style, svg, count=1)
+
+
+def dark_rules(svg: str) -> list[str]:
+    """Rules of CSS that replace the colours of an SVG of matplotlib, which writes them into `style` of each element.
+
+    Text in the ink has no colour of its own: it takes the `fill` of what is around it.
+    """
+    partners = {colour.lower(): dark.lower() for colour, dark in DARK.items()}
+    found = sorted(set(re.findall(r"\b(fill|stroke): (#[0-9a-f]{6})", svg)))
+    return [
+        f'[style*="{what}: {colour}"] {{ {what}: {partners[colour]} !important }}'
+        for what, colour in found
+        if colour in partners
+    ]
