@@ -187,11 +187,11 @@ def findings(
     for i, (first, F_k) in enumerate(_first_cycles(records, k, law, frame["cycles_identified"])):
         loop, fitted = friction_loop(readings[i], m, law.given), speed_laws_of(first, m, F_k, law)
         prediction = _prediction(records[i].record.whole(), first, m, law, fitted)
-        measured = prediction.measured
+        held_out = prediction.measured
         errors_of = {
             name: {
-                "rms": float(np.sqrt(np.mean((x - measured) ** 2))) / loop.X,
-                "range": float(np.ptp(x) / np.ptp(measured)) - 1.0,
+                "rms": float(np.sqrt(np.mean((x - held_out) ** 2))) / loop.X,
+                "range": float(np.ptp(x) / np.ptp(held_out)) - 1.0,
             }
             for name, x in {**prediction.predicted, "repeated": prediction.repeated}.items()
         }

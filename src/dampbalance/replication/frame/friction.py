@@ -303,7 +303,8 @@ def predicted(mass: Mass, t: Array, y: Array, x: float, v: float, omega: float) 
     def still(at: float, state: Array, sign: float) -> float:
         return sign * float(state[1])
 
-    still.terminal, still.direction = True, -1.0  # type: ignore[attr-defined]
+    end_of_slip: Any = still  # as SciPy marks an event that ends the integration
+    end_of_slip.terminal, end_of_slip.direction = True, -1.0
     sign = float(np.sign(v))
     while now < end:
         if sign == 0.0:  # at rest until the push first exceeds the friction
@@ -316,7 +317,7 @@ def predicted(mass: Mass, t: Array, y: Array, x: float, v: float, omega: float) 
             sign, now = float(np.sign(push(last, x))), last
             continue
         run = solve_ivp(
-            rate, (now, end), [x, v], events=still, args=(sign,), dense_output=True, **_METHOD
+            rate, (now, end), [x, v], events=end_of_slip, args=(sign,), dense_output=True, **_METHOD
         )
         assert run.sol is not None
         last = float(run.t[-1])
