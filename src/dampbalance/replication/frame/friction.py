@@ -35,7 +35,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 from scipy.integrate import solve_ivp
 from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq, least_squares
@@ -288,7 +287,7 @@ def predicted(mass: Mass, t: Array, y: Array, x: float, v: float, omega: float) 
     now, end = float(t[0]), float(t[-1])
     at_rest = float(mass.friction(np.asarray(0.0)))
 
-    def push(at: ArrayLike, x: float, v: float = 0.0) -> Array:
+    def push(at: float | Array, x: float, v: float = 0.0) -> Array:
         of_terms = viscous(mass.damping, np.asarray(v), speed(at), mass.k, omega)
         return np.asarray(mass.k * (base(at) - x + mass.zero) - of_terms)
 
