@@ -24,6 +24,17 @@ _JUDGED = {
 }
 """Part of the paper → the parts with computed numbers whose verdicts follow from what is printed there."""
 
+_FOLLOWS = {
+    "from_print": ("table1", "table2", "text"),
+    "pairs": ("table2", "table3"),
+    "refuted": ("table1", "table2", "text"),
+    "by_table_2": ("table2",),
+    "by_table_3": ("table1", "table3", "text"),
+    "misfits": (),  # from Tables 1 and 3, but for causes alone
+    "unread": (),
+}
+"""What sources compute once → the parts of the paper with the printed numbers from which a verdict takes it."""
+
 
 class Misprint(NamedTuple):
     """A printed number with another digit.   claims : those whose verdict is another one then, by id."""
@@ -45,9 +56,11 @@ def judged(sources: Sources, name: str, text: str) -> dict[str, Claim]:
 
     Their causes are not looked into: they say why a number is what it is, and no verdict depends on them.
     """
-    changed = sources.with_print({name: text}, keep=("misfits",))
-    vars(changed)["rules_at_work"] = lambda row: ""
-    parts = _JUDGED.get(part_of(name), (part_of(name),))
+    part = part_of(name)
+    changed = replace(sources, published=sources.published.changed({name: text}))
+    kept = {once: getattr(sources, once) for once, of in _FOLLOWS.items() if part not in of}
+    vars(changed).update(kept, rules_at_work=lambda row: "")
+    parts = _JUDGED.get(part, (part,))
     rows = changed.published.rows.values()
     affected = [row for row in rows if row.kind == "computed" and part_of(row.id) in parts]
     return {claim.row.id: claim for claim in claims(changed, affected)}

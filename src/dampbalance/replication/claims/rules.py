@@ -8,8 +8,8 @@ looser, it would say nothing of the value. A word holds where the comparison tha
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Iterable, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -24,7 +24,7 @@ from ...project.files import ROUTES, read_csv, read_routes
 from ...project.wording import cut
 from .. import printed_tables as paper
 from ..as_published import CORRECTED, SLIPPING_SAMPLE, ReadOut
-from ..claim_verdicts import ROUTE_NAMES, Kind, of_text, part_of, statistic
+from ..claim_verdicts import ROUTE_NAMES, Kind, of_text, statistic
 from ..comparison import largest_errors, relative_errors
 from ..printed_tables import COLUMN_OF, HARMONIC, PRINTED_APPROACHES, RESIDUAL, RouteTables
 from . import causes, cross_checks, judging, published
@@ -77,18 +77,6 @@ class Sources:
         lambda self: causes.rules_at_work(self.case, self.exact, self.unrounded)
     )
 
-    def with_print(self, texts: Mapping[str, str], keep: Collection[str] = ()) -> Sources:
-        """These sources with other printed numbers, by id: what does not follow from those is not computed again.
-
-        keep : what is not, though it follows from them, because nobody will look at it.
-        """
-        changed = replace(self, published=self.published.changed(texts))
-        parts = set(map(part_of, texts))
-        for name, of in _FOLLOWS.items():
-            if name in keep or parts.isdisjoint(of):
-                vars(changed)[name] = getattr(self, name)
-        return changed
-
     def features(self, column: str, level: int) -> dict[str, float]:
         """A feature by the routes that simulate; arguments as in `RouteTables.feature`."""
         return {name: self.routes[name].feature(column, level) for name in ROUTES}
@@ -109,19 +97,6 @@ def read_sources(folder: str | Path, published_in: str | Path, case: Case) -> So
     unrounded = read_csv(Path(folder, f"features/as_published/unrounded/{first}.csv"))
     printed = published.read_published(Path(published_in))
     return Sources(printed, case, exact, as_published, unrounded)
-
-
-_FOLLOWS = {
-    "from_print": ("table1", "table2", "text"),
-    "pairs": ("table2", "table3"),
-    "refuted": ("table1", "table2", "text"),
-    "by_table_2": ("table2",),
-    "by_table_3": ("table1", "table3", "text"),
-    "misfits": ("table1", "table3", "text"),
-    "unread": (),
-    "rules_at_work": (),
-}
-"""What sources compute once → the parts of the paper whose printed numbers it follows from."""
 
 
 def read_out(sources: Sources, row: Row) -> Claim:
