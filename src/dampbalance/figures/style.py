@@ -92,7 +92,7 @@ def page(width: float, height: float) -> Figure:
         return pyplot.figure(figsize=(width * MM, height * MM))
     from matplotlib.figure import Figure
 
-    if "IPython" in sys.modules:  # which may not have been told yet how a figure is shown
+    if "IPython" in sys.modules:  # which may not know yet how a figure is shown
         from matplotlib import pyplot
 
         pyplot.install_repl_displayhook()
@@ -122,7 +122,7 @@ def note(
     va: str = "bottom",
     **look: Any,
 ) -> Text:
-    """Words beside a place in the axes, shifted from it by points."""
+    """Words next to a place in the axes, shifted from it by points."""
     look |= {"ha": ha, "va": va}
     return axes.annotate(text, xy=at, xytext=shift, textcoords="offset points", **look)
 
@@ -194,21 +194,17 @@ DARK: dict[str, str] = {
 
 
 def follows_the_screen(svg: str) -> str:
-    """An SVG file of matplotlib that is drawn in the dark colours where the reader prefers them."""
-    rules = "".join(dark_rules(svg))
-    style = f"<style>@media (prefers-color-scheme: dark) {{ :root {{ fill: {DARK[INK]} }} {rules} }}</style>"
-    return re.sub(r"<svg\b[^>]*>", lambda tag: tag[0] + style, svg, count=1)
+    """An SVG file of matplotlib that is drawn in the dark colours where the reader prefers them.
 
-
-def dark_rules(svg: str) -> list[str]:
-    """Rules of CSS that replace the colours of an SVG of matplotlib, which writes them into `style` of each element.
-
-    Text in the ink has no colour of its own: it takes the `fill` of what is around it.
+    Rules of CSS replace the colours, which matplotlib writes into the `style` of each element. Text in the ink has no
+    colour there: it takes the `fill` of what is around it.
     """
     partners = {colour.lower(): dark.lower() for colour, dark in DARK.items()}
-    found = sorted(set(re.findall(r"\b(fill|stroke): (#[0-9a-f]{6})", svg)))
-    return [
+    colours = sorted(set(re.findall(r"\b(fill|stroke): (#[0-9a-f]{6})", svg)))
+    rules = "".join(
         f'[style*="{what}: {colour}"] {{ {what}: {partners[colour]} !important }}'
-        for what, colour in found
+        for what, colour in colours
         if colour in partners
-    ]
+    )
+    style = f"<style>@media (prefers-color-scheme: dark) {{ :root {{ fill: {DARK[INK]} }} {rules} }}</style>"
+    return re.sub(r"<svg\b[^>]*>", lambda tag: tag[0] + style, svg, count=1)

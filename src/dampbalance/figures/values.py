@@ -47,8 +47,8 @@ def values(figure: Figure) -> list[dict[str, Any]]:
 
 def read_values(svg: str) -> list[dict[str, Any]]:
     """What `values` gave for the figure that an SVG shows; nothing for an SVG without values."""
-    found = re.search(_ELEMENT.format("(.*?)"), svg, re.DOTALL)
-    return json.loads(unescape(found[1])) if found else []
+    element = re.search(_ELEMENT.format("(.*?)"), svg, re.DOTALL)
+    return json.loads(unescape(element[1])) if element else []
 
 
 def with_values(svg: str, panels: list[dict[str, Any]]) -> str:

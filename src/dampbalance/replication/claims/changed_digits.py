@@ -2,7 +2,7 @@
 
 The claims are judged by the same rules as those of the paper, on a print with one other number. `misprints` gives
 every change with its verdicts; `packed` writes them down for the page that lets readers change a digit. That takes a
-minute for all tables, so what it gives is kept on record beside the print, and shown where it is of the run.
+minute for all tables, so what it gives is kept on record with the print, and shown where it is of the run.
 """
 
 from __future__ import annotations

@@ -431,8 +431,8 @@ def check_printed(printed: Published) -> None:
     Raises ValueError naming file and row when a row is missing or has no claim, when its kind, symbol or approach does
     not suit its rule, or when what is printed cannot be judged.
     """
-    found = {claim for claim in printed.rows if not claim.startswith("parameter.")}
-    if odd := sorted(found ^ (_CELLS | set(map(of_text, _OF_TEXT)))):
+    judged = {claim for claim in printed.rows if not claim.startswith("parameter.")}
+    if odd := sorted(judged ^ (_CELLS | set(map(of_text, _OF_TEXT)))):
         few = ", ".join(cut(claim, LONGEST) for claim in odd[:8]) + " …" * (len(odd) > 8)
         raise ValueError(
             f"{FILE}: rows and claims do not match: {few}; each printed number needs its row"
