@@ -14,8 +14,7 @@ from pathlib import PurePath
 from typing import Any
 
 from .. import __version__
-from ..figures.dark import DARK, follows_the_screen
-from ..figures.style import COOL, GRID, INK, PAPER
+from ..figures.style import COOL, DARK, GRID, INK, PAPER, follows_the_screen
 from ..law.terms import parted, term
 from ..project.wording import (
     Remark,
