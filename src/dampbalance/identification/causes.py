@@ -25,10 +25,10 @@ import numpy as np
 from ..arrays import Array, Complexes, Integers
 from ..law.law import Law
 from ..law.terms import FRICTION
+from ..likelihood.base_harmonics import fit_records
+from ..likelihood.mean_harmonics import Reading
+from ..likelihood.waveforms import WaveformFit
 from ..reading.lines import Lines
-from ..reading.mean_harmonics import Reading
-from ..reading.recorded import fit_records
-from ..reading.waveforms import WaveformFit
 from ..records.measurement import ABSOLUTE, RELATIVE
 
 _SHOWS = 25.0  # of χ²: five standard errors, for one of eight causes by chance in 200,000 sets

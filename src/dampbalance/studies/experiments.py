@@ -15,11 +15,11 @@ from ..balance import TERMS
 from ..features import Features, beside, of_numbers, stack
 from ..identification.microstick import read_samples
 from ..identification.oscillator import JointFit, joined, joint_fit
+from ..likelihood.mean_harmonics import Reading, read_features
 from ..model import BaseMotion, Oscillator
 from ..motion.orbit import NoSteadyOrbit, steady_orbit
 from ..motion.regime import Regime
 from ..project.progress import followed
-from ..reading.mean_harmonics import Reading, read_features
 from ..reading.simpson import cycle_integrals, replicates_of
 from ..records.measurement import Measurement
 from ..records.synthetic import measured_orbit

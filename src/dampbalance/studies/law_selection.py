@@ -20,11 +20,11 @@ from ..identification.law_comparison import compare_laws
 from ..law.response import law_orbit
 from ..law.steady import Response, steady_response
 from ..law.terms import FRICTION, KNOWN_TERMS
+from ..likelihood.mean_harmonics import Reading, read_features
 from ..model import BaseMotion, Oscillator
 from ..motion.orbit import NoSteadyOrbit
 from ..motion.regime import Regime
 from ..project.progress import followed
-from ..reading.mean_harmonics import Reading, read_features
 from ..records.synthetic import measured_orbit
 from .one_by_one import of_response
 from .routes import NONE, law_named, terms_named

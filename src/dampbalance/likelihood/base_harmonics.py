@@ -21,8 +21,8 @@ from ..law.law import Law
 from ..law.steady import Response
 from ..motion.distorted import distorted_harmonics
 from ..motion.orbit import NoSteadyOrbit
-from .fitting import climb_on, fit_oscillator, of_all_stiffnesses
-from .lines import Lines
+from ..reading.lines import Lines
+from .steady_search import climb_on, fit_oscillator, of_all_stiffnesses
 from .waveforms import WaveformFit
 
 MOST = 20

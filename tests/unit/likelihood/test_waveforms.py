@@ -12,11 +12,10 @@ import pytest
 from dampbalance import BaseMotion, Oscillator, steady_orbit
 from dampbalance.law.law import Law
 from dampbalance.law.steady import steady_response
+from dampbalance.likelihood import steady_search as fitting
+from dampbalance.likelihood.climb import climb
 from dampbalance.likelihood.information import cramer_rao
-from dampbalance.motion.climb import climb
-from dampbalance.motion.regime import Regime
-from dampbalance.reading import fitting
-from dampbalance.reading.fitting import (
+from dampbalance.likelihood.steady_search import (
     _shares_of,
     _swings,
     fit_oscillator,
@@ -24,8 +23,9 @@ from dampbalance.reading.fitting import (
     with_delay,
     with_mass,
 )
+from dampbalance.likelihood.waveforms import Unknowns, WaveformFit
+from dampbalance.motion.regime import Regime
 from dampbalance.reading.lines import Lines
-from dampbalance.reading.waveforms import Unknowns, WaveformFit
 from paper_case import FREQUENCIES_HZ, LEVELS, NEAR, PAPER, motions_at, orbits_at
 from unit.reading.harmonics import lines_of
 

@@ -31,11 +31,11 @@ from ..law.law import Law
 from ..law.steady import Response, steady_response
 from ..law.terms import FRICTION, KNOWN_TERMS
 from ..model import BaseMotion, Oscillator, Parameters
-from ..motion.climb import Bounds
 from ..motion.orbit import NoSteadyOrbit
 from ..motion.steady import solve_steady
 from ..motion.steady_slopes import linear_harmonics
-from .lines import SLIPS, Lines, improbable
+from ..reading.lines import SLIPS, Lines, improbable
+from .climb import Bounds
 from .oscillator_fit import OscillatorFit
 
 _OTHERS = ("rho", "m", "delay")  # common unknowns in addition to the coefficients of the law

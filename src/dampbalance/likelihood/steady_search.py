@@ -15,10 +15,10 @@ from ..law.law import Law
 from ..law.steady import Response
 from ..law.terms import FRICTION, parted
 from ..model import Parameters
-from ..motion.climb import MOST, climb
 from ..motion.jit import interpreted
 from ..motion.orbit import NoSteadyOrbit
-from .lines import Lines, Shares, starts
+from ..reading.lines import Lines, Shares, starts
+from .climb import MOST, climb
 from .waveforms import MOST_RADIANS, STIFFEST, Motion, Unknowns, WaveformFit, equivalent_coefficient
 
 _STARTS = (4, 12)  # of the candidates, the closest first, and of those of more masses
