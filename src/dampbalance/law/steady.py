@@ -333,23 +333,34 @@ class Response:
             x = x + _first(count, self.change)
         return x * np.exp(1j * n * self.advance)
 
+    @property
+    def swings(self) -> float:
+        """How often the mass swings on contact and spring in half a cycle, while it sticks."""
+        (t, s), par = self.orbit.phases.T[:2].tolist(), self.orbit.parameters
+        ends = zip(t, [*t[1:], math.pi / par.omega], s, strict=True)
+        stuck = math.fsum(end - start for start, end, slips in ends if not slips)
+        return stuck * math.sqrt((par.k + par.K_z) / par.m) / (2.0 * math.pi)
+
     def with_slopes(
         self, count: int, symbols: Sequence[str]
     ) -> tuple[Complexes, dict[str, Complexes] | None]:
         """`harmonics` and their derivatives by the coefficients of these terms, rho = K_z^{−1/2} and m, (count,).
 
-        They follow from the equations of δ, for nothing of the motion is computed again, and are accurate to 1e-3 or
-        so: choose that during a search under a law that is not linear, and differences of neighbouring responses for
-        standard errors. None where there are no such equations.
+        They are exact where all terms are linear. Else they follow from the equations of δ, for nothing of the motion
+        is computed again, and are accurate to 1e-3 or so: choose that during a search, and differences of neighbouring
+        responses for standard errors. None where there are no such equations.
         """
+        n = np.arange(1, 2 * count, 2)
+        turn = np.exp(1j * n * self.advance)
+        if self._closed(symbols):
+            by = self.orbit.harmonics_with_slopes(count) * turn
+            return by[0], self._by_coefficients(by, symbols, 1.0, 1j * n * by[0])
         x = self.harmonics(count)
         if self.system is None or self.change is None or self.matrix is None:
             return x, None
         moved = self.system.slopes(self.change, -self.advance, self.Y, self.matrix, symbols)
-        n = np.arange(1, 2 * count, 2)
-        turn = np.exp(1j * n * self.advance)
         slopes = {
-            name: _first(count, by) * turn - 1j * n * lag * x for name, (by, lag) in moved.items()
+            name: _first(count, of) * turn - 1j * n * lag * x for name, (of, lag) in moved.items()
         }
         slopes["rho"] = -2.0 * self.orbit.oscillator.K_z**1.5 * slopes.pop("K_z")
         return x, slopes
@@ -357,31 +368,38 @@ class Response:
     def onset_slopes(self, symbols: Sequence[str]) -> dict[str, Array] | None:
         """Derivatives of (V_s, t_s, λ), SI, by the coefficients of these terms, rho and m, (3,); None where not all of
         them are linear."""
-        if self.change is not None or not all(
-            s == FRICTION or KNOWN_TERMS[s].linear for s in symbols
-        ):
+        if not self._closed(symbols):
             return None
         by = onset_slopes(self.orbit.phases, self.orbit.theta, self.orbit.parameters)
-        # of degree 1, 0, 1 in (Y, F_k)
-        onset = np.array([self.V_s, 0.0, self.taken])
-        by_base = onset - self.orbit.oscillator.F_k * by[:, 0]
-        slopes = {FRICTION: by[:, 0], "rho": by[:, 2], "m": by[:, 3]}
-        for symbol, (damping, growth, _) in self._linear(symbols).items():
-            slopes[symbol] = damping * by[:, 1] + growth * by_base
-        return slopes
+        onset = np.array([self.V_s, self.t_s, self.taken])
+        return self._by_coefficients([onset, *by.T], symbols, np.array([1.0, 0.0, 1.0]), 0.0)
 
-    def _linear(self, symbols: Sequence[str]) -> dict[str, tuple[float, float, float]]:
-        """Derivatives of c, of ln Y and of the advance of the orbit by the coefficients of linear terms."""
+    def _closed(self, symbols: Sequence[str]) -> bool:
+        """Whether the motion is that of the orbit, and would be with other coefficients of these terms."""
+        terms = [KNOWN_TERMS[s] for s in symbols if s != FRICTION]
+        return self.change is None and all(term.linear for term in terms)
+
+    def _by_coefficients(
+        self, by: Any, symbols: Sequence[str], degree: Any, by_phase: Any
+    ) -> dict[str, NDArray[Any]]:
+        """Derivatives of what has the value and the derivatives `by`, (5, …), under the law of the orbit.
+
+        degree : in (Y, F_k).   by_phase : derivative by the phase of the base.
+
+        Terms that are linear in ẋ and ẏ change c, ln Y and the phase of the base that drives the orbit.
+        """
+        value, by_friction, by_c, by_rho, by_m = by
         omega, k = self.orbit.motion.omega, self.orbit.oscillator.k
+        by_base = degree * value - self.orbit.oscillator.F_k * by_friction
+        slopes = {FRICTION: by_friction, "rho": by_rho, "m": by_m}
         to_base = math.tan(self.advance)  # of ω/k
-        changes = {}
         for symbol in symbols:
             force = KNOWN_TERMS[symbol].force
             if force is not None:
-                of_base = -float(force(0.0, 1.0, k, omega)) * omega / k
-                turned = of_base / (1.0 + to_base**2)
-                changes[symbol] = float(force(1.0, 0.0, k, omega)), to_base * turned, turned
-        return changes
+                turned = -float(force(0.0, 1.0, k, omega)) * omega / k / (1.0 + to_base**2)
+                damping = float(force(1.0, 0.0, k, omega))
+                slopes[symbol] = damping * by_c + turned * (to_base * by_base + by_phase)
+        return slopes
 
     def _at(self, theta: float) -> tuple[float, float]:
         """x and ẋ at a phase of the orbit, m and m/s."""

@@ -22,8 +22,7 @@ from ..model import BaseMotion, Oscillator
 from ..motion.orbit import steady_orbit
 from ..reading.lines import Lines
 from ..reading.one_thread import one_thread
-from .steady_search import HarmonicResiduals
-from .waveforms import Unknowns
+from .waveforms import HarmonicResiduals, Unknowns
 
 _HARMONICS = 64  # odd ones: those of ∂x/∂ρ fall as n⁻³
 _SINGULAR = 1e-12  # eigenvalue of I scaled to unit diagonal, below which only rounding is left
@@ -90,7 +89,7 @@ def cramer_rao(
     if here is not None:
         common = 3 + ("m" in free)
         kept = [*range(common), *range(len(unknowns.names), point.size)]
-        J = here[1][:, kept]
+        J = here[:, kept]
         scale = np.linalg.norm(J, axis=0)
         values, vectors = np.linalg.eigh(J.T @ J / np.outer(scale, scale))
         if values[0] > _SINGULAR:
