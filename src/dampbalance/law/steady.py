@@ -108,20 +108,20 @@ class System:
 
     def residual(self, change: Complexes, turned: float) -> Array:
         """What is left of the equations, its sign changed."""
-        of_contact = 0.0 if self.contact is None else self.contact.force(change)
-        return self._right(change, turned, of_contact, self._forces(change, slopes=False)[0])
+        of_contact = 0.0 if self.contact is None else self.contact.force(change)[0]
+        return self._right(change, turned, of_contact, self._forces(change)[0])
 
     def equations(self, change: Complexes, turned: float) -> tuple[Array, Array]:
-        """The same, and the matrix of its derivatives."""
+        """`residual`, and the matrix of the derivatives of the equations."""
         n, _, turns, _, _ = tables()
-        force, slope = self._forces(change, slopes=True)
+        force, slope = self._forces(change)
         rates = ((turns * self._rate) @ self.basis).real
         jacobian = self.impedance[:, None] * self.basis
         jacobian = jacobian + (2.0 / _POINTS) * (turns.conj().T @ (slope[:, None] * rates))
         matrix = np.eye(2 * n.size + 1)
         of_contact = np.zeros(n.size, dtype=np.complex128)
         if self.contact is not None:
-            of_contact, by_change = self.contact.force_and_slope(change)
+            of_contact, by_change = self.contact.force(change)
             jacobian = jacobian + by_change
             by_turn = -1j * self.orbit.oscillator.k * self.orbit.motion.Y * np.exp(1j * turned)
             matrix[0, -1], matrix[n.size, -1] = by_turn.real, by_turn.imag
@@ -140,11 +140,9 @@ class System:
         (n, _, turns, _, _), osc, omega = tables(), self.orbit.oscillator, self.orbit.motion.omega
         x = self.orbit.harmonics(HARMONICS) + change
         v = self._velocity + (turns @ (self._rate * change)).real
-        by: dict[str, Complexes] = {"m": -((n * omega) ** 2) * x}
-        if self.contact is None:
-            by |= {"K_z": x, FRICTION: np.zeros_like(x)}
-        else:
-            by |= self.contact.slopes(change)
+        stuck = {"K_z": x, FRICTION: np.zeros_like(x)}
+        by = stuck if self.contact is None else self.contact.slopes(change)
+        by["m"] = -((n * omega) ** 2) * x
         for symbol in symbols:
             force = KNOWN_TERMS[symbol].force
             if force is None:
@@ -162,7 +160,7 @@ class System:
             for name, step in zip(by, moved, strict=True)
         }
 
-    def _forces(self, change: Complexes, *, slopes: bool) -> tuple[Array, Array]:
+    def _forces(self, change: Complexes) -> tuple[Array, Array]:
         """N − c_e ẋ of the orbit, and ∂N/∂ẋ, at the phases of half a cycle."""
         turns, osc, omega = tables()[2], self.orbit.oscillator, self.orbit.motion.omega
         v = self._velocity + (turns @ (self._rate * change)).real
@@ -172,8 +170,7 @@ class System:
             assert of_term.force is not None
             assert of_term.slope is not None
             force = force + p * of_term.force(v, 0.0, osc.k, omega)
-            if slopes:
-                slope = slope + p * of_term.slope(v, 0.0, osc.k, omega)
+            slope = slope + p * of_term.slope(v, 0.0, osc.k, omega)
         return force, slope
 
     def _right(
@@ -225,14 +222,8 @@ class Contact:
     def _of_orbit(self) -> Complexes:
         return self._harmonics(np.zeros(HARMONICS, dtype=np.complex128))[0]
 
-    def force(self, change: Complexes) -> Complexes:
-        """f_n[x + δ] − f_n[x], N, (h,)."""
-        if self.rigid:
-            return np.zeros_like(change)
-        return self._harmonics(change)[0] - self._of_orbit
-
-    def force_and_slope(self, change: Complexes) -> tuple[Complexes, Complexes]:
-        """The same, and its derivatives by the real parts of δ_n, (h, 2h)."""
+    def force(self, change: Complexes) -> tuple[Complexes, Complexes]:
+        """f_n[x + δ] − f_n[x], N, (h,), and its derivatives by the real parts of δ_n, (h, 2h)."""
         if self.rigid:
             return np.zeros_like(change), np.zeros_like(self.basis)
         f, turns, weighted = self._harmonics(change)
