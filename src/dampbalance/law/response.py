@@ -64,7 +64,6 @@ class Equation:
         """Σ p_j ∂h_j/∂ẋ, N s/m."""
         at, total = (v, w, self.oscillator.k, self.motion.omega), 0.0
         for p, one in self.law:
-            assert one.slope is not None
             total += p * float(one.slope(*at))
         return total
 
@@ -364,7 +363,6 @@ def _nearby(eq: Equation) -> Point:
         for _ in range(_EQUIVALENCES):
             work = 0.0
             for p, one in eq.law:
-                assert one.harmonic is not None
                 work += p * float(one.harmonic(omega, X, 0.0, 0.0, o.k))
             orbit = steady_orbit(replace(o, c=work / (math.pi * omega * X**2)), base)
             X = math.sqrt(X * orbit.X)

@@ -168,7 +168,6 @@ class System:
         for symbol, p in self.others.items():
             of_term = KNOWN_TERMS[symbol]
             assert of_term.force is not None
-            assert of_term.slope is not None
             force = force + p * of_term.force(v, 0.0, osc.k, omega)
             slope = slope + p * of_term.slope(v, 0.0, osc.k, omega)
         return force, slope
@@ -451,9 +450,8 @@ def _equivalent(oscillator: Oscillator, base: BaseMotion, others: Mapping[str, f
     extra, X = 0.0, base.Y
     for repetition in range(_EQUIVALENCES):
         work = math.fsum(
-            float(p * harmonic(base.omega, X, 0.0, 0.0, oscillator.k))
-            for p, harmonic in ((p, KNOWN_TERMS[s].harmonic) for s, p in others.items())
-            if harmonic is not None
+            float(p * KNOWN_TERMS[s].harmonic(base.omega, X, 0.0, 0.0, oscillator.k))
+            for s, p in others.items()
         )
         found = work / (math.pi * base.omega * X**2)
         extra = 0.5 * (extra + found) if repetition else found

@@ -216,12 +216,11 @@ class Unknowns:
 
 def equivalent_coefficient(symbol: str, one: Lines, k: float) -> float:
     """Coefficient of a term that dissipates about as much in a record as a damper of 1 N s/m, from its fundamental."""
-    harmonic = KNOWN_TERMS[symbol].harmonic
-    if harmonic is None:
+    if symbol == FRICTION:
         return 1.0
     X = abs(one.x[0])
     viscous: float = math.pi * one.omega * X**2
-    return viscous / float(harmonic(one.omega, X, 0.0, 0.0, k))
+    return viscous / float(KNOWN_TERMS[symbol].harmonic(one.omega, X, 0.0, 0.0, k))
 
 
 @dataclass(frozen=True, eq=False)

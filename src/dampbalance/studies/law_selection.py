@@ -116,9 +116,8 @@ def _candidate(terms: Sequence[str], levels: Sequence[float], random: np.random.
     friction, *others = _parts(len(terms), random)
     law = {}
     for symbol, share in zip(terms[1:], others, strict=True):
-        harmonic = KNOWN_TERMS[symbol].harmonic
-        assert harmonic is not None
-        law[symbol] = float(share) * work / float(harmonic(omega, X, Y, phi, k))
+        of_one = float(KNOWN_TERMS[symbol].harmonic(omega, X, Y, phi, k))
+        law[symbol] = float(share) * work / of_one
     return Truth(
         Oscillator(m, law.pop("c", 0.0), k, k * spread(STIFFNESSES), friction * work / (4.0 * X)),
         law,
