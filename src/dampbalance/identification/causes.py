@@ -187,8 +187,8 @@ def _motion(fit: WaveformFit, i: int) -> tuple[Array, Array, Array]:
     """
     orbit = fit.responses[i].orbit
     osc = orbit.oscillator
-    t = orbit.motion.period * np.arange(_PHASES) / _PHASES
-    x, v, *_ = orbit.state(t)
+    t = orbit.motion.period * np.arange(_PHASES // 2) / _PHASES
+    x, v, *_ = (np.concatenate([half, -half]) for half in orbit.state(t))
     sign = np.where(v < 0.0, -1.0, 1.0)
     u = np.maximum(sign * x + float(np.abs(x).max()), 0.0)
     jenkins = np.minimum(osc.K_z * u - osc.F_k, osc.F_k)
