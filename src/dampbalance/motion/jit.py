@@ -29,8 +29,9 @@ _left = 0.0  # calls of kernels that are still to be interpreted
 
 def _sources() -> list[Path]:
     """The modules that kernels are made of: this room, what it imports from the root, and the climb."""
-    others = ("arguments", "arrays", "model", "record", "likelihood/climb")
-    return [*(_PACKAGE / f"{name}.py" for name in others), *sorted(_PACKAGE.glob("motion/*.py"))]
+    root = ("arguments", "arrays", "model", "record")
+    rooms = (*sorted(_PACKAGE.glob("motion/*.py")), *_PACKAGE.glob("likelihood/climb.py"))
+    return [*(_PACKAGE / f"{name}.py" for name in root), *rooms]
 
 
 def _source_digest() -> str:
