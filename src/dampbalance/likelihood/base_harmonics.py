@@ -40,7 +40,7 @@ def fit_records(
     lines: Sequence[Lines], k: float, law: Law | None = None, *, thorough: bool = True
 ) -> WaveformFit | None:
     """The oscillator of largest likelihood for records whose base need not be harmonic; arguments as for
-    `fitting.fit_oscillator`, whose fit it is where the base is harmonic.
+    `fit_oscillator`, whose fit it is where the base is harmonic.
 
     The harmonics of the fit, `fit.lines`, are those of the records without what the harmonics of the base add.
     """

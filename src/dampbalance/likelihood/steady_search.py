@@ -1,4 +1,4 @@
-"""The search for the oscillator of largest likelihood, by climbs from several starts."""
+"""The search for the oscillator of largest likelihood in steady records, by climbs from several starts."""
 
 from __future__ import annotations
 
