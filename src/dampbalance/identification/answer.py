@@ -17,9 +17,9 @@ import numpy as np
 from ..arrays import Array
 from ..balance import Rows
 from ..law.terms import term
+from ..likelihood.oscillator_fit import OscillatorFit
 from ..model import named_with_unit
 from ..project.wording import Remark
-from ..reading.oscillator_fit import OscillatorFit
 from ..solver import NORMAL_95
 
 CONFIDENCE = 0.95

@@ -25,10 +25,10 @@ import numpy as np
 from ..arrays import Array, Complexes, Integers
 from ..law.law import Law
 from ..law.terms import FRICTION
+from ..likelihood.base_harmonics import fit_records
+from ..likelihood.mean_harmonics import Reading
+from ..likelihood.waveforms import WaveformFit
 from ..reading.lines import Lines
-from ..reading.mean_harmonics import Reading
-from ..reading.recorded import fit_records
-from ..reading.waveforms import WaveformFit
 from ..records.measurement import ABSOLUTE, RELATIVE
 
 _SHOWS = 25.0  # of χ²: five standard errors, for one of eight causes by chance in 200,000 sets
@@ -187,8 +187,8 @@ def _motion(fit: WaveformFit, i: int) -> tuple[Array, Array, Array]:
     """
     orbit = fit.responses[i].orbit
     osc = orbit.oscillator
-    t = orbit.motion.period * np.arange(_PHASES) / _PHASES
-    x, v, *_ = orbit.state(t)
+    t = orbit.motion.period * np.arange(_PHASES // 2) / _PHASES
+    x, v, *_ = (np.concatenate([half, -half]) for half in orbit.state(t))
     sign = np.where(v < 0.0, -1.0, 1.0)
     u = np.maximum(sign * x + float(np.abs(x).max()), 0.0)
     jenkins = np.minimum(osc.K_z * u - osc.F_k, osc.F_k)

@@ -31,10 +31,10 @@ from ..balance import APPROACHES, Approach, Rows
 from ..features import COLUMNS, Features, Phase, stack
 from ..law.law import Law
 from ..law.terms import FRICTION, parted
+from ..likelihood.mean_harmonics import Reading
+from ..likelihood.unfolding import unfolded
 from ..project.wording import Remark
-from ..reading.mean_harmonics import Reading
 from ..reading.one_thread import one_thread
-from ..reading.unfolding import unfolded
 from ..solver import Estimate, least_squares, solve
 from .answer import (
     CONFIDENCE,

@@ -26,14 +26,14 @@ import numpy as np
 from ..balance import APPROACHES, Rows
 from ..law.law import Law
 from ..law.terms import FRICTION, KNOWN_TERMS, in_order, term
+from ..likelihood.base_harmonics import settled
+from ..likelihood.mean_harmonics import Means, Reading
+from ..likelihood.steady_search import fit_quickly, with_mass
+from ..likelihood.waveforms import WaveformFit
 from ..project.progress import followed
 from ..project.wording import listed
-from ..reading.fitting import fit_quickly, with_mass
 from ..reading.lines import probability
-from ..reading.mean_harmonics import Means, Reading
 from ..reading.one_thread import one_thread
-from ..reading.recorded import settled
-from ..reading.waveforms import WaveformFit
 from ..solver import solve
 from .answer import column
 from .law_rows import LawRows

@@ -16,8 +16,8 @@ import numpy as np
 
 from ..arrays import Array
 from ..features import Features, stack
-from ..reading.mean_harmonics import RESOLVED, Means, Reading
-from ..reading.waveforms import WaveformFit
+from ..likelihood.mean_harmonics import RESOLVED, Means, Reading
+from ..likelihood.waveforms import WaveformFit
 from ..solver import NORMAL_95
 
 Of = TypeVar("Of")

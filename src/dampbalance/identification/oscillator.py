@@ -8,13 +8,13 @@ from dataclasses import dataclass, replace
 
 from ..law.law import Law
 from ..law.terms import FRICTION
+from ..likelihood.base_harmonics import fit_records
+from ..likelihood.coupling import Coupling, ac_coupling
+from ..likelihood.mean_harmonics import Reading
+from ..likelihood.steady_search import with_delay, with_mass
+from ..likelihood.waveforms import WaveformFit
 from ..project.wording import Remark
-from ..reading.coupling import Coupling, ac_coupling
-from ..reading.fitting import with_delay, with_mass
 from ..reading.lines import Lines, improbable, linear_misfit
-from ..reading.mean_harmonics import Reading
-from ..reading.recorded import fit_records
-from ..reading.waveforms import WaveformFit
 from .answer import Answer, answer_of_fit
 
 CONTRADICTED = Remark("the mass given contradicts the records")

@@ -30,10 +30,10 @@ from ..figures.style import (
     styled,
 )
 from ..law.terms import term
+from ..likelihood.mean_harmonics import Reading
+from ..likelihood.waveforms import WaveformFit
 from ..project.wording import cut
-from ..reading.mean_harmonics import Reading
 from ..reading.ringdown_fit import COMMON, RingFit
-from ..reading.waveforms import WaveformFit
 from ..records.measurement import ORDERS, RELATIVE
 from .answer import DOUBTFUL, SHAPE, UNKNOWN, USABLE, Answer, ParameterEstimate, unit_of
 from .loading import Loaded

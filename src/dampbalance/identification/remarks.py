@@ -16,9 +16,9 @@ import numpy as np
 
 from ..balance import Rows
 from ..law.terms import term
+from ..likelihood.mean_harmonics import Reading
 from ..project.wording import Remark, factor, listed, merged, times
 from ..reading.checks import is_clipped
-from ..reading.mean_harmonics import Reading
 from .answer import Answer, ParameterEstimate
 from .causes import OtherFrame, in_other_frame, likeliest
 from .microstick import Microstick

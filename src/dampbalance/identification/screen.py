@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from html import escape
 
-from ..reading.oscillator_fit import OscillatorFit
+from ..likelihood.oscillator_fit import OscillatorFit
 from .answer import Answer, ParameterEstimate, Verdict, unit_of
 from .law_comparison import LawComparison, Probability
 from .outcome import Outcome

@@ -16,10 +16,10 @@ import numpy as np
 
 from ..arrays import Array
 from ..law.terms import FRICTION, parted
-from ..reading.fitting import with_mass
-from ..reading.mean_harmonics import Means, Reading
+from ..likelihood.mean_harmonics import Means, Reading
+from ..likelihood.steady_search import with_mass
+from ..likelihood.waveforms import WaveformFit
 from ..reading.one_thread import one_thread
-from ..reading.waveforms import WaveformFit
 from ..records.measurement import ABSOLUTE
 from ..solver import solve
 from .answer import Answer

@@ -23,7 +23,7 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ..arrays import Array, Complexes, Mask
+from ..arrays import Array, Complexes, Integers, Mask
 from ..project.wording import Remark
 
 Samples = tuple[Array, Array]  # times, values
@@ -409,3 +409,11 @@ def _comes_to_rest(s: Array, step: float) -> bool:
             return False
         ratios.append(along[2 * q - 1] / along[q - 1])
     return bool(min(ratios) > _STOPPING)
+
+
+def bootstrap(rows: int, count: int, rng: np.random.Generator) -> tuple[Integers, float]:
+    """Numbers of times that each row occurs in each of `count` drawings with replacement, (count, rows), and the factor
+    √(n/(n − 1)), n rows, that corrects the deviations of their means: the bootstrap underestimates the scatter by it.
+    """
+    drawn = rng.multinomial(rows, np.full(rows, 1.0 / rows), size=count)
+    return drawn, math.sqrt(rows / max(1, rows - 1))

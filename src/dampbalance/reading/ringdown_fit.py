@@ -21,8 +21,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arrays import Array, Mask
+from ..likelihood.climb import GAIN, MOST, Bounds, climb
+from ..likelihood.oscillator_fit import OscillatorFit
 from ..model import Parameters
-from ..motion.climb import GAIN, MOST, Bounds, climb
 from ..motion.decays import (
     MOST_PHASES,
     NOISE,
@@ -35,7 +36,6 @@ from ..motion.decays import (
 from ..motion.events import PHASE_S, PHASE_T, run
 from ..motion.states import states_in_phases
 from ..solver import NORMAL_95
-from .oscillator_fit import OscillatorFit
 from .ringdown_bursts import Signal, rounding
 from .whiteness import averages, chance_of_averages, chance_of_lines, louder
 

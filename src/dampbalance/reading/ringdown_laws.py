@@ -17,7 +17,7 @@ import numpy as np
 
 from ..arrays import Array, Mask
 from ..law.terms import FRICTION
-from ..motion.climb import Bounds, climb
+from ..likelihood.climb import Bounds, climb
 from ..motion.law_decays import ADDED, law_decay
 from .ringdown_fit import (
     COMMON,

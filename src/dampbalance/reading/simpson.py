@@ -16,7 +16,7 @@ import math
 import numpy as np
 
 from ..arrays import Array
-from .mean_harmonics import bootstrap
+from .cycles import bootstrap
 
 _ROUNDING = 1e-9  # samples
 

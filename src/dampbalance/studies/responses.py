@@ -27,13 +27,13 @@ from ..identification.oscillator import JointFit, joined, joint_fit
 from ..law.response import law_orbit
 from ..law.steady import Response, steady_response
 from ..law.terms import FRICTION, KNOWN_TERMS, of_harmonics
+from ..likelihood.mean_harmonics import Reading, read_features
 from ..model import BaseMotion, Oscillator
 from ..motion.fixed_step import StepTooCoarse, simulate
 from ..motion.orbit import NoSteadyOrbit, steady_orbit
 from ..motion.regime import Regime
 from ..project.progress import followed
 from ..reading.clean import CYCLES_TO_READ, of_record
-from ..reading.mean_harmonics import Reading, read_features
 from ..reading.simpson import cycle_integrals, replicates_of
 from ..record import Record
 from ..records.measurement import Measurement
@@ -381,9 +381,8 @@ def _candidate(terms: Sequence[str], levels: Sequence[float], random: np.random.
     friction, *others = parts
     law = {}
     for symbol, share in zip(terms[1:], others, strict=True):
-        harmonic = KNOWN_TERMS[symbol].harmonic
-        assert harmonic is not None
-        law[symbol] = float(share) * work / float(harmonic(omega, X, Y, phi, k))
+        of_one = float(KNOWN_TERMS[symbol].harmonic(omega, X, Y, phi, k))
+        law[symbol] = float(share) * work / of_one
     return Truth(
         Oscillator(m, law.pop("c", 0.0), k, k * spread(STIFFNESSES), friction * work / (4.0 * X)),
         law,

@@ -6,7 +6,7 @@ import numpy as np
 
 from dampbalance.balance import APPROACHES
 from dampbalance.identification.forced import identify_readings
-from dampbalance.reading.mean_harmonics import read_features
+from dampbalance.likelihood.mean_harmonics import read_features
 from dampbalance.records.synthetic import measured_orbit
 from paper_case import PAPER
 

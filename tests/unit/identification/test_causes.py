@@ -15,7 +15,7 @@ from dampbalance.identification.forced import identify_readings
 from dampbalance.identification.oscillator import joint_fit
 from dampbalance.law.law import Law
 from dampbalance.law.response import law_orbit
-from dampbalance.reading.mean_harmonics import Reading, read_features
+from dampbalance.likelihood.mean_harmonics import Reading, read_features
 from dampbalance.records.measurement import Measurement
 from dampbalance.records.synthetic import measured_orbit
 from paper_case import LEVELS, PAPER, orbits_at

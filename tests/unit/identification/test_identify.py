@@ -18,7 +18,7 @@ from dampbalance.identification.microstick import Samples
 from dampbalance.identification.outcome import document, estimates_table
 from dampbalance.identification.screen import text
 from dampbalance.likelihood.information import cramer_rao, noise_of_rms
-from dampbalance.reading.mean_harmonics import RESOLVED, read_features
+from dampbalance.likelihood.mean_harmonics import RESOLVED, read_features
 from dampbalance.records.measurement import Channel, Measurement
 from paper_case import FREQUENCIES_HZ, LEVELS, NEAR, PAPER, motions_at, orbits_at
 from unit.identification.levels import THREE, identified, read

@@ -12,7 +12,7 @@ from dampbalance.identification.answer import REFERENCE
 from dampbalance.identification.forced import identify_readings
 from dampbalance.identification.outcome import document
 from dampbalance.identification.sensitivities import FAULTS
-from dampbalance.reading.mean_harmonics import Reading, read_features
+from dampbalance.likelihood.mean_harmonics import Reading, read_features
 from dampbalance.records.measurement import Measurement
 from dampbalance.records.synthetic import measured_orbit
 from paper_case import PAPER, orbits_at

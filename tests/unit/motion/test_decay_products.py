@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
+from dampbalance.likelihood.climb import Bounds, climb
 from dampbalance.model import Parameters
-from dampbalance.motion.climb import Bounds, climb
 from dampbalance.motion.decays import (
     contact_chord,
     decay_products,

@@ -11,8 +11,8 @@ import pytest
 from scipy import stats
 
 from dampbalance.law.law import Law
+from dampbalance.likelihood.mean_harmonics import Reading
 from dampbalance.reading.conditioning import condition
-from dampbalance.reading.mean_harmonics import Reading
 from dampbalance.records.measurement import Channel, Measurement
 from dampbalance.replication.frame.findings import (
     Findings,

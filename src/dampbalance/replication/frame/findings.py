@@ -33,8 +33,8 @@ from ...identification.loading import Loaded, load
 from ...identification.remarks import DIRECT
 from ...law.law import Law, law_of
 from ...law.terms import FRICTION, term
+from ...likelihood.mean_harmonics import Reading, read_features
 from ...model import named_with_unit
-from ...reading.mean_harmonics import Reading, read_features
 from ...reading.turning import turning_points
 from ...records.measured import read_records
 from ...records.measurement import Channel, Measurement

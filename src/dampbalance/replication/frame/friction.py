@@ -41,7 +41,7 @@ from scipy.optimize import brentq, least_squares
 
 from ...arrays import Array, Mask
 from ...law.terms import KNOWN_TERMS
-from ...reading.mean_harmonics import Means, Reading
+from ...likelihood.mean_harmonics import Means, Reading
 
 _POINTS = 4096  # of a cycle
 AT_REST = 0.02

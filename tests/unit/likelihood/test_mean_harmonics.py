@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from dampbalance.features import COLUMNS, of_orbit
-from dampbalance.reading.mean_harmonics import RESOLVED, read_features
+from dampbalance.likelihood.mean_harmonics import RESOLVED, read_features
 from dampbalance.records.measurement import Measurement
 from dampbalance.records.synthetic import measured_orbit
 from paper_case import FREQUENCIES_HZ, NEAR, OMEGA, PAPER, orbits_at

@@ -1,25 +1,22 @@
-"""The search for the oscillator of largest likelihood, by climbs from several starts."""
+"""The search for the oscillator of largest likelihood in steady records, by climbs from several starts."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Collection, Iterable, Sequence
 from contextlib import nullcontext
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 
 from ..arrays import Array
 from ..law.law import Law
-from ..law.steady import Response
 from ..law.terms import FRICTION, parted
-from ..model import Parameters
-from ..motion.climb import MOST, climb
 from ..motion.jit import interpreted
-from ..motion.orbit import NoSteadyOrbit
-from .lines import Lines, Shares, starts
-from .waveforms import MOST_RADIANS, STIFFEST, Motion, Unknowns, WaveformFit, equivalent_coefficient
+from ..reading.lines import Lines, Shares, starts
+from .climb import MOST, climb
+from .waveforms import STIFFEST, HarmonicResiduals, Unknowns, WaveformFit, equivalent_coefficient
 
 _STARTS = (4, 12)  # of the candidates, the closest first, and of those of more masses
 _SOFTENING = (1e-2, 1e-3, 0.0)  # parts of the amplitudes added to their errors: a smooth way down
@@ -36,9 +33,6 @@ _RINGS = 1.0  # swings in a stick, from which on a fit that holds is not the onl
 _CLOSER = (1.0 / 16.0, 1.0 / 8.0, 1.0 / 4.0, 1.0 / 2.0)  # of a step: kinks of χ² lie close together
 _FOLLOWING, _TRIED = 4, 6  # evaluations at each K_z, and minima that are climbed to
 _LOWER = 0.05  # of χ²: what another minimum must be lower by to be scanned around
-_DEAR = 200.0  # turns of the fastest motion, which cost as much as the rest of an evaluation
-_MOST_TURNS = 2e4  # of an orbit whose derivatives are computed: 0.1 s
-_MOST_PHASES = 64  # of half a cycle: to follow a contact that rattles on takes long
 
 
 def fit_oscillator(
@@ -54,7 +48,7 @@ def fit_oscillator(
     """
     unknowns = Unknowns(law or Law(), tuple(lines), k)
     shares = _shares_of(unknowns)
-    wide = (True,) if thorough and not unknowns.nonlinear else ()  # else each climb takes long
+    wide = (True,) if thorough and not unknowns.law.nonlinear else ()  # else each climb takes long
     points = (
         unknowns.start(candidate, shares.friction)
         for search in (False, *wide)
@@ -120,7 +114,7 @@ def _ends(unknowns: Unknowns, points: Iterable[Array], most: int) -> list[Wavefo
     """
     ends: list[WaveformFit] = []
     left = np.array([_EFFORT])
-    with interpreted(False) if unknowns.nonlinear else nullcontext():
+    with interpreted(False) if unknowns.law.nonlinear else nullcontext():
         for point in points:
             reached = _climbed(unknowns, point, hopeless=_HOPELESS, most=most, left=left)
             if reached is not None:
@@ -139,7 +133,7 @@ def _other_stiffnesses(end: WaveformFit, left: Array) -> tuple[list[Array], int]
 
     left : as for `HarmonicResiduals`.
     """
-    swings = max(_swings(one.orbit.phases, one.orbit.parameters) for one in end.responses)
+    swings = max(one.swings for one in end.responses)
     if swings < _RINGS and end.adequate:
         return [], 0
     step = max(0.5 / max(swings, 1.0), 2.0 * _REACH / _MOST_STEPS)
@@ -258,8 +252,7 @@ def _climbed(
     here = HarmonicResiduals(unknowns, 0.0, quickly=False).evaluate(point)
     if here is None:
         return None
-    residual, jacobian = here
-    size = point.size
+    residual, jacobian, size = here[:, -1], here[:, :-1], point.size
     covariance, response = np.zeros((size, size)), np.zeros((size, residual.size))
     response[free] = np.linalg.pinv(jacobian[:, free])
     covariance = response @ response.T
@@ -279,103 +272,3 @@ def _climbed(
         undamped=tuple(key for key in law.unknowns if point[names.index(key)] <= 0.0),
         evaluations=evaluations,
     )
-
-
-def _unlimited() -> Array:
-    return np.array([math.inf])
-
-
-def _swings(phases: Array, par: Parameters) -> float:
-    """How often the mass swings on contact and spring in half a cycle, while it sticks."""
-    rows, stuck = phases.tolist(), 0.0
-    for i, (t, s, *_) in enumerate(rows):
-        if s == 0.0:
-            stuck += (rows[i + 1][0] if i + 1 < len(rows) else math.pi / par.omega) - t
-    return stuck * math.sqrt((par.k + par.K_z) / par.m) / (2.0 * math.pi)
-
-
-def _turns(phases: Array, par: Parameters) -> float:
-    """How many turns of its fastest motion half a cycle takes to follow: swings in stick, or the decay of a velocity by
-    e^{2π} where a light mass creeps in a strong damper."""
-    return max(_swings(phases, par), 0.5 * par.c / par.m / par.omega)
-
-
-@dataclass(frozen=True, eq=False)
-class HarmonicResiduals:
-    """Residuals (model − data)/σ of the harmonics of all records as functions of the unknowns.
-
-    softening : part of the amplitudes added to the errors.
-    left : evaluations that may still be made, (1,), changed by each: a light mass that swings on while it sticks takes
-    as long as many others, and ends the climb early.
-    near : the last motion of each record, from which the next starts.
-    quickly : as for `Unknowns.harmonics`.
-    """
-
-    unknowns: Unknowns
-    softening: float
-    left: Array = field(default_factory=_unlimited)
-    near: dict[int, Response] = field(default_factory=dict)
-    quickly: bool = True
-
-    def products(self, point: Array, out: Array) -> bool:
-        """Set `out` to the products of derivatives and residuals, as `climb` takes them."""
-        whole = self._whole(point)
-        if whole is not None:
-            np.matmul(whole.T, whole, out=out)
-        return whole is not None
-
-    def evaluate(self, point: Array) -> tuple[Array, Array] | None:
-        """Residuals (n,) and their derivatives (n, p); None where nothing slips, there is no orbit, the contact
-        rattles, or no evaluation is left."""
-        whole = self._whole(point)
-        return None if whole is None else (whole[:, -1], whole[:, :-1])
-
-    def _whole(self, point: Array) -> Array | None:
-        """Derivatives and residuals, (n, p + 1), as `evaluate` has them."""
-        if self.left[0] <= 0.0:
-            return None
-        unknowns, slips, at = self.unknowns, False, 0
-        delay = unknowns.names.index("delay")
-        whole = np.zeros((sum(2 + 2 * one.n.size for one in unknowns.lines), point.size + 1))
-        for i, one in enumerate(unknowns.lines):
-            try:
-                motion, phases, par = self._motion(point, i)
-                turns = _turns(phases, par)
-                if len(phases) > _MOST_PHASES or turns > _MOST_TURNS:
-                    return None
-                self.left[0] -= (1.0 + turns / _DEAR) / len(unknowns.lines)
-                x, by = unknowns.harmonics(point, i, motion, one.n.size, quickly=self.quickly)
-            except (NoSteadyOrbit, ValueError):
-                return None
-            slips |= motion.slips
-            places = unknowns.at[i]
-            Y, psi = float(point[places["Y"]]), float(point[places["psi"]])
-            error = np.hypot(one.x_error, self.softening * abs(one.x[0]))
-            Y_error = math.hypot(one.Y_error, self.softening * one.Y)
-            block = whole[at : at + 2 + 2 * one.n.size]
-            at += len(block)
-            block[0, places["Y"]], block[0, -1] = 1.0 / Y_error, (Y - one.Y) / Y_error
-            block[1, places["psi"]] = one.Y / Y_error
-            block[1, delay] = one.omega * one.Y / Y_error
-            block[1, -1] = (psi + one.omega * float(point[delay])) * one.Y / Y_error
-            by /= error[:, None]
-            off = (x - one.x) / error
-            middle = 2 + one.n.size
-            block[2:middle, :-1], block[middle:, :-1] = by.real, by.imag
-            block[2:middle, -1], block[middle:, -1] = off.real, off.imag
-        return whole if slips else None
-
-    def _motion(self, point: Array, i: int) -> tuple[Motion | Response, Array, Parameters]:
-        """The motion of a record, its phases and its oscillator.   Raises NoSteadyOrbit, perhaps after a long search,
-        and ValueError."""
-        unknowns = self.unknowns
-        try:
-            if not unknowns.nonlinear:
-                motion = unknowns.motion(point, i)
-                return motion, motion.phases, motion.par
-            response = unknowns.response(point, i, self.near.get(i))
-        except NoSteadyOrbit:
-            self.left[0] -= MOST_RADIANS / (2.0 * math.pi * _DEAR) / len(unknowns.lines)
-            raise
-        self.near[i] = replace(response, matrix=None)
-        return response, response.orbit.phases, response.orbit.parameters

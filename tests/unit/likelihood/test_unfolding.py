@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from dampbalance import BaseMotion, Oscillator, steady_orbit
-from dampbalance.reading.mean_harmonics import read_features
-from dampbalance.reading.recorded import fit_records
-from dampbalance.reading.unfolding import unfolded
+from dampbalance.likelihood.base_harmonics import fit_records
+from dampbalance.likelihood.mean_harmonics import read_features
+from dampbalance.likelihood.unfolding import unfolded
 from dampbalance.records.measurement import Channel, Correction, Measurement
 from dampbalance.records.synthetic import measured_orbit
 

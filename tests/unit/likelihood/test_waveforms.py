@@ -11,21 +11,20 @@ import pytest
 
 from dampbalance import BaseMotion, Oscillator, steady_orbit
 from dampbalance.law.law import Law
-from dampbalance.law.steady import steady_response
+from dampbalance.law.steady import Response, steady_response
+from dampbalance.likelihood import steady_search as fitting
+from dampbalance.likelihood.climb import climb
 from dampbalance.likelihood.information import cramer_rao
-from dampbalance.motion.climb import climb
-from dampbalance.motion.regime import Regime
-from dampbalance.reading import fitting
-from dampbalance.reading.fitting import (
+from dampbalance.likelihood.steady_search import (
     _shares_of,
-    _swings,
     fit_oscillator,
     fit_quickly,
     with_delay,
     with_mass,
 )
+from dampbalance.likelihood.waveforms import Unknowns, WaveformFit
+from dampbalance.motion.regime import Regime
 from dampbalance.reading.lines import Lines
-from dampbalance.reading.waveforms import Unknowns, WaveformFit
 from paper_case import FREQUENCIES_HZ, LEVELS, NEAR, PAPER, motions_at, orbits_at
 from unit.reading.harmonics import lines_of
 
@@ -324,7 +323,7 @@ def test_from_a_side_minimum_along_the_stiffness_the_search_goes_on(apart, monke
     osc, rng = replace(WEAK, F_k=2.5), np.random.default_rng(11)
     motions = [BaseMotion(Y, osc.omega_n / 5.0) for Y in (0.0012, 0.002)]
     orbits = [steady_orbit(osc, motion) for motion in motions]
-    assert max(_swings(orbit.phases, orbit.parameters) for orbit in orbits) > 3.0
+    assert max(Response(orbit, 0.0).swings for orbit in orbits) > 3.0
     lines = [lines_of(orbit, 1e-3 * orbit.X, rng) for orbit in orbits]
     # all starts have a wrong K_z
     wrong = np.array([[osc.F_k, osc.c, apart * osc.K_z, osc.m]])
@@ -453,7 +452,7 @@ def test_the_swings_of_the_stuck_mass_are_counted(Y):
     orbit = steady_orbit(PAPER, motion)
     stuck = 0.5 * motion.period if orbit.regime == Regime.NO_SLIP else orbit.t_s
     hertz = math.sqrt((PAPER.k + PAPER.K_z) / PAPER.m) / (2.0 * math.pi)
-    assert _swings(orbit.phases, orbit.parameters) == pytest.approx(stuck * hertz, rel=1e-9)
+    assert Response(orbit, 0.0).swings == pytest.approx(stuck * hertz, rel=1e-9)
 
 
 def test_a_law_without_viscous_damping_has_none():
@@ -479,10 +478,8 @@ def test_slopes_by_linear_terms_are_exact(c_r):
     def harmonics(at):
         return unknowns.response(at, 0).harmonics(count) * np.exp(1j * n * at[-1])
 
-    x, slopes = unknowns.harmonics(point, 0, unknowns.motion(point, 0), count, quickly=False)
+    x, slopes = unknowns.harmonics(point, 0, unknowns.response(point, 0), count, quickly=False)
     assert x == pytest.approx(harmonics(point), abs=1e-12 * abs(x[0]))
-    of_response = unknowns.harmonics(point, 0, unknowns.response(point, 0), count, quickly=False)
-    assert slopes == pytest.approx(of_response[1], rel=1e-9)
     for j, name in enumerate((*unknowns.names, "Y", "psi")):
         # orbits are exact to 1e-13, and curvature leaves h²; a coefficient at zero grows to one side
         up = np.zeros(point.size)

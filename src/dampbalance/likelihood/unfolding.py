@@ -24,14 +24,14 @@ from ..law.law import Law
 from ..law.steady import Response
 from ..motion.events import PHASE_T
 from ..motion.orbit import Orbit
+from ..reading.conditioning import SteadyRecord
+from ..reading.cycles import accumulate
+from ..reading.lines import Lines
+from ..reading.one_thread import one_thread
 from ..records.measurement import ORDERS, RESPONSES, Correction
-from .conditioning import SteadyRecord
-from .cycles import accumulate
-from .fitting import climb_on
-from .lines import Lines
+from .base_harmonics import MOST, PATIENCE, fit_records, of_harmonic_base, repeated, settled
 from .mean_harmonics import Reading
-from .one_thread import one_thread
-from .recorded import MOST, PATIENCE, fit_records, of_harmonic_base, repeated, settled
+from .steady_search import climb_on
 from .waveforms import WaveformFit
 
 _DENSE, _FINER = (
@@ -85,7 +85,7 @@ def _repeated(
     readings: Sequence[Reading], concerned: Sequence[bool], fit: WaveformFit, patience: int = MOST
 ) -> tuple[list[Reading], WaveformFit | None]:
     """The readings freed of what the oscillator adds to them that fits them then; None in place of that fit where there
-    is none.   patience : as for `recorded.repeated`."""
+    is none.   patience : as for `base_harmonics.repeated`."""
     freed = list(readings)
 
     def lines(responses: Sequence[Response]) -> list[Lines]:

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from dampbalance import BaseMotion, steady_orbit
-from dampbalance.reading.coupling import ac_coupling
-from dampbalance.reading.fitting import fit_oscillator
+from dampbalance.likelihood.coupling import ac_coupling
+from dampbalance.likelihood.steady_search import fit_oscillator
 from paper_case import OMEGA, PAPER
 from unit.reading.harmonics import lines_of
 

@@ -25,7 +25,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arrays import Array, Integers, Mask
-from .jit import jit
+from ..motion.jit import jit
 
 MOST = 30
 """Default limit on the evaluations of a climb: one to where the records are takes about ten."""

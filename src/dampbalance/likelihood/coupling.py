@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..arrays import Array, Complexes, Integers
-from .fitting import climb_on
+from .steady_search import climb_on
 from .waveforms import WaveformFit
 
 _STEPS = 5  # of Newton's method: χ² is nearly a parabola in the corner

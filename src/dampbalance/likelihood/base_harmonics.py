@@ -21,8 +21,8 @@ from ..law.law import Law
 from ..law.steady import Response
 from ..motion.distorted import distorted_harmonics
 from ..motion.orbit import NoSteadyOrbit
-from .fitting import climb_on, fit_oscillator, of_all_stiffnesses
-from .lines import Lines
+from ..reading.lines import Lines
+from .steady_search import climb_on, fit_oscillator, of_all_stiffnesses
 from .waveforms import WaveformFit
 
 MOST = 20
@@ -40,7 +40,7 @@ def fit_records(
     lines: Sequence[Lines], k: float, law: Law | None = None, *, thorough: bool = True
 ) -> WaveformFit | None:
     """The oscillator of largest likelihood for records whose base need not be harmonic; arguments as for
-    `fitting.fit_oscillator`, whose fit it is where the base is harmonic.
+    `fit_oscillator`, whose fit it is where the base is harmonic.
 
     The harmonics of the fit, `fit.lines`, are those of the records without what the harmonics of the base add.
     """

@@ -31,13 +31,13 @@ from ..arrays import Array, Complexes, Integers
 from ..features import COLUMNS, Features, of_numbers, wrapped
 from ..law.terms import of_harmonics
 from ..project.wording import Remark
+from ..reading.conditioning import SteadyRecord, condition
+from ..reading.cycles import bootstrap, powers
+from ..reading.lines import Lines
+from ..reading.one_thread import one_thread
+from ..reading.turning import Series, turning_points, upward_zero
 from ..records.measurement import Measurement
-from .conditioning import SteadyRecord, condition
-from .cycles import powers
-from .lines import Lines
-from .one_thread import one_thread
-from .recorded import added, fit_records
-from .turning import Series, turning_points, upward_zero
+from .base_harmonics import added, fit_records
 from .waveforms import Waveform
 
 RESOLVED = 2.0
@@ -375,14 +375,6 @@ def read_features(
     skip_cycles : cycles left out at the start.   Raises ValueError naming the source when the record cannot be used.
     """
     return Reading(condition(measurement, k, frequency_hz=frequency_hz, skip_cycles=skip_cycles))
-
-
-def bootstrap(rows: int, count: int, rng: np.random.Generator) -> tuple[Integers, float]:
-    """Numbers of times that each row occurs in each of `count` drawings with replacement, (count, rows), and the factor
-    √(n/(n − 1)), n rows, that corrects the deviations of their means: the bootstrap underestimates the scatter by it.
-    """
-    drawn = rng.multinomial(rows, np.full(rows, 1.0 / rows), size=count)
-    return drawn, math.sqrt(rows / max(1, rows - 1))
 
 
 def _beyond(series: Series, means: Means) -> Array:

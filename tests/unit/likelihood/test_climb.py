@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from dampbalance.motion.climb import Bounds, climb
+from dampbalance.likelihood.climb import Bounds, climb
 from dampbalance.motion.jit import interpreted
 
 H = np.array([[4.0, 1.0], [1.0, 2.0]])  # of a parabola

@@ -18,24 +18,22 @@ two channels) turns harmonic n by n times its angle, and can be left free.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..arrays import Array, Complexes, Integers, Mask
+from ..arrays import Array, Complexes, Mask
 from ..law.law import Law
 from ..law.steady import Response, steady_response
 from ..law.terms import FRICTION, KNOWN_TERMS
-from ..model import BaseMotion, Oscillator, Parameters
-from ..motion.climb import Bounds
+from ..model import BaseMotion, Oscillator
 from ..motion.orbit import NoSteadyOrbit
-from ..motion.steady import solve_steady
-from ..motion.steady_slopes import linear_harmonics
-from .lines import SLIPS, Lines, improbable
+from ..reading.lines import Lines, improbable
+from .climb import Bounds
 from .oscillator_fit import OscillatorFit
 
 _OTHERS = ("rho", "m", "delay")  # common unknowns in addition to the coefficients of the law
@@ -47,33 +45,11 @@ MOST_RADIANS = 5e5
 # Of K_z/k: the contact that stands for a rigid one. It sticks for 10⁻⁵ rad of the cycle or so, by which friction comes
 # late: to tell that from nothing takes noise below 10⁻⁶ of the motion.
 STIFFEST = 1e10
+_DEAR = 200.0  # turns of the fastest motion, which cost as much as the rest of an evaluation
+_MOST_TURNS = 2e4  # of an orbit whose derivatives are computed: 0.1 s
+_MOST_PHASES = 64  # of half a cycle: to follow a contact that rattles on takes long
 _CONVERGED = 5e-3  # in −log L: half the square of a tenth of a standard error
 _HARMONICS = 128  # odd ones of the waveform: beyond them lies less than 1e-6 of its velocity
-
-
-class Motion(NamedTuple):
-    """A steady motion under linear terms, as kernels take it.
-
-    par, phases, theta, regime : the orbit.   advance : phase by which its base is before the real one, rad.
-    """
-
-    par: Parameters
-    phases: Array
-    theta: float
-    regime: int
-    advance: float
-
-    @classmethod
-    def of(cls, response: Response) -> Motion:
-        """The motion of a response."""
-        orbit = response.orbit
-        phases = orbit.phases.copy()  # may be written to: kernels are compiled once more for others
-        return cls(orbit.parameters, phases, orbit.theta, int(orbit.regime), response.advance)
-
-    @property
-    def slips(self) -> bool:
-        """Whether the contact slips."""
-        return self.regime in SLIPS
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,51 +95,17 @@ class Unknowns:
         return points[places].mean(axis=0)
 
     def response(self, point: Array, record: int, near: Response | None = None) -> Response:
-        """The motion of a record.   near : a motion from which to start."""
-        at, value = self.at[record], point.tolist()
-        c = value[at["c"]] if "c" in at else 0.0
+        """The motion of a record.   near : a motion from which to start.   Raises NoSteadyOrbit, ValueError."""
+        value = {name: float(point[at]) for name, at in self.at[record].items()}
+        law = {s: value[s] for s in self.law.terms if s not in (FRICTION, "c")}
         oscillator = Oscillator(
-            m=value[at["m"]], c=c, k=self.k, K_z=value[at["rho"]] ** -2, F_k=value[at[FRICTION]]
+            value["m"], value.get("c", 0.0), self.k, value["rho"] ** -2, value[FRICTION]
         )
-        law = {s: value[at[s]] for s in self.law.terms if s not in (FRICTION, "c")}
-        motion = BaseMotion(value[at["Y"]], self.lines[record].omega)
+        motion = BaseMotion(value["Y"], self.lines[record].omega)
         return steady_response(oscillator, motion, law, near, most_radians=MOST_RADIANS)
 
-    @cached_property
-    def nonlinear(self) -> bool:
-        """Whether the law has terms that are not linear."""
-        return bool(self.law.nonlinear)
-
-    @cached_property
-    def linear(self) -> list[tuple[Integers, Array]]:
-        """Of each record the places that `linear_harmonics` asks for, and ∂h/∂ẋ and −∂h/∂ẏ of its linear terms."""
-        terms = [s for s in self.law.terms if KNOWN_TERMS[s].linear]
-        of_records = []
-        for at, one in zip(self.at, self.lines, strict=True):
-            names = (FRICTION, "rho", "m", "Y", "psi", *terms)
-            forces = [KNOWN_TERMS[s].force or (lambda *_: 0.0) for s in terms]
-            rows = [
-                (h(1.0, 0.0, self.k, one.omega), -h(0.0, 1.0, self.k, one.omega)) for h in forces
-            ]
-            parts = np.array(rows, dtype=float).reshape(-1, 2)  # none of a law of friction alone
-            of_records.append((np.array([at[name] for name in names]), parts))
-        return of_records
-
-    def motion(self, point: Array, record: int) -> Motion:
-        """The motion of a record under linear terms.   Raises NoSteadyOrbit."""
-        columns, parts = self.linear[record]
-        F_k, rho, m, Y, _, *coefficients = point[columns].tolist()
-        omega = self.lines[record].omega
-        c, to_base = (coefficients @ parts).tolist() if coefficients else (0.0, 0.0)
-        Y *= math.hypot(1.0, omega * to_base / self.k)
-        par = Parameters(m, c, self.k, rho**-2, F_k, Y, omega)
-        regime, phases, theta = solve_steady(par, MOST_RADIANS)
-        if not len(phases):
-            raise NoSteadyOrbit(f"no steady orbit found for {par}")
-        return Motion(par, phases, theta, regime, math.atan2(omega * to_base, self.k))
-
     def harmonics(
-        self, point: Array, record: int, motion: Motion | Response, count: int, *, quickly: bool
+        self, point: Array, record: int, response: Response, count: int, *, quickly: bool
     ) -> tuple[Complexes, Complexes]:
         """Harmonics n = 1, 3 … of a record, turned by ψ, m, (count,), and their derivatives, (count, unknowns).
 
@@ -173,29 +115,14 @@ class Unknowns:
         quickly : whether derivatives under a nonlinear law may come from its equations (`Response.with_slopes`).
         """
         at = self.at[record]
-        psi, slope = float(point[at["psi"]]), np.zeros((count, point.size), dtype=np.complex128)
-        if not self.nonlinear:
-            par, phases, theta, regime, advance = (
-                motion if isinstance(motion, Motion) else Motion.of(motion)
-            )
-            columns, parts = self.linear[record]
-            x = np.empty(count, dtype=np.complex128)
-            linear_harmonics(phases, theta, par, regime, (advance, psi), parts, columns, x, slope)
-            return x, slope
-        assert isinstance(motion, Response)
-        known = None
-        if quickly:
-            x, known = motion.with_slopes(count, self.law.terms)
-        if known is None:
-            x = motion.harmonics(count)
-            slope = self._slopes(point, record, motion, lambda one: one.harmonics(count))
-        else:
-            for name, by in known.items():
-                slope[:, at[name]] = by
-        slope[:, at["Y"]] = self._by_base(point, record, x, slope)
+        x, known = response.with_slopes(count, self.law.terms)
+        if self.law.nonlinear and not quickly:
+            known = None
+        slope = self._slopes((point, record, response), lambda one: one.harmonics(count), x, known)
         n = np.arange(1, 2 * count, 2)
+        slope[:, at["Y"]] = self._by_base(point, record, x, slope)
         slope[:, at["psi"]] = 1j * n * x
-        turn = np.exp(1j * n * psi)
+        turn = np.exp(1j * n * point[at["psi"]])
         return x * turn, slope * turn[:, None]
 
     def onset(self, point: Array, record: int, response: Response) -> tuple[Array, Array]:
@@ -204,29 +131,27 @@ class Unknowns:
         def read(motion: Response) -> Array:
             return np.array([motion.V_s, motion.t_s, motion.taken])
 
-        onset, at = read(response), self.at[record]
         known = response.onset_slopes(self.law.terms)
-        if known is None:
-            slope = self._slopes(point, record, response, read)
-        else:
-            slope = np.zeros((3, point.size))
-            for name, by in known.items():
-                slope[:, at[name]] = by
-        degree = np.array([1.0, 0.0, 1.0])
-        slope[:, at["Y"]] = self._by_base(point, record, degree * onset, slope)
+        onset = read(response)
+        slope = self._slopes((point, record, response), read, onset, known)
+        of_degree_one = np.array([1.0, 0.0, 1.0]) * onset
+        slope[:, self.at[record]["Y"]] = self._by_base(point, record, of_degree_one, slope)
         return onset, slope
 
     def _slopes(
         self,
-        point: Array,
-        record: int,
-        response: Response,
+        at: tuple[Array, int, Response],
         read: Callable[[Response], NDArray[Any]],
+        here: NDArray[Any],
+        known: Mapping[str, NDArray[Any]] | None,
     ) -> NDArray[Any]:
-        """Derivatives of what is read off a motion by the common unknowns of its record, from neighbouring motions."""
-        here = read(response)
+        """Derivatives of what is read off a motion by the common unknowns of its record: those that are known, by name,
+        or differences of neighbouring motions."""
+        point, record, response = at
         slope = np.zeros((here.size, point.size), dtype=here.dtype)
-        for j, step in self._steps(point, record).items():
+        for name, by in (known or {}).items():
+            slope[:, self.at[record][name]] = by
+        for j, step in self._steps(point, record).items() if known is None else ():
             moved = point.copy()
             moved[j] += step
             slope[:, j] = (read(self.response(moved, record, response)) - here) / step
@@ -291,12 +216,87 @@ class Unknowns:
 
 def equivalent_coefficient(symbol: str, one: Lines, k: float) -> float:
     """Coefficient of a term that dissipates about as much in a record as a damper of 1 N s/m, from its fundamental."""
-    harmonic = KNOWN_TERMS[symbol].harmonic
-    if harmonic is None:
+    if symbol == FRICTION:
         return 1.0
     X = abs(one.x[0])
     viscous: float = math.pi * one.omega * X**2
-    return viscous / float(harmonic(one.omega, X, 0.0, 0.0, k))
+    return viscous / float(KNOWN_TERMS[symbol].harmonic(one.omega, X, 0.0, 0.0, k))
+
+
+@dataclass(frozen=True, eq=False)
+class HarmonicResiduals:
+    """Residuals (model − data)/σ of the harmonics of all records as functions of the unknowns.
+
+    softening : part of the amplitudes added to the errors.
+    left : evaluations that may still be made, (1,), changed by each: a light mass that swings on while it sticks takes
+    as long as many others, and ends the climb early.
+    near : the last motion of each record under a nonlinear law, from which the next starts.
+    quickly : as for `Unknowns.harmonics`.
+    """
+
+    unknowns: Unknowns
+    softening: float
+    left: Array = field(default_factory=lambda: np.array([math.inf]))
+    near: dict[int, Response] = field(default_factory=dict)
+    quickly: bool = True
+
+    def products(self, point: Array, out: Array) -> bool:
+        """Set `out` to the products of derivatives and residuals, as `climb` takes them."""
+        whole = self.evaluate(point)
+        if whole is not None:
+            np.matmul(whole.T, whole, out=out)
+        return whole is not None
+
+    def evaluate(self, point: Array) -> Array | None:
+        """Derivatives of the residuals and, in the last column, the residuals themselves, (n, p + 1); None where
+        nothing slips, there is no orbit, the contact rattles, or no evaluation is left."""
+        if self.left[0] <= 0.0:
+            return None
+        blocks = []
+        slips = False
+        for i in range(len(self.unknowns.lines)):
+            try:
+                response = self._response(point, i)
+                blocks.append(self._block(point, i, response))
+            except (NoSteadyOrbit, ValueError):
+                return None
+            slips |= response.slips
+        return np.vstack(blocks) if slips else None
+
+    def _response(self, point: Array, i: int) -> Response:
+        """The motion of a record.   Raises NoSteadyOrbit, perhaps after a long search, and ValueError."""
+        try:
+            response = self.unknowns.response(point, i, self.near.get(i))
+        except NoSteadyOrbit:
+            self._charge(MOST_RADIANS / (2.0 * math.pi * _DEAR))
+            raise
+        if response.change is not None:
+            self.near[i] = replace(response, matrix=None)
+        par = response.orbit.parameters
+        # or the decay of a velocity by e^{2π} where a light mass creeps in a strong damper
+        turns = max(response.swings, 0.5 * par.c / par.m / par.omega)
+        if len(response.orbit.phases) > _MOST_PHASES or turns > _MOST_TURNS:
+            raise NoSteadyOrbit("the contact rattles")
+        self._charge(1.0 + turns / _DEAR)
+        return response
+
+    def _charge(self, cost: float) -> None:
+        self.left[0] -= cost / len(self.unknowns.lines)
+
+    def _block(self, point: Array, i: int, response: Response) -> Array:
+        """The rows of a record: |Y|, its phase, Re x_n, Im x_n."""
+        unknowns, one = self.unknowns, self.unknowns.lines[i]
+        x, by = unknowns.harmonics(point, i, response, one.n.size, quickly=self.quickly)
+        at, delay = unknowns.at[i], unknowns.at[i]["delay"]
+        error = np.hypot(one.x_error, self.softening * abs(one.x[0]))
+        Y_error = math.hypot(one.Y_error, self.softening * one.Y)
+        block = np.zeros((2 + 2 * one.n.size, point.size + 1))
+        block[0, at["Y"]], block[0, -1] = 1.0 / Y_error, (point[at["Y"]] - one.Y) / Y_error
+        block[1, at["psi"]], block[1, delay] = one.Y / Y_error, one.omega * one.Y / Y_error
+        block[1, -1] = (point[at["psi"]] + one.omega * point[delay]) * one.Y / Y_error
+        scaled = np.column_stack([by, x - one.x]) / error[:, None]
+        block[2:] = np.vstack([scaled.real, scaled.imag])
+        return block
 
 
 @dataclass(frozen=True, eq=False)
