@@ -107,7 +107,7 @@ class Lines:
         y = steady.mean(steady.Y[:, : steady.base_bandwidth + 1])
         base, higher = y[1], np.arange(2, y.size)
         clear = np.abs(y[higher]) > SIGNIFICANT * steady.Y_error[higher]
-        x = steady.mean(steady.X)[n] * np.exp(-1j * n * np.angle(base))
+        x = steady.x_of(n)
         noise = steady.X_error[n]
         aliased = _aliased(steady, n)
         return cls(

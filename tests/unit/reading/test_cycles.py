@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 from dampbalance import BaseMotion, steady_orbit
-from dampbalance.reading.cycles import _held, accumulate
-from dampbalance.reading.frequency import drive_frequency
+from dampbalance.reading.cycles import _held, accumulate, drive_frequency
 from paper_case import OMEGA, PAPER
 
 DT = 1.0 / 997.0  # 202.6 samples per cycle

@@ -7,8 +7,8 @@ import math
 import numpy as np
 import pytest
 
+from dampbalance.reading.conditioning import converter_step, rounding_error
 from dampbalance.reading.cycles import accumulate
-from dampbalance.reading.rounding import converter_step, rounding_error
 
 CYCLES, HARMONICS = 50, 20
 
