@@ -125,7 +125,7 @@ def cycles(
                 *(quantity, len(bad), "s" * (len(bad) > 1), number + 1, time, *reason.of),
             )
     count, hertz = int(weights.sum()), omega / (2.0 * math.pi)
-    if min(count, np.count_nonzero(weights)) < FEWEST_CYCLES:
+    if min(count, int(np.count_nonzero(weights))) < FEWEST_CYCLES:
         raise ValueError(
             f"only {count} usable whole cycles of {hertz:.5g} Hz are common to all channels; at least "
             f"{FEWEST_CYCLES} are needed"

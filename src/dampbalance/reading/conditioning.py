@@ -14,10 +14,10 @@ several response channels are averaged, each weighted by its inverse variance.
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
+from functools import partial
 from types import MappingProxyType
 
 import numpy as np
@@ -47,6 +47,8 @@ from .cycles import (
 from .one_thread import one_thread
 
 SampleBlocks = Callable[[], Iterable[Samples]]
+Clock = tuple[float, float]
+"""By how much a clock was faster than that of the excitation, as a part of it, and the standard error."""
 
 _MOST_HARMONICS = (31, 61, 91)
 """Highest harmonic taken of a displacement, a velocity and an acceleration of the mass; a quarter of the samples per
@@ -142,25 +144,17 @@ class SteadyRecord:
 class Gathered:
     """What one pass through the samples of a record leaves of them.
 
-    source, k : as for `SteadyRecord`.   channels : harmonics of each channel, as they were recorded.   sampling : time
-    of the first sample and sampling interval, s, and step of the converter, by quantity.   corrections : of the
-    harmonics.   warnings : on the samples.
-    clocks : by how much the clock of a channel was faster than that of the excitation, as a part of it, and the
-    standard error, by quantity, where that was corrected.
+    source, k : as for `SteadyRecord`.   driving : the quantity that drives.   channels : harmonics of each channel, as
+    they were recorded.   warnings : on the samples.
+    clocks : of channels, by quantity, where they differed from that of the excitation and were corrected.
     """
 
     source: str
     k: float
+    driving: str
     channels: Mapping[str, CycleHarmonics]
-    sampling: Mapping[str, tuple[float, float, float]]
-    corrections: Mapping[str, Correction | None]
     warnings: tuple[Remark, ...]
-    clocks: Mapping[str, tuple[float, float]] = field(default_factory=dict)
-
-    @property
-    def driving(self) -> str:
-        """The quantity that drives."""
-        return next(q for q in EXCITATIONS if q in self.channels)
+    clocks: Mapping[str, Clock]
 
 
 def condition(
@@ -179,17 +173,15 @@ def condition(
     frequency, signals that contradict each other.
     """
     warnings: list[Remark] = []
-    blocks: dict[str, SampleBlocks] = {}
-    for quantity in measurement:
-        channel = evenly_sampled(measurement[quantity], measurement.source, warnings)
-        blocks[quantity] = lambda block=(channel.t, channel.values): iter([block])  # type: ignore[misc]
+    source, channels = measurement.source, {q: measurement[q] for q in measurement}
+    even = {q: evenly_sampled(channel, source, warnings) for q, channel in channels.items()}
     steady = condition_blocks(
-        measurement.source,
-        blocks,
+        source,
+        {q: partial(iter, [(channel.t, channel.values)]) for q, channel in even.items()},
         k,
         frequency_hz=frequency_hz,
         skip_cycles=skip_cycles,
-        corrections={q: measurement[q].correction for q in measurement},
+        corrections={q: channel.correction for q, channel in channels.items()},
     )
     return replace(steady, warnings=(*warnings, *steady.warnings))
 
@@ -246,12 +238,7 @@ def condition_blocks(
     if not (math.isfinite(k) and k > 0.0):
         raise ValueError(f"{source}: the stiffness k must be positive, got {k} N/m")
 
-    def gathered(clocks: Mapping[str, tuple[float, float]]) -> Gathered:
-        in_time = {q: _by_clock(of, clocks.get(q, (0.0,))[0]) for q, of in channels.items()}
-        harmonics, sampling, warnings = _gathered(in_time, frequency_hz, skip_cycles)
-        words = itertools.starmap(checks.two_clocks, clocks.items())
-        return Gathered(source, k, harmonics, sampling, corrections, (*words, *warnings), clocks)
-
+    gathered = partial(_gathered, source, channels, k, frequency_hz, skip_cycles, corrections)
     try:
         return _steady(gathered({}), gathered)
     except RecordError:  # names the file itself
@@ -262,7 +249,7 @@ def condition_blocks(
 
 def _steady(
     gathered: Gathered,
-    by_one_clock: Callable[[Mapping[str, tuple[float, float]]], Gathered] | None = None,
+    by_one_clock: Callable[[Mapping[str, Clock]], Gathered] | None = None,
 ) -> SteadyRecord:
     """The steady record that harmonics are: in the rows that all channels have, in the time and at the frequency of the
     drive, without drift, as displacements.
@@ -278,11 +265,7 @@ def _steady(
         raise ValueError(f"the channels differ too much in length: cycles per row are {per_row}")
     common = min(len(h.weights) for h in channels.values())
     weights = np.min([h.weights[:common] for h in channels.values()], axis=0)
-    passed = {
-        q: _passed(q, correction, omega, channels[q].coefficients.shape[1])
-        for q in channels
-        if (correction := gathered.corrections.get(q)) is not None
-    }
+    passed = {q: _passed(q, h, omega) for q, h in channels.items() if h.correction is not None}
     warnings = [*gathered.warnings, *checks.cycles(channels, weights, base.omega)]
     usable = weights > 0.0
     times, weights = base.times[:common][usable] - base.start, weights[usable]
@@ -292,16 +275,16 @@ def _steady(
     turn = powers(np.exp(1j * (base.omega * base.start - offset * times)), count)
     noise_rms, rounding, moved = {}, {}, {}
     for (q, of), slope in zip(rows.items(), slopes, strict=True):
-        channel, (_, dt, step) = channels[q], gathered.sampling[q]
+        channel = channels[q]
         of[:, 1:] -= slope @ channel.drift[:, 1:]
         of *= turn[:, : of.shape[1]]
         # of white noise, from the scatter of the harmonics between rows
-        per_cycle = 2.0 * math.pi / (channel.omega * dt)
+        per_cycle = 2.0 * math.pi / (channel.omega * channel.dt)
         noise = math.sqrt(float(np.median(_scatter(of, weights)[1:])) * 0.5 * per_cycle)
         used = round(float(channel.weights.sum()))
         response = passed.get(q, np.ones(of.shape[1]))
         scale = _of_displacement(q, response.size, omega, k) / response
-        left = rounding_error(step, channel.span, per_cycle, used, noise)
+        left = rounding_error(channel.step, channel.span, per_cycle, used, noise)
         noise_rms[q], rounding[q] = noise, left * np.abs(scale)
         moved[q] = of[:, : scale.size] * scale
     Y = moved.pop(driving)
@@ -360,22 +343,26 @@ def _steady(
 
 
 def _gathered(
-    channels: Mapping[str, SampleBlocks], frequency_hz: float | None, skip_cycles: int
-) -> tuple[dict[str, CycleHarmonics], dict[str, tuple[float, float, float]], tuple[Remark, ...]]:
-    """The harmonics of every channel at the drive frequency of the leading part, its sampling, and warnings on it."""
+    source: str,
+    channels: Mapping[str, SampleBlocks],
+    k: float,
+    frequency_hz: float | None,
+    skip_cycles: int,
+    corrections: Mapping[str, Correction | None],
+    clocks: Mapping[str, Clock],
+) -> Gathered:
+    """The harmonics of every channel at the drive frequency of the leading part."""
+    channels = {q: _by_clock(of, clocks[q][0]) if q in clocks else of for q, of in channels.items()}
     driving = next(q for q in EXCITATIONS if q in channels)
     leading = {
         q: _leading_samples(blocks(), _LEADING if q == driving else _COMPARED)
         for q, blocks in channels.items()
     }
-    sampling = {
-        q: (float(t[0]), _step_of(t, q), converter_step(values[:_COMPARED]))
-        for q, (t, values) in leading.items()
-    }
+    steps = {q: _step_of(t, q) for q, (t, _) in leading.items()}
     drive = leading[driving]
     checks.require_signal(driving, drive[1])
     try:
-        omega, error = drive_frequency(*drive, sampling[driving][1])
+        omega, error = drive_frequency(*drive, steps[driving])
     except ValueError as problem:
         raise ValueError(f"{driving}: {problem}") from problem
     for q, (_, values) in leading.items():
@@ -383,14 +370,20 @@ def _gathered(
             checks.require_distinct(q, values, driving, drive[1])
     period = 2.0 * math.pi / omega
     cycles = math.floor(np.ptp(drive[0]) / period)
-    warnings = tuple(checks.frequency(omega, error, cycles, frequency_hz))
-    start = max(first for first, *_ in sampling.values()) + skip_cycles * period
-    counts = {q: _harmonics_of(q, period / dt) for q, (_, dt, _) in sampling.items()}
+    warnings = [checks.two_clocks(q, faster) for q, faster in clocks.items()]
+    warnings += checks.frequency(omega, error, cycles, frequency_hz)
+    start = max(float(t[0]) for t, _ in leading.values()) + skip_cycles * period
+    counts = {q: _harmonics_of(q, period / dt) for q, dt in steps.items()}
     harmonics = {
-        q: accumulate(blocks(), omega, start=start, dt=sampling[q][1], harmonics=counts[q])
+        q: replace(
+            accumulate(blocks(), omega, start=start, dt=steps[q], harmonics=counts[q]),
+            first=float(leading[q][0][0]),
+            step=converter_step(leading[q][1][:_COMPARED]),
+            correction=corrections.get(q),
+        )
         for q, blocks in channels.items()
     }
-    return harmonics, sampling, warnings
+    return Gathered(source, k, driving, harmonics, tuple(warnings), clocks)
 
 
 def _by_clock(blocks: SampleBlocks, faster: float) -> SampleBlocks:
@@ -402,7 +395,7 @@ def _by_clock(blocks: SampleBlocks, faster: float) -> SampleBlocks:
             start = float(t[0]) if start is None and len(t) else start
             yield (t if start is None else start + (t - start) * (1.0 - faster)), values
 
-    return blocks_in_time if faster else blocks
+    return blocks_in_time
 
 
 def _leading_samples(blocks: Iterable[Samples], count: int) -> Samples:
@@ -430,9 +423,10 @@ def _step_of(t: Array, quantity: str) -> float:
     return float(np.mean(steps))
 
 
-def _passed(quantity: str, correction: Correction, omega: float, count: int) -> Complexes:
+def _passed(quantity: str, harmonics: CycleHarmonics, omega: float) -> Complexes:
     """What gain, delay and filters of a channel make of each harmonic, up to the highest that the filters pass."""
-    response = correction.response(omega * np.arange(count))
+    correction = harmonics.correction or Correction()
+    response = correction.response(omega * np.arange(harmonics.coefficients.shape[1]))
     passed = np.abs(response) > _FILTERED_OUT * correction.gain
     if not passed[1]:
         raise ValueError(

@@ -48,7 +48,8 @@ def integrals(f: Array, dt: float, places: Array) -> Array:
     end = (f.shape[-1] - 1) // 2 * 2
     first, middle, last = f[..., :end:2], f[..., 1:end:2], f[..., 2 : end + 1 : 2]
     bend, slope = 0.5 * (first - 2.0 * middle + last), 0.5 * (4.0 * middle - 3.0 * first - last)
-    parabolas = PPoly(np.moveaxis([bend, slope, first], -1, 1), np.arange(0.0, end + 1.0, 2.0))
+    powers_of = np.moveaxis(np.stack([bend, slope, first]), -1, 1)
+    parabolas = PPoly(powers_of, np.arange(0.0, end + 1.0, 2.0))
     return dt * np.diff(np.moveaxis(parabolas.antiderivative()(places), 0, -1))
 
 

@@ -125,12 +125,11 @@ def _freed(reading: Reading, response: Response) -> Reading:
 def _beyond(steady: SteadyRecord, quantity: str, response: Response) -> Complexes:
     """What harmonics of a motion beyond those that are fitted add to these in each cycle of a channel, rows ×
     (0 … N), in the unit of the channel as it was recorded."""
-    channel, gathered = steady.gathered.channels[quantity], steady.gathered
-    first, dt, _ = gathered.sampling[quantity]
-    correction = gathered.corrections.get(quantity) or Correction()
+    channel = steady.gathered.channels[quantity]
+    first, dt, correction = channel.first, channel.dt, channel.correction or Correction()
     orbit, order = response.orbit, ORDERS[quantity]
-    from_reversal = np.arange(_DENSE // 2) * (orbit.motion.period / _DENSE)
-    half = orbit.states(orbit.theta / orbit.motion.omega + from_reversal)[order]
+    times = np.arange(_DENSE // 2, dtype=np.float64) * (orbit.motion.period / _DENSE)
+    half = orbit.states(orbit.theta / orbit.motion.omega + times)[order]
     spectrum = np.fft.rfft(np.concatenate([half, -half]))
     n = np.arange(spectrum.size)
     if response.change is not None:
@@ -153,7 +152,7 @@ def _beyond(steady: SteadyRecord, quantity: str, response: Response) -> Complexe
         iter([(t, values)]),
         channel.omega,
         start=channel.start,
-        dt=channel.dt,
+        dt=dt,
         harmonics=channel.coefficients.shape[1] - 1,
         cycles=len(channel.weights),
     ).coefficients
