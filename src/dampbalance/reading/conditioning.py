@@ -403,13 +403,13 @@ def _leading_samples(blocks: Iterable[Samples], count: int) -> Samples:
     parts, size = [], 0
     for t, values in blocks:
         parts.append((t[: count - size], values[: count - size]))
-        size += parts[-1][0].size
+        size += len(parts[-1][0])
         if size >= count:
             break
     if not size:
         raise ValueError("a channel has no samples")
-    t, values = parts[0] if len(parts) == 1 else map(np.concatenate, zip(*parts, strict=True))
-    return np.asarray(t, dtype=np.float64), np.asarray(values, dtype=np.float64)
+    t, values = (np.concatenate(of, dtype=np.float64) for of in zip(*parts, strict=True))
+    return t, values
 
 
 def _step_of(t: Array, quantity: str) -> float:
@@ -461,11 +461,10 @@ def _drifts(means: Sequence[Array], times: Array, weights: Array) -> Array:
     degree = 2 if len(times) >= 8 else 1
     span = max(float(np.ptp(times)), 1e-300)
     at, root = (times - times.mean()) / span, np.sqrt(weights)[:, None]
-    powers_of = np.vander(at, degree + 1, increasing=True)
-    fitted = np.linalg.lstsq(powers_of * root, np.transpose(means) * root, rcond=None)[0]
-    bend = fitted[2] if degree == 2 else np.zeros(len(means))
-    slope = fitted[1][:, None] + 2.0 * np.outer(bend, at)
-    return np.stack([slope / span, np.outer(bend, np.ones(at.size)) / span**2], axis=-1)
+    fitted = np.linalg.lstsq(powers(at, degree + 1) * root, np.transpose(means) * root)[0]
+    bend = np.outer(fitted[2] if degree == 2 else np.zeros(len(means)), np.ones(at.size))
+    slope = fitted[1][:, None] + 2.0 * bend * at
+    return np.stack([slope / span, bend / span**2], axis=-1)
 
 
 def _error(rows: Complexes, weights: Array) -> Array:

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cache, lru_cache, partial
 from typing import Any, TypeVar
@@ -282,8 +282,8 @@ class _Accumulator:
             odd = self._faults(s, size, local, square, held)
             faults |= {int(places[j]): reason for j, reason in odd.items()}
             if held.any():
-                good = np.delete(np.arange(size.size), list(odd))
-                self.held_at_extreme += self._clipped(s[good], size[good])
+                good = [s[j, : size[j]] for j in range(size.size) if j not in odd]
+                self.held_at_extreme += _clipped_of(good)
         for j, reason in faults.items():
             number = self.next_cycle + j
             self.bad.append((number, self.start + number * self.period, reason))
@@ -345,16 +345,6 @@ class _Accumulator:
                 faults[j] = reason
         return faults
 
-    def _clipped(self, s: Array, size: NDArray[np.intp]) -> int:
-        """How many cycles hold the highest or the lowest value of all as a clipped signal does."""
-        clipped = np.zeros(size.size, dtype=np.bool_)
-        for sign in (1.0, -1.0):
-            high = np.where(np.arange(self.longest) < size[:, None], sign * s, -np.inf)
-            top = high.max(axis=1)
-            highest = np.flatnonzero(top == top.max(initial=-np.inf))
-            clipped[highest] |= _cut_off(high[highest])
-        return int(np.count_nonzero(clipped))
-
     def result(self) -> CycleHarmonics:
         """The rows; cycles that do not fill a row at the end are left out."""
         weights = self.rows[:, -1].real
@@ -381,24 +371,29 @@ def powers(base: Numbers, count: int) -> Numbers:
 
 def _three_in_a_row(true: Mask) -> Mask:
     """Mask of the rows that are true at three neighbouring places."""
-    return np.asarray((true[:, 2:] & true[:, 1:-1] & true[:, :-2]).any(axis=1))
+    return np.asarray((true[..., 2:] & true[..., 1:-1] & true[..., :-2]).any(axis=-1))
 
 
-def _cut_off(high: Array) -> Mask:
-    """Which rows hold their highest value as a clipped signal does.   high : rows × samples, −∞ after the last one."""
-    top = high.max(axis=1)
-    at_top = high == top[:, None]
-    count = at_top.sum(axis=1)
-    # A sinusoid in steps of a converter dwells at its top level at most 1/(√2 − 1) = 2.4 times as long as at the next;
-    # noise shortens that. A clipped one dwells there alone, and so does a motion that stops.
-    below = np.where(at_top, -np.inf, high)
-    next_level = below.max(axis=1)
-    next_count = (below == next_level[:, None]).sum(axis=1)
-    held: Mask = _three_in_a_row(at_top) & (count > 4 * next_count)
-    for j in np.flatnonzero(held).tolist():
-        size = int(np.isfinite(high[j]).sum())
-        held[j] = not _comes_to_rest(high[j, :size], top[j] - next_level[j])
-    return held
+def _clipped_of(cycles: Sequence[Array]) -> int:
+    """How many cycles hold the highest or the lowest value of all as a clipped signal does."""
+    ends = np.array([(s.max(), -s.min()) for s in cycles]).reshape(-1, 2)
+    at_end = (ends == ends.max(axis=0, initial=-np.inf)).tolist()
+    return sum(
+        (high and _cut_off(s)) or (low and _cut_off(-s))
+        for s, (high, low) in zip(cycles, at_end, strict=True)
+    )
+
+
+def _cut_off(s: Array) -> bool:
+    """Whether samples of a cycle hold their highest value as a clipped signal does.
+
+    A sinusoid in steps of a converter dwells at its top level at most 1/(√2 − 1) = 2.4 times as long as at the next;
+    noise shortens that. A clipped one dwells there alone, and so does a motion that stops.
+    """
+    levels, counts = np.unique(s, return_counts=True)
+    if levels.size < 2 or counts[-1] <= 4 * counts[-2] or not _three_in_a_row(s == levels[-1]):
+        return False
+    return not _comes_to_rest(s, levels[-1] - levels[-2])
 
 
 def clipped(values: Array) -> bool:
@@ -406,7 +401,7 @@ def clipped(values: Array) -> bool:
     ends at does not count: it may have been held there, or have come to rest."""
     for high in (values, -values):
         below = np.flatnonzero(high < high.max())
-        if below.size and _cut_off(high[None, below[0] : below[-1] + 1])[0]:
+        if below.size and _cut_off(high[below[0] : below[-1] + 1]):
             return True
     return False
 

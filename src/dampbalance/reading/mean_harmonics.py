@@ -126,7 +126,6 @@ class Reading:
         return None if self.waveform is None else self.waveform.response.slips
 
     @cached_property
-    @one_thread
     def features(self) -> Features:
         """Features of the one response; where no waveform fits, X_s = −X (the rigid limit) and a = 4X − λ."""
         return self.features_of(self.mean)
@@ -168,7 +167,6 @@ class Reading:
         means = self._drawn(self.steady.weights[None], 0.0, 1.0)
         return replace(means, Y=np.array([self.lines.Y]), x=self.lines.x[None])
 
-    @one_thread
     def resampled(self, count: int, rng: np.random.Generator) -> Means:
         """`count` bootstrap replicates of the means: of rows drawn with replacement, with random errors of the size
         that a converter leaves in all of them alike."""
@@ -190,7 +188,6 @@ class Reading:
             base=shaken(means.base, steady.Y_rounding[2 : steady.base_bandwidth + 1]),
         )
 
-    @one_thread
     def left_out(self) -> Means:
         """Jackknife replicates of the means: without one group of rows after the other.
 
@@ -327,6 +324,7 @@ class Reading:
         error = np.concatenate([lines.x_error[own], np.zeros(tail.shape[1]), of_even])
         return Series(n, x, means.bias * 2.0 * error**2)
 
+    @one_thread
     def _drawn(self, drawn: Array, stretch: float, bias: float) -> Means:
         """Means with the weights `drawn` of the rows, (r, rows), their deviations stretched."""
         steady, lines = self.steady, self.lines

@@ -56,7 +56,7 @@ def unfolded(
         return list(readings), None
     freed, fit = _repeated(readings, concerned, first, PATIENCE)
     if fit is not None and not fit.adequate:
-        # high harmonics, which fold most beside their own size, have led elsewhere
+        # high harmonics, which fold most for their size, have led elsewhere
         low = [reading.lines.up_to(_LOW) for reading in readings]
         again = fit_records(low, k, law)
         if again is not None:
@@ -93,7 +93,7 @@ def _repeated(
 
 
 def _folds(steady: SteadyRecord) -> bool:
-    """Whether harmonics beyond those that are fitted, which fall as n^{−2} in the acceleration, matter beside the
+    """Whether harmonics beyond those that are fitted, which fall as n^{−2} in the acceleration, matter next to the
     noise, in the scatter or in the mean."""
     if steady.cycles_per_row > 1:
         return False
