@@ -211,7 +211,7 @@ def of_orbits(orbits: Orbits, Y: Array, omega: Array) -> Features:
 def _of_either(
     orbit: Any, omega: Any, Y: Array, regime: Any, lag: Any, amplitudes: Sequence[Any]
 ) -> Features:
-    """Features of an `Orbit` or of `Orbits`, which have most by the same names.   lag, amplitudes : of the harmonics."""
+    """Features of an `Orbit` or of `Orbits`.   lag : of the fundamental, rad.   amplitudes : of the harmonics, m."""
     names = ("X", "X_s", "V_s", "t_s", "phi", "phi_zero_crossing", "a", "b", "W")
     return Features(
         omega=omega,

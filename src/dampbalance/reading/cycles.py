@@ -149,7 +149,7 @@ def drive_frequency(t: Array, values: Array, dt: float) -> tuple[float, float]:
         omega += correction
         # each correction is thousands of times smaller than the one before
         if abs(correction) <= 0.1 * error or abs(correction) < 1e-13 * omega:
-            break
+            return omega, error
     return omega, error
 
 
