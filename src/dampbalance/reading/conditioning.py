@@ -36,14 +36,7 @@ from ..records.measurement import (
 )
 from . import checks
 from .checks import weighted_mean
-from .cycles import (
-    CycleHarmonics,
-    Samples,
-    accumulate,
-    drive_frequency,
-    frequency_offset,
-    powers,
-)
+from .cycles import CycleHarmonics, Samples, accumulate, drive_frequency, frequency_offset, powers
 from .one_thread import one_thread
 
 SampleBlocks = Callable[[], Iterable[Samples]]
@@ -373,16 +366,21 @@ def _gathered(
     warnings = [checks.two_clocks(q, faster) for q, faster in clocks.items()]
     warnings += checks.frequency(omega, error, cycles, frequency_hz)
     start = max(float(t[0]) for t, _ in leading.values()) + skip_cycles * period
-    counts = {q: _harmonics_of(q, period / dt) for q, dt in steps.items()}
-    harmonics = {
-        q: replace(
-            accumulate(blocks(), omega, start=start, dt=steps[q], harmonics=counts[q]),
-            first=float(leading[q][0][0]),
-            step=converter_step(leading[q][1][:_COMPARED]),
+    harmonics = {}
+    for q, (t, values) in leading.items():
+        per_cycle = period / steps[q]
+        if per_cycle < 12.0:
+            raise ValueError(
+                f"{q}: {per_cycle:.1f} samples per cycle are too few; at least 12 are needed for a third harmonic"
+            )
+        most = _MOST_HARMONICS[ORDERS[q]] if q in RESPONSES else _HARMONICS_OF_BASE
+        highest = min(most, math.floor(per_cycle / 4.0))
+        harmonics[q] = replace(
+            accumulate(channels[q](), omega, start=start, dt=steps[q], harmonics=highest),
+            first=float(t[0]),
+            step=converter_step(values[:_COMPARED]),
             correction=corrections.get(q),
         )
-        for q, blocks in channels.items()
-    }
     return Gathered(source, k, driving, harmonics, tuple(warnings), clocks)
 
 
@@ -443,16 +441,6 @@ def _of_displacement(quantity: str, count: int, omega: float, k: float) -> Compl
         return np.full(count, 1.0 / k + 0j)
     by_time = np.concatenate([[0.0], 1.0 / (1j * omega * np.arange(1, count))])
     return by_time ** ORDERS[quantity]
-
-
-def _harmonics_of(quantity: str, per_cycle: float) -> int:
-    quarter = math.floor(per_cycle / 4.0)
-    if quarter < 3:
-        raise ValueError(
-            f"{quantity}: {per_cycle:.1f} samples per cycle are too few; at least 12 are needed for a third harmonic"
-        )
-    most = _MOST_HARMONICS[ORDERS[quantity]] if quantity in RESPONSES else _HARMONICS_OF_BASE
-    return min(most, quarter)
 
 
 def _drifts(means: Sequence[Array], times: Array, weights: Array) -> Array:
