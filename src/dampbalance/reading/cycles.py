@@ -223,13 +223,18 @@ class _Accumulator:
     def _system(self, length: int) -> tuple[Array, Array, Complexes, Complexes]:
         """For cycles of so many samples, in the time τ from the middle: the inverse normal matrices of the cosines and
         of the sines, e^{−inωτ} of the first sample, and the harmonics of τ and τ²."""
-        lead = np.exp(0.5j * self.omega * self.dt * (length - 1) * self.n)
-        turn = self.fourier[:length] * lead
-        cosines = np.linalg.inv(turn.real.T @ turn.real)
-        sines = np.zeros_like(cosines)
-        sines[1:, 1:] = np.linalg.inv(turn.imag[:, 1:].T @ turn.imag[:, 1:])
+        # Σ cos qωτ, q = 0 … 2N, is all that the normal matrices hold; cosines and sines are orthogonal
+        n, angle = self.n, self.omega * self.dt
+        half = 0.5 * angle * np.arange(1, 2 * n.size - 1)
+        sums = np.append(float(length), np.sin(length * half) / np.sin(half))
+        apart, together = sums[np.abs(n[:, None] - n)], sums[n[:, None] + n]
+        cosines, sines = 2.0 * np.linalg.inv(apart + together), np.zeros_like(apart)
+        sines[1:, 1:] = 2.0 * np.linalg.inv((apart - together)[1:, 1:])
+        lead = np.exp(0.5j * angle * (length - 1) * n)
         tau = self.dt * (np.arange(length) - 0.5 * (length - 1))
-        drift = np.array([1j * (tau @ turn.imag @ sines), tau**2 @ turn.real @ cosines])
+        along = np.array([tau, tau**2]) @ self.fourier[:length].view(np.float64)
+        along = along.view(np.complex128) * lead
+        drift = np.array([1j * (along[0].imag @ sines), along[1].real @ cosines])
         return cosines, sines, lead, drift
 
     def add(self, t: Array, values: Array) -> None:
