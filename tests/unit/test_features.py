@@ -322,7 +322,7 @@ def test_records_that_cannot_be_read_are_refused():
         (replace(record, acceleration=None), OMEGA, "interpolated", "has no acceleration"),
         (sampled(orbit(), 1000.0, cycles=0.9), OMEGA, "interpolated", "no whole cycle"),
         (replace(record, y=0.0 * record.y), OMEGA, "interpolated", "y has no fundamental"),
-        (record, OMEGA, "by eye", 'reading must be "interpolated" or "sample"'),
+        (record, OMEGA, "by eye", "reading must be one of"),
         (record, 0.0, "interpolated", "omega must be positive"),
     ):
         with pytest.raises(ValueError, match=message):

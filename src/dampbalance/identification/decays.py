@@ -20,8 +20,7 @@ from ..arrays import Array
 from ..balance import TERMS, Rows
 from ..project.wording import Remark, times, visible
 from ..reading.conditioning import evenly_sampled
-from ..reading.cycles import clipped
-from ..reading.frequency import stands_still
+from ..reading.cycles import clipped, stands_still
 from ..reading.one_thread import one_thread
 from ..reading.ringdown_bursts import NoDecay, Signal, noise_of
 from ..reading.ringdown_fit import COMMON, RingFit, fit_decays, with_noise_of

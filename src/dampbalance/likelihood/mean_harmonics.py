@@ -27,7 +27,7 @@ from typing import Any
 
 import numpy as np
 
-from ..arrays import Array, Complexes, Integers
+from ..arrays import Array, Complexes
 from ..features import COLUMNS, Features, of_numbers, wrapped
 from ..law.terms import of_harmonics
 from ..project.wording import Remark
@@ -80,17 +80,14 @@ class Means:
         """
         of_base = np.zeros_like(self.x)
         of_base[:, 0] = self.Y * relative
+        driven = 1.0 + drive[:, None]
 
-        def turned(x: Complexes, n: Array) -> Complexes:
+        def turned(x: Complexes, lowest: int) -> Complexes:
+            n = lowest + 2 * np.arange(x.shape[1])
             return x * (1.0 + response)[:, None] * np.exp(-1j * np.outer(turn, n))
 
-        return Means(
-            self.Y * (1.0 + drive),
-            turned(self.x - of_base, np.arange(1.0, 2.0 * self.x.shape[1], 2.0))
-            + of_base * (1.0 + drive)[:, None],
-            turned(self.even, np.arange(2.0, 2.0 * self.even.shape[1] + 1.0, 2.0)),
-            self.base * (1.0 + drive)[:, None],
-        )
+        x = turned(self.x - of_base, 1) + of_base * driven
+        return Means(self.Y * driven[:, 0], x, turned(self.even, 2), self.base * driven)
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,12 +111,6 @@ class Reading:
         """The harmonics that waveforms are fitted to."""
         return Lines.of(self.steady)
 
-    def x_of(self, n: Integers) -> Complexes:
-        """Harmonics x_n of the record as in `lines`, of any orders, m, (h,)."""
-        steady = self.steady
-        base = steady.mean(steady.Y[:, 1:2])[0]
-        return steady.mean(steady.X)[n] * np.exp(-1j * n * np.angle(base))
-
     @cached_property
     @one_thread
     def waveform(self) -> Waveform | None:
@@ -135,7 +126,6 @@ class Reading:
         return None if self.waveform is None else self.waveform.response.slips
 
     @cached_property
-    @one_thread
     def features(self) -> Features:
         """Features of the one response; where no waveform fits, X_s = −X (the rigid limit) and a = 4X − λ."""
         return self.features_of(self.mean)
@@ -149,10 +139,10 @@ class Reading:
             raise ValueError(f"{self.steady.source}: no waveform fits")
         at = waveform.fit.unknowns.at[waveform.index]
         x = waveform.response.harmonics(max(self.lines.n.size, waveform.tail.size))
-        exact = replace(waveform, tail=x)  # with the phase of its own base
         none = np.zeros((1, 0), dtype=np.complex128)
         means = Means(waveform.fit.point[[at["Y"]]], x[None, : self.lines.n.size], none, none, 0.0)
-        alone = replace(self, joint=True, shared=exact)
+        # with the phase of its own base
+        alone = replace(self, joint=True, shared=replace(waveform, tail=x))
         return alone.features_of(means, np.zeros((self._unknowns, 1)))
 
     @property
@@ -168,8 +158,7 @@ class Reading:
             values = getattr(left, name)
             if name.startswith("phi"):  # phases near the ends of the interval
                 values = np.unwrap(values)
-            spread = float(np.sum((values - values.mean()) ** 2))
-            errors[name] = math.sqrt((len(left) - 1) / len(left) * spread)
+            errors[name] = math.sqrt((len(left) - 1) * float(np.var(values)))
         return errors if self.slips else errors | dict.fromkeys(_OF_ONSET, math.nan)
 
     @cached_property
@@ -178,7 +167,6 @@ class Reading:
         means = self._drawn(self.steady.weights[None], 0.0, 1.0)
         return replace(means, Y=np.array([self.lines.Y]), x=self.lines.x[None])
 
-    @one_thread
     def resampled(self, count: int, rng: np.random.Generator) -> Means:
         """`count` bootstrap replicates of the means: of rows drawn with replacement, with random errors of the size
         that a converter leaves in all of them alike."""
@@ -192,18 +180,14 @@ class Reading:
             noise = rng.standard_normal((2, *x.shape)) * error
             return x + noise[0] + 1j * noise[1]
 
-        Y = means.Y + steady.Y_rounding[1] * rng.standard_normal(means.Y.shape)
-
-        even = np.arange(2, steady.even_bandwidth + 1, 2)
         return replace(
             means,
-            Y=Y,
+            Y=means.Y + steady.Y_rounding[1] * rng.standard_normal(means.Y.shape),
             x=shaken(means.x, steady.X_rounding[self.lines.n]),
-            even=shaken(means.even, steady.X_rounding[even]),
-            base=shaken(means.base, steady.Y_rounding[2 : means.base.shape[1] + 2]),
+            even=shaken(means.even, steady.X_rounding[2 : steady.even_bandwidth + 1 : 2]),
+            base=shaken(means.base, steady.Y_rounding[2 : steady.base_bandwidth + 1]),
         )
 
-    @one_thread
     def left_out(self) -> Means:
         """Jackknife replicates of the means: without one group of rows after the other.
 
@@ -233,18 +217,22 @@ class Reading:
         moved : changes of the unknowns of the fit with them, (p, r); default, those by this record alone.
         """
         moved = self.moved(means) if moved is None else moved
-        steady = self.steady
-        series = self.series(means, moved)
-        amplitudes = np.zeros((len(means.Y), 3))  # as far as the sampling reaches
+        steady, series = self.steady, self.series(means, moved)
         squares = series.squares
-        first = squares[:, np.flatnonzero(series.n % 2.0)[:3]]
-        amplitudes[:, : first.shape[1]] = np.sqrt(np.maximum(first, 0.0))
+        amplitudes = np.zeros((3, len(means.Y)))  # as far as the sampling reaches
+        first = squares[:, series.n % 2.0 > 0.0][:, :3]
+        amplitudes[: first.shape[1]] = np.sqrt(np.maximum(first, 0.0)).T
         lag = -np.angle(series.x[:, 0])
         theta_peak, X = turning_points(series, rests=self.waveform is None)
         reversal = wrapped(theta_peak)
-        regime, length, (V_s, t_s, taken) = _onset(self, means, moved)
+        regime, length, (V_s, t_s, taken) = self._onset(means, moved)
         base = np.hstack([means.Y[:, None], means.base])
-        harmonics = series.n, series.x, np.arange(1.0, base.shape[1] + 1.0), base
+        orders = np.arange(1.0, base.shape[1] + 1.0)
+        # Σ n Im(y_n* x_n) over the harmonics n = 2, 3 … of the base
+        x = np.zeros((len(base), orders.size + 1), dtype=np.complex128)
+        shared = series.n <= orders.size
+        x[:, series.n[shared].astype(np.intp)] = series.x[:, shared]
+        beyond = (means.base.conj() * x[:, 2:]).imag @ orders[1:]
         return of_numbers(
             steady.omega,
             regime,
@@ -260,15 +248,17 @@ class Reading:
             X_r=X - length,
             V_r=-V_s,
             t_r=t_s,
-            X_1=amplitudes[:, 0],
-            X_3=amplitudes[:, 1],
-            X_5=amplitudes[:, 2],
+            X_1=amplitudes[0],
+            X_3=amplitudes[1],
+            X_5=amplitudes[2],
             a=4.0 * X - taken,
             b=math.pi * steady.omega * (squares @ series.n**2),
-            W=math.pi * steady.k * means.Y * amplitudes[:, 0] * np.sin(lag)
-            + math.pi * steady.k * _beyond(series, means),
+            W=math.pi * steady.k * (means.Y * amplitudes[0] * np.sin(lag) - beyond),
             integrals={
-                symbol: of_harmonics(symbol, *harmonics, steady.omega, steady.k, series.variance)
+                symbol: of_harmonics(
+                    *(symbol, series.n, series.x, orders, base),
+                    *(steady.omega, steady.k, series.variance),
+                )
                 for symbol in self.terms
             },
         )
@@ -328,15 +318,13 @@ class Reading:
             if means.base.any():
                 tail = tail + self._of_base[beyond]
         x = np.hstack([means.x[:, own], tail, means.even])
-        odd = x.shape[1] - means.even.shape[1]
-        n = np.append(
-            np.arange(1.0, 2.0 * odd, 2.0), np.arange(2.0, 2.0 * (x.shape[1] - odd) + 1, 2.0)
-        )
-        error = np.zeros(n.size)
-        error[: np.count_nonzero(own)] = lines.x_error[own]
-        error[odd:] = self.steady.X_error[2 : self.steady.even_bandwidth + 1 : 2]
+        odd, even = np.arange(x.shape[1] - means.even.shape[1]), np.arange(means.even.shape[1])
+        n = np.concatenate([2.0 * odd + 1.0, 2.0 * even + 2.0])
+        of_even = self.steady.X_error[2::2][: even.size]
+        error = np.concatenate([lines.x_error[own], np.zeros(tail.shape[1]), of_even])
         return Series(n, x, means.bias * 2.0 * error**2)
 
+    @one_thread
     def _drawn(self, drawn: Array, stretch: float, bias: float) -> Means:
         """Means with the weights `drawn` of the rows, (r, rows), their deviations stretched."""
         steady, lines = self.steady, self.lines
@@ -349,10 +337,8 @@ class Reading:
         even = np.arange(2, steady.even_bandwidth + 1, 2)
         higher = np.arange(2, steady.base_bandwidth + 1)
         Y = stretched(steady.Y[:, 1:2])
-        turn = powers(
-            (np.abs(Y) / Y)[:, 0],
-            1 + max(int(lines.n[-1]), steady.even_bandwidth, steady.base_bandwidth),
-        )
+        last = max(int(lines.n[-1]), steady.even_bandwidth, steady.base_bandwidth)
+        turn = powers((np.abs(Y) / Y)[:, 0], 1 + last)
         return Means(
             np.abs(Y[:, 0]),
             stretched(steady.X[:, lines.n]) * turn[:, lines.n],
@@ -360,6 +346,26 @@ class Reading:
             stretched(steady.Y[:, higher]) * turn[:, higher],
             bias,
         )
+
+    def _onset(self, means: Means, moved: Array) -> tuple[str, Array, Array]:
+        """Regime, L, (V_s, t_s, λ) of each mean, (r,) and (3, r); NaN where nothing slips.
+
+        L and λ grow with ρ²: the square of its error is taken off, twice where replicates have it twice.
+        """
+        count, waveform = len(means.Y), self.waveform
+        if waveform is None:
+            onset = np.repeat([[0.0], [0.0], [self.taken]], count, axis=1)
+            return UNKNOWN, np.zeros(count), onset
+        regime = str(waveform.response.orbit.regime)
+        if not self.slips:
+            return regime, np.full(count, math.nan), np.full((3, count), math.nan)
+        fit = waveform.fit
+        error = moved[fit.unknowns.at[waveform.index]["rho"]]
+        square = error**2 - means.bias * fit.error("rho") ** 2
+        length = 2.0 * waveform.F_k * (fit.rho**2 + square) + waveform.length_slope @ moved
+        onset = waveform.onset[:, None] + waveform.onset_slope @ moved
+        onset[2] += 4.0 * waveform.F_k * square
+        return regime, length, onset
 
 
 def read_features(
@@ -375,31 +381,3 @@ def read_features(
     skip_cycles : cycles left out at the start.   Raises ValueError naming the source when the record cannot be used.
     """
     return Reading(condition(measurement, k, frequency_hz=frequency_hz, skip_cycles=skip_cycles))
-
-
-def _beyond(series: Series, means: Means) -> Array:
-    """−Σ n Im(y_n* x_n) over the harmonics n = 2, 3 … of the base, m², (r,)."""
-    x = np.zeros((len(means.Y), means.base.shape[1] + 2), dtype=np.complex128)
-    shared = series.n < x.shape[1]
-    x[:, series.n[shared].astype(np.intp)] = series.x[:, shared]
-    return -((means.base.conj() * x[:, 2:]).imag @ np.arange(2.0, x.shape[1]))
-
-
-def _onset(reading: Reading, means: Means, moved: Array) -> tuple[str, Array, Array]:
-    """Regime, L, (V_s, t_s, λ) of each mean, (r,) and (3, r); NaN where nothing slips.
-
-    L and λ grow with ρ²: the square of its error is taken off, twice where replicates have it twice.
-    """
-    count, waveform = len(means.Y), reading.waveform
-    if waveform is None:
-        return UNKNOWN, np.zeros(count), np.array([[0.0], [0.0], [reading.taken]]) * np.ones(count)
-    regime = str(waveform.response.orbit.regime)
-    if not reading.slips:
-        return regime, np.full(count, math.nan), np.full((3, count), math.nan)
-    fit = waveform.fit
-    at = fit.unknowns.at[waveform.index]
-    square = moved[at["rho"]] ** 2 - means.bias * fit.error("rho") ** 2
-    length = 2.0 * waveform.F_k * (fit.rho**2 + square) + waveform.length_slope @ moved
-    onset = waveform.onset[:, None] + waveform.onset_slope @ moved
-    onset[2] += 4.0 * waveform.F_k * square
-    return regime, length, onset

@@ -12,7 +12,6 @@ and in the fit: the records are left as they were where they fit better so.
 
 from __future__ import annotations
 
-import cmath
 import math
 from collections.abc import Sequence
 from dataclasses import replace
@@ -22,8 +21,6 @@ import numpy as np
 from ..arrays import Array, Complexes
 from ..law.law import Law
 from ..law.steady import Response
-from ..motion.events import PHASE_T
-from ..motion.orbit import Orbit
 from ..reading.conditioning import SteadyRecord
 from ..reading.cycles import accumulate
 from ..reading.lines import Lines
@@ -34,14 +31,11 @@ from .mean_harmonics import Reading
 from .steady_search import climb_on
 from .waveforms import WaveformFit
 
-_DENSE, _FINER = (
-    8192,
-    8,
-)  # points of a cycle that is exact, and how many more of them are interpolated
+_DENSE = 8192  # points of a cycle that is exact
+_FINER = 8  # how many more of them are interpolated
 _LOW = 7  # a harmonic so high still shows the contact
 # Errors of a record that has been freed over those before: beyond, the motion was another.
 _WORSE = 1.02
-_SPLIT = 1e-6  # of ω_n: roots are kept apart by that, and damping above zero
 _SHOWS = 16.0  # of χ²: four standard errors
 
 
@@ -62,7 +56,7 @@ def unfolded(
         return list(readings), None
     freed, fit = _repeated(readings, concerned, first, PATIENCE)
     if fit is not None and not fit.adequate:
-        # high harmonics, which fold most beside their own size, have led elsewhere
+        # high harmonics, which fold most for their size, have led elsewhere
         low = [reading.lines.up_to(_LOW) for reading in readings]
         again = fit_records(low, k, law)
         if again is not None:
@@ -72,7 +66,7 @@ def unfolded(
         return list(readings), None
     # with the same errors
     kept = [
-        replace(new.lines, x=old.x_of(new.lines.n))
+        replace(new.lines, x=old.steady.x_of(new.lines.n))
         for old, new in zip(readings, freed, strict=True)
     ]
     folded = climb_on(fit, kept)
@@ -85,7 +79,7 @@ def _repeated(
     readings: Sequence[Reading], concerned: Sequence[bool], fit: WaveformFit, patience: int = MOST
 ) -> tuple[list[Reading], WaveformFit | None]:
     """The readings freed of what the oscillator adds to them that fits them then; None in place of that fit where there
-    is none.   patience : as for `base_harmonics.repeated`."""
+    is none.   patience : as for `recorded.repeated`."""
     freed = list(readings)
 
     def lines(responses: Sequence[Response]) -> list[Lines]:
@@ -99,7 +93,7 @@ def _repeated(
 
 
 def _folds(steady: SteadyRecord) -> bool:
-    """Whether harmonics beyond those that are fitted, which fall as n^{−2} in the acceleration, matter beside the
+    """Whether harmonics beyond those that are fitted, which fall as n^{−2} in the acceleration, matter next to the
     noise, in the scatter or in the mean."""
     if steady.cycles_per_row > 1:
         return False
@@ -131,11 +125,12 @@ def _freed(reading: Reading, response: Response) -> Reading:
 def _beyond(steady: SteadyRecord, quantity: str, response: Response) -> Complexes:
     """What harmonics of a motion beyond those that are fitted add to these in each cycle of a channel, rows ×
     (0 … N), in the unit of the channel as it was recorded."""
-    channel, gathered = steady.gathered.channels[quantity], steady.gathered
-    first, dt, _ = gathered.sampling[quantity]
-    correction = gathered.corrections.get(quantity) or Correction()
+    channel = steady.gathered.channels[quantity]
+    first, dt, correction = channel.first, channel.dt, channel.correction or Correction()
     orbit, order = response.orbit, ORDERS[quantity]
-    spectrum = np.fft.rfft(_cycle(orbit, order))
+    times = np.arange(_DENSE // 2, dtype=np.float64) * (orbit.motion.period / _DENSE)
+    half = orbit.states(orbit.theta / orbit.motion.omega + times)[order]
+    spectrum = np.fft.rfft(np.concatenate([half, -half]))
     n = np.arange(spectrum.size)
     if response.change is not None:
         odd = np.arange(1, 2 * response.change.size, 2)
@@ -152,46 +147,15 @@ def _beyond(steady: SteadyRecord, quantity: str, response: Response) -> Complexe
     )
     t: Array = first + dt * number.astype(np.float64)
     place = np.mod(steady.omega / (2.0 * math.pi) * (t - channel.start), 1.0) * cycle.size
-    before = np.floor(place).astype(np.intp)
-    part = place - before
-    before %= cycle.size
-    values = (1.0 - part) * cycle[before] + part * cycle[(before + 1) % cycle.size]
+    values = np.interp(place, np.arange(cycle.size + 1), np.append(cycle, cycle[0]))
     rows = accumulate(
         iter([(t, values)]),
         channel.omega,
         start=channel.start,
-        dt=channel.dt,
+        dt=dt,
         harmonics=channel.coefficients.shape[1] - 1,
         cycles=len(channel.weights),
     ).coefficients
     beyond = np.zeros_like(channel.coefficients)
     beyond[: len(rows)] = np.nan_to_num(rows)
     return beyond
-
-
-def _cycle(orbit: Orbit, order: int) -> Array:
-    """The derivative of x of an order at equal steps from the reversal at −X on, SI, (_DENSE,).
-
-    Each phase is Re B e^{iωt}, a rest and Σ C e^{λt}, λ = −δ ± (δ² − Ω²)^{1/2}: all points at once, to some digits less
-    than the kernels, of which a fold needs four.
-    """
-    osc, omega = orbit.oscillator, orbit.motion.omega
-    t = np.arange(_DENSE // 2) * (orbit.motion.period / _DENSE)
-    half, delta = np.empty(t.size), 0.5 * osc.c / osc.m
-    begins = np.append(orbit.phases[:, PHASE_T], math.inf)
-    for i, (begin, s, x, v, z) in enumerate(orbit.phases.tolist()):
-        within = (t >= begin) & (t < begins[i + 1])
-        since = t[within] - begin
-        kappa, force = (osc.k + osc.K_z, osc.K_z * (z - x)) if s == 0.0 else (osc.k, s * osc.F_k)
-        stiffness = kappa - omega**2 * osc.m + 1j * omega * max(osc.c, _SPLIT * osc.omega_n * osc.m)
-        B = osc.k * orbit.motion.Y * cmath.exp(1j * (orbit.theta + omega * begin)) / stiffness
-        root = cmath.sqrt(delta**2 - kappa / osc.m)
-        if abs(root) < _SPLIT * osc.omega_n:  # critical damping
-            root = _SPLIT * osc.omega_n + 0j
-        one, other = -delta + root, -delta - root
-        q, w = x + force / kappa - B.real, v - (1j * omega * B).real
-        C, D = (w - other * q) / (one - other), (one * q - w) / (one - other)
-        motion = (1j * omega) ** order * B * np.exp(1j * omega * since)
-        motion += one**order * C * np.exp(one * since) + other**order * D * np.exp(other * since)
-        half[within] = motion.real - (force / kappa if order == 0 else 0.0)
-    return np.concatenate([half, -half])

@@ -30,6 +30,10 @@ def _measured(orbit, noise, channels=DISPLACEMENT, seed=3, cycles=40.0, rate_hz=
     )
 
 
+def _read(orbit, noise, *given, **more):
+    return read_features(_measured(orbit, noise, *given, **more), PAPER.k)
+
+
 def onset_resolved(reading):
     """Whether the contact slips and the length of its microstick line stands out of the noise."""
     if not reading.slips:
@@ -41,7 +45,7 @@ def onset_resolved(reading):
 @pytest.mark.parametrize("frequency_hz", FREQUENCIES_HZ.values())
 def test_without_noise_the_features_are_exact(frequency_hz, channels):
     orbit = _orbit(frequency_hz)
-    reading = read_features(_measured(orbit, 0.0, channels), PAPER.k)
+    reading = _read(orbit, 0.0, channels)
     exact = of_orbit(orbit)
     assert reading.warnings == ()
     assert onset_resolved(reading)
@@ -56,7 +60,7 @@ def test_features_converge_with_the_noise():
     exact = of_orbit(orbit)
     off = []
     for noise in (0.01, 1e-4, 1e-6):
-        read = [read_features(_measured(orbit, noise, seed=s), PAPER.k).features for s in range(4)]
+        read = [_read(orbit, noise, seed=s).features for s in range(4)]
         parts = [[getattr(f, n)[0] / getattr(exact, n)[0] for f in read] for n in NAMES]
         off.append(np.mean(np.abs(np.array(parts) - 1.0), axis=1))
     # two decades of noise, two decades of error; four runs know each within a factor of three or so
@@ -68,10 +72,7 @@ def test_features_converge_with_the_noise():
 def test_standard_errors_are_those_of_the_scatter(channels):
     orbit = _orbit()
     readings = [
-        read_features(
-            _measured(orbit, 0.01, channels, seed=s, rate_hz=1500.0, cycles=25.0), PAPER.k
-        )
-        for s in range(50)
+        _read(orbit, 0.01, channels, seed=s, rate_hz=1500.0, cycles=25.0) for s in range(50)
     ]
     exact = of_orbit(orbit)
     names = "X X_s V_s t_s phi_fundamental phi_reversal X_1 X_3 X_5 a b W"
@@ -84,7 +85,7 @@ def test_standard_errors_are_those_of_the_scatter(channels):
 
 
 def test_replicates_scatter_as_the_standard_errors_say_about_the_estimate():
-    reading = read_features(_measured(_orbit(), 0.01, BOTH), PAPER.k)
+    reading = _read(_orbit(), 0.01, BOTH)
     replicates = reading.features_of(reading.resampled(2000, np.random.default_rng(1)))
     assert len(replicates) == 2000
     for name in ("X", "X_s", "t_s", "X_1", "X_3", "a", "b", "W", "phi_fundamental"):
@@ -96,7 +97,7 @@ def test_replicates_scatter_as_the_standard_errors_say_about_the_estimate():
 
 
 def test_replicates_depend_on_the_seed_alone():
-    reading = read_features(_measured(_orbit(), 0.01), PAPER.k)
+    reading = _read(_orbit(), 0.01)
     a, b, c = (
         reading.features_of(reading.resampled(20, np.random.default_rng(s))) for s in (1, 1, 2)
     )
@@ -105,7 +106,7 @@ def test_replicates_depend_on_the_seed_alone():
 
 
 def test_squares_of_harmonics_are_freed_of_noise():
-    reading = read_features(_measured(_orbit(11.1, 0.012), 0.02, cycles=20.0), PAPER.k)
+    reading = _read(_orbit(11.1, 0.012), 0.02, cycles=20.0)
     assert reading.steady.bandwidth >= 3
     steady, f = reading.steady, reading.features
     plain = np.abs(steady.mean(steady.X)) ** 2
@@ -122,7 +123,7 @@ def test_squares_of_harmonics_are_freed_of_noise():
 
 def test_an_onset_that_noise_hides_enters_with_its_error():
     K_z = 2e7
-    reading = read_features(_measured(_orbit(Y=0.012, K_z=K_z), 0.05), PAPER.k)
+    reading = _read(_orbit(Y=0.012, K_z=K_z), 0.05)
     assert not onset_resolved(reading)
     assert reading.slips
     length, slope = reading.waveform.length, reading.waveform.length_slope
@@ -135,8 +136,7 @@ def test_an_onset_that_noise_hides_enters_with_its_error():
 
 
 def test_a_linear_response_has_no_onset():
-    orbit = _orbit(F_k=0.0)
-    reading = read_features(_measured(orbit, 0.01), PAPER.k)
+    reading = _read(_orbit(F_k=0.0), 0.01)
     assert not onset_resolved(reading)
     # W = b c: the rows of a linear oscillator say that there is no friction
     assert reading.features.W[0] == pytest.approx(90.0 * reading.features.b[0], rel=1e-3)
@@ -144,13 +144,11 @@ def test_a_linear_response_has_no_onset():
 
 def test_another_waveform_has_no_onset_and_its_harmonics_are_its_own():
     measurement = _measured(_orbit(), 0.001)
-    channel = measurement["displacement"]
+    base, channel = (measurement[q] for q in DISPLACEMENT)
     added = 2e-5
     values = channel.values + added * np.cos(5.0 * OMEGA * channel.t + 1.0)
-    wrong = type(channel)("displacement", channel.t, values)
-    reading = read_features(
-        Measurement.of("distorted", [measurement["base_displacement"], wrong]), PAPER.k
-    )
+    wrong = replace(channel, values=values)
+    reading = read_features(Measurement.of("distorted", [base, wrong]), PAPER.k)
     assert reading.waveform is None
     assert reading.slips is None
     with pytest.raises(ValueError, match="distorted: no waveform fits"):
@@ -167,7 +165,7 @@ def test_another_waveform_has_no_onset_and_its_harmonics_are_its_own():
 
 def test_averaged_cycle_is_the_motion():
     orbit = _orbit()
-    cycle = read_features(_measured(orbit, 0.0, BOTH), PAPER.k).averaged_cycle(200)
+    cycle = _read(orbit, 0.0, BOTH).averaged_cycle(200)
     state = orbit.state(cycle["phase"] / orbit.motion.omega)
     np.testing.assert_allclose(cycle["x"], state.x, atol=1e-5 * orbit.X)
     np.testing.assert_allclose(cycle["v"], state.v, atol=1e-4 * state.v.max())
@@ -176,7 +174,7 @@ def test_averaged_cycle_is_the_motion():
 @pytest.mark.parametrize("response", ["velocity", "acceleration"])
 def test_one_response_of_any_kind_is_enough(response):
     orbit = _orbit(3.5, 0.008)
-    reading = read_features(_measured(orbit, 0.01, ("base_acceleration", response)), PAPER.k)
+    reading = _read(orbit, 0.01, ("base_acceleration", response))
     for name in ("X", "a", "b", "W", "X_s"):
         off = getattr(reading.features, name)[0] - getattr(of_orbit(orbit), name)[0]
         assert abs(off) < 4.0 * reading.standard_errors[name], name
