@@ -79,7 +79,7 @@ def _repeated(
     readings: Sequence[Reading], concerned: Sequence[bool], fit: WaveformFit, patience: int = MOST
 ) -> tuple[list[Reading], WaveformFit | None]:
     """The readings freed of what the oscillator adds to them that fits them then; None in place of that fit where there
-    is none.   patience : as for `recorded.repeated`."""
+    is none.   patience : as for `base_harmonics.repeated`."""
     freed = list(readings)
 
     def lines(responses: Sequence[Response]) -> list[Lines]:
