@@ -1,42 +1,35 @@
-"""What an identification hands over: values, intervals, covariance, rows, tables, pictures, files."""
+"""What an identification hands over, whatever the kind of its records: answers, tables, sentences, pictures, files."""
 
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from abc import ABC
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .. import __version__
 from ..arguments import flag, one_of, path
 from ..motion.jit import interpreted
 from ..project.files import write_json, write_rows, write_text
-from ..records.measured import MeasuredRecord
 from . import screen
 from .answer import Answer, Interval, Verdict, unit_of
-from .outcome import Outcome, document, estimates_table
+from .outcome import QUICK, Outcome
 from .outputs import ALL_PICTURES, REPORT, TABLES, pictures_of, require_room
 
 if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.axes import Axes
-
-QUICK = 200_000
-"""Calls of kernels, which take no more time in Python than Numba takes to load."""
+    from matplotlib.figure import Figure
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class Identified:
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class Identified(Outcome, ABC):
     """The coefficients of a damping law and K_z from measured records, by every approach; what `identify` returns.
-
-    records : that they come from.   options : as given, by the keys of a configuration.   result : the answers, and
-    what else a report says of them.
 
     `values`, `intervals`, `covariance` and the like are those of the first of `approaches`. That is the fit of maximum
     likelihood where the records are those of an oscillator with one friction contact, and the balance of energy
@@ -45,27 +38,23 @@ class Identified:
     that `dampbalance identify` prints.
     """
 
-    records: tuple[MeasuredRecord, ...]
-    options: Mapping[str, Any]
-    result: Outcome
-
-    @cached_property
+    @property
     def approaches(self) -> dict[str, Answer]:
         """The answer of each approach, by its name, and of the fit of one oscillator to all records, "maximum
         likelihood"; the one to use first."""
-        return self.result.answers
+        return self.answers
 
     @property
-    def warnings(self) -> tuple[str, ...]:
-        """What is wrong with the records, and where the answers disagree."""
-        return self.result.warnings
+    def result(self) -> Identified:
+        """The identification itself: `result.answers` are its `approaches`."""
+        return self
 
     @property
     def figures(self) -> tuple[str, ...]:
         """Names of the pictures that `plot` draws, the first if none is named: of forced records cycles (each record
         folded onto one cycle), loops (acceleration against displacement) and balance (its rows, and what they leave);
         of free decays decays (each with the motion fitted to it)."""
-        return tuple(self.result.pictures)
+        return tuple(self.pictures)
 
     @property
     def answer(self) -> Answer:
@@ -115,14 +104,37 @@ class Identified:
         interval of 95 %), verdict, reason."""
         import pandas as pd  # slow to import
 
-        lines = []
-        for name, answer in self.approaches.items():
-            for symbol, verdict in answer.verdicts.items():
-                p = answer.parameters[symbol]
-                line: dict[str, Any] = {"approach": name, "symbol": symbol, "unit": unit_of(symbol)}
-                line |= {"value": p.value, "standard_error": p.standard_error}
-                lines.append(line | p.interval._asdict() | verdict._asdict())
-        return pd.DataFrame(lines)
+        return pd.DataFrame(
+            {
+                **{"approach": name, "symbol": symbol, "unit": unit_of(symbol)},
+                **{"value": p.value, "standard_error": p.standard_error},
+                **p.interval._asdict(),
+                **answer.verdicts[symbol]._asdict(),
+            }
+            for name, answer in self.approaches.items()
+            for symbol, p in answer.parameters.items()
+        )
+
+    def text(self) -> str:
+        """The table for a screen, with what limits the answer."""
+        return screen.text(self)
+
+    def __repr__(self) -> str:
+        """The table for a screen."""
+        return self.text().rstrip("\n")
+
+    def _repr_html_(self) -> str:
+        """The table for a notebook."""
+        from .report import notebook  # slow to import
+
+        return notebook(self)
+
+    def draw(self, name: str) -> Figure:
+        """One of the pictures, on a page of its own; `plot` draws in axes that are given."""
+        from . import pictures  # slow to import
+
+        with _lacking_glyphs():
+            return getattr(pictures, name)(*self.pictures[name].of)
 
     def plot(
         self,
@@ -148,8 +160,8 @@ class Identified:
         given: Any = ax if several else [ax]
         held = [] if given is None else [one for one in given if one is not None]
         before = {line for axes in held for line in axes.get_lines()}
-        with _lacking_glyphs(), drawn_in(given):
-            drawn = self.result.draw(name)
+        with drawn_in(given):
+            drawn = self.draw(name)
         axes = held or drawn.axes
         for one in held:  # what the panels of a picture share, each of these has
             shared = [panel.get_xlabel() for panel in drawn.axes if panel.get_xlabel()]
@@ -158,16 +170,6 @@ class Identified:
         for line in (line for one in axes for line in one.get_lines() if line not in before):
             line.set(**style)
         return np.array(axes) if several else ax
-
-    def text(self) -> str:
-        """The table for a screen, with what limits the answer."""
-        return screen.text(self.result)
-
-    @interpreted(calls=QUICK)
-    def document(self) -> dict[str, Any]:
-        """Everything, as plain data for JSON: what `identification.json` holds."""
-        files = [record.files or {} for record in self.records]
-        return document(self.result, __version__, self.options, files)
 
     def save(
         self, folder: str | Path, *, figures: bool = True, overwrite: bool = False
@@ -186,10 +188,9 @@ class Identified:
         for name in set(ALL_PICTURES) - set(pictures):
             (folder / name).unlink(missing_ok=True)
         if figures:
-            drawings = self._save_figures(folder)
-            write_text(folder / REPORT, self._report(drawings))
-        write_rows(folder / "identification.csv", estimates_table(self.result))
-        write_rows(folder / "features.csv", self.result.features_table())
+            write_text(folder / REPORT, self._report(folder))
+        write_rows(folder / "identification.csv", self.estimates_table())
+        write_rows(folder / "features.csv", self.features_table())
         write_text(folder / "summary.txt", self.text())
         write_json(folder / "identification.json", self.document())
         return [folder / name for name in (*TABLES, *pictures)]
@@ -199,38 +200,25 @@ class Identified:
         and what to do next, damping of each level, effect of faults, settings. Use it to hand a result to others;
         `save` writes it as report.html."""
         with TemporaryDirectory() as folder:
-            return self._report(self._save_figures(Path(folder), png=False))
+            return self._report(Path(folder), png=False)
 
     @interpreted(calls=QUICK)
-    def _report(self, drawings: Mapping[str, str]) -> str:
-        from .report import report  # slow to import, as it knows the colours of pictures
-
-        return report(self.result, self.document(), drawings)
-
-    @interpreted(calls=QUICK)
-    def _save_figures(self, folder: Path, png: bool = True) -> dict[str, str]:
-        """Write the pictures, and give each as SVG."""
+    def _report(self, folder: Path, png: bool = True) -> str:
+        """The report, and the pictures in a folder."""
         from ..figures.style import save, save_svg  # slow to import, and needed for pictures only
         from .pictures import DPI
+        from .report import report
 
         drawings = {}
-        for name, picture in self.result.pictures.items():
+        for name, picture in self.pictures.items():
             svg, other = (folder / file for file in pictures_of([name]))
             with _lacking_glyphs():
                 if png:
-                    save(self.result.draw(name), svg, other, picture.words, DPI)
+                    save(self.draw(name), svg, other, picture.words, DPI)
                 else:
-                    save_svg(self.result.draw(name), svg, picture.words)
+                    save_svg(self.draw(name), svg, picture.words)
             drawings[name] = svg.read_text(encoding="utf-8")
-        return drawings
-
-    def __repr__(self) -> str:
-        """The table for a screen."""
-        return self.text().rstrip("\n")
-
-    def _repr_html_(self) -> str:
-        """The table for a notebook."""
-        return screen.html(self.result)
+        return report(self, drawings)
 
 
 @contextmanager

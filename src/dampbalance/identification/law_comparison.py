@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
@@ -36,9 +36,7 @@ from ..reading.recorded import settled
 from ..reading.waveforms import WaveformFit
 from ..solver import solve
 from .answer import column
-from .law_rows import LawRows
-from .microstick import sample_of
-from .oscillator import JointFit, joined
+from .oscillator import JointFit, LawRows, joined, sample_of
 from .remarks import DIRECT
 
 ALPHA = 0.05
@@ -229,55 +227,59 @@ def compare_laws(
     frequencies = [reading.steady.frequency_hz for reading in readings]
     left_out = ""
     terms = [s for s in KNOWN_TERMS if s != FRICTION and s not in asked.given]
-    if max(frequencies) < _ALIKE * min(frequencies) and {"c", "eta"} & set(terms) == {"c", "eta"}:
+    if max(frequencies) < _ALIKE * min(frequencies) and {"c", "eta"} <= set(terms):
         terms.remove("eta")
         left_out = "at one frequency structural damping eta acts as viscous damping c does, and is not tried"
     random = np.random.default_rng(seed)
     means = [reading.resampled(replicates, random) for reading in readings]
     lines = [reading.lines for reading in readings]
-    without = FRICTION not in asked.given
     none = {FRICTION: _NO_FORCE * k * min(one.Y for one in lines)}
-    tests: list[LawTest] = []
-    fits: dict[tuple[str, ...], WaveformFit] = {}
     laws = [
-        (*friction, *asked.given, *some)
-        for friction in ((FRICTION,), ())
-        if friction or without
+        in_order((*friction, *asked.given, *some))
+        for friction in ((FRICTION,), ())[: 1 if FRICTION in asked.given else 2]
         for size in range(MOST_TERMS + 1)
         for some in itertools.combinations(terms, size)
         if friction or asked.given or some
     ]
-    for _, alike in itertools.groupby(
-        followed(sorted(map(in_order, laws), key=len), len(laws), "laws"), len
-    ):
-        enough = [set(e.terms) for e in tests if e.p > ALPHA / len(laws)]
-        for kept in alike:
-            # a smaller law may be the one: only what more terms would add to it is of interest
-            if enough and not any(smaller < set(kept) for smaller in enough):
+    tests: list[LawTest] = []
+    fits: dict[tuple[str, ...], WaveformFit] = {}
+    for kept in tried_laws(laws, lambda: [e.terms for e in tests if e.p > ALPHA / len(laws)]):
+        given = asked.given if FRICTION in kept else {**asked.given, **none}
+        groups = {s: of for s, of in asked.groups.items() if s in kept}
+        tried = Law((FRICTION, *kept), given, groups)
+        if len(tried.unknowns) > len(readings):
+            continue
+        if FRICTION not in kept:
+            # no onset of slip is needed, and where there is friction, the balance shows it at once
+            plain = _tested(kept, tried, readings, means, JointFit(None, True, None))
+            if plain.balance is not None and plain.balance.p < _SURE:
+                tests.append(plain)
                 continue
-            given = asked.given if FRICTION in kept else {**asked.given, **none}
-            groups = {s: of for s, of in asked.groups.items() if s in kept}
-            tried = Law((FRICTION, *kept), given, groups)
-            if len(tried.unknowns) > len(readings):
-                continue
-            if FRICTION not in kept:
-                # no onset of slip is needed, and where there is friction, the balance shows it at once
-                plain = _tested(kept, tried, readings, means, JointFit(None, True, None))
-                if plain.balance is not None and plain.balance.p < _SURE:
-                    tests.append(plain)
-                    continue
-            within = [fit for smaller, fit in fits.items() if set(smaller) < set(kept)]
-            near = sorted(within, key=lambda fit: fit.chi_square)[:1]
-            fit = fit_quickly(near[0].lines if near else lines, k, tried, near)
-            fit = fit and settled(fit, lines)
-            if mass is not None and fit is not None:
-                fit = with_mass(fit, mass) or fit
-            if fit is None:
-                tests.append(LawTest(kept))
-                continue
-            fits[kept] = fit
-            tests.append(_tested(kept, tried, readings, means, JointFit(fit, False, None)))
+        near = [fit for smaller, fit in fits.items() if set(smaller) < set(kept)]
+        near = sorted(near, key=lambda fit: fit.chi_square)[:1]
+        fit = fit_quickly(near[0].lines if near else lines, k, tried, near)
+        fit = fit and settled(fit, lines)
+        if mass is not None and fit is not None:
+            fit = with_mass(fit, mass) or fit
+        if fit is None:
+            tests.append(LawTest(kept))
+            continue
+        fits[kept] = fit
+        tests.append(_tested(kept, tried, readings, means, JointFit(fit, False, None)))
     return chosen_of(tests, left_out)
+
+
+def tried_laws(
+    laws: Sequence[tuple[str, ...]], enough: Callable[[], Iterable[tuple[str, ...]]]
+) -> Iterator[tuple[str, ...]]:
+    """The laws that are worth a test, the smallest first: a smaller one may be the one, and then only what more terms
+    would add to it is of interest.
+
+    enough : laws that are not rejected, of those that have been tested.
+    """
+    for _, alike in itertools.groupby(followed(sorted(laws, key=len), len(laws), "laws"), len):
+        smaller = [set(terms) for terms in enough()]
+        yield from (t for t in alike if not smaller or any(one < set(t) for one in smaller))
 
 
 def chosen_of(tests: Sequence[LawTest], left_out: str, **more: Any) -> LawComparison:
@@ -290,16 +292,17 @@ def chosen_of(tests: Sequence[LawTest], left_out: str, **more: Any) -> LawCompar
         replace(e, rejected=one, rejected_by_balance=other)
         for e, one, other in zip(tests, both, alone, strict=True)
     ]
-    both_count = any("balance" in e.by for e in tests)
-    by_balance = both_count and all(e.rejected for e in tests)
+    with_balance = any("balance" in e.by for e in tests)
+    by_balance = with_balance and all(both)
     kept = [e for e in tests if not (e.rejected_by_balance if by_balance else e.rejected)]
-    if both_count:
+    if with_balance:
         kept = [e for e in kept if e.balance is not None and not math.isnan(e.balance.p)]
     smallest = [e for e in kept if len(e.terms) == min(len(k.terms) for k in kept)]
     smallest.sort(key=lambda e: -(e.p_of_balance if by_balance else e.p))
-    chosen = smallest[0].terms if smallest else None
-    alike = tuple(e.terms for e in smallest[1:])
-    return LawComparison(tuple(tests), chosen, by_balance and bool(kept), alike, left_out, **more)
+    chosen, *alike = [e.terms for e in smallest] or [None]
+    return LawComparison(
+        tuple(tests), chosen, by_balance and bool(kept), tuple(alike), left_out, **more
+    )
 
 
 def _tested(
@@ -316,15 +319,15 @@ def _tested(
     fit, k = joint.fit, readings[0].steady.k
     mine = joined(readings, joint, law)
     rows_of = LawRows(APPROACHES[DIRECT], law, k, "reversal", linear=fit is None)
-    rows = rows_of(sample_of(mine, [reading.mean for reading in mine]).features)[:, 0]
-    drawn = rows_of(sample_of(mine, means).features)
+    rows, drawn = (
+        rows_of(sample_of(mine, of).features) for of in ([one.mean for one in mine], means)
+    )
     cycles = min(len(reading.steady.weights) for reading in readings)
-    balance, coefficients = _generalised(rows, drawn, cycles)
+    balance, coefficients = _generalised(rows[:, 0], drawn, cycles)
     if fit is None:
         return LawTest(terms, coefficients, balance, by=("balance",))
-    of_waveforms = probability(fit.chi_square, fit.freedom, fit.lines)
-    waveforms = Probability(fit.chi_square, fit.freedom, of_waveforms)
-    return LawTest(terms, coefficients, balance, waveforms)
+    p = probability(fit.chi_square, fit.freedom, fit.lines)
+    return LawTest(terms, coefficients, balance, Probability(fit.chi_square, fit.freedom, p))
 
 
 def _generalised(

@@ -13,8 +13,7 @@ import numpy as np
 from ..arrays import Array
 from ..balance import TERMS
 from ..features import Features, beside, of_numbers, stack
-from ..identification.microstick import read_samples
-from ..identification.oscillator import JointFit, joined, joint_fit
+from ..identification.oscillator import JointFit, joined, joint_fit, read_samples
 from ..model import BaseMotion, Oscillator
 from ..motion.orbit import NoSteadyOrbit, steady_orbit
 from ..motion.regime import Regime

@@ -13,8 +13,6 @@ from dampbalance import BaseMotion
 from dampbalance.identification.answer import USABLE
 from dampbalance.identification.forced import identify_readings
 from dampbalance.identification.law_comparison import _rejected, compare_laws
-from dampbalance.identification.outcome import document, estimates_table
-from dampbalance.identification.screen import text
 from dampbalance.law.law import Law
 from dampbalance.law.response import law_orbit
 from paper_case import PAPER
@@ -106,12 +104,15 @@ def test_each_load_has_its_friction_and_all_have_one_damper(two_loads):
         estimate = direct.coefficients[key]
         assert abs(estimate.value - value) < 4.0 * estimate.standard_error
         assert estimate.standard_error < 0.01 * value
-    row = next(row for row in estimates_table(found) if row["approach"] == "direct")
+    row = next(row for row in found.estimates_table() if row["approach"] == "direct")
     assert row["F_k_heavy_N"] == direct.coefficients["F_k[heavy]"].value
-    rows = document(found)["approaches"]["direct"]["rows"]
+    rows = found.document()["approaches"]["direct"]["rows"]
     assert rows["a_light_m"][1] == 0.0 < rows["a_heavy_m"][1]
-    assert json.loads(json.dumps(document(found)))["law"]["groups"]["F_k"][:2] == ["light", "heavy"]
-    assert "F_k[heavy] (N)" in text(found)
+    assert json.loads(json.dumps(found.document()))["law"]["groups"]["F_k"][:2] == [
+        "light",
+        "heavy",
+    ]
+    assert "F_k[heavy] (N)" in found.text()
 
 
 def test_without_groups_no_law_fits_records_of_two_loads(two_loads):

@@ -14,9 +14,7 @@ from scipy.integrate import solve_ivp
 from dampbalance.balance import APPROACHES
 from dampbalance.identification.answer import REFERENCE
 from dampbalance.identification.forced import _parameter, identify_readings
-from dampbalance.identification.microstick import Samples
-from dampbalance.identification.outcome import document, estimates_table
-from dampbalance.identification.screen import text
+from dampbalance.identification.oscillator import Samples
 from dampbalance.likelihood.information import cramer_rao, noise_of_rms
 from dampbalance.reading.mean_harmonics import RESOLVED, read_features
 from dampbalance.records.measurement import Channel, Measurement
@@ -130,8 +128,8 @@ def test_an_onset_that_is_not_resolved_enters_with_its_error_and_K_z_has_a_limit
     assert not np.array_equal(found.features.X_s, -found.features.X)
     low, high = direct.coefficients["F_k"].interval
     assert low < stiff.F_k < high
-    assert "> " in text(found).splitlines()[3]
-    told = document(found)["approaches"]["direct"]
+    assert "> " in found.text().splitlines()[3]
+    told = found.document()["approaches"]["direct"]
     assert told["K_z_N_per_m"] is None
     assert told["K_z_interval_N_per_m"][1] is None
     assert told["verdicts"]["K_z"]["verdict"] == "doubtful"
@@ -160,7 +158,7 @@ def test_a_level_that_does_not_belong_is_noticed():
     direct = found.estimates["direct"]
     assert all(verdict != "usable" for verdict, _ in direct.verdicts.values())
     assert math.isnan(direct.K_z.value)
-    assert document(found)["approaches"]["direct"]["K_z_N_per_m"] is None
+    assert found.document()["approaches"]["direct"]["K_z_N_per_m"] is None
 
 
 def test_levels_that_are_alike_are_reported():
@@ -188,7 +186,7 @@ def test_equal_seeds_give_equal_numbers_whatever_is_asked_beside():
 
 def test_tables_and_documents_hold_the_same_numbers():
     found = identify_readings(readings(noise=0.01), PAPER.k, replicates=50)
-    table, told = estimates_table(found), document(found, version="0")
+    table, told = found.estimates_table(), found.document()
     assert list(told["approaches"]) == list(APPROACHES)
     answers = {told["answer"]: told["maximum_likelihood"], **told["approaches"]}
     assert [row["approach"] for row in table] == list(answers)
@@ -202,7 +200,7 @@ def test_tables_and_documents_hold_the_same_numbers():
     assert all(row["X_standard_error_m"] > 0.0 for row in features)
     assert all(row["W_standard_error_J"] > 0.0 for row in features)
     direct = found.estimates["direct"].coefficients["F_k"]
-    line = text(found).splitlines()[4]
+    line = found.text().splitlines()[4]
     assert f"{direct.value:.4f} [{direct.interval.low:.4f}, {direct.interval.high:.4f}]" in line
 
 
@@ -274,7 +272,7 @@ def test_where_no_level_slips_there_is_no_friction_force():
     assert found.joint.linear
     (warning,) = found.warnings
     assert "the records are those of a linear oscillator" in warning
-    direct, told = found.estimates["direct"], document(found)
+    direct, told = found.estimates["direct"], found.document()
     numbers = told["approaches"]["direct"]
     assert [numbers[key] for key in ("F_k_N", "K_z_N_per_m", "F_k_standard_error_N")] == [None] * 3
     assert [numbers["verdicts"][symbol]["verdict"] for symbol in ("F_k", "K_z")] == ["none", "none"]
@@ -282,7 +280,7 @@ def test_where_no_level_slips_there_is_no_friction_force():
     low, high = direct.coefficients["c"].interval
     assert low < PAPER.c < high
     assert high - low < 0.05 * PAPER.c
-    line = text(found).splitlines()[3]
+    line = found.text().splitlines()[3]
     assert re.match(r"direct \* +– +\d", line)
 
 
@@ -298,7 +296,7 @@ def test_a_level_that_does_not_slip_leaves_the_balance_without_a_star():
         # three of 95 % intervals: four standard errors
         parameter, true = direct.parameters[symbol], getattr(PAPER, symbol)
         assert abs(parameter.value - true) < 4.0 * parameter.standard_error
-    told = document(found)["records"]
+    told = found.document()["records"]
     assert [record["slips"] for record in told] == [False, True, True, True]
 
 
@@ -423,7 +421,7 @@ def test_a_contact_of_another_kind_has_no_K_z_and_keeps_F_k_and_c(gradual):
     assert relative(direct.coefficients["F_k"], PAPER.F_k) == pytest.approx(0.0, abs=0.003)
     assert relative(direct.coefficients["c"], PAPER.c) == pytest.approx(0.0, abs=0.0005)
     assert "from 4X is that of the oscillator that comes nearest" in direct.notes[0]
-    told = document(found)
+    told = found.document()
     assert told["approaches"]["direct"]["verdicts"]["K_z"]["verdict"] == "none"
     assert "nearest" in told["maximum_likelihood"]["notes"][0]
 

@@ -13,13 +13,7 @@ import pytest
 
 from dampbalance import Oscillator, identify, measured_ring_down, read_records
 from dampbalance.identification.answer import unit_of
-from dampbalance.identification.equivalents import (
-    Level,
-    damping_ratio,
-    equivalent_damping,
-    loss_factor,
-    of_level,
-)
+from dampbalance.identification.outcome import Level, damping_ratio
 from dampbalance.identification.screen import interval_of, value_of
 from dampbalance.records.measurement import Channel, Measurement
 from folders import ROOT
@@ -168,14 +162,15 @@ def test_a_decay_fills_the_picture_as_long_as_it_moves(decay):
     ],
 )
 def test_equivalent_damping_has_closed_forms(W, c):
-    assert equivalent_damping(W, OMEGA, X) == pytest.approx(c, rel=1e-12)
-    assert loss_factor(W, PAPER.k, X) == pytest.approx(c * OMEGA / PAPER.k, rel=1e-12)
+    level = Level("one", X, OMEGA, W, 0.0)
+    assert level.equivalent_damping == pytest.approx(c, rel=1e-12)
+    assert level.loss_factor(PAPER.k) == pytest.approx(c * OMEGA / PAPER.k, rel=1e-12)
 
 
 def test_at_the_natural_frequency_the_loss_factor_is_twice_the_damping_ratio():
     omega = math.sqrt(PAPER.k / PAPER.m)
     W = math.pi * PAPER.c * omega * X**2
-    level = of_level(Level("one", X, omega, W, 0.0), PAPER.k, PAPER.m)
+    level = Level("one", X, omega, W, 0.0).document(PAPER.k, PAPER.m)
     zeta = damping_ratio(PAPER.c, PAPER.k, PAPER.m)
     assert level["equivalent_damping_ratio"] == pytest.approx(zeta, rel=1e-12)
     assert level["loss_factor"] == pytest.approx(2.0 * zeta, rel=1e-12)

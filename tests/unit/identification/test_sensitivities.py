@@ -10,7 +10,6 @@ import pytest
 from dampbalance.identification import forced
 from dampbalance.identification.answer import REFERENCE
 from dampbalance.identification.forced import identify_readings
-from dampbalance.identification.outcome import document
 from dampbalance.identification.sensitivities import FAULTS
 from dampbalance.reading.mean_harmonics import Reading, read_features
 from dampbalance.records.measurement import Measurement
@@ -99,7 +98,7 @@ def test_gains_and_stiffness_scale_the_equations(found):
 
 
 def test_the_document_has_them_in_percent(found):
-    found_document = document(found[1])
+    found_document = found[1].document()
     told = found_document["sensitivities"]
     assert found_document["sensitivities_of"] == REFERENCE
     assert list(told) == list(FAULTS)

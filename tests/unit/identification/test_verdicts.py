@@ -20,8 +20,7 @@ from dampbalance.identification.answer import (
     Interval,
     ParameterEstimate,
 )
-from dampbalance.identification.microstick import Microstick
-from dampbalance.identification.oscillator import JointFit
+from dampbalance.identification.oscillator import JointFit, Microstick
 from dampbalance.identification.outcome import Outcome
 from dampbalance.identification.remarks import (
     Limit,
