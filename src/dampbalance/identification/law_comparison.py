@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
@@ -79,18 +79,17 @@ class LawTest:
     @property
     def p(self) -> float:
         """The p-value of all tests together: the smallest one, times their number; 0 where one cannot be made."""
-        tests = [self.of(name) for name in self.by]
-        known = [t.p for t in tests if t is not None and not math.isnan(t.p)]
-        if None in tests:
-            return 0.0
-        return min(1.0, len(known) * min(known)) if known else 1.0
+        return self._p_of(self.by)
 
     @property
     def p_of_balance(self) -> float:
         """The p-value of the balance alone."""
-        if self.balance is None:
-            return 0.0
-        return 1.0 if math.isnan(self.balance.p) else self.balance.p
+        return self._p_of(["balance"])
+
+    def _p_of(self, names: Iterable[str]) -> float:
+        tests = [self.of(name) for name in names]
+        known = [t.p for t in tests if t is not None and not math.isnan(t.p)]
+        return 0.0 if None in tests else min([1.0, *(len(known) * p for p in known)])
 
     def document(self) -> dict[str, Any]:
         """The tests for JSON."""
@@ -243,7 +242,14 @@ def compare_laws(
     ]
     tests: list[LawTest] = []
     fits: dict[tuple[str, ...], WaveformFit] = {}
-    for kept in tried_laws(laws, lambda: [e.terms for e in tests if e.p > ALPHA / len(laws)]):
+    enough: list[set[str]] = []
+    size = 0
+    for kept in followed(sorted(laws, key=len), len(laws), "laws"):
+        if len(kept) > size:
+            size, enough = len(kept), [set(e.terms) for e in tests if e.p > ALPHA / len(laws)]
+        # a smaller law may be the one: only what more terms would add to it is of interest
+        if enough and not any(smaller < set(kept) for smaller in enough):
+            continue
         given = asked.given if FRICTION in kept else {**asked.given, **none}
         groups = {s: of for s, of in asked.groups.items() if s in kept}
         tried = Law((FRICTION, *kept), given, groups)
@@ -269,19 +275,6 @@ def compare_laws(
     return chosen_of(tests, left_out)
 
 
-def tried_laws(
-    laws: Sequence[tuple[str, ...]], enough: Callable[[], Iterable[tuple[str, ...]]]
-) -> Iterator[tuple[str, ...]]:
-    """The laws that are worth a test, the smallest first: a smaller one may be the one, and then only what more terms
-    would add to it is of interest.
-
-    enough : laws that are not rejected, of those that have been tested.
-    """
-    for _, alike in itertools.groupby(followed(sorted(laws, key=len), len(laws), "laws"), len):
-        smaller = [set(terms) for terms in enough()]
-        yield from (t for t in alike if not smaller or any(one < set(t) for one in smaller))
-
-
 def chosen_of(tests: Sequence[LawTest], left_out: str, **more: Any) -> LawComparison:
     """What follows from the tests of laws: Holm's procedure, and the smallest law that it does not reject.
 
@@ -299,10 +292,9 @@ def chosen_of(tests: Sequence[LawTest], left_out: str, **more: Any) -> LawCompar
         kept = [e for e in kept if e.balance is not None and not math.isnan(e.balance.p)]
     smallest = [e for e in kept if len(e.terms) == min(len(k.terms) for k in kept)]
     smallest.sort(key=lambda e: -(e.p_of_balance if by_balance else e.p))
-    chosen, *alike = [e.terms for e in smallest] or [None]
-    return LawComparison(
-        tuple(tests), chosen, by_balance and bool(kept), tuple(alike), left_out, **more
-    )
+    found = [e.terms for e in smallest]
+    chosen, alike = (found[0], tuple(found[1:])) if found else (None, ())
+    return LawComparison(tuple(tests), chosen, by_balance and bool(kept), alike, left_out, **more)
 
 
 def _tested(
@@ -341,25 +333,24 @@ def _generalised(
     symbols = [key for key in rows.terms if key not in rows.given]
     freedom = int(used.sum()) - len(symbols)
     estimate = solve(replace(rows, covariance=drawn.scatter()))
-    values = {symbol: float(estimate[symbol]) for symbol in symbols}
-    if freedom < 0 or not all(map(math.isfinite, values.values())):
+    p = np.array([float(estimate[symbol]) for symbol in symbols])
+    if freedom < 0 or not np.isfinite(p).all():
         return None, {}
     A = np.column_stack([rows.terms[symbol] for symbol in symbols])
-    right = rows.W - sum(p * rows.terms[key] for key, p in rows.given.items())
+    right = rows.W - sum(known * rows.terms[key] for key, known in rows.given.items())
     for _ in range(_REPEATS):
-        misfits = drawn.misfit({**rows.given, **values})
+        misfits = drawn.misfit({**rows.given, **dict(zip(symbols, p, strict=True))})
         factor = np.linalg.cholesky(np.atleast_2d(np.cov(misfits)))
         white, aim = np.linalg.solve(factor, A), np.linalg.solve(factor, right)
         size = np.linalg.norm(white, axis=0)
-        solution = np.linalg.lstsq(white / size, aim)[0] / size
-        values = dict(zip(symbols, solution.tolist(), strict=True))
-    chi_square = float(np.sum((white @ solution - aim) ** 2))
+        p = np.linalg.lstsq(white / size, aim)[0] / size
+    chi_square = float(np.sum((white @ p - aim) ** 2))
     inverse = np.linalg.pinv(white / size) / size[:, None]
-    errors = np.sqrt(np.sum(inverse**2, axis=1)).tolist()
+    errors = np.sqrt(np.sum(inverse**2, axis=1))
     # the covariance comes from as many degrees of freedom as there are cycles, less one
-    p = float(special.fdtrc(freedom, cycles - 1, chi_square / freedom)) if freedom else math.nan
-    coefficients = {s: (values[s], error) for s, error in zip(symbols, errors, strict=True)}
-    return Probability(chi_square, freedom, p), coefficients
+    chance = special.fdtrc(freedom, cycles - 1, chi_square / freedom) if freedom else math.nan
+    coefficients = dict(zip(symbols, zip(p.tolist(), errors.tolist(), strict=True), strict=True))
+    return Probability(chi_square, freedom, float(chance)), coefficients
 
 
 def _rejected(p: Sequence[float]) -> list[bool]:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import base64
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import PurePath
 from typing import Any
 
@@ -66,51 +66,26 @@ def report(found: Identified, drawings: Mapping[str, str]) -> str:
     """
     answer, document, count = found.answer, found.document(), len(found.sources)
     names = listed([_short(name) for name in found.sources]) if count < 4 else f"{count} records"
-    of_others = {False: [], True: []}
+    of_others: dict[bool, list[str]] = {False: [], True: []}
     for limit in limits(found.approaches, found.warnings):
         own = limit.words if limit.of == (answer.name,) else in_a_sentence(limit, found.sources)
         of_others[limit.kind == "approaches" and answer.name not in limit.of].append(own)
-    effects = document["sensitivities"]
-    changes = list(dict.fromkeys(key for of in effects.values() for key in of if key != "fault"))
+    keys = [key for of in document["sensitivities"].values() for key in of if key != "fault"]
     return _page(
         "report",
         f"Friction and damping from {names}",
+        found=found,
+        document=document,
+        drawings=drawings,
+        captions=_CAPTIONS,
         lead=_verdict(answer, found.warnings),
-        head=found.head,
-        numbers=[*_numbers(answer)],
         limits=of_others[False],
-        next=_next(found, effects, answer),
-        pictures=[
-            {"svg": drawings[name], "caption": caption, "words": found.pictures[name].words}
-            for name, caption in _CAPTIONS.items()
-            if name in drawings
-        ],
-        ratio=document["damping"]["damping_ratio"],
-        levels=[_level(level) for level in document["damping"]["levels"]],
-        effects_of=document["sensitivities_of"],
-        symbols=[key.removesuffix("_percent") for key in changes],
-        effects=[
-            [rich(of["fault"]), *(_change(of.get(key)) for key in changes)]
-            for of in effects.values()
-        ],
-        answers=answers_table(found.approaches),
         limits_of_others=of_others[True],
+        next=_next(found, document["sensitivities"], answer),
+        answers=answers_table(found.approaches),
         laws=comparison(found.laws),
-        records=[
-            [
-                visible(record["record"]),
-                Markup('<span class="digest">{}</span>').format(
-                    record.get("sha256") or "not from a file"
-                ),
-                visible(str(record.get("mapping") or "–")),
-            ]
-            for record in document["records"]
-        ],
-        settings=[
-            [Markup("<code>{}</code>").format(name), _shown(value)]
-            for name, value in dotted(document["options"])
-            if value not in (None, [], {})
-        ],
+        symbols=[key.removesuffix("_percent") for key in dict.fromkeys(keys)],
+        settings=[(n, of) for n, of in dotted(document["options"]) if of not in (None, [], {})],
     )
 
 
@@ -146,6 +121,7 @@ _TEMPLATES = jinja2.Environment(
     loader=jinja2.PackageLoader("dampbalance.identification"),
     autoescape=True,
     undefined=jinja2.StrictUndefined,
+    extensions=["jinja2.ext.do"],
     trim_blocks=True,
     lstrip_blocks=True,
     keep_trailing_newline=True,
@@ -153,9 +129,25 @@ _TEMPLATES = jinja2.Environment(
 _TEMPLATES.filters |= {
     "rich": rich,
     "sentence": _sentence,
-    "percent": percent,
     "base64": lambda svg: base64.b64encode(follows_the_screen(svg).encode()).decode(),
+    "visible": visible,
+    "short": lambda source: _short(source),
+    "value": value_of,
+    "interval": interval_of,
+    "part": lambda p: _part(p),
+    "unit": unit_of,
+    "words": lambda symbol: (
+        "contact stiffness" if symbol == "K_z" else term(parted(symbol)[0]).words
+    ),
+    "figures": lambda value: number(_known(value), 4),
+    "percent": lambda share: percent(_known(share)),
+    "change": lambda change: signed_percent(0.01 * round(_known(change), 3)),
+    "setting": lambda value: _setting(value),
 }
+
+
+def _known(value: float | None) -> float:
+    return math.nan if value is None else value
 
 
 def _page(name: str, title: str, **content: Any) -> str:
@@ -216,27 +208,6 @@ def _values(answer: Answer, symbols: Sequence[str]) -> str:
     return listed(texts)
 
 
-def _numbers(answer: Answer) -> Iterator[list[str]]:
-    """The numbers with their intervals and verdicts, and why one is not usable."""
-    signs = {USABLE: "✓", DOUBTFUL: "?"}
-    for symbol, (verdict, reason) in answer.verdicts.items():
-        p, interval = answer.parameters[symbol], interval_of(answer.parameters[symbol])
-        words = "contact stiffness" if symbol == "K_z" else term(parted(symbol)[0]).words
-        known = "" if math.isnan(p.value) else f" {unit_of(symbol)}"
-        yield [
-            rich(words) + ", " + rich(symbol),
-            value_of(p) + known,
-            interval,
-            "–" if interval == "–" else f"± {_part(p)}",
-            Markup('<span class="verdict {0}">{1} {0}</span>').format(
-                verdict, signs.get(verdict, "✗")
-            ),
-            rich(_clause(reason)) + " …" * (";" in reason)
-            if reason
-            else "nothing speaks against it",
-        ]
-
-
 def _half(p: ParameterEstimate) -> float:
     """Half the width of an interval, as a part of its value."""
     return 0.5 * (p.interval.high - p.interval.low) / abs(p.value) if p.value else math.nan
@@ -259,27 +230,7 @@ def _next(found: Identified, effects: Mapping[str, Any], answer: Answer) -> list
     return [*filter(None, [max(felt, key=lambda one: one[1])[0]]), *found.rig]
 
 
-def _level(level: Mapping[str, Any]) -> list[str]:
-    """The cells of a level: name, amplitude, frequency, and the measures of its damping."""
-    known = {key: math.nan if value is None else value for key, value in level.items()}
-    return [
-        _short(level["level"]),
-        number(1e3 * known["X_m"], 4),
-        number(known["frequency_Hz"], 4),
-        number(1e3 * known["W_J"], 4),
-        percent(known["friction_share"]),
-        number(known["equivalent_damping_N_s_per_m"], 4),
-        percent(known["equivalent_damping_ratio"]),
-        number(known["loss_factor"], 4),
-        number(known["Q"], 4),
-    ]
-
-
-def _change(change: float | None) -> str:
-    return signed_percent(math.nan if change is None else 0.01 * round(change, 3))
-
-
-def _shown(value: Any) -> str:
+def _setting(value: Any) -> str:
     if isinstance(value, list | tuple):
         return ", ".join(map(str, value))
     if isinstance(value, bool):

@@ -15,9 +15,9 @@ from dampbalance import Oscillator, identify, measured_ring_down, read_records
 from dampbalance.identification.answer import unit_of
 from dampbalance.identification.outcome import Level, damping_ratio
 from dampbalance.identification.screen import interval_of, value_of
-from dampbalance.records.measurement import Channel, Measurement
 from folders import ROOT
 from paper_case import PAPER
+from unit.identification.levels import clipped
 
 FILES = sorted((ROOT / "config/records/example").glob("level*.csv"))
 QUICK = {"approaches": ["direct"], "replicates": 20}
@@ -37,18 +37,10 @@ def decay():
     return identify(free, DECAYING.k)
 
 
-def clipped(record):
-    """The record with its acceleration cut at nine tenths of its peak."""
-    channels = [record[q] for q in record]
-    peak = 0.9 * np.abs(channels[-1].values).max()
-    last = Channel(channels[-1].quantity, channels[-1].t, np.clip(channels[-1].values, -peak, peak))
-    return Measurement.of(record.source, [*channels[:-1], last])
-
-
 @pytest.fixture(scope="module")
 def doubtful():
     whole = [record.measurement for record in read_records(FILES[::2])]
-    return identify([*whole[:2], clipped(whole[2])], PAPER.k, **QUICK)
+    return identify([*whole[:2], clipped(whole[2], "acceleration", 0.9)], PAPER.k, **QUICK)
 
 
 KINDS = pytest.mark.parametrize("kind", ["steady", "decay", "doubtful"])

@@ -23,9 +23,10 @@ from dampbalance.reading.ringdown_rows import rows_of
 from dampbalance.records.measurement import Channel, Correction, Measurement
 from dampbalance.records.synthetic import measured_orbit, measured_ring_down
 from dampbalance.records.writers import write
+from unit.identification.levels import SYMBOLS, changed
+from unit.identification.levels import clipped as cut
 from unit.identification.releases import FAR, PLUCKED, compiled  # noqa: F401
 
-SYMBOLS = ("F_k", "c", "K_z")
 OSCILLATOR = Oscillator(PLUCKED.m, PLUCKED.c, PLUCKED.k, PLUCKED.K_z, PLUCKED.F_k)
 
 
@@ -157,11 +158,10 @@ def test_a_mass_that_is_known_sharpens_and_one_that_is_wrong_is_named():
 
 def test_a_contact_of_another_kind_is_told():
     measured, _ = record(replace(PLUCKED, noise=0.001))
-    channel = measured["displacement"]
+    x = measured["displacement"].values
     # a friction that grows with the displacement: the decay bends
-    bent = channel.values + 30.0 * np.abs(channel.values) * channel.values
-    other = Measurement.of("bent", [Channel("displacement", channel.t, bent)])
-    result = identify_ring_downs([other], PLUCKED.k)
+    bent = changed(measured, "displacement", values=x + 30.0 * np.abs(x) * x)
+    result = identify_ring_downs([bent], PLUCKED.k)
     assert not result.fit.adequate
     notes = " ".join(result.estimates["balance"].notes)
     assert "not those of one mass on a spring" in notes
@@ -169,10 +169,7 @@ def test_a_contact_of_another_kind_is_told():
 
 def test_a_clipped_decay_is_named_and_what_physics_forbids(tmp_path):
     sound = measured_ring_down(OSCILLATOR, x=0.005, rate_hz=200.0, duration=3.0, noise=0.005)
-    channel = sound["displacement"]
-    half = 0.5 * np.abs(channel.values).max()
-    cut_off = Channel("displacement", channel.t, np.clip(channel.values, -half, half))
-    found = identify([Measurement.of("decay", [cut_off])], OSCILLATOR.k)
+    found = identify([replace(cut(sound, "displacement", 0.5), source="decay")], OSCILLATOR.k)
     assert found.intervals["c"].high < 0.0
     (words,) = [note for note in found.answer.notes if "physics forbids" in note]
     cause = r"clipping is the likely cause \(displacement of decay\)"
@@ -212,11 +209,12 @@ def test_a_decay_without_a_half_cycle_that_slips_has_its_start():
 
 def test_gain_and_delay_are_taken_off_and_a_filter_is_refused():
     measured, _ = record(PLUCKED)
-    channel = measured["displacement"]
+    measured = replace(measured, source="run")
+    x = measured["displacement"].values
 
     def corrected(correction, factor=1.0):
-        changed = Channel("displacement", channel.t, factor * channel.values, "x", correction)
-        return identify_ring_downs([Measurement.of("run", [changed])], PLUCKED.k)
+        other = {"values": factor * x, "name": "x", "correction": correction}
+        return identify_ring_downs([changed(measured, "displacement", **other)], PLUCKED.k)
 
     plain, gained = corrected(None), corrected(Correction(gain=1.25, delay=0.01), 1.25)
     one, other = (result.reference.parameters["F_k"] for result in (plain, gained))
@@ -240,9 +238,9 @@ def steady(noise=0.01):
     ],
 )
 def test_a_record_without_a_decay_is_refused_in_a_sentence(values, message):
-    measured, _ = record(PLUCKED)
+    measured = replace(record(PLUCKED)[0], source="run")
     t, x = measured["displacement"].t, measured["displacement"].values
-    none = Measurement.of("run", [Channel("displacement", t, values(t, x))])
+    none = changed(measured, "displacement", values=values(t, x))
     with pytest.raises(
         ValueError, match=rf"run: the excitation channel is missing .* no free decay .*{message}"
     ):
