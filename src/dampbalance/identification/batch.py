@@ -183,7 +183,7 @@ def summarise(folder: Path, errors: Mapping[str, str], at: Mapping[str, Any] | N
     write_text(folder / SUMMARY, text)
     from ..figures.style import save_svg  # slow to import, as are the pictures
     from .pictures import sets
-    from .report import report_of_sets
+    from .report import page_of
 
     with TemporaryDirectory() as own:
         svg = Path(own) / "sets.svg"
@@ -195,7 +195,8 @@ def summarise(folder: Path, errors: Mapping[str, str], at: Mapping[str, Any] | N
         for what, names in (("in part doubtful", doubtful), ("not identified", [*failed]))
         if names
     )
-    page = report_of_sets(
+    page = page_of(
+        "sets",
         lead=(f"{lead}.", f"lead {DOUBTFUL if failed or doubtful else USABLE}"),
         head=head,
         heads=table[0],

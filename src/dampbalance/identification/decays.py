@@ -44,8 +44,7 @@ from .answer import (
     normal,
 )
 from .decay_laws import compare_decay_laws, condition_of, doubt_of
-from .identified import Identified
-from .outcome import Level, Picture
+from .identified import Identified, Level, Picture
 from .remarks import forbidden
 from .screen import implied
 from .sensitivities import Fault

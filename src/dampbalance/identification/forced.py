@@ -46,7 +46,7 @@ from .answer import (
     ParameterEstimate,
     covariance_of,
 )
-from .identified import Identified
+from .identified import Identified, Level, Picture
 from .loading import Loaded
 from .oscillator import (
     JointFit,
@@ -59,7 +59,6 @@ from .oscillator import (
     microstick,
     read_samples,
 )
-from .outcome import Level, Picture
 from .remarks import DIRECT, agreement, with_notes
 from .screen import implied, with_error
 from .sensitivities import Fault, sensitivities, shifts_of_fit

@@ -19,10 +19,9 @@ from ..records.mapping import MappingLike
 from ..records.measured import MeasuredRecord, read_records
 from .decays import identify_ring_downs
 from .forced import REPLICATES, SEED, identify_readings
-from .identified import Identified
+from .identified import QUICK, Identified
 from .law_comparison import compare_laws
 from .loading import Loaded, NotDriven, load
-from .outcome import QUICK
 from .stated import carried
 
 if TYPE_CHECKING:

@@ -1,7 +1,6 @@
 """The report of an identification: one HTML file that needs nothing else, to be read, printed and handed on.
 
-`report` is that of one set of records, `report_of_sets` compares several sets; both are made of the pieces in
-`templates`. `notebook` is what a notebook shows.
+The templates have the layout and what is said of every identification; here is what depends on its numbers.
 """
 
 from __future__ import annotations
@@ -30,9 +29,8 @@ from ..project.wording import (
     visible,
 )
 from .answer import DOUBTFUL, NONE, USABLE, Answer, ParameterEstimate, unit_of
-from .identified import Identified
-from .remarks import in_a_sentence, limits
-from .screen import answers_table, comparison, interval_of, limiting, value_of
+from .remarks import in_a_sentence
+from .screen import answers_table, comparison, interval_of, value_of
 
 _COLOURS = {  # on paper, on a dark screen: contrast of text of at least 4.5 : 1
     "paper": (PAPER, DARK[PAPER]),
@@ -44,65 +42,16 @@ _COLOURS = {  # on paper, on a dark screen: contrast of text of at least 4.5 : 1
     "doubt": ("#8A4B00", "#FFB066"),
     "bad": ("#A31515", "#FF9C94"),
 }
-_CAPTIONS = {
-    "friction": "Friction force over displacement: what the recorded cycle leaves after spring, inertia and viscous "
-    "damping are taken off, and the loop of the fitted oscillator. A dot marks where slip begins.",
-    "cycles": "Each record folded onto one cycle of the drive, with the fitted oscillator; below, what the fit leaves, "
-    "in standard deviations of the noise. A pattern there is what the model does not explain.",
-    "decays": "Each decay with the fitted oscillator; below, what the fit leaves, in standard deviations of the noise. "
-    "A pattern there is what the model does not explain.",
-    "balance": "Energy balance: each marker is a cycle, and the line is what friction and damping take. Right: what "
-    "each row leaves, in standard deviations.",
-    "loops": "Acceleration over displacement. The steep line after a reversal is the contact giving way before it "
-    "slips; its slope gives the contact stiffness.",
-}
-"""What each picture shows, in the order of the report."""
 
 
-def report(found: Identified, drawings: Mapping[str, str]) -> str:
-    """The report of one set of records, as HTML.
+def page_of(template: str, **content: Any) -> str:
+    """A page, or a part of one, as HTML.
 
-    drawings : picture → SVG as `figures.style.save_svg` writes it.
+    template : "report" (of what `Identified` has, its document and its drawings as SVG), "sets" (several sets
+    compared), "notebook".   content : what the template shows.
     """
-    answer, document, count = found.answer, found.document(), len(found.sources)
-    names = listed([_short(name) for name in found.sources]) if count < 4 else f"{count} records"
-    of_others: dict[bool, list[str]] = {False: [], True: []}
-    for limit in limits(found.approaches, found.warnings):
-        own = limit.words if limit.of == (answer.name,) else in_a_sentence(limit, found.sources)
-        of_others[limit.kind == "approaches" and answer.name not in limit.of].append(own)
-    keys = [key for of in document["sensitivities"].values() for key in of if key != "fault"]
-    return _page(
-        "report",
-        f"Friction and damping from {names}",
-        found=found,
-        document=document,
-        drawings=drawings,
-        captions=_CAPTIONS,
-        lead=_verdict(answer, found.warnings),
-        limits=of_others[False],
-        limits_of_others=of_others[True],
-        next=_next(found, document["sensitivities"], answer),
-        answers=answers_table(found.approaches),
-        laws=comparison(found.laws),
-        symbols=[key.removesuffix("_percent") for key in dict.fromkeys(keys)],
-        settings=[(n, of) for n, of in dotted(document["options"]) if of not in (None, [], {})],
-    )
-
-
-def report_of_sets(**content: Any) -> str:
-    """The page that compares several sets of records, from what its template shows."""
-    return _page("sets", "Friction and damping of several sets of records", **content)
-
-
-def notebook(found: Identified) -> str:
-    """What a notebook shows: what `screen.text` says, as HTML."""
-    return _TEMPLATES.get_template("notebook.html.j2").render(
-        head=found.head,
-        answers=answers_table(found.approaches),
-        rig=found.rig,
-        laws=comparison(found.laws),
-        limits=limiting(found),
-    )
+    colours = {"version": __version__, "colours": _COLOURS}
+    return _TEMPLATES.get_template(f"{template}.html.j2").render(**colours, **content)
 
 
 def rich(text: str) -> Markup:
@@ -117,42 +66,8 @@ def _sentence(text: str) -> str:
     return (text[0].upper() if capital else text[0]) + text[1:].rstrip(".") + "."
 
 
-_TEMPLATES = jinja2.Environment(
-    loader=jinja2.PackageLoader("dampbalance.identification"),
-    autoescape=True,
-    undefined=jinja2.StrictUndefined,
-    extensions=["jinja2.ext.do"],
-    trim_blocks=True,
-    lstrip_blocks=True,
-    keep_trailing_newline=True,
-)
-_TEMPLATES.filters |= {
-    "rich": rich,
-    "sentence": _sentence,
-    "base64": lambda svg: base64.b64encode(follows_the_screen(svg).encode()).decode(),
-    "visible": visible,
-    "short": lambda source: _short(source),
-    "value": value_of,
-    "interval": interval_of,
-    "part": lambda p: _part(p),
-    "unit": unit_of,
-    "words": lambda symbol: (
-        "contact stiffness" if symbol == "K_z" else term(parted(symbol)[0]).words
-    ),
-    "figures": lambda value: number(_known(value), 4),
-    "percent": lambda share: percent(_known(share)),
-    "change": lambda change: signed_percent(0.01 * round(_known(change), 3)),
-    "setting": lambda value: _setting(value),
-}
-
-
 def _known(value: float | None) -> float:
     return math.nan if value is None else value
-
-
-def _page(name: str, title: str, **content: Any) -> str:
-    template = _TEMPLATES.get_template(f"{name}.html.j2")
-    return template.render(title=title, version=__version__, colours=_COLOURS, **content)
 
 
 # --- what the report of one set says --------------------------------------------------------------
@@ -191,6 +106,11 @@ def _clause(text: str) -> str:
     return text.partition(";")[0]
 
 
+def _names(sources: Sequence[str]) -> str:
+    """The names of a few records, or how many there are."""
+    return f"{len(sources)} records" if len(sources) > 3 else listed([*map(_short, sources)])
+
+
 def _short(source: str) -> str:
     """The name of a file without its folder; of a record from elsewhere all of it, whatever slashes it has."""
     path = PurePath(source)
@@ -217,9 +137,9 @@ def _part(p: ParameterEstimate) -> str:
     return f"{number(100.0 * _half(p), 2)}\N{NO-BREAK SPACE}%"
 
 
-def _next(found: Identified, effects: Mapping[str, Any], answer: Answer) -> list[str]:
-    """What helps most: the fault that the numbers feel most, against what their intervals allow, and the rest of what
-    the records cannot test."""
+def _first_check(answer: Answer, effects: Mapping[str, Any]) -> list[str]:
+    """What helps most: a sentence on the fault that the numbers feel most, against what their intervals allow; none
+    where they allow all of them."""
     felt = [("", 1.0)]
     for effect in effects.values():
         for symbol, p in answer.parameters.items():
@@ -227,7 +147,7 @@ def _next(found: Identified, effects: Mapping[str, Any], answer: Answer) -> list
             if half > 0.0 and math.isfinite(half):
                 words = f"{effect['fault']}, {symbol} is off by {percent(change)}, and its interval"
                 felt.append((f"check first: if {words} shows {_part(p)} only", change / half))
-    return [*filter(None, [max(felt, key=lambda one: one[1])[0]]), *found.rig]
+    return [*filter(None, [max(felt, key=lambda one: one[1])[0]])]
 
 
 def _setting(value: Any) -> str:
@@ -236,3 +156,41 @@ def _setting(value: Any) -> str:
     if isinstance(value, bool):
         return "yes" if value else "no"
     return visible(f"{value:.10g}" if isinstance(value, float) else str(value))
+
+
+_TEMPLATES = jinja2.Environment(
+    loader=jinja2.PackageLoader("dampbalance.identification"),
+    autoescape=True,
+    undefined=jinja2.StrictUndefined,
+    extensions=["jinja2.ext.do"],
+    trim_blocks=True,
+    lstrip_blocks=True,
+    keep_trailing_newline=True,
+)
+_TEMPLATES.filters |= {
+    "rich": rich,
+    "sentence": _sentence,
+    "base64": lambda svg: base64.b64encode(follows_the_screen(svg).encode()).decode(),
+    "visible": visible,
+    "short": _short,
+    "names": _names,
+    "value": value_of,
+    "interval": interval_of,
+    "part": _part,
+    "unit": unit_of,
+    "words": lambda symbol: (
+        "contact stiffness" if symbol == "K_z" else term(parted(symbol)[0]).words
+    ),
+    "figures": lambda value: number(_known(value), 4),
+    "percent": lambda share: percent(_known(share)),
+    "change": lambda change: signed_percent(0.01 * round(_known(change), 3)),
+    "setting": _setting,
+}
+_TEMPLATES.globals |= {
+    "answers_table": answers_table,
+    "comparison": comparison,
+    "dotted": dotted,
+    "first_check": _first_check,
+    "in_a_sentence": in_a_sentence,
+    "verdict": _verdict,
+}

@@ -1,32 +1,18 @@
-"""An identification in plain characters: a table of the answers, and sentences around it."""
+"""Answers in plain characters: tables of values with their intervals, and sentences on what a fit implies."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
 
 from ..reading.oscillator_fit import OscillatorFit
 from .answer import Answer, ParameterEstimate, Verdict, unit_of
 from .law_comparison import LawComparison, Probability
-from .remarks import in_a_sentence, limits
-
-if TYPE_CHECKING:
-    from .identified import Identified
 
 _SMALLEST, _LARGEST = -6, 9  # powers of ten between which a number is written out
 _DIGITS = 15  # significant digits of a float
 _ROUNDING = 1e-12
 _MANTISSA = 6  # decimals of a number with a power of ten
-
-
-def text(found: Identified) -> str:
-    """For a screen: the answers with their 95 % intervals and verdicts, a line each, then what limits them."""
-    tests, sentences = comparison(found.laws), limiting(found)
-    lines = [found.head, "", *aligned(answers_table(found.approaches)), "", *found.rig]
-    lines += ["", *tests] if tests else []
-    lines += ["", "What limits the answer:", *sentences] if sentences else []
-    return "\n".join(lines) + "\n"
 
 
 def answers_table(answers: Mapping[str, Answer]) -> list[tuple[str, ...]]:
@@ -38,14 +24,6 @@ def answers_table(answers: Mapping[str, Answer]) -> list[tuple[str, ...]]:
         cells = (with_interval(p) if (p := answer.parameters.get(s)) else "" for s in order)
         lines.append((name + " *" * bool(answer.notes), *cells, in_one(answer.verdicts)))
     return lines
-
-
-def limiting(found: Identified) -> list[str]:
-    """What limits the answers, in sentences: "*" begins a note on answers, "warning:" all else."""
-    return [
-        f"{'* ' if limit.kind == 'approaches' else 'warning: '}{in_a_sentence(limit, found.sources)}"
-        for limit in limits(found.approaches, found.warnings)
-    ]
 
 
 def aligned(table: Sequence[Sequence[str]]) -> list[str]:

@@ -13,7 +13,7 @@ import pytest
 
 from dampbalance import Oscillator, identify, measured_ring_down, read_records
 from dampbalance.identification.answer import unit_of
-from dampbalance.identification.outcome import Level, damping_ratio
+from dampbalance.identification.identified import Level, damping_ratio
 from dampbalance.identification.screen import interval_of, value_of
 from folders import ROOT
 from paper_case import PAPER
