@@ -268,11 +268,10 @@ def test_a_drive_that_stands_still_is_none(tmp_path):
     holds(result.result, PLUCKED)
 
 
-def test_options_of_forced_records_are_refused(tmp_path):
-    write(tmp_path / "decay.csv", record(PLUCKED)[0])
-    for options in ({"frequency": 3.0}, {"skip_cycles": 2}, {"approaches": ["X_s"]}):
-        with pytest.raises(ValueError, match="is for forced records"):
-            identify([tmp_path / "decay.csv"], PLUCKED.k, **options)
+@pytest.mark.parametrize("options", [{"frequency": 3.0}, {"skip_cycles": 2}, {"approaches": "X_s"}])
+def test_options_of_forced_records_are_refused(options):
+    with pytest.raises(ValueError, match="is for forced records"):
+        identify(record(PLUCKED)[0], PLUCKED.k, **options)
 
 
 @pytest.mark.parametrize(
