@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
@@ -59,35 +59,29 @@ class Probability:
 class LawTest:
     """The tests of one law.
 
-    terms : of the law.   coefficients : by key, (value, standard error), SI units.   balance, waveforms : its tests;
-    None where there is no such motion.   by : names of the tests that count.   rejected, rejected_by_balance : by all
-    of these, by the balance alone.
+    terms : of the law.   coefficients : by key, (value, standard error), SI units.   tests : those that count, by name,
+    "balance" and "waveforms"; None where there is no such motion.   rejected, rejected_by_balance : by all of these, by
+    the balance alone.
     """
 
     terms: tuple[str, ...]
     coefficients: Mapping[str, tuple[float, float]] = field(default_factory=dict)
-    balance: Probability | None = None
-    waveforms: Probability | None = None
-    by: tuple[str, ...] = ("balance", "waveforms")
+    tests: Mapping[str, Probability | None] = field(
+        default_factory=lambda: {"balance": None, "waveforms": None}
+    )
     rejected: bool = True
     rejected_by_balance: bool = True
 
-    def of(self, name: str) -> Probability | None:
-        """The test by the balance or by the waveforms."""
-        return self.balance if name == "balance" else self.waveforms
-
     @property
-    def p(self) -> float:
-        """The p-value of all tests together: the smallest one, times their number; 0 where one cannot be made."""
-        return self._p_of(self.by)
+    def balance(self) -> Probability | None:
+        """The test by the balance; None where it has no degree of freedom left, or cannot be made."""
+        test = self.tests.get("balance")
+        return None if test is None or math.isnan(test.p) else test
 
-    @property
-    def p_of_balance(self) -> float:
-        """The p-value of the balance alone."""
-        return self._p_of(["balance"])
-
-    def _p_of(self, names: Iterable[str]) -> float:
-        tests = [self.of(name) for name in names]
+    def p_of(self, *names: str) -> float:
+        """The p-value of tests together, of all unless some are named: the smallest one, times their number; 0 where
+        one cannot be made."""
+        tests = [self.tests.get(name) for name in names or self.tests]
         known = [t.p for t in tests if t is not None and not math.isnan(t.p)]
         return 0.0 if None in tests else min([1.0, *(len(known) * p for p in known)])
 
@@ -100,8 +94,10 @@ class LawTest:
                 for key, numbers in self.coefficients.items()
                 for what, number in zip(("", "_standard_error"), numbers, strict=True)
             },
-            "balance": self.balance and asdict(self.balance),
-            "waveforms": self.waveforms and asdict(self.waveforms),
+            **{
+                name: (test := self.tests.get(name)) and asdict(test)
+                for name in ("balance", "waveforms")
+            },
             "rejected": self.rejected,
             "rejected_by_balance": self.rejected_by_balance,
         }
@@ -135,7 +131,7 @@ class LawComparison:
     @property
     def names(self) -> tuple[str, ...]:
         """The tests that any law was given."""
-        return max((test.by for test in self.tests), key=len)
+        return max((tuple(test.tests) for test in self.tests), key=len)
 
     def words(self) -> list[str]:
         """What follows from the tests, in sentences."""
@@ -157,20 +153,19 @@ class LawComparison:
 
     def _nothing_fits(self) -> str:
         if "balance" not in self.names:
-            best = max(self.tests, key=lambda e: e.p)
+            best = max(self.tests, key=LawTest.p_of)
             return (
                 f"no law of {MOST_TERMS} terms or fewer fits: the samples reject the nearest, {words_of(best.terms)}, "
-                f"with p = {best.p:.2g}; {self.remedy}, or look for another cause"
+                f"with p = {best.p_of():.2g}; {self.remedy}, or look for another cause"
             )
-        tested = [e for e in self.tests if e.balance is not None and not math.isnan(e.balance.p)]
+        tested = [(test.p, e.terms, test) for e in self.tests if (test := e.balance) is not None]
         if not tested:
             return "no law can be tested: there are no more records than coefficients; add records at other amplitudes"
-        best = max(tested, key=lambda e: e.p_of_balance)
-        assert best.balance is not None
-        times = math.sqrt(best.balance.chi_square / best.balance.degrees_of_freedom)
+        _, terms, test = max(tested, key=lambda one: one[0])
+        times = math.sqrt(test.chi_square / test.degrees_of_freedom)
         return (
             f"no law of {MOST_TERMS} terms or fewer in addition to friction fits: the rows lie {times:.2g} times as far"
-            f" from the balance of the nearest, {words_of(best.terms)}, as noise explains; the levels may differ in "
+            f" from the balance of the nearest, {words_of(terms)}, as noise explains; the levels may differ in "
             "more than their amplitude (a coefficient for each group of records may help), a gain may be wrong, or "
             "another term is missing"
         )
@@ -246,7 +241,7 @@ def compare_laws(
     size = 0
     for kept in followed(sorted(laws, key=len), len(laws), "laws"):
         if len(kept) > size:
-            size, enough = len(kept), [set(e.terms) for e in tests if e.p > ALPHA / len(laws)]
+            size, enough = len(kept), [set(e.terms) for e in tests if e.p_of() > ALPHA / len(laws)]
         # a smaller law may be the one: only what more terms would add to it is of interest
         if enough and not any(smaller < set(kept) for smaller in enough):
             continue
@@ -280,18 +275,18 @@ def chosen_of(tests: Sequence[LawTest], left_out: str, **more: Any) -> LawCompar
 
     more : other fields of the comparison.
     """
-    both, alone = _rejected([e.p for e in tests]), _rejected([e.p_of_balance for e in tests])
+    both, alone = (_rejected([e.p_of(*names) for e in tests]) for names in ((), ["balance"]))
     tests = [
         replace(e, rejected=one, rejected_by_balance=other)
         for e, one, other in zip(tests, both, alone, strict=True)
     ]
-    with_balance = any("balance" in e.by for e in tests)
+    with_balance = any("balance" in e.tests for e in tests)
     by_balance = with_balance and all(both)
     kept = [e for e in tests if not (e.rejected_by_balance if by_balance else e.rejected)]
     if with_balance:
-        kept = [e for e in kept if e.balance is not None and not math.isnan(e.balance.p)]
+        kept = [e for e in kept if e.balance is not None]
     smallest = [e for e in kept if len(e.terms) == min(len(k.terms) for k in kept)]
-    smallest.sort(key=lambda e: -(e.p_of_balance if by_balance else e.p))
+    smallest.sort(key=lambda e: -e.p_of(*["balance"] * by_balance))
     found = [e.terms for e in smallest]
     chosen, alike = (found[0], tuple(found[1:])) if found else (None, ())
     return LawComparison(tuple(tests), chosen, by_balance and bool(kept), alike, left_out, **more)
@@ -317,9 +312,10 @@ def _tested(
     cycles = min(len(reading.steady.weights) for reading in readings)
     balance, coefficients = _generalised(rows[:, 0], drawn, cycles)
     if fit is None:
-        return LawTest(terms, coefficients, balance, by=("balance",))
+        return LawTest(terms, coefficients, {"balance": balance})
     p = probability(fit.chi_square, fit.freedom, fit.lines)
-    return LawTest(terms, coefficients, balance, Probability(fit.chi_square, fit.freedom, p))
+    waveforms = Probability(fit.chi_square, fit.freedom, p)
+    return LawTest(terms, coefficients, {"balance": balance, "waveforms": waveforms})
 
 
 def _generalised(

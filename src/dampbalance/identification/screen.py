@@ -54,7 +54,7 @@ def comparison(laws: LawComparison | None) -> list[str]:
             f"{key} = {value:.5g} ± {error:.2g}"
             for key, (value, error) in test.coefficients.items()
         )
-        tests = [_in_noise(test.of(name)) for name in laws.names]
+        tests = [_in_noise(test.tests.get(name)) for name in laws.names]
         table.append([", ".join(test.terms), *tests, word, "" if word == "rejected" else values])
     return [
         *(f"{words[0].upper()}{words[1:]}." for words in laws.words()),
