@@ -302,12 +302,12 @@ def test_records_of_an_independent_integrator(hz, driven_by):
     )
     readings = [read_features(record, PAPER.k) for record in records(truth)]
     found = identify_readings(readings, PAPER.k, replicates=200)
-    for name in ("direct", "fourier"):
-        for symbol in SYMBOLS:
-            parameter, true = found.estimates[name].parameters[symbol], getattr(PAPER, symbol)
+    for answer in (found.estimates[name] for name in ("direct", "fourier")):
+        for symbol, error in answer.standard_errors.items():
+            true = getattr(PAPER, symbol)
             # two parameters in a hundred intervals: four standard errors
-            assert abs(parameter.value - true) < 4.0 * parameter.standard_error + 6e-4 * true
-            assert parameter.standard_error < 0.01 * true
+            assert abs(answer.values[symbol] - true) < 4.0 * error + 6e-4 * true
+            assert error < 0.01 * true
 
 
 def rounded_contact(Y, osc, cycles=30.0, rate_hz=500.0):
