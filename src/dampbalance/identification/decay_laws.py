@@ -157,8 +157,7 @@ def compare_decay_laws(fit: RingFit) -> LawComparison:
     rejected = [
         LawTest(
             terms,
-            waveforms=_against(every, every.chi_square + rise, terms),
-            by=("waveforms",),
+            tests={"waveforms": _against(every, every.chi_square + rise, terms)},
         )
         for terms, rise in hopeless.items()
     ]
@@ -166,8 +165,7 @@ def compare_decay_laws(fit: RingFit) -> LawComparison:
         LawTest(
             terms,
             {s: one.coefficient(s) for s in terms},
-            waveforms=_against(every, one.chi_square, terms),
-            by=("waveforms",),
+            {"waveforms": _against(every, one.chi_square, terms)},
         )
         for terms, one in fits.items()
     ]

@@ -43,8 +43,7 @@ from .answer import (
     normal,
 )
 from .decay_laws import compare_decay_laws, condition_of, doubt_of
-from .equivalents import Level
-from .outcome import Outcome, Picture
+from .identified import Identified, Level, Picture
 from .remarks import forbidden
 from .screen import implied
 from .sensitivities import Fault
@@ -60,8 +59,8 @@ _SWINGS = 6  # of a decay whose equivalent damping is listed
 _FEWEST, _LOOSE = 2, 1e-2
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class DecayOutcome(Outcome):
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class DecayOutcome(Identified):
     """The answers to records of free decays, and all that they come from.
 
     fit : of one oscillator to all samples; the balance has its K_z.   half_cycles : rows of the balance.
@@ -75,10 +74,9 @@ class DecayOutcome(Outcome):
     kind: ClassVar[Mapping[str, str]] = {"kind": "ring-down"}
 
     def findings(self) -> dict[str, Any]:
-        """Comparison of laws, what each further coefficient would explain, the decays of each record."""
+        """What each further coefficient would explain, the decays of each record."""
         decays = [(one.source, self._decay(i)) for i, one in enumerate(self.fit.decays)]
         return {
-            **({} if self.laws is None else {"laws": self.laws.document()}),
             "departures": [asdict(one) for one in self.departures],
             "records": [
                 {"record": name, "decays": [decay for source, decay in decays if source == name]}

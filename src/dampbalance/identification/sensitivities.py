@@ -23,8 +23,7 @@ from ..reading.one_thread import one_thread
 from ..records.measurement import ABSOLUTE
 from ..solver import solve
 from .answer import Answer
-from .law_rows import LawRows
-from .microstick import sample_of
+from .oscillator import LawRows, sample_of
 
 _STEP = 1e-3  # of each fault: small enough for first order, large compared with rounding
 

@@ -22,8 +22,7 @@ from ..arrays import Array
 from ..balance import TERMS
 from ..features import Features, beside, of_numbers, of_orbit, stack, wrapped
 from ..identification.law_comparison import compare_laws
-from ..identification.microstick import read_samples
-from ..identification.oscillator import JointFit, joined, joint_fit
+from ..identification.oscillator import JointFit, joined, joint_fit, read_samples
 from ..law.response import law_orbit
 from ..law.steady import Response, steady_response
 from ..law.terms import FRICTION, KNOWN_TERMS, of_harmonics

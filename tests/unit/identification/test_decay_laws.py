@@ -12,7 +12,6 @@ from blind.decays import departing, draw, record
 from dampbalance import identify
 from dampbalance.identification.answer import DOUBTFUL, USABLE
 from dampbalance.identification.decays import identify_ring_downs
-from dampbalance.identification.screen import text
 from dampbalance.reading.ringdown_bursts import Signal
 from dampbalance.reading.ringdown_fit import Decay, fit_decays, samples_of
 from dampbalance.reading.ringdown_laws import departures, fit_law
@@ -37,7 +36,7 @@ def test_sound_decays_raise_no_doubt_and_keep_friction_and_viscous_damping():
     for symbol, (value, error) in chosen(result.laws).coefficients.items():
         assert value == pytest.approx(result.reference.values[symbol], abs=1e-2 * error)
         assert error == pytest.approx(result.reference.standard_errors[symbol], rel=0.1)
-    assert "Probability in noise of what each law leaves, of the waveforms:" in text(result)
+    assert "Probability in noise of what each law leaves, of the waveforms:" in result.text()
 
 
 @pytest.mark.parametrize(
