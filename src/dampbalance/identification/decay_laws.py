@@ -2,7 +2,7 @@
 compared.
 
 The quick test belongs to every identification: it asks which one further coefficient the residual speaks for
-(`reading.ringdown_laws.departures`). The comparison tests every law by the likelihood of all samples: χ² of the best
+(`likelihood.law_fit.departures`). The comparison tests every law by the likelihood of all samples: χ² of the best
 oscillator with it, above that of the law with all terms, against the F distribution. The rows of the balance are read
 with a motion of friction and viscous damping, and so they do not test other laws.
 """
@@ -14,11 +14,11 @@ import math
 from collections.abc import Iterable, Sequence
 
 from ..law.terms import FRICTION, KNOWN_TERMS
+from ..likelihood.decay import RingFit
+from ..likelihood.law_fit import TERMS, Departure, LawFit, fit_law
 from ..project.progress import followed
 from ..project.wording import listed
 from ..reading.one_thread import one_thread
-from ..reading.ringdown_fit import RingFit
-from ..reading.ringdown_laws import TERMS, Departure, LawFit, fit_law
 from ..solver import NORMAL_95
 from .law_comparison import ALPHA, MOST_TERMS, LawComparison, LawTest, Probability, chosen_of
 

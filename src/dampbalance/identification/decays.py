@@ -1,6 +1,6 @@
 """F_k, c and K_z from free decays: by rows of half cycles, weighted with their covariance, and by a fit of all samples.
 
-Every half cycle between turns gives a row a F_k + b c = W (`reading/ringdown_rows.py`). Neighbouring rows share a turn,
+Every half cycle between turns gives a row a F_k + b c = W (`half_cycles.py`). Neighbouring rows share a turn,
 and all share the rest position of the spring: rows are made independent by the root of their covariance before they are
 solved.
 """
@@ -18,17 +18,16 @@ import numpy as np
 from ..arguments import number
 from ..arrays import Array
 from ..balance import TERMS, Rows
+from ..likelihood.decay import COMMON, RingFit, fit_decays, with_noise_of
+from ..likelihood.law_fit import Departure, departures
+from ..likelihood.minima import minima_of, with_intervals
+from ..likelihood.search import fit_all, separate_fits
 from ..project.wording import Remark, times, visible
+from ..reading.bursts import NoDecay, Signal, noise_of
 from ..reading.conditioning import evenly_sampled
 from ..reading.cycles import clipped
 from ..reading.frequency import stands_still
 from ..reading.one_thread import one_thread
-from ..reading.ringdown_bursts import NoDecay, Signal, noise_of
-from ..reading.ringdown_fit import COMMON, RingFit, fit_decays, with_noise_of
-from ..reading.ringdown_laws import Departure, departures
-from ..reading.ringdown_minima import minima_of, with_intervals
-from ..reading.ringdown_rows import A, RingRows, W, at_rest, rows_of
-from ..reading.ringdown_search import fit_all, separate_fits
 from ..records.measurement import EXCITATIONS, ORDERS, Channel, Measurement
 from ..solver import NORMAL_95, solve
 from .answer import (
@@ -45,6 +44,7 @@ from .answer import (
 )
 from .decay_laws import compare_decay_laws, condition_of, doubt_of
 from .equivalents import Level
+from .half_cycles import A, RingRows, W, at_rest, rows_of
 from .outcome import Outcome, Picture
 from .remarks import forbidden
 from .screen import implied

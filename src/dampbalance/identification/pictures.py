@@ -30,9 +30,9 @@ from ..figures.style import (
     styled,
 )
 from ..law.terms import term
+from ..likelihood.decay import COMMON, RingFit
 from ..project.wording import cut
 from ..reading.mean_harmonics import Reading
-from ..reading.ringdown_fit import COMMON, RingFit
 from ..reading.waveforms import WaveformFit
 from ..records.measurement import ORDERS, RELATIVE
 from .answer import DOUBTFUL, SHAPE, UNKNOWN, USABLE, Answer, ParameterEstimate, unit_of

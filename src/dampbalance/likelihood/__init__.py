@@ -1,1 +1,1 @@
-"""How much information whole records hold: the bound for every estimate from them."""
+"""From samples to the oscillator of largest likelihood, and how much information records hold: the Cramér–Rao bound."""

@@ -138,7 +138,7 @@ def law_decay(
 ) -> Array:
     """x, ẋ or ẍ (order 0, 1, 2) of a free decay at ascending times ≥ 0, and derivatives by the unknowns, (n, 1 + 12).
 
-    The unknowns are those of `motion.decays`, F_k, c, ρ, m and the start x, ẋ, w, then `ADDED`. Use it where the
+    The unknowns are those of `motion.free_decay`, F_k, c, ρ, m and the start x, ẋ, w, then `ADDED`. Use it where the
     damping or the spring is not linear, or for the derivatives by those coefficients where it is; a decay with
     friction and viscous damping alone is followed faster by `decay_samples`. NaN from where the contact rattles on.
 

@@ -13,9 +13,9 @@ from dampbalance import identify
 from dampbalance.identification.answer import DOUBTFUL, USABLE
 from dampbalance.identification.decays import identify_ring_downs
 from dampbalance.identification.screen import text
-from dampbalance.reading.ringdown_bursts import Signal
-from dampbalance.reading.ringdown_fit import Decay, fit_decays, samples_of
-from dampbalance.reading.ringdown_laws import departures, fit_law
+from dampbalance.likelihood.decay import Decay, fit_decays, samples_of
+from dampbalance.likelihood.law_fit import departures, fit_law
+from dampbalance.reading.bursts import Signal
 from unit.identification.releases import FAR, PLUCKED, compiled  # noqa: F401
 
 SOUND = replace(PLUCKED, lasts=(3.5,), rate_hz=250.0, noise=0.003)

@@ -15,11 +15,11 @@ from dampbalance import BaseMotion, Oscillator, identify, steady_orbit
 from dampbalance.commands.main import main
 from dampbalance.identification.decays import identify_ring_downs
 from dampbalance.identification.forced import identify_readings
+from dampbalance.identification.half_cycles import rows_of
+from dampbalance.likelihood.decay import Decay, fit_decays
+from dampbalance.reading.bursts import Signal
 from dampbalance.reading.cycles import clipped
 from dampbalance.reading.mean_harmonics import read_features
-from dampbalance.reading.ringdown_bursts import Signal
-from dampbalance.reading.ringdown_fit import Decay, fit_decays
-from dampbalance.reading.ringdown_rows import rows_of
 from dampbalance.records.measurement import Channel, Correction, Measurement
 from dampbalance.records.synthetic import measured_orbit, measured_ring_down
 from dampbalance.records.writers import write

@@ -10,13 +10,13 @@ from scipy.optimize import least_squares
 
 from dampbalance.model import Parameters
 from dampbalance.motion.climb import Bounds, climb
-from dampbalance.motion.decays import (
+from dampbalance.motion.events import run
+from dampbalance.motion.free_decay import (
     contact_chord,
     decay_products,
     decay_samples,
     phase_slopes,
 )
-from dampbalance.motion.events import run
 from dampbalance.motion.jit import interpreted
 
 M, K = 2.0, 800.0

@@ -9,8 +9,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from dampbalance.model import Parameters
-from dampbalance.motion.decays import decay_samples, phase_slopes
 from dampbalance.motion.events import run
+from dampbalance.motion.free_decay import decay_samples, phase_slopes
 from dampbalance.motion.law_decays import ADDED, law_decay
 
 M, K, PERIOD = 2.0, 800.0, 2.0 * math.pi * math.sqrt(2.0 / 800.0)

@@ -20,7 +20,7 @@ import numpy as np
 from ..arrays import Array
 from ..motion.events import PHASE_V, PHASE_X
 from ..solver import NORMAL_95
-from .ringdown_fit import COMMON, STATE, Decay, RingFit, fit_decays, rough_ends
+from .decay import COMMON, STATE, Decay, RingFit, fit_decays, rough_ends
 
 _F_K, _C, _RHO, _M = range(4)
 _SHARES = (0.05, 0.35, 0.65, 0.95)  # of friction in the loss

@@ -25,10 +25,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arrays import Array, Integers, Mask
-from ..model import Parameters
-from ..motion.events import PHASE_S, PHASE_T, PHASE_V, PHASE_X, PHASE_Z
-from ..motion.states import states_in_phases
-from .ringdown_fit import (
+from ..likelihood.decay import (
     COMMON,
     STATE,
     STEP,
@@ -40,6 +37,9 @@ from .ringdown_fit import (
     phases_of,
     w_errors,
 )
+from ..model import Parameters
+from ..motion.events import PHASE_S, PHASE_T, PHASE_V, PHASE_X, PHASE_Z
+from ..motion.states import states_in_phases
 
 W, A, B = range(3)
 """Columns of a row: W (J), a (m), b (m²/s)."""

@@ -23,7 +23,8 @@ import numpy as np
 from ..arrays import Array, Mask
 from ..model import Parameters
 from ..motion.climb import GAIN, MOST, Bounds, climb
-from ..motion.decays import (
+from ..motion.events import PHASE_S, PHASE_T, run
+from ..motion.free_decay import (
     MOST_PHASES,
     NOISE,
     OFFSET,
@@ -32,12 +33,11 @@ from ..motion.decays import (
     decay_samples,
     phase_slopes,
 )
-from ..motion.events import PHASE_S, PHASE_T, run
 from ..motion.states import states_in_phases
+from ..reading.bursts import Signal, rounding
+from ..reading.oscillator_fit import OscillatorFit
+from ..reading.whiteness import averages, chance_of_averages, chance_of_lines, louder
 from ..solver import NORMAL_95
-from .oscillator_fit import OscillatorFit
-from .ringdown_bursts import Signal, rounding
-from .whiteness import averages, chance_of_averages, chance_of_lines, louder
 
 COMMON = ("F_k", "c", "rho", "m")
 """Unknowns common to all decays; the offsets and the start states follow."""

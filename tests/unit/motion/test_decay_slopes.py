@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from dampbalance.model import Parameters
-from dampbalance.motion.decays import UNKNOWNS, decay_samples, phase_slopes
 from dampbalance.motion.events import run
+from dampbalance.motion.free_decay import UNKNOWNS, decay_samples, phase_slopes
 from dampbalance.motion.states import states_in_phases
 
 M, K, PERIOD = 2.0, 800.0, 2.0 * math.pi * math.sqrt(2.0 / 800.0)

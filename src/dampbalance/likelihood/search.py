@@ -21,9 +21,9 @@ import numpy as np
 
 from ..arrays import Array
 from ..motion.events import PHASE_S, PHASE_V, PHASE_X
-from .ringdown_bursts import Burst, Signal, bursts_of
-from .ringdown_fit import COMMON, STATE, Decay, RingFit, fit_decays, samples_of, with_noise_of
-from .ringdown_minima import minima_of
+from ..reading.bursts import Burst, Signal, bursts_of
+from .decay import COMMON, STATE, Decay, RingFit, fit_decays, samples_of, with_noise_of
+from .minima import minima_of
 
 _SHARES = (0.05, 0.35, 0.65, 0.95)  # of friction in what the swing loses
 _STIFFNESSES = (4.0, 30.0, 300.0)  # of K_z/k

@@ -19,7 +19,7 @@ from ..arrays import Array, Mask
 from ..law.terms import FRICTION
 from ..motion.climb import Bounds, climb
 from ..motion.law_decays import ADDED, law_decay
-from .ringdown_fit import (
+from .decay import (
     COMMON,
     STATE,
     Decay,

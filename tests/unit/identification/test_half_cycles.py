@@ -9,18 +9,18 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from dampbalance.motion.events import PHASE_X
-from dampbalance.motion.jit import interpreted
-from dampbalance.motion.states import states_in_phases
-from dampbalance.reading.ringdown_bursts import Signal
-from dampbalance.reading.ringdown_fit import Decay, fit_decays, numbers_of, samples_of
-from dampbalance.reading.ringdown_rows import _basis, _columns, _course, _turns
-from dampbalance.reading.ringdown_search import (
+from dampbalance.identification.half_cycles import _basis, _columns, _course, _turns
+from dampbalance.likelihood.decay import Decay, fit_decays, numbers_of, samples_of
+from dampbalance.likelihood.search import (
     _before,
     _until_disturbed,
     _until_grasped,
     refit_from_other_starts,
 )
+from dampbalance.motion.events import PHASE_X
+from dampbalance.motion.jit import interpreted
+from dampbalance.motion.states import states_in_phases
+from dampbalance.reading.bursts import Signal
 
 M, K, F_K, START = 2.0, 800.0, 0.2, 5e-3
 HALF = math.pi * math.sqrt(M / K)  # between two turns, s

@@ -8,9 +8,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from dampbalance.reading.ringdown_bursts import Signal
-from dampbalance.reading.ringdown_fit import COMMON, Decay, RingFit, fit_decays, samples_of
-from dampbalance.reading.ringdown_minima import minima_of, with_intervals
+from dampbalance.likelihood.decay import COMMON, Decay, RingFit, fit_decays, samples_of
+from dampbalance.likelihood.minima import minima_of, with_intervals
+from dampbalance.reading.bursts import Signal
 
 M, K, F_K, START = 2.0, 800.0, 0.4, 5e-3
 PERIOD = 2.0 * math.pi * math.sqrt(M / K)
