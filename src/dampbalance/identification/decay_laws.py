@@ -171,15 +171,14 @@ def compare_decay_laws(fit: RingFit) -> LawComparison:
         )
         for terms, one in fits.items()
     ]
-    caution = "" if every.whiteness.adequate else _CAUTION
+    caution = "" if every.adequate else _CAUTION
     tests = sorted([*rejected, *tests], key=lambda test: len(test.terms))
     return chosen_of(tests, _LEFT_OUT, remedy=_REMEDY, caution=caution)
 
 
 def _noise(every: LawFit) -> float:
     """What the law with all terms leaves per degree of freedom; over parts of a cycle, where that is not white."""
-    white = every.whiteness
-    return every.chi_square / every.freedom * (1.0 if white.adequate else white.misfit)
+    return every.chi_square / every.freedom * (1.0 if every.adequate else every.misfit)
 
 
 def _against(every: LawFit, chi_square: float, terms: tuple[str, ...]) -> Probability:

@@ -121,7 +121,7 @@ class RingRows:
 
 def rows_of(fit: RingFit) -> RingRows:
     """The rows of all decays of a fit."""
-    p, first = fit.point.size, fit.places(0).start
+    p = fit.point.size
     courses = [
         _course(fit.point, fit.point[fit.places(i)], fit.k, one) for i, one in enumerate(fit.decays)
     ]
@@ -131,7 +131,7 @@ def rows_of(fit: RingFit) -> RingRows:
     total = ends[-1]
     # estimates: the turns of all decays, then the unknowns of the fit
     design, rest = np.zeros((fit.samples, total + p)), -fit.residual
-    errors = np.concatenate([np.full(total, math.inf), w_errors(p, first)])
+    errors = np.concatenate([np.full(total, math.inf), w_errors(p, len(fit.decays))])
     rows = []
     at = 0
     for i, (one, course) in enumerate(zip(fit.decays, courses, strict=True)):

@@ -13,7 +13,7 @@ is the least sum of squares over all samples. The stiffness k is given.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import NamedTuple
@@ -22,7 +22,7 @@ import numpy as np
 
 from ..arrays import Array, Mask
 from ..model import Parameters
-from ..motion.climb import GAIN, MOST, Bounds, climb
+from ..motion.climb import GAIN, MOST, Bounds, Climb, climb
 from ..motion.events import PHASE_S, PHASE_T, run
 from ..motion.free_decay import (
     MOST_PHASES,
@@ -33,7 +33,6 @@ from ..motion.free_decay import (
     decay_samples,
     phase_slopes,
 )
-from ..motion.states import states_in_phases
 from ..reading.bursts import Signal, rounding
 from ..reading.oscillator_fit import OscillatorFit
 from ..reading.whiteness import averages, chance_of_averages, chance_of_lines, louder
@@ -83,45 +82,17 @@ class Decay:
         """Number of samples in all channels."""
         return sum(one.t.size for one in self.signals)
 
-
-@dataclass(frozen=True, eq=False)
-class Whiteness:
-    """How much residuals of decays are like white noise.
-
-    residuals : of each channel of each decay.   widths : samples in a part of a cycle there.   unknowns : fitted ones.
-    """
-
-    residuals: tuple[Array, ...]
-    widths: tuple[int, ...]
-    unknowns: int
-
-    @classmethod
-    def of(cls, decays: Sequence[Decay], residual: Array, unknowns: int) -> Whiteness:
-        """Split the residual of decays into those of their channels."""
-        channels = [(one, signal) for one in decays for signal in one.signals]
-        ends = np.cumsum([signal.t.size for _, signal in channels])
-        widths = (max(2, round(one.period / (_BINS * signal.dt))) for one, signal in channels)
-        return cls(tuple(np.split(residual, ends[:-1])), tuple(widths), unknowns)
-
-    @cached_property
-    def misfit(self) -> float:
-        """Mean square of the residual averaged over parts of a cycle, relative to white noise, which gives 1."""
-        return averages(self.residuals, self.widths, self.unknowns)[0]
-
-    @cached_property
-    def chance(self) -> float:
-        """Probability that white noise leaves a residual as similar to a motion, slow or fast."""
-        return min(1.0, 2.0 * min(self.slow_chance, chance_of_lines(self.residuals)))
-
-    @cached_property
-    def slow_chance(self) -> float:
-        """Probability that averages of white noise over parts of a cycle, down to two samples, are as large."""
-        return chance_of_averages(self.residuals, self.widths, self.unknowns)
-
     @property
-    def adequate(self) -> bool:
-        """Whether the residual is white, so that such an oscillator may have made the records."""
-        return self.chance >= _CHANCE
+    def last_sample(self) -> float:
+        """Time of the last sample, s; just after the start where there are none."""
+        last = max((float(one.t[-1]) for one in self.signals if one.t.size), default=self.start)
+        return max(last, self.start + 1e-9 * self.period)
+
+    def grid(self, signal: Signal) -> tuple[float, float, int]:
+        """Time of the first sample of a channel after the start, s, interval, s, and number of samples."""
+        n = signal.t.size
+        first = float(signal.t[0]) - self.start if n else 0.0
+        return first, signal.dt if n > 1 else self.period, n
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,15 +115,14 @@ class RingFit(OscillatorFit):
     @cached_property
     def _columns(self) -> Array:
         par = numbers_of(self.point, self.k)
-        states = [self.point[self.places(i)] for i in range(len(self.decays))]
-        pairs = zip(self.decays, states, strict=True)
-        phases = [_phases_to_last(self.point, state, self.k, one) for one, state in pairs]
 
-        def samples(i: int, times: Array, order: int) -> Array:
-            slopes = phase_slopes(phases[i], float(states[i][2]), par)
-            return decay_samples(times, order, phases[i], slopes, par)
+        def samples(i: int, signal: Signal) -> Array:
+            one = self.decays[i]
+            phases = self.phases(i, one.last_sample)
+            slopes = phase_slopes(phases, float(self.point[self.places(i)][2]), par)
+            return decay_samples(one.grid(signal), signal.order, phases, slopes, par)[:, :-1]
 
-        whole = columns_of(self.decays, self.point, self.point.size, samples)
+        whole = columns_of(self.decays, self.point, len(COMMON), samples)
         whole[:, _RHO] *= 1.0 + 0.5 * contact_chord(par.K_z**-0.5, self.k) / self.point[_RHO]
         whole[:, :-1] *= self.free
         return whole
@@ -172,6 +142,21 @@ class RingFit(OscillatorFit):
         """Number of samples in all decays."""
         return sum(one.samples for one in self.decays)
 
+    @property
+    def names(self) -> tuple[str, ...]:
+        """F_k, c, rho, m."""
+        return COMMON
+
+    @property
+    def errors(self) -> Array:
+        """Standard errors of the common unknowns at this minimum, (4,)."""
+        return np.sqrt(np.diag(self.covariance)[: len(COMMON)])
+
+    @property
+    def freedom(self) -> int:
+        """Degrees of freedom."""
+        return self.samples - self.point.size
+
     def interval(self, name: str) -> tuple[float, float]:
         """95 % interval of a common unknown, in its unit."""
         return self.ranges.get(name) or super().interval(name)
@@ -182,16 +167,6 @@ class RingFit(OscillatorFit):
             return super().error(name)
         low, high = self.ranges[name]
         return 0.5 * (high - low) / NORMAL_95
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """F_k, c, rho, m."""
-        return COMMON
-
-    @property
-    def freedom(self) -> int:
-        """Degrees of freedom."""
-        return self.samples - self.point.size
 
     def places(self, i: int) -> slice:
         """Places of the start state x, ẋ, w of decay i in the point."""
@@ -210,45 +185,60 @@ class RingFit(OscillatorFit):
         last = self.phases(i, end)[-1]
         return float(last[PHASE_T]) if last[PHASE_S] == 0.0 else math.inf
 
-    def residuals(self) -> Iterator[tuple[int, Signal, Array]]:
+    def residuals(self) -> list[tuple[int, Signal, Array]]:
         """Number of the decay, channel and residual of each channel of each decay."""
-        channels = ((i, signal) for i, one in enumerate(self.decays) for signal in one.signals)
-        for (i, signal), residual in zip(channels, self.whiteness.residuals, strict=True):
-            yield i, signal, residual
+        channels = [(i, signal) for i, one in enumerate(self.decays) for signal in one.signals]
+        ends = np.cumsum([signal.t.size for _, signal in channels])
+        return [(*channels[j], r) for j, r in enumerate(np.split(self.residual, ends[:-1]))]
 
     @cached_property
-    def whiteness(self) -> Whiteness:
-        """How much the residual is like white noise."""
-        return Whiteness.of(self.decays, self.residual, self.point.size)
+    def _parts(self) -> tuple[list[Array], list[int], int]:
+        """Residuals of the channels, samples in a part of a cycle there, and what the fit takes of their freedom."""
+        channels = self.residuals()
+        widths = [
+            max(2, round(self.decays[i].period / (_BINS * signal.dt))) for i, signal, _ in channels
+        ]
+        fitted = self.point.size - len(self.names) + len(COMMON)
+        return [residual for *_, residual in channels], widths, fitted
 
-    @property
+    @cached_property
     def misfit(self) -> float:
-        """As `Whiteness` has it."""
-        return self.whiteness.misfit
+        """Mean square of the residual averaged over parts of a cycle, relative to white noise, which gives 1."""
+        return averages(*self._parts)[0]
+
+    @cached_property
+    def slow_chance(self) -> float:
+        """Probability that averages of white noise over parts of a cycle, down to two samples, are as large."""
+        return chance_of_averages(*self._parts)
+
+    @cached_property
+    def chance(self) -> float:
+        """Probability that white noise leaves a residual as similar to a motion, slow or fast."""
+        return min(1.0, 2.0 * min(self.slow_chance, chance_of_lines(self._parts[0])))
 
     @property
     def adequate(self) -> bool:
-        """As `Whiteness` has it."""
-        return self.whiteness.adequate
+        """Whether the residual is white, so that such an oscillator may have made the records."""
+        return self.chance >= _CHANCE
 
     @property
     def doubtful(self) -> bool:
         """Whether the climb may have missed the best fit: neighbouring residuals are correlated, or their averages too
         large. Coloured noise has the same effect."""
-        products = math.fsum(float(one[1:] @ one[:-1]) for one in self.whiteness.residuals)
+        products = math.fsum(float(one[1:] @ one[:-1]) for one in self._parts[0])
         alike = products / max(self.chi_square, 1e-300) * math.sqrt(self.samples)
-        return self.whiteness.chance < _DOUBTFUL or alike > _ALIKE
+        return self.chance < _DOUBTFUL or alike > _ALIKE
 
     @cached_property
     def shortcomings(self) -> tuple[str, ...]:
         """In which ways the decays are not those of such an oscillator with white noise, in words; empty where they may
         be."""
         words = []
-        if self.whiteness.slow_chance < _CHANCE:
+        if self.slow_chance < _CHANCE:
             words.append(
                 "the decays are not those of one mass on a spring, a damper and one friction contact within white "
                 f"noise: what is left is {self.misfit:.3g} times as large as noise would leave it over a twelfth of a "
-                f"cycle, or over fewer samples, with a probability of {self.whiteness.slow_chance:.1g}"
+                f"cycle, or over fewer samples, with a probability of {self.slow_chance:.1g}"
             )
         elif not self.adequate:
             words.append(
@@ -263,24 +253,20 @@ class RingFit(OscillatorFit):
 
 
 def columns_of(
-    decays: Sequence[Decay], point: Array, size: int, samples: Callable[[int, Array, int], Array]
+    decays: Sequence[Decay], point: Array, common: int, samples: Callable[[int, Signal], Array]
 ) -> Array:
     """Derivatives of the residuals (model − sample)/σ by the unknowns of a point, and these residuals,
     (samples, unknowns + 1).
 
-    size : number of the unknowns of a `RingFit`; any others follow.
-    samples : (number of a decay, times after its start, order of the derivative) → samples and their derivatives by
-    COMMON, the start state, and the other unknowns, as columns.
+    common : number of the unknowns common to all decays.
+    samples : (number of a decay, channel) → samples and their derivatives by the common unknowns and the start state.
     """
     blocks = []
     for i, one in enumerate(decays):
-        begin = size - STATE * (len(decays) - i)
-        places = [*range(len(COMMON)), *range(begin, begin + STATE), *range(size, point.size)]
+        begin = point.size - STATE * (len(decays) - i)
+        places = [*range(common), *range(begin, begin + STATE)]
         for signal in one.signals:
-            part, offset = (
-                samples(i, signal.t - one.start, signal.order),
-                len(COMMON) + signal.offset,
-            )
+            part, offset = samples(i, signal), common + signal.offset
             block = np.zeros((signal.t.size, point.size + 1))
             block[:, places] = part[:, 1:]
             block[:, offset] = 1.0
@@ -303,114 +289,99 @@ def fit_decays(
     given : numbers of the unknowns that keep their values.   gain : of half of χ², where the climb ends.
     most : evaluations.
     """
-    samples = Samples.of(decays, start.size)
-    bounds, rigid = bounds_of(decays, samples, k, start, given)
-    reached = climb(samples.evaluation(k), start, bounds, gain=gain, most=most)
-    if reached is None:
+    samples = Samples.of(decays, k, start.size)
+    end = samples.climb(start, given, gain=gain, most=most)
+    if end is None:
         return None
-    point, information = reached.point, reached.products[:-1, :-1]
-    information = information * np.outer(bounds.free, bounds.free)
+    free = np.ones(start.size, dtype=np.bool_)
+    free[[*given]] = False
     return RingFit(
         k=k,
-        point=point,
-        covariance=_covariance(information, w_errors(start.size, len(COMMON) + samples.offsets)),
-        chi_square=reached.chi_square,
-        rigid=bool(point[_RHO] <= rigid),
+        point=end.point,
+        covariance=_covariance(
+            end.products[:-1, :-1] * np.outer(free, free), w_errors(start.size, len(decays))
+        ),
+        chi_square=end.chi_square,
+        rigid=bool(end.point[_RHO] <= samples.rigid),
         decays=tuple(decays),
-        free=bounds.free,
+        free=free,
     )
 
 
-def rough_ends(
-    decays: Sequence[Decay],
-    k: float,
-    starts: Array,
-    *,
-    given: Collection[int] = (),
-    gain: float,
-    most: int,
-    following: bool = False,
-) -> Array:
-    """Where climbs from many starts (n, p) end and χ² there, (n, p + 1), the lowest first; those that the model has no
-    motion at are left out.
-
-    following : whether each start takes the unknowns that are not given from the end before; the order then stays.
-    """
-    if not len(starts):
-        return np.empty((0, 0))
-    samples = Samples.of(decays, starts.shape[1])
-    bounds, _ = bounds_of(decays, samples, k, starts[0], given)
-    evaluate = samples.evaluation(k)
-    ends = np.full((len(starts), starts.shape[1] + 1), math.inf)
-    reached = None
-    for start, end in zip(starts, ends, strict=True):
-        if following and reached is not None:
-            start = np.where(bounds.free, reached.point, start)
-        reached = climb(evaluate, start, bounds, gain=gain, most=most)
-        if reached is not None:
-            end[:-1], end[-1] = reached.point, reached.chi_square
-    if following:
-        return ends
-    ends = ends[np.isfinite(ends[:, -1])]
-    return ends[np.argsort(ends[:, -1], kind="stable")]
-
-
 class Samples(NamedTuple):
-    """The samples of decays as kernels take them: number of offsets, table of channels, values of all of them."""
+    """The samples of decays as kernels take them, and climbs on them.
 
+    offsets : number of offsets.   channels : table, decay by decay.   values : of all samples.
+    """
+
+    decays: Sequence[Decay]
+    k: float
     offsets: int
     channels: Array
     values: Array
 
     @classmethod
-    def of(cls, decays: Sequence[Decay], unknowns: int) -> Samples:
+    def of(cls, decays: Sequence[Decay], k: float, unknowns: int) -> Samples:
         """Pack the samples of decays for a fit with so many unknowns."""
         rows, end = [], 0
         for i, one in enumerate(decays):
             for signal in one.signals:
                 begin, end = end, end + signal.t.size
-                first = float(signal.t[0]) - one.start if signal.t.size else 0.0
-                step = signal.dt if signal.t.size > 1 else 1.0
-                rows.append((i, signal.order, signal.offset, first, step, signal.noise, begin, end))
+                of, (first, step, _) = (i, signal.order, signal.offset), one.grid(signal)
+                until = one.last_sample - one.start
+                rows.append((*of, first, step, signal.noise, begin, end, until))
         values = np.concatenate([signal.values for one in decays for signal in one.signals])
         offsets = unknowns - len(COMMON) - STATE * len(decays)
-        return cls(offsets, np.array(rows, dtype=float), values)
+        return cls(decays, k, offsets, np.array(rows, dtype=float), values)
 
-    def evaluation(self, k: float) -> Callable[[Array, Array], bool]:
-        """What sets the products at a point, as `climb` takes it."""
-        rows = np.empty((MOST_PHASES, 5))
-        return lambda point, out: decay_products(point, k, *self, rows, out)
+    @property
+    def rigid(self) -> float:
+        """The ρ that stands for a rigid contact."""
+        return 1.0 / math.sqrt(_STIFFEST * self.k)
 
+    def bounds(self, start: Array, given: Collection[int] = ()) -> Bounds:
+        """The bounds of a climb from a start; `given` are the numbers of the unknowns that keep their values."""
+        free = np.ones(start.size, dtype=np.bool_)
+        free[[*given]] = False
+        first_state = len(COMMON) + self.offsets
+        F_k, _, rho, m = start[: len(COMMON)].tolist()
+        critical, omega = math.sqrt(self.k * m), math.sqrt(self.k / m)
+        lower, upper = np.full(start.size, -math.inf), np.full(start.size, math.inf)
+        scale = np.ones(start.size)
+        # with no contact at all, a mass this light is critically damped, even if the period is that of two turns
+        light = self.k * (min(one.period for one in self.decays) / (8.0 * math.pi)) ** 2
+        lower[:4] = 1e-9 * F_k, 0.0, self.rigid, max(m / _MASSES, min(light, m))
+        upper[1:4] = _DAMPED * critical, 1.0 / math.sqrt(_LOOSEST * self.k), m * _MASSES
+        scale[:4] = F_k, 1e-3 * critical, 1e-3 * rho, m
+        states = start[first_state:].reshape(-1, STATE)
+        size = np.maximum(np.maximum(np.abs(states[:, 0]), np.abs(states[:, 1]) / omega), 1e-300)
+        scale[first_state::STATE], scale[first_state + 1 :: STATE] = size, size * omega
+        lower[first_state + 2 :: STATE], upper[first_state + 2 :: STATE] = 0.0, 2.0
+        for offset, noise in self.channels[:, (OFFSET, NOISE)].tolist():
+            scale[len(COMMON) + int(offset)] = noise
+        return Bounds(free, lower, upper, scale)
 
-def bounds_of(
-    decays: Sequence[Decay],
-    samples: Samples,
-    k: float,
-    start: Array,
-    given: Collection[int] = (),
-) -> tuple[Bounds, float]:
-    """The bounds of a climb from a start, and the ρ that stands for a rigid contact."""
-    free = np.ones(start.size, dtype=np.bool_)
-    free[[*given]] = False
-    rigid = 1.0 / math.sqrt(_STIFFEST * k)
-    first_state = len(COMMON) + samples.offsets
-    F_k, _, rho, m = start[: len(COMMON)].tolist()
-    omega = math.sqrt(k / m)
-    lower = np.full(start.size, -math.inf)
-    upper = np.full(start.size, math.inf)
-    scale = np.ones(start.size)
-    # with no contact at all, a mass this light is critically damped, even if the period is that of two turns
-    light = k * (min(one.period for one in decays) / (8.0 * math.pi)) ** 2
-    lower[:4] = 1e-9 * F_k, 0.0, rigid, max(m / _MASSES, min(light, m))
-    upper[1:4] = _DAMPED * math.sqrt(k * m), 1.0 / math.sqrt(_LOOSEST * k), m * _MASSES
-    scale[:4] = F_k, 1e-3 * math.sqrt(k * m), 1e-3 * rho, m
-    states = start[first_state:].reshape(-1, STATE)
-    size = np.maximum(np.maximum(np.abs(states[:, 0]), np.abs(states[:, 1]) / omega), 1e-300)
-    scale[first_state::STATE], scale[first_state + 1 :: STATE] = size, size * omega
-    lower[first_state + 2 :: STATE], upper[first_state + 2 :: STATE] = 0.0, 2.0
-    for offset, noise in samples.channels[:, (OFFSET, NOISE)].tolist():
-        scale[len(COMMON) + int(offset)] = noise
-    return Bounds(free, lower, upper, scale), rigid
+    def climb(
+        self, start: Array, given: Collection[int] = (), *, gain: float, most: int
+    ) -> Climb | None:
+        """The end of a climb from a start; None where the model has no motion there."""
+        # a motion with more phases is none that the samples show
+        most_phases = 64 + max(one.samples for one in self.decays) // 4
+        rows = np.empty((min(most_phases, MOST_PHASES), 5))
+
+        def evaluate(point: Array, out: Array) -> bool:
+            return decay_products(
+                point, self.k, self.offsets, self.channels, self.values, rows, out
+            )
+
+        return climb(evaluate, start, self.bounds(start, given), gain=gain, most=most)
+
+    def climbs(
+        self, starts: Iterable[Array], given: Collection[int] = (), *, gain: float, most: int
+    ) -> list[Climb]:
+        """The ends of climbs from many starts, the lowest first; those without a motion are left out."""
+        ends = (self.climb(start, given, gain=gain, most=most) for start in starts)
+        return sorted(filter(None, ends), key=lambda end: end.chi_square)
 
 
 def _covariance(information: Array, errors: Array) -> Array:
@@ -428,10 +399,10 @@ def _covariance(information: Array, errors: Array) -> Array:
     return covariance
 
 
-def w_errors(size: int, first_state: int) -> Array:
+def w_errors(size: int, decays: int) -> Array:
     """Prior standard errors of the unknowns, (p,): w lies between 0 and 2; the others have no prior."""
     errors = np.full(size, math.inf)
-    errors[first_state + 2 :: STATE] = _W_ERROR
+    errors[size - STATE * decays + 2 :: STATE] = _W_ERROR
     return errors
 
 
@@ -490,16 +461,3 @@ def phases_of(point: Array, state: Array, k: float, until: float) -> Array:
     if t < until:
         raise ValueError("the contact slips on and on")
     return rows[:count]
-
-
-def samples_of(point: Array, state: Array, k: float, one: Decay) -> Array:
-    """Samples of all channels of a decay without noise and offset, (samples,)."""
-    phases, par = _phases_to_last(point, state, k, one), numbers_of(point, k)
-    parts = [states_in_phases(s.t - one.start, phases, 0.0, par)[s.order] for s in one.signals]
-    return np.concatenate(parts)
-
-
-def _phases_to_last(point: Array, state: Array, k: float, one: Decay) -> Array:
-    """The phases of a motion up to the last sample of a decay."""
-    longest = max(float(s.t[-1]) for s in one.signals if s.t.size)
-    return phases_of(point, state, k, max(longest - one.start, 1e-9 * one.period))

@@ -5,10 +5,8 @@ response S = J̇ of `flow`, which depend on δ = c/(2m) and Ω² = κ/m; their d
 phase to the next the derivatives of x and ẋ at a fixed time are continuous, since the force of the contact is; where
 the mass turns, that of the contact spring becomes ±∂(F_k/K_z).
 
-A fit needs JᵀJ, Jᵀr and rᵀr alone. In a phase the residual (model − sample) and its derivatives are linear in six
-functions of time: the responses to ẋ(0) and f₀, the derivatives by δ and Ω², 1, and the residual. Their products are
-summed over the samples of the phase, e^{−δt} cos and sin advanced from sample to sample by a rotation, and taken to the
-unknowns once per phase.
+A fit needs JᵀJ, Jᵀr and rᵀr alone, r = (model − sample)/σ: the products of the samples' derivatives and residuals.
+Samples are evenly spaced, and e^{−δt} cos and sin are advanced from one to the next by a rotation.
 """
 
 from __future__ import annotations
@@ -36,16 +34,13 @@ _CRITICAL_BELOW = 0.05  # of |Ω² − δ²| t²: four terms of the series in it
 MOST_PHASES = 4096
 """Of a decay: a motion that slips more often than that is none."""
 
-DECAY, ORDER, OFFSET, FIRST, STEP, NOISE, BEGIN, END = range(8)
+DECAY, ORDER, OFFSET, FIRST, STEP, NOISE, BEGIN, END, UNTIL = range(9)
 """Columns of the table of channels: number of the decay, order of the derivative, number of the offset, time of the
-first sample after the start of the decay, s, interval, s, standard deviation of the noise, and the samples' places."""
+first sample after the start of the decay, s, interval, s, standard deviation of the noise, the samples' places, and
+time of the last sample of the decay in any channel, s."""
 
-# Unknowns of one decay without its offset, which follows, and the residual.
-_OWN = COMMON_UNKNOWNS + STATE_UNKNOWNS
 _UNDER = 0.999  # of the critical damping: below it the responses are advanced by a rotation
 _CHORD = 3e-2  # of ρ√k, K_z = 1100 k
-# A motion with more phases than that for its samples is none that they show.
-_FEW_PHASES, _PER_PHASE = 64, 4
 
 
 @jit
@@ -159,123 +154,48 @@ def phase_slopes(phases: Array, w: float, par: Parameters) -> Array:
 
 
 @jit
-def decay_samples(times: Array, order: int, phases: Array, slopes: Array, par: Parameters) -> Array:
-    """x, ẋ or ẍ (order 0, 1, 2) of a free decay at ascending times, and its derivatives by `UNKNOWNS`, shape (n, 8).
+def decay_samples(
+    grid: tuple[float, float, int], order: int, phases: Array, slopes: Array, par: Parameters
+) -> Array:
+    """x, ẋ or ẍ (order 0, 1, 2) of a free decay at even times, its derivatives by `UNKNOWNS`, and 1, shape (n, 9).
 
-    slopes : of `phase_slopes`.   Use it where residuals of samples and their derivatives are needed together; values
-    alone come from `states_in_phases`.
+    grid : time of the first sample, s, interval, s, and number of samples.   slopes : of `phase_slopes`.
+    Use it where residuals of samples and their derivatives are needed together; values alone come from
+    `states_in_phases`.
     """
-    out = np.empty((times.size, 8))
-    i, stop = -1, -math.inf
-    start = x0 = v0 = f0 = delta = Omega2 = 0.0
-    for n in range(times.size):
-        while times[n] >= stop:
-            i += 1
-            start, s, x0, v0, z0 = read_phase(phases, i)
-            f0, delta, Omega2 = phase_start_of(s, x0, z0, par)
-            stop = phases[i + 1, 0] if i + 1 < phases.shape[0] else math.inf
-        t = times[n] - start
-        response = _response(t, delta, Omega2)
-        value, v, f, d, O = _weights(t, order, response, (v0, f0, delta, Omega2))
-        out[n, 0] = x0 + value if order == 0 else value
-        here = slopes[i]
-        for j in range(7):
-            out[n, j + 1] = v * here[1, j] + f * here[2, j] + d * here[3, j] + O * here[4, j]
-            if order == 0:
-                out[n, j + 1] += here[0, j]
-    return out
-
-
-@jit
-def _add_phase(
-    sums: Array,
-    values: Array,
-    times: tuple[float, float],
-    order: int,
-    rest: float,
-    phase: _OfPhase,
-) -> None:
-    """Set sums (6, 6) to the products of the six functions over the samples of a phase, lower triangle.
-
-    times : of the first sample, s from the start of the phase, and interval.   rest : what u, ẋ or ẍ lacks of a sample.
-    """
-    _, _, delta, Omega2 = phase
-    t, step = times
-    under = delta < _UNDER * math.sqrt(Omega2)
-    w = math.sqrt(Omega2 - delta * delta) if under else 1.0
-    decay = math.exp(-delta * t)
-    cosine, sine = decay * math.cos(w * t), decay * math.sin(w * t)
-    decay = math.exp(-delta * step)
-    turn_c, turn_s = decay * math.cos(w * step), decay * math.sin(w * step)
-    f = np.empty(6)
-    for i in range(6):
-        for j in range(i + 1):
-            sums[i, j] = 0.0
-    for n in range(values.size):
-        if under:
-            S = sine / w
-            J, S_O = (1.0 - cosine - delta * S) / Omega2, (t * cosine - S) / (2.0 * w * w)
-            response = (J, S, cosine - delta * S, S_O)
-            cosine, sine = cosine * turn_c - sine * turn_s, cosine * turn_s + sine * turn_c
-        else:
-            response = _response(t, delta, Omega2)
-        value, f[0], f[1], f[2], f[3] = _weights(t, order, response, phase)
-        f[4], f[5] = 1.0, value + rest - values[n]
-        t += step
-        for i in range(6):
-            for j in range(i + 1):
-                sums[i, j] += f[i] * f[j]
-
-
-@jit
-def _add_channel(
-    own: Array,
-    values: Array,
-    channel: Array,
-    level: float,
-    phases: Array,
-    slopes: Array,
-    par: Parameters,
-) -> None:
-    """Set own (9, 9) to the products over the samples of a channel, by the unknowns of its decay, its offset and the
-    residual, lower triangle."""
-    order, first, step = int(channel[ORDER]), channel[FIRST], channel[STEP]
-    weight = channel[NOISE] ** -2
-    size = _OWN + 2
-    sums, to, half = np.empty((6, 6)), np.zeros((6, size)), np.empty((6, size))
-    to[4, _OWN] = to[5, _OWN + 1] = 1.0
-    for a in range(size):
-        for b in range(a + 1):
-            own[a, b] = 0.0
+    first, step, count = grid
+    out = np.ones((count, 9))
     n = 0
     for i in range(phases.shape[0]):
         begin, s, x0, v0, z0 = read_phase(phases, i)
-        stop = values.size
+        stop = count
         if i + 1 < phases.shape[0]:
-            stop = min(max(math.ceil((phases[i + 1, 0] - first) / step), n), stop)
-        if stop == n:
-            continue
+            stop = min(max(math.ceil((phases[i + 1, 0] - first) / step), n), count)
         f0, delta, Omega2 = phase_start_of(s, x0, z0, par)
-        rest = level + x0 if order == 0 else level
-        times = (first + n * step - begin, step)
-        _add_phase(sums, values[n:stop], times, order, rest, (v0, f0, delta, Omega2))
-        n = stop
-        for b in range(_OWN):
-            for a in range(4):
-                to[a, b] = slopes[i, a + 1, b]
-            if order == 0:
-                to[4, b] = slopes[i, 0, b]
-        for a in range(6):
-            for b in range(size):
-                half[a, b] = 0.0
-                for j in range(6):
-                    half[a, b] += (sums[a, j] if j <= a else sums[j, a]) * to[j, b]
-        for a in range(size):
-            for b in range(a + 1):
-                total = 0.0
-                for j in range(6):
-                    total += to[j, a] * half[j, b]
-                own[a, b] += weight * total
+        t = first + n * step - begin
+        under = delta < _UNDER * math.sqrt(Omega2)
+        w = math.sqrt(Omega2 - delta * delta) if under else 1.0
+        decay = math.exp(-delta * t)
+        cosine, sine = decay * math.cos(w * t), decay * math.sin(w * t)
+        decay = math.exp(-delta * step)
+        turn_c, turn_s = decay * math.cos(w * step), decay * math.sin(w * step)
+        here, moved = slopes[i], 1.0 if order == 0 else 0.0
+        while n < stop:
+            if under:
+                S = sine / w
+                J, S_O = (1.0 - cosine - delta * S) / Omega2, (t * cosine - S) / (2.0 * w * w)
+                response = (J, S, cosine - delta * S, S_O)
+                cosine, sine = cosine * turn_c - sine * turn_s, cosine * turn_s + sine * turn_c
+            else:
+                response = _response(t, delta, Omega2)
+            value, v, f, d, O = _weights(t, order, response, (v0, f0, delta, Omega2))
+            out[n, 0] = moved * x0 + value
+            for j in range(7):
+                by_start = v * here[1, j] + f * here[2, j] + moved * here[0, j]
+                out[n, j + 1] = by_start + d * here[3, j] + O * here[4, j]
+            t += step
+            n += 1
+    return out
 
 
 @jit
@@ -290,58 +210,33 @@ def decay_products(
     rows : room for phases.
     """
     p, decay, state, count = point.size, -1, 0, 0
-    for a in range(p + 1):
-        for b in range(p + 1):
-            out[a, b] = 0.0
-    own, places = np.empty((_OWN + 2, _OWN + 2)), np.empty(_OWN + 2, dtype=np.int64)
-    slopes = np.empty((0, 5, _OWN))
+    out[:] = 0.0
     rho = point[_RHO]
     par = Parameters(point[_M], point[_C], k, rho**-2, point[_F_K], 0.0, 0.0)
+    Z_m = par.F_k / par.K_z
+    places = np.array([p, _F_K, _C, _RHO, _M, 0, 0, 0, 0])
+    slopes = np.empty((0, 5, 7))
+    stretch = 1.0 + 0.5 * contact_chord(rho, k) / rho
     for i in range(channels.shape[0]):
         channel = channels[i]
-        begin, end = int(channel[BEGIN]), int(channel[END])
+        begin, end, until = int(channel[BEGIN]), int(channel[END]), channel[UNTIL]
         if channel[DECAY] != decay:
             decay = int(channel[DECAY])
             state = COMMON_UNKNOWNS + offsets + STATE_UNKNOWNS * decay
-            count = _phases_of(point, state, channels, i, rows, par)
-            if count < 0:
+            x, v, w = point[state], point[state + 1], point[state + 2]
+            z = min(max((w - 1.0) * Z_m, -Z_m), Z_m)
+            count, reached, _, _, _ = run(x, v, z, 0.0, until, 0.0, par, rows)
+            if not reached >= until:
                 return False
-            slopes = phase_slopes(rows[:count], point[state + 2], par)
-        offset = COMMON_UNKNOWNS + int(channel[OFFSET])
-        _add_channel(own, values[begin:end], channel, point[offset], rows[:count], slopes, par)
-        for a in range(_OWN):
-            places[a] = a if a < COMMON_UNKNOWNS else state + a - COMMON_UNKNOWNS
-        places[_OWN], places[_OWN + 1] = offset, p
-        for a in range(_OWN + 2):
-            for b in range(a + 1):
-                out[max(places[a], places[b]), min(places[a], places[b])] += own[a, b]
-    chord = contact_chord(rho, k)
-    total = 0.0
-    for a in range(p + 1):
-        for b in range(a + 1):
-            if chord > 0.0:
-                stretch = 1.0 + 0.5 * chord / rho
-                out[a, b] *= (stretch if a == _RHO else 1.0) * (stretch if b == _RHO else 1.0)
-            out[b, a] = out[a, b]
-            total += out[a, b]
-    return math.isfinite(total)
-
-
-@jit
-def _phases_of(
-    point: Array, state: int, channels: Array, i: int, rows: Array, par: Parameters
-) -> int:
-    """Number of phases, written to rows, up to the last sample of the decay whose first channel is i; −1 where its
-    contact rattles on.   state : place of its start state in the point."""
-    until, samples, j = channels[i, STEP], 0, i
-    while j < channels.shape[0] and channels[j, DECAY] == channels[i, DECAY]:
-        size = int(channels[j, END] - channels[j, BEGIN])
-        until = max(until, channels[j, FIRST] + (size - 1) * channels[j, STEP])
-        samples += size
-        j += 1
-    x, v, w = point[state], point[state + 1], point[state + 2]
-    Z_m = par.F_k / par.K_z
-    z = min(max((w - 1.0) * Z_m, -Z_m), Z_m)
-    most = min(rows.shape[0], _FEW_PHASES + samples // _PER_PHASE)
-    count, reached, _, _, _ = run(x, v, z, 0.0, until, 0.0, par, rows[:most])
-    return count if reached >= until else -1
+            slopes = phase_slopes(rows[:count], w, par)
+        grid, order = (channel[FIRST], channel[STEP], end - begin), int(channel[ORDER])
+        block = decay_samples(grid, order, rows[:count], slopes, par)
+        places[5:8] = np.arange(state, state + STATE_UNKNOWNS)
+        places[8] = COMMON_UNKNOWNS + int(channel[OFFSET])
+        block[:, 0] += point[places[8]] - values[begin:end]
+        block[:, 1 + _RHO] *= stretch
+        own = block.T @ block
+        for a in range(9):
+            for b in range(9):
+                out[places[a], places[b]] += own[a, b] / channel[NOISE] ** 2
+    return math.isfinite(out.sum())

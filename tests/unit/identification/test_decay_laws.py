@@ -13,10 +13,11 @@ from dampbalance import identify
 from dampbalance.identification.answer import DOUBTFUL, USABLE
 from dampbalance.identification.decays import identify_ring_downs
 from dampbalance.identification.screen import text
-from dampbalance.likelihood.decay import Decay, fit_decays, samples_of
+from dampbalance.likelihood.decay import Decay, fit_decays
 from dampbalance.likelihood.law_fit import departures, fit_law
 from dampbalance.reading.bursts import Signal
 from unit.identification.releases import FAR, PLUCKED, compiled  # noqa: F401
+from unit.likelihood.exact import exact_samples
 
 SOUND = replace(PLUCKED, lasts=(3.5,), rate_hz=250.0, noise=0.003)
 
@@ -101,7 +102,7 @@ def test_in_noise_the_coefficients_that_are_missing_have_the_errors_that_they_st
     times = np.arange(0.0, 4.0, 0.005)
     quiet = Signal("displacement", 0, times, np.zeros(times.size), 1e-5)
     one = Decay("made", 0.0, 4.0, (quiet,), 2.0 * math.pi / 20.0)
-    clean = samples_of(point, point[5:], 400.0, one)
+    clean = exact_samples(point, 400.0, one)
     random = np.random.default_rng(3)
     drawn = []
     for _ in range(60):

@@ -10,17 +10,17 @@ import pytest
 from scipy.linalg import expm
 
 from dampbalance.identification.half_cycles import _basis, _columns, _course, _turns
-from dampbalance.likelihood.decay import Decay, fit_decays, numbers_of, samples_of
+from dampbalance.likelihood.decay import Decay, fit_decays, numbers_of
 from dampbalance.likelihood.search import (
     _before,
     _until_disturbed,
     _until_grasped,
-    refit_from_other_starts,
 )
 from dampbalance.motion.events import PHASE_X
 from dampbalance.motion.jit import interpreted
 from dampbalance.motion.states import states_in_phases
 from dampbalance.reading.bursts import Signal
+from unit.likelihood.exact import exact_samples
 
 M, K, F_K, START = 2.0, 800.0, 0.2, 5e-3
 HALF = math.pi * math.sqrt(M / K)  # between two turns, s
@@ -46,24 +46,6 @@ def test_a_half_cycle_counts_if_half_of_it_is_recorded(cycles, halves):
     assert pytest.approx(F_K * a, rel=1e-6) == W
 
 
-def test_a_search_from_other_starts_keeps_what_is_given():
-    t = np.arange(0.0, 4.0 * HALF, HALF / 20.0)
-    unread = Decay("", 0.0, t[-1], (Signal("displacement", 0, t, t, 1e-5),), 2.0 * HALF)
-    point = np.concatenate([[F_K, 0.3, 1.0 / math.sqrt(30.0 * K), M, 0.0], STATE])
-    rho, w = 2, 7
-    with interpreted():
-        signal = replace(unread.signals[0], values=samples_of(point, STATE, K, unread))
-        far = point.copy()
-        far[:2] = 0.2 * F_K, 2.0
-        fit = fit_decays([replace(unread, signals=(signal,))], K, far, given={0, 1, rho, w})
-        assert fit.doubtful
-        better = refit_from_other_starts(fit, given={rho, w})
-    assert better.point[[rho, w]].tolist() == point[[rho, w]].tolist()
-    # the samples are exact; the climb ends where half of χ² would fall by 1e-2
-    assert better.chi_square < 2e-2 < 1e-3 * fit.chi_square
-    assert better.F_k == pytest.approx(F_K, rel=1e-3)
-
-
 def test_the_state_a_step_earlier_is_that_of_the_damped_motion():
     """m ẍ + c ẋ + k x = −F_k while the mass slips forwards: the matrix exponential of a step back in time."""
     c, step, now = 30.0, 2.0 * HALF / 24.0, np.array([1e-3, 0.05])
@@ -81,7 +63,7 @@ def decay(last, k_z=30.0 * K, noise=1e-6):
     t = np.arange(0.0, last * HALF, HALF / 20.0)
     unread = Decay("", 0.0, t[-1], (Signal("displacement", 0, t, t, noise),), 2.0 * HALF)
     point = np.concatenate([[F_K, 0.3, k_z**-0.5, M, 0.0], STATE])
-    exact = samples_of(point, STATE, K, unread)
+    exact = exact_samples(point, K, unread)
     values = exact + noise * np.random.default_rng(8).standard_normal(t.size)
     return replace(unread, signals=(replace(unread.signals[0], values=values),)), point
 

@@ -8,9 +8,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from dampbalance.likelihood.decay import COMMON, Decay, RingFit, fit_decays, samples_of
+from dampbalance.likelihood.decay import COMMON, Decay, RingFit, fit_decays
 from dampbalance.likelihood.minima import minima_of, with_intervals
 from dampbalance.reading.bursts import Signal
+from unit.likelihood.exact import exact_samples
 
 M, K, F_K, START = 2.0, 800.0, 0.4, 5e-3
 PERIOD = 2.0 * math.pi * math.sqrt(M / K)
@@ -23,7 +24,7 @@ def decay(noise: float, stiffness: float = 60.0, order: int = 0) -> tuple[Decay,
     point = np.array([F_K, 0.3, (stiffness * K) ** -0.5, M, 0.0, START, 0.0, 1.8])
     empty = Signal("displacement", order, t, np.zeros(t.size), 1.0)
     whole = Decay("", 0.0, float(t[-1]), (empty,), PERIOD)
-    exact = samples_of(point, point[-3:], K, whole)
+    exact = exact_samples(point, K, whole)
     sigma = noise * np.abs(exact).max()
     values = exact + sigma * np.random.default_rng(5).standard_normal(t.size)
     return replace(whole, signals=(replace(empty, values=values, noise=sigma),)), point

@@ -34,11 +34,12 @@ def numbers(c: float = 0.6) -> np.ndarray:
 def channels(n: int = 300) -> np.ndarray:
     """Displacement and velocity of the first decay, the latter sampled later, and acceleration of the second."""
     dt = 6.0 * PERIOD / n
+    last = (n - 1) * dt
     return np.array(
         [
-            [0, 0, 0, 0.0, dt, SIGMA, 0, n],
-            [0, 1, 1, 0.3 * dt, 1.7 * dt, 20.0 * SIGMA, n, n + n // 2],
-            [1, 2, 1, 0.0, dt, 400.0 * SIGMA, n + n // 2, 2 * n + n // 2],
+            [0, 0, 0, 0.0, dt, SIGMA, 0, n, last],
+            [0, 1, 1, 0.3 * dt, 1.7 * dt, 20.0 * SIGMA, n, n + n // 2, last],
+            [1, 2, 1, 0.0, dt, 400.0 * SIGMA, n + n // 2, 2 * n + n // 2, last],
         ]
     )
 
@@ -50,16 +51,16 @@ def columns(point: np.ndarray, table: np.ndarray, values: np.ndarray) -> np.ndar
     par = Parameters(m, c, K, rho**-2, F_k, 0.0, 0.0)
     for row in table:
         begin, end = int(row[6]), int(row[7])
-        times = row[3] + row[4] * np.arange(end - begin)
         state = 4 + OFFSETS + 3 * int(row[0])
         x, v, w = point[state : state + 3].tolist()
         rows = np.empty((400, 5))
         count, *_ = run(x, v, (w - 1.0) * F_k * rho**2, 0.0, 12.0 * PERIOD, 0.0, par, rows)
         phases = rows[:count]
-        part = decay_samples(times, int(row[1]), phases, phase_slopes(phases, w, par), par)
+        grid = row[3], row[4], end - begin
+        part = decay_samples(grid, int(row[1]), phases, phase_slopes(phases, w, par), par)
         block, offset = whole[begin:end], 4 + int(row[2])
         block[:, :4] = part[:, 1:5]
-        block[:, state : state + 3] = part[:, 5:]
+        block[:, state : state + 3] = part[:, 5:8]
         block[:, offset] = 1.0
         block[:, -1] = part[:, 0] + point[offset] - values[begin:end]
         block /= row[5]

@@ -42,7 +42,8 @@ def test_derivatives_are_those_of_differences(order, F_k, c, stiffness, x, v, w,
     times = np.linspace(0.0, cycles * PERIOD, 401)[1:-1]
     phases, par = motion(point, times[-1])
     assert len(phases) > 1
-    found = decay_samples(times, order, phases, phase_slopes(phases, w, par), par)
+    grid = times[0], times[1] - times[0], times.size
+    found = decay_samples(grid, order, phases, phase_slopes(phases, w, par), par)
     expected = states_in_phases(times, phases, 0.0, par)[order]
     np.testing.assert_allclose(found[:, 0], expected, rtol=0, atol=1e-12 * np.abs(expected).max())
     near = np.zeros(times.size, dtype=bool)
