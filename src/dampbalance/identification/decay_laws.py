@@ -137,8 +137,8 @@ def compare_decay_laws(fit: RingFit) -> LawComparison:
     fits: dict[tuple[str, ...], LawFit] = {}
     hopeless: dict[tuple[str, ...], float] = {}
     for _, alike in itertools.groupby(followed(sorted(laws, key=len), len(laws), "laws"), len):
-        known = {terms: _against(every, one.chi_square, terms) for terms, one in fits.items()}
-        enough = [set(terms) for terms, test in known.items() if test.p > ALPHA / len(laws)]
+        tests = [_tested(every, terms, one) for terms, one in fits.items()]
+        enough = [set(test.terms) for test in tests if test.p > ALPHA / len(laws)]
         for terms in alike:
             if enough and not any(smaller < set(terms) for smaller in enough):
                 continue
@@ -148,31 +148,16 @@ def compare_decay_laws(fit: RingFit) -> LawComparison:
                 continue
             within = [one for smaller, one in fits.items() if set(smaller) < set(terms)]
             near = sorted(within, key=lambda one: one.chi_square)[:1]
-            found = fit_law(fit, terms, [one.point for one in near])
-            if found is None:
+            of_law = fit_law(fit, terms, [one.point for one in near])
+            if of_law is None:
                 continue
-            fits[terms] = found
-            if found.chi_square < every.chi_square:
-                every = fit_law(fit, TERMS, [found.point]) or every
-    rejected = [
-        LawTest(
-            terms,
-            waveforms=_against(every, every.chi_square + rise, terms),
-            by=("waveforms",),
-        )
-        for terms, rise in hopeless.items()
-    ]
-    tests = [
-        LawTest(
-            terms,
-            {s: one.coefficient(s) for s in terms},
-            waveforms=_against(every, one.chi_square, terms),
-            by=("waveforms",),
-        )
-        for terms, one in fits.items()
-    ]
+            fits[terms] = of_law
+            if of_law.chi_square < every.chi_square:
+                every = fit_law(fit, TERMS, [of_law.point]) or every
+    tests = [_tested(every, terms, rise) for terms, rise in hopeless.items()]
+    tests += [_tested(every, terms, one) for terms, one in fits.items()]
     caution = "" if every.adequate else _CAUTION
-    tests = sorted([*rejected, *tests], key=lambda test: len(test.terms))
+    tests = sorted(tests, key=lambda test: len(test.terms))
     return chosen_of(tests, _LEFT_OUT, remedy=_REMEDY, caution=caution)
 
 
@@ -181,11 +166,15 @@ def _noise(every: LawFit) -> float:
     return every.chi_square / every.freedom * (1.0 if every.adequate else every.misfit)
 
 
-def _against(every: LawFit, chi_square: float, terms: tuple[str, ...]) -> Probability:
-    """χ² of a law above that of all terms, in the noise that these leave, and its p-value."""
+def _tested(every: LawFit, terms: tuple[str, ...], law: LawFit | float) -> LawTest:
+    """The test of a law by its χ² above that of all terms, in the noise that these leave.
+
+    law : its fit, or what χ² rises by where it needs no fit.
+    """
     from scipy import special  # slow to import
 
-    freedom = len(TERMS) - len(terms)
-    above = max(chi_square - every.chi_square, 0.0) / _noise(every)
+    rise = law.chi_square - every.chi_square if isinstance(law, LawFit) else law
+    freedom, above = len(TERMS) - len(terms), max(rise, 0.0) / _noise(every)
     p = float(special.fdtrc(freedom, every.freedom, above / freedom))
-    return Probability(above, freedom, p)
+    coefficients = {s: law.coefficient(s) for s in terms} if isinstance(law, LawFit) else {}
+    return LawTest(terms, coefficients, waveforms=Probability(above, freedom, p), by=("waveforms",))

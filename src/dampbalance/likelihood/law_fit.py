@@ -27,6 +27,7 @@ from .decay import (
     RingFit,
     Samples,
     columns_of,
+    linear_solution,
     numbers_of,
 )
 
@@ -115,16 +116,13 @@ def departures(fit: RingFit) -> list[Departure]:
     length = np.linalg.norm(whole, axis=0)
     length[length == 0.0] = 1.0
     columns = [*own, *range(first, len(_NAMES)), whole.shape[1] - 1]
-    triangle = _triangle(whole[:, columns] / length[columns])
+    triangle = np.asarray(np.linalg.qr(whole[:, columns] / length[columns], mode="r"))
     known, added, residual = triangle[:, : own.size], triangle[:, own.size : -1], triangle[:, -1]
-    basis, sizes, turn = np.linalg.svd(known, full_matrices=False)
-    rank = int(np.count_nonzero(sizes > _RANK * sizes[0]))
-    basis, inverse = basis[:, :rank], turn[:rank].T / sizes[:rank]
-    rest = residual - basis @ (basis.T @ residual)
-    freedom = whole.shape[0] - rank - 1
+    inverse = np.linalg.pinv(known, rcond=_RANK)
+    moves, rest = inverse @ added, residual - known @ (inverse @ residual)
+    freedom = whole.shape[0] - round(float(np.sum(inverse.T * known))) - 1
     found = []
-    for j, symbol in enumerate(ADDED):
-        g = added[:, j] - basis @ (basis.T @ added[:, j])
+    for j, (symbol, g) in enumerate(zip(ADDED, (added - known @ moves).T, strict=True)):
         square = float(g @ g)
         if not square > _SHOWN * float(added[:, j] @ added[:, j]):
             continue
@@ -133,7 +131,7 @@ def departures(fit: RingFit) -> list[Departure]:
         left = float(rest @ rest) - slope**2 * square
         error = math.sqrt(max(left, 0.0) / max(freedom, 1) / square)
         p = 2.0 * float(special.stdtr(freedom, -abs(slope) / error)) if error > 0.0 else 1.0
-        moved = -inverse @ (basis.T @ added[:, j]) * length[first + j] / length[own]
+        moved = -moves[:, j] * length[first + j] / length[own]
         slopes = {COMMON[at]: float(by) for at, by in zip(own, moved, strict=True) if at <= _C}
         found.append(Departure(symbol, slope * unit, error * unit, p, slopes))
     return found
@@ -184,11 +182,8 @@ def fit_law(fit: RingFit, terms: Sequence[str], starts: Iterable[Array] = ()) ->
     whole = None if best is None else _columns(fit.decays, fit.k, best.point)
     if best is None or whole is None:
         return None
-    covariance = np.zeros((free.size, free.size))
-    length = np.linalg.norm(whole[:, :-1][:, free], axis=0)
-    length[length == 0.0] = 1.0
-    solution = np.linalg.pinv(_triangle(whole[:, :-1][:, free] / length), rcond=1e-9)
-    covariance[np.ix_(free, free)] = solution @ solution.T / np.outer(length, length)
+    design = whole[:, :-1] * free
+    _, covariance = linear_solution(design, whole[:, -1], np.full(free.size, math.inf))
     return LawFit(
         k=fit.k,
         point=best.point,
@@ -230,21 +225,15 @@ def _bounds(fit: RingFit, free: Mask, losses: Mapping[str, float]) -> Bounds:
     return Bounds(free, lower, upper, scale)
 
 
-def _triangle(columns: Array) -> Array:
-    """The triangle of a QR factorisation: the same sums of products in as many rows as there are columns."""
-    return np.asarray(np.linalg.qr(columns, mode="r"))
-
-
 def _columns(decays: Sequence[Decay], k: float, point: Array) -> Array | None:
     """Derivatives of the residuals (model − sample)/σ by all unknowns of a law, and these residuals, (samples, p + 1);
     None where the contact rattles."""
     par, p = numbers_of(point, k), point[len(COMMON) : len(_NAMES)]
     states = point[point.size - STATE * len(decays) :].reshape(-1, STATE).tolist()
-    order_of_unknowns = [0, *range(1, 5), *range(8, 8 + len(ADDED)), *range(5, 8)]
 
     def samples(i: int, signal: Signal) -> Array:
-        times = signal.t - decays[i].start
-        return law_decay(times, signal.order, *states[i], par, p)[:, order_of_unknowns]
+        x, v, w = states[i]
+        return law_decay(signal.t - decays[i].start, signal.order, x, v, w, par, p)
 
     whole = columns_of(decays, point, len(_NAMES), samples)
     return whole if np.isfinite(whole).all() else None

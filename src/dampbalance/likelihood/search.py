@@ -340,12 +340,14 @@ def _doubted(fits: Sequence[RingFit], longer: RingFit | None) -> int:
     last step, or of the last three, to χ²."""
     from scipy import special  # slow to import
 
-    for count in (1, _SEVERAL) if longer is not None else ():
+    if longer is None:
+        return 1
+    for count in (1, _SEVERAL):
         here = fits[-count:][0]
         new, excess = longer.samples - here.samples, longer.chi_square - here.chi_square
         if new and special.chdtrc(new, max(excess, 0.0)) < _LEFT:
             return count
-    return int(longer is None)
+    return 0
 
 
 def _before(point: Array, k: float, step: float) -> Array:

@@ -18,7 +18,7 @@ import numpy as np
 from ..arrays import Array
 from ..model import Parameters
 from .events import read_phase, run
-from .flow import step_response
+from .flow import Phase, phase_start, step_response
 from .jit import jit
 
 UNKNOWNS = ("F_k", "c", "rho", "m", "x", "v", "w")
@@ -28,7 +28,6 @@ COMMON_UNKNOWNS, STATE_UNKNOWNS = 4, 3
 """How many of these belong to the oscillator, and to the start state."""
 
 _F_K, _C, _RHO, _M, _X, _V, _W = range(7)
-_OfPhase = tuple[float, float, float, float]  # ẋ(0), f₀, δ, Ω²
 _CRITICAL_BELOW = 0.05  # of |Ω² − δ²| t²: four terms of the series in it are then exact to 1e-11
 
 MOST_PHASES = 4096
@@ -54,27 +53,14 @@ def contact_chord(rho: float, k: float) -> float:
 
 
 @jit
-def _impulse_by_stiffness(
-    t: float, S: float, e_cosine: float, delta: float, Omega2: float
-) -> float:
-    """∂S/∂Ω² at time t of a phase.   e_cosine : e^{−δt} cos √(Ω² − δ²) t."""
-    q = Omega2 - delta * delta
-    z = q * t * t
-    if abs(z) < _CRITICAL_BELOW:
-        series = -1.0 / 6.0 + z * (1.0 / 60.0 - z * (1.0 / 1680.0 - z / 90720.0))
-        return math.exp(-delta * t) * t**3 * series
-    return (t * e_cosine - S) / (2.0 * q)
-
-
-@jit
 def _weights(
-    t: float, order: int, response: tuple[float, float, float, float], phase: _OfPhase
+    t: float, order: int, response: tuple[float, float, float, float], phase: Phase
 ) -> tuple[float, float, float, float, float]:
     """At time t of a phase, u, ẋ or ẍ (order 0, 1, 2), and its derivatives by ẋ(0), f₀, δ and Ω².
 
-    response : J, S, R and ∂S/∂Ω².   phase : ẋ(0), f₀, δ, Ω².
+    response : J, S, R and ∂S/∂Ω².
     """
-    (J, S, R, S_O), (v0, f0, delta, Omega2) = response, phase
+    (J, S, R, S_O), (v0, f0, _, delta, Omega2, _) = response, phase
     S_d = -t * S - 2.0 * delta * S_O
     J_O = (0.5 * t * S - delta * S_O - J) / Omega2
     J_d = (t * R - S - delta * S_d) / Omega2
@@ -96,18 +82,16 @@ def _weights(
 
 
 @jit
-def _response(t: float, delta: float, Omega2: float) -> tuple[float, float, float, float]:
+def _response(t: float, phase: Phase) -> tuple[float, float, float, float]:
     """J, S, R and ∂S/∂Ω² at time t ≥ 0 of a phase."""
+    delta, Omega2 = phase.delta, phase.Omega2
     J, S, R = step_response(t, delta, Omega2)
-    return J, S, R, _impulse_by_stiffness(t, S, R + delta * S, delta, Omega2)
-
-
-@jit
-def phase_start_of(s: float, x0: float, z0: float, par: Parameters) -> tuple[float, float, float]:
-    """f₀, δ and Ω² of a phase that starts at x0 with the contact spring at z0."""
-    contact = par.K_z * z0 if s == 0.0 else s * par.F_k
-    stiff = par.k + (par.K_z if s == 0.0 else 0.0)
-    return -(par.k * x0 + contact) / par.m, par.c / (2.0 * par.m), stiff / par.m
+    q = Omega2 - delta * delta
+    z = q * t * t
+    if abs(z) < _CRITICAL_BELOW:
+        series = -1.0 / 6.0 + z * (1.0 / 60.0 - z * (1.0 / 1680.0 - z / 90720.0))
+        return J, S, R, math.exp(-delta * t) * t**3 * series
+    return J, S, R, (t * (R + delta * S) - S) / (2.0 * q)
 
 
 @jit
@@ -124,9 +108,9 @@ def phase_slopes(phases: Array, w: float, par: Parameters) -> Array:
     side, by_w = w - 1.0, par.F_k / K_z  # z = side F_k/K_z
     for i in range(phases.shape[0]):
         here = slopes[i]
-        f0, delta, Omega2 = phase_start_of(s, x0, z0, par)
-        for j in range(7):
-            here[2, j] = -par.k / m * here[0, j]
+        phase = phase_start(s, x0, v0, z0, 1.0 + 0.0j, par)
+        _, f0, _, delta, Omega2, _ = phase
+        here[2] = -par.k / m * here[0]
         here[3, _C], here[3, _M] = 0.5 / m, -delta / m
         here[4, _M] = -Omega2 / m
         here[2, _M] -= f0 / m
@@ -140,14 +124,9 @@ def phase_slopes(phases: Array, w: float, par: Parameters) -> Array:
             break
         t = phases[i + 1, 0] - phases[i, 0]
         for order in range(2):
-            phase = (v0, f0, delta, Omega2)
-            _, v, f, d, O = _weights(t, order, _response(t, delta, Omega2), phase)
-            for j in range(7):
-                slopes[i + 1, order, j] = (
-                    v * here[1, j] + f * here[2, j] + d * here[3, j] + O * here[4, j]
-                )
-                if order == 0:
-                    slopes[i + 1, order, j] += here[0, j]
+            _, v, f, d, O = _weights(t, order, _response(t, phase), phase)
+            slopes[i + 1, order] = v * here[1] + f * here[2] + d * here[3] + O * here[4]
+        slopes[i + 1, 0] += here[0]
         _, s, x0, v0, z0 = read_phase(phases, i + 1)
         side, by_w = 1.0 if z0 > 0.0 else -1.0, 0.0
     return slopes
@@ -171,7 +150,8 @@ def decay_samples(
         stop = count
         if i + 1 < phases.shape[0]:
             stop = min(max(math.ceil((phases[i + 1, 0] - first) / step), n), count)
-        f0, delta, Omega2 = phase_start_of(s, x0, z0, par)
+        phase = phase_start(s, x0, v0, z0, 1.0 + 0.0j, par)
+        delta, Omega2 = phase.delta, phase.Omega2
         t = first + n * step - begin
         under = delta < _UNDER * math.sqrt(Omega2)
         w = math.sqrt(Omega2 - delta * delta) if under else 1.0
@@ -187,8 +167,8 @@ def decay_samples(
                 response = (J, S, cosine - delta * S, S_O)
                 cosine, sine = cosine * turn_c - sine * turn_s, cosine * turn_s + sine * turn_c
             else:
-                response = _response(t, delta, Omega2)
-            value, v, f, d, O = _weights(t, order, response, (v0, f0, delta, Omega2))
+                response = _response(t, phase)
+            value, v, f, d, O = _weights(t, order, response, phase)
             out[n, 0] = moved * x0 + value
             for j in range(7):
                 by_start = v * here[1, j] + f * here[2, j] + moved * here[0, j]

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from dampbalance.identification.half_cycles import _basis, _columns, _course, _turns
+from dampbalance.identification.half_cycles import _basis, _columns, _course
 from dampbalance.likelihood.decay import Decay, fit_decays, numbers_of
 from dampbalance.likelihood.search import (
     _before,
@@ -38,8 +38,8 @@ def test_a_half_cycle_counts_if_half_of_it_is_recorded(cycles, halves):
     turns = (-1.0) ** n * (START - 2.0 * n * F_K / K)
     # the contact gives way by 1e-8 of the spring
     assert [half.t_b for half in course.halves] == pytest.approx(n[1:] * HALF, rel=1e-4)
-    assert _turns(course) == pytest.approx(turns, rel=1e-6)
-    W, a, b = _columns(POINT, K, course, _turns(course)).T
+    assert course.turns == pytest.approx(turns, rel=1e-6)
+    W, a, b = _columns(POINT, K, course, course.turns).T
     amplitudes = abs(turns[:-1]) - F_K / K
     assert a == pytest.approx(2.0 * amplitudes, rel=1e-6)
     assert b == pytest.approx(0.5 * math.pi * math.sqrt(K / M) * amplitudes**2, rel=1e-6)
@@ -116,8 +116,8 @@ def test_samples_of_the_ringing_change_with_the_last_turn_as_the_motion_does(ord
     with interpreted():
         course = _course(point, STATE, K, whole)
         block, seen = _basis(point, K, whole, course)
-        ringing, step, par = course.ringing, 1e-7, numbers_of(point, K)
-        late = signal.t > ringing.t_a
+        step, par = 1e-7, numbers_of(point, K)
+        late = signal.t > course.rings_from
         farther = course.phases.copy()
         farther[-1, PHASE_X] += step
         exact, moved = (

@@ -41,7 +41,8 @@ def test_without_further_terms_the_motion_is_exact(order, F_k, c, stiffness, x, 
     count, *_ = run(x, v, (w - 1.0) * F_k / par.K_z, 0.0, times[-1], 0.0, par, rows)
     grid, phases = (times[0], times[0], times.size), rows[:count]
     expected = decay_samples(grid, order, phases, phase_slopes(phases, w, par), par)
-    found = law_decay(times, order, x, v, w, par, NOTHING)
+    added = range(5, 5 + len(ADDED))
+    found = np.delete(law_decay(times, order, x, v, w, par, NOTHING), added, axis=1)
     size = np.abs(expected).max(axis=0)
     np.testing.assert_allclose(found[:, 0], expected[:, 0], rtol=0, atol=1e-11 * size[0])
     for j in range(1, 8):
@@ -86,6 +87,6 @@ def test_derivatives_by_further_coefficients_are_those_of_differences(j, order):
         p[j] *= 1.0 + sign * 1e-3
         sides.append(law_decay(times, order, 5e-3, 0.0, 1.5, par, p)[:, 0])
     expected = (sides[0] - sides[1]) / (2e-3 * COEFFICIENTS[j])
-    found = law_decay(times, order, 5e-3, 0.0, 1.5, par, COEFFICIENTS)[:, 8 + j]
+    found = law_decay(times, order, 5e-3, 0.0, 1.5, par, COEFFICIENTS)[:, 5 + j]
     off = np.abs(found - expected) > 5e-4 * np.abs(expected).max()
     assert off.mean() < 0.02
