@@ -18,10 +18,16 @@ import numpy as np
 from ..arguments import number
 from ..arrays import Array
 from ..balance import TERMS, Rows
-from ..likelihood.decay import COMMON, RingFit, fit_decays, linear_solution, with_noise_of
+from ..likelihood.decay import (
+    COMMON,
+    RingFit,
+    fit_decays,
+    linear_solution,
+    with_intervals,
+    with_noise_of,
+)
 from ..likelihood.law_fit import Departure, departures
-from ..likelihood.minima import minima_of, with_intervals
-from ..likelihood.search import fit_all, separate_fits
+from ..likelihood.search import fit_all, minima_of, separate_fits
 from ..project.wording import Remark, times, visible
 from ..reading.bursts import NoDecay, Signal, noise_of
 from ..reading.conditioning import evenly_sampled
@@ -43,7 +49,7 @@ from .answer import (
 )
 from .decay_laws import compare_decay_laws, condition_of, doubt_of
 from .equivalents import Level
-from .half_cycles import A, B, RingRows, W, at_rest, rows_of
+from .half_cycles import A, B, RingRows, W, rows_of
 from .outcome import Outcome, Picture
 from .remarks import forbidden
 from .screen import implied
@@ -88,14 +94,14 @@ class DecayOutcome(Outcome):
 
     def _decay(self, i: int) -> dict[str, Any]:
         one, (turns, errors) = self.fit.decays[i], self.half_cycles.turns[i]
-        still = at_rest(self.fit, i)
+        still = self.fit.sticks_from(i)
         # where the spring is slack, in the channel of displacement if there is one
         rest = next((signal.offset for signal in one.signals if signal.order == 0), None)
         return {
             "decay": i + 1,
             "start_s": one.start,
             "end_s": one.end,
-            "sticks_from_s": None if still is None else one.start + still,
+            "sticks_from_s": one.start + still if math.isfinite(still) else None,
             "rest_m": None if rest is None else self.fit.point[len(COMMON) + rest],
             "noise_rms": {signal.quantity: signal.noise for signal in one.signals},
             "turns_s": turns[:, 0],
@@ -262,8 +268,8 @@ def identify_ring_downs(
             f"{_slipping(rows.halves)} and leaves {times(math.sqrt(fit.misfit))} the noise; is the mass still driven, "
             "or is its frequency or its gain not constant? Give the record from the release or the blow on"
         )
-    found = _solved(fit, rows, tuple(record.source for record in records), notes, warnings)
-    return replace(found, laws=compare_decay_laws(fit)) if laws else found
+    outcome = _solved(fit, rows, tuple(record.source for record in records), notes, warnings)
+    return replace(outcome, laws=compare_decay_laws(fit)) if laws else outcome
 
 
 def _unclear(record: Measurement) -> str:

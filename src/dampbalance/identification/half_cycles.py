@@ -18,7 +18,6 @@ covariance of the estimates gives that of the rows.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -28,10 +27,8 @@ from ..arrays import Array, Integers, Mask
 from ..likelihood.decay import (
     COMMON,
     STATE,
-    STEP,
     Decay,
     RingFit,
-    contact_step,
     linear_solution,
     numbers_of,
     phases_of,
@@ -39,11 +36,13 @@ from ..likelihood.decay import (
 )
 from ..model import Parameters
 from ..motion.events import PHASE_S, PHASE_T, PHASE_V, PHASE_X
+from ..motion.free_decay import contact_chord
 from ..motion.states import states_in_phases
 
 W, A, B = range(3)
 """Columns of a row: W (J), a (m), b (m²/s)."""
 
+_STEP = 1e-6  # relative step of finite differences: motions are exact to 1e-12
 _PART = 1e-3  # of a standard error, for differences of what is read
 _WEAK = 10.0  # times its error in the fit: what is known of a level before
 _SEEN = 0.5  # of a last half cycle that the record must hold
@@ -137,7 +136,7 @@ def rows_of(fit: RingFit) -> RingRows:
         rest[here] = np.where(seen, rest[here], 0.0)
         columns = _columns(fit.point, fit.k, course, nodes[i])
         slope = np.zeros((*columns.shape, total + p))
-        span = STEP * max(float(np.ptp(nodes[i])), 1e-300)
+        span = _STEP * max(float(np.ptp(nodes[i])), 1e-300)
         for j in range(nodes[i].size if course.halves else 0):
             turns = nodes[i].copy()
             turns[j] += span
@@ -160,10 +159,17 @@ def rows_of(fit: RingFit) -> RingRows:
     columns_of = [columns + slope @ shifts for columns, slope in rows]
     slopes = [s[:, W] - s[:, A] * fit.F_k - s[:, B] * fit.c for _, s in rows]
     which = [i for i, columns in enumerate(columns_of) for _ in columns]
-    for columns, slope in _of_shape(fit, courses, shifts, covariance):
-        columns_of.append(columns)
-        slopes.append(slope)
-        which.append(-1)
+    # the shape: F_k times the way, and c ∫ ẋ² dt
+    travel = math.fsum(abs(half.x_b - half.x_a) for course in courses for half in course.halves)
+    viscous = math.fsum(course.viscous for course in courses)
+    for column, j, size in ((A, 0, travel), (B, 1, viscous)):
+        if covariance[total + j, total + j] > 0.0 and size > 0.0:
+            row, slope = np.zeros((1, 3)), np.zeros((1, shifts.size))
+            row[0, column], row[0, W] = size, size * (fit.point[j] + shifts[total + j])
+            slope[0, total + j] = size
+            columns_of.append(row)
+            slopes.append(slope)
+            which.append(-1)
     all_turns = []
     for one, course, node, place in zip(fit.decays, courses, nodes, places, strict=True):
         times = one.start + np.array([0.0, *(half.t_b for half in course.halves)])
@@ -174,22 +180,6 @@ def rows_of(fit: RingFit) -> RingRows:
     return RingRows(np.vstack(columns_of), covariance, np.array(which), tuple(all_turns))
 
 
-def _of_shape(
-    fit: RingFit, courses: Sequence[Course], shifts: Array, covariance: Array
-) -> Iterator[tuple[Array, Array]]:
-    """The rows of the shape, F_k times the way and c ∫ ẋ² dt, and their derivatives by the estimates, whose covariance
-    this is; the unknowns of the fit are the last of them."""
-    first = shifts.size - fit.point.size
-    travel = math.fsum(abs(half.x_b - half.x_a) for course in courses for half in course.halves)
-    viscous = math.fsum(course.viscous for course in courses)
-    for column, j, size in ((A, 0, travel), (B, 1, viscous)):
-        if covariance[first + j, first + j] > 0.0 and size > 0.0:
-            row, slope = np.zeros((1, 3)), np.zeros((1, shifts.size))
-            row[0, column], row[0, W] = size, size * (fit.point[j] + shifts[first + j])
-            slope[0, first + j] = size
-            yield row, slope
-
-
 def _nearby(fit: RingFit, i: int, j: int, halves: int) -> tuple[Array, Course, float] | None:
     """The point with unknown j moved, the motion of decay i there, as many half cycles of it, and by how much it is
     moved; None where there are fewer either way."""
@@ -198,7 +188,8 @@ def _nearby(fit: RingFit, i: int, j: int, halves: int) -> tuple[Array, Course, f
     if j == own.start + 2:
         step = _PART
     elif j == COMMON.index("rho"):
-        step = contact_step(fit.point, fit.k)
+        # close to a rigid contact the motion depends on ρ²: a chord replaces the slope
+        step = contact_chord(float(fit.point[j]), fit.k) or _STEP * float(fit.point[j])
     for way in (-step, step) if j == own.start + 2 and fit.point[j] > 1.0 else (step, -step):
         point = fit.point.copy()
         point[j] += way
@@ -285,9 +276,3 @@ def _columns(point: Array, k: float, course: Course, turns: Array) -> Array:
         work = 0.5 * k * (x_a - x_b) * (x_a + x_b) + 0.5 * m * half.v_a**2 * stretched
         rows.append((work, abs(x_a - x_b) - half.lost, half.viscous * stretched))
     return np.array(rows).reshape(-1, 3)
-
-
-def at_rest(fit: RingFit, i: int) -> float | None:
-    """The time from which on the mass of a decay sticks, s after its start; None where the record ends before."""
-    still = fit.sticks_from(i)
-    return still if still < fit.decays[i].end - fit.decays[i].start else None

@@ -44,9 +44,6 @@ COMMON = ("F_k", "c", "rho", "m")
 STATE = 3
 """Number of unknowns of a start state: x, ẋ, w."""
 
-STEP = 1e-6
-"""Relative step of finite differences: motions are exact to 1e-12."""
-
 _RHO = COMMON.index("rho")
 _LOOSEST, _STIFFEST = 1e-4, 1e8  # of K_z/k: contacts that stand for none and for a rigid one
 # Bounds for a motion that oscillates: c over √(km), and the mass over that of the start, either way.
@@ -56,6 +53,10 @@ _W_ERROR = 1.0  # of w, which lies between 0 and 2
 # That probability, and standard deviations of the correlation of neighbouring residuals.
 _DOUBTFUL, _ALIKE = 0.02, 3.0
 _BINS = 12  # of a cycle, in which the residual is averaged
+_LEVEL = NORMAL_95**2  # of χ² above the least, at the ends of an interval
+_REST = 0.025  # of the likelihood, that minima left out may have
+_PROFILES, _COARSE = 8, 1e-2  # climbs to an end of an interval, and where they end, in half of χ²
+_NEAR = 0.1  # of its distance: where an end is close enough
 
 
 @dataclass(frozen=True, eq=False)
@@ -298,7 +299,7 @@ def fit_decays(
     return RingFit(
         k=k,
         point=end.point,
-        covariance=_covariance(
+        covariance=inverse_information(
             end.products[:-1, :-1] * np.outer(free, free), w_errors(start.size, len(decays))
         ),
         chi_square=end.chi_square,
@@ -384,7 +385,77 @@ class Samples(NamedTuple):
         return sorted(filter(None, ends), key=lambda end: end.chi_square)
 
 
-def _covariance(information: Array, errors: Array) -> Array:
+def with_intervals(fits: Sequence[RingFit]) -> RingFit:
+    """The lowest of some minima, with the intervals that all of them leave.
+
+    An interval is the hull of {χ² − χ²_min < 3.84} over all minima: profiled over the other unknowns at the lowest,
+    from the standard errors at the others. Noise lowers one minimum of many by more than that: minima higher up count
+    until those left out have less than a fortieth of the likelihood of all, integrated over the unknowns.
+    """
+    best = fits[0]
+    others = [
+        one for one, share in zip(fits[1:], _shares_above(fits), strict=True) if share > _REST
+    ]
+    ranges = {}
+    for j, name in enumerate(COMMON[:-1]):
+        if not best.error(name) > 0.0:
+            continue
+        low, high = _end(best, j, -1.0), _end(best, j, 1.0)
+        for one in others:
+            left = max(_LEVEL - (one.chi_square - best.chi_square), 0.0)
+            reach = math.sqrt(left) * one.error(name)
+            low, high = min(low, one.value(name) - reach), max(high, one.value(name) + reach)
+        ranges[name] = (low, high)
+    return replace(best, ranges=ranges, minima=1 + len(others))
+
+
+def _shares_above(fits: Sequence[RingFit]) -> Array:
+    """The share in the likelihood, integrated over the unknowns, of each minimum but the lowest with those above it."""
+    sizes = []
+    for one in fits:
+        errors, free = one.errors, one.errors > 0.0
+        common = one.covariance[: len(COMMON), : len(COMMON)][np.ix_(free, free)]
+        _, logarithm = np.linalg.slogdet(common / np.outer(errors[free], errors[free]))
+        volume = float(np.log(errors[free]).sum()) + 0.5 * logarithm
+        sizes.append(volume - 0.5 * (one.chi_square - fits[0].chi_square))
+    parts = np.exp(np.array(sizes) - max(sizes))
+    return np.cumsum(parts[::-1])[::-1][1:] / parts.sum()
+
+
+def _end(fit: RingFit, j: int, side: float) -> float:
+    """Where χ², with unknown j held and the others free, has risen by 3.84.
+
+    The root of the rise is nearly proportional to the distance: each trial gives the next one. The first starts along
+    the covariance, the next ones where the others have followed before.
+    """
+    samples, size = Samples.of(fit.decays, fit.k, fit.point.size), len(COMMON)
+    distance = side * NORMAL_95 * math.sqrt(fit.covariance[j, j])
+    given = {*np.flatnonzero(np.diag(fit.covariance) == 0.0).tolist(), j}
+    near = fit.point + fit.covariance[:, j] * (distance / fit.covariance[j, j])
+    near[:size] = np.maximum(near[:size], 1e-3 * fit.point[:size])
+    for _ in range(_PROFILES):
+        if fit.point[j] + distance <= 0.0:
+            break
+        best = None
+        for start in (near.copy(), fit.point.copy()):
+            start[j] = fit.point[j] + distance
+            held = samples.climb(start, given, gain=_COARSE, most=12)
+            if held is not None and (best is None or held.chi_square < best.chi_square):
+                best = held
+            if best is not None and best.chi_square - fit.chi_square < 2.0 * _LEVEL:
+                break
+        if best is None:
+            break
+        near, rise = best.point, best.chi_square - fit.chi_square
+        # where χ² does not rise, the end is farther away
+        factor = min(max(NORMAL_95 / math.sqrt(max(rise, 1e-3)), 0.4), 2.5)
+        distance *= factor
+        if abs(factor - 1.0) < _NEAR:
+            break
+    return float(fit.point[j]) + distance
+
+
+def inverse_information(information: Array, errors: Array) -> Array:
     """The covariance of unknowns with this information, (p, p), and prior standard errors, (p,); zero for an unknown on
     which nothing depends."""
     sizes = np.diag(information)
@@ -443,12 +514,6 @@ def numbers_of(point: Array, k: float) -> Parameters:
     """The oscillator of a point."""
     F_k, c, rho, m = point[: len(COMMON)].tolist()
     return Parameters(m, c, k, rho**-2, F_k, 0.0, 0.0)
-
-
-def contact_step(point: Array, k: float) -> float:
-    """Step of a difference by ρ: close to a rigid contact the motion depends on ρ², and a chord replaces the slope."""
-    rho = float(point[_RHO])
-    return contact_chord(rho, k) or STEP * rho
 
 
 def phases_of(point: Array, state: Array, k: float, until: float) -> Array:

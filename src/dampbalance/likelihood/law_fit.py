@@ -27,8 +27,9 @@ from .decay import (
     RingFit,
     Samples,
     columns_of,
-    linear_solution,
+    inverse_information,
     numbers_of,
+    w_errors,
 )
 
 TERMS = (FRICTION, "c", "c_2", "c_3")
@@ -179,15 +180,13 @@ def fit_law(fit: RingFit, terms: Sequence[str], starts: Iterable[Array] = ()) ->
         for start in (_with_added(fit.point, 0.0), *starts)
     )
     best = min(filter(None, ends), key=lambda end: end.chi_square, default=None)
-    whole = None if best is None else _columns(fit.decays, fit.k, best.point)
-    if best is None or whole is None:
+    if best is None:
         return None
-    design = whole[:, :-1] * free
-    _, covariance = linear_solution(design, whole[:, -1], np.full(free.size, math.inf))
+    information, priors = best.products[:-1, :-1], w_errors(free.size, len(fit.decays))
     return LawFit(
         k=fit.k,
         point=best.point,
-        covariance=covariance,
+        covariance=inverse_information(information * np.outer(free, free), priors),
         chi_square=best.chi_square,
         rigid=False,
         decays=fit.decays,

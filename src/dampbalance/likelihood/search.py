@@ -8,6 +8,12 @@ for several shares of friction in what the swing loses, and for a few stiffnesse
 are climbed from over the first cycle, and the best fit follows the decay to its end. A mass at rest may ring on the
 contact, and the spectral line of that ringing gives K_z. Then the start is moved back for as long as the samples follow
 the motion: what held or pushed the mass before is left out.
+
+The ringing makes χ² oscillate along K_z: a fit whose ringing is a cycle off over the record is a side minimum. All
+minima that matter are searched for in four stages, each of which passes on what is lowest: starts, from a grid of
+losses, shares of friction and stiffnesses, from lines of the spectrum after the mass came to rest, and along K_z and
+F_k; climbs on thinned samples; climbs on all samples, with starts on the other side of kinks of χ², where an event
+appears or vanishes; and climbs to the end. A minimum that is found lower is searched around again.
 """
 
 from __future__ import annotations
@@ -16,16 +22,17 @@ import itertools
 import math
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import replace
+from typing import TypeVar
 
 import numpy as np
 
 from ..arrays import Array
-from ..motion.events import PHASE_S, PHASE_X
+from ..motion.climb import Climb
+from ..motion.events import PHASE_S, PHASE_V, PHASE_X
 from ..reading.bursts import Burst, Signal, bursts_of
 from .decay import COMMON, STATE, Decay, RingFit, Samples, fit_decays, with_noise_of
-from .minima import minima_of, ringing
 
-_SHARES = (0.05, 0.35, 0.65, 0.95)  # of friction in what the swing loses
+_SHARES = (0.05, 0.35, 0.65, 0.95)  # of friction in what the swing, or the motion, loses
 _STIFFNESSES = (4.0, 30.0, 300.0)  # of K_z/k
 _MASSES = (0.85, 1.0, 1.15)  # relative to that of the period
 _CLIMBED = 4  # starts
@@ -40,7 +47,7 @@ _SEVERAL = 3  # steps back that are looked at together
 _AGREES = 3.0  # standard deviations of the scatter of a mass at rest
 _CHANCE = 1e-4  # probability of a line of the spectrum in noise
 _AFTER = 0.02  # of a cycle, that is kept where the mass sticks and does not ring
-_FEW = 16  # samples
+_FEW = 16  # samples of a mass at rest, at the least
 _GRASPED = 4.0  # of χ², beyond what the choice of an instant makes
 _SWINGS = 0.25  # of a cycle, for which a decay goes on after its turn
 _LEAST = 4 * (len(COMMON) + STATE)  # samples of a decay
@@ -49,6 +56,27 @@ _DISTURBED = 0.02  # probability of a residual after which a burst ends before t
 _ONE = 1e-3  # probability of what one oscillator for all decays adds to χ²
 _SPARE = 3  # bursts that may be left out instead of those that slip least
 _MOST_TURNS = 4  # half cycles that slip, of a burst that may be the work of a hand
+
+# of the search for all minima
+_F_K, _C, _RHO, _M = range(4)
+_LOSSES = tuple(np.geomspace(0.75, 1.4, 12).tolist())  # relative to that of the fit
+_FINER = tuple(np.linspace(0.1, 1.0, 16).tolist())  # shares of friction next to these
+_STIFFER = (3.0, 8.0, 20.0, 50.0, 120.0, 300.0, 1000.0)  # of K_z/k
+_FRICTIONS = np.geomspace(0.75, 1.33, 30)  # relative to that of the fit
+_OTHER_MASSES = (0.82, 0.9, 0.95, 1.05, 1.1, 1.2)  # relative, where the fit is not adequate
+_SCANNED = tuple(np.geomspace(0.5, 1e5, 45).tolist())  # of K_z/k, the last as good as rigid
+_OTHER = 0.2  # of w: how far off another start is
+_ASIDE = 1.5  # standard errors
+_LINES = 24  # of the spectrum of the ringing
+_BELOW = 10.0  # of the likelihood's logarithm: lines that fall so far behind the first are left out
+_THINNED = 1500  # samples, about, of a thinned record
+_TRIED, _POLISHED = 20, 12  # starts that are climbed from, on thinned samples and on all
+_WITHIN = 30.0  # of χ²: minima that are kept
+_SAME = 1.0  # standard errors: two climbs that end so close ended in one minimum
+_LOWER = 0.05  # of χ²: what another minimum must be lower by to be searched around again
+_ROUNDS = 6
+
+End = TypeVar("End", RingFit, Climb)
 
 
 def separate_fits(
@@ -201,17 +229,21 @@ def _grown(
     samples, w = Samples.of([part], k, starts.shape[1]), {starts.shape[1] - 1}
     rough = samples.climbs(starts, w, gain=1.0, most=3)[:_CLIMBED]
     fit = _lowest(fit_decays([part], k, one.point, given=w, gain=_COARSE) for one in rough)
-    while fit is not None and end < burst.end:
-        end = min(burst.turn + _GROWTH * (end - burst.turn), burst.end)
+    good, bad = end, math.inf  # until where the samples follow the motion, and from where on not
+    while fit is not None and good < burst.end and bad - good > 0.1 * burst.period:
+        end = min(burst.turn + _GROWTH * (good - burst.turn), burst.end)
         if burst.end - end < 0.25 * burst.period:
             end = burst.end
+        end = min(end, 0.5 * (good + bad))
         longer = _longer(fit, whole.cut(burst.turn, end))
-        if longer is None:
-            break
-        if not burst.last and longer.chance < _DISTURBED <= fit.chance:
-            # something else moves the mass before the next burst
-            return _until_disturbed(fit, whole, end)
-        fit = longer
+        # something else may move the mass before the next burst
+        if longer is None or (not burst.last and longer.chance < _DISTURBED <= fit.chance):
+            bad = end
+        else:
+            fit, good = longer, end
+    if fit is not None and math.isfinite(bad) and good - burst.turn > 2.0 * burst.period:
+        # what disturbs it may show late
+        fit = _longer(fit, whole.cut(burst.turn, good - 0.5 * burst.period)) or fit
     return fit and _or_lower(fit)
 
 
@@ -243,7 +275,7 @@ def _longer(fit: RingFit, part: Decay) -> RingFit | None:
     best = _refit(fit, part, given=w)
     for K_z in _rings(best or fit, part):
         start = (best or fit).point.copy()
-        start[COMMON.index("rho")] = K_z**-0.5
+        start[_RHO] = K_z**-0.5
         best = _lowest((best, _refit(fit, part, start, w)))
     return best
 
@@ -274,21 +306,6 @@ def _rests(signal: Signal, since: float, part: Decay) -> bool:
     means = values[: n * width].reshape(n, width).mean(axis=1)
     excess = width * float(np.var(means)) / signal.noise**2
     return excess < 1.0 + _AGREES * math.sqrt(2.0 / n)
-
-
-def _until_disturbed(fit: RingFit, whole: Decay, end: float) -> RingFit:
-    """The fit up to where the samples leave the motion, before `end`."""
-    start, good = whole.start, fit.decays[0].end
-    while end - good > 0.1 * whole.period:
-        middle = 0.5 * (good + end)
-        longer = _longer(fit, whole.cut(start, middle))
-        if longer is not None and longer.chance >= _DISTURBED:
-            fit, good = longer, middle
-        else:
-            end = middle
-    if good - start > 2.0 * whole.period:  # the disturbance may show late
-        fit = _longer(fit, whole.cut(start, good - 0.5 * whole.period)) or fit
-    return fit
 
 
 def _until_grasped(fit: RingFit) -> RingFit:
@@ -365,3 +382,154 @@ def _before(point: Array, k: float, step: float) -> Array:
         x -= h * v_half
         v = v_half + 0.5 * h * (k * x + side * F_k + c * v_half) / m
     return np.concatenate([point[:-STATE], [x, v, w]])
+
+
+def minima_of(fit: RingFit, *, wide: bool = True) -> list[RingFit]:
+    """The minima of χ² that a search finds, the lowest first, up to 30 above it; `fit` is where it starts.
+
+    wide : whether to search over the loss of energy as well, and on around what is found until nothing lower is.
+    """
+    thin = [_thinned(one, _THINNED // len(fit.decays)) for one in fit.decays]
+    minima = [fit]
+    for turn in range(_ROUNDS if wide else 1):
+        best = minima[0]
+        grid = [] if turn and best.adequate else [*_grid(best, wide)]
+        ends = (fit_decays(fit.decays, fit.k, start) for start in _promising(thin, best, grid))
+        minima = _distinct([*minima, *filter(None, ends)], best)
+        if best.chi_square - minima[0].chi_square < _LOWER:
+            break
+    return minima
+
+
+def _distinct(ends: Sequence[End], fit: RingFit) -> list[End]:
+    """The lowest ends of climbs that differ from each other by more than standard errors of a fit, the lowest first."""
+    kept: list[End] = []
+    for end in sorted(ends, key=lambda end: end.chi_square):
+        if kept and end.chi_square > kept[0].chi_square + _WITHIN:
+            break
+        apart = (np.abs(end.point - other.point)[: len(COMMON)] for other in kept)
+        if all((distance > _SAME * fit.errors).any() for distance in apart):
+            kept.append(end)
+    return kept
+
+
+def _promising(thin: Sequence[Decay], fit: RingFit, grid: Sequence[Array]) -> list[Array]:
+    """Where climbs on all samples nearly end, apart from each other: from the points of a grid that are best on thinned
+    samples, from other contacts and frictions, and from the other side of kinks."""
+    samples, whole = (Samples.of(of, fit.k, fit.point.size) for of in (thin, fit.decays))
+    rough = samples.climbs(grid, range(len(COMMON)), gain=1.0, most=3)
+    stiffnesses = np.array([*_SCANNED, *(K_z / fit.k for K_z, _ in ringing(fit, fit.decays))])
+    tried = [*rough[:_TRIED], *_along(samples, fit, _RHO, 1.0 / np.sqrt(stiffnesses * fit.k))]
+    if fit.F_k > 0.0 and fit.free[_F_K]:
+        tried += _along(samples, fit, _F_K, fit.F_k * _FRICTIONS)
+    ends = samples.climbs((end.point for end in tried), gain=_COARSE, most=12)
+    near = [*(end.point for end in _distinct(ends, fit)[:_POLISHED]), *_aside(fit)]
+    ends = _distinct(whole.climbs(near, gain=_COARSE, most=12), fit)
+    return [end.point for end in ends[:_POLISHED]]
+
+
+def _along(samples: Samples, fit: RingFit, j: int, values: Array) -> list[Climb]:
+    """The local minima of χ² along values of unknown j, up to 30 above the least; the others follow from that of the
+    fit on, either way."""
+    given = {*np.flatnonzero(~fit.free).tolist(), j}
+    values = np.sort(np.append(values, fit.point[j]))
+    ends = []
+    for some in (values[values >= fit.point[j]], values[values < fit.point[j]][::-1]):
+        point = fit.point
+        for value in some:
+            start = point.copy()
+            start[j] = value
+            end = samples.climb(start, given, gain=0.5, most=3)
+            if end is not None:
+                ends.append(end)
+                point = end.point
+    ends.sort(key=lambda end: float(end.point[j]))
+    level = np.array([math.inf, *(end.chi_square for end in ends), math.inf])
+    lowest = (level[1:-1] <= level[:-2]) & (level[1:-1] <= level[2:])
+    lowest &= level[1:-1] < level.min() + _WITHIN
+    some = [ends[i] for i in np.flatnonzero(lowest)]
+    return sorted(some, key=lambda end: end.chi_square)[:_LINES]
+
+
+def ringing(fit: RingFit, decays: Sequence[Decay], wait: float = 0.0) -> list[tuple[float, float]]:
+    """K_z = mΩ² − k of the contacts on which the mass at rest rings at a line of the spectrum, and what each line gains
+    in the likelihood's logarithm, the largest first.
+
+    decays : those of the fit, or longer ones.   wait : s after the mass came to rest.
+    """
+    tails = []
+    for i, one in enumerate(decays):
+        since = one.start + fit.sticks_from(i, one.end) + wait
+        for signal in one.signals if since < one.end else ():
+            tail = signal.between(since, one.end)
+            if tail.t.size >= _FEW:
+                tails.append(((tail.values - tail.values.mean()) / tail.noise, tail.dt))
+    if not tails:
+        return []
+    longest = max(values.size * dt for values, dt in tails)
+    slipping = math.sqrt(fit.k / fit.m)
+    Omega = np.arange(1.2 * slipping, math.pi / min(dt for _, dt in tails), 0.5 * math.pi / longest)
+    gain = np.zeros(Omega.size)  # by a line of any phase in each of the tails
+    for values, dt in tails:
+        size = 4 << (values.size - 1).bit_length()
+        power = np.abs(np.fft.rfft(values, size)) ** 2 / values.size
+        gain += np.interp(Omega * (dt * size / (2.0 * math.pi)), np.arange(power.size), power)
+    around = np.concatenate([[0.0], gain, [0.0]])
+    peaks = np.flatnonzero((gain >= around[:-2]) & (gain >= around[2:]))
+    peaks = peaks[np.argsort(-gain[peaks], kind="stable")][:_LINES]
+    peaks = peaks[gain[peaks] > gain[peaks[:1]].sum() - _BELOW]
+    lines = zip(fit.m * Omega[peaks] ** 2 - fit.k, gain[peaks], strict=True)
+    return [(float(K_z), float(by)) for K_z, by in lines if K_z > 0.1 * fit.k]
+
+
+def _grid(fit: RingFit, wide: bool) -> Iterator[Array]:
+    """Points of a grid over the stiffness of the contact and the share of friction in the loss of energy.
+
+    In a wide search the loss itself is varied as well: with each half cycle more or fewer until the mass sticks, χ² has
+    another minimum. Where the fit is not adequate, so is the mass, which rings on its contact as fast as that of the
+    fit.
+    """
+    loss, ratio = loss_of(fit)
+    own, stiffnesses = fit.point[_RHO] ** -2, [fit.k * by for by in _STIFFER]
+    shares = (fit.F_k / loss, *_SHARES) if loss > 0.0 else _SHARES
+    grids: list[tuple[Sequence[float], ...]] = [((1.0,), shares, (own, *stiffnesses), (1.0,))]
+    if wide:
+        grids.append((_LOSSES, _FINER, (own,), (1.0,)))
+    if wide and not fit.adequate:
+        grids.append((_LOSSES[::2], _SHARES, (own,), _OTHER_MASSES))
+    for of_loss, share, stiffness, mass in itertools.chain(*(itertools.product(*g) for g in grids)):
+        together = mass * (fit.k + stiffness) - fit.k
+        start = fit.point.copy()
+        start[_F_K], start[_C] = of_loss * share * loss, of_loss * (1.0 - share) * loss / ratio
+        start[_RHO], start[_M] = max(together, 0.1 * fit.k) ** -0.5, mass * fit.m
+        yield start
+
+
+def loss_of(fit: RingFit) -> tuple[float, float]:
+    """Loss of energy of the first decay over its travel, N, and ∫ ẋ² dt over it, m/s: F_k + ratio · c is the loss."""
+    # ∫ ẋ² dt of half a cycle is π/4 of the top speed times the travel
+    ratio = 0.25 * math.pi * float(np.abs(fit.phases(0)[:, PHASE_V]).max())
+    return fit.F_k + ratio * fit.c, max(ratio, 1e-300)
+
+
+def _aside(fit: RingFit) -> Iterator[Array]:
+    """Points on the other side of kinks next to a fit: with the contact spring of a decay loaded differently at its
+    start, and some standard errors away along each common unknown."""
+    for j, side in itertools.product((_F_K, _C, _RHO), (-_ASIDE, _ASIDE)):
+        if fit.errors[j] > 0.0:
+            start = fit.point + side * fit.covariance[:, j] / fit.errors[j]
+            if (start[: len(COMMON)] > 0.0).all():
+                yield start
+    for i, w in itertools.product(range(len(fit.decays)), _LOADS):
+        place = fit.places(i).stop - 1
+        if abs(fit.point[place] - w) > _OTHER:
+            start = fit.point.copy()
+            start[place] = w
+            yield start
+
+
+def _thinned(one: Decay, most: int) -> Decay:
+    """A decay with every n-th sample, about as many as asked for."""
+    n = max(1, one.samples // most)
+    signals = tuple(replace(s, t=s.t[::n], values=s.values[::n]) for s in one.signals)
+    return replace(one, signals=signals)
