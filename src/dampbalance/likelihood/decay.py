@@ -459,7 +459,7 @@ def inverse_information(information: Array, errors: Array) -> Array:
     """The covariance of unknowns with this information, (p, p), and prior standard errors, (p,); zero for an unknown on
     which nothing depends."""
     sizes = np.diag(information)
-    free = np.flatnonzero(sizes > 0.0)
+    free = np.flatnonzero(sizes > 1e-150)  # on what is smaller nothing depends
     some = information[np.ix_(free, free)] + np.diag(errors[free] ** -2)
     length = np.sqrt(np.diag(some))
     scaled = some / np.outer(length, length)

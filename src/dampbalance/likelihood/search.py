@@ -35,7 +35,7 @@ from .decay import COMMON, STATE, Decay, RingFit, Samples, fit_decays, with_nois
 _SHARES = (0.05, 0.35, 0.65, 0.95)  # of friction in what the swing, or the motion, loses
 _STIFFNESSES = (4.0, 30.0, 300.0)  # of K_z/k
 _MASSES = (0.85, 1.0, 1.15)  # relative to that of the period
-_CLIMBED = 4  # starts
+_CLIMBED, _ALIKE = 4, 1.5  # starts, until χ² per sample is below that
 _FIRST = 1.0  # cycles that are fitted first
 _GROWTH = 2.0  # of the fitted part from one climb to the next
 _COARSE = 1e-2  # of half of χ², where a climb on the way ends
@@ -44,7 +44,7 @@ _BACK = 24  # steps of a cycle in which the start moves back
 _LEFT = 3e-4  # probability of what new samples add to χ²
 _LOADS = (0.0, 0.5, 1.0, 1.5, 2.0)  # of w, where the contact may be loaded otherwise
 _SEVERAL = 3  # steps back that are looked at together
-_AGREES = 3.0  # standard deviations of the scatter of a mass at rest
+_AGREES = 4.0  # standard deviations of the scatter of a mass at rest
 _CHANCE = 1e-4  # probability of a line of the spectrum in noise
 _AFTER = 0.02  # of a cycle, that is kept where the mass sticks and does not ring
 _FEW = 16  # samples of a mass at rest, at the least
@@ -154,7 +154,8 @@ def fit_all(fits: Sequence[RingFit]) -> tuple[RingFit | None, list[Decay]]:
         whole = minima_of(whole, wide=len(fits) == 1)[0]
     if whole is None or len(fits) == 1 or _of_one(whole, fits):
         return whole, []
-    handled = sorted((fit for fit in fits if _turns(fit) <= _MOST_TURNS), key=_turns)
+    order = sorted(fits, key=lambda fit: (_turns(fit), fit.samples))
+    handled = [fit for fit in order if _turns(fit) <= _MOST_TURNS]
     for count in range(1, len(fits)):
         for some in itertools.combinations(handled[: count + _SPARE], count):
             rest = [fit for fit in fits if fit not in some]
@@ -204,7 +205,7 @@ def _lowest(fits: Iterable[RingFit | None]) -> RingFit | None:
 
 def _or_lower(fit: RingFit) -> RingFit:
     """The fit, or a lower minimum where its residual may be that of a side minimum."""
-    return minima_of(fit)[0] if fit.doubtful else fit
+    return minima_of(fit, wide=False)[0] if fit.doubtful else fit
 
 
 def _refit(
@@ -226,9 +227,14 @@ def _grown(
     starts = _starts(part, burst, lead, k)
     if surest is not None:
         starts[:, : len(COMMON)] = surest.point[: len(COMMON)]
-    samples, w = Samples.of([part], k, starts.shape[1]), {starts.shape[1] - 1}
-    rough = samples.climbs(starts, w, gain=1.0, most=3)[:_CLIMBED]
-    fit = _lowest(fit_decays([part], k, one.point, given=w, gain=_COARSE) for one in rough)
+    samples, p = Samples.of([part], k, starts.shape[1]), starts.shape[1]
+    but_offsets = {*range(len(COMMON)), *range(p - STATE, p)}
+    fit = None
+    for one in samples.climbs(starts, but_offsets, gain=0.0, most=2)[:_CLIMBED]:
+        other = fit_decays([part], k, one.point, given={p - 1}, gain=_COARSE)
+        fit = _lowest((fit, other))
+        if fit is not None and fit.chi_square < _ALIKE * part.samples:
+            break
     good, bad = end, math.inf  # until where the samples follow the motion, and from where on not
     while fit is not None and good < burst.end and bad - good > 0.1 * burst.period:
         end = min(burst.turn + _GROWTH * (good - burst.turn), burst.end)
