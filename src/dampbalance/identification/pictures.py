@@ -20,10 +20,10 @@ from ..figures.cycle import branches, whole
 from ..figures.looks import in_maths, label_of, look_of
 from ..figures.style import DASHED, DOTTED, DOUBLE_COLUMN, FAINT, SLIP, STICK, page, place, styled
 from ..law.terms import term
+from ..likelihood.decay import COMMON, RingFit
 from ..likelihood.mean_harmonics import Reading
 from ..likelihood.waveforms import WaveformFit
 from ..project.wording import cut
-from ..reading.ringdown_fit import COMMON, RingFit
 from ..records.measurement import ORDERS, RELATIVE
 from .answer import DOUBTFUL, SHAPE, UNKNOWN, USABLE, Answer, ParameterEstimate, unit_of
 from .loading import Loaded

@@ -18,32 +18,31 @@ covariance of the estimates gives that of the rows.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
 from ..arrays import Array, Integers, Mask
-from ..model import Parameters
-from ..motion.events import PHASE_S, PHASE_T, PHASE_V, PHASE_X, PHASE_Z
-from ..motion.states import states_in_phases
-from .ringdown_fit import (
+from ..likelihood.decay import (
     COMMON,
     STATE,
-    STEP,
     Decay,
     RingFit,
-    contact_step,
     linear_solution,
     numbers_of,
     phases_of,
     w_errors,
 )
+from ..model import Parameters
+from ..motion.events import PHASE_S, PHASE_T, PHASE_V, PHASE_X
+from ..motion.free_decay import contact_chord
+from ..motion.states import states_in_phases
 
 W, A, B = range(3)
 """Columns of a row: W (J), a (m), b (m²/s)."""
 
+_STEP = 1e-6  # relative step of finite differences: motions are exact to 1e-12
 _PART = 1e-3  # of a standard error, for differences of what is read
 _WEAK = 10.0  # times its error in the fit: what is known of a level before
 _SEEN = 0.5  # of a last half cycle that the record must hold
@@ -68,30 +67,24 @@ class Half(NamedTuple):
     viscous: float
 
 
-class Ringing(NamedTuple):
-    """The mass at rest, ringing: from its last turn at t_a, with amplitude q about `rest`, m.
-
-    share : of the contact in the stiffness, K_z/(k + K_z).
-    """
-
-    t_a: float
-    q: float
-    rest: float
-    share: float
-
-
 @dataclass(frozen=True, eq=False)
 class Course:
     """The motion of the fit in one decay as rows see it.
 
-    halves : that slip.   ringing : of the mass at rest; None where it cannot be seen.   phases : of the motion.
-    viscous : ∫ ẋ² dt to the end, m²/s.
+    halves : that slip.   rings_from : time from which on the mass at rest rings, s after the start; infinite where that
+    cannot be seen.   phases : of the motion.   viscous : ∫ ẋ² dt to the end, m²/s.
     """
 
     halves: tuple[Half, ...]
-    ringing: Ringing | None
+    rings_from: float
     phases: Array
     viscous: float
+
+    @property
+    def turns(self) -> Array:
+        """x at the start and the turns, m; of a mass that only rings, its start."""
+        ends = [half.x_b for half in self.halves]
+        return np.array([float(self.phases[0, PHASE_X]), *ends])
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,11 +102,6 @@ class RingRows:
     turns: tuple[tuple[Array, Array], ...]
 
     @property
-    def terms(self) -> dict[str, Array]:
-        """The integrals, by the symbol of their coefficient, (n,)."""
-        return {"F_k": self.columns[:, A], "c": self.columns[:, B]}
-
-    @property
     def halves(self) -> int:
         """Number of rows of half cycles."""
         return int(np.count_nonzero(self.decay >= 0))
@@ -121,17 +109,17 @@ class RingRows:
 
 def rows_of(fit: RingFit) -> RingRows:
     """The rows of all decays of a fit."""
-    p, first = fit.point.size, fit.places(0).start
+    p = fit.point.size
     courses = [
         _course(fit.point, fit.point[fit.places(i)], fit.k, one) for i, one in enumerate(fit.decays)
     ]
-    nodes = [_turns(course) for course in courses]
+    nodes = [course.turns for course in courses]
     ends = np.cumsum([node.size for node in nodes]).tolist()
     places = [slice(end - node.size, end) for end, node in zip(ends, nodes, strict=True)]
     total = ends[-1]
     # estimates: the turns of all decays, then the unknowns of the fit
     design, rest = np.zeros((fit.samples, total + p)), -fit.residual
-    errors = np.concatenate([np.full(total, math.inf), w_errors(p, first)])
+    errors = np.concatenate([np.full(total, math.inf), w_errors(p, len(fit.decays))])
     rows = []
     at = 0
     for i, (one, course) in enumerate(zip(fit.decays, courses, strict=True)):
@@ -148,7 +136,7 @@ def rows_of(fit: RingFit) -> RingRows:
         rest[here] = np.where(seen, rest[here], 0.0)
         columns = _columns(fit.point, fit.k, course, nodes[i])
         slope = np.zeros((*columns.shape, total + p))
-        span = STEP * max(float(np.ptp(nodes[i])), 1e-300)
+        span = _STEP * max(float(np.ptp(nodes[i])), 1e-300)
         for j in range(nodes[i].size if course.halves else 0):
             turns = nodes[i].copy()
             turns[j] += span
@@ -159,23 +147,29 @@ def rows_of(fit: RingFit) -> RingRows:
                 continue
             point, other, step = nearby
             column = begin if j == start else total + j
-            design[here, column] -= block @ ((_turns(other) - nodes[i]) / step)
+            design[here, column] -= block @ ((other.turns - nodes[i]) / step)
             slope[..., column] += (_columns(point, fit.k, other, nodes[i]) - columns) / step
         rows.append((columns, slope))
         # only the rows may determine the level of the turns: no prior must fix it
         level = fit.covariance[start, start]
         errors[begin] = _WEAK * math.sqrt(level) if level > 0.0 else math.inf
-    solution = linear_solution(design, errors)
-    shifts, covariance = solution[:, : rest.size] @ rest, solution @ solution.T
+    shifts, covariance = linear_solution(design, rest, errors)
 
     # to first order about the fit: a poorly determined level would distort the squares in W
     columns_of = [columns + slope @ shifts for columns, slope in rows]
     slopes = [s[:, W] - s[:, A] * fit.F_k - s[:, B] * fit.c for _, s in rows]
     which = [i for i, columns in enumerate(columns_of) for _ in columns]
-    for columns, slope in _of_shape(fit, courses, shifts, covariance):
-        columns_of.append(columns)
-        slopes.append(slope)
-        which.append(-1)
+    # the shape: F_k times the way, and c ∫ ẋ² dt
+    travel = math.fsum(abs(half.x_b - half.x_a) for course in courses for half in course.halves)
+    viscous = math.fsum(course.viscous for course in courses)
+    for column, j, size in ((A, 0, travel), (B, 1, viscous)):
+        if covariance[total + j, total + j] > 0.0 and size > 0.0:
+            row, slope = np.zeros((1, 3)), np.zeros((1, shifts.size))
+            row[0, column], row[0, W] = size, size * (fit.point[j] + shifts[total + j])
+            slope[0, total + j] = size
+            columns_of.append(row)
+            slopes.append(slope)
+            which.append(-1)
     all_turns = []
     for one, course, node, place in zip(fit.decays, courses, nodes, places, strict=True):
         times = one.start + np.array([0.0, *(half.t_b for half in course.halves)])
@@ -186,22 +180,6 @@ def rows_of(fit: RingFit) -> RingRows:
     return RingRows(np.vstack(columns_of), covariance, np.array(which), tuple(all_turns))
 
 
-def _of_shape(
-    fit: RingFit, courses: Sequence[Course], shifts: Array, covariance: Array
-) -> Iterator[tuple[Array, Array]]:
-    """The rows of the shape, F_k times the way and c ∫ ẋ² dt, and their derivatives by the estimates, whose covariance
-    this is; the unknowns of the fit are the last of them."""
-    first = shifts.size - fit.point.size
-    travel = math.fsum(abs(half.x_b - half.x_a) for course in courses for half in course.halves)
-    viscous = math.fsum(course.viscous for course in courses)
-    for column, j, size in ((A, 0, travel), (B, 1, viscous)):
-        if covariance[first + j, first + j] > 0.0 and size > 0.0:
-            row, slope = np.zeros((1, 3)), np.zeros((1, shifts.size))
-            row[0, column], row[0, W] = size, size * (fit.point[j] + shifts[first + j])
-            slope[0, first + j] = size
-            yield row, slope
-
-
 def _nearby(fit: RingFit, i: int, j: int, halves: int) -> tuple[Array, Course, float] | None:
     """The point with unknown j moved, the motion of decay i there, as many half cycles of it, and by how much it is
     moved; None where there are fewer either way."""
@@ -210,7 +188,8 @@ def _nearby(fit: RingFit, i: int, j: int, halves: int) -> tuple[Array, Course, f
     if j == own.start + 2:
         step = _PART
     elif j == COMMON.index("rho"):
-        step = contact_step(fit.point, fit.k)
+        # close to a rigid contact the motion depends on ρ²: a chord replaces the slope
+        step = contact_chord(float(fit.point[j]), fit.k) or _STEP * float(fit.point[j])
     for way in (-step, step) if j == own.start + 2 and fit.point[j] > 1.0 else (step, -step):
         point = fit.point.copy()
         point[j] += way
@@ -222,101 +201,68 @@ def _nearby(fit: RingFit, i: int, j: int, halves: int) -> tuple[Array, Course, f
     return None
 
 
-def _turns(course: Course) -> Array:
-    """x at the start and the turns, m; of a mass that only rings, its start."""
-    if course.halves:
-        return np.array([course.halves[0].x_a, *(half.x_b for half in course.halves)])
-    return np.array([float(course.phases[0, PHASE_X])])
-
-
 def _course(point: Array, state: Array, k: float, one: Decay, most: int | None = None) -> Course:
     """The half cycles, `most` of them at the most, and the ringing of a motion."""
     par = numbers_of(point, k)
     Z_m, span = par.F_k / par.K_z, one.end - one.start
     phases = phases_of(point, state, k, span + one.period)
-    turns = [i for i in range(1, len(phases)) if phases[i, PHASE_V] == 0.0]
-    total = _viscous(phases[phases[:, PHASE_T] < span], span, par)
+    viscous = _viscous(phases, span + one.period, par)
     halves: list[Half] = []
     begin = 0
-    for i in turns[:most]:
-        t_a, t_b = float(phases[begin, PHASE_T]), float(phases[i, PHASE_T])
+    for i in [i for i in range(1, len(phases)) if phases[i, PHASE_V] == 0.0][:most]:
+        t_a, _, x_a, v_a, z_a = phases[begin].tolist()
+        t_b, _, x_b, _, z_b = phases[i].tolist()
         if t_b > span and span - t_a < _SEEN * (t_b - t_a):
             break
-        x_a, x_b = float(phases[begin, PHASE_X]), float(phases[i, PHASE_X])
-        u = (state[2] - 1.0) if begin == 0 else math.copysign(1.0, phases[begin, PHASE_Z])
-        if begin == 0:
-            u = min(max(u, -1.0), 1.0)
-        towards = math.copysign(1.0, phases[i, PHASE_Z])
-        viscous = _viscous(phases[begin:i], t_b, par)
-        lost = 0.5 * Z_m * (1.0 - towards * u) ** 2
-        halves.append(Half(t_a, t_b, x_a, x_b, float(phases[begin, PHASE_V]), lost, viscous))
+        u = min(max(state[2] - 1.0, -1.0), 1.0) if begin == 0 else math.copysign(1.0, z_a)
+        lost = 0.5 * Z_m * (1.0 - math.copysign(1.0, z_b) * u) ** 2
+        halves.append(Half(t_a, t_b, x_a, x_b, v_a, lost, float(viscous[begin:i].sum())))
         begin = i
-    ringing = _ringing(phases[begin:], span, par) if begin == len(phases) - 1 else None
-    return Course(tuple(halves), ringing, phases, total)
+    t_a, s, _, v, _ = phases[begin].tolist()
+    Omega = math.sqrt((k + par.K_z) / par.m)
+    rings = begin == len(phases) - 1 and s == v == 0.0
+    seen = rings and (span - t_a) * Omega >= 2.0 * math.pi * _RINGS
+    before = phases[phases[:, PHASE_T] < span]
+    total = float(_viscous(before, span, par).sum())
+    return Course(tuple(halves), t_a if seen else math.inf, phases, total)
 
 
-def _ringing(phases: Array, end: float, par: Parameters) -> Ringing | None:
-    """The ringing from the last phase of a motion on, if it is one."""
-    t_a, s, x, v, z = phases[0]
-    Omega = math.sqrt((par.k + par.K_z) / par.m)
-    if s != 0.0 or v != 0.0 or (end - t_a) * Omega < 2.0 * math.pi * _RINGS:
-        return None
-    q = (par.k * x + par.K_z * z) / (par.k + par.K_z)
-    return Ringing(t_a, q, x - q, par.K_z / (par.k + par.K_z))
-
-
-def _viscous(phases: Array, end: float, par: Parameters) -> float:
-    """∫ ẋ² dt over phases, up to `end`."""
-    total = 0.0
-    for i in range(len(phases)):
+def _viscous(phases: Array, end: float, par: Parameters) -> Array:
+    """∫ ẋ² dt of each phase, the last of which ends at `end`, by Gauss's rule in panels of a part of a cycle."""
+    of_phases = np.zeros(len(phases))
+    for i, stop in enumerate([*phases[1:, PHASE_T].tolist(), end]):
         start = float(phases[i, PHASE_T])
-        stop = float(phases[i + 1, PHASE_T]) if i + 1 < len(phases) else end
-        if stop <= start:
-            continue
         stiff = par.k + (par.K_z if phases[i, PHASE_S] == 0.0 else 0.0)
-        times, weights = _quadrature(start, stop, math.sqrt(stiff / par.m))
+        panels = 1 + int((stop - start) * math.sqrt(stiff / par.m) / _PANEL)
+        h = (stop - start) / panels
+        times = start + h * ((np.arange(panels) + 0.5)[:, None] + 0.5 * _NODES).ravel()
         # a time on the border may belong to the next phase: taken from this one alone
         speed = states_in_phases(times, phases[i : i + 1], 0.0, par)[1]
-        total += float(weights @ speed**2)
-    return total
-
-
-def _quadrature(start: float, stop: float, omega: float) -> tuple[Array, Array]:
-    """Times and weights of Gauss's rule, in panels of a part of a cycle."""
-    panels = 1 + int((stop - start) * omega / _PANEL)
-    h = (stop - start) / panels
-    middles = start + h * (np.arange(panels) + 0.5)
-    times = (middles[:, None] + 0.5 * h * _NODES).ravel()
-    return times, np.tile(0.5 * h * _WEIGHTS, panels)
+        of_phases[i] = np.tile(0.5 * h * _WEIGHTS, panels) @ speed**2
+    return of_phases
 
 
 def _basis(point: Array, k: float, one: Decay, course: Course) -> tuple[Array, Mask]:
     """Derivatives of the samples by the turns, in units of their noise, and which samples lie in what rows are of."""
     par = numbers_of(point, k)
-    size = _turns(course).size
     blocks, masks = [], []
     for signal in one.signals:
-        times = signal.t - one.start
+        times, still = signal.t - one.start, float(signal.order == 0)
         motion = states_in_phases(times, course.phases, 0.0, par)
-        block = np.zeros((times.size, size))
-        seen = np.zeros(times.size, dtype=np.bool_)
+        block = np.zeros((times.size, course.turns.size))
+        seen = times >= course.rings_from
         for j, half in enumerate(course.halves):
             inside = slice(*np.searchsorted(times, [half.t_a, half.t_b]))
-            travel = half.x_b - half.x_a
-            along = motion[signal.order, inside] / travel
-            if signal.order == 0:
-                along = along - half.x_a / travel
+            along = (motion[signal.order, inside] - still * half.x_a) / (half.x_b - half.x_a)
             block[inside, j + 1] = along
-            block[inside, j] = (1.0 if signal.order == 0 else 0.0) - along
+            block[inside, j] = still - along
             seen[inside] = True
-        if course.ringing is not None:
-            ring = course.ringing
-            inside = slice(int(np.searchsorted(times, ring.t_a)), times.size)
-            wave = motion[signal.order, inside] - (ring.rest if signal.order == 0 else 0.0)
-            block[inside, -1] = (1.0 - ring.share) * wave / ring.q
-            if signal.order == 0:
-                block[inside, -1] += ring.share
-            seen[inside] = True
+        if math.isfinite(course.rings_from):
+            ringing = times >= course.rings_from
+            _, _, x, _, z = course.phases[-1].tolist()
+            q, share = (k * x + par.K_z * z) / (k + par.K_z), par.K_z / (k + par.K_z)
+            wave = motion[signal.order, ringing] - still * (x - q)
+            block[ringing, -1] = (1.0 - share) * wave / q + still * share
         blocks.append(block / signal.noise)
         masks.append(seen)
     return np.vstack(blocks), np.concatenate(masks)
@@ -324,17 +270,9 @@ def _basis(point: Array, k: float, one: Decay, course: Course) -> tuple[Array, M
 
 def _columns(point: Array, k: float, course: Course, turns: Array) -> Array:
     """The rows (W, a, b) with these turns, (n, 3)."""
-    m = point[COMMON.index("m")]
-    rows = []
-    for j, half in enumerate(course.halves):
-        x_a, x_b = float(turns[j]), float(turns[j + 1])
+    m, rows = point[COMMON.index("m")], []
+    for half, x_a, x_b in zip(course.halves, turns[:-1], turns[1:], strict=True):
         stretched = ((x_b - x_a) / (half.x_b - half.x_a)) ** 2
         work = 0.5 * k * (x_a - x_b) * (x_a + x_b) + 0.5 * m * half.v_a**2 * stretched
         rows.append((work, abs(x_a - x_b) - half.lost, half.viscous * stretched))
     return np.array(rows).reshape(-1, 3)
-
-
-def at_rest(fit: RingFit, i: int) -> float | None:
-    """The time from which on the mass of a decay sticks, s after its start; None where the record ends before."""
-    still = fit.sticks_from(i)
-    return still if still < fit.decays[i].end - fit.decays[i].start else None

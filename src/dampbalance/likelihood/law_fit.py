@@ -17,23 +17,25 @@ import numpy as np
 
 from ..arrays import Array, Mask
 from ..law.terms import FRICTION
-from ..likelihood.climb import Bounds, climb
 from ..motion.law_decays import ADDED, law_decay
-from .ringdown_fit import (
+from ..reading.bursts import Signal
+from .climb import Bounds, climb
+from .decay import (
     COMMON,
     STATE,
     Decay,
     RingFit,
     Samples,
-    Whiteness,
-    bounds_of,
     columns_of,
+    inverse_information,
     numbers_of,
+    w_errors,
 )
 
 TERMS = (FRICTION, "c", "c_2", "c_3")
 """Terms that free decays distinguish: base at rest and at one frequency, c_r and eta act as c does."""
 
+_NAMES = (*COMMON, *ADDED)
 _F_K, _C, _RHO, _M = range(4)
 _RANK = 1e-9  # of the largest singular value
 _SHOWN = 1e-10  # of the square of a derivative, that must be orthogonal to the others
@@ -60,40 +62,36 @@ class Departure:
     slopes: Mapping[str, float]
 
 
-@dataclass(frozen=True, eq=False)
-class LawFit:
+@dataclass(frozen=True, eq=False, kw_only=True)
+class LawFit(RingFit):
     """The oscillator with a law whose decays fit the samples best.
 
-    decays : with the samples.   terms : of its damping.   point : unknowns of the fit, then `ADDED`.
-    covariance : of these, zero where one is held.   residual : (model − sample)/σ.   free : number of unknowns.
+    The unknowns are COMMON, `ADDED`, the offsets, and the start state of each decay.
+
+    terms : of its damping.
     """
 
-    decays: tuple[Decay, ...]
-
     terms: tuple[str, ...]
-    point: Array
-    covariance: Array
-    residual: Array
-    free: int
 
     @property
-    def chi_square(self) -> float:
-        """Sum of squares of the residuals."""
-        return float(self.residual @ self.residual)
+    def names(self) -> tuple[str, ...]:
+        """F_k, c, rho, m, and the symbols of `ADDED`."""
+        return _NAMES
+
+    @cached_property
+    def _columns(self) -> Array:
+        whole = _columns(self.decays, self.k, self.point)
+        assert whole is not None  # a climb ended there
+        return whole
 
     @property
     def freedom(self) -> int:
         """Degrees of freedom."""
-        return self.residual.size - self.free
-
-    @cached_property
-    def whiteness(self) -> Whiteness:
-        """How much the residual is like white noise."""
-        return Whiteness.of(self.decays, self.residual, self.point.size - len(ADDED))
+        return self.samples - int(self.free.sum())
 
     def without(self, symbols: Sequence[str]) -> float:
         """What χ² rises by without the coefficients of some terms, to first order: pᵀ C⁻¹ p (Wald's test)."""
-        places = [_place(symbol, self.point.size - len(ADDED)) for symbol in symbols]
+        places = [_NAMES.index(symbol) for symbol in symbols]
         covariance = self.covariance[np.ix_(places, places)]
         errors = np.sqrt(np.diag(covariance))
         z = self.point[places] / errors
@@ -101,8 +99,7 @@ class LawFit:
 
     def coefficient(self, symbol: str) -> tuple[float, float]:
         """Value and standard error of the coefficient of a term, SI."""
-        at = _place(symbol, self.point.size - len(ADDED))
-        return float(self.point[at]), math.sqrt(self.covariance[at, at])
+        return self.value(symbol), self.error(symbol)
 
 
 def departures(fit: RingFit) -> list[Departure]:
@@ -112,24 +109,21 @@ def departures(fit: RingFit) -> list[Departure]:
     """
     from scipy import special  # slow to import
 
-    whole = _columns(fit.decays, fit.k, np.append(fit.point, np.zeros(len(ADDED))))
+    whole = _columns(fit.decays, fit.k, _with_added(fit.point, 0.0))
     if whole is None:
         return []
-    own = np.flatnonzero(fit.jacobian.any(axis=0))
-    first = fit.point.size
+    own = np.flatnonzero(_with_added(np.abs(fit.jacobian).max(axis=0), 0.0))
+    first = len(COMMON)
     length = np.linalg.norm(whole, axis=0)
     length[length == 0.0] = 1.0
-    columns = [*own, *range(first, first + len(ADDED) + 1)]
-    triangle = _triangle(whole[:, columns] / length[columns])
+    columns = [*own, *range(first, len(_NAMES)), whole.shape[1] - 1]
+    triangle = np.asarray(np.linalg.qr(whole[:, columns] / length[columns], mode="r"))
     known, added, residual = triangle[:, : own.size], triangle[:, own.size : -1], triangle[:, -1]
-    basis, sizes, turn = np.linalg.svd(known, full_matrices=False)
-    rank = int(np.count_nonzero(sizes > _RANK * sizes[0]))
-    basis, inverse = basis[:, :rank], turn[:rank].T / sizes[:rank]
-    rest = residual - basis @ (basis.T @ residual)
-    freedom = whole.shape[0] - rank - 1
+    inverse = np.linalg.pinv(known, rcond=_RANK)
+    moves, rest = inverse @ added, residual - known @ (inverse @ residual)
+    freedom = whole.shape[0] - round(float(np.sum(inverse.T * known))) - 1
     found = []
-    for j, symbol in enumerate(ADDED):
-        g = added[:, j] - basis @ (basis.T @ added[:, j])
+    for j, (symbol, g) in enumerate(zip(ADDED, (added - known @ moves).T, strict=True)):
         square = float(g @ g)
         if not square > _SHOWN * float(added[:, j] @ added[:, j]):
             continue
@@ -138,7 +132,7 @@ def departures(fit: RingFit) -> list[Departure]:
         left = float(rest @ rest) - slope**2 * square
         error = math.sqrt(max(left, 0.0) / max(freedom, 1) / square)
         p = 2.0 * float(special.stdtr(freedom, -abs(slope) / error)) if error > 0.0 else 1.0
-        moved = -inverse @ (basis.T @ added[:, j]) * length[first + j] / length[own]
+        moved = -moves[:, j] * length[first + j] / length[own]
         slopes = {COMMON[at]: float(by) for at, by in zip(own, moved, strict=True) if at <= _C}
         found.append(Departure(symbol, slope * unit, error * unit, p, slopes))
     return found
@@ -151,14 +145,13 @@ def fit_law(fit: RingFit, terms: Sequence[str], starts: Iterable[Array] = ()) ->
 
     terms : of `TERMS`.   starts : points of other laws, to climb from as well.
     """
-    size = fit.point.size
-    places = {symbol: _place(symbol, size) for symbol in TERMS}
-    losses, others = _losses(fit), [places[s] for s in TERMS if s not in terms]
-    free = np.append(fit.free, np.zeros(len(ADDED), dtype=np.bool_))
-    free[[places[s] for s in terms]] = True
+    losses = _losses(fit)
+    others = [at for at, symbol in enumerate(_NAMES) if symbol in TERMS and symbol not in terms]
+    free = _with_added(fit.free, 0.0).astype(np.bool_)
+    free[[_NAMES.index(s) for s in terms]] = True
     free[others] = False
     if FRICTION not in terms:
-        free[[_RHO, *range(size - STATE * len(fit.decays) + 2, size, STATE)]] = False
+        free[[_RHO, *range(free.size - STATE * len(fit.decays) + 2, free.size, STATE)]] = False
     bounds = _bounds(fit, free, losses)
 
     def evaluate(point: Array, out: Array) -> bool:
@@ -169,12 +162,12 @@ def fit_law(fit: RingFit, terms: Sequence[str], starts: Iterable[Array] = ()) ->
 
     def towards(start: Array) -> Array:
         """The start without what the law leaves out, which its terms make up for."""
-        lost = math.fsum(start[places[s]] / losses[s] for s in TERMS if s not in terms)
+        lost = math.fsum(start[_NAMES.index(s)] / losses[s] for s in TERMS if s not in terms)
         point = start
         for part in _PARTS if lost > 0.0 else ():
             point = point.copy()
             for s in terms:
-                point[places[s]] += losses[s] * lost / len(_PARTS) / len(terms)
+                point[_NAMES.index(s)] += losses[s] * lost / len(_PARTS) / len(terms)
             point[others] = (1.0 - part) * start[others]
             reached = climb(evaluate, point, bounds, gain=_COARSE, most=_FEW)
             point = point if reached is None else reached.point
@@ -184,23 +177,27 @@ def fit_law(fit: RingFit, terms: Sequence[str], starts: Iterable[Array] = ()) ->
 
     ends = (
         climb(evaluate, towards(start), bounds, gain=_GAIN, most=_MOST)
-        for start in (np.append(fit.point, np.zeros(len(ADDED))), *starts)
+        for start in (_with_added(fit.point, 0.0), *starts)
     )
     best = min(filter(None, ends), key=lambda end: end.chi_square, default=None)
-    whole = None if best is None else _columns(fit.decays, fit.k, best.point)
-    if best is None or whole is None:
+    if best is None:
         return None
-    covariance = np.zeros((free.size, free.size))
-    length = np.linalg.norm(whole[:, :-1][:, free], axis=0)
-    length[length == 0.0] = 1.0
-    solution = np.linalg.pinv(_triangle(whole[:, :-1][:, free] / length), rcond=1e-9)
-    covariance[np.ix_(free, free)] = solution @ solution.T / np.outer(length, length)
-    return LawFit(fit.decays, tuple(terms), best.point, covariance, whole[:, -1], int(free.sum()))
+    information, priors = best.products[:-1, :-1], w_errors(free.size, len(fit.decays))
+    return LawFit(
+        k=fit.k,
+        point=best.point,
+        covariance=inverse_information(information * np.outer(free, free), priors),
+        chi_square=best.chi_square,
+        rigid=False,
+        decays=fit.decays,
+        free=free,
+        terms=tuple(terms),
+    )
 
 
-def _place(symbol: str, size: int) -> int:
-    """Place of a coefficient in a point.   size : of that of the fit."""
-    return COMMON.index(symbol) if symbol in COMMON else size + ADDED.index(symbol)
+def _with_added(of_fit: Array | Mask, value: float) -> Array:
+    """What belongs to the unknowns of a fit, with a value for each of `ADDED` in its place."""
+    return np.insert(of_fit, len(COMMON), [value] * len(ADDED))
 
 
 def _losses(fit: RingFit) -> dict[str, float]:
@@ -219,35 +216,23 @@ def _losses(fit: RingFit) -> dict[str, float]:
 
 def _bounds(fit: RingFit, free: Mask, losses: Mapping[str, float]) -> Bounds:
     """The bounds of a climb: no coefficient is negative.   losses : of `_losses`."""
-    first = fit.point.size
-    of_fit, _ = bounds_of(fit.decays, Samples.of(fit.decays, first), fit.k, fit.point)
-    lower, upper, scale = np.zeros((3, free.size))
-    lower[:first], upper[:first], scale[:first] = of_fit[1:]
-    upper[first:] = math.inf
+    of_fit = Samples.of(fit.decays, fit.k, fit.point.size).bounds(fit.point)
+    lower, upper, scale = map(_with_added, of_fit[1:], (0.0, math.inf, 0.0))
     lower[_F_K], lower[_M], upper[_M] = 0.0, fit.m / _MASSES, fit.m * _MASSES
     for symbol, alone in losses.items():
-        scale[_place(symbol, first)] = _SMALL * alone
+        scale[_NAMES.index(symbol)] = _SMALL * alone
     return Bounds(free, lower, upper, scale)
 
 
-def _triangle(columns: Array) -> Array:
-    """The triangle of a QR factorisation: the same sums of products in as many rows as there are columns."""
-    return np.asarray(np.linalg.qr(columns, mode="r"))
-
-
 def _columns(decays: Sequence[Decay], k: float, point: Array) -> Array | None:
-    """Derivatives of the residuals (model − sample)/σ by all unknowns, and these residuals, (samples, p + 1); None
-    where the contact rattles.
+    """Derivatives of the residuals (model − sample)/σ by all unknowns of a law, and these residuals, (samples, p + 1);
+    None where the contact rattles."""
+    par, p = numbers_of(point, k), point[len(COMMON) : len(_NAMES)]
+    states = point[point.size - STATE * len(decays) :].reshape(-1, STATE).tolist()
 
-    point : unknowns of the fit, then `ADDED`.
-    """
-    first = point.size - len(ADDED)
-    par, p = numbers_of(point[:first], k), point[first:]
-    states = point[first - STATE * len(decays) : first].reshape(-1, STATE).tolist()
-
-    def samples(i: int, times: Array, order: int) -> Array:
+    def samples(i: int, signal: Signal) -> Array:
         x, v, w = states[i]
-        return law_decay(times, order, x, v, w, par, p)
+        return law_decay(signal.t - decays[i].start, signal.order, x, v, w, par, p)
 
-    whole = columns_of(decays, point, first, samples)
+    whole = columns_of(decays, point, len(_NAMES), samples)
     return whole if np.isfinite(whole).all() else None
