@@ -132,9 +132,8 @@ def _matching(pattern: str, root: Path) -> list[str]:
     ]
     files = sorted(name for name in found if not name.endswith((".yaml", ".md")))
     if not files:
-        raise ValueError(
-            f"no file {pattern}: name files, or a pattern, from here or from {root} on"
-        )
+        where = "this folder" if root.samefile(".") else f"this folder or to {root}"
+        raise ValueError(f"no file {pattern}: name files, or a pattern, relative to {where}")
     return files
 
 
