@@ -239,7 +239,7 @@ def wrapped(angle: ArrayLike) -> Array:
     return np.asarray((np.asarray(angle) + 0.5 * np.pi) % (2.0 * np.pi) - 0.5 * np.pi)
 
 
-def beside(parts: Sequence[Features]) -> Features:
+def side_by_side(parts: Sequence[Features]) -> Features:
     """The responses of all parts, each of shape (n,), as cases: shape (n, number of parts)."""
     return _joined(parts, partial(np.stack, axis=1))
 

@@ -10,7 +10,7 @@ Equation (9) weighs all rows alike, and so the highest level, whose misfit has t
 which the covariance of their errors is known weigh as much as they are sure: with the inverse of the variance of
 Σ g_j p_j − W. It depends on the p_j, and so the solution is repeated with the weights that the last one gives.
 
-A case is solved by itself: the cases beside it change no bit of its estimate.
+A case is solved by itself: the cases next to it change no bit of its estimate.
 """
 
 from __future__ import annotations
@@ -143,7 +143,7 @@ def _solve_cases(
     columns : of A, (p, L, cases).   right : W without what is given, full : all of W, (L, cases).
 
     A = QR by Gram–Schmidt, each column orthogonalised twice, on columns of unit length; one step of iterative
-    refinement keeps the digits of a small row beside a large one. Every operation is one of all cases of a block, each
+    refinement keeps the digits of a small row next to a large one. Every operation is one of all cases of a block, each
     by itself, and sums over rows are taken in their order: a case has the same bits in any company.
     """
     p, _, cases = columns.shape

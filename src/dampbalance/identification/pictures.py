@@ -109,7 +109,7 @@ def friction(
     The mass is that of the fit. Without one it is ∮ k(y − x)ẍ dt / ∮ ẍ² dt, exact for a contact that does not yield:
     neither a force of constant size against ẋ nor one in proportion to ẋ correlates with ẍ over a cycle.
 
-    laws : of each record, symbol → coefficient of the terms beside friction, SI.
+    laws : of each record, symbol → coefficient of the terms other than friction, SI.
     """
     figure, panels = _panels_of_records(loaded, "$x$ (mm)")
     for i, (reading, (axes, _)) in enumerate(zip(readings, panels, strict=True)):

@@ -3,8 +3,8 @@
     m ẍ + k(x − y) + Σ p_j h_j(ẋ, ẏ) + K_z z = 0,      ż = ẋ in stick, |z| ≤ Z_m;   z = Z_m sgn ẋ in slip
 
 A phase lasts to the next velocity reversal or onset of slip, which DOP853 locates: the mass moves one way, and no force
-has a kink. Displacement is carried as the gain since its start, so that micrometres of stick are resolved beside
-millimetres of motion; time in units of 1/ω_n, so that a root finder's smallest step is small beside the period.
+has a kink. Displacement is carried as the gain since its start, so that micrometres of stick are resolved next to
+millimetres of motion; time in units of 1/ω_n, so that a root finder's smallest step is small compared with the period.
 
 Every known h grows with ẋ. The difference of two motions under the same excitation therefore loses energy whatever the
 law, as `motion/period_map.py` shows for h = cẋ, and what follows there holds here: one steady velocity, which is its

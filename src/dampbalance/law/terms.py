@@ -122,7 +122,7 @@ KNOWN_TERMS: dict[str, Term] = {
 a session, a call of `register_term`.
 
 c : force cẋ.   c_r : c_r(ẋ − ẏ).   c_2 : c_2|ẋ|ẋ.   c_3 : c_3ẋ³.   eta : η(k/ω)ẋ, the loss factor of the spring: at
-one frequency it cannot be told from c.
+one frequency it cannot be distinguished from c.
 """
 
 FRICTION = "F_k"

@@ -20,7 +20,7 @@ from scipy.optimize import brentq
 
 from ..arrays import Array
 from ..balance import TERMS
-from ..features import Features, beside, of_numbers, of_orbit, stack, wrapped
+from ..features import Features, of_numbers, of_orbit, side_by_side, stack, wrapped
 from ..identification.law_comparison import compare_laws
 from ..identification.oscillator import JointFit, joined, joint_fit, read_samples
 from ..law.response import law_orbit
@@ -52,7 +52,7 @@ def _one_by_one(
     for case, omega in enumerate(followed(cases.si["omega"].tolist(), len(cases.numbers), "cases")):
         osc, levels = oscillator_of(cases.si, case), cases.Y[:, case].tolist()
         columns.append(stack([response(osc, BaseMotion(Y, omega), case) for Y in levels]))
-    return beside(columns)
+    return side_by_side(columns)
 
 
 # --- under any damping law ---------------------------------------------------------------------------
@@ -184,8 +184,8 @@ def measured_responses(cases: Cases, _: Iterable[str]) -> Responses:
             pairs = zip((point, replicate), integrals, strict=True)
             plain.append([seen.replaced(**dict(zip("abW", of, strict=True))) for seen, of in pairs])
     values, errors = (dict(zip(TERMS, of, strict=True)) for of in fitted)
-    simpson = tuple(beside(parts) for parts in zip(*plain, strict=True))
-    return Responses(beside(points), beside(replicates), simpson, (values, errors))
+    simpson = tuple(side_by_side(parts) for parts in zip(*plain, strict=True))
+    return Responses(side_by_side(points), side_by_side(replicates), simpson, (values, errors))
 
 
 def _measured(
