@@ -10,8 +10,7 @@ import json
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from importlib.resources import files
-from pathlib import PurePosixPath
+from pathlib import Path, PurePosixPath
 from typing import Any
 
 import jinja2
@@ -52,7 +51,7 @@ from .drawings import Sheet
 from .instruments import instruments_data
 
 LARGEST_PAGE = 1_500_000  # bytes: a page that a phone loads
-STATIC = files(__package__) / "static"
+STATIC = Path(__file__).with_name("static")
 STYLES = ("style.css", "instruments.css")
 SCRIPTS = (
     *("page.js", "engine.js", "kit.js"),
