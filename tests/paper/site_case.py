@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import json
 import shutil
-from functools import cache
+from contextlib import AbstractContextManager
+from functools import cache, partial
 from pathlib import Path
 from typing import NamedTuple
+from unittest import mock
 from urllib.parse import unquote, urlsplit
 
 from dampbalance.commands.main import parser
 from dampbalance.publishing.provenance.manifest import PROJECT, files_of
-from dampbalance.publishing.site.pages import build
+from dampbalance.publishing.site import pages
 from folders import ROOT
 from paper.html import Tree
 
@@ -44,9 +47,46 @@ def project(folder: Path, results: bool = True) -> Path:
     return folder
 
 
+class Recording(pages.Session):
+    """A session that keeps what its commands say in a file next to the site."""
+
+    kept: Path
+
+    def __init__(self, folder: Path, inputs: Path, kept: Path) -> None:
+        super().__init__(folder, inputs)
+        self.kept = kept
+
+    def run(self, place: str, command: str, status: int = 0) -> str:
+        said = super().run(place, command, status)
+        with self._busy[""]:
+            rows = [[*key, text] for key, text in self._said.copy().items()]
+            self.kept.write_text(json.dumps(rows), encoding="utf-8")
+        return said
+
+
+class Replayed(Recording):
+    """A session whose commands say and write what they did for another site."""
+
+    def run(self, place: str, command: str, status: int = 0) -> str:
+        with self._busy[place]:
+            if not (self.folder / place).exists():
+                shutil.copytree(self.kept.parent / "site/run" / place, self.folder / place)
+        rows = json.loads(self.kept.read_text(encoding="utf-8"))
+        return {(where, words): text for where, words, text in rows}[place, command]
+
+
+def with_commands_of(first: Path) -> AbstractContextManager[object]:
+    """While this lasts, pages show what commands said and wrote for the site that was `built` in the folder `first`.
+
+    The commands take most of the time. That they give the same bytes each time is tested where the commands are.
+    """
+    return mock.patch.object(pages, "Session", partial(Replayed, kept=first / "said.json"))
+
+
 def built(folder: Path) -> Path:
-    """The site of a copy of the project in that folder."""
-    build(project(folder / "project"), folder / "site", parser())
+    """The site of a copy of the project in that folder; what its commands said, next to it."""
+    with mock.patch.object(pages, "Session", partial(Recording, kept=folder / "said.json")):
+        pages.build(project(folder / "project"), folder / "site", parser())
     return folder / "site"
 
 
