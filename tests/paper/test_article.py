@@ -258,15 +258,10 @@ def attachments(reader: PdfReader) -> dict[str, bytes]:
     return {Path(name).name: contents[0] for name, contents in reader.attachments.items()}
 
 
-def test_the_same_bytes_wherever_the_results_are_kept(article, tmp_path):
+def test_the_same_bytes_each_time_and_wherever_the_results_are_kept(article, tmp_path):
     kept = shutil.copytree(article.folder / "results", tmp_path / "ours/results")
     made = compiling.article(article.folder / "paper/article", kept, INPUTS)
     assert made == article.pdf.read_bytes()
-
-
-def test_the_same_bytes_each_time(article):
-    article.typeset("again.pdf")
-    assert (article.folder / "again.pdf").read_bytes() == article.pdf.read_bytes()
 
 
 def test_the_article_is_an_archive_with_the_claims_in_it(article, reader):
