@@ -241,12 +241,12 @@ def path(name: str, value: object, wanted: str) -> Path:
     """The path of a file or a folder, whose names have 255 bytes at most."""
     if not isinstance(value, str | os.PathLike):
         _refuse(name, wanted, value)
-    told = os.fspath(value)
-    if not isinstance(told, str) or "\0" in told:
+    text = os.fspath(value)
+    if not isinstance(text, str) or "\0" in text:
         _refuse(name, wanted, value)
-    if any(len(os.fsencode(part)) > 255 for part in Path(told).parts):
+    if any(len(os.fsencode(part)) > 255 for part in Path(text).parts):
         _refuse(name, f"{wanted}, with names of 255 bytes at most", value)
-    return Path(told)
+    return Path(text)
 
 
 def text(name: str, value: object) -> str:

@@ -255,10 +255,8 @@ def _integrated(features: Features, k: ArrayLike, symbol: str) -> Array:
 
 def _of_harmonic_motion(features: Features, k: ArrayLike, symbol: str) -> Array:
     """g of a term for x = X cos(ωt − φ)."""
-    harmonic = KNOWN_TERMS[symbol].harmonic
-    assert harmonic is not None
     f = features
-    return np.asarray(harmonic(f.omega, f.X, f.Y, f.phi, np.asarray(k)))
+    return np.asarray(KNOWN_TERMS[symbol].harmonic(f.omega, f.X, f.Y, f.phi, np.asarray(k)))
 
 
 def _of_three_harmonics(features: Features, k: ArrayLike, symbol: str) -> Array:

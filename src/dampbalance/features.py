@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import TYPE_CHECKING, Any, Literal, Self, get_args
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, get_args, get_type_hints
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -26,29 +26,12 @@ if TYPE_CHECKING:
 
 Phase = Literal["reversal", "zero_crossing", "fundamental"]
 
-COLUMNS = {
-    "Y": "Y_m",
-    "X": "X_m",
-    "X_s": "X_s_m",
-    "V_s": "V_s_m_per_s",
-    "t_s": "t_s_s",
-    "phi": "phi_rad",
-    "phi_reversal": "phi_reversal_rad",
-    "phi_zero_crossing": "phi_zero_crossing_rad",
-    "phi_fundamental": "phi_fundamental_rad",
-    "X_r": "X_r_m",
-    "V_r": "V_r_m_per_s",
-    "t_r": "t_r_s",
-    "X_1": "X_1_m",
-    "X_3": "X_3_m",
-    "X_5": "X_5_m",
-    "a": "a_m",
-    "b": "b_m2_per_s",
-    "W": "W_J",
-}
-"""Column of a data frame that holds each feature, named with its unit."""
+Metres = Annotated[Array, "m"]
+Radians = Annotated[Array, "rad"]
+Seconds = Annotated[Array, "s"]
+Speeds = Annotated[Array, "m_per_s"]
 
-_OMEGA, _REGIME = "omega_rad_per_s", "regime"
+_REGIME = "regime"
 _AT_ONSET = ("V_s", "t_s", "V_r", "t_r")  # zero where the contact is rigid
 
 
@@ -75,25 +58,25 @@ class Features:
     Raises ValueError naming the field whose shape does not fit.
     """
 
-    omega: Array
-    Y: Array
-    X: Array
-    X_s: Array
-    V_s: Array
-    t_s: Array
-    phi: Array
-    phi_reversal: Array
-    phi_zero_crossing: Array
-    phi_fundamental: Array
-    X_r: Array
-    V_r: Array
-    t_r: Array
-    X_1: Array
-    X_3: Array
-    X_5: Array
-    a: Array
-    b: Array
-    W: Array
+    omega: Annotated[Array, "rad_per_s"]
+    Y: Metres
+    X: Metres
+    X_s: Metres
+    V_s: Speeds
+    t_s: Seconds
+    phi: Radians
+    phi_reversal: Radians
+    phi_zero_crossing: Radians
+    phi_fundamental: Radians
+    X_r: Metres
+    V_r: Speeds
+    t_r: Seconds
+    X_1: Metres
+    X_3: Metres
+    X_5: Metres
+    a: Metres
+    b: Annotated[Array, "m2_per_s"]
+    W: Annotated[Array, "J"]
     regime: Words
     integrals: Mapping[str, Array] = field(default_factory=dict)
 
@@ -154,8 +137,8 @@ class Features:
 
     def to_columns(self) -> dict[str, Any]:
         """The features by column, named with their units (`COLUMNS`), ω first and the regime last."""
-        columns = {column: getattr(self, name) for name, column in COLUMNS.items()}
-        return {_OMEGA: self.omega, **columns, _REGIME: list(self.regime)}
+        columns = {column: getattr(self, name) for name, column in _COLUMNS.items()}
+        return {**columns, _REGIME: list(self.regime)}
 
     def to_frame(self) -> pd.DataFrame:
         """One row per response, with the columns of `to_columns`."""
@@ -166,17 +149,24 @@ class Features:
     @classmethod
     def from_frame(cls, frame: pd.DataFrame) -> Self:
         """The features that `to_frame` described. Raises ValueError: a column missing, or no row."""
-        columns = {"omega": _OMEGA, **COLUMNS}
-        if missing := [c for c in (*columns.values(), _REGIME) if c not in frame.columns]:
+        if missing := [c for c in (*_COLUMNS.values(), _REGIME) if c not in frame.columns]:
             found = list(frame.columns)
             raise ValueError(f"a table of features needs the columns {missing}, found {found}")
         if frame.empty:
             raise ValueError("there are no responses: give at least one")
-        values: Any = {name: frame[col].to_numpy(np.float64) for name, col in columns.items()}
+        values: Any = {name: frame[col].to_numpy(np.float64) for name, col in _COLUMNS.items()}
         return cls(regime=frame[_REGIME].to_numpy(dtype=object), **values)
 
 
-_FIELDS = ("omega", *COLUMNS, _REGIME)
+_COLUMNS = {
+    name: f"{name}_{kind.__metadata__[0]}"
+    for name, kind in get_type_hints(Features, include_extras=True).items()
+    if hasattr(kind, "__metadata__")
+}
+COLUMNS = {name: column for name, column in _COLUMNS.items() if name != "omega"}
+"""Column of a data frame that holds each feature, named with its unit."""
+
+_FIELDS = (*_COLUMNS, _REGIME)
 
 
 def _fitted(name: str, given: Any, kind: Any, shape: tuple[int, ...]) -> Any:
@@ -205,36 +195,36 @@ def of_orbit(orbit: Orbit) -> Features:
 
     The orbit is symmetric, x(t + T/2) = −x(t): reverse slip is the mirror image of forward slip.
     """
-    harmonics = {n: orbit.harmonic(n) for n in (1, 3, 5)}
-    return of_numbers(
-        orbit.motion.omega,
-        str(orbit.regime),
-        Y=orbit.motion.Y,
-        **_of_either(orbit),
-        phi_fundamental=wrapped(harmonics[1][1]),
-        **{f"X_{n}": amplitude for n, (amplitude, _) in harmonics.items()},
-    )
+    amplitudes, lags = zip(*map(orbit.harmonic, (1, 3, 5)), strict=True)
+    Y, omega = np.array([orbit.motion.Y]), orbit.motion.omega
+    return _of_either(orbit, omega, Y, str(orbit.regime), lags[0], amplitudes)
 
 
 def of_orbits(orbits: Orbits, Y: Array, omega: Array) -> Features:
     """Features of many exact steady orbits.   Y : m, omega : rad/s, of each, any shapes that broadcast to theirs."""
     words = np.array([str(regime) for regime in Regime], dtype=object)
+    amplitudes = orbits.X_1, orbits.X_3, orbits.X_5
+    Y = np.broadcast_to(Y, orbits.X.shape)
+    return _of_either(orbits, omega, Y, words[orbits.regime], orbits.phi_1, amplitudes)
+
+
+def _of_either(
+    orbit: Any, omega: Any, Y: Array, regime: Any, lag: Any, amplitudes: Sequence[Any]
+) -> Features:
+    """Features of an `Orbit` or of `Orbits`.   lag : of the fundamental, rad.   amplitudes : of the harmonics, m."""
+    names = ("X", "X_s", "V_s", "t_s", "phi", "phi_zero_crossing", "a", "b", "W")
     return Features(
         omega=omega,
-        regime=words[orbits.regime],
-        Y=np.broadcast_to(Y, orbits.X.shape),
-        **_of_either(orbits),
-        phi_fundamental=wrapped(orbits.phi_1),
-        **{f"X_{n}": getattr(orbits, f"X_{n}") for n in (1, 3, 5)},
+        Y=Y,
+        regime=regime,
+        **{name: getattr(orbit, name) for name in names},
+        X_r=-orbit.X_s,
+        V_r=-orbit.V_s,
+        t_r=orbit.t_s,
+        phi_reversal=orbit.phi,
+        phi_fundamental=wrapped(lag),
+        **dict(zip(("X_1", "X_3", "X_5"), amplitudes, strict=True)),
     )
-
-
-def _of_either(orbit: Orbit | Orbits) -> dict[str, Any]:
-    """What one orbit and many have by the same names, and the mirror image of the slip onset."""
-    names = ("X", "X_s", "V_s", "t_s", "phi", "phi_zero_crossing", "a", "b", "W")
-    numbers = {name: getattr(orbit, name) for name in names}
-    mirrored = {"X_r": -numbers["X_s"], "V_r": -numbers["V_s"], "t_r": numbers["t_s"]}
-    return numbers | mirrored | {"phi_reversal": numbers["phi"]}
 
 
 def of_numbers(omega: ArrayLike, regime: ArrayLike, **numbers: Any) -> Features:
@@ -249,7 +239,7 @@ def wrapped(angle: ArrayLike) -> Array:
     return np.asarray((np.asarray(angle) + 0.5 * np.pi) % (2.0 * np.pi) - 0.5 * np.pi)
 
 
-def beside(parts: Sequence[Features]) -> Features:
+def side_by_side(parts: Sequence[Features]) -> Features:
     """The responses of all parts, each of shape (n,), as cases: shape (n, number of parts)."""
     return _joined(parts, partial(np.stack, axis=1))
 

@@ -44,7 +44,7 @@ def test_its_motion_is_that_of_the_law(law):
     oscillator = Oscillator(truth.m, others.pop("c", 0.0), truth.k, truth.K_z, truth.F_k)
     for (Y, omega), motion in zip(truth.levels, truth.motions, strict=True):
         orbit = law_orbit(oscillator, BaseMotion(Y, omega), others)
-        assert len(orbit.onsets) == 1
+        assert np.count_nonzero(orbit.phases[:, 1]) == 1  # one onset of slip
         phase = np.linspace(0.0, 2.0 * math.pi, 400)
         state, found = orbit.state(phase / omega), motion(phase)
         assert np.abs(found[0] - state.x).max() < 1e-6 * orbit.X

@@ -12,7 +12,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from dampbalance import figures, steady_orbit
-from dampbalance.figures import glance, numerics
+from dampbalance.figures import numerics
 from dampbalance.figures.numerics import Evidence
 from dampbalance.figures.style import save_svg
 from dampbalance.project.files import read_csv, write_csv
@@ -95,14 +95,14 @@ def _figures(
     errors = (routes["exact"].estimates, PAPER, CASE.frequencies_hz, CASE.levels_m)
     unit = CASE.numerics.tabulated["t_s_unit_s"]
     digits = numerics.numerics(evidence, PAPER, CASE.numerics.step_s, unit)
-    found = glance.glance(*at_a_glance(evidence, approaches(), CASE))
+    found = numerics.glance(*at_a_glance(evidence, approaches(), CASE))
     yield "figure3", _svg(folder, figures.figure3(orbits), figures.ALT["figure3"])
     yield (
         "estimation_error",
         _svg(folder, figures.estimation_error(*errors), figures.ALT["estimation_error"]),
     )
     yield "numerics", _svg(folder, digits, numerics.ALT)
-    yield "glance", _svg(folder, found, glance.ALT)
+    yield "glance", _svg(folder, found, numerics.GLANCE_ALT)
 
 
 def _svg(folder: Path, figure: Figure, alt: str) -> str:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import json
+import pickle
 import shutil
 from contextlib import AbstractContextManager
-from functools import cache, partial
+from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 from unittest import mock
@@ -14,6 +14,7 @@ from urllib.parse import unquote, urlsplit
 from dampbalance.commands.main import parser
 from dampbalance.publishing.provenance.manifest import PROJECT, files_of
 from dampbalance.publishing.site import pages
+from dampbalance.publishing.site.pages import Session
 from folders import ROOT
 from paper.html import Tree
 
@@ -47,32 +48,18 @@ def project(folder: Path, results: bool = True) -> Path:
     return folder
 
 
-class Recording(pages.Session):
-    """A session that keeps what its commands say in a file next to the site."""
+def built(folder: Path) -> Path:
+    """The site of a copy of the project in that folder; what its commands said, next to it."""
+    sessions: list[Session] = []
 
-    kept: Path
+    def session(*folders: Path) -> Session:
+        sessions.append(Session(*folders))
+        return sessions[-1]
 
-    def __init__(self, folder: Path, inputs: Path, kept: Path) -> None:
-        super().__init__(folder, inputs)
-        self.kept = kept
-
-    def run(self, place: str, command: str, status: int = 0) -> str:
-        said = super().run(place, command, status)
-        with self._busy[""]:
-            rows = [[*key, text] for key, text in self._said.copy().items()]
-            self.kept.write_text(json.dumps(rows), encoding="utf-8")
-        return said
-
-
-class Replayed(Recording):
-    """A session whose commands say and write what they did for another site."""
-
-    def run(self, place: str, command: str, status: int = 0) -> str:
-        with self._busy[place]:
-            if not (self.folder / place).exists():
-                shutil.copytree(self.kept.parent / "site/run" / place, self.folder / place)
-        rows = json.loads(self.kept.read_text(encoding="utf-8"))
-        return {(where, words): text for where, words, text in rows}[place, command]
+    with mock.patch.object(pages, "Session", session):
+        pages.build(project(folder / "project"), folder / "site", parser())
+    (folder / "said.pickle").write_bytes(pickle.dumps(sessions[0]._said))
+    return folder / "site"
 
 
 def with_commands_of(first: Path) -> AbstractContextManager[object]:
@@ -80,14 +67,14 @@ def with_commands_of(first: Path) -> AbstractContextManager[object]:
 
     The commands take most of the time. That they give the same bytes each time is tested where the commands are.
     """
-    return mock.patch.object(pages, "Session", partial(Replayed, kept=first / "said.json"))
 
+    def session(folder: Path, inputs: Path) -> Session:
+        shutil.copytree(first / "site/run", folder)
+        replayed = Session(folder, inputs)
+        replayed._said |= pickle.loads((first / "said.pickle").read_bytes())
+        return replayed
 
-def built(folder: Path) -> Path:
-    """The site of a copy of the project in that folder; what its commands said, next to it."""
-    with mock.patch.object(pages, "Session", partial(Recording, kept=folder / "said.json")):
-        pages.build(project(folder / "project"), folder / "site", parser())
-    return folder / "site"
+    return mock.patch.object(pages, "Session", session)
 
 
 class Page(NamedTuple):

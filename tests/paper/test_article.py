@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 from pypdf import PdfReader
 
-from dampbalance.figures.dark import DARK, follows_the_screen
+from dampbalance.figures.style import DARK, follows_the_screen
 from dampbalance.publishing.article import compiling
 from paper.article_case import INPUTS, SOURCES, build
 from paper.routes import ROOT

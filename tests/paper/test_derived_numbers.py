@@ -10,8 +10,7 @@ import pandas as pd
 import pytest
 
 from dampbalance.features import Features
-from dampbalance.figures.glance import Damping, glance
-from dampbalance.figures.numerics import Evidence
+from dampbalance.figures.numerics import Damping, Evidence, glance
 from dampbalance.publishing.article.derived_numbers import (
     at_a_glance,
     lock_in_errors,

@@ -21,8 +21,7 @@ from dampbalance.project import wording
 from dampbalance.project.case import check, require_own_case
 from dampbalance.project.documents import read_yaml
 from dampbalance.publishing.page.instruments import sliders
-from dampbalance.replication.comparison import PHASES, WAYS, approaches_table
-from dampbalance.replication.resonance import RECIPES
+from dampbalance.replication.comparison import PHASES, RECIPES, WAYS, approaches_table
 from dampbalance.solver import solve
 from folders import ROOT
 from paper.page_case import page_of

@@ -17,7 +17,7 @@ import pandas as pd
 import pytest
 from fontTools.ttLib import TTFont
 
-from dampbalance.figures.dark import DARK
+from dampbalance.figures.style import DARK
 from dampbalance.publishing import formulas, notebook
 from folders import ROOT
 from paper import axe

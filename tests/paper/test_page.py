@@ -20,7 +20,7 @@ from dampbalance.publishing import colours, match, words
 from dampbalance.publishing.match import match_picture
 from dampbalance.publishing.page import drawings, report
 from dampbalance.publishing.page.report import LARGEST_PAGE, ORIGINS, link, study_origin
-from dampbalance.replication import resonance
+from dampbalance.replication import comparison
 from dampbalance.replication.claim_verdicts import KINDS, VERDICTS, counts
 from dampbalance.replication.printed_tables import claim_of
 from paper.contrast import GRAPHICS_ON, TEXT_ON, contrast
@@ -137,7 +137,7 @@ def test_off_resonance_the_page_tells_both_causes_and_what_each_costs(tree, made
         "At 11.1 Hz the first alone puts Fk off by +11.8 %, the second alone by −66.6 %, and both together by −65.8 %",
     ):
         assert sentence in text
-    shown = resonance.mends(made.approaches, CASE.frequencies_hz)
+    shown = comparison.mends(made.approaches, CASE.frequencies_hz)
     assert [round(abs(row[2]), 1) for row in shown.values()] == [65.8, 11.8, 2.8, 66.6, 0.4, 0.0]
     assert "as in the paper+1.37−19.5−65.8" in text
 

@@ -25,7 +25,6 @@ FLOORS = (
     "law",
     "features",
     "balance",
-    "factorisation",
     "solver",
     "estimates",
     "project",

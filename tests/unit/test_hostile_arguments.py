@@ -39,7 +39,7 @@ from dampbalance import (
 from dampbalance.balance import direct
 from dampbalance.features import of_orbit
 from dampbalance.law.law import Law, law_of
-from dampbalance.law.response import law_orbit, law_transient
+from dampbalance.law.response import law_orbit
 from dampbalance.motion.fixed_step import simulate
 from dampbalance.project.documents import ConfigurationError
 from dampbalance.record import Record
@@ -153,15 +153,10 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, object], Callable[..., o
         {"oscillator": PAPER, "motion": MOTION, "law": {}},
         lambda orbit: finite(orbit.X),
     ),
-    "law_transient": (
-        law_transient,
-        {"oscillator": PAPER, "motion": None, "law": {"c_2": 1.0}, "end": 0.02, **STATE},
-        lambda path: finite(path.state(path.end)),
-    ),
     "a law of": (
-        lambda c_2: law_transient(PAPER, None, {"c_2": c_2}, 0.02, x=0.001),
+        lambda c_2: law_orbit(PAPER, MOTION, {"c_2": c_2}),
         {"c_2": 1.0},
-        lambda path: finite(path.state(path.end)),
+        lambda orbit: finite(orbit.X),
     ),
     "Law": (Law, {"terms": ("F_k", "c"), "given": {}, "groups": {}}, repr),
     "law_of": (law_of, {"terms": ["F_k", "c"], "given": {}, "groups": {}}, repr),

@@ -56,28 +56,6 @@ def exact_least_squares(rows):
     return [float(line[-1] / line[j]) for j, line in enumerate(normal)]
 
 
-amplitudes = st.lists(st.floats(1e-4, 0.1), min_size=3, max_size=8, unique=True)
-
-
-@given(X=amplitudes, F_k=st.floats(0.01, 100.0), c=st.floats(0.1, 1000.0))
-def test_least_squares_solves_the_normal_equations(X, F_k, c):
-    """Rows disturbed by one per cent, against (9) in rational arithmetic."""
-    rows = rows_of(X, F_k, c)
-    wobble = 1.0 + 0.01 * np.cos(np.arange(len(X)))
-    rows = replace(rows, W=rows.W * wobble)
-    A = matrix(rows)
-    A /= np.linalg.norm(A, axis=0)
-    condition = np.linalg.cond(A)
-    assume(condition < 1e3)
-    estimate = least_squares(rows)
-    expected = np.array(exact_least_squares(rows))
-    # Least squares amplify rounding by the condition number, and by its square times the residual, here at most 1 %;
-    # measured against the larger of the two terms a F_k and b c, in which the unknowns enter.
-    scale = np.linalg.norm(rows.W) / np.linalg.norm(matrix(rows), axis=0)
-    error = np.abs(np.array(list(estimate.values.values())) - expected)
-    assert np.all(error <= 30.0 * np.finfo(float).eps * (condition + 0.01 * condition**2) * scale)
-
-
 def test_close_levels_lose_the_condition_number_not_its_square():
     """Levels one part in a million apart: QR keeps 9 digits, where the normal equations of (9) keep none."""
     rows = rows_of([0.01, 0.010000005, 0.01000001], 1.28, 90.0)
@@ -110,17 +88,6 @@ def test_pair_is_the_least_squares_of_two_rows(F_k, c):
         assert of_pair[symbol] == pytest.approx(of_two[symbol], abs=of_term)
 
 
-def test_residual_is_the_misfit_over_the_norm_of_W():
-    rows = rows_of([0.004, 0.006, 0.008], 1.28, 90.0)
-    rows = replace(rows, W=rows.W + np.array([1e-3, -2e-3, 1e-3]))
-    estimate = least_squares(rows)
-    misfit = matrix(rows) @ [estimate["F_k"], estimate["c"]] - rows.W
-    assert estimate.residual == pytest.approx(
-        math.sqrt(np.sum(misfit**2)) / math.sqrt(np.sum(rows.W**2)), rel=1e-12
-    )
-    assert estimate.residual > 1e-4
-
-
 def test_covariance_is_the_scatter_of_repeated_estimates():
     rng = np.random.default_rng(1)
     rows = rows_of(LEVELS, 1.28, 90.0)
@@ -138,15 +105,6 @@ def test_two_rows_have_no_scatter():
     estimate = pair(rows_of([0.004, 0.006], 1.28, 90.0), 0, 1)
     assert estimate.n == 2
     assert np.all(np.isnan(estimate.covariance))
-
-
-@pytest.mark.parametrize(("symbol", "number"), [("F_k", np.nan), ("c", np.inf)])
-def test_rows_without_features_are_left_out(symbol, number):
-    rows = rows_of(LEVELS, 1.28, 90.0)
-    rows.terms[symbol][1] = number
-    estimate = least_squares(rows)
-    assert estimate.n == 4
-    assert estimate["F_k"] == pytest.approx(1.28, rel=1e-12)
 
 
 def test_a_small_row_keeps_its_digits_beside_a_large_one():
@@ -190,10 +148,10 @@ def of_case(found, *case):
 seeds = st.integers(0, 2**32 - 1)
 
 
-@given(seed=seeds, levels=st.integers(3, 8), weighted=st.booleans())
-def test_three_terms_solve_the_normal_equations(seed, levels, weighted):
+@given(seed=seeds, terms=st.integers(2, 3), levels=st.integers(3, 8), weighted=st.booleans())
+def test_least_squares_solve_the_normal_equations(seed, terms, levels, weighted):
     """Against rational arithmetic, columns of very different sizes, all rows alike or of weights up to 1e6 apart."""
-    rows = drawn_rows(seed, levels)
+    rows = drawn_rows(seed, levels, THREE[:terms])
     if weighted:
         rng = np.random.default_rng(seed + 1)
         rows = replace(rows, weights=10.0 ** rng.uniform(-3.0, 3.0, levels))
@@ -302,7 +260,7 @@ def test_rows_without_a_feature_are_left_out_case_by_case():
     """As if they were not there, to the last bit, whichever of their numbers is missing."""
     rows = drawn_rows(5, (6, 4))
     rows.terms["F_k"][1, 0] = np.nan
-    rows.terms["c_2"][5, 1] = np.nan
+    rows.terms["c_2"][5, 1] = np.inf
     rows.W[0, 2] = np.nan
     rows.terms["c"][2:, 3] = np.nan
     found = solve(rows)

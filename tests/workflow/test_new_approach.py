@@ -24,10 +24,8 @@ TERM = """        Term(
             "quartic damping",
             "b_4",
             "m⁵/s⁴",
-            force=lambda v, w, k, omega: np.abs(v) ** 3 * v,
-            slope=lambda v, w, k, omega: 4.0 * np.abs(v) ** 3,
-            harmonic=lambda omega, X, Y, phi, k: 32.0 / 15.0 * omega**4 * X**5,
-            order=4,
+            4,
+            lambda v, w, k, omega: np.abs(v) ** 3 * v,
         ),
 """
 # Direct integration with a quartic damper in addition. There is none.

@@ -21,9 +21,9 @@ from dampbalance import BaseMotion, steady_orbit
 from dampbalance.balance import APPROACHES
 from dampbalance.figures.style import FAINT, SLIP, STICK, page, place, save, styled
 from dampbalance.identification.forced import REPLICATES, identify_readings
+from dampbalance.likelihood.mean_harmonics import read_features
+from dampbalance.likelihood.steady_search import fit_oscillator
 from dampbalance.project.files import write_csv, write_text
-from dampbalance.reading.fitting import fit_oscillator
-from dampbalance.reading.mean_harmonics import read_features
 from dampbalance.record import Record
 from dampbalance.records.measurement import Measurement
 from dampbalance.records.synthetic import measured_orbit
@@ -57,8 +57,8 @@ clocks = lambda: (time.perf_counter(), time.process_time())
 start = clocks()
 from dampbalance.identification.forced import identify_readings
 from dampbalance.records.measurement import Channel, Measurement
-from dampbalance.reading.mean_harmonics import read_features
-from dampbalance.reading.fitting import fit_oscillator
+from dampbalance.likelihood.mean_harmonics import read_features
+from dampbalance.likelihood.steady_search import fit_oscillator
 loaded = clocks()
 import numpy as np
 readings = []

@@ -23,8 +23,8 @@ from scipy.signal import find_peaks, savgol_filter
 
 from dampbalance.identification.answer import USABLE
 from dampbalance.identification.decays import identify_ring_downs
+from dampbalance.likelihood.decay import STATE, RingFit, fit_decays
 from dampbalance.motion.jit import interpreted
-from dampbalance.reading.ringdown_fit import STATE, RingFit, fit_decays
 from dampbalance.records.measurement import Measurement
 
 from .decays import Decay, clean, draw, record

@@ -15,8 +15,8 @@ import pandas as pd
 from dampbalance import BaseMotion, Oscillator
 from dampbalance.identification.forced import identify_readings
 from dampbalance.likelihood.information import cramer_rao
+from dampbalance.likelihood.mean_harmonics import read_features
 from dampbalance.project.wording import markdown_table
-from dampbalance.reading.mean_harmonics import read_features
 from paper_case import FREQUENCIES_HZ, LEVELS, PAPER
 
 from .records import levels, records

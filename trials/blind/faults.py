@@ -21,8 +21,8 @@ from scipy.interpolate import CubicSpline
 
 from dampbalance.identification.answer import REFERENCE
 from dampbalance.identification.forced import identify_readings
+from dampbalance.likelihood.mean_harmonics import read_features
 from dampbalance.project.wording import markdown_table
-from dampbalance.reading.mean_harmonics import read_features
 from dampbalance.records.measurement import Channel, Measurement
 
 from . import efficiency

@@ -18,8 +18,8 @@ import pandas as pd
 from scipy.stats import binomtest
 
 from dampbalance.identification.law_comparison import compare_laws
+from dampbalance.likelihood.mean_harmonics import read_features
 from dampbalance.project.wording import markdown_table
-from dampbalance.reading.mean_harmonics import read_features
 from dampbalance.records.measurement import Channel, Measurement
 
 from .other_motion import Departure, steady

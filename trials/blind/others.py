@@ -27,8 +27,8 @@ from scipy.optimize import least_squares
 from scipy.signal import find_peaks, savgol_filter
 
 from dampbalance.identification.forced import identify_readings
+from dampbalance.likelihood.mean_harmonics import read_features
 from dampbalance.project.wording import markdown_table
-from dampbalance.reading.mean_harmonics import read_features
 from dampbalance.records.measurement import Measurement
 
 from .other_motion import ring_down

@@ -13,8 +13,8 @@ from scipy.stats import binomtest
 
 from dampbalance.identification.answer import REFERENCE, ParameterEstimate, normal
 from dampbalance.identification.forced import ForcedOutcome, identify_readings
+from dampbalance.likelihood.mean_harmonics import read_features
 from dampbalance.project.wording import markdown_table
-from dampbalance.reading.mean_harmonics import read_features
 
 from .records import levels, records
 from .truths import Truth, draw

@@ -17,7 +17,7 @@ for one in MEASURED.values():
         one["mapping"] = named_file(one["mapping"])
 PLACES = {name: one.get("at") for name, one in MEASURED.items()}
 MEASURED_FILES = f"{RESULTS}/measured"
-FROM = "from the folder of the run or of the project on"
+FROM = "relative to the folder of the run or of the project"
 
 
 def kind_of(name):

@@ -131,8 +131,8 @@ def _write_mapping(options: argparse.Namespace) -> None:
         mapping = replace(read_mapping(unfinished), source=str(file))
         for record in options.records:
             open_channels(record, mapping)
-    beside = all(find_mapping(record) == file for record in options.records)
-    use = "without --write-mapping" if beside else f"with --mapping {file} instead"
+    is_usual = all(find_mapping(record) == file for record in options.records)
+    use = "without --write-mapping" if is_usual else f"with --mapping {file} instead"
     print(f"{text}\nWritten to {file}. Check each line, then give the same command {use}.")
 
 

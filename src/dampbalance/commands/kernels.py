@@ -27,7 +27,6 @@ from ..motion.distorted import distorted_harmonics
 from ..motion.fixed_step import simulate
 from ..motion.jit import interpreted
 from ..motion.orbit import Orbit
-from ..motion.steady_slopes import linear_harmonics
 from ..reading.clean import of_record
 
 _OSCILLATOR: dict[str, Any] = {"m": 2.42, "c": 40.0, "k": 2310.0, "K_z": 208000.0, "F_k": 1.28}
@@ -53,9 +52,6 @@ def slopes() -> None:
     with interpreted():
         orbit = _orbit()
     orbit.harmonics_with_slopes(3)
-    x, slope = np.empty(3, dtype=np.complex128), np.empty((3, 6), dtype=np.complex128)
-    motion = orbit.phases.copy(), orbit.theta, orbit.parameters, int(orbit.regime)
-    linear_harmonics(*motion, (0.0, 0.0), np.eye(1, 2), np.arange(6), x, slope)
 
 
 def rest() -> None:

@@ -15,7 +15,7 @@ from .simulate import oscillator, require_brief, require_new, save
 
 EPILOG = """\
 The record is exact except for its noise, which is white, of every channel by itself. The oscillator is that of the
-paper unless told otherwise; it damps so much that it hardly swings.
+paper unless options say otherwise; it damps so much that it hardly swings.
 
   dampbalance release decay.csv --displacement 0.01 --damping 1 --friction 0.5 --noise 0.01
   dampbalance identify decay.csv --stiffness 2310

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 EPILOG = """\
 Each record is exact except for its noise, which is white, of every channel by itself. The oscillator is that of the
-paper unless told otherwise.
+paper unless options say otherwise.
 
 With --law the damping is that of its terms, c among them (c is 0 unless the law or --damping gives it); the contact
 keeps its --friction unless the law gives F_k. The terms, their coefficients in SI units: c on the velocity of the mass,

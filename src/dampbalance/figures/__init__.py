@@ -1,6 +1,6 @@
 """The figures of the paper, and one it lacks: from orbits and tables of estimates to pictures.
 
-`looks.py` says how each approach looks, `series.py` and `cycle.py` which numbers are drawn; `values.py` keeps them in
+`looks.py` says how each approach looks, `style.py` how everything does; `values.py` keeps the numbers that are drawn in
 the SVG, from which the page takes them. Each function is pure and returns a matplotlib `Figure`; `save` writes it as
 SVG and PNG. `ALT` says in a sentence what each shows in the paper's case, for readers who cannot see it.
 """
@@ -11,9 +11,8 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from .acceleration import figure3
+    from .cycle import figure3, friction_velocity_loop
     from .error_levels import estimation_error
-    from .friction_loop import friction_velocity_loop
     from .schematic import schematic
     from .style import save
 
@@ -42,8 +41,8 @@ __all__ = ["ALT", "estimation_error", "figure3", "friction_velocity_loop", "save
 # Loaded when they are asked for: the page takes looks and values from this room, and does without matplotlib.
 _MODULES = {
     "estimation_error": "error_levels",
-    "figure3": "acceleration",
-    "friction_velocity_loop": "friction_loop",
+    "figure3": "cycle",
+    "friction_velocity_loop": "cycle",
     "save": "style",
     "schematic": "schematic",
 }
@@ -52,6 +51,6 @@ _MODULES = {
 def __getattr__(name: str) -> object:
     if name not in _MODULES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    found = getattr(import_module(f".{_MODULES[name]}", __name__), name)
-    globals()[name] = found  # in place of a module of that name, which its import leaves here
-    return found
+    value = getattr(import_module(f".{_MODULES[name]}", __name__), name)
+    globals()[name] = value  # in place of a module of that name, which its import leaves here
+    return value

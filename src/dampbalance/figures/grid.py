@@ -56,7 +56,7 @@ class Grid:
         return max(0.0, rows * (self.height + ROW_GAP) - ROW_GAP)
 
     def name_row(self, axes: Axes, label: str) -> None:
-        """What the panels of a row show, beside the first of them."""
+        """Name what the panels of a row show, to the left of the first."""
         axes.set_ylabel(label)
         axes.yaxis.set_label_coords(-11.0 / self.width, 0.5)
 

@@ -52,7 +52,7 @@ SCHEME_LOOKS = {
     "trapezoidal": ("trapezoidal rule", LOOKS["fourier"]),
     "rk4": ("Runge–Kutta 4", LOOKS["direct"]),
 }
-"""Name and look of each fixed-step scheme; no figure shows schemes beside approaches. Orange is for print."""
+"""Name and look of each fixed-step scheme; no figure shows both schemes and approaches. Orange is for print."""
 
 
 def look_of(approach: str) -> Look:

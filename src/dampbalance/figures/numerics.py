@@ -1,8 +1,10 @@
-"""The figure that shows how the printed digits arose: the paper's numbers beside what each cause would make of them."""
+"""The article's own figures: how the printed digits arose, next to what each cause would make of them; and the findings
+at a glance, where the excess of c comes from and what goes wrong off resonance."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -11,7 +13,7 @@ from ..balance import TERMS
 from ..model import Oscillator
 from .looks import LOOKS, SCHEME_LOOKS, SPARE
 from .series import SignedScale
-from .style import DOUBLE_COLUMN, FAINT, INK, STICK, page, panel_letter, place, styled
+from .style import DOUBLE_COLUMN, FAINT, INK, STICK, arrow, note, page, panel_letter, place, styled
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -25,6 +27,12 @@ ALT = (
     "velocity reversal, not the zero crossing; printed slip times are whole tenths of a millisecond; a plus sign gives "
     "the printed pairs by slip velocity, a minus does not."
 )
+GLANCE_ALT = (
+    "Left: on an axis of c, the true value; that plus the numerical dissipation of backward Euler; the value that the "
+    "rebuilt simulation gives; and the printed one. The last three nearly coincide. Right: errors of the friction "
+    "force at each drive frequency: large off resonance as in the paper's pairs, below one per cent at the highest "
+    "frequency with the phase of the fundamental of each level, and far smaller by the Fourier energy balance."
+)
 
 PRINTED: dict[str, Any] = {"marker": "o", "ls": "none", "color": STICK, "ms": 4.2, "zorder": 5}
 REBUILT, OTHER, THIRD = LOOKS["X_s"].colour, LOOKS["V_s"].colour, SPARE[0].colour
@@ -34,16 +42,21 @@ _OF_SCHEME = {
     "trapezoidal": (FAINT, "v"),
     "rk4": (FAINT, "^"),
 }
-LEFT, WIDTH, GAP = 15.0, 42.0, 17.0  # mm
-BOTTOM, HEIGHT, ROW_GAP, TOP = 11.0, 38.0, 20.0, 6.0
+_MARKS: Sequence[Mapping[str, Any]] = (
+    {"marker": "o", "color": PRINTED["color"]},
+    {"marker": "^", "color": OTHER},
+    {"marker": "s", "color": REBUILT},
+)
+LEFTS, WIDTH = (15.0, 74.0, 133.0), 42.0  # mm: of the panels
+BOTTOMS, HEIGHT = (69.0, 11.0), 38.0
 
 
 class Evidence(NamedTuple):
     """What the figure is drawn from, all at the first frequency.
 
     claims : the table of claims, as text (id, printed).   exact : features.   estimates : as published.
-    schemes : of `article.schemes.scheme_table`.   steps : cases of the study of the step, with columns scheme, step_s,
-    c_N_s_per_m and c_relative_error__direct__least_squares.
+    schemes : of `replication.as_published.scheme_table`.   steps : cases of the study of the step, with columns scheme,
+    step_s, c_N_s_per_m and c_relative_error__direct__least_squares.
     """
 
     claims: pd.DataFrame
@@ -54,19 +67,10 @@ class Evidence(NamedTuple):
 
     def printed(self, prefix: str) -> np.ndarray:
         """The printed numbers whose identifier begins so, in order."""
-        return self._texts(prefix).astype(float).to_numpy()
+        return self.texts(prefix).astype(float).to_numpy()
 
-    def last_digit(self, prefix: str) -> float:
-        """One unit in the last digit of the printed numbers whose identifier begins so."""
-        places = max(len(text.partition(".")[2]) for text in self._texts(prefix))
-        return math.pow(10.0, -places)
-
-    def slip_times(self, step_s: float, unit_s: float) -> np.ndarray:
-        """The exact t_s, without a step at each end, in whole units, s."""
-        inside = self.exact["t_s_s"].to_numpy() - 2.0 * step_s
-        return np.asarray(np.floor(inside / unit_s + 1e-9) * unit_s)
-
-    def _texts(self, prefix: str) -> pd.Series:
+    def texts(self, prefix: str) -> pd.Series:
+        """These numbers as they are printed."""
         return self.claims.loc[self.claims["id"].str.startswith(prefix), "printed"]
 
 
@@ -78,12 +82,8 @@ def numerics(
 
     step_s : of the rebuilt simulation, s.   t_s_unit_s : the unit in which t_s was read, s.
     """
-    figure = page(DOUBLE_COLUMN, BOTTOM + 2 * HEIGHT + ROW_GAP + TOP)
-    axes = [
-        place(figure, LEFT + n * (WIDTH + GAP), bottom, WIDTH, HEIGHT)
-        for bottom in (BOTTOM + HEIGHT + ROW_GAP, BOTTOM)
-        for n in range(3)
-    ]
+    figure = page(DOUBLE_COLUMN, BOTTOMS[0] + HEIGHT + 6.0)
+    axes = [place(figure, x, y, WIDTH, HEIGHT) for y in BOTTOMS for x in LEFTS]
     _integrals(axes[0], evidence)
     _steps(axes[1], evidence, oscillator, step_s)
     _coefficients(axes[2], evidence)
@@ -91,38 +91,45 @@ def numerics(
     _slip_time(axes[4], evidence, step_s, t_s_unit_s)
     _sign(axes[5], evidence)
     for panel in (axes[0], axes[2], axes[3], axes[4]):
-        panel.set_xticks(1e3 * evidence.exact["Y_m"])
+        panel.set(xticks=1e3 * evidence.exact["Y_m"], xlabel="$Y$ (mm)")
     for panel, letter in zip(axes, "abcdef", strict=True):
         panel_letter(panel, letter)
     return figure
 
 
+def _named(axes: Axes, x: Any, y: Any, name: str, **look: Any) -> None:
+    """A line by its name, in the legend and among the values that the SVG keeps."""
+    axes.plot(x, y, label=name, gid=name, **look)
+
+
 def _integrals(axes: Axes, e: Evidence) -> None:
-    """(a) W and b: deviation from exact, printed and by each scheme."""
+    """(a) W and b: deviation from exact, 1e-4 of it, printed and by each scheme."""
+
+    def off(values: Any, column: str) -> np.ndarray:
+        return np.asarray(1e4 * (np.asarray(values) / e.exact[column].to_numpy() - 1.0))
+
     Y = 1e3 * e.exact["Y_m"]
     schemes = e.schemes[e.schemes["coefficients"] == "rounded"]
+    chosen, other = {"color": REBUILT, "lw": 1.0}, {"color": FAINT, "lw": 0.6, "zorder": 2}
     for scheme, rows in schemes.groupby("scheme", sort=False):
-        chosen = scheme == "backward-euler"
+        look: dict[str, Any] = chosen | {"zorder": 3} if scheme == "backward-euler" else other
         for column, style in (("W_J", "-"), ("b_m2_per_s", "--")):
-            look: dict[str, Any] = {"color": REBUILT, "lw": 1.0, "zorder": 3}
-            look = look if chosen else {"color": FAINT, "lw": 0.6, "zorder": 2}
             name = f"${column[0]}$, {SCHEME_LOOKS[str(scheme)][0]}"
-            axes.plot(Y, deviation(rows[column], e.exact[column]), style, gid=name, **look)
-    for name, column, marker in (("W", "W_J", "o"), ("b", "b_m2_per_s", "s")):
-        off = deviation(e.printed(f"table2.{name}."), e.exact[column])
-        look = PRINTED | {"marker": marker, "label": f"${name}$ printed"}
-        axes.plot(Y, off, gid=look["label"], **look)
-    # Named beside the level where the lines of W and b are clear of each other.
-    for text, at in (("backward Euler", -1.9), ("explicit Euler", 1.95), ("the others", 0.6)):
-        axes.text(8.0, at, text, ha="center", va="center", size=7.5, color=INK)
+            axes.plot(Y, off(rows[column], column), style, gid=name, **look)
+    for column, marker in (("W_J", "o"), ("b_m2_per_s", "s")):
+        printed = off(e.printed(f"table2.{column[0]}."), column)
+        _named(axes, Y, printed, f"${column[0]}$ printed", **PRINTED | {"marker": marker})
+    # Named near the level where the lines of W and b are clear of each other.
+    _words(axes, 8.0, {"backward Euler": -1.9, "explicit Euler": 1.95, "the others": 0.6})
     axes.set_ylim(-4.6, 3.2)
     axes.legend(loc="lower center", ncols=2, fontsize=7.5, handletextpad=0.1, columnspacing=0.8)
-    axes.set(xlabel="$Y$ (mm)", ylabel="deviation from exact ($10^{-4}$)")
+    axes.set_ylabel("deviation from exact ($10^{-4}$)")
 
 
-def deviation(values: pd.Series | np.ndarray, exact: pd.Series) -> np.ndarray:
-    """How far values lie from the exact ones, in 1e-4 of these."""
-    return np.asarray(1e4 * (np.asarray(values) / exact.to_numpy() - 1.0))
+def _words(axes: Axes, x: float, at: Mapping[str, float]) -> None:
+    """Words for the curves, each at its height."""
+    for words, y in at.items():
+        axes.text(x, y, words, ha="center", va="center", size=7.5, color=INK)
 
 
 def _steps(axes: Axes, e: Evidence, oscillator: Oscillator, step_s: float) -> None:
@@ -135,20 +142,18 @@ def _steps(axes: Axes, e: Evidence, oscillator: Oscillator, step_s: float) -> No
         colour, marker = _OF_SCHEME.get(str(scheme), (FAINT, "x"))
         look: dict[str, Any] = {"ls": "none", "marker": marker, "ms": 3.4, "color": colour}
         look |= {"mew": 0.8} | ({"zorder": 4} if marker == "o" else {"zorder": 3, "mfc": "none"})
-        name, _ = SCHEME_LOOKS[str(scheme)]
-        axes.plot(h[rows.index], error[rows.index], gid=name, **look)
+        axes.plot(h[rows.index], error[rows.index], gid=SCHEME_LOOKS[str(scheme)][0], **look)
     line = np.geomspace(h.min(), h.max(), 50)
     omega = float(e.exact["omega_rad_per_s"].iloc[0])
     for sign in (1.0, -1.0):
         axes.plot(line, sign * 1e-6 * oscillator.m * omega**2 * line, color=FAINT, lw=0.8)
-    names = (
-        (r"backward Euler, $m\omega^2h$", 0.9),
-        ("semi-implicit Euler", 3e-4),
-        ("trapezoidal, Runge–Kutta", -2e-5),
-        (r"explicit Euler, $-m\omega^2h$", -0.9),
-    )
-    for text, at in names:
-        axes.text(12.0, at, text, ha="center", va="center", size=7.5)
+    names = {
+        r"backward Euler, $m\omega^2h$": 0.9,
+        "semi-implicit Euler": 3e-4,
+        "trapezoidal, Runge–Kutta": -2e-5,
+        r"explicit Euler, $-m\omega^2h$": -0.9,
+    }
+    _words(axes, 12.0, names)
     printed = float(e.printed("text.c_direct_ls")[0]) - oscillator.c
     star = {"marker": "*", "ms": 8.0, "gid": "printed"}
     axes.plot([1e6 * step_s], [printed], **(PRINTED | star))
@@ -161,18 +166,17 @@ def _steps(axes: Axes, e: Evidence, oscillator: Oscillator, step_s: float) -> No
 
 
 def _coefficients(axes: Axes, e: Evidence) -> None:
-    """(c) What is left of the printed W beside the simulation, with rounded and with exact coefficients."""
-    Y = 1e3 * e.exact["Y_m"]
+    """(c) What is left of the printed W against the simulation, with rounded and with exact coefficients."""
     euler = e.schemes[e.schemes["scheme"] == "backward-euler"]
     for name, marker, colour in (("rounded", "o", REBUILT), ("exact", "^", OTHER)):
         W = euler.loc[euler["coefficients"] == name, "W_J"].to_numpy()
         off = 1e6 * (e.printed("table2.W.") / W - 1.0)
-        label = f"{name} $c/m$, $k/m$"
-        axes.plot(Y, off, marker=marker, color=colour, lw=0.8, label=label, gid=label)
+        look: dict[str, Any] = {"marker": marker, "color": colour, "lw": 0.8}
+        _named(axes, 1e3 * e.exact["Y_m"], off, f"{name} $c/m$, $k/m$", **look)
     axes.axhline(0.0, color=PRINTED["color"], lw=0.6, ls=":")
     axes.set_ylim(-0.7, 3.9)
     axes.legend(loc="upper center", fontsize=7.5, handletextpad=0.4, labelspacing=0.2)
-    axes.set(xlabel="$Y$ (mm)", ylabel="$W$ printed over rebuilt $-1$ ($10^{-6}$)")
+    axes.set_ylabel("$W$ printed over rebuilt $-1$ ($10^{-6}$)")
 
 
 def _phase(axes: Axes, e: Evidence) -> None:
@@ -180,51 +184,52 @@ def _phase(axes: Axes, e: Evidence) -> None:
     from matplotlib import ticker  # slow to import, and the page takes the evidence alone
 
     Y = 1e3 * e.exact["Y_m"]
-    for phase, text, colour, style in (
-        ("zero_crossing", "zero crossing", OTHER, "--"),
-        ("fundamental", "fundamental", THIRD, "-."),
-        ("reversal", "reversal", REBUILT, "-"),
+    for phase, colour, style in (
+        ("zero_crossing", OTHER, "--"),
+        ("fundamental", THIRD, "-."),
+        ("reversal", REBUILT, "-"),
     ):
-        axes.plot(Y, e.exact[f"phi_{phase}_rad"], style, color=colour, label=text, gid=text)
-    axes.plot(Y, e.printed("table1.phi."), **(PRINTED | {"label": "printed", "gid": "printed"}))
+        values = e.exact[f"phi_{phase}_rad"]
+        _named(axes, Y, values, phase.replace("_", " "), ls=style, color=colour)
+    _named(axes, Y, e.printed("table1.phi."), "printed", **PRINTED)
     axes.legend(loc="lower right", fontsize=7.5, labelspacing=0.2, handlelength=1.6)
     axes.yaxis.set_major_locator(ticker.MaxNLocator(5))
-    axes.set(xlabel="$Y$ (mm)", ylabel=r"$\varphi$ (rad)")
+    axes.set_ylabel(r"$\varphi$ (rad)")
 
 
 def _slip_time(axes: Axes, e: Evidence, step_s: float, unit_s: float) -> None:
     """(e) t_s exact, without a step at each end, in whole units; and as printed."""
-    Y = 1e3 * e.exact["Y_m"].to_numpy()
-    t = e.exact["t_s_s"].to_numpy()
-    whole = e.slip_times(step_s, unit_s)
-    axes.plot(Y, 1e3 * t, color=OTHER, ls="--", label="exact", gid="exact")
-    label = f"whole {1e3 * unit_s:g} ms inside"
+    Y, t = 1e3 * e.exact["Y_m"].to_numpy(), e.exact["t_s_s"].to_numpy()
+    inside = np.floor((t - 2.0 * step_s) / unit_s + 1e-9) * unit_s
     bar: dict[str, Any] = {"marker": "_", "ms": 9.0, "mew": 1.4, "ls": "none", "color": REBUILT}
-    axes.plot(Y, 1e3 * whole, label=label, gid=label, **bar)
-    t_s = 1e3 * e.printed("table1.t_s.")
-    axes.plot(Y, t_s, **(PRINTED | {"label": "printed", "gid": "printed"}))
+    _named(axes, Y, 1e3 * t, "exact", color=OTHER, ls="--")
+    _named(axes, Y, 1e3 * inside, f"whole {1e3 * unit_s:g} ms inside", **bar)
+    _named(axes, Y, 1e3 * e.printed("table1.t_s."), "printed", **PRINTED)
     axes.legend(loc="upper right", fontsize=7.5, labelspacing=0.2, handlelength=1.6)
-    axes.set(xlabel="$Y$ (mm)", ylabel="$t_s$ (ms)")
+    axes.set_ylabel("$t_s$ (ms)")
 
 
 def _sign(axes: Axes, e: Evidence) -> None:
     """(f) The pairs by V_s, as computed with either sign, less the printed number, in units of its last digit."""
     pairs = e.estimates[(e.estimates["kind"] == "pair") & (e.estimates["phase"] == "common")]
-    looks = {"V_s": ("o", REBUILT, "+"), "V_s with minus": ("^", OTHER, "−")}
-    terms = [term for term in TERMS.values() if e.printed(f"table3.V_s.{term.symbol}.").size]
+    prefixes = {term: f"table3.V_s.{term.symbol}." for term in TERMS.values()}
+    terms = [term for term, prefix in prefixes.items() if e.printed(prefix).size]
     labels: list[str] = []
     axes.axhspan(-0.5, 0.5, color=STICK, alpha=0.2, lw=0, zorder=0)
-    for name, (marker, colour, sign) in looks.items():
+    for name, marker, colour, sign in (
+        ("V_s", "o", REBUILT, "+"),
+        ("V_s with minus", "^", OTHER, "−"),
+    ):
         rows = pairs[pairs["approach"] == name]
         labels = list(rows["pair"])
         for n, term in enumerate(terms):
-            printed = f"table3.V_s.{term.symbol}."
-            off = (rows[term.column].to_numpy() - e.printed(printed)) / e.last_digit(printed)
+            decimals = max(len(t.partition(".")[2]) for t in e.texts(prefixes[term]))
+            unit = math.pow(10.0, -decimals)
+            off = (rows[term.column].to_numpy() - e.printed(prefixes[term])) / unit
             places = np.arange(len(labels)) + 0.28 * (n - 0.5 * (len(terms) - 1))
             look: dict[str, Any] = {"ls": "none", "marker": marker, "ms": 4.0, "color": colour}
             look |= {"mfc": "none"} if n else {}
-            label = f"${term.symbol}$, {sign}"
-            axes.plot(places, off, label=label, gid=label, **look)
+            _named(axes, places, off, f"${term.symbol}$, {sign}", **look)
     axes.set_yscale("asinh", linear_width=0.5)
     axes.set_ylim(-150.0, 900.0)
     axes.set_yticks([-100, -10, -1, 0, 1, 10], ["−100", "−10", "−1", "0", "1", "10"])
@@ -235,3 +240,73 @@ def _sign(axes: Axes, e: Evidence) -> None:
     axes.legend(loc="upper right", ncols=2, fontsize=7.0, **tight)
     axes.set_xlabel("pair of levels, columns by $V_s$")
     axes.set_ylabel("off by units of last digit", labelpad=1.0)
+
+
+class Damping(NamedTuple):
+    """c, N s/m: the true value, what the scheme adds to it (mω²h), and what direct integration identifies by least
+    squares from the rebuilt simulation and in print."""
+
+    true: float
+    added: float
+    rebuilt: float
+    printed: float
+
+
+@styled()
+def glance(
+    damping: Damping, errors: Mapping[str, Sequence[float]], frequencies: Sequence[float]
+) -> Figure:
+    """Two panels: (a) the damping, true, with that of the scheme, rebuilt and printed; (b) errors of F_k.
+
+    errors : label → error of F_k at each frequency, %, with sign; up to three labels.   frequencies : Hz.
+    """
+    figure = page(DOUBLE_COLUMN, 53.0)
+    left, right = (place(figure, x, 11.0, wide, 36.0) for x, wide in ((28.0, 62.0), (110.0, 68.0)))
+    rows = {
+        "true $c$": (damping.true, {"marker": "D", "color": INK}),
+        r"true $c + m\omega^2h$": (damping.true + damping.added, {"marker": "^", "color": FAINT}),
+        "rebuilt": (damping.rebuilt, {"marker": "s", "color": REBUILT}),
+        "printed": (damping.printed, {"marker": "o", "color": PRINTED["color"]}),
+    }
+    for n, (c, mark) in enumerate(rows.values()):
+        left.plot([c], [n], gid="$c$", ls="none", ms=4.5, zorder=3, **mark)
+        note(left, f"{c:.4f}", (c, n), (5.0, 0.0), "left", "center", size=8.0)
+    arrow(left, (damping.true, 1.0), (damping.true + 0.96 * damping.added, 1.0), FAINT)
+    left.axvline(damping.true, color=FAINT, lw=0.5, ls=":")
+    left.axvline(damping.printed, color=PRINTED["color"], lw=0.5, ls=":")
+    left.set_yticks(range(len(rows)), list(rows))
+    left.set_ylim(len(rows) - 0.5, -0.6)
+    left.set_xlim(damping.true - 0.25 * damping.added, damping.true + 1.6 * damping.added)
+    left.ticklabel_format(axis="x", useOffset=False)
+    left.locator_params(axis="x", nbins=4)
+    left.tick_params(axis="y", length=0)
+    left.set_xlabel("$c$ by direct integration, all levels (N s/m)")
+    # (b) on an axis that is linear about zero, so that the sign shows
+    for n, ((label, values), look) in enumerate(zip(errors.items(), _MARKS, strict=False)):
+        places = [f + 0.28 * (n - 1) for f in range(len(frequencies))]
+        right.vlines(places, 0.0, values, color=look["color"], lw=1.2)
+        right.plot(places, values, ls="none", ms=4.5, label=label, gid=label, **look)
+        for at in zip(places, values, strict=True):
+            text = f"{at[1]:+#.2g}".rstrip(".").replace("-", "−")
+            if (
+                n == len(_MARKS) - 1
+            ):  # to the right of the last mark, clear of the stems of the others
+                note(right, text, at, (2.0, 3.0), "left", size=7.0)
+            elif at[1] > 0.0:
+                note(right, text, at, (0.0, 4.0), "center", "bottom", size=7.0)
+            else:
+                note(right, text, at, (0.0, -4.0), "center", "top", size=7.0)
+    right.axhline(0.0, color=INK, lw=0.6)
+    right.set_yscale("asinh", linear_width=0.05)
+    right.set_ylim(-1500.0, 4000.0)
+    ticks = [-100, -10, -1, 0, 1, 10, 100]
+    right.set_yticks(ticks, [f"{tick:+d}".replace("-", "−") if tick else "0" for tick in ticks])
+    right.minorticks_off()
+    right.set_xlim(-0.5, len(frequencies) - 0.25)
+    right.set_xticks(range(len(frequencies)), [f"{hz:g} Hz" for hz in frequencies])
+    right.tick_params(axis="x", length=0)
+    right.legend(loc="upper center", ncols=3, fontsize=7.2, handletextpad=0.1, columnspacing=0.7)
+    right.set_ylabel("error of $F_k$ (%)", labelpad=1.0)
+    for axes, letter in ((left, "a"), (right, "b")):
+        panel_letter(axes, letter)
+    return figure

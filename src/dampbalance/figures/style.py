@@ -2,11 +2,12 @@
 
 Figures are drawn for print: sizes are given in millimetres, a single column is 90 mm wide and a double one
 180 mm. Fonts are those that come with matplotlib. Colours keep apart for colour-blind readers and in grey, where
-the markers help.
+the markers help; each has a dark partner, in which a screen may show the drawing.
 """
 
 from __future__ import annotations
 
+import re
 import sys
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
@@ -15,6 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..project.files import replacing
+from .looks import LOOKS, SPARE
 from .values import values, with_values
 
 if TYPE_CHECKING:
@@ -38,30 +40,22 @@ STYLE: dict[str, Any] = {
     "font.size": 9.0,
     "axes.labelsize": 9.0,
     "axes.titlesize": 9.0,
-    "xtick.labelsize": 8.0,
-    "ytick.labelsize": 8.0,
     "legend.fontsize": 8.5,
     "axes.linewidth": 0.6,
     "lines.linewidth": 0.9,
     "lines.markersize": 4.0,
-    "xtick.direction": "in",
-    "ytick.direction": "in",
     "xtick.top": True,
     "ytick.right": True,
-    "xtick.major.width": 0.6,
-    "ytick.major.width": 0.6,
-    "xtick.minor.width": 0.4,
-    "ytick.minor.width": 0.4,
-    "xtick.major.size": 3.0,
-    "ytick.major.size": 3.0,
-    "xtick.minor.size": 1.6,
-    "ytick.minor.size": 1.6,
     "legend.frameon": False,
     "figure.dpi": DPI,
     "savefig.dpi": DPI,
     "svg.fonttype": "path",  # the letters are in the file: it looks the same where the font is not installed
     "svg.hashsalt": "dampbalance",  # names inside the file follow from its content, not from chance
 }
+for _ticks in ("xtick", "ytick"):
+    STYLE |= {f"{_ticks}.labelsize": 8.0, f"{_ticks}.direction": "in"}
+    STYLE |= {f"{_ticks}.major.width": 0.6, f"{_ticks}.major.size": 3.0}
+    STYLE |= {f"{_ticks}.minor.width": 0.4, f"{_ticks}.minor.size": 1.6}
 
 
 @contextmanager
@@ -98,7 +92,7 @@ def page(width: float, height: float) -> Figure:
         return pyplot.figure(figsize=(width * MM, height * MM))
     from matplotlib.figure import Figure
 
-    if "IPython" in sys.modules:  # which may not have been told yet how a figure is shown
+    if "IPython" in sys.modules:  # which may not know yet how a figure is shown
         from matplotlib import pyplot
 
         pyplot.install_repl_displayhook()
@@ -128,7 +122,7 @@ def note(
     va: str = "bottom",
     **look: Any,
 ) -> Text:
-    """Words beside a place in the axes, shifted from it by points."""
+    """Words next to a place in the axes, shifted from it by points."""
     look |= {"ha": ha, "va": va}
     return axes.annotate(text, xy=at, xytext=shift, textcoords="offset points", **look)
 
@@ -182,3 +176,35 @@ def _write(figure: Figure, path: Path, kind: str, alt: str, dpi: int) -> None:
     unsaid = ("Date", "Creator") if kind == "svg" else ("Software",)
     metadata: dict[str, Any] = dict.fromkeys(unsaid) | ({"Description": alt} if alt else {})
     figure.savefig(path, format=kind, dpi=dpi, metadata=metadata)
+
+
+DARK: dict[str, str] = {
+    INK: "#E7EBF0",
+    PAPER: "#14181D",
+    FAINT: "#AAB4C0",
+    GRID: "#353E49",
+    SLIP: "#8FBCEC",
+    STICK: "#FF9A4D",
+    GREY: "#4A525C",
+    COOL: "#242C36",
+    WARM: "#43301F",
+    **{look.colour: look.dark for look in (*LOOKS.values(), *SPARE)},
+}
+"""Colour on white paper → colour on a dark screen, as #RRGGBB. Colour maps of errors are the same on both."""
+
+
+def follows_the_screen(svg: str) -> str:
+    """An SVG file of matplotlib that is drawn in the dark colours where the reader prefers them.
+
+    Rules of CSS replace the colours, which matplotlib writes into the `style` of each element. Text in the ink has no
+    colour there: it takes the `fill` of what is around it.
+    """
+    partners = {colour.lower(): dark.lower() for colour, dark in DARK.items()}
+    colours = sorted(set(re.findall(r"\b(fill|stroke): (#[0-9a-f]{6})", svg)))
+    rules = "".join(
+        f'[style*="{what}: {colour}"] {{ {what}: {partners[colour]} !important }}'
+        for what, colour in colours
+        if colour in partners
+    )
+    style = f"<style>@media (prefers-color-scheme: dark) {{ :root {{ fill: {DARK[INK]} }} {rules} }}</style>"
+    return re.sub(r"<svg\b[^>]*>", lambda tag: tag[0] + style, svg, count=1)

@@ -17,9 +17,9 @@ import numpy as np
 from ..arrays import Array
 from ..balance import Rows
 from ..law.terms import term
+from ..likelihood.oscillator_fit import OscillatorFit
 from ..model import named_with_unit
 from ..project.wording import Remark
-from ..reading.oscillator_fit import OscillatorFit
 from ..solver import NORMAL_95
 
 CONFIDENCE = 0.95
@@ -179,18 +179,16 @@ def answer_of_fit(
 
     coefficients : keys.   doubt : why K_z is not to be trusted.   merit : what else the fit identifies.
     """
+    keys = list(coefficients)
+    numbers = {key: (fit.value(key), fit.error(key), fit.interval(key), "") for key in keys}
+    numbers["K_z"] = fit.K_z, fit.K_z_error, fit.K_z_interval, doubt
     parameters = {
-        key: ParameterEstimate(
-            fit.value(key), fit.error(key), math.nan, Interval(*fit.interval(key))
-        )
-        for key in coefficients
+        key: ParameterEstimate(value, error, math.nan, Interval(*ends), why)
+        for key, (value, error, ends, why) in numbers.items()
     }
-    parameters["K_z"] = ParameterEstimate(
-        fit.K_z, fit.K_z_error, math.nan, Interval(*fit.K_z_interval), doubt
-    )
-    places = [fit.names.index("rho" if symbol == "K_z" else symbol) for symbol in parameters]
+    places = [fit.names.index(key) for key in (*keys, "rho")]
     # K_z = ρ^{−2}, dK_z = −2ρ^{−3} dρ
-    slopes = np.array([-2.0 * fit.K_z**1.5 if symbol == "K_z" else 1.0 for symbol in parameters])
+    slopes = [1.0] * len(keys) + [-2.0 * fit.K_z**1.5]
     with np.errstate(invalid="ignore"):
         covariance = fit.covariance[np.ix_(places, places)] * np.outer(slopes, slopes)
     of_fit = {
@@ -212,12 +210,11 @@ def covariance_of(
     parameters: Mapping[str, ParameterEstimate], correlations: Mapping[tuple[str, str], float]
 ) -> Array:
     """The covariance that standard errors and correlations make; NaN where a correlation is not given."""
-    errors = np.array([p.standard_error for p in parameters.values()])
-    matrix = np.full((errors.size, errors.size), np.nan)
+    errors, symbols = [p.standard_error for p in parameters.values()], list(parameters)
+    matrix = np.full((len(symbols), len(symbols)), np.nan)
     np.fill_diagonal(matrix, 1.0)
-    places = {symbol: i for i, symbol in enumerate(parameters)}
-    for (one, other), correlation in correlations.items():
-        i, j = places[one], places[other]
+    for pair, correlation in correlations.items():
+        i, j = map(symbols.index, pair)
         matrix[i, j] = matrix[j, i] = correlation
     return matrix * np.outer(errors, errors)
 

@@ -8,7 +8,7 @@ import hashlib
 import json
 import math
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from datetime import date
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -20,7 +20,7 @@ import pandas as pd
 from .. import __version__
 from ..project.files import read_csv, sha256, write_csv, write_text
 from ..project.troubles import trouble
-from ..project.wording import in_html, listed, number, shortened
+from ..project.wording import listed, number, shortened
 from ..records.errors import LARGEST, library
 from ..records.mapping import mapping_file, mapping_for, parts_of
 from .answer import DOUBTFUL, USABLE, Interval, ParameterEstimate, Verdict, column, unit_of
@@ -132,9 +132,8 @@ def _matching(pattern: str, root: Path) -> list[str]:
     ]
     files = sorted(name for name in found if not name.endswith((".yaml", ".md")))
     if not files:
-        raise ValueError(
-            f"no file {pattern}: name files, or a pattern, from here or from {root} on"
-        )
+        where = "this folder" if root.samefile(".") else f"this folder or to {root}"
+        raise ValueError(f"no file {pattern}: name files, or a pattern, relative to {where}")
     return files
 
 
@@ -147,7 +146,8 @@ def summarise(folder: Path, errors: Mapping[str, str], at: Mapping[str, Any] | N
     stated = {name: (at or {}).get(name) for name in errors}
     places, dated = _places(stated)
     order = sorted(errors, key=places.__getitem__) if places else list(errors)
-    parts, table, failed = [], [], {name: errors[name] for name in order if errors[name]}
+    failed = {name: errors[name] for name in order if errors[name]}
+    parts = []
     for name in order:
         error = errors[name]
         one = pd.DataFrame({"error": [error]}) if error else read_csv(folder / name / ESTIMATES)
@@ -159,33 +159,52 @@ def summarise(folder: Path, errors: Mapping[str, str], at: Mapping[str, Any] | N
     every["error"] = every.pop("error") if failed else ""
     symbols = [str(head).removesuffix(_VERDICT) for head in every if str(head).endswith(_VERDICT)]
     symbols.sort(key=lambda symbol: symbol == "K_z")  # the contact last
-    first = every.groupby("set", sort=False).head(1).to_dict("records")
-    shown = ["at"] * ("at" in every)
-    for row in first:
-        found = row["set"] not in failed
-        cells = [_cell(row, symbol) if found else "–" for symbol in symbols]
-        words = in_one(_verdicts(row, symbols)) if found else "not identified"
-        of_set = [str(row[name]) for name in ("set", *shown)]
-        table.append([*of_set, row["approach"] if found else "–", *cells, words])
-    heads = ["set", *shown, "answer", *map(headed, symbols), "verdict"]
-    count = len(errors) - len(failed)
-    head = f"{count} of {len(errors)} sets of records identified"
-    lines = [f"{head} in {folder}; the answer to use of each:", "", *aligned([heads, *table])]
+    shown = ["set", *["at"] * ("at" in every)]
+    table = [[*shown, "answer", *map(headed, symbols), "verdict"]]
+    estimates: dict[str, dict[str, tuple[ParameterEstimate, str]]] = {s: {} for s in symbols}
+    doubtful = []
+    for row in every.groupby("set", sort=False).head(1).to_dict("records"):
+        name, verdicts, cells = row["set"], {}, []
+        for symbol in symbols:
+            p, word = _parameter(row, symbol), row[symbol + _VERDICT]
+            if isinstance(word, str) and word:
+                verdicts[symbol], estimates[symbol][name] = Verdict(word), (p, word)
+            cells.append("–" if name in failed else with_interval(p))
+        words = "not identified" if name in failed else in_one(verdicts)
+        doubtful += [name] if name not in failed and words != USABLE else []
+        approach = "–" if name in failed else row["approach"]
+        table.append([*(str(row[head]) for head in shown), approach, *cells, words])
+    head = f"{len(errors) - len(failed)} of {len(errors)} sets of records identified"
+    lines = [f"{head} in {folder}; the answer to use of each:", "", *aligned(table)]
     lines += ["", *(f"{name}: {error}" for name, error in failed.items())] if failed else []
     text = "\n".join(lines) + "\n"
     write_csv(folder / ESTIMATES, every)
     write_text(folder / SUMMARY, text)
-    estimates = {symbol: _of_sets(first, symbol) for symbol in symbols}
-    drawing = ""
-    if symbols:
-        from ..figures.style import save_svg  # slow to import
-        from .pictures import sets
+    from ..figures.style import save_svg  # slow to import, as are the pictures
+    from .pictures import sets
+    from .report import page_of
 
-        with TemporaryDirectory() as own:
-            svg = Path(own) / "sets.svg"
+    with TemporaryDirectory() as own:
+        svg = Path(own) / "sets.svg"
+        if symbols:
             save_svg(sets(order, estimates, places, dated), svg)
-            drawing = svg.read_text(encoding="utf-8")
-    write_text(folder / REPORT, _page(head, [heads, *table], failed, estimates, drawing))
+        drawing = svg.read_text(encoding="utf-8") if symbols else ""
+    lead = head + "".join(
+        f"; {what}: {listed(names)}"
+        for what, names in (("in part doubtful", doubtful), ("not identified", [*failed]))
+        if names
+    )
+    page = page_of(
+        "sets",
+        lead=(f"{lead}.", f"lead {DOUBTFUL if failed or doubtful else USABLE}"),
+        head=head,
+        heads=table[0],
+        rows=[(row, "" if row[0] in failed else f"{quote(row[0])}/{REPORT}") for row in table[1:]],
+        failed=[f"the set {name}: {error}" for name, error in failed.items()],
+        agreement=[*_agreement(estimates)],
+        drawing=drawing,
+    )
+    write_text(folder / REPORT, page)
     return text
 
 
@@ -201,46 +220,6 @@ def _places(at: Mapping[str, Any]) -> tuple[dict[str, float], bool]:
         except ValueError:
             continue
     return {}, False
-
-
-def _page(
-    head: str,
-    table: Sequence[Sequence[str]],
-    failed: Mapping[str, str],
-    estimates: Mapping[str, Mapping[str, tuple[ParameterEstimate, str]]],
-    drawing: str,
-) -> str:
-    """The page that compares the sets."""
-    from . import report  # slow to import, as it knows the colours of pictures
-
-    heads, *rows = table
-    linked = []
-    for name, *cells in rows:
-        link = in_html(name)
-        if name not in failed:
-            link = f'<a href="{quote(name)}/{REPORT}">{link}</a>'
-        # the interval below its value
-        linked.append([link, *(in_html(cell).replace(" [", "<br>[") for cell in cells)])
-    doubtful = [name for name, *_, words in rows if words != USABLE and name not in failed]
-    lead = head + "".join(
-        f"; {what}: {listed(names)}"
-        for what, names in (("in part doubtful", doubtful), ("not identified", [*failed]))
-        if names
-    )
-    kind = DOUBTFUL if failed or doubtful else USABLE
-    return report.page(
-        "Friction and damping of several sets of records",
-        [
-            report.paragraph(f"{lead}.", f"lead {kind}"),
-            report.paragraph("The answer to use of each set, with its 95 % intervals:"),
-            report.table(heads, linked, "answers of all sets"),
-            *report.bulleted(
-                "Not identified", [f"the set {n}: {error}" for n, error in failed.items()]
-            ),
-            *report.bulleted("Whether the sets agree", [*_agreement(estimates)]),
-            report.figure(drawing, "Values of all sets with 95 % intervals.", head) * bool(drawing),
-        ],
-    )
 
 
 def _agreement(
@@ -263,30 +242,11 @@ def _agreement(
             )
 
 
-def _of_sets(
-    rows: Sequence[Mapping[Any, Any]], symbol: str
-) -> dict[str, tuple[ParameterEstimate, str]]:
-    """Set → a number and the verdict on it, for the sets that have one."""
-    known = ((row, _verdicts(row, [symbol])) for row in rows)
-    return {row["set"]: (_parameter(row, symbol), of[symbol].verdict) for row, of in known if of}
-
-
-def _verdicts(row: Mapping[Any, Any], symbols: Sequence[str]) -> dict[str, Verdict]:
-    words = {symbol: row.get(symbol + _VERDICT) for symbol in symbols}
-    return {s: Verdict(word, "") for s, word in words.items() if isinstance(word, str) and word}
-
-
-def _cell(row: Mapping[Any, Any], symbol: str) -> str:
-    """A value with its interval; a dash where the answer has none."""
-    return with_interval(_parameter(row, symbol))
-
-
 def _parameter(row: Mapping[Any, Any], symbol: str) -> ParameterEstimate:
     """A number of a row of the table of estimates."""
     value, low, high = (
         float(row.get(column(symbol, end), math.nan)) for end in ("", "_low", "_high")
     )
-    high = (
-        math.inf if math.isnan(high) and math.isfinite(low) else high
-    )  # an open end is empty in the table
+    if math.isnan(high) and math.isfinite(low):  # an open end is empty in the table
+        high = math.inf
     return ParameterEstimate(value, math.nan, math.nan, Interval(low, high))

@@ -17,7 +17,7 @@ which is too much for a score test: the oscillator is fitted again, to x + y or 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -25,10 +25,9 @@ import numpy as np
 from ..arrays import Array, Complexes, Integers
 from ..law.law import Law
 from ..law.terms import FRICTION
-from ..reading.lines import Lines
-from ..reading.mean_harmonics import Reading
-from ..reading.recorded import fit_records
-from ..reading.waveforms import WaveformFit
+from ..likelihood.base_harmonics import fit_records
+from ..likelihood.mean_harmonics import Reading
+from ..likelihood.waveforms import WaveformFit
 from ..records.measurement import ABSOLUTE, RELATIVE
 
 _SHOWS = 25.0  # of χ²: five standard errors, for one of eight causes by chance in 200,000 sets
@@ -55,7 +54,7 @@ def likeliest(fit: WaveformFit) -> Cause | None:
     free = np.flatnonzero(np.any(fit.response != 0.0, axis=1))
     inverse = fit.response[free]
     jacobian: Array = np.asarray(np.linalg.pinv(inverse), dtype=np.float64)
-    causes = []
+    causes, keys = [], (*fit.law.unknowns, "rho")
     for words, of_records in _directions(fit, jacobian, free):
         d = np.zeros(fit.residual.size)
         for place, part in zip(fit.places, of_records, strict=True):
@@ -67,7 +66,10 @@ def likeliest(fit: WaveformFit) -> Cause | None:
         along = float(d @ fit.residual)
         moved = np.zeros(fit.point.size)
         moved[free] = inverse @ d * (along / square)
-        causes.append(Cause(words, along**2 / square, _relative(fit, moved)))
+        parts = {key: moved[fit.names.index(key)] / (fit.value(key) or 1.0) for key in keys}
+        parts["K_z"] = -2.0 * parts.pop("rho")
+        changes = {symbol: abs(float(part)) for symbol, part in parts.items()}
+        causes.append(Cause(words, along**2 / square, changes))
     best = max(causes, key=lambda cause: cause.explained, default=None)
     if best is None or best.explained < _SHOWS:
         return None
@@ -107,27 +109,16 @@ def in_other_frame(readings: Sequence[Reading], k: float, law: Law | None) -> Ot
     if "force" in channels or (absolute and relative):
         return None
     sign = 1.0 if absolute else -1.0
-    lines = [_moved_by_base(one.lines, sign) for one in readings]
+    lines = []
+    for one in (reading.lines for reading in readings):
+        y = np.zeros(max(int(one.n[-1]), one.base.size + 1) + 1, dtype=np.complex128)
+        y[1], y[2 : one.base.size + 2] = one.Y, one.base
+        lines.append(replace(one, x=one.x + sign * y[one.n]))
     # where it holds, the nearest starts lead there: no wide search for what most records are not
     fit = fit_records(lines, k, law, thorough=False)
     if fit is None or not fit.adequate:
         return None
     return OtherFrame(bool(absolute), absolute or relative, fit)
-
-
-def _moved_by_base(one: Lines, sign: float) -> Lines:
-    """The harmonics of a response with those of the base added or taken off."""
-    y = np.zeros(max(int(one.n[-1]), one.base.size + 1) + 1, dtype=np.complex128)
-    y[1], y[2 : one.base.size + 2] = one.Y, one.base
-    return replace(one, x=one.x + sign * y[one.n])
-
-
-def _relative(fit: WaveformFit, moved: Array) -> dict[str, float]:
-    """Changes of the unknowns as parts of the numbers of an answer."""
-    names = fit.names
-    parts = {key: moved[names.index(key)] / (fit.value(key) or 1.0) for key in fit.law.unknowns}
-    parts["K_z"] = -2.0 * moved[names.index("rho")] / (fit.value("rho") or 1.0)
-    return {symbol: abs(float(part)) for symbol, part in parts.items()}
 
 
 def _directions(
@@ -138,45 +129,44 @@ def _directions(
     lines, motions = fit.lines, [_motion(fit, i) for i in range(len(fit.lines))]
     fastest = max(float(np.abs(v).max()) for _, v, _ in motions)
 
-    def in_errors(changes: Sequence[Complexes]) -> list[Array]:
+    def in_errors(changes: Iterable[Complexes]) -> list[Array]:
         scaled = [dx / one.x_error for dx, one in zip(changes, lines, strict=True)]
         return [np.concatenate([dx.real, dx.imag]) for dx in scaled]
 
-    def by_forces(forces: Sequence[Array]) -> list[Array]:
-        return in_errors([_moved(fit, i, force) for i, force in enumerate(forces)])
-
     yield (
         "a delay between the channels (skew, or clocks that differ)",
-        in_errors([-1j * one.n * one.omega * one.x for one in lines]),
+        in_errors(-1j * one.n * one.omega * one.x for one in lines),
     )
     yield (
         "an AC coupling (high-pass) of a channel",
-        in_errors([1j * one.x / (one.n * one.omega) for one in lines]),
+        in_errors(1j * one.x / (one.n * one.omega) for one in lines),
     )
-    if len(lines) > 1:
-        sizes = np.log([one.Y for one in lines])
-        weights = sizes - sizes.mean()
-        columns = [fit.unknowns.at[i][FRICTION] for i in range(len(lines))]
-        where = [np.flatnonzero(free == column) for column in columns]
-        if all(w.size for w in where):
-            yield (
-                "a friction force that changes with the level",
-                [weights[i] * jacobian[fit.places[i], where[i][0]][2:] for i in range(len(lines))],
-            )
-    speeds = [v / fastest for _, v, _ in motions]
-    yield (
-        "a friction force that changes with the speed",
-        by_forces([np.sign(v) * np.exp(-np.abs(v) / _FALLING) for v in speeds]),
-    )
-    yield (
-        "a contact that yields gradually (Dahl, Bouc–Wen, several contacts) and not at once",
-        by_forces([gradual for _, _, gradual in motions]),
-    )
-    yield (
-        "damping that grows with the speed (compare the laws)",
-        by_forces([v * np.abs(v) for v in speeds]),
-    )
-    yield "a spring that is not linear", by_forces([x**3 for x, _, _ in motions])
+    sizes = np.log([one.Y for one in lines])
+    where = [np.flatnonzero(free == at[FRICTION]) for at in fit.unknowns.at]
+    if len(lines) > 1 and all(w.size for w in where):
+        yield (
+            "a friction force that changes with the level",
+            [
+                size * jacobian[place, w[0]][2:]
+                for size, place, w in zip(sizes - sizes.mean(), fit.places, where, strict=True)
+            ],
+        )
+    for words, force in _FORCES.items():
+        forces = (force(x, v / fastest, gradual) for x, v, gradual in motions)
+        yield words, in_errors(_moved(fit, i, of) for i, of in enumerate(forces))
+
+
+_FORCES: Mapping[str, Callable[[Array, Array, Array], Array]] = {
+    "a friction force that changes with the speed": lambda x, v, gradual: (
+        np.sign(v) * np.exp(-np.abs(v) / _FALLING)
+    ),
+    "a contact that yields gradually (Dahl, Bouc–Wen, several contacts) and not at once": (
+        lambda x, v, gradual: gradual
+    ),
+    "damping that grows with the speed (compare the laws)": lambda x, v, gradual: v * np.abs(v),
+    "a spring that is not linear": lambda x, v, gradual: x**3,
+}
+"""Forces that the model lacks, of x, of ẋ over the largest speed, and of that of a contact that yields gradually."""
 
 
 def _motion(fit: WaveformFit, i: int) -> tuple[Array, Array, Array]:
@@ -187,8 +177,8 @@ def _motion(fit: WaveformFit, i: int) -> tuple[Array, Array, Array]:
     """
     orbit = fit.responses[i].orbit
     osc = orbit.oscillator
-    t = orbit.motion.period * np.arange(_PHASES) / _PHASES
-    x, v, *_ = orbit.state(t)
+    t = orbit.motion.period * np.arange(_PHASES // 2) / _PHASES
+    x, v, *_ = (np.concatenate([half, -half]) for half in orbit.state(t))
     sign = np.where(v < 0.0, -1.0, 1.0)
     u = np.maximum(sign * x + float(np.abs(x).max()), 0.0)
     jenkins = np.minimum(osc.K_z * u - osc.F_k, osc.F_k)

@@ -2,7 +2,7 @@
 compared.
 
 The quick test belongs to every identification: it asks which one further coefficient the residual speaks for
-(`reading.ringdown_laws.departures`). The comparison tests every law by the likelihood of all samples: χ² of the best
+(`likelihood.law_fit.departures`). The comparison tests every law by the likelihood of all samples: χ² of the best
 oscillator with it, above that of the law with all terms, against the F distribution. The rows of the balance are read
 with a motion of friction and viscous damping, and so they do not test other laws.
 """
@@ -14,11 +14,11 @@ import math
 from collections.abc import Iterable, Sequence
 
 from ..law.terms import FRICTION, KNOWN_TERMS
+from ..likelihood.decay import RingFit
+from ..likelihood.law_fit import TERMS, Departure, LawFit, fit_law
 from ..project.progress import followed
 from ..project.wording import listed
 from ..reading.one_thread import one_thread
-from ..reading.ringdown_fit import RingFit
-from ..reading.ringdown_laws import TERMS, Departure, LawFit, fit_law
 from ..solver import NORMAL_95
 from .law_comparison import ALPHA, MOST_TERMS, LawComparison, LawTest, Probability, chosen_of
 
@@ -42,17 +42,17 @@ _CAUTION = (
 _REMEDY = "give decays from higher up, or with less noise"
 
 
-def doubt_of(fit: RingFit, found: Sequence[Departure]) -> str:
+def doubt_of(fit: RingFit, further: Sequence[Departure]) -> str:
     """A sentence where friction and viscous damping do not account for the decays and one further coefficient does,
     with the likely cause; empty where nothing speaks against them.
 
-    found : what each further coefficient explains.
+    further : what each further coefficient explains.
     """
     from scipy import special  # slow to import
 
     # residuals that are like a motion repeat themselves: fewer of them are independent
     scale = 1.0 if fit.adequate else math.sqrt(fit.misfit)
-    shown = [(abs(one.value) / one.error / scale, one) for one in found if one.error > 0.0]
+    shown = [(abs(one.value) / one.error / scale, one) for one in further if one.error > 0.0]
     size, likely = max(shown, key=lambda pair: pair[0], default=(0.0, None))
     p = len(shown) * 2.0 * float(special.ndtr(-size))
     if likely is None or p > _CHANCE:
@@ -65,34 +65,35 @@ def doubt_of(fit: RingFit, found: Sequence[Departure]) -> str:
             f"{begin}{words} would explain most of it ({likely.symbol} = {likely.value:.3g} ± {likely.error:.1g} "
             f"{unit}); F_k and c may carry its effect"
         )
-    known = KNOWN_TERMS[likely.symbol]
     if likely.value < 0.0:
         return (
             f"{begin}the damping grows less with the speed than viscous damping does, or the friction falls with it; "
             "F_k and c are not those of the rig"
         )
     # their powers of the velocity are so close that only the motions under them tell which it is
-    further = [one.symbol for one in found if one.symbol in TERMS and one.value > 0.0]
-    fits = [law for s in further if (law := fit_law(fit, (FRICTION, "c", s))) is not None]
+    symbols = [one.symbol for one in further if one.symbol in TERMS and one.value > 0.0]
+    fits = [law for s in symbols if (law := fit_law(fit, (FRICTION, "c", s))) is not None]
     law = min(fits, key=lambda one: one.chi_square, default=None)
-    if law is not None:
-        known = KNOWN_TERMS[law.terms[-1]]
-    values = [] if law is None else [(s, *law.coefficient(s)) for s in law.terms]
-    with_it = ", ".join(f"{s} = {x:.4g} ± {error:.2g}" for s, x, error in values)
+    symbol, values = (likely.symbol, "") if law is None else (law.terms[-1], _values_of(law))
     return (
-        f"{begin}{known.words} in addition would explain most of it{with_it and f' ({with_it})'}; compare the laws "
-        "(--laws, laws=True) before using F_k and c"
+        f"{begin}{KNOWN_TERMS[symbol].words} in addition would explain most of it{values}; compare the laws (--laws, "
+        "laws=True) before using F_k and c"
     )
 
 
-def condition_of(fit: RingFit, found: Iterable[Departure]) -> str:
+def _values_of(law: LawFit) -> str:
+    coefficients = ((s, *law.coefficient(s)) for s in law.terms)
+    return f" ({', '.join(f'{s} = {x:.4g} ± {error:.2g}' for s, x, error in coefficients)})"
+
+
+def condition_of(fit: RingFit, further: Iterable[Departure]) -> str:
     """A sentence where F_k or c depend on the damping being viscous by more than their intervals show, and the decays
     are too few or too noisy to tell; empty where they are not.
 
     It is no doubt: values are those of the law that was asked for.
     """
     worst, sentence = _MATTERS, ""
-    for one in found:
+    for one in further:
         if one.symbol not in TERMS:
             continue
         most = max(one.value, 0.0) + NORMAL_95 * one.error
@@ -102,10 +103,10 @@ def condition_of(fit: RingFit, found: Iterable[Departure]) -> str:
         moved = {s: most * by for s, by in one.slopes.items() if fit.error(s) > 0.0}
         size = max((abs(by) / fit.error(s) for s, by in moved.items()), default=0.0)
         parts = {s: by / fit.value(s) for s, by in moved.items() if fit.value(s) > 0.0}
-        told = {s: part for s, part in parts.items() if abs(part) > _LEAST}
-        if size > worst and told:
+        large = {s: part for s, part in parts.items() if abs(part) > _LEAST}
+        if size > worst and large:
             worst = size
-            words = listed([f"{s} by up to {100.0 * part:+.0f} %" for s, part in told.items()])
+            words = listed([f"{s} by up to {100.0 * part:+.0f} %" for s, part in large.items()])
             sentence = (
                 f"The values are those of friction and viscous damping. {KNOWN_TERMS[one.symbol].words.capitalize()} "
                 f"that these decays would not show changes {words}: {_REMEDY}, if the damping may not be viscous."
@@ -137,8 +138,8 @@ def compare_decay_laws(fit: RingFit) -> LawComparison:
     fits: dict[tuple[str, ...], LawFit] = {}
     hopeless: dict[tuple[str, ...], float] = {}
     for _, alike in itertools.groupby(followed(sorted(laws, key=len), len(laws), "laws"), len):
-        known = {terms: _against(every, one.chi_square, terms) for terms, one in fits.items()}
-        enough = [set(terms) for terms, test in known.items() if test.p > ALPHA / len(laws)]
+        tests = [_tested(every, terms, one) for terms, one in fits.items()]
+        enough = [set(test.terms) for test in tests if test.p_of() > ALPHA / len(laws)]
         for terms in alike:
             if enough and not any(smaller < set(terms) for smaller in enough):
                 continue
@@ -148,45 +149,33 @@ def compare_decay_laws(fit: RingFit) -> LawComparison:
                 continue
             within = [one for smaller, one in fits.items() if set(smaller) < set(terms)]
             near = sorted(within, key=lambda one: one.chi_square)[:1]
-            found = fit_law(fit, terms, [one.point for one in near])
-            if found is None:
+            of_law = fit_law(fit, terms, [one.point for one in near])
+            if of_law is None:
                 continue
-            fits[terms] = found
-            if found.chi_square < every.chi_square:
-                every = fit_law(fit, TERMS, [found.point]) or every
-    rejected = [
-        LawTest(
-            terms,
-            waveforms=_against(every, every.chi_square + rise, terms),
-            by=("waveforms",),
-        )
-        for terms, rise in hopeless.items()
-    ]
-    tests = [
-        LawTest(
-            terms,
-            {s: one.coefficient(s) for s in terms},
-            waveforms=_against(every, one.chi_square, terms),
-            by=("waveforms",),
-        )
-        for terms, one in fits.items()
-    ]
-    caution = "" if every.whiteness.adequate else _CAUTION
-    tests = sorted([*rejected, *tests], key=lambda test: len(test.terms))
+            fits[terms] = of_law
+            if of_law.chi_square < every.chi_square:
+                every = fit_law(fit, TERMS, [of_law.point]) or every
+    tests = [_tested(every, terms, rise) for terms, rise in hopeless.items()]
+    tests += [_tested(every, terms, one) for terms, one in fits.items()]
+    caution = "" if every.adequate else _CAUTION
+    tests = sorted(tests, key=lambda test: len(test.terms))
     return chosen_of(tests, _LEFT_OUT, remedy=_REMEDY, caution=caution)
 
 
 def _noise(every: LawFit) -> float:
     """What the law with all terms leaves per degree of freedom; over parts of a cycle, where that is not white."""
-    white = every.whiteness
-    return every.chi_square / every.freedom * (1.0 if white.adequate else white.misfit)
+    return every.chi_square / every.freedom * (1.0 if every.adequate else every.misfit)
 
 
-def _against(every: LawFit, chi_square: float, terms: tuple[str, ...]) -> Probability:
-    """χ² of a law above that of all terms, in the noise that these leave, and its p-value."""
+def _tested(every: LawFit, terms: tuple[str, ...], law: LawFit | float) -> LawTest:
+    """The test of a law by its χ² above that of all terms, in the noise that these leave.
+
+    law : its fit, or what χ² rises by where it needs no fit.
+    """
     from scipy import special  # slow to import
 
-    freedom = len(TERMS) - len(terms)
-    above = max(chi_square - every.chi_square, 0.0) / _noise(every)
+    rise = law.chi_square - every.chi_square if isinstance(law, LawFit) else law
+    freedom, above = len(TERMS) - len(terms), max(rise, 0.0) / _noise(every)
     p = float(special.fdtrc(freedom, every.freedom, above / freedom))
-    return Probability(above, freedom, p)
+    coefficients = {s: law.coefficient(s) for s in terms} if isinstance(law, LawFit) else {}
+    return LawTest(terms, coefficients, {"waveforms": Probability(above, freedom, p)})

@@ -1,6 +1,6 @@
 """F_k, c and K_z from free decays: by rows of half cycles, weighted with their covariance, and by a fit of all samples.
 
-Every half cycle between turns gives a row a F_k + b c = W (`reading/ringdown_rows.py`). Neighbouring rows share a turn,
+Every half cycle between turns gives a row a F_k + b c = W (`half_cycles.py`). Neighbouring rows share a turn,
 and all share the rest position of the spring: rows are made independent by the root of their covariance before they are
 solved.
 """
@@ -18,17 +18,21 @@ import numpy as np
 from ..arguments import number
 from ..arrays import Array
 from ..balance import TERMS, Rows
+from ..likelihood.decay import (
+    COMMON,
+    RingFit,
+    fit_decays,
+    linear_solution,
+    with_intervals,
+    with_noise_of,
+)
+from ..likelihood.law_fit import Departure, departures
+from ..likelihood.search import fit_all, minima_of, separate_fits
 from ..project.wording import Remark, times, visible
+from ..reading.bursts import NoDecay, Signal, noise_of
 from ..reading.conditioning import evenly_sampled
-from ..reading.cycles import clipped
-from ..reading.frequency import stands_still
+from ..reading.cycles import clipped, stands_still
 from ..reading.one_thread import one_thread
-from ..reading.ringdown_bursts import NoDecay, Signal, noise_of
-from ..reading.ringdown_fit import COMMON, RingFit, fit_decays, with_noise_of
-from ..reading.ringdown_laws import Departure, departures
-from ..reading.ringdown_minima import minima_of, with_intervals
-from ..reading.ringdown_rows import A, RingRows, W, at_rest, rows_of
-from ..reading.ringdown_search import fit_all, separate_fits
 from ..records.measurement import EXCITATIONS, ORDERS, Channel, Measurement
 from ..solver import NORMAL_95, solve
 from .answer import (
@@ -38,14 +42,13 @@ from .answer import (
     Answer,
     Balance,
     Interval,
-    ParameterEstimate,
     answer_of_fit,
     covariance_of,
     normal,
 )
 from .decay_laws import compare_decay_laws, condition_of, doubt_of
-from .equivalents import Level
-from .outcome import Outcome, Picture
+from .half_cycles import A, B, RingRows, W, rows_of
+from .identified import Identified, Level, Picture
 from .remarks import forbidden
 from .screen import implied
 from .sensitivities import Fault
@@ -61,8 +64,8 @@ _SWINGS = 6  # of a decay whose equivalent damping is listed
 _FEWEST, _LOOSE = 2, 1e-2
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class DecayOutcome(Outcome):
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class DecayOutcome(Identified):
     """The answers to records of free decays, and all that they come from.
 
     fit : of one oscillator to all samples; the balance has its K_z.   half_cycles : rows of the balance.
@@ -76,10 +79,9 @@ class DecayOutcome(Outcome):
     kind: ClassVar[Mapping[str, str]] = {"kind": "ring-down"}
 
     def findings(self) -> dict[str, Any]:
-        """Comparison of laws, what each further coefficient would explain, the decays of each record."""
+        """What each further coefficient would explain, the decays of each record."""
         decays = [(one.source, self._decay(i)) for i, one in enumerate(self.fit.decays)]
         return {
-            **({} if self.laws is None else {"laws": self.laws.document()}),
             "departures": [asdict(one) for one in self.departures],
             "records": [
                 {"record": name, "decays": [decay for source, decay in decays if source == name]}
@@ -89,14 +91,14 @@ class DecayOutcome(Outcome):
 
     def _decay(self, i: int) -> dict[str, Any]:
         one, (turns, errors) = self.fit.decays[i], self.half_cycles.turns[i]
-        still = at_rest(self.fit, i)
+        still = self.fit.sticks_from(i)
         # where the spring is slack, in the channel of displacement if there is one
         rest = next((signal.offset for signal in one.signals if signal.order == 0), None)
         return {
             "decay": i + 1,
             "start_s": one.start,
             "end_s": one.end,
-            "sticks_from_s": None if still is None else one.start + still,
+            "sticks_from_s": one.start + still if math.isfinite(still) else None,
             "rest_m": None if rest is None else self.fit.point[len(COMMON) + rest],
             "noise_rms": {signal.quantity: signal.noise for signal in one.signals},
             "turns_s": turns[:, 0],
@@ -127,11 +129,8 @@ class DecayOutcome(Outcome):
         levels = []
         for i, (turns, _) in enumerate(rows.turns):
             of = rows.columns[rows.decay == i]
-            for n in (
-                []
-                if len(of) < 3
-                else np.unique(np.linspace(1, len(of) - 2, _SWINGS).round().astype(int))
-            ):
+            spread = np.linspace(1, len(of) - 2, _SWINGS if len(of) > 2 else 0)
+            for n in np.unique(spread.round().astype(int)):
                 (start, x_a), (end, x_b) = turns[n : n + 2]
                 X, omega = 0.5 * abs(x_b - x_a), math.pi / (end - start)
                 name = f"decay {i + 1} at {start:.3g} s"
@@ -146,21 +145,18 @@ class DecayOutcome(Outcome):
         fit = self.fit
         lighter = dict.fromkeys(("F_k", "c", "K_z"), 0.0)
         if fit.error("m") == 0.0 and any(fault.stiffness for fault in faults.values()):
-            at, start = fit.names.index("m"), fit.point.copy()
-            start[at] *= 1.0 - _LIGHTER
-            other = fit_decays(fit.decays, fit.k, start, given={at})
-            if other is not None:
-                pairs = {"F_k": (other.F_k, fit.F_k), "c": (other.c, fit.c)}
-                pairs["K_z"] = other.K_z, fit.K_z
-                lighter = {s: (a / b - 1.0) / _LIGHTER for s, (a, b) in pairs.items() if b}
-        of_all = {
+            other = _with_mass(fit, (1.0 - _LIGHTER) * fit.m)
+            for symbol in lighter if other is not None else ():
+                here = getattr(fit, symbol)
+                lighter[symbol] = (getattr(other, symbol) / here - 1.0) / _LIGHTER if here else 0.0
+        changes = {
             name: {s: fault.stiffness * (1.0 + by) for s, by in lighter.items()}
             | {"m": fault.stiffness * (fit.error("m") > 0.0)}
             for name, fault in faults.items()
         }
         for name, fault in faults.items():
-            of_all[name]["F_k"] += fault.response
-        return dict.fromkeys([name for name in self.answers if name in names], of_all)
+            changes[name]["F_k"] += fault.response
+        return dict.fromkeys([name for name in self.answers if name in names], changes)
 
     @property
     def pictures(self) -> dict[str, Picture]:
@@ -247,11 +243,13 @@ def identify_ring_downs(
         for one in left_out
     ]
     ends = minima_of(with_noise_of(common))
-    with_mass = None if mass is None else _with_mass(ends, mass)
-    fit = with_mass or with_intervals(ends)
-    notes = []
-    off = math.hypot(fit.error("m"), uncertainty * fit.m)
-    if mass is not None and with_mass is None and not abs(fit.m - mass) < _MASS_OFF * off:
+    fit, notes = with_intervals(ends), []
+    if mass is not None and abs(ends[0].m - mass) < _MASS_OFF * ends[0].error("m"):
+        given = [one for end in ends if (one := _with_mass(end, mass)) is not None]
+        fit = with_intervals(sorted(given, key=lambda one: one.chi_square)) if given else fit
+    elif mass is not None and not abs(fit.m - mass) < _MASS_OFF * math.hypot(
+        fit.error("m"), uncertainty * fit.m
+    ):
         notes.append(Remark("the mass given contradicts the decays"))
         warnings.append(
             Remark(
@@ -267,8 +265,8 @@ def identify_ring_downs(
             f"{_slipping(rows.halves)} and leaves {times(math.sqrt(fit.misfit))} the noise; is the mass still driven, "
             "or is its frequency or its gain not constant? Give the record from the release or the blow on"
         )
-    found = _solved(fit, rows, tuple(record.source for record in records), notes, warnings)
-    return replace(found, laws=compare_decay_laws(fit)) if laws else found
+    outcome = _solved(fit, rows, tuple(record.source for record in records), notes, warnings)
+    return replace(outcome, laws=compare_decay_laws(fit)) if laws else outcome
 
 
 def _unclear(record: Measurement) -> str:
@@ -295,19 +293,11 @@ def _signal(record: Measurement, channel: Channel, offset: int, warnings: list[R
     return Signal(channel.quantity, ORDERS[channel.quantity], t, values, noise_of(values), offset)
 
 
-def _with_mass(ends: Sequence[RingFit], mass: float) -> RingFit | None:
-    """The fit with the mass given, from the same minima; None where the decays contradict it."""
-    at = ends[0].names.index("m")
-    if not abs(ends[0].m - mass) < _MASS_OFF * ends[0].error("m"):
-        return None
-    fits = []
-    for end in ends:
-        start = end.point.copy()
-        start[at] = mass
-        again = fit_decays(end.decays, end.k, start, given={at})
-        fits += [] if again is None else [again]
-    fits.sort(key=lambda fit: fit.chi_square)
-    return with_intervals(fits) if fits else None
+def _with_mass(fit: RingFit, mass: float) -> RingFit | None:
+    """The fit with a mass that is given, from the same minimum."""
+    at, start = fit.names.index("m"), fit.point.copy()
+    start[at] = mass
+    return fit_decays(fit.decays, fit.k, start, given={at})
 
 
 def _solved(
@@ -362,7 +352,9 @@ def _solved(
     split = ""
     if fit.adequate and fit.minima > 1:
         split = f"{fit.minima} contacts fit the samples almost equally well, and the interval covers all of them"
-        estimates = {s: _covering(p, *fit.interval(s)) for s, p in estimates.items()}
+        for symbol, p in estimates.items():
+            (low, high), (least, most) = p.interval, fit.interval(symbol)
+            estimates[symbol] = replace(p, interval=Interval(min(low, least), max(high, most)))
     reference = answer_of_fit(fit, TERMS, fit_notes, doubt=split)
     parameters = {**dict.fromkeys(TERMS, UNKNOWN), **estimates, "K_z": reference.K_z}
     correlations = {
@@ -371,7 +363,7 @@ def _solved(
     }
     numbers = [i + 1 if i >= 0 else None for i in rows.decay.tolist()]
     balance = Balance(
-        Rows(rows.terms, rows.columns[:, W]),
+        Rows({"F_k": rows.columns[:, A], "c": rows.columns[:, B]}, rows.columns[:, W]),
         np.sqrt(np.diag(rows.covariance)),
         tuple(SHAPE if i is None else f"decay {i}" for i in numbers),
         {"decay": numbers},
@@ -401,34 +393,20 @@ def _solved(
     )
 
 
-def _covering(estimate: ParameterEstimate, low: float, high: float) -> ParameterEstimate:
-    """An estimate whose interval covers another one, too."""
-    interval = Interval(min(estimate.interval.low, low), max(estimate.interval.high, high))
-    return replace(estimate, interval=interval)
-
-
 def _least_squares(fit: RingFit, rows: RingRows) -> tuple[dict[str, float], Array, float, int]:
     """(F_k and c by symbol, their covariance, χ² per degree of freedom, degrees of freedom)."""
-    nothing: tuple[dict[str, float], Array, float, int] = {}, np.empty((0, 0)), math.nan, 0
-    if not len(rows.columns):
-        return nothing
     scale = np.sqrt(np.diag(rows.covariance))
     scale = np.where(scale > 0.0, scale, 1.0)
-    correlations = rows.covariance / np.outer(scale, scale)
     # rows that the same samples make may nearly be one
-    sizes, vectors = np.linalg.eigh(correlations)
-    whitening = (vectors / np.sqrt(np.maximum(sizes, 1e-10 * sizes[-1]))).T / scale
-    white = Rows(
-        {name: whitening @ g for name, g in rows.terms.items()}, whitening @ rows.columns[:, W]
-    )
-    estimate = solve(white)
+    sizes, vectors = np.linalg.eigh(rows.covariance / np.outer(scale, scale))
+    least = 1e-10 * sizes.max(initial=0.0)
+    white = (vectors / np.sqrt(np.maximum(sizes, least))).T @ (rows.columns / scale[:, None])
+    estimate = solve(Rows({"F_k": white[:, A], "c": white[:, B]}, white[:, W]))
     if math.isnan(estimate.residual):
-        return nothing
-    design = np.column_stack(list(white.terms.values()))
-    length = np.linalg.norm(design, axis=0)
-    covariance = np.linalg.inv((design / length).T @ (design / length)) / np.outer(length, length)
+        return {}, np.empty((0, 0)), math.nan, 0
     values = {name: float(value) for name, value in estimate.values.items()}
-    freedom = len(rows.columns) - len(values)
-    left = white.misfit(values)
+    _, covariance = linear_solution(white[:, [A, B]], white[:, W], np.full(2, math.inf))
+    left = white @ [-1.0, *values.values()]
+    freedom = len(white) - len(values)
     misfit = float(left @ left) / freedom if freedom > 0 else math.nan
     return values, covariance, misfit, freedom

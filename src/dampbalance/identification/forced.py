@@ -31,10 +31,10 @@ from ..balance import APPROACHES, Approach, Rows
 from ..features import COLUMNS, Features, Phase, stack
 from ..law.law import Law
 from ..law.terms import FRICTION, parted
+from ..likelihood.mean_harmonics import Reading
+from ..likelihood.unfolding import unfolded
 from ..project.wording import Remark
-from ..reading.mean_harmonics import Reading
 from ..reading.one_thread import one_thread
-from ..reading.unfolding import unfolded
 from ..solver import Estimate, least_squares, solve
 from .answer import (
     CONFIDENCE,
@@ -46,12 +46,19 @@ from .answer import (
     ParameterEstimate,
     covariance_of,
 )
-from .equivalents import Level
-from .law_rows import LawRows
+from .identified import Identified, Level, Picture
 from .loading import Loaded
-from .microstick import Microstick, Sample, Samples, microstick, read_samples
-from .oscillator import JointFit, joined, joint_fit
-from .outcome import Outcome, Picture
+from .oscillator import (
+    JointFit,
+    LawRows,
+    Microstick,
+    Sample,
+    Samples,
+    joined,
+    joint_fit,
+    microstick,
+    read_samples,
+)
 from .remarks import DIRECT, agreement, with_notes
 from .screen import implied, with_error
 from .sensitivities import Fault, sensitivities, shifts_of_fit
@@ -62,8 +69,8 @@ SEED = 2010
 _COPIED = 1e-9  # of the largest harmonic: what writing a record in another format may change
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class ForcedOutcome(Outcome):
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class ForcedOutcome(Identified):
     """The answers to records of steady responses, and all that they come from.
 
     law : whose coefficients are identified.
@@ -84,91 +91,68 @@ class ForcedOutcome(Outcome):
     loaded: tuple[Loaded, ...] = ()
 
     def findings(self) -> dict[str, Any]:
-        """Comparison of laws, microstick line, features of each record."""
+        """Microstick line, features of each record."""
         line = self.microstick
         return {
-            **({} if self.laws is None else {"laws": self.laws.document()}),
             "microstick": {
                 "length_m": line.length,
                 "standard_error_m": line.standard_error,
                 "resolved": line.resolved,
                 "upper_bound_m": line.bound,
             },
-            "records": [self._record(i) for i in range(len(self.readings))],
+            "records": [
+                {
+                    "record": reading.steady.source,
+                    "frequency_Hz": reading.steady.frequency_hz,
+                    "frequency_standard_error_Hz": reading.steady.omega_standard_error
+                    / (2.0 * math.pi),
+                    "cycles": reading.steady.cycles,
+                    "highest_harmonic": reading.steady.bandwidth,
+                    "noise_rms": reading.steady.noise_rms,
+                    "slips": reading.slips,
+                    "features": {c: getattr(self.features, n)[i] for n, c in COLUMNS.items()},
+                    "standard_errors": {c: reading.standard_errors[n] for n, c in COLUMNS.items()},
+                    "warnings": reading.warnings,
+                }
+                for i, reading in enumerate(self.readings)
+            ],
         }
+
+    def features_table(self) -> list[dict[str, Any]]:
+        """A row for each record: its features, and the standard error of each."""
+        columns = self.features.to_columns()
+        errors = {n: c.replace(n, f"{n}_standard_error", 1) for n, c in COLUMNS.items()}
+        return [
+            {
+                "record": reading.steady.source,
+                **{column: values[i] for column, values in columns.items()},
+                **{column: reading.standard_errors[name] for name, column in errors.items()},
+            }
+            for i, reading in enumerate(self.readings)
+        ]
 
     @property
     def levels(self) -> list[Level]:
         """A cycle of each record that has an input work."""
-        of, a = self.features, self.features.a
-        values = next(iter(self.answers.values())).values
-        return [
-            Level(
-                reading.steady.source,
-                float(of.X[i]),
-                reading.steady.omega,
-                float(of.W[i]),
-                values.get(self.law.key(FRICTION, i), self.law.given.get(FRICTION, math.nan))
-                * float(a[i]),
-            )
-            for i, reading in enumerate(self.readings)
-        ]
+        of, values = self.features, {**self.law.given, **self.answer.values}
+        levels = []
+        for i, reading in enumerate(self.readings):
+            F_k = values.get(self.law.key(FRICTION, i), math.nan)
+            X, W, a = (float(numbers[i]) for numbers in (of.X, of.W, of.a))
+            levels.append(Level(reading.steady.source, X, reading.steady.omega, W, F_k * a))
+        return levels
 
     def shifts(
         self, faults: Mapping[str, Fault], names: Collection[str]
     ) -> dict[str, dict[str, dict[str, float]]]:
         """What faults of all records do to answers."""
         changes = {}
-        for name, answer in self.estimates.items():
-            way = APPROACHES.get(name) if name in names else None
-            if way is not None:
-                rows_of = LawRows(way, self.law, self.k, self.phase, self.joint.linear)
-                changes[name] = sensitivities(self.readings, rows_of, answer, faults)
-        fit = self.joint.fit if REFERENCE in names else None
-        if fit is not None and self.joint.waveforms_hold:
-            changes[REFERENCE] = shifts_of_fit(self.readings, fit, faults)
+        for name in (name for name in APPROACHES if name in names and name in self.estimates):
+            rows_of = LawRows(APPROACHES[name], self.law, self.k, self.phase, self.joint.linear)
+            changes[name] = sensitivities(self.readings, rows_of, self.estimates[name], faults)
+        if REFERENCE in names and self.joint.fit is not None and self.joint.waveforms_hold:
+            changes[REFERENCE] = shifts_of_fit(self.readings, self.joint.fit, faults)
         return changes
-
-    def _record(self, i: int) -> dict[str, Any]:
-        reading, steady = self.readings[i], self.readings[i].steady
-        errors = reading.standard_errors
-        return {
-            "record": steady.source,
-            "frequency_Hz": steady.frequency_hz,
-            "frequency_standard_error_Hz": steady.omega_standard_error / (2.0 * math.pi),
-            "cycles": steady.cycles,
-            "highest_harmonic": steady.bandwidth,
-            "noise_rms": steady.noise_rms,
-            "slips": reading.slips,
-            "features": {c: getattr(self.features, name)[i] for name, c in COLUMNS.items()},
-            "standard_errors": {column: errors[name] for name, column in COLUMNS.items()},
-            "warnings": reading.warnings,
-        }
-
-    def features_table(self) -> list[dict[str, Any]]:
-        """A row for each record: its features, and the standard error of each."""
-        columns = self.features.to_columns()
-        return [
-            {"record": reading.steady.source}
-            | {column: values[i] for column, values in columns.items()}
-            | {
-                column.replace(name, f"{name}_standard_error", 1): reading.standard_errors[name]
-                for name, column in COLUMNS.items()
-            }
-            for i, reading in enumerate(self.readings)
-        ]
-
-    def _damping(self) -> list[dict[str, float]]:
-        """Of each record the coefficients of all terms but friction that are known, SI."""
-        values = {**next(iter(self.answers.values())).values, **self.law.given}
-        keys = [
-            {s: self.law.key(s, i) for s in self.law.terms if s != FRICTION}
-            for i in range(len(self.readings))
-        ]
-        return [
-            {s: values[key] for s, key in of.items() if math.isfinite(values.get(key, math.nan))}
-            for of in keys
-        ]
 
     @property
     def pictures(self) -> dict[str, Picture]:
@@ -176,6 +160,16 @@ class ForcedOutcome(Outcome):
         acceleration against displacement.   balance : its rows and what they leave."""
         count, two = len(self.readings), set(self.law.keys) == {"F_k", "c"}
         fit = None if self.joint.linear else self.joint.fit
+        values = {**self.answer.values, **self.law.given}
+        damping = [
+            {
+                s: p
+                for s in self.law.terms
+                if s != FRICTION
+                if math.isfinite(p := values.get(self.law.key(s, i), math.nan))
+            }
+            for i in range(count)
+        ]
         line = "on a line of slope F_k" if two else "on the line where the law takes the input work"
         return {
             "cycles": Picture(
@@ -185,7 +179,7 @@ class ForcedOutcome(Outcome):
             ),
             "friction": Picture(
                 f"friction force against displacement of {count} records, with the loop of the fitted oscillator",
-                (self.loaded, self.readings, self.k, self._damping(), fit),
+                (self.loaded, self.readings, self.k, damping, fit),
             ),
             "loops": Picture(
                 f"acceleration against displacement of {count} records, with the fitted microstick lines",
@@ -216,14 +210,10 @@ def identify_readings(
     Use `identify` for records; this function is for readings that are at hand, as in studies.
 
     readings : of `read_features`, one per level; levels that differ, at least as many as there are unknowns for a
-    balance. The fit may do with fewer.
-    k : stiffness of the readings, N/m.
-    law : default, F_k and c.
-    approaches : by name.
-    phase : that the harmonic approaches take.
-    mass : kg, if it is known.
+    balance. The fit may do with fewer.   k : stiffness of the readings, N/m.   law : default, F_k and c.
     uncertainty : standard uncertainty of k, as a part of it, for the test of the mass.
     replicates, seed : of the bootstrap; 1000 replicates know a standard error to 2 %.
+    Others are as for `identify`.
 
     Raises ValueError for fewer readings than unknowns where no fit distinguishes these, terms that act alike in all of
     them, two of the same signals, a stiffness or a mass that is not positive, a stiffness that is not that of the
@@ -237,22 +227,26 @@ def identify_readings(
     readings, near = unfolded(readings, k, law)
     lines = [reading.lines for reading in readings]
     joint = joint_fit(lines, k, mass, law, near, uncertainty=uncertainty)
-    few = len(readings) < len(law.unknowns)
+    few, reference = len(readings) < len(law.unknowns), joint.answer
     if few and not (joint.waveforms_hold and joint.fit is not None and joint.fit.freedom > 0):
         law.require([reading.steady.frequency_hz for reading in readings])
+    if few and reference is not None:
+        reference = replace(reference, notes=(*reference.notes, _UNCHECKED))
     readings = joined(readings, joint, law)
     samples = read_samples(readings, replicates, np.random.default_rng(seed))
     line = microstick(samples)
-    estimates = {
-        name: _answer(
-            name, LawRows(way, law, k, phase, joint.linear), joint, readings, samples, line
-        )
-        for name, way in approaches.items()
-    }
+    estimates = {}
+    for name, way in approaches.items():
+        rows_of = LawRows(way, law, k, phase, joint.linear)
+        estimates[name] = _answer(name, rows_of, joint, readings, samples, line)
     estimates = with_notes(estimates, readings, joint)
-    reference = joint.answer
-    if few and reference is not None:
-        reference = replace(reference, notes=(*reference.notes, _UNCHECKED))
+    hz = ", ".join(f"{f:g}" for f in sorted({round(r.steady.frequency_hz, 4) for r in readings}))
+    fit, delayed, rig = joint.fit, joint.delayed, []
+    if fit is not None and not joint.linear:
+        rig = implied(fit)
+        if fit.adequate and delayed is not None:
+            late = with_error(1e6 * delayed.delay, 1e6 * delayed.error("delay"))
+            rig.append(f"Left free, a delay of the response is {late} µs.")
     of_records = [words.about(r.steady.source) for r in readings for words in r.warnings]
     of_all = agreement(readings, line, joint, estimates)
     return ForcedOutcome(
@@ -261,8 +255,9 @@ def identify_readings(
         estimates=estimates,
         reference=reference,
         warnings=(*of_records, *of_all),
-        head=_head(readings, replicates),
-        rig=_rig(joint),
+        head=f"{len(readings)} record{'s' * (len(readings) > 1)} at {hz} Hz; the answer first, with 95 % intervals, "
+        f"those of the balance from {replicates} bootstrap replicates",
+        rig=rig,
         settings={
             "law": {"terms": law.terms, "given": law.given, "groups": law.groups},
             "phase": phase,
@@ -278,27 +273,6 @@ def identify_readings(
     )
 
 
-def _head(readings: Sequence[Reading], replicates: int) -> str:
-    """How many records, at which frequencies."""
-    hz = ", ".join(f"{f:g}" for f in sorted({round(r.steady.frequency_hz, 4) for r in readings}))
-    return (
-        f"{len(readings)} record{'s' * (len(readings) > 1)} at {hz} Hz; the answer first, with 95 % intervals, those "
-        f"of the balance from {replicates} bootstrap replicates"
-    )
-
-
-def _rig(joint: JointFit) -> list[str]:
-    """Mass and natural frequency of the fit, and the delay between the channels."""
-    fit, delayed = joint.fit, joint.delayed
-    if fit is None or joint.linear:
-        return []
-    sentences = implied(fit)
-    if fit.adequate and delayed is not None:
-        late = with_error(1e6 * delayed.delay, 1e6 * delayed.error("delay"))
-        sentences.append(f"Left free, a delay of the response is {late} µs.")
-    return sentences
-
-
 def _require(
     readings: Sequence[Reading],
     k: float,
@@ -309,36 +283,26 @@ def _require(
     number("stiffness", k)
     whole("replicates", replicates)
     law.require([r.steady.frequency_hz for r in readings], by_balance=False)
-    for reading in readings:
-        if reading.steady.k != k:
+    for steady in (reading.steady for reading in readings):
+        if steady.k != k:
             raise ValueError(
-                f"{reading.steady.source} was read with k = {reading.steady.k:g} N/m, not with {k:g} N/m"
+                f"{steady.source} was read with k = {steady.k:g} N/m, not with {k:g} N/m"
             )
-    for reading, other in itertools.combinations(readings, 2):
-        if _same(reading, other):
+    for one, other in itertools.combinations((reading.steady for reading in readings), 2):
+        # copies, in whatever format, have cycles with the same harmonics
+        bound = _COPIED * abs(one.X[0, 1])
+        if one.X.shape == other.X.shape and np.abs(one.X - other.X).max() < bound:
             raise ValueError(
-                f"{reading.steady.source} and {other.steady.source} hold the same signals: each record is one level"
+                f"{one.source} and {other.source} hold the same signals: each record is one level"
             )
     if not approaches:
         raise ValueError(f"no approach is asked for; known are {', '.join(APPROACHES)}")
-
-
-def _same(one: Reading, other: Reading) -> bool:
-    """Whether two records are copies of one, in whatever format: their cycles have the same harmonics."""
-    rows, others = one.steady.X, other.steady.X
-    bound = _COPIED * abs(rows[0, 1])
-    if rows.shape != others.shape or not abs(rows[0, 1] - others[0, 1]) < bound:
-        return False
-    return bool(np.abs(rows - others).max() < bound)
 
 
 _UNCHECKED = Remark(
     "there are fewer levels than coefficients: only the shape of the waveforms distinguishes them, and no balance "
     "checks it; add records at other amplitudes"
 )
-_TOO_FEW = "a balance needs a level for each coefficient: add records at other amplitudes"
-_NO_FORM = "this approach has no form of a term of the law"
-_NO_ONSET = "this approach needs the onset of slip, which these records do not determine"
 
 
 def _answer(
@@ -358,20 +322,20 @@ def _answer(
     try:
         estimate = least_squares(uncertain)
     except ValueError as error:
-        unresolved = not joint.waveforms_hold and not joint.linear and name != DIRECT
         unshaped = any(
             np.isnan(g).all() and parted(key)[0] not in rows_of.approach.terms
             for key, g in point.terms.items()
         )
-        few = len(readings) < len(rows_of.law.unknowns)
-        reason = _TOO_FEW if few else str(error)
-        reason = _NO_FORM if unshaped else _NO_ONSET if unresolved else reason
+        reason = str(error)
+        if unshaped:
+            reason = "this approach has no form of a term of the law"
+        elif not joint.waveforms_hold and not joint.linear and name != DIRECT:
+            reason = "this approach needs the onset of slip, which these records do not determine"
+        elif len(readings) < len(rows_of.law.unknowns):
+            reason = "a balance needs a level for each coefficient: add records at other amplitudes"
         parameters = {**nothing, "K_z": UNKNOWN}
         return Answer(
-            name,
-            parameters,
-            covariance_of(parameters, {}),
-            (Remark(reason),),
+            *(name, parameters, covariance_of(parameters, {}), (Remark(reason),)),
             Balance(point, np.full(len(point.W), math.nan), sources),
             equal=nothing,
             merit={"residual": math.nan, "misfit": math.nan},
@@ -380,9 +344,12 @@ def _answer(
     assert weights is not None
     weighted = np.isfinite(weights[usable]).all()  # exact rows have no errors
     shared = weights if weighted else np.ones(len(weights))
-    estimates = Samples(
-        estimate, _weighed(rows.drawn, shared), tuple(_weighed(r, shared) for r in rows.left)
-    )
+
+    def weighed(of: Rows) -> Estimate:
+        """The estimates from rows of replicates, (n, r), weighted like those of the records, (n,)."""
+        return solve(replace(of, weights=np.broadcast_to(shared[:, None], of.W.shape)))
+
+    estimates = Samples(estimate, weighed(rows.drawn), tuple(map(weighed, rows.left)))
     K_z, roots = _stiffness(samples, estimates, rows_of.law, line)
     errors = dict(estimates.drawn.values)
     if roots is not None:
@@ -392,30 +359,19 @@ def _answer(
         for one, other in itertools.combinations(errors, 2)
     }
     parameters = nothing | _parameters(estimates) | {"K_z": K_z}
-    freedom = int(estimate.n) - len(estimate.values)
     off = point.misfit({**point.given, **estimate.values})[usable]
+    merit, freedom = {"residual": math.nan, "misfit": math.nan}, estimate.n - len(estimate.values)
+    if freedom:
+        merit["residual"] = float(np.linalg.norm(off) / np.linalg.norm(point.W[usable]))
+        merit["misfit"] = float(weights[usable] @ off**2 / freedom) if weighted else math.nan
     return Answer(
-        name,
-        parameters,
-        covariance_of(parameters, correlations),
+        *(name, parameters, covariance_of(parameters, correlations)),
         balance=Balance(point, 1.0 / np.sqrt(weights), sources),
         correlations=correlations,
         equal=nothing | _parameters(rows.map(solve)),
         shape_bias=_shape_bias(rows_of, joint, readings, shared, usable),
-        merit={
-            "residual": float(np.linalg.norm(off) / np.linalg.norm(point.W[usable]))
-            if freedom
-            else math.nan,
-            "misfit": float(weights[usable] @ off**2) / freedom
-            if freedom and weighted
-            else math.nan,
-        },
+        merit=merit,
     )
-
-
-def _weighed(rows: Rows, weights: Array) -> Estimate:
-    """The estimates from rows of replicates, (n, r), weighted like those of the records, (n,)."""
-    return solve(replace(rows, weights=np.broadcast_to(weights[:, None], rows.W.shape)))
 
 
 def _shape_bias(

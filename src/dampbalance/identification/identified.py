@@ -1,42 +1,130 @@
-"""What an identification hands over: values, intervals, covariance, rows, tables, pictures, files."""
+"""What an identification hands over, whatever the kind of its records: answers, tables, sentences, pictures, files."""
 
 from __future__ import annotations
 
+import itertools
+import math
 import warnings
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from abc import ABC, abstractmethod
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
 
 from .. import __version__
 from ..arguments import flag, one_of, path
 from ..motion.jit import interpreted
-from ..project.files import write_json, write_rows, write_text
+from ..project.files import plain, write_json, write_rows, write_text
+from ..project.wording import Remark
 from ..records.measured import MeasuredRecord
-from . import screen
-from .answer import Answer, Interval, Verdict, unit_of
-from .outcome import Outcome, document, estimates_table
+from .answer import REFERENCE, USABLE, Answer, Interval, ParameterEstimate, Verdict, column, unit_of
+from .law_comparison import LawComparison
 from .outputs import ALL_PICTURES, REPORT, TABLES, pictures_of, require_room
+from .remarks import Limit, doubted, in_a_sentence, limits
+from .screen import aligned, answers_table, comparison
+from .sensitivities import FAULTS, Fault
 
 if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 QUICK = 200_000
 """Calls of kernels, which take no more time in Python than Numba takes to load."""
 
+_IN_TABLE = ("residual", "misfit")  # of the merit of an answer
 
-@dataclass(frozen=True, eq=False, repr=False)
-class Identified:
+
+class Picture(NamedTuple):
+    """A picture of an identification.
+
+    words : what it shows, for those who cannot see it.   of : what the function of its name in `pictures` draws.
+    """
+
+    words: str
+    of: tuple[Any, ...]
+
+
+class Level(NamedTuple):
+    """A cycle of the motion, measured, and what a test engineer compares its damping by.
+
+    Loss factor, quality factor and equivalent viscous damping are those of a level: friction takes less of a large
+    motion than of a small one. Use them to compare with other rigs, or in a linear model at about that amplitude; F_k
+    and c hold at all of them.
+
+    name : of the record, or of the decay and the time.   X : amplitude, m.   omega : ω, rad/s.   W : energy that the
+    cycle loses, J.   friction : the part of it that friction takes, J.
+    """
+
+    name: str
+    X: float
+    omega: float
+    W: float
+    friction: float
+
+    @property
+    def equivalent_damping(self) -> float:
+        """The viscous damper that takes as much energy of a harmonic motion, c_eq = W/(πωX²), N s/m.
+
+        Jacobsen, Trans. ASME 52 (1930): friction F_k alone, W = 4 F_k X, has c_eq = 4F_k/(πωX).
+        """
+        return self.W / (math.pi * self.omega * self.X**2)
+
+    def loss_factor(self, k: float) -> float:
+        """Energy lost in a cycle over 2π times the largest energy in the spring, η = W/(πkX²) = c_eq ω/k; Q = 1/η.
+
+        Nashif, Jones & Henderson, Vibration Damping (1985), Sec. 3. A viscous damper at the natural frequency has
+        η = 2ζ.   k : of the spring, N/m; what the contact stores is not counted.
+        """
+        return self.W / (math.pi * k * self.X**2)
+
+    def document(self, k: float, m: float) -> dict[str, Any]:
+        """All measures for the document.   m : kg; NaN where it is not known, and the damping ratio with it."""
+        eta = self.loss_factor(k)
+        return {
+            "level": self.name,
+            "X_m": self.X,
+            "frequency_Hz": self.omega / (2.0 * math.pi),
+            "W_J": self.W,
+            "friction_share": self.friction / self.W if self.W else math.nan,
+            "equivalent_damping_N_s_per_m": self.equivalent_damping,
+            "equivalent_damping_ratio": damping_ratio(self.equivalent_damping, k, m),
+            "loss_factor": eta,
+            "Q": 1.0 / eta if eta else math.inf,
+        }
+
+
+def damping_ratio(c: float, k: float, m: float) -> float:
+    """Fraction of critical damping, ζ = c/(2√(km)): of the oscillator with its contact loose.
+
+    Inman, Engineering Vibration, Sec. 1.3.   c : N s/m.   k : N/m.   m : kg.
+
+    >>> damping_ratio(c=40.0, k=100.0, m=4.0)  # critical
+    1.0
+    """
+    return c / (2.0 * math.sqrt(k * m))
+
+
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class Identified(ABC):
     """The coefficients of a damping law and K_z from measured records, by every approach; what `identify` returns.
 
-    records : that they come from.   options : as given, by the keys of a configuration.   result : the answers, and
-    what else a report says of them.
+    k : N/m.
+    sources : names of the records.
+    estimates : the answer of each approach, by its name.
+    reference : the answer of the fit of one oscillator to all records; None where no oscillator that slips fits.
+    warnings : what is wrong with the records, and where the answers disagree.
+    head : what was identified from what, in a line.
+    rig : what the fit implies about the rig, in sentences.
+    settings : how the answers were computed, for the document.
+    laws : which damping laws the records support, where that was asked for.
+    records : that they come from.
+    options : as given, by the keys of a configuration.
 
     `values`, `intervals`, `covariance` and the like are those of the first of `approaches`. That is the fit of maximum
     likelihood where the records are those of an oscillator with one friction contact, and the balance of energy
@@ -45,27 +133,77 @@ class Identified:
     that `dampbalance identify` prints.
     """
 
-    records: tuple[MeasuredRecord, ...]
-    options: Mapping[str, Any]
-    result: Outcome
+    k: float
+    sources: tuple[str, ...]
+    estimates: Mapping[str, Answer]
+    reference: Answer | None
+    warnings: tuple[Remark, ...]
+    head: str
+    rig: Sequence[str]
+    settings: Mapping[str, Any]
+    laws: LawComparison | None = None
+    records: tuple[MeasuredRecord, ...] = ()
+    options: Mapping[str, Any] = field(default_factory=dict)
+
+    kind: ClassVar[Mapping[str, str]] = {}
+    """How the document names the kind of records."""
+
+    @abstractmethod
+    def findings(self) -> dict[str, Any]:
+        """What was read off the records and follows from them, for the document; `records` has an entry for each."""
+
+    @abstractmethod
+    def features_table(self) -> list[dict[str, Any]]:
+        """What was read off the records, in columns named with units."""
+
+    @property
+    @abstractmethod
+    def levels(self) -> list[Level]:
+        """Cycles of the motion, what each loses: of each forced record, or of swings of a free decay."""
+
+    @property
+    @abstractmethod
+    def pictures(self) -> dict[str, Picture]:
+        """The pictures by name, the most telling first."""
+
+    @abstractmethod
+    def shifts(
+        self, faults: Mapping[str, Fault], names: Collection[str]
+    ) -> dict[str, dict[str, dict[str, float]]]:
+        """By which part of themselves faults change the numbers of answers of these names, to first order: name of the
+        answer → fault → symbol, "m" for the mass."""
 
     @cached_property
+    def answers(self) -> dict[str, Answer]:
+        """The answer of each approach, by its name, and of the fit of one oscillator to all records, "maximum
+        likelihood"; the one to use first, with the doubts that the warnings cast on its numbers.
+
+        The fit is the answer, and the balance its check, unless more of what the balance says is usable.
+        """
+        fit = {} if self.reference is None else {REFERENCE: self.reference}
+        answers = doubted({**self.estimates, **fit}, self.warnings)
+        chosen = next(iter(answers.values()))
+        if fit and _worth(answers[REFERENCE]) > _worth(chosen):
+            answers = {REFERENCE: answers[REFERENCE], **answers}
+        return answers
+
+    @property
     def approaches(self) -> dict[str, Answer]:
         """The answer of each approach, by its name, and of the fit of one oscillator to all records, "maximum
         likelihood"; the one to use first."""
-        return self.result.answers
+        return self.answers
 
     @property
-    def warnings(self) -> tuple[str, ...]:
-        """What is wrong with the records, and where the answers disagree."""
-        return self.result.warnings
+    def result(self) -> Identified:
+        """The identification itself: `result.answers` are its `approaches`."""
+        return self
 
     @property
     def figures(self) -> tuple[str, ...]:
         """Names of the pictures that `plot` draws, the first if none is named: of forced records cycles (each record
         folded onto one cycle), loops (acceleration against displacement) and balance (its rows, and what they leave);
         of free decays decays (each with the motion fitted to it)."""
-        return tuple(self.result.pictures)
+        return tuple(self.pictures)
 
     @property
     def answer(self) -> Answer:
@@ -115,14 +253,120 @@ class Identified:
         interval of 95 %), verdict, reason."""
         import pandas as pd  # slow to import
 
-        lines = []
-        for name, answer in self.approaches.items():
-            for symbol, verdict in answer.verdicts.items():
-                p = answer.parameters[symbol]
-                line: dict[str, Any] = {"approach": name, "symbol": symbol, "unit": unit_of(symbol)}
-                line |= {"value": p.value, "standard_error": p.standard_error}
-                lines.append(line | p.interval._asdict() | verdict._asdict())
-        return pd.DataFrame(lines)
+        return pd.DataFrame(
+            {
+                **{"approach": name, "symbol": symbol, "unit": unit_of(symbol)},
+                **{"value": p.value, "standard_error": p.standard_error},
+                **p.interval._asdict(),
+                **answer.verdicts[symbol]._asdict(),
+            }
+            for name, answer in self.approaches.items()
+            for symbol, p in answer.parameters.items()
+        )
+
+    def sensitivities(self) -> tuple[str | None, dict[str, dict[str, float]]]:
+        """Name of the answer to use first, and what each of `FAULTS` that acts does to it, fault → symbol → number; the
+        next answer where that is the fit, and it does not describe the waveforms."""
+        for name in self.answers:
+            if changes := self.shifts(FAULTS, [name]).get(name):
+                return name, {fault: of for fault, of in changes.items() if any(of.values())}
+        return None, {}
+
+    @interpreted(calls=QUICK)
+    def document(self) -> dict[str, Any]:
+        """Everything, as plain data for JSON, what `identification.json` holds; SI units, named in the keys; what is
+        not known is null."""
+        answers, findings = {n: _entries(a) for n, a in self.answers.items()}, self.findings()
+        for entry, record in zip(findings["records"], self.records, strict=bool(self.records)):
+            entry |= record.files or {}
+        m = math.nan if self.reference is None else self.reference.merit.get("m_kg", math.nan)
+        of, effects = self.sensitivities()
+        everything = {
+            "dampbalance": __version__,
+            **self.kind,
+            "options": dict(self.options),
+            "k_N_per_m": self.k,
+            **self.settings,
+            "answer": next(iter(answers)),
+            "approaches": {name: answers[name] for name in self.estimates},
+            "maximum_likelihood": answers.get(REFERENCE),
+            **({} if self.laws is None else {"laws": self.laws.document()}),
+            **findings,
+            "damping": {
+                "damping_ratio": damping_ratio(
+                    next(iter(self.answers.values())).values.get("c", math.nan), self.k, m
+                ),
+                "levels": [level.document(self.k, m) for level in self.levels],
+            },
+            "sensitivities_of": of,
+            "sensitivities": {
+                name: {"fault": FAULTS[name].words}
+                | {f"{symbol}_percent": 100.0 * change for symbol, change in changes.items()}
+                for name, changes in effects.items()
+            },
+            "limits": [asdict(limit) for limit in self.limits],
+            "warnings": list(self.warnings),
+        }
+        return plain(everything)
+
+    def estimates_table(self) -> list[dict[str, Any]]:
+        """A row for each answer, the one to use first: value, standard errors and interval of each parameter, in
+        columns named with units, and the verdict on each; None where an answer has no such number."""
+        rows = []
+        for name, answer in self.answers.items():
+            row: dict[str, Any] = {"approach": name}
+            for symbol, p in answer.parameters.items():
+                ends = {f"_{end}": number for end, number in p.interval._asdict().items()}
+                row |= _columns(symbol, _with_errors(answer, p) | ends)
+            for symbol, p in answer.equal.items():
+                numbers = {"": p.value, "_standard_error": p.standard_error}
+                row |= _columns(symbol, numbers, "equal_weights_")
+            row |= {key: answer.merit[key] for key in _IN_TABLE if key in answer.merit}
+            row |= {
+                f"{symbol}_verdict": verdict for symbol, (verdict, _) in answer.verdicts.items()
+            }
+            rows.append(row | {"note": "; ".join(answer.notes)})
+        columns = dict.fromkeys(name for row in sorted(rows, key=len, reverse=True) for name in row)
+        return [{name: row.get(name) for name in columns} for row in rows]
+
+    @property
+    def limits(self) -> list[Limit]:
+        """What limits the answers, each thing once."""
+        return limits(self.answers, self.warnings)
+
+    @property
+    def limiting(self) -> list[str]:
+        """What limits the answers, in sentences: "*" begins a note on answers, "warning:" all else."""
+        return [
+            f"{'* ' if of.kind == 'approaches' else 'warning: '}{in_a_sentence(of, self.sources)}"
+            for of in self.limits
+        ]
+
+    def text(self) -> str:
+        """The table for a screen: the answers with their 95 % intervals and verdicts, a line each, then what limits
+        them."""
+        tests, sentences = comparison(self.laws), self.limiting
+        lines = [self.head, "", *aligned(answers_table(self.answers)), "", *self.rig]
+        lines += ["", *tests] if tests else []
+        lines += ["", "What limits the answer:", *sentences] if sentences else []
+        return "\n".join(lines) + "\n"
+
+    def __repr__(self) -> str:
+        """The table for a screen."""
+        return self.text().rstrip("\n")
+
+    def _repr_html_(self) -> str:
+        """The table for a notebook."""
+        from .report import page_of  # slow to import
+
+        return page_of("notebook", found=self)
+
+    def draw(self, name: str) -> Figure:
+        """One of the pictures, on a page of its own; `plot` draws in axes that are given."""
+        from . import pictures  # slow to import
+
+        with _lacking_glyphs():
+            return getattr(pictures, name)(*self.pictures[name].of)
 
     def plot(
         self,
@@ -148,8 +392,8 @@ class Identified:
         given: Any = ax if several else [ax]
         held = [] if given is None else [one for one in given if one is not None]
         before = {line for axes in held for line in axes.get_lines()}
-        with _lacking_glyphs(), drawn_in(given):
-            drawn = self.result.draw(name)
+        with drawn_in(given):
+            drawn = self.draw(name)
         axes = held or drawn.axes
         for one in held:  # what the panels of a picture share, each of these has
             shared = [panel.get_xlabel() for panel in drawn.axes if panel.get_xlabel()]
@@ -158,16 +402,6 @@ class Identified:
         for line in (line for one in axes for line in one.get_lines() if line not in before):
             line.set(**style)
         return np.array(axes) if several else ax
-
-    def text(self) -> str:
-        """The table for a screen, with what limits the answer."""
-        return screen.text(self.result)
-
-    @interpreted(calls=QUICK)
-    def document(self) -> dict[str, Any]:
-        """Everything, as plain data for JSON: what `identification.json` holds."""
-        files = [record.files or {} for record in self.records]
-        return document(self.result, __version__, self.options, files)
 
     def save(
         self, folder: str | Path, *, figures: bool = True, overwrite: bool = False
@@ -186,10 +420,9 @@ class Identified:
         for name in set(ALL_PICTURES) - set(pictures):
             (folder / name).unlink(missing_ok=True)
         if figures:
-            drawings = self._save_figures(folder)
-            write_text(folder / REPORT, self._report(drawings))
-        write_rows(folder / "identification.csv", estimates_table(self.result))
-        write_rows(folder / "features.csv", self.result.features_table())
+            write_text(folder / REPORT, self._report(folder))
+        write_rows(folder / "identification.csv", self.estimates_table())
+        write_rows(folder / "features.csv", self.features_table())
         write_text(folder / "summary.txt", self.text())
         write_json(folder / "identification.json", self.document())
         return [folder / name for name in (*TABLES, *pictures)]
@@ -199,38 +432,25 @@ class Identified:
         and what to do next, damping of each level, effect of faults, settings. Use it to hand a result to others;
         `save` writes it as report.html."""
         with TemporaryDirectory() as folder:
-            return self._report(self._save_figures(Path(folder), png=False))
+            return self._report(Path(folder), png=False)
 
     @interpreted(calls=QUICK)
-    def _report(self, drawings: Mapping[str, str]) -> str:
-        from .report import report  # slow to import, as it knows the colours of pictures
-
-        return report(self.result, self.document(), drawings)
-
-    @interpreted(calls=QUICK)
-    def _save_figures(self, folder: Path, png: bool = True) -> dict[str, str]:
-        """Write the pictures, and give each as SVG."""
+    def _report(self, folder: Path, png: bool = True) -> str:
+        """The report, and the pictures in a folder."""
         from ..figures.style import save, save_svg  # slow to import, and needed for pictures only
         from .pictures import DPI
+        from .report import page_of
 
         drawings = {}
-        for name, picture in self.result.pictures.items():
+        for name, picture in self.pictures.items():
             svg, other = (folder / file for file in pictures_of([name]))
             with _lacking_glyphs():
                 if png:
-                    save(self.result.draw(name), svg, other, picture.words, DPI)
+                    save(self.draw(name), svg, other, picture.words, DPI)
                 else:
-                    save_svg(self.result.draw(name), svg, picture.words)
+                    save_svg(self.draw(name), svg, picture.words)
             drawings[name] = svg.read_text(encoding="utf-8")
-        return drawings
-
-    def __repr__(self) -> str:
-        """The table for a screen."""
-        return self.text().rstrip("\n")
-
-    def _repr_html_(self) -> str:
-        """The table for a notebook."""
-        return screen.html(self.result)
+        return page_of("report", found=self, document=self.document(), drawings=drawings)
 
 
 @contextmanager
@@ -239,3 +459,42 @@ def _lacking_glyphs() -> Iterator[None]:
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", r"Glyph .* missing from font", UserWarning)
         yield
+
+
+def _worth(answer: Answer) -> tuple[float, ...]:
+    """What an answer is chosen for: coefficients that are usable, coefficients that have a value, and of two that are
+    equal in these the fit, unless a note limits it."""
+    verdicts = answer.verdicts
+    usable = sum(verdicts[symbol].verdict == USABLE for symbol in answer.coefficients)
+    valued = sum(not math.isnan(p.value) for p in answer.coefficients.values())
+    return usable, valued, 0.5 if answer.balance is not None else float(not answer.notes)
+
+
+def _entries(answer: Answer) -> dict[str, Any]:
+    """An answer for the document."""
+    entries: dict[str, Any] = {}
+    for beginning, parameters in (("", answer.parameters), ("equal_weights_", answer.equal)):
+        for symbol, p in parameters.items():
+            numbers = _with_errors(answer, p) | {"_interval": p.interval}
+            entries |= _columns(symbol, numbers, beginning)
+    if answer.balance is not None:
+        entries |= {
+            f"correlation_of_{one}_and_{other}": answer.correlations.get((one, other))
+            for one, other in itertools.combinations(answer.coefficients, 2)
+        }
+    entries["verdicts"] = {symbol: v._asdict() for symbol, v in answer.verdicts.items()}
+    entries |= answer.merit
+    if answer.balance is not None:
+        entries["rows"] = {**answer.rows, **answer.balance.labels}
+    return entries | {"notes": answer.notes}
+
+
+def _columns(symbol: str, numbers: Mapping[str, Any], beginning: str = "") -> dict[str, Any]:
+    """Numbers of a parameter, given by what they are of it, in columns named with its unit."""
+    return {beginning + column(symbol, what): number for what, number in numbers.items()}
+
+
+def _with_errors(answer: Answer, p: ParameterEstimate) -> dict[str, Any]:
+    """The value and its standard errors by the ends of their keys; the error by propagation where it is computed."""
+    numbers = {"": p.value, "_standard_error": p.standard_error}
+    return numbers | ({"_propagated_error": p.propagated_error} if answer.equal else {})

@@ -26,19 +26,17 @@ import numpy as np
 from ..balance import APPROACHES, Rows
 from ..law.law import Law
 from ..law.terms import FRICTION, KNOWN_TERMS, in_order, term
+from ..likelihood.base_harmonics import settled
+from ..likelihood.mean_harmonics import Means, Reading
+from ..likelihood.steady_search import fit_quickly, with_mass
+from ..likelihood.waveforms import WaveformFit
 from ..project.progress import followed
 from ..project.wording import listed
-from ..reading.fitting import fit_quickly, with_mass
 from ..reading.lines import probability
-from ..reading.mean_harmonics import Means, Reading
 from ..reading.one_thread import one_thread
-from ..reading.recorded import settled
-from ..reading.waveforms import WaveformFit
 from ..solver import solve
 from .answer import column
-from .law_rows import LawRows
-from .microstick import sample_of
-from .oscillator import JointFit, joined
+from .oscillator import JointFit, LawRows, joined, sample_of
 from .remarks import DIRECT
 
 ALPHA = 0.05
@@ -61,38 +59,31 @@ class Probability:
 class LawTest:
     """The tests of one law.
 
-    terms : of the law.   coefficients : by key, (value, standard error), SI units.   balance, waveforms : its tests;
-    None where there is no such motion.   by : names of the tests that count.   rejected, rejected_by_balance : by all
-    of these, by the balance alone.
+    terms : of the law.   coefficients : by key, (value, standard error), SI units.   tests : those that count, by name,
+    "balance" and "waveforms"; None where there is no such motion.   rejected, rejected_by_balance : by all of these, by
+    the balance alone.
     """
 
     terms: tuple[str, ...]
     coefficients: Mapping[str, tuple[float, float]] = field(default_factory=dict)
-    balance: Probability | None = None
-    waveforms: Probability | None = None
-    by: tuple[str, ...] = ("balance", "waveforms")
+    tests: Mapping[str, Probability | None] = field(
+        default_factory=lambda: {"balance": None, "waveforms": None}
+    )
     rejected: bool = True
     rejected_by_balance: bool = True
 
-    def of(self, name: str) -> Probability | None:
-        """The test by the balance or by the waveforms."""
-        return self.balance if name == "balance" else self.waveforms
-
     @property
-    def p(self) -> float:
-        """The p-value of all tests together: the smallest one, times their number; 0 where one cannot be made."""
-        tests = [self.of(name) for name in self.by]
+    def balance(self) -> Probability | None:
+        """The test by the balance; None where it has no degree of freedom left, or cannot be made."""
+        test = self.tests.get("balance")
+        return None if test is None or math.isnan(test.p) else test
+
+    def p_of(self, *names: str) -> float:
+        """The p-value of tests together, of all unless some are named: the smallest one, times their number; 0 where
+        one cannot be made."""
+        tests = [self.tests.get(name) for name in names or self.tests]
         known = [t.p for t in tests if t is not None and not math.isnan(t.p)]
-        if None in tests:
-            return 0.0
-        return min(1.0, len(known) * min(known)) if known else 1.0
-
-    @property
-    def p_of_balance(self) -> float:
-        """The p-value of the balance alone."""
-        if self.balance is None:
-            return 0.0
-        return 1.0 if math.isnan(self.balance.p) else self.balance.p
+        return 0.0 if None in tests else min([1.0, *(len(known) * p for p in known)])
 
     def document(self) -> dict[str, Any]:
         """The tests for JSON."""
@@ -103,8 +94,10 @@ class LawTest:
                 for key, numbers in self.coefficients.items()
                 for what, number in zip(("", "_standard_error"), numbers, strict=True)
             },
-            "balance": self.balance and asdict(self.balance),
-            "waveforms": self.waveforms and asdict(self.waveforms),
+            **{
+                name: (test := self.tests.get(name)) and asdict(test)
+                for name in ("balance", "waveforms")
+            },
             "rejected": self.rejected,
             "rejected_by_balance": self.rejected_by_balance,
         }
@@ -138,7 +131,7 @@ class LawComparison:
     @property
     def names(self) -> tuple[str, ...]:
         """The tests that any law was given."""
-        return max((test.by for test in self.tests), key=len)
+        return max((tuple(test.tests) for test in self.tests), key=len)
 
     def words(self) -> list[str]:
         """What follows from the tests, in sentences."""
@@ -160,20 +153,19 @@ class LawComparison:
 
     def _nothing_fits(self) -> str:
         if "balance" not in self.names:
-            best = max(self.tests, key=lambda e: e.p)
+            best = max(self.tests, key=LawTest.p_of)
             return (
                 f"no law of {MOST_TERMS} terms or fewer fits: the samples reject the nearest, {words_of(best.terms)}, "
-                f"with p = {best.p:.2g}; {self.remedy}, or look for another cause"
+                f"with p = {best.p_of():.2g}; {self.remedy}, or look for another cause"
             )
-        tested = [e for e in self.tests if e.balance is not None and not math.isnan(e.balance.p)]
+        tested = [(test.p, e.terms, test) for e in self.tests if (test := e.balance) is not None]
         if not tested:
             return "no law can be tested: there are no more records than coefficients; add records at other amplitudes"
-        best = max(tested, key=lambda e: e.p_of_balance)
-        assert best.balance is not None
-        times = math.sqrt(best.balance.chi_square / best.balance.degrees_of_freedom)
+        _, terms, test = max(tested, key=lambda one: one[0])
+        times = math.sqrt(test.chi_square / test.degrees_of_freedom)
         return (
             f"no law of {MOST_TERMS} terms or fewer in addition to friction fits: the rows lie {times:.2g} times as far"
-            f" from the balance of the nearest, {words_of(best.terms)}, as noise explains; the levels may differ in "
+            f" from the balance of the nearest, {words_of(terms)}, as noise explains; the levels may differ in "
             "more than their amplitude (a coefficient for each group of records may help), a gain may be wrong, or "
             "another term is missing"
         )
@@ -229,54 +221,52 @@ def compare_laws(
     frequencies = [reading.steady.frequency_hz for reading in readings]
     left_out = ""
     terms = [s for s in KNOWN_TERMS if s != FRICTION and s not in asked.given]
-    if max(frequencies) < _ALIKE * min(frequencies) and {"c", "eta"} & set(terms) == {"c", "eta"}:
+    if max(frequencies) < _ALIKE * min(frequencies) and {"c", "eta"} <= set(terms):
         terms.remove("eta")
         left_out = "at one frequency structural damping eta acts as viscous damping c does, and is not tried"
     random = np.random.default_rng(seed)
     means = [reading.resampled(replicates, random) for reading in readings]
     lines = [reading.lines for reading in readings]
-    without = FRICTION not in asked.given
     none = {FRICTION: _NO_FORCE * k * min(one.Y for one in lines)}
-    tests: list[LawTest] = []
-    fits: dict[tuple[str, ...], WaveformFit] = {}
     laws = [
-        (*friction, *asked.given, *some)
-        for friction in ((FRICTION,), ())
-        if friction or without
+        in_order((*friction, *asked.given, *some))
+        for friction in ((FRICTION,), ())[: 1 if FRICTION in asked.given else 2]
         for size in range(MOST_TERMS + 1)
         for some in itertools.combinations(terms, size)
         if friction or asked.given or some
     ]
-    for _, alike in itertools.groupby(
-        followed(sorted(map(in_order, laws), key=len), len(laws), "laws"), len
-    ):
-        enough = [set(e.terms) for e in tests if e.p > ALPHA / len(laws)]
-        for kept in alike:
-            # a smaller law may be the one: only what more terms would add to it is of interest
-            if enough and not any(smaller < set(kept) for smaller in enough):
+    tests: list[LawTest] = []
+    fits: dict[tuple[str, ...], WaveformFit] = {}
+    enough: list[set[str]] = []
+    size = 0
+    for kept in followed(sorted(laws, key=len), len(laws), "laws"):
+        if len(kept) > size:
+            size, enough = len(kept), [set(e.terms) for e in tests if e.p_of() > ALPHA / len(laws)]
+        # a smaller law may be the one: only what more terms would add to it is of interest
+        if enough and not any(smaller < set(kept) for smaller in enough):
+            continue
+        given = asked.given if FRICTION in kept else {**asked.given, **none}
+        groups = {s: of for s, of in asked.groups.items() if s in kept}
+        tried = Law((FRICTION, *kept), given, groups)
+        if len(tried.unknowns) > len(readings):
+            continue
+        if FRICTION not in kept:
+            # no onset of slip is needed, and where there is friction, the balance shows it at once
+            plain = _tested(kept, tried, readings, means, JointFit(None, True, None))
+            if plain.balance is not None and plain.balance.p < _SURE:
+                tests.append(plain)
                 continue
-            given = asked.given if FRICTION in kept else {**asked.given, **none}
-            groups = {s: of for s, of in asked.groups.items() if s in kept}
-            tried = Law((FRICTION, *kept), given, groups)
-            if len(tried.unknowns) > len(readings):
-                continue
-            if FRICTION not in kept:
-                # no onset of slip is needed, and where there is friction, the balance shows it at once
-                plain = _tested(kept, tried, readings, means, JointFit(None, True, None))
-                if plain.balance is not None and plain.balance.p < _SURE:
-                    tests.append(plain)
-                    continue
-            within = [fit for smaller, fit in fits.items() if set(smaller) < set(kept)]
-            near = sorted(within, key=lambda fit: fit.chi_square)[:1]
-            fit = fit_quickly(near[0].lines if near else lines, k, tried, near)
-            fit = fit and settled(fit, lines)
-            if mass is not None and fit is not None:
-                fit = with_mass(fit, mass) or fit
-            if fit is None:
-                tests.append(LawTest(kept))
-                continue
-            fits[kept] = fit
-            tests.append(_tested(kept, tried, readings, means, JointFit(fit, False, None)))
+        near = [fit for smaller, fit in fits.items() if set(smaller) < set(kept)]
+        near = sorted(near, key=lambda fit: fit.chi_square)[:1]
+        fit = fit_quickly(near[0].lines if near else lines, k, tried, near)
+        fit = fit and settled(fit, lines)
+        if mass is not None and fit is not None:
+            fit = with_mass(fit, mass) or fit
+        if fit is None:
+            tests.append(LawTest(kept))
+            continue
+        fits[kept] = fit
+        tests.append(_tested(kept, tried, readings, means, JointFit(fit, False, None)))
     return chosen_of(tests, left_out)
 
 
@@ -285,20 +275,20 @@ def chosen_of(tests: Sequence[LawTest], left_out: str, **more: Any) -> LawCompar
 
     more : other fields of the comparison.
     """
-    both, alone = _rejected([e.p for e in tests]), _rejected([e.p_of_balance for e in tests])
+    both, alone = (_rejected([e.p_of(*names) for e in tests]) for names in ((), ["balance"]))
     tests = [
         replace(e, rejected=one, rejected_by_balance=other)
         for e, one, other in zip(tests, both, alone, strict=True)
     ]
-    both_count = any("balance" in e.by for e in tests)
-    by_balance = both_count and all(e.rejected for e in tests)
+    with_balance = any("balance" in e.tests for e in tests)
+    by_balance = with_balance and all(both)
     kept = [e for e in tests if not (e.rejected_by_balance if by_balance else e.rejected)]
-    if both_count:
-        kept = [e for e in kept if e.balance is not None and not math.isnan(e.balance.p)]
+    if with_balance:
+        kept = [e for e in kept if e.balance is not None]
     smallest = [e for e in kept if len(e.terms) == min(len(k.terms) for k in kept)]
-    smallest.sort(key=lambda e: -(e.p_of_balance if by_balance else e.p))
-    chosen = smallest[0].terms if smallest else None
-    alike = tuple(e.terms for e in smallest[1:])
+    smallest.sort(key=lambda e: -e.p_of(*["balance"] * by_balance))
+    found = [e.terms for e in smallest]
+    chosen, alike = (found[0], tuple(found[1:])) if found else (None, ())
     return LawComparison(tuple(tests), chosen, by_balance and bool(kept), alike, left_out, **more)
 
 
@@ -316,15 +306,16 @@ def _tested(
     fit, k = joint.fit, readings[0].steady.k
     mine = joined(readings, joint, law)
     rows_of = LawRows(APPROACHES[DIRECT], law, k, "reversal", linear=fit is None)
-    rows = rows_of(sample_of(mine, [reading.mean for reading in mine]).features)[:, 0]
-    drawn = rows_of(sample_of(mine, means).features)
+    rows, drawn = (
+        rows_of(sample_of(mine, of).features) for of in ([one.mean for one in mine], means)
+    )
     cycles = min(len(reading.steady.weights) for reading in readings)
-    balance, coefficients = _generalised(rows, drawn, cycles)
+    balance, coefficients = _generalised(rows[:, 0], drawn, cycles)
     if fit is None:
-        return LawTest(terms, coefficients, balance, by=("balance",))
-    of_waveforms = probability(fit.chi_square, fit.freedom, fit.lines)
-    waveforms = Probability(fit.chi_square, fit.freedom, of_waveforms)
-    return LawTest(terms, coefficients, balance, waveforms)
+        return LawTest(terms, coefficients, {"balance": balance})
+    p = probability(fit.chi_square, fit.freedom, fit.lines)
+    waveforms = Probability(fit.chi_square, fit.freedom, p)
+    return LawTest(terms, coefficients, {"balance": balance, "waveforms": waveforms})
 
 
 def _generalised(
@@ -338,25 +329,24 @@ def _generalised(
     symbols = [key for key in rows.terms if key not in rows.given]
     freedom = int(used.sum()) - len(symbols)
     estimate = solve(replace(rows, covariance=drawn.scatter()))
-    values = {symbol: float(estimate[symbol]) for symbol in symbols}
-    if freedom < 0 or not all(map(math.isfinite, values.values())):
+    p = np.array([float(estimate[symbol]) for symbol in symbols])
+    if freedom < 0 or not np.isfinite(p).all():
         return None, {}
     A = np.column_stack([rows.terms[symbol] for symbol in symbols])
-    right = rows.W - sum(p * rows.terms[key] for key, p in rows.given.items())
+    right = rows.W - sum(known * rows.terms[key] for key, known in rows.given.items())
     for _ in range(_REPEATS):
-        misfits = drawn.misfit({**rows.given, **values})
+        misfits = drawn.misfit({**rows.given, **dict(zip(symbols, p, strict=True))})
         factor = np.linalg.cholesky(np.atleast_2d(np.cov(misfits)))
         white, aim = np.linalg.solve(factor, A), np.linalg.solve(factor, right)
         size = np.linalg.norm(white, axis=0)
-        solution = np.linalg.lstsq(white / size, aim)[0] / size
-        values = dict(zip(symbols, solution.tolist(), strict=True))
-    chi_square = float(np.sum((white @ solution - aim) ** 2))
+        p = np.linalg.lstsq(white / size, aim)[0] / size
+    chi_square = float(np.sum((white @ p - aim) ** 2))
     inverse = np.linalg.pinv(white / size) / size[:, None]
-    errors = np.sqrt(np.sum(inverse**2, axis=1)).tolist()
+    errors = np.sqrt(np.sum(inverse**2, axis=1))
     # the covariance comes from as many degrees of freedom as there are cycles, less one
-    p = float(special.fdtrc(freedom, cycles - 1, chi_square / freedom)) if freedom else math.nan
-    coefficients = {s: (values[s], error) for s, error in zip(symbols, errors, strict=True)}
-    return Probability(chi_square, freedom, p), coefficients
+    chance = special.fdtrc(freedom, cycles - 1, chi_square / freedom) if freedom else math.nan
+    coefficients = dict(zip(symbols, zip(p.tolist(), errors.tolist(), strict=True), strict=True))
+    return Probability(chi_square, freedom, float(chance)), coefficients
 
 
 def _rejected(p: Sequence[float]) -> list[bool]:

@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 from ..arrays import Array
+from ..likelihood.mean_harmonics import Reading, read_features
 from ..reading.conditioning import condition_blocks
-from ..reading.frequency import stands_still
-from ..reading.mean_harmonics import Reading, read_features
+from ..reading.cycles import stands_still
 from ..records.measured import MeasuredRecord
 from ..records.measurement import EXCITATIONS, Correction
 from ..records.readers import open_channels
@@ -31,11 +31,7 @@ class Loaded:
 
 
 def load(
-    record: MeasuredRecord,
-    k: float,
-    *,
-    frequency_hz: float | None = None,
-    skip_cycles: int = 0,
+    record: MeasuredRecord, k: float, *, frequency_hz: float | None = None, skip_cycles: int = 0
 ) -> Loaded:
     """The features of a record.
 
@@ -46,35 +42,36 @@ def load(
 
     Raises NotDriven for a free decay, ValueError naming the record for one that cannot be used.
     """
-    nominal = record.rules.frequency_hz if frequency_hz is None else frequency_hz
-    measurement = record.measurement
-    if not record.driven or (
-        measurement is not None and stands_still(measurement.excitation.values)
-    ):
+    whole = record.measurement
+    if not record.driven or (whole is not None and stands_still(whole.excitation.values)):
         raise NotDriven(
             f"{record.name}: the excitation channel is missing or constant: a forced record needs one that moves "
             f"({', '.join(EXCITATIONS)}); a free decay is identified by itself (--kind ring-down)"
         )
-    if measurement is None:
+    nominal = record.rules.frequency_hz if frequency_hz is None else frequency_hz
+    if whole is None:
         channels = open_channels(record.name, record.rules, largest=record.largest)
+        corrections = {q: rule.correction for q, rule in record.rules.channels.items()}
         steady = condition_blocks(
-            record.name,
-            channels,
-            k,
+            *(record.name, channels, k),
             frequency_hz=nominal,
             skip_cycles=skip_cycles,
-            corrections={q: rule.correction for q, rule in record.rules.channels.items()},
+            corrections=corrections,
         )
         first = {q: next(iter(blocks())) for q, blocks in channels.items()}
     else:
-        reading = read_features(measurement, k, frequency_hz=nominal, skip_cycles=skip_cycles)
-        steady = reading.steady
-        first = {q: (measurement[q].t, measurement[q].values) for q in measurement}
+        steady = read_features(whole, k, frequency_hz=nominal, skip_cycles=skip_cycles).steady
+        first = {q: (whole[q].t, whole[q].values) for q in whole}
     reading = Reading(replace(steady, warnings=(*record.warnings, *steady.warnings)))
     excerpt = {}
     for q, (t, values) in first.items():
-        own = measurement[q].correction if measurement is not None else None
-        rule = record.rules.channels.get(q)
-        known = own or (rule.correction if rule else None) or Correction()
+        known = correction_of(record, q)
         excerpt[q] = t[:EXCERPT] - known.delay, values[:EXCERPT] / known.gain
     return Loaded(record, reading, excerpt)
+
+
+def correction_of(record: MeasuredRecord, quantity: str) -> Correction:
+    """Gain, delay and filters of a channel as they are known: its own, or what the mapping states."""
+    own = None if record.measurement is None else record.measurement[quantity].correction
+    rule = record.rules.channels.get(quantity)
+    return own or (rule.correction if rule else None) or Correction()

@@ -22,7 +22,7 @@ from .forced import REPLICATES, SEED, identify_readings
 from .identified import QUICK, Identified
 from .law_comparison import compare_laws
 from .loading import Loaded, NotDriven, load
-from .stated import carried, stated_in
+from .stated import carried
 
 if TYPE_CHECKING:
     from ..records.measured import RecordLike
@@ -117,7 +117,6 @@ def identify(
     law = law_of(terms, given, groups)
     read = read_records(records, mapping=mapping, largest=largest)
     _require_different(read)
-    stated = str(mapping) if isinstance(mapping, str | Path) else None
     options: dict[str, Any] = {
         "stiffness_N_per_m": k,
         "stiffness_standard_error_N_per_m": error,
@@ -129,27 +128,26 @@ def identify(
         "laws": laws,
         "approaches": [name for name in APPROACHES if not asked or name in asked],
         "phase": phase,
-        "mapping": stated,
+        "mapping": str(mapping) if isinstance(mapping, str | Path) else None,
         "skip_cycles": skip_cycles,
         "replicates": replicates,
         "seed": seed,
         "largest": largest,
     }
-    if kind != "ring-down":
-        try:
+    try:
+        if kind != "ring-down":
             return _of_steady(read, law, options)
-        except NotDriven:
-            if kind == "forced":
-                raise
+    except NotDriven:
+        if kind == "forced":
+            raise
     for name, default in _FORCED_DEFAULTS.items():
-        value = asked if name == "approaches" else options[name]
-        if value != default:
+        if options[name] != default:
             raise ValueError(
-                f"{_CONFIGURED.get(name, name)} = {value!r} is for forced records, and these are free decays, which "
-                "determine F_k, c and K_z only: leave it out"
+                f"{_CONFIGURED.get(name, name)} = {options[name]!r} is for forced records, and these are free decays, "
+                "which determine F_k, c and K_z only: leave it out"
             )
-    of_decays = {name: options[name] for name in _DECAY_OPTIONS}
-    return _of_decays(read, {"kind": "ring-down", **of_decays})
+    options = {"kind": "ring-down"} | {name: options[name] for name in _DECAY_OPTIONS}
+    return _of_decays(read, options)
 
 
 _OF_K_AND_M = ("stiffness_N_per_m", "mass_kg", "stiffness_standard_error_N_per_m")
@@ -157,7 +155,7 @@ _DECAY_OPTIONS = (*_OF_K_AND_M, "laws", "mapping", "largest")
 _FORCED_DEFAULTS: dict[str, object] = {
     "frequency_hz": None,
     "skip_cycles": 0,
-    "approaches": (),
+    "approaches": list(APPROACHES),
     "phase": "reversal",
     "terms": list(TERMS),
     "given": {},
@@ -168,10 +166,7 @@ _FORCED_DEFAULTS: dict[str, object] = {
 _CONFIGURED = {"stiffness_N_per_m": "stiffness", "mass_kg": "mass", "frequency_hz": "frequency"}
 _OF_THE_WORKFLOW = ("name", "records", "at")
 SETTINGS = (
-    *_OF_THE_WORKFLOW,
-    "kind",
-    *_OF_K_AND_M,
-    "frequency_hz",
+    *(*_OF_THE_WORKFLOW, "kind", *_OF_K_AND_M, "frequency_hz"),
     *("terms", "given", "groups", "laws", "approaches", "phase"),
     *("mapping", "skip_cycles", "replicates", "seed", "largest"),
 )
@@ -180,10 +175,9 @@ SETTINGS = (
 
 def of_forced_only(settings: Mapping[str, Any]) -> list[str]:
     """The keys of a set of records in a configuration that mean nothing for its kind, free decays."""
-    if settings.get("kind") != "ring-down":
-        return []
     taken = (*_OF_THE_WORKFLOW, "kind", *_DECAY_OPTIONS)
-    return [key for key, value in settings.items() if value is not None and key not in taken]
+    given = settings.items() if settings.get("kind") == "ring-down" else ()
+    return [key for key, value in given if value is not None and key not in taken]
 
 
 def configured(settings: Mapping[str, Any]) -> dict[str, Any]:
@@ -208,31 +202,28 @@ def _of_steady(
     _require_possible(loaded, mass, k)
     readings = [one.reading for one in loaded]
     common = {name: options[name] for name in ("replicates", "seed")} | {"law": law, "mass": mass}
-    chosen = {name: APPROACHES[name] for name in options["approaches"]}
-    result = identify_readings(
+    found = identify_readings(
         readings,
         k,
-        approaches=chosen,
+        approaches={name: APPROACHES[name] for name in options["approaches"]},
         phase=options["phase"],
         uncertainty=error / k,
         **common,
     )
     laws = compare_laws(readings, k, **common) if options["laws"] else None
-    result = replace(result, laws=laws, loaded=loaded)
-    stated = stated_in(records, error / k)
-    return Identified(records, options, carried(result, stated, mass=mass is not None))
+    return carried(replace(found, laws=laws, loaded=loaded, records=records, options=options))
 
 
 @interpreted(False)  # a motion of thousands of samples, hundreds of times
 def _of_decays(records: tuple[MeasuredRecord, ...], options: Mapping[str, Any]) -> Identified:
-    odd = [words.about(record.name) for record in records for words in record.warnings]
     measurements = [record.whole() for record in records]
     k, mass, error = (options[name] for name in _OF_K_AND_M)
-    laws = options["laws"]
-    result = identify_ring_downs(measurements, k, mass=mass, uncertainty=error / k, laws=laws)
-    result = replace(result, warnings=(*odd, *result.warnings))
-    stated = stated_in(records, error / k)
-    return Identified(records, options, carried(result, stated, mass=mass is not None))
+    found = identify_ring_downs(
+        measurements, k, mass=mass, uncertainty=error / k, laws=options["laws"]
+    )
+    odd = [words.about(record.name) for record in records for words in record.warnings]
+    warnings = (*odd, *found.warnings)
+    return carried(replace(found, warnings=warnings, records=records, options=options))
 
 
 def _require_different(records: Sequence[MeasuredRecord]) -> None:

@@ -1,30 +1,48 @@
-"""One oscillator fitted to all records by maximum likelihood: the answer where it holds, which the balance checks."""
+"""One oscillator fitted to all records by maximum likelihood, the answer where it holds, which the balance checks; and
+what the rows of the balance take from it: features with the onset of slip, and replicates of these.
+
+The microstick line has one length for all records of a contact, L = X + X_s = 2F_k/K_z (10). It comes from the
+waveforms of that fit; the errors of all that the waveforms give follow from the data of every record.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import Generic, TypeVar
 
+import numpy as np
+
+from ..arrays import Array
+from ..balance import Approach, Rows
+from ..features import Features, Phase, stack
 from ..law.law import Law
 from ..law.terms import FRICTION
+from ..likelihood.base_harmonics import fit_records
+from ..likelihood.coupling import Coupling, ac_coupling
+from ..likelihood.mean_harmonics import RESOLVED, Means, Reading
+from ..likelihood.steady_search import with_delay, with_mass
+from ..likelihood.waveforms import WaveformFit
 from ..project.wording import Remark
-from ..reading.coupling import Coupling, ac_coupling
-from ..reading.fitting import with_delay, with_mass
 from ..reading.lines import Lines, improbable, linear_misfit
-from ..reading.mean_harmonics import Reading
-from ..reading.recorded import fit_records
-from ..reading.waveforms import WaveformFit
+from ..solver import NORMAL_95
 from .answer import Answer, answer_of_fit
+
+Of = TypeVar("Of")
+To = TypeVar("To")
 
 CONTRADICTED = Remark("the mass given contradicts the records")
 LATE = Remark("the response is out of time with the drive (see below): F_k and c carry that error")
 COUPLED = Remark("the response is coupled (AC, see below): F_k and c carry that error")
-
+FAR = Remark(
+    "the records are not those of such an oscillator: it is only the one that comes nearest"
+)
 NOT_CONVERGED = Remark(
     "the search for the best oscillator was ended before it converged: its numbers are no optimum"
 )
 
+_UNKNOWN = ("X_s", "V_s", "t_s", "X_r", "V_r", "t_r")
 _SHOWS = 16.0  # of χ²: what slip, or a delay, must explain to be there; four standard errors
 
 
@@ -58,15 +76,16 @@ class JointFit:
         fit = self.fit
         if fit is None or self.linear:
             return ()
-        far = Remark(
-            "the records are not those of such an oscillator: it is only the one that comes nearest"
-        )
         of_zero = "is at its limit, zero: its standard error is not that of a normal distribution"
-        at_zero = [Remark(f"the best {key} {of_zero}") for key in fit.undamped]
-        heavy = () if self.mass_fits else (CONTRADICTED,)
-        channel = [note for note, holds in ((COUPLED, self.coupling), (LATE, self.late)) if holds]
-        search = () if fit.converged else (NOT_CONVERGED,)
-        return (*heavy, *channel, *(() if fit.adequate else (far,)), *search, *at_zero)
+        shown = {
+            CONTRADICTED: not self.mass_fits,
+            COUPLED: self.coupling is not None,
+            LATE: self.late,
+            FAR: not fit.adequate,
+            NOT_CONVERGED: not fit.converged,
+            **{Remark(f"the best {key} {of_zero}"): True for key in fit.undamped},
+        }
+        return tuple(note for note, holds in shown.items() if holds)
 
     @property
     def answer(self) -> Answer | None:
@@ -136,11 +155,164 @@ def joined(readings: Sequence[Reading], joint: JointFit, law: Law | None = None)
     law : of the terms whose integrals are wanted.
     """
     wanted = () if law is None else tuple(s for s in law.terms if s not in (FRICTION, "c"))
-    plain = [replace(reading, joint=True, shared=None, terms=wanted) for reading in readings]
-    if joint.fit is None or joint.linear:
-        return plain
-    if joint.fit.adequate:
-        pairs = zip(plain, joint.fit.waveforms, strict=True)
-        return [replace(reading, shared=waveform) for reading, waveform in pairs]
-    taken = [one.taken if one.slips else math.nan for one in joint.fit.responses]
-    return [replace(reading, taken=part) for reading, part in zip(plain, taken, strict=True)]
+    fit = None if joint.linear else joint.fit
+    found = []
+    for i, reading in enumerate(readings):
+        shared = fit.waveforms[i] if fit is not None and fit.adequate else None
+        taken = reading.taken
+        if fit is not None and not fit.adequate:
+            taken = fit.responses[i].taken if fit.responses[i].slips else math.nan
+        found.append(replace(reading, joint=True, shared=shared, taken=taken, terms=wanted))
+    return found
+
+
+# --- rows and replicates --------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, eq=False)
+class LawRows:
+    """How one approach makes rows of the balance of a law.
+
+    k : N/m.   phase : that the harmonic approaches take.   linear : whether the records are those of a linear
+    oscillator, so that friction has no column.
+    """
+
+    approach: Approach
+    law: Law
+    k: float
+    phase: Phase
+    linear: bool
+
+    def __call__(self, features: Features) -> Rows:
+        """The rows of features, with a column for each coefficient; one whose records all lack rows has none."""
+        rows = self.approach(features.with_phase(self.phase), self.k, self.law.terms)
+        if self.linear:
+            rows = replace(rows, terms={**rows.terms, FRICTION: np.zeros(rows.W.shape)})
+        rows = rows.of_law(self.law)
+        kept = rows.usable
+        empty = [key for key, g in rows.terms.items() if not np.where(kept, g, 0.0).any()]
+        return replace(rows, given={**rows.given, **dict.fromkeys(empty, 0.0)})
+
+
+@dataclass(frozen=True, eq=False)
+class Sample:
+    """Features of n records, (n,) as read or (n, r) of replicates, and two unknowns of their oscillator, (r,).
+
+    F_k : N, the mean over its groups.   rho : K_z^{−1/2}.   NaN where no oscillator holds.
+    """
+
+    features: Features
+    F_k: Array
+    rho: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Samples(Generic[Of]):
+    """What n records give, features at first, with what its errors are computed from.
+
+    point : as read.   drawn : of r bootstrap replicates.   left : for each record, without one group of its rows after
+    the other.
+    """
+
+    point: Of
+    drawn: Of
+    left: tuple[Of, ...]
+
+    def map(self, of: Callable[[Of], To]) -> Samples[To]:
+        """What a function makes of each."""
+        return Samples(of(self.point), of(self.drawn), tuple(map(of, self.left)))
+
+
+@dataclass(frozen=True, slots=True)
+class Microstick:
+    """Length of the microstick line X + X_s = 2F_k/K_z that all records share, m.
+
+    resolved : whether its root stands out of its noise.   bound : upper bound at 97.5 % confidence.
+    All numbers are NaN where the waveforms of the records are not known.
+    """
+
+    length: float
+    standard_error: float
+    resolved: bool
+    bound: float
+
+
+def read_samples(
+    readings: Sequence[Reading], count: int, random: np.random.Generator, *, jackknife: bool = True
+) -> Samples[Sample]:
+    """Features of readings that share the waveforms of a joint fit (`oscillator.joined`), as read and resampled.
+
+    count : of replicates.   random : generator of the drawings.   jackknife : whether groups of rows are left out, too;
+    a study that needs no propagated errors saves that time.
+    """
+    drawn = sample_of(readings, [reading.resampled(count, random) for reading in readings])
+    points = [reading.features for reading in readings]
+    left = [_left_out(readings, points, j) for j in range(len(readings) if jackknife else 0)]
+    fit = _fit(readings)
+    nothing = np.zeros((0 if fit is None else fit.point.size, 1))
+    return Samples(_sample(readings, stack(points), nothing), drawn, tuple(left))
+
+
+def sample_of(readings: Sequence[Reading], means: Sequence[Means]) -> Sample:
+    """Features of n records from r means of each, (n, r)."""
+    moved = np.sum([r.moved(m) for r, m in zip(readings, means, strict=True)], axis=0)
+    features = [r.features_of(m, moved)[None] for r, m in zip(readings, means, strict=True)]
+    return _sample(readings, stack(features), moved)
+
+
+def microstick(samples: Samples[Sample]) -> Microstick:
+    """The length of the microstick line, and whether it stands out of the scatter of its replicates."""
+    F_k, rho, drawn = float(samples.point.F_k[0]), float(samples.point.rho[0]), samples.drawn
+    error = float(drawn.rho.std(ddof=1))
+    return Microstick(
+        length=2.0 * F_k * rho**2,
+        standard_error=float((2.0 * drawn.F_k * drawn.rho * np.abs(drawn.rho)).std(ddof=1)),
+        resolved=rho > RESOLVED * error,
+        bound=2.0 * F_k * (rho + NORMAL_95 * error) ** 2,
+    )
+
+
+def _left_out(readings: Sequence[Reading], points: Sequence[Features], j: int) -> Sample:
+    """All records as read, except that record j lacks one group of its rows after the other."""
+    means = readings[j].left_out()
+    moved = readings[j].moved(means)
+    parts = [
+        reading.features_of(means, moved)[None]
+        if i == j
+        else _followed(reading, point[None][:, [0] * len(means.Y)], moved)
+        for i, (reading, point) in enumerate(zip(readings, points, strict=True))
+    ]
+    return _sample(readings, stack(parts), moved)
+
+
+def _followed(reading: Reading, features: Features, moved: Array) -> Features:
+    """The features of a record of which only the waveform follows the unknowns of the fit, (1, r)."""
+    waveform = reading.waveform
+    if waveform is None or not reading.slips:
+        return features
+    V_s, t_s, taken = waveform.onset_slope @ moved
+    length = waveform.length_slope @ moved
+    return features.replaced(
+        X_s=features.X_s + length,
+        X_r=features.X_r - length,
+        V_s=features.V_s + V_s,
+        V_r=features.V_r - V_s,
+        t_s=features.t_s + t_s,
+        t_r=features.t_r + t_s,
+        a=features.a - taken,
+    )
+
+
+def _sample(readings: Sequence[Reading], features: Features, moved: Array) -> Sample:
+    fit = _fit(readings)
+    if fit is None:
+        unknown = np.full(moved.shape[1], math.nan)
+        return Sample(features.replaced(**dict.fromkeys(_UNKNOWN, math.nan)), unknown, unknown)
+    rho = fit.rho + moved[fit.unknowns.names.index("rho")]
+    return Sample(features, fit.F_k + fit.unknowns.friction(moved), rho)
+
+
+def _fit(readings: Sequence[Reading]) -> WaveformFit | None:
+    """The joint fit whose waveforms the readings share."""
+    waveform = readings[0].waveform
+    return None if waveform is None else waveform.fit

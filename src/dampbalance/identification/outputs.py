@@ -4,23 +4,17 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable
+from itertools import chain
 from pathlib import Path
 
 TABLES = ("identification.json", "identification.csv", "features.csv", "summary.txt")
 """The document with everything; the estimates; the features; the table of the screen."""
-
 
 REPORT = "report.html"
 """All of it on a page, for a reader: of a set of records, or of several sets."""
 
 COMPLETE = ".complete"
 """Mark of a set among several whose results are complete."""
-
-
-def pictures_of(figures: Iterable[str]) -> tuple[str, ...]:
-    """The files of figures of those names."""
-    return tuple(f"{name}.{suffix}" for name in figures for suffix in ("svg", "png"))
-
 
 PICTURES = {
     "forced": ("cycles", "friction", "loops", "balance"),
@@ -29,17 +23,18 @@ PICTURES = {
 """The pictures of each kind of records."""
 
 
+def pictures_of(figures: Iterable[str]) -> tuple[str, ...]:
+    """The files of figures of those names."""
+    return tuple(f"{name}.{suffix}" for name in figures for suffix in ("svg", "png"))
+
+
 def outputs_of(kind: str) -> tuple[str, ...]:
     """The files that an identification of records of a kind is written to."""
     return (*TABLES, *pictures_of(PICTURES[kind]), REPORT)
 
 
 OUTPUTS = outputs_of("forced")
-
-ALL_PICTURES = (
-    *pictures_of(dict.fromkeys(name for names in PICTURES.values() for name in names)),
-    REPORT,
-)
+ALL_PICTURES = (*pictures_of(dict.fromkeys(chain(*PICTURES.values()))), REPORT)
 """The files that show pictures of any kind of records."""
 
 

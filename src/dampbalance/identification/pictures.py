@@ -18,26 +18,16 @@ from matplotlib.ticker import MaxNLocator
 from ..arrays import Array
 from ..figures.cycle import branches, whole
 from ..figures.looks import in_maths, label_of, look_of
-from ..figures.style import (
-    DASHED,
-    DOTTED,
-    DOUBLE_COLUMN,
-    FAINT,
-    SLIP,
-    STICK,
-    page,
-    place,
-    styled,
-)
+from ..figures.style import DASHED, DOTTED, DOUBLE_COLUMN, FAINT, SLIP, STICK, page, place, styled
 from ..law.terms import term
+from ..likelihood.decay import COMMON, RingFit
+from ..likelihood.mean_harmonics import Reading
+from ..likelihood.waveforms import WaveformFit
 from ..project.wording import cut
-from ..reading.mean_harmonics import Reading
-from ..reading.ringdown_fit import COMMON, RingFit
-from ..reading.waveforms import WaveformFit
 from ..records.measurement import ORDERS, RELATIVE
 from .answer import DOUBTFUL, SHAPE, UNKNOWN, USABLE, Answer, ParameterEstimate, unit_of
 from .loading import Loaded
-from .microstick import Microstick
+from .oscillator import Microstick
 
 DPI = 200  # pictures to look at: in print they are SVG
 
@@ -76,11 +66,10 @@ def cycles(
         steady = reading.steady
         quantity = next(q for q in reversed(_SHOWN) if q in one.excerpt)
         symbol, factor, unit, column = _SHOWN[quantity]
-        t, values = one.excerpt[quantity]
-        kept = _thinned(t.size)
+        t, values = (of[:: max(1, of.size // _POINTS)] for of in one.excerpt[quantity])
         base = float(np.angle(steady.mean(steady.Y)[1]))
-        theta = (steady.omega * (t[kept] - steady.start) + base) % (2.0 * math.pi)
-        axes.plot(np.degrees(theta), factor * values[kept], ".", label="samples", **_DOTS)
+        theta = (steady.omega * (t - steady.start) + base) % (2.0 * math.pi)
+        axes.plot(np.degrees(theta), factor * values, ".", label="samples", **_DOTS)
         averaged = reading.averaged_cycle(_FINE)
         # an averaged cycle has no mean, the zero of a transducer has
         channel = steady.channels[quantity]
@@ -96,13 +85,10 @@ def cycles(
             line = factor * (model[column] + level)
             axes.plot(degrees, line, color=SLIP, linestyle=DASHED, label="fitted oscillator")
         expected = np.interp(theta, averaged["phase"], model[column] + level, period=2.0 * math.pi)
-        left = (values[kept] - expected) / (steady.noise_rms[quantity] or math.nan)
-        _residual(below, np.degrees(theta), left)
+        left = (values - expected) / (steady.noise_rms[quantity] or math.nan)
+        _with_residual(axes, below, np.degrees(theta), left, (0.0, 360.0), symbol, unit)
         for frame in (axes, below):
-            frame.set_xlim(0.0, 360.0)
             frame.set_xticks([0, 90, 180, 270, 360])
-        axes.tick_params(labelbottom=False)
-        axes.set_ylabel(f"${symbol}$ ({unit})", labelpad=1.0)
     return _explained(figure, panels)
 
 
@@ -123,7 +109,7 @@ def friction(
     The mass is that of the fit. Without one it is ∮ k(y − x)ẍ dt / ∮ ẍ² dt, exact for a contact that does not yield:
     neither a force of constant size against ẋ nor one in proportion to ẋ correlates with ẍ over a cycle.
 
-    laws : of each record, symbol → coefficient of the terms beside friction, SI.
+    laws : of each record, symbol → coefficient of the terms other than friction, SI.
     """
     figure, panels = _panels_of_records(loaded, "$x$ (mm)")
     for i, (reading, (axes, _)) in enumerate(zip(readings, panels, strict=True)):
@@ -251,23 +237,18 @@ def decays(fit: RingFit, turns: Sequence[tuple[Array, Array]]) -> Figure:
         symbol, factor, unit, _ = _SHOWN[signal.quantity]
         # as long as the mass moves, and a little of its rest
         end = min(one.end, one.start + fit.sticks_from(i) + _AT_REST * one.period)
-        seen = signal.t <= end
+        seen = np.flatnonzero(signal.t <= end)
+        seen = seen[:: max(1, seen.size // _POINTS)]
         t, values, residual = (of[seen] for of in (signal.t, signal.values, residual))
-        kept = _thinned(t.size)
-        axes.plot(t[kept], factor * values[kept], ".", label="samples", **_DOTS)
-        model = values + residual * signal.noise
+        axes.plot(t, factor * values, ".", label="samples", **_DOTS)
         look: dict[str, Any] = {"color": SLIP, "linewidth": 0.6, "label": "fitted oscillator"}
-        axes.plot(t[kept], factor * model[kept], **look)
+        axes.plot(t, factor * (values + residual * signal.noise), **look)
         if signal.order == 0:
             t_turn, x_turn = turns[i][0].T
             x = factor * (x_turn + float(fit.point[len(COMMON) + signal.offset]))
             rings: dict[str, Any] = {"markersize": 2.5, "fillstyle": "none", "label": "turns"}
             axes.plot(t_turn, x, "o", color=STICK, **rings)
-        _residual(below, t[kept], residual[kept])
-        for frame in (axes, below):
-            frame.set_xlim(one.start, end)
-        axes.tick_params(labelbottom=False)
-        axes.set_ylabel(f"${symbol}$ ({unit})", labelpad=1.0)
+        _with_residual(axes, below, t, residual, (one.start, end), symbol, unit)
         below.set_xlabel("$t$ (s)", labelpad=1.0)
     return _explained(figure, panels)
 
@@ -318,17 +299,24 @@ def sets(
     return _explained(figure, panels, scale=1.0)
 
 
-def _thinned(size: int) -> slice:
-    """The samples that are drawn of so many."""
-    return slice(None, None, max(1, size // _POINTS))
-
-
-def _residual(axes: Axes, along: Array, left: Array) -> None:
-    """What a fit leaves, over the standard deviation of the noise."""
-    axes.plot(along, left, ".", **_DOTS)
-    axes.axhline(0.0, color=SLIP, linewidth=0.6)
-    axes.set_ylabel("left/σ", labelpad=1.0, fontsize=7.5)
-    axes.yaxis.set_major_locator(MaxNLocator(3, integer=True, prune="upper"))
+def _with_residual(
+    axes: Axes,
+    below: Axes,
+    along: Array,
+    left: Array,
+    ends: tuple[float, float],
+    symbol: str,
+    unit: str,
+) -> None:
+    """Below a panel of samples what a fit leaves of them, over the standard deviation of the noise."""
+    below.plot(along, left, ".", **_DOTS)
+    below.axhline(0.0, color=SLIP, linewidth=0.6)
+    below.set_ylabel("left/σ", labelpad=1.0, fontsize=7.5)
+    below.yaxis.set_major_locator(MaxNLocator(3, integer=True, prune="upper"))
+    for frame in (axes, below):
+        frame.set_xlim(*ends)
+    axes.tick_params(labelbottom=False)
+    axes.set_ylabel(f"${symbol}$ ({unit})", labelpad=1.0)
 
 
 def _explained(figure: Figure, panels: Sequence[tuple[Axes, Axes]], scale: float = 2.0) -> Figure:

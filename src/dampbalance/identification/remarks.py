@@ -7,7 +7,7 @@ A sentence on the oscillator is given only where the fit of one oscillator to al
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import PurePath
 from typing import Any
@@ -16,13 +16,13 @@ import numpy as np
 
 from ..balance import Rows
 from ..law.terms import term
+from ..likelihood.mean_harmonics import Reading
+from ..likelihood.waveforms import WaveformFit
 from ..project.wording import Remark, factor, listed, merged, times
 from ..reading.checks import is_clipped
-from ..reading.mean_harmonics import Reading
 from .answer import Answer, ParameterEstimate
 from .causes import OtherFrame, in_other_frame, likeliest
-from .microstick import Microstick
-from .oscillator import CONTRADICTED, COUPLED, LATE, JointFit
+from .oscillator import CONTRADICTED, COUPLED, LATE, JointFit, Microstick
 
 DIRECT = "direct"
 """The approach that assumes no shape of x(t): the one that is compared with the fit to all records."""
@@ -124,11 +124,10 @@ def agreement(
 ) -> Iterator[Remark]:
     """Warnings on all records together: what the joint fit shows, which levels fail, where answers contradict."""
     yield from _on_the_oscillator(readings, joint)
-    still = [str(i + 1) for i, reading in enumerate(readings) if reading.slips is False]
-    if still:
+    if still := _numbered(reading.slips is False for reading in readings):
         yield Remark(
-            f"the contact only sticks in record {', '.join(still)}: it takes no energy there, and the record stays out "
-            "of the balance"
+            f"the contact only sticks in record {still}: it takes no energy there, and the record stays out of the "
+            "balance"
         )
     if joint.waveforms_hold and not microstick.resolved:
         yield Remark(
@@ -136,22 +135,18 @@ def agreement(
             "acceleration, or reduce the noise",
             doubts={"K_z": math.inf},
         )
-    remedies = (
-        "K_z may be off by more than its interval shows; sample faster, or through an anti-alias filter that the "
-        "mapping names",
-        "those of the oscillator identified are taken off, as if there were no anti-alias filter but that which the "
-        "mapping names; sample faster, or name it",
-    )
-    for unfolded, remedy in enumerate(remedies):
-        folded = [
-            str(i + 1)
-            for i, r in enumerate(readings)
-            if r.lines.aliased > _FOLDED and r.steady.unfolded == bool(unfolded)
-        ]
+    for unfolded, remedy in {
+        False: "K_z may be off by more than its interval shows; sample faster, or through an anti-alias filter that "
+        "the mapping names",
+        True: "those of the oscillator identified are taken off, as if there were no anti-alias filter but that which "
+        "the mapping names; sample faster, or name it",
+    }.items():
+        folded = _numbered(
+            r.lines.aliased > _FOLDED and r.steady.unfolded == unfolded for r in readings
+        )
         if folded and not joint.linear:
             yield Remark(
-                f"the sampling rate of record {', '.join(folded)} folds back harmonics that are larger than the noise: "
-                + remedy,
+                f"the sampling rate of record {folded} folds back harmonics that are larger than the noise: {remedy}",
                 doubts={} if unfolded else {"K_z": math.inf},
             )
     fit = joint.fit
@@ -162,15 +157,22 @@ def agreement(
             doubts={"c": math.inf, "c_r": math.inf},
         )
     yield from _apart(answers.get(DIRECT), joint)
-    solved = [(a, a.balance.rows) for a in answers.values() if a.balance is not None]
-    first = next(((a, rows) for a, rows in solved if rows.usable.sum() >= 2), None)
-    if first is not None and _sine(first[1]) < _ALIKE:
-        coefficients = list(first[0].coefficients)
-        yield Remark(
-            f"the levels are so alike that {listed(coefficients)} can hardly be distinguished by the balance: add "
-            "a record at a much higher or lower amplitude",
-            doubts=dict.fromkeys([*coefficients, "K_z"], math.inf),
-        )
+    for answer in answers.values():
+        if answer.balance is None or answer.balance.rows.usable.sum() < 2:
+            continue
+        if _sine(answer.balance.rows) < _ALIKE:
+            coefficients = list(answer.coefficients)
+            yield Remark(
+                f"the levels are so alike that {listed(coefficients)} can hardly be distinguished by the balance: add "
+                "a record at a much higher or lower amplitude",
+                doubts=dict.fromkeys([*coefficients, "K_z"], math.inf),
+            )
+        break  # the rows of one approach tell
+
+
+def _numbered(which: Iterable[bool]) -> str:
+    """Numbers of the records for which something holds: "1, 3"."""
+    return ", ".join(str(i) for i, holds in enumerate(which, 1) if holds)
 
 
 def _on_the_oscillator(readings: Sequence[Reading], joint: JointFit) -> Iterator[Remark]:
@@ -184,19 +186,19 @@ def _on_the_oscillator(readings: Sequence[Reading], joint: JointFit) -> Iterator
     frame = _other_frame(readings, joint)
     if frame is not None:
         yield _in_other_frame(frame)
-    if joint.fit is None:
+    fit, delayed, coupling = joint.fit, joint.delayed, joint.coupling
+    if fit is None:
         yield Remark(
             "no oscillator with this stiffness and a friction contact slips and responds like the records: check the "
             "stiffness, the signs, the units and the order of the channels"
         )
         return
-    fit, delayed = joint.fit, joint.delayed
     if not joint.mass_fits:
         yield Remark(
             f"the mass given, {joint.mass:.6g} kg, is not that of the records, {fit.m:.6g} ± {fit.error('m'):.2g} kg: "
             "nothing here uses it; check the mass, the stiffness, the gains and the units"
         )
-    named = bool(joint.late or joint.coupling or frame)
+    named = bool(joint.late or coupling or frame)
     cause = None if named else likeliest(fit)
     if fit.adequate and cause is not None:
         yield Remark(
@@ -205,42 +207,44 @@ def _on_the_oscillator(readings: Sequence[Reading], joint: JointFit) -> Iterator
             doubts=cause.changes,
         )
     if not fit.adequate:
-        likely = (
-            ""
-            if cause is None
-            else f"the likeliest of the causes tested is {cause.words}, which explains "
-            f"{100.0 * min(1.0, cause.explained / (fit.chi_square - fit.freedom)):.0f} % of that; else "
-        )
-        worst = int(np.argmax(fit.misfits))
+        likely = "the likeliest cause, which explains all of that, is named in another sentence"
+        if not named:
+            likely = (
+                "a channel may be skewed, coupled (AC) or filtered, a gain or a sign may be wrong, the levels may "
+                "differ in more than their amplitude, the damping may follow another law (compare the laws), or the "
+                "oscillator is of another kind"
+            )
+        if cause is not None:
+            part = min(1.0, cause.explained / (fit.chi_square - fit.freedom))
+            likely = (
+                f"the likeliest of the causes tested is {cause.words}, which explains {100.0 * part:.0f} % of that; "
+                f"else {likely}"
+            )
+        worst = readings[int(np.argmax(fit.misfits))].steady.source
         yield Remark(
             "the records are not those of one mass on a spring, a damper and one friction contact: the best one that "
-            f"{fit.evaluations} trials found leaves {times(math.sqrt(fit.misfit))} their noise, most in "
-            f"{readings[worst].steady.source}; K_z and the onset of slip cannot be determined; "
-            + (
-                "the likeliest cause, which explains all of that, is named in another sentence"
-                if named
-                else f"{likely}a channel may be skewed, coupled (AC) or filtered, a gain or a sign may be wrong, the "
-                "levels may differ in more than their amplitude, the damping may follow another law (compare the "
-                "laws), or the oscillator is of another kind"
-            )
+            f"{fit.evaluations} trials found leaves {times(math.sqrt(fit.misfit))} their noise, most in {worst}; K_z "
+            f"and the onset of slip cannot be determined; {likely}"
         )
-    coupling = joint.coupling
     if coupling is not None:
-        own = coupling.fit
-        without = [f"{key} = {own.value(key):.4g} {term(key).unit}" for key in own.law.unknowns]
         yield Remark(
             "the harmonics are those of a response that is coupled through a capacitor (AC), a high-pass filter with a "
             f"corner of {coupling.hz:.4g} ± {coupling.error_hz:.2g} Hz, which explains what the oscillator alone does "
-            f"not; without that, {listed([*without, f'K_z = {own.K_z:.4g} N/m'])}: couple it directly (DC), or give "
-            "the corner in the mapping"
+            f"not; without that, {listed(_values(coupling.fit, K_z=True))}: couple it directly (DC), or give the "
+            "corner in the mapping"
         )
     if joint.late and delayed is not None:
-        without = [f"{key} = {delayed.value(key):.4g} {term(key).unit}" for key in fit.law.unknowns]
         yield Remark(
             f"the harmonics say that the response lags the drive by {1e6 * delayed.delay:.4g} ± "
-            f"{1e6 * delayed.error('delay'):.2g} µs more than the motion explains; without that, {listed(without)}: "
-            "give the delay in the mapping, or sample all channels at once"
+            f"{1e6 * delayed.error('delay'):.2g} µs more than the motion explains; without that, "
+            f"{listed(_values(delayed))}: give the delay in the mapping, or sample all channels at once"
         )
+
+
+def _values(fit: WaveformFit, K_z: bool = False) -> list[str]:
+    """The numbers of a fit for a sentence: "F_k = 1.28 N", …"""
+    values = [f"{key} = {fit.value(key):.4g} {term(key).unit}" for key in fit.law.unknowns]
+    return [*values, f"K_z = {fit.K_z:.4g} N/m"] if K_z else values
 
 
 def _other_frame(readings: Sequence[Reading], joint: JointFit) -> OtherFrame | None:
@@ -249,26 +253,26 @@ def _other_frame(readings: Sequence[Reading], joint: JointFit) -> OtherFrame | N
     if fit is not None and fit.adequate and joint.mass_fits:
         return None
     frame = in_other_frame(readings, readings[0].steady.k, None if fit is None else fit.law)
-    if frame is None or joint.mass is None:
-        own = math.inf if joint.coupling is None else joint.coupling.fit.chi_square
-        if joint.late and joint.delayed is not None:
-            own = min(own, joint.delayed.chi_square)
-        return frame if frame is None or frame.fit.chi_square < own else None
-    off = max(_APART * frame.fit.error("m"), _MASS_OFF * joint.mass)
-    return frame if abs(frame.fit.m - joint.mass) < off else None
+    if frame is None:
+        return None
+    if joint.mass is not None:
+        off = max(_APART * frame.fit.error("m"), _MASS_OFF * joint.mass)
+        return frame if abs(frame.fit.m - joint.mass) < off else None
+    own = math.inf if joint.coupling is None else joint.coupling.fit.chi_square
+    if joint.late and joint.delayed is not None:
+        own = min(own, joint.delayed.chi_square)
+    return frame if frame.fit.chi_square < own else None
 
 
 def _in_other_frame(frame: OtherFrame) -> Remark:
     """The sentence on responses that were taken in the wrong frame."""
     fit, kinds = frame.fit, ("absolute", "relative to the base")
     taken, is_really = kinds if frame.relative else kinds[::-1]
-    numbers = [f"{key} = {fit.value(key):.4g} {term(key).unit}" for key in fit.law.unknowns]
-    numbers += [f"K_z = {fit.K_z:.4g} N/m", f"m = {fit.m:.4g} kg"]
     return Remark(
         f"the response is likely {is_really} and was taken for {taken}: with the motion of the base "
         f"{'added to' if frame.relative else 'taken off'} it the records are those of one oscillator within their "
-        f"noise, with {listed(numbers)}; name {'them' if len(frame.names) > 1 else 'it'} {listed(frame.names)} in the "
-        "mapping",
+        f"noise, with {listed([*_values(fit, K_z=True), f'm = {fit.m:.4g} kg'])}; name "
+        f"{'them' if len(frame.names) > 1 else 'it'} {listed(frame.names)} in the mapping",
         doubts=dict.fromkeys([*fit.law.unknowns, "K_z"], math.inf),
     )
 
@@ -295,12 +299,9 @@ def _apart(answer: Answer | None, joint: JointFit) -> Iterator[Remark]:
 
 def _sine(rows: Rows) -> float:
     """The smallest sine of the angle that a column of the balance makes with those before it."""
-    columns = [
-        g[rows.usable] / np.linalg.norm(g[rows.usable])
-        for symbol, g in rows.terms.items()
-        if symbol not in rows.given
-    ]
-    return float(np.min(np.abs(np.diag(np.linalg.qr(np.column_stack(columns))[1]))))
+    columns = [g[rows.usable] for symbol, g in rows.terms.items() if symbol not in rows.given]
+    unit = np.column_stack([g / np.linalg.norm(g) for g in columns])
+    return float(np.min(np.abs(np.diag(np.linalg.qr(unit)[1]))))
 
 
 def doubted(answers: Mapping[str, Answer], warnings: Sequence[Remark]) -> dict[str, Answer]:
@@ -308,21 +309,17 @@ def doubted(answers: Mapping[str, Answer], warnings: Sequence[Remark]) -> dict[s
 
     A warning whose effect on a number is known makes it doubtful if that is more than its interval shows.
     """
-    kinds: dict[tuple[str, ...], list[Remark]] = {}
-    for remark in warnings:
-        if remark.doubts:
-            kinds.setdefault(remark.kind, []).append(remark)
+    kinds = _by_kind(remark for remark in warnings if remark.doubts)
 
-    def reasons(name: str, symbol: str, p: ParameterEstimate) -> Iterator[str]:
-        for group in kinds.values():
+    def judged(name: str, symbol: str, p: ParameterEstimate) -> ParameterEstimate:
+        reasons = [p.doubt] if p.doubt else []
+        for group in kinds:
             parts = [r.doubts.get(symbol, r.doubts.get("", 0.0)) for r in group]
             effect = max(parts) * abs(p.value) if any(parts) else 0.0
             shows = effect and not effect <= _SHAPE_SHOWS * p.standard_error  # nor is NaN
             if shows and name not in group[0].spares:
-                yield merged(group)
-
-    def judged(name: str, symbol: str, p: ParameterEstimate) -> ParameterEstimate:
-        return replace(p, doubt="; ".join(filter(None, [p.doubt, *reasons(name, symbol, p)])))
+                reasons.append(merged(group))
+        return replace(p, doubt="; ".join(reasons))
 
     return {
         name: replace(
@@ -357,34 +354,34 @@ def limits(answers: Mapping[str, Answer], warnings: Sequence[Remark]) -> list[Li
     """
     notes = [note.about(name) for name, answer in answers.items() for note in answer.notes]
     of_records = [remark for remark in warnings if remark.source]
-    of_all = [Limit("all", (), remark.words) for remark in warnings if not remark.source]
-    return [*_gathered("approaches", notes), *_gathered("records", of_records), *of_all]
+    gathered = [
+        Limit(kind, tuple(dict.fromkeys(one.source for one in group)), merged(group))
+        for kind, remarks in (("approaches", notes), ("records", of_records))
+        for group in _by_kind(remarks)
+    ]
+    return gathered + [Limit("all", (), one.words) for one in warnings if not one.source]
+
+
+def _by_kind(remarks: Iterable[Remark]) -> list[list[Remark]]:
+    """Remarks that say the same put together."""
+    alike: dict[tuple[str, ...], list[Remark]] = {}
+    for remark in remarks:
+        alike.setdefault(remark.kind, []).append(remark)
+    return list(alike.values())
 
 
 def in_a_sentence(limit: Limit, sources: Sequence[str]) -> str:
     """A limit as one sentence that names what it concerns.   sources : of all records."""
-    return f"{_named(limit, sources)}: {limit.words}" if limit.of else limit.words
-
-
-def _named(limit: Limit, sources: Sequence[str]) -> str:
-    if limit.kind != "records":
-        return listed(limit.of)
-    if len(limit.of) == len(sources) > 1:
-        return f"all {len(sources)} records"
-    names = [PurePath(source).name for source in sources]
-    short = dict(zip(sources, names, strict=True)) if len(set(names)) == len(names) else {}
-    own = [short.get(source, source) for source in limit.of]
-    if len(own) <= _MOST_NAMES:
-        return listed(own)
-    return f"{len(own)} of {len(sources)} records ({', '.join(own[: _MOST_NAMES - 1])} …)"
-
-
-def _gathered(kind: str, remarks: Sequence[Remark]) -> list[Limit]:
-    """Remarks on approaches or records, with those of one kind put together."""
-    alike: dict[tuple[str, ...], list[Remark]] = {}
-    for remark in remarks:
-        alike.setdefault(remark.kind, []).append(remark)
-    return [
-        Limit(kind, tuple(dict.fromkeys(one.source for one in group)), merged(group))
-        for group in alike.values()
-    ]
+    if not limit.of:
+        return limit.words
+    named = listed(limit.of)
+    if limit.kind == "records" and len(limit.of) == len(sources) > 1:
+        named = f"all {len(sources)} records"
+    elif limit.kind == "records":
+        names = [PurePath(source).name for source in sources]
+        short = dict(zip(sources, names, strict=True)) if len(set(names)) == len(names) else {}
+        own = [short.get(source, source) for source in limit.of]
+        named = listed(own)
+        if len(own) > _MOST_NAMES:
+            named = f"{len(own)} of {len(sources)} records ({', '.join(own[: _MOST_NAMES - 1])} …)"
+    return f"{named}: {limit.words}"

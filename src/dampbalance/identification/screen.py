@@ -1,18 +1,13 @@
-"""An identification for a screen and for a notebook: a table of the answers, and sentences around it."""
+"""Answers in plain characters: tables of values with their intervals, and sentences on what a fit implies."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from html import escape
 
-from ..reading.oscillator_fit import OscillatorFit
+from ..likelihood.oscillator_fit import OscillatorFit
 from .answer import Answer, ParameterEstimate, Verdict, unit_of
 from .law_comparison import LawComparison, Probability
-from .outcome import Outcome
-from .remarks import in_a_sentence, limits
-
-LIMITS = "What limits the answer:"
 
 _SMALLEST, _LARGEST = -6, 9  # powers of ten between which a number is written out
 _DIGITS = 15  # significant digits of a float
@@ -20,51 +15,7 @@ _ROUNDING = 1e-12
 _MANTISSA = 6  # decimals of a number with a power of ten
 
 
-def text(outcome: Outcome) -> str:
-    """For a screen: the answers with their 95 % intervals and verdicts, a line each, then what limits them."""
-    lines = [outcome.head, "", *aligned(_table(outcome.answers)), "", *outcome.rig]
-    tests = comparison(outcome.laws)
-    lines += ["", *tests] if tests else []
-    sentences = _limits(outcome)
-    lines += ["", LIMITS, *sentences] if sentences else []
-    return "\n".join(lines) + "\n"
-
-
-def html(outcome: Outcome) -> str:
-    """For a notebook: what `text` says, as HTML."""
-    parts = [f"<p>{escape(outcome.head)}</p>", answers_table(outcome.answers)]
-    parts += [f"<p>{escape(' '.join(outcome.rig))}</p>"] if outcome.rig else []
-    if tests := comparison(outcome.laws):
-        parts.append(f"<pre>{escape(chr(10).join(tests))}</pre>")
-    if sentences := _limits(outcome):
-        items = "".join(f"<li>{escape(words)}</li>" for words in sentences)
-        parts.append(f"<p>{escape(LIMITS)}</p><ul>{items}</ul>")
-    return f"<div>{''.join(parts)}</div>"
-
-
-def answers_table(answers: Mapping[str, Answer]) -> str:
-    """The table of the answers as HTML."""
-    heads, *lines = _table(answers)
-    columns = "".join(f'<th scope="col">{escape(head or "answer")}</th>' for head in heads)
-    rows = "".join(
-        f'<tr><th scope="row">{escape(name)}</th>'
-        + "".join(f"<td>{escape(cell)}</td>" for cell in cells)
-        + "</tr>"
-        for name, *cells in lines
-    )
-    return f"<table><thead><tr>{columns}</tr></thead><tbody>{rows}</tbody></table>"
-
-
-def aligned(table: Sequence[Sequence[str]]) -> list[str]:
-    """The lines of a table with columns of equal width."""
-    widths = [max(len(line[i]) for line in table) for i in range(len(table[0]))]
-    return [
-        "  ".join(cell.ljust(width) for cell, width in zip(line, widths, strict=True)).rstrip()
-        for line in table
-    ]
-
-
-def _table(answers: Mapping[str, Answer]) -> list[tuple[str, ...]]:
+def answers_table(answers: Mapping[str, Answer]) -> list[tuple[str, ...]]:
     """The values with their intervals and verdicts, a line for each answer below a line of heads."""
     symbols = dict.fromkeys(s for answer in answers.values() for s in answer.parameters)
     order = sorted(symbols, key=lambda symbol: symbol == "K_z")  # the contact last
@@ -73,6 +24,12 @@ def _table(answers: Mapping[str, Answer]) -> list[tuple[str, ...]]:
         cells = (with_interval(p) if (p := answer.parameters.get(s)) else "" for s in order)
         lines.append((name + " *" * bool(answer.notes), *cells, in_one(answer.verdicts)))
     return lines
+
+
+def aligned(table: Sequence[Sequence[str]]) -> list[str]:
+    """The lines of a table with columns of equal width."""
+    widths = [max(map(len, column)) for column in zip(*table, strict=True)]
+    return ["  ".join(map(str.ljust, line, widths)).rstrip() for line in table]
 
 
 def in_one(verdicts: Mapping[str, Verdict]) -> str:
@@ -97,7 +54,7 @@ def comparison(laws: LawComparison | None) -> list[str]:
             f"{key} = {value:.5g} ± {error:.2g}"
             for key, (value, error) in test.coefficients.items()
         )
-        tests = [_in_noise(test.of(name)) for name in laws.names]
+        tests = [_in_noise(test.tests.get(name)) for name in laws.names]
         table.append([", ".join(test.terms), *tests, word, "" if word == "rejected" else values])
     return [
         *(f"{words[0].upper()}{words[1:]}." for words in laws.words()),
@@ -113,14 +70,6 @@ def _in_noise(test: Probability | None) -> str:
     if math.isnan(test.p):
         return "no degrees of freedom left"
     return "< 1e-6" if test.p < 1e-6 else f"{test.p:.2g}"
-
-
-def _limits(outcome: Outcome) -> list[str]:
-    """What limits the answers, in sentences: "*" begins a note on answers, "warning:" all else."""
-    return [
-        f"{'* ' if limit.kind == 'approaches' else 'warning: '}{in_a_sentence(limit, outcome.sources)}"
-        for limit in limits(outcome.answers, outcome.warnings)
-    ]
 
 
 def implied(fit: OscillatorFit) -> list[str]:

@@ -16,15 +16,14 @@ import numpy as np
 
 from ..arrays import Array
 from ..law.terms import FRICTION, parted
-from ..reading.fitting import with_mass
-from ..reading.mean_harmonics import Means, Reading
+from ..likelihood.mean_harmonics import Means, Reading
+from ..likelihood.steady_search import with_mass
+from ..likelihood.waveforms import WaveformFit
 from ..reading.one_thread import one_thread
-from ..reading.waveforms import WaveformFit
 from ..records.measurement import ABSOLUTE
 from ..solver import solve
 from .answer import Answer
-from .law_rows import LawRows
-from .microstick import sample_of
+from .oscillator import LawRows, sample_of
 
 _STEP = 1e-3  # of each fault: small enough for first order, large compared with rounding
 

@@ -13,89 +13,64 @@ records do not average out.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 
 from ..project.wording import listed
-from ..records.measured import MeasuredRecord
-from ..records.measurement import EXCITATIONS, Correction
+from ..records.measurement import EXCITATIONS
 from ..solver import NORMAL_95
 from .answer import Answer, Interval, ParameterEstimate
-from .outcome import Outcome
-from .sensitivities import Fault
+from .identified import Identified
+from .loading import correction_of
+from .sensitivities import FAULTS, Fault
 
 _FELT = 1e-3  # of an effect of a part of the same size: what is said of less is that it is nothing
+_UNTESTED = {
+    "the stiffness": FAULTS["stiffness_1_percent"],
+    "the gain of the drive": FAULTS["drive_gain_1_percent"],
+    "the gain of the response": FAULTS["response_gain_1_percent"],
+}
 
 
-class Stated(NamedTuple):
-    """Standard uncertainties.
+def carried(found: Identified) -> Identified:
+    """An identification whose errors, intervals and covariances hold what its options and the mappings of its records
+    state, and which says on what it depends."""
+    stiffness = found.options["stiffness_standard_error_N_per_m"] / found.k
+    stated = {"stiffness": stiffness, **_stated_of_channels(found)}
+    faults = {name: Fault(name, **{name: size}) for name, size in stated.items() if size > 0.0}
+    estimates, reference = found.estimates, found.reference
+    if faults:
+        shifts = found.shifts(faults, list(found.answers))
+        estimates = {name: _widened(one, shifts.get(name, {})) for name, one in estimates.items()}
+        reference = reference and _widened(reference, shifts.get(reference.name, {}))
+    mass = found.options["mass_kg"] is not None  # with which the records were tested
+    settings = {"stated_uncertainties": {**stated, "mass_tested": mass}}
+    return replace(
+        found,
+        estimates=estimates,
+        reference=reference,
+        rig=[*found.rig, *_conditional(found, stiffness > 0.0, mass)],
+        settings={**found.settings, **settings},
+    )
 
-    stiffness, drive, response : of k and of the gains of base or force and of the mass's channels, as parts of them.
-    late : of the delay between both, s.
-    """
 
-    stiffness: float = 0.0
-    drive: float = 0.0
-    response: float = 0.0
-    late: float = 0.0
-
-    @property
-    def faults(self) -> dict[str, Fault]:
-        """The faults of one standard uncertainty each, by name, without those that are not stated."""
-        return {
-            name: Fault(name, **{name: size}) for name, size in self._asdict().items() if size > 0.0
-        }
-
-
-def stated_in(records: Iterable[MeasuredRecord], stiffness: float) -> Stated:
-    """What the mappings of records state of their channels.
+def _stated_of_channels(found: Identified) -> dict[str, float]:
+    """Standard uncertainties that mappings state: of the gains of base or force (drive) and of the mass's channels
+    (response), as parts of them, and of the delay between both (late), s.
 
     The largest counts where records or channels differ: channels of the mass are averaged, and which of them an error
     is of, is not known.
-
-    stiffness : standard uncertainty of k, as a part of it.
     """
-    corrections: dict[str, list[Correction]] = {}
-    for record in records:
-        rules = record.rules.channels
+    sizes = {True: [(0.0, 0.0)], False: [(0.0, 0.0)]}
+    for record in found.records:
         for quantity in record.quantities:
-            own = record.measurement[quantity].correction if record.measurement else None
-            known = own or (rules[quantity].correction if quantity in rules else None)
-            corrections.setdefault(quantity, []).append(known or Correction())
-    largest = {
-        q: (max(c.gain_error / c.gain for c in of), max(c.delay_error for c in of))
-        for q, of in corrections.items()
-    }
-    drive = [largest[q] for q in largest if q in EXCITATIONS]
-    response = [largest[q] for q in largest if q not in EXCITATIONS]
-    (gain, delay), (own_gain, own_delay) = (
-        np.max([(0.0, 0.0), *sizes], axis=0).tolist() for sizes in (drive, response)
-    )
-    return Stated(stiffness, gain, own_gain, math.hypot(delay, own_delay))
-
-
-def carried(outcome: Outcome, stated: Stated, *, mass: bool) -> Outcome:
-    """An outcome whose errors, intervals and covariances hold what is stated, and which says on what it depends.
-
-    mass : whether a mass was given, with which the records were tested.
-    """
-    faults = stated.faults
-    estimates, reference = outcome.estimates, outcome.reference
-    if faults:
-        shifts = outcome.shifts(faults, list(outcome.answers))
-        estimates = {name: _widened(one, shifts.get(name, {})) for name, one in estimates.items()}
-        reference = reference and _widened(reference, shifts.get(reference.name, {}))
-    settings = {"stated_uncertainties": {**stated._asdict(), "mass_tested": mass}}
-    return replace(
-        outcome,
-        estimates=estimates,
-        reference=reference,
-        rig=[*outcome.rig, *_conditional(outcome, stated, mass)],
-        settings={**outcome.settings, **settings},
-    )
+            known = correction_of(record, quantity)
+            of_drive = quantity in EXCITATIONS
+            sizes[of_drive].append((known.gain_error / known.gain, known.delay_error))
+    drive, response = (np.max(sizes[of_drive], axis=0).tolist() for of_drive in (True, False))
+    return {"drive": drive[0], "response": response[0], "late": math.hypot(drive[1], response[1])}
 
 
 def _widened(answer: Answer, shifts: Mapping[str, Mapping[str, float]]) -> Answer:
@@ -104,26 +79,22 @@ def _widened(answer: Answer, shifts: Mapping[str, Mapping[str, float]]) -> Answe
     values = np.array([answer.parameters[s].value for s in symbols])
     off = np.array([[of.get(s, 0.0) for s in symbols] for of in shifts.values()]) * values
     off = np.where(np.isfinite(off), off, 0.0).reshape(-1, len(symbols))
-    sizes = np.sqrt(np.sum(off**2, axis=0))
-    parameters = {
-        s: _wider(answer.parameters[s], float(size)) for s, size in zip(symbols, sizes, strict=True)
-    }
+    sizes = dict(zip(symbols, np.sqrt(np.sum(off**2, axis=0)).tolist(), strict=True))
     covariance = answer.covariance + off.T @ off
     errors = np.sqrt(np.diag(covariance))
-    correlations = {
-        (a, b): float(covariance[i, j] / (errors[i] * errors[j]))
-        for (a, b) in answer.correlations
-        for i, j in [(symbols.index(a), symbols.index(b))]
-    }
+    at = {symbol: i for i, symbol in enumerate(symbols)}
     merit = dict(answer.merit)
     if "m_kg" in merit:
         of_mass = [of.get("m", 0.0) * merit["m_kg"] for of in shifts.values()]
         merit["m_standard_error_kg"] = math.hypot(merit["m_standard_error_kg"], *of_mass)
     return replace(
         answer,
-        parameters=parameters,
+        parameters={s: _wider(answer.parameters[s], size) for s, size in sizes.items()},
         covariance=covariance,
-        correlations=correlations,
+        correlations={
+            (a, b): float(covariance[at[a], at[b]] / (errors[at[a]] * errors[at[b]]))
+            for a, b in answer.correlations
+        },
         merit=merit,
     )
 
@@ -140,18 +111,16 @@ def _wider(p: ParameterEstimate, size: float) -> ParameterEstimate:
     )
 
 
-def _conditional(outcome: Outcome, stated: Stated, mass: bool) -> list[str]:
-    """A sentence on what the numbers depend on and no record tests; none where it is stated and tested."""
-    if stated.stiffness > 0.0 and mass:
+def _conditional(found: Identified, stiffness: bool, mass: bool) -> list[str]:
+    """A sentence on what the numbers depend on and no record tests; none where it is stated and tested.
+
+    stiffness : whether its uncertainty is stated.   mass : whether it is given.
+    """
+    if stiffness and mass:
         return []
-    name, answer = next(iter(outcome.answers.items()))
-    faults = {
-        "the stiffness": Fault("", stiffness=0.01),
-        "the gain of the drive": Fault("", drive=0.01),
-        "the gain of the response": Fault("", response=0.01),
-    }
+    name, answer = next(iter(found.answers.items()))
     effects = []
-    for what, changes in outcome.shifts(faults, [name]).get(name, {}).items():
+    for what, changes in found.shifts(_UNTESTED, [name]).get(name, {}).items():
         parts = [
             f"{symbol} by {100.0 * change:+.2g} %"
             for symbol in answer.parameters
@@ -160,7 +129,7 @@ def _conditional(outcome: Outcome, stated: Stated, mass: bool) -> list[str]:
         effects += [f"1 % in {what} changes {listed(parts)}"] if parts else []
     if not effects:
         return []
-    asked = ["state their uncertainties (--stiffness 2310±10)"] * (stated.stiffness == 0.0)
+    asked = ["state their uncertainties (--stiffness 2310±10)"] * (not stiffness)
     asked += ["give the mass (--mass), which tests them"] * (not mass)
     return [
         "All numbers are conditional on the stiffness and the gains, which the records alone cannot test: an error of "

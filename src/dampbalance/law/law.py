@@ -79,7 +79,7 @@ class Law:
         """The keys of the coefficients that are to be identified."""
         return tuple(key for key in self.keys if key not in self.given)
 
-    @property
+    @cached_property
     def nonlinear(self) -> tuple[str, ...]:
         """The terms under which the motion between two events has no closed form."""
         return tuple(s for s in self.terms if s != FRICTION and not KNOWN_TERMS[s].linear)

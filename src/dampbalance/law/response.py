@@ -3,8 +3,8 @@
     m ẍ + k(x − y) + Σ p_j h_j(ẋ, ẏ) + K_z z = 0,      ż = ẋ in stick, |z| ≤ Z_m;   z = Z_m sgn ẋ in slip
 
 A phase lasts to the next velocity reversal or onset of slip, which DOP853 locates: the mass moves one way, and no force
-has a kink. Displacement is carried as the gain since its start, so that micrometres of stick are resolved beside
-millimetres of motion; time in units of 1/ω_n, so that a root finder's smallest step is small beside the period.
+has a kink. Displacement is carried as the gain since its start, so that micrometres of stick are resolved next to
+millimetres of motion; time in units of 1/ω_n, so that a root finder's smallest step is small compared with the period.
 
 Every known h grows with ẋ. The difference of two motions under the same excitation therefore loses energy whatever the
 law, as `motion/period_map.py` shows for h = cẋ, and what follows there holds here: one steady velocity, which is its
@@ -14,10 +14,8 @@ own mirror image half a period later, and Newton's method on  s ↦ −Φ(s)  to
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
-from itertools import islice
 from typing import Any
 
 import numpy as np
@@ -25,13 +23,12 @@ from numpy.typing import ArrayLike
 from scipy.integrate import OdeSolution, solve_ivp
 from scipy.optimize import brentq
 
-from ..arguments import SMALLEST, instance, mapping, number, numbers
+from ..arguments import instance, mapping, number, numbers
 from ..arrays import Array
 from ..model import BaseMotion, Oscillator
 from ..motion.events import PHASE_S, PHASE_T, PHASE_V, PHASE_X, PHASE_Z
 from ..motion.orbit import NoSteadyOrbit, steady_orbit
 from ..motion.states import State
-from ..motion.transient import start_and_span
 from .terms import FRICTION, Term, parted, term
 
 _RTOL, _ATOL = 1e-13, 1e-15  # of a step; the latter of the size of the motion
@@ -43,47 +40,37 @@ _LATER = 1e-3  # rad
 Point = tuple[float, float, float]
 """(x, ẋ, z); m, m/s, m."""
 
+Row = tuple[float, float, float, float, float]
+"""(t, s, x, ẋ, z) at the start of a phase."""
+
 
 @dataclass(frozen=True, eq=False)
 class Equation:
-    """The equation of motion.
-
-    oscillator : what moves.   motion : of the base; None at rest.   law : (p_j, term) besides friction.
-    """
+    """The equation of motion of an oscillator and its base under a law: (p_j, term) besides friction."""
 
     oscillator: Oscillator
-    motion: BaseMotion | None
+    motion: BaseMotion
     law: tuple[tuple[float, Term], ...]
-
-    @property
-    def omega(self) -> float:
-        """ω, rad/s; 0 with the base at rest."""
-        return self.motion.omega if self.motion else 0.0
-
-    @property
-    def Y(self) -> float:
-        """Amplitude of the base, m; 0 with the base at rest."""
-        return self.motion.Y if self.motion else 0.0
 
     def damping(self, v: Array | float, w: Array | float) -> Any:
         """Σ p_j h_j at velocities ẋ and ẏ, N."""
-        k, total = self.oscillator.k, 0.0
+        at, total = (v, w, self.oscillator.k, self.motion.omega), 0.0
         for p, one in self.law:
             assert one.force is not None
-            total = total + p * one.force(v, w, k, self.omega)
+            total = total + p * one.force(*at)
         return total
 
     def slope(self, v: float, w: float) -> float:
         """Σ p_j ∂h_j/∂ẋ, N s/m."""
-        k, total = self.oscillator.k, 0.0
+        at, total = (v, w, self.oscillator.k, self.motion.omega), 0.0
         for p, one in self.law:
-            assert one.slope is not None
-            total += p * float(one.slope(v, w, k, self.omega))
+            total += p * float(one.slope(*at))
         return total
 
     def base(self, theta: Array | float) -> tuple[Array, Array]:
         """y and ẏ at a phase of the base, m, m/s."""
-        return self.Y * np.cos(theta), -self.omega * self.Y * np.sin(theta)
+        Y, omega = self.motion.Y, self.motion.omega
+        return Y * np.cos(theta), -omega * Y * np.sin(theta)
 
     def acceleration(
         self, x: Array | float, v: Array | float, z: Array | float, theta: Array | float
@@ -93,17 +80,14 @@ class Equation:
         return (o.k * (y - x) - o.K_z * z - self.damping(v, w)) / o.m
 
 
-def equation(
-    oscillator: Oscillator, motion: BaseMotion | None, law: Mapping[str, float]
-) -> Equation:
+def equation(oscillator: Oscillator, motion: BaseMotion, law: Mapping[str, float]) -> Equation:
     """The equation of motion under a law: symbol → coefficient of the terms besides friction and the oscillator's c.
 
     Raises ValueError naming the term: unknown, a coefficient that is negative or no number, one that the oscillator has
-    already, structural damping with the base at rest.
+    already.
     """
     instance("oscillator", oscillator, Oscillator)
-    if motion is not None:
-        instance("motion", motion, BaseMotion)
+    instance("motion", motion, BaseMotion)
     coefficients = mapping("law", law, "a mapping of symbols to coefficients")
     for symbol, p in coefficients.items():
         words = term(symbol).words
@@ -114,14 +98,8 @@ def equation(
                 f"the {words} is that of the oscillator: set Oscillator.{symbol}, not the law's"
             )
         coefficients[symbol] = number("given", p, f"{symbol} ({words})")
-    if motion is None and coefficients.get("eta", 0.0) > 0.0:
-        raise ValueError(
-            "structural damping eta is a force at the frequency of a drive, and the base is at rest: set Oscillator.c "
-            "to eta k/ω of the frequency that is meant"
-        )
-    coefficients = {"c": oscillator.c, **coefficients}
-    terms = tuple((p, term(symbol)) for symbol, p in coefficients.items() if p > 0.0)
-    return Equation(oscillator, motion, terms)
+    terms = {"c": oscillator.c, **coefficients}.items()
+    return Equation(oscillator, motion, tuple((p, term(symbol)) for symbol, p in terms if p > 0.0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,14 +115,11 @@ class Piece:
     duration: float
     end: Point
     derivative: Array
-    _solution: OdeSolution | None
-    _clock: float
+    _solution: OdeSolution
 
-    def gain(self, since: Array) -> tuple[Array, Array]:
-        """Displacement since the start and velocity, m, m/s, at times since the start, s, (n,)."""
-        if self._solution is None:
-            return np.zeros_like(since), np.zeros_like(since)
-        u, v = self._solution(self._clock * since)[:2]
+    def gain(self, since: Array, clock: float) -> tuple[Array, Array]:
+        """Displacement since the start and velocity, m, m/s, at times since the start, s, (n,).   clock : ω_n."""
+        u, v = self._solution(clock * since)[:2]
         return u, v
 
 
@@ -154,10 +129,8 @@ def follow(eq: Equation, start: Point, theta: float, limit: float, carried: Arra
     carried : changes of the state at the start, (3, n), n ≥ 0, that are followed along.
     """
     x, v, z = start
-    o, clock, per_radian = eq.oscillator, eq.oscillator.omega_n, eq.omega / eq.oscillator.omega_n
-    d = _direction(eq, start, theta)
-    if d == 0.0:
-        return Piece(0.0, z, limit, (x, 0.0, z), carried, None, clock)
+    o, clock, omega = eq.oscillator, eq.oscillator.omega_n, eq.motion.omega
+    per_radian, d = omega / clock, _direction(eq, start, theta)
     s = d if d * z >= o.Z_m else 0.0
     sticks = s == 0.0
     z, kappa = (z, o.k + o.K_z) if sticks else (s * o.Z_m, o.k)
@@ -180,8 +153,8 @@ def follow(eq: Equation, start: Point, theta: float, limit: float, carried: Arra
 
     turn = _Event(lambda tau, q: d * q[1], direction=-1.0)
     onset = _Event(lambda tau, q: d * (z + q[0]) - o.Z_m if sticks else -1.0, direction=1.0)
-    fastest = max(eq.omega, math.sqrt(kappa / o.m))
-    size = max(abs(x), abs(v) / fastest, o.k * eq.Y / (kappa + o.m * eq.omega**2))
+    fastest = max(omega, math.sqrt(kappa / o.m))
+    size = max(abs(x), abs(v) / fastest, o.k * eq.motion.Y / (kappa + o.m * omega**2))
     size = min(size, 2.0 * o.Z_m) if sticks else size
     longest = _STEP * clock / fastest
     while True:
@@ -212,7 +185,7 @@ def follow(eq: Equation, start: Point, theta: float, limit: float, carried: Arra
     dz = (dx + apart) * sticks
     ended = turned or slipped
     duration = float(tau) / clock if ended else limit  # exactly: no phase of rounding is to follow
-    return Piece(s, z, duration, end, np.stack([dx, dv, dz]), found.sol, clock)
+    return Piece(s, z, duration, end, np.stack([dx, dv, dz]), found.sol)
 
 
 @dataclass(frozen=True)
@@ -239,14 +212,12 @@ def _turn_before(extrema: Array, end: float, d: float, sol: OdeSolution) -> floa
 
 
 def _direction(eq: Equation, start: Point, theta: float) -> float:
-    """The way in which the mass moves on, +1 or −1; 0 where it rests for good."""
+    """The way in which the mass moves on, +1 or −1."""
     (x, v, z), o = start, eq.oscillator
     if v != 0.0:
         return math.copysign(1.0, v)
     a = float(eq.acceleration(x, v, z, theta))
-    if o.m * abs(a) <= _ROUNDING * (o.k * (abs(x) + eq.Y) + o.K_z * abs(z)):
-        if eq.motion is None:
-            return 0.0
+    if o.m * abs(a) <= _ROUNDING * (o.k * (abs(x) + eq.motion.Y) + o.K_z * abs(z)):
         a = float(eq.acceleration(x, v, z, theta + _LATER))  # in balance, until the base moves on
     return math.copysign(1.0, a)
 
@@ -262,69 +233,25 @@ _MOST_RADIANS = 3e5  # a few minutes of computing
 
 
 @dataclass(frozen=True, eq=False)
-class LawTrajectory:
-    """Motion from an initial state under any law, phase by phase.
+class LawOrbit:
+    """Steady response under any law, in place of an `Orbit` where a motion is sampled or integrated.
 
-    oscillator, motion : what moves, and its base; None for a base at rest.   law : symbol → coefficient, SI, of the
-    terms besides friction and c, which are the oscillator's.   theta : phase of the base at t = 0, rad.
-    phases : (n, 5), rows (t, s, x, ẋ, z) at the start of each phase as in `motion.transient.Trajectory`, except that a
-    reversal within stick begins a phase as well.   end : time up to which the motion was computed, s.
+    The half cycle from the reversal at x = −X on; the other half is the mirror image, x(t + T/2) = −x(t).
+
+    oscillator, motion : what moves, and its base.   law : symbol → coefficient, SI, of the terms besides friction and
+    c, which are the oscillator's.   theta : phase of the base, ωt, at the reversal at −X, rad.
+    phases : (n, 5), rows (t, s, x, ẋ, z) as in `Orbit`, except that a reversal within stick begins a phase as well.
     """
 
     oscillator: Oscillator
-    motion: BaseMotion | None
+    motion: BaseMotion
     law: Mapping[str, float]
     theta: float
     phases: Array = field(repr=False)
-    end: float
     _pieces: tuple[Piece, ...] = field(repr=False)
 
     def __post_init__(self) -> None:
         self.phases.flags.writeable = False
-
-    @cached_property
-    def _equation(self) -> Equation:
-        return equation(self.oscillator, self.motion, self.law)
-
-    @property
-    def turns(self) -> Array:
-        """The rows of `phases` that begin with a velocity reversal: the turning points."""
-        return self.phases[1:][self.phases[1:, PHASE_V] == 0.0]
-
-    @property
-    def onsets(self) -> Array:
-        """The rows of `phases` that begin with an onset of slip."""
-        slips = self.phases[:, PHASE_S] != 0.0
-        return self.phases[1:][slips[1:] & ~slips[:-1]]
-
-    def state(self, t: ArrayLike) -> State:
-        """(x, ẋ, ẍ, z) at the times t, s, any shape, within the span of the trajectory; ValueError outside it."""
-        times = numbers("t", t)
-        start = self.phases[0, PHASE_T]
-        if times.size and not (times.min() >= start and times.max() <= self.end):
-            raise ValueError(f"times must lie within [{start}, {self.end}] s")
-        flat = times.ravel()
-        x, v, z = np.empty((3, flat.size))
-        rows = np.searchsorted(self.phases[:, PHASE_T], flat, side="right") - 1
-        for i in np.unique(rows):
-            here, began, piece = rows == i, self.phases[i, PHASE_T], self._pieces[i]
-            gain, v[here] = piece.gain(flat[here] - began)
-            x[here] = self.phases[i, PHASE_X] + gain
-            z[here] = piece.z + gain * (piece.s == 0.0)
-        theta = self.theta + self._equation.omega * flat
-        acceleration = self._equation.acceleration(x, v, z, theta)
-        return State(*(row.reshape(times.shape) for row in (x, v, acceleration, z)))
-
-
-@dataclass(frozen=True, eq=False)
-class LawOrbit(LawTrajectory):
-    """Steady response under any law, in place of an `Orbit` where a motion is sampled or integrated.
-
-    The fields are those of its half cycle from the reversal at x = −X on, with times from there; the other half is the
-    mirror image, x(t + T/2) = −x(t).
-    """
-
-    motion: BaseMotion
 
     @property
     def X(self) -> float:
@@ -339,40 +266,21 @@ class LawOrbit(LawTrajectory):
 
     def state(self, t: ArrayLike) -> State:
         """(x, ẋ, ẍ, z) at the times t, s, any shape; y = Y cos ωt."""
-        times = numbers("t", t)
-        half = 0.5 * self.motion.period
-        since = np.mod(times - self.theta / self.motion.omega, 2.0 * half)
+        times, eq = numbers("t", t), equation(self.oscillator, self.motion, self.law)
+        half, omega = 0.5 * self.motion.period, self.motion.omega
+        since = np.mod(times.ravel() - self.theta / omega, 2.0 * half)
         mirrored = since >= half
-        state = super().state(np.clip(since - half * mirrored, 0.0, self.end))
-        return State(*(np.where(mirrored, -row, row) for row in state))
-
-
-def law_transient(
-    oscillator: Oscillator,
-    motion: BaseMotion | None,
-    law: Mapping[str, float],
-    end: float,
-    *,
-    x: float = 0.0,
-    v: float = 0.0,
-    z: float = 0.0,
-    start: float = 0.0,
-) -> LawTrajectory:
-    """The motion under a law from the state (x, ẋ, z) at time `start` to `end`, s.
-
-    motion : y = Y cos ωt; None for a base at rest.
-    law : symbol → coefficient, SI, of the terms besides friction and c, which are the oscillator's.
-    x : displacement, m.   v : velocity, m/s.   z : deflection of the contact spring, m, |z| ≤ Z_m.
-
-    Raises ValueError for a law that makes no sense (see `equation`), what is no number, a state that the
-    contact cannot have, an end before the start, a motion that takes too long to follow.
-    """
-    eq = equation(oscillator, motion, law)
-    (x, v, z), span = start_and_span(oscillator, (x, v, z), (start, end))
-    x, v = (one if abs(one) > SMALLEST else 0.0 for one in (x, v))  # else it underflows
-    speed = max(abs(v), abs(x) * oscillator.omega_n, eq.omega * eq.Y)
-    _require_followed(eq, span[1] - span[0], speed)
-    return _trajectory(eq, law, (x, v, z), span, 0.0)
+        since = np.clip(since - half * mirrored, 0.0, half)
+        x, v, z = np.empty((3, since.size))
+        rows = np.searchsorted(self.phases[:, PHASE_T], since, side="right") - 1
+        for i in np.unique(rows):
+            here, began, piece = rows == i, self.phases[i, PHASE_T], self._pieces[i]
+            gain, v[here] = piece.gain(since[here] - began, self.oscillator.omega_n)
+            x[here] = self.phases[i, PHASE_X] + gain
+            z[here] = piece.z + gain * (piece.s == 0.0)
+        acceleration = eq.acceleration(x, v, z, self.theta + omega * since)
+        state = (np.where(mirrored, -row, row) for row in (x, v, acceleration, z))
+        return State(*(row.reshape(times.shape) for row in state))
 
 
 def law_orbit(oscillator: Oscillator, motion: BaseMotion, law: Mapping[str, float]) -> LawOrbit:
@@ -383,75 +291,71 @@ def law_orbit(oscillator: Oscillator, motion: BaseMotion, law: Mapping[str, floa
     Raises NoSteadyOrbit where there is none (nothing is lost, at resonance) or none was found, ValueError for a law
     that makes no sense (see `equation`) and a motion that takes too long to follow.
     """
-    eq = equation(oscillator, instance("motion", motion, BaseMotion), law)
-    _require_followed(eq, motion.period, eq.omega * eq.Y)
-    state = _fixed_point(eq, motion, _nearby(eq, motion))
+    eq = equation(oscillator, motion, law)
+    _require_followed(eq)
+    state = _fixed_point(eq, _nearby(eq))
     if state is None:
         raise NoSteadyOrbit(
             f"found no steady response, mirrored half a period later, of {oscillator} under {motion} "
             f"and the law {dict(law)}: there is one wherever energy is lost; add damping, or leave the resonance"
         )
     # within a period both extremes occur, unless one is at its start: the other, mirrored, gives the reversal at −X
-    turns = _trajectory(eq, law, state, (0.0, motion.period), 0.0).turns
-    t, _, x, _, z = (float(one) for one in turns[np.argmax(np.abs(turns[:, PHASE_X]))])
+    turns = [row for row in _phases(eq, state, motion.period, 0.0)[0][1:] if row[PHASE_V] == 0.0]
+    t, _, x, _, z = max(turns, key=lambda row: abs(row[PHASE_X]))
     side = math.copysign(1.0, x)
     theta = motion.omega * (t if side < 0.0 else (t + 0.5 * motion.period) % motion.period)
-    reversal = -side * x, 0.0, -side * z
-    half = _trajectory(eq, law, reversal, (0.0, 0.5 * motion.period), theta)
-    return LawOrbit(**vars(_until_closed(half)))
+    rows, pieces = _phases(eq, (-side * x, 0.0, -side * z), 0.5 * motion.period, theta)
+    phases = np.array(_until_closed(rows, oscillator))
+    return LawOrbit(oscillator, motion, dict(law), theta, phases, tuple(pieces[: len(phases)]))
 
 
-def _until_closed(half: LawTrajectory) -> LawTrajectory:
-    """The half cycle without the phases at its end that start when it has closed: rounding lets the reversal come
-    early, or leaves a velocity at the end, and neither is a phase of the motion."""
-    weights = _weights(half.oscillator)
-    states = half.phases[:, [PHASE_X, PHASE_V, PHASE_Z]] * weights
-    size = np.linalg.norm(states[0])
-    away = np.linalg.norm(states + states[0], axis=1) > _ACCEPTED * size
-    n = 1 + int(np.flatnonzero(away)[-1])
-    return replace(half, phases=half.phases[:n], _pieces=half._pieces[:n])
+def _until_closed(rows: Sequence[Row], o: Oscillator) -> Sequence[Row]:
+    """The phases of a half cycle without those at its end that start when it has closed: rounding lets the reversal
+    come early, or leaves a velocity at the end, and neither is a phase of the motion."""
+    states = np.array(rows)[:, [PHASE_X, PHASE_V, PHASE_Z]] * _weights(o)
+    away = np.linalg.norm(states + states[0], axis=1) > _ACCEPTED * np.linalg.norm(states[0])
+    return rows[: 1 + int(np.flatnonzero(away)[-1])]
 
 
-def _require_followed(eq: Equation, duration: float, speed: float) -> None:
-    """ValueError for a motion of so many seconds, and about such a speed, m/s, that takes too long to integrate."""
-    o = eq.oscillator
-    fastest = max(eq.omega, math.sqrt((o.k + o.K_z) / o.m), eq.slope(speed, 0.0) / o.m)
-    if duration * fastest > _MOST_RADIANS:
+def _require_followed(eq: Equation) -> None:
+    """ValueError for a motion of which a period takes too long to integrate."""
+    o, motion = eq.oscillator, eq.motion
+    damped = eq.slope(motion.omega * motion.Y, 0.0) / o.m
+    fastest = max(motion.omega, math.sqrt((o.k + o.K_z) / o.m), damped)
+    if motion.period * fastest > _MOST_RADIANS:
         raise ValueError(
-            f"{duration:g} s are {duration * fastest:.2g} radians of the fastest motion of this oscillator, and no "
-            f"more than {_MOST_RADIANS:g} are followed under a law: give it more mass, or less damping and stiffness"
+            f"{motion.period:g} s are {motion.period * fastest:.2g} radians of the fastest motion of this oscillator, "
+            f"and no more than {_MOST_RADIANS:g} are followed under a law: give it more mass, or less damping and "
+            "stiffness"
         )
 
 
-def _trajectory(
-    eq: Equation, law: Mapping[str, float], state: Point, span: tuple[float, float], theta: float
-) -> LawTrajectory:
-    """The motion over a span of time from a state at its start.   theta : phase of the base at t = 0, rad."""
-    rows, pieces = [], []
-    for t, (x, v, _), piece in _phases(eq, state, span, theta, _NOTHING):
-        rows.append((t, piece.s, x, v, piece.z))
-        pieces.append(piece)
-    return LawTrajectory(
-        eq.oscillator, eq.motion, dict(law), theta, np.array(rows), span[1], tuple(pieces)
-    )
-
-
 def _phases(
-    eq: Equation, state: Point, span: tuple[float, float], theta: float, carried: Array
-) -> Iterator[tuple[float, Point, Piece]]:
-    """The phases of the motion over a span of time: when each starts, its state there, and the phase itself."""
-    t, end = span
+    eq: Equation, state: Point, end: float, theta: float, carried: Array = _NOTHING
+) -> tuple[list[Row], list[Piece]]:
+    """The phases of the motion up to a time, s, as rows (t, s, x, ẋ, z) of their starts and as pieces.
+
+    state : at t = 0.   theta : phase of the base there, rad.   carried : as for `follow`.
+    """
+    t, rows, pieces = 0.0, list[Row](), list[Piece]()
     while t < end:
-        piece = follow(eq, state, theta + eq.omega * t, end - t, carried)
-        yield t, state, piece
+        if len(rows) > _MOST_PHASES:
+            raise NoSteadyOrbit(
+                f"more than {_MOST_PHASES} events in half a period of {eq.oscillator}"
+            )
+        piece = follow(eq, state, theta + eq.motion.omega * t, end - t, carried)
+        rows.append((t, piece.s, state[0], state[1], piece.z))
+        pieces.append(piece)
         state, carried = piece.end, piece.derivative
         t = end if piece.duration >= end - t else t + piece.duration
+    return rows, pieces
 
 
-def _nearby(eq: Equation, motion: BaseMotion) -> Point:
+def _nearby(eq: Equation) -> Point:
     """State at base phase 0 of the steady response with the linear damper that takes as much as the law does from a
     harmonic motion: exact for linear laws, some percent off for others."""
-    o, omega, X = eq.oscillator, motion.omega, motion.Y
+    o, motion = eq.oscillator, eq.motion
+    omega, X = motion.omega, motion.Y
     # damping that goes with the velocity of the base turns and enlarges what drives
     dragged = -omega * float(eq.damping(0.0, 1.0)) / o.k
     base = BaseMotion(motion.Y * math.hypot(1.0, dragged), omega)
@@ -459,7 +363,6 @@ def _nearby(eq: Equation, motion: BaseMotion) -> Point:
         for _ in range(_EQUIVALENCES):
             work = 0.0
             for p, one in eq.law:
-                assert one.harmonic is not None
                 work += p * float(one.harmonic(omega, X, 0.0, 0.0, o.k))
             orbit = steady_orbit(replace(o, c=work / (math.pi * omega * X**2)), base)
             X = math.sqrt(X * orbit.X)
@@ -469,17 +372,17 @@ def _nearby(eq: Equation, motion: BaseMotion) -> Point:
     return float(state.x), float(state.v), float(np.clip(state.z, -o.Z_m, o.Z_m))
 
 
-def _fixed_point(eq: Equation, motion: BaseMotion, start: Point) -> Point | None:
+def _fixed_point(eq: Equation, start: Point) -> Point | None:
     """The state s at base phase 0 with Φ(s) = −s, by Newton's method from there; None if it is not found."""
     weights = _weights(eq.oscillator)
     s = np.array(start)
-    residual, derivative = _closure(eq, motion, s)
+    residual, derivative = _closure(eq, s)
     for _ in range(_MOST_STEPS):
         size, error = np.linalg.norm(weights * s), np.linalg.norm(weights * residual)
         if error <= _CONVERGED * size:
             break
         trial = s - np.linalg.lstsq(derivative, residual)[0]
-        nearer = _closure(eq, motion, trial)
+        nearer = _closure(eq, trial)
         if error <= _ACCEPTED * size and np.linalg.norm(weights * nearer[0]) >= 0.5 * error:
             break  # rounding keeps it from going lower
         s, (residual, derivative) = trial, nearer
@@ -491,15 +394,12 @@ def _fixed_point(eq: Equation, motion: BaseMotion, start: Point) -> Point | None
     return float(s[0]), float(s[1]), float(s[2])
 
 
-def _closure(eq: Equation, motion: BaseMotion, s: Array) -> tuple[Array, Array]:
+def _closure(eq: Equation, s: Array) -> tuple[Array, Array]:
     """s + Φ(s) and its derivative, (3, 3). The forces are continuous across events, so that changes of the state pass
     them as they are, except that of z, which slip wipes out."""
     start = float(s[0]), float(s[1]), float(s[2])
-    phases = _phases(eq, start, (0.0, 0.5 * motion.period), 0.0, np.eye(3))
-    pieces = [piece for *_, piece in islice(phases, _MOST_PHASES + 1)]
-    if len(pieces) > _MOST_PHASES:
-        raise NoSteadyOrbit(f"more than {_MOST_PHASES} events in half a period of {eq.oscillator}")
-    return s + np.array(pieces[-1].end), np.eye(3) + pieces[-1].derivative
+    last = _phases(eq, start, 0.5 * eq.motion.period, 0.0, np.eye(3))[1][-1]
+    return s + np.array(last.end), np.eye(3) + last.derivative
 
 
 def _weights(o: Oscillator) -> Array:

@@ -108,20 +108,20 @@ class System:
 
     def residual(self, change: Complexes, turned: float) -> Array:
         """What is left of the equations, its sign changed."""
-        of_contact = 0.0 if self.contact is None else self.contact.force(change)
-        return self._right(change, turned, of_contact, self._forces(change, slopes=False)[0])
+        of_contact = 0.0 if self.contact is None else self.contact.force(change)[0]
+        return self._right(change, turned, of_contact, self._forces(change)[0])
 
     def equations(self, change: Complexes, turned: float) -> tuple[Array, Array]:
-        """The same, and the matrix of its derivatives."""
+        """`residual`, and the matrix of the derivatives of the equations."""
         n, _, turns, _, _ = tables()
-        force, slope = self._forces(change, slopes=True)
+        force, slope = self._forces(change)
         rates = ((turns * self._rate) @ self.basis).real
         jacobian = self.impedance[:, None] * self.basis
         jacobian = jacobian + (2.0 / _POINTS) * (turns.conj().T @ (slope[:, None] * rates))
         matrix = np.eye(2 * n.size + 1)
         of_contact = np.zeros(n.size, dtype=np.complex128)
         if self.contact is not None:
-            of_contact, by_change = self.contact.force_and_slope(change)
+            of_contact, by_change = self.contact.force(change)
             jacobian = jacobian + by_change
             by_turn = -1j * self.orbit.oscillator.k * self.orbit.motion.Y * np.exp(1j * turned)
             matrix[0, -1], matrix[n.size, -1] = by_turn.real, by_turn.imag
@@ -140,11 +140,9 @@ class System:
         (n, _, turns, _, _), osc, omega = tables(), self.orbit.oscillator, self.orbit.motion.omega
         x = self.orbit.harmonics(HARMONICS) + change
         v = self._velocity + (turns @ (self._rate * change)).real
-        by: dict[str, Complexes] = {"m": -((n * omega) ** 2) * x}
-        if self.contact is None:
-            by |= {"K_z": x, FRICTION: np.zeros_like(x)}
-        else:
-            by |= self.contact.slopes(change)
+        stuck = {"K_z": x, FRICTION: np.zeros_like(x)}
+        by = stuck if self.contact is None else self.contact.slopes(change)
+        by["m"] = -((n * omega) ** 2) * x
         for symbol in symbols:
             force = KNOWN_TERMS[symbol].force
             if force is None:
@@ -162,7 +160,7 @@ class System:
             for name, step in zip(by, moved, strict=True)
         }
 
-    def _forces(self, change: Complexes, *, slopes: bool) -> tuple[Array, Array]:
+    def _forces(self, change: Complexes) -> tuple[Array, Array]:
         """N − c_e ẋ of the orbit, and ∂N/∂ẋ, at the phases of half a cycle."""
         turns, osc, omega = tables()[2], self.orbit.oscillator, self.orbit.motion.omega
         v = self._velocity + (turns @ (self._rate * change)).real
@@ -170,10 +168,8 @@ class System:
         for symbol, p in self.others.items():
             of_term = KNOWN_TERMS[symbol]
             assert of_term.force is not None
-            assert of_term.slope is not None
             force = force + p * of_term.force(v, 0.0, osc.k, omega)
-            if slopes:
-                slope = slope + p * of_term.slope(v, 0.0, osc.k, omega)
+            slope = slope + p * of_term.slope(v, 0.0, osc.k, omega)
         return force, slope
 
     def _right(
@@ -225,14 +221,8 @@ class Contact:
     def _of_orbit(self) -> Complexes:
         return self._harmonics(np.zeros(HARMONICS, dtype=np.complex128))[0]
 
-    def force(self, change: Complexes) -> Complexes:
-        """f_n[x + δ] − f_n[x], N, (h,)."""
-        if self.rigid:
-            return np.zeros_like(change)
-        return self._harmonics(change)[0] - self._of_orbit
-
-    def force_and_slope(self, change: Complexes) -> tuple[Complexes, Complexes]:
-        """The same, and its derivatives by the real parts of δ_n, (h, 2h)."""
+    def force(self, change: Complexes) -> tuple[Complexes, Complexes]:
+        """f_n[x + δ] − f_n[x], N, (h,), and its derivatives by the real parts of δ_n, (h, 2h)."""
         if self.rigid:
             return np.zeros_like(change), np.zeros_like(self.basis)
         f, turns, weighted = self._harmonics(change)
@@ -333,23 +323,34 @@ class Response:
             x = x + _first(count, self.change)
         return x * np.exp(1j * n * self.advance)
 
+    @property
+    def swings(self) -> float:
+        """How often the mass swings on contact and spring in half a cycle, while it sticks."""
+        (t, s), par = self.orbit.phases.T[:2].tolist(), self.orbit.parameters
+        ends = zip(t, [*t[1:], math.pi / par.omega], s, strict=True)
+        stuck = math.fsum(end - start for start, end, slips in ends if not slips)
+        return stuck * math.sqrt((par.k + par.K_z) / par.m) / (2.0 * math.pi)
+
     def with_slopes(
         self, count: int, symbols: Sequence[str]
     ) -> tuple[Complexes, dict[str, Complexes] | None]:
         """`harmonics` and their derivatives by the coefficients of these terms, rho = K_z^{−1/2} and m, (count,).
 
-        They follow from the equations of δ, for nothing of the motion is computed again, and are accurate to 1e-3 or
-        so: choose that during a search under a law that is not linear, and differences of neighbouring responses for
-        standard errors. None where there are no such equations.
+        They are exact where all terms are linear. Else they follow from the equations of δ, for nothing of the motion
+        is computed again, and are accurate to 1e-3 or so: choose that during a search, and differences of neighbouring
+        responses for standard errors. None where there are no such equations.
         """
+        n = np.arange(1, 2 * count, 2)
+        turn = np.exp(1j * n * self.advance)
+        if self._closed(symbols):
+            by = self.orbit.harmonics_with_slopes(count) * turn
+            return by[0], self._by_coefficients(by, symbols, 1.0, 1j * n * by[0])
         x = self.harmonics(count)
         if self.system is None or self.change is None or self.matrix is None:
             return x, None
         moved = self.system.slopes(self.change, -self.advance, self.Y, self.matrix, symbols)
-        n = np.arange(1, 2 * count, 2)
-        turn = np.exp(1j * n * self.advance)
         slopes = {
-            name: _first(count, by) * turn - 1j * n * lag * x for name, (by, lag) in moved.items()
+            name: _first(count, of) * turn - 1j * n * lag * x for name, (of, lag) in moved.items()
         }
         slopes["rho"] = -2.0 * self.orbit.oscillator.K_z**1.5 * slopes.pop("K_z")
         return x, slopes
@@ -357,31 +358,38 @@ class Response:
     def onset_slopes(self, symbols: Sequence[str]) -> dict[str, Array] | None:
         """Derivatives of (V_s, t_s, λ), SI, by the coefficients of these terms, rho and m, (3,); None where not all of
         them are linear."""
-        if self.change is not None or not all(
-            s == FRICTION or KNOWN_TERMS[s].linear for s in symbols
-        ):
+        if not self._closed(symbols):
             return None
         by = onset_slopes(self.orbit.phases, self.orbit.theta, self.orbit.parameters)
-        # of degree 1, 0, 1 in (Y, F_k)
-        onset = np.array([self.V_s, 0.0, self.taken])
-        by_base = onset - self.orbit.oscillator.F_k * by[:, 0]
-        slopes = {FRICTION: by[:, 0], "rho": by[:, 2], "m": by[:, 3]}
-        for symbol, (damping, growth, _) in self._linear(symbols).items():
-            slopes[symbol] = damping * by[:, 1] + growth * by_base
-        return slopes
+        onset = np.array([self.V_s, self.t_s, self.taken])
+        return self._by_coefficients([onset, *by.T], symbols, np.array([1.0, 0.0, 1.0]), 0.0)
 
-    def _linear(self, symbols: Sequence[str]) -> dict[str, tuple[float, float, float]]:
-        """Derivatives of c, of ln Y and of the advance of the orbit by the coefficients of linear terms."""
+    def _closed(self, symbols: Sequence[str]) -> bool:
+        """Whether the motion is that of the orbit, and would be with other coefficients of these terms."""
+        terms = [KNOWN_TERMS[s] for s in symbols if s != FRICTION]
+        return self.change is None and all(term.linear for term in terms)
+
+    def _by_coefficients(
+        self, by: Any, symbols: Sequence[str], degree: Any, by_phase: Any
+    ) -> dict[str, NDArray[Any]]:
+        """Derivatives of what has the value and the derivatives `by`, (5, …), under the law of the orbit.
+
+        degree : in (Y, F_k).   by_phase : derivative by the phase of the base.
+
+        Terms that are linear in ẋ and ẏ change c, ln Y and the phase of the base that drives the orbit.
+        """
+        value, by_friction, by_c, by_rho, by_m = by
         omega, k = self.orbit.motion.omega, self.orbit.oscillator.k
+        by_base = degree * value - self.orbit.oscillator.F_k * by_friction
+        slopes = {FRICTION: by_friction, "rho": by_rho, "m": by_m}
         to_base = math.tan(self.advance)  # of ω/k
-        changes = {}
         for symbol in symbols:
             force = KNOWN_TERMS[symbol].force
             if force is not None:
-                of_base = -float(force(0.0, 1.0, k, omega)) * omega / k
-                turned = of_base / (1.0 + to_base**2)
-                changes[symbol] = float(force(1.0, 0.0, k, omega)), to_base * turned, turned
-        return changes
+                turned = -float(force(0.0, 1.0, k, omega)) * omega / k / (1.0 + to_base**2)
+                damping = float(force(1.0, 0.0, k, omega))
+                slopes[symbol] = damping * by_c + turned * (to_base * by_base + by_phase)
+        return slopes
 
     def _at(self, theta: float) -> tuple[float, float]:
         """x and ẋ at a phase of the orbit, m and m/s."""
@@ -442,9 +450,8 @@ def _equivalent(oscillator: Oscillator, base: BaseMotion, others: Mapping[str, f
     extra, X = 0.0, base.Y
     for repetition in range(_EQUIVALENCES):
         work = math.fsum(
-            float(p * harmonic(base.omega, X, 0.0, 0.0, oscillator.k))
-            for p, harmonic in ((p, KNOWN_TERMS[s].harmonic) for s, p in others.items())
-            if harmonic is not None
+            float(p * KNOWN_TERMS[s].harmonic(base.omega, X, 0.0, 0.0, oscillator.k))
+            for s, p in others.items()
         )
         found = work / (math.pi * base.omega * X**2)
         extra = 0.5 * (extra + found) if repetition else found

@@ -28,10 +28,7 @@ from ..arrays import Array, Complexes
 from ..model import named_with_unit
 
 Force = Callable[[Any, Any, Any, Any], Any]
-"""h, or ∂h/∂ẋ, of (ẋ, ẏ, k, ω), numbers or arrays; m/s, m/s, N/m, rad/s."""
-
-Harmonic = Callable[[Any, Any, Any, Any, Any], Any]
-"""g of (ω, X, Y, φ, k) for a harmonic motion, numbers or arrays; rad/s, m, m, rad, N/m."""
+"""h of (ẋ, ẏ, k, ω), numbers or arrays; m/s, m/s, N/m, rad/s."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,8 +36,8 @@ class Term:
     """A way to lose energy: one column of the balance, and the coefficient that is identified.
 
     symbol, unit, words : of the coefficient p, and what it is.   integral, integral_unit : of the factor g.
-    force, slope : h and ∂h/∂ẋ; None for friction, whose force has a memory.   harmonic : g of a harmonic motion.
     order : power of the velocity that h grows with: 0 for friction; 1 where the motion under it has a closed form.
+    force : h; None for friction, whose force has a memory.
     """
 
     symbol: str
@@ -48,10 +45,21 @@ class Term:
     words: str
     integral: str
     integral_unit: str
-    force: Force | None = None
-    slope: Force | None = None
-    harmonic: Harmonic | None = None
     order: float = 0
+    force: Force | None = None
+
+    def slope(self, v: Any, w: Any, k: Any, omega: Any) -> Any:
+        """∂h/∂ẋ, as h a function of (ẋ, ẏ, k, ω)."""
+        assert self.force is not None
+        return self.force(1.0, 0.0, k, omega) * self.order * np.abs(v) ** (self.order - 1)
+
+    def harmonic(self, omega: Any, X: Any, Y: Any, phi: Any, k: Any) -> Any:
+        """g of a harmonic motion, numbers or arrays; rad/s, m, m, rad, N/m."""
+        assert self.force is not None
+        n, of_mass = self.order, self.force(1.0, 0.0, k, omega)
+        to_base = self.force(0.0, 1.0, k, omega) / of_mass if self.linear else 0.0
+        moved = X ** (n + 1) + to_base * X * Y * np.cos(phi)
+        return _cycle_integral(n) * (omega**n * of_mass) * moved
 
     def __reduce__(self) -> tuple[Callable[[str], Term], tuple[str]]:
         """A copy is the term of that key again, as its functions cannot be pickled."""
@@ -78,64 +86,35 @@ class Term:
         return named_with_unit(self.integral, self.integral_unit)
 
 
+def _cycle_integral(order: float) -> float:
+    """∮ |cos θ|ⁿ⁺¹ dθ over a cycle, n : order."""
+    if order >= 2.0:
+        return order / (order + 1.0) * _cycle_integral(order - 2.0)
+    if order in (0.0, 1.0):
+        return math.pi if order else 4.0
+    return 2.0 * math.sqrt(math.pi) * math.gamma(0.5 * order + 1.0) / math.gamma(0.5 * order + 1.5)
+
+
+_TO_BASE = "viscous damping on the velocity relative to the base"
+
 KNOWN_TERMS: dict[str, Term] = {
     term.symbol: term
     for term in (
         Term("F_k", "N", "friction force", "a", "m"),
-        Term(
-            "c",
-            "N s/m",
-            "viscous damping",
-            "b",
-            "m²/s",
-            force=lambda v, w, k, omega: v,
-            slope=lambda v, w, k, omega: np.ones_like(v),
-            harmonic=lambda omega, X, Y, phi, k: np.pi * omega * X**2,
-            order=1,
-        ),
-        Term(
-            "c_r",
-            "N s/m",
-            "viscous damping on the velocity relative to the base",
-            "b_r",
-            "m²/s",
-            force=lambda v, w, k, omega: v - w,
-            slope=lambda v, w, k, omega: np.ones_like(v),
-            harmonic=lambda omega, X, Y, phi, k: np.pi * omega * (X**2 - X * Y * np.cos(phi)),
-            order=1,
-        ),
+        Term("c", "N s/m", "viscous damping", "b", "m²/s", 1, lambda v, w, k, omega: v),
+        Term("c_r", "N s/m", _TO_BASE, "b_r", "m²/s", 1, lambda v, w, k, omega: v - w),
         Term(
             "c_2",
             "N s²/m²",
             "quadratic damping",
             "b_2",
             "m³/s²",
-            force=lambda v, w, k, omega: np.abs(v) * v,
-            slope=lambda v, w, k, omega: 2.0 * np.abs(v),
-            harmonic=lambda omega, X, Y, phi, k: 8.0 / 3.0 * omega**2 * X**3,
-            order=2,
+            2,
+            lambda v, w, k, omega: abs(v) * v,
         ),
+        Term("c_3", "N s³/m³", "cubic damping", "b_3", "m⁴/s³", 3, lambda v, w, k, omega: v**3),
         Term(
-            "c_3",
-            "N s³/m³",
-            "cubic damping",
-            "b_3",
-            "m⁴/s³",
-            force=lambda v, w, k, omega: v**3,
-            slope=lambda v, w, k, omega: 3.0 * v**2,
-            harmonic=lambda omega, X, Y, phi, k: 0.75 * np.pi * omega**3 * X**4,
-            order=3,
-        ),
-        Term(
-            "eta",
-            "",
-            "structural damping",
-            "b_eta",
-            "J",
-            force=lambda v, w, k, omega: k / omega * v,
-            slope=lambda v, w, k, omega: k / omega * np.ones_like(v),
-            harmonic=lambda omega, X, Y, phi, k: np.pi * k * X**2,
-            order=1,
+            "eta", "", "structural damping", "b_eta", "J", 1, lambda v, w, k, omega: k / omega * v
         ),
     )
 }
@@ -143,7 +122,7 @@ KNOWN_TERMS: dict[str, Term] = {
 a session, a call of `register_term`.
 
 c : force cẋ.   c_r : c_r(ẋ − ẏ).   c_2 : c_2|ẋ|ẋ.   c_3 : c_3ẋ³.   eta : η(k/ω)ẋ, the loss factor of the spring: at
-one frequency it cannot be told from c.
+one frequency it cannot be distinguished from c.
 """
 
 FRICTION = "F_k"
@@ -280,22 +259,14 @@ def register_term(
             f"the force of {symbol} depends on k or omega: state unit and integral_unit"
         )
     order = int(order) if order.is_integer() else order
-    work = 2.0 * math.sqrt(math.pi) * math.gamma(0.5 * order + 1.0) / math.gamma(0.5 * order + 1.5)
-
-    def harmonic(omega: Any, X: Any, Y: Any, phi: Any, k: Any) -> Any:
-        of_mass, of_base = force(1.0, 0.0, k, omega), force(0.0, 1.0, k, omega) if linear else 0.0
-        return work * omega**order * (of_mass * X ** (order + 1) + of_base * X * Y * np.cos(phi))
-
     KNOWN_TERMS[symbol] = Term(
         symbol,
         unit or f"N {_power('s', order)}/{_power('m', order)}",
         words or f"damping by the power {order:g} of the velocity",
         integral or f"b_{symbol}",
         integral_unit or f"{_power('m', order + 1)}/{_power('s', order)}",
-        force=force,
-        slope=lambda v, w, k, omega: force(1.0, 0.0, k, omega) * order * np.abs(v) ** (order - 1),
-        harmonic=harmonic,
-        order=order,
+        order,
+        force,
     )
     return KNOWN_TERMS[symbol]
 

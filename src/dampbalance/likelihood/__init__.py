@@ -1,1 +1,1 @@
-"""How much information whole records hold: the bound for every estimate from them."""
+"""Data in, the oscillator of largest likelihood out; and the bound of what records can tell."""

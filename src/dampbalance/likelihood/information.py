@@ -2,7 +2,7 @@
 
 White Gaussian noise of standard deviation σ leaves the variance 2σ²/n in the real and in the imaginary part of every
 harmonic of n samples, and the harmonics hold all the information on a steady motion: it is JᵀJ with the derivatives J
-of the residuals of the maximum-likelihood fit (`reading/fitting.py`) by F_k, c, ρ = K_z^{−1/2}[, m] and the (Y, ψ) of
+of the residuals of the maximum-likelihood fit (`HarmonicResiduals`) by F_k, c, ρ = K_z^{−1/2}[, m] and the (Y, ψ) of
 each record. No unbiased estimate has a smaller covariance than its inverse (Kay, *Fundamentals of Statistical Signal
 Processing: Estimation Theory*, 1993, chapter 3). Unknown offsets and an unknown σ cost nothing: their information is
 orthogonal.
@@ -20,10 +20,9 @@ from ..arrays import Array
 from ..law.law import Law
 from ..model import BaseMotion, Oscillator
 from ..motion.orbit import steady_orbit
-from ..reading.fitting import HarmonicResiduals
 from ..reading.lines import Lines
 from ..reading.one_thread import one_thread
-from ..reading.waveforms import Unknowns
+from .waveforms import HarmonicResiduals, Unknowns
 
 _HARMONICS = 64  # odd ones: those of ∂x/∂ρ fall as n⁻³
 _SINGULAR = 1e-12  # eigenvalue of I scaled to unit diagonal, below which only rounding is left
@@ -90,7 +89,7 @@ def cramer_rao(
     if here is not None:
         common = 3 + ("m" in free)
         kept = [*range(common), *range(len(unknowns.names), point.size)]
-        J = here[1][:, kept]
+        J = here[:, kept]
         scale = np.linalg.norm(J, axis=0)
         values, vectors = np.linalg.eigh(J.T @ J / np.outer(scale, scale))
         if values[0] > _SINGULAR:

@@ -17,6 +17,7 @@ from ..arrays import Array, Complexes
 from ..model import Parameters, parameters
 from .events import PHASE_S, PHASE_T, PHASE_V, PHASE_X, PHASE_Z, read_phase, write_phase
 from .flow import harmonic_response, step_response, unit
+from .integrals import GAUSS_NODES, GAUSS_WEIGHTS, PANEL
 from .jit import jit
 from .orbit import NoSteadyOrbit, Orbit
 from .regime import Regime
@@ -27,8 +28,6 @@ _MOST_PHASES = 512
 _BISECTIONS = 60
 _NEWTON = 40
 _CONVERGED = 1e-11  # of the displacement, velocity over ω and deflection over a period
-_PANEL = 8.0  # rad of the fastest oscillation of an integrand
-_NODES, _WEIGHTS = (np.ascontiguousarray(a) for a in np.polynomial.legendre.leggauss(12))
 
 
 @jit
@@ -162,15 +161,15 @@ def _steady(
 def _in_stick(
     phases: Array, theta: float, y: Complexes, par: Parameters, count: int
 ) -> tuple[Array, Complexes]:
-    """As `integrals._in_stick`, of a whole period under all harmonics of the base."""
+    """ẋ dt at the nodes of Gauss's rule in all stick phases of a period, and e^{−iψ} there, ψ the phase of the base."""
     fastest = 2.0 * math.sqrt((par.k + par.K_z) / par.m) + 2.0 * (count + y.size) * par.omega
     ends, panels = np.empty(len(phases)), np.zeros(len(phases), dtype=np.int64)
     for i in range(len(phases)):
         last = i + 1 == len(phases)
         ends[i] = 2.0 * math.pi / par.omega if last else phases[i + 1, PHASE_T]
         if phases[i, PHASE_S] == 0.0:
-            panels[i] = 1 + int((ends[i] - phases[i, PHASE_T]) * fastest / _PANEL)
-    points = panels.sum() * len(_NODES)
+            panels[i] = 1 + int((ends[i] - phases[i, PHASE_T]) * fastest / PANEL)
+    points = panels.sum() * len(GAUSS_NODES)
     values, turns, at = np.empty(points), np.empty(points, dtype=np.complex128), 0
     for i in range(len(phases)):
         if panels[i] == 0:
@@ -182,7 +181,7 @@ def _in_stick(
         drive = _turned(y, turn, par.k / par.m)
         h = (ends[i] - t) / panels[i]
         for panel in range(panels[i]):
-            for node, weight in zip(_NODES, _WEIGHTS):  # noqa: B905 (compiled)
+            for node, weight in zip(GAUSS_NODES, GAUSS_WEIGHTS):  # noqa: B905 (compiled)
                 since = h * (panel + 0.5 + 0.5 * node)
                 turns[at] = turn.conjugate() * unit(-par.omega * since)
                 values[at] = 0.5 * h * weight * _motion(since, start, of_phase, drive)[1]

@@ -22,8 +22,9 @@ from .jit import jit
 ADDED = ("c_2", "c_3", "c_a", "k_2", "k_3")
 """Coefficients of what is not linear: N s²/m², N s³/m³, N s/m, N/m², N/m³."""
 
-_F_K, _C, _RHO, _M, _X, _V, _W, _FIRST = range(8)
-_COUNT = _FIRST + len(ADDED)
+_F_K, _C, _RHO, _M, _FIRST = range(5)
+_X, _V, _W = range(_FIRST + len(ADDED), _FIRST + len(ADDED) + 3)
+_COUNT = _W + 1
 _RADIANS = 0.3  # of a phase that a step takes at the most: derivatives are then exact to 1e-5
 _NEWTONS = 20
 _REACHED = 1e-13  # of a step: an event is located
@@ -138,7 +139,7 @@ def law_decay(
 ) -> Array:
     """x, ẋ or ẍ (order 0, 1, 2) of a free decay at ascending times ≥ 0, and derivatives by the unknowns, (n, 1 + 12).
 
-    The unknowns are those of `motion.decays`, F_k, c, ρ, m and the start x, ẋ, w, then `ADDED`. Use it where the
+    The unknowns are F_k, c, ρ, m, `ADDED` and the start x, ẋ, w, see `motion.free_decay`. Use it where the
     damping or the spring is not linear, or for the derivatives by those coefficients where it is; a decay with
     friction and viscous damping alone is followed faster by `decay_samples`. NaN from where the contact rattles on.
 

@@ -22,7 +22,7 @@ import math
 
 import numpy as np
 
-from ..arrays import Array, Complexes, Integers
+from ..arrays import Array, Complexes
 from ..model import Parameters
 from .events import PHASE_S, PHASE_T, PHASE_Z, read_phase
 from .flow import inverse, unit
@@ -76,49 +76,6 @@ def steady_harmonics(
         out[_C, i] -= complex(0.0, rate) * over * out[0, i]
         out[_M, i] += rate * rate * over * out[0, i]
     return out
-
-
-@jit
-def linear_harmonics(
-    phases: Array,
-    theta: float,
-    par: Parameters,
-    regime: int,
-    turns: tuple[float, float],
-    parts: Array,
-    columns: Integers,
-    x: Complexes,
-    slopes: Complexes,
-) -> None:
-    """Set x (count,) to the harmonics of a record under terms that are linear in ẋ and ẏ, and columns of `slopes`
-    (count, unknowns) to their derivatives.
-
-    turns : phase by which the base of the orbit is before the real one, and that of the real one in the record, rad.
-    parts : ∂h/∂ẋ and −∂h/∂ẏ of each term, (terms, 2): the damper and the part of the base's velocity that drives.
-    columns : places of F_k, ρ, m, Y, the phase in the record, and the coefficients.
-
-    By Y because x is homogeneous, of degree one in (Y, F_k): Y ∂x/∂Y = x − F_k ∂x/∂F_k.
-    """
-    both, (advance, psi) = steady_harmonics(phases, theta, par, regime, x.size), turns
-    Y, growth = (
-        par.Y * math.cos(advance),
-        math.tan(advance),
-    )  # of the real base, and of ln Y with the phase
-    ahead = par.omega / par.k * math.cos(advance) ** 2  # of that phase with the damper to the base
-    for i in range(x.size):
-        n = 2 * i + 1
-        turn = unit(n * (advance + psi))
-        x[i] = both[0, i] * turn
-        by_base = x[i] - par.F_k * both[_F_K, i] * turn
-        slopes[i, columns[0]] = both[_F_K, i] * turn
-        slopes[i, columns[1]] = both[_RHO, i] * turn
-        slopes[i, columns[2]] = both[_M, i] * turn
-        slopes[i, columns[3]] = by_base / Y
-        slopes[i, columns[4]] = complex(0.0, n) * x[i]
-        for j in range(parts.shape[0]):
-            by_phase = growth * by_base + complex(0.0, n) * x[i]
-            by_c = parts[j, 0] * both[_C, i] * turn
-            slopes[i, columns[5 + j]] = by_c + parts[j, 1] * ahead * by_phase
 
 
 def onset_slopes(phases: Array, theta: float, par: Parameters) -> Array:

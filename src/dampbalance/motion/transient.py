@@ -68,7 +68,12 @@ def transient(
     ['10.000', '0.095', '-0.312']
     """
     par = parameters(oscillator, motion)
-    (x, v, z), (start, end) = start_and_span(oscillator, (x, v, z), (start, end))
+    given = {"x": x, "v": v, "z": z, "start": start, "end": end}
+    x, v, z, start, end = (number(name, value) for name, value in given.items())
+    if abs(z) > oscillator.Z_m:
+        raise ValueError(f"z must lie within ±Z_m = ±{oscillator.Z_m:.6g} m, got {z!r}")
+    if not end > start:
+        raise ValueError(f"end must be later than start = {start!r}, got {end!r}")
     radians = (end - start) * max(par.omega, math.sqrt((par.k + par.K_z) / par.m), par.c / par.m)
     if radians > _MOST_RADIANS:
         raise ValueError(
@@ -82,16 +87,3 @@ def transient(
         count, t, x, v, z = run(x, v, z, t, end, 0.0, par, rows)
         kept.append(rows[:count])
     return Trajectory(oscillator, motion, np.concatenate(kept), end)
-
-
-def start_and_span(
-    oscillator: Oscillator, state: tuple[float, float, float], span: tuple[float, float]
-) -> tuple[tuple[float, float, float], tuple[float, float]]:
-    """A state (x, ẋ, z) and the start and the end of a motion as plain numbers; ValueError as `transient` raises it."""
-    x, v, z = (number(name, value) for name, value in zip("xvz", state, strict=True))
-    start, end = (number(name, value) for name, value in zip(("start", "end"), span, strict=True))
-    if abs(z) > oscillator.Z_m:
-        raise ValueError(f"z must lie within ±Z_m = ±{oscillator.Z_m:.6g} m, got {z!r}")
-    if not end > start:
-        raise ValueError(f"end must be later than start = {start!r}, got {end!r}")
-    return (x, v, z), (start, end)

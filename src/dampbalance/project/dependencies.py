@@ -35,7 +35,9 @@ def package_modules(
 
 
 # from .. import a, (b as c) or import a; a text that reads like one names a file more at most.
-_IMPORT = re.compile(r"^ *(?:from +(\.*)([\w.]*) +import +(\([^)]*\)|.*)|import +([\w.]+))", re.MULTILINE)
+_IMPORT = re.compile(
+    r"^ *(?:from +(\.*)([\w.]*) +import +(\([^)]*\)|.*)|import +([\w.]+))", re.MULTILINE
+)
 
 
 @cache  # a workflow asks about many scripts that share their modules

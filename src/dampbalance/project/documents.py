@@ -184,7 +184,7 @@ def against_schema(
 
 def _validator(schema: Mapping[str, Any], approaches: list[str]) -> Any:
     """A validator that knows our keyword `registered`: the value is the name of an approach, or of a term of a law, or
-    among those of `also` beside it.
+    among those of `also` next to it.
 
     An integer is one to Python (2.0 is none), a pattern holds for the whole text, its last line end too, and items are
     compared in a time that grows with their number only.

@@ -39,7 +39,7 @@ UNFINISHED = ".~"  # how the name of a temporary file or folder begins
 
 @contextmanager
 def replacing(path: str | Path) -> Iterator[Path]:
-    """A temporary path beside `path`; it takes that name when the block ends, and vanishes when the block fails."""
+    """A temporary path next to `path`; it takes that name when the block ends, and vanishes when the block fails."""
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     handle, name = tempfile.mkstemp(

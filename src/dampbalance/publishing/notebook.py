@@ -36,7 +36,7 @@ from pygments import highlight
 from pygments.formatters import HtmlFormatter
 from pygments.lexers import PythonLexer
 
-from ..figures.dark import follows_the_screen
+from ..figures.style import follows_the_screen
 from ..project.wording import minus
 from . import formulas, words
 

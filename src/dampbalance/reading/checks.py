@@ -7,15 +7,15 @@ numbers. A difference counts when it is significant against the scatter between 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
-from functools import lru_cache
+from collections.abc import Iterator, Mapping
+from functools import lru_cache, partial
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..arrays import Array, Complexes
 from ..project.wording import Remark, Shown
-from .cycles import CycleHarmonics
+from .cycles import FEWEST_CYCLES, CycleHarmonics
 
 FEW_CYCLES = 10
 """Number of cycles below which the scatter between cycles gives no trustworthy interval."""
@@ -39,7 +39,8 @@ _LARGEST_AMPLITUDE = 0.5  # m
 _LARGEST_ACCELERATION = 1000.0  # m/s²: a hundred times gravity
 _LARGEST_GAIN = 100.0
 
-_EVERYTHING = {"": math.inf}  # is in doubt, by how much is not known
+# What puts everything in doubt, by how much is not known.
+_doubtful = partial(Remark, doubts={"": math.inf})
 _BY_HARMONICS = ("direct",)  # the answer that counts harmonics which the others leave out
 
 _EQUAL = 1e-9  # of the largest value: what rounding leaves between two copies of a signal
@@ -53,21 +54,6 @@ def require_signal(quantity: str, values: Array) -> None:
         raise ValueError(f"{quantity} is constant ({values[0]:.6g}): {_UNCONNECTED}")
 
 
-def require_level(quantity: str, harmonics: CycleHarmonics) -> None:
-    """ValueError when a channel does not oscillate with the drive."""
-    usable = harmonics.weights > 0.0
-    fundamental = harmonics.coefficients[usable, 1]
-    if not harmonics.span > 0.0:
-        raise ValueError(f"{quantity} is constant: {_UNCONNECTED}")
-    mean = fundamental.mean()
-    scatter = math.sqrt(float(np.mean(np.abs(fundamental - mean) ** 2)) / len(fundamental))
-    if abs(mean) < SIGNIFICANT * scatter:
-        raise ValueError(
-            f"{quantity} does not oscillate at the drive frequency of {harmonics.omega / (2.0 * math.pi):.5g} Hz: "
-            f"amplitude {abs(mean):.3g} ± {scatter:.2g}"
-        )
-
-
 def require_distinct(quantity: str, values: Array, driving: str, drive: Array) -> None:
     """ValueError when a response is the excitation itself, scaled or with another offset: no rig moves like that."""
     count = min(values.size, drive.size)
@@ -78,25 +64,6 @@ def require_distinct(quantity: str, values: Array, driving: str, drive: Array) -
         raise ValueError(
             f"{quantity} is {driving} itself, times {factor:.6g}: one channel was read as both; say in the mapping "
             "which holds which"
-        )
-
-
-def require_cycles(cycles: int, rows: int, omega: float, fewest: int) -> None:
-    """ValueError when fewer than `fewest` cycles can be used."""
-    if cycles < fewest or rows < fewest:
-        raise ValueError(
-            f"only {cycles} usable whole cycles of {omega / (2.0 * math.pi):.5g} Hz are common to all channels; "
-            f"at least {fewest} are needed"
-        )
-
-
-def few_cycles(cycles: int) -> Iterator[Remark]:
-    """A warning when there are so few cycles that their scatter says little."""
-    if cycles < FEW_CYCLES:
-        yield Remark(
-            "only {} cycles: standard errors and intervals are rough; record {} or more",
-            *(cycles, FEW_CYCLES),
-            doubts=_EVERYTHING,
         )
 
 
@@ -116,8 +83,6 @@ def frequency(
         return
     if not (math.isfinite(frequency_hz) and frequency_hz > 0.0):
         raise ValueError(f"the drive frequency must be positive, got {frequency_hz} Hz")
-    from scipy import special  # slow to import, as scipy.stats with the same functions is
-
     hertz, spread = omega / (2.0 * math.pi), error / (2.0 * math.pi)
     off = hertz / frequency_hz - 1.0
     digits = max(6, 2 - math.floor(math.log10(max(abs(off), 1e-12))))  # that show the difference
@@ -127,9 +92,7 @@ def frequency(
         raise ValueError(
             f"{words.format(at, spread, given)}: wrong frequency, wrong column, or a wrong sampling rate"
         )
-    # as rare as SIGNIFICANT standard errors are when these are known well
-    factor = -float(special.stdtrit(max(1, cycles - 2), special.ndtr(-SIGNIFICANT)))
-    if abs(off) > max(_FREQUENCY_DIFFERS, factor * spread / hertz):
+    if abs(off) > max(_FREQUENCY_DIFFERS, _significant_for(max(1, cycles - 2)) * spread / hertz):
         size, unit = (1e6 * off, "{:+.0f} ppm") if abs(off) < 1e-3 else (100.0 * off, "{:+.2f} %")
         yield Remark(
             f"{words} ({unit}): it was rounded, or the clock of the generator or the recorder is off; the frequency "
@@ -139,25 +102,56 @@ def frequency(
         )
 
 
-def bad_cycles(quantity: str, bad: Sequence[tuple[int, float, Remark]]) -> Iterator[Remark]:
-    """A warning when cycles of a channel were left out."""
-    if bad:
-        number, time, reason = bad[0]
-        yield Remark(
-            f"{{}}: {{}} cycle{{}} left out; first cycle {{}} (at {{:.6g}} s): {reason.template}",
-            *(quantity, len(bad), "s" * (len(bad) > 1), number + 1, time, *reason.of),
-        )
+def _significant_for(freedom: int) -> float:
+    """Standard errors that are as rare as SIGNIFICANT ones, where so many degrees of freedom give the errors."""
+    from scipy import special  # slow to import, as scipy.stats with the same functions is
+
+    return -float(special.stdtrit(freedom, special.ndtr(-SIGNIFICANT)))
 
 
-def clipping(quantity: str, harmonics: CycleHarmonics) -> Iterator[Remark]:
-    """A warning when the signal is cut off at a level."""
-    if is_clipped(harmonics):
-        yield Remark(
-            "{} is clipped: in {:.0f} % of the cycles several samples hold the extreme value; amplitude and harmonics "
-            "are too small; raise the measuring range",
-            *(quantity, 100.0 * harmonics.clipped),
-            doubts=_EVERYTHING,
+def cycles(
+    channels: Mapping[str, CycleHarmonics], weights: Array, omega: float
+) -> Iterator[Remark]:
+    """Warnings about cycles that are missing, and about the signals in the others.
+
+    weights : cycles in each row that all channels have.   omega : of the drive, rad/s.   Raises ValueError when fewer
+    than three cycles can be used, or a channel does not oscillate with the drive.
+    """
+    for quantity, harmonics in channels.items():
+        if bad := harmonics.bad_cycles:
+            number, time, reason = bad[0]
+            yield Remark(
+                f"{{}}: {{}} cycle{{}} left out; first cycle {{}} (at {{:.6g}} s): {reason.template}",
+                *(quantity, len(bad), "s" * (len(bad) > 1), number + 1, time, *reason.of),
+            )
+    count, hertz = int(weights.sum()), omega / (2.0 * math.pi)
+    if min(count, int(np.count_nonzero(weights))) < FEWEST_CYCLES:
+        raise ValueError(
+            f"only {count} usable whole cycles of {hertz:.5g} Hz are common to all channels; at least "
+            f"{FEWEST_CYCLES} are needed"
         )
+    if count < FEW_CYCLES:
+        yield _doubtful(
+            "only {} cycles: standard errors and intervals are rough; record {} or more",
+            *(count, FEW_CYCLES),
+        )
+    for quantity, harmonics in channels.items():
+        if not harmonics.span > 0.0:
+            raise ValueError(f"{quantity} is constant: {_UNCONNECTED}")
+        fundamental = harmonics.coefficients[harmonics.weights > 0.0, 1]
+        amplitude = abs(fundamental.mean())
+        scatter = float(fundamental.std()) / math.sqrt(fundamental.size)
+        if amplitude < SIGNIFICANT * scatter:
+            raise ValueError(
+                f"{quantity} does not oscillate at the drive frequency of {hertz:.5g} Hz: amplitude {amplitude:.3g} ± "
+                f"{scatter:.2g}"
+            )
+        if is_clipped(harmonics):
+            yield _doubtful(
+                "{} is clipped: in {:.0f} % of the cycles several samples hold the extreme value; amplitude and "
+                "harmonics are too small; raise the measuring range",
+                *(quantity, 100.0 * harmonics.clipped),
+            )
 
 
 def is_clipped(harmonics: CycleHarmonics) -> bool:
@@ -175,10 +169,10 @@ def consistency(
     """
     skew: dict[str, float] = {}
     warnings: list[Remark] = []
-    names = list(moved)
-    reference = moved[names[0]][:, 1]
+    first, *others = moved
+    reference = moved[first][:, 1]
     mean = weighted_mean(reference, weights)
-    for name in names[1:]:
+    for name in others:
         ratio = weighted_mean(moved[name][:, 1], weights) / mean
         rest = np.abs(moved[name][:, 1] - ratio * reference)
         error = math.sqrt(float(weights @ rest**2) / (2.0 * (len(rest) - 1)) / weights.sum())
@@ -186,33 +180,24 @@ def consistency(
         gain, phase = abs(ratio), math.atan2(ratio.imag, ratio.real)
         if abs(gain - 1.0) > _GAIN_WRONG or abs(phase) > _PHASE_WRONG:
             raise ValueError(
-                f"{name} contradicts {names[0]}: at the drive frequency it stands for {gain:.4g} times the motion, "
+                f"{name} contradicts {first}: at the drive frequency it stands for {gain:.4g} times the motion, "
                 f"{math.degrees(phase):+.1f}° apart; check units, sign and calibration, or leave one of the two out"
             )
-        if abs(phase) > max(SIGNIFICANT * error, _PHASE_MATTERS):
+        late = abs(phase) > max(SIGNIFICANT * error, _PHASE_MATTERS)
+        scaled = abs(gain - 1.0) > max(SIGNIFICANT * error, _GAIN_MATTERS)
+        if late:
             skew[name] = -phase / omega
-            warnings.append(
-                Remark(
-                    "{} lags {} by {:.1f} ± {:.1g} µs: shifted to agree; whether the excitation is in time with "
-                    "either, a record cannot tell",
-                    *(name, names[0], -1e6 * phase / omega, 1e6 * error / omega),
-                    doubts={"": abs(phase)},
-                )
+            words = (
+                "{} lags {} by {:.1f} ± {:.1g} µs: shifted to agree; whether the excitation is in time with either, a "
+                "record cannot tell"
             )
-        else:
-            phase = 0.0
-        if abs(gain - 1.0) > max(SIGNIFICANT * error, _GAIN_MATTERS):
-            warnings.append(
-                Remark(
-                    "{} stands for {:.5f} times the motion of {}: scaled to agree; check the calibration",
-                    *(name, gain, names[0]),
-                    doubts={"": abs(gain - 1.0)},
-                )
-            )
-        else:
-            gain = 1.0
+            sizes = (name, first, 1e6 * skew[name], 1e6 * error / omega)
+            warnings.append(Remark(words, *sizes, doubts={"": abs(phase)}))
+        if scaled:
+            words = "{} stands for {:.5f} times the motion of {}: scaled to agree; check the calibration"
+            warnings.append(Remark(words, name, gain, first, doubts={"": abs(gain - 1.0)}))
         n = np.arange(moved[name].shape[1])
-        moved[name] = moved[name] * np.exp(-1j * n * phase) / gain
+        moved[name] = moved[name] * np.exp(-1j * n * phase * late) / (gain if scaled else 1.0)
     return skew, warnings
 
 
@@ -220,18 +205,15 @@ class _Change(NamedTuple):
     """A slow change of the fundamental during a record.
 
     chance : probability of one as large in noise.   size : of the amplitude, relative to the mean.   turn : of the
-    phasor, likewise.   noise : variance of the real and of the imaginary part of a row.
+    phasor, likewise.   noise : variance of the real and of the imaginary part of a row.   shows : whether the change is
+    significant, and large enough to matter.
     """
 
     chance: float
     size: float
     turn: float
     noise: float
-
-    @property
-    def shows(self) -> bool:
-        """Whether it is significant, and large enough to matter."""
-        return self.chance <= _DRIFT_CHANCE and max(self.size, self.turn) >= _DRIFT_MATTERS
+    shows: bool
 
 
 def _change(rows: Complexes, weights: Array, parts: float) -> _Change:
@@ -243,29 +225,28 @@ def _change(rows: Complexes, weights: Array, parts: float) -> _Change:
     """
     from scipy import special  # slow to import, as scipy.stats with the same functions is
 
-    size = len(rows)
+    size, mean = len(rows), weighted_mean(rows, weights)
     basis = _slow(size)
-    mean = weighted_mean(rows, weights)
-    along = basis[:, 1:].T @ rows
+    along = basis.T @ rows
     halves = rows[: size // 2], rows[size // 2 :]
     noise = min(float(np.mean(np.abs(np.diff(half)) ** 2)) for half in halves) / (2.0 * parts)
     statistic = float(np.sum(np.abs(along) ** 2)) / max(noise, 1e-300)
     # successive differences know the variance as well as two thirds as many independent rows; of two halves, twice
     # the chance
     freedom = parts * max(1.0, 2.0 * (size // 2 - 1) / 3.0)
-    return _Change(
-        2.0 * float(special.fdtrc(3.0 * parts, freedom, statistic / (3.0 * parts))),
-        float(np.ptp(np.abs(basis[:, 1:] @ along + mean))) / abs(mean),
-        float(np.abs(basis[:, 1:] @ along).max()) / abs(mean),
-        noise,
-    )
+    chance = 2.0 * float(special.fdtrc(3.0 * parts, freedom, statistic / (3.0 * parts)))
+    change = basis @ along
+    grown, turned = float(np.ptp(np.abs(change + mean))), float(np.abs(change).max())
+    matters = max(grown, turned) >= _DRIFT_MATTERS * abs(mean)
+    shows = matters and chance <= _DRIFT_CHANCE
+    return _Change(chance, grown / abs(mean), turned / abs(mean), noise, shows)
 
 
 @lru_cache(maxsize=8)
 def _slow(size: int) -> Array:
-    """An orthonormal basis of the slow changes of so many rows, with the constant first, (rows, 4)."""
+    """An orthonormal basis of the slow changes of so many rows, without the constant, (rows, 3)."""
     s, first = np.linspace(-1.0, 1.0, size), np.arange(size) < max(1, size // 8)
-    return np.linalg.qr(np.column_stack([np.ones(size), s, s**2, first]))[0]
+    return np.linalg.qr(np.column_stack([np.ones(size), s, s**2, first]))[0][:, 1:]
 
 
 def clock(
@@ -289,13 +270,10 @@ def clock(
     rate = float((weights * at) @ phase) / square
     straight = rows * np.exp(-1j * rate * at)
     left = _change(straight, weights, 2.0)
-    mean = float(weights.mean())
-    error = math.sqrt(left.noise / (square / mean)) / abs(weighted_mean(straight, weights))
-    from scipy import special  # slow to import, as scipy.stats with the same functions is
-
-    # as rare as SIGNIFICANT standard errors are when these are known well
-    factor = -float(special.stdtrit(size - 2, special.ndtr(-SIGNIFICANT)))
-    if abs(rate) < max(factor * error, _CLOCKS_DIFFER * omega) or left.shows:
+    error = math.sqrt(left.noise * float(weights.mean()) / square)
+    error /= abs(weighted_mean(straight, weights))
+    least = max(_significant_for(size - 2) * error, _CLOCKS_DIFFER * omega)
+    if abs(rate) < least or left.shows:
         return None
     return -rate / omega, error / omega
 
@@ -303,12 +281,11 @@ def clock(
 def two_clocks(quantity: str, faster: tuple[float, float]) -> Remark:
     """A warning that another clock sampled a channel.   faster : of `clock`."""
     part, error = faster
-    return Remark(
+    return _doubtful(
         "{} seems to be sampled by another clock than the excitation, {:.4g} ± {:.1g} ppm {}: its times are corrected "
         "as if both clocks had started together, which the record cannot tell; if one clock samples all channels, the "
         "motion itself drifts, as where friction grows, and the correction is wrong",
         *(quantity, 1e6 * abs(part), 1e6 * error, "fast" if part > 0.0 else "slow"),
-        doubts=_EVERYTHING,
     )
 
 
@@ -332,8 +309,6 @@ def steadiness(
         found = _change(rows, weights, parts)
         if not found.shows:
             continue
-        settled = _settled_after(rows, found.noise, parts)
-        cycles = round(settled * (times[-1] - times[0]) / max(1, size - 1) / period)
         words = (
             "{} is not steady: its amplitude changes by {:.2g} %, its phasor by up to {:.2g} % during the record "
             "(chance of that in noise: {:.0e})"
@@ -343,20 +318,16 @@ def steadiness(
             raise ValueError(
                 f"{words.format(*sizes)}; record again after the motion has settled, or cut its start"
             )
-        if 0 < settled < size // 2:
-            late = "; it settles after about {} cycles: leave those out"
-            yield Remark(words + late, *sizes, cycles, doubts=_EVERYTHING)
+        # where the phasor stays within its scatter about the mean of the second half
+        late = rows[size // 2 :].mean()
+        scatter = 4.0 * math.sqrt(parts * found.noise) + 1e-6 * abs(late)
+        outside = 1 + np.flatnonzero(np.abs(rows - late) > scatter)
+        if outside.size and outside[-1] < size // 2:
+            after = round(outside[-1] * (times[-1] - times[0]) / (size - 1) / period)
+            words += "; it settles after about {} cycles: leave those out"
+            yield _doubtful(words, *sizes, after)
         else:
-            yield Remark(words, *sizes, doubts=_EVERYTHING)
-
-
-def _settled_after(rows: Complexes, noise: float, parts: float) -> int:
-    """Rows after which the phasor stays within its scatter about the mean of the second half."""
-    late = rows[len(rows) // 2 :].mean()
-    outside = np.flatnonzero(
-        np.abs(rows - late) > 4.0 * math.sqrt(parts * noise) + 1e-6 * abs(late)
-    )
-    return int(outside[-1]) + 1 if outside.size else 0
+            yield _doubtful(words, *sizes)
 
 
 def plausible(Y: float, X: float, omega: float, driven_by: str) -> Iterator[Remark]:
@@ -367,16 +338,14 @@ def plausible(Y: float, X: float, omega: float, driven_by: str) -> Iterator[Rema
     base = "the force over the stiffness" if driven_by == "force" else "the base"
     for what, amplitude in ((base, Y), ("the mass", X)):
         if amplitude > _LARGEST_AMPLITUDE or omega**2 * amplitude > _LARGEST_ACCELERATION:
-            yield Remark(
+            yield _doubtful(
                 "{} moves by {:.3g} m, with {:.3g} m/s²: is a unit wrong (mm taken for m)?",
                 *(what, amplitude, omega**2 * amplitude),
-                doubts=_EVERYTHING,
             )
     if not 1.0 / _LARGEST_GAIN < X / Y < _LARGEST_GAIN:
-        yield Remark(
+        yield _doubtful(
             "the mass moves {:.3g} times as far as {}: is the unit of one channel wrong (mm taken for m)?",
             *(X / Y, base),
-            doubts=_EVERYTHING,
         )
 
 
@@ -384,11 +353,10 @@ def harmonic_base(mean: Complexes, error: Array) -> Iterator[Remark]:
     """A warning when the base moves at more than one frequency: not all that is read counts its harmonics."""
     relative = _significant(mean, error)[2:]
     if relative.any():
-        yield Remark(
+        yield _doubtful(
             "the base motion is not harmonic: {:.2g} % distortion, most of it harmonic {} ({:.2g} %); direct "
             "integration and the fit of one oscillator count all its harmonics, everything else the fundamental only",
             *(100.0 * math.hypot(*relative), int(np.argmax(relative)) + 2, 100.0 * relative.max()),
-            doubts=_EVERYTHING,
             spares=(*_BY_HARMONICS, "maximum likelihood"),
         )
 
@@ -406,11 +374,10 @@ def symmetry(mean: Complexes, error: Array) -> Iterator[Remark]:
     """A warning when the response has even harmonics: friction or stiffness then differ between the two directions."""
     even = _significant(mean, error)[2::2]
     if even.any():
-        yield Remark(
+        yield _doubtful(
             "the response is not symmetric: harmonic {} is {:.2g} % of the fundamental; direct integration counts the "
             "even harmonics, everything else is read off the symmetric part",
             *(2 * int(np.argmax(even)) + 2, 100.0 * even.max()),
-            doubts=_EVERYTHING,
             spares=_BY_HARMONICS,
         )
 
@@ -427,11 +394,10 @@ def work(Y: complex, X: complex, Y_error: float, X_error: float) -> Iterator[Rem
     sine = -math.sin(math.atan2((X / Y).imag, (X / Y).real))
     error = math.hypot(X_error / abs(X), Y_error / abs(Y))
     if sine <= -SIGNIFICANT * error:
-        yield Remark(
+        yield _doubtful(
             "the response leads the excitation (sin φ₁ = {:.4f}), so that no work is put in: is a sign turned, or are "
             "two channels exchanged?",
             sine,
-            doubts=_EVERYTHING,
         )
 
 

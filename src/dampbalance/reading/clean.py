@@ -18,10 +18,11 @@ from __future__ import annotations
 
 import cmath
 import math
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 
+from ..arguments import one_of
 from ..arrays import Array
 from ..features import Features, of_numbers
 from ..motion.integrals import wrapped
@@ -77,9 +78,16 @@ def of_record(
     X_s … t_r and a are NaN and the regime says why. Raises ValueError for a record without v or acceleration, without a
     whole cycle from reversal to reversal, or without base motion at ω.
     """
-    signals, per_cycle, between = _signals(record, omega, reading)
-    t0, dt = float(record.t[0]), record.dt
-    cycle = read_cycle(signals, t0, dt, omega, k, between, slip_samples)
+    one_of("reading", reading, get_args(ReadAt))
+    for name, signal in (("velocity", record.v), ("acceleration", record.acceleration)):
+        if signal is None:
+            raise ValueError(f"this reader needs v and acceleration, but the record has no {name}")
+    if not omega > 0.0:
+        raise ValueError(f"omega must be positive, got {omega!r} rad/s")
+    _, *signals = record.signals().values()
+    t0, dt, between = float(record.t[0]), record.dt, reading == "interpolated"
+    per_cycle = 2.0 * math.pi / (omega * dt)
+    cycle = read_cycle(np.stack(signals), t0, dt, omega, k, between, slip_samples)
     if cycle.trouble == NO_CYCLE:
         raise ValueError(
             "the record holds no whole cycle from one forward velocity reversal to the next; "
@@ -108,16 +116,3 @@ def of_record(
     numbers |= {"Y": abs(base)} | {f"X_{n}": abs(x_n) for n, x_n in harmonics.items()}
     regime = _TROUBLES[trouble].format(how_many) if trouble else str(Regime.ONE_SLIP)
     return of_numbers(omega, regime, **numbers)
-
-
-def _signals(record: Record, omega: float, reading: ReadAt) -> tuple[Array, float, bool]:
-    """y, x, v and the acceleration as rows, the samples per cycle, and whether to read between samples."""
-    if reading not in ("interpolated", "sample"):
-        raise ValueError(f'reading must be "interpolated" or "sample", got {reading!r}')
-    if record.v is None or record.acceleration is None:
-        missing = "velocity" if record.v is None else "acceleration"
-        raise ValueError(f"this reader needs v and acceleration, but the record has no {missing}")
-    if not omega > 0.0:
-        raise ValueError(f"omega must be positive, got {omega!r} rad/s")
-    signals = np.stack([record.y, record.x, record.v, record.acceleration])
-    return signals, 2.0 * math.pi / (omega * record.dt), reading == "interpolated"

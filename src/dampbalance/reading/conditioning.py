@@ -14,16 +14,15 @@ several response channels are averaged, each weighted by its inverse variance.
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
+from functools import partial
 from types import MappingProxyType
-from typing import NamedTuple
 
 import numpy as np
 
-from ..arrays import Array, Complexes
+from ..arrays import Array, Complexes, Integers
 from ..project.wording import Remark, visible
 from ..records.errors import RecordError
 from ..records.measurement import (
@@ -37,12 +36,12 @@ from ..records.measurement import (
 )
 from . import checks
 from .checks import weighted_mean
-from .cycles import CycleHarmonics, Samples, accumulate, powers
-from .frequency import FEWEST_CYCLES, drive_frequency, frequency_offset
+from .cycles import CycleHarmonics, Samples, accumulate, drive_frequency, frequency_offset, powers
 from .one_thread import one_thread
-from .rounding import converter_step, rounding_error
 
 SampleBlocks = Callable[[], Iterable[Samples]]
+Clock = tuple[float, float]
+"""By how much a clock was faster than that of the excitation, as a part of it, and the standard error."""
 
 _MOST_HARMONICS = (31, 61, 91)
 """Highest harmonic taken of a displacement, a velocity and an acceleration of the mass; a quarter of the samples per
@@ -56,6 +55,13 @@ _FILTERED_OUT = 1e-3  # of a harmonic that passes a filter: below it, the rest i
 _RELATIVE_FLOOR = 1e-9
 _NO_NEIGHBOURS = (math.nan, math.nan)
 _JITTER = 0.05  # of a step: times closer to an even grid than that are on it
+_LATTICE = 0.01  # of a step: how far a value may lie from a whole number of steps
+_COPIES = 1e-9  # of the range: values closer than that differ by rounding of the numbers
+_FINEST = 1e-6  # of the range: finer steps leave nothing that shows
+# Independent errors in a cycle of A cos θ, over A/q: its rounding error is Σ ±(q/πj) sin(2πj A cos θ/q), whose
+# harmonics n ≪ 2πA/q are (2q/πj) J_n(2πjA/q) with J_n² → q/(2π²jA) in the mean; their variance, ζ(3) q³/(π⁴A), is that
+# of 2π⁴/12ζ(3) A/q independent errors.
+_PHASES = 13.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,8 +116,7 @@ class SteadyRecord:
             for q, h in self.gathered.channels.items()
         }
         gathered = replace(self.gathered, channels=channels)
-        freed = _steady(gathered, _rows_of(gathered))
-        return replace(freed, gathered=self.gathered, unfolded=True)
+        return replace(_steady(gathered), gathered=self.gathered, unfolded=True)
 
     @property
     def frequency_hz(self) -> float:
@@ -121,6 +126,28 @@ class SteadyRecord:
     def mean(self, rows: Complexes) -> Complexes:
         """Mean of the rows, each with its weight."""
         return weighted_mean(rows, self.weights)
+
+    def x_of(self, n: Integers) -> Complexes:
+        """Harmonics x_n of any orders, m, (h,), their phases counted from the peak of the base."""
+        base = self.mean(self.Y[:, 1:2])[0]
+        return self.mean(self.X)[n] * np.exp(-1j * n * np.angle(base))
+
+
+@dataclass(frozen=True, eq=False)
+class Gathered:
+    """What one pass through the samples of a record leaves of them.
+
+    source, k : as for `SteadyRecord`.   driving : the quantity that drives.   channels : harmonics of each channel, as
+    they were recorded.   warnings : on the samples.
+    clocks : of channels, by quantity, where they differed from that of the excitation and were corrected.
+    """
+
+    source: str
+    k: float
+    driving: str
+    channels: Mapping[str, CycleHarmonics]
+    warnings: tuple[Remark, ...]
+    clocks: Mapping[str, Clock]
 
 
 def condition(
@@ -139,17 +166,15 @@ def condition(
     frequency, signals that contradict each other.
     """
     warnings: list[Remark] = []
-    blocks: dict[str, SampleBlocks] = {}
-    for quantity in measurement:
-        channel = evenly_sampled(measurement[quantity], measurement.source, warnings)
-        blocks[quantity] = lambda block=(channel.t, channel.values): iter([block])  # type: ignore[misc]
+    source, channels = measurement.source, {q: measurement[q] for q in measurement}
+    even = {q: evenly_sampled(channel, source, warnings) for q, channel in channels.items()}
     steady = condition_blocks(
-        measurement.source,
-        blocks,
+        source,
+        {q: partial(iter, [(channel.t, channel.values)]) for q, channel in even.items()},
         k,
         frequency_hz=frequency_hz,
         skip_cycles=skip_cycles,
-        corrections={q: measurement[q].correction for q in measurement},
+        corrections={q: channel.correction for q, channel in channels.items()},
     )
     return replace(steady, warnings=(*warnings, *steady.warnings))
 
@@ -206,142 +231,89 @@ def condition_blocks(
     if not (math.isfinite(k) and k > 0.0):
         raise ValueError(f"{source}: the stiffness k must be positive, got {k} N/m")
 
-    def gathered(channels: Mapping[str, SampleBlocks]) -> Gathered:
-        return _gathered(source, channels, k, frequency_hz, skip_cycles, corrections)
-
+    gathered = partial(_gathered, source, channels, k, frequency_hz, skip_cycles, corrections)
     try:
-        of_record = gathered(channels)
-        rows = _rows_of(of_record)
-        faster = {
-            q: ratio
-            for q, x in rows.moved.items()
-            if (ratio := checks.clock(rows.Y[:, 1], x[:, 1], rows.times, rows.weights, rows.omega))
-        }
-        if faster:
-            by_one = {q: _by_clock(of, faster.get(q, (0.0,))[0]) for q, of in channels.items()}
-            of_record = gathered(by_one)
-            words = itertools.starmap(checks.two_clocks, faster.items())
-            warnings = (*words, *of_record.warnings)
-            of_record = replace(of_record, clocks=faster, warnings=warnings)
-            rows = _rows_of(of_record)
-        return _steady(of_record, rows)
+        return _steady(gathered({}), gathered)
     except RecordError:  # names the file itself
         raise
     except ValueError as error:
         raise ValueError(f"{source}: {error}") from error
 
 
-@dataclass(frozen=True, eq=False)
-class Gathered:
-    """What one pass through the samples of a record leaves of them.
+def _steady(
+    gathered: Gathered,
+    by_one_clock: Callable[[Mapping[str, Clock]], Gathered] | None = None,
+) -> SteadyRecord:
+    """The steady record that harmonics are: in the rows that all channels have, in the time and at the frequency of the
+    drive, without drift, as displacements.
 
-    source, k : as for `SteadyRecord`.   channels : harmonics of each channel, as they were recorded.   sampling : time
-    of the first sample and sampling interval, s, and step of the converter, by quantity.   corrections : of the
-    harmonics.   warnings : on the samples.
-    clocks : by how much the clock of a channel was faster than that of the excitation, as a part of it, and the
-    standard error, by quantity, where that was corrected.
+    by_one_clock : what is gathered in the times of one clock, where others differ from it by parts of these.
     """
-
-    source: str
-    k: float
-    channels: Mapping[str, CycleHarmonics]
-    sampling: Mapping[str, tuple[float, float, float]]
-    corrections: Mapping[str, Correction | None]
-    warnings: tuple[Remark, ...]
-    clocks: Mapping[str, tuple[float, float]] = field(default_factory=dict)
-
-    @property
-    def driving(self) -> str:
-        """The quantity that drives."""
-        return next(q for q in EXCITATIONS if q in self.channels)
-
-
-class _Rows(NamedTuple):
-    """The harmonics in the rows that all channels have, in the time and at the frequency of the drive, without drift.
-
-    omega, omega_error : of the drive, rad/s.   times, weights : of the rows, from the start, s.   recorded : by
-    quantity, in the unit of the channel.   passed : by quantity, what gain, delay and filters make of each harmonic.
-    scales : by quantity, of the harmonics as displacements, m per unit, (N + 1,).   Y, moved : harmonics of base and,
-    by quantity, of the responses as displacements, m.   warnings : on the cycles.
-    """
-
-    omega: float
-    omega_error: float
-    times: Array
-    weights: Array
-    recorded: dict[str, Complexes]
-    passed: dict[str, Complexes]
-    scales: dict[str, Complexes]
-    Y: Complexes
-    moved: dict[str, Complexes]
-    warnings: list[Remark]
-
-
-def _rows_of(gathered: Gathered) -> _Rows:
-    channels, base = gathered.channels, gathered.channels[gathered.driving]
+    channels, driving = gathered.channels, gathered.driving
+    base, k = channels[driving], gathered.k
     offset, omega_error = frequency_offset(base)  # a longer look corrects that of the leading part
     omega = base.omega + offset
-    passed = {
-        q: _passed(q, correction, omega, channels[q].coefficients.shape[1])
-        for q in channels
-        if (correction := gathered.corrections.get(q)) is not None
-    }
-    weights = _common_weights(channels)
-    warnings = _checked_cycles(channels, weights, base.omega)
+    per_row = {q: h.cycles_per_row for q, h in channels.items()}
+    if len(set(per_row.values())) > 1:
+        raise ValueError(f"the channels differ too much in length: cycles per row are {per_row}")
+    common = min(len(h.weights) for h in channels.values())
+    weights = np.min([h.weights[:common] for h in channels.values()], axis=0)
+    passed = {q: _passed(q, h, omega) for q, h in channels.items() if h.correction is not None}
+    warnings = [*gathered.warnings, *checks.cycles(channels, weights, base.omega)]
     usable = weights > 0.0
-    times, weights = base.times[: len(weights)][usable] - base.start, weights[usable]
-    recorded = {q: h.coefficients[: len(usable)][usable] for q, h in channels.items()}
-    slopes = _drifts([rows[:, 0].real for rows in recorded.values()], times, weights)
-    turn = np.exp(1j * (base.omega * base.start - offset * times))
-    turn = powers(turn, max(rows.shape[1] for rows in recorded.values()))
-    scales = {}
-    for (q, rows), slope in zip(recorded.items(), slopes, strict=True):
-        rows[:, 1:] -= slope @ channels[q].drift[:, 1:]
-        rows *= turn[:, : rows.shape[1]]
-        response = passed.get(q, np.ones(rows.shape[1]))
-        scales[q] = _of_displacement(q, response.size, omega, gathered.k) / response
-    moved = {q: recorded[q][:, : scale.size] * scale for q, scale in scales.items()}
-    Y, responses = moved[gathered.driving], {q: moved[q] for q in RESPONSES if q in moved}
-    if gathered.driving != "force":  # which leaves the base at rest
-        for q in RELATIVE.keys() & responses.keys():
-            count = min(Y.shape[1], responses[q].shape[1])
-            responses[q][:, 1:count] += Y[:, 1:count]
-    return _Rows(
-        omega, omega_error, times, weights, recorded, passed, scales, Y, responses, warnings
-    )
-
-
-def _steady(gathered: Gathered, rows: _Rows) -> SteadyRecord:
-    """The steady record that these harmonics are."""
-    Y, weights, omega, driving = rows.Y, rows.weights, rows.omega, gathered.driving
-    base, times = gathered.channels[driving], rows.times
-    channels = dict(gathered.channels)
-    for q, passed in rows.passed.items():
-        coefficients = channels[q].coefficients[:, : passed.size] / passed
-        channels[q] = replace(channels[q], coefficients=coefficients)
-    noise_rms = {q: _noise_rms(rows.recorded[q], weights, h) for q, h in gathered.channels.items()}
-    rounding = {
-        q: _rounding(gathered, q, noise) * np.abs(rows.scales[q]) for q, noise in noise_rms.items()
-    }
-    Y_rounding = rounding[driving]
-    Y_error = np.hypot(_error(Y, weights), Y_rounding)
-    moved = dict(rows.moved)
-    warnings = [*gathered.warnings, *rows.warnings]
+    times, weights = base.times[:common][usable] - base.start, weights[usable]
+    rows = {q: h.coefficients[:common][usable] for q, h in channels.items()}
+    slopes = _drifts([of[:, 0].real for of in rows.values()], times, weights)
+    count = max(of.shape[1] for of in rows.values())
+    turn = powers(np.exp(1j * (base.omega * base.start - offset * times)), count)
+    noise_rms, rounding, moved = {}, {}, {}
+    for (q, of), slope in zip(rows.items(), slopes, strict=True):
+        channel = channels[q]
+        of[:, 1:] -= slope @ channel.drift[:, 1:]
+        of *= turn[:, : of.shape[1]]
+        # of white noise, from the scatter of the harmonics between rows
+        per_cycle = 2.0 * math.pi / (channel.omega * channel.dt)
+        noise = math.sqrt(float(np.median(_scatter(of, weights)[1:])) * 0.5 * per_cycle)
+        used = round(float(channel.weights.sum()))
+        response = passed.get(q, np.ones(of.shape[1]))
+        scale = _of_displacement(q, response.size, omega, k) / response
+        left = rounding_error(channel.step, channel.span, per_cycle, used, noise)
+        noise_rms[q], rounding[q] = noise, left * np.abs(scale)
+        moved[q] = of[:, : scale.size] * scale
+    Y = moved.pop(driving)
+    moved = {q: moved[q] for q in RESPONSES if q in moved}
+    if driving != "force":  # which leaves the base at rest
+        for q in RELATIVE.keys() & moved.keys():
+            count = min(Y.shape[1], moved[q].shape[1])
+            moved[q][:, 1:count] += Y[:, 1:count]
+    if by_one_clock is not None and (
+        clocks := {
+            q: faster
+            for q, x in moved.items()
+            if (faster := checks.clock(Y[:, 1], x[:, 1], times, weights, omega))
+        }
+    ):
+        return _steady(by_one_clock(clocks))
     skew, inconsistencies = checks.consistency(moved, weights, omega)
-    warnings += inconsistencies
     X, X_error, X_rounding = _combined(moved, rounding, weights)
+    Y_error = np.hypot(_error(Y, weights), rounding[driving])
     mean_Y, mean_X = weighted_mean(Y, weights), weighted_mean(X, weights)
+    warnings += inconsistencies
     warnings += checks.plausible(abs(mean_Y[1]), abs(mean_X[1]), omega, driving)
     warnings += checks.steadiness(Y[:, 1], X[:, 1], times, weights, 2.0 * math.pi / base.omega)
     warnings += checks.harmonic_base(mean_Y, Y_error)
     asymmetry = list(checks.symmetry(mean_X, X_error))
     warnings += asymmetry
     warnings += checks.work(mean_Y[1], mean_X[1], Y_error[1], X_error[1])
+    corrected = {
+        q: replace(channels[q], coefficients=channels[q].coefficients[:, : of.size] / of)
+        for q, of in passed.items()
+    }
     return SteadyRecord(
         source=gathered.source,
-        k=gathered.k,
+        k=k,
         omega=omega,
-        omega_standard_error=rows.omega_error,
+        omega_standard_error=omega_error,
         start=base.start,
         cycles=int(weights.sum()),
         cycles_per_row=base.cycles_per_row,
@@ -351,11 +323,11 @@ def _steady(gathered: Gathered, rows: _Rows) -> SteadyRecord:
         X_error=X_error,
         Y_error=Y_error,
         X_rounding=X_rounding,
-        Y_rounding=Y_rounding,
+        Y_rounding=rounding[driving],
         bandwidth=_bandwidth(mean_X, X_error),
         even_bandwidth=_bandwidth(mean_X, X_error, lowest=2) if asymmetry else 0,
         base_bandwidth=checks.highest_of_base(mean_Y, Y_error),
-        channels=channels,
+        channels=dict(channels) | corrected,
         noise_rms=noise_rms,
         skew=skew,
         warnings=tuple(warnings),
@@ -370,21 +342,20 @@ def _gathered(
     frequency_hz: float | None,
     skip_cycles: int,
     corrections: Mapping[str, Correction | None],
+    clocks: Mapping[str, Clock],
 ) -> Gathered:
     """The harmonics of every channel at the drive frequency of the leading part."""
+    channels = {q: _by_clock(of, clocks[q][0]) if q in clocks else of for q, of in channels.items()}
     driving = next(q for q in EXCITATIONS if q in channels)
     leading = {
         q: _leading_samples(blocks(), _LEADING if q == driving else _COMPARED)
         for q, blocks in channels.items()
     }
-    sampling = {
-        q: (float(t[0]), _step_of(t, q), converter_step(values[:_COMPARED]))
-        for q, (t, values) in leading.items()
-    }
+    steps = {q: _step_of(t, q) for q, (t, _) in leading.items()}
     drive = leading[driving]
     checks.require_signal(driving, drive[1])
     try:
-        omega, error = drive_frequency(*drive, sampling[driving][1])
+        omega, error = drive_frequency(*drive, steps[driving])
     except ValueError as problem:
         raise ValueError(f"{driving}: {problem}") from problem
     for q, (_, values) in leading.items():
@@ -392,14 +363,25 @@ def _gathered(
             checks.require_distinct(q, values, driving, drive[1])
     period = 2.0 * math.pi / omega
     cycles = math.floor(np.ptp(drive[0]) / period)
-    warnings = tuple(checks.frequency(omega, error, cycles, frequency_hz))
-    start = max(first for first, *_ in sampling.values()) + skip_cycles * period
-    counts = {q: _harmonics_of(q, period / dt) for q, (_, dt, _) in sampling.items()}
-    harmonics = {
-        q: accumulate(blocks(), omega, start=start, dt=sampling[q][1], harmonics=counts[q])
-        for q, blocks in channels.items()
-    }
-    return Gathered(source, k, harmonics, sampling, corrections, warnings)
+    warnings = [checks.two_clocks(q, faster) for q, faster in clocks.items()]
+    warnings += checks.frequency(omega, error, cycles, frequency_hz)
+    start = max(float(t[0]) for t, _ in leading.values()) + skip_cycles * period
+    harmonics = {}
+    for q, (t, values) in leading.items():
+        per_cycle = period / steps[q]
+        if per_cycle < 12.0:
+            raise ValueError(
+                f"{q}: {per_cycle:.1f} samples per cycle are too few; at least 12 are needed for a third harmonic"
+            )
+        most = _MOST_HARMONICS[ORDERS[q]] if q in RESPONSES else _HARMONICS_OF_BASE
+        highest = min(most, math.floor(per_cycle / 4.0))
+        harmonics[q] = replace(
+            accumulate(channels[q](), omega, start=start, dt=steps[q], harmonics=highest),
+            first=float(t[0]),
+            step=converter_step(values[:_COMPARED]),
+            correction=corrections.get(q),
+        )
+    return Gathered(source, k, driving, harmonics, tuple(warnings), clocks)
 
 
 def _by_clock(blocks: SampleBlocks, faster: float) -> SampleBlocks:
@@ -411,7 +393,7 @@ def _by_clock(blocks: SampleBlocks, faster: float) -> SampleBlocks:
             start = float(t[0]) if start is None and len(t) else start
             yield (t if start is None else start + (t - start) * (1.0 - faster)), values
 
-    return blocks_in_time if faster else blocks
+    return blocks_in_time
 
 
 def _leading_samples(blocks: Iterable[Samples], count: int) -> Samples:
@@ -419,13 +401,13 @@ def _leading_samples(blocks: Iterable[Samples], count: int) -> Samples:
     parts, size = [], 0
     for t, values in blocks:
         parts.append((t[: count - size], values[: count - size]))
-        size += parts[-1][0].size
+        size += len(parts[-1][0])
         if size >= count:
             break
     if not size:
         raise ValueError("a channel has no samples")
-    t, values = parts[0] if len(parts) == 1 else map(np.concatenate, zip(*parts, strict=True))
-    return np.asarray(t, dtype=np.float64), np.asarray(values, dtype=np.float64)
+    t, values = (np.concatenate(of, dtype=np.float64) for of in zip(*parts, strict=True))
+    return t, values
 
 
 def _step_of(t: Array, quantity: str) -> float:
@@ -439,9 +421,10 @@ def _step_of(t: Array, quantity: str) -> float:
     return float(np.mean(steps))
 
 
-def _passed(quantity: str, correction: Correction, omega: float, count: int) -> Complexes:
+def _passed(quantity: str, harmonics: CycleHarmonics, omega: float) -> Complexes:
     """What gain, delay and filters of a channel make of each harmonic, up to the highest that the filters pass."""
-    response = correction.response(omega * np.arange(count))
+    correction = harmonics.correction or Correction()
+    response = correction.response(omega * np.arange(harmonics.coefficients.shape[1]))
     passed = np.abs(response) > _FILTERED_OUT * correction.gain
     if not passed[1]:
         raise ValueError(
@@ -460,50 +443,16 @@ def _of_displacement(quantity: str, count: int, omega: float, k: float) -> Compl
     return by_time ** ORDERS[quantity]
 
 
-def _common_weights(harmonics: Mapping[str, CycleHarmonics]) -> Array:
-    """Cycles in each row that are usable in every channel."""
-    per_row = {q: h.cycles_per_row for q, h in harmonics.items()}
-    if len(set(per_row.values())) > 1:
-        raise ValueError(f"the channels differ too much in length: cycles per row are {per_row}")
-    rows = min(len(h.weights) for h in harmonics.values())
-    return np.min([h.weights[:rows] for h in harmonics.values()], axis=0)
-
-
-def _checked_cycles(
-    harmonics: Mapping[str, CycleHarmonics], weights: Array, omega: float
-) -> list[Remark]:
-    """Warnings about missing cycles, and about the signals in the remaining ones."""
-    warnings = [w for q, h in harmonics.items() for w in checks.bad_cycles(q, h.bad_cycles)]
-    cycles = int(weights.sum())
-    checks.require_cycles(cycles, int(np.count_nonzero(weights)), omega, FEWEST_CYCLES)
-    warnings += checks.few_cycles(cycles)
-    for q, h in harmonics.items():
-        checks.require_level(q, h)
-        warnings += checks.clipping(q, h)
-    return warnings
-
-
-def _harmonics_of(quantity: str, per_cycle: float) -> int:
-    quarter = math.floor(per_cycle / 4.0)
-    if quarter < 3:
-        raise ValueError(
-            f"{quantity}: {per_cycle:.1f} samples per cycle are too few; at least 12 are needed for a third harmonic"
-        )
-    most = _MOST_HARMONICS[ORDERS[quantity]] if quantity in RESPONSES else _HARMONICS_OF_BASE
-    return min(most, quarter)
-
-
 def _drifts(means: Sequence[Array], times: Array, weights: Array) -> Array:
     """Slope and half the second derivative of a drifting offset in each row, 1/s and 1/s², (channels, rows, 2), from a
     parabola through its means, (rows,) for each channel.   times : middle of the rows, s."""
     degree = 2 if len(times) >= 8 else 1
     span = max(float(np.ptp(times)), 1e-300)
     at, root = (times - times.mean()) / span, np.sqrt(weights)[:, None]
-    powers_of = np.vander(at, degree + 1, increasing=True)
-    fitted = np.linalg.lstsq(powers_of * root, np.transpose(means) * root, rcond=None)[0]
-    bend = fitted[2] if degree == 2 else np.zeros(len(means))
-    slope = fitted[1][:, None] + 2.0 * np.outer(bend, at)
-    return np.stack([slope / span, np.outer(bend, np.ones(at.size)) / span**2], axis=-1)
+    fitted = np.linalg.lstsq(powers(at, degree + 1) * root, np.transpose(means) * root)[0]
+    bend = np.outer(fitted[2] if degree == 2 else np.zeros(len(means)), np.ones(at.size))
+    slope = fitted[1][:, None] + 2.0 * bend * at
+    return np.stack([slope / span, bend / span**2], axis=-1)
 
 
 def _error(rows: Complexes, weights: Array) -> Array:
@@ -524,19 +473,6 @@ def _scatter(rows: Complexes, weights: Array) -> Array:
     """Variance of the real and of the imaginary part of each harmonic in one cycle."""
     off = np.abs(rows - weighted_mean(rows, weights)) ** 2
     return weights @ off / (2.0 * (len(rows) - 1))
-
-
-def _noise_rms(rows: Complexes, weights: Array, of: CycleHarmonics) -> float:
-    """Standard deviation of the samples, were all noise white: from the scatter of the harmonics between rows."""
-    period = 2.0 * math.pi / of.omega
-    return math.sqrt(float(np.median(_scatter(rows, weights)[1:])) * 0.5 * period / of.dt)
-
-
-def _rounding(gathered: Gathered, quantity: str, noise_rms: float) -> float:
-    """Standard deviation that the steps of a converter leave in the harmonics of a channel, in its unit."""
-    of, (_, dt, step) = gathered.channels[quantity], gathered.sampling[quantity]
-    cycles = round(float(of.weights.sum()))
-    return rounding_error(step, of.span, 2.0 * math.pi / (of.omega * dt), cycles, noise_rms)
 
 
 def _combined(
@@ -564,3 +500,41 @@ def _bandwidth(mean: Complexes, error: Array, lowest: int = 1) -> int:
     clear = orders[(orders == lowest) | (np.abs(mean[orders]) > 4.0 * error[orders])]
     ends = clear[np.diff(clear, append=math.inf) > 6]
     return int(ends[0])
+
+
+def converter_step(values: Array) -> float:
+    """Step of the converter that some samples come from: the least difference of two values, where all values lie on a
+    lattice of such steps; 0 where they do not, or where the steps are too fine to matter."""
+    span = float(np.ptp(values))
+    steps = np.diff(np.unique(values))
+    steps = steps[steps > _COPIES * span]
+    if not steps.size or not (step := float(steps.min())) > _FINEST * span:
+        return 0.0
+    whole = np.round(steps / step)
+    return step if (np.abs(steps / step - whole) <= _LATTICE * whole).all() else 0.0
+
+
+def rounding_error(
+    step: float, span: float, samples: float, cycles: int, noise_rms: float
+) -> float:
+    """Standard deviation of the real and of the imaginary part of each harmonic that rounding leaves, in the unit of
+    the channel.
+
+    Rounding to steps of size q leaves an error of variance q²/12 in each sample. It is a function of the phase of a
+    periodic signal: it repeats from cycle to cycle, so that the scatter between cycles shows little of it, and
+    averaging reduces it only as far as the samples of a cycle fall on other phases than those of the cycle before.
+    Noise of half a step and more makes it random, by the factor e^{−4π²σ²/q²} of its variance; what is random, the
+    scatter shows.
+
+    step : q.   span : of the signal, highest less lowest value.   samples : of a cycle, not necessarily whole.
+    cycles : of the record.   noise_rms : of the samples, with what is random of their rounding.
+    """
+    if not step:
+        return 0.0
+    # places within a sampling interval at which cycles begin, as far apart as errors are independent
+    places = max(1, math.ceil(_PHASES * 0.5 * span / step / samples))
+    begins = np.modf(np.arange(min(cycles, 10 * places + 1000)) * samples)[0]
+    different = np.unique(np.floor(begins * places)).size
+    random = max(noise_rms**2 / step**2 - 1.0 / 12.0, 0.0)
+    left = math.exp(-4.0 * math.pi**2 * random) / 12.0
+    return step * math.sqrt(left * 2.0 / (samples * different))

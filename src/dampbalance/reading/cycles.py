@@ -1,4 +1,5 @@
-"""Harmonics of a signal, cycle by cycle, by least squares: any number of samples per cycle, in bounded memory.
+"""Harmonics of a signal and its frequency, cycle by cycle, by least squares: any number of samples per cycle, in
+bounded memory.
 
 Cycle j is the time from start + jT to start + (j + 1)T, T = 2π/ω. Its samples are fitted by
 
@@ -15,16 +16,17 @@ from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from functools import partial
+from functools import cache, lru_cache, partial
 from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..arrays import Array, Complexes, Mask
+from ..arrays import Array, Complexes, Integers, Mask
 from ..project.wording import Remark
+from ..records.measurement import Correction
 
 Samples = tuple[Array, Array]  # times, values
 Numbers = TypeVar("Numbers", Array, Complexes)
@@ -45,6 +47,13 @@ _AROUND = 8  # cycles that a cycle is compared with
 # Rms of the residual, as a part of the range, that a signal without noise may leave (because of drift, say).
 _HARMLESS = 1e-3
 _LONGEST_CYCLE = 1 << 22  # samples; beyond it the drive is not what it seems
+FEWEST_CYCLES = 3
+_LONGEST_SPECTRUM = 1 << 18
+_REFINEMENTS = 4
+_LEADING = 1 << 16  # samples that show whether a drive moves
+_LINE_OF_NOISE = 25.0  # times its mean, that no line of 32,768 in white noise has by chance
+# Windows; records of a set have one length.
+_hann = lru_cache(maxsize=2)(np.hanning)
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,6 +67,8 @@ class CycleHarmonics:
     bad_cycles : cycles left out and why, (number, time s, reason).
     span : difference between the highest and the lowest value.
     clipped : part of the usable cycles whose highest or lowest value is held as a clipped signal holds it.
+    first : time of the first sample, s.   step : of the converter, 0 where there is none that matters.   correction :
+    that the harmonics need yet. These three are known where a whole record is read.
     """
 
     omega: float
@@ -70,6 +81,9 @@ class CycleHarmonics:
     bad_cycles: tuple[tuple[int, float, Remark], ...]
     span: float
     clipped: float
+    first: float = math.nan
+    step: float = 0.0
+    correction: Correction | None = None
 
     @property
     def times(self) -> Array:
@@ -103,13 +117,88 @@ def accumulate(
     return work.result()
 
 
+def drive_frequency(t: Array, values: Array, dt: float) -> tuple[float, float]:
+    """(ω, standard error of ω), rad/s, of the strongest sinusoid of a signal in steps of dt.
+
+    A first guess from the highest line of a windowed spectrum; then the phase of the fundamental, cycle by cycle,
+    against time: its slope is the error of the guess. For white noise this is least squares on the sinusoid, whose
+    variance is that of the Cramér–Rao bound (Rife & Boorstyn 1974), var ω = 12σ² · 2/(A²n)/duration², with n samples of
+    standard deviation σ about an amplitude A.
+
+    Raises ValueError when there is none or the signal is shorter than three of its cycles.
+    """
+    omega = _strongest_line(values[:_LONGEST_SPECTRUM], dt)
+    error = math.nan
+    for _ in range(_REFINEMENTS):
+        hertz, per_cycle = omega / (2.0 * math.pi), 2.0 * math.pi / omega / dt
+        cycles = math.floor((t[-1] - t[0] + dt * (1.0 + 1e-6)) * hertz)
+        if cycles < FEWEST_CYCLES:
+            raise ValueError(
+                f"the signal is {t[-1] - t[0]:.4g} s long, {cycles} whole cycles of the {hertz:.4g} Hz found in it; at "
+                f"least {FEWEST_CYCLES} are needed"
+            )
+        highest = min(3, math.floor(per_cycle / 4.0))
+        if highest < 1:
+            raise ValueError(
+                f"{per_cycle:.1f} samples per cycle of the {hertz:.4g} Hz found are too few"
+            )
+        harmonics = accumulate(
+            [(t, values)], omega, start=float(t[0]), dt=dt, harmonics=highest, cycles=cycles
+        )
+        correction, error = frequency_offset(harmonics)
+        omega += correction
+        # each correction is thousands of times smaller than the one before
+        if abs(correction) <= 0.1 * error or abs(correction) < 1e-13 * omega:
+            return omega, error
+    return omega, error
+
+
+def stands_still(values: Array) -> bool:
+    """Whether a drive channel holds nothing but noise: the spectrum of its leading samples has no line."""
+    values = values[:_LEADING] - np.mean(values[:_LEADING])
+    power = np.abs(np.fft.rfft(values)[1:]) ** 2
+    return bool(power.max() < _LINE_OF_NOISE * power.mean())
+
+
+def frequency_offset(harmonics: CycleHarmonics) -> tuple[float, float]:
+    """(Δω, its standard error), rad/s: by how much the drive is faster than the ω that the harmonics were taken at.
+
+    The slope of the phase of the fundamental over the rows, by least squares.
+    """
+    usable = harmonics.weights > 0.0
+    if np.count_nonzero(usable) < FEWEST_CYCLES:
+        return 0.0, math.nan
+    phase = np.unwrap(np.angle(harmonics.coefficients[usable, 1]))
+    times, weights = harmonics.times[usable], harmonics.weights[usable]
+    total = weights.sum()
+    time, phase = times - weights @ times / total, phase - weights @ phase / total
+    spread = float(weights @ time**2)
+    slope = float((weights * time) @ phase) / spread
+    variance = float(weights @ (phase - slope * time) ** 2) / (len(phase) - 2)
+    return slope, math.sqrt(variance / spread)
+
+
+def _strongest_line(values: Array, dt: float) -> float:
+    """Angular frequency of the highest line of the spectrum (Hann window), between lines by a parabola of the logs."""
+    size = values.size
+    # a transform of any other length can take ten times as long
+    padded = 1 << (size - 1).bit_length()
+    spectrum = np.abs(np.fft.rfft((values - values.mean()) * _hann(size), padded))
+    spectrum[0] = 0.0
+    line = int(np.argmax(spectrum[:-1])) if size > 4 else 0
+    if line == 0 or not spectrum[line] > 0.0:
+        raise ValueError("the signal does not oscillate: its spectrum has no line")
+    low, middle, high = np.log(np.maximum(spectrum[line - 1 : line + 2], 1e-300))
+    shift = 0.5 * (low - high) / (low - 2.0 * middle + high) if line > 1 else 0.0
+    return 2.0 * math.pi * (line + min(max(shift, -0.5), 0.5)) / (padded * dt)
+
+
 class _Accumulator:
     """Takes blocks of a signal, keeps the rows of its harmonics and the samples of the cycle that is not complete."""
 
     def __init__(self, omega: float, start: float, dt: float, harmonics: int, cycles: int) -> None:
         self.omega, self.start, self.dt, self.cycles = omega, start, dt, cycles
         self.period = 2.0 * math.pi / omega
-        self.count = harmonics + 1
         self.shortest = math.floor(self.period / dt * (1.0 - 1e-9))
         if self.shortest < 2 * harmonics + 2:
             raise ValueError(
@@ -118,41 +207,35 @@ class _Accumulator:
         if self.shortest > _LONGEST_CYCLE:
             raise ValueError(f"{self.shortest} samples per cycle are more than can be worked on")
         self.longest = self.shortest + 2  # rounding of times may give and take a sample
-        self.next_cycle = 0
+        self.next_cycle = self.fitted_cycles = self.held_at_extreme = 0
         self.carry: Samples = (np.empty(0), np.empty(0))
         # sums of harmonics, number of usable cycles; and cycles for the next row
-        self.waiting = np.zeros((0, self.count + 1), dtype=np.complex128)
-        self.rows: list[Complexes] = [self.waiting]
+        self.rows = self.waiting = np.zeros((0, harmonics + 2), dtype=np.complex128)
         self.cycles_per_row = 1
-        self.drift = np.zeros((2, self.count), dtype=np.complex128)
-        self.fitted_cycles = 0
+        self.drift = np.zeros((2, harmonics + 1), dtype=np.complex128)
         self.bad: list[tuple[int, float, Remark]] = []
-        self.held_at_extreme = 0
         self.highest, self.lowest = -math.inf, math.inf
-        self.usable = 0
+        self.n = np.arange(harmonics + 1)
         # e^{−inωr dt} of sample r, (longest, N + 1)
-        self.fourier = powers(np.exp(-1j * omega * dt * np.arange(self.longest)), self.count)
-        self.systems: dict[int, tuple[Array, Array, Complexes, Complexes]] = {}
+        self.fourier = powers(np.exp(-1j * omega * dt * np.arange(self.longest)), self.n.size)
+        self.system = cache(self._system)
 
     def _system(self, length: int) -> tuple[Array, Array, Complexes, Complexes]:
         """For cycles of so many samples, in the time τ from the middle: the inverse normal matrices of the cosines and
         of the sines, e^{−inωτ} of the first sample, and the harmonics of τ and τ²."""
-        if length in self.systems:
-            return self.systems[length]
         # Σ cos qωτ, q = 0 … 2N, is all that the normal matrices hold; cosines and sines are orthogonal
-        half = 0.5 * self.omega * self.dt * np.arange(1, 2 * self.count - 1)
+        n, angle = self.n, self.omega * self.dt
+        half = 0.5 * angle * np.arange(1, 2 * n.size - 1)
         sums = np.append(float(length), np.sin(length * half) / np.sin(half))
-        n = np.arange(self.count)
         apart, together = sums[np.abs(n[:, None] - n)], sums[n[:, None] + n]
         cosines, sines = 2.0 * np.linalg.inv(apart + together), np.zeros_like(apart)
         sines[1:, 1:] = 2.0 * np.linalg.inv((apart - together)[1:, 1:])
-        lead = np.exp(0.5j * self.omega * self.dt * (length - 1) * n)
+        lead = np.exp(0.5j * angle * (length - 1) * n)
         tau = self.dt * (np.arange(length) - 0.5 * (length - 1))
         along = np.array([tau, tau**2]) @ self.fourier[:length].view(np.float64)
         along = along.view(np.complex128) * lead
         drift = np.array([1j * (along[0].imag @ sines), along[1].real @ cosines])
-        self.systems[length] = cosines, sines, lead, drift
-        return self.systems[length]
+        return cosines, sines, lead, drift
 
     def add(self, t: Array, values: Array) -> None:
         """Take one block."""
@@ -190,28 +273,34 @@ class _Accumulator:
         gap = partial(Remark, "a gap: {} samples where there should be {:.1f}")
         due = self.period / self.dt
         faults = {j: gap(int(length[j]), due) for j in np.flatnonzero(~whole).tolist()}
-        rows = np.zeros((length.size, self.count + 1), dtype=np.complex128)
+        rows = np.zeros((length.size, self.n.size + 1), dtype=np.complex128)
         if whole.any():
             places, size = np.flatnonzero(whole), length[whole]
             s = np.lib.stride_tricks.sliding_window_view(values, self.longest)[begin[whole]]
             s[np.arange(self.longest) >= size[:, None]] = 0.0
             # the time of the middle, from all samples: time stamps may be rounded
             middle = np.add.reduceat(t, begin)[whole] / size
-            turn = powers(np.exp(-1j * self.omega * middle), self.count)
+            turn = powers(np.exp(-1j * self.omega * middle), self.n.size)
             local, square = self._fitted(s, size, turn)
             rows[whole, :-1], rows[whole, -1] = local * turn, 1.0
             held = s[:, 1 : self.shortest] == s[:, : self.shortest - 1]
             odd = self._faults(s, size, local, square, held)
             faults |= {int(places[j]): reason for j, reason in odd.items()}
             if held.any():
-                good = [j for j in range(size.size) if j not in odd]
-                self._extremes(s[good], size[good])
+                good = [s[j, : size[j]] for j in range(size.size) if j not in odd]
+                self.held_at_extreme += _clipped_of(good)
         for j, reason in faults.items():
             number = self.next_cycle + j
             self.bad.append((number, self.start + number * self.period, reason))
         rows[list(faults)] = 0.0
-        self.usable += length.size - len(faults)
-        self._gather(rows)
+        # as many cycles to a row as it stands for; rows are joined when there are many
+        waiting = np.concatenate([self.waiting, rows])
+        full = len(waiting) // self.cycles_per_row * self.cycles_per_row
+        joined = _joined(waiting[:full], self.cycles_per_row)
+        self.rows, self.waiting = np.concatenate([self.rows, joined]), waiting[full:]
+        while len(self.rows) > _MOST_ROWS and len(self.rows) % 2 == 0:
+            self.rows = _joined(self.rows, 2)
+            self.cycles_per_row *= 2
 
     def _fitted(self, s: Array, size: NDArray[np.intp], turn: Complexes) -> tuple[Complexes, Array]:
         """The harmonics of cycles in the time from their middle, and the mean square of their samples about them.
@@ -222,14 +311,14 @@ class _Accumulator:
         local = np.zeros_like(sums)
         for samples in np.unique(size).tolist():
             chosen = size == samples
-            cosines, sines, lead, drift = self._system(samples)
+            cosines, sines, lead, drift = self.system(samples)
             sums[chosen] *= lead
             local.real[chosen] = sums.real[chosen] @ cosines
             local.imag[chosen] = sums.imag[chosen] @ sines
             self.drift += drift * turn[chosen].sum(axis=0)
         self.fitted_cycles += size.size
         left = np.einsum("jr,jr->j", s, s) - np.einsum("jn,jn->j", local.conj(), sums).real
-        return local, np.maximum(left, 0.0) / np.maximum(size - (2 * self.count - 1), 1)
+        return local, np.maximum(left, 0.0) / np.maximum(size - 2 * self.n.size + 1, 1)
 
     def _faults(
         self, s: Array, size: NDArray[np.intp], local: Complexes, square: Array, held: Mask
@@ -241,7 +330,7 @@ class _Accumulator:
         suspect = _three_in_a_row(held) | outlying  # four equal samples
         if not suspect.any():
             return {}
-        first = powers(np.exp(-0.5j * self.omega * self.dt * (size - 1)), self.count)
+        first = powers(np.exp(-0.5j * self.omega * self.dt * (size - 1)), self.n.size)
         model = ((local * first) @ self.fourier.conj().T).real
         off = np.where(np.arange(self.longest) < size[:, None], np.abs(s - model), 0.0)
         good = np.flatnonzero(~outlying)
@@ -261,34 +350,11 @@ class _Accumulator:
                 faults[j] = reason
         return faults
 
-    def _extremes(self, s: Array, size: NDArray[np.intp]) -> None:
-        """Count the cycles whose highest or lowest value is held as a clipped signal holds it."""
-        clipped = np.zeros(size.size, dtype=np.bool_)
-        for sign in (1.0, -1.0):
-            high = np.where(np.arange(self.longest) < size[:, None], sign * s, -np.inf)
-            top = high.max(axis=1)
-            highest = np.flatnonzero(top == top.max(initial=-np.inf))
-            clipped[highest] |= _cut_off(high[highest])
-        self.held_at_extreme += int(clipped.sum())
-
-    def _gather(self, rows: Complexes) -> None:
-        """Append cycles to the rows, as many to a row as it stands for; join rows when there are many."""
-        waiting = np.concatenate([self.waiting, rows])
-        full = len(waiting) // self.cycles_per_row * self.cycles_per_row
-        self.rows.append(_joined(waiting[:full], self.cycles_per_row))
-        self.waiting = waiting[full:]
-        count = sum(map(len, self.rows))
-        while count > _MOST_ROWS and count % 2 == 0:
-            self.rows = [_joined(np.concatenate(self.rows), 2)]
-            self.cycles_per_row *= 2
-            count //= 2
-
     def result(self) -> CycleHarmonics:
         """The rows; cycles that do not fill a row at the end are left out."""
-        rows = np.concatenate(self.rows)
-        weights = rows[:, -1].real
+        weights = self.rows[:, -1].real
         with np.errstate(invalid="ignore", divide="ignore"):
-            coefficients = rows[:, :-1] / weights[:, None]
+            coefficients = self.rows[:, :-1] / weights[:, None]
         return CycleHarmonics(
             omega=self.omega,
             start=self.start,
@@ -299,7 +365,7 @@ class _Accumulator:
             drift=self.drift / max(1, self.fitted_cycles),
             bad_cycles=tuple(self.bad),
             span=max(0.0, self.highest - self.lowest),
-            clipped=self.held_at_extreme / max(1, self.usable),
+            clipped=self.held_at_extreme / max(1, self.next_cycle - len(self.bad)),
         )
 
 
@@ -310,24 +376,29 @@ def powers(base: Numbers, count: int) -> Numbers:
 
 def _three_in_a_row(true: Mask) -> Mask:
     """Mask of the rows that are true at three neighbouring places."""
-    return np.asarray((true[:, 2:] & true[:, 1:-1] & true[:, :-2]).any(axis=1))
+    return np.asarray((true[..., 2:] & true[..., 1:-1] & true[..., :-2]).any(axis=-1))
 
 
-def _cut_off(high: Array) -> Mask:
-    """Which rows hold their highest value as a clipped signal does.   high : rows × samples, −∞ after the last one."""
-    top = high.max(axis=1)
-    at_top = high == top[:, None]
-    count = at_top.sum(axis=1)
-    # A sinusoid in steps of a converter dwells at its top level at most 1/(√2 − 1) = 2.4 times as long as at the next;
-    # noise shortens that. A clipped one dwells there alone, and so does a motion that stops.
-    below = np.where(at_top, -np.inf, high)
-    next_level = below.max(axis=1)
-    next_count = (below == next_level[:, None]).sum(axis=1)
-    held: Mask = _three_in_a_row(at_top) & (count > 4 * next_count)
-    for j in np.flatnonzero(held).tolist():
-        size = int(np.isfinite(high[j]).sum())
-        held[j] = not _comes_to_rest(high[j, :size], top[j] - next_level[j])
-    return held
+def _clipped_of(cycles: Sequence[Array]) -> int:
+    """How many cycles hold the highest or the lowest value of all as a clipped signal does."""
+    ends = np.array([(s.max(), -s.min()) for s in cycles]).reshape(-1, 2)
+    at_end = (ends == ends.max(axis=0, initial=-np.inf)).tolist()
+    return sum(
+        (high and _cut_off(s)) or (low and _cut_off(-s))
+        for s, (high, low) in zip(cycles, at_end, strict=True)
+    )
+
+
+def _cut_off(s: Array) -> bool:
+    """Whether samples of a cycle hold their highest value as a clipped signal does.
+
+    A sinusoid in steps of a converter dwells at its top level at most 1/(√2 − 1) = 2.4 times as long as at the next;
+    noise shortens that. A clipped one dwells there alone, and so does a motion that stops.
+    """
+    levels, counts = np.unique(s, return_counts=True)
+    if levels.size < 2 or counts[-1] <= 4 * counts[-2] or not _three_in_a_row(s == levels[-1]):
+        return False
+    return not _comes_to_rest(s, levels[-1] - levels[-2])
 
 
 def clipped(values: Array) -> bool:
@@ -335,7 +406,7 @@ def clipped(values: Array) -> bool:
     ends at does not count: it may have been held there, or have come to rest."""
     for high in (values, -values):
         below = np.flatnonzero(high < high.max())
-        if below.size and _cut_off(high[None, below[0] : below[-1] + 1])[0]:
+        if below.size and _cut_off(high[below[0] : below[-1] + 1]):
             return True
     return False
 
@@ -409,3 +480,11 @@ def _comes_to_rest(s: Array, step: float) -> bool:
             return False
         ratios.append(along[2 * q - 1] / along[q - 1])
     return bool(min(ratios) > _STOPPING)
+
+
+def bootstrap(rows: int, count: int, rng: np.random.Generator) -> tuple[Integers, float]:
+    """Numbers of times that each row occurs in each of `count` drawings with replacement, (count, rows), and the factor
+    √(n/(n − 1)), n rows, that corrects the deviations of their means: the bootstrap underestimates the scatter by it.
+    """
+    drawn = rng.multinomial(rows, np.full(rows, 1.0 / rows), size=count)
+    return drawn, math.sqrt(rows / max(1, rows - 1))

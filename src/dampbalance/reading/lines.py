@@ -107,7 +107,7 @@ class Lines:
         y = steady.mean(steady.Y[:, : steady.base_bandwidth + 1])
         base, higher = y[1], np.arange(2, y.size)
         clear = np.abs(y[higher]) > SIGNIFICANT * steady.Y_error[higher]
-        x = steady.mean(steady.X)[n] * np.exp(-1j * n * np.angle(base))
+        x = steady.x_of(n)
         noise = steady.X_error[n]
         aliased = _aliased(steady, n)
         return cls(
@@ -132,11 +132,8 @@ def _aliased(steady: SteadyRecord, n: Integers) -> Array:
     size is that of the highest ones read.
     """
     total = np.zeros(n.size)
-    for quantity in RESPONSES:
-        if quantity not in steady.channels:
-            continue
-        order = ORDERS[quantity]
-        channel = steady.channels[quantity]
+    for quantity in RESPONSES.keys() & steady.channels.keys():
+        channel, order = steady.channels[quantity], ORDERS[quantity]
         samples = 2.0 * math.pi / (steady.omega * channel.dt)
         left = abs(float(np.sinc(steady.cycles * (samples - round(samples)))))
         highest = np.arange(1, channel.coefficients.shape[1], 2)[-3:]
@@ -167,9 +164,8 @@ def starts(
         for j, (n, x, error) in enumerate(zip(_COMPARED, one.x, one.x_error, strict=False)):
             off = np.abs(harmonics[:, i, j] - x) ** 2
             misfit += off / (error**2 + (near / n) ** 2)
-    possible = slips & np.isfinite(misfit)
-    order = np.argsort(np.where(possible, misfit, math.inf), kind="stable")
-    best = candidates[order[: np.count_nonzero(possible)]]
+    order = np.argsort(misfit, kind="stable")
+    best = candidates[order[(slips & np.isfinite(misfit))[order]]]
     if wide:  # the closest of each stiffness: a contact that rings has a minimum at many
         best = best[np.sort(np.unique(best[:, 2], return_index=True)[1])]
     return best
@@ -180,15 +176,13 @@ def _all_responses(
 ) -> tuple[Complexes, Mask]:
     """x_1, x_3, x_5 of each candidate under the base of each record, (n, L, 3), m, and which slip in one of them."""
     F_k, c, K_z, m = candidates.T[:, :, None]
-    omega, Y = (np.array([getattr(one, name) for one in lines]) for name in ("omega", "Y"))
+    F_k, c = F_k * shares.friction, c * shares.damping
+    omega, Y = np.array([(one.omega, one.Y) for one in lines]).T
     with interpreted(False):  # thousands
-        of_each = {"c": c * shares.damping, "F_k": F_k * shares.friction, "Y": Y, "omega": omega}
-        orbits = steady_orbits(m=m, k=k, K_z=K_z, **of_each)
-    harmonics = np.stack(
-        [getattr(orbits, f"X_{n}") * np.exp(-1j * getattr(orbits, f"phi_{n}")) for n in _COMPARED],
-        axis=-1,
-    )
-    return harmonics, np.any(np.isin(orbits.regime, SLIPS), axis=1)
+        orbits = steady_orbits(m=m, c=c, k=k, K_z=K_z, F_k=F_k, Y=Y, omega=omega)
+    X = np.stack([getattr(orbits, f"X_{n}") for n in _COMPARED], axis=-1)
+    lag = np.stack([getattr(orbits, f"phi_{n}") for n in _COMPARED], axis=-1)
+    return X * np.exp(-1j * lag), np.any(np.isin(orbits.regime, SLIPS), axis=1)
 
 
 def _responses_to_contact(
@@ -240,20 +234,21 @@ def linear_misfit(
 
     terms : of its damping, of which those that are linear count.
     """
-    rows, chi_square = [], 0.0
+    rows: list[Complexes] = []
+    chi_square = 0.0
     for one in lines:
         y = np.zeros(2 * one.n.size, dtype=np.complex128)
         y[1], y[2 : one.base.size + 2] = one.Y, one.base[: y.size - 2]
         y = y[one.n]
         driven = one.clear & (y != 0.0)
         chi_square += float(np.sum(np.abs(one.x / one.x_error)[~driven] ** 2))
-        y, x = y[driven], one.x[driven]
-        relative = one.x_error[driven] / np.abs(x)
+        relative = one.x_error[driven] / np.abs(one.x[driven])
         relative[0] = math.hypot(relative[0], one.Y_error / one.Y)
-        rows.append(np.column_stack([y / x, relative, one.n[driven] * one.omega]))
-    ratio, relative, rate = np.concatenate(rows).T
-    rate, omega = rate.real, np.repeat([one.omega for one in lines], [len(part) for part in rows])
-    z, error = k * (ratio - 1.0), k * np.abs(ratio) * relative.real
+        omega = np.full(relative.size, one.omega)
+        rows.append(np.stack([y[driven] / one.x[driven], relative, one.n[driven] * omega, omega]))
+    ratio, *others = np.concatenate(rows, axis=1)
+    relative, rate, omega = np.real(others)
+    z, error = k * (ratio - 1.0), k * np.abs(ratio) * relative
     columns = [np.ones(rate.size), rate**2]
     for symbol in terms:
         force = KNOWN_TERMS[symbol].force
@@ -289,8 +284,7 @@ def probability(chi_square: float, freedom: int, lines: Sequence[Lines]) -> floa
 def _candidates(lines: Sequence[Lines], k: float, shares: Shares, wide: bool) -> Array:
     """(F_k, c, K_z, m) that balance the work, (n, 4)."""
     fundamental = np.array([one.x[0] for one in lines])
-    omega, Y = (np.array([getattr(one, name) for one in lines]) for name in ("omega", "Y"))
-    X, b = np.array([_peak_and_viscous(one) for one in lines]).T
+    omega, Y, X, b = np.array([(one.omega, one.Y, *_peak_and_viscous(one)) for one in lines]).T
     W = -math.pi * k * Y * fundamental.imag
     b = b * shares.damping
     known = W > 0.0  # noise may hide the work of a low level

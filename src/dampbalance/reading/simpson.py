@@ -16,9 +16,7 @@ import math
 import numpy as np
 
 from ..arrays import Array
-from .mean_harmonics import bootstrap
-
-_ROUNDING = 1e-9  # samples
+from .cycles import bootstrap
 
 
 def cycle_integrals(y: Array, x: Array, dt: float, omega: float, k: float) -> Array:
@@ -42,22 +40,17 @@ def integrals(f: Array, dt: float, places: Array) -> Array:
     Each parabola through the samples 2j, 2j + 1, 2j + 2 is integrated as far as the places reach into it. Error O(dt⁴)
     for a smooth f.
 
-    f : samples, shape (…, n ≥ 3).   dt : s.   places : ascending, counted in samples from 0, shape (p,).
-    Returns shape (…, p − 1). Raises ValueError when a place leaves the parabolas.
+    f : samples, shape (…, n ≥ 3).   dt : s.   places : ascending, counted in samples from 0, up to the end of the last
+    pair of intervals, shape (p,).   Returns shape (…, p − 1).
     """
-    pairs = (f.shape[-1] - 1) // 2
-    if not (pairs > 0 and places[0] >= 0 and places[-1] <= 2 * pairs + _ROUNDING):
-        raise ValueError(
-            f"places {places[0]:g} … {places[-1]:g} leave the pairs of intervals 0 … {2 * pairs}"
-        )
-    first, middle, last = f[..., : 2 * pairs : 2], f[..., 1 : 2 * pairs : 2], f[..., 2::2]
-    whole = np.cumsum((first + 4.0 * middle + last) / 3.0, axis=-1)
-    j = np.minimum(places // 2.0, pairs - 1).astype(np.intp)
-    first, middle, last, u = first[..., j], middle[..., j], last[..., j], places - 2.0 * j
-    before = np.where(j > 0, whole[..., j - 1], 0.0)
-    slope, bend = 4.0 * middle - 3.0 * first - last, first - 2.0 * middle + last
-    reached = before + u * (first + u * (slope / 4.0 + u * bend / 6.0))
-    return dt * np.diff(reached, axis=-1)
+    from scipy.interpolate import PPoly  # slow to import, and needed for this only
+
+    end = (f.shape[-1] - 1) // 2 * 2
+    first, middle, last = f[..., :end:2], f[..., 1:end:2], f[..., 2 : end + 1 : 2]
+    bend, slope = 0.5 * (first - 2.0 * middle + last), 0.5 * (4.0 * middle - 3.0 * first - last)
+    powers_of = np.moveaxis(np.stack([bend, slope, first]), -1, 1)
+    parabolas = PPoly(powers_of, np.arange(0.0, end + 1.0, 2.0))
+    return dt * np.diff(np.moveaxis(parabolas.antiderivative()(places), 0, -1))
 
 
 def replicates_of(of_cycles: Array, count: int, rng: np.random.Generator) -> Array:

@@ -99,15 +99,15 @@ def _zero(n: Array, x: Complexes, at: Array, rest: Array, centre: float, reach: 
     rest : C_k, (r, powers).   reach : of a step, rad.
     """
     slope = rest[:, 1:] * np.arange(1.0, rest.shape[1])
-    bend = slope[:, 1:] * np.arange(1.0, slope.shape[1])
+    parts = rest, slope, slope[:, 1:] * np.arange(1.0, slope.shape[1])
     for _ in range(_MOST):
         turned = np.exp(1j * at)[:, None] * powers(np.exp(2j * at), n.size) * x
-        off = np.clip(at - centre, -_NEAR, _NEAR)
-        rate = _sum(slope, off) - turned.imag @ n
+        off = powers(np.clip(at - centre, -_NEAR, _NEAR), _POWERS)
+        value, rate, bent = (np.einsum("rk,rk->r", c, off[:, : c.shape[1]]) for c in parts)
+        rate = rate - turned.imag @ n
         rate = np.where(rate > 0.0, rate, np.inf)
-        step = (_sum(rest, off) + turned.real.sum(axis=1)) / rate
-        bent = _sum(bend, off) - turned.real @ n**2
-        step = step / np.maximum(1.0 - 0.5 * step * bent / rate, 0.5)
+        step = (value + turned.real.sum(axis=1)) / rate
+        step = step / np.maximum(1.0 - 0.5 * step * (bent - turned.real @ n**2) / rate, 0.5)
         at = at - np.clip(step, -reach, reach)
         if np.all(np.abs(step) < _REACHED):
             break
@@ -127,16 +127,10 @@ def _end(series: Series, sign: float, rests: bool) -> tuple[Array, Array]:
         return np.full(len(series.x), 0.5 * (begin + end)), sign * series.mean_between(begin, end)
     limit = 2.0 * math.pi / _POINTS
     peak = limit * highest
-    value = sign * series.around(peak)
+    value, none = sign * series.around(peak), series.x[:, :0]
     slowing = -value[:, 1:] * np.arange(1.0, _POWERS)  # −dx/dωt, which rises through zero there
-    at = np.full(len(value), peak)
-    at = _zero(series.n[:0], series.x[:, :0], at, slowing, peak, limit)
-    return at, _sum(value, at - peak)
-
-
-def _sum(coefficients: Array, off: Array) -> Array:
-    """Σ C_k δ^k for each mean, (r,).   coefficients : (r, powers)."""
-    return np.einsum("rk,rk->r", coefficients, powers(off, coefficients.shape[1]))
+    at = _zero(series.n[:0], none, np.full(len(value), peak), slowing, peak, limit)
+    return at, np.einsum("rk,rk->r", value, powers(at - peak, _POWERS))
 
 
 def _rest(values: Array, highest: int, noise: float) -> tuple[float, float] | None:

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..arrays import Array
-from .ringdown_bursts import QUIET_PARTS, noise_of
+from .bursts import QUIET_PARTS, noise_of
 
 _ROUNDING = 0.1  # of the variance of the noise: what a record without noise leaves is rounding
 _FEWEST = 400  # samples, from which the third differences of a record tell its noise

@@ -1,4 +1,4 @@
-"""What stands beside a record: a small YAML file that says which channel holds what, in which unit.
+"""The file next to a record: a small YAML file that says which channel holds what, in which unit.
 
     channels:
       base_displacement: {channel: Laser 1, unit: mm}
@@ -75,19 +75,19 @@ class RecordMapping:
 
 
 MappingLike = RecordMapping | Mapping[str, Any] | str | Path | None
-"""A mapping, as an object, a document or a file, or a folder of files named as beside the record; None for the one
-beside the record, if any."""
+"""A mapping, as an object, a document or a file, or a folder of files named as next to the record; None for the one
+next to the record, if any."""
 
 
 def find_mapping(record: str | Path) -> Path | None:
-    """The mapping that stands beside a record: run1.csv.yaml, run1.yaml or channels.yaml, the first that exists."""
+    """The mapping next to a record: run1.csv.yaml, run1.yaml or channels.yaml, the first that exists."""
     record = Path(record)
     names = (f"{record.name}.yaml", f"{record.stem}.yaml", FOLDER_FILE)
     return next((file for name in names if (file := record.with_name(name)).is_file()), None)
 
 
 def mapping_for(record: str | Path, mapping: MappingLike = None) -> RecordMapping:
-    """The mapping given (itself, as a document or as a file), else the one beside the record, else an empty one.
+    """The mapping given (itself, as a document or as a file), else the one next to the record, else an empty one.
     Raises RecordError naming file, key and remedy."""
     if isinstance(mapping, RecordMapping | Mapping):
         return mapping if isinstance(mapping, RecordMapping) else mapping_from(mapping)
@@ -98,7 +98,7 @@ def mapping_for(record: str | Path, mapping: MappingLike = None) -> RecordMappin
 
 
 def mapping_file(record: str | Path, mapping: MappingLike = None) -> Path | None:
-    """The file that the mapping of a record stands in, the one given or the one beside the record; None for none.
+    """The file that the mapping of a record stands in, the one given or the one next to the record; None for none.
 
     Where records stand in a folder that is not yours, their mappings stand in another, which is given instead of one.
     """

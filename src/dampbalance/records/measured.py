@@ -105,7 +105,7 @@ def read_records(
     read. Columns and arrays are named like those of a file, displacement_mm or force_N, with time_s among them, or
     sample_rate_hz as a number. A masked sample is missing, as an empty cell of a file is.
     mapping : what the names do not say, for all records: a document as in the YAML file of a record, or the path of
-    one; default, for a file, the one beside it.   largest : numbers (samples × channels) that may be read of each.
+    one; default, for a file, the one next to it.   largest : numbers (samples × channels) that may be read of each.
 
     A record in memory is called "record 1" by its place, or as `name` in the `attrs` of its table says.
 

@@ -2,7 +2,7 @@
 
 Values are written in SI units, as 64-bit floats, with names that `read` recognises (displacement_m). Times are written
 as such, or as first time and sampling rate where these give every time to the last bit. Only WAV cannot hold names,
-units and a sampling rate that is no whole number: a mapping is written beside it.
+units and a sampling rate that is no whole number: a mapping is written next to it.
 """
 
 from __future__ import annotations
@@ -63,9 +63,9 @@ def write(
         _WRITERS[name](temporary, measurement)
     if not mapping:
         return (path,)
-    beside = path.with_name(f"{path.name}.yaml")
-    write_text(beside, mapping)
-    return path, beside
+    mapping_file = path.with_name(f"{path.name}.yaml")
+    write_text(mapping_file, mapping)
+    return path, mapping_file
 
 
 def _columns_of(measurement: Measurement) -> dict[str, Array]:
@@ -173,7 +173,7 @@ def _write_wav(path: Path, measurement: Measurement) -> None:
 
 
 def _wav_mapping(path: Path, measurement: Measurement) -> str:
-    """What stands beside a WAV. Raises RecordError when a WAV cannot hold the times."""
+    """The mapping next to a WAV. Raises RecordError when a WAV cannot hold the times."""
     channels = _channels(measurement)
     t = channels[0].t
     rate = round(mean_rate(t))

@@ -84,14 +84,25 @@ class ReadOut:
         """The features as read, each response by itself."""
         X = _rounded(features.X, self.X_decimals)
         phases = ("phi", "phi_reversal", "phi_zero_crossing", "phi_fundamental")
+
+        def slip(at: Array) -> Array:
+            """|X_s| as read: by its mark, counted from the peak, or rounded."""
+            if self.X_s_mark is None:
+                return _rounded(at, self.X_s_decimals)
+            return X - np.ceil((features.X - at) / self.X_s_mark - _WHOLE) * self.X_s_mark
+
+        def time(t: Array) -> Array:
+            inside, unit = t - self.t_s_inset, self.t_s_unit
+            return inside if unit is None else np.floor(inside / unit + _WHOLE) * unit
+
         return features.replaced(
             X=X,
-            X_s=-self._slip_distance(X, features.X, -features.X_s),
-            X_r=self._slip_distance(X, features.X, features.X_r),
+            X_s=-slip(-features.X_s),
+            X_r=slip(features.X_r),
             V_s=_rounded(features.V_s, self.V_s_decimals),
             V_r=_rounded(features.V_r, self.V_s_decimals),
-            t_s=self._time(features.t_s),
-            t_r=self._time(features.t_r),
+            t_s=time(features.t_s),
+            t_r=time(features.t_r),
             **{name: _rounded(getattr(features, name), self.phi_decimals) for name in phases},
         )
 
@@ -102,19 +113,6 @@ class ReadOut:
             phi=_rounded(shared.phi, self.common_phi_decimals),
             t_s=_rounded(shared.t_s, self.common_t_s_decimals),
         )
-
-    def _slip_distance(self, X_read: Array, X: Array, X_slip: Array) -> Array:
-        """|X_s| as read: by its mark, counted from the peak, or rounded."""
-        if self.X_s_mark is None:
-            return _rounded(X_slip, self.X_s_decimals)
-        marks = np.ceil((X - X_slip) / self.X_s_mark - _WHOLE)
-        return X_read - marks * self.X_s_mark
-
-    def _time(self, t: Array) -> Array:
-        inside = t - self.t_s_inset
-        if self.t_s_unit is None:
-            return inside
-        return np.floor(inside / self.t_s_unit + _WHOLE) * self.t_s_unit
 
 
 def _rounded(values: Array, decimals: int | None) -> Array:
@@ -234,16 +232,17 @@ def scheme_table(case: Case, frequency: str) -> pd.DataFrame:
     levels) are the same in the rows of one simulation.
     """
     exact = replace(case.numerics, c_over_m_decimals=None, k_over_m_decimals=None)
-    parts: list[dict[str, Any]] = []
+    tables: list[dict[str, Any]] = []
     for scheme in SCHEMES:
         for coefficients, numerics in (("rounded", case.numerics), ("exact", exact)):
             tried = replace(case, numerics=replace(numerics, scheme=scheme))
             read = features_of(simulate_levels(tried, frequency), tried, frequency, "sample")
             estimate = least_squares(direct(read, case.oscillator.k))
-            part: dict[str, Any] = {"scheme": scheme, "coefficients": coefficients}
-            part |= {"level": _levels(read), "a_m": read.a, "b_m2_per_s": read.b, "W_J": read.W}
-            parts.append(part | {term.column: float(estimate[s]) for s, term in TERMS.items()})
-    return _stacked(parts)
+            which = {"scheme": scheme, "coefficients": coefficients, "level": _levels(read)}
+            numbers = {"a_m": read.a, "b_m2_per_s": read.b, "W_J": read.W}
+            fitted = {term.column: float(estimate[s]) for s, term in TERMS.items()}
+            tables.append(which | numbers | fitted)
+    return _stacked(tables)
 
 
 def cycle_table(case: Case, frequency: str) -> pd.DataFrame:
@@ -255,14 +254,14 @@ def cycle_table(case: Case, frequency: str) -> pd.DataFrame:
     kept = min(_CYCLES + CYCLES_TO_READ - 1, case.numerics.cycles)
     records = simulate_levels(case, frequency, keep_cycles=kept)
     period = 2.0 * math.pi / case.omega(frequency) / case.numerics.step_s  # in steps
+    length = math.ceil(CYCLES_TO_READ * period) + 1
     tables: list[dict[str, Any]] = []
     for cycle in range(kept - CYCLES_TO_READ + 1):
         ends = [len(record) - round(cycle * period) for record in records]
-        length = math.ceil(CYCLES_TO_READ * period) + 1
         parts = [r.samples(max(end - length, 0), end) for r, end in zip(records, ends, strict=True)]
         read = features_of(parts, case, frequency, "sample")
-        numbers = {"a_m": read.a, "V_s_m_per_s": read.V_s}
-        tables.append({"cycle": -cycle, "level": _levels(read), **numbers})
+        which = {"cycle": -cycle, "level": _levels(read)}
+        tables.append(which | {"a_m": read.a, "V_s_m_per_s": read.V_s})
     return _stacked(tables)
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -46,34 +46,21 @@ class ClaimVerdict:
         return self.name.replace(" ", "-")
 
 
-_BEST_FIRST = (
-    ClaimVerdict("reproduced", "✓", "The equations, solved exactly, give the printed digits."),
-    ClaimVerdict(
-        "reconstructed",
+_MEANINGS = {
+    "reproduced": ("✓", "The equations, solved exactly, give the printed digits."),
+    "reconstructed": (
         "≈",
         "The paper’s own numerics or printed inputs give the printed digits, by a named deviation.",
     ),
-    ClaimVerdict("last digit", "±1", "One unit off in the last printed digit."),
-    ClaimVerdict(
-        "reading", "r", "Within the resolution with which the number was read off a plot."
-    ),
-    ClaimVerdict(
-        "propagated",
-        "u",
-        "The rebuild’s own number lies in the range that unprinted digits leave.",
-    ),
-    ClaimVerdict(
-        "unexplained",
-        "?",
-        "Near, within a bound fixed beforehand, but nothing says why it is off.",
-    ),
-    ClaimVerdict(
-        "differs", "✗", "None of these, or against the paper’s own numbers; see the evidence."
-    ),
-)
-REPRODUCED, RECONSTRUCTED, LAST_DIGIT, READING, PROPAGATED, UNEXPLAINED, DIFFERS = _BEST_FIRST
-VERDICTS = {verdict.name: verdict for verdict in _BEST_FIRST}
+    "last digit": ("±1", "One unit off in the last printed digit."),
+    "reading": ("r", "Within the resolution with which the number was read off a plot."),
+    "propagated": ("u", "The rebuild’s own number lies in the range that unprinted digits leave."),
+    "unexplained": ("?", "Near, within a bound fixed beforehand, but nothing says why it is off."),
+    "differs": ("✗", "None of these, or against the paper’s own numbers; see the evidence."),
+}
+VERDICTS = {name: ClaimVerdict(name, *of) for name, of in _MEANINGS.items()}
 """Every verdict by its name, best first."""
+REPRODUCED, RECONSTRUCTED, LAST_DIGIT, READING, PROPAGATED, UNEXPLAINED, DIFFERS = VERDICTS.values()
 
 HOLDING = (REPRODUCED.name, RECONSTRUCTED.name)
 """The verdicts with which an input or a statement holds."""
@@ -87,8 +74,7 @@ KINDS: dict[Kind, str] = {
 """The kinds of claims and what they are."""
 
 
-@dataclass(frozen=True, slots=True)
-class Count:
+class Count(NamedTuple):
     """How many claims of each kind a part of the paper has, and how its computed numbers fare.
 
     key : of the part, as the ids of its claims begin, or "all".

@@ -1,7 +1,8 @@
 """Every approach at every frequency: how far off F_k and c are, for each definition of the phase.
 
-The paper compares its approaches at resonance, with one definition of the phase. This table adds what
-each approach gives off resonance. Its features are exact, so that what is left is the error of the approach.
+The paper compares its approaches at resonance, with one definition of the phase. This table adds what each approach
+gives off resonance, where the harmonic ones fail for two reasons: `off_resonance` says what each costs, `mends` what
+helps. Its features are exact, so that what is left is the error of the approach.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from ..estimates import estimate_table
 from ..features import Features, Phase
 from ..model import Oscillator
 from ..project.case import Case
-from ..project.wording import markdown_table, percent
+from ..project.wording import markdown_table, percent, signed_percent
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -34,6 +35,15 @@ WAYS = {
     "direct": ("direct", "", ""),
 }
 """Ways to identify F_k and c, compared off resonance, the paper's pairs first: name → columns WAY of the table."""
+RECIPES = {
+    "mean": "one phase of the reversal for all levels, as in the paper",
+    "reversal": "each level’s phase of the reversal",
+    "crossing": "each level’s phase of the zero crossing",
+    "shared": "one phase of the fundamental for all levels",
+    "fundamental": "each level’s phase of the fundamental",
+    "fourier": "Fourier balance",
+}
+"""A way of WAYS → in words: the paper's, then each mend."""
 
 
 def approaches_table(features: Mapping[str, Features], case: Case) -> pd.DataFrame:
@@ -91,8 +101,8 @@ def largest_errors(estimates: pd.DataFrame, osc: Oscillator) -> dict[str, float]
 
 def _errors(features: Features, case: Case) -> Iterator[dict[str, object]]:
     """The lines of one frequency, approach by approach; one that takes no choice of phase has a single line."""
-    k, osc, pairs = case.oscillator.k, case.oscillator, case.pairs
-    tables = {phase: estimate_table(features.with_phase(phase), k, pairs) for phase in PHASES}
+    osc, pairs = case.oscillator, case.pairs
+    tables = {phase: estimate_table(features.with_phase(phase), osc.k, pairs) for phase in PHASES}
     for approach in APPROACHES:
         chooses = takes_phase(approach)
         for phase in PHASES if chooses else PHASES[:1]:
@@ -108,6 +118,40 @@ def _errors(features: Features, case: Case) -> Iterator[dict[str, object]]:
                     **{f"{name}_error_percent": e.iloc[0] for name, e in of_fit.items()},
                     **{f"{name}_largest_pair_error_percent": e for name, e in of_pairs.items()},
                 }
+
+
+def off_resonance(
+    approaches: pd.DataFrame, frequencies_hz: Mapping[str, float]
+) -> list[dict[str, str]]:
+    """What a wrong phase costs at each frequency but the first: the error of F_k by least squares, as text.
+
+    hz : the frequency.   which : error with the phase of the reversal, of each level.   shared : with one phase for all
+    levels, but of the fundamental.   both, neither : with both causes, and without either.
+
+    approaches : as `approaches_table` gives it.
+    """
+    ways = {"which": "reversal", "shared": "shared", "both": "mean", "neither": "fundamental"}
+    errors = _of_F_k(approaches)
+    return [
+        {"hz": f"{hz:g} Hz"}
+        | {cost: signed_percent(0.01 * errors[*WAYS[way], name]) for cost, way in ways.items()}
+        for name, hz in list(frequencies_hz.items())[1:]
+    ]
+
+
+def mends(approaches: pd.DataFrame, frequencies_hz: Mapping[str, float]) -> dict[str, list[float]]:
+    """Error of F_k, %, by least squares: every way of RECIPES in words → one for each frequency."""
+    errors = _of_F_k(approaches)
+    return {
+        words: [errors[*WAYS[way], name] for name in frequencies_hz]
+        for way, words in RECIPES.items()
+    }
+
+
+def _of_F_k(approaches: pd.DataFrame) -> dict[tuple[str, ...], float]:
+    """Error of F_k by least squares, %, by approach, phase, sharing and frequency."""
+    keys = zip(*(approaches[name] for name in (*WAY, "frequency")), strict=True)
+    return dict(zip(keys, approaches["F_k_error_percent"], strict=True))
 
 
 def _side_by_side(table: pd.DataFrame, column: str) -> str:

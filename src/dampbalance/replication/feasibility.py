@@ -38,12 +38,6 @@ MOST_EVENTS = 2e4
 """Highest natural frequency on the contact over that of the drive: a stiff contact chatters, event by event."""
 
 _BALANCE = 1e-6  # of the energy put in: what an orbit may miss by rounding
-_KEYS: dict[str, tuple[str | int, ...]] = {
-    "zeta": ("oscillator", "c_N_s_per_m"),
-    "omega_over_omega_n": ("excitation", "frequencies"),
-    "K_z_over_k": ("oscillator", "K_z_N_per_m"),
-    "F_k_over_kY": ("oscillator", "F_k_N"),
-}
 
 
 def check_feasible(case: Case, files: Iterable[Source]) -> list[str]:
@@ -75,14 +69,11 @@ def check_feasible(case: Case, files: Iterable[Source]) -> list[str]:
                 refuse(("oscillator",), text, files)
             elif orbit.t_s < shortest:
                 shortest, where = orbit.t_s, place
-    step = case.numerics.step_s
-    if shortest < MIN_STICK_SAMPLES * step:
-        refuse(
-            ("as_published", "step_s"),
-            f"{step:g} s is too coarse: the stick phase at {where} lasts {shortest:.3g} s "
-            f"and needs {MIN_STICK_SAMPLES} steps; take at most {0.95 * shortest / MIN_STICK_SAMPLES:.2g}",
-            files,
-        )
+    step, most = case.numerics.step_s, shortest / MIN_STICK_SAMPLES
+    if step > most:
+        text = f"{step:g} s is too coarse: the stick phase at {where} lasts {shortest:.3g} s and needs "
+        text += f"{MIN_STICK_SAMPLES} steps; take at most {0.95 * most:.2g}"
+        refuse(("as_published", "step_s"), text, files)
     return notices
 
 
@@ -101,45 +92,45 @@ def _orbit(osc: Oscillator, motion: BaseMotion) -> Orbit:
 def _out_of_range(case: Case) -> Iterator[Problem]:
     """Where the numbers leave the space in which the exact solution is known to hold."""
     osc = case.oscillator
-    groups = {"zeta": [osc.zeta], "K_z_over_k": [osc.K_z / osc.k]}
-    groups["omega_over_omega_n"] = [case.omega(name) / osc.omega_n for name in case.frequencies_hz]
-    groups["F_k_over_kY"] = [osc.F_k / (osc.k * Y) for Y in case.levels_m]
-    for name, values in groups.items():
+    ratios = [case.omega(name) / osc.omega_n for name in case.frequencies_hz]
+    K_z: tuple[str, ...] = ("oscillator", "K_z_N_per_m")
+    for name, key, values in (
+        ("zeta", ("oscillator", "c_N_s_per_m"), [osc.zeta]),
+        ("K_z_over_k", K_z, [osc.K_z / osc.k]),
+        ("omega_over_omega_n", ("excitation", "frequencies"), ratios),
+        ("F_k_over_kY", ("oscillator", "F_k_N"), [osc.F_k / (osc.k * Y) for Y in case.levels_m]),
+    ):
         low, high = RANGES[name]
-        for value in values:
-            if not low <= value <= high:
-                text = (
-                    f"makes {name} {value:.3g}; the exact solution holds from {low:g} to {high:g}"
-                )
-                yield _KEYS[name], text
-    events = math.sqrt(1.0 + osc.K_z / osc.k) / min(groups["omega_over_omega_n"])
+        for value in (value for value in values if not low <= value <= high):
+            known = f"the exact solution holds from {low:g} to {high:g}"
+            yield key, f"makes {name} {value:.3g}; {known}"
+    events = math.sqrt(1.0 + osc.K_z / osc.k) / min(ratios)
     if events > MOST_EVENTS:
         text = f"sets the natural frequency on the contact at {events:.3g} times that of the drive"
-        yield _KEYS["K_z_over_k"], f"{text}; {MOST_EVENTS:g} at most can be solved"
+        yield K_z, f"{text}; {MOST_EVENTS:g} at most can be solved"
 
 
 def _wrong_steps(case: Case) -> Iterator[Problem]:
     """Where the fixed-step simulation would take too long, or be none."""
     numerics, osc, levels = case.numerics, case.oscillator, len(case.levels_m)
+    step = ("as_published", "step_s")
     coarsest = 1.0 / (max(case.frequencies_hz.values()) * FEWEST_PER_CYCLE)
     if numerics.step_s > coarsest:
         text = f"{numerics.step_s:g} s leaves fewer than {FEWEST_PER_CYCLE} steps in a period"
-        yield ("as_published", "step_s"), f"{text}; take at most {coarsest:.2g}"
+        yield step, f"{text}; take at most {coarsest:.2g}"
     per_cycle = 1.0 / (min(case.frequencies_hz.values()) * numerics.step_s)
     for what, key, cycles, most in (
-        ("samples", "step_s", CYCLES_TO_READ, MOST_SAMPLES),
-        ("steps", "cycles", numerics.cycles, MOST_STEPS),
+        ("samples", step, CYCLES_TO_READ, MOST_SAMPLES),
+        ("steps", ("as_published", "cycles"), numerics.cycles, MOST_STEPS),
     ):
         if levels * cycles * per_cycle > most:
             text = f"asks for {levels * cycles * per_cycle:.3g} {what} at the lowest frequency"
             remedy = f"{most:.0e} at most can be held: fewer cycles or levels, or a longer step"
-            yield ("as_published", key), f"{text}; {remedy}"
+            yield key, f"{text}; {remedy}"
     for name, value in coefficients(case).items():
         if value <= 0.0:
-            yield (
-                ("as_published", f"{name}_decimals"),
-                f"leaves nothing of {name}; keep more decimals, or all (null)",
-            )
+            text = f"leaves nothing of {name}; keep more decimals, or all (null)"
+            yield ("as_published", f"{name}_decimals"), text
     # unstable is a scheme that lets grow what decays: in slip over the whole simulation, in stick over a period at most
     for phase, K_z, cycles in (("slip", 0.0, numerics.cycles), ("stick", osc.K_z, 1)):
         with interpreted():  # a dozen steps: loading what is compiled takes longer
@@ -148,5 +139,5 @@ def _wrong_steps(case: Case) -> Iterator[Problem]:
             )
         if cycles * per_cycle * math.log(growth) > math.log(MOST_GROWTH):
             text = f"{numerics.step_s:g} s makes {numerics.scheme} unstable in {phase}"
-            yield ("as_published", "step_s"), f"{text}; take a smaller step, or backward-euler"
+            yield step, f"{text}; take a smaller step, or backward-euler"
             return

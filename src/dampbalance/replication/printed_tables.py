@@ -9,9 +9,9 @@ without a paper to compare with has none.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
+from collections.abc import Hashable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -45,7 +45,7 @@ class RouteTables:
 
     def feature(self, column: str, level: int, frequency: str = "omega1") -> float:
         """A feature of the level counted from 1."""
-        values = self._columns.get(frequency, {}).get(column, ())
+        values = list(self.features.get(frequency, _NOTHING).get(column, ()))
         return float(values[level - 1]) if level <= len(values) else math.nan
 
     def mean_feature(self, column: str) -> float:
@@ -71,11 +71,6 @@ class RouteTables:
         """The estimates of all pairs by some approaches."""
         frame = _as_in_paper(self.estimates.get(frequency, _NOTHING))
         return frame[frame["approach"].isin(approaches) & (frame["kind"] == "pair")]
-
-    @cached_property
-    def _columns(self) -> dict[str, dict[Hashable, list[Any]]]:
-        """The columns of the features by frequency."""
-        return {frequency: frame.to_dict("list") for frequency, frame in self.features.items()}
 
     @cached_property
     def _lines(self) -> dict[tuple[str, ...], dict[Hashable, Any]]:
@@ -149,22 +144,20 @@ def paper_tables(
     routes : result tables by the names of SHOWN_ROUTES.
     claims : their table, for printed numbers and verdicts; None for a frequency at which the paper prints no tables.
     """
-    feature, estimate = RouteTables.feature, RouteTables.estimate
     levels = routes["exact"].features[frequency]["Y_m"]
     labels = dict.fromkeys(routes["exact"].pairs(("direct",), frequency)["pair"])
 
     def features(quantities: Iterable[Quantity]) -> list[_Cell]:
         return [
-            _Cell(f"{1e3 * Y:g} mm", q.symbol, q, partial(feature, level=level))
+            _Cell(f"{1e3 * Y:g} mm", q.symbol, q, {"level": level})
             for level, Y in enumerate(levels, 1)
             for q in quantities
         ]
 
     def pairs(approach: str, ending: str = "") -> list[_Cell]:
-        look_up = partial(estimate, approach=approach)
         return [
-            _Cell(f"pair {label}", f"{q.symbol}{ending}", q, partial(look_up, pair=label))
-            for label in labels
+            _Cell(f"pair {pair}", f"{q.symbol}{ending}", q, {"approach": approach, "pair": pair})
+            for pair in labels
             for q in UNKNOWNS
         ]
 
@@ -173,13 +166,8 @@ def paper_tables(
         "table2": features(TABLE_2) + pairs("direct"),
         "table3": [cell for name in HARMONIC for cell in pairs(name, f" by {name}")],
         "statistics": [
-            _Cell(
-                f"{name}, {kind.replace('_', ' ')}",
-                q.symbol,
-                q,
-                partial(estimate, approach=name, kind=kind),
-            )
-            for name in PRINTED_APPROACHES
+            _Cell(f"{a}, {kind.replace('_', ' ')}", q.symbol, q, {"approach": a, "kind": kind})
+            for a in PRINTED_APPROACHES
             for kind in STATISTICS
             for q in (*UNKNOWNS, RESIDUAL)
             if q != RESIDUAL or kind == "least_squares"
@@ -190,11 +178,14 @@ def paper_tables(
     for name, of_table in cells.items():
         places = {row: place for place, row in enumerate(dict.fromkeys(c.row for c in of_table), 1)}
         records = []
-        for row, quantity, q, look_up in of_table:
+        for row, quantity, q, which in of_table:
             claim = judged.get(claim_of(name, row, places[row], quantity), {})
             printed, verdict = (claim.get(column, "") for column in ("printed", "verdict"))
             numbers = (
-                look_up(routes[r], column=q.column, frequency=frequency) for r in SHOWN_ROUTES
+                (route.feature if "level" in which else route.estimate)(
+                    q.column, frequency=frequency, **which
+                )
+                for route in (routes[shown] for shown in SHOWN_ROUTES)
             )
             records.append((row, quantity, q.unit, printed, *numbers, verdict))
         tables[name] = pd.DataFrame.from_records(records, columns=list(COLUMNS))
@@ -251,7 +242,7 @@ class _Cell(NamedTuple):
     row: str
     quantity: str
     of: Quantity
-    look_up: Callable[..., float]  # of RouteTables
+    which: Mapping[str, Any]  # arguments of RouteTables.feature or .estimate
 
 
 def _shown(cell: pd.Series, source: str) -> str:

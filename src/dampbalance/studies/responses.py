@@ -20,20 +20,19 @@ from scipy.optimize import brentq
 
 from ..arrays import Array
 from ..balance import TERMS
-from ..features import Features, beside, of_numbers, of_orbit, stack, wrapped
+from ..features import Features, of_numbers, of_orbit, side_by_side, stack, wrapped
 from ..identification.law_comparison import compare_laws
-from ..identification.microstick import read_samples
-from ..identification.oscillator import JointFit, joined, joint_fit
+from ..identification.oscillator import JointFit, joined, joint_fit, read_samples
 from ..law.response import law_orbit
 from ..law.steady import Response, steady_response
 from ..law.terms import FRICTION, KNOWN_TERMS, of_harmonics
+from ..likelihood.mean_harmonics import Reading, read_features
 from ..model import BaseMotion, Oscillator
 from ..motion.fixed_step import StepTooCoarse, simulate
 from ..motion.orbit import NoSteadyOrbit, steady_orbit
 from ..motion.regime import Regime
 from ..project.progress import followed
 from ..reading.clean import CYCLES_TO_READ, of_record
-from ..reading.mean_harmonics import Reading, read_features
 from ..reading.simpson import cycle_integrals, replicates_of
 from ..record import Record
 from ..records.measurement import Measurement
@@ -53,7 +52,7 @@ def _one_by_one(
     for case, omega in enumerate(followed(cases.si["omega"].tolist(), len(cases.numbers), "cases")):
         osc, levels = oscillator_of(cases.si, case), cases.Y[:, case].tolist()
         columns.append(stack([response(osc, BaseMotion(Y, omega), case) for Y in levels]))
-    return beside(columns)
+    return side_by_side(columns)
 
 
 # --- under any damping law ---------------------------------------------------------------------------
@@ -185,8 +184,8 @@ def measured_responses(cases: Cases, _: Iterable[str]) -> Responses:
             pairs = zip((point, replicate), integrals, strict=True)
             plain.append([seen.replaced(**dict(zip("abW", of, strict=True))) for seen, of in pairs])
     values, errors = (dict(zip(TERMS, of, strict=True)) for of in fitted)
-    simpson = tuple(beside(parts) for parts in zip(*plain, strict=True))
-    return Responses(beside(points), beside(replicates), simpson, (values, errors))
+    simpson = tuple(side_by_side(parts) for parts in zip(*plain, strict=True))
+    return Responses(side_by_side(points), side_by_side(replicates), simpson, (values, errors))
 
 
 def _measured(
@@ -381,9 +380,8 @@ def _candidate(terms: Sequence[str], levels: Sequence[float], random: np.random.
     friction, *others = parts
     law = {}
     for symbol, share in zip(terms[1:], others, strict=True):
-        harmonic = KNOWN_TERMS[symbol].harmonic
-        assert harmonic is not None
-        law[symbol] = float(share) * work / float(harmonic(omega, X, Y, phi, k))
+        of_one = float(KNOWN_TERMS[symbol].harmonic(omega, X, Y, phi, k))
+        law[symbol] = float(share) * work / of_one
     return Truth(
         Oscillator(m, law.pop("c", 0.0), k, k * spread(STIFFNESSES), friction * work / (4.0 * X)),
         law,

@@ -105,8 +105,11 @@ def test_the_settings_of_the_user_change_nothing(make, tmp_path):
         assert dict(matplotlib.rcParams) == before
 
 
-@pytest.mark.parametrize("name", NAMES)
-def test_files_tell_what_they_show_and_nothing_of_when_or_with_what(saved, name):
+@pytest.mark.parametrize(
+    ("name", "width"),
+    [("figure1", 90), ("figure2", 180), ("figure3", 180), ("estimation_error", 180)],
+)
+def test_files_fit_a_column_and_say_what_they_show_but_not_when_or_with_what(saved, name, width):
     text = (saved(name) / "figure.svg").read_text(encoding="utf-8")
     assert "<dc:description>What it shows: φ − 1.</dc:description>" in text
     assert matplotlib.__version__ not in text
@@ -114,14 +117,6 @@ def test_files_tell_what_they_show_and_nothing_of_when_or_with_what(saved, name)
     with Image.open(saved(name) / "figure.png") as image:
         assert set(image.info) == {"Description", "dpi"}
         assert image.info["dpi"] == pytest.approx((300, 300), abs=0.01)  # PNG counts in dots per m
-
-
-@pytest.mark.parametrize(
-    ("name", "width"),
-    [("figure1", 90), ("figure2", 180), ("figure3", 180), ("estimation_error", 180)],
-)
-def test_figures_fit_a_column(saved, name, width):
-    with Image.open(saved(name) / "figure.png") as image:
         assert image.width == int(width / 25.4 * 300)  # whole pixels
 
 
@@ -146,6 +141,9 @@ def test_a_failing_save_leaves_what_was_there(tmp_path, monkeypatch):
 @pytest.mark.parametrize("name", NAMES)
 def test_no_text_is_clipped_or_overlaps_another(make, name):
     assert faults(make[name]()) == []
+    text = figures.ALT[name]
+    assert text.endswith(".")
+    assert text.count(". ") == 0
 
 
 def lightness(colour: str) -> float:
@@ -177,13 +175,6 @@ def test_an_approach_needs_no_more_than_its_entry_to_have_a_look(monkeypatch):
     assert looks.label_of("unregistered") == "unregistered"
     assert looks.look_of("unregistered") == looks.SPARE[2]
     assert looks.in_maths("direct integration") == "direct integration"
-
-
-def test_every_figure_has_an_alternative_text_of_one_sentence():
-    assert set(figures.ALT) == set(NAMES)
-    for text in figures.ALT.values():
-        assert text.endswith(".")
-        assert text.count(". ") == 0
 
 
 def test_figures_leave_the_global_state_of_pyplot_alone():
@@ -224,13 +215,14 @@ def test_branches_make_one_closed_cycle(orbits):
 def test_figure2_marks_the_four_instants_where_they_are(make, orbits):
     zoom = panels(make["figure2"]())["b"]
     orbit, F_k = orbits[0], PAPER.F_k
-    where = {letter: line(zoom, letter).get_xydata()[0] for letter in "ABCD"}
-    assert where["A"] == pytest.approx((0.0, F_k))
-    assert where["B"] == pytest.approx((-orbit.V_s, -F_k))
-    assert where["C"] == pytest.approx((0.0, -F_k))
-    assert where["D"] == pytest.approx((orbit.V_s, F_k))
     written_there = " ".join(text.get_text() for text in zoom.texts)
-    for letter, instant in (("A", "t_2"), ("B", "t_r"), ("C", "t_1"), ("D", "t_s")):
+    for letter, instant, v, f in (
+        ("A", "t_2", 0.0, F_k),
+        ("B", "t_r", -orbit.V_s, -F_k),
+        ("C", "t_1", 0.0, -F_k),
+        ("D", "t_s", orbit.V_s, F_k),
+    ):
+        assert line(zoom, letter).get_xydata()[0] == pytest.approx((v, f))
         assert rf"\mathbf{{{letter}}}$, ${instant}$" in written_there
 
 
@@ -253,15 +245,9 @@ def test_figure2_draws_the_friction_force_of_the_orbit(make, orbits):
 
 
 def test_figure3_has_four_lettered_panels_with_units(make):
-    figure = make["figure3"]()
-    for letter, x in (
-        ("a", "displacement $x$ (mm)"),
-        ("b", "displacement $x$ (mm)"),
-        ("c", r"velocity $\dot{x}$ (m/s)"),
-        ("d", r"velocity $\dot{x}$ (m/s)"),
-    ):
-        axes = panels(figure)[letter]
+    for letter, axes in panels(make["figure3"]()).items():
         assert f"({letter})" in [text.get_text() for text in axes.texts]
+        x = "displacement $x$ (mm)" if letter in "ab" else r"velocity $\dot{x}$ (m/s)"
         assert axes.get_xlabel() == x
         assert axes.get_ylabel() == r"acceleration $\ddot{x}$ (m/s$^2$)"
 
@@ -269,17 +255,19 @@ def test_figure3_has_four_lettered_panels_with_units(make):
 def test_figure3_marks_what_table_1_lists(make, orbits):
     figure, orbit = make["figure3"](), orbits[0]
     b, d = (panels(figure)[letter] for letter in "bd")
-    assert line(b, "-X").get_xdata() == pytest.approx([-orbit.X * 1e3] * 2)
-    assert line(b, "X_s").get_xdata() == pytest.approx([orbit.X_s * 1e3] * 2)
-    assert line(d, "V_s").get_xdata() == pytest.approx([orbit.V_s] * 2)
     # Each mark ends on the curve: the acceleration follows from the equation of motion, Eqs. (1), (2).
     m, c, k, F_k = PAPER.m, PAPER.c, PAPER.k, PAPER.F_k
     force = k * orbit.motion.y(orbit.t_1 + orbit.t_s)
     at_slip = (force - c * orbit.V_s - k * orbit.X_s - F_k) / m
     at_reversal = (k * orbit.motion.y(orbit.t_1) + k * orbit.X + F_k) / m
-    assert line(b, "X_s").get_ydata()[1] == pytest.approx(at_slip, rel=1e-9)
-    assert line(d, "V_s").get_ydata()[1] == pytest.approx(at_slip, rel=1e-9)
-    assert line(b, "-X").get_ydata()[1] == pytest.approx(at_reversal, rel=1e-9)
+    for axes, label, x, acceleration in (
+        (b, "-X", -orbit.X * 1e3, at_reversal),
+        (b, "X_s", orbit.X_s * 1e3, at_slip),
+        (d, "V_s", orbit.V_s, at_slip),
+    ):
+        mark = line(axes, label)
+        assert mark.get_xdata() == pytest.approx([x] * 2)
+        assert mark.get_ydata()[1] == pytest.approx(acceleration, rel=1e-9)
     labels = {text.get_text() for axes in (b, d) for text in axes.texts}
     assert {"$-X_{1}$", "$X_{1s}$", "$V_{1s}$", "$X_{1} + X_{1s}$ = 12.31 µm"} <= labels
 
@@ -303,7 +291,6 @@ def test_figure3_shows_and_names_every_level(make, orbits):
     for axes, of_state in ((a, lambda o: o.X * 1e3), (c, lambda o: o.V_s)):
         ends = {round(float(line.get_xdata()[n]), 9) for line in axes.lines for n in (0, -1)}
         assert {round(of_state(orbit), 9) for orbit in orbits} <= ends
-    for axes in (a, c):
         names = {text.get_text() for text in axes.texts}
         assert {"$Y$ = 4 mm", "6", "8", "10", "12"} <= names
 
@@ -378,6 +365,10 @@ def off_by(factor: float):
     return pytest.approx(expected, rel=1e-12, abs=1e-12, nan_ok=True)
 
 
+def texts(artists) -> list[str]:
+    return [artist.get_text() for artist in artists]
+
+
 def labelled(figure: Figure, name: str):
     (found,) = [axes for axes in figure.axes if axes.get_label() == name]
     return found
@@ -396,7 +387,7 @@ def test_errors_are_relative_to_the_truth(stand_in):
         assert drawn(figure, f"{symbol} omega1", "X_s common") == off_by(factor)
     assert "$\\omega_{1}/2\\pi$ = 4.92 Hz" in [axes.get_title() for axes in figure.axes]
     ticks = labelled(figure, "c omega1").get_xticklabels()
-    assert [t.get_text() for t in ticks] == ["4–6", "6–8", "4–8", "all"]
+    assert texts(ticks) == ["4–6", "6–8", "4–8", "all"]
 
 
 @pytest.mark.parametrize("name", FREQUENCIES_HZ)
@@ -424,7 +415,7 @@ def test_what_is_exact_lies_on_zero_and_the_legend_states_its_bound(make):
         assert len(shown) == len(PAIRS) + 1
         # exact to 1e-10 relative is what direct integration promises, 1e-8 %
         assert np.abs(shown).max() < 1e-8
-    (name,) = [t.get_text() for t in figure.legends[0].get_texts() if "direct" in t.get_text()]
+    (name,) = [name for name in texts(figure.legends[0].get_texts()) if "direct" in name]
     assert name in {rf"direct integration (${{<}}10^{{{n}}}$ %)" for n in range(-11, -7)}
 
 
@@ -432,8 +423,7 @@ def test_the_axis_of_errors_shows_both_signs(make):
     axes = labelled(make["estimation_error"](), "F_k omega1")
     assert axes.get_yscale() == "asinh"
     assert axes.get_ylim() == (-100.0, 100.0)
-    named = [t.get_text() for t in axes.get_yticklabels() if t.get_text()]
-    assert {"$-10^{2}$", "$0$", "$10^{2}$"} <= set(named)
+    assert {"$-10^{2}$", "$0$", "$10^{2}$"} <= set(texts(axes.get_yticklabels()))
 
 
 @pytest.mark.parametrize(
@@ -473,12 +463,14 @@ def test_a_new_approach_and_a_new_term_are_drawn_like_the_others(stand_in, monke
     figure = figures.estimation_error({"omega1": both}, oscillator, {"omega1": 4.92}, LEVELS)
     for symbol, factor in (("F_k", -1.0), ("c", 2.0), ("d", 3.0)):
         assert drawn(figure, f"{symbol} omega1", "new individual") == off_by(factor)
-    assert "new" in [text.get_text() for text in figure.legends[0].get_texts()]
+    assert "new" in texts(figure.legends[0].get_texts())
     written(figure, tmp_path)
 
 
 def test_a_missing_frequency_is_named(stand_in):
-    with pytest.raises(ValueError, match="omega2"):
-        figures.estimation_error({"omega1": stand_in}, PAPER, {"omega2": 3.5}, LEVELS)
-    with pytest.raises(ValueError, match="frequencies"):
-        figures.estimation_error({}, PAPER, {}, LEVELS)
+    for tables, wanted, words in (
+        ({"omega1": stand_in}, {"omega2": 3.5}, "omega2"),
+        ({}, {}, "freq"),
+    ):
+        with pytest.raises(ValueError, match=words):
+            figures.estimation_error(tables, PAPER, wanted, LEVELS)

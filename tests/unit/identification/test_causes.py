@@ -15,29 +15,19 @@ from dampbalance.identification.forced import identify_readings
 from dampbalance.identification.oscillator import joint_fit
 from dampbalance.law.law import Law
 from dampbalance.law.response import law_orbit
-from dampbalance.reading.mean_harmonics import Reading, read_features
-from dampbalance.records.measurement import Measurement
-from dampbalance.records.synthetic import measured_orbit
+from dampbalance.likelihood.mean_harmonics import Reading, read_features
 from paper_case import LEVELS, PAPER, orbits_at
-from unit.identification.levels import THREE, read
+from unit.identification.levels import changed, measured, read
 
 
 def readings(osc=PAPER, levels=LEVELS, hz=3.5, **options):
-    return read(orbits_at(hz, levels, osc), **{"channels": THREE[:2], **options})
+    return read(orbits_at(hz, levels, osc), **options)
 
 
 def in_frame(channel, taken_for, hz=3.5, base="base_displacement"):
     """Readings of a channel of the mass that was taken for another."""
-    found = []
-    for i, orbit in enumerate(orbits_at(hz, LEVELS[:3])):
-        record = measured_orbit(
-            orbit, rate_hz=1000.0, cycles=25.0, noise=0.01, seed=i, channels=(base, channel)
-        )
-        signals = {q: record[q] for q in record}
-        other = replace(signals.pop(channel), quantity=taken_for)
-        measurement = Measurement.of(f"level {i + 1}", [*signals.values(), other])
-        found.append(read_features(measurement, PAPER.k))
-    return found
+    records = measured(LEVELS[:3], hz, cycles=25.0, channels=(base, channel))
+    return [read_features(changed(r, channel, quantity=taken_for), PAPER.k) for r in records]
 
 
 def of_unequal_friction():
@@ -49,12 +39,11 @@ def of_unequal_friction():
 
 def behind(response, seed=1):
     """Readings of a response channel that multiplies harmonics by a function of their frequencies, rad/s."""
-    found = []
-    for one in readings(noise=0.001, seed=seed):
-        steady = one.steady
-        n = np.arange(steady.X.shape[1])
-        found.append(Reading(replace(steady, X=steady.X * response(steady.omega * n))))
-    return found
+    of_records = (one.steady for one in readings(noise=0.001, seed=seed))
+    return [
+        Reading(replace(one, X=one.X * response(one.omega * np.arange(one.X.shape[1]))))
+        for one in of_records
+    ]
 
 
 @pytest.mark.parametrize(
@@ -121,7 +110,5 @@ def test_the_report_names_it_first_and_what_it_changes_is_doubtful():
     found = identify_readings(of_unequal_friction(), PAPER.k, replicates=20)
     warning = next(w for w in found.warnings if "a friction force that changes with the level" in w)
     assert warning.index("the likeliest of the causes") < warning.index("a channel may be skewed")
-    assert {v.verdict for a in found.answers.values() for v in a.verdicts.values()} <= {
-        "doubtful",
-        "none",
-    }
+    verdicts = {v.verdict for a in found.answers.values() for v in a.verdicts.values()}
+    assert verdicts <= {"doubtful", "none"}

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 
 import numpy as np
@@ -12,11 +11,10 @@ from blind.decays import departing, draw, record
 from dampbalance import identify
 from dampbalance.identification.answer import DOUBTFUL, USABLE
 from dampbalance.identification.decays import identify_ring_downs
-from dampbalance.identification.screen import text
-from dampbalance.reading.ringdown_bursts import Signal
-from dampbalance.reading.ringdown_fit import Decay, fit_decays, samples_of
-from dampbalance.reading.ringdown_laws import departures, fit_law
+from dampbalance.likelihood.decay import fit_decays
+from dampbalance.likelihood.law_fit import departures, fit_law
 from unit.identification.releases import FAR, PLUCKED, compiled  # noqa: F401
+from unit.likelihood.exact import decay_of
 
 SOUND = replace(PLUCKED, lasts=(3.5,), rate_hz=250.0, noise=0.003)
 
@@ -37,7 +35,7 @@ def test_sound_decays_raise_no_doubt_and_keep_friction_and_viscous_damping():
     for symbol, (value, error) in chosen(result.laws).coefficients.items():
         assert value == pytest.approx(result.reference.values[symbol], abs=1e-2 * error)
         assert error == pytest.approx(result.reference.standard_errors[symbol], rel=0.1)
-    assert "Probability in noise of what each law leaves, of the waveforms:" in text(result)
+    assert "Probability in noise of what each law leaves, of the waveforms:" in result.text()
 
 
 @pytest.mark.parametrize(
@@ -99,14 +97,9 @@ def test_in_noise_the_coefficients_that_are_missing_have_the_errors_that_they_st
     """60 drawings: the scatter of value over error is 1 within 3 of its own standard errors, 0.1."""
     point = np.array([0.1, 0.3, 6000.0**-0.5, 1.0, 0.0, 0.005, 0.0, 2.0])
     times = np.arange(0.0, 4.0, 0.005)
-    quiet = Signal("displacement", 0, times, np.zeros(times.size), 1e-5)
-    one = Decay("made", 0.0, 4.0, (quiet,), 2.0 * math.pi / 20.0)
-    clean = samples_of(point, point[5:], 400.0, one)
-    random = np.random.default_rng(3)
     drawn = []
-    for _ in range(60):
-        signal = replace(quiet, values=clean + 1e-5 * random.standard_normal(times.size))
-        fit = fit_decays([replace(one, signals=(signal,))], 400.0, point)
+    for seed in range(60):
+        fit = fit_decays([decay_of(point, 400.0, times, 1e-5, seed=seed)], 400.0, point)
         assert fit is not None
         drawn.append([other.value / other.error for other in departures(fit)[:3]])
     scatter = np.std(drawn, axis=0)

@@ -5,42 +5,27 @@ from __future__ import annotations
 import hashlib
 import importlib
 import json
-import math
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
 import pytest
 from matplotlib import pyplot
 
-from dampbalance import (
-    BaseMotion,
-    Oscillator,
-    RecordError,
-    identify,
-    measured_orbit,
-    measured_ring_down,
-    read_records,
-    steady_orbit,
-)
+from dampbalance import Oscillator, RecordError, identify, measured_ring_down, read_records
 from dampbalance.identification.outputs import ALL_PICTURES, REPORT, TABLES, pictures_of
-from dampbalance.records.measurement import Channel, Measurement
 from folders import ROOT
 from paper_case import PAPER
+from unit.identification.levels import changed, clipped, measured
 
 LEVELS = (0.004, 0.007, 0.010, 0.012)
 FILES = sorted((ROOT / "config/records/example").glob("level*.csv"))
 TWO = FILES[:2]
 
 
-def made(noise=0.01, **options):
+def made(**options):
     """A record of each level, below resonance."""
-    return [
-        measured_orbit(
-            steady_orbit(PAPER, BaseMotion(Y=Y, omega=2.0 * math.pi * 3.5)),
-            rate_hz=1000.0, cycles=20.0, noise=noise, seed=i, **options,
-        )
-        for i, Y in enumerate(LEVELS)
-    ]  # fmt: skip
+    return measured(LEVELS, **options)
 
 
 DECAYING = Oscillator(m=2.0, c=1.5, k=2310.0, K_z=208000.0, F_k=0.5)
@@ -96,12 +81,7 @@ def test_the_fit_is_the_answer_and_the_balance_its_check(found):
 
 def test_where_the_records_are_of_another_oscillator_the_balance_is_the_answer():
     """The response clipped at 80 % of its peak is that of no oscillator."""
-    records = made(noise=0.001)
-    for i, one in enumerate(records):
-        x = one["displacement"]
-        clipped = np.clip(x.values, *(0.8 * np.array([-1.0, 1.0]) * np.abs(x.values).max()))
-        channel = Channel("displacement", x.t, clipped)
-        records[i] = Measurement.of(one.source, [one.excitation, channel])
+    records = [clipped(one, "displacement", 0.8) for one in made(noise=0.001)]
     found = identify(records, stiffness=PAPER.k)
     assert next(iter(found.approaches)) == found.document()["answer"] == "direct"
     assert {v.verdict for v in found.verdicts.values()} <= {"doubtful", "none"}
@@ -296,9 +276,8 @@ def test_names_in_a_text_are_read_as_on_the_command_line():
 
 def test_the_averaged_cycle_lies_on_the_samples_whatever_the_zero_of_the_transducer():
     records = made(noise=1e-4)[:2]
-    x = records[1]["displacement"]
-    channels = [records[1]["base_displacement"], Channel(x.quantity, x.t, x.values + 0.02)]
-    records[1] = Measurement.of("with a zero of its own", channels)
+    x = records[1]["displacement"].values + 0.02
+    records[1] = replace(changed(records[1], "displacement", values=x), source="another zero")
     found = identify(records, PAPER.k, approaches=["direct"], replicates=20)
     for reading, axes in zip(found.result.readings, found.plot("cycles")[::2], strict=True):
         dots, line = axes.get_lines()[:2]

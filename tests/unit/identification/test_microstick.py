@@ -7,8 +7,13 @@ import math
 import numpy as np
 import pytest
 
-from dampbalance.identification.microstick import microstick, read_samples
-from dampbalance.identification.oscillator import JointFit, joined, joint_fit
+from dampbalance.identification.oscillator import (
+    JointFit,
+    joined,
+    joint_fit,
+    microstick,
+    read_samples,
+)
 from paper_case import PAPER, orbits_at
 from unit.identification.levels import read
 

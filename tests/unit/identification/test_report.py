@@ -13,17 +13,11 @@ import pytest
 
 from dampbalance import Oscillator, identify, measured_ring_down, read_records
 from dampbalance.identification.answer import unit_of
-from dampbalance.identification.equivalents import (
-    Level,
-    damping_ratio,
-    equivalent_damping,
-    loss_factor,
-    of_level,
-)
+from dampbalance.identification.identified import Level, damping_ratio
 from dampbalance.identification.screen import interval_of, value_of
-from dampbalance.records.measurement import Channel, Measurement
 from folders import ROOT
 from paper_case import PAPER
+from unit.identification.levels import clipped
 
 FILES = sorted((ROOT / "config/records/example").glob("level*.csv"))
 QUICK = {"approaches": ["direct"], "replicates": 20}
@@ -43,18 +37,10 @@ def decay():
     return identify(free, DECAYING.k)
 
 
-def clipped(record):
-    """The record with its acceleration cut at nine tenths of its peak."""
-    channels = [record[q] for q in record]
-    peak = 0.9 * np.abs(channels[-1].values).max()
-    last = Channel(channels[-1].quantity, channels[-1].t, np.clip(channels[-1].values, -peak, peak))
-    return Measurement.of(record.source, [*channels[:-1], last])
-
-
 @pytest.fixture(scope="module")
 def doubtful():
     whole = [record.measurement for record in read_records(FILES[::2])]
-    return identify([*whole[:2], clipped(whole[2])], PAPER.k, **QUICK)
+    return identify([*whole[:2], clipped(whole[2], "acceleration", 0.9)], PAPER.k, **QUICK)
 
 
 KINDS = pytest.mark.parametrize("kind", ["steady", "decay", "doubtful"])
@@ -168,14 +154,15 @@ def test_a_decay_fills_the_picture_as_long_as_it_moves(decay):
     ],
 )
 def test_equivalent_damping_has_closed_forms(W, c):
-    assert equivalent_damping(W, OMEGA, X) == pytest.approx(c, rel=1e-12)
-    assert loss_factor(W, PAPER.k, X) == pytest.approx(c * OMEGA / PAPER.k, rel=1e-12)
+    level = Level("one", X, OMEGA, W, 0.0)
+    assert level.equivalent_damping == pytest.approx(c, rel=1e-12)
+    assert level.loss_factor(PAPER.k) == pytest.approx(c * OMEGA / PAPER.k, rel=1e-12)
 
 
 def test_at_the_natural_frequency_the_loss_factor_is_twice_the_damping_ratio():
     omega = math.sqrt(PAPER.k / PAPER.m)
     W = math.pi * PAPER.c * omega * X**2
-    level = of_level(Level("one", X, omega, W, 0.0), PAPER.k, PAPER.m)
+    level = Level("one", X, omega, W, 0.0).document(PAPER.k, PAPER.m)
     zeta = damping_ratio(PAPER.c, PAPER.k, PAPER.m)
     assert level["equivalent_damping_ratio"] == pytest.approx(zeta, rel=1e-12)
     assert level["loss_factor"] == pytest.approx(2.0 * zeta, rel=1e-12)

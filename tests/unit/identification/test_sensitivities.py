@@ -10,15 +10,10 @@ import pytest
 from dampbalance.identification import forced
 from dampbalance.identification.answer import REFERENCE
 from dampbalance.identification.forced import identify_readings
-from dampbalance.identification.outcome import document
 from dampbalance.identification.sensitivities import FAULTS
-from dampbalance.reading.mean_harmonics import Reading, read_features
-from dampbalance.records.measurement import Measurement
-from dampbalance.records.synthetic import measured_orbit
+from dampbalance.likelihood.mean_harmonics import Reading, read_features
 from paper_case import PAPER, orbits_at
-from unit.identification.levels import THREE, identified, read
-
-SYMBOLS = ("F_k", "c", "K_z")
+from unit.identification.levels import SYMBOLS, THREE, changed, identified, measured, read
 
 
 @pytest.fixture(scope="module", params=[3.5, 11.1])
@@ -63,20 +58,20 @@ def test_records_with_the_fault_change_as_is_said(name, found, monkeypatch):
 @pytest.mark.parametrize("at_fault", ["base_displacement", "relative_displacement"])
 def test_gains_of_a_motion_against_the_base_change_as_is_said(at_fault):
     """The response is base + relative: a gain of the base is one of a part of it."""
-    channels, part = ("base_displacement", "relative_displacement"), 1e-3
-    orbits = orbits_at(3.5, (0.004, 0.008, 0.012))
-    options = {"rate_hz": 1000.0, "cycles": 25.0, "noise": 1e-4}
-    records = [measured_orbit(orbit, seed=3, channels=channels, **options) for orbit in orbits]
-
-    def values(gain):
-        readings = []
-        for record in records:
-            wrong = replace(record[at_fault], values=record[at_fault].values * gain)
-            signals = [wrong if q == at_fault else record[q] for q in channels]
-            readings.append(read_features(Measurement.of(record.source, signals), PAPER.k))
-        return identify_readings(readings, PAPER.k, replicates=20)
-
-    before, after = values(1.0), values(1.0 + part)
+    part = 1e-3
+    channels = ("base_displacement", "relative_displacement")
+    records = measured(cycles=25.0, noise=1e-4, seed=3, channels=channels)
+    before, after = (
+        identify_readings(
+            [
+                read_features(changed(one, at_fault, values=one[at_fault].values * gain), PAPER.k)
+                for one in records
+            ],
+            PAPER.k,
+            replicates=20,
+        )
+        for gain in (1.0, 1.0 + part)
+    )
     name = "drive" if at_fault == "base_displacement" else "response"
     told = before.shifts(FAULTS, ["direct", REFERENCE])
     for answer in told:
@@ -99,7 +94,7 @@ def test_gains_and_stiffness_scale_the_equations(found):
 
 
 def test_the_document_has_them_in_percent(found):
-    found_document = document(found[1])
+    found_document = found[1].document()
     told = found_document["sensitivities"]
     assert found_document["sensitivities_of"] == REFERENCE
     assert list(told) == list(FAULTS)

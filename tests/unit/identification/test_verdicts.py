@@ -20,9 +20,8 @@ from dampbalance.identification.answer import (
     Interval,
     ParameterEstimate,
 )
-from dampbalance.identification.microstick import Microstick
-from dampbalance.identification.oscillator import JointFit
-from dampbalance.identification.outcome import Outcome
+from dampbalance.identification.identified import Identified
+from dampbalance.identification.oscillator import JointFit, Microstick
 from dampbalance.identification.remarks import (
     Limit,
     agreement,
@@ -172,7 +171,7 @@ def test_what_is_warned_of_is_usable_only_within_its_interval(doubts, doubtful):
     assert all(judged[symbol].reason == "late by 2 s" for symbol in doubtful.split())
 
 
-class Both(Outcome):
+class Both(Identified):
     """The answers of a balance and a fit, and nothing else."""
 
     findings = features_table = pictures = None

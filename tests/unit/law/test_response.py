@@ -12,7 +12,7 @@ from scipy.optimize import brentq
 from analytic.cases import SEVERAL_SLIPS, case
 from dampbalance import BaseMotion, NoSteadyOrbit, Oscillator, Regime, steady_orbit, transient
 from dampbalance.law import response
-from dampbalance.law.response import equation, follow, law_orbit, law_transient
+from dampbalance.law.response import _phases, _until_closed, equation, follow, law_orbit
 from dampbalance.motion.events import PHASE_S, PHASE_T, PHASE_V, PHASE_X, PHASE_Z
 from dampbalance.records.synthetic import measured_orbit
 from paper_case import PAPER, motions_at
@@ -30,6 +30,39 @@ REGIMES = {
     (0.4, 0.8, 10.0, 0.0): Regime.NO_FRICTION,
     next(iter(SEVERAL_SLIPS)): Regime.SEVERAL_SLIPS,
 }
+
+
+def still(oscillator):
+    """A base that all but rests."""
+    return BaseMotion(1e-30, oscillator.omega_n)
+
+
+def run(oscillator, motion, law, end, start=(0.0, 0.0, 0.0), begin=0.0):
+    """The rows of the phases from a state (x, ẋ, z) at one time to another, and the state there."""
+    eq = equation(oscillator, motion, law)
+    rows, pieces = _phases(eq, start, end - begin, motion.omega * begin)
+    return np.array(rows) + np.eye(1, 5) * begin, pieces[-1].end
+
+
+def assert_same_run(found, exact, **scales):
+    """Phases, and the end, are those of an exact transient."""
+    rows, end = found
+    scales = np.array(list(scales.values()))
+    at = exact.state(np.append(rows[:, PHASE_T], exact.end))
+    expected = np.column_stack([at.x, at.v, at.z])[:, : scales.size]
+    seen = np.vstack([rows[:, PHASE_X:], end])[:, : scales.size]
+    np.testing.assert_allclose(seen / scales, expected / scales, rtol=0, atol=TOLERANCE)
+
+
+def turns(rows):
+    """The phases that begin with a reversal."""
+    return rows[1:][rows[1:, PHASE_V] == 0.0]
+
+
+def onsets(rows):
+    """The phases that begin with an onset of slip."""
+    slips = rows[:, PHASE_S] != 0.0
+    return rows[1:][slips[1:] & ~slips[:-1]]
 
 
 def assert_close(one, other, **scales):
@@ -61,7 +94,9 @@ def test_friction_and_c_give_the_exact_orbit(numbers):
     assert_same_motion(found, orbit)
     if oscillator.F_k > 0.0:
         assert found.a == pytest.approx(orbit.a, rel=TOLERANCE)
-        assert len(found.onsets) == np.count_nonzero(np.diff(np.abs(orbit.phases[:, 1])) > 0)
+        assert len(onsets(found.phases)) == np.count_nonzero(
+            np.diff(np.abs(orbit.phases[:, 1])) > 0
+        )
 
 
 @pytest.mark.parametrize("numbers", REGIMES, ids=str)
@@ -122,20 +157,14 @@ def test_a_run_from_rest_ends_on_the_steady_response(name):
     orbit = law_orbit(oscillator, motion, law)
     decay = 2.0 * math.pi * numbers[0] / numbers[1]  # of a period, by c alone
     periods = math.ceil(8.0 / decay) + 1
-    run = law_transient(oscillator, motion, law, periods * motion.period)
-    t = (periods - 1 + np.linspace(0.0, 1.0, 50)) * motion.period
-    one, other = run.state(t), orbit.state(t)
-    left = 2.0 * math.exp(-decay * (periods - 1))
-    np.testing.assert_allclose(other.v, one.v, rtol=0, atol=left * np.abs(one.v).max())
+    end = periods * motion.period
+    left = 2.0 * math.exp(-decay * periods) * np.abs(orbit.state(np.linspace(0.0, end, 99)).v).max()
+    assert run(oscillator, motion, law, end)[1][1] == pytest.approx(orbit.state(end).v, abs=left)
     # and it repeats, mirrored, after half a period
-    begin = orbit.theta / motion.omega
-    again = law_transient(
-        oscillator, motion, law, begin + 0.5 * motion.period,
-        x=-orbit.X, z=float(orbit.phases[0, PHASE_Z]), start=begin,
-    )  # fmt: skip
-    last = again.state(again.end)
-    assert float(last.x) == pytest.approx(orbit.X, rel=TOLERANCE)
-    assert float(last.v) == pytest.approx(0.0, abs=TOLERANCE * motion.omega * orbit.X)
+    begin, state = orbit.theta / motion.omega, orbit.phases[0, PHASE_X:]
+    x, v, _ = run(oscillator, motion, law, begin + 0.5 * motion.period, state, begin)[1]
+    assert x == pytest.approx(orbit.X, rel=TOLERANCE)
+    assert v == pytest.approx(0.0, abs=TOLERANCE * motion.omega * orbit.X)
 
 
 def test_a_law_that_does_not_damp_at_resonance_has_no_steady_response():
@@ -148,14 +177,11 @@ def test_phases_begin_at_reversals_and_onsets():
     oscillator, motion = case(*LAWS["quadratic"][1])
     orbit = law_orbit(oscillator, motion, LAWS["quadratic"][0])
     assert list(orbit.phases[:, PHASE_S]) == [0.0, 1.0]
-    (onset,) = orbit.onsets
+    (onset,) = onsets(orbit.phases)
     assert onset[PHASE_X] == pytest.approx(-orbit.X + 2.0 * oscillator.Z_m, rel=1e-12)
-    whole = law_transient(oscillator, motion, orbit.law, 3.0 * motion.period, x=0.01)
-    turns = whole.state(whole.turns[:, PHASE_T])
-    assert len(turns.x) == 5
-    assert np.abs(turns.v).max() < 1e-12 * motion.omega * orbit.X
-    np.testing.assert_allclose(turns.x, whole.turns[:, PHASE_X], rtol=1e-12)
-    np.testing.assert_allclose(np.abs(whole.onsets[:, PHASE_Z]), oscillator.Z_m, rtol=1e-15)
+    rows, _ = run(oscillator, motion, orbit.law, 3.0 * motion.period, (0.01, 0.0, 0.0))
+    assert len(turns(rows)) == 5
+    np.testing.assert_allclose(np.abs(onsets(rows)[:, PHASE_Z]), oscillator.Z_m, rtol=1e-15)
 
 
 ULPS = np.arange(-4, 5, 2) * np.finfo(float).eps
@@ -165,12 +191,12 @@ ULPS = np.arange(-4, 5, 2) * np.finfo(float).eps
 def test_a_reversal_within_rounding_of_the_end_of_a_half_cycle_begins_no_phase():
     (oscillator, motion), law, ends = case(0.02, 0.8, 3.0, 0.1), {"eta": 0.3}, set()
     orbit = law_orbit(oscillator, motion, law)
-    start, z = orbit.theta / motion.omega, float(orbit.phases[0, PHASE_Z])
+    begin, state = orbit.theta / motion.omega, orbit.phases[0, PHASE_X:]
     for late in ULPS:
-        end = start + 0.5 * motion.period * (1.0 + late)
-        half = law_transient(oscillator, motion, law, end, x=-orbit.X, z=z, start=start)
-        ends.add(len(half.phases))
-        assert list(response._until_closed(half).phases[:, PHASE_S]) == [0.0, 1.0]
+        end = begin + 0.5 * motion.period * (1.0 + late)
+        rows, _ = run(oscillator, motion, law, end, state, begin)
+        ends.add(len(rows))
+        assert [row[PHASE_S] for row in _until_closed(rows, oscillator)] == [0.0, 1.0]
     assert ends > {2}  # some of them did have a phase of rounding at their end
 
 
@@ -195,9 +221,9 @@ def test_turning_points_of_a_quadratic_ring_down():
     # m v dv/dx + k x + c₂v² = 0 from −X_0 to X_1 is linear in v²: e^(aX)(aX − 1) is the same at both, a = 2c₂/m
     m, c_2, start = 2.0, 0.9, -0.5
     oscillator = Oscillator(m=m, c=0.0, k=300.0, K_z=1e4, F_k=0.0)
-    run = law_transient(oscillator, None, {"c_2": c_2}, 5.0, x=start)
+    rows, _ = run(oscillator, still(oscillator), {"c_2": c_2}, 5.0, (start, 0.0, 0.0))
     a, X = 2.0 * c_2 / m, -start
-    for turn in run.turns[:8]:
+    for turn in turns(rows)[:8]:
         before = math.exp(-a * X) * (-a * X - 1.0)
         X = brentq(lambda x: math.exp(a * x) * (a * x - 1.0) - before, 0.0, X, xtol=1e-16)  # noqa: B023
         assert abs(turn[PHASE_X]) == pytest.approx(X, rel=1e-11)
@@ -205,23 +231,11 @@ def test_turning_points_of_a_quadratic_ring_down():
 
 def test_a_linear_ring_down_with_friction_is_the_exact_one():
     oscillator, motion = case(0.02, 1.0, 60.0, 0.3)
-    still = replace(motion, Y=1e-30)
-    end, start = 6.0 * motion.period, {"x": 5.0 * motion.Y, "z": oscillator.Z_m}
-    exact = transient(oscillator, still, end, **start)
-    found = law_transient(replace(oscillator, c=0.0), None, {"c_r": oscillator.c}, end, **start)
-    t = np.linspace(0.0, end, 300)
-    scales = {"x": motion.Y, "v": motion.Y * motion.omega, "z": oscillator.Z_m}
-    assert_close(found.state(t), exact.state(t), **scales)
-
-
-@pytest.mark.parametrize("x", [0.0, 1e-4])
-def test_a_mass_in_balance_stays_where_it_is(x):
-    oscillator = Oscillator(m=1.0, c=1.0, k=100.0, K_z=1000.0, F_k=1.0)
-    z = -oscillator.k * x / oscillator.K_z
-    run = law_transient(oscillator, None, {"c_2": 1.0}, 10.0, x=x, z=z)
-    state = run.state(np.linspace(0.0, 10.0, 7))
-    assert list(state.x) == [x] * 7
-    assert not state.v.any()
+    end, x, z = 6.0 * motion.period, 5.0 * motion.Y, oscillator.Z_m
+    exact = transient(oscillator, still(oscillator), end, x=x, z=z)
+    law = {"c_r": oscillator.c}
+    found = run(replace(oscillator, c=0.0), still(oscillator), law, end, (x, 0.0, z))
+    assert_same_run(found, exact, x=motion.Y, v=motion.Y * motion.omega, z=oscillator.Z_m)
 
 
 @pytest.mark.parametrize("before", np.linspace(0.5, 0.6, 5))
@@ -233,9 +247,8 @@ def test_a_velocity_that_dips_below_zero_within_a_step_is_a_reversal(before):
     x = -math.sin(before) + 0.5 * q * math.sin(2.0 * before)
     v = math.cos(before) - q * math.cos(2.0 * before)
     middle = -0.25 * math.pi  # ωt = −π/2, where the motion has t = 0
-    given = {"x": x, "v": v, "z": x, "start": middle - before}
-    found = law_transient(oscillator, motion, {}, middle + 0.5, **given)
-    first, second = found.turns[:, PHASE_T] - middle
+    rows, _ = run(oscillator, motion, {}, middle + 0.5, (x, v, x), middle - before)
+    first, second = turns(rows)[:, PHASE_T] - middle
     # by the expansion of v to second order, (1 − q) + 3t²/2; the next term is t⁴
     assert first == pytest.approx(-low, rel=1e-3)
     assert second == pytest.approx(low, rel=1e-3)
@@ -245,12 +258,10 @@ def test_a_reversal_that_follows_another_at_once_is_located():
     # from rest with an acceleration of 1e-4 that falls by 1 a second, the next reversal is 2e-4 s away
     motion = BaseMotion(Y=2.0, omega=1.0)
     oscillator = Oscillator(m=1.0, c=0.0, k=0.5, K_z=0.5, F_k=1.0)
-    start = {"x": -2e-4, "start": 0.5 * math.pi}
-    found = law_transient(oscillator, motion, {}, 3.0, **start)
-    exact = transient(oscillator, motion, 3.0, **start)
-    assert found.turns[0, PHASE_T] - start["start"] == pytest.approx(2e-4, rel=1e-3)
-    t = np.linspace(start["start"], 3.0, 100)
-    np.testing.assert_allclose(found.state(t).x, exact.state(t).x, rtol=0, atol=1e-13)
+    begin, x = 0.5 * math.pi, -2e-4
+    found = run(oscillator, motion, {}, 3.0, (x, 0.0, 0.0), begin)
+    assert turns(found[0])[0, PHASE_T] - begin == pytest.approx(2e-4, rel=1e-3)
+    assert_same_run(found, transient(oscillator, motion, 3.0, x=x, start=begin), x=1e-3)
 
 
 @pytest.mark.parametrize("eighth", [-1, 0, 1])
@@ -258,11 +269,9 @@ def test_a_mass_in_balance_moves_on_with_the_base(eighth):
     # at rest where the base is: nothing moves it but what the base does next
     oscillator, motion = case(0.1, 0.8, 20.0, 0.2)
     start = eighth / 8.0 * motion.period
-    given = {"x": float(motion.y(start)), "start": start}
-    found = law_transient(oscillator, motion, {}, 2.0 * motion.period, **given)
-    exact = transient(oscillator, motion, 2.0 * motion.period, **given)
-    t = np.linspace(start, 2.0 * motion.period, 100)
-    assert_close(found.state(t), exact.state(t), x=motion.Y)
+    x, end = float(motion.y(start)), 2.0 * motion.period
+    found = run(oscillator, motion, {}, end, (x, 0.0, 0.0), start)
+    assert_same_run(found, transient(oscillator, motion, end, x=x, start=start), x=motion.Y)
 
 
 def test_changes_of_the_state_are_carried_along_as_difference_quotients_say():
@@ -306,37 +315,25 @@ def test_the_steady_response_is_found_from_anywhere(start, monkeypatch):
     expected = law_orbit(oscillator, motion, law)
     units = (expected.X, motion.omega * expected.X, oscillator.Z_m)
     state = tuple(one * unit for one, unit in zip(start, units, strict=True))
-    monkeypatch.setattr(response, "_nearby", lambda eq, motion: state)
+    monkeypatch.setattr(response, "_nearby", lambda eq: state)
     found = law_orbit(oscillator, motion, law)
     assert abs(found.X - expected.X) < 1e-12 * expected.X
 
 
 @pytest.mark.parametrize(
-    ("law", "motion", "message"),
+    ("law", "message"),
     [
-        ({"c_7": 1.0}, BaseMotion(1.0, 1.0), "unknown term 'c_7'; known are F_k, c"),
-        ({"F_k": 1.0}, BaseMotion(1.0, 1.0), "friction force is that of the oscillator"),
-        ({"c": 1.0}, BaseMotion(1.0, 1.0), "set Oscillator.c"),
-        ({"c_2": -1.0}, BaseMotion(1.0, 1.0), "c_2 .quadratic damping. must be a number, 0 to .*, got -1"),
-        ({"c_3": math.inf}, BaseMotion(1.0, 1.0), "c_3 .* must be a number, 0 to .*, got inf"),
-        ({"c_2[a]": 1.0}, BaseMotion(1.0, 1.0), "name the term alone"),
-        ({"eta": 0.1}, None, "set Oscillator.c to eta k/ω"),
+        ({"c_7": 1.0}, "unknown term 'c_7'; known are F_k, c"),
+        ({"F_k": 1.0}, "friction force is that of the oscillator"),
+        ({"c": 1.0}, "set Oscillator.c"),
+        ({"c_2": -1.0}, "c_2 .quadratic damping. must be a number, 0 to .*, got -1"),
+        ({"c_3": math.inf}, "c_3 .* must be a number, 0 to .*, got inf"),
+        ({"c_2[a]": 1.0}, "name the term alone"),
     ],
 )  # fmt: skip
-def test_a_law_that_makes_no_sense_is_refused(law, motion, message):
+def test_a_law_that_makes_no_sense_is_refused(law, message):
     with pytest.raises(ValueError, match=message):
-        law_transient(PAPER, motion, law, 1.0)
-
-
-@pytest.mark.parametrize(
-    ("given", "message"),
-    [({"z": 1.0}, "within ±Z_m"), ({"start": 2.0}, "later than start"), ({"x": math.nan}, "x must be .* of m")],
-)  # fmt: skip
-def test_a_start_that_makes_no_sense_is_refused(given, message):
-    with pytest.raises(ValueError, match=message):
-        law_transient(PAPER, None, {"c_2": 1.0}, 1.0, **given)
-    with pytest.raises(ValueError, match="times must lie within"):
-        law_transient(PAPER, None, {"c_2": 1.0}, 1.0).state(1.1)
+        law_orbit(PAPER, BaseMotion(1.0, 1.0), law)
 
 
 def test_records_are_drawn_from_it_as_from_an_orbit():

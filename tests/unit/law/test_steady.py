@@ -132,19 +132,12 @@ def test_slopes_of_the_onset_by_linear_terms_are_exact(c_r):
             return steady_response(replace(osc, **beside), MOTION, changed)
 
         # orbits are exact to 1e-13, and curvature leaves h²; a coefficient at zero grows to one side
-        ahead, behind = (
-            (moved(h * size), moved(-h * size))
-            if law.get(name, 1.0)
-            else (
-                moved(h * size),
-                moved(0.0),
-            )
-        )
-        step = h * size * (2.0 if law.get(name, 1.0) else 1.0)
-        exact = 1e-6 if law.get(name, 1.0) else 1e-3
+        back = 1.0 if law.get(name, 1.0) else 0.0
+        ahead, behind = moved(h * size), moved(-back * h * size)
         for i, read in enumerate(("V_s", "t_s")):
-            expected = (getattr(ahead, read) - getattr(behind, read)) / step
-            assert of_onset[name][i] == pytest.approx(expected, rel=max(exact, 1e-5)), (name, read)
+            expected = (getattr(ahead, read) - getattr(behind, read)) / (h * size * (1.0 + back))
+            exact = pytest.approx(expected, rel=1e-5 if back else 1e-3)
+            assert of_onset[name][i] == exact, (name, read)
 
 
 def test_onset_and_velocity_are_those_of_the_motion():

@@ -19,21 +19,18 @@ END = 3.0 * MOTION.period
 unit = st.floats(-1.0, 1.0)
 
 
-def test_initial_state_is_kept():
-    start = {"x": 1e-3, "v": -0.02, "z": -0.3 * PAPER.Z_m}
-    path = transient(PAPER, MOTION, END, start=0.1, **start)
-    state = path.state(0.1)
-    for name, value in start.items():
-        assert float(getattr(state, name)) == value
-    assert path.end == END
-    assert path.phases[0, PHASE_T] == 0.1
-
-
-def test_default_is_rest():
-    path = transient(PAPER, MOTION, END)
-    first = path.state(0.0)
-    assert (float(first.x), float(first.v), float(first.z)) == (0.0, 0.0, 0.0)
-    assert float(first.acceleration) == pytest.approx(PAPER.k * MOTION.Y / PAPER.m, rel=1e-15)
+@pytest.mark.parametrize(
+    "given", [{}, {"x": 1e-3, "v": -0.02, "z": -0.3 * PAPER.Z_m, "start": 0.1}]
+)
+def test_the_path_begins_with_its_state_or_at_rest_and_both_ends_belong_to_it(given):
+    path, start = transient(PAPER, MOTION, END, **given), given.get("start", 0.0)
+    state = path.state([start, END])
+    assert [getattr(state, name)[0] for name in "xvz"] == [given.get(name, 0.0) for name in "xvz"]
+    assert np.all(np.isfinite(state.acceleration))
+    if not given:
+        assert state.acceleration[0] == pytest.approx(PAPER.k * MOTION.Y / PAPER.m, rel=1e-15)
+    assert (path.phases[0, PHASE_T], path.end) == (start, END)
+    assert "phases" not in repr(path)  # thousands of rows say nothing in a message
 
 
 def test_integers_are_numbers_too():
@@ -164,40 +161,30 @@ def test_starts_at_the_limit_of_the_spring(z):
     assert still.phases[0, PHASE_S] == (1.0 if z > 0.0 else 0.0)
 
 
-@pytest.mark.parametrize("name", ["x", "v", "z", "start", "end"])
-@pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])
-def test_values_must_be_finite(name, bad):
-    arguments = {"end": END, name: bad}
-    with pytest.raises(ValueError, match=f"^{name} must be a number of .*, got {bad}$"):
-        transient(PAPER, MOTION, **arguments)
+REFUSED = [
+    *(
+        (
+            {name: bad},
+            f"^{name} must be a number of .*, got {bad if isinstance(bad, float) else ''}",
+        )
+        for name in ("x", "v", "z", "start", "end")
+        for bad in (math.nan, math.inf, -math.inf, "0.1", None, True, [0.1], 1j)
+    ),
+    *(
+        ({"z": factor * PAPER.Z_m}, r"^z must lie within ±Z_m = ±6\.15385e-06 m, got ")
+        for factor in (1.0 + 1e-12, -1.1, 1e6)
+    ),
+    *(
+        ({"start": 1.0, "end": end}, rf"^end must be later than start = 1\.0, got {end}$")
+        for end in (1.0, 0.5, -3.0)
+    ),
+]
 
 
-@pytest.mark.parametrize("name", ["x", "v", "z", "start", "end"])
-@pytest.mark.parametrize("bad", ["0.1", None, True, [0.1], 1j], ids=repr)
-def test_values_must_be_numbers(name, bad):
-    arguments = {"end": END, name: bad}
-    with pytest.raises(ValueError, match=f"^{name} must be a number of .*, got "):
-        transient(PAPER, MOTION, **arguments)
-
-
-@pytest.mark.parametrize("factor", [1.0 + 1e-12, -1.1, 1e6])
-def test_the_spring_cannot_be_stretched_beyond_its_limit(factor):
-    with pytest.raises(ValueError, match=r"^z must lie within ±Z_m = ±6\.15385e-06 m, got "):
-        transient(PAPER, MOTION, END, z=factor * PAPER.Z_m)
-
-
-@pytest.mark.parametrize("end", [1.0, 0.5, -3.0])
-def test_the_end_comes_after_the_start(end):
-    with pytest.raises(ValueError, match=rf"^end must be later than start = 1\.0, got {end}$"):
-        transient(PAPER, MOTION, end, start=1.0)
-
-
-def test_both_ends_belong_to_the_path():
-    path = transient(PAPER, MOTION, END, x=1e-3, v=-0.02)
-    state = path.state([0.0, END])
-    assert (state.x[0], state.v[0]) == (1e-3, -0.02)
-    assert np.all(np.isfinite(state.acceleration))
-    assert "phases" not in repr(path)  # thousands of rows say nothing in a message
+@pytest.mark.parametrize(("given", "message"), REFUSED, ids=str)
+def test_states_and_spans_that_make_no_sense_are_refused(given, message):
+    with pytest.raises(ValueError, match=message):
+        transient(PAPER, MOTION, **{"end": END, **given})
 
 
 @pytest.mark.parametrize(

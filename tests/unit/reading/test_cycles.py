@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from dampbalance import BaseMotion, steady_orbit
-from dampbalance.reading.cycles import _held, accumulate
-from dampbalance.reading.frequency import drive_frequency
+from dampbalance.reading.cycles import _held, accumulate, drive_frequency
 from paper_case import OMEGA, PAPER
 
 DT = 1.0 / 997.0  # 202.6 samples per cycle
+OMEGA_1 = 2.0 * math.pi  # one cycle a second
 
 
 def _signal(t: np.ndarray) -> np.ndarray:
@@ -21,9 +21,13 @@ def _signal(t: np.ndarray) -> np.ndarray:
     return even + 2.0 * np.cos(OMEGA * t - 0.4) - 0.1 * np.sin(3 * OMEGA * t)
 
 
+def rows_of(t, s, start=0.0, dt=DT, harmonics=5, omega=OMEGA):
+    return accumulate([(t, s)], omega, start=start, dt=dt, harmonics=harmonics)
+
+
 def test_harmonics_are_exact_for_any_number_of_samples_per_cycle():
     t = 0.123 + DT * np.arange(4001)
-    found = accumulate([(t, _signal(t))], OMEGA, start=0.13, dt=DT, harmonics=5, cycles=1000)
+    found = rows_of(t, _signal(t), 0.13)
     expected = [0.3, 2.0 * np.exp(-0.4j), 0.5 * np.exp(1.0j), 0.1j, 0.0, 0.0]
     assert len(found.weights) == math.floor((t[-1] + DT - 0.13) * OMEGA / (2 * math.pi))
     # least squares on a signal of the model: rounding, times the condition of the normal matrix (about 2)
@@ -33,7 +37,7 @@ def test_harmonics_are_exact_for_any_number_of_samples_per_cycle():
 def test_blocks_of_any_size_give_the_same_rows():
     t = DT * np.arange(9000)
     s = _signal(t) + 0.01 * np.random.default_rng(1).standard_normal(t.size)
-    whole = accumulate([(t, s)], OMEGA, start=0.05, dt=DT, harmonics=5, cycles=1000)
+    whole = rows_of(t, s, 0.05)
     cuts = [0, 1, 7, 300, 301, 2500, 9000]
     blocks = [(t[a:b], s[a:b]) for a, b in itertools.pairwise(cuts)]
     parts = accumulate(blocks, OMEGA, start=0.05, dt=DT, harmonics=5, cycles=1000)
@@ -45,7 +49,7 @@ def test_many_cycles_are_joined_into_bounded_rows():
     dt = 2.0 * math.pi / OMEGA / 16.3
     t = dt * np.arange(16.3 * 5000)
     s = 2.0 * np.cos(OMEGA * t - 0.4)
-    found = accumulate([(t, s)], OMEGA, start=0.0, dt=dt, harmonics=3, cycles=5000)
+    found = rows_of(t, s, dt=dt, harmonics=3)
     assert len(found.weights) <= 2048 + 256
     assert found.cycles_per_row == 4
     assert (found.weights == 4.0).all()
@@ -54,23 +58,20 @@ def test_many_cycles_are_joined_into_bounded_rows():
 
 def test_a_cycle_needs_more_samples_than_it_has_unknowns():
     """N harmonics and the mean are 2N + 1 numbers; the shorter ones of uneven cycles must have one sample more."""
-    omega = 2.0 * math.pi  # one cycle a second
     for per_cycle, harmonics, enough in ((8.1, 3, True), (7.9, 3, False), (64.1, 31, True)):
         t = np.arange(math.ceil(4.0 * per_cycle)) / per_cycle
-        made = [(t, np.cos(omega * t))]
-        more = {"start": 0.0, "dt": 1.0 / per_cycle, "harmonics": harmonics}
+        given = t, np.cos(OMEGA_1 * t), 0.0, 1.0 / per_cycle, harmonics, OMEGA_1
         if enough:
-            found = accumulate(made, omega, **more)
-            np.testing.assert_allclose(found.coefficients[:, 1], np.ones(4), atol=1e-12)
+            np.testing.assert_allclose(rows_of(*given).coefficients[:, 1], np.ones(4), atol=1e-12)
         else:
             with pytest.raises(ValueError, match=r"7\.9 samples per cycle are too few for 3 harm"):
-                accumulate(made, omega, **more)
+                rows_of(*given)
 
 
 def test_span_and_times_are_those_of_the_record():
     t = 0.123 + DT * np.arange(4001)
     values = _signal(t)
-    found = accumulate([(t, values)], OMEGA, start=0.13, dt=DT, harmonics=5)
+    found = rows_of(t, values, 0.13)
     assert found.span == np.ptp(values)
     period = 2.0 * math.pi / OMEGA
     assert found.times == pytest.approx(0.13 + period * (0.5 + np.arange(19)), rel=1e-14)
@@ -81,13 +82,13 @@ def test_span_and_times_are_those_of_the_record():
 CYCLE = 200  # samples in a cycle of the records below
 
 
-def _faulty(spoil, noise=0.0, cycles=12, harmonics=5):
+def _faulty(spoil, noise=0.0, cycles=12):
     """A record of a sinusoid with `spoil` done to its samples; 200 samples and one second a cycle."""
     t = np.arange(cycles * CYCLE) / CYCLE
-    values = np.cos(2.0 * math.pi * t)
+    values = np.cos(OMEGA_1 * t)
     values += noise * np.random.default_rng(3).standard_normal(t.size)
     spoil(values)
-    return accumulate([(t, values)], 2.0 * math.pi, start=0.0, dt=1.0 / CYCLE, harmonics=harmonics)
+    return rows_of(t, values, dt=1.0 / CYCLE, omega=OMEGA_1)
 
 
 @pytest.mark.parametrize("noise", [0.0, 0.01])
@@ -133,24 +134,36 @@ def _converted(clean, bits, part, noise):
     return step * np.clip(np.round((clean + noise) / step), -(2 ** (bits - 1)), 2 ** (bits - 1) - 1)
 
 
-def _held_for(start: int, samples: int, rms: float) -> str:
-    """What is said of a cycle that holds some samples: it rises by 10 a sample up to 20, then by 1."""
-    cycle = np.concatenate([10.0 * np.arange(20), 191.0 + np.arange(80)])
+RISING = np.concatenate([10.0 * np.arange(20), 191.0 + np.arange(80)])
+FALLING = np.concatenate([np.arange(80.0), 80.0 + 10.0 * np.arange(20)])
+
+
+@pytest.mark.parametrize(
+    ("cycle", "start", "samples", "rms", "value"),
+    [
+        # within 6 samples, less one at either end, the other cycles move on by 3: by a step and 5 · 0.4
+        (RISING, 60, 6, 0.39, 231),
+        (RISING, 60, 6, 0.41, None),
+        # held for 8 samples it goes on with a jump of 8: by 1 a sample it moves there, if by 10 farther off
+        (RISING, 60, 8, 0.0, 231),
+        (RISING, 24, 8, 0.0, None),
+        # a stop begins and ends a little earlier or later in each cycle: fast motion within the length of the held
+        # samples on either side explains the jump, motion farther off does not
+        (RISING, 26, 8, 0.0, None),
+        (RISING, 27, 8, 0.0, 198),
+        (FALLING, 64, 8, 0.0, 64),
+        (FALLING, 65, 8, 0.0, None),
+    ],
+)
+def test_a_drop_out_jumps_by_more_than_noise_and_than_the_signal_does_nearby(
+    cycle, start, samples, rms, value
+):
     spoiled = cycle.copy()
     spoiled[start : start + samples] = cycle[start]
-    return _held(spoiled, np.tile(cycle, (8, 1)), rms)
-
-
-def test_a_drop_out_moves_by_a_step_and_five_times_the_noise_elsewhere():
-    """Within 6 samples, less one at either end, the other cycles move on by 3: by a step and 5 · 0.4."""
-    assert _held_for(60, 6, 0.39) == "a drop-out: 6 samples hold the value 231"
-    assert _held_for(60, 6, 0.41) == ""
-
-
-def test_a_drop_out_jumps_by_more_than_the_signal_does_nearby():
-    """Held for 8 samples the signal goes on with a jump of 8. It moves by 1 a sample there, if by 10 farther off."""
-    assert _held_for(60, 8, 0.0) == "a drop-out: 8 samples hold the value 231"
-    assert _held_for(24, 8, 0.0) == ""
+    found = _held(spoiled, np.tile(cycle, (8, 1)), rms)
+    assert found == (
+        "" if value is None else f"a drop-out: {samples} samples hold the value {value}"
+    )
 
 
 @pytest.mark.parametrize(
@@ -165,15 +178,15 @@ def test_steps_of_a_converter_are_no_drop_outs_and_hide_none(quantity, per_cycle
     length = max(6, round(0.1 * per_cycle))
     kept, steepest = 0, int(np.argmax(np.abs(clean[length:] - clean[:-length])[: int(per_cycle)]))
     for bits, part, noise in itertools.product((8, 10, 12, 16), (0.2, 0.97), (0.0, 1e-3, 1e-2)):
-        more = {"start": t[0], "dt": dt, "harmonics": min(31, math.floor(per_cycle / 4.0))}
+        more = t[0], dt, min(31, math.floor(per_cycle / 4.0)), motion.omega
         made = _converted(clean, bits, part, noise)
-        found = accumulate([(t, made)], motion.omega, **more)
+        found = rows_of(t, made, *more)
         assert found.bad_cycles == (), (bits, part, noise)
         kept += len(found.weights)
         # held for a tenth of a cycle, where it moves most
         first = steepest + round(5.0 * per_cycle)
         made[first : first + length] = made[first]
-        faults = accumulate([(t, made)], motion.omega, **more).bad_cycles
+        faults = rows_of(t, made, *more).bad_cycles
         assert {number for number, _, _ in faults} <= {5, 6}, (bits, part, noise)
         assert any(reason.startswith("a drop-out") for _, _, reason in faults), (bits, part, noise)
     assert kept == 24 * 12
@@ -198,23 +211,19 @@ def test_a_gap_is_counted_in_samples():
     t = np.arange(12 * CYCLE) / CYCLE
     keep = np.ones(t.size, dtype=bool)
     keep[5 * CYCLE + 20 : 5 * CYCLE + 50] = False
-    kept = [(t[keep], np.cos(2.0 * math.pi * t[keep]))]
-    found = accumulate(kept, 2.0 * math.pi, start=0.0, dt=1.0 / CYCLE, harmonics=5)
+    found = rows_of(t[keep], np.cos(OMEGA_1 * t[keep]), dt=1.0 / CYCLE, omega=OMEGA_1)
     assert found.bad_cycles == ((5, 5.0, "a gap: 170 samples where there should be 200.0"),)
 
 
 def test_a_drifting_offset_adds_what_the_drift_says():
     t = DT * np.arange(9000)
-    found = accumulate(
-        [(t, 5.0 * t + 0.7 * t**2)], OMEGA, start=0.0, dt=DT, harmonics=4, cycles=100
-    )
+    found = rows_of(t, 5.0 * t + 0.7 * t**2, harmonics=4)
     rate = 5.0 + 1.4 * found.times
-    expected = np.outer(rate, found.drift[0]) + 0.7 * found.drift[1]
+    expected = (np.outer(rate, found.drift[0]) + 0.7 * found.drift[1])[:, 1:]
     # the middle of a cycle's samples is up to half a sample, 0.25 %, off the middle of the cycle
-    size = np.abs(expected[:, 1:]).mean()
-    np.testing.assert_allclose(
-        found.coefficients[:, 1:].mean(axis=0), expected[:, 1:].mean(axis=0), atol=1e-3 * size
-    )
+    bound = 1e-3 * np.abs(expected).mean()
+    means = found.coefficients[:, 1:].mean(axis=0), expected.mean(axis=0)
+    np.testing.assert_allclose(*means, atol=bound)
 
 
 @pytest.mark.parametrize("cycles", [5.3, 60.0])
@@ -228,9 +237,8 @@ def test_frequency_of_a_noisy_signal_scatters_by_its_bound():
     t = DT * np.arange(8000)
     clean, sigma = 2.0 * np.cos(OMEGA * t), 0.1
     rng = np.random.default_rng(2)
-    found = np.array(
-        [drive_frequency(t, clean + sigma * rng.standard_normal(t.size), DT) for _ in range(100)]
-    )
+    noisy = (clean + sigma * rng.standard_normal(t.size) for _ in range(100))
+    found = np.array([drive_frequency(t, values, DT) for values in noisy])
     bound = math.sqrt(24.0 * sigma**2 / (2.0**2 * t.size)) / t[-1]
     # 100 runs: the scatter is known to 7 %, its mean to 10 %; the whole cycles are 97 % of the record
     assert found[:, 0].std() == pytest.approx(bound, rel=0.25)
@@ -241,16 +249,3 @@ def test_frequency_of_a_noisy_signal_scatters_by_its_bound():
 def test_a_signal_without_oscillation_is_refused():
     with pytest.raises(ValueError, match="at least 3"):
         drive_frequency(DT * np.arange(500), np.cos(OMEGA * DT * np.arange(500)), DT)
-
-
-def test_a_signal_may_move_fast_up_to_its_length_from_where_it_stands():
-    """A stop begins and ends a little earlier or later in each cycle: fast motion within the length of the held samples
-    on either side explains the jump, motion farther off does not."""
-    assert _held_for(26, 8, 0.0) == ""
-    assert _held_for(27, 8, 0.0) == "a drop-out: 8 samples hold the value 198"
-    falling = np.concatenate([np.arange(80.0), 80.0 + 10.0 * np.arange(20)])
-    for start, seen in ((64, True), (65, False)):
-        spoiled = falling.copy()
-        spoiled[start : start + 8] = falling[start]
-        found = _held(spoiled, np.tile(falling, (8, 1)), 0.0)
-        assert bool(found) == seen, start

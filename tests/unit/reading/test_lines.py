@@ -85,9 +85,7 @@ def test_starts_balance_the_work_of_the_base():
     found = starts(lines, PAPER.k)
     assert np.all(found >= 0.0)
     F_k, c, K_z, _ = found[:20].T  # the closest
-    X = np.array([orbit.X for orbit in orbits_at(NEAR)])
-    b = np.array([orbit.b for orbit in orbits_at(NEAR)])
-    W = np.array([orbit.W for orbit in orbits_at(NEAR)])
+    X, b, W = np.array([(orbit.X, orbit.b, orbit.W) for orbit in orbits_at(NEAR)]).T
     lost = 4.0 * np.maximum(X[:, None] - F_k / K_z, 0.0) * F_k + b[:, None] * c
     # each takes as much energy from the records, all together, as went in, as nearly as least squares can
     assert lost.sum(axis=0) / W.sum() == pytest.approx(1.0, abs=2e-3)

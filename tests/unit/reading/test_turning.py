@@ -22,6 +22,11 @@ def both(odd: Series, even: Series) -> Series:
     return Series(np.concatenate([odd.n, even.n]), np.hstack([odd.x, even.x]), variance)
 
 
+def row(of: Series, i: int) -> Series:
+    """One mean of several."""
+    return Series(of.n, of.x[i : i + 1], of.variance)
+
+
 ODD = series(1, 1.0 * np.exp(-0.7j), 0.15 * np.exp(2.0j), 0.04j)
 
 
@@ -45,13 +50,10 @@ def test_half_the_range_and_the_middle_of_the_turning_points(even):
 def test_each_mean_has_its_own():
     many = Series(ODD.n, ODD.x * np.array([[1.0], [2.0], [1.5]]), ODD.variance)
     even = Series(np.array([2.0]), np.array([[0.1j], [0.2j], [-0.1]]), np.zeros(1))
-    at, X = turning_points(both(many, even), rests=True)
+    motion = both(many, even)
+    at, X = turning_points(motion, rests=True)
     for i in range(3):
-        all_of_one = both(
-            Series(many.n, many.x[i : i + 1], many.variance),
-            Series(even.n, even.x[i : i + 1], even.variance),
-        )
-        one = turning_points(all_of_one, rests=True)
+        one = turning_points(row(motion, i), rests=True)
         assert (at[i], X[i]) == pytest.approx((one[0][0], one[1][0]), abs=1e-9)
 
 
@@ -112,7 +114,7 @@ def test_replicates_with_many_harmonics_turn_and_cross_zero_where_a_fine_search_
         rate = np.exp(1j * np.outer([at[i], zero[i]], n)) @ (1j * n * drawn[i])
         assert abs(rate[0].real) < 1e-9  # at rest, to what a step of 1e-9 leaves
         grid = at[i] + np.linspace(-math.pi, math.pi, 4096, endpoint=False)
-        one = Series(n, drawn[i : i + 1], many.variance)
+        one = row(many, i)
         assert of_time(grid, one).max() <= X[i] + 1e-15 * n.size
         assert of_time(zero[i : i + 1], one)[0] == pytest.approx(0.0, abs=1e-12)
         assert rate[1].real > 0.0

@@ -11,8 +11,8 @@ from functools import cache
 import numpy as np
 import pytest
 
+from dampbalance.likelihood.mean_harmonics import Reading
 from dampbalance.reading.conditioning import condition
-from dampbalance.reading.mean_harmonics import Reading
 from dampbalance.records.measurement import Channel, Measurement
 from unit.reading.stopping import Steady, Stopping, steady
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dampbalance.reading.ringdown_bursts import noise_of
+from dampbalance.reading.bursts import noise_of
 from dampbalance.reading.whiteness import (
     averages,
     chance_of_averages,

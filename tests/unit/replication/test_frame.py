@@ -11,8 +11,8 @@ import pytest
 from scipy import stats
 
 from dampbalance.law.law import Law
+from dampbalance.likelihood.mean_harmonics import Reading
 from dampbalance.reading.conditioning import condition
-from dampbalance.reading.mean_harmonics import Reading
 from dampbalance.records.measurement import Channel, Measurement
 from dampbalance.replication.frame.findings import (
     Findings,
@@ -37,21 +37,26 @@ from dampbalance.replication.frame.friction import (
     static_force,
 )
 from dampbalance.replication.frame.pictures import loops as drawn_loops
-from unit.reading.stopping import Steady, Stopping, steady
+from unit.reading.stopping import Stopping, steady
 
 TWO = {1: 1.82e-3, 2: 2e-5j, 3: 1e-4}
 ZERO = 3e-4  # m: of the transducer of the mass
 
 
-def record(of: Steady, cycles: float = 10.2) -> Measurement:
-    t = np.arange(int(cycles * 1000.0 * 2.0 * math.pi / of.of.omega)) / 1000.0
-    values = {"base_displacement": of.of.y(t), "displacement": of.x(t) + ZERO}
-    return Measurement.of("synthetic", [Channel(q, t, v) for q, v in values.items()])
+def reading_of(t, base, x, k: float, terms: tuple[str, ...] = ()) -> Reading:
+    channels = [Channel("base_displacement", t, base), Channel("displacement", t, x)]
+    return Reading(condition(Measurement.of("synthetic", channels), k), joint=True, terms=terms)
+
+
+def read(of: Stopping, noise: np.random.Generator | None = None) -> Reading:
+    """What is read of 10.2 cycles, at 1000 samples a second."""
+    t = np.arange(int(10.2 * 1000.0 * 2.0 * math.pi / of.omega)) / 1000.0
+    added = 5e-7 * noise.standard_normal((2, t.size)) if noise else np.zeros(2)
+    return reading_of(t, of.y(t) + added[0], steady(of).x(t) + ZERO + added[1], of.k)
 
 
 def loop_of(of: Stopping) -> Loop:
-    reading = Reading(condition(record(steady(of)), of.k), joint=True)
-    return friction_loop(reading, of.m, {"c_r": of.c_r})
+    return friction_loop(read(of), of.m, {"c_r": of.c_r})
 
 
 def test_the_line_is_that_of_linear_regression():
@@ -154,18 +159,17 @@ def test_a_motion_is_predicted_as_another_integrator_has_it(of):
 
 def test_friction_that_grows_with_speed_is_a_damper_to_the_ground():
     of = Stopping(base=TWO)
-    known = steady(of)
-    t = np.arange(1100) / 1000.0
-    start = known.x(t)[0], 0.0
-    y = of.y(t)
-    by_friction = Mass(of.m, of.k, lambda speed: 0.8 + 6.0 * speed, {"c_r": of.c_r})
-    by_damper = Mass(of.m, of.k, lambda speed: 0.8 + 0.0 * speed, {"c_r": of.c_r, "c": 6.0})
-    one, other, without = (
-        predicted(mass, t, y, *start, of.omega)
-        for mass in (by_friction, by_damper, Mass(of.m, of.k, lambda v: 0.8 + 0.0 * v, {}))
+    known, t = steady(of), np.arange(1100) / 1000.0
+    by_friction, by_damper, without = (
+        predicted(
+            Mass(of.m, of.k, lambda speed, F_1=F_1: 0.8 + F_1 * speed, damping),
+            *(t, of.y(t), known.x(t)[0], 0.0, of.omega),
+        )
+        for F_1, damping in ((6.0, {"c_r": of.c_r}), (0.0, {"c_r": of.c_r, "c": 6.0}), (0.0, {}))
     )
-    np.testing.assert_allclose(one, other, atol=1e-8 * known.range)  # ten times the integrator's
-    assert np.abs(one - without).max() > 0.01 * known.range
+    # ten times the integrator's
+    np.testing.assert_allclose(by_friction, by_damper, atol=1e-8 * known.range)
+    assert np.abs(by_friction - without).max() > 0.01 * known.range
 
 
 def loop_with(force) -> Loop:
@@ -216,16 +220,10 @@ def test_the_logarithmic_law_gives_back_the_friction_of_a_loop():
 
 @pytest.mark.slow
 def test_the_standard_error_of_the_slope_over_speed_is_its_scatter():
-    of = Stopping(base=TWO, c_r=6.0)
-    clean, rng = record(steady(of)), np.random.default_rng(8)
+    of, rng = Stopping(base=TWO, c_r=6.0), np.random.default_rng(8)
     law, slopes, errors = Law(("F_k", "c_r"), {"c_r": 6.0}), [], []
     for _ in range(40):
-        noisy = [
-            Channel(q, clean[q].t, clean[q].values + 5e-7 * rng.standard_normal(clean[q].t.size))
-            for q in clean
-        ]
-        reading = Reading(condition(Measurement.of("noisy", noisy), of.k), joint=True)
-        coefficients = speed_laws_of(reading, of.m, 1.0, law)["linear"].coefficients
+        coefficients = speed_laws_of(read(of, rng), of.m, 1.0, law)["linear"].coefficients
         slopes.append(coefficients["F_1_N_s_per_m"])
         errors.append(coefficients["F_1_standard_error_N_s_per_m"])
     # so little noise that all 31 harmonics are taken every time: their choice is not in the error
@@ -274,11 +272,9 @@ def test_the_rows_of_a_record_show_a_friction_force_that_grows(grows):
     period = 2.0 * math.pi / of.omega
     which = np.minimum((t / period).astype(int), 9)
     x = np.choose(which, [one.x(t) for one in cycles]) + ZERO
-    channels = [Channel("base_displacement", t, of.y(t)), Channel("displacement", t, x)]
-    steady_record = condition(Measurement.of("synthetic", channels), of.k)
-    reading = Reading(steady_record, joint=True, terms=("c_r",))
+    reading = reading_of(t, of.y(t), x, of.k, ("c_r",))
     # what a friction force does that grows is taken for two clocks, and put back
-    assert bool(steady_record.gathered.clocks) == (grows > 0.0)
+    assert bool(reading.steady.gathered.clocks) == (grows > 0.0)
     line = drift(friction_of_rows(as_recorded(reading, 0.0), {"c_r": of.c_r}), 0.95, 1)
     # the level of a rest is read to 1e-4 of the range; a cycle begins within a rest or a slip of the one before
     assert line.slope == pytest.approx(np.polyfit(np.arange(10), forces, 1)[0], abs=4e-4)
@@ -290,11 +286,7 @@ def test_two_clocks_are_put_back_as_they_were_recorded():
     t, rng = 3.0 + np.arange(10_200) / 1000.0, np.random.default_rng(4)
     noise = 1e-6 * rng.standard_normal((2, t.size))
     x = steady(of).x(3.0 + (t - 3.0) * (1.0 - faster)) + noise[1]
-    channels = [
-        Channel("base_displacement", t, of.y(t) + noise[0]),
-        Channel("displacement", t, x),
-    ]
-    reading = Reading(condition(Measurement.of("synthetic", channels), of.k), joint=True)
+    reading = reading_of(t, of.y(t) + noise[0], x, of.k)
     ((found, error),) = reading.steady.gathered.clocks.values()
     assert found == pytest.approx(faster, abs=4.0 * error)
     for of_rows, part in ((reading, 0.0), (as_recorded(reading, 3.0), found)):
@@ -310,16 +302,14 @@ def test_two_clocks_are_put_back_as_they_were_recorded():
 
 
 def test_a_record_of_one_clock_stays_as_it_is():
-    reading = Reading(condition(record(steady(Stopping(base=TWO))), 1191.0), joint=True)
+    reading = read(Stopping(base=TWO))
     assert as_recorded(reading, 0.0) is reading
 
 
 def test_the_clock_of_all_records_is_their_weighted_mean():
     parts, errors = [300.0, 340.0, 320.0], [10.0, 20.0, 40.0]
-    clocks = [
-        {"faster_ppm": [part], "standard_error_ppm": [error]}
-        for part, error in zip(parts, errors, strict=True)
-    ]
+    pairs = zip(parts, errors, strict=True)
+    clocks = [{"faster_ppm": [part], "standard_error_ppm": [error]} for part, error in pairs]
     found = common_clock(clocks)
     weights = np.array(errors) ** -2.0
     mean = np.average(parts, weights=weights)
@@ -330,15 +320,19 @@ def test_the_clock_of_all_records_is_their_weighted_mean():
     assert common_clock([*clocks, {"faster_ppm": [], "standard_error_ppm": []}]) is None
 
 
-def test_what_does_not_fit_is_refused():
-    measured = {"stiffness_N_per_m": 1191.0, "mass_kg": None}
+@pytest.mark.parametrize(
+    ("records", "measured", "message"),
+    [
+        (3, {"mass_kg": None}, "frame: needs the mass of the records"),
+        (2, {}, "loads_kg names 3 loads for 2 records"),
+        (3, {"approaches": ["fourier"]}, "needs the approach direct"),
+    ],
+)
+def test_what_does_not_fit_is_refused(records, measured, message):
     frame = {"loads_kg": [0.1, 0.2, 0.3], "cycles_identified": 5}
-    with pytest.raises(ValueError, match="frame: needs the mass of the records"):
-        findings(["a", "b", "c"], measured, frame, {})
-    with pytest.raises(ValueError, match="loads_kg names 3 loads for 2 records"):
-        findings(["a", "b"], measured | {"mass_kg": 3.0}, frame, {})
-    with pytest.raises(ValueError, match="needs the approach direct"):
-        findings(["a"] * 3, measured | {"mass_kg": 3.0, "approaches": ["fourier"]}, frame, {})
+    of_set = {"stiffness_N_per_m": 1191.0, "mass_kg": 3.0} | measured
+    with pytest.raises(ValueError, match=message):
+        findings(["a"] * records, of_set, frame, {})
 
 
 @pytest.mark.parametrize("loads", [3, 4, 5, 12])

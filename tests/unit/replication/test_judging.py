@@ -1,4 +1,5 @@
-"""What a claim says of itself: its verdict, and how far its routes are off, in words that can be checked by hand."""
+"""A claim: its verdict and how far its routes are off, in words that can be checked by hand; its tolerances, each from
+elsewhere than the number it judges; and statements, of which the print decides."""
 
 from __future__ import annotations
 
@@ -6,9 +7,20 @@ import math
 
 import pytest
 
-from dampbalance.replication.claim_verdicts import READING, UNEXPLAINED
-from dampbalance.replication.claims.judging import WRITTEN, Tolerance, explanation, verdict
-from paper.routes import claim
+from dampbalance.replication.claim_verdicts import PROPAGATED, READING, UNEXPLAINED
+from dampbalance.replication.claims.judging import (
+    WRITTEN,
+    Tolerance,
+    explanation,
+    phase_read,
+    propagated,
+    simulated,
+    velocity_read,
+    verdict,
+)
+from dampbalance.replication.claims.published import Printed, Row
+from dampbalance.replication.claims.rules import bound_holds, word_holds
+from paper.routes import CASE, claim
 
 NEAR = Tolerance(1.26, 1.30, "read so", READING)
 WIDE = Tolerance(1.2, 1.4, "nothing says why", UNEXPLAINED)
@@ -144,3 +156,102 @@ EXPLAINED = {"exact": 1.31, "tolerances": (WIDE,), "cause": "So read."}
 )
 def test_an_explanation_says_how_far_off_and_why(printed, parts, words):
     assert explanation(claim(printed, **parts)) == words
+
+
+# ---- Tolerances: none that a wrong rebuild widens ------------------------------------------------------------------
+
+OMEGA = 2.0 * math.pi * 4.92
+
+
+def verdict_of(tolerances, value):
+    return next((t.verdict for t in tolerances if t.low <= value <= t.high), None)
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+@pytest.mark.parametrize(
+    ("tolerances", "middle", "step", "words"),
+    [
+        (phase_read(Printed("1.522"), OMEGA), 1.522, OMEGA * 1e-4, "0.1 ms"),
+        # the velocity of the first slipping sample, to half a mark
+        (velocity_read(Printed("0.01330"), 2e-5), 0.01330 - 2e-5, 2.5e-5, "0.05 mm/s"),
+    ],
+    ids=["phase", "velocity"],
+)
+def test_what_was_read_lies_within_its_resolution(side, tolerances, middle, step, words):
+    for off, expected in ((0.99, READING), (1.01, UNEXPLAINED), (1.99, UNEXPLAINED), (2.01, None)):
+        assert verdict_of(tolerances, middle + side * off * step) is expected
+    assert words in tolerances[0].reason
+    assert "nothing says why" in tolerances[1].reason
+
+
+def test_a_range_that_print_leaves_is_one_of_the_rebuilt_number_itself():
+    (tolerance,) = propagated((1.2798, 1.2802), Printed("1.280"))
+    assert tolerance.verdict is PROPAGATED
+    # not 1.2797, though print would round it to the same digits
+    assert (tolerance.low, tolerance.high) == (1.2798, 1.2802)
+    assert propagated(None, Printed("1.280")) == ()
+
+
+@pytest.mark.parametrize(
+    ("printed", "reach"),
+    [
+        ("0.81655453", 10e-8),  # ten units; a step in a period is two hundred times as much
+        # a step in a period; ten units are five times as much
+        ("0.00072729", 0.00072729 * 4.92 * 5e-6),
+    ],
+)
+def test_what_a_simulation_gives_is_near_within_ten_units_and_a_step_in_a_period(printed, reach):
+    (tolerance,) = simulated(Printed(printed), CASE)
+    assert tolerance.verdict is UNEXPLAINED
+    ends = tolerance.low - float(printed), tolerance.high - float(printed)
+    assert ends == pytest.approx((-reach, reach), rel=1e-3)
+
+
+# ---- Statements -----------------------------------------------------------------------------------------------------
+
+
+def row(rule: str, printed: str, quantity: str = "") -> Row:
+    return Row("name", "where", "", "", quantity, "", printed, "statement", rule)
+
+
+@pytest.mark.parametrize(
+    ("side", "value", "printed", "holds"),
+    [
+        ("less than", 1.45, "1.4", False),  # the value is not below it
+        ("less than", 1.45, "1.5", True),  # rounded
+        ("less than", 1.46, "1.6", True),  # one unit looser
+        ("less than", 1.46, "1.7", False),  # says too little
+        ("less than", 1.44, "1.5", True),  # 1.4, one unit looser
+        ("less than", 1.44, "1.6", False),
+        ("less than", 1.53, "1.5", False),  # rounded, but not below it
+        ("less than", 0.0794, "0.1", True),
+        ("less than", 0.0794, "0.3", False),
+        ("less than", 66.46, "70", False),  # "less than 70 %" of an error of 66 %
+        ("less than", math.nan, "1.5", False),
+        ("more than", 66.46, "70", False),
+        ("more than", 66.46, "66", True),
+        ("more than", 66.46, "65", True),
+        ("more than", 66.46, "64", False),
+        ("more than", 66.54, "67", False),  # rounded, but not above it
+        ("more than", 77.25, "77", True),
+        ("more than", 77.25, "76", True),
+        ("more than", 77.25, "70", False),
+        ("more than", 77.25, "24", False),
+    ],
+)
+def test_a_bound_is_the_rounded_value_or_one_unit_looser(side, value, printed, holds):
+    assert bound_holds(row("bound", printed, f"largest error: {side}"), value)[0] is holds
+
+
+@pytest.mark.parametrize(
+    ("rule", "printed", "if_larger"),
+    [
+        ("change", "degraded", True),
+        ("change", "improved", False),
+        ("truth", "false", True),
+        ("truth", "true", False),
+    ],
+)
+def test_the_printed_word_decides(rule, printed, if_larger):
+    for one, other in ((19.6, 1.5), (1.0, 1.5)):
+        assert word_holds(row(rule, printed), one, other)[0] is ((one > other) == if_larger)

@@ -169,8 +169,3 @@ def test_a_changed_result_refutes_no_cell():
 )
 def test_digits_rounded_or_cut_off_agree(value, printed, expected):
     assert bool(agrees(value, Printed(printed))) is expected
-
-
-def test_a_moved_last_digit_is_written_as_before():
-    moved = [Printed(text).moved(1) for text in ("2.9E-3", "-0.00272", "90.000", "2310", "9.9e-7")]
-    assert moved == ["3.0E-3", "-0.00271", "90.001", "2311", "10.0e-7"]

@@ -13,8 +13,8 @@ import pytest
 from dampbalance import steady_orbit
 from dampbalance.identification.forced import identify_readings
 from dampbalance.likelihood.information import cramer_rao, noise_of_rms
+from dampbalance.likelihood.mean_harmonics import read_features
 from dampbalance.project.wording import percent
-from dampbalance.reading.mean_harmonics import read_features
 from dampbalance.reading.simpson import cycle_integrals
 from dampbalance.records.synthetic import measured_orbit
 from dampbalance.studies import evaluate

@@ -2,8 +2,7 @@
 
 import pandas as pd
 
-from dampbalance.figures import glance
-from dampbalance.figures.numerics import ALT, Evidence, numerics
+from dampbalance.figures.numerics import ALT, GLANCE_ALT, Evidence, glance, numerics
 from dampbalance.figures.style import save
 from dampbalance.project.case import Case
 from dampbalance.project.files import read_csv
@@ -25,4 +24,4 @@ if __name__ == "__main__":
     o = snakemake.output
     save(figure, o.numerics_svg, o.numerics_png, ALT)
     findings = at_a_glance(evidence, read_csv(i.approaches), case)
-    save(glance.glance(*findings), o.glance_svg, o.glance_png, glance.ALT)
+    save(glance(*findings), o.glance_svg, o.glance_png, GLANCE_ALT)

@@ -16,12 +16,12 @@ if __name__ == "__main__":
     files, measured = snakemake.input, snakemake.params.measured
     identified = json.loads(Path(files.identification).read_text(encoding="utf-8"))
     try:
-        found = findings(list(files.records), measured, snakemake.params.frame, identified)
+        results = findings(list(files.records), measured, snakemake.params.frame, identified)
     except ValueError as error:
         sys.exit(f"error: {error}")
     for name, alt in pictures.ALTERNATIVE_TEXTS.items():
         svg, png = snakemake.output[name], snakemake.output[f"{name}_png"]
-        save(getattr(pictures, name)(found), svg, png, alt)
+        save(getattr(pictures, name)(results), svg, png, alt)
     limits = [limit["words"] for limit in identified["limits"]]
-    write_text(snakemake.output.page, frame_page(found.document, measured, limits))
-    write_json(snakemake.output.numbers, found.document)
+    write_text(snakemake.output.page, frame_page(results.document, measured, limits))
+    write_json(snakemake.output.numbers, results.document)

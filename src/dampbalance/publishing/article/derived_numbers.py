@@ -16,8 +16,7 @@ import pandas as pd
 from ...balance import TERMS, viscous_integral
 from ...estimates import estimate_table
 from ...features import Features
-from ...figures import glance
-from ...figures.numerics import Evidence
+from ...figures.numerics import Damping, Evidence
 from ...model import Oscillator
 from ...project.case import Case
 from ...project.files import plain
@@ -230,14 +229,14 @@ def sampling_instants(cycles: pd.DataFrame, claims: pd.DataFrame, case: Case) ->
 
 def at_a_glance(
     evidence: Evidence, approaches: pd.DataFrame, case: Case
-) -> tuple[glance.Damping, dict[str, list[float]], list[float]]:
-    """What `figures.glance` draws: damping, and errors of F_k at each frequency, Hz.
+) -> tuple[Damping, dict[str, list[float]], list[float]]:
+    """What `figures.numerics.glance` draws: damping, and errors of F_k at each frequency, Hz.
 
     evidence : what the figure of the numerics draws.   approaches : the table of `comparison.approaches_table`.
     """
     estimates, c = evidence.estimates, case.oscillator.c
     fits = estimates[estimates["kind"] == "least_squares"].set_index("approach")
-    damping = glance.Damping(
+    damping = Damping(
         true=c,
         added=added_damping(case, float(evidence.exact["omega_rad_per_s"].iloc[0])),
         rebuilt=float(fits["c_N_s_per_m"]["direct"]),

@@ -15,9 +15,8 @@ from ...project.case import Case
 from ...project.wording import plain
 from ...replication.as_published import coefficients
 from ...replication.claim_verdicts import VERDICTS, of_cell
-from ...replication.comparison import WAYS
+from ...replication.comparison import RECIPES, WAYS
 from ...replication.printed_tables import TABLE_2, UNKNOWNS
-from ...replication.resonance import RECIPES
 from ..colours import variable
 from ..words import titled
 

@@ -42,8 +42,8 @@ from ...replication.claim_verdicts import (
     counts,
     part_of,
 )
+from ...replication.comparison import mends, off_resonance
 from ...replication.printed_tables import SHOWN_ROUTES, TITLES, blocks, claim_of
-from ...replication.resonance import mends, off_resonance
 from ...studies.settings import Study
 from ...studies.shown.facts import filled
 from .. import words
@@ -144,7 +144,7 @@ ORIGINS = {
     ),
     "figure3": _origin(
         "Figure 3",
-        "{case}/figures/figure3.svg ← figures/figures ← figures/acceleration.py motion/orbit.py",
+        "{case}/figures/figure3.svg ← figures/figures ← figures/cycle.py motion/orbit.py",
     ),
     "errors": _origin(
         "Estimation error of each approach",

@@ -110,10 +110,10 @@ def build(root: str | Path, target: str | Path, parser: argparse.ArgumentParser)
             style.write(font_face("".join(pages)))
         target.parent.mkdir(parents=True, exist_ok=True)
         # the old site is removed only when the new one is complete
-        with tempfile.TemporaryDirectory(dir=target.parent, prefix=f"{UNFINISHED}site-") as beside:
-            ready = shutil.copytree(made, Path(beside, "ready"))
+        with tempfile.TemporaryDirectory(dir=target.parent, prefix=f"{UNFINISHED}site-") as aside:
+            ready = shutil.copytree(made, Path(aside, "ready"))
             if target.exists():
-                target.rename(Path(beside, "before"))
+                target.rename(Path(aside, "before"))
             ready.rename(target)
 
 

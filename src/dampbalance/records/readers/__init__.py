@@ -1,6 +1,6 @@
 """Reading records of every format that laboratories have into a `Measurement` in SI units.
 
-measurement = read("level1.mat")                    # mapping beside it, or names and units in the file
+measurement = read("level1.mat")                    # mapping next to it, or names and units in the file
 for t, values in open_channels("long.tdms")["force"](): ...  # in bounded memory
 """
 

@@ -44,7 +44,7 @@ _PIECE = 1 << 20  # bytes unpacked at once
 def hdf5_file(path: Path, largest: int) -> RecordFile:
     """An HDF5 file, or one of MATLAB 7.3: every array of numbers in it is a channel, by its path.
 
-    Unit and sampling rate are attributes of the array, or of the groups that hold it, or scalars beside it.
+    Unit and sampling rate are attributes of the array, or of the groups that hold it, or scalars next to it.
 
     Raises RecordError for a file that would have others read: external links, external storage, virtual data sets.
     """

@@ -171,7 +171,7 @@ def picks_of(file: RecordFile, mapping: RecordMapping, *, entire: bool = True) -
     channel is left that could be one, or the mapping names none.
 
     Raises RecordError naming the channel and the remedy: one that is not there, is there twice or has no unit or no
-    time, a unit that does not fit; channels that cannot be told apart, with the mapping to write.
+    time, a unit that does not fit; channels that cannot be distinguished, with the mapping to write.
     """
     plan = _Plan(file, mapping)
     rules: Mapping[str, ChannelRule] = mapping.channels
@@ -277,7 +277,7 @@ class _Plan:
         return next(iter(named or before[-1:] or times), None)
 
     def warn_of_unused(self, picks: Sequence[Pick]) -> None:
-        """Warn of signals as long as those read that no name told apart. A mapping that names channels leaves the
+        """Warn of signals as long as those read that no name distinguished. A mapping that names channels leaves the
         others out on purpose."""
         sizes = {self.channels[pick.index].size for pick in picks}
         used = {i for pick in picks for i in (pick.index, pick.time)}
@@ -336,7 +336,7 @@ class _Plan:
             raise RecordError(f"{channel}: {error}") from None
 
     def unclear(self, what: str) -> RecordError:
-        """The error for channels that cannot be told apart, with what to write."""
+        """The error for channels that cannot be distinguished, with what to write."""
         return RecordError(
             f"{self.path}: {what}; it needs one of {', '.join(EXCITATIONS)}, unless it is a free decay, and at least"
             f" one of {', '.join(ABSOLUTE)} (relative_displacement, … if measured against the base). Its channels are "

@@ -130,7 +130,7 @@ def tdms_file(path: Path, largest: int) -> RecordFile:
     complaints = io.StringIO()
     log.console_handler.setStream(complaints)
     log.console_handler.setFormatter(None)  # the bare messages
-    # the file alone, not an index that may lie beside it; the reader closes it
+    # the file alone, not an index that may lie next to it; the reader closes it
     stream = open(path, "rb")  # noqa: SIM115
     with intact(path, "TDMS", stream.close):
         file = nptdms.TdmsFile.open(stream)

@@ -41,45 +41,38 @@ def implied_b(published: Published, level: str) -> tuple[str, str]:
     """Compare a printed b with b = (W − a F_k)/c of the printed pairs: (a note on it, a contradiction), "" for none.
 
     The pairs with this level show whether b is printed as it was used; if not, that is a contradiction. The other pairs
-    show which b this level should have had.
+    show which b this level should have had. Each b is as sharp as the rounding of a, W, F_k and c lets it be.
     """
-    b = published[of_cell("table2", "b", level)]
-    own, other = (
-        [label for label in PAIR_LABELS if (level in label.split("-")) == with_it]
-        for with_it in (True, False)
-    )
-    used, wanted = (_implied(published, level, labels) for labels in (own, other))
-    used_range, wanted_range = (shown((min(of)[0], max(of)[0]), b) for of in (used, wanted))
-    names = " and ".join(own)
-    if any(abs(value - b.value) > slack for value, slack in used):
-        return (
-            "",
-            f"It contradicts Table 2 itself: the printed pairs {names} give b = {used_range}.",
-        )
-    if all(abs(value - b.value) > slack for value, slack in wanted):
-        note = f"The printed pairs {names} were computed with b_{level} = {used_range}"
-        return f"{note}, the others want {wanted_range}.", ""
+    b, a, W = (published[of_cell("table2", symbol, level)] for symbol in "baW")
+
+    def implied(with_it: bool) -> tuple[str, list[bool]]:
+        """The range of b by the pairs with this level or by the others; for each, whether it excludes the printed b."""
+        values, excluded = [], []
+        for label in PAIR_LABELS:
+            if (level in label.split("-")) is not with_it:
+                continue
+            F_k, c = (published[of_cell("table2", symbol, label)] for symbol in ("F_k", "c"))
+            values.append((W.value - a.value * F_k.value) / c.value)
+            rounding = a.value * F_k.unit + F_k.value * a.unit + b.value * c.unit + W.unit
+            slack = 0.5 * (b.unit + rounding / c.value)
+            excluded.append(abs(values[-1] - b.value) > slack)
+        return shown((min(values), max(values)), b), excluded
+
+    (used, not_used), (wanted, not_wanted) = implied(with_it=True), implied(with_it=False)
+    names = " and ".join(label for label in PAIR_LABELS if level in label.split("-"))
+    if any(not_used):
+        return "", f"It contradicts Table 2 itself: the printed pairs {names} give b = {used}."
+    if all(not_wanted):
+        note = f"The printed pairs {names} were computed with b_{level} = {used}"
+        return f"{note}, the others want {wanted}.", ""
     return "", ""
-
-
-def _implied(published: Published, level: str, labels: list[str]) -> list[tuple[float, float]]:
-    """b from the printed a and W of a level and the printed F_k and c of pairs, with how far rounding can move it."""
-    b, a, W = (published[of_cell("table2", symbol, level)] for symbol in ("b", "a", "W"))
-    implied = []
-    for label in labels:
-        F_k, c = (published[of_cell("table2", symbol, label)] for symbol in ("F_k", "c"))
-        rounding = a.value * F_k.unit + F_k.value * a.unit + b.value * c.unit + W.unit
-        slack = 0.5 * (b.unit + rounding / c.value)
-        implied.append(((W.value - a.value * F_k.value) / c.value, slack))
-    return implied
 
 
 def printed_inputs_differ(values: Mapping[str, float], number: Printed) -> str:
     """The paper's own inputs in its own equations against what it prints, should that be another number."""
-    value = values["from_print"]
-    if agrees(value, number):
+    if agrees(values["from_print"], number):
         return ""
-    return f"It contradicts the paper's own inputs, which give {number.show(value)}."
+    return f"It contradicts the paper's own inputs, which give {number.show(values['from_print'])}."
 
 
 def slip_time(t_s: float, step: float, number: Printed) -> str:
@@ -161,13 +154,13 @@ def other_b(
         return ""
     notes = []
     for place, level in enumerate(pair):
-        cell = of_cell("table2", "b", level + 1)
+        cell, simulated = of_cell("table2", "b", level + 1), float(b[place])
         used, number = allowed[cell], published[cell]
-        if used is None or abs(b[place] / number.unit - number.value / number.unit) <= 0.5:
+        if used is None or abs(simulated / number.unit - number.value / number.unit) <= 0.5:
             continue
-        simulated, b[place] = float(b[place]), 0.5 * (used[0] + used[1])
+        b[place] = needed = 0.5 * (used[0] + used[1])
         notes.append(
-            f"b_{level + 1} = {number.show(float(b[place]), 2)}, which the printed pairs need "
+            f"b_{level + 1} = {number.show(needed, 2)}, which the printed pairs need "
             f"(simulated: {number.show(simulated, 2)})"
         )
     if not notes:
@@ -178,10 +171,8 @@ def other_b(
 
 def outside(allowed: Range | None, number: Printed, table: str) -> str:
     """A number that the rest of its table, within its rounding, does not allow."""
-    if allowed is None:
-        return ""
-    (low, high), half = allowed, 0.5 * number.unit
-    if low - half <= number.value <= high + half:
+    half = 0.5 * number.unit
+    if allowed is None or allowed[0] - half <= number.value <= allowed[1] + half:
         return ""
     return f"The rest of {table}, within its rounding, allows {shown(allowed, number)} only."
 
@@ -191,8 +182,8 @@ def printed_inputs(values: Mapping[str, float], inputs: str, number: Printed) ->
     shift = values["from_print"] - values["exact"]
     if math.isnan(shift):
         return ""
-    signed = f"{'+' if shift > 0 else '-'}{number.show(abs(shift), 0)}"
-    return f"{inputs}, as printed, move it by {signed} from exact."
+    sign = "+" if shift > 0 else "-"
+    return f"{inputs}, as printed, move it by {sign}{number.show(abs(shift), 0)} from exact."
 
 
 def cut_off(value: float, number: Printed) -> str:
@@ -204,28 +195,34 @@ def cut_off(value: float, number: Printed) -> str:
 
 
 class _Read(NamedTuple):
-    """A feature that is read: keys of its rules in the configuration; words for how it reads, the columns whose sum
-    reads so, scaled, and its format with its unit."""
+    """A feature that is read: keys of its rules in the configuration, words for how it reads, and the columns whose sum
+    reads so, with its format, scale and unit."""
 
     keys: tuple[str, ...]
     words: str
     columns: tuple[str, ...]
+    digits: str
     scale: float
-    shown: str
+    unit: str
+
+    def shown(self, tables: RouteTables, label: str) -> str:
+        """How the feature reads at the levels of a pair; once if it reads the same."""
+        sums = (
+            math.fsum(tables.feature(column, int(level)) for column in self.columns)
+            for level in label.split("-")
+        )
+        texts = [f"{self.scale * value:{self.digits}} {self.unit}" for value in sums]
+        return f"{self.words} {' and '.join(dict.fromkeys(texts))}"
 
 
+_X_s = ("X_s_mark_m", "X_s_decimals")
+_t_s = ("t_s_inset_s", "t_s_unit_s", "common_t_s_decimals")
 _READ = (
-    _Read(("X_decimals",), "X read as", ("X_m",), 1e3, "{:g} mm"),
-    _Read(("X_s_mark_m", "X_s_decimals"), "X + X_s read as", ("X_m", "X_s_m"), 1e6, "{:.4g} µm"),
-    _Read(("V_s_decimals",), "V_s read as", ("V_s_m_per_s",), 1e3, "{:g} mm/s"),
-    _Read(
-        ("t_s_inset_s", "t_s_unit_s", "common_t_s_decimals"),
-        "one t_s of",
-        ("t_s_s",),
-        1e3,
-        "{:g} ms",
-    ),
-    _Read(("phi_decimals", "common_phi_decimals"), "one phi of", ("phi_rad",), 1.0, "{:.6g} rad"),
+    _Read(("X_decimals",), "X read as", ("X_m",), "g", 1e3, "mm"),
+    _Read(_X_s, "X + X_s read as", ("X_m", "X_s_m"), ".4g", 1e6, "µm"),
+    _Read(("V_s_decimals",), "V_s read as", ("V_s_m_per_s",), "g", 1e3, "mm/s"),
+    _Read(_t_s, "one t_s of", ("t_s_s",), "g", 1e3, "ms"),
+    _Read(("phi_decimals", "common_phi_decimals"), "one phi of", ("phi_rad",), ".6g", 1.0, "rad"),
 )
 
 
@@ -239,11 +236,12 @@ def rules_at_work(
     """
     if "omega1" not in exact_route.features or unrounded.empty:
         return lambda row: ""
-    configured = case.numerics.two_point
+    configured = {key: of for key, of in case.numerics.two_point.items() if of is not None}
 
     def pairs(frame: pd.DataFrame, *keys: str) -> RouteTables:
         features = Features.from_frame(frame)
-        read = ReadOut.from_config({key: configured.get(key) for key in keys}).common(features)
+        rules = {key: configured[key] for key in keys if key in configured}
+        read = ReadOut.from_config(rules).common(features)
         table = estimates(features, read, replace(case, pairs=PAIRS))
         return RouteTables({"omega1": read.to_frame()}, {"omega1": table})
 
@@ -251,7 +249,7 @@ def rules_at_work(
     read = {
         one: pairs(unrounded, *one.keys)
         for one in _READ
-        if any(configured.get(key) is not None for key in one.keys)
+        if not configured.keys().isdisjoint(one.keys)
     }
 
     def sentence(row: Row) -> str:
@@ -260,24 +258,13 @@ def rules_at_work(
 
         shifts = {"the simulation": value(unread) - value(exact)}
         for one, tables in read.items():
-            shifts[_as_read(one, tables, row.line)] = value(tables) - value(unread)
+            shifts[one.shown(tables, row.line)] = value(tables) - value(unread)
         if not all(map(math.isfinite, shifts.values())):
             return ""
-        in_order = sorted(shifts, key=lambda what: -abs(shifts[what]))
-        shares = (
-            f"{what} ({shifts[what]:+.{row.number.decimals + 1}f} {row.unit})"
-            for what in in_order
-            if what == in_order[0] or abs(shifts[what]) >= 0.5 * row.number.unit
-        )
+        first, *others = sorted(shifts, key=lambda what: -abs(shifts[what]))
+        named = [first, *(what for what in others if abs(shifts[what]) >= 0.5 * row.number.unit)]
+        digits = row.number.decimals + 1
+        shares = (f"{what} ({shifts[what]:+.{digits}f} {row.unit})" for what in named)
         return f"What moves it: {', '.join(shares)}."
 
     return sentence
-
-
-def _as_read(one: _Read, tables: RouteTables, label: str) -> str:
-    """How a feature reads at the levels of a pair; once if it reads the same."""
-    values = (
-        one.scale * math.fsum(tables.feature(column, int(level)) for column in one.columns)
-        for level in label.split("-")
-    )
-    return f"{one.words} {' and '.join(dict.fromkeys(map(one.shown.format, values)))}"

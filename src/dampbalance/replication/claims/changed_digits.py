@@ -2,7 +2,7 @@
 
 The claims are judged by the same rules as those of the paper, on a print with one other number. `misprints` gives
 every change with its verdicts; `packed` writes them down for the page that lets readers change a digit. That takes a
-minute for all tables, so what it gives is kept on record beside the print, and shown where it is of the run.
+minute for all tables, so what it gives is kept on record with the print, and shown where it is of the run.
 """
 
 from __future__ import annotations
@@ -23,6 +23,17 @@ _JUDGED = {
     "table3": ("table3",),
 }
 """Part of the paper → the parts with computed numbers whose verdicts follow from what is printed there."""
+
+_FOLLOWS = {
+    "from_print": ("table1", "table2", "text"),
+    "pairs": ("table2", "table3"),
+    "refuted": ("table1", "table2", "text"),
+    "by_table_2": ("table2",),
+    "by_table_3": ("table1", "table3", "text"),
+    "misfits": (),  # from Tables 1 and 3, but for causes alone
+    "unread": (),
+}
+"""What sources compute once → the parts of the paper with the printed numbers from which a verdict takes it."""
 
 
 class Misprint(NamedTuple):
@@ -45,9 +56,11 @@ def judged(sources: Sources, name: str, text: str) -> dict[str, Claim]:
 
     Their causes are not looked into: they say why a number is what it is, and no verdict depends on them.
     """
-    changed = sources.with_print({name: text}, keep=("misfits",))
-    vars(changed)["rules_at_work"] = lambda row: ""
-    parts = _JUDGED.get(part_of(name), (part_of(name),))
+    part = part_of(name)
+    changed = replace(sources, published=sources.published.changed({name: text}))
+    kept = {once: getattr(sources, once) for once, of in _FOLLOWS.items() if part not in of}
+    vars(changed).update(kept, rules_at_work=lambda row: "")
+    parts = _JUDGED.get(part, (part,))
     rows = changed.published.rows.values()
     affected = [row for row in rows if row.kind == "computed" and part_of(row.id) in parts]
     return {claim.row.id: claim for claim in claims(changed, affected)}
@@ -87,41 +100,33 @@ def packed(sources: Sources, names: Iterable[str]) -> dict[str, Any]:
     Verdicts, reasons, because and sets are given by their places in these lists.
     """
     ranks, was = list(VERDICTS), verdicts(sources)
-    reasons, because, sets = Pool(), Pool(), Pool()
+    pools: dict[str, dict[Any, int]] = {"reasons": {}, "because": {}, "sets": {}}
+
+    def place(pool: str, thing: Any) -> int:
+        return pools[pool].setdefault(thing, len(pools[pool]))
+
+    def rank(claim: Claim) -> int:
+        return ranks.index(verdict(claim).name)
+
     numbers: dict[str, Any] = {}
     for name, printed, changed in misprints(sources, names):
+        own = changed.get(name)
         others = tuple(
-            (other, ranks.index(verdict(claim).name), because.place(_because(claim)))
+            (other, rank(claim), place("because", _because(claim)))
             for other, claim in changed.items()
             if other != name
         )
-        own = changed.get(name)
         reason = explanation(replace(own, cause="")) if own else ""
         _, changes = numbers.setdefault(name, [sources.published[name].text, []])
-        changes.append(
-            [
-                printed,
-                ranks.index(verdict(own).name if own else was[name]),
-                reasons.place(_NUMBER.sub("#", reason)),
-                " ".join(_NUMBER.findall(reason)),
-                sets.place(others),
-            ]
-        )
-    pools = {"reasons": reasons, "because": because, "sets": sets}
+        change = [printed, rank(own) if own else ranks.index(was[name])]
+        change += [place("reasons", _NUMBER.sub("#", reason)), " ".join(_NUMBER.findall(reason))]
+        changes.append([*change, place("sets", others)])
     return {
         "verdicts": ranks,
         "was": {name: ranks.index(of) for name, of in was.items()},
         **{name: list(pool) for name, pool in pools.items()},
         "numbers": numbers,
     }
-
-
-class Pool(dict[Any, int]):
-    """Different things in the order in which they came, each with its place."""
-
-    def place(self, thing: Any) -> int:
-        """The place of a thing, which enters if it is new."""
-        return self.setdefault(thing, len(self))
 
 
 def _because(claim: Claim) -> str:

@@ -22,7 +22,6 @@ determine the sign only if all its columns share X and φ (`misfits`).
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -98,23 +97,6 @@ def _restored(
 _ESTIMATES = tuple(q.symbol for q in UNKNOWNS)
 
 
-@dataclass(frozen=True)
-class _Table:
-    """Numbers of print and how they follow from the inputs among them.
-
-    ids : of the numbers, the inputs first.
-    value, unit : of each as printed, and a unit of its last digit.
-    inputs : how many of them are inputs.
-    of_inputs : the function from m sets of inputs, shape (inputs, m), to all numbers.
-    """
-
-    ids: list[str]
-    value: Array
-    unit: Array
-    inputs: int
-    of_inputs: Callable[[Array], Array]
-
-
 def by_table_2(published: Published) -> dict[str, Range | None]:
     """The ranges that Table 2 allows for b of each level, m²/s, and F_k, N, and c, N s/m, of each pair, by id.
 
@@ -129,8 +111,8 @@ def by_table_2(published: Published) -> dict[str, Range | None]:
         a, b, W = values.reshape(3, -1, values.shape[1])
         return np.vstack([values, _estimates(Rows({"F_k": a, "c": b}, W))])
 
-    table = _table(published, inputs, estimates, of_inputs)
-    return _ranges(table, *_closest(table), [*column_ids("table2", "b"), *estimates])
+    table = _Table(published, inputs, estimates, of_inputs)
+    return table.ranges([*column_ids("table2", "b"), *estimates])
 
 
 def by_table_3(published: Published, case: Case) -> dict[str, Range | None]:
@@ -139,10 +121,7 @@ def by_table_3(published: Published, case: Case) -> dict[str, Range | None]:
     Empty where every number agrees with all others, which is seen at once.   case : for ω1 and k.
     """
     table = _table_3(published, case, _AS_COMPUTED)
-    off, slopes = _closest(table)
-    if np.max(np.abs(off)) <= 0.5:
-        return {}
-    return _ranges(table, off, slopes, table.ids[table.inputs :])
+    return {} if table.misfit <= 0.5 else table.ranges(table.ids[table.inputs :])
 
 
 def misfits(published: Published, case: Case) -> dict[str, float]:
@@ -153,7 +132,7 @@ def misfits(published: Published, case: Case) -> dict[str, float]:
     """
     minus = {"V_s": CORRECTED}
     ways = {"plus": _AS_COMPUTED, "minus": _AS_COMPUTED | minus, "minus alone": minus}
-    return {name: _misfit(_table_3(published, case, rows)) for name, rows in ways.items()}
+    return {name: _table_3(published, case, rows).misfit for name, rows in ways.items()}
 
 
 _AS_COMPUTED = {name: name for name in HARMONIC}
@@ -162,7 +141,8 @@ _AS_COMPUTED = {name: name for name in HARMONIC}
 
 def _table_3(published: Published, case: Case, rows: Mapping[str, str]) -> _Table:
     """Some columns of Table 3 with their inputs.   rows : behind each column, as _AS_COMPUTED."""
-    inputs = [claim for symbol in ("X", "X_s", "V_s") for claim in column_ids("table1", symbol)]
+    read = ("X", "X_s", "V_s")
+    inputs = [claim for symbol in read for claim in column_ids("table1", symbol)]
     inputs += [of_text("phi_mean"), of_text("t_s_mean")]
     estimates = [
         claim
@@ -173,25 +153,14 @@ def _table_3(published: Published, case: Case, rows: Mapping[str, str]) -> _Tabl
     Y, omega = published.column("table1", "Y")[:, None], case.omega("omega1")
 
     def of_inputs(values: Array) -> Array:
-        numbers = dict(zip(("X", "X_s", "V_s"), values[:-2].reshape(3, len(Y), -1), strict=True))
+        numbers = dict(zip(read, values[:-2].reshape(3, len(Y), -1), strict=True))
         numbers |= {"Y": Y, "phi": values[-2], "t_s": values[-1]}
         every = {name: np.broadcast_to(of, numbers["X"].shape) for name, of in numbers.items()}
         features = of_numbers(omega, "", **every)
         systems = (APPROACHES_OF_TABLE_3[row](features, case.oscillator.k) for row in rows.values())
         return np.vstack([values, *map(_estimates, systems)])
 
-    return _table(published, inputs, estimates, of_inputs)
-
-
-def _table(
-    published: Published,
-    inputs: list[str],
-    estimates: list[str],
-    of_inputs: Callable[[Array], Array],
-) -> _Table:
-    ids = inputs + estimates
-    value, unit = np.array([(published[i].value, published[i].unit) for i in ids]).T
-    return _Table(ids, value, unit, len(inputs), of_inputs)
+    return _Table(published, inputs, estimates, of_inputs)
 
 
 def _estimates(rows: Rows) -> Array:
@@ -200,73 +169,82 @@ def _estimates(rows: Rows) -> Array:
     return np.vstack([estimate[symbol] for symbol in _ESTIMATES])
 
 
-def _ranges(
-    table: _Table, off: Array, slopes: Array, wanted: Iterable[str]
-) -> dict[str, Range | None]:
-    """The range that all other printed numbers leave for each wanted one, by id.   off, slopes : `_closest`."""
-    program = _nearest(off, slopes)
-    # Where the numbers do not agree, those that determine by how much contradict each other whatever else is left out.
-    agree = program.x is None or program.x[-1] <= 0.5 + 1e-6
-    at_odds = np.flatnonzero(program.ineqlin.marginals) % len(off)
-    ranges: dict[str, Range | None] = {}
-    for claim in wanted:
-        place = table.ids.index(claim)
-        ends = _ends(off, slopes, place) if agree or place in at_odds else None
-        value, unit = table.value[place], table.unit[place]
-        ranges[claim] = ends and (float(value + unit * ends[0]), float(value + unit * ends[1]))
-    return ranges
+class _Table:
+    """Numbers of print as linear functions of the inputs among them, about the inputs that suit print best.
 
+    ids : of the numbers, the inputs first.   off, slopes : how many units of its last digit each number is off print
+    there, and by how many it moves with a unit of each input.
+    """
 
-def _misfit(table: _Table) -> float:
-    """How many units the number furthest off print is off, with the inputs that suit it best."""
-    return float(np.max(np.abs(_closest(table)[0])))
+    def __init__(
+        self,
+        published: Published,
+        inputs: list[str],
+        estimates: list[str],
+        of_inputs: Callable[[Array], Array],
+    ) -> None:
+        """From their ids and the function from m sets of inputs, shape (inputs, m), to all numbers."""
+        self.ids, self.inputs, self._of_inputs = inputs + estimates, len(inputs), of_inputs
+        numbers = [(published[i].value, published[i].unit) for i in self.ids]
+        self._value, self._unit = np.array(numbers).T
+        at, unit = self._value[: self.inputs], self._unit[: self.inputs]
+        self.off, self.slopes = self._linear(at)
+        for _ in range(2):  # steps to where the number furthest off print is the fewest units off
+            program = self._nearest()
+            if program.x is None:
+                break
+            at = at + unit * program.x[:-1]
+            there = self._linear(at)
+            if not all(np.isfinite(part).all() for part in there):  # where formulas have no value
+                break
+            self.off, self.slopes = there
 
+    @property
+    def misfit(self) -> float:
+        """How many units the number furthest off print is off."""
+        return float(np.max(np.abs(self.off)))
 
-def _linear(table: _Table, inputs: Array) -> tuple[Array, Array]:
-    """How far every number is off print, and its slopes, in units of its last digit per unit of each input."""
-    n, unit = table.inputs, table.unit
-    steps = 0.1 * np.diag(unit[:n])
-    sets = np.hstack([inputs[:, None], inputs[:, None] + steps, inputs[:, None] - steps])
-    values = table.of_inputs(sets) / unit[:, None]
-    return values[:, 0] - table.value / unit, (values[:, 1 : n + 1] - values[:, n + 1 :]) / 0.2
+    def ranges(self, wanted: Iterable[str]) -> dict[str, Range | None]:
+        """The range that all other printed numbers leave for each wanted one, by id."""
+        program = self._nearest()
+        # Where the numbers do not agree, those that determine by how much contradict each other whatever else is left
+        # out.
+        agree = program.x is None or program.x[-1] <= 0.5 + 1e-6
+        at_odds = np.flatnonzero(program.ineqlin.marginals) % len(self.off)
+        ranges: dict[str, Range | None] = {}
+        for claim in wanted:
+            place = self.ids.index(claim)
+            ends = self._ends(place) if agree or place in at_odds else None
+            value, unit = self._value[place], self._unit[place]
+            ranges[claim] = ends and (float(value + unit * ends[0]), float(value + unit * ends[1]))
+        return ranges
 
+    def _linear(self, inputs: Array) -> tuple[Array, Array]:
+        n, unit = self.inputs, self._unit
+        steps = 0.1 * np.diag(unit[:n])
+        sets = np.hstack([inputs[:, None], inputs[:, None] + steps, inputs[:, None] - steps])
+        values = self._of_inputs(sets) / unit[:, None]
+        return values[:, 0] - self._value / unit, (values[:, 1 : n + 1] - values[:, n + 1 :]) / 0.2
 
-def _closest(table: _Table) -> tuple[Array, Array]:
-    """`_linear` at the inputs at which the number furthest off print is the fewest units off, reached in two steps."""
-    inputs = table.value[: table.inputs]
-    off, slopes = _linear(table, inputs)
-    for _ in range(2):
-        program = _nearest(off, slopes)
-        if program.x is None:
-            break
-        inputs = inputs + table.unit[: table.inputs] * program.x[:-1]
-        there = _linear(table, inputs)
-        if not all(
-            np.isfinite(part).all() for part in there
-        ):  # a step to where formulas have no value
-            break
-        off, slopes = there
-    return off, slopes
+    def _nearest(self) -> OptimizeResult:
+        """The steps of the inputs, and as the last unknown by how many units the number furthest off print then is
+        off."""
+        off, slopes = self.off, self.slopes
+        both = np.hstack([np.vstack([slopes, -slopes]), -np.ones((2 * len(off), 1))])
+        least = np.append(np.zeros(self.inputs), 1.0)
+        return _program(least, both, np.concatenate([-off, off]))
 
-
-def _nearest(off: Array, slopes: Array) -> OptimizeResult:
-    """The steps of the inputs, and as the last unknown by how many units the number furthest off print then is off."""
-    both = np.hstack([np.vstack([slopes, -slopes]), -np.ones((2 * len(off), 1))])
-    least = np.append(np.zeros(slopes.shape[1]), 1.0)
-    return _program(least, both, np.concatenate([-off, off]))
-
-
-def _ends(off: Array, slopes: Array, place: int) -> Range | None:
-    """Least and greatest of one number, in units off print, with all others within half a unit of it; None for none."""
-    others, room = np.delete(slopes, place, axis=0), np.delete(off, place)
-    bounds = np.vstack([others, -others]), np.concatenate([0.5 - room, 0.5 + room])
-    ends = []
-    for sign in (1.0, -1.0):
-        program = _program(sign * slopes[place], *bounds)
-        if program.status != 0 or program.x is None:
-            return None
-        ends.append(float(off[place] + slopes[place] @ program.x))
-    return ends[0], ends[1]
+    def _ends(self, place: int) -> Range | None:
+        """Least and greatest of one number, in units off print, with all others within half a unit; None for none."""
+        others, room = np.delete(self.slopes, place, axis=0), np.delete(self.off, place)
+        bounds = np.vstack([others, -others]), np.concatenate([0.5 - room, 0.5 + room])
+        ends = []
+        for sign in (1.0, -1.0):
+            program = _program(sign * self.slopes[place], *bounds)
+            if program.status != 0 or program.x is None:
+                return None
+            ends.append(float(self.off[place] + self.slopes[place] @ program.x))
+        return ends[0], ends[1]
 
 
 def _program(least: Array, A: Array, b: Array) -> OptimizeResult:

@@ -106,11 +106,6 @@ class Claim:
         """The routes that give a number, in the order of ROUTE_NAMES."""
         return [route for route in ROUTE_NAMES if not math.isnan(self.value(route))]
 
-    @property
-    def judged(self) -> float:
-        """The number of the route that judges."""
-        return self.value(self.route)
-
     def show(self, route: str) -> str:
         """The value of a route, written like the printed number with a few more digits; "" if there is none."""
         return self.row.number.show(self.value(route))
@@ -126,18 +121,18 @@ class Claim:
     @property
     def strays(self) -> list[str]:
         """The routes next to the judging one that lie further than LEASH from where they belong."""
-        return [
-            route
-            for route in self.routes
-            if route not in (self.route, *self.apart)
-            and not abs(self.value(route) / self.nearby.get(route, self.row.number.value) - 1.0)
-            <= LEASH
-        ]
+
+        def far(route: str) -> float:
+            return abs(self.value(route) / self.nearby.get(route, self.row.number.value) - 1.0)
+
+        others = [route for route in self.routes if route not in (self.route, *self.apart)]
+        return [route for route in others if not far(route) <= LEASH]
 
     @property
     def tolerance(self) -> Tolerance | None:
         """The best tolerance that holds the number of the judging route."""
-        return next((t for t in self.tolerances if t.low <= self.judged <= t.high), None)
+        value = self.value(self.route)
+        return next((t for t in self.tolerances if t.low <= value <= t.high), None)
 
     @property
     def one_unit_off(self) -> bool:
@@ -145,7 +140,7 @@ class Claim:
 
         It may not where the paper's other numbers show what was rounded, and the route lies half a unit from that.
         """
-        number, value = self.row.number, self.judged
+        number, value = self.row.number, self.value(self.route)
         low, high = self.allowed or (value, value)
         excluded = max(low - value, value - high) > 0.5 * number.unit
         near = abs(self.off(self.route)) <= 1.0 + self.reach
@@ -172,28 +167,26 @@ def explanation(claim: Claim) -> str:
     """Why the claim has its verdict, in a sentence or two, from the numbers of its row."""
     if claim.holds is not None:
         return claim.cause
-    decided = verdict(claim)
+    decided, route = verdict(claim), ROUTE_NAMES[claim.route]
     if decided is REPRODUCED:
         return f"Exactly {claim.show('exact')}, which rounds to {claim.row.printed}."
     if claim.route not in claim.routes:
-        return f"No number {ROUTE_NAMES[claim.route]}."
+        return f"No number {route}."
     if decided is RECONSTRUCTED:
         exact = f" (exact: {_distance(claim, 'exact')})" if "exact" in claim.routes else ""
-        return f"Obtained {ROUTE_NAMES[claim.route]}{exact}. {claim.cause}".strip()
-    distance = f"{ROUTE_NAMES[claim.route].capitalize()}: {_distance(claim, claim.route)}"
+        return f"Obtained {route}{exact}. {claim.cause}".strip()
+    far, why = f"{route.capitalize()}: {_distance(claim, claim.route)}", claim.cause
     if decided is DIFFERS:
-        evidence = claim.contradiction or _stray(claim) or claim.evidence
-        missing = "No bound reaches so far, and no other number of the paper contradicts it."
-        return f"{distance}. {evidence or missing}"
-    if decided is not LAST_DIGIT and claim.tolerance:
-        return f"{distance}; {claim.tolerance.reason}. {claim.cause}".strip()
-    return f"{distance}. {claim.cause}".strip()
-
-
-def _stray(claim: Claim) -> str:
-    """Which other routes are too far off for any deviation that is named, a sentence."""
-    far = " and ".join(f"{ROUTE_NAMES[r]} {_distance(claim, r)}" for r in claim.strays)
-    return far and f"Too far for the deviation that is named: {far}."
+        strays = " and ".join(f"{ROUTE_NAMES[r]} {_distance(claim, r)}" for r in claim.strays)
+        why = claim.contradiction or (
+            f"Too far for the deviation that is named: {strays}."
+            if strays
+            else claim.evidence
+            or "No bound reaches so far, and no other number of the paper contradicts it."
+        )
+    elif decided is not LAST_DIGIT and claim.tolerance:
+        far += f"; {claim.tolerance.reason}"
+    return f"{far}. {why}".strip()
 
 
 def _distance(claim: Claim, route: str) -> str:
@@ -206,7 +199,7 @@ def _distance(claim: Claim, route: str) -> str:
         few = f"{abs(units):.2g}"
         return f"{few} unit{'' if few == '1' else 's'} of the last digit {side} print"
     percent = 100.0 * abs(claim.off_relative(route))
-    return f"{percent:.0f} % {side} print" if percent >= 10.0 else f"{percent:.2g} % {side} print"
+    return f"{percent:{'.0f' if percent >= 10.0 else '.2g'}} % {side} print"
 
 
 TIME_UNIT_S = 1e-4
@@ -248,12 +241,10 @@ def propagated(allowed: Range | None, number: Printed) -> tuple[Tolerance, ...]:
 
 def simulated(number: Printed, case: Case) -> tuple[Tolerance, ...]:
     """A number of Table 2 close to print without a reason.   case : for ω1 and the step of the simulation."""
-    share = case.numerics.step_s * case.omega("omega1") / (2.0 * math.pi)
-    far = min(NEAR_UNITS * number.unit, share * abs(number.value))
-    reason = (
-        f"less than {NEAR_UNITS:g} units and {share:.1e} of itself, a step in a period; {NOTHING}"
-    )
-    return (_about(number.value, far, reason, UNEXPLAINED),)
+    value, share = number.value, case.numerics.step_s * case.omega("omega1") / (2.0 * math.pi)
+    far = min(NEAR_UNITS * number.unit, share * abs(value))
+    near = f"less than {NEAR_UNITS:g} units and {share:.1e} of itself, a step in a period"
+    return (Tolerance(value - far, value + far, f"{near}; {NOTHING}", UNEXPLAINED),)
 
 
 def shown(ends: Range, number: Printed) -> str:
@@ -262,12 +253,9 @@ def shown(ends: Range, number: Printed) -> str:
 
 
 def _read(value: float, step: float, how: str) -> tuple[Tolerance, ...]:
+    far = NEAR_READINGS * step
     beyond = f"{how}; it is less than {NEAR_READINGS:g} times as far off, and {NOTHING}"
     return (
-        _about(value, step, how, READING),
-        _about(value, NEAR_READINGS * step, beyond, UNEXPLAINED),
+        Tolerance(value - step, value + step, how, READING),
+        Tolerance(value - far, value + far, beyond, UNEXPLAINED),
     )
-
-
-def _about(value: float, far: float, reason: str, verdict: ClaimVerdict) -> Tolerance:
-    return Tolerance(value - far, value + far, reason, verdict)

@@ -10,6 +10,7 @@ This package is the only place that reads `paper/published/`: what is compared w
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from decimal import Decimal, InvalidOperation
@@ -50,12 +51,11 @@ class Printed:
     def is_number(self) -> bool:
         """Whether the text is a number, of a size that a quantity of the paper can have, not a word as "degraded"."""
         try:
-            highest = self.decimal.adjusted()
+            number = self.decimal
         except ValueError:
             return False
-        if len(self.text) > LONGEST or not self.decimal.is_finite():
-            return False
-        return self.exponent >= _POWERS[0] and highest <= _POWERS[1]
+        fits = len(self.text) <= LONGEST and number.is_finite()
+        return fits and self.exponent >= _POWERS[0] and number.adjusted() <= _POWERS[1]
 
     @property
     def decimal(self) -> Decimal:
@@ -94,11 +94,9 @@ class Printed:
     def moved(self, units: int) -> str:
         """The text with its last digit moved by so many units, written alike: 90.0402 by 1 → 90.0403."""
         value = self.decimal + units * Decimal(1).scaleb(self.exponent)
-        split = self.text.lower().find("e")
-        if split < 0:
-            return f"{value:.{self.decimals}f}"
-        mantissa, power = Printed(self.text[:split]), self.text[split + 1 :]
-        return f"{value.scaleb(-int(power)):.{mantissa.decimals}f}{self.text[split:]}"
+        mantissa, power = re.split("(?=[eE])|$", self.text, maxsplit=1)  # the latter, e.g., E-3
+        moved = value.scaleb(-int(power[1:] or 0))
+        return f"{moved:.{Printed(mantissa).decimals}f}{power}"
 
     def show(self, value: float, extra: int = 4) -> str:
         """`value` written as the printed number is, with `extra` more digits, or with three decimals where a word is
@@ -200,22 +198,19 @@ def read_published(folder: Path) -> Published:
 
 def read_texts(path: Path, columns: tuple[str, ...]) -> pd.DataFrame:
     """A table with these columns, every cell the text that it is. Raises ValueError for anything else."""
-    if not path.is_file() or path.stat().st_size > _MOST_BYTES:
-        raise ValueError(
-            f"{path.name}: needed is a file of this name, of {_MOST_BYTES:,} bytes at most"
-        )
-    try:
-        frame = pd.read_csv(path, dtype=str, keep_default_na=False, encoding="utf-8")
-    except (OSError, ValueError) as error:  # not text, empty, or rows of different lengths
-        reason = " ".join(str(error).split())[:120]
-        raise ValueError(
-            f"{path.name}: cannot be read as a table of text in UTF-8: {reason}"
-        ) from None
-    if tuple(frame.columns) != columns:
-        raise ValueError(
-            f"{path.name}: expected the columns {', '.join(columns)}, found {', '.join(frame.columns)[:120]}"
-        )
-    return frame
+    problem = f"needed is a file of this name, of {_MOST_BYTES:,} bytes at most"
+    if path.is_file() and path.stat().st_size <= _MOST_BYTES:
+        try:
+            frame = pd.read_csv(path, dtype=str, keep_default_na=False, encoding="utf-8")
+        except (OSError, ValueError) as error:  # not text, empty, or rows of different lengths
+            reason = " ".join(str(error).split())[:120]
+            problem = f"cannot be read as a table of text in UTF-8: {reason}"
+        else:
+            if tuple(frame.columns) == columns:
+                return frame
+            found = ", ".join(frame.columns)[:120]
+            problem = f"expected the columns {', '.join(columns)}, found {found}"
+    raise ValueError(f"{path.name}: {problem}")
 
 
 def printed_features(published: Published, omega: float) -> Features:
@@ -223,11 +218,11 @@ def printed_features(published: Published, omega: float) -> Features:
 
     omega : drive frequency, rad/s.
     """
-    arrays = {"Y_m": published.column("table1", "Y")}
+    printed = {"Y_m": published.column("table1", "Y")}
     for table, quantities in (("table1", TABLE_1), ("table2", TABLE_2)):
-        arrays |= {q.column: published.column(table, q.symbol) for q in quantities}
+        printed |= {q.column: published.column(table, q.symbol) for q in quantities}
     missing = np.full(LEVELS, np.nan)
-    features = {name: arrays.get(column, missing) for name, column in COLUMNS.items()}
+    features = {name: printed.get(column, missing) for name, column in COLUMNS.items()}
     return of_numbers(omega, "as printed", **features)
 
 
@@ -237,22 +232,18 @@ def from_print(published: Published, case: Case) -> RouteTables:
     Only ω, k and the pairs come from outside the print.
     """
     features = printed_features(published, case.omega("omega1"))
-    common = features.replaced(
-        phi=published[of_text("phi_mean")].value, t_s=published[of_text("t_s_mean")].value
-    )
-    estimates = estimate_table(
-        features, case.oscillator.k, PAIRS, common=common, names=PRINTED_APPROACHES
-    )
+    stated = {name: published[of_text(f"{name}_mean")].value for name in ("phi", "t_s")}
+    common, k = features.replaced(**stated), case.oscillator.k
+    estimates = estimate_table(features, k, PAIRS, common=common, names=PRINTED_APPROACHES)
     return RouteTables({"omega1": features.to_frame()}, {"omega1": estimates})
 
 
 def printed_estimates(published: Published) -> RouteTables:
     """The printed pairs of Tables 2 and 3 as a table of estimates."""
-
-    def pairs(phase: str, table: str, name: str, *approach: str) -> pd.DataFrame:
-        columns = {q.column: published.column(table, q.symbol, *approach) for q in UNKNOWNS}
-        return pd.DataFrame(columns).assign(approach=name, kind="pair", phase=phase)
-
-    tables = [pairs("individual", "table2", "direct")]
-    tables += [pairs("common", "table3", name, name) for name in HARMONIC]
-    return RouteTables({}, {"omega1": pd.concat(tables)})
+    frames = []
+    for name in PRINTED_APPROACHES:
+        table, phase = ("table3", "common") if name in HARMONIC else ("table2", "individual")
+        approach = name if name in HARMONIC else ""
+        pairs = {q.column: published.column(table, q.symbol, approach) for q in UNKNOWNS}
+        frames.append(pd.DataFrame(pairs).assign(approach=name, kind="pair", phase=phase))
+    return RouteTables({}, {"omega1": pd.concat(frames)})

@@ -8,13 +8,12 @@ looser, it would say nothing of the value. A word holds where the comparison tha
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import numpy as np
 import pandas as pd
 
 from ...balance import TERMS
@@ -23,46 +22,21 @@ from ...features import Features
 from ...project.case import Case
 from ...project.files import ROUTES, read_csv, read_routes
 from ...project.wording import cut
+from .. import printed_tables as paper
 from ..as_published import CORRECTED, SLIPPING_SAMPLE, ReadOut
-from ..claim_verdicts import ROUTE_NAMES, Kind, of_text, part_of, statistic
+from ..claim_verdicts import ROUTE_NAMES, Kind, of_text, statistic
 from ..comparison import largest_errors, relative_errors
-from ..printed_tables import (
-    COLUMN_OF,
-    HARMONIC,
-    PRINTED_APPROACHES,
-    RESIDUAL,
-    TABLE_1,
-    TABLE_2,
-    UNKNOWNS,
-    RouteTables,
-)
-from . import causes, cross_checks
-from .causes import rules_at_work
-from .judging import WRITTEN, Claim, phase_read, propagated, simulated, velocity_read
-from .published import (
-    FILE,
-    FREQUENCIES,
-    LEVELS,
-    LONGEST,
-    PAIRS,
-    Published,
-    Row,
-    column_ids,
-    from_print,
-    printed_estimates,
-    read_published,
-)
-
-SIMULATING = ("exact", "as_published")
-"""The routes that simulate."""
+from ..printed_tables import COLUMN_OF, HARMONIC, PRINTED_APPROACHES, RESIDUAL, RouteTables
+from . import causes, cross_checks, judging, published
+from .judging import Claim
+from .published import FILE, FREQUENCIES, LEVELS, LONGEST, PAIRS, Published, Row, column_ids
 
 
 def require_paper(case: Case) -> None:
     """Raise ValueError when the case lacks a frequency or a level of the paper."""
-    missing = [name for name in FREQUENCIES if name not in case.frequencies_hz]
-    if missing:
+    if missing := ", ".join(name for name in FREQUENCIES if name not in case.frequencies_hz):
         raise ValueError(
-            f"claims need the frequencies {', '.join(FREQUENCIES)}; missing: {', '.join(missing)}"
+            f"claims need the frequencies {', '.join(FREQUENCIES)}; missing: {missing}"
         )
     if len(case.levels_m) != LEVELS:
         raise ValueError(f"claims need the five levels of the paper, got {len(case.levels_m)}")
@@ -88,10 +62,10 @@ class Sources:
     as_published: RouteTables
     unrounded: pd.DataFrame
 
-    from_print = cached_property(lambda self: from_print(self.published, self.case))
+    from_print = cached_property(lambda self: published.from_print(self.published, self.case))
     routes = cached_property(lambda self: {name: getattr(self, name) for name in ROUTE_NAMES})
     pairs = cached_property(
-        lambda self: self.routes | {"from_print": printed_estimates(self.published)}
+        lambda self: self.routes | {"from_print": published.printed_estimates(self.published)}
     )
     unread = cached_property(lambda self: RouteTables({"omega1": self.unrounded}, {}))
     refuted = cached_property(lambda self: cross_checks.refuted(self.published, self.case))
@@ -100,58 +74,29 @@ class Sources:
     allowed = cached_property(lambda self: self.by_table_2 | self.by_table_3)
     misfits = cached_property(lambda self: cross_checks.misfits(self.published, self.case))
     rules_at_work = cached_property(
-        lambda self: rules_at_work(self.case, self.exact, self.unrounded)
+        lambda self: causes.rules_at_work(self.case, self.exact, self.unrounded)
     )
-
-    def with_print(self, texts: Mapping[str, str], keep: Collection[str] = ()) -> Sources:
-        """These sources with other printed numbers, by id: what does not follow from those is not computed again.
-
-        keep : what is not, though it follows from them, because nobody will look at it.
-        """
-        changed = replace(self, published=self.published.changed(texts))
-        parts = set(map(part_of, texts))
-        vars(changed).update(
-            {
-                name: getattr(self, name)
-                for name, of in _FOLLOWS.items()
-                if name in keep or parts.isdisjoint(of)
-            }
-        )
-        return changed
 
     def features(self, column: str, level: int) -> dict[str, float]:
         """A feature by the routes that simulate; arguments as in `RouteTables.feature`."""
-        return {name: getattr(self, name).feature(column, level) for name in SIMULATING}
+        return {name: self.routes[name].feature(column, level) for name in ROUTES}
 
-    def estimates(self, column: str, approach: str, **which: str) -> dict[str, float]:
-        """One number of the estimates by every route; arguments as in `RouteTables.estimate`."""
-        return {
-            name: route.estimate(column, approach, **which) for name, route in self.routes.items()
-        }
+    def estimates(self, row: Row, **which: str) -> dict[str, float]:
+        """The estimates that a row is about, by every route.   which : kind or pair, as in `RouteTables.estimate`."""
+        column, routes = COLUMN_OF[row.symbol], self.routes.items()
+        return {name: route.estimate(column, row.approach, **which) for name, route in routes}
 
 
-def read_sources(folder: str | Path, published: str | Path, case: Case) -> Sources:
-    """The sources of the claims on a case.   folder : of its results.   published : of the printed numbers."""
+def read_sources(folder: str | Path, published_in: str | Path, case: Case) -> Sources:
+    """The sources of the claims on a case.   folder : of its results.   published_in : of the printed numbers."""
     features, estimates = (
         read_routes(folder, kind, case.frequencies_hz) for kind in ("features", "estimates")
     )
     exact, as_published = (RouteTables(features[route], estimates[route]) for route in ROUTES)
     first = next(iter(case.frequencies_hz))
     unrounded = read_csv(Path(folder, f"features/as_published/unrounded/{first}.csv"))
-    return Sources(read_published(Path(published)), case, exact, as_published, unrounded)
-
-
-_FOLLOWS = {
-    "from_print": ("table1", "table2", "text"),
-    "pairs": ("table2", "table3"),
-    "refuted": ("table1", "table2", "text"),
-    "by_table_2": ("table2",),
-    "by_table_3": ("table1", "table3", "text"),
-    "misfits": ("table1", "table3", "text"),
-    "unread": (),
-    "rules_at_work": (),
-}
-"""What sources compute once → the parts of the paper whose printed numbers it follows from."""
+    printed = published.read_published(Path(published_in))
+    return Sources(printed, case, exact, as_published, unrounded)
 
 
 def read_out(sources: Sources, row: Row) -> Claim:
@@ -162,15 +107,15 @@ def read_out(sources: Sources, row: Row) -> Claim:
     if row.rule == "rounded":
         how = {}
     elif row.rule == "time":  # whole tenths, of which the exact time keeps the rest
-        how |= {"reach": WRITTEN, "apart": ("exact",)}
+        how |= {"reach": judging.WRITTEN, "apart": ("exact",)}
         how["cause"] = causes.slip_time(exact, sources.case.numerics.step_s, number)
     elif row.rule == "phase":
         crossing = sources.exact.feature("phi_zero_crossing_rad", level)
-        how["tolerances"] = phase_read(number, sources.case.omega("omega1"))
+        how["tolerances"] = judging.phase_read(number, sources.case.omega("omega1"))
         how["cause"] = causes.phase(exact, crossing, number)
     else:
         onset, sample = (sources.unread.feature(name, level) for name in (column, SLIPPING_SAMPLE))
-        how["tolerances"] = velocity_read(number, sample - onset)
+        how["tolerances"] = judging.velocity_read(number, sample - onset)
         how["cause"] = causes.slip_velocity(sample, number)
     contradiction = sources.refuted.get(row.id, "")
     return Claim(row, sources.features(column, level), contradiction=contradiction, **how)
@@ -190,7 +135,7 @@ def integral(sources: Sources, row: Row) -> Claim:
         values,
         "as_published",
         allowed=sources.allowed.get(row.id),
-        tolerances=simulated(row.number, case),
+        tolerances=judging.simulated(row.number, case),
         cause=f"{causes.backward_euler(case, values)} {note}".strip(),
         contradiction=sources.refuted.get(row.id, ""),
         evidence=evidence,
@@ -199,31 +144,29 @@ def integral(sources: Sources, row: Row) -> Claim:
 
 def direct_pair(sources: Sources, row: Row) -> Claim:
     """Table 2, lower part: the pair-wise estimates by direct integration, from more digits than are printed."""
-    case, published = sources.case, sources.published
-    values = sources.estimates(COLUMN_OF[row.symbol], row.approach, pair=row.line)
-    allowed = sources.allowed[row.id]
+    case, number, allowed = sources.case, row.number, sources.allowed[row.id]
+    values = sources.estimates(row, pair=row.line)
     damped = causes.backward_euler(case, values) if row.symbol == "c" else ""
-    with_b = causes.other_b(published, sources.as_published, sources.allowed, row)
-    implied = (causes.implied_b(published, level)[0] for level in row.line.split("-"))
+    with_b = causes.other_b(sources.published, sources.as_published, sources.allowed, row)
+    implied = (causes.implied_b(sources.published, level)[0] for level in row.line.split("-"))
     evidence = " ".join(filter(None, implied))
     return Claim(
         row,
         values,
         "as_published",
         allowed=allowed,
-        tolerances=(*propagated(allowed, row.number), *simulated(row.number, case)),
+        tolerances=(*judging.propagated(allowed, number), *judging.simulated(number, case)),
         cause=f"{damped} {with_b}".strip(),
-        contradiction=causes.outside(allowed, row.number, "Table 2"),
+        contradiction=causes.outside(allowed, number, "Table 2"),
         evidence=evidence and f"Table 2 contradicts itself. {evidence} {with_b}".strip(),
     )
 
 
 def harmonic_pair(sources: Sources, row: Row) -> Claim:
     """Table 3: the pair-wise estimates of the three harmonic approaches with common φ and t_s."""
-    column = COLUMN_OF[row.symbol]
-    values = sources.estimates(column, row.approach, pair=row.line)
+    values = sources.estimates(row, pair=row.line)
     corrected = CORRECTED if row.approach == "V_s" else row.approach
-    correct = sources.as_published.estimate(column, corrected, pair=row.line)
+    correct = sources.as_published.estimate(COLUMN_OF[row.symbol], corrected, pair=row.line)
     slip = causes.sign(values["as_published"], correct, row.unit, sources.misfits)
     return Claim(
         row,
@@ -243,8 +186,7 @@ def held(sources: Sources, row: Row) -> Claim:
     if row.symbol == "Y":
         value = case.levels_m[int(row.line) - 1]
     else:
-        frequency = case.frequencies_hz.get(row.symbol)
-        value = frequency or getattr(case.oscillator, row.symbol)
+        value = case.frequencies_hz.get(row.symbol) or getattr(case.oscillator, row.symbol)
     same = math.isclose(value, row.number.value, rel_tol=1e-12)
     other = f"The configuration holds {value:g}, the paper states {row.printed}."
     cause = "The configuration holds this value." if same else other
@@ -254,19 +196,18 @@ def held(sources: Sources, row: Row) -> Claim:
 def follows(sources: Sources, row: Row) -> Claim:
     """The stated parameters ζ and ω_n, which follow from the others."""
     osc = sources.case.oscillator
-    return Claim(
-        row, {"exact": osc.zeta if row.symbol == "zeta" else osc.omega_n / (2.0 * math.pi)}
-    )
+    value = osc.zeta if row.symbol == "zeta" else osc.omega_n / (2.0 * math.pi)
+    return Claim(row, {"exact": value})
 
 
 def least_squares(sources: Sources, row: Row) -> Claim:
     """Least squares of (9) from the printed tables, with the individual φ and t_s: F_k, c and residual."""
-    values = sources.estimates(COLUMN_OF[row.symbol], row.approach, kind="least_squares")
+    values = sources.estimates(row, kind="least_squares")
     inputs = "Table 2's integrals" if row.approach == "direct" else "Table 1's read-outs"
     moved = causes.printed_inputs(values, inputs, row.number)
     cause = f"{moved} {causes.cut_off(values['from_print'], row.number)}".strip()
     # The residual comes from the rounding of the printed tables; without it, its size is another.
-    apart = SIMULATING if row.symbol == RESIDUAL.symbol else ()
+    apart = ROUTES if row.symbol == RESIDUAL.symbol else ()
     return _from_print(row, values, cause, apart=apart)
 
 
@@ -274,21 +215,20 @@ def moment_of_pairs(sources: Sources, row: Row) -> Claim:
     """Mean and deviation of the printed pairs of Table 2."""
     mean = row.rule == "mean of pairs"
     pairs = sources.published.column("table2", row.symbol)
-    values = sources.estimates(
-        COLUMN_OF[row.symbol], row.approach, kind="mean" if mean else "std"
-    ) | {"from_print": float(pairs.mean() if mean else pairs.std(ddof=1))}
-    apart = () if mean else SIMULATING  # the printed b_1 makes nearly all of the deviation
+    values = sources.estimates(row, kind="mean" if mean else "std")
+    values["from_print"] = float(pairs.mean() if mean else pairs.std(ddof=1))
+    apart = () if mean else ROUTES  # the printed b_1 makes nearly all of the deviation
     return _from_print(row, values, "Over the five pairs that Table 2 prints.", apart=apart)
 
 
 def mean_of_levels(sources: Sources, row: Row) -> Claim:
     """Mean of the φ and of the t_s of the levels, which Table 3 uses."""
     column = COLUMN_OF[row.symbol]
-    values = {name: tables.mean_feature(column) for name, tables in sources.routes.items()}
+    values = {name: route.mean_feature(column) for name, route in sources.routes.items()}
     how: dict[str, Any] = {}
     if row.symbol == "t_s":
         # The mean of five times in whole tenths has no more digits than print; cut off, they lie below exact.
-        how = {"reach": WRITTEN, "apart": SIMULATING[:1]}
+        how = {"reach": judging.WRITTEN, "apart": ("exact",)}
     return _from_print(row, values, "Over the five values that Table 1 prints.", **how)
 
 
@@ -347,11 +287,8 @@ def word_holds(row: Row, one: float, other: float) -> tuple[bool, str]:
 def bound(sources: Sources, row: Row) -> Claim:
     """Bounds on the errors of the two-point formulas with common φ and t_s, at ω1 and at other frequencies."""
     if row.symbol in TERMS:
-        osc = sources.case.oscillator
-        values = {
-            name: largest_errors(tables.pairs(), osc)[row.symbol]
-            for name, tables in sources.pairs.items()
-        }
+        osc, pairs = sources.case.oscillator, sources.pairs.items()
+        values = {name: largest_errors(of.pairs(), osc)[row.symbol] for name, of in pairs}
         cause = f"Largest error in the fifteen pairs: {_each(values)}."
     else:
         values = _worst(sources, sources.routes, frequency=row.symbol)
@@ -363,7 +300,7 @@ def change(sources: Sources, row: Row) -> Claim:
     """Words for how accurate the two-point formulas are off resonance."""
     hz = sources.case.frequencies_hz
     values = _worst(sources, sources.routes, frequency=row.symbol)
-    error, near = (of[ROUTE] for of in (values, _worst(sources, sources.routes)))
+    error, near = values[ROUTE], _worst(sources, sources.routes)[ROUTE]
     cause = (
         f"Largest error of the two-point formulas: {error:.1f} % at {hz[row.symbol]:g} Hz, "
         f"{near:.1f} % at {hz['omega1']:g} Hz."
@@ -381,23 +318,6 @@ def truth(sources: Sources, row: Row) -> Claim:
     return _stated(row, direct, word_holds(row, direct[ROUTE], best[ROUTE]), cause)
 
 
-def _largest_with_sign(sources: Sources, frequency: str) -> str:
-    """The largest error of F_k at a frequency by several ways to the features, a sentence."""
-
-    def largest(tables: RouteTables) -> str:
-        errors = relative_errors(tables.pairs(frequency=frequency), sources.case.oscillator)
-        of_F_k = errors["F_k"].to_numpy()
-        signless = np.abs(of_F_k)
-        return "" if np.isnan(signless).all() else f"{of_F_k[np.nanargmax(signless)]:+.1f} %"
-
-    return (
-        f"Largest error of F_k by the recipe that gives Table 3: {largest(sources.as_published)}; by exact features "
-        f"{largest(sources.exact)}, with six decimals {largest(_with_decimals(sources, frequency, 6))}, with the five "
-        f"of Table 1 {largest(_with_decimals(sources, frequency, 5))}. The paper prints no number at this frequency to "
-        "hold against it."
-    )
-
-
 def _worst(
     sources: Sources,
     routes: Mapping[str, RouteTables],
@@ -407,19 +327,33 @@ def _worst(
     """By each route, the larger of the largest errors of F_k and c over the pairs, per cent."""
     osc = sources.case.oscillator
     return {
-        name: max(largest_errors(tables.pairs(approaches, frequency), osc).values())
-        for name, tables in routes.items()
+        name: max(largest_errors(route.pairs(approaches, frequency), osc).values())
+        for name, route in routes.items()
     }
 
 
-def _with_decimals(sources: Sources, frequency: str, decimals: int) -> RouteTables:
-    """Pairs from exact features of a frequency, X, X_s and V_s with so many decimals; nothing if there are none."""
-    frame = sources.exact.features.get(frequency)
-    if frame is None:
-        return RouteTables({}, {})
-    read = ReadOut(X_decimals=decimals, X_s_decimals=decimals, V_s_decimals=decimals)
-    features = read.apply(Features.from_frame(frame))
-    return RouteTables({}, {frequency: estimate_table(features, sources.case.oscillator.k, PAIRS)})
+def _largest_with_sign(sources: Sources, frequency: str) -> str:
+    """The largest error of F_k at a frequency by several ways to the features, a sentence."""
+    osc = sources.case.oscillator
+    exact = sources.exact.features.get(frequency)
+
+    def largest(route: RouteTables) -> str:
+        errors = relative_errors(route.pairs(frequency=frequency), osc)["F_k"].dropna()
+        return f"{errors.iloc[errors.abs().argmax()]:+.1f} %" if errors.size else ""
+
+    def with_decimals(decimals: int) -> str:
+        """By exact features, X, X_s and V_s with so many decimals; nothing if there are none."""
+        if exact is None:
+            return ""
+        read = ReadOut(X_decimals=decimals, X_s_decimals=decimals, V_s_decimals=decimals)
+        pairs = estimate_table(read.apply(Features.from_frame(exact)), osc.k, PAIRS)
+        return largest(RouteTables({}, {frequency: pairs}))
+
+    return (
+        f"Largest error of F_k by the recipe that gives Table 3: {largest(sources.as_published)}; by exact features "
+        f"{largest(sources.exact)}, with six decimals {with_decimals(6)}, with the five of Table 1 {with_decimals(5)}. "
+        "The paper prints no number at this frequency to hold against it."
+    )
 
 
 def _stated(row: Row, values: Mapping[str, float], judged: tuple[bool, str], cause: str) -> Claim:
@@ -431,11 +365,8 @@ def _stated(row: Row, values: Mapping[str, float], judged: tuple[bool, str], cau
 
 def _each(values: Mapping[str, float]) -> str:
     """The errors by the routes in words."""
-    return ", ".join(
-        f"{value:.3f} % {ROUTE_NAMES[route]}"
-        for route, value in values.items()
-        if not math.isnan(value)
-    )
+    known = {ROUTE_NAMES[route]: value for route, value in values.items() if not math.isnan(value)}
+    return ", ".join(f"{value:.3f} % {words}" for words, value in known.items())
 
 
 class Rule(NamedTuple):
@@ -452,7 +383,7 @@ class Rule(NamedTuple):
     kind: Kind = "computed"
 
 
-_ESTIMATES = tuple(q.symbol for q in UNKNOWNS)
+_ESTIMATES = tuple(q.symbol for q in paper.UNKNOWNS)
 _OF_FIT = (*_ESTIMATES, RESIDUAL.symbol)
 _INPUTS = ("m", "c", "k", "K_z", "F_k", "Y", *FREQUENCIES)
 RULES = {
@@ -462,7 +393,7 @@ RULES = {
     "velocity": Rule(read_out, ("V_s",)),
     "phase": Rule(read_out, ("phi",)),
     "time": Rule(read_out, ("t_s",)),
-    "integral": Rule(integral, tuple(q.symbol for q in TABLE_2)),
+    "integral": Rule(integral, tuple(q.symbol for q in paper.TABLE_2)),
     "direct pair": Rule(direct_pair, _ESTIMATES, ("direct",)),
     "harmonic pair": Rule(harmonic_pair, _ESTIMATES, HARMONIC),
     "least squares": Rule(least_squares, _OF_FIT, PRINTED_APPROACHES),
@@ -476,8 +407,8 @@ RULES = {
 """Every rule by its name in the column `rule` of the printed numbers."""
 
 _CELLS = {
-    *(claim for q in TABLE_1 for claim in column_ids("table1", q.symbol)),
-    *(claim for q in (*TABLE_2, *UNKNOWNS) for claim in column_ids("table2", q.symbol)),
+    *(claim for q in paper.TABLE_1 for claim in column_ids("table1", q.symbol)),
+    *(claim for q in (*paper.TABLE_2, *paper.UNKNOWNS) for claim in column_ids("table2", q.symbol)),
     *(claim for table in ("table1", "table2") for claim in column_ids(table, "Y")),
     *(claim for a in HARMONIC for s in _ESTIMATES for claim in column_ids("table3", s, a)),
 }
@@ -494,19 +425,19 @@ def claims(sources: Sources, rows: Iterable[Row]) -> list[Claim]:
     return [RULES[row.rule].claim(sources, row) for row in rows]
 
 
-def check_printed(published: Published) -> None:
+def check_printed(printed: Published) -> None:
     """Check the table before anything is judged by it.
 
     Raises ValueError naming file and row when a row is missing or has no claim, when its kind, symbol or approach does
     not suit its rule, or when what is printed cannot be judged.
     """
-    parameters = {claim for claim in published.rows if claim.startswith("parameter.")}
-    odd = (set(published.rows) - parameters) ^ (_CELLS | set(map(of_text, _OF_TEXT)))
-    if odd:
+    judged = {claim for claim in printed.rows if not claim.startswith("parameter.")}
+    if odd := sorted(judged ^ (_CELLS | set(map(of_text, _OF_TEXT)))):
+        few = ", ".join(cut(claim, LONGEST) for claim in odd[:8]) + " …" * (len(odd) > 8)
         raise ValueError(
-            f"{FILE}: rows and claims do not match: {_few(sorted(odd))}; each printed number needs its row"
+            f"{FILE}: rows and claims do not match: {few}; each printed number needs its row"
         )
-    for row in published.rows.values():
+    for row in printed.rows.values():
         if problem := _problem(row):
             raise ValueError(f"{FILE}: row {row.id}, column {problem}")
         if row.rule == "bound":
@@ -517,9 +448,8 @@ def check_printed(published: Published) -> None:
 
 def _problem(row: Row) -> str:
     """The column of the first cell that its rule does not know, and why; "" if there is none."""
-    rule = RULES.get(row.rule)
     known: dict[str, Iterable[str]] = {"rule": RULES}
-    if rule:
+    if rule := RULES.get(row.rule):
         known = {"kind": (rule.kind,), "symbol": rule.symbols, "approach": rule.approaches}
     for column, words in known.items():
         if (text := getattr(row, column)) not in words:
@@ -528,7 +458,3 @@ def _problem(row: Row) -> str:
     if row.rule not in WORDS and not row.number.is_number:
         return f"printed: {cut(row.printed, LONGEST)!r} is not a number such as 90.0402 or 2.9E-3"
     return ""
-
-
-def _few(rows: Sequence[str]) -> str:
-    return ", ".join(cut(row, LONGEST) for row in rows[:8]) + (" …" if len(rows) > 8 else "")

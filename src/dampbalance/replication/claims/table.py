@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterator, Mapping
+from collections.abc import Hashable, Mapping
 from pathlib import Path
 
 import pandas as pd
 
 from ...project.wording import in_markdown, markdown_table
 from ..claim_verdicts import HOLDING, KINDS, PARTS, ROUTE_NAMES, VERDICTS, counts, part_of
-from .judging import Claim, explanation, verdict
+from .judging import explanation, verdict
 from .published import read_texts
 from .rules import Sources, check_printed, claims, require_paper
 
@@ -31,49 +31,41 @@ def claims_table(sources: Sources) -> pd.DataFrame:
     """
     require_paper(sources.case)
     check_printed(sources.published)
-    records = [
-        {
-            **claim.row._asdict(),
-            **{route: claim.show(route) for route in ROUTE_NAMES},
-            "verdict": verdict(claim).name,
-            "explanation": explanation(claim),
-            "judged": ROUTE_NAMES[claim.route],
-            **_off(claim),
-        }
-        for claim in claims(sources, sources.published.rows.values())
-    ]
+    records = []
+    for claim in claims(sources, sources.published.rows.values()):
+        row = claim.row._asdict() | {route: claim.show(route) for route in ROUTE_NAMES}
+        row |= {"verdict": verdict(claim).name, "explanation": explanation(claim)}
+        row |= {"judged": ROUTE_NAMES[claim.route], "off_relative": "", "off_units": ""}
+        if claim.row.kind == "computed" and claim.route in claim.routes:
+            row["off_relative"] = f"{claim.off_relative(claim.route):+.1e}"
+            row["off_units"] = f"{claim.off(claim.route):+.2f}"
+        records.append(row)
     return pd.DataFrame.from_records(records, columns=list(COLUMNS))
-
-
-def _off(claim: Claim) -> dict[str, str]:
-    """How far the judging route lies from a computed number as printed, as text."""
-    if claim.row.kind != "computed" or claim.route not in claim.routes:
-        return {"off_relative": "", "off_units": ""}
-    relative, units = claim.off_relative(claim.route), claim.off(claim.route)
-    return {"off_relative": f"{relative:+.1e}", "off_units": f"{units:+.2f}"}
 
 
 def claims_markdown(frame: pd.DataFrame) -> str:
     """The claims as a Markdown page: counts first, then a table per part of the paper."""
-    lines = ["# Every printed number and its verdict", "", *_meanings(frame), ""]
+    kinds, total = frame["kind"].value_counts(), counts(frame)[-1]
+    lines = ["# Every printed number and its verdict", ""]
+    lines += [f"- {kinds.get(kind, 0)} {kind}: {meaning}" for kind, meaning in KINDS.items()]
+    lines += ["", f"Of the {total.computed} computed numbers:", ""]
+    lines += [f"- **{name}** {total.of_verdict[name]}: {v.meaning}" for name, v in VERDICTS.items()]
     for part, rows in frame.groupby(frame["id"].map(part_of), sort=False):
-        lines += [f"## {PARTS[str(part)]}", "", markdown_table(_HEADS, _cells(rows), _ALIGN), ""]
-    return "\n".join(lines)
+        cells = map(_cells, rows.to_dict("records"))
+        lines += ["", f"## {PARTS[str(part)]}", "", markdown_table(_HEADS, cells, "llrrrrllllrr")]
+    return "\n".join([*lines, ""])
 
 
 _HEADS = (
     *("where", "quantity", "printed", *ROUTE_NAMES.values(), "verdict", "why"),
     *("kind", "judged", "off, of itself", "off, units"),
 )
-_ALIGN = "llrrrrllllrr"
 
 
-def _cells(rows: pd.DataFrame) -> Iterator[list[str]]:
-    for row in rows.to_dict("records"):
-        unit = "" if row["unit"] in ("", "1") else f" ({row['unit']})"
-        row["quantity"] = f"{row['quantity']}{unit}"
-        row |= {name: in_markdown(row[name]) for name in ("where", "quantity", "printed")}
-        yield [row[name] for name in COLUMNS if name not in ("id", "unit")]
+def _cells(row: dict[Hashable, str]) -> list[str]:
+    row["quantity"] += "" if row["unit"] in ("", "1") else f" ({row['unit']})"
+    row |= {name: in_markdown(row[name]) for name in ("where", "quantity", "printed")}
+    return [row[name] for name in COLUMNS if name not in ("id", "unit")]
 
 
 WORSE = "printed numbers are worse off than on record"
@@ -88,16 +80,10 @@ def summary(frame: pd.DataFrame, offences: pd.DataFrame) -> str:
     claims. After WORSE there is a line for each offence that `check` returned.
     """
     counted = counts(frame)
-    table = {
-        count.part: {
-            "computed": count.computed,
-            **count.of_verdict,
-            "given": count.given,
-            "statements": count.statements,
-        }
-        for count in counted
-    }
-    total = counted[-1]
+    total, table = counted[-1], {}
+    for count in counted:
+        inputs = {"given": count.given, "statements": count.statements}
+        table[count.part] = {"computed": count.computed, **count.of_verdict, **inputs}
     lines = [
         "Verdicts on the printed numbers that are computed",
         "",
@@ -107,8 +93,7 @@ def summary(frame: pd.DataFrame, offences: pd.DataFrame) -> str:
         f"of {total.statements} statements {total.statements_held} hold.",
         "",
     ]
-    rest = [row for row in frame.to_dict("records") if row["verdict"] not in HOLDING]
-    if rest:
+    if rest := [row for row in frame.to_dict("records") if row["verdict"] not in HOLDING]:
         rows = [("number", "printed", "verdict", "obtained"), *map(_open, rest)]
         widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
         lines.append("Neither reproduced nor reconstructed (why: claims.md)")
@@ -163,23 +148,11 @@ def _offence(new: Mapping[Hashable, str], old: Mapping[Hashable, str]) -> str:
         return f"{old['printed']}, on record as {old['verdict']}, has no claim any more"
     if new["printed"] != old["printed"]:
         return f"{old['printed']} on record, now read as {new['printed']}"
-    ranks = list(VERDICTS)
-    if ranks.index(new["verdict"]) <= ranks.index(old["verdict"]):
+    now, was = (list(VERDICTS).index(row["verdict"]) for row in (new, old))
+    if now <= was:
         return ""
     obtained = ", ".join(f"{words} {new[name]}" for name, words in ROUTE_NAMES.items() if new[name])
     return (
         f"{new['printed']}, obtained {obtained}: was {old['verdict']}, now {new['verdict']}. "
         f"{new['explanation']}"
     )
-
-
-def _meanings(frame: pd.DataFrame) -> list[str]:
-    total = counts(frame)[-1]
-    kinds = frame["kind"].value_counts()
-    return [
-        *(f"- {kinds.get(kind, 0)} {kind}: {meaning}" for kind, meaning in KINDS.items()),
-        "",
-        f"Of the {total.computed} computed numbers:",
-        "",
-        *(f"- **{name}** {total.of_verdict[name]}: {v.meaning}" for name, v in VERDICTS.items()),
-    ]

@@ -20,7 +20,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy import special
@@ -33,8 +33,8 @@ from ...identification.loading import Loaded, load
 from ...identification.remarks import DIRECT
 from ...law.law import Law, law_of
 from ...law.terms import FRICTION, term
+from ...likelihood.mean_harmonics import Reading, read_features
 from ...model import named_with_unit
-from ...reading.mean_harmonics import Reading, read_features
 from ...reading.turning import turning_points
 from ...records.measured import read_records
 from ...records.measurement import Channel, Measurement
@@ -51,15 +51,14 @@ from .friction import (
 )
 
 
-@dataclass(frozen=True)
-class Drift:
-    """The straight line through forces at equal steps.
+class Drift(NamedTuple):
+    """The straight line through forces at equal steps, N.
 
-    slope, error : per step, and its standard error, N.
+    slope, error : per step, and its standard error.
     p : probability of a slope as large as this if there were none, by Student's t.
     significant : whether p is small enough where several such tests are made together.
-    reach : half the width of the interval about the middle of the line, N.
-    steps : number of forces.
+    reach : half the width of the interval about the middle of the line.
+    over_record : by how much the line rises from the first force to the last.
     """
 
     slope: float
@@ -67,12 +66,7 @@ class Drift:
     p: float
     significant: bool
     reach: float
-    steps: int
-
-    @property
-    def over_record(self) -> float:
-        """By how much the line rises from the first force to the last, N."""
-        return self.slope * (self.steps - 1)
+    over_record: float
 
 
 def as_recorded(reading: Reading, since: float) -> Reading:
@@ -120,7 +114,8 @@ def drift(forces: Array, confidence: float, tests: int) -> Drift:
     p = 2.0 * float(special.stdtr(freedom, -abs(slope) / error)) if error > 0.0 else 1.0
     quantile = float(special.stdtrit(freedom, 0.5 + 0.5 * confidence))
     reach = quantile * scatter / math.sqrt(forces.size)
-    return Drift(slope, error, p, p < (1.0 - confidence) / tests, reach, forces.size)
+    rise = slope * (forces.size - 1)
+    return Drift(slope, error, p, p < (1.0 - confidence) / tests, reach, rise)
 
 
 _GRAVITY = 9.80665  # the standard one, m/s²
@@ -176,42 +171,57 @@ def findings(
     readings = [Reading(one.reading.steady, joint=True, terms=further) for one in records]
     direct = identified["approaches"][DIRECT]
     forces = [
-        _force(direct, law, i) | _robust(direct, law, i, reading, records)
+        _force(direct, law, i, reading, records[i], len(records))
         for i, reading in enumerate(readings)
     ]
-    loops = [friction_loop(reading, m, law.given) for reading in readings]
-    first = _first_cycles(records, k, law, frame["cycles_identified"])
-    fitted = [speed_laws_of(part, m, F_k, law) for part, F_k in first]
-    predictions = [
-        _prediction(one, part, m, law.given, laws)
-        for one, (part, _), laws in zip(records, first, fitted, strict=True)
-    ]
-    errors_of = [_errors(*pair) for pair in zip(predictions, loops, strict=True)]
     errors = [force["standard_error_N"] for force in forces]
-    line, off = load_line(loads, [force["F_k_N"] for force in forces], errors)
-    by_series, _ = load_line(loads, [force["F_k_by_series_N"] for force in forces], errors)
-    rows = [
-        {
-            "record": one.record.label,
+    (line, off), (by_series, _) = (
+        load_line(loads, [force[name] for force in forces], errors)
+        for name in ("F_k_N", "F_k_by_series_N")
+    )
+    given = [
+        np.multiply(p, direct["rows"][term(of).integral_column]) for of, p in law.given.items()
+    ]
+    lost = (np.sum(given, axis=0) / np.array(direct["rows"]["W_J"])).tolist()
+    rows, loops, predictions = [], [], []
+    for i, (first, F_k) in enumerate(_first_cycles(records, k, law, frame["cycles_identified"])):
+        loop, fitted = friction_loop(readings[i], m, law.given), speed_laws_of(first, m, F_k, law)
+        prediction = _prediction(records[i].record.whole(), first, m, law, fitted)
+        held_out = prediction.measured
+        errors_of = {
+            name: {
+                "rms": float(np.sqrt(np.mean((x - held_out) ** 2))) / loop.X,
+                "range": float(np.ptp(x) / np.ptp(held_out)) - 1.0,
+            }
+            for name, x in {**prediction.predicted, "repeated": prediction.repeated}.items()
+        }
+        row = {
+            "record": records[i].record.label,
             "load_kg": loads[i],
             **forces[i],
             "off_line": off[i],
-            "lost_to_damper": _share(direct, law, i),
-            "X_m": loops[i].X,
-            "loop": shape(loops[i], forces[i]["F_k_N"]),
+            "lost_to_damper": lost[i],
+            "X_m": loop.X,
+            "loop": shape(loop, forces[i]["F_k_N"]),
             "foretold": {
-                **errors_of[i]["constant"],
-                "rms_of_mean_cycle": errors_of[i]["repeated"]["rms"],
-                "F_k_N": first[i][1],
+                **errors_of["constant"],
+                "rms_of_mean_cycle": errors_of["repeated"]["rms"],
+                "F_k_N": F_k,
             },
             "speed_laws": {
-                name: {**fit.coefficients, **errors_of[i][name]} for name, fit in fitted[i].items()
+                name: {**fit.coefficients, **errors_of[name]} for name, fit in fitted.items()
             },
         }
-        for i, one in enumerate(records)
+        rows.append(row)
+        loops.append(loop)
+        predictions.append(prediction)
+    files_of = [
+        (one.get("record") or one["file"], one["sha256"])
+        for record in identified["records"]
+        for one in (record, *record.get("others", ()))
     ]
     document = {
-        "files": _digests(identified),
+        "files": dict(sorted((Path(name).name, digest) for name, digest in files_of)),
         "line": line,
         "line_by_series": by_series,
         "clock": common_clock([row["clocks"] for row in rows]),
@@ -271,25 +281,24 @@ def load_line(
     return line, (off / force).tolist()
 
 
-def _force(estimates: Mapping[str, Any], law: Law, i: int) -> dict[str, Any]:
-    """F_k of record i with its standard error, interval, N, and verdict, by direct integration."""
-    key = law.key(FRICTION, i)
-    ends = {"F_k_N": "", "standard_error_N": "_standard_error", "interval_N": "_interval"}
-    numbers = {name: estimates[named_with_unit(f"{key}{end}", "N")] for name, end in ends.items()}
-    return numbers | estimates["verdicts"][key]
-
-
-def _robust(
-    estimates: Mapping[str, Any], law: Law, i: int, reading: Reading, records: Sequence[Loaded]
+def _force(
+    estimates: Mapping[str, Any], law: Law, i: int, reading: Reading, record: Loaded, records: int
 ) -> dict[str, Any]:
-    """How F_k of record i depends on the time in the record, on its clocks and on the convention of the travel."""
+    """F_k of record i by direct integration with its verdict, and how it depends on the time in the record, on its
+    clocks and on the convention of the travel.   records : how many there are."""
     key = law.key(FRICTION, i)
-    force = estimates[named_with_unit(key, "N")]
-    low, high = estimates[named_with_unit(f"{key}_interval", "N")]
-    others = {s: _coefficient(estimates, law.key(s, i), law) for s in law.terms if s != FRICTION}
-    began = float(records[i].record.whole().excitation.t[0])
+    force, error, (low, high) = (
+        estimates[named_with_unit(f"{key}{end}", "N")]
+        for end in ("", "_standard_error", "_interval")
+    )
+    keys = {symbol: law.key(symbol, i) for symbol in law.terms if symbol != FRICTION}
+    others = {
+        symbol: float(law.given[of] if of in law.given else estimates[term(of).column])
+        for symbol, of in keys.items()
+    }
+    began = float(record.record.whole().excitation.t[0])
     of_rows = [friction_of_rows(r, others) for r in (as_recorded(reading, began), reading)]
-    line, left = (drift(forces, _CONFIDENCE, len(records)) for forces in of_rows)
+    line, left = (drift(forces, _CONFIDENCE, records) for forces in of_rows)
     a = estimates["rows"][term(key).integral_column][i]
     at_rests, of_series = (
         float(turning_points(reading.series(reading.mean), rests=rests)[1][0])
@@ -299,8 +308,12 @@ def _robust(
     reach = line.reach + (0.5 * abs(line.over_record) if line.significant else 0.0)
     recorded = force + float(of_rows[0].mean() - of_rows[1].mean())
     clocks = reading.steady.gathered.clocks.values()
-    per_cycle = line.steps / reading.steady.cycles
+    per_cycle = of_rows[0].size / reading.steady.cycles
     return {
+        "F_k_N": force,
+        "standard_error_N": error,
+        "interval_N": [low, high],
+        **estimates["verdicts"][key],
         "drift": {
             "slope_N_per_cycle": line.slope * per_cycle,
             "standard_error_N_per_cycle": line.error * per_cycle,
@@ -343,11 +356,6 @@ def common_clock(clocks: Sequence[Mapping[str, Any]]) -> dict[str, float] | None
     }
 
 
-def _coefficient(estimates: Mapping[str, Any], key: str, law: Law) -> float:
-    """The coefficient of that key, given or identified."""
-    return float(law.given[key] if key in law.given else estimates[term(key).column])
-
-
 def speed_laws_of(part: Reading, m: float, F_k: float, law: Law) -> dict[str, SpeedLaw]:
     """The laws of friction and speed that the cycles of a reading show, by name.
 
@@ -366,13 +374,6 @@ def speed_laws_of(part: Reading, m: float, F_k: float, law: Law) -> dict[str, Sp
     error = math.sqrt((len(slopes) - 1) * float(np.var(slopes)))
     known = {**laws["linear"].coefficients, "F_1_standard_error_N_s_per_m": error}
     return laws | {"linear": replace(laws["linear"], coefficients=known)}
-
-
-def _share(estimates: Mapping[str, Any], law: Law, i: int) -> float:
-    """The share of the work of record i that goes to the terms whose coefficients are given."""
-    rows = estimates["rows"]
-    lost = math.fsum(p * rows[term(key).integral_column][i] for key, p in law.given.items())
-    return float(lost / rows["W_J"][i])
 
 
 def _first_cycles(
@@ -401,57 +402,30 @@ def _first_cycles(
 
 
 def _prediction(
-    one: Loaded,
-    first: Reading,
-    m: float,
-    damping: Mapping[str, float],
-    laws: Mapping[str, SpeedLaw],
+    record: Measurement, first: Reading, m: float, law: Law, laws: Mapping[str, SpeedLaw]
 ) -> Prediction:
     """Predict the cycles that follow the identified ones, from the displacement and velocity at their beginning.
 
-    damping : coefficients of the terms other than friction.   laws : of friction, by name.
+    law : whose given terms damp.   laws : of friction, by name.
     """
-    record = one.record.whole()
     steady = first.steady
     base, response = record.excitation, record["displacement"]
     period = 2.0 * math.pi / steady.omega
     begin = steady.start + steady.cycles * period
     kept = (response.t >= begin) & (response.t < begin + steady.cycles * period)
     t, x = response.t[kept], response.values[kept]
-    loop = friction_loop(first, m, damping)
+    loop = friction_loop(first, m, law.given)
     X_0, Y_0 = (float(steady.mean(rows)[0].real) for rows in (steady.X, steady.Y))
     zero = X_0 - Y_0 - loop.level / steady.k
     speed = float(np.gradient(response.values, response.t)[kept][0])
     speed = speed if abs(speed) > AT_REST * np.abs(loop.v).max() else 0.0
     y = np.interp(t, base.t, base.values)
+    masses = {name: Mass(m, steady.k, of.force, law.given, zero) for name, of in laws.items()}
     displacements = {
-        name: predicted(
-            Mass(m, steady.k, law.force, damping, zero), t, y, float(x[0]), speed, steady.omega
-        )
-        for name, law in laws.items()
+        name: predicted(mass, t, y, float(x[0]), speed, steady.omega)
+        for name, mass in masses.items()
     }
     phase = steady.omega * (t - steady.start) + float(np.angle(steady.mean(steady.Y)[1]))
     angles = np.linspace(0.0, 2.0 * math.pi, loop.x.size, endpoint=False)
     again = np.interp(phase, angles, loop.x, period=2.0 * math.pi) + X_0
     return Prediction(t, x, displacements, again)
-
-
-def _errors(prediction: Prediction, loop: Loop) -> dict[str, dict[str, float]]:
-    """The errors of each prediction, rms over X, and by how much its range is too large."""
-    measured = prediction.measured
-    return {
-        name: {
-            "rms": float(np.sqrt(np.mean((x - measured) ** 2))) / loop.X,
-            "range": float(np.ptp(x) / np.ptp(measured)) - 1.0,
-        }
-        for name, x in {**prediction.predicted, "repeated": prediction.repeated}.items()
-    }
-
-
-def _digests(identified: Mapping[str, Any]) -> dict[str, str]:
-    """Name → SHA-256 of each file of the records."""
-    digests = {}
-    for record in identified["records"]:
-        digests[Path(record["record"]).name] = record["sha256"]
-        digests |= {Path(other["file"]).name: other["sha256"] for other in record.get("others", ())}
-    return dict(sorted(digests.items()))

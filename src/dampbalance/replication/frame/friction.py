@@ -32,7 +32,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import partial
+from typing import Any
 
 import numpy as np
 from scipy.integrate import solve_ivp
@@ -41,7 +41,7 @@ from scipy.optimize import brentq, least_squares
 
 from ...arrays import Array, Mask
 from ...law.terms import KNOWN_TERMS
-from ...reading.mean_harmonics import Means, Reading
+from ...likelihood.mean_harmonics import Means, Reading
 
 _POINTS = 4096  # of a cycle
 AT_REST = 0.02
@@ -93,8 +93,13 @@ def friction_loop(
     n, x_n = series.n, series.x[0]
     y_n = np.concatenate([mean.Y, mean.base[0]])
     theta = np.linspace(0.0, 2.0 * math.pi, _POINTS, endpoint=False)
-    x, v, acceleration = (_series(theta, n, x_n, steady.omega, order) for order in range(3))
-    y, w = (_series(theta, np.arange(1.0, y_n.size + 1.0), y_n, steady.omega, i) for i in range(2))
+
+    def derivative(order: int, n: Array, x: Array) -> Array:
+        turns = np.exp(1j * np.outer(theta, n))
+        return (turns @ ((1j * n * steady.omega) ** order * x)).real  # of Re Σ x_n e^{inθ}, by time
+
+    x, v, acceleration = (derivative(order, n, x_n) for order in range(3))
+    y, w = (derivative(order, np.arange(1.0, y_n.size + 1.0), y_n) for order in range(2))
     force = steady.k * (y - x) - m * acceleration
     force = force - viscous(damping, v, w, steady.k, steady.omega)
     level = float(np.sum(force * np.abs(v)) / np.sum(np.abs(v)))
@@ -147,25 +152,20 @@ def _ripple(loop: Loop, off: Array) -> tuple[float, float, float]:
     """Frequency, Hz, amplitude and share of the mean square of the oscillation that explains `off` best in slip."""
     t = np.arange(loop.x.size) * (2.0 * math.pi / loop.omega / loop.x.size)
     best = (math.nan, 0.0, 0.0)
+    # the two directions, each with a separate phase
     passes = [loop.sliding & (sign * loop.v > 0.0) for sign in (1.0, -1.0)]
     total = math.fsum(float(np.sum((off[on] - off[on].mean()) ** 2)) for on in passes)
     for hz in _RIPPLES_HZ:
         left, square = 0.0, 0.0
-        for on in passes:  # each with a separate phase
+        for on in passes:
             angle = 2.0 * math.pi * hz * t[on]
             columns = np.column_stack([np.ones(angle.size), np.cos(angle), np.sin(angle)])
             fit = np.linalg.lstsq(columns, off[on])[0]
             left += float(np.sum((off[on] - columns @ fit) ** 2))
             square += float(fit[1] ** 2 + fit[2] ** 2)
-        explained = 1.0 - left / total
-        if explained > best[2]:
+        if (explained := 1.0 - left / total) > best[2]:
             best = (float(hz), math.sqrt(square / len(passes)), explained)
     return best
-
-
-def _series(theta: Array, n: Array, x: Array, omega: float, order: int) -> Array:
-    """The derivative of that order by time of Re Σ x_n e^{inθ}."""
-    return (np.exp(1j * np.outer(theta, n)) @ ((1j * n * omega) ** order * x)).real
 
 
 _V, _LEAST = 3e-3, 1e-6  # m/s: V and ε
@@ -205,21 +205,18 @@ def logarithmic(loop: Loop, F_k: float) -> SpeedLaw:
     speed, force, path = _slipping(loop)
     F_s = static_force(loop)
 
-    def shapes(v: Array, c: float) -> tuple[Array, Array]:
-        u = v + _LEAST
-        return np.log(u / _V), np.log(c + _V / u)
+    def law(a: float, c: float) -> SpeedLaw:
+        def shapes(v: Array) -> tuple[Array, Array]:
+            u = v + _LEAST
+            return np.log(u / _V), np.log(c + _V / u)
 
-    def solved(a: float, c: float) -> tuple[float, float]:
-        (log, late), (log_0, late_0) = shapes(np.abs(loop.v), c), shapes(np.zeros(1), c)
+        (log, late), (log_0, late_0) = shapes(np.abs(loop.v)), shapes(np.zeros(1))
         mean, mean_late = float(path @ log), float(path @ late)
         b = (F_k - F_s - a * (mean - float(log_0[0]))) / (mean_late - float(late_0[0]))
-        return F_k - a * mean - b * mean_late, b
-
-    def law(a: float, c: float) -> SpeedLaw:
-        F_0, b = solved(a, c)
+        F_0 = F_k - a * mean - b * mean_late
 
         def at(v: Array) -> Array:
-            log, late = shapes(v, c)
+            log, late = shapes(v)
             return F_0 + a * log + b * late
 
         return SpeedLaw(at, {"F_0_N": F_0, "F_s_N": F_s, "a_N": a, "b_N": b, "c": c})
@@ -260,7 +257,7 @@ def _slipping(loop: Loop) -> tuple[Array, Array, Array]:
     return speed[on], (np.sign(loop.v) * loop.force)[on], path / path.sum()
 
 
-_RTOL, _ATOL = 1e-9, 1e-13
+_METHOD: Mapping[str, Any] = {"method": "DOP853", "rtol": 1e-9, "atol": 1e-13}
 
 
 @dataclass(frozen=True)
@@ -290,36 +287,36 @@ def predicted(mass: Mass, t: Array, y: Array, x: float, v: float, omega: float) 
     now, end = float(t[0]), float(t[-1])
     at_rest = float(mass.friction(np.asarray(0.0)))
 
-    def push(at: float, x: float, v: float) -> float:
+    def push(at: float | Array, x: float, v: float = 0.0) -> Array:
         of_terms = viscous(mass.damping, np.asarray(v), speed(at), mass.k, omega)
-        return float(mass.k * (base(at) - x + mass.zero) - of_terms)
+        return np.asarray(mass.k * (base(at) - x + mass.zero) - of_terms)
 
+    def over(at: float, x: float) -> float:
+        return abs(float(push(at, x))) - at_rest
+
+    def rate(at: float, state: Array, sign: float) -> list[float]:
+        x, v = state.tolist()
+        force = float(push(at, x, v)) - sign * float(mass.friction(np.asarray(abs(v))))
+        return [v, force / mass.m]
+
+    def still(at: float, state: Array, sign: float) -> float:
+        return sign * float(state[1])
+
+    end_of_slip: Any = still  # as SciPy marks an event that ends the integration
+    end_of_slip.terminal, end_of_slip.direction = True, -1.0
     sign = float(np.sign(v))
     while now < end:
-        if sign == 0.0:
-            last = _released(at_rest, partial(push, x=x, v=0.0), t[t > now], now)
+        if sign == 0.0:  # at rest until the push first exceeds the friction
+            ahead = np.append(now, t[t > now])
+            free = np.flatnonzero(np.abs(push(ahead, x)) > at_rest)
+            last = float(ahead[free[0]]) if free.size else end
+            if free.size and free[0] > 0:
+                last = float(brentq(over, ahead[free[0] - 1], last, args=(x,)))
             out[(t >= now) & (t <= last)] = x
-            sign, now = float(np.sign(push(last, x, 0.0))), last
+            sign, now = float(np.sign(push(last, x))), last
             continue
-
-        def rate(at: float, state: Array, sign: float = sign) -> list[float]:
-            x, v = state.tolist()
-            force = push(at, x, v) - sign * float(mass.friction(np.asarray(abs(v))))
-            return [v, force / mass.m]
-
-        def still(at: float, state: Array, sign: float = sign) -> float:
-            return sign * float(state[1])
-
-        still.terminal, still.direction = True, -1.0  # type: ignore[attr-defined]
         run = solve_ivp(
-            rate,
-            (now, end),
-            [x, v],
-            method="DOP853",
-            events=still,
-            dense_output=True,
-            rtol=_RTOL,
-            atol=_ATOL,
+            rate, (now, end), [x, v], events=end_of_slip, args=(sign,), dense_output=True, **_METHOD
         )
         assert run.sol is not None
         last = float(run.t[-1])
@@ -327,13 +324,3 @@ def predicted(mass: Mass, t: Array, y: Array, x: float, v: float, omega: float) 
         out[inside] = run.sol(t[inside])[0]
         x, v, sign, now = float(run.y[0, -1]), 0.0, 0.0, last
     return out
-
-
-def _released(F: float, push: Callable[[float], float], times: Array, now: float) -> float:
-    """When a rest that began `now` ends: where the push first exceeds F, at the last time at the latest."""
-    before = now
-    for at in [now, *times.tolist()]:
-        if abs(push(at)) > F:
-            return before if at == now else float(brentq(lambda t: abs(push(t)) - F, before, at))
-        before = at
-    return before

@@ -1,0 +1,48 @@
+"""A response behind a capacitor is recognised by its harmonics, and no other is."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from dampbalance import BaseMotion, steady_orbit
+from dampbalance.likelihood.coupling import ac_coupling
+from dampbalance.likelihood.steady_search import fit_oscillator
+from paper_case import OMEGA, PAPER
+from unit.reading.harmonics import lines_of
+
+SHOWS = 16.0
+
+
+def fitted(corner_hz, seed, error=1e-7):
+    rng = np.random.default_rng(seed)
+    lines = []
+    for Y in (0.004, 0.006, 0.008, 0.010, 0.012):
+        one = lines_of(steady_orbit(PAPER, BaseMotion(Y, OMEGA)), error, rng)
+        passed = 1j * one.n * OMEGA / (1j * one.n * OMEGA + 2.0 * math.pi * corner_hz)
+        lines.append(replace(one, x=one.x * passed))
+    fit = fit_oscillator(lines, PAPER.k)
+    assert fit is not None
+    return fit
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("corner_hz", [0.02, 0.1])
+def test_the_corner_is_found_and_the_oscillator_behind_it(corner_hz, seed):
+    fit = fitted(corner_hz, seed)
+    coupling = ac_coupling(fit, SHOWS)
+    assert coupling is not None
+    assert coupling.gain > SHOWS
+    assert abs(coupling.hz - corner_hz) < 4.0 * coupling.error_hz
+    assert coupling.fit.adequate
+    # near resonance the coupling passes for another mass, whose error is that of the corner then
+    off = abs(fit.m - PAPER.m)
+    slack = 4.0 * coupling.error_hz / corner_hz * off + 4.0 * fit.error("m")
+    assert abs(coupling.fit.m - PAPER.m) < slack < off
+
+
+def test_a_response_that_is_not_coupled_is_not_suspected():
+    assert [ac_coupling(fitted(0.0, seed), SHOWS) for seed in range(6)] == [None] * 6
