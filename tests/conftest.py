@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import builtins
+import gc
 import itertools
 import os
 import sys
@@ -44,6 +45,12 @@ def sum_of_no_floats():
     builtins.sum = plain
 
 
+@pytest.fixture
+def coarse(monkeypatch):
+    """Pictures of few dots, for tests of their texts, or of whether they are there."""
+    monkeypatch.setattr("dampbalance.figures.style.DPI", 30)
+
+
 SLOW = (Path(__file__).parent / "slow.txt").read_text(encoding="utf-8").split()
 """Functions that took 0.4 s in one case, or 2 s in all, when they were last measured; one that is missing is named
 at the end of a long run. Files whose fixtures build or start something mark themselves."""
@@ -52,6 +59,18 @@ at the end of a long run. Files whose fixtures build or start something mark the
 def function_of(nodeid: str) -> str:
     """A test as it stands in slow.txt: without its case."""
     return nodeid.partition("[")[0].removeprefix("tests/")
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collection():
+    """Collect seven thousand tests without looking for garbage among them, which takes as long as all else, and leave
+    them out of every later search."""
+    gc.disable()
+    try:
+        return (yield)
+    finally:
+        gc.freeze()
+        gc.enable()
 
 
 def pytest_collection_modifyitems(items):

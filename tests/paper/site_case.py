@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import pickle
 import shutil
+from contextlib import AbstractContextManager
 from functools import cache
 from pathlib import Path
 from typing import NamedTuple
+from unittest import mock
 from urllib.parse import unquote, urlsplit
 
 from dampbalance.commands.main import parser
 from dampbalance.publishing.provenance.manifest import PROJECT, files_of
-from dampbalance.publishing.site.pages import build
+from dampbalance.publishing.site import pages
+from dampbalance.publishing.site.pages import Session
 from folders import ROOT
 from paper.html import Tree
 
@@ -45,9 +49,32 @@ def project(folder: Path, results: bool = True) -> Path:
 
 
 def built(folder: Path) -> Path:
-    """The site of a copy of the project in that folder."""
-    build(project(folder / "project"), folder / "site", parser())
+    """The site of a copy of the project in that folder; what its commands said, next to it."""
+    sessions: list[Session] = []
+
+    def session(*folders: Path) -> Session:
+        sessions.append(Session(*folders))
+        return sessions[-1]
+
+    with mock.patch.object(pages, "Session", session):
+        pages.build(project(folder / "project"), folder / "site", parser())
+    (folder / "said.pickle").write_bytes(pickle.dumps(sessions[0]._said))
     return folder / "site"
+
+
+def with_commands_of(first: Path) -> AbstractContextManager[object]:
+    """While this lasts, pages show what commands said and wrote for the site that was `built` in the folder `first`.
+
+    The commands take most of the time. That they give the same bytes each time is tested where the commands are.
+    """
+
+    def session(folder: Path, inputs: Path) -> Session:
+        shutil.copytree(first / "site/run", folder)
+        replayed = Session(folder, inputs)
+        replayed._said |= pickle.loads((first / "said.pickle").read_bytes())
+        return replayed
+
+    return mock.patch.object(pages, "Session", session)
 
 
 class Page(NamedTuple):

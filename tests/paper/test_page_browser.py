@@ -331,9 +331,13 @@ def test_it_prints_on_few_pages(opened):
     page = opened()
     pages = pypdf.PdfReader(io.BytesIO(page.pdf(format="A4", prefer_css_page_size=True))).pages
     assert len(pages) <= MOST_PAGES
-    text = " ".join("".join(page.extract_text() for page in pages).split())
-    assert "Statements" in text
-    assert "friction force 1.28" in text  # what is folded on the screen is printed
+    missing = {"Statements", "friction force 1.28"}  # what is folded on the screen is printed
+    for printed in reversed(pages):
+        text = " ".join(printed.extract_text().split())
+        missing = {words for words in missing if words not in text}
+        if not missing:
+            break
+    assert missing == set()
 
 
 @pytest.mark.skipif(axe.SKIP, reason=axe.REASON)

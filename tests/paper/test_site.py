@@ -12,9 +12,9 @@ import yaml
 
 import dampbalance
 from dampbalance.commands.main import parser
-from dampbalance.publishing.site.pages import SiteError, build, commands_of, sections
-from folders import ROOT, shared
-from paper.site_case import built, local, project, read_page
+from dampbalance.publishing.site.pages import SiteError, build, commands_of, sections, write_pages
+from folders import ROOT, contents, restored, shared
+from paper.site_case import built, local, project, read_page, with_commands_of
 
 pytestmark = pytest.mark.slow
 
@@ -31,15 +31,6 @@ def site(tmp_path_factory):
 def pages(site):
     """Every page that Sphinx made."""
     return [path for path in sorted(site.rglob("*.html")) if "_static" not in path.parts]
-
-
-def briefly(root):
-    """A project whose site runs no command."""
-    pages = root / "paper/site"
-    for page in [*pages.rglob("*.md")]:
-        if "run(" in page.read_text(encoding="utf-8"):
-            page.unlink()
-    return root
 
 
 def test_it_has_its_pages(site):
@@ -183,29 +174,33 @@ def test_studies_show_what_was_computed_and_how_to_compute_the_others(site):
 
 
 def test_the_same_project_gives_the_same_bytes_elsewhere(site, tmp_path):
-    again = built(tmp_path / "elsewhere")
-
-    def contents(folder):
-        return {
-            path.relative_to(folder).as_posix(): path.read_bytes()
-            for path in folder.rglob("*")
-            if path.is_file()
-        }
-
+    root, again = project(tmp_path / "elsewhere"), tmp_path / "site"
+    with with_commands_of(site.parent):
+        build(root, again, parser())
     one, other = contents(site), contents(again)
     assert one.keys() == other.keys()
     assert [name for name in one if one[name] != other[name]] == []
-    for name, content in other.items():
-        assert str(tmp_path).encode() not in content, name
+    for name, content in one.items():
+        assert str(site.parent).encode() not in content, name
 
 
-def test_without_results_it_says_how_to_make_them(tmp_path):
-    from dampbalance.publishing.site.pages import write_pages
-
-    write_pages(project(tmp_path / "project", results=False), tmp_path / "pages", parser())
+def test_without_results_it_says_how_to_make_them(site, tmp_path):
+    with with_commands_of(site.parent):
+        root = project(tmp_path / "project", results=False)
+        write_pages(root, tmp_path / "pages", parser())
     index = (tmp_path / "pages/index.md").read_text(encoding="utf-8")
     assert "`make`, then `make docs`" in index
     assert "results/paper/report.html" not in index
+
+
+@pytest.fixture(scope="module")
+def brief(tmp_path_factory):
+    """A project without results whose site runs no command."""
+    root = project(tmp_path_factory.mktemp("brief"), results=False)
+    for page in [*(root / "paper/site").rglob("*.md")]:
+        if "run(" in page.read_text(encoding="utf-8"):
+            page.unlink()
+    return root
 
 
 @pytest.mark.parametrize(
@@ -222,11 +217,12 @@ def test_without_results_it_says_how_to_make_them(tmp_path):
         ('{{ screen("one", ["two"]) }}', "no line of the output matches 'two'"),
     ],
 )
-def test_a_page_that_cannot_be_made_is_refused(tmp_path, page, message):
-    root = briefly(project(tmp_path / "project", results=False))
-    (root / "paper/site/wrong.md").write_text(f"# Wrong\n\n{page}\n", encoding="utf-8")
-    with pytest.raises(SiteError, match=message) as error:
-        build(root, tmp_path / "site", parser())
+def test_a_page_that_cannot_be_made_is_refused(brief, tmp_path, page, message):
+    wrong = brief / "paper/site/wrong.md"
+    with restored(wrong):
+        wrong.write_text(f"# Wrong\n\n{page}\n", encoding="utf-8")
+        with pytest.raises(SiteError, match=message) as error:
+            build(brief, tmp_path / "site", parser())
     assert "paper/site/" in str(error.value)
     assert not (tmp_path / "site").exists()
 

@@ -175,22 +175,21 @@ def test_a_mutant_meets_the_tests_that_call_its_function(bench, capsys):
     assert "law.py:up_to_the_limit" in called["test_limit"]
     assert {*bench.passing(file, True)} == {*passing} - {f"{file}::test_compiled"}
 
+    # one mutant of each kind of verdict, as each starts pytest anew
+    expected = {
+        "6": ("killed", f"{file}::test_limit"),  # of a constant: the function that uses it
+        "n -= 1": ("timed out", ""),
+        "x / 1.0": ("survived", "4 tests"),
+        "2.0 / x": ("killed", f"{file}::test_four_times"),
+    }
     verdicts = {}
     for module in ("law.py", "motion/twice.py"):
         for mutant in mutants(module, MODULES[module].encode()):
-            verdicts[mutant.after] = bench.trial(mutant, budget=60.0)
-            assert (bench.project / PACKAGE / module).read_text(encoding="utf-8") == MODULES[module]
-    assert verdicts == {
-        "6": ("killed", f"{file}::test_limit"),  # of a constant: the function that uses it
-        "n <= LIMIT": ("killed", f"{file}::test_limit"),
-        "n -= 1": ("timed out", ""),
-        "2": ("killed", f"{file}::test_limit"),
-        "not n < LIMIT": ("killed", f"{file}::test_limit"),
-        "x / 1.0": ("survived", "4 tests"),
-        "2.0": ("survived", "4 tests"),
-        "2.0 / x": ("killed", f"{file}::test_four_times"),
-        "4.0": ("killed", f"{file}::test_four_times"),
-    }
+            if mutant.after in expected:
+                verdicts[mutant.after] = bench.trial(mutant, budget=60.0)
+                kept = (bench.project / PACKAGE / module).read_text(encoding="utf-8")
+                assert kept == MODULES[module]
+    assert verdicts == expected
 
 
 def test_a_run_reports_what_became_of_its_mutants(tmp_path, monkeypatch, capsys):

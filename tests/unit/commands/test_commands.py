@@ -196,6 +196,7 @@ measured:
 """
 
 
+@pytest.mark.usefixtures("coarse")
 def test_sets_are_identified_one_by_one_and_compared(tmp_path, capsys):
     """The second run identifies nothing anew and shows the same; other settings replace nothing unasked."""
     settings = "stiffness_N_per_m: 2310, approaches: [direct], replicates: 20"
@@ -254,6 +255,7 @@ def test_sets_that_make_no_sense_are_refused(text, options, message, tmp_path, a
     assert main(command) == 2
 
 
+@pytest.mark.usefixtures("coarse")
 def test_results_are_not_overwritten_unasked(tmp_path, answer):
     document = tmp_path / "identification.json"
     document.write_text("mine", encoding="utf-8")
@@ -275,6 +277,7 @@ def test_simulated_records_come_back_in_every_format(suffix, tmp_path):
         np.testing.assert_allclose(found[quantity].t, plain[quantity].t, rtol=1e-12)
 
 
+@pytest.mark.usefixtures("coarse")
 def test_the_demo_makes_the_example_identifies_it_and_shows_the_report(
     tmp_path, capsys, monkeypatch, answer
 ):

@@ -36,6 +36,8 @@ from paper_case import PAPER
 from processes import in_time, run
 from unit.records.workbooks import packed, row, xlsx
 
+pytestmark = pytest.mark.usefixtures("coarse")
+
 RATE = 500.0
 NAMES = ("time_s", "base_displacement_m", "displacement_m")
 LONGEST = 2000  # characters of an error on a screen
@@ -50,12 +52,6 @@ CHANNELS = {
 def _no_hang():
     with in_time(120):  # nothing here takes a tenth of that
         yield
-
-
-@pytest.fixture(autouse=True)
-def _coarse(monkeypatch):
-    """Figures of few dots: their texts are looked at, not their looks."""
-    monkeypatch.setattr("dampbalance.figures.style.DPI", 30)
 
 
 def signals(Y=0.004, seed=1):
