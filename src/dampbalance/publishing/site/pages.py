@@ -55,7 +55,7 @@ EXTRA, FOLDER, RUN = "extra", "files", "run"
 
 SOURCE, CASE = "paper/site", "case"  # the templates; in them, the folder of the worked case
 EQUATIONS = "paper/equations.md"
-PACKAGE_FOLDER = Path(dampbalance.__file__).parents[1]
+PACKAGE_FOLDER = Path(__file__).parents[3]
 WIDTH = 112  # letters of a line of output that is not a row of a table
 _HELP_WIDTH = 64  # letters of a command's help in a line: what a page shows without scrolling
 _REGISTRIES = {"approach": list(APPROACHES), "term": list(KNOWN_TERMS)}
