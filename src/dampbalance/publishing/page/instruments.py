@@ -29,11 +29,10 @@ STOPS_US = (1, 1.5, 2, 2.5, 3, 4, 4.5, 5, 5.5, 6, 7, 8, 10, 15, 20, 30, 50)
 def instruments_data(
     case: Case, claims: pd.DataFrame | None, digits: Mapping[str, Any] | None
 ) -> dict[str, Any]:
-    """The case in SI units and the sliders in the units that they show, for `kit.js`; to stand in the page as JSON.
+    """The case in SI units and what the instruments need besides, for `kit.js`; to stand in the page as JSON.
 
     case : m, c, k, K_z, F_k, levels (m), frequencies (name → Hz) and pairs of levels (counted from 0).
     approaches : key → its label, colour and shape.   steps : ways to mend the balance off resonance, the paper's first.
-    sliders : name → what `it.slider` of kit.js takes.
     integrator, where something is printed : the schemes, the recipe of the configuration, Table 2 as printed (the
     text), its pairs of levels.
     digits, where there are any : `changed_digits.packed` with names for the numbers and the looks of the verdicts.
@@ -57,7 +56,6 @@ def instruments_data(
             | {"name": way, "words": words}
             for way, words in RECIPES.items()
         ],
-        "sliders": sliders(case),
     }
     if claims is not None:
         data["integrator"] = _integrator(case, claims)
@@ -106,15 +104,6 @@ def _name(where: str, quantity: str) -> str:
     if not table.startswith("Table"):
         return plain(quantity)
     return plain(f"{line}: {quantity.partition(':')[0].partition(', ')[0]}")
-
-
-def of_run(record: Mapping[str, Any], claims: pd.DataFrame) -> bool:
-    """Whether a record by `changed_digits.packed` is of a run's print and verdicts.   claims : claims.csv as text."""
-    computed = claims[claims["kind"] == "computed"].set_index("id")
-    was = {name: record["verdicts"][place] for name, place in record["was"].items()}
-    printed = {name: text for name, (text, _) in record["numbers"].items()}
-    same = printed.items() <= computed["printed"].to_dict().items()
-    return same and was == computed["verdict"].to_dict()
 
 
 def sliders(case: Case) -> dict[str, dict[str, Any]]:

@@ -19,28 +19,11 @@ import pandas as pd
 from ... import __version__
 from ...balance import TERMS
 from ...figures.looks import label_of
+from ...project import wording
 from ...project.case import Case
-from ...project.wording import (
-    NONE,
-    dotted,
-    frequency_name,
-    minus,
-    number,
-    percent,
-    power_of_ten,
-    signed_percent,
-    unit_of,
-)
-from ...replication.claim_verdicts import (
-    HOLDING,
-    KINDS,
-    PARTS,
-    ROUTE_NAMES,
-    VERDICTS,
-    Count,
-    counts,
-    part_of,
-)
+from ...project.documents import read_yaml
+from ...project.wording import minus, number, percent, signed_percent, unit_of
+from ...replication import claim_verdicts as judged
 from ...replication.comparison import mends, off_resonance
 from ...replication.printed_tables import SHOWN_ROUTES, TITLES, blocks, claim_of
 from ...studies.settings import Study
@@ -48,7 +31,7 @@ from ...studies.shown.facts import filled
 from .. import words
 from ..colours import css_variables
 from .drawings import Sheet
-from .instruments import instruments_data
+from .instruments import instruments_data, sliders
 
 LARGEST_PAGE = 1_500_000  # bytes: a page that a phone loads
 STATIC = Path(__file__).with_name("static")
@@ -57,14 +40,6 @@ SCRIPTS = (
     *("page.js", "engine.js", "kit.js"),
     *("oscillator.js", "off_resonance.js", "integrator.js", "noise.js", "digits.js"),
 )
-SECTIONS = {
-    **{"findings": "Findings", "instruments": "Instruments", "match": "Match"},
-    **{"numbers": "Every number", "tables": "Tables", "digits": "Digits", "figure3": "Figure 3"},
-    **{"errors": "Off resonance", "studies": "Studies", "noise": "Noise"},
-    **{"conclusion": "Conclusion", "provenance": "Sources"},
-}
-OF_PRINT = {"claims", "match", "numbers", "digits", "findings", "conclusion"}
-"""The sections and origins that a case with nothing printed does not have."""
 
 
 @dataclass(frozen=True)
@@ -94,67 +69,17 @@ class PageContent:
 
 @dataclass(frozen=True, slots=True)
 class Origin:
-    """Where a result comes from, as paths in the repository.
-
-    results : its files, {case} standing for the case's folder.   rule : the Snakemake rule.   rules : the file
-    that holds it.   code : the modules that do the work.
-    """
+    """Where a result comes from; `templates/origins.yaml` says what each of these is."""
 
     what: str
-    results: tuple[str, ...]
+    results: Sequence[str]
     rule: str
     rules: str
-    code: tuple[str, ...]
+    code: Sequence[str]
 
 
-def _origin(what: str, chain: str) -> Origin:
-    """An origin from "result, below results/ ← file/rule ← modules of the package"."""
-    result, rule, code = chain.split(" ← ")
-    file, _, name = rule.partition("/")
-    modules = tuple(f"src/dampbalance/{module}" for module in code.split())
-    return Origin(what, (f"results/{result}",), name, f"workflow/rules/{file}.smk", modules)
-
-
-ORIGINS = {
-    "claims": _origin(
-        "Verdicts on the printed numbers",
-        "{case}/claims.csv ← claims/claims ← replication/claims/table.py replication/claims/judging.py",
-    ),
-    "orbits": _origin(
-        "Exact steady responses",
-        "{case}/orbits ← simulate/simulate_exact ← motion/steady.py motion/one_slip.py",
-    ),
-    "records": _origin(
-        "Fixed-step records, as the paper’s own numbers were computed",
-        "{case}/records ← simulate/simulate_as_published ← motion/fixed_step.py",
-    ),
-    "features": _origin(
-        "What is read off the responses",
-        "{case}/features ← features/features_exact ← features.py reading/clean.py",
-    ),
-    "estimates": _origin(
-        "F_k and c by every approach",
-        "{case}/estimates ← estimates/estimate_exact ← balance.py solver.py",
-    ),
-    "tables": _origin("Tables", "{case}/tables ← tables/tables ← replication/printed_tables.py"),
-    "digits": _origin(
-        "How the printed digits arose",
-        "{case}/figures/numerics.svg ← article/article_figure ← figures/numerics.py motion/fixed_step.py",
-    ),
-    "figure3": _origin(
-        "Figure 3",
-        "{case}/figures/figure3.svg ← figures/figures ← figures/cycle.py motion/orbit.py",
-    ),
-    "errors": _origin(
-        "Estimation error of each approach",
-        "{case}/figures/estimation_error.svg ← figures/figures ← figures/error_levels.py solver.py",
-    ),
-    "studies": _origin(
-        "Parameter studies",
-        "studies ← studies/study_cases ← studies/evaluate.py studies/responses.py",
-    ),
-    "page": _origin("This page", "{case}/report.html ← page/page ← publishing/page/report.py"),
-}
+_FILE = Path(__file__).with_name("templates") / "origins.yaml"
+ORIGINS = {name: Origin(**origin) for name, origin in read_yaml(_FILE).items()}
 
 
 def study_origin(name: str) -> Origin:
@@ -176,10 +101,10 @@ def report_page(content: PageContent, page: str) -> str:
     """
     case, frequencies, approaches = content.case, content.case.frequencies_hz, content.approaches
     claims: dict[Any, Any] = {}
-    counted: list[Count] = []
+    counted: list[judged.Count] = []
     if content.claims is not None:
         claims = content.claims.set_index("id", drop=False).to_dict("index")
-        counted = counts(content.claims)
+        counted = judged.counts(content.claims)
     tables: dict[str, list[dict[str, Any]]] = {
         frequency: [
             {"title": TITLES[name], "parts": list(_parts(table, name, {} if n else claims))}
@@ -191,9 +116,6 @@ def report_page(content: PageContent, page: str) -> str:
     figures = {name: sheet.drawing(f"drawing-{name}", svg) for name, svg in content.figures.items()}
     studies = {study.name: _study(content, sheet, study, svg) for study, svg in content.studies}
     noise = studies.pop("noise", None)
-    absent = {name for name, of in (("studies", studies), ("noise", noise)) if not of}
-    if not claims:
-        absent |= OF_PRINT
     first = tables[next(iter(frequencies))]
     in_tables = {claim for table in first for part in table["parts"] for claim in part["claims"]}
     template = _environment(case.name, page).get_template("report.html.j2")
@@ -206,18 +128,24 @@ def report_page(content: PageContent, page: str) -> str:
         claims=[
             {
                 **row,
-                **{name: minus(row[name]) for name in ("printed", "explanation", *ROUTE_NAMES)},
-                **{"part": PARTS[part_of(id)], "unit": unit_of(row["unit"])},
-                **{"verdict": VERDICTS[row["verdict"]], "holds": row["verdict"] in HOLDING},
+                **{
+                    name: minus(row[name])
+                    for name in ("printed", "explanation", *judged.ROUTE_NAMES)
+                },
+                **{"part": judged.PARTS[judged.part_of(id)], "unit": unit_of(row["unit"])},
+                **{
+                    "verdict": judged.VERDICTS[row["verdict"]],
+                    "holds": row["verdict"] in judged.HOLDING,
+                },
                 "in_table": id in in_tables,
             }
             for id, row in claims.items()
         ],
-        routes=ROUTE_NAMES,
-        verdicts=VERDICTS.values(),
-        kinds=KINDS,
+        routes=judged.ROUTE_NAMES,
+        verdicts=judged.VERDICTS.values(),
+        kinds=judged.KINDS,
         frequencies=[
-            {"name": frequency_name(name), "hz": f"{hz:g}", "tables": tables[name]}
+            {"name": wording.frequency_name(name), "hz": f"{hz:g}", "tables": tables[name]}
             for name, hz in frequencies.items()
         ],
         terms=list(TERMS),
@@ -231,10 +159,8 @@ def report_page(content: PageContent, page: str) -> str:
         studies=studies.values(),
         noise=noise,
         sheet=sheet,
-        sections=[(name, title) for name, title in SECTIONS.items() if name not in absent],
         origins=ORIGINS,
-        all_origins=[origin for name, origin in ORIGINS.items() if name not in absent],
-        configuration=[(key, _value(value)) for key, value in dotted(content.config)],
+        configuration=[(key, _value(value)) for key, value in wording.dotted(content.config)],
         evidence=content.evidence,
         facts=content.facts,
         css_variables=css_variables,
@@ -242,7 +168,8 @@ def report_page(content: PageContent, page: str) -> str:
         script="\n".join(map(_static, SCRIPTS)),
         engine=base64.b64encode((STATIC / "engine.wasm").read_bytes()).decode(),
         misprints=claims and content.digits is not None,
-        instruments=as_json(instruments_data(case, content.claims, content.digits)),
+        sliders=sliders(case),
+        instruments=instruments_data(case, content.claims, content.digits),
     )
     size = len(html.encode())
     if size > LARGEST_PAGE:
@@ -266,28 +193,30 @@ def _parts(
     """
     places = {row: place for place, row in enumerate(dict.fromkeys(table["row"]), start=1)}
     for quantities, block in blocks(table):
-        groups, judged = [], set()
+        groups, claimed = [], set()
         for label, rows in block.groupby("row", sort=False):
             cells = {
                 claim_of(name, str(label), places[label], str(cell["quantity"])): cell
                 for cell in rows.to_dict("records")
             }
             printed = [
-                (minus(text), VERDICTS[cell["verdict"]] if text else None, claim)
+                (minus(text), judged.VERDICTS[cell["verdict"]] if text else None, claim)
                 for claim, cell in cells.items()
                 for text in [cell["printed"]]
             ]
-            judged |= {claim for _, verdict, claim in printed if verdict}
+            claimed |= {claim for _, verdict, claim in printed if verdict}
             lines = [("printed", printed)] if any(text for text, *_ in printed) else []
             for route in SHOWN_ROUTES:
                 texts = (
                     claims.get(claim, {}).get(route, "") or number(float(cell[route]))
                     for claim, cell in cells.items()
                 )
-                lines.append((ROUTE_NAMES[route], [(minus(text), None, "") for text in texts]))
+                lines.append(
+                    (judged.ROUTE_NAMES[route], [(minus(text), None, "") for text in texts])
+                )
             groups.append((label, lines))
         columns = list(zip(quantities, map(unit_of, block["unit"]), strict=False))
-        yield {"columns": columns, "groups": groups, "claims": judged}
+        yield {"columns": columns, "groups": groups, "claims": claimed}
 
 
 def _study(content: PageContent, sheet: Sheet, study: Study, svg: str) -> dict[str, Any]:
@@ -319,8 +248,9 @@ def _environment(case: str, page: str) -> jinja2.Environment:
         "here": lambda path: link(path.format(case=case), page),
         "at_case": lambda path: path.format(case=case),
         "approach": lambda key: words.rich(label_of(key)),
-        "bound": lambda error: f"{power_of_ten(error)} %",
+        "bound": lambda error: f"{wording.power_of_ten(error)} %",
         "significant": number,
+        "as_json": as_json,
     }
     return environment
 
@@ -338,8 +268,13 @@ def _error_lines(approaches: pd.DataFrame, frequencies: Iterable[str]) -> Iterat
             for frequency in frequencies
             for unknown in TERMS
         ]
-        phase = phase.replace("_", " ") or NONE
-        yield {"approach": approach, "phase": phase, "sharing": sharing or NONE, "errors": errors}
+        phase = phase.replace("_", " ") or wording.NONE
+        yield {
+            "approach": approach,
+            "phase": phase,
+            "sharing": sharing or wording.NONE,
+            "errors": errors,
+        }
 
 
 def _error(error: float, in_percent: Callable[[float], str] = percent) -> str:

@@ -61,6 +61,6 @@ kit.instrument('misprint', (it) => {
     it.write('.noticed', all.map(([one, now, why]) => `<tr><th scope="row">${of(one)}</th><td>${chip(was[one])} → ${chip(now)}</td><td>${why < 0 ? sentence : because[why]}</td></tr>`).join(''));
   }
 
-  it.code(() => Object.fromEntries(['Python', 'YAML'].map((title) => [title, kit.filled(it.find(`.${title}`), { id: it.values.number, to: it.values.to || numbers[it.values.number][0] })])));
+  it.code(() => ({ id: it.values.number, to: it.values.to || numbers[it.values.number][0] }));
   return draw;
 });

@@ -20,15 +20,11 @@ const integrator = (() => {
 
   function build(it) {
     const { number, rich } = kit;
-    const { case: set, integrator: { schemes, recipe, rounded, printed, pairs, stops, omega } } = it.data;
+    const { case: set, integrator: { schemes, recipe, rounded, printed, pairs, omega } } = it.data;
     const COLUMNS = Object.keys(printed);
-    const LOOK = { a: ['circle', 'X-s'], b: ['square', 't-s'], W: ['triangle-up', 'V-s'], F_k: ['diamond', 'other'], c: ['cross', 'fourier'] };
+    const LOOK = Object.fromEntries([['a', 'circle', 'X-s'], ['b', 'square', 't-s'], ['W', 'triangle-up', 'V-s'], ['F_k', 'diamond', 'other'], ['c', 'cross', 'fourier']]
+      .map(([name, shape, colour]) => [name, { shape, colour: `var(--${colour})` }]));
     const MARKS = { all: ['✓', 'every digit'], near: ['≈', 'near'], off: ['', ''], none: ['', ''] };
-    it.choice({ name: 'scheme', label: 'Scheme', options: schemes.map(({ name, label }) => [name, label]), value: recipe.scheme });
-    it.slider({ name: 'step', label: 'Step h', unit: 'µs', stops, value: recipe.step });
-    const ratios = [['rounded', `c/m = ${rounded.c_over_m}, k/m = ${rounded.k_over_m}`], ['exact', 'c/m and k/m not rounded']];
-    it.choice({ name: 'coefficients', label: 'Coefficients', options: ratios, value: 'rounded' });
-    it.slider({ name: 'cycles', label: 'Periods from rest', min: 8, max: 32, step: 1, value: recipe.cycles });
     const svg = it.drawing('.distances', 250);
     const known = new Map(); // simulations that were done
     let [wanted, levels] = ['', []];
@@ -83,16 +79,15 @@ const integrator = (() => {
       for (const { name, i, units } of all) {
         const height = Math.min(5.9, Math.max(-2.1, Math.log10(Math.abs(units))));
         const aside = 0.12 * (COLUMNS.indexOf(name) - 2);
-        if (Number.isFinite(height)) plane.dot(i + 1 + aside, height, '', LOOK[name][0], `fill:var(--${LOOK[name][1]})`);
+        if (Number.isFinite(height)) plane.dot(i + 1 + aside, height, '', LOOK[name].shape, `fill:${LOOK[name].colour}`);
       }
     }
-    it.write('.legend', COLUMNS.map((name) => `<li><svg class="key" viewBox="-8 -8 16 16" aria-hidden="true"><path d="${kit.SHAPES[LOOK[name][0]]}" style="fill:var(--${LOOK[name][1]})"/></svg><span>${name.length > 1 ? rich(name) : `<i>${name}</i>`}</span></li>`).join(''));
+    it.write('.legend', COLUMNS.map((name) => kit.key(LOOK[name], name.length > 1 ? rich(name) : `<i>${name}</i>`)).join(''));
 
     it.code(() => {
-      const { coefficients, ...values } = it.values;
+      const { scheme, step, coefficients } = it.values;
       const [c, k] = coefficients === 'rounded' ? recipe.decimals : ['null', 'null']; // as YAML has it
-      const all = { ...values, step: values.step.toFixed(1), name: values.scheme.replace(/\W/g, '_'), c, k };
-      return Object.fromEntries(['Python', 'YAML'].map((title) => [title, kit.filled(it.find(`.${title}`), all)]));
+      return { step: step.toFixed(1), name: scheme.replace(/\W/g, '_'), c, k };
     });
     return draw;
   }

@@ -1,7 +1,7 @@
 /* What the instruments share: the balance, drawings, controls, a state that stands in the address, and code to copy.
    kit.instrument(id, (it) => { …; return draw; }) builds the element of that id once the engine runs; draw(it.values) follows every
-   change. it.engine; it.data of the case; it.values by control, in the units shown; it.slider, it.choice, it.control(name, value,
-   show, accept) for a state of another kind; it.set({name: value}), it.find, it.write(selector, html), it.drawing, it.code. */
+   change. it.engine; it.data of the case; it.values by control, in the units shown: those of the template and, for a state of
+   another kind, it.control(name, value, show, accept); it.set({name: value}), it.find, it.write(selector, html), it.drawing, it.code. */
 const kit = (() => {
   'use strict';
   const power = (_, exponent) => `·10${[...exponent].map((sign) => '⁻⁰¹²³⁴⁵⁶⁷⁸⁹'['-0123456789'.indexOf(sign)]).join('')}`;
@@ -78,6 +78,9 @@ const kit = (() => {
     'triangle-up': 'M0-5.5L5.5 5H-5.5Z', cross: 'M-2-5h4v3h3v4h-3v3h-4v-3h-3v-4h3Z',
   };
 
+  // An entry of a legend.
+  const key = ({ shape, colour }, words) => `<li><svg class="key" viewBox="-8 -8 16 16" aria-hidden="true"><path d="${SHAPES[shape]}" fill="${colour}"/></svg><span>${words}</span></li>`;
+
   /* Axes over a whole svg of it.drawing. Returns the scales X, Y and line, area, dot, text, which take values and classes of CSS. */
   function plot(svg, { x, y, labels = ['', ''] }) {
     const [width, height] = svg.size ?? [320, 240];
@@ -105,19 +108,9 @@ const kit = (() => {
     };
   }
 
-  // What computes the same: the start of a program, and a configuration.
-  const python = ({ m, c, k, K_z, F_k }, ...imports) => ['import math\n', 'from dampbalance import BaseMotion, Oscillator, steady_orbit', ...imports,
-    `\noscillator = Oscillator(m=${m}, c=${c}, k=${k}, K_z=${K_z}, F_k=${F_k})`].join('\n');
-  function yaml(par, hz, levels, estimation = '{}') {
-    const decimal = (v) => String(v).replace(/^(-?\d+)e/, '$1.0e'); // in YAML 5e-6 is a word, 5.0e-6 a number
-    return `case: my_oscillator\npublished: null\noscillator:
-  m_kg: ${decimal(par.m)}\n  c_N_s_per_m: ${decimal(par.c)}\n  k_N_per_m: ${decimal(par.k)}
-  K_z_N_per_m: ${decimal(par.K_z)}\n  F_k_N: ${decimal(par.F_k)}\nexcitation:
-  frequencies: [{name: drive, hz: ${decimal(hz)}}]\n  levels_m: [${levels.map(decimal).join(', ')}]\nestimation: ${estimation}\n`;
-  }
-
-  // The text of a <template> with its ‹names› filled in.
-  const filled = (template, values) => template.content.textContent.trimStart().replace(/‹(\w+)›/g, (_, name) => values[name]);
+  // The text of a <template> with its ‹names› filled in; in YAML 5e-6 is a word, 5.0e-6 a number.
+  const decimal = (v) => String(v).replace(/^(-?\d+)e/, '$1.0e');
+  const filled = (template, values) => template.content.textContent.trimStart().replace(/‹(\w+)›/g, (_, name) => [values[name]].flat().map(decimal).join(', '));
 
   let started = null;
   const text = (id) => document.getElementById(id).textContent;
@@ -146,26 +139,22 @@ const kit = (() => {
     it.set = (values) => { show(values); clearTimeout(timer); timer = setTimeout(save, 250); };
     it.control = (name, value, shown, accept) => { defaults[name] = value; controls[name] = { show: shown, accept }; show({ [name]: value }); };
     it.write = (selector, markup) => { it.find(selector).innerHTML = markup; };
-    const field = (kind, name, label, control) => html(it.find('.controls'),
-      `<div class="${kind}"><label for="${id}-${name}">${rich(label)}</label>${control}</div>`).lastElementChild;
-    it.slider = ({ name, label, stops, min = stops?.[0], max = stops?.at(-1), step = 1, value, unit = '', log = false }) => {
+    const slide = (input) => { // as `slider` in instrument_macros.html.j2 says: with `log` it moves in decades, with `stops` between these
+      const { value, stops, min = stops?.[0], max = stops?.at(-1), step = 1, unit = '', log = false } = JSON.parse(input.dataset.of);
       const [to, from] = stops ? [(v) => stops.findLastIndex((stop) => stop <= v), (i) => stops[i]] : log ? [Math.log10, (v) => Number((10 ** v).toPrecision(3))] : [Number, Number];
-      const input = field('slider', name, label, `<output for="${id}-${name}" aria-live="off"></output>
-        <input type="range" id="${id}-${name}" min="${to(min)}" max="${to(max)}" step="${log ? 0.01 : step}">`);
+      Object.assign(input, { min: to(min), max: to(max), step: log ? 0.01 : step });
       const shown = (v) => {
         input.value = to(v);
         input.setAttribute('aria-valuetext', `${v} ${unit}`);
         input.previousElementSibling.textContent = `${v}\u00a0${unit}`;
       };
-      input.addEventListener('input', () => it.set({ [name]: from(input.value) }));
-      it.control(name, value, shown, (given) => (given && Number.isFinite(Number(given)) ? Math.min(max, Math.max(min, Number(given))) : value));
-      return input;
+      input.addEventListener('input', () => it.set({ [input.name]: from(input.value) }));
+      it.control(input.name, value, shown, (given) => (given && Number.isFinite(Number(given)) ? Math.min(max, Math.max(min, Number(given))) : value));
     };
-    it.choice = ({ name, label, options, value }) => {
-      const all = options.map(([v, words]) => `<option value="${v}">${words}</option>`).join('');
-      const select = field('choice', name, label, `<select id="${id}-${name}">${all}</select>`);
+    const choose = (select) => {
+      const { name, value } = select;
       select.addEventListener('input', () => it.set({ [name]: select.value }));
-      it.control(name, value, (v) => { select.value = v; }, (given) => (options.some(([v]) => v === given) ? given : value));
+      it.control(name, value, (v) => { select.value = v; }, (given) => ([...select.options].some((one) => one.value === given) ? given : value));
     };
     it.drawing = (selector, height) => {
       const svg = it.find(selector);
@@ -175,10 +164,12 @@ const kit = (() => {
       }).observe(svg);
       return svg;
     };
-    it.code = (texts) => { // texts() → {title: text, …}, folded below the instrument
-      const blocks = Object.keys(texts()).map((title) => `<div><p>${title} <button type="button" value="${title}">Copy</button></p><pre tabindex="0"></pre></div>`);
+    it.code = (values = () => ({})) => { // the texts below the instrument, folded; values() → what their ‹names› stand for
+      const templates = [...root.querySelectorAll('template')];
+      const texts = () => templates.map((one) => filled(one, { ...it.data.case, ...it.values, ...values() }));
+      const blocks = templates.map(({ title }, i) => `<div><p>${title} <button type="button" value="${i}">Copy</button></p><pre tabindex="0"></pre></div>`);
       const fold = html(root, `<details class="code"><summary>The Python and the YAML that compute the same</summary>${blocks.join('')}</details>`);
-      it.tell = () => { if (fold.open) Object.values(texts()).forEach((text, i) => { fold.querySelectorAll('pre')[i].textContent = text; }); };
+      it.tell = () => { if (fold.open) texts().forEach((text, i) => { fold.querySelectorAll('pre')[i].textContent = text; }); };
       fold.addEventListener('toggle', it.tell);
       fold.addEventListener('click', ({ target }) => {
         if (!target.value) return;
@@ -187,6 +178,8 @@ const kit = (() => {
       });
     };
     [it.engine, it.data] = await (started ??= start());
+    for (const input of root.querySelectorAll('.controls input')) slide(input);
+    for (const select of root.querySelectorAll('.controls select')) choose(select);
     draw = build(it);
     addEventListener('hashchange', restore);
     restore();
@@ -196,6 +189,6 @@ const kit = (() => {
     requestAnimationFrame(() => requestAnimationFrame(scroll));
   }
 
-  return { instrument, number, percent, rich, response, rows, solve, element, plot, python, yaml, filled, SHAPES, PHASES, finite, mean };
+  return { instrument, number, percent, rich, response, rows, solve, element, plot, key, PHASES, sum, finite, mean };
 })();
 if (typeof module !== 'undefined') module.exports = kit;

@@ -2,7 +2,7 @@
 const noise = (() => {
   'use strict';
   const [ODD, NORMALS, CHI2] = [[1, 3, 5], 8, 5.991]; // χ² of two degrees of freedom that 95 % do not exceed
-  const sum = (values) => values.reduce((total, v) => total + v, 0);
+  const { sum } = kit;
 
   /* A generator of standard normal numbers, the same ones for the same seed (mulberry32, then Box and Muller). */
   function normals(seed) {
@@ -50,13 +50,11 @@ const noise = (() => {
   /* Variance of a F_k + b c − W of every row. */
   const variances = (moves, { F_k, c }) => moves.map((of) => sum(of.map(([a, b, W]) => (a * F_k + b * c - W) ** 2)));
 
-  /* The covariance of (F_k, c) that errors of rows with these variances leave, if the rows are weighted so. */
+  /* The covariance of (F_k, c) that errors of rows with these variances leave, if the rows are weighted so: the estimates are linear
+     in W, and `gains` says how far each row moves them. */
   function predicted(rows, variance, weights) {
-    const moments = (factor) => [['a', 'a'], ['a', 'b'], ['b', 'b']].map(([i, j]) => sum(rows.map((row, n) => factor(n) * row[i] * row[j])));
-    const [aa, ab, bb] = moments((n) => weights[n]);
-    const [saa, sab, sbb] = moments((n) => weights[n] ** 2 * variance[n]);
-    const [det, H, S] = [aa * bb - ab * ab, [[bb, -ab], [-ab, aa]], [[saa, sab], [sab, sbb]]];
-    return H.map((row) => H.map((column) => sum([0, 1].flatMap((i) => [0, 1].map((j) => row[i] * S[i][j] * column[j]))) / det ** 2));
+    const gains = rows.map((_, n) => kit.solve(rows.map((row, i) => ({ ...row, W: Number(i === n) })), weights));
+    return ['F_k', 'c'].map((i) => ['F_k', 'c'].map((j) => sum(gains.map((gain, n) => gain[i] * gain[j] * variance[n]))));
   }
 
   /* [equal, weighted] estimates of one experiment: its weights come from its own estimate with equal weights. */
@@ -89,15 +87,8 @@ const noise = (() => {
   const RATE = 1000; // Hz, of the records
   kit.instrument('cloud', (it) => {
     const { percent, rich } = kit;
-    const { case: set, approaches } = it.data;
+    const { case: set } = it.data;
     const NAMES = { equal: 'equal weights', weighted: 'weighted by inverse variance' };
-    const hz = Object.values(set.frequencies).map(String);
-    it.slider({ name: 'percent', label: 'Noise, of the rms', unit: '%', min: 0.1, max: 10, log: true, value: 1 });
-    it.slider({ name: 'cycles', label: 'Cycles in a record', stops: [10, 20, 40, 60, 100, 200], value: 60 });
-    it.slider({ name: 'count', label: 'Experiments', stops: [50, 100, 200, 300, 400], value: 200 });
-    it.slider({ name: 'seed', label: 'Draw number', min: 1, max: 50, value: 1 });
-    it.choice({ name: 'f', label: 'Frequency', value: hz[0], options: hz.map((f) => [f, `${f} Hz`]) });
-    it.choice({ name: 'approach', label: 'Rows', value: 'direct', options: ['direct', 'fourier', 'X_s'].map((name) => [name, approaches[name].label]) });
     const svg = it.drawing('.cloud', 320);
 
     function draw({ percent: noise, cycles, count, approach, f, seed }) {
@@ -128,11 +119,7 @@ const noise = (() => {
       it.write('.words', `With equal weights, as in Eq. (9), the rows use <b>${F_k}</b> of what weighted rows tell about ${rich('F_k')}, and ${c} of what they tell about <i>c</i>: the highest level has the largest errors and counts most. Each record holds ${samples} samples.`);
     }
 
-    it.code(() => {
-      const values = { ...it.values, rate: RATE, levels: set.levels.join(', '), share: it.values.percent / 100 };
-      const imports = ['import numpy as np', 'from dataclasses import replace', 'from dampbalance.balance import APPROACHES', 'from dampbalance.features import of_orbit, stack', 'from dampbalance.solver import solve'];
-      return { Python: `${kit.python(set, ...imports)}\n${kit.filled(it.find('.Python'), values)}`, YAML: kit.filled(it.find('.YAML'), values) };
-    });
+    it.code(() => ({ rate: RATE, share: it.values.percent / 100 }));
     return draw;
   });
   return { normals, study };

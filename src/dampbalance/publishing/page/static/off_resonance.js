@@ -2,28 +2,18 @@
 kit.instrument('off_resonance', (it) => {
   'use strict';
   const { number, percent, rich, rows, solve, finite, mean } = kit;
-  const { case: set, approaches, steps, sliders } = it.data;
+  const { case: set, approaches, steps } = it.data;
   const truth = (estimate, name) => estimate[name] / (set[name] || NaN) - 1;
   const millimetres = ({ Y }) => Number((1e3 * Y).toPrecision(12));
   // The phases have colours and shapes of approaches, which no picture shows beside them.
   const phases = { reversal: ['velocity reversal', 'X_s'], zero_crossing: ['zero crossing', 'V_s'], fundamental: ['fundamental', 't_s'] };
   const looks = Object.fromEntries(Object.entries(phases).map(([phase, [, name]]) => [phase, approaches[name]]));
-  const key = ({ colour, shape }, words) => `<li><svg class="key" viewBox="-8 -7 16 14" aria-hidden="true">
-    <path d="${kit.SHAPES[shape]}" fill="${colour}"/></svg><span>${words}</span></li>`;
-
-  const frequencies = Object.values(set.frequencies);
-  it.slider({ name: 'f', ...sliders.f, value: frequencies[0] }).insertAdjacentHTML('afterend', `<div class="stops">${
-    frequencies.map((f) => `<button type="button" value="${f}">${f} Hz</button>`).join('')}</div>`);
-  it.find('.stops').addEventListener('click', ({ target }) => { if (target.value) it.set({ f: Number(target.value) }); });
-  const harmonic = ['X_s', 't_s', 'V_s'].map((name) => [name, `by ${approaches[name].label}`]);
-  it.choice({ name: 'approach', label: 'Harmonic approach', options: harmonic, value: 'X_s' });
-  const body = it.find('.steps tbody');
-  body.innerHTML = steps.map(({ name, words }) => `<tr><th scope="row"><button type="button" value="${name}">${words}</button></th>
-    ${'<td class="num"></td>'.repeat(3)}</tr>`).join('');
-  body.addEventListener('click', ({ target }) => { if (target.value) it.set({ step: target.value }); });
-  it.control('step', steps[0].name, (name) => { for (const one of body.querySelectorAll('button')) one.setAttribute('aria-pressed', one.value === name); },
+  const buttons = it.root.querySelectorAll('.steps button');
+  it.find('.controls').addEventListener('click', ({ target }) => { if (target.type === 'button') it.set({ f: Number(target.value) }); });
+  it.find('.steps').addEventListener('click', ({ target }) => { if (target.value) it.set({ step: target.value }); });
+  it.control('step', steps[0].name, (name) => { for (const one of buttons) one.setAttribute('aria-pressed', one.value === name); },
     (text) => (steps.some(({ name }) => name === text) ? text : steps[0].name));
-  it.write('.of-phases', Object.entries(phases).map(([phase, [words]]) => key(looks[phase], words)).join(''));
+  it.write('.of-phases', Object.entries(phases).map(([phase, [words]]) => kit.key(looks[phase], words)).join(''));
   const drawings = { plane: it.drawing('.plane', 400), phases: it.drawing('.phases', 240), sine: it.drawing('.sine', 240) };
   let [solved, responses] = [null, []];
 
@@ -42,7 +32,7 @@ kit.instrument('off_resonance', (it) => {
     });
     ways.forEach(({ fit, worst }, i) => {
       const errors = [percent(truth(fit, 'F_k')), percent(worst, ''), percent(truth(fit, 'c'))];
-      errors.forEach((error, n) => { body.rows[i].cells[n + 1].textContent = error; });
+      errors.forEach((error, n) => { buttons[i].closest('tr').cells[n + 1].textContent = error; });
     });
     const now = ways.find(({ way }) => way.name === step);
     const estimates = Object.keys(approaches).map((name) => [approaches[name], solve(by(name, now.way))]);
@@ -50,7 +40,7 @@ kit.instrument('off_resonance', (it) => {
     it.write('.words', `At ${f}\u00a0Hz, with ${way.words}${way.phase ? `, by ${rich(approaches[approach].label)}` : ''}: <b>${rich('F_k')} = ${number(fit.F_k)}\u00a0N</b>
       (${percent(truth(fit, 'F_k'))}) and <b><i>c</i> = ${number(fit.c)}\u00a0N\u00a0s/m</b> (${percent(truth(fit, 'c'))}) by least squares over
       ${fit.n} levels; the worst pair is off by ${percent(worst, '')} in ${rich('F_k')}. The true values are ${set.F_k}\u00a0N and ${set.c}\u00a0N\u00a0s/m.`);
-    it.write('.solutions', estimates.map(([look, one]) => key(look, `${rich(look.label)} ${percent(truth(one, 'F_k'))}`)).join(''));
+    it.write('.solutions', estimates.map(([look, one]) => kit.key(look, `${rich(look.label)} ${percent(truth(one, 'F_k'))}`)).join(''));
     lines(now, estimates);
     angles(way);
   }
@@ -114,13 +104,10 @@ kit.instrument('off_resonance', (it) => {
     const { phase, sharing, approach: own } = steps.find(({ name }) => name === step);
     const chosen = `${phase ? `.with_phase("${phase}")` : ''}${sharing === 'common' ? '.with_common("phi", "t_s")' : ''}`;
     return {
-      Python: `${kit.python(set, ...['balance import APPROACHES', 'features import of_orbit, stack', 'solver import least_squares'].map((one) => `from dampbalance.${one}`))}
-motions = [BaseMotion(Y=Y, omega=2 * math.pi * ${f}) for Y in [${set.levels.join(', ')}]]
-features = stack([of_orbit(steady_orbit(oscillator, motion)) for motion in motions])
-estimate = least_squares(APPROACHES["${phase ? approach : own}"](features${chosen}, oscillator.k))
-print("F_k, c:", float(estimate["F_k"]), float(estimate["c"]))
-`,
-      YAML: kit.yaml(set, f, set.levels, `{pairs: ${JSON.stringify(set.pairs.map((pair) => pair.map((i) => i + 1)))}${phase ? `, phase: ${phase}` : ''}}`),
+      approach: phase ? approach : own,
+      chosen,
+      numbered: JSON.stringify(set.pairs.map((pair) => pair.map((i) => i + 1))),
+      phase: phase ? `, phase: ${phase}` : '',
     };
   });
   return draw;

@@ -14,7 +14,6 @@ kit.instrument('oscillator', (it) => {
   const UNITS = { // of the readings: how many of the unit shown are in the SI unit
     X: [1e3, 'mm'], X_s: [1e3, 'mm'], V_s: [1e3, 'mm/s'], t_s: [1e3, 'ms'], phi: [1, 'rad'], a: [1e3, 'mm'], b: [1e6, 'mm²/s'], Z_m: [1e6, 'µm'],
   };
-  for (const [name, slider] of Object.entries(it.data.sliders)) it.slider({ name, ...slider });
   const parameters = () => {
     const { Y, f, c, F_k, K_z } = it.values;
     return { m: it.data.case.m, c, k: it.data.case.k, K_z, F_k, Y: Y / 1000, omega: 2 * Math.PI * f };
@@ -114,15 +113,7 @@ kit.instrument('oscillator', (it) => {
 
   it.code(() => {
     const par = parameters();
-    return {
-      Python: `${kit.python(par)}
-orbit = steady_orbit(oscillator, BaseMotion(Y=${par.Y}, omega=2 * math.pi * ${it.values.f}))
-print(orbit.regime)
-print("X, X_s, V_s, t_s, phi:", orbit.X, orbit.X_s, orbit.V_s, orbit.t_s, orbit.phi)
-print("a F_k, b c, W:", orbit.a * oscillator.F_k, orbit.b * oscillator.c, orbit.W)
-`,
-      YAML: kit.yaml(par, it.values.f, [par.Y, 2 * par.Y], '{pairs: [[1, 2]]}'),
-    };
+    return { ...par, levels: [par.Y, 2 * par.Y] };
   });
   return draw;
 });
