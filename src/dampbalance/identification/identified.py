@@ -448,7 +448,7 @@ class Identified(ABC):
                 if png:
                     save(self.draw(name), svg, other, picture.words, DPI)
                 else:
-                    save_svg(self.draw(name), svg, picture.words)
+                    save_svg(self.draw(name), svg, picture.words, DPI)
             drawings[name] = svg.read_text(encoding="utf-8")
         return page_of("report", found=self, document=self.document(), drawings=drawings)
 

@@ -284,11 +284,14 @@ class Reading:
     def _cycle(self, n: Array, x: Complexes, points: int) -> dict[str, Array]:
         """Re Σ x_n e^{inθ} with its first two derivatives by time."""
         theta = np.linspace(0.0, 2.0 * math.pi, points, endpoint=False)
-        turn, rate = np.exp(1j * np.outer(theta, n)), 1j * n * self.steady.omega
-        return {"phase": theta} | {
-            name: (turn @ (rate**order * x)).real
-            for order, name in enumerate(("x", "v", "acceleration"))
-        }
+        # at these phases e^{inθ} is that of n mod points
+        rate, places = 1j * n * self.steady.omega, n.astype(np.intp) % points
+        cycle = {"phase": theta}
+        for order, name in enumerate(("x", "v", "acceleration")):
+            lines = np.zeros(points, dtype=np.complex128)
+            np.add.at(lines, places, rate**order * x)
+            cycle[name] = np.fft.ifft(lines, norm="forward").real
+        return cycle
 
     @property
     def _unknowns(self) -> int:
