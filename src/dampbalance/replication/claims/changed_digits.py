@@ -12,8 +12,6 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from typing import Any, NamedTuple
 
-import pandas as pd
-
 from ..claim_verdicts import VERDICTS, part_of
 from .judging import Claim, explanation, verdict
 from .published import Printed
@@ -129,15 +127,6 @@ def packed(sources: Sources, names: Iterable[str]) -> dict[str, Any]:
         **{name: list(pool) for name, pool in pools.items()},
         "numbers": numbers,
     }
-
-
-def of_run(record: Mapping[str, Any], claims: pd.DataFrame) -> bool:
-    """Whether a record by `packed` is of a run's print and verdicts.   claims : claims.csv as text."""
-    computed = claims[claims["kind"] == "computed"].set_index("id")
-    was = {name: record["verdicts"][place] for name, place in record["was"].items()}
-    printed = {name: text for name, (text, _) in record["numbers"].items()}
-    same = printed.items() <= computed["printed"].to_dict().items()
-    return same and was == computed["verdict"].to_dict()
 
 
 def _because(claim: Claim) -> str:
