@@ -10,6 +10,7 @@ in conda or containers, scripts are started as ever.
 from __future__ import annotations
 
 import contextlib
+import gc
 import importlib
 import os
 import pickle
@@ -85,6 +86,7 @@ def _serve(asked: socket.socket) -> None:
     os.environ["OPENBLAS_NUM_THREADS"] = "1"  # no threads that a fork would lose
     for name in LIBRARIES:
         importlib.import_module(name)
+    gc.freeze()  # a script searches for garbage among its own objects, not among those of the libraries
     running = 0
     while message := (received := socket.recv_fds(asked, _MOST_BYTES, 1))[0]:
         if os.fork() == 0:

@@ -6,6 +6,10 @@ import os
 import shutil
 from pathlib import Path
 
+# Each window would load two pages with suggestions for its address bar: as much work as the page that a test opens.
+SUGGESTIONS = ("WebUIOmniboxPopup", "WebUIOmniboxAimPopup")
+ARGUMENTS = ["--no-sandbox", "--disable-gpu", f"--disable-features={','.join(SUGGESTIONS)}"]
+
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 
 

@@ -7,7 +7,7 @@ import pickle
 import pytest
 
 from folders import shared
-from paper.chromium import CHROMIUM, REASON
+from paper.chromium import ARGUMENTS, CHROMIUM, REASON
 
 
 @pytest.fixture(scope="session")
@@ -39,9 +39,7 @@ def browser():
     from playwright.sync_api import sync_playwright
 
     with sync_playwright() as player:
-        started = player.chromium.launch(
-            executable_path=CHROMIUM, args=["--no-sandbox", "--disable-gpu"]
-        )
+        started = player.chromium.launch(executable_path=CHROMIUM, args=ARGUMENTS)
         yield started
         started.close()
 

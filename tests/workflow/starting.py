@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import subprocess
 import sys
@@ -13,8 +14,9 @@ from pathlib import Path
 from forks import LIBRARIES, scripts_as_forks
 
 SERVER = get_context("forkserver")
-# Nothing of the package: each run imports that of its own folder.
-SERVER.set_forkserver_preload(["snakemake.cli", *LIBRARIES])
+# What Snakemake itself imports in every run. Nothing of the package: each run imports that of its own folder.
+IMPORTED = ("snakemake.cli", "snakemake.report.html_reporter", "nbformat", "smart_open", "yte")
+SERVER.set_forkserver_preload([*IMPORTED, *LIBRARIES])
 
 
 def snakemake(
@@ -38,6 +40,7 @@ def snakemake(
 def _run(
     folder: Path, project: Path, arguments: tuple[str, ...], compiled: bool, said: str
 ) -> None:
+    gc.freeze()  # as in forks.py: what was imported is no garbage
     for descriptor, name in ((1, "out"), (2, "err")):
         file = os.open(f"{said}/{name}", os.O_WRONLY | os.O_CREAT)
         os.dup2(file, descriptor)

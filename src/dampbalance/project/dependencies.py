@@ -42,16 +42,17 @@ _IMPORT = re.compile(
 
 @cache  # a workflow asks about many scripts that share their modules
 def _imported_files(file: Path, changed: int, source: Path) -> frozenset[Path]:
-    names: set[str] = set()
+    paths: set[Path] = set()
     for dots, module, taken, plain in _IMPORT.findall(file.read_text(encoding="utf-8")):
         package = ".".join(file.relative_to(source).parent.parts) if dots else None
-        base = plain or resolve_name(dots + module, package)
-        names |= {base, *(f"{base}.{name}" for name in re.findall(r"\w+", taken))}
+        base = source.joinpath(*(plain or resolve_name(dots + module, package)).split("."))
+        paths.add(base)
+        if base.is_dir():  # of a module, or of another package, names are no files here
+            paths |= {base / name for name in re.findall(r"\w+", taken)}
     files = set()
-    for name in names:
-        path = source.joinpath(*name.split("."))
+    for path in paths:
         if path.with_suffix(".py").is_file():
             files.add(path.with_suffix(".py"))
-        elif "." in name and (path / "__init__.py").is_file():  # a subpackage is its __init__
+        elif path.parent != source and (path / "__init__.py").is_file():  # a subpackage
             files.add(path / "__init__.py")
     return frozenset(files)

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from functools import cache
 
 import numpy as np
 from scipy.integrate import solve_ivp
@@ -29,7 +30,7 @@ class Stopping:
     back: float = 1.0
     slope: float = 0.0
     omega: float = 2.0 * math.pi
-    base: dict[int, complex] = field(default_factory=lambda: {1: 1.82e-3})
+    base: dict[int, complex] = field(default_factory=lambda: {1: 1.82e-3}, hash=False)
 
     def y(self, t, order=0):
         """The base displacement, or its derivative of that order."""
@@ -75,6 +76,7 @@ class Steady:
         return out
 
 
+@cache  # tests draw the noise of many records of one motion
 def steady(of: Stopping) -> Steady:
     """The first period from rest that repeats the one before."""
     period = 2.0 * math.pi / of.omega

@@ -94,12 +94,12 @@ def friction_loop(
     y_n = np.concatenate([mean.Y, mean.base[0]])
     theta = np.linspace(0.0, 2.0 * math.pi, _POINTS, endpoint=False)
 
-    def derivative(order: int, n: Array, x: Array) -> Array:
-        turns = np.exp(1j * np.outer(theta, n))
-        return (turns @ ((1j * n * steady.omega) ** order * x)).real  # of Re Σ x_n e^{inθ}, by time
+    def derivatives(count: int, n: Array, x: Array) -> list[Array]:  # of Re Σ x_n e^{inθ}, by time
+        turns, rates = np.exp(1j * np.outer(theta, n)), 1j * n * steady.omega
+        return [(turns @ (rates**order * x)).real for order in range(count)]
 
-    x, v, acceleration = (derivative(order, n, x_n) for order in range(3))
-    y, w = (derivative(order, np.arange(1.0, y_n.size + 1.0), y_n) for order in range(2))
+    x, v, acceleration = derivatives(3, n, x_n)
+    y, w = derivatives(2, np.arange(1.0, y_n.size + 1.0), y_n)
     force = steady.k * (y - x) - m * acceleration
     force = force - viscous(damping, v, w, steady.k, steady.omega)
     level = float(np.sum(force * np.abs(v)) / np.sum(np.abs(v)))
