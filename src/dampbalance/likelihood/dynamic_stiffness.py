@@ -26,7 +26,7 @@ import numpy as np
 
 from ..arrays import Array, Complexes, Integers, Mask
 from ..law.gradual import Sliders, secant, secant_of_cycles
-from ..law.terms import FRICTION, term
+from ..law.terms import FRICTION, listed, term
 from ..reading.one_thread import one_thread
 from .mean_harmonics import Reading
 
@@ -683,9 +683,7 @@ def _fitted(
 ) -> ContactFit:
     """The estimate with its intervals, from replicates of the lines about the law."""
     rows, point, contact = found.rows, found.point, found.design.contact
-    change = _of_receptance(found) if residual else np.zeros(0)
-    size = float(np.linalg.norm(change))
-    design = replace(found.design, direction=change / size if residual else None)
+    design = _with_R(found) if residual else found.design
     law = rows.weighted(rows.law(point) - rows.known)
     targets = law + np.random.default_rng(seed).standard_normal((replicates, law.size))
     points = [design.solve(target, found.smoothing) for target in targets]
@@ -700,7 +698,8 @@ def _fitted(
     if residual:
         laws = np.array([rows.weighted(rows.law(one) - rows.known) for one in points])
         values["R"] = estimates["R"] = rows.R
-        drawn["R"] = rows.R + (targets - laws) @ change / size**2
+        change = _of_receptance(found)
+        drawn["R"] = rows.R + (targets - laws) @ change / float(change @ change)
     if contact != "none":
         for name, power in (("K_z", 0), ("F_k", 1)):
             parts = [one.kappa * one.r**power * (one.r < reach.max()) for one in (point, draws)]
@@ -740,9 +739,194 @@ def _fitted(
     )
 
 
+def _with_R(found: _Estimate) -> _Design:
+    """The design with R among its unknowns."""
+    change = _of_receptance(found)
+    return replace(found.design, direction=change / np.linalg.norm(change))
+
+
 def _of_receptance(found: _Estimate) -> Array:
     """Change of the rows of the law, less those measured, with R, (2n,)."""
     step = 1e-4 / float(np.abs(found.rows.lines.Z).max())
     sides = [replace(found.rows, R=found.rows.R + sign * step) for sign in (-1.0, 1.0)]
     low, high = (side.weighted(side.law(found.point) - side.mode.Z) for side in sides)
     return np.asarray((high - low) / (2.0 * step))
+
+
+@dataclass(frozen=True, eq=False)
+class ContactTrial:
+    """A contact that was compared.
+
+    name : "gradual", "one slider" or "none" with its terms.   fit : to all lines.   held_out : misfit of each level to
+    the law of the others, in the standard errors of the gradual contact.   extrapolated : likewise of the upper half of
+    the levels to the law of the lower half.
+    """
+
+    name: str
+    fit: ContactFit
+    held_out: tuple[Misfit, ...]
+    extrapolated: Misfit
+
+    def scores(self, which: str = "score") -> Array:
+        """Mean square misfit of each level, in standard errors."""
+        return np.array([getattr(misfit, which) for misfit in self.held_out])
+
+    def as_good_as(self, other: ContactTrial, which: str = "score") -> bool:
+        """Whether levels are predicted as well, within one standard error of the difference."""
+        worse = self.scores(which) - other.scores(which)
+        return float(np.mean(worse)) <= float(np.std(worse, ddof=1)) / math.sqrt(worse.size)
+
+
+@dataclass(frozen=True, eq=False)
+class ContactComparison:
+    """Which contact stepped lines support.
+
+    trials : simplest first.   supported : name of the simplest one that predicts levels as well as the best does.
+    p : probability, for one slider, of a misfit that exceeds that of a gradual contact by as much.   indistinguishable :
+    others that predict as well.   by_stiffness : those that predict the loss as well, and not the in-phase rows.
+    """
+
+    trials: tuple[ContactTrial, ...]
+    supported: str
+    p: float
+    indistinguishable: tuple[str, ...]
+    by_stiffness: tuple[str, ...]
+
+    def __getitem__(self, name: str) -> ContactTrial:
+        return next(trial for trial in self.trials if trial.name == name)
+
+    def words(self) -> str:
+        """The result in one sentence."""
+        chosen = self[self.supported]
+        loss, stiffness = chosen.fit.misfit[:2]
+        said = (
+            f"the lines support {_WORDS[chosen.fit.contact]} with {listed(chosen.fit.terms)} "
+            f"(loss {100.0 * loss:.2g} %, in-phase {stiffness:.3g} N/m rms)"
+        )
+        if self.supported in ("one slider", "gradual"):
+            enough = "is enough" if self.supported == "one slider" else "is not enough"
+            said += f"; one slider {enough} (p = {self.p:.2g})"
+        if self.indistinguishable:
+            others = " or ".join(self.indistinguishable)
+            said += f"; levels that are left out do not distinguish it from {others}: add levels"
+        for name in self.by_stiffness:
+            other = self[name].fit.misfit
+            said += (
+                f"; {name} has the same loss ({100.0 * other.loss:.2g} %), and the in-phase rows tell them apart "
+                f"({other.in_phase:.3g} N/m)"
+            )
+        return said
+
+
+_WORDS = {
+    "none": "no contact",
+    "one slider": "one slider",
+    "gradual": "a contact that yields gradually",
+}
+_FALSE_ALARMS = 0.05  # of a gradual contact where one slider is the truth
+
+
+@one_thread
+def compare_contacts(
+    lines: SteppedLines,
+    *,
+    terms: Sequence[str] = ("c",),
+    given: Mapping[str, float] | None = None,
+    stiffness: float | None = None,
+    mass: float | None = None,
+    hardening: bool = True,
+    residual: bool = False,
+    replicates: int = 200,
+    seed: int = 2010,
+) -> ContactComparison:
+    """Compare no contact, with damping up to a cubic one, a single slider and a gradual contact.
+
+    Use it before an answer is taken from stepped lines. Each level is left out and predicted by the law of the others.
+    The simplest contact is supported that predicts as well as the best one, within one standard error of the difference
+    over levels; a gradual contact, in addition, only if one slider is rejected at 5 % by the ratio of likelihoods, whose
+    distribution comes from replicates of the lines about one slider.
+
+    Arguments as for `fit_contact`. Raises ValueError for fewer than three levels.
+    """
+    if len(lines.names) < _COMPARED:
+        raise ValueError(
+            f"contacts are compared by levels that are left out, and there are {len(lines.names)}: add levels of "
+            f"excitation, {_COMPARED} at least, or ask for one contact"
+        )
+    more = [name for name in ("c_2", "c_3") if name not in terms]
+    laws: dict[str, tuple[Contact, tuple[str, ...]]] = {
+        f"none ({', '.join(of)})": ("none", of)
+        for of in ((*terms, *more[:count]) for count in range(len(more) + 1))
+    }
+    laws = dict(sorted([*laws.items(), ("one slider", ("one slider", tuple(terms)))], key=_size))
+    laws["gradual"] = ("gradual", tuple(terms))
+    asked = {
+        name: _asked(lines, contact, of, given or {}, stiffness, mass, hardening)
+        for name, (contact, of) in laws.items()
+    }
+    own = {name: _estimated(asked[name], laws[name][0], residual) for name in laws}
+    sigma = own["gradual"].rows.sigma
+    alike = {
+        name: _estimated(replace(rows, sigma=sigma), laws[name][0], residual, steps=1)
+        for name, rows in asked.items()
+    }
+    trials = [
+        ContactTrial(
+            name,
+            _fitted(own[name], laws[name][1], residual, replicates, seed),
+            tuple(found.held_out(found.smoothing)),
+            found.extrapolated(),
+        )
+        for name, found in alike.items()
+    ]
+    p = _one_slider_is_enough(alike["one slider"], alike["gradual"], residual, replicates, seed)
+    best = min(trials, key=lambda trial: float(np.mean(trial.scores())))
+    good = [trial for trial in trials if trial.as_good_as(best)]
+    supported = good[0].name
+    if supported == "gradual" and p > _FALSE_ALARMS:
+        supported = "one slider"
+    chosen = next(trial for trial in trials if trial.name == supported)
+    others = [trial for trial in trials if trial.name != supported]
+    by_stiffness = [
+        trial.name
+        for trial in others
+        if trial not in good and trial.as_good_as(chosen, "loss_score")
+    ]
+    return ContactComparison(
+        tuple(trials),
+        supported,
+        p,
+        tuple(trial.name for trial in others if trial in good),
+        tuple(by_stiffness),
+    )
+
+
+def _one_slider_is_enough(
+    one: _Estimate, gradual: _Estimate, residual: bool, replicates: int, seed: int
+) -> float:
+    """Probability, if one slider is the truth, that a gradual contact fits better by as much as it does."""
+    designs = [
+        (_with_R(found) if residual else found.design, found.smoothing) for found in (one, gradual)
+    ]
+    law = one.rows.weighted(one.rows.law(one.point) - one.rows.mode.Z)
+    noise = np.random.default_rng(seed).standard_normal((replicates, law.size))
+
+    def gain(moved: Array) -> float:
+        misfits = [
+            design.solve(design.rows.target + moved, smoothing).chi_square
+            for design, smoothing in designs
+        ]
+        return misfits[0] - misfits[1]
+
+    gained = gain(np.zeros(law.size))
+    larger = sum(gain(law + of) >= gained for of in noise)
+    return (1.0 + larger) / (replicates + 1.0)
+
+
+def _size(law: tuple[str, tuple[Contact, tuple[str, ...]]]) -> float:
+    """How many unknowns a law has; one slider comes before a damping with as many."""
+    contact, terms = law[1]
+    return len(terms) + 1.5 * (contact == "one slider")
+
+
+_COMPARED = 3
