@@ -388,14 +388,16 @@ def _scatter(rows: _Rows, left: Complexes, unknowns: int) -> Array:
 
     left : law less measured, N/m, (n,).   unknowns : of the law.
     """
-    n, size = left.size, np.abs(rows.lines.Z) ** 2
+    # of the law, as the noise of measured values would bias the weights by its square
+    Z = rows.lines.Z + left
+    n, size = left.size, np.abs(Z) ** 2
     squares = np.array([left.real**2, left.imag**2]) * (2.0 * n / max(2.0 * n - unknowns, 1.0))
     if rows.lines.error is not None:
         stated = np.broadcast_to(rows.lines.error**2 * size, (2, n))
         factor = np.mean(squares / stated, axis=1, keepdims=True)
         return np.sqrt(stated * np.maximum(factor, 1.0))
     variances = []
-    own = (np.full(n, np.mean(size)), (rows.lines.Z + left).imag ** 2)
+    own = (np.full(n, np.mean(size)), Z.imag**2)
     for square, of_law in zip(squares, own, strict=True):
         parts = np.array([of_law, size])
         share = 0.5 * np.full(2, np.mean(square / size) + _FLOOR**2)
@@ -505,7 +507,7 @@ def _estimated(
 
 
 class _Draws(NamedTuple):
-    """Replicates: linear unknowns by name, (B,), and sliders, (B, j)."""
+    """The law that replicates are drawn about, and these: linear unknowns by name, (1 + B,), sliders, (1 + B, j)."""
 
     linear: Mapping[str, Array]
     r: Array
@@ -602,9 +604,10 @@ class ContactFit:
 
 
 def _interval(value: Array, drawn: Array) -> tuple[Array, Array]:
-    """Interval of 95 % from replicates along the first axis: by their standard deviation, and by their bias, which
-    smoothing causes and which is not subtracted as it is uncertain itself."""
-    half = _NORMAL * np.hypot(np.std(drawn, axis=0, ddof=1), np.mean(drawn, axis=0) - value)
+    """Interval of 95 % from replicates along the first axis, after the law that they are drawn about: by their standard
+    deviation and by their bias, which smoothing causes; it is not subtracted, as it is uncertain itself."""
+    bias = np.mean(drawn[1:], axis=0) - drawn[0]
+    half = _NORMAL * np.hypot(np.std(drawn[1:], axis=0, ddof=1), bias)
     return value - half, value + half
 
 
@@ -681,12 +684,13 @@ def _asked(
 def _fitted(
     found: _Estimate, terms: tuple[str, ...], residual: bool, replicates: int, seed: int
 ) -> ContactFit:
-    """The estimate with its intervals, from replicates of the lines about the law."""
+    """The estimate with its intervals, from replicates of the lines about a law that is smoothed less still."""
     rows, point, contact = found.rows, found.point, found.design.contact
     design = _with_R(found) if residual else found.design
-    law = rows.weighted(rows.law(point) - rows.known)
+    about = design.solve(rows.target, _LESS * found.smoothing)
+    law = rows.weighted(rows.law(about) - rows.known)
     targets = law + np.random.default_rng(seed).standard_normal((replicates, law.size))
-    points = [design.solve(target, found.smoothing) for target in targets]
+    points = [about, *(design.solve(target, found.smoothing) for target in targets)]
     draws = _Draws(
         dict(zip(rows.free, np.array([one.linear for one in points]).T, strict=True)),
         np.array([one.r for one in points]),
@@ -699,7 +703,7 @@ def _fitted(
         laws = np.array([rows.weighted(rows.law(one) - rows.known) for one in points])
         values["R"] = estimates["R"] = rows.R
         change = _of_receptance(found)
-        drawn["R"] = rows.R + (targets - laws) @ change / float(change @ change)
+        drawn["R"] = rows.R + (np.vstack([law, targets]) - laws) @ change / float(change @ change)
     if contact != "none":
         for name, power in (("K_z", 0), ("F_k", 1)):
             parts = [one.kappa * one.r**power * (one.r < reach.max()) for one in (point, draws)]
@@ -726,7 +730,7 @@ def _fitted(
         values,
         point.r,
         point.kappa,
-        {name: float(np.std(of, ddof=1)) for name, of in drawn.items()},
+        {name: float(np.std(of[1:], ddof=1)) for name, of in drawn.items()},
         intervals,
         left,
         rows.misfit(point),
