@@ -118,8 +118,8 @@ def read_records(
     sample_rate_hz as a number. A masked sample is missing, as an empty cell of a file is.
     mapping : what the names do not say, for all records: a document as in the YAML file of a record, or the path of
     one; default, for a file, the one next to it.   largest : numbers (samples × channels) that may be read of each.
-    tables : whether they are tables of steady responses to a stepped sine (frequency, amplitudes, phase); default, those
-    that have columns of frequency and phase and none of times.
+    tables : whether they are tables of steady responses to a stepped sine (frequency, amplitudes, phase); default,
+    those that have columns of frequency and phase and none of times.
 
     A record in memory is called "record 1" by its place, or as `name` in the `attrs` of its table says.
 

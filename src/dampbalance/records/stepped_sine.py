@@ -1,7 +1,7 @@
-"""Tables of steady responses to a stepped sine: frequency, amplitude of force or base, amplitude of the response, phase.
+"""Tables of steady responses to a stepped sine: frequency, amplitudes of force or base and of the response, phase.
 
-A line is the steady response at one frequency and one level of excitation. Laboratories write the phase in many ways: as
-a lead or a lag, of the response against the drive or the other way round, of displacement, velocity or acceleration.
+A line is the steady response at one frequency and one level of excitation. Laboratories write the phase in many ways:
+as a lead or a lag, of the response against the drive or the other way round, of displacement, velocity or acceleration.
 Which one it is follows from the lines themselves. With φ, by which the displacement lags the force F, the force puts
 W = πFX sin φ into a cycle, which is positive in every line; of the conventions for which it is, that one holds under
 which each level is nearest to an oscillator, (F/X) e^{iφ} = k − mω² + i(ωc + h) with k, m, c and h ≥ 0.
@@ -23,7 +23,7 @@ from .errors import RecordError
 from .mapping import ChannelRule, RecordMapping, Which
 from .measurement import ABSOLUTE
 from .readers.assemble import columns_of
-from .readers.channels import WORDS, by_unit, full_name, key_of, names_time, quantity_of, words_of
+from .readers.channels import WORDS, by_unit, full_name, names_time, quantity_of, words_of
 from .readers.record_file import RawChannel, RecordFile
 from .units import PER_FORCE, TABLE_DIMENSIONS, UnitError, find_unit, table_factor
 
@@ -52,6 +52,17 @@ _LARGEST = 1.0  # m, of a displacement
 _TURNS = 4.0 * math.pi  # rad: no phase that is counted on over several turns goes beyond it
 _SLIGHT = 0.1  # rad: phases that differ by less pass through no resonance
 _CLEAR = 1.5  # times as far from an oscillator as another convention
+
+_EMPTY = "is empty or not a number; repair it, or delete the line"
+_POSITIVE = "is not positive, as all but phases are; check the column, or delete the line"
+_RISING = (
+    "turns back or stands, and the lines of a level go up or down in frequency; name a column of levels, or delete the "
+    "line"
+)
+_MIXED = (
+    "is counted in another way than those of most lines: with it the drive would take energy out; mend its sign, or "
+    "delete the line"
+)
 
 Place = tuple[str, int]  # of a level in a file: group and number
 
@@ -95,15 +106,12 @@ class SteppedTable:
         """The lines: level, frequency_Hz, force_N or base_displacement_m, displacement_m, phase_rad (of the lag)."""
         import pandas as pd  # slow to import
 
-        names = ("frequency_Hz", "force_N" if self.by_force else "base_displacement_m")
-        names = (*names, "displacement_m", "phase_rad")
         columns = [(of.omega / (2.0 * math.pi), of.drive, of.X, of.phi) for of in self.levels]
-        frame = pd.DataFrame(np.hstack(columns).T, columns=list(names))
-        frame.insert(
-            0,
-            "level",
-            np.repeat([of.name for of in self.levels], [of.X.size for of in self.levels]),
-        )
+        drive = "force_N" if self.by_force else "base_displacement_m"
+        names = ["frequency_Hz", drive, "displacement_m", "phase_rad"]
+        frame = pd.DataFrame(np.hstack(columns).T, columns=names)
+        sizes = [of.X.size for of in self.levels]
+        frame.insert(0, "level", np.repeat([of.name for of in self.levels], sizes))
         return frame
 
 
@@ -136,7 +144,8 @@ class _Table:
         self.file, self.rules = file, rules
         self.where = rules.source or f"{file.path}.yaml"
         self.columns: dict[str, dict[Place, int]] = {}
-        for role, i in self._named() if rules.table else self._recognised():
+        recognised = ((role, i) for i, raw in enumerate(file.channels) if (role := _role(raw)))
+        for role, i in self._named() if rules.table else recognised:
             group, _, number = _parts(file.channels[i].name)
             other = self.columns.setdefault(role, {}).setdefault((group, number), i)
             if other != i:
@@ -147,12 +156,11 @@ class _Table:
         drives = [q for q in _DRIVES[: 1 if per_force else None] if q in self.columns]
         if per_force and not drives and rules.force_N:
             drives = [""]
-        needed = {
-            "the frequency": [q for q in ("frequency",) if q in self.columns],
-            "a force" + " (or force_N)" * per_force if per_force else "a force or the base": drives,
-            f"a response ({', '.join(_RESPONSES)})": answers,
-            "the phase": [q for q in ("phase",) if q in self.columns],
-        }
+        needed = {q: [q] * (q in self.columns) for q in ("frequency", "phase")}
+        needed["the force (or force_N, of all lines)" if per_force else "a force or the base"] = (
+            drives
+        )
+        needed[f"a response ({', '.join(_RESPONSES)})"] = answers
         wrong = [f"{listed(of) or 'nothing'} for {q}" for q, of in needed.items() if len(of) != 1]
         if wrong:
             held = ", ".join(shortened(full_name(raw)) for raw in file.channels[:20])
@@ -169,35 +177,25 @@ class _Table:
         line = "" if row is None else f"{self.file.place(*row)}: "
         return RecordError(f"{self.file.path}: {line}{words}")
 
-    def _recognised(self) -> Iterator[tuple[str, int]]:
-        """Quantities and their columns, by headings and units."""
-        for i, raw in enumerate(self.file.channels):
-            if role := _role(raw):
-                yield role, i
-
     def _named(self) -> Iterator[tuple[str, int]]:
         """Quantities and their columns, by the mapping: of one name in several groups, or of a matrix."""
         for quantity, rule in self.rules.table.items():
-            yield from ((quantity, i) for i in self._matching(rule.channel, quantity))
-            if rule.standard_error is not None:
-                role = quantity + _ERROR
-                yield from ((role, i) for i in self._matching(rule.standard_error, role))
+            for role, which in ((quantity, rule.channel), (quantity + _ERROR, rule.standard_error)):
+                yield from ((role, i) for i in self._matching(which, role))
 
-    def _matching(self, which: Which, role: str) -> list[int]:
-        channels, key = self.file.channels, key_of(str(which))
-        if isinstance(which, int) and which <= len(channels):
-            return [which - 1]
-        spellings = (
-            lambda raw: which in (raw.name, full_name(raw), raw.label),
-            lambda raw: re.sub(r"\[\d+\]$", "", raw.name) == which,
-            lambda raw: key_of(_parts(raw.name)[1]) == key,
-        )
-        for fits in spellings:
-            if found := [i for i, raw in enumerate(channels) if fits(raw)]:
+    def _matching(self, which: Which | None, role: str) -> list[int]:
+        channels = self.file.channels
+        if which is None or (isinstance(which, int) and which <= len(channels)):
+            return [] if which is None else [which - 1]
+        spelt = [{raw.name, full_name(raw), raw.label} for raw in channels]
+        without_number = [{re.sub(r"\[\d+\]$", "", raw.name)} for raw in channels]
+        alone = [{_parts(raw.name)[1]} for raw in channels]
+        for names in (spelt, without_number, alone):
+            if found := [i for i, own in enumerate(names) if which in own]:
                 return found
         held = ", ".join(shortened(full_name(raw)) for raw in channels[:20])
         raise self._error(
-            f"has no column {which!r}, as table.{role} in {self.where} says; it has {held}"
+            f"has no column {which!r}, which table.{role} in {self.where} names; it has {held}"
         )
 
     def _factor(self, role: str) -> float:
@@ -209,14 +207,13 @@ class _Table:
         text = rule.unit or raw.unit or ("rad/s" if words & {"omega", "ω"} else None)
         try:
             if text is None:
-                stated = f"say unit: …, as recorded, at table.{quantity} in {self.where}"
-                raise UnitError(f"has no unit: {stated}")
+                raise UnitError(f"has no unit: state it at table.{quantity}.unit in {self.where}")
             factor = rule.scale * table_factor(text, quantity)
         except UnitError as error:
             raise self._error(f"column {shortened(raw.name)}: {error}") from None
-        return factor * (
-            2.0 * math.pi if quantity == "frequency" else 2.0 ** (0.5 * ("rms" in words))
-        )
+        if quantity == "frequency":
+            return 2.0 * math.pi * factor
+        return math.sqrt(2.0) * factor if "rms" in words else factor
 
     def read(self, label: str, largest: int) -> SteppedTable:
         """The table, with the lag φ of the displacement in each line."""
@@ -224,16 +221,12 @@ class _Table:
         levels = [level for level, _ in phased]
         phases = np.concatenate([level.phi for level in levels])
         low, high, radians = float(phases.min()), float(phases.max()), self.factors["phase"] == 1.0
-        if radians and max(-low, high) > _TURNS:
-            other, ends = "deg", f"{low:.4g} to {high:.4g} rad, of several turns"
-        elif not radians and 1.0 < math.degrees(high - low) and high - low < _SLIGHT:
-            ends = f"{math.degrees(low):.3g}° to {math.degrees(high):.3g}°, through no resonance"
-            other = "rad"
-        else:
-            other = ""
-        if other:
+        many, few = max(-low, high) > _TURNS, math.radians(1.0) < high - low < _SLIGHT
+        if many if radians else few:
+            unit = "rad" if few else "deg"
             raise self._error(
-                f"phases from {ends}: say unit: {other} at table.phase in {self.where}"
+                f"phases from {low:.3g} to {high:.3g} rad are those of no table: they are in {unit}; state it at "
+                f"table.phase.unit in {self.where}"
             )
         by_force = self.drive in ("", "force")
         quarters, sign, phis = self._convention(phased, 3 if by_force else 4)
@@ -248,16 +241,16 @@ class _Table:
     def _levels(self, label: str, largest: int) -> Iterator[tuple[SteppedLevel, int]]:
         """Each level, with phases as recorded, rad, and their column: of each group or column of a matrix, or of each
         value of a column of levels."""
-        values = columns_of(
-            self.file, sorted({i for of in self.columns.values() for i in of.values()}), largest
-        )
+        wanted = sorted({i for of in self.columns.values() for i in of.values()})
+        values = columns_of(self.file, wanted, largest)
         several = {q: of for q, of in self.columns.items() if len(of) > 1}
         places = list(next(iter(several.values()), {("", 0): 0}))
         for place in places:
             lacking = [q for q, of in several.items() if place not in of or len(of) != len(places)]
             if lacking:
+                both = listed([*lacking, next(iter(several))])
                 raise self._error(
-                    f"{listed(lacking)} and {next(iter(several))} do not stand in the same groups; give both for each level"
+                    f"{both} do not stand in the same groups; give them for each level"
                 )
             own = {q: of.get(place, next(iter(of.values()))) for q, of in self.columns.items()}
             if len({values[i].size for i in own.values()}) > 1:
@@ -267,13 +260,8 @@ class _Table:
             rows = np.flatnonzero(~np.isnan([*columns.values()]).all(axis=0))
             levels = columns.get("level", np.zeros(rows.max(initial=0) + 1))
             for value in dict.fromkeys(levels[rows].tolist()):
-                name = (
-                    f"level {value:g}"
-                    if "level" in columns
-                    else _called(place)
-                    if several
-                    else label
-                )
+                name = _called(place) if several else label
+                name = f"level {value:g}" if "level" in columns else name
                 those = rows[levels[rows] == value] if value == value else rows
                 yield self._level(name, own, columns, those), own["phase"]
 
@@ -284,61 +272,34 @@ class _Table:
         si = {q: columns[q][rows] * factor for q, factor in self.factors.items()}
         omega = si["frequency"]
         rising = np.append(True, np.diff(omega) * np.sign(omega[-1] - omega[0] or 1.0) > 0.0)
-        checks = [
-            (
-                q,
-                np.isfinite(columns[q][rows]),
-                "is empty or not a number; repair it, or delete the line",
-            )
-            for q in own
-        ]
-        checks += [
-            (
-                q,
-                of > 0.0,
-                "is not positive, as all but phases are; check the column, or delete the line",
-            )
-            for q, of in si.items()
-            if q != "phase"
-        ]
-        checks += [
-            (
-                "frequency",
-                rising,
-                f"turns back or stands: {name} goes up or down in frequency; name a column of levels, or delete the line",
-            )
-        ]
+        checks = [(q, np.isfinite(columns[q][rows]), _EMPTY) for q in own]
+        checks += [(q, of > 0.0, _POSITIVE) for q, of in si.items() if q != "phase"]
+        checks.append(("frequency", rising, _RISING))
         for q, holds, words in checks:
             if not holds.all():
                 row = int(rows[np.argmin(holds)])
                 column = shortened(self.file.channels[own[q]].name)
                 raise self._error(f"column {column}, {columns[q][row]:.6g}, {words}", (own[q], row))
         if rows.size < _FEWEST:
-            raise self._error(
-                f"{name} has {rows.size} lines; a level needs {_FEWEST}, on both sides of its resonance"
-            )
+            raise self._error(f"{name} has {rows.size} lines; a level needs {_FEWEST} at least")
         drive = si.get(self.drive, np.full(rows.size, self.rules.force_N or 1.0))
         answer = si[self.answer] * (drive if self.answer in PER_FORCE else 1.0)
-        still = [["phase"], [self.answer, self.drive]]
-        for constant in (of for of in still if not any(np.ptp(si.get(q, 0.0)) for q in of)):
-            raise self._error(
-                f"{listed([*filter(None, constant)])} of {name} does not change from line to line; check the column"
-            )
+        for of, words in ((np.diff(si["phase"]), "phase is"), (np.diff([drive, answer]), "amplitudes are")):
+            if not of.any():
+                raise self._error(f"{name}: its {words} the same in all lines; check the column")
         orders = [_ORDERS[TABLE_DIMENSIONS[q or "force"]] for q in (self.drive, self.answer)]
         Y, X = drive / omega ** orders[0], answer / omega ** orders[1]
         if X.max() > _LARGEST:
+            at = own[self.answer], int(rows[np.argmax(X)])
             raise self._error(
-                f"a displacement of {X.max():.3g} m: the unit of {self.answer} is wrong",
-                (own[self.answer], int(rows[np.argmax(X)])),
+                f"a displacement of {X.max():.3g} m: a unit is wrong, that of {self.answer}?", at
             )
-        relative = [
-            si[q] / si[q.removesuffix(_ERROR)]
-            for q in si
-            if q.endswith(_ERROR) and q != "phase" + _ERROR
+        squares = [
+            (si[q + _ERROR] / si[q]) ** 2 for q in (self.drive, self.answer) if q + _ERROR in si
         ]
-        both = [np.sqrt(np.sum(np.square(relative), axis=0))] if relative else []
-        both += [si[q] for q in si if q == "phase" + _ERROR]
-        error = np.sqrt(np.mean(np.square(both), axis=0)) if both else None
+        both = [np.sum(squares, axis=0)] if squares else []
+        both += [si[q] ** 2 for q in si if q == "phase" + _ERROR]
+        error = np.sqrt(np.mean(both, axis=0)) if both else None
         return SteppedLevel(name, omega, Y, X, si["phase"], error, rows)
 
     def _convention(
@@ -363,12 +324,11 @@ class _Table:
             if phi.min() <= 0.0:
                 at = int(np.argmax(phi <= 0.0))
                 raise self._error(
-                    f"the phase {of.phi[at]:.4g} rad is not counted as those of most lines are: with it the drive would take energy out; mend its sign, or delete the line",
-                    (column, int(of.rows[at])),
+                    f"the phase {of.phi[at]:.4g} rad {_MIXED}", (column, int(of.rows[at]))
                 )
         if others and misfits[others[0]] < _CLEAR * misfits[n, s]:
             raise self._error(
-                "its phases may be a lead or a lag: they pass through no resonance; give lines on both sides of it"
+                "its phases may be a lead or a lag; give lines on both sides of a resonance"
             )
         return n, s, ways[n, s]
 

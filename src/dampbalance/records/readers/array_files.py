@@ -142,8 +142,8 @@ def _attributes(item: Any) -> dict[str, object]:
 
 
 def matlab_file(path: Path, largest: int) -> RecordFile:
-    """A MATLAB 5 file: every real array in it is a channel, a field of a structure by "structure.field", with [1], [2], …
-    behind it where there is an array of structures. Raises RecordError when it holds more numbers than may be read
+    """A MATLAB 5 file: every real array in it is a channel, a field of a structure by "structure.field", with [1], [2],
+    … behind it where there is an array of structures. Raises RecordError when it holds more numbers than may be read
     whole, a quarter of `largest`."""
     from scipy.io import whosmat  # slow to import
 
