@@ -4,14 +4,14 @@ Each line is a complex number, the dynamic stiffness Z = (F/X)e^{iφ}, φ the la
 
     Z = k + ¾k_3X² − mω² + i Σ p g_p/(πX²) + Σ κ_j D(X/r_j)
 
-g_p are the integrals of the terms (`law/terms.py`), D is the secant of a slider (`law/gradual.py`). πX² Im Z = πFX sin φ
-is the energy balance, Eq. (14) of Liang & Feeny (2010); Re Z the in-phase row, which a contact lowers with the amplitude.
-Where the driven point moves with other modes, too, their residual receptance R changes what is measured:
+with the integrals g_p of the terms (`law/terms.py`) and the secant D of a slider (`law/gradual.py`). πX² Im Z = πFX sin φ
+is the energy balance, Eq. (14) of Liang & Feeny (2010); Re Z is the in-phase row, which a contact lowers with the
+amplitude. Where the driven point moves with other modes, too, their residual receptance R changes what is measured:
 
     1/Z_measured = 1/Z + R,    X = X_measured |1 − R Z_measured|
 
-All unknowns but R and the r of a single slider are linear and not negative; these two are profiled. A gradual contact
-has sliders on a grid of r, and κ varies smoothly over ln r as far as levels that are left out ask for it.
+All unknowns are linear and not negative, except R and the r of a single slider, which are profiled. κ of a gradual
+contact is piecewise linear over ln r, and as smooth as the prediction of levels that are left out asks for.
 """
 
 from __future__ import annotations
@@ -26,13 +26,29 @@ import numpy as np
 
 from ..arrays import Array, Complexes, Integers, Mask
 from ..law.gradual import Sliders, secant, secant_of_cycles
-from ..law.terms import FRICTION, term
+from ..law.terms import FRICTION, listed, term
 from ..reading.one_thread import one_thread
+from .mean_harmonics import Reading
 
 Contact = Literal["none", "one slider", "gradual"]
 
-NODES = 20
-"""Sliders of a gradual contact, at equidistant ln r."""
+_NODES, _BETWEEN = 32, 3  # of κ over ln r of a gradual contact; sliders from one node to the next
+_LOWEST = 1.0 / 3.0  # r of its first node, of the smallest amplitude
+_RIGID, _PROFILE = 1e-3, 120  # smallest r of one slider, likewise; how many are tried
+# Differences of κ r^{−1/2} are penalised: κ of bolted joints grows with a power of r between 0.2 and 1.2.
+_GROWTH = 0.5
+_SMOOTHINGS = np.geomspace(1e-3, 10.0, 5)
+# Of the smoothing that predicts best: its bias is then below the noise, and intervals hold what they say.
+_LESS = 0.1
+_LEVELS = 4  # from which on levels are left out to choose it
+_RECEPTANCES, _LARGEST_RECEPTANCE = 25, 0.6  # values of R that are tried, in 1/|Z|
+_FIRST_ERROR = 0.05  # of Z, where the iteration of errors starts
+_ITERATIONS, _MULTIPLIED = 4, 60
+_FLOOR = 1e-9  # of |Z|: scatter of lines without noise
+_ALIKE = 1.05  # of amplitudes: closer ones count as one
+_SINGULAR = 1e-7
+_NORMAL, _CHI_SQUARE = 1.96, 3.84  # of intervals of 95 %
+_POINTS = 512  # of a recorded cycle
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,7 +69,7 @@ class SteppedLines:
     error: Array | None = None
     cycle: Array | None = None
 
-    def __getitem__(self, kept: Mask | Integers) -> SteppedLines:
+    def __getitem__(self, kept: Mask) -> SteppedLines:
         """Some of the lines."""
         parts = {
             name: values[kept]
@@ -68,7 +84,7 @@ class SteppedLines:
         cycle = None if self.cycle is None else self.cycle * np.abs(ratio)[:, None]
         return replace(self, X=self.X * np.abs(ratio), Z=self.Z / ratio, cycle=cycle)
 
-    @property
+    @cached_property
     def reach(self) -> Array:
         """Largest displacement of each line from the middle of its motion, m, (n,)."""
         return self.X if self.cycle is None else 0.5 * np.ptp(self.cycle, axis=1)
@@ -76,6 +92,30 @@ class SteppedLines:
     def secant(self, r: Array) -> Complexes:
         """D of sliders, (n, j): of the recorded cycles, or of a harmonic motion.   r : m, (j,)."""
         return secant(self.X, r) if self.cycle is None else secant_of_cycles(self.cycle, r)
+
+
+def lines_of(readings: Sequence[Reading], k: float) -> SteppedLines:
+    """Lines of forced records, one each: Z = kY/x_1, and the cycle as its harmonics give it.
+
+    Use it to look for a gradual contact in records in time; their higher harmonics move the instants of slip, which the
+    sliders follow.   readings : of records on a base that moves.   k : N/m.
+    """
+    means = [reading.mean for reading in readings]
+    x, Y = (
+        np.array([value[0] for value in parts])
+        for parts in ([mean.x[0] for mean in means], [mean.Y for mean in means])
+    )
+    of = [reading.lines for reading in readings]
+    error = [math.hypot(one.x_error[0] / abs(one.x[0]), one.Y_error / one.Y) for one in of]
+    return SteppedLines(
+        omega=np.array([one.omega for one in of]),
+        X=np.abs(x),
+        Z=k * Y / x,
+        level=np.arange(len(of)),
+        names=tuple(reading.steady.source for reading in readings),
+        error=np.array(error),
+        cycle=np.array([reading.averaged_cycle(_POINTS)["x"] for reading in readings]),
+    )
 
 
 class Band(NamedTuple):
@@ -87,30 +127,21 @@ class Band(NamedTuple):
 
 
 class Misfit(NamedTuple):
-    """How far lines lie from a law: root mean squares of (loss of the law)/W − 1 and of the in-phase part, N/m, and the
-    mean square of both in standard errors."""
+    """How far lines lie from a law.
+
+    loss, in_phase : root mean squares of (loss of the law)/W − 1 and of the in-phase difference, N/m.
+    loss_score, in_phase_score : mean squares of the same in standard errors.
+    """
 
     loss: float
     in_phase: float
-    score: float
+    loss_score: float
+    in_phase_score: float
 
-
-def column(name: str, omega: Array, X: Array, stiffness: float | None) -> Complexes:
-    """What one unknown of unit size adds to Z, (n,): k, m, k_3 or the coefficient of a term.
-
-    Raises ValueError for a term that lines do not tell.
-    """
-    if name in _OF_SPRING:
-        return np.asarray(_OF_SPRING[name](omega, X) + 0j)
-    loss = term(name)
-    if name == FRICTION:
-        raise ValueError('F_k is a part of the contact: ask for contact="one slider"')
-    if loss.force is None or loss.force(0.0, 1.0, 1.0, 1.0):
-        raise ValueError(f"{name} acts against the base, whose motion lines do not tell: use c")
-    if stiffness is None and loss.force(1.0, 0.0, 2.0, 1.0) != loss.force(1.0, 0.0, 1.0, 1.0):
-        raise ValueError(f"{name} takes a part of the spring's force: state stiffness")
-    g = loss.harmonic(omega, X, 0.0, 0.0, stiffness or 1.0)
-    return np.asarray(1j * g / (math.pi * X**2))
+    @property
+    def score(self) -> float:
+        """Mean square of both in standard errors."""
+        return 0.5 * (self.loss_score + self.in_phase_score)
 
 
 _OF_SPRING: Mapping[str, Callable[[Array, Array], Array]] = {
@@ -118,6 +149,31 @@ _OF_SPRING: Mapping[str, Callable[[Array, Array], Array]] = {
     "m": lambda omega, X: -(omega**2),
     "k_3": lambda omega, X: 0.75 * X**2,
 }
+
+
+def _column(name: str, omega: Array, X: Array, stiffness: float | None) -> Complexes:
+    """What an unknown of unit size adds to Z, (n,). Raises ValueError for a term that lines do not tell."""
+    if name in _OF_SPRING:
+        return np.asarray(_OF_SPRING[name](omega, X) + 0j)
+    of = term(name)
+    if of.force is None:
+        raise ValueError(f'{FRICTION} belongs to the contact: ask for contact="one slider"')
+    if of.linear and of.force(0.0, 1.0, 1.0, 1.0):
+        raise ValueError(f"{name} acts against the base, whose motion the lines do not hold: use c")
+    if stiffness is None and of.force(1.0, 0.0, 2.0, 1.0) != of.force(1.0, 0.0, 1.0, 1.0):
+        raise ValueError(f"the force of {name} depends on the spring: state stiffness")
+    return np.asarray(1j * of.harmonic(omega, X, 0.0, 0.0, stiffness or 1.0) / (math.pi * X**2))
+
+
+@dataclass(frozen=True, eq=False)
+class _Point:
+    """Unknowns, and χ².   linear : coefficients of the free ones.   nodes : κ at the nodes.   r, kappa : sliders."""
+
+    linear: Array
+    nodes: Array
+    r: Array
+    kappa: Array
+    chi_square: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,16 +196,21 @@ class _Rows:
 
     @cached_property
     def mode(self) -> SteppedLines:
-        return self.lines.of_mode(self.R)
+        return self.lines.of_mode(self.R) if self.R else self.lines
+
+    def measured(self, Z: Complexes) -> Complexes:
+        """Changes of the measured Z by those of the mode's, (n, …)."""
+        return np.asarray(((1.0 - self.R * self.lines.Z) ** 2 * Z.T).T)
 
     def weighted(self, Z: Complexes) -> Array:
         """Columns (n, …) of the mode's Z as rows of the measured, (2n, …)."""
-        moved = ((1.0 - self.R * self.lines.Z) ** 2 * Z.T).T
-        return np.concatenate([(moved.real.T / self.sigma[0]).T, (moved.imag.T / self.sigma[1]).T])
+        Z = self.measured(Z)
+        return np.concatenate([(Z.real.T / self.sigma[0]).T, (Z.imag.T / self.sigma[1]).T])
 
     def columns(self, names: Sequence[str]) -> Complexes:
-        at = (self.mode.omega, self.mode.X, self.stiffness)
-        return np.array([column(name, *at) for name in names]).reshape(len(names), at[0].size).T
+        omega, X = self.mode.omega, self.mode.X
+        columns = [_column(name, omega, X, self.stiffness) for name in names]
+        return np.array(columns).reshape(len(names), X.size).T
 
     @cached_property
     def known(self) -> Complexes:
@@ -163,9 +224,6 @@ class _Rows:
     def target(self) -> Array:
         return self.weighted(self.mode.Z - self.known)
 
-    def sliders(self, r: Array) -> Array:
-        return self.weighted(self.mode.secant(r))
-
     def law(self, point: _Point) -> Complexes:
         """Z of the mode by a law."""
         linear = self.columns(self.free) @ point.linear
@@ -174,20 +232,10 @@ class _Rows:
     def misfit(self, point: _Point) -> Misfit:
         """How far the lines lie from a law."""
         Z, law = self.mode.Z, self.law(point)
-        squares = self.weighted(law - Z) ** 2
-        parts = (law.imag / Z.imag - 1.0, law.real - Z.real)
-        return Misfit(*(math.sqrt(np.mean(part**2)) for part in parts), float(np.mean(squares)))
-
-
-@dataclass(frozen=True, eq=False)
-class _Point:
-    """Unknowns.   linear : coefficients of the free ones.   r, kappa : sliders.   R : residual receptance, m/N."""
-
-    linear: Array
-    r: Array
-    kappa: Array
-    R: float = 0.0
-    chi_square: float = math.nan
+        both = law.imag / Z.imag - 1.0, law.real - Z.real
+        in_phase, quadrature = np.split(self.weighted(law - Z), 2)
+        loss, stiffness = (math.sqrt(np.mean(one**2)) for one in both)
+        return Misfit(loss, stiffness, float(np.mean(quadrature**2)), float(np.mean(in_phase**2)))
 
 
 def _nnls(A: Array, y: Array) -> Array:
@@ -203,59 +251,83 @@ def _nnls(A: Array, y: Array) -> Array:
 class _Design:
     """The rows of a contact, for one R or, near it, with R among the unknowns.
 
-    grid : r of the sliders, m, or what a single one is sought among.   direction : change of the rows with R, of length
-    one, (2n,); all rows lose their part along it where R is free.
+    nodes : r at which κ of a gradual contact is an unknown, m, or those that are tried for a single slider.
+    direction : change of the rows with R, of length one, (2n,); all rows lose their part along it where R is free.
     """
 
     rows: _Rows
     contact: Contact
-    grid: Array | None = None
+    nodes: Array
     direction: Array | None = None
+
+    @classmethod
+    def of(cls, rows: _Rows, contact: Contact) -> _Design:
+        low, high = rows.mode.reach.min(), rows.mode.reach.max()
+        if contact == "one slider":
+            return cls(rows, contact, np.geomspace(_RIGID * low, high, _PROFILE + 1)[:-1])
+        nodes = np.geomspace(_LOWEST * low, high, _NODES * (contact == "gradual"))
+        return cls(rows, contact, nodes)
 
     def without_R(self, A: Array) -> Array:
         b = self.direction
         return A if b is None else A - np.multiply.outer(b, b @ A)
 
     @cached_property
-    def nodes(self) -> Array:
-        """Grid of r, m: sliders that slip at no line act as k, and only where k is given one of them is kept."""
-        if self.grid is not None or self.contact == "none":
-            return np.zeros(0) if self.grid is None else self.grid
-        X = self.rows.mode.reach
-        one = self.contact == "one slider"
-        lowest, count = (_RIGID, _PROFILE) if one else (_BELOW, NODES)
-        grid = np.geomspace(lowest * X.min(), X.max(), count + 1)
-        return grid[: count + (not one and "k" not in self.rows.free)]
+    def stuck(self) -> bool:
+        """Whether a slider that no line moves is an unknown: where k is free, it is a part of k."""
+        return self.contact == "gradual" and "k" not in self.rows.free
+
+    @cached_property
+    def r(self) -> Array:
+        """Sliders, m: of a gradual contact, more between its nodes."""
+        at = np.arange((_NODES - 1) * _BETWEEN + self.stuck) / _BETWEEN
+        fine = (
+            np.interp(at, np.arange(self.nodes.size), np.log(self.nodes))
+            if self.nodes.size
+            else at[:0]
+        )
+        return np.exp(fine)
+
+    @cached_property
+    def spread(self) -> Array:
+        """κ of the sliders by κ at the nodes, and of the one that is stuck."""
+        if not self.nodes.size:
+            return np.zeros((0, 0))
+        at = np.arange((_NODES - 1) * _BETWEEN + self.stuck) / _BETWEEN
+        hats = np.maximum(1.0 - np.abs(np.subtract.outer(at, np.arange(_NODES))), 0.0)
+        return np.hstack([hats, np.eye(at.size)[:, -1:]]) if self.stuck else hats
+
+    def sliders(self, r: Array) -> Array:
+        return self.without_R(self.rows.weighted(self.rows.mode.secant(r)))
 
     @cached_property
     def linear(self) -> Array:
         return self.without_R(self.rows.linear)
 
     @cached_property
-    def sliders(self) -> Array:
-        return self.without_R(self.rows.sliders(self.nodes))
-
-    @cached_property
     def joined(self) -> Array:
-        return np.hstack([self.linear, self.sliders])
+        return np.hstack([self.linear, self.sliders(self.r) @ self.spread])
 
     @cached_property
     def roughness(self) -> Array:
-        """Second differences of κ over ln r, in units of the length of a slider's column, as rows of `joined`."""
-        size = float(np.median(np.linalg.norm(self.sliders, axis=0)))
-        second = np.diff(np.eye(NODES), 2, axis=0) * size
-        zeros = np.zeros((NODES - 2, self.linear.shape[1])), np.zeros((NODES - 2, 1))
-        return np.hstack([zeros[0], second, zeros[1][:, : self.nodes.size - NODES]])
+        """Second differences of κ r^{−1/2} over ln r, in units of the median column of a node."""
+        own, of = self.linear.shape[1], self.joined.shape[1]
+        size = float(np.median(np.linalg.norm(self.joined[:, own:], axis=0)))
+        second = np.diff(np.eye(_NODES), 2, axis=0) * (self.nodes / self.nodes[-1]) ** -_GROWTH
+        rough = np.zeros((_NODES - 2, of))
+        rough[:, own : own + _NODES] = size * second
+        return rough
 
     @cached_property
     def reduced(self) -> tuple[Array, Array]:
         """Orthonormal columns and the triangle of `joined`."""
-        return np.linalg.qr(self.joined)
+        q, triangle = np.linalg.qr(self.joined)
+        return q, triangle
 
     def solve(self, target: Array, smoothing: float = 0.0) -> _Point:
-        """The unknowns of largest likelihood, and χ², for one right side.
+        """The unknowns of largest likelihood for one right side.
 
-        smoothing : of a gradual contact: weight of the second differences of κ over ln r.
+        smoothing : of a gradual contact, weight of the second differences.
         """
         y = self.without_R(target)
         if self.contact == "one slider":
@@ -264,118 +336,103 @@ class _Design:
         on = q.T @ y
         if self.contact == "gradual":
             triangle = np.vstack([triangle, smoothing * self.roughness])
-            on = np.concatenate([on, np.zeros(NODES - 2)])
-        return self._point(_nnls(triangle, on), self.nodes, self.joined, y)
+            on = np.concatenate([on, np.zeros(_NODES - 2)])
+        p = _nnls(triangle, on)
+        own = self.linear.shape[1]
+        kappa = self.spread @ p[own:]
+        chi_square = float(np.sum((self.joined @ p - y) ** 2))
+        return _Point(p[:own], p[own:], self.r, kappa, chi_square)
+
+    def with_slider(self, ln_r: float, target: Array) -> _Point:
+        """The unknowns of largest likelihood with one slider of this r, m."""
+        r, y = np.exp([ln_r]), self.without_R(target)
+        A = np.hstack([self.linear, self.sliders(r)])
+        p = _nnls(A, y)
+        return _Point(p[:-1], p[-1:], r, p[-1:], float(np.sum((A @ p - y) ** 2)))
 
     def _one_slider(self, y: Array) -> _Point:
-        """The best r of the grid, polished between its neighbours."""
+        """The best r of those tried, polished between its neighbours."""
         from scipy import optimize  # slow to import
 
-        free = y - self.basis @ (self.basis.T @ y)
-        along = self.across.T @ free
-        gain = np.where(along > 0.0, along, 0.0) ** 2 * self.inverse_square
-        at = lambda ln_r: self._with_slider(math.exp(ln_r), y)
-        best = int(np.argmax(gain))
-        found = at(math.log(self.nodes[best]))
-        if not found.linear.all():  # a bound holds, which the gain does not know
-            tried = [at(math.log(r)).chi_square for r in self.nodes]
-            best = int(np.argmin(tried))
-        ends = np.log(self.nodes[[max(best - 1, 0), min(best + 1, self.nodes.size - 1)]])
+        q, across, inverse = self._across
+        along = across.T @ (y - q @ (q.T @ y))
+        tried = np.log(self.nodes)
+        best = int(np.argmax(np.maximum(along, 0.0) ** 2 * inverse))
+        found = self.with_slider(tried[best], y)
+        if not found.linear.all():  # a bound holds, which this gain does not know
+            best = int(np.argmin([self.with_slider(one, y).chi_square for one in tried]))
         polished = optimize.minimize_scalar(
-            lambda ln_r: at(ln_r).chi_square, bounds=ends, method="bounded", options={"xatol": 1e-4}
+            lambda ln_r: self.with_slider(ln_r, y).chi_square,
+            bounds=(float(tried[max(best - 1, 0)]), float(tried[min(best + 1, tried.size - 1)])),
+            method="bounded",
+            options={"xatol": 1e-4},
         )
-        return min(found, at(float(polished.x)), key=lambda point: point.chi_square)
+        points = (found, self.with_slider(float(polished.x), y))
+        return min(points, key=lambda point: point.chi_square)
 
     @cached_property
-    def basis(self) -> Array:
-        return np.linalg.qr(self.linear)[0]
-
-    @cached_property
-    def across(self) -> Array:
-        """Columns of sliders without their part along the linear unknowns."""
-        return self.sliders - self.basis @ (self.basis.T @ self.sliders)
-
-    @cached_property
-    def inverse_square(self) -> Array:
-        square, whole = (np.sum(A**2, axis=0) for A in (self.across, self.sliders))
-        return np.where(square > 1e-9 * whole, 1.0 / np.maximum(square, 1e-300), 0.0)
-
-    def _with_slider(self, r: float, y: Array) -> _Point:
-        node = np.array([r])
-        A = np.hstack([self.linear, self.without_R(self.rows.sliders(node))])
-        return self._point(_nnls(A, y), node, A, y)
-
-    def _point(self, p: Array, r: Array, A: Array, y: Array) -> _Point:
-        own = self.linear.shape[1]
-        chi_square = float(np.sum((A @ p - y) ** 2))
-        return _Point(p[:own], r, p[own:], self.rows.R, chi_square)
+    def _across(self) -> tuple[Array, Array, Array]:
+        """Orthonormal linear columns; columns of sliders without their part along these; inverse squares of the rest."""
+        q, columns = np.linalg.qr(self.linear)[0], self.sliders(self.nodes)
+        across = columns - q @ (q.T @ columns)
+        square, whole = (np.sum(A**2, axis=0) for A in (across, columns))
+        return q, across, np.where(square > 1e-9 * whole, 1.0 / np.maximum(square, 1e-300), 0.0)
 
 
-_RIGID, _PROFILE = 1e-3, 120  # smallest r of one slider, of the smallest amplitude; its grid
-_BELOW = 1.0 / 3.0  # smallest r of a gradual contact, likewise
-_RECEPTANCES = 25
-_LARGEST_RECEPTANCE = 0.6  # of 1/|Z|
-_SMOOTHINGS = np.geomspace(1e-3, 30.0, 10)
-_ITERATIONS = 4
-_FLOOR = 1e-9  # of |Z|: scatter of lines without noise
+def _scatter(rows: _Rows, left: Complexes, unknowns: int) -> Array:
+    """Standard errors of the real and the imaginary part of each Z, (2, n), from what the law leaves of them.
 
+    Var Re = α + β|Z|², Var Im = γ(Im Z)² + δ|Z|²: an error of the law in N/m or as a part of the loss, and one of
+    the measurement; by largest likelihood (multiplicative updates). Where lines state their errors, these count, times
+    the factor by which the real or the imaginary parts scatter more than that.
 
-def _scatter(rows: _Rows, residual: Complexes, unknowns: int) -> Array:
-    """Standard errors of the real and the imaginary part of each Z, (2, n), from what is left of them.
-
-    Var Re = α + β|Z|², Var Im = γ(Im Z)² + δ(Re Z)²: errors of the law in N/m and as a part of the loss, errors of the
-    amplitude and of the phase. Where lines state their errors, these count, times the factor by which the real or the
-    imaginary parts scatter more than that.   residual : measured less law.   unknowns : of the law.
+    left : law less measured, N/m, (n,).   unknowns : of the law.
     """
-    Z = rows.lines.Z
-    n = Z.size
-    more = 2.0 * n / max(2.0 * n - unknowns, 1.0)
-    squares = np.array([residual.real**2, residual.imag**2]) * more
+    n, size = left.size, np.abs(rows.lines.Z) ** 2
+    squares = np.array([left.real**2, left.imag**2]) * (2.0 * n / max(2.0 * n - unknowns, 1.0))
     if rows.lines.error is not None:
-        stated = np.broadcast_to(rows.lines.error * np.abs(Z), (2, n))
-        factor = np.sqrt(np.mean(squares / stated**2, axis=1, keepdims=True))
-        return np.asarray(stated * np.maximum(factor, 1.0))
-    absolute, size = np.full(n, np.mean(np.abs(Z) ** 2)), np.abs(Z) ** 2
+        stated = np.broadcast_to(rows.lines.error**2 * size, (2, n))
+        factor = np.mean(squares / stated, axis=1, keepdims=True)
+        return np.sqrt(stated * np.maximum(factor, 1.0))
     variances = []
-    for square, parts in zip(squares, ([absolute, size], [Z.imag**2, Z.real**2]), strict=True):
-        A = np.array(parts).T
-        variance = A[:, 0] * np.mean(square) / np.mean(A[:, 0])
-        for _ in range(_ITERATIONS):
-            weight = 1.0 / np.maximum(variance, _FLOOR**2 * size)
-            variance = A @ _nnls(A * weight[:, None], square * weight)
-        variances.append(np.maximum(variance, _FLOOR**2 * size))
+    own = (np.full(n, np.mean(size)), (rows.lines.Z + left).imag ** 2)
+    for square, of_law in zip(squares, own, strict=True):
+        parts = np.array([of_law, size])
+        share = 0.5 * np.full(2, np.mean(square / size) + _FLOOR**2)
+        for _ in range(_MULTIPLIED):
+            variance = share @ parts + _FLOOR**2 * size
+            share *= (parts @ (square / variance**2)) / (parts @ (1.0 / variance))
+        variances.append(share @ parts + _FLOOR**2 * size)
     return np.sqrt(variances)
 
 
 @dataclass(frozen=True, eq=False)
 class _Estimate:
-    """A fit: its rows with their errors, its design, the unknowns, the smoothing and how it was chosen."""
+    """A fit: its rows with their errors and its design, the unknowns, the smoothing and what chose it."""
 
     design: _Design
     point: _Point
-    smoothing: float = 0.0
+    smoothing: float
     chosen_by: str = ""
 
     @property
     def rows(self) -> _Rows:
         return self.design.rows
 
-    def without(self, kept: Mask) -> _Design:
-        """The design of some lines."""
+    def _part(self, kept: Mask) -> _Design:
         return _Design(self.rows[kept], self.design.contact, self.design.nodes)
 
     @cached_property
-    def halves(self) -> list[tuple[Mask, _Design]]:
+    def _levels(self) -> list[tuple[Mask, _Design]]:
         """For each level: its lines, and the design of the others."""
-        level = self.rows.lines.level
-        masks = [level == of for of in range(len(self.rows.lines.names))]
-        return [(mask, self.without(~mask)) for mask in masks]
+        masks = [self.rows.lines.level == of for of in range(len(self.rows.lines.names))]
+        return [(mask, self._part(~mask)) for mask in masks if not mask.all()]
 
     def held_out(self, smoothing: float) -> list[Misfit]:
         """Misfit of each level to the law of the others."""
         return [
             self.rows[mask].misfit(others.solve(others.rows.target, smoothing))
-            for mask, others in self.halves
+            for mask, others in self._levels
         ]
 
     def extrapolated(self) -> Misfit:
@@ -383,87 +440,91 @@ class _Estimate:
         lines = self.rows.mode
         largest = [lines.reach[lines.level == of].max() for of in range(len(lines.names))]
         lower = np.isin(lines.level, np.argsort(largest)[: (len(largest) + 1) // 2])
-        design = self.without(lower)
+        design = self._part(lower)
         return self.rows[~lower].misfit(design.solve(design.rows.target, self.smoothing))
 
     def smoothed(self) -> _Estimate:
-        """The smoothing that predicts levels best; of fewer than four levels, by generalised cross-validation."""
-        target = self.rows.target
-        if len(self.halves) >= _LEVELS:
-            by = "levels left out"
+        """With the smoothing that levels, or generalised cross-validation where they are few, ask for."""
+        if len(self._levels) >= _LEVELS:
+            by = "levels that are left out"
             scores = [np.mean([one.score for one in self.held_out(s)]) for s in _SMOOTHINGS]
         else:
-            by = "generalised cross-validation, since there are fewer than four levels"
+            by = f"generalised cross-validation, as there are fewer than {_LEVELS} levels"
             scores = [self._generalised(s) for s in _SMOOTHINGS]
-        best = float(_SMOOTHINGS[int(np.argmin(scores))])
-        return replace(self, point=self.design.solve(target, best), smoothing=best, chosen_by=by)
+        smoothing = _LESS * float(_SMOOTHINGS[int(np.argmin(scores))])
+        return _Estimate(self.design, self.design.solve(self.rows.target, smoothing), smoothing, by)
 
-    def _generalised(self, smoothing: float) -> float:
-        """Generalised cross-validation: χ² over the square of the degrees of freedom that are left."""
+    def _generalised(self, smoothing: float) -> np.floating:
+        """χ² over the square of the degrees of freedom that are left."""
         point = self.design.solve(self.rows.target, smoothing)
-        active = np.concatenate([point.linear, point.kappa]) > 0.0
+        active = np.concatenate([point.linear, point.nodes]) > 0.0
         A, L = self.design.joined[:, active], smoothing * self.design.roughness[:, active]
         size = np.linalg.norm(A, axis=0)
-        A, L = A / size, L / size
-        used = float(np.trace(np.linalg.pinv(A.T @ A + L.T @ L) @ (A.T @ A)))
-        return point.chi_square / max(len(A) - used, 1e-9) ** 2
+        normal = (A / size).T @ (A / size)
+        used = np.trace(np.linalg.pinv(normal + (L / size).T @ (L / size)) @ normal)
+        return np.float64(point.chi_square / max(len(A) - float(used), 1e-9) ** 2)
 
 
-_LEVELS = 4
-
-
-def _estimated(rows: _Rows, contact: Contact, residual: bool) -> _Estimate:
-    """The fit of a contact, its errors iterated."""
+def _estimated(
+    rows: _Rows, contact: Contact, residual: bool, steps: int = _ITERATIONS
+) -> _Estimate:
+    """The fit of a contact, its errors iterated; with one step, those of the rows are kept."""
     from scipy import optimize  # slow to import
 
-    most = _LARGEST_RECEPTANCE / float(np.abs(rows.lines.Z).max()) if residual else 0.0
+    most = _LARGEST_RECEPTANCE / float(np.abs(rows.lines.Z).max())
     tried = np.linspace(-most, most, _RECEPTANCES) if residual else np.zeros(1)
-    smoothing = _SMOOTHINGS[4]
+    smoothing = _LESS * float(np.median(_SMOOTHINGS))
 
     def at(R: float) -> _Estimate:
-        design = _Design(replace(rows, R=R), contact)
+        design = _Design.of(replace(rows, R=float(R)), contact)
         return _Estimate(design, design.solve(design.rows.target, smoothing), smoothing)
 
-    for step in range(_ITERATIONS):
-        found = min((at(float(R)) for R in tried), key=lambda one: one.point.chi_square)
+    for step in range(steps):
+        found = min(map(at, tried), key=lambda one: one.point.chi_square)
         if residual:
-            gap = tried[1] - tried[0]
+            R, gap = found.rows.R, float(tried[1] - tried[0])
             polished = optimize.minimize_scalar(
                 lambda R: at(R).point.chi_square,
-                bounds=(found.rows.R - gap, found.rows.R + gap),
+                bounds=(R - gap, R + gap),
                 method="bounded",
                 options={"xatol": 1e-4 * most},
             )
-            found = at(float(polished.x))
-            tried = found.rows.R + np.linspace(-gap, gap, 5)
+            found = at(polished.x)
+            tried = found.rows.R + gap * np.linspace(-1.0, 1.0, 5)
         if contact == "gradual":
             found = found.smoothed()
             smoothing = found.smoothing
-        if step < _ITERATIONS - 1:
-            ratio = 1.0 - found.rows.R * rows.lines.Z
-            left = (found.rows.mode.Z - found.rows.law(found.point)) * ratio**2
-            rows = replace(rows, sigma=_scatter(rows, left, _count(found)))
+        if step < steps - 1:
+            own, point = found.rows, found.point
+            left = own.measured(own.law(point) - own.mode.Z)
+            used = int(np.count_nonzero(np.concatenate([point.linear, point.nodes])))
+            rows = replace(
+                rows, sigma=_scatter(own, left, used + (contact == "one slider") + residual)
+            )
     return found
 
 
-def _count(found: _Estimate) -> int:
-    """Unknowns that are not at a bound."""
-    point = found.point
-    one = found.design.contact == "one slider"
-    return int(np.count_nonzero(point.linear) + np.count_nonzero(point.kappa)) + one
+class _Draws(NamedTuple):
+    """Replicates: linear unknowns by name, (B,), and sliders, (B, j)."""
+
+    linear: Mapping[str, Array]
+    r: Array
+    kappa: Array
 
 
 @dataclass(frozen=True, eq=False)
 class ContactFit:
     """A contact and an oscillator identified from stepped lines.
 
-    contact, terms : of the law.   values : k, m, k_3, R and the coefficients of terms, SI units, the given ones too.
-    r, kappa : sliders, m and N/m, (j,).   errors, intervals : standard errors and intervals of 95 % of what is not
-    given, of F_k and K_z, and of the r of one slider, by replicates.   residuals : (loss of the law)/W − 1 as the
-    imaginary part, the in-phase difference as a part of |Z| as the real part, (n,).   misfit : their root mean squares.
-    held_out : of each level, predicted from the others.   X_range : amplitudes that were seen, m.
+    contact, terms : of the law.
+    values : k, m, k_3, R and the coefficients of the terms, SI units, the given ones too.
+    r, kappa : sliders, m and N/m, (j,).
+    errors, intervals : standard errors and intervals of 95 % of what is not given, of F_k and K_z, and of the r of one
+    slider. The upper end of K_z is infinite where the amplitudes are so large that lines tell only a lower limit.
+    residuals : in-phase difference as a part of |Z|, the real part; (loss of the law)/W − 1, the imaginary part, (n,).
+    misfit : root mean squares.   held_out : the same of each level, predicted from the others.
+    X_range : amplitudes that were seen, m.
     smoothing, chosen_by : weight of the smoothness of κ, and what chose it.
-    lower_limit : whether lines tell only a lower limit of K_z: what slips, slips long before the amplitudes seen.
     """
 
     contact: Contact
@@ -479,7 +540,6 @@ class ContactFit:
     X_range: tuple[float, float]
     smoothing: float
     chosen_by: str
-    lower_limit: bool
     stiffness_given: float | None = field(repr=False)
     draws: _Draws = field(repr=False)
 
@@ -496,35 +556,33 @@ class ContactFit:
 
     @property
     def F_k(self) -> float:
-        """Friction force that the contact reaches at the amplitudes seen, N."""
+        """Friction force of the contact that yields at the amplitudes seen, N."""
         return self.sliders.F_k
 
-    def loss(self, X: Array, omega: Array | float) -> Band:
+    def loss(self, X: Array | float, omega: Array | float) -> Band:
         """Energy lost per cycle at amplitudes X, m, and angular frequencies, rad/s, with its interval, J, each (n,).
 
         Raises ValueError outside of the amplitudes seen.
         """
-        X, omega = (
-            self._inside(X),
-            np.broadcast_to(np.asarray(omega, dtype=np.float64), np.shape(X)),
-        )
-        return self._band(X, omega, self.terms, lambda Z: math.pi * X**2 * Z.imag.T)
+        X = self._inside(X)
+        omega = np.broadcast_to(np.asarray(omega, dtype=np.float64), X.shape)
+        return self._band(X, omega, self.terms, lambda Z: math.pi * X**2 * Z.imag)
 
-    def stiffness(self, X: Array) -> Band:
+    def stiffness(self, X: Array | float) -> Band:
         """Stiffness of the fundamental, k + ¾k_3X² + Σ κ Re D, at amplitudes X, m, with its interval, N/m, each (n,).
 
         Raises ValueError outside of the amplitudes seen.
         """
         X = self._inside(X)
-        return self._band(X, np.ones_like(X), ("k", "k_3"), lambda Z: Z.real.T)
+        return self._band(X, np.ones_like(X), ("k", "k_3"), lambda Z: Z.real)
 
-    def _inside(self, X: Array) -> Array:
+    def _inside(self, X: Array | float) -> Array:
         X = np.atleast_1d(np.asarray(X, dtype=np.float64))
         low, high = self.X_range
-        if not ((X >= low * (1.0 - 1e-9)) & (X <= high * (1.0 + 1e-9))).all():
+        if not (X.min() >= low * (1.0 - 1e-9) and X.max() <= high * (1.0 + 1e-9)):
             raise ValueError(
-                f"the law holds for the amplitudes that were seen, {low:.4g} to {high:.4g} m, got "
-                f"{X.min():.4g} to {X.max():.4g} m: keep within them, or measure there"
+                f"the law is known for the amplitudes that were seen, {low:.4g} to {high:.4g} m, got {X.min():.4g} to "
+                f"{X.max():.4g} m: keep within them, or measure there"
             )
         return X
 
@@ -532,36 +590,22 @@ class ContactFit:
         self, X: Array, omega: Array, names: Sequence[str], of: Callable[[Complexes], Array]
     ) -> Band:
         names = [name for name in names if name in self.values]
-        parts = np.array([column(name, omega, X, self.stiffness_given) for name in names])
-
-        def Z(values: Array, r: Array, kappa: Array) -> Complexes:
-            D = secant(X, r.ravel()).reshape(X.size, *r.shape)
-            return np.asarray(np.tensordot(values, parts, 1).T + np.sum(D * kappa, axis=-1))
-
-        own = np.array([self.values[name] for name in names])
-        value = of(Z(own[None], self.r[None], self.kappa[None]))[0]
-        draws = self.draws
-        drawn = of(Z(draws.of(names, self.values), draws.r, draws.kappa))
-        return Band(value, *_interval(value, drawn))
-
-
-class _Draws(NamedTuple):
-    """Replicates: linear unknowns by name (B,), sliders (B, j)."""
-
-    linear: Mapping[str, Array]
-    r: Array
-    kappa: Array
-
-    def of(self, names: Sequence[str], given: Mapping[str, float]) -> Array:
-        """Values of these unknowns, (B, p)."""
-        count = len(self.r)
-        return np.array([self.linear.get(n, np.full(count, given[n])) for n in names]).T
+        parts = np.array([_column(name, omega, X, self.stiffness_given) for name in names])
+        drawn = self.draws
+        values = np.array([[self.values[name], *drawn.linear.get(name, ())] for name in names])
+        r = np.vstack([self.r, drawn.r])
+        Z = np.zeros((len(r), X.size), dtype=np.complex128)
+        for row, own, kappa in zip(Z, r, np.vstack([self.kappa, drawn.kappa]), strict=True):
+            row += secant(X, own) @ kappa
+        all_Z = of(Z + values.T @ parts) if names else of(Z)
+        return Band(all_Z[0], *_interval(all_Z[0], all_Z[1:]))
 
 
 def _interval(value: Array, drawn: Array) -> tuple[Array, Array]:
-    """Interval of 95 % from replicates, along their first axis."""
-    low, high = np.quantile(drawn, [0.025, 0.975], axis=0)
-    return low, high
+    """Interval of 95 % from replicates along the first axis: by their standard deviation, and by their bias, which
+    smoothing causes and which is not subtracted as it is uncertain itself."""
+    half = _NORMAL * np.hypot(np.std(drawn, axis=0, ddof=1), np.mean(drawn, axis=0) - value)
+    return value - half, value + half
 
 
 @one_thread
@@ -589,14 +633,13 @@ def fit_contact(
     given : coefficients of terms that are known.
     stiffness, mass : k, N/m, and m, kg, where they are known.
     hardening : whether the spring may stiffen, ¾k_3X².
-    residual : whether other modes may move the driven point, R.
+    residual : whether other modes move the driven point, too: R.
     replicates, seed : of the intervals.
 
     Raises ValueError for lines that do not determine the unknowns.
     """
     rows = _asked(lines, contact, terms, given or {}, stiffness, mass, hardening)
-    estimate = _estimated(rows, contact, residual)
-    return _fitted(estimate, tuple(terms), residual, replicates, seed)
+    return _fitted(_estimated(rows, contact, residual), tuple(terms), residual, replicates, seed)
 
 
 def _asked(
@@ -608,27 +651,26 @@ def _asked(
     mass: float | None,
     hardening: bool,
 ) -> _Rows:
-    """The rows of what was asked for, each line with an error of 5 % to start with. Raises ValueError."""
-    own = {"k": stiffness, "m": mass} | {name: given.get(name) for name in terms}
-    known = {name: value for name, value in own.items() if value is not None}
-    free = [name for name, value in own.items() if value is None]
-    alike = lines.reach.max() < _ALIKE * lines.reach.min()
-    if hardening and not alike:
-        free.append("k_3")
-    sigma = np.array([_FIRST * np.abs(lines.Z)] * 2)
-    rows = _Rows(lines, tuple(free), known, stiffness, sigma)
+    """Rows of what was asked for, with the errors to start from. Raises ValueError."""
+    low, high = lines.reach.min(), lines.reach.max()
+    alike = high < _ALIKE * low
     if contact != "none" and alike:
         raise ValueError(
-            f"the amplitudes of all lines are alike, {lines.reach.min():.4g} to {lines.reach.max():.4g} m: a contact "
-            "shows in what changes with the amplitude; add levels of excitation"
+            f"the amplitudes of all lines are alike, {low:.4g} to {high:.4g} m, and a contact shows in what changes "
+            "with the amplitude: add levels of excitation"
         )
-    needed = len(free) + {"none": 0, "one slider": 2, "gradual": 6}[contact]
-    if 2 * lines.X.size < needed + 2:
+    own = {"k": stiffness, "m": mass} | {name: given.get(name) for name in terms}
+    free = [name for name, value in own.items() if value is None]
+    free += ["k_3"] * (hardening and not alike)
+    known = {name: value for name, value in own.items() if value is not None}
+    rows = _Rows(lines, tuple(free), known, stiffness, _FIRST_ERROR * np.abs([lines.Z] * 2))
+    unknowns = len(free) + {"none": 0, "one slider": 2, "gradual": 6}[contact]
+    if 2 * lines.X.size < unknowns + 2:
         raise ValueError(
-            f"{lines.X.size} lines are too few for {needed} unknowns: add lines or levels, or state stiffness or mass"
+            f"{lines.X.size} lines are too few for {unknowns} unknowns: add lines or levels, or state stiffness or mass"
         )
-    size = np.linalg.norm(rows.linear, axis=0)
-    if np.linalg.svd(rows.linear / size, compute_uv=False)[-1] < _SINGULAR:
+    columns = rows.linear / np.linalg.norm(rows.linear, axis=0)
+    if free and np.linalg.svd(columns, compute_uv=False)[-1] < _SINGULAR:
         raise ValueError(
             f"the lines do not separate {', '.join(free)}: add lines at other frequencies or levels, or state "
             "stiffness or mass"
@@ -636,73 +678,255 @@ def _asked(
     return rows
 
 
-_FIRST = 0.05
-_ALIKE = 1.05
-_SINGULAR = 1e-7
-
-
 def _fitted(
     found: _Estimate, terms: tuple[str, ...], residual: bool, replicates: int, seed: int
 ) -> ContactFit:
-    """The estimate with its intervals."""
+    """The estimate with its intervals, from replicates of the lines about the law."""
     rows, point, contact = found.rows, found.point, found.design.contact
-    change = _of_receptance(found) if residual else np.zeros(0)
-    size = float(np.linalg.norm(change))
-    design = replace(found.design, direction=change / size if residual else None)
-    random = np.random.default_rng(seed)
+    design = _with_R(found) if residual else found.design
     law = rows.weighted(rows.law(point) - rows.known)
-    noise = random.standard_normal((replicates, law.size))
-    drawn = [design.solve(law + of, found.smoothing) for of in noise]
-    linear = np.array([one.linear for one in drawn])
+    targets = law + np.random.default_rng(seed).standard_normal((replicates, law.size))
+    points = [design.solve(target, found.smoothing) for target in targets]
     draws = _Draws(
-        dict(zip(rows.free, linear.T, strict=True)),
-        np.array([one.r for one in drawn]),
-        np.array([one.kappa for one in drawn]),
+        dict(zip(rows.free, np.array([one.linear for one in points]).T, strict=True)),
+        np.array([one.r for one in points]),
+        np.array([one.kappa for one in points]),
     )
     reach = rows.mode.reach
     values = dict(rows.given) | dict(zip(rows.free, point.linear.tolist(), strict=True))
-    of_draws = dict(draws.linear)
-    estimates = dict(zip(rows.free, point.linear, strict=True))
+    estimates, drawn = {name: values[name] for name in rows.free}, dict(draws.linear)
     if residual:
+        laws = np.array([rows.weighted(rows.law(one) - rows.known) for one in points])
         values["R"] = estimates["R"] = rows.R
-        moved = [rows.weighted(rows.law(one) - rows.known) for one in drawn]
-        of_draws["R"] = rows.R + (law + noise - np.array(moved)) @ change / size**2
+        change = _of_receptance(found)
+        drawn["R"] = rows.R + (targets - laws) @ change / float(change @ change)
     if contact != "none":
         for name, power in (("K_z", 0), ("F_k", 1)):
-            slips = (one.kappa * one.r**power * (one.r < reach.max()) for one in (point, draws))
-            estimates[name], of_draws[name] = (np.sum(part, axis=-1) for part in slips)
+            parts = [one.kappa * one.r**power * (one.r < reach.max()) for one in (point, draws)]
+            estimates[name], drawn[name] = float(np.sum(parts[0])), np.sum(parts[1], axis=1)
     if contact == "one slider":
-        estimates["r"], of_draws["r"] = point.r[0], draws.r[:, 0]
-    intervals = {
-        name: tuple(map(float, _interval(estimates[name], values)))
-        for name, values in of_draws.items()
-    }
-    mode, Z = rows.mode, rows.law(point)
-    left = (Z.real - mode.Z.real) / np.abs(mode.Z) + 1j * (Z.imag / mode.Z.imag - 1.0)
-    held_out = found.held_out(found.smoothing) if len(rows.lines.names) > 1 else []
+        estimates["r"], drawn["r"] = float(point.r[0]), draws.r[:, 0]
+    intervals = {}
+    for name, of in drawn.items():
+        low, high = (float(end) for end in _interval(np.array(estimates[name]), of))
+        intervals[name] = (low if name == "R" else max(low, 0.0), high)
+    if contact == "one slider":
+        near = [design.with_slider(ln_r, rows.target) for ln_r in np.log(design.nodes)]
+        best = min(one.chi_square for one in (*near, design.solve(rows.target)))
+        allowed = [one.chi_square < best + _CHI_SQUARE for one in near]
+        if allowed[0]:
+            lowest = min(float(one.kappa[0]) for one, may in zip(near, allowed, strict=True) if may)
+            intervals["K_z"] = (lowest, math.inf)
+    Z, measured = rows.law(point), rows.mode.Z
+    left = (Z.real - measured.real) / np.abs(measured) + 1j * (Z.imag / measured.imag - 1.0)
+    held_out = found.held_out(found.smoothing)
     return ContactFit(
         contact,
         terms,
         values,
         point.r,
         point.kappa,
-        {name: float(np.std(values, ddof=1)) for name, values in of_draws.items()},
+        {name: float(np.std(of, ddof=1)) for name, of in drawn.items()},
         intervals,
         left,
         rows.misfit(point),
-        dict(zip(rows.lines.names, held_out, strict=False)),
+        dict(zip(rows.lines.names, held_out, strict=bool(held_out))),
         (float(reach.min()), float(reach.max())),
         found.smoothing,
         found.chosen_by,
-        False,
         rows.stiffness,
         draws,
     )
 
 
+def _with_R(found: _Estimate) -> _Design:
+    """The design with R among its unknowns."""
+    change = _of_receptance(found)
+    return replace(found.design, direction=change / np.linalg.norm(change))
+
+
 def _of_receptance(found: _Estimate) -> Array:
-    """Change of what the law leaves of the rows with R, (2n,)."""
+    """Change of the rows of the law, less those measured, with R, (2n,)."""
     step = 1e-4 / float(np.abs(found.rows.lines.Z).max())
     sides = [replace(found.rows, R=found.rows.R + sign * step) for sign in (-1.0, 1.0)]
     low, high = (side.weighted(side.law(found.point) - side.mode.Z) for side in sides)
     return np.asarray((high - low) / (2.0 * step))
+
+
+@dataclass(frozen=True, eq=False)
+class ContactTrial:
+    """A contact that was compared.
+
+    name : "gradual", "one slider" or "none" with its terms.   fit : to all lines.   held_out : misfit of each level to
+    the law of the others, in the standard errors of the gradual contact.   extrapolated : likewise of the upper half of
+    the levels to the law of the lower half.
+    """
+
+    name: str
+    fit: ContactFit
+    held_out: tuple[Misfit, ...]
+    extrapolated: Misfit
+
+    def scores(self, which: str = "score") -> Array:
+        """Mean square misfit of each level, in standard errors."""
+        return np.array([getattr(misfit, which) for misfit in self.held_out])
+
+    def as_good_as(self, other: ContactTrial, which: str = "score") -> bool:
+        """Whether levels are predicted as well, within one standard error of the difference."""
+        worse = self.scores(which) - other.scores(which)
+        return float(np.mean(worse)) <= float(np.std(worse, ddof=1)) / math.sqrt(worse.size)
+
+
+@dataclass(frozen=True, eq=False)
+class ContactComparison:
+    """Which contact stepped lines support.
+
+    trials : simplest first.   supported : name of the simplest one that predicts levels as well as the best does.
+    p : probability, for one slider, of a misfit that exceeds that of a gradual contact by as much.   indistinguishable :
+    others that predict as well.   by_stiffness : those that predict the loss as well, and not the in-phase rows.
+    """
+
+    trials: tuple[ContactTrial, ...]
+    supported: str
+    p: float
+    indistinguishable: tuple[str, ...]
+    by_stiffness: tuple[str, ...]
+
+    def __getitem__(self, name: str) -> ContactTrial:
+        return next(trial for trial in self.trials if trial.name == name)
+
+    def words(self) -> str:
+        """The result in one sentence."""
+        chosen = self[self.supported]
+        loss, stiffness = chosen.fit.misfit[:2]
+        said = (
+            f"the lines support {_WORDS[chosen.fit.contact]} with {listed(chosen.fit.terms)} "
+            f"(loss {100.0 * loss:.2g} %, in-phase {stiffness:.3g} N/m rms)"
+        )
+        if self.supported in ("one slider", "gradual"):
+            enough = "is enough" if self.supported == "one slider" else "is not enough"
+            said += f"; one slider {enough} (p = {self.p:.2g})"
+        if self.indistinguishable:
+            others = " or ".join(self.indistinguishable)
+            said += f"; levels that are left out do not distinguish it from {others}: add levels"
+        for name in self.by_stiffness:
+            other = self[name].fit.misfit
+            said += (
+                f"; {name} has the same loss ({100.0 * other.loss:.2g} %), and the in-phase rows tell them apart "
+                f"({other.in_phase:.3g} N/m)"
+            )
+        return said
+
+
+_WORDS = {
+    "none": "no contact",
+    "one slider": "one slider",
+    "gradual": "a contact that yields gradually",
+}
+_FALSE_ALARMS = 0.05  # of a gradual contact where one slider is the truth
+
+
+@one_thread
+def compare_contacts(
+    lines: SteppedLines,
+    *,
+    terms: Sequence[str] = ("c",),
+    given: Mapping[str, float] | None = None,
+    stiffness: float | None = None,
+    mass: float | None = None,
+    hardening: bool = True,
+    residual: bool = False,
+    replicates: int = 200,
+    seed: int = 2010,
+) -> ContactComparison:
+    """Compare no contact, with damping up to a cubic one, a single slider and a gradual contact.
+
+    Use it before an answer is taken from stepped lines. Each level is left out and predicted by the law of the others.
+    The simplest contact is supported that predicts as well as the best one, within one standard error of the difference
+    over levels; a gradual contact, in addition, only if one slider is rejected at 5 % by the ratio of likelihoods, whose
+    distribution comes from replicates of the lines about one slider.
+
+    Arguments as for `fit_contact`. Raises ValueError for fewer than three levels.
+    """
+    if len(lines.names) < _COMPARED:
+        raise ValueError(
+            f"contacts are compared by levels that are left out, and there are {len(lines.names)}: add levels of "
+            f"excitation, {_COMPARED} at least, or ask for one contact"
+        )
+    more = [name for name in ("c_2", "c_3") if name not in terms]
+    laws: dict[str, tuple[Contact, tuple[str, ...]]] = {
+        f"none ({', '.join(of)})": ("none", of)
+        for of in ((*terms, *more[:count]) for count in range(len(more) + 1))
+    }
+    laws = dict(sorted([*laws.items(), ("one slider", ("one slider", tuple(terms)))], key=_size))
+    laws["gradual"] = ("gradual", tuple(terms))
+    asked = {
+        name: _asked(lines, contact, of, given or {}, stiffness, mass, hardening)
+        for name, (contact, of) in laws.items()
+    }
+    own = {name: _estimated(asked[name], laws[name][0], residual) for name in laws}
+    sigma = own["gradual"].rows.sigma
+    alike = {
+        name: _estimated(replace(rows, sigma=sigma), laws[name][0], residual, steps=1)
+        for name, rows in asked.items()
+    }
+    trials = [
+        ContactTrial(
+            name,
+            _fitted(own[name], laws[name][1], residual, replicates, seed),
+            tuple(found.held_out(found.smoothing)),
+            found.extrapolated(),
+        )
+        for name, found in alike.items()
+    ]
+    p = _one_slider_is_enough(alike["one slider"], alike["gradual"], residual, replicates, seed)
+    best = min(trials, key=lambda trial: float(np.mean(trial.scores())))
+    good = [trial for trial in trials if trial.as_good_as(best)]
+    supported = good[0].name
+    if supported == "gradual" and p > _FALSE_ALARMS:
+        supported = "one slider"
+    chosen = next(trial for trial in trials if trial.name == supported)
+    others = [trial for trial in trials if trial.name != supported]
+    by_stiffness = [
+        trial.name
+        for trial in others
+        if trial not in good and trial.as_good_as(chosen, "loss_score")
+    ]
+    return ContactComparison(
+        tuple(trials),
+        supported,
+        p,
+        tuple(trial.name for trial in others if trial in good),
+        tuple(by_stiffness),
+    )
+
+
+def _one_slider_is_enough(
+    one: _Estimate, gradual: _Estimate, residual: bool, replicates: int, seed: int
+) -> float:
+    """Probability, if one slider is the truth, that a gradual contact fits better by as much as it does."""
+    designs = [
+        (_with_R(found) if residual else found.design, found.smoothing) for found in (one, gradual)
+    ]
+    law = one.rows.weighted(one.rows.law(one.point) - one.rows.mode.Z)
+    noise = np.random.default_rng(seed).standard_normal((replicates, law.size))
+
+    def gain(moved: Array) -> float:
+        misfits = [
+            design.solve(design.rows.target + moved, smoothing).chi_square
+            for design, smoothing in designs
+        ]
+        return misfits[0] - misfits[1]
+
+    gained = gain(np.zeros(law.size))
+    larger = sum(gain(law + of) >= gained for of in noise)
+    return (1.0 + larger) / (replicates + 1.0)
+
+
+def _size(law: tuple[str, tuple[Contact, tuple[str, ...]]]) -> float:
+    """How many unknowns a law has; one slider comes before a damping with as many."""
+    contact, terms = law[1]
+    return len(terms) + 1.5 * (contact == "one slider")
+
+
+_COMPARED = 3
