@@ -15,7 +15,7 @@ import pandas as pd
 
 from dampbalance.project.progress import followed
 
-from . import decay_laws, decrements, efficiency, faults, laws, others, score
+from . import decay_laws, decrements, efficiency, faults, joints, laws, others, score
 from .truths import SEED
 
 
@@ -91,8 +91,16 @@ def departing_decays(options: argparse.Namespace) -> str:
     return decay_laws.table(rows)
 
 
+def jointed(options: argparse.Namespace) -> str:
+    """Identify stepped-sine tables of joints: single sliders and Iwan's four-parameter model."""
+    runs = [(index, options.seed) for index in range(options.first, options.first + options.sets)]
+    rows = _rows(joints.outcome, runs, options.processes)
+    rows.to_csv(options.output / "joints.csv", index=False)
+    return joints.table(rows)
+
+
 PARTS = {"decays": decays, "blind": blind, "efficiency": efficient, "faults": faulty}
-PARTS |= {"others": other, "laws": confused, "decay_laws": departing_decays}
+PARTS |= {"others": other, "laws": confused, "decay_laws": departing_decays, "joints": jointed}
 
 
 def main(arguments: list[str] | None = None) -> None:
@@ -101,7 +109,7 @@ def main(arguments: list[str] | None = None) -> None:
     parser.add_argument("part", nargs="?", default="blind", choices=PARTS)
     parser.add_argument("--sets", type=int, default=900)
     parser.add_argument("--first", type=int, default=0, help="number of the first set, or drawing")
-    parser.add_argument("--seed", type=int, default=SEED, help="of the sets of decays")
+    parser.add_argument("--seed", type=int, default=SEED, help="of the sets of decays or joints")
     parser.add_argument("--drawings", type=int, default=200, help="of each truth or law")
     parser.add_argument("--processes", type=int, default=2)
     parser.add_argument("--approach", default=score.FIRST, help="whose errors faults shows")

@@ -3,8 +3,8 @@
     F(x) = Σ κ_j z_j,    ż_j = ẋ while |z_j| < r_j, else z_j = ±r_j
 
 The contact of the paper is one of them, κ = K_z and r = Z_m = F_k/K_z; bolted joints need a distribution (Iwan 1966,
-J. Appl. Mech. 33, 893; Segalman 2005, J. Appl. Mech. 72, 752). Under a harmonic motion of amplitude X the fundamental of
-the force is Σ κ_j D(X/r_j) times the motion,
+J. Appl. Mech. 33, 893; Segalman 2005, J. Appl. Mech. 72, 752). Under a harmonic motion of amplitude X the fundamental
+of the force is Σ κ_j D(X/r_j) times the motion,
 
     D = 1 for X ≤ r;    Re D = (ϑ − sin ϑ cos ϑ)/π,  Im D = (4/π)(r/X)(1 − r/X),  cos ϑ = 1 − 2r/X  for X > r
 

@@ -1,0 +1,503 @@
+"""Lines of steady responses to a harmonic force, and the contact and oscillator of largest likelihood.
+
+Each line is a complex number, the dynamic stiffness Z = (F/X)e^{iφ}, φ the lag of x behind the force F:
+
+    Z = k + ¾k_3X² − mω² + i Σ p g_p/(πX²) + Σ κ_j D(X/r_j)
+
+with the integrals g_p of the terms (`law/terms.py`) and the secant D of a slider (`law/gradual.py`). The imaginary part
+is the energy balance πX² Im Z = πFX sin φ, Eq. (14) of Liang & Feeny (2010), the real part the in-phase row, which a
+contact lowers with the amplitude. Where the driven point moves with other modes, too, their residual receptance R
+changes what is measured:
+
+    1/Z_measured = 1/Z + R,    X = X_measured |1 − R Z_measured|
+
+All unknowns are linear and not negative, except R and the r of a single slider, which are profiled. κ of a gradual
+contact is piecewise linear over ln r, and as smooth as the prediction of levels that are left out asks for.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+from ..arrays import Array, Complexes, Integers, Mask
+from ..law.gradual import secant, secant_of_cycles
+from ..law.terms import FRICTION, term
+from .mean_harmonics import Reading
+
+Contact = Literal["none", "one slider", "gradual"]
+
+_NODES, _BETWEEN = 32, 3  # of κ over ln r of a gradual contact; sliders from one node to the next
+_LOWEST = 1.0 / 3.0  # r of its first node, of the smallest amplitude
+_RIGID, _PROFILE = 1e-3, 120  # smallest r of one slider, likewise; how many are tried
+# Differences of κ r^{−1/2} are penalised: κ of bolted joints grows with a power of r between 0.2 and 1.2.
+_GROWTH = 0.5
+_SMOOTHINGS = np.geomspace(1e-3, 10.0, 5)
+# Of the smoothing that predicts best: its bias is then below the noise, and intervals hold what they say.
+LESS = 0.1
+_LEVELS = 4  # from which on levels are left out to choose it
+_RECEPTANCES, _LARGEST_RECEPTANCE = 25, 0.6  # values of R that are tried, in 1/|Z|
+_ITERATIONS, _MULTIPLIED = 4, 60
+_FLOOR = 1e-9  # of |Z|: scatter of lines without noise
+_POINTS = 512  # of a recorded cycle
+
+
+@dataclass(frozen=True, eq=False)
+class SteppedLines:
+    """Steady responses to a harmonic force, one line each.
+
+    omega : rad/s, (n,).   X : displacement amplitude, m, (n,).   Z : (F/X)e^{iφ}, N/m, (n,), φ the lag of the
+    displacement behind the force.   level : index into `names`, the levels of excitation, (n,).
+    error : relative standard error of each |Z|, and of φ, rad, (n,), where it is known.
+    cycle : equidistant samples of one cycle of the motion, m, (n, N), where it was recorded.
+    """
+
+    omega: Array
+    X: Array
+    Z: Complexes
+    level: Integers
+    names: tuple[str, ...]
+    error: Array | None = None
+    cycle: Array | None = None
+
+    def __getitem__(self, kept: Mask) -> SteppedLines:
+        """Some of the lines."""
+        parts = {
+            name: values[kept]
+            for name in ("omega", "X", "Z", "level", "error", "cycle")
+            if (values := getattr(self, name)) is not None
+        }
+        return replace(self, **parts)
+
+    def of_mode(self, R: float) -> SteppedLines:
+        """The lines without the residual receptance R, m/N, of the other modes."""
+        ratio = 1.0 - R * self.Z
+        cycle = None if self.cycle is None else self.cycle * np.abs(ratio)[:, None]
+        return replace(self, X=self.X * np.abs(ratio), Z=self.Z / ratio, cycle=cycle)
+
+    @cached_property
+    def reach(self) -> Array:
+        """Largest displacement of each line from the middle of its motion, m, (n,)."""
+        return self.X if self.cycle is None else 0.5 * np.ptp(self.cycle, axis=1)
+
+    def secant(self, r: Array) -> Complexes:
+        """D of sliders, (n, j): of the recorded cycles, or of a harmonic motion.   r : m, (j,)."""
+        return secant(self.X, r) if self.cycle is None else secant_of_cycles(self.cycle, r)
+
+
+def lines_of(readings: Sequence[Reading], k: float) -> SteppedLines:
+    """Lines of forced records, one each: Z = kY/x_1, and the cycle as its harmonics give it.
+
+    Use it to look for a gradual contact in records in time; their higher harmonics move the instants of slip, which the
+    sliders follow.   readings : of records on a base that moves.   k : N/m.
+    """
+    means = [reading.mean for reading in readings]
+    x, Y = (
+        np.array([value[0] for value in parts])
+        for parts in ([mean.x[0] for mean in means], [mean.Y for mean in means])
+    )
+    of = [reading.lines for reading in readings]
+    error = [math.hypot(one.x_error[0] / abs(one.x[0]), one.Y_error / one.Y) for one in of]
+    return SteppedLines(
+        omega=np.array([one.omega for one in of]),
+        X=np.abs(x),
+        Z=k * Y / x,
+        level=np.arange(len(of)),
+        names=tuple(reading.steady.source for reading in readings),
+        error=np.array(error),
+        cycle=np.array([reading.averaged_cycle(_POINTS)["x"] for reading in readings]),
+    )
+
+
+class Misfit(NamedTuple):
+    """How far lines lie from a law.
+
+    loss, in_phase : root mean squares of (loss of the law)/W − 1 and of the in-phase difference, N/m.
+    loss_score, in_phase_score : mean squares of the same in standard errors.
+    """
+
+    loss: float
+    in_phase: float
+    loss_score: float
+    in_phase_score: float
+
+    @property
+    def score(self) -> float:
+        """Mean square of both in standard errors."""
+        return 0.5 * (self.loss_score + self.in_phase_score)
+
+
+_OF_SPRING: Mapping[str, Callable[[Array, Array], Array]] = {
+    "k": lambda omega, X: np.ones_like(X),
+    "m": lambda omega, X: -(omega**2),
+    "k_3": lambda omega, X: 0.75 * X**2,
+}
+
+
+def column(name: str, omega: Array, X: Array, stiffness: float | None) -> Complexes:
+    """What an unknown of unit size adds to Z, (n,). Raises ValueError for a term that lines do not tell."""
+    if name in _OF_SPRING:
+        return np.asarray(_OF_SPRING[name](omega, X) + 0j)
+    of = term(name)
+    if of.force is None:
+        raise ValueError(f'{FRICTION} belongs to the contact: ask for contact="one slider"')
+    if of.linear and of.force(0.0, 1.0, 1.0, 1.0):
+        raise ValueError(f"{name} acts against the base, whose motion the lines do not hold: use c")
+    if stiffness is None and of.force(1.0, 0.0, 2.0, 1.0) != of.force(1.0, 0.0, 1.0, 1.0):
+        raise ValueError(f"the force of {name} depends on the spring: state stiffness")
+    return np.asarray(1j * of.harmonic(omega, X, 0.0, 0.0, stiffness or 1.0) / (math.pi * X**2))
+
+
+@dataclass(frozen=True, eq=False)
+class Point:
+    """Unknowns, and χ².   linear : coefficients of the free ones.   nodes : κ at the nodes.   r, kappa : sliders."""
+
+    linear: Array
+    nodes: Array
+    r: Array
+    kappa: Array
+    chi_square: float
+
+
+@dataclass(frozen=True, eq=False)
+class Rows:
+    """Rows of the real and the imaginary part of each line in standard errors, for one residual receptance.
+
+    lines : as measured.   free, given : unknowns that are linear, and those whose value is given.
+    sigma : standard errors of the real and the imaginary part of each measured Z, N/m, (2, n).
+    """
+
+    lines: SteppedLines
+    free: tuple[str, ...]
+    given: Mapping[str, float]
+    stiffness: float | None
+    sigma: Array
+    R: float = 0.0
+
+    def __getitem__(self, kept: Mask) -> Rows:
+        return replace(self, lines=self.lines[kept], sigma=self.sigma[:, kept])
+
+    @cached_property
+    def mode(self) -> SteppedLines:
+        """The lines of the mode, without R."""
+        return self.lines.of_mode(self.R) if self.R else self.lines
+
+    def measured(self, Z: Complexes) -> Complexes:
+        """Changes of the measured Z by those of the mode's, (n, …)."""
+        return np.asarray(((1.0 - self.R * self.lines.Z) ** 2 * Z.T).T)
+
+    def weighted(self, Z: Complexes) -> Array:
+        """Columns (n, …) of the mode's Z as rows of the measured, (2n, …)."""
+        Z = self.measured(Z)
+        return np.concatenate([(Z.real.T / self.sigma[0]).T, (Z.imag.T / self.sigma[1]).T])
+
+    def columns(self, names: Sequence[str]) -> Complexes:
+        """What unknowns of unit size add to Z, (n, p)."""
+        omega, X = self.mode.omega, self.mode.X
+        columns = [column(name, omega, X, self.stiffness) for name in names]
+        return np.array(columns).reshape(len(names), X.size).T
+
+    @cached_property
+    def known(self) -> Complexes:
+        """What the given unknowns add to Z, (n,)."""
+        return self.columns(tuple(self.given)) @ np.array(list(self.given.values()))
+
+    @cached_property
+    def linear(self) -> Array:
+        """Rows of the free unknowns, (2n, p)."""
+        return self.weighted(self.columns(self.free))
+
+    @cached_property
+    def target(self) -> Array:
+        """Rows of the measured Z without what is given, (2n,)."""
+        return self.weighted(self.mode.Z - self.known)
+
+    def law(self, point: Point) -> Complexes:
+        """Z of the mode by a law."""
+        linear = self.columns(self.free) @ point.linear
+        return np.asarray(self.known + linear + self.mode.secant(point.r) @ point.kappa)
+
+    def misfit(self, point: Point) -> Misfit:
+        """How far the lines lie from a law."""
+        Z, law = self.mode.Z, self.law(point)
+        both = law.imag / Z.imag - 1.0, law.real - Z.real
+        in_phase, quadrature = np.split(self.weighted(law - Z), 2)
+        loss, stiffness = (math.sqrt(np.mean(one**2)) for one in both)
+        return Misfit(loss, stiffness, float(np.mean(quadrature**2)), float(np.mean(in_phase**2)))
+
+
+def _nnls(A: Array, y: Array) -> Array:
+    """Coefficients ≥ 0 of least squares."""
+    from scipy import optimize  # slow to import
+
+    size = np.linalg.norm(A, axis=0)
+    size[size == 0.0] = 1.0
+    return np.asarray(optimize.nnls(A / size, y, maxiter=100 * A.shape[1])[0] / size)
+
+
+@dataclass(frozen=True, eq=False)
+class Design:
+    """The rows of a contact, for one R or, near it, with R among the unknowns.
+
+    nodes : r at which κ of a gradual contact is an unknown, m, or those that are tried for a single slider.
+    direction : change of the rows with R, of length one, (2n,); all rows lose their part along it where R is free.
+    """
+
+    rows: Rows
+    contact: Contact
+    nodes: Array
+    direction: Array | None = None
+
+    @classmethod
+    def of(cls, rows: Rows, contact: Contact) -> Design:
+        """The design with the grid of r that the amplitudes of the lines ask for."""
+        low, high = rows.mode.reach.min(), rows.mode.reach.max()
+        if contact == "one slider":
+            return cls(rows, contact, np.geomspace(_RIGID * low, high, _PROFILE + 1)[:-1])
+        nodes = np.geomspace(_LOWEST * low, high, _NODES * (contact == "gradual"))
+        return cls(rows, contact, nodes)
+
+    def without_R(self, A: Array) -> Array:
+        """Rows without their part along the change with R, where R is free."""
+        b = self.direction
+        return A if b is None else A - np.multiply.outer(b, b @ A)
+
+    @cached_property
+    def stuck(self) -> bool:
+        """Whether a slider that no line moves is an unknown: where k is free, it is a part of k."""
+        return self.contact == "gradual" and "k" not in self.rows.free
+
+    @cached_property
+    def r(self) -> Array:
+        """Sliders, m: of a gradual contact, more between its nodes."""
+        at = np.arange((_NODES - 1) * _BETWEEN + self.stuck) / _BETWEEN
+        fine = (
+            np.interp(at, np.arange(self.nodes.size), np.log(self.nodes))
+            if self.nodes.size
+            else at[:0]
+        )
+        return np.exp(fine)
+
+    @cached_property
+    def spread(self) -> Array:
+        """κ of the sliders by κ at the nodes, and of the one that is stuck."""
+        if not self.nodes.size:
+            return np.zeros((0, 0))
+        at = np.arange((_NODES - 1) * _BETWEEN + self.stuck) / _BETWEEN
+        hats = np.maximum(1.0 - np.abs(np.subtract.outer(at, np.arange(_NODES))), 0.0)
+        return np.hstack([hats, np.eye(at.size)[:, -1:]]) if self.stuck else hats
+
+    def sliders(self, r: Array) -> Array:
+        """Rows of sliders of unit stiffness, (2n, j).   r : m, (j,)."""
+        return self.without_R(self.rows.weighted(self.rows.mode.secant(r)))
+
+    @cached_property
+    def linear(self) -> Array:
+        """Rows of the free unknowns, (2n, p)."""
+        return self.without_R(self.rows.linear)
+
+    @cached_property
+    def joined(self) -> Array:
+        """Rows of the free unknowns and of the nodes."""
+        return np.hstack([self.linear, self.sliders(self.r) @ self.spread])
+
+    @cached_property
+    def roughness(self) -> Array:
+        """Second differences of κ r^{−1/2} over ln r, in units of the median column of a node."""
+        own, of = self.linear.shape[1], self.joined.shape[1]
+        size = float(np.median(np.linalg.norm(self.joined[:, own:], axis=0)))
+        second = np.diff(np.eye(_NODES), 2, axis=0) * (self.nodes / self.nodes[-1]) ** -_GROWTH
+        rough = np.zeros((_NODES - 2, of))
+        rough[:, own : own + _NODES] = size * second
+        return rough
+
+    @cached_property
+    def reduced(self) -> tuple[Array, Array]:
+        """Orthonormal columns and the triangle of `joined`."""
+        q, triangle = np.linalg.qr(self.joined)
+        return q, triangle
+
+    def solve(self, target: Array, smoothing: float = 0.0) -> Point:
+        """The unknowns of largest likelihood for one right side.
+
+        smoothing : of a gradual contact, weight of the second differences.
+        """
+        y = self.without_R(target)
+        if self.contact == "one slider":
+            return self._one_slider(y)
+        q, triangle = self.reduced
+        on = q.T @ y
+        if self.contact == "gradual":
+            triangle = np.vstack([triangle, smoothing * self.roughness])
+            on = np.concatenate([on, np.zeros(_NODES - 2)])
+        p = _nnls(triangle, on)
+        own = self.linear.shape[1]
+        kappa = self.spread @ p[own:]
+        chi_square = float(np.sum((self.joined @ p - y) ** 2))
+        return Point(p[:own], p[own:], self.r, kappa, chi_square)
+
+    def with_slider(self, ln_r: float, target: Array) -> Point:
+        """The unknowns of largest likelihood with one slider of this r, m."""
+        r, y = np.exp([ln_r]), self.without_R(target)
+        A = np.hstack([self.linear, self.sliders(r)])
+        p = _nnls(A, y)
+        return Point(p[:-1], p[-1:], r, p[-1:], float(np.sum((A @ p - y) ** 2)))
+
+    def _one_slider(self, y: Array) -> Point:
+        """The best r of those tried, polished between its neighbours."""
+        from scipy import optimize  # slow to import
+
+        q, across, inverse = self._across
+        along = across.T @ (y - q @ (q.T @ y))
+        tried = np.log(self.nodes)
+        best = int(np.argmax(np.maximum(along, 0.0) ** 2 * inverse))
+        found = self.with_slider(tried[best], y)
+        if not found.linear.all():  # a bound holds, which this gain does not know
+            best = int(np.argmin([self.with_slider(one, y).chi_square for one in tried]))
+        polished = optimize.minimize_scalar(
+            lambda ln_r: self.with_slider(ln_r, y).chi_square,
+            bounds=(float(tried[max(best - 1, 0)]), float(tried[min(best + 1, tried.size - 1)])),
+            method="bounded",
+            options={"xatol": 1e-4},
+        )
+        points = (found, self.with_slider(float(polished.x), y))
+        return min(points, key=lambda point: point.chi_square)
+
+    @cached_property
+    def _across(self) -> tuple[Array, Array, Array]:
+        """Orthonormal linear columns; those of sliders without their part along these; inverse squares of the rest."""
+        q, columns = np.linalg.qr(self.linear)[0], self.sliders(self.nodes)
+        across = columns - q @ (q.T @ columns)
+        square, whole = (np.sum(A**2, axis=0) for A in (across, columns))
+        return q, across, np.where(square > 1e-9 * whole, 1.0 / np.maximum(square, 1e-300), 0.0)
+
+
+def _scatter(rows: Rows, left: Complexes, unknowns: int) -> Array:
+    """Standard errors of the real and the imaginary part of each Z, (2, n), from what the law leaves of them.
+
+    Var Re = α + β|Z|², Var Im = γ(Im Z)² + δ|Z|²: an error of the law in N/m or as a part of the loss, and one of
+    the measurement; by largest likelihood (multiplicative updates). Where lines state their errors, these count, times
+    the factor by which the real or the imaginary parts scatter more than that.
+
+    left : law less measured, N/m, (n,).   unknowns : of the law.
+    """
+    # of the law, as the noise of measured values would bias the weights by its square
+    Z = rows.lines.Z + left
+    n, size = left.size, np.abs(Z) ** 2
+    squares = np.array([left.real**2, left.imag**2]) * (2.0 * n / max(2.0 * n - unknowns, 1.0))
+    if rows.lines.error is not None:
+        stated = np.broadcast_to(rows.lines.error**2 * size, (2, n))
+        factor = np.mean(squares / stated, axis=1, keepdims=True)
+        return np.sqrt(stated * np.maximum(factor, 1.0))
+    variances = []
+    own = (np.full(n, np.mean(size)), Z.imag**2)
+    for square, of_law in zip(squares, own, strict=True):
+        parts = np.array([of_law, size])
+        share = 0.5 * np.full(2, np.mean(square / size) + _FLOOR**2)
+        for _ in range(_MULTIPLIED):
+            variance = share @ parts + _FLOOR**2 * size
+            share *= (parts @ (square / variance**2)) / (parts @ (1.0 / variance))
+        variances.append(share @ parts + _FLOOR**2 * size)
+    return np.sqrt(variances)
+
+
+@dataclass(frozen=True, eq=False)
+class Estimate:
+    """A fit: its rows with their errors and its design, the unknowns, the smoothing and what chose it."""
+
+    design: Design
+    point: Point
+    smoothing: float
+    chosen_by: str = ""
+
+    @property
+    def rows(self) -> Rows:
+        """The rows of the fit."""
+        return self.design.rows
+
+    def _part(self, kept: Mask) -> Design:
+        return Design(self.rows[kept], self.design.contact, self.design.nodes)
+
+    @cached_property
+    def _levels(self) -> list[tuple[Mask, Design]]:
+        """For each level: its lines, and the design of the others."""
+        masks = [self.rows.lines.level == of for of in range(len(self.rows.lines.names))]
+        return [(mask, self._part(~mask)) for mask in masks if not mask.all()]
+
+    def held_out(self, smoothing: float) -> list[Misfit]:
+        """Misfit of each level to the law of the others."""
+        return [
+            self.rows[mask].misfit(others.solve(others.rows.target, smoothing))
+            for mask, others in self._levels
+        ]
+
+    def extrapolated(self) -> Misfit:
+        """Misfit of the upper half of the levels, by amplitude, to the law of the lower half."""
+        lines = self.rows.mode
+        largest = [lines.reach[lines.level == of].max() for of in range(len(lines.names))]
+        lower = np.isin(lines.level, np.argsort(largest)[: (len(largest) + 1) // 2])
+        design = self._part(lower)
+        return self.rows[~lower].misfit(design.solve(design.rows.target, self.smoothing))
+
+    def smoothed(self) -> Estimate:
+        """With the smoothing that levels, or generalised cross-validation where they are few, ask for."""
+        if len(self._levels) >= _LEVELS:
+            by = "levels that are left out"
+            scores = [np.mean([one.score for one in self.held_out(s)]) for s in _SMOOTHINGS]
+        else:
+            by = f"generalised cross-validation, as there are fewer than {_LEVELS} levels"
+            scores = [self._generalised(s) for s in _SMOOTHINGS]
+        smoothing = LESS * float(_SMOOTHINGS[int(np.argmin(scores))])
+        return Estimate(self.design, self.design.solve(self.rows.target, smoothing), smoothing, by)
+
+    def _generalised(self, smoothing: float) -> np.floating:
+        """χ² over the square of the degrees of freedom that are left."""
+        point = self.design.solve(self.rows.target, smoothing)
+        active = np.concatenate([point.linear, point.nodes]) > 0.0
+        A, L = self.design.joined[:, active], smoothing * self.design.roughness[:, active]
+        size = np.linalg.norm(A, axis=0)
+        normal = (A / size).T @ (A / size)
+        used = np.trace(np.linalg.pinv(normal + (L / size).T @ (L / size)) @ normal)
+        return np.float64(point.chi_square / max(len(A) - float(used), 1e-9) ** 2)
+
+
+def estimated(rows: Rows, contact: Contact, residual: bool, steps: int = _ITERATIONS) -> Estimate:
+    """The fit of a contact, its errors iterated; with one step, those of the rows are kept."""
+    from scipy import optimize  # slow to import
+
+    most = _LARGEST_RECEPTANCE / float(np.abs(rows.lines.Z).max())
+    tried = np.linspace(-most, most, _RECEPTANCES) if residual else np.zeros(1)
+    smoothing = LESS * float(np.median(_SMOOTHINGS))
+
+    def at(R: float) -> Estimate:
+        design = Design.of(replace(rows, R=float(R)), contact)
+        return Estimate(design, design.solve(design.rows.target, smoothing), smoothing)
+
+    for step in range(steps):
+        found = min(map(at, tried), key=lambda one: one.point.chi_square)
+        if residual:
+            R, gap = found.rows.R, float(tried[1] - tried[0])
+            polished = optimize.minimize_scalar(
+                lambda R: at(R).point.chi_square,
+                bounds=(R - gap, R + gap),
+                method="bounded",
+                options={"xatol": 1e-4 * most},
+            )
+            found = at(polished.x)
+            tried = found.rows.R + gap * np.linspace(-1.0, 1.0, 5)
+        if contact == "gradual":
+            found = found.smoothed()
+            smoothing = found.smoothing
+        if step < steps - 1:
+            own, point = found.rows, found.point
+            left = own.measured(own.law(point) - own.mode.Z)
+            used = int(np.count_nonzero(np.concatenate([point.linear, point.nodes])))
+            rows = replace(
+                rows, sigma=_scatter(own, left, used + (contact == "one slider") + residual)
+            )
+    return found
