@@ -23,8 +23,9 @@ from ..figures.looks import in_maths, label_of, look_of
 from ..figures.style import DASHED, DOTTED, DOUBLE_COLUMN, FAINT, SLIP, STICK, page, place, styled
 from ..law.terms import term
 from ..likelihood.decay import COMMON, RingFit
-from ..likelihood.dynamic_stiffness import Band, ContactFit, SteppedLines
+from ..likelihood.dynamic_stiffness import Band, ContactFit
 from ..likelihood.mean_harmonics import Reading
+from ..likelihood.stepped_lines import SteppedLines
 from ..likelihood.waveforms import WaveformFit
 from ..project.wording import cut
 from ..records.measurement import ORDERS, RELATIVE

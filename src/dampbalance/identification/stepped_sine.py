@@ -19,13 +19,12 @@ from ..balance import Rows
 from ..law.law import Law
 from ..law.terms import FRICTION, term
 from ..likelihood.dynamic_stiffness import (
-    Contact,
     ContactComparison,
     ContactFit,
-    SteppedLines,
     compare_contacts,
     fit_contact,
 )
+from ..likelihood.stepped_lines import Contact, SteppedLines
 from ..project.wording import Remark, listed
 from ..records.measured import MeasuredRecord
 from .answer import CONFIDENCE, UNKNOWN, Answer, Balance, Interval, ParameterEstimate, covariance_of
@@ -328,7 +327,8 @@ def _rig(fit: ContactFit, lines: SteppedLines) -> Iterator[str]:
         f"{math.sqrt(k / m) / (2.0 * math.pi):.4g} Hz with that part of the contact loose."
     )
     if fit.values.get("k_3"):
-        yield f"Its spring stiffens: k_3 = {own['k_3']} N/m³."
+        k_3 = with_error(1e-9 * fit.values["k_3"], 1e-9 * fit.errors["k_3"])
+        yield f"Its stiffness rises with the amplitude by ¾k_3X², k_3 = {k_3} N/mm³."
     if R := fit.values.get("R"):
         mass = 1.0 / (abs(R) * float(np.median(lines.omega)) ** 2)
         like = "of their flexibility" if R > 0.0 else f"as the inertia of {mass:.2g} kg does"
