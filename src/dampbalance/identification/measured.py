@@ -130,11 +130,14 @@ def identify(
     of_kind = {"recognised": None, "stepped-sine": True}.get(kind, False)
     read = read_records(records, mapping=mapping, largest=largest, tables=of_kind)
     _require_different(read)
-    lines = [record for record in read if record.table is not None]
-    if lines and (other := next((one.name for one in read if one.table is None), None)):
+    lines = [record.name for record in read if record.table is not None]
+    others = [record.name for record in read if record.table is None]
+    if others and (lines or kind == "stepped-sine"):
         raise ValueError(
-            f"{other} is no table of a stepped sine, and {lines[0].name} is one: identify them separately"
+            f"{others[0]} is no table of a stepped sine: identify it separately, as forced records or free decays"
         )
+    if lines and kind not in ("recognised", "stepped-sine"):
+        raise ValueError(f"{lines[0]} is a table of a stepped sine: leave out kind = {kind!r}")
     k, error = (None, 0.0) if lines and stiffness is None else with_error("stiffness", stiffness)
     options: dict[str, Any] = {
         "stiffness_N_per_m": k,

@@ -81,7 +81,11 @@ class MeasuredRecord:
         return pd.DataFrame(columns, index=pd.Index(t, name="time_s"))
 
     def whole(self) -> Measurement:
-        """All its channels. Raises RecordError for a file that is too large for memory."""
+        """All its channels. Raises RecordError for a file that is too large for memory, and for a table."""
+        if self.table is not None:
+            raise RecordError(
+                f"{self.name}: is a table of steady responses, without samples; take its lines, `table`"
+            )
         if self.measurement is None:
             raise RecordError(
                 f"{self.name}: is larger than {LARGE / 1e6:.0f} MB and was not taken into memory; identify it, or read "

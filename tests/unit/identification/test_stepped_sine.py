@@ -12,7 +12,7 @@ import pandas as pd
 import pytest
 from matplotlib import pyplot
 
-from dampbalance import Oscillator, identify, measured_ring_down
+from dampbalance import Oscillator, identify, measured_ring_down, read_records
 from dampbalance.identification.outputs import REPORT, TABLES, outputs_of
 from dampbalance.law.gradual import Sliders
 from dampbalance.records.synthetic import stepped_sine
@@ -239,7 +239,9 @@ SWING = measured_ring_down(
         (table(), {"laws": True}, "laws = True is for forced records or free decays"),
         (table(), {"given": {"F_k": 1.0}}, "F_k is what slips.*cannot be given"),
         (table(), {"contact": "two"}, "contact must be one of both, one slider, gradual"),
-        ([table(), SWING], {}, "is no table of a stepped sine, and record 1 is one"),
+        ([table(), SWING], {}, "is no table of a stepped sine: identify it separately"),
+        (SWING, {"kind": "stepped-sine"}, "is no table of a stepped sine: identify it separately"),
+        (read_records(table()), {"kind": "forced"}, "is a table of a stepped sine: leave out kind"),
         (SWING, {"stiffness": 2310.0, "residual": True}, "residual = True is for tables of a stepped sine"),
         (SWING, {}, "stiffness must be a positive number of N/m"),
     ],

@@ -84,6 +84,8 @@ def test_phases_are_understood_however_they_are_counted(response, quarters, sign
     assert record.table.convention == f"its phases are those by which {way}"
     assert way in repr(record)
     assert "42 lines at 2 levels" in repr(record)
+    with pytest.raises(RecordError, match="is a table of steady responses, without samples"):
+        record.whole()
 
 
 def test_phases_that_are_counted_on_over_a_turn():
