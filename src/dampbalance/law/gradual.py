@@ -27,8 +27,11 @@ def secant(X: Array, r: Array) -> Complexes:
     X : amplitudes, m, (n,).   r : deflections at which sliders slip, m, (j,).
     """
     ratio = np.minimum(r / np.asarray(X)[:, None], 1.0)
-    cosine, sine = 1.0 - 2.0 * ratio, 2.0 * np.sqrt(ratio * (1.0 - ratio))
-    return np.asarray((np.arccos(cosine) - sine * cosine + 1j * sine**2) / np.pi)
+    theta = 2.0 * np.arcsin(
+        np.sqrt(ratio)
+    )  # accurate for small ones, where ϑ − sin ϑ cos ϑ cancels
+    in_phase = theta - np.sin(theta) * np.cos(theta)
+    return np.asarray((in_phase + 4j * ratio * (1.0 - ratio)) / np.pi)
 
 
 def play(x: Array, r: Array, start: Array | None = None) -> Array:

@@ -131,7 +131,10 @@ class ContactFit:
         names = [name for name in names if name in self.values]
         parts = np.array([column(name, omega, X, self.stiffness_given) for name in names])
         drawn = self.draws
-        values = np.array([[self.values[name], *drawn.linear.get(name, ())] for name in names])
+        given = {name: np.full(len(drawn.r), self.values[name]) for name in names}
+        values = np.array(
+            [[self.values[name], *drawn.linear.get(name, given[name])] for name in names]
+        )
         r = np.vstack([self.r, drawn.r])
         Z = np.zeros((len(r), X.size), dtype=np.complex128)
         for row, own, kappa in zip(Z, r, np.vstack([self.kappa, drawn.kappa]), strict=True):

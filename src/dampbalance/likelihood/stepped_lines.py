@@ -352,13 +352,15 @@ class Design:
         """The best r of those tried, polished between its neighbours."""
         from scipy import optimize  # slow to import
 
-        q, across, inverse = self._across
-        along = across.T @ (y - q @ (q.T @ y))
-        tried = np.log(self.nodes)
-        best = int(np.argmax(np.maximum(along, 0.0) ** 2 * inverse))
-        found = self.with_slider(tried[best], y)
-        if not found.linear.all():  # a bound holds, which this gain does not know
-            best = int(np.argmin([self.with_slider(one, y).chi_square for one in tried]))
+        tried, free = np.log(self.nodes), np.ones(self.linear.shape[1], dtype=np.bool_)
+        for _ in range(2):  # again without the linear unknowns that are at their bound
+            q, across, inverse = self._across(tuple(free.tolist()))
+            along = across.T @ (y - q @ (q.T @ y))
+            best = int(np.argmax(np.maximum(along, 0.0) ** 2 * inverse))
+            found = self.with_slider(tried[best], y)
+            if found.linear.all():
+                break
+            free = found.linear > 0.0
         polished = optimize.minimize_scalar(
             lambda ln_r: self.with_slider(ln_r, y).chi_square,
             bounds=(float(tried[max(best - 1, 0)]), float(tried[min(best + 1, tried.size - 1)])),
@@ -368,13 +370,29 @@ class Design:
         points = (found, self.with_slider(float(polished.x), y))
         return min(points, key=lambda point: point.chi_square)
 
-    @cached_property
-    def _across(self) -> tuple[Array, Array, Array]:
-        """Orthonormal linear columns; those of sliders without their part along these; inverse squares of the rest."""
-        q, columns = np.linalg.qr(self.linear)[0], self.sliders(self.nodes)
+    def _across(self, free: tuple[bool, ...]) -> tuple[Array, Array, Array]:
+        """Orthonormal free columns; those of sliders without their part along these; inverse squares of the rest."""
+        if free in self.kept:
+            return self.kept[free]
+        q, columns = np.linalg.qr(self.linear[:, list(free)])[0], self.tried
         across = columns - q @ (q.T @ columns)
         square, whole = (np.sum(A**2, axis=0) for A in (across, columns))
-        return q, across, np.where(square > 1e-9 * whole, 1.0 / np.maximum(square, 1e-300), 0.0)
+        self.kept[free] = (
+            q,
+            across,
+            np.where(square > 1e-9 * whole, 1.0 / np.maximum(square, 1e-300), 0.0),
+        )
+        return self.kept[free]
+
+    @cached_property
+    def tried(self) -> Array:
+        """Rows of the sliders that are tried."""
+        return self.sliders(self.nodes)
+
+    @cached_property
+    def kept(self) -> dict[tuple[bool, ...], tuple[Array, Array, Array]]:
+        """What `_across` has computed, by the columns that are free."""
+        return {}
 
 
 def _scatter(rows: Rows, left: Complexes, unknowns: int) -> Array:

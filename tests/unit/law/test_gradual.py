@@ -1,0 +1,60 @@
+"""Sliders in parallel: closed forms against the play operator, which knows nothing of them, and the limits."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from dampbalance.law.gradual import Sliders, play, secant, secant_of_cycles
+
+THETA = 2.0 * np.pi * np.arange(4096) / 4096
+
+
+def test_secant_is_the_fundamental_of_the_play_operator():
+    X, r = np.array([0.3, 1.0, 2.0, 7.0]), np.array([0.2, 0.5, 1.0, 3.0])
+    sampled = secant_of_cycles(np.outer(X, np.cos(THETA + 0.7)), r)
+    # a corner between two samples shifts the fundamental by the square of their distance
+    assert secant(X, r) == pytest.approx(sampled, abs=2e-6)
+
+
+def test_loss_is_the_area_of_the_hysteresis_and_the_quadrature_stiffness():
+    sliders = Sliders(np.array([0.1, 0.4, 5.0]), np.array([2.0, 3.0, 1.0]))
+    x = 1.3 * np.cos(np.concatenate([THETA, THETA, THETA[:1]]))
+    force = sliders.force(x)
+    last = slice(THETA.size, None)
+    area = float(np.sum(0.5 * (force[last][1:] + force[last][:-1]) * np.diff(x[last])))
+    X = np.array([1.3])
+    assert float(sliders.loss(X)[0]) == pytest.approx(area, rel=1e-5)
+    assert float(np.pi * X[0] ** 2 * sliders.secant(X).imag[0]) == pytest.approx(area, rel=1e-5)
+
+
+def test_limits_are_a_spring_and_rigid_friction():
+    X = np.array([0.2, 1.0])
+    assert secant(X, np.array([1.0, 2.0])) == pytest.approx(np.ones((2, 2)))
+    F, r = 0.7, 1e-9
+    rigid = Sliders(np.array([r]), np.array([F / r])).secant(X)
+    assert rigid.imag == pytest.approx(4.0 * F / (np.pi * X), rel=1e-8)
+    # ϑ = 2√(r/X) is small: Re D = 2ϑ³/(3π)
+    in_phase = (F / r) * (2.0 / (3.0 * np.pi)) * (2.0 * np.sqrt(r / X)) ** 3
+    assert rigid.real == pytest.approx(in_phase, rel=1e-6)
+
+
+def test_backbone_is_the_force_of_the_first_loading():
+    sliders = Sliders(np.array([0.1, 0.4, 5.0]), np.array([2.0, 3.0, 1.0]))
+    x = np.linspace(0.0, 6.0, 61)
+    assert sliders.backbone(x) == pytest.approx(sliders.force(x))
+    assert sliders.K_z == pytest.approx(6.0)
+    assert sliders.F_k == pytest.approx(float(sliders.backbone(np.array([9.0]))[0]))
+
+
+def test_play_starts_from_given_deflections_and_remembers():
+    r = np.array([1.0])
+    assert play(np.array([0.0, 0.5, 3.0, 2.5, 0.0]), r)[:, 0] == pytest.approx(
+        [0.0, 0.5, 1.0, 0.5, -1.0]
+    )
+    assert play(np.array([0.0, 0.5]), r, np.array([0.8]))[:, 0] == pytest.approx([0.8, 1.0])
+
+
+def test_a_slider_that_never_slips_rests_at_the_middle_of_a_cycle():
+    x = 4.0 + np.cos(THETA)[None]
+    assert secant_of_cycles(x, np.array([2.0])) == pytest.approx(np.ones((1, 1)), abs=1e-12)
