@@ -94,6 +94,18 @@ def test_nothing_is_done_twice_and_a_record_that_changes_is_read_again(built):
     }
 
 
+def test_a_table_of_a_stepped_sine_is_a_set(checkout, monkeypatch):
+    copy = checkout()
+    said = copy.made("--configfile", "config/stepped.yaml")
+    files = copy.files("stepped")
+    assert {f"measured/joint/{name}" for name in outputs_of("stepped-sine")} <= files.keys()
+    monkeypatch.chdir(copy.folder)
+    direct = identify("config/records/stepped/levels.csv", kind="stepped-sine", replicates=200)
+    assert direct.text().splitlines()[3] in said
+    document = json.loads(files["measured/joint/identification.json"])
+    assert document == json.loads(json.dumps(direct.document()))
+
+
 @pytest.fixture(scope="module")
 def rig(checkout):
     """The example of several sets in the README of records, with a set before them whose record is broken."""
@@ -172,6 +184,9 @@ def against(copy, change):
         ({"at": [1]}, "measured[1].at"),
         ({"approaches": ["best"]}, "measured[1].approaches[1]"),
         ({"kind": "ring-down"}, "measured[1].frequency_hz: is for forced records"),
+        ({"kind": "stepped-sine"}, "and these are tables of a stepped sine: leave it out"),
+        ({"contact": "gradual"}, "measured[1].contact: is for tables of a stepped sine"),
+        ({"stiffness_N_per_m": None}, "stiffness_N_per_m: is missing: forced records need it"),
         ({"kind": "decay"}, "measured[1].kind: 'decay' is not allowed. forced records, one per"),
         ({"name": "two words"}, "measured[1].name"),
         ({"terms": ["F_k", "c_9"]}, "measured[1].terms[2]: 'c_9' is not a term"),

@@ -18,7 +18,7 @@ import pytest
 from dampbalance import identify, read_records
 from dampbalance.balance import APPROACHES
 from dampbalance.commands.main import main
-from dampbalance.identification.outputs import OUTPUTS, TABLES
+from dampbalance.identification.outputs import OUTPUTS, TABLES, outputs_of
 from dampbalance.records.readers import read
 from folders import ROOT
 from paper_case import PAPER
@@ -241,6 +241,7 @@ def test_sets_are_identified_one_by_one_and_compared(tmp_path, capsys):
         ("measured: [{name: a, records: [b]}]", [], "the set a has no stiffness_N_per_m; add it"),
         (SETS.replace("early", "Late"), [], "two sets have the same name"),
         (SETS, ["--mass", "2"], "--sets takes all settings from its file: leave out --mass"),
+        (SETS, ["--no-hardening"], "leave out --no-hardening"),
         (SETS, [RECORDS[0]], "leave out records"),
     ],
 )
@@ -253,6 +254,24 @@ def test_sets_that_make_no_sense_are_refused(text, options, message, tmp_path, a
     assert message in answer(*command, "--output", str(folder), code=2)
     assert not folder.exists()
     assert main(command) == 2
+
+
+TABLE = str(ROOT / "config/records/stepped/levels.csv")
+
+
+def test_a_table_of_a_stepped_sine_needs_no_stiffness(tmp_path, answer):
+    command = ["identify", TABLE, "--kind", "stepped-sine", "--replicates", "20"]
+    said = answer(*command, "--contact", "one slider", "--no-hardening", "--output", str(tmp_path))
+    assert "75 lines at 5 levels" in said
+    document = json.loads((tmp_path / "identification.json").read_text(encoding="utf-8"))
+    assert list(document["approaches"]) == ["one slider"]
+    assert "k_3_N_per_m3" not in document["approaches"]["one slider"]
+    assert {path.name for path in tmp_path.iterdir()} == {*outputs_of("stepped-sine")}
+    (tmp_path / "sets.yaml").write_text(
+        f"measured: [{{name: joint, kind: stepped-sine, records: ['{TABLE}'], replicates: 20, contact: gradual}}]"
+    )
+    sets = ["identify", "--sets", str(tmp_path / "sets.yaml"), "--output", str(tmp_path / "all")]
+    assert "1 of 1 sets of records identified" in answer(*sets)
 
 
 @pytest.mark.usefixtures("coarse")

@@ -174,8 +174,12 @@ def examples():
 
 def test_the_examples_read_as_they_say(tmp_path):
     shown = examples()
-    assert list(shown) == ["run1.csv", "run2.csv", "run2.yaml", "level1_base.csv.yaml", "rig.yaml"]
+    named = ["run1.csv", "run2.csv", "run2.yaml", "level1_base.csv.yaml", "levels.mat.yaml"]
+    assert list(shown) == [*named, "rig.yaml"]
     shown.pop("rig.yaml")  # no mapping: the tests of the workflow run it
+    table = mapping_from(yaml.safe_load(shown.pop("levels.mat.yaml"))).table
+    assert list(table) == ["frequency", "force", "acceleration", "phase"]
+    assert table["acceleration"].scale == pytest.approx(2.0**0.5, rel=1e-4)
     several = mapping_from(yaml.safe_load(shown.pop("level1_base.csv.yaml")))
     parts = parts_of(tmp_path / "level1_base.csv", several)
     assert [part.name for part in parts] == ["level1_base.csv", "level1_acc.csv"]
@@ -201,4 +205,4 @@ def test_the_page_names_every_quantity_suffix_name_and_unit():
         assert re.search(rf"(?<!\w){re.escape(suffix)} ", text), suffix
     listed = re.search(r"^Units: (.*?)\. `um`", text, re.MULTILINE)
     units = re.split(r"[,;] ", listed[1])
-    assert units == [unit.name for unit in UNITS if unit.dimension != "frequency"]
+    assert units == [u.name for u in UNITS if u.dimension not in ("frequency", "angle")]

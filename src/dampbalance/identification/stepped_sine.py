@@ -1,0 +1,344 @@
+"""The contact and the damping from tables of steady responses to a stepped sine, line by line.
+
+A line is a row of the balance, W = πFX sin φ, and its in-phase part says how stiff the contact still is at that
+amplitude. Both are rows of the dynamic stiffness (`likelihood/dynamic_stiffness.py`), to which two contacts are fitted:
+one slider, that of the paper, and many that slip one after the other, as the interface of a bolted joint does.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar, Literal
+
+import numpy as np
+
+from ..arrays import Integers
+from ..balance import Rows
+from ..law.law import Law
+from ..law.terms import FRICTION, term
+from ..likelihood.dynamic_stiffness import (
+    ContactComparison,
+    ContactFit,
+    compare_contacts,
+    fit_contact,
+)
+from ..likelihood.stepped_lines import Contact, SteppedLines
+from ..project.wording import Remark, listed
+from ..records.measured import MeasuredRecord
+from .answer import CONFIDENCE, UNKNOWN, Answer, Balance, Interval, ParameterEstimate, covariance_of
+from .identified import Identified, Level, Picture
+from .screen import with_error
+from .sensitivities import Fault
+
+Asked = Literal["both", "one slider", "gradual"]
+"""Contacts that can be asked for."""
+
+_CONTACTS: tuple[Contact, ...] = ("one slider", "gradual")
+
+
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class SteppedOutcome(Identified):
+    """The answers to tables of steady responses, and all that they come from.
+
+    lines : of all tables.   table_of : index of the table that each belongs to, (n,).   fits : of each contact, by
+    name, the one to use first.   compared : which of them the lines support, where there are levels enough.   scaled :
+    whether all numbers follow the gains, none being held.
+    """
+
+    lines: SteppedLines
+    table_of: Integers
+    fits: Mapping[str, ContactFit]
+    compared: ContactComparison | None
+    scaled: bool
+
+    kind: ClassVar[Mapping[str, str]] = {"kind": "stepped-sine"}
+    mass_tests: ClassVar[bool] = False
+
+    @property
+    def fit(self) -> ContactFit:
+        """That of the answer."""
+        return self.fits[next(iter(self.answers))]
+
+    @property
+    def of_mode(self) -> SteppedLines:
+        """The lines without what other modes add to them, by the fit of the answer."""
+        return self.lines.of_mode(self.fit.values.get("R", 0.0))
+
+    def findings(self) -> dict[str, Any]:
+        """Which contact the lines support, by how each predicts levels that are left out; their sliders; the tables."""
+        compared: dict[str, Any] = {}
+        if self.compared is not None:
+            compared = {
+                "supported": self.compared.supported,
+                "probability_of_one_slider": self.compared.p,
+                "words": self.compared.words(),
+                "levels": list(self.lines.names),
+                "loss_rms_of_each_level_left_out": {
+                    trial.name: [of.loss for of in trial.held_out] for trial in self.compared.trials
+                },
+                "in_phase_rms_of_each_level_left_out_N_per_m": {
+                    trial.name: [of.in_phase for of in trial.held_out]
+                    for trial in self.compared.trials
+                },
+            }
+        return {
+            "comparison": compared,
+            "contacts": {
+                name: {"r_m": fit.r, "kappa_N_per_m": fit.kappa} for name, fit in self.fits.items()
+            },
+            "records": [
+                {"record": name, "lines": int(np.sum(self.table_of == i))}
+                for i, name in enumerate(self.sources)
+            ],
+        }
+
+    def features_table(self) -> list[dict[str, Any]]:
+        """A row for each line: what was measured, its input work and its dynamic stiffness."""
+        of, W = self.lines, math.pi * self.lines.X**2 * self.lines.Z.imag
+        return [
+            {
+                "record": self.sources[self.table_of[i]],
+                "level": of.names[of.level[i]],
+                "frequency_Hz": of.omega[i] / (2.0 * math.pi),
+                "force_N": of.X[i] * abs(of.Z[i]),
+                "X_m": of.X[i],
+                "phi_rad": np.angle(of.Z[i]),
+                "W_J": W[i],
+                "in_phase_stiffness_N_per_m": of.Z[i].real,
+            }
+            for i in range(of.X.size)
+        ]
+
+    @property
+    def levels(self) -> list[Level]:
+        """The line of each level whose phase is nearest to 90°."""
+        of, levels = self.of_mode, []
+        W, friction = math.pi * of.X**2 * of.Z.imag, self.fit.sliders.loss(of.X)
+        for number, name in enumerate(of.names):
+            (own,) = np.nonzero(of.level == number)
+            at = own[np.argmax(np.sin(np.angle(of.Z[own])))]
+            X, omega = float(of.X[at]), float(of.omega[at])
+            levels.append(Level(name, X, omega, float(W[at]), float(friction[at])))
+        return levels
+
+    def shifts(
+        self, faults: Mapping[str, Fault], names: Collection[str]
+    ) -> dict[str, dict[str, dict[str, float]]]:
+        """What gains do to the answers, where all numbers are free to follow: forces go with that of the drive, motions
+        with that of the response, and an exact law of scales says how each number does. With k or m held there is no
+        such law, except for the stiffness of a table of base motions, which scales all forces."""
+
+        def shift(symbol: str, fault: Fault) -> float:
+            order = 1.0 if symbol in ("K_z", "m") else term(symbol).order
+            if not self.scaled:
+                return fault.stiffness
+            return fault.drive - order * fault.response
+
+        return {
+            name: {
+                fault: {symbol: shift(symbol, of) for symbol in answer.parameters}
+                for fault, of in faults.items()
+            }
+            for name, answer in self.answers.items()
+            if name in names
+        }
+
+    @property
+    def pictures(self) -> dict[str, Picture]:
+        """loss : energy lost per cycle over the amplitude.   stiffness : the in-phase stiffness over it.   distribution
+        : of the sliders."""
+        of, fits = self.of_mode, {name: self.fits[name] for name in self.answers}
+        count = f"{of.X.size} lines at {len(of.names)} levels"
+        return {
+            "loss": Picture(
+                f"energy lost per cycle against amplitude: {count}, and the laws with their bands",
+                (of, fits),
+            ),
+            "stiffness": Picture(
+                f"stiffness against amplitude: {count}, and the laws with their bands", (of, fits)
+            ),
+            "distribution": Picture(
+                "stiffness of the sliders against the amplitude at which each begins to slip",
+                (fits,),
+            ),
+        }
+
+
+def identify_tables(
+    tables: Sequence[MeasuredRecord],
+    k: float | None,
+    law: Law,
+    *,
+    contact: Asked = "both",
+    **options: Any,
+) -> SteppedOutcome:
+    """The contact and the damping from tables of steady responses at two levels of excitation or more.
+
+    k : stiffness, N/m; None where the lines are to tell it, which those of base motions cannot.   law : whose terms
+    except the friction are fitted.   contact : "both" compares them, from three levels on.   options : mass, hardening,
+    residual, replicates and seed of `fit_contact`.
+
+    Raises ValueError for base motions without a stiffness, fewer than two levels, lines that do not determine the
+    unknowns, and a friction force that is given.
+    """
+    if FRICTION in law.given:
+        raise ValueError(
+            f"{FRICTION} is what slips at the amplitudes seen: it cannot be given for a stepped sine"
+        )
+    lines, table_of = _lines(tables, k)
+    terms = tuple(symbol for symbol in law.terms if symbol != FRICTION)
+    asked = {"terms": terms, "given": dict(law.given), "stiffness": k, **options}
+    contacts, compared = _CONTACTS if contact == "both" else (contact,), None
+    if contact == "both" and len(lines.names) > 2:
+        compared = compare_contacts(lines, **asked)
+        fits = {name: compared[name].fit for name in dict.fromkeys([compared.supported, *contacts])}
+    else:
+        fits = {name: fit_contact(lines, contact=name, **asked) for name in contacts}
+    first = next(iter(fits.values()))
+    said = [] if compared is None else [f"{compared.words()}."]
+    return SteppedOutcome(
+        k=first.values["k"],
+        sources=tuple(table.name for table in tables),
+        estimates={name: _answer(name, fit, lines, law, compared) for name, fit in fits.items()},
+        reference=None,
+        warnings=() if compared or len(contacts) < 2 else (_UNCOMPARED,),
+        head=f"{lines.X.size} lines at {len(lines.names)} levels; the answer first, with 95 % intervals from "
+        f"{options['replicates']} replicates",
+        rig=[
+            *(words[0].upper() + words[1:] for words in said),
+            *_rig(first, lines),
+            *_counted(tables),
+        ],
+        settings={"law": {"terms": law.terms, "given": law.given}, "confidence": CONFIDENCE},
+        lines=lines,
+        table_of=table_of,
+        fits=fits,
+        compared=compared,
+        scaled=k is None and options["mass"] is None and not law.given,
+    )
+
+
+_UNCOMPARED = Remark(
+    "two levels do not tell whether one slider is enough, or many slip one after the other: add a level",
+    doubts={FRICTION: math.inf, "K_z": math.inf},
+)
+
+
+def _lines(tables: Sequence[MeasuredRecord], k: float | None) -> tuple[SteppedLines, Integers]:
+    """All lines of the tables, and the table of each."""
+    levels = [
+        (i, t.table.by_force, of) for i, t in enumerate(tables) if t.table for of in t.table.levels
+    ]
+    by_base = next((tables[i].name for i, by_force, _ in levels if not by_force), None)
+    if by_base and k is None:
+        raise ValueError(
+            f"{by_base}: the base drives, and its force is known with the stiffness of the spring to it only: give "
+            "stiffness (--stiffness)"
+        )
+    if len(levels) < 2:
+        raise ValueError(
+            f"{tables[0].name} holds one level of excitation: what a contact does shows between amplitudes; give "
+            "tables of two levels or more, or name the column of levels"
+        )
+    names = [of.name for _, _, of in levels]
+    if len({*names}) < len(names):
+        names = [f"{tables[i].label}: {of.name}" for i, _, of in levels]
+    sizes = [of.X.size for _, _, of in levels]
+    forces = [of.drive * (1.0 if by_force else k or 0.0) for _, by_force, of in levels]
+    omega, X, phi = (
+        np.concatenate([getattr(of, n) for _, _, of in levels]) for n in ("omega", "X", "phi")
+    )
+    errors = [of.error for _, _, of in levels if of.error is not None]
+    error = np.concatenate(errors) if len(errors) == len(levels) else None
+    Z = np.concatenate(forces) / X * np.exp(1j * phi)
+    numbers = np.repeat(np.arange(len(levels)), sizes)
+    lines = SteppedLines(omega, X, Z, numbers, tuple(names), error)
+    return lines, np.repeat([i for i, _, _ in levels], sizes)
+
+
+def _answer(
+    name: str, fit: ContactFit, lines: SteppedLines, law: Law, compared: ContactComparison | None
+) -> Answer:
+    """The answer of a contact: its numbers, and its rows of the balance, without what other modes add to them."""
+    notes, of = [], lines.of_mode(fit.values.get("R", 0.0))
+    if compared is not None and name != compared.supported:
+        notes.append(Remark(f"the lines support another contact: {compared.supported}"))
+    elif fit.contact == "none":
+        notes.append(
+            Remark(
+                f"these lines show no contact that slips: {compared.words() if compared else ''}"
+            )
+        )
+    X, W = of.X, math.pi * of.X**2 * of.Z.imag
+    terms = {FRICTION: fit.sliders.loss(X) / fit.F_k} if fit.F_k else {}
+    terms |= {s: term(s).harmonic(of.omega, X, 0.0, 0.0, fit.values["k"]) for s in fit.terms}
+    rows = Rows(terms, W, given=law.given)
+    hertz = (lines.omega / (2.0 * math.pi)).tolist()
+    names = tuple(lines.names[i] for i in lines.level)
+    unknowns = dict.fromkeys(
+        [*(s for s in law.unknowns), *(s for s in fit.terms if s not in law.given), "K_z"]
+    )
+    parameters = {symbol: _estimate(symbol, fit) for symbol in unknowns}
+    merit: dict[str, Any] = {
+        "residual": float(np.linalg.norm(fit.residuals.imag * W) / np.linalg.norm(W)),
+        "misfit": fit.misfit.score,
+        "loss_rms": fit.misfit.loss,
+        "in_phase_rms_N_per_m": fit.misfit.in_phase,
+    }
+    for symbol, unit in _OF_SPRING.items():
+        if symbol in fit.values:
+            merit[f"{symbol}_{unit}"] = fit.values[symbol]
+            merit[f"{symbol}_standard_error_{unit}"] = fit.errors.get(symbol, 0.0)
+    return Answer(
+        *(name, parameters, covariance_of(parameters, {}), tuple(notes)),
+        Balance(rows, fit.misfit.loss * W, names, {"frequency_Hz": hertz}),
+        merit=merit,
+    )
+
+
+_OF_SPRING = {"k": "N_per_m", "m": "kg", "k_3": "N_per_m3", "R": "m_per_N"}
+
+
+def _estimate(symbol: str, fit: ContactFit) -> ParameterEstimate:
+    """A number of a fit: F_k and K_z of the sliders that slip at the amplitudes seen, or a coefficient."""
+    if symbol not in fit.intervals:
+        return UNKNOWN
+    interval = Interval(*fit.intervals[symbol])
+    if math.isinf(interval.high):
+        return ParameterEstimate(math.inf, math.nan, math.nan, interval)
+    value = {"K_z": fit.K_z, FRICTION: fit.F_k}.get(symbol, fit.values.get(symbol, math.nan))
+    doubt = "" if value else f"{symbol} is at its bound, zero: these lines show none of it"
+    return ParameterEstimate(value, fit.errors[symbol], math.nan, interval, doubt)
+
+
+def _rig(fit: ContactFit, lines: SteppedLines) -> Iterator[str]:
+    """What the fit implies about the rig, in sentences."""
+    k, m = fit.values["k"], fit.values["m"]
+    own = {s: with_error(fit.values[s], fit.errors.get(s, 0.0)) for s in fit.values}
+    if fit.F_k:
+        yield (
+            f"F_k and K_z are those of the part of the contact that slips at the amplitudes seen, up to "
+            f"{1e3 * fit.X_range[1]:.4g} mm."
+        )
+    yield (
+        f"The oscillator has m = {own['m']} kg, k = {own['k']} N/m and a natural frequency of "
+        f"{math.sqrt(k / m) / (2.0 * math.pi):.4g} Hz with that part of the contact loose."
+    )
+    if fit.values.get("k_3"):
+        k_3 = with_error(1e-9 * fit.values["k_3"], 1e-9 * fit.errors["k_3"])
+        yield f"Its stiffness rises with the amplitude by ¾k_3X², k_3 = {k_3} N/mm³."
+    if R := fit.values.get("R"):
+        mass = 1.0 / (abs(R) * float(np.median(lines.omega)) ** 2)
+        like = "of their flexibility" if R > 0.0 else f"as the inertia of {mass:.2g} kg does"
+        yield f"Other modes of the structure move the driven point by R = {1e6 * R:.3g} µm/N, {like}."
+
+
+def _counted(tables: Sequence[MeasuredRecord]) -> list[str]:
+    """How the phases of the tables are counted, a sentence for each way."""
+    ways: dict[str, list[str]] = {}
+    for table in tables:
+        if table.table is not None:
+            ways.setdefault(table.table.convention, []).append(table.label)
+    return [f"The lines of {listed(of)} show that {way}." for way, of in ways.items()]
