@@ -1,0 +1,193 @@
+"""What the stepped-sine lines of a bolted beam say of its joint, and whether they foretell the decay after a blow.
+
+The lines are those of one mode at several levels; the laws are those of `likelihood.dynamic_stiffness`. The decay is
+an independent witness: another test, another day, no shaker. Of a mode that loses W(X) in a cycle the equivalent
+damping ratio at the amplitude X is
+
+    ζ(X) = W(X)/(2π m ω² X²)
+
+from the fit to the lines, and from the slope of the decay's envelope (`hammer.py`).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...arrays import Array
+from ...likelihood.dynamic_stiffness import (
+    Band,
+    ContactComparison,
+    ContactFit,
+    SteppedLines,
+    fit_contact,
+)
+from ...records.measured import read_records
+from .hammer import ModalDecay, filter_bias, modal_decay
+
+_POINTS = 40  # of the curves over the amplitude
+_NEAR = 0.8  # sin φ of lines near the resonance
+_SHOWN = 6  # amplitudes of the decay in the table
+
+
+@dataclass(frozen=True, eq=False)
+class Findings:
+    """The results for the beam.
+
+    document : every number, for JSON.   lines : of the tables.   fits : of each law by its name.
+    decays : after the blow, by the channel.   foretold : damping ratio that the lines foretell at the first decay's
+    amplitudes within their range, with its band.
+    """
+
+    document: dict[str, Any]
+    lines: SteppedLines
+    fits: Mapping[str, ContactFit]
+    decays: Mapping[str, ModalDecay]
+    foretold: Band
+
+
+def findings(identified: SteppedIdentified, beam: Mapping[str, Any]) -> Findings:
+    """All results for the beam.
+
+    identified : from its tables.   beam : the section of that name in the configuration, of a blow: record, channels,
+    time, unit, band_hz, start_s, window_s.
+
+    Raises ValueError where a record cannot be read, and where the decay passes no amplitude of the lines.
+    """
+    gradual = comparison.fits["gradual"]
+    decays, bias = _decays(blow)
+    of_point = decays[beam["channels"][0]]
+    inside = np.flatnonzero((of_point.X > gradual.X_range[0]) & (of_point.X < gradual.X_range[1]))
+    if not inside.size:
+        low, high = (1e6 * X for X in gradual.X_range)
+        raise ValueError(
+            f"beam: the decay of {beam['channels'][0]} passes no amplitude of the lines, {low:.3g} to {high:.3g} "
+            "µm: name another channel first, or an earlier start_s"
+        )
+    foretold = _damping_ratio(gradual, of_point.X[inside], of_point.frequency_hz[inside])
+    seen = of_point.zeta[inside]
+    shown = inside[np.unique(np.linspace(0, inside.size - 1, _SHOWN).round().astype(int))]
+    X = np.geomspace(*gradual.X_range, _POINTS)
+    loss = gradual.loss(X, 2.0 * math.pi * of_point.frequency_hz.mean())
+    left_out = {
+        name: fit_contact(lines, contact="gradual", **{**options, name: False}, replicates=2)
+        for name in ("residual", "hardening")
+        if options.get(name)
+    }
+    document = {
+        "levels": [_level(lines, i) for i in range(len(lines.names))],
+        "laws": [
+            {"law": name, **_misfits(fit, lines), "upper_from_lower": fit.extrapolated.loss}
+            for name, fit in comparison.fits.items()
+        ],
+        "supported": comparison.supported,
+        "words": comparison.words,
+        "without": {name: _misfits(fit, lines) for name, fit in left_out.items()},
+        "gradual": {
+            name: {"value": value, "interval": gradual.intervals.get(name)}
+            for name, value in {
+                **gradual.values,
+                "K_z": gradual.K_z,
+                "F_k": gradual.F_k,
+            }.items()
+        },
+        "X_range_m": gradual.X_range,
+        "curves": {
+            "X_m": X,
+            "loss_J": loss._asdict(),
+            "stiffness_N_per_m": gradual.stiffness(X)._asdict(),
+        },
+        "blow": {
+            "channels": list(decays),
+            "start_s": beam["start_s"],
+            "amplitudes": [
+                {
+                    "t_s": of_point.t[i],
+                    "X_m": of_point.X[i],
+                    "frequency_hz": of_point.frequency_hz[i],
+                    "zeta": [one.zeta[i] for one in decays.values()],
+                    "foretold": [part[inside == i][0] for part in foretold],
+                }
+                for i in shown
+            ],
+            "off": {
+                "mean": float(np.mean(foretold.value / seen - 1.0)),
+                "worst": float((foretold.value / seen - 1.0)[np.argmax(abs(foretold.value / seen - 1.0))]),
+            },
+            "filter_bias": float(np.abs(bias[inside]).max()),
+            "scale": _scale(gradual, of_point, inside),
+            "frequency_fall_hz": float(np.ptp(of_point.frequency_hz[inside])),
+        },
+    }
+    return Findings(document, lines, comparison.fits, decays, foretold)
+
+
+def _decays(blow: Mapping[str, Any]) -> tuple[dict[str, ModalDecay], Array]:
+    """The decay in each channel, and the filter's bias of the first."""
+    steps = {"start": beam["start_s"], "window": beam["window_s"]}
+    band, decays, bias = tuple(beam["band_hz"]), {}, None
+    for name in beam["channels"]:
+        channel = {"acceleration": {"channel": name, "unit": beam["unit"]}}
+        mapping = {"channels": channel, "time": {"channel": beam["time"], "unit": "s"}}
+        (record,) = read_records(beam["record"], mapping=mapping)
+        measured = record.whole()["acceleration"]
+        decays[name] = modal_decay(measured.t, measured.values, band, **steps)
+        bias = filter_bias(decays[name], measured.t, band, **steps) if bias is None else bias
+    assert bias is not None
+    return decays, bias
+
+
+def _damping_ratio(fit: ContactFit, X: Array, frequency_hz: Array) -> Band:
+    """ζ(X) of a fit, with its band."""
+    omega = 2.0 * math.pi * frequency_hz
+    size = 2.0 * math.pi * fit.values["m"] * omega**2 * X**2
+    return Band(*(part / size for part in fit.loss(X, omega)))
+
+
+def _scale(fit: ContactFit, decay: ModalDecay, inside: Array) -> float:
+    """By which the decay's amplitudes must be multiplied for the lines to foretell its damping best: 1 where its channel
+    is the driven point, and the joint the same."""
+
+    def off(scale: float) -> float:
+        X = np.clip(scale * decay.X[inside], *fit.X_range)
+        foretold = _damping_ratio(fit, X, decay.frequency_hz[inside]).value
+        return float(np.mean(np.log(foretold / decay.zeta[inside]) ** 2))
+
+    return float(min(np.geomspace(0.5, 2.0, 281), key=off))
+
+
+def _level(lines: SteppedLines, number: int) -> dict[str, Any]:
+    """Lines of a level, its amplitudes, and the frequency at which its in-phase part vanishes."""
+    of = lines[lines.level == number]
+    order = np.argsort(of.omega)
+    hertz, in_phase = of.omega[order] / (2.0 * math.pi), of.Z.real[order]
+    turns = np.flatnonzero((in_phase[:-1] > 0.0) & (in_phase[1:] <= 0.0))
+    resonance = math.nan
+    if turns.size:
+        at = slice(turns[0], turns[0] + 2)
+        resonance = float(np.interp(0.0, -in_phase[at], hertz[at]))
+    return {
+        "level": lines.names[number],
+        "lines": of.X.size,
+        "X_m": [float(of.X.min()), float(of.X.max())],
+        "frequency_hz": [float(hertz[0]), float(hertz[-1])],
+        "resonance_hz": resonance,
+    }
+
+
+def _misfits(fit: ContactFit, lines: SteppedLines) -> dict[str, Any]:
+    """How far the lines lie from a law, and levels from the law of the others."""
+    near = np.sin(np.angle(lines.Z)) > _NEAR
+    held_out = list(fit.held_out.values())
+    return {
+        "loss": fit.misfit.loss,
+        "loss_near_resonance": float(np.sqrt(np.mean(fit.residuals.imag[near] ** 2))),
+        "in_phase_N_per_m": fit.misfit.in_phase,
+        "held_out_loss": [one.loss for one in held_out],
+        "held_out_in_phase_N_per_m": [one.in_phase for one in held_out],
+    }
