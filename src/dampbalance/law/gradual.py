@@ -1,0 +1,101 @@
+"""A contact that yields gradually: sliders in parallel, each a spring of κ that slips at a deflection of r.
+
+    F(x) = Σ κ_j z_j,    ż_j = ẋ while |z_j| < r_j, else z_j = ±r_j
+
+The contact of the paper is one of them, κ = K_z and r = Z_m = F_k/K_z; bolted joints need a distribution (Iwan 1966,
+J. Appl. Mech. 33, 893; Segalman 2005, J. Appl. Mech. 72, 752). Under a harmonic motion of amplitude X the fundamental of
+the force is Σ κ_j D(X/r_j) times the motion,
+
+    D = 1 for X ≤ r;    Re D = (ϑ − sin ϑ cos ϑ)/π,  Im D = (4/π)(r/X)(1 − r/X),  cos ϑ = 1 − 2r/X  for X > r
+
+and the energy lost per cycle Σ 4κ_j r_j (X − r_j)₊ = πX² Σ κ_j Im D.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arrays import Array, Complexes
+
+
+def secant(X: Array, r: Array) -> Complexes:
+    """D, the fundamental of a slider's deflection as a part of a harmonic motion's, (n, j).
+
+    X : amplitudes, m, (n,).   r : deflections at which sliders slip, m, (j,).
+    """
+    ratio = np.minimum(r / np.asarray(X)[:, None], 1.0)
+    cosine, sine = 1.0 - 2.0 * ratio, 2.0 * np.sqrt(ratio * (1.0 - ratio))
+    return np.asarray((np.arccos(cosine) - sine * cosine + 1j * sine**2) / np.pi)
+
+
+def play(x: Array, r: Array, start: Array | None = None) -> Array:
+    """Deflections z of sliders that follow a sampled motion, m, (N, j): exact where x is monotone between samples.
+
+    x : displacement, m, (N,).   r : m, (j,).   start : deflections at the first sample, m, (j,); default, none.
+    """
+    first = np.zeros(np.size(r)) if start is None else np.clip(start, -r, r)
+    return np.array([z[0] for z in _deflections(np.atleast_2d(x), r, first[None])])
+
+
+def secant_of_cycles(x: Array, r: Array) -> Complexes:
+    """D of steady motions that are not harmonic: fundamental of each slider's deflection over that of x, (n, j).
+
+    Use it for measured cycles, whose higher harmonics move the instants of slip. A slider that never slips in a cycle
+    is taken to rest at the middle of it.
+
+    x : equidistant samples of one cycle in each row, m, (n, N); 512 give D to 1e-5.   r : m, (j,).
+    """
+    rows, points = np.arange(len(x))[:, None], x.shape[1]
+    order = (np.argmax(x, axis=1)[:, None] + np.arange(points)) % points
+    x = x[rows, order]  # each from its maximum on, where every slider that slips is at r
+    first = np.minimum(r, 0.5 * np.ptp(x, axis=1)[:, None])
+    turn = np.exp(-2j * np.pi * np.arange(points) / points)
+    total = np.zeros(first.shape, dtype=np.complex128)
+    for factor, z in zip(turn, _deflections(x, r, first), strict=True):
+        total += factor * z
+    return np.asarray(total / (x @ turn)[:, None])
+
+
+def _deflections(x: Array, r: Array, z: Array) -> Iterator[Array]:
+    """Deflections at each sample, (n, j).   x : (n, N).   z : at the first sample."""
+    yield z
+    for step in np.diff(x, axis=1).T:
+        z = np.clip(z + step[:, None], -r, r)
+        yield z
+
+
+@dataclass(frozen=True, eq=False)
+class Sliders:
+    """Sliders in parallel.   r : deflections at which they slip, m, (j,).   kappa : stiffnesses, N/m, (j,)."""
+
+    r: Array
+    kappa: Array
+
+    @property
+    def K_z(self) -> float:
+        """Stiffness of the contact before anything slips, N/m."""
+        return float(np.sum(self.kappa))
+
+    @property
+    def F_k(self) -> float:
+        """Force at which everything slips, N."""
+        return float(self.kappa @ self.r)
+
+    def secant(self, X: Array) -> Complexes:
+        """Σ κ_j D(X/r_j), N/m, (n,): stiffness of the fundamental; πX² times the imaginary part is the loss."""
+        return secant(X, self.r) @ self.kappa
+
+    def loss(self, X: Array) -> Array:
+        """Energy lost per cycle of a harmonic motion, J, (n,)."""
+        return 4.0 * np.maximum(np.subtract.outer(X, self.r), 0.0) @ (self.kappa * self.r)
+
+    def backbone(self, x: Array) -> Array:
+        """Force at the first loading from rest, Σ κ_j min(x, r_j), N, (n,).   x : m, not negative."""
+        return np.minimum.outer(x, self.r) @ self.kappa
+
+    def force(self, x: Array, start: Array | None = None) -> Array:
+        """Force along a sampled motion, N, (N,).   x, start : as for `play`."""
+        return play(x, self.r, start) @ self.kappa
