@@ -12,9 +12,8 @@ from the fit to the lines, and from the slope of the decay's envelope (`hammer.p
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -25,12 +24,10 @@ from ...likelihood.dynamic_stiffness import (
     ContactComparison,
     ContactFit,
     SteppedLines,
-    fit_contact,
 )
 from ...records.measured import read_records
 from .hammer import ModalDecay, filter_bias, modal_decay
 
-_POINTS = 40  # of the curves over the amplitude
 _NEAR = 0.8  # sin φ of lines near the resonance
 _SHOWN = 6  # amplitudes of the decay in the table
 
@@ -51,83 +48,76 @@ class Findings:
     foretold: Band
 
 
-def findings(identified: SteppedIdentified, beam: Mapping[str, Any]) -> Findings:
+def findings(
+    comparison: ContactComparison,
+    lines: SteppedLines,
+    left_out: Mapping[str, ContactFit],
+    beam: Mapping[str, Any],
+) -> Findings:
     """All results for the beam.
 
-    identified : from its tables.   beam : the section of that name in the configuration, of a blow: record, channels,
-    time, unit, band_hz, start_s, window_s.
+    comparison : of the contacts that the lines may come from.   lines : of the tables.   left_out : fits of the gradual
+    contact without an addition to it, by its name.   beam : the section of that name in the configuration: record,
+    channels, time, unit, band_hz, start_s and window_s of a blow.
 
     Raises ValueError where a record cannot be read, and where the decay passes no amplitude of the lines.
     """
-    gradual = comparison.fits["gradual"]
-    decays, bias = _decays(blow)
-    of_point = decays[beam["channels"][0]]
-    inside = np.flatnonzero((of_point.X > gradual.X_range[0]) & (of_point.X < gradual.X_range[1]))
+    fits = {trial.name: trial.fit for trial in comparison.trials}
+    gradual = fits["gradual"]
+    decays, bias = _decays(beam)
+    first, point = next(iter(decays.items()))
+    inside = np.flatnonzero((gradual.X_range[0] < point.X) & (gradual.X_range[1] > point.X))
     if not inside.size:
         low, high = (1e6 * X for X in gradual.X_range)
         raise ValueError(
-            f"beam: the decay of {beam['channels'][0]} passes no amplitude of the lines, {low:.3g} to {high:.3g} "
-            "µm: name another channel first, or an earlier start_s"
+            f"beam: the decay of {first} passes no amplitude of the lines, {low:.3g} to {high:.3g} µm: name another "
+            "channel first, or an earlier start_s"
         )
-    foretold = _damping_ratio(gradual, of_point.X[inside], of_point.frequency_hz[inside])
-    seen = of_point.zeta[inside]
-    shown = inside[np.unique(np.linspace(0, inside.size - 1, _SHOWN).round().astype(int))]
-    X = np.geomspace(*gradual.X_range, _POINTS)
-    loss = gradual.loss(X, 2.0 * math.pi * of_point.frequency_hz.mean())
-    left_out = {
-        name: fit_contact(lines, contact="gradual", **{**options, name: False}, replicates=2)
-        for name in ("residual", "hardening")
-        if options.get(name)
-    }
+    foretold = _damping_ratio(gradual, point.X[inside], point.frequency_hz[inside])
+    off = foretold.value / point.zeta[inside] - 1.0
+    shown = np.unique(np.linspace(0, inside.size - 1, _SHOWN).round().astype(int))
     document = {
         "levels": [_level(lines, i) for i in range(len(lines.names))],
         "laws": [
-            {"law": name, **_misfits(fit, lines), "upper_from_lower": fit.extrapolated.loss}
-            for name, fit in comparison.fits.items()
+            {
+                "law": trial.name,
+                **_misfits(trial.fit, lines),
+                "held_out_loss": [one.loss for one in trial.held_out],
+                "held_out_in_phase_N_per_m": [one.in_phase for one in trial.held_out],
+                "upper_from_lower": trial.extrapolated.loss,
+            }
+            for trial in comparison.trials
         ],
         "supported": comparison.supported,
-        "words": comparison.words,
+        "words": comparison.words(),
         "without": {name: _misfits(fit, lines) for name, fit in left_out.items()},
         "gradual": {
             name: {"value": value, "interval": gradual.intervals.get(name)}
-            for name, value in {
-                **gradual.values,
-                "K_z": gradual.K_z,
-                "F_k": gradual.F_k,
-            }.items()
+            for name, value in (*gradual.values.items(), ("K_z", gradual.K_z), ("F_k", gradual.F_k))
         },
         "X_range_m": gradual.X_range,
-        "curves": {
-            "X_m": X,
-            "loss_J": loss._asdict(),
-            "stiffness_N_per_m": gradual.stiffness(X)._asdict(),
-        },
         "blow": {
             "channels": list(decays),
-            "start_s": beam["start_s"],
             "amplitudes": [
                 {
-                    "t_s": of_point.t[i],
-                    "X_m": of_point.X[i],
-                    "frequency_hz": of_point.frequency_hz[i],
-                    "zeta": [one.zeta[i] for one in decays.values()],
-                    "foretold": [part[inside == i][0] for part in foretold],
+                    "t_s": point.t[inside[i]],
+                    "X_m": point.X[inside[i]],
+                    "frequency_hz": point.frequency_hz[inside[i]],
+                    "zeta": [one.zeta[inside[i]] for one in decays.values()],
+                    "foretold": [part[i] for part in foretold],
                 }
                 for i in shown
             ],
-            "off": {
-                "mean": float(np.mean(foretold.value / seen - 1.0)),
-                "worst": float((foretold.value / seen - 1.0)[np.argmax(abs(foretold.value / seen - 1.0))]),
-            },
+            "off_mean": float(np.mean(off)),
+            "off_worst": float(off[np.argmax(np.abs(off))]),
             "filter_bias": float(np.abs(bias[inside]).max()),
-            "scale": _scale(gradual, of_point, inside),
-            "frequency_fall_hz": float(np.ptp(of_point.frequency_hz[inside])),
+            "scale": _scale(gradual, point, inside),
         },
     }
-    return Findings(document, lines, comparison.fits, decays, foretold)
+    return Findings(document, lines, fits, decays, foretold)
 
 
-def _decays(blow: Mapping[str, Any]) -> tuple[dict[str, ModalDecay], Array]:
+def _decays(beam: Mapping[str, Any]) -> tuple[dict[str, ModalDecay], Array]:
     """The decay in each channel, and the filter's bias of the first."""
     steps = {"start": beam["start_s"], "window": beam["window_s"]}
     band, decays, bias = tuple(beam["band_hz"]), {}, None
@@ -150,7 +140,7 @@ def _damping_ratio(fit: ContactFit, X: Array, frequency_hz: Array) -> Band:
 
 
 def _scale(fit: ContactFit, decay: ModalDecay, inside: Array) -> float:
-    """By which the decay's amplitudes must be multiplied for the lines to foretell its damping best: 1 where its channel
+    """Factor on the amplitudes of the decay with which the lines foretell its damping best: 1 where its channel
     is the driven point, and the joint the same."""
 
     def off(scale: float) -> float:
@@ -181,13 +171,10 @@ def _level(lines: SteppedLines, number: int) -> dict[str, Any]:
 
 
 def _misfits(fit: ContactFit, lines: SteppedLines) -> dict[str, Any]:
-    """How far the lines lie from a law, and levels from the law of the others."""
+    """How far the lines lie from a law."""
     near = np.sin(np.angle(lines.Z)) > _NEAR
-    held_out = list(fit.held_out.values())
     return {
         "loss": fit.misfit.loss,
         "loss_near_resonance": float(np.sqrt(np.mean(fit.residuals.imag[near] ** 2))),
         "in_phase_N_per_m": fit.misfit.in_phase,
-        "held_out_loss": [one.loss for one in held_out],
-        "held_out_in_phase_N_per_m": [one.in_phase for one in held_out],
     }
