@@ -7,7 +7,7 @@ from dampbalance.project.documents import refuse
 from dampbalance.records.errors import RecordError
 from dampbalance.records.mapping import mapping_file, mapping_for, parts_of
 from dampbalance.identification.batch import OVERVIEW, SUMMARY as SET_SUMMARY, summarise
-from dampbalance.identification.measured import of_forced_only
+from dampbalance.identification.measured import not_taken
 from dampbalance.identification.outputs import outputs_of
 from dampbalance.law.law import law_of
 
@@ -21,7 +21,7 @@ FROM = "relative to the folder of the run or of the project"
 
 
 def kind_of(name):
-    """The kind of records of a set: forced, or ring-down for free decays."""
+    """The kind of records of a set: forced, ring-down for free decays, or stepped-sine for tables."""
     return MEASURED[name].get("kind", "forced")
 
 
@@ -144,8 +144,7 @@ if MEASURED and workflow.is_main_process:
             refuse(("measured",), text, CONFIG_FILES)
         for name, one in MEASURED.items():
             require_files(name)
-            for key in of_forced_only(one):
-                text = "is for forced records, and kind: ring-down are free decays; leave it out"
+            for key, text in not_taken(one).items():
                 refuse_of(name, key, text=text)
             try:
                 law_of(one.get("terms"), one.get("given"), one.get("groups")).require_labels(

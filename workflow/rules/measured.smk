@@ -38,6 +38,14 @@ use rule identify as identify_decays with:
         set=sets_of("ring-down"),
 
 
+use rule identify as identify_stepped_sine with:
+    output:
+        *[update(file) for file in set_files("{set}", "stepped-sine")],
+        mark=touch(f"{MEASURED_FILES}/{{set}}/.complete"),
+    wildcard_constraints:
+        set=sets_of("stepped-sine"),
+
+
 rule measured:
     input:
         sets=expand(f"{MEASURED_FILES}/{{set}}/identification.csv", set=MEASURED),

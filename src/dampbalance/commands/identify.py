@@ -1,4 +1,5 @@
-"""dampbalance identify: F_k, c and K_z from records of steady responses at several levels, or of free decays."""
+"""dampbalance identify: F_k, c and K_z from records of steady responses at several levels or of free decays, or from
+tables of a stepped sine."""
 
 from __future__ import annotations
 
@@ -32,13 +33,21 @@ file does not say of its channels stands in a small YAML file next to it, NAME.y
 A record whose driving channel is missing or constant is one of free decays, one or several after releases or blows:
 
   dampbalance identify decay.csv --stiffness 2310
+
+A table of a stepped sine has a line for each steady response, with columns of frequency, amplitude of force or base,
+amplitude of the response, phase, and level; with a force it needs no stiffness:
+
+  dampbalance identify levels.csv --kind stepped-sine
 """
 
 
 _HELP = f"""\
 records         a file, one per level; as many as there are coefficients, or more; of a free decay one is enough
---kind          forced records or free decays (default: as the first record is recognised)
+--kind          forced records, free decays, or tables of a stepped sine (default: as the first record is recognised)
 --stiffness     stiffness k, N/m, or with its standard uncertainty, 2310±10; it scales F_k and c; --mass tests it
+--contact       of a stepped sine: one slider, many that slip one after the other, or the one that the lines support
+--no-hardening  of a stepped sine: the spring does not stiffen with the amplitude
+--residual      of a stepped sine: other modes of the structure move the driven point, too
 --frequency     known drive frequency, Hz; compared with the one found in each record
 --terms         of the damping law, such as F_k,c,c_2 (default: F_k,c); known: {", ".join(KNOWN_TERMS)}
 --given         a coefficient that is known, such as c=0.669, SI; may be repeated
@@ -64,7 +73,7 @@ records         a file, one per level; as many as there are coefficients, or mor
 _SCREEN = Path("-")
 _SETTINGS = (
     *("kind", "mapping", "frequency", "mass", "terms", "laws", "approaches", "phase"),
-    *("skip_cycles", "replicates", "seed", "largest"),
+    *("contact", "hardening", "residual", "skip_cycles", "replicates", "seed", "largest"),
 )
 """What `identify` takes as it stands in the options."""
 
@@ -74,7 +83,8 @@ def run(options: argparse.Namespace) -> None:
     if options.sets is not None:
         _run_sets(options)
         return
-    missing = [n for n in ("records", "--stiffness") if not getattr(options, n.strip("-"))]
+    needed = ("records", *["--stiffness"] * (options.kind != "stepped-sine"))
+    missing = [n for n in needed if not getattr(options, n.strip("-"))]
     if missing:
         names = ", ".join(missing).replace("records", "RECORD")
         raise ValueError(f"the following arguments are required: {names}")
@@ -178,8 +188,11 @@ def _once(named: Iterable[tuple[str, Any]], option: str) -> dict[str, Any]:
 _SEVERAL: dict[str, Any] = {"action": "append", "default": []}
 _OPTIONS: dict[str, dict[str, Any]] = {
     "records": {"nargs": "*", "type": Path, "metavar": "RECORD"},
-    "--kind": {"choices": ("forced", "ring-down"), "default": "recognised"},
+    "--kind": {"choices": ("forced", "ring-down", "stepped-sine"), "default": "recognised"},
     "--stiffness": {"type": with_error, "metavar": "K"},
+    "--contact": {"choices": ("both", "one slider", "gradual"), "default": "both"},
+    "--no-hardening": {"action": "store_false", "dest": "hardening"},
+    "--residual": {"action": "store_true"},
     "--frequency": {"type": number(1e-9, 1e9), "metavar": "HZ"},
     "--terms": {"metavar": "TERMS"},
     "--given": {"type": coefficients, **_SEVERAL, "metavar": "TERM=VALUE"},

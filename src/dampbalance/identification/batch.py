@@ -62,7 +62,8 @@ def read_sets(file: str | Path) -> list[dict[str, Any]]:
                     f"{file}: {key} of the set {name} is not known"
                     + (f" (did you mean {near[0]}?)" if near else f"; known: {', '.join(SETTINGS)}")
                 )
-        for key in ("records", "stiffness_N_per_m"):
+        needed = ["stiffness_N_per_m"] * (one.get("kind") != "stepped-sine")
+        for key in ("records", *needed):
             if one.get(key) in (None, []):
                 raise ValueError(f"{file}: the set {name} has no {key}; add it")
     names = [one["name"].casefold() for one in sets]

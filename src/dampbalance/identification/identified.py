@@ -148,6 +148,9 @@ class Identified(ABC):
     kind: ClassVar[Mapping[str, str]] = {}
     """How the document names the kind of records."""
 
+    mass_tests: ClassVar[bool] = True
+    """Whether a mass that is given tests stiffness and gains; else it is taken as it is."""
+
     @abstractmethod
     def findings(self) -> dict[str, Any]:
         """What was read off the records and follows from them, for the document; `records` has an entry for each."""
@@ -202,7 +205,8 @@ class Identified(ABC):
     def figures(self) -> tuple[str, ...]:
         """Names of the pictures that `plot` draws, the first if none is named: of forced records cycles (each record
         folded onto one cycle), loops (acceleration against displacement) and balance (its rows, and what they leave);
-        of free decays decays (each with the motion fitted to it)."""
+        of free decays decays (each with the motion fitted to it); of a stepped sine loss and stiffness (against the amplitude) and
+        distribution (of the contact over the amplitude at which it slips)."""
         return tuple(self.pictures)
 
     @property
@@ -279,7 +283,7 @@ class Identified(ABC):
         answers, findings = {n: _entries(a) for n, a in self.answers.items()}, self.findings()
         for entry, record in zip(findings["records"], self.records, strict=bool(self.records)):
             entry |= record.files or {}
-        m = math.nan if self.reference is None else self.reference.merit.get("m_kg", math.nan)
+        m = (self.reference or self.answer).merit.get("m_kg", math.nan)
         of, effects = self.sensitivities()
         everything = {
             "dampbalance": __version__,

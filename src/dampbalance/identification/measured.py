@@ -1,4 +1,4 @@
-"""The interface for measured records, of steady responses or of free decays: `identify`."""
+"""The interface for measured records, of steady responses or free decays, and tables of responses: `identify`."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ..balance import APPROACHES, TERMS
 from ..features import Phase
 from ..law.law import Law, law_of
 from ..motion.jit import interpreted
-from ..project.wording import visible
+from ..project.wording import listed, visible
 from ..records.errors import LARGEST
 from ..records.mapping import MappingLike
 from ..records.measured import MeasuredRecord, read_records
@@ -23,12 +23,13 @@ from .identified import QUICK, Identified
 from .law_comparison import compare_laws
 from .loading import Loaded, NotDriven, load
 from .stated import carried
+from .stepped_sine import Asked, identify_tables
 
 if TYPE_CHECKING:
     from ..records.measured import RecordLike
 
-Kind = Literal["recognised", "forced", "ring-down"]
-"""Kind of records: as the first of them is recognised, forced, or free decays."""
+Kind = Literal["recognised", "forced", "ring-down", "stepped-sine"]
+"""Kind of records: as the first of them is recognised, forced, free decays, or tables of steady responses."""
 
 # of the free oscillator in a cycle of the drive, or cycles in a swing; beyond that a unit is wrong
 _MOST_SWINGS = 1000.0
@@ -36,7 +37,7 @@ _MOST_SWINGS = 1000.0
 
 def identify(
     records: RecordLike | Sequence[RecordLike],
-    stiffness: float | tuple[float, float] | str,
+    stiffness: float | tuple[float, float] | str | None = None,
     *,
     mapping: MappingLike = None,
     kind: Kind = "recognised",
@@ -46,6 +47,9 @@ def identify(
     given: Mapping[str, float] | None = None,
     groups: Mapping[str, Sequence[str] | str] | None = None,
     laws: bool = False,
+    contact: Asked = "both",
+    hardening: bool = True,
+    residual: bool = False,
     approaches: Sequence[str] | str | None = None,
     phase: Phase = "reversal",
     skip_cycles: int = 0,
@@ -62,18 +66,23 @@ def identify(
 
     records : as `read_records` returns or takes them: files, tables of pandas, arrays. Forced records: one for each
     level of excitation, at least as many as there are coefficients; more levels, far apart, sharpen all of them. Free
-    decays: one is enough.
-    stiffness : k of the spring, N/m; it scales F_k and c. With its standard uncertainty, (2310.0, 10.0) or "2310±10",
-    which the intervals then hold, as they do those of gains and delays that a mapping states. Without, they are
+    decays: one is enough. Tables of a stepped sine: two levels at least, in one or several.
+    stiffness : k of the spring, N/m; it scales F_k and c. Tables of responses to a force do without. With its standard uncertainty,
+    (2310.0, 10.0) or "2310±10", which the intervals then hold, as they do those of gains and delays that a mapping states. Without, they are
     conditional on k.
     mapping : what the records do not say of their channels, where they are read here.
-    kind : "forced" or "ring-down", where it is not to be recognised.
+    kind : "forced", "ring-down" or "stepped-sine" (tables of frequency, amplitudes and phase, a line for each steady
+    response), where it is not to be recognised.
     frequency : of the drive as known, Hz; compared with that found in each record.
     mass : kg, if it is known: it sharpens K_z, and tests the stiffness and the gains.
     terms : of the damping law, symbols of `KNOWN_TERMS`; default, F_k, c and those that are given.
     given : symbol → known coefficient, SI units.
     groups : symbol → a label for each record, where each group of records has its own coefficient.
     laws : whether to compare all laws of one or two terms, with and without friction, too.
+    contact : of a stepped sine: "one slider", that of the paper, "gradual", many that slip one after the other as the
+    interface of a bolted joint does, or "both", of which the one that the lines support is the answer.
+    hardening : of a stepped sine: whether the spring may stiffen with the amplitude.
+    residual : of a stepped sine: whether other modes may move the driven point, too. Use it for a structure.
     approaches : names of `APPROACHES` to the balance; default, all. Use "direct", which assumes no shape of x(t); the
     others show what the approximations of the paper cost.
     phase : that the harmonic approaches X_s, t_s and V_s take.
@@ -81,9 +90,10 @@ def identify(
     replicates, seed : of the bootstrap.
     largest : numbers (samples × channels) that may be read of a record.
 
-    Free decays determine F_k, c and K_z only, and take stiffness, mass, laws, mapping and largest. Names and labels in
-    order (terms, approaches, those of groups) may be a text with commas between them, as on the command line:
-    terms="F_k,c".
+    Free decays determine F_k, c and K_z only, and take stiffness, mass, laws, mapping and largest; tables of a stepped
+    sine take stiffness, mass, terms, given, contact, hardening, residual, mapping, replicates, seed and largest. Names
+    and labels in order (terms, approaches, those of groups) may be a text with commas between them, as on the command
+    line: terms="F_k,c".
 
     Raises ValueError (for a record, `RecordError`) naming argument or record, what is wrong and the remedy: an argument
     that is outside its range or of another kind, a record that cannot be used, records of both kinds, fewer of them
@@ -108,15 +118,24 @@ def identify(
     """
     one_of("kind", kind, get_args(Kind))
     one_of("phase", phase, get_args(Phase))
-    (k, error), laws = with_error("stiffness", stiffness), flag("laws", laws)
+    one_of("contact", contact, get_args(Asked))
+    hardening, residual = flag("hardening", hardening), flag("residual", residual)
+    laws = flag("laws", laws)
     frequency = None if frequency is None else number("frequency", frequency)
     mass = None if mass is None else number("mass", mass)
     skip_cycles, replicates = whole("skip_cycles", skip_cycles), whole("replicates", replicates)
     seed, largest = whole("seed", seed), whole("largest", largest)
     asked = () if approaches is None else names("approaches", approaches, APPROACHES)
     law = law_of(terms, given, groups)
-    read = read_records(records, mapping=mapping, largest=largest)
+    of_kind = {"recognised": None, "stepped-sine": True}.get(kind, False)
+    read = read_records(records, mapping=mapping, largest=largest, tables=of_kind)
     _require_different(read)
+    lines = [record for record in read if record.table is not None]
+    if lines and (other := next((one.name for one in read if one.table is None), None)):
+        raise ValueError(
+            f"{other} is no table of a stepped sine, and {lines[0].name} is one: identify them separately"
+        )
+    k, error = (None, 0.0) if lines and stiffness is None else with_error("stiffness", stiffness)
     options: dict[str, Any] = {
         "stiffness_N_per_m": k,
         "stiffness_standard_error_N_per_m": error,
@@ -126,6 +145,9 @@ def identify(
         "given": dict(law.given),
         "groups": {symbol: list(labels) for symbol, labels in law.groups.items()},
         "laws": laws,
+        "contact": contact,
+        "hardening": hardening,
+        "residual": residual,
         "approaches": [name for name in APPROACHES if not asked or name in asked],
         "phase": phase,
         "mapping": str(mapping) if isinstance(mapping, str | Path) else None,
@@ -134,25 +156,33 @@ def identify(
         "seed": seed,
         "largest": largest,
     }
+    if lines:
+        return _of_tables(read, law, _taken("stepped-sine", options))
     try:
         if kind != "ring-down":
-            return _of_steady(read, law, options)
+            return _of_steady(read, law, _taken("forced", options))
     except NotDriven:
         if kind == "forced":
             raise
-    for name, default in _FORCED_DEFAULTS.items():
-        if options[name] != default:
-            raise ValueError(
-                f"{_CONFIGURED.get(name, name)} = {options[name]!r} is for forced records, and these are free decays, "
-                "which determine F_k, c and K_z only: leave it out"
-            )
-    options = {"kind": "ring-down"} | {name: options[name] for name in _DECAY_OPTIONS}
-    return _of_decays(read, options)
+    return _of_decays(read, _taken("ring-down", options))
 
 
 _OF_K_AND_M = ("stiffness_N_per_m", "mass_kg", "stiffness_standard_error_N_per_m")
-_DECAY_OPTIONS = (*_OF_K_AND_M, "laws", "mapping", "largest")
-_FORCED_DEFAULTS: dict[str, object] = {
+_OF_LAW, _OF_DRAWINGS = ("terms", "given"), ("replicates", "seed")
+_OF_CONTACT = ("contact", "hardening", "residual")
+_OF_ALL = ("mapping", "largest")
+_OPTIONS = {
+    "forced": (
+        *("stiffness_N_per_m", "stiffness_standard_error_N_per_m", "frequency_hz", "mass_kg"),
+        *(*_OF_LAW, "groups", "laws", "approaches", "phase", "mapping", "skip_cycles"),
+        *(*_OF_DRAWINGS, "largest"),
+    ),
+    "ring-down": (*_OF_K_AND_M, "laws", *_OF_ALL),
+    "stepped-sine": (*_OF_K_AND_M, *_OF_LAW, *_OF_CONTACT, *_OF_DRAWINGS, *_OF_ALL),
+}
+"""Options that each kind of records takes, in the order of its document."""
+
+_DEFAULTS: dict[str, object] = {
     "frequency_hz": None,
     "skip_cycles": 0,
     "approaches": list(APPROACHES),
@@ -160,24 +190,56 @@ _FORCED_DEFAULTS: dict[str, object] = {
     "terms": list(TERMS),
     "given": {},
     "groups": {},
+    "laws": False,
+    "contact": "both",
+    "hardening": True,
+    "residual": False,
 }
-"""Options that free decays do not take, with their defaults."""
+"""Defaults of the options that not every kind takes."""
 
+_IN_WORDS = {
+    "forced": "forced records",
+    "ring-down": "free decays",
+    "stepped-sine": "tables of a stepped sine",
+}
 _CONFIGURED = {"stiffness_N_per_m": "stiffness", "mass_kg": "mass", "frequency_hz": "frequency"}
 _OF_THE_WORKFLOW = ("name", "records", "at")
 SETTINGS = (
     *(*_OF_THE_WORKFLOW, "kind", *_OF_K_AND_M, "frequency_hz"),
-    *("terms", "given", "groups", "laws", "approaches", "phase"),
+    *("terms", "given", "groups", "laws", *_OF_CONTACT, "approaches", "phase"),
     *("mapping", "skip_cycles", "replicates", "seed", "largest"),
 )
 """Keys of a set of records in a configuration."""
 
 
-def of_forced_only(settings: Mapping[str, Any]) -> list[str]:
-    """The keys of a set of records in a configuration that mean nothing for its kind, free decays."""
-    taken = (*_OF_THE_WORKFLOW, "kind", *_DECAY_OPTIONS)
-    given = settings.items() if settings.get("kind") == "ring-down" else ()
-    return [key for key, value in given if value is not None and key not in taken]
+def _taken(kind: str, options: Mapping[str, Any]) -> dict[str, Any]:
+    """The options of a kind of records. Raises ValueError for one that it does not take and that is not the default."""
+    for name, default in _DEFAULTS.items():
+        if name not in _OPTIONS[kind] and options[name] != default:
+            what = f"{_CONFIGURED.get(name, name)} = {options[name]!r}"
+            raise ValueError(f"{what} {_misplaced(kind, name)}")
+    stated = {} if kind == "forced" else {"kind": kind}
+    return stated | {name: options[name] for name in _OPTIONS[kind]}
+
+
+def _misplaced(kind: str, name: str) -> str:
+    """What is said of an option that a kind of records does not take."""
+    takers = [words for other, words in _IN_WORDS.items() if name in _OPTIONS[other]]
+    return f"is for {listed(takers, 'or')}, and these are {_IN_WORDS[kind]}: leave it out"
+
+
+def not_taken(settings: Mapping[str, Any]) -> dict[str, str]:
+    """What is wrong with a set of records in a configuration, by its keys: those that mean nothing for its kind."""
+    kind = settings.get("kind", "forced")
+    taken = (*_OF_THE_WORKFLOW, "kind", *_OPTIONS[kind])
+    odd = {
+        key: _misplaced(kind, key)
+        for key, of in settings.items()
+        if of is not None and key not in taken
+    }
+    needed = "stiffness_N_per_m"
+    lacks = kind != "stepped-sine" and settings.get(needed) is None
+    return odd | ({needed: f"is missing: {_IN_WORDS[kind]} need it; add it"} if lacks else {})
 
 
 def configured(settings: Mapping[str, Any]) -> dict[str, Any]:
@@ -189,7 +251,9 @@ def configured(settings: Mapping[str, Any]) -> dict[str, Any]:
         if value is not None and key not in _OF_THE_WORKFLOW
     }
     error = arguments.pop("stiffness_standard_error_N_per_m", 0.0)
-    return {"kind": "forced"} | arguments | {"stiffness": (arguments["stiffness"], error)}
+    if "stiffness" in arguments:
+        arguments["stiffness"] = arguments["stiffness"], error
+    return {"kind": "forced"} | arguments
 
 
 @interpreted(calls=QUICK)  # whatever was compiled before: the last bits may differ
@@ -224,6 +288,15 @@ def _of_decays(records: tuple[MeasuredRecord, ...], options: Mapping[str, Any]) 
     odd = [words.about(record.name) for record in records for words in record.warnings]
     warnings = (*odd, *found.warnings)
     return carried(replace(found, warnings=warnings, records=records, options=options))
+
+
+def _of_tables(
+    tables: tuple[MeasuredRecord, ...], law: Law, options: Mapping[str, Any]
+) -> Identified:
+    k, mass, _ = (options[name] for name in _OF_K_AND_M)
+    own = {name: options[name] for name in (*_OF_CONTACT, *_OF_DRAWINGS)}
+    found = identify_tables(tables, k, law, mass=mass, **own)
+    return carried(replace(found, records=tables, options=options))
 
 
 def _require_different(records: Sequence[MeasuredRecord]) -> None:

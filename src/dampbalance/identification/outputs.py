@@ -19,6 +19,7 @@ COMPLETE = ".complete"
 PICTURES = {
     "forced": ("cycles", "friction", "loops", "balance"),
     "ring-down": ("decays", "balance"),
+    "stepped-sine": ("loss", "stiffness", "distribution"),
 }
 """The pictures of each kind of records."""
 

@@ -1,19 +1,21 @@
 """Pictures of an identification: of forced records the averaged cycles with the fit, the friction loops, the loops of
 the acceleration with the microstick lines, and the rows of the balance; of free decays each decay with the motion
-fitted to it, and the rows. One panel takes the whole width, more of them share it.
+fitted to it, and the rows; of a stepped sine loss and stiffness against the amplitude, and the sliders. One panel
+takes the whole width, more of them share it.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from datetime import date
+from functools import partial
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator
+from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter
 
 from ..arrays import Array
 from ..figures.cycle import branches, whole
@@ -21,6 +23,7 @@ from ..figures.looks import in_maths, label_of, look_of
 from ..figures.style import DASHED, DOTTED, DOUBLE_COLUMN, FAINT, SLIP, STICK, page, place, styled
 from ..law.terms import term
 from ..likelihood.decay import COMMON, RingFit
+from ..likelihood.dynamic_stiffness import Band, ContactFit, SteppedLines
 from ..likelihood.mean_harmonics import Reading
 from ..likelihood.waveforms import WaveformFit
 from ..project.wording import cut
@@ -251,6 +254,82 @@ def decays(fit: RingFit, turns: Sequence[tuple[Array, Array]]) -> Figure:
         _with_residual(axes, below, t, residual, (one.start, end), symbol, unit)
         below.set_xlabel("$t$ (s)", labelpad=1.0)
     return _explained(figure, panels)
+
+
+@styled()
+def loss(lines: SteppedLines, fits: Mapping[str, ContactFit]) -> Figure:
+    """Energy lost per cycle against the amplitude: each line of a table (dots, darker at higher levels), and the law of
+    each contact with its band of 95 %, at the median frequency."""
+    figure = page(DOUBLE_COLUMN, 92.0)
+    omega = float(np.median(lines.omega))
+    laws = {name: partial(fit.loss, omega=omega) for name, fit in fits.items()}
+    W = math.pi * lines.X**2 * lines.Z.imag
+    axes = _against_amplitude(figure, lines, 1e3 * W, fits, laws, 1e3)
+    axes.set(yscale="log", ylabel="energy lost per cycle, $W$ (mJ)")
+    return figure
+
+
+@styled()
+def stiffness(lines: SteppedLines, fits: Mapping[str, ContactFit]) -> Figure:
+    """Stiffness against the amplitude: (F/X) cos φ + mω² of each line (dots, darker at higher levels), with the mass m
+    of the first contact, and the law of each contact with its band of 95 %; that of one with another mass is drawn as
+    the same force at the median frequency."""
+    figure = page(DOUBLE_COLUMN, 92.0)
+    m, omega = next(iter(fits.values())).values["m"], float(np.median(lines.omega))
+
+    def law(fit: ContactFit, X: Array) -> Band:
+        return Band(*(of + (m - fit.values["m"]) * omega**2 for of in fit.stiffness(X)))
+
+    laws = {name: partial(law, fit) for name, fit in fits.items()}
+    of_lines = lines.Z.real + m * lines.omega**2
+    axes = _against_amplitude(figure, lines, 1e-3 * of_lines, fits, laws, 1e-3)
+    axes.set_ylabel("stiffness (N/mm)")
+    return figure
+
+
+@styled()
+def distribution(fits: Mapping[str, ContactFit]) -> Figure:
+    """Stiffness of the sliders of each contact against the amplitude at which each begins to slip."""
+    figure = page(DOUBLE_COLUMN, 82.0)
+    axes = place(figure, 22.0, 20.0, 150.0, 56.0)
+    for (name, fit), colour in zip(fits.items(), (SLIP, STICK), strict=False):
+        r, kappa = 1e3 * fit.r, 1e-3 * fit.kappa
+        axes.vlines(r, 0.0, kappa, color=colour, linewidth=0.8)
+        axes.plot(r, kappa, "o", color=colour, markersize=3.0, label=name)
+    axes.set(xscale="log", xlabel="begins to slip at $r$ (mm)", ylabel=r"stiffness $\kappa$ (N/mm)")
+    axes.set_ylim(bottom=0.0)
+    return _explained(figure, [(axes, axes)], scale=1.0)
+
+
+def _against_amplitude(
+    figure: Figure,
+    lines: SteppedLines,
+    values: Array,
+    fits: Mapping[str, ContactFit],
+    laws: Mapping[str, Callable[[Array], Band]],
+    factor: float,
+) -> Axes:
+    """A panel with values of the lines, and laws, a factor times as large, with their bands."""
+    axes = place(figure, 22.0, 20.0, 150.0, 66.0)
+    largest = [lines.X[lines.level == i].max() for i in range(len(lines.names))]
+    shades = np.linspace(0.75, 0.15, len(largest))
+    for shade, i in zip(shades, np.argsort(largest), strict=True):
+        own = lines.level == i
+        axes.plot(1e3 * lines.X[own], values[own], ".", color=str(shade), markersize=2.5)
+    for (name, law), colour in zip(laws.items(), (SLIP, STICK), strict=False):
+        low, high = fits[name].X_range
+        X = np.geomspace(low, high, 200)
+        of = law(X)
+        axes.fill_between(
+            1e3 * X, factor * of.low, factor * of.high, color=colour, alpha=0.25, lw=0
+        )
+        axes.plot(1e3 * X, factor * of.value, color=colour, label=name)
+    axes.set(xscale="log", xlabel="amplitude, $X$ (mm)")
+    axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axes.xaxis.set_major_formatter("{x:g}")
+    axes.xaxis.set_minor_formatter(NullFormatter())
+    _explained(figure, [(axes, axes)], scale=1.0)
+    return axes
 
 
 @styled()

@@ -129,9 +129,11 @@ def _conditional(found: Identified, stiffness: bool, mass: bool) -> list[str]:
         effects += [f"1 % in {what} changes {listed(parts)}"] if parts else []
     if not effects:
         return []
-    asked = ["state their uncertainties (--stiffness 2310±10)"] * (not stiffness)
-    asked += ["give the mass (--mass), which tests them"] * (not mass)
+    stated = found.options["stiffness_N_per_m"] is not None
+    asked = ["state their uncertainties (--stiffness 2310±10)"] * (stated and not stiffness)
+    asked += ["give the mass (--mass), which tests them"] * (found.mass_tests and not mass)
+    remedy = f" To be sure of them, {listed(asked)}." if asked else ""
     return [
-        "All numbers are conditional on the stiffness and the gains, which the records alone cannot test: an error of "
-        f"{'; '.join(effects)}. To be sure of them, {listed(asked)}."
+        f"All numbers are conditional on the {'stiffness and the ' * stated}gains, which the records alone cannot "
+        f"test: an error of {'; '.join(effects)}.{remedy}"
     ]

@@ -23,7 +23,7 @@ from ..arguments import path
 from ..arrays import ReadOnly
 from .errors import RecordError, library
 from .measurement import EXCITATIONS, RESPONSES, Correction
-from .units import UnitError, unit_for
+from .units import TABLE_DIMENSIONS, UnitError, table_factor, unit_for
 
 SCHEMA = Path(__file__).with_name("mapping.schema.yaml")
 FOLDER_FILE = "channels.yaml"
@@ -40,7 +40,7 @@ class ChannelRule:
 
     unit : of scale · reading, None for what the file says.   time : its own time channel, None for the common one.
     correction : of its harmonics; None for none.   file : that it stands in, from the folder of the record on; None for
-    the record itself.
+    the record itself.   standard_error : of a table, the column that holds that of this one, in its unit.
     """
 
     channel: Which
@@ -50,6 +50,7 @@ class ChannelRule:
     time: Which | None = None
     correction: Correction | None = None
     file: str | None = None
+    standard_error: Which | None = None
 
 
 @dataclass(frozen=True)
@@ -59,6 +60,8 @@ class RecordMapping:
     source : the file it stands in.   channels : by quantity.   time, time_unit : the common time channel.
     sample_rate_hz : instead of a time channel.   delimiter ("\\t", "whitespace", …), decimal, header_lines : of a text
     file.   frequency_hz : nominal frequency of the drive.   level : what the level of excitation is called.
+    table : of a table of steady responses, its columns by quantity.   force_N : amplitude of the force at which a
+    response given per force was measured.
     """
 
     source: str = ""
@@ -72,6 +75,8 @@ class RecordMapping:
     frequency_hz: float | None = None
     level: str | None = None
     notes: str = ""
+    table: Mapping[str, ChannelRule] = field(default_factory=lambda: ReadOnly({}))
+    force_N: float | None = None
 
 
 MappingLike = RecordMapping | Mapping[str, Any] | str | Path | None
@@ -148,6 +153,8 @@ def mapping_from(document: Any, source: str = "mapping") -> RecordMapping:
         keys["delimiter"] = keys["delimiter"].replace("\\t", "\t")
     if "level" in keys:
         keys["level"] = str(keys["level"])
+    if "table" in keys:
+        keys["table"] = ReadOnly({q: ChannelRule(**rule) for q, rule in keys["table"].items()})
     rules = {quantity: _rule(rule) for quantity, rule in channels.items()}
     return RecordMapping(source, ReadOnly(rules), time.get("channel"), time.get("unit"), **keys)
 
@@ -170,6 +177,20 @@ def _contradictions(document: Mapping[str, Any]) -> Iterable[tuple[tuple[str | i
     if "sample_rate_hz" in document:
         for key in [*timed, ("time",)] if "time" in document else timed:
             yield key, "not together with sample_rate_hz; keep one"
+    columns = document.get("table", {})
+    if columns and channels:
+        yield ("table",), "not together with channels; keep one"
+    for quantity, rule in columns.items():
+        if "unit" in rule:
+            try:
+                table_factor(rule["unit"], quantity)
+            except UnitError as error:
+                yield ("table", quantity, "unit"), str(error)
+    if columns and ("frequency" not in columns or "phase" not in columns):
+        yield (
+            ("table",),
+            f"needs frequency and phase, and a response ({', '.join(TABLE_DIMENSIONS)})",
+        )
     for key, rule in {**rules, ("time",): document.get("time", {})}.items():
         unit = partial(unit_for, quantity=str(key[-1]))
         readers = ("unit", unit), ("delay", _seconds), ("delay_uncertainty", _seconds)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -18,13 +18,14 @@ from ..project.wording import Remark, listed, visible
 from .errors import LARGEST, RecordError, RecordWarning
 from .mapping import MappingLike, RecordMapping, mapping_file, mapping_for, parts_of
 from .measurement import EXCITATIONS, Measurement, mean_rate
-from .readers import open_channels, read, read_signals, stated_numbers
-from .readers.record_file import is_table
+from .readers import open_channels, opened, read, read_signals, stated_numbers
+from .readers.record_file import is_table, signals_file
+from .stepped_sine import SteppedTable, is_table_of_lines, read_table
 
 if TYPE_CHECKING:
     import pandas as pd
 
-    from .readers.record_file import Signals
+    from .readers.record_file import RecordFile, Signals
 
     RecordLike: TypeAlias = "str | Path | Signals | Measurement | MeasuredRecord"
 
@@ -33,13 +34,15 @@ LARGE = 256_000_000  # bytes of a file, packed or not; a larger one is not taken
 
 @dataclass(frozen=True, eq=False, repr=False)
 class MeasuredRecord:
-    """One record, of a steady response at one level of excitation or of free decays, as `read_records` makes it.
+    """One record, of a steady response at one level of excitation or of free decays, or a table of steady responses to
+    a stepped sine, as `read_records` makes it.
 
     name : what messages and tables call it; the path of a file.   label : of its level, for plots.
     quantities : that it holds, by the names of `Measurement`.   measurement : its channels in SI units; None for a file
     above LARGE bytes, which is read block by block when it is identified.
     rules : what its mapping says.   warnings : what is odd about it, in words.   files : digests of what it was read
-    from.   largest : numbers (samples × channels) that may be read of it.
+    from.   largest : numbers (samples × channels) that may be read of it.   table : its lines, where it is a table of
+    steady responses; it has no samples then.
     """
 
     name: str
@@ -50,6 +53,7 @@ class MeasuredRecord:
     warnings: tuple[Remark, ...] = ()
     files: Mapping[str, Any] | None = None
     largest: int = LARGEST
+    table: SteppedTable | None = None
 
     @property
     def driven(self) -> bool:
@@ -57,7 +61,8 @@ class MeasuredRecord:
         return any(quantity in EXCITATIONS for quantity in self.quantities)
 
     def to_frame(self) -> pd.DataFrame:
-        """The samples: a column for each channel, named with its SI unit, and their times, time_s, as index.
+        """The samples: a column for each channel, named with its SI unit, and their times, time_s, as index; of a table
+        of steady responses its lines.
 
         Raises ValueError where the channels have times of their own, and RecordError for a file that is too large.
         """
@@ -65,6 +70,8 @@ class MeasuredRecord:
 
         from .units import column_name
 
+        if self.table is not None:
+            return self.table.to_frame()
         channels = [self.whole()[quantity] for quantity in self.quantities]
         t = channels[0].t
         if not all(np.array_equal(c.t, t) for c in channels):
@@ -85,6 +92,10 @@ class MeasuredRecord:
     def __repr__(self) -> str:
         """What it holds, in a line."""
         held = listed(self.quantities)
+        if self.table is not None:
+            sizes = [of.X.size for of in self.table.levels]
+            levels = f"{sum(sizes)} lines at {len(sizes)} level{'s' * (len(sizes) > 1)}"
+            return f"<table {self.name}: {levels}; {self.table.convention}>"
         if self.measurement is None:
             return f"<record {self.name}: {held}; read when it is identified>"
         t = max((self.measurement[q].t for q in self.quantities), key=len)
@@ -97,6 +108,7 @@ def read_records(
     *,
     mapping: MappingLike = None,
     largest: int = LARGEST,
+    tables: bool | None = None,
 ) -> tuple[MeasuredRecord, ...]:
     """Measured records, ready for `identify`: from files, tables of pandas, or arrays.
 
@@ -106,6 +118,8 @@ def read_records(
     sample_rate_hz as a number. A masked sample is missing, as an empty cell of a file is.
     mapping : what the names do not say, for all records: a document as in the YAML file of a record, or the path of
     one; default, for a file, the one next to it.   largest : numbers (samples × channels) that may be read of each.
+    tables : whether they are tables of steady responses to a stepped sine (frequency, amplitudes, phase); default,
+    those that have columns of frequency and phase and none of times.
 
     A record in memory is called "record 1" by its place, or as `name` in the `attrs` of its table says.
 
@@ -129,15 +143,22 @@ def read_records(
     made: list[MeasuredRecord] = []
     for number, one in enumerate(several, start=1):
         if isinstance(one, str | Path):
-            one = _of_file(path("each record", one, "a file"), mapping, largest)
+            one = _of_file(path("each record", one, "a file"), mapping, largest, tables)
         elif not isinstance(one, MeasuredRecord):
-            one = _in_memory(one, number, {record.name for record in made}, mapping, largest)
+            one = _in_memory(
+                one, number, {record.name for record in made}, mapping, largest, tables
+            )
         made.append(one)
     return tuple(made)
 
 
 def _in_memory(
-    record: Signals | Measurement, number: int, taken: set[str], mapping: MappingLike, largest: int
+    record: Signals | Measurement,
+    number: int,
+    taken: set[str],
+    mapping: MappingLike,
+    largest: int,
+    tables: bool | None,
 ) -> MeasuredRecord:
     """The record of signals in memory, the `number`-th of several, under a name that is not taken."""
     if not (is_table(record) or isinstance(record, Measurement)):
@@ -148,6 +169,10 @@ def _in_memory(
     names = itertools.chain([own], (f"{own} ({count})" for count in itertools.count(2)))
     name = next(name for name in names if name not in taken)
     rules = RecordMapping("mapping") if mapping is None else mapping_for("", mapping)
+    if not isinstance(record, Measurement) and tables is not False:
+        file = signals_file(name, record)
+        if tables or is_table_of_lines(file, rules):
+            return _of_lines(file, name, rules, largest)
     with _told(name) as said:
         if isinstance(record, Measurement):
             measurement = replace(record, source=name)
@@ -157,9 +182,26 @@ def _in_memory(
     return MeasuredRecord(name, label, tuple(measurement), measurement, rules, tuple(said))
 
 
-def _of_file(path: Path, mapping: MappingLike, largest: int) -> MeasuredRecord:
+def _of_lines(
+    file: RecordFile,
+    label: str,
+    rules: RecordMapping,
+    largest: int,
+    files: Mapping[str, Any] | None = None,
+) -> MeasuredRecord:
+    """The record of a table of steady responses."""
+    table = read_table(file, rules, visible(rules.level or label), largest)
+    held, name = tuple(table.quantities), str(file.path)
+    return MeasuredRecord(name, label, held, None, rules, files=files, largest=largest, table=table)
+
+
+def _of_file(path: Path, mapping: MappingLike, largest: int, tables: bool | None) -> MeasuredRecord:
     rules = mapping_for(path, mapping)
     measurement: Measurement | None = None
+    if tables is not False and not rules.channels:
+        with closing(opened(path, rules, largest)) as file:
+            if tables or is_table_of_lines(file, rules):
+                return _of_lines(file, path.name, rules, largest, _digests(path, rules, mapping))
     with _told(str(path)) as said:
         stated = 8 * stated_numbers(path, rules, largest)
         stored = sum(file.stat().st_size for file in parts_of(path, rules))
@@ -167,15 +209,19 @@ def _of_file(path: Path, mapping: MappingLike, largest: int) -> MeasuredRecord:
             measurement = replace(read(path, rules, largest), source=str(path))
         quantities = tuple(measurement or open_channels(path, rules, largest=largest))
     label, notes = visible(rules.level or path.name), tuple(said)
-    # digests of its file, of the file that names its channels, and of others that hold some
+    files = _digests(path, rules, mapping)
+    return MeasuredRecord(str(path), label, quantities, measurement, rules, notes, files, largest)
+
+
+def _digests(path: Path, rules: RecordMapping, mapping: MappingLike) -> dict[str, Any]:
+    """Digests of a file, of the file that names its channels, and of others that hold some."""
     file = mapping_file(path, mapping)
     others = [part for part in parts_of(path, rules) if part != path]
     more = [{"file": str(part), "sha256": sha256(part)} for part in others]
-    files = ({"others": more} if more else {}) | {
+    return ({"others": more} if more else {}) | {
         "sha256": sha256(path),
         "mapping": None if file is None else {"file": str(file), "sha256": sha256(file)},
     }
-    return MeasuredRecord(str(path), label, quantities, measurement, rules, notes, files, largest)
 
 
 @contextmanager

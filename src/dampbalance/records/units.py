@@ -7,6 +7,7 @@ has the unit that belongs to its quantity, or it is refused: a velocity in mm is
 from __future__ import annotations
 
 import difflib
+import math
 import re
 from collections import Counter
 from dataclasses import dataclass
@@ -14,7 +15,7 @@ from dataclasses import dataclass
 from ..model import named_with_unit
 from ..project.wording import shortened
 from .errors import LONGEST_NAME
-from .measurement import QUANTITIES
+from .measurement import ABSOLUTE, QUANTITIES
 
 _LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "µm": 1e-6, "nm": 1e-9, "in": 0.0254}  # m, exactly
 _STANDARD_GRAVITY = 9.80665  # m/s², exactly
@@ -43,7 +44,8 @@ UNITS = tuple(
         | {"g": _STANDARD_GRAVITY, "mg": 1e-3 * _STANDARD_GRAVITY},
         "force": {"N": 1.0, "mN": 1e-3, "kN": 1e3, "lbf": _POUND_FORCE},
         "time": {"s": 1.0, "ms": 1e-3, "µs": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0},
-        "frequency": {"Hz": 1.0, "kHz": 1e3, "MHz": 1e6},
+        "frequency": {"Hz": 1.0, "kHz": 1e3, "MHz": 1e6, "rad/s": 0.5 / math.pi},
+        "angle": {"rad": 1.0, "deg": math.pi / 180.0},
     }.items()
     for name, factor in units.items()
 )
@@ -62,6 +64,8 @@ _OTHER_SPELLINGS = {
     "ms": ["msec", "millisecond", "milliseconds"],
     "µs": ["usec", "microsecond", "microseconds"],
     "Hz": ["hertz", "1/s", "samples/s", "sa/s", "s/s"],
+    "rad": ["radian", "radians"],
+    "deg": ["°", "degree", "degrees", "grad"],
 }
 
 
@@ -93,12 +97,12 @@ def find_other(text: str) -> str | None:
     return _OTHER_UNITS.get(text.strip())
 
 
-def unit_for(text: str, quantity: str) -> Unit:
-    """The unit that a text spells, fit for a quantity of `DIMENSIONS`.
+def unit_for(text: str, quantity: str, dimension: str | None = None) -> Unit:
+    """The unit that a text spells, fit for a quantity of `DIMENSIONS`, or for any other of the given dimension.
 
     Raises UnitError: not known (with the nearest known one), or of another dimension.
     """
-    wanted = DIMENSIONS[quantity]
+    wanted = dimension or DIMENSIONS[quantity]
     fitting = [unit.name for unit in UNITS if unit.dimension == wanted]
     unit = find_unit(text)
     if unit is None:
@@ -161,3 +165,30 @@ _FOLDED = {key.casefold(): unit for key, unit in _EXACT.items() if _FOLDS[key.ca
 
 DIMENSIONS = {q: _EXACT[_plain(unit)].dimension for q, unit in (QUANTITIES | {"time": "s"}).items()}
 """Dimension of what a channel may hold."""
+
+PER_FORCE = {"receptance": "length", "mobility": "velocity", "accelerance": "acceleration"}
+TABLE_DIMENSIONS = {
+    "frequency": "frequency",
+    "force": "force",
+    **{f"base_{q}": DIMENSIONS[q] for q in ABSOLUTE},
+    **{q: DIMENSIONS[q] for q in ABSOLUTE},
+    **PER_FORCE,
+    "phase": "angle",
+    "level": "",
+}
+"""Dimension of what a column of a table of steady responses may hold: of receptance, mobility and accelerance that of
+the motion per force; a level is a number without one."""
+
+
+def table_factor(text: str, quantity: str) -> float:
+    """SI units per unit of a column of a table, as a text spells it: µm/N for a receptance, of which µm is enough.
+    Raises UnitError as `unit_for`."""
+    motion, _, force = text.strip().rpartition("/")
+    if (
+        quantity in PER_FORCE
+        and motion
+        and (unit := find_unit(force))
+        and unit.dimension == "force"
+    ):
+        return unit_for(motion, quantity, PER_FORCE[quantity]).factor / unit.factor
+    return unit_for(text, quantity, TABLE_DIMENSIONS[quantity]).factor

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import pytest
 
 from dampbalance.model import named_with_unit
@@ -28,6 +30,9 @@ IN_SI = {
     "Hz": 1.0,
     "kHz": 1000.0,
     "MHz": 1e6,
+    "rad/s": 0.5 / math.pi,  # Hz
+    "rad": 1.0,
+    "deg": math.pi / 180.0,
 }
 
 

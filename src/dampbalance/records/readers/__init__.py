@@ -36,6 +36,7 @@ __all__ = [
     "channels",
     "mapping_to_start_from",
     "open_channels",
+    "opened",
     "read",
     "read_signals",
     "stated_numbers",
@@ -101,7 +102,7 @@ def open_channels(
         picked |= {pick.quantity: (file.path, pick) for pick in picks}
 
     def blocks(part: Path, pick: Pick) -> Iterator[tuple[Array, Array]]:
-        with closing(_open(part, rules, largest)) as file:
+        with closing(opened(part, rules, largest)) as file:
             for channel in in_blocks(file, pick, block, largest):
                 yield channel.t, channel.values
 
@@ -111,7 +112,7 @@ def open_channels(
 def channels(path: str | Path, mapping: MappingLike = None) -> tuple[RawChannel, ...]:
     """The channels of a file, with names, units and sampling rates as it has them. Raises RecordError."""
     path, rules = _named(path, mapping)
-    with closing(_open(path, rules, LARGEST)) as file:
+    with closing(opened(path, rules, LARGEST)) as file:
         return tuple(file.channels)
 
 
@@ -126,7 +127,7 @@ def mapping_to_start_from(path: str | Path, mapping: MappingLike = None) -> str:
     Raises RecordError where the mapping names channels already, or nothing in the file can be a response.
     """
     path, rules = _named(path, mapping)
-    with closing(_open(path, rules, LARGEST)) as file:
+    with closing(opened(path, rules, LARGEST)) as file:
         return suggested_mapping(file, rules)
 
 
@@ -142,11 +143,12 @@ def _files(
     parts = parts_of(path, rules)
     for part, of in parts.items():
         if not skipped or checked_format(part) not in skipped:
-            with closing(_open(part, of, largest)) as file:
+            with closing(opened(part, of, largest)) as file:
                 yield file, picks_of(file, of, entire=len(parts) == 1)
 
 
-def _open(path: Path, rules: RecordMapping, largest: int) -> RecordFile:
+def opened(path: Path, rules: RecordMapping, largest: int) -> RecordFile:
+    """A file, open, as its mapping says how to read it. Raises RecordError as `read`."""
     content = checked_format(path)
     file = TextFile(path, rules) if content == "text" else _OPENERS[content](path, largest)
     try:

@@ -8,7 +8,7 @@ import itertools
 import math
 import struct
 import zlib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -142,8 +142,9 @@ def _attributes(item: Any) -> dict[str, object]:
 
 
 def matlab_file(path: Path, largest: int) -> RecordFile:
-    """A MATLAB 5 file: every real array in it is a channel, a field of a structure by "structure.field". Raises
-    RecordError when it holds more numbers than may be read whole, a quarter of `largest`."""
+    """A MATLAB 5 file: every real array in it is a channel, a field of a structure by "structure.field", with [1], [2],
+    … behind it where there is an array of structures. Raises RecordError when it holds more numbers than may be read
+    whole, a quarter of `largest`."""
     from scipy.io import whosmat  # slow to import
 
     reader = library("pymatreader", "MATLAB")
@@ -154,12 +155,21 @@ def matlab_file(path: Path, largest: int) -> RecordFile:
     held = {n: v for n, v in document.items() if not n.startswith("__") and n not in truths}
     fields: dict[str, Any] = {
         name: value
-        for name, value in dotted(held)
+        for name, value in _unrolled(dotted(held))
         if np.isscalar(value) or (isinstance(value, np.ndarray) and value.dtype.kind in "fiu")
     }
     scalars = {n.rpartition(".")[2]: value for n, value in fields.items() if np.size(value) == 1}
     arrays = [(n, v, scalars, None) for n, v in fields.items() if isinstance(v, np.ndarray)]
     return signals_in(path, "MATLAB", arrays)
+
+
+def _unrolled(fields: Iterable[tuple[str, Any]]) -> Iterator[tuple[str, Any]]:
+    """Fields by name; those of an array of structures are lists, of which each array is field[1], field[2], …"""
+    for name, value in fields:
+        if isinstance(value, list) and all(isinstance(one, np.ndarray) for one in value):
+            yield from ((f"{name}[{i}]", one) for i, one in enumerate(value, start=1))
+        else:
+            yield name, value
 
 
 def _require_readable(path: Path, most: int) -> None:

@@ -42,13 +42,7 @@ def whole(file: RecordFile, picks: Sequence[Pick], largest: int) -> list[Channel
     times that do not increase, have a gap or unequal steps, a constant channel, an integer that ran over, channels of
     unequal lengths.
     """
-    require_size(file.path, stated_size(file, picks), largest)
-    wanted = wanted_of(picks)
-    blocks = list(file.blocks(wanted, max(file.channels[i].size or errors.LARGEST for i in wanted)))
-    # what is one array already is not copied
-    arrays = [p[0] if len(p) == 1 else np.concatenate(p) for p in zip(*blocks, strict=True)]
-    columns = dict(zip(wanted, arrays or [np.empty(0)] * len(wanted), strict=True))
-    require_size(file.path, sum(len(array) for array in arrays), largest)
+    columns = columns_of(file, wanted_of(picks), largest)
     first_of: dict[tuple[object, ...], Pick] = {}  # of the channels that share their times
     channels: list[Channel] = []
     for pick in picks:
@@ -67,6 +61,16 @@ def whole(file: RecordFile, picks: Sequence[Pick], largest: int) -> list[Channel
         own = [columns[i] for i in wanted_of([pick])]
         channels += _checked(Stretch(file, pick, entire=True), [own], largest)
     return channels
+
+
+def columns_of(file: RecordFile, wanted: Sequence[int], largest: int) -> dict[int, Array]:
+    """All samples of channels by their numbers, as they are recorded. Raises RecordError for more than `largest`."""
+    require_size(file.path, sum(file.channels[i].size or 0 for i in wanted), largest)
+    blocks = list(file.blocks(wanted, max(file.channels[i].size or errors.LARGEST for i in wanted)))
+    # what is one array already is not copied
+    arrays = [p[0] if len(p) == 1 else np.concatenate(p) for p in zip(*blocks, strict=True)]
+    require_size(file.path, sum(len(array) for array in arrays), largest)
+    return dict(zip(wanted, arrays or [np.empty(0)] * len(wanted), strict=True))
 
 
 def in_blocks(file: RecordFile, pick: Pick, size: int, largest: int) -> Iterator[Channel]:

@@ -78,7 +78,7 @@ def unit_of(raw: RawChannel) -> str | None:
 
 def unusable(raw: RawChannel) -> str | None:
     """What a channel is instead of a motion or a force, by its name or unit; None where they do not say."""
-    if set(_words(raw.name)) & {*TEMPERATURE}:
+    if set(words_of(raw.name)) & {*TEMPERATURE}:
         return "a temperature"
     other = find_other(raw.unit or "")
     return None if other == VOLTAGE else other
@@ -91,7 +91,7 @@ def quantity_of(raw: RawChannel, *, all_words: bool = True) -> str | None:
     single letters (of a direction) with them; base and mass together are a relative motion, and a body alone moves by
     a displacement.
     """
-    words = _words(raw.name)
+    words = words_of(raw.name)
     if not (all_words or len(words) == 1):
         words = [word for word in words if word in _MEANINGS and len(word) > 1]
     found = {_MEANINGS.get(word, "") for word in words}
@@ -116,7 +116,7 @@ def by_unit(raw: RawChannel) -> str | None:
     return next((q for q in fitting if unit and DIMENSIONS[q] == unit.dimension), None)
 
 
-def _words(name: str) -> list[str]:
+def words_of(name: str) -> list[str]:
     """The words of a heading in lower case, compounds taken apart: Relativweg is relativ and weg."""
     name = unicodedata.normalize("NFC", re.split(r"[/.](?=[^/.])", name.strip())[-1])
     spaced = re.sub(r"(?<=[a-zß-ÿ])(?=[A-Z])|(?<=\D)(?=\d)|(?<=\d)(?=\D)", " ", name)
@@ -214,7 +214,7 @@ class _Plan:
         self.file, self.path, self.channels, self.mapping = file, file.path, file.channels, mapping
         self.where = mapping.source or f"{file.path}.yaml"
         self.keys = [key_of(raw.name) for raw in self.channels]
-        named = [f"{i} {shortened(_full_name(raw))}" for i, raw in enumerate(self.channels, 1)]
+        named = [f"{i} {shortened(full_name(raw))}" for i, raw in enumerate(self.channels, 1)]
         self.overview = _first_of(named) or "none"
 
     @cached_property
@@ -282,7 +282,7 @@ class _Plan:
         sizes = {self.channels[pick.index].size for pick in picks}
         used = {i for pick in picks for i in (pick.index, pick.time)}
         if names := [
-            shortened(_full_name(raw)) + f" ({unusable(raw)})" * (unusable(raw) is not None)
+            shortened(full_name(raw)) + f" ({unusable(raw)})" * (unusable(raw) is not None)
             for i, raw in enumerate(self.channels)
             if i not in used and raw.size in sizes and not holds_time(raw)
         ]:
@@ -306,7 +306,7 @@ class _Plan:
                 return which - 1
             remedy = f"{path} has {len(channels)}: {self.overview}"
             raise RecordError(f"{said} there is no channel {which}; {remedy}")
-        names = [(raw.name, _full_name(raw), raw.label or raw.name) for raw in channels]
+        names = [(raw.name, full_name(raw), raw.label or raw.name) for raw in channels]
         for spelt in (str, key_of):  # as it stands, else without regard to case, blanks and path
             matches = [i for i, own in enumerate(names) if spelt(which) in map(spelt, own)]
             if len(matches) == 1:
@@ -353,7 +353,7 @@ class _Plan:
         return "\n  ".join([f"{what} in {self.where}{here}, for example", *suggestion.lines()])
 
 
-def _full_name(raw: RawChannel) -> str:
+def full_name(raw: RawChannel) -> str:
     """Name and unit of a channel."""
     return f"{raw.name} [{raw.unit}]" if raw.unit else raw.name
 
@@ -459,7 +459,7 @@ class _Suggestion:
                 lines.append(f"{key}: {json.dumps(value, ensure_ascii=False)}")
         lines += self._time()
         aside = [
-            f"# left aside: {shortened(_full_name(raw))}: {self.why[i]}"
+            f"# left aside: {shortened(full_name(raw))}: {self.why[i]}"
             for i, raw in enumerate(self.channels)
             if i not in self.chosen.values() and not self._is_time(i)
         ]

@@ -24,9 +24,11 @@ from .record_file import (
     unit_among,
 )
 
-# of universal files: the function type of a time response, and what a channel without a name holds
-_TIME_RESPONSE = 1
+# of universal files: the function types of a time response and of a frequency response, what a channel without a name
+# holds, and what a frequency response is of that per force
+_TIME_RESPONSE, _FREQUENCY_RESPONSE = 1, 4
 _SPECIFIC_TYPES = {8: "displacement", 9: "force", 11: "velocity", 12: "acceleration", 13: "force"}
+_RESPONSE_TYPES = {8: "receptance", 11: "mobility", 12: "accelerance"}
 _NO_SIZE = (0, 0xFFFFFFFF)  # what a program writes that does not know how long a WAV will become
 
 
@@ -87,7 +89,9 @@ class ParquetFile(RecordFile):
 
 def uff_file(path: Path, largest: int) -> RecordFile:
     """A universal file: its time responses, data sets 58, with even or uneven abscissa, in text or binary. A channel
-    is called by its ordinate's label, else by its first ID line, else by what the data type says."""
+    is called by its ordinate's label, else by its first ID line, else by what the data type says. Of a file without
+    time responses its frequency responses: frequency, receptance, mobility or accelerance, and phase, "1/phase" of the
+    first of several."""
     pyuff = library("pyuff", "a universal file")
     require_bytes(path, "a universal file", largest)
     channels, arrays = [], []
@@ -95,7 +99,13 @@ def uff_file(path: Path, largest: int) -> RecordFile:
         file = pyuff.UFF(str(path))
         marks = path.read_bytes().count(b"    -1\n") + path.read_bytes().count(b"    -1\r")
         sets = [file.read_sets(i) for i, kind in enumerate(file.get_set_types()) if int(kind) == 58]
+        responses = [item for item in sets if item["func_type"] == _FREQUENCY_RESPONSE]
         sets = [item for item in sets if item["func_type"] == _TIME_RESPONSE]
+        for number, item in enumerate([] if sets else responses, start=1):
+            group = f"{number}/" * (len(responses) > 1)
+            for name, unit, values in _frequency_response(item):
+                channels.append(RawChannel(group + name, unit, values.size, label=group + name))
+                arrays.append(values)
         for item in sets:
             n = int(item["num_pts"])
             label = _stated(item, "ordinate_axis_lab", "id1") or _SPECIFIC_TYPES.get(
@@ -118,9 +128,19 @@ def uff_file(path: Path, largest: int) -> RecordFile:
             arrays.append(values)
     if marks % 2:
         raise RecordError(f"{path}: its last data set has no end; it was cut short")
-    if not sets:
-        raise RecordError(f"{path}: holds no time response (data set 58)")
+    if not arrays:
+        raise RecordError(f"{path}: holds no time response and no frequency response (data set 58)")
     return Sliced(path, channels, lambda i, a, b: arrays[i][a:b], "a universal file")
+
+
+def _frequency_response(item: dict[str, Any]) -> Iterator[tuple[str, str | None, Array]]:
+    """Frequency, amplitude and phase of a frequency response: name, unit and values."""
+    H, over = np.asarray(item["data"]), _stated(item, "orddenom_axis_units_lab") or "N"
+    name = _RESPONSE_TYPES.get(int(item["ordinate_spec_data_type"]), "response")
+    unit = _stated(item, "ordinate_axis_units_lab")
+    yield "frequency", "Hz", np.asarray(item["x"], dtype=np.float64)
+    yield name, unit if unit is None or unit.endswith(f"/{over}") else f"{unit}/{over}", np.abs(H)
+    yield "phase", "rad", np.angle(H)
 
 
 def tdms_file(path: Path, largest: int) -> RecordFile:

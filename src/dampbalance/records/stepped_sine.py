@@ -1,0 +1,381 @@
+"""Tables of steady responses to a stepped sine: frequency, amplitudes of force or base and of the response, phase.
+
+A line is the steady response at one frequency and one level of excitation. Laboratories write the phase in many ways:
+as a lead or a lag, of the response against the drive or the other way round, of displacement, velocity or acceleration.
+Which one it is follows from the lines themselves. With φ, by which the displacement lags the force F, the force puts
+W = πFX sin φ into a cycle, which is positive in every line; of the conventions for which it is, that one holds under
+which each level is nearest to an oscillator, (F/X) e^{iφ} = k − mω² + i(ωc + h) with k, m, c and h ≥ 0.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..arrays import Array, Integers
+from ..project.wording import listed, shortened
+from .errors import RecordError
+from .mapping import ChannelRule, RecordMapping, Which
+from .measurement import ABSOLUTE
+from .readers.assemble import columns_of
+from .readers.channels import WORDS, by_unit, full_name, names_time, quantity_of, words_of
+from .readers.record_file import RawChannel, RecordFile
+from .units import PER_FORCE, TABLE_DIMENSIONS, UnitError, find_unit, table_factor
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+_ORDERS = {"force": 0, "length": 0, "velocity": 1, "acceleration": 2}
+_DRIVES = ("force", *(f"base_{motion}" for motion in ABSOLUTE))
+_RESPONSES = (*ABSOLUTE, *PER_FORCE)
+_ERROR = "_standard_error"
+
+WORDS_OF_TABLES = {
+    "frequency": ("frequency", "freq", "f", "frequenz", "omega", "ω"),
+    "phase": ("phase", "phi", "φ", "phasenwinkel", "phasenlage"),
+    "level": ("level", "stufe", "pegel", "niveau"),
+    "receptance": ("receptance", "compliance", "nachgiebigkeit"),
+    "mobility": ("mobility", "admittanz"),
+    "accelerance": ("accelerance", "inertance"),
+}
+"""Words of the heading of a column of a table, in lower case; those of amplitudes are those of a record."""
+
+_PASSED_OVER = {"amplitude", "amplitudes", "amp", "ampl", "magnitude", "mag", "abs", "peak", "rms"}
+_OF_ERRORS = {"standard", "error", "std", "deviation", "uncertainty"}
+_FEWEST = 3  # lines of a level
+_LARGEST = 1.0  # m, of a displacement
+_TURNS = 4.0 * math.pi  # rad: no phase that is counted on over several turns goes beyond it
+_SLIGHT = 0.1  # rad: phases that differ by less pass through no resonance
+_CLEAR = 1.5  # times as far from an oscillator as another convention
+
+_EMPTY = "is empty or not a number; repair it, or delete the line"
+_POSITIVE = "is not positive, as all but phases are; check the column, or delete the line"
+_RISING = (
+    "turns back or stands, and the lines of a level go up or down in frequency; name a column of levels, or delete the "
+    "line"
+)
+_MIXED = (
+    "is counted in another way than those of most lines: with it the drive would take energy out; mend its sign, or "
+    "delete the line"
+)
+
+Place = tuple[str, int]  # of a level in a file: group and number
+
+
+@dataclass(frozen=True, eq=False)
+class SteppedLevel:
+    """The lines of one level of excitation, (n,), in SI units.
+
+    name : of the level.   omega : rad/s.   drive : amplitude of the force, N, or of the base displacement, m.   X :
+    amplitude of the displacement, m.   phi : by which it lags the drive, rad, 0 to π.   error : relative standard error
+    of F/X, and standard error of phi, rad; None where the table states none.   rows : of the file, from 0 on.
+    """
+
+    name: str
+    omega: Array
+    drive: Array
+    X: Array
+    phi: Array
+    error: Array | None
+    rows: Integers
+
+
+@dataclass(frozen=True, eq=False)
+class SteppedTable:
+    """A table of steady responses.
+
+    levels : of excitation.   quantities : that its columns hold, drive and response.   convention : how its phases are
+    counted, in words.
+    """
+
+    levels: tuple[SteppedLevel, ...]
+    quantities: tuple[str, str]
+    convention: str
+
+    @property
+    def by_force(self) -> bool:
+        """Whether a force drives; the base otherwise."""
+        return self.quantities[0] == "force"
+
+    def to_frame(self) -> pd.DataFrame:
+        """The lines: level, frequency_Hz, force_N or base_displacement_m, displacement_m, phase_rad (of the lag)."""
+        import pandas as pd  # slow to import
+
+        columns = [(of.omega / (2.0 * math.pi), of.drive, of.X, of.phi) for of in self.levels]
+        drive = "force_N" if self.by_force else "base_displacement_m"
+        names = ["frequency_Hz", drive, "displacement_m", "phase_rad"]
+        frame = pd.DataFrame(np.hstack(columns).T, columns=names)
+        sizes = [of.X.size for of in self.levels]
+        frame.insert(0, "level", np.repeat([of.name for of in self.levels], sizes))
+        return frame
+
+
+def is_table_of_lines(file: RecordFile, rules: RecordMapping) -> bool:
+    """Whether a file is a table of steady responses: by its mapping, or by columns of frequency and phase, and none of
+    times."""
+    if rules.table or rules.channels:
+        return bool(rules.table)
+    roles = {_role(raw) for raw in file.channels}
+    return {"frequency", "phase"} <= roles and not any(map(names_time, file.channels))
+
+
+def read_table(file: RecordFile, rules: RecordMapping, label: str, largest: int) -> SteppedTable:
+    """The table in an open file, in SI units.
+
+    rules : what the file does not say.   label : of a level that has no name of its own.   largest : numbers that may
+    be read.
+
+    Raises RecordError naming file, column or line, and remedy: a column that is missing or unclear, a unit that is
+    missing or wrong, a value that is missing, an amplitude that is not positive, frequencies of a level that turn or
+    stand, a constant column, phases in another unit than is stated, lines with phases of another convention.
+    """
+    return _Table(file, rules).read(label, largest)
+
+
+class _Table:
+    """The columns of a file, as mapping or headings tell them apart: quantity → place of the level → column."""
+
+    def __init__(self, file: RecordFile, rules: RecordMapping) -> None:
+        self.file, self.rules = file, rules
+        self.where = rules.source or f"{file.path}.yaml"
+        self.columns: dict[str, dict[Place, int]] = {}
+        recognised = ((role, i) for i, raw in enumerate(file.channels) if (role := _role(raw)))
+        for role, i in self._named() if rules.table else recognised:
+            group, _, number = _parts(file.channels[i].name)
+            other = self.columns.setdefault(role, {}).setdefault((group, number), i)
+            if other != i:
+                both = listed([shortened(full_name(file.channels[at])) for at in (other, i)])
+                raise self._error(f"{both} are both taken for {role}; say which in {self.where}")
+        answers = [q for q in _RESPONSES if q in self.columns]
+        per_force = bool({*answers} & {*PER_FORCE})
+        drives = [q for q in _DRIVES[: 1 if per_force else None] if q in self.columns]
+        if per_force and not drives and rules.force_N:
+            drives = [""]
+        needed = {q: [q] * (q in self.columns) for q in ("frequency", "phase")}
+        needed["the force (or force_N, of all lines)" if per_force else "a force or the base"] = (
+            drives
+        )
+        needed[f"a response ({', '.join(_RESPONSES)})"] = answers
+        wrong = [f"{listed(of) or 'nothing'} for {q}" for q, of in needed.items() if len(of) != 1]
+        if wrong:
+            held = ", ".join(shortened(full_name(raw)) for raw in file.channels[:20])
+            raise self._error(
+                f"finds {listed(wrong)}; a table has one of each. Its columns are {held}. Say which is which in "
+                f"{self.where}, for example\n  table:\n    frequency: {{channel: 1, unit: Hz}}\n    force: {{channel: "
+                "2, unit: N}\n    acceleration: {channel: 3, unit: m/s²}\n    phase: {channel: 4, unit: deg}"
+            )
+        self.drive, self.answer = drives[0], answers[0]
+        self.factors = {q: self._factor(q) for q in self.columns if q != "level"}
+
+    def _error(self, words: str, row: tuple[int, int] | None = None) -> RecordError:
+        """An error on the file, or on a row of a column."""
+        line = "" if row is None else f"{self.file.place(*row)}: "
+        return RecordError(f"{self.file.path}: {line}{words}")
+
+    def _named(self) -> Iterator[tuple[str, int]]:
+        """Quantities and their columns, by the mapping: of one name in several groups, or of a matrix."""
+        for quantity, rule in self.rules.table.items():
+            for role, which in ((quantity, rule.channel), (quantity + _ERROR, rule.standard_error)):
+                yield from ((role, i) for i in self._matching(which, role))
+
+    def _matching(self, which: Which | None, role: str) -> list[int]:
+        channels = self.file.channels
+        if which is None or (isinstance(which, int) and which <= len(channels)):
+            return [] if which is None else [which - 1]
+        spelt = [{raw.name, full_name(raw), raw.label} for raw in channels]
+        without_number = [{re.sub(r"\[\d+\]$", "", raw.name)} for raw in channels]
+        alone = [{_parts(raw.name)[1]} for raw in channels]
+        for names in (spelt, without_number, alone):
+            if found := [i for i, own in enumerate(names) if which in own]:
+                return found
+        held = ", ".join(shortened(full_name(raw)) for raw in channels[:20])
+        raise self._error(
+            f"has no column {which!r}, which table.{role} in {self.where} names; it has {held}"
+        )
+
+    def _factor(self, role: str) -> float:
+        """SI units per unit of a column; of a standard error those of its quantity."""
+        quantity = role.removesuffix(_ERROR)
+        rule = self.rules.table.get(quantity, ChannelRule(1))
+        raw = self.file.channels[next(iter(self.columns[quantity].values()))]
+        words = {*words_of(raw.name)}
+        text = rule.unit or raw.unit or ("rad/s" if words & {"omega", "ω"} else None)
+        try:
+            if text is None:
+                raise UnitError(f"has no unit: state it at table.{quantity}.unit in {self.where}")
+            factor = rule.scale * table_factor(text, quantity)
+        except UnitError as error:
+            raise self._error(f"column {shortened(raw.name)}: {error}") from None
+        if quantity == "frequency":
+            return 2.0 * math.pi * factor
+        return math.sqrt(2.0) * factor if "rms" in words else factor
+
+    def read(self, label: str, largest: int) -> SteppedTable:
+        """The table, with the lag φ of the displacement in each line."""
+        phased = [*self._levels(label, largest)]
+        levels = [level for level, _ in phased]
+        phases = np.concatenate([level.phi for level in levels])
+        low, high, radians = float(phases.min()), float(phases.max()), self.factors["phase"] == 1.0
+        many, few = max(-low, high) > _TURNS, math.radians(1.0) < high - low < _SLIGHT
+        if many if radians else few:
+            unit = "rad" if few else "deg"
+            raise self._error(
+                f"phases from {low:.3g} to {high:.3g} rad are those of no table: they are in {unit}; state it at "
+                f"table.phase.unit in {self.where}"
+            )
+        by_force = self.drive in ("", "force")
+        quarters, sign, phis = self._convention(phased, 3 if by_force else 4)
+        against = "force" if by_force else "base velocity" if quarters == 3 else "base displacement"
+        moved = (*ABSOLUTE, "displacement")[quarters]
+        return SteppedTable(
+            tuple(replace(level, phi=phi) for level, phi in zip(levels, phis, strict=True)),
+            (self.drive or "force", self.answer),
+            f"its phases are those by which the {moved} {'leads' if sign > 0 else 'lags'} the {against}",
+        )
+
+    def _levels(self, label: str, largest: int) -> Iterator[tuple[SteppedLevel, int]]:
+        """Each level, with phases as recorded, rad, and their column: of each group or column of a matrix, or of each
+        value of a column of levels."""
+        wanted = sorted({i for of in self.columns.values() for i in of.values()})
+        values = columns_of(self.file, wanted, largest)
+        several = {q: of for q, of in self.columns.items() if len(of) > 1}
+        places = list(next(iter(several.values()), {("", 0): 0}))
+        for place in places:
+            lacking = [q for q, of in several.items() if place not in of or len(of) != len(places)]
+            if lacking:
+                both = listed([*lacking, next(iter(several))])
+                raise self._error(
+                    f"{both} do not stand in the same groups; give them for each level"
+                )
+            own = {q: of.get(place, next(iter(of.values()))) for q, of in self.columns.items()}
+            if len({values[i].size for i in own.values()}) > 1:
+                sizes = [f"{q} has {values[i].size} values" for q, i in own.items()]
+                raise self._error(f"{listed(sizes)}; columns of one level have equal lengths")
+            columns = {q: values[i] for q, i in own.items()}
+            rows = np.flatnonzero(~np.isnan([*columns.values()]).all(axis=0))
+            levels = columns.get("level", np.zeros(rows.max(initial=0) + 1))
+            for value in dict.fromkeys(levels[rows].tolist()):
+                name = _called(place) if several else label
+                name = f"level {value:g}" if "level" in columns else name
+                those = rows[levels[rows] == value] if value == value else rows
+                yield self._level(name, own, columns, those), own["phase"]
+
+    def _level(
+        self, name: str, own: Mapping[str, int], columns: Mapping[str, Array], rows: Integers
+    ) -> SteppedLevel:
+        """The lines of a level, checked, with phases as recorded, rad."""
+        si = {q: columns[q][rows] * factor for q, factor in self.factors.items()}
+        omega = si["frequency"]
+        rising = np.append(True, np.diff(omega) * np.sign(omega[-1] - omega[0] or 1.0) > 0.0)
+        checks = [(q, np.isfinite(columns[q][rows]), _EMPTY) for q in own]
+        checks += [(q, of > 0.0, _POSITIVE) for q, of in si.items() if q != "phase"]
+        checks.append(("frequency", rising, _RISING))
+        for q, holds, words in checks:
+            if not holds.all():
+                row = int(rows[np.argmin(holds)])
+                column = shortened(self.file.channels[own[q]].name)
+                raise self._error(f"column {column}, {columns[q][row]:.6g}, {words}", (own[q], row))
+        if rows.size < _FEWEST:
+            raise self._error(f"{name} has {rows.size} lines; a level needs {_FEWEST} at least")
+        drive = si.get(self.drive, np.full(rows.size, self.rules.force_N or 1.0))
+        answer = si[self.answer] * (drive if self.answer in PER_FORCE else 1.0)
+        for of, words in ((np.diff(si["phase"]), "phase is"), (np.diff([drive, answer]), "amplitudes are")):
+            if not of.any():
+                raise self._error(f"{name}: its {words} the same in all lines; check the column")
+        orders = [_ORDERS[TABLE_DIMENSIONS[q or "force"]] for q in (self.drive, self.answer)]
+        Y, X = drive / omega ** orders[0], answer / omega ** orders[1]
+        if X.max() > _LARGEST:
+            at = own[self.answer], int(rows[np.argmax(X)])
+            raise self._error(
+                f"a displacement of {X.max():.3g} m: a unit is wrong, that of {self.answer}?", at
+            )
+        squares = [
+            (si[q + _ERROR] / si[q]) ** 2 for q in (self.drive, self.answer) if q + _ERROR in si
+        ]
+        both = [np.sum(squares, axis=0)] if squares else []
+        both += [si[q] ** 2 for q in si if q == "phase" + _ERROR]
+        error = np.sqrt(np.mean(both, axis=0)) if both else None
+        return SteppedLevel(name, omega, Y, X, si["phase"], error, rows)
+
+    def _convention(
+        self, levels: Sequence[tuple[SteppedLevel, int]], most: int
+    ) -> tuple[int, int, list[Array]]:
+        """How phases p are counted, φ = n π/2 − s p with n < `most` quarters of a turn and the sign s; φ of each level.
+
+        Raises RecordError naming the first line of another convention than most have, and where two are left.
+        """
+        ways = {
+            (n, s): [np.angle(np.exp(1j * (0.5 * math.pi * n - s * of.phi))) for of, _ in levels]
+            for n in range(most)
+            for s in (1, -1)
+        }
+        shares = {way: float(np.mean(np.concatenate(phis) > 0.0)) for way, phis in ways.items()}
+        best = max(shares.values())
+        misfits = {
+            way: _off_oscillators(levels, phis) for way, phis in ways.items() if shares[way] == best
+        }
+        (n, s), *others = sorted(misfits, key=misfits.__getitem__)
+        for (of, column), phi in zip(levels, ways[n, s], strict=True):
+            if phi.min() <= 0.0:
+                at = int(np.argmax(phi <= 0.0))
+                raise self._error(
+                    f"the phase {of.phi[at]:.4g} rad {_MIXED}", (column, int(of.rows[at]))
+                )
+        if others and misfits[others[0]] < _CLEAR * misfits[n, s]:
+            raise self._error(
+                "its phases may be a lead or a lag; give lines on both sides of a resonance"
+            )
+        return n, s, ways[n, s]
+
+
+def _off_oscillators(levels: Sequence[tuple[SteppedLevel, int]], phis: Sequence[Array]) -> float:
+    """How far the levels are from an oscillator each: Σ |1 − (k − mω² + i(ωc + h))/Z|², Z = (F/X) e^{iφ}."""
+    from scipy.optimize import nnls  # slow to import
+
+    total = 0.0
+    for (of, _), phi in zip(levels, phis, strict=True):
+        w, inverse = of.omega / of.omega.max(), of.X / of.drive
+        columns = np.array([np.ones(w.size), -(w**2), 1j * w, 1j * np.ones(w.size)]).T
+        columns = columns * (inverse / inverse.max() * np.exp(-1j * phi))[:, None]
+        ones = np.append(np.ones(w.size), np.zeros(w.size))
+        total += float(nnls(np.vstack([columns.real, columns.imag]), ones, maxiter=1000)[1]) ** 2
+    return total
+
+
+def _role(raw: RawChannel) -> str | None:
+    """What a column of a table holds, by heading and unit; None where neither says it."""
+    words = [word for word in words_of(raw.name) if not word.isdigit()]
+    ending = _ERROR if {*words} & {"error", "std", "uncertainty"} else ""
+    words = [word for word in words if word not in _PASSED_OVER | _OF_ERRORS]
+    unit = find_unit(raw.unit or "")
+    for role, known in WORDS_OF_TABLES.items():
+        own = unit is None or role in PER_FORCE or unit.dimension == TABLE_DIMENSIONS[role]
+        if own and {*words} & {*known}:
+            return role + ending
+    base = [word for word in words if word in WORDS["base"]]
+    rest = replace(raw, name=" ".join(word for word in words if word not in base))
+    quantity = quantity_of(rest) if rest.name else by_unit(rest)
+    if quantity is None and len(rest.name) == 1:
+        quantity = by_unit(rest)  # F [N], A [g]
+    if quantity in ABSOLUTE and base:
+        quantity = f"base_{quantity}"
+    return f"{quantity}{ending}" if quantity in TABLE_DIMENSIONS else None
+
+
+def _parts(name: str) -> tuple[str, str, int]:
+    """Group, name and number of a column: "a.b.force[2]" is the second force in a.b."""
+    match = re.fullmatch(r"(.*?)(?:\[(\d+)\])?", name)
+    assert match is not None
+    last = re.split(r"[/.](?=[^/.])", match[1])[-1]
+    return match[1].removesuffix(last).rstrip("/."), last, int(match[2] or 0)
+
+
+def _called(place: Place) -> str:
+    """The name of a level by its group and number."""
+    group, number = place
+    return " ".join(filter(None, [re.split("[/.]", group)[-1] or "level", str(number or "")]))
