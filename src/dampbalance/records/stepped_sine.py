@@ -284,7 +284,10 @@ class _Table:
             raise self._error(f"{name} has {rows.size} lines; a level needs {_FEWEST} at least")
         drive = si.get(self.drive, np.full(rows.size, self.rules.force_N or 1.0))
         answer = si[self.answer] * (drive if self.answer in PER_FORCE else 1.0)
-        for of, words in ((np.diff(si["phase"]), "phase is"), (np.diff([drive, answer]), "amplitudes are")):
+        for of, words in (
+            (np.diff(si["phase"]), "phase is"),
+            (np.diff([drive, answer]), "amplitudes are"),
+        ):
             if not of.any():
                 raise self._error(f"{name}: its {words} the same in all lines; check the column")
         orders = [_ORDERS[TABLE_DIMENSIONS[q or "force"]] for q in (self.drive, self.answer)]

@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from ...arrays import Array
+from ...arrays import Array, Integers
 from ...likelihood.dynamic_stiffness import (
     Band,
     ContactComparison,
@@ -139,7 +139,7 @@ def _damping_ratio(fit: ContactFit, X: Array, frequency_hz: Array) -> Band:
     return Band(*(part / size for part in fit.loss(X, omega)))
 
 
-def _scale(fit: ContactFit, decay: ModalDecay, inside: Array) -> float:
+def _scale(fit: ContactFit, decay: ModalDecay, inside: Integers) -> float:
     """Factor on the amplitudes of the decay with which the lines foretell its damping best: 1 where its channel
     is the driven point, and the joint the same."""
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -12,7 +13,7 @@ from ...figures.style import DASHED, FAINT, SLIP, STICK, page, place, styled
 from .findings import Findings
 
 _POINTS = 60
-_LOOKS = {
+_LOOKS: dict[str, dict[str, Any]] = {
     "gradual": {"color": SLIP},
     "one slider": {"color": STICK, "ls": DASHED},
 }
@@ -34,7 +35,7 @@ def joint(findings: Findings) -> Figure:
     mode = findings.lines.of_mode(gradual.values.get("R", 0.0))
     shades = np.argsort(np.argsort([mode.X[mode.level == i].max() for i in range(len(mode.names))]))
     stiff = mode.Z.real + gradual.values["m"] * mode.omega**2
-    look = {"ls": "none", "marker": ".", "ms": 2.0, "zorder": 1}
+    look: dict[str, Any] = {"ls": "none", "marker": ".", "ms": 2.0, "zorder": 1}
     for i, shade in enumerate(shades):
         of = mode.level == i
         grey = f"{0.75 - 0.6 * shade / max(len(shades) - 1, 1):.3f}"
@@ -73,6 +74,7 @@ def blow(findings: Findings) -> Figure:
     )
     gradual = findings.fits["gradual"]
     of_point = next(iter(findings.decays.values()))
+    look: dict[str, Any]
     for marker, (name, decay) in zip("os^vD", findings.decays.items(), strict=False):
         look = {"ls": "none", "marker": marker, "ms": 3.0, "mfc": "white", "mew": 0.6}
         # all channels are of one mode, and are drawn at the amplitude of the first
