@@ -159,7 +159,8 @@ class Answer:
         """Σ g_j p_j − W of each row with the values of this answer, J, (rows,)."""
         assert self.balance is not None
         rows = self.balance.rows
-        return rows.misfit({**rows.given, **{s: p.value for s, p in self.coefficients.items()}})
+        own = {s: p.value for s, p in self.coefficients.items() if s in rows.terms}
+        return rows.misfit({**rows.given, **own})
 
     @property
     def row_names(self) -> tuple[str, ...]:

@@ -205,8 +205,8 @@ class Identified(ABC):
     def figures(self) -> tuple[str, ...]:
         """Names of the pictures that `plot` draws, the first if none is named: of forced records cycles (each record
         folded onto one cycle), loops (acceleration against displacement) and balance (its rows, and what they leave);
-        of free decays decays (each with the motion fitted to it); of a stepped sine loss and stiffness (against the amplitude) and
-        distribution (of the contact over the amplitude at which it slips)."""
+        of free decays decays (each with the motion fitted to it); of a stepped sine loss and stiffness (against
+        the amplitude) and distribution (of the contact over the amplitude at which it slips)."""
         return tuple(self.pictures)
 
     @property

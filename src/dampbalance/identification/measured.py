@@ -67,9 +67,9 @@ def identify(
     records : as `read_records` returns or takes them: files, tables of pandas, arrays. Forced records: one for each
     level of excitation, at least as many as there are coefficients; more levels, far apart, sharpen all of them. Free
     decays: one is enough. Tables of a stepped sine: two levels at least, in one or several.
-    stiffness : k of the spring, N/m; it scales F_k and c. Tables of responses to a force do without. With its standard uncertainty,
-    (2310.0, 10.0) or "2310±10", which the intervals then hold, as they do those of gains and delays that a mapping states. Without, they are
-    conditional on k.
+    stiffness : k of the spring, N/m; it scales F_k and c. Tables of responses to a force do without. With its standard
+    uncertainty, (2310.0, 10.0) or "2310±10", which the intervals then hold, as they do those of gains and delays that a
+    mapping states. Without, they are conditional on k.
     mapping : what the records do not say of their channels, where they are read here.
     kind : "forced", "ring-down" or "stepped-sine" (tables of frequency, amplitudes and phase, a line for each steady
     response), where it is not to be recognised.

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar, Literal, get_args
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from ..balance import Rows
 from ..law.law import Law
 from ..law.terms import FRICTION, term
 from ..likelihood.dynamic_stiffness import (
+    Contact,
     ContactComparison,
     ContactFit,
     SteppedLines,
@@ -27,7 +28,7 @@ from ..likelihood.dynamic_stiffness import (
 )
 from ..project.wording import Remark, listed
 from ..records.measured import MeasuredRecord
-from .answer import UNKNOWN, Answer, Balance, Interval, ParameterEstimate, covariance_of
+from .answer import CONFIDENCE, UNKNOWN, Answer, Balance, Interval, ParameterEstimate, covariance_of
 from .identified import Identified, Level, Picture
 from .screen import with_error
 from .sensitivities import Fault
@@ -35,18 +36,22 @@ from .sensitivities import Fault
 Asked = Literal["both", "one slider", "gradual"]
 """Contacts that can be asked for."""
 
+_CONTACTS: tuple[Contact, ...] = ("one slider", "gradual")
+
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class SteppedOutcome(Identified):
     """The answers to tables of steady responses, and all that they come from.
 
-    lines : of all tables.   tables : index of the table that each belongs to, (n,).   fits : of each contact, by name,
-    the one to use first.   scaled : whether all numbers follow the gains, none being held.
+    lines : of all tables.   table_of : index of the table that each belongs to, (n,).   fits : of each contact, by
+    name, the one to use first.   compared : which of them the lines support, where there are levels enough.   scaled :
+    whether all numbers follow the gains, none being held.
     """
 
     lines: SteppedLines
-    tables: Integers
+    table_of: Integers
     fits: Mapping[str, ContactFit]
+    compared: ContactComparison | None
     scaled: bool
 
     kind: ClassVar[Mapping[str, str]] = {"kind": "stepped-sine"}
@@ -63,18 +68,29 @@ class SteppedOutcome(Identified):
         return self.lines.of_mode(self.fit.values.get("R", 0.0))
 
     def findings(self) -> dict[str, Any]:
-        """The sliders of each contact and how it predicts each level; the tables with their levels."""
+        """Which contact the lines support, by how each predicts levels that are left out; their sliders; the tables."""
+        compared: dict[str, Any] = {}
+        if self.compared is not None:
+            compared = {
+                "supported": self.compared.supported,
+                "probability_of_one_slider": self.compared.p,
+                "words": self.compared.words(),
+                "levels": list(self.lines.names),
+                "loss_rms_of_each_level_left_out": {
+                    trial.name: [of.loss for of in trial.held_out] for trial in self.compared.trials
+                },
+                "in_phase_rms_of_each_level_left_out_N_per_m": {
+                    trial.name: [of.in_phase for of in trial.held_out]
+                    for trial in self.compared.trials
+                },
+            }
         return {
+            "comparison": compared,
             "contacts": {
-                name: {
-                    "r_m": fit.r,
-                    "kappa_N_per_m": fit.kappa,
-                    "held_out": {level: of._asdict() for level, of in fit.held_out.items()},
-                }
-                for name, fit in self.fits.items()
+                name: {"r_m": fit.r, "kappa_N_per_m": fit.kappa} for name, fit in self.fits.items()
             },
             "records": [
-                {"record": name, "lines": int(np.sum(self.tables == i))}
+                {"record": name, "lines": int(np.sum(self.table_of == i))}
                 for i, name in enumerate(self.sources)
             ],
         }
@@ -84,7 +100,7 @@ class SteppedOutcome(Identified):
         of, W = self.lines, math.pi * self.lines.X**2 * self.lines.Z.imag
         return [
             {
-                "record": self.sources[self.tables[i]],
+                "record": self.sources[self.table_of[i]],
                 "level": of.names[of.level[i]],
                 "frequency_Hz": of.omega[i] / (2.0 * math.pi),
                 "force_N": of.X[i] * abs(of.Z[i]),
@@ -157,177 +173,172 @@ def identify_tables(
     law: Law,
     *,
     contact: Asked = "both",
-    mass: float | None = None,
-    hardening: bool = True,
-    residual: bool = False,
-    replicates: int,
-    seed: int,
+    **options: Any,
 ) -> SteppedOutcome:
     """The contact and the damping from tables of steady responses at two levels of excitation or more.
 
     k : stiffness, N/m; None where the lines are to tell it, which those of base motions cannot.   law : whose terms
-    except the friction are fitted.   Others as for `identify`.
+    except the friction are fitted.   contact : "both" compares them, from three levels on.   options : mass, hardening,
+    residual, replicates and seed of `fit_contact`.
 
     Raises ValueError for base motions without a stiffness, fewer than two levels, lines that do not determine the
     unknowns, and a friction force that is given.
     """
-    lines, of_tables = _lines(tables, k)
     if FRICTION in law.given:
         raise ValueError(
-            f"{FRICTION} cannot be given for a stepped sine: it is what slips in the amplitudes seen"
+            f"{FRICTION} is what slips at the amplitudes seen: it cannot be given for a stepped sine"
         )
+    lines, table_of = _lines(tables, k)
     terms = tuple(symbol for symbol in law.terms if symbol != FRICTION)
-    asked: dict[str, Any] = {
-        **{"terms": terms, "given": dict(law.given), "stiffness": k, "mass": mass},
-        **{"hardening": hardening, "residual": residual, "replicates": replicates, "seed": seed},
-    }
-    found, fits = None, {}
-    if contact == "both":
-        found = compare_contacts(lines, **asked)
-        order = sorted(get_args(Asked)[1:], key=lambda name: name != found.supported)
-        fits = {name: found.fits[name] for name in order}
+    asked = {"terms": terms, "given": dict(law.given), "stiffness": k, **options}
+    contacts, compared = _CONTACTS if contact == "both" else (contact,), None
+    if contact == "both" and len(lines.names) > 2:
+        compared = compare_contacts(lines, **asked)
+        fits = {name: compared[name].fit for name in dict.fromkeys([compared.supported, *contacts])}
     else:
-        fits = {contact: fit_contact(lines, contact=contact, **asked)}
-    answers = {name: _answer(name, fit, lines, law, found) for name, fit in fits.items()}
-    values = next(iter(fits.values())).values
-    held = f"{lines.X.size} lines at {len(lines.names)} levels"
+        fits = {name: fit_contact(lines, contact=name, **asked) for name in contacts}
+    first = next(iter(fits.values()))
+    said = [] if compared is None else [f"{compared.words()}."]
     return SteppedOutcome(
-        k=values["k"],
+        k=first.values["k"],
         sources=tuple(table.name for table in tables),
-        estimates=answers,
+        estimates={name: _answer(name, fit, lines, law, compared) for name, fit in fits.items()},
         reference=None,
-        warnings=(),
-        head=f"{held}; the answer first, with 95 % intervals from {replicates} replicates",
+        warnings=() if compared or len(contacts) < 2 else (_UNCOMPARED,),
+        head=f"{lines.X.size} lines at {len(lines.names)} levels; the answer first, with 95 % intervals from "
+        f"{options['replicates']} replicates",
         rig=[
-            *_rig(next(iter(fits.values())), lines),
+            *(words[0].upper() + words[1:] for words in said),
+            *_rig(first, lines),
             *_counted(tables),
-            *([found.sentence] if found else []),
         ],
-        settings={
-            "law": {"terms": law.terms, "given": law.given},
-            "replicates": replicates,
-            "seed": seed,
-        },
+        settings={"law": {"terms": law.terms, "given": law.given}, "confidence": CONFIDENCE},
         lines=lines,
-        tables=of_tables,
+        table_of=table_of,
         fits=fits,
-        scaled=k is None and mass is None and not law.given,
+        compared=compared,
+        scaled=k is None and options["mass"] is None and not law.given,
     )
+
+
+_UNCOMPARED = Remark(
+    "two levels do not tell whether one slider is enough, or many slip one after the other: add a level",
+    doubts={FRICTION: math.inf, "K_z": math.inf},
+)
 
 
 def _lines(tables: Sequence[MeasuredRecord], k: float | None) -> tuple[SteppedLines, Integers]:
     """All lines of the tables, and the table of each."""
-    levels, owners, names = [], [], []
-    for number, table in enumerate(tables):
-        assert table.table is not None
-        if k is None and not table.table.by_force:
-            raise ValueError(
-                f"{table.name}: the base drives, and what it puts in is known with the stiffness of the spring to it "
-                "only: give stiffness (--stiffness)"
-            )
-        for level in table.table.levels:
-            force = level.drive if table.table.by_force else (k or 0.0) * level.drive
-            levels.append((level, force / level.X * np.exp(1j * level.phi)))
-            owners += [number] * level.X.size
-            names.append(level.name)
+    levels = [
+        (i, t.table.by_force, of) for i, t in enumerate(tables) if t.table for of in t.table.levels
+    ]
+    by_base = next((tables[i].name for i, by_force, _ in levels if not by_force), None)
+    if by_base and k is None:
+        raise ValueError(
+            f"{by_base}: the base drives, and its force is known with the stiffness of the spring to it only: give "
+            "stiffness (--stiffness)"
+        )
     if len(levels) < 2:
         raise ValueError(
             f"{tables[0].name} holds one level of excitation: what a contact does shows between amplitudes; give "
             "tables of two levels or more, or name the column of levels"
         )
+    names = [of.name for _, _, of in levels]
     if len({*names}) < len(names):
-        several = [len(t.table.levels) for t in tables if t.table is not None]
-        owner = np.repeat([table.label for table in tables], several)
-        names = [f"{one}: {name}" for one, name in zip(owner, names, strict=True)]
-    errors = [level.error for level, _ in levels if level.error is not None]
-    return SteppedLines(
-        np.concatenate([level.omega for level, _ in levels]),
-        np.concatenate([level.X for level, _ in levels]),
-        np.concatenate([Z for _, Z in levels]),
-        np.repeat(np.arange(len(levels)), [level.X.size for level, _ in levels]),
-        tuple(names),
-        np.concatenate(errors) if len(errors) == len(levels) else None,
-    ), np.array(owners)
+        names = [f"{tables[i].label}: {of.name}" for i, _, of in levels]
+    sizes = [of.X.size for _, _, of in levels]
+    forces = [of.drive * (1.0 if by_force else k or 0.0) for _, by_force, of in levels]
+    omega, X, phi = (
+        np.concatenate([getattr(of, n) for _, _, of in levels]) for n in ("omega", "X", "phi")
+    )
+    errors = [of.error for _, _, of in levels if of.error is not None]
+    error = np.concatenate(errors) if len(errors) == len(levels) else None
+    Z = np.concatenate(forces) / X * np.exp(1j * phi)
+    numbers = np.repeat(np.arange(len(levels)), sizes)
+    lines = SteppedLines(omega, X, Z, numbers, tuple(names), error)
+    return lines, np.repeat([i for i, _, _ in levels], sizes)
 
 
 def _answer(
-    name: str, fit: ContactFit, lines: SteppedLines, law: Law, found: ContactComparison | None
+    name: str, fit: ContactFit, lines: SteppedLines, law: Law, compared: ContactComparison | None
 ) -> Answer:
     """The answer of a contact: its numbers, and its rows of the balance, without what other modes add to them."""
     notes, of = [], lines.of_mode(fit.values.get("R", 0.0))
-    if found is not None and name != found.supported:
-        notes.append(Remark(f"another contact describes these lines better: {found.sentence}"))
-    parameters = {symbol: _estimate(symbol, fit) for symbol in (*law.unknowns, "K_z")}
+    if compared is not None and name != compared.supported:
+        notes.append(Remark(f"the lines support another contact: {compared.supported}"))
+    elif fit.contact == "none":
+        notes.append(
+            Remark(
+                f"these lines show no contact that slips: {compared.words() if compared else ''}"
+            )
+        )
     X, W = of.X, math.pi * of.X**2 * of.Z.imag
-    terms = {FRICTION: fit.sliders.loss(X) / (fit.F_k or math.nan)}
-    for symbol in fit.terms:
-        terms[symbol] = term(symbol).harmonic(of.omega, X, 0.0, 0.0, fit.values["k"])
+    terms = {FRICTION: fit.sliders.loss(X) / fit.F_k} if fit.F_k else {}
+    terms |= {s: term(s).harmonic(of.omega, X, 0.0, 0.0, fit.values["k"]) for s in fit.terms}
     rows = Rows(terms, W, given=law.given)
-    left = fit.residuals.imag
-    balance = Balance(
-        rows,
-        fit.misfit.loss * W,
-        tuple(lines.names[i] for i in lines.level),
-        {"frequency_Hz": (lines.omega / (2.0 * math.pi)).tolist()},
+    hertz = (lines.omega / (2.0 * math.pi)).tolist()
+    names = tuple(lines.names[i] for i in lines.level)
+    unknowns = dict.fromkeys(
+        [*(s for s in law.unknowns), *(s for s in fit.terms if s not in law.given), "K_z"]
     )
-    keys = {"k": "k_N_per_m", "m": "m_kg", "k_3": "k_3_N_per_m3", "R": "R_m_per_N"}
+    parameters = {symbol: _estimate(symbol, fit) for symbol in unknowns}
     merit: dict[str, Any] = {
-        "residual": float(np.linalg.norm(left * W) / np.linalg.norm(W)),
+        "residual": float(np.linalg.norm(fit.residuals.imag * W) / np.linalg.norm(W)),
         "misfit": fit.misfit.score,
         "loss_rms": fit.misfit.loss,
         "in_phase_rms_N_per_m": fit.misfit.in_phase,
-        "smoothness_chosen_by": fit.chosen_by,
     }
-    for symbol, key in keys.items():
+    for symbol, unit in _OF_SPRING.items():
         if symbol in fit.values:
-            merit |= {key: fit.values[symbol]}
-            head, _, unit = key.partition("_") if symbol != "k_3" else ("k_3", "", "N_per_m3")
-            merit |= {f"{head}_standard_error_{unit}": fit.errors.get(symbol, 0.0)}
+            merit[f"{symbol}_{unit}"] = fit.values[symbol]
+            merit[f"{symbol}_standard_error_{unit}"] = fit.errors.get(symbol, 0.0)
     return Answer(
-        name, parameters, covariance_of(parameters, {}), tuple(notes), balance, merit=merit
+        *(name, parameters, covariance_of(parameters, {}), tuple(notes)),
+        Balance(rows, fit.misfit.loss * W, names, {"frequency_Hz": hertz}),
+        merit=merit,
     )
+
+
+_OF_SPRING = {"k": "N_per_m", "m": "kg", "k_3": "N_per_m3", "R": "m_per_N"}
 
 
 def _estimate(symbol: str, fit: ContactFit) -> ParameterEstimate:
     """A number of a fit: F_k and K_z of the sliders that slip at the amplitudes seen, or a coefficient."""
     if symbol not in fit.intervals:
         return UNKNOWN
-    of_contact = {"K_z": fit.K_z, FRICTION: fit.F_k}
-    value = of_contact.get(symbol, fit.values.get(symbol, math.nan))
-    interval, doubt = Interval(*fit.intervals[symbol]), ""
-    if symbol == "K_z" and fit.lower_limit:
-        return ParameterEstimate(math.inf, math.nan, math.nan, Interval(interval.low, math.inf))
-    if value == 0.0:
-        doubt = f"these lines show no {term(symbol).words} next to the contact: {symbol} is at its bound, zero"
+    interval = Interval(*fit.intervals[symbol])
+    if math.isinf(interval.high):
+        return ParameterEstimate(math.inf, math.nan, math.nan, interval)
+    value = {"K_z": fit.K_z, FRICTION: fit.F_k}.get(symbol, fit.values.get(symbol, math.nan))
+    doubt = "" if value else f"{symbol} is at its bound, zero: these lines show none of it"
     return ParameterEstimate(value, fit.errors[symbol], math.nan, interval, doubt)
 
 
 def _rig(fit: ContactFit, lines: SteppedLines) -> Iterator[str]:
     """What the fit implies about the rig, in sentences."""
     k, m = fit.values["k"], fit.values["m"]
-    own = {
-        s: with_error(fit.values[s], fit.errors[s]) if s in fit.errors else "" for s in fit.values
-    }
+    own = {s: with_error(fit.values[s], fit.errors.get(s, 0.0)) for s in fit.values}
+    if fit.F_k:
+        yield (
+            f"F_k and K_z are those of the part of the contact that slips at the amplitudes seen, up to "
+            f"{1e3 * fit.X_range[1]:.4g} mm."
+        )
     yield (
-        f"The oscillator has m = {own['m'] or format(m, 'g')} kg, k = {own['k'] or format(k, 'g')} N/m with all of the "
-        f"contact that yields slipping, and then a natural frequency of {math.sqrt(k / m) / (2.0 * math.pi):.4g} Hz."
+        f"The oscillator has m = {own['m']} kg, k = {own['k']} N/m and a natural frequency of "
+        f"{math.sqrt(k / m) / (2.0 * math.pi):.4g} Hz with that part of the contact loose."
     )
     if fit.values.get("k_3"):
         yield f"Its spring stiffens: k_3 = {own['k_3']} N/m³."
     if R := fit.values.get("R"):
-        omega = float(np.median(lines.omega))
-        like = (
-            "their flexibility"
-            if R > 0.0
-            else f"the inertia of {1.0 / (-R * omega**2):.2g} kg that moves in them"
-        )
-        yield f"Other modes add R = {1e6 * R:.3g} µm/N to what the driven point answers: {like}."
+        mass = 1.0 / (abs(R) * float(np.median(lines.omega)) ** 2)
+        like = "of their flexibility" if R > 0.0 else f"as the inertia of {mass:.2g} kg does"
+        yield f"Other modes of the structure move the driven point by R = {1e6 * R:.3g} µm/N, {like}."
 
 
 def _counted(tables: Sequence[MeasuredRecord]) -> list[str]:
     """How the phases of the tables are counted, a sentence for each way."""
     ways: dict[str, list[str]] = {}
     for table in tables:
-        assert table.table is not None
-        ways.setdefault(table.table.convention, []).append(table.label)
-    return [f"{listed(of)}: {way}, as its lines show." for way, of in ways.items()]
+        if table.table is not None:
+            ways.setdefault(table.table.convention, []).append(table.label)
+    return [f"The lines of {listed(of)} show that {way}." for way, of in ways.items()]
