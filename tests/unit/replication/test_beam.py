@@ -12,10 +12,10 @@ import yaml
 
 from dampbalance.identification.measured import configured, identify
 from dampbalance.law.gradual import Sliders
-from dampbalance.likelihood.dynamic_stiffness import SteppedLines, compare_contacts, fit_contact
+from dampbalance.likelihood.dynamic_stiffness import SteppedLines, compare_contacts
 from dampbalance.project.files import sha256
 from dampbalance.publishing.beam import beam_page
-from dampbalance.replication.beam.findings import Findings, findings
+from dampbalance.replication.beam.findings import Findings, findings, findings_of
 from folders import ROOT
 
 CONFIG = yaml.safe_load((ROOT / "config/beam.yaml").read_text(encoding="utf-8"))
@@ -111,7 +111,7 @@ def found() -> Findings:
     identified = identify(
         FILES[:1], **configured(MEASURED | {"mapping": str(ROOT / MEASURED["mapping"])})
     )
-    return findings(*identified.for_beam(), {**BEAM, "record": str(FILES[1])})
+    return findings_of(identified, {**BEAM, "record": str(FILES[1])})
 
 
 @there

@@ -8,14 +8,14 @@ from dampbalance.project.files import sha256, write_json, write_text
 from dampbalance.project.troubles import brief_troubles
 from dampbalance.publishing.beam import beam_page
 from dampbalance.replication.beam import pictures
-from dampbalance.replication.beam.findings import findings
+from dampbalance.replication.beam.findings import findings_of
 
 if __name__ == "__main__":
     brief_troubles(snakemake.log)
     files, beam = snakemake.input, snakemake.params.beam
     try:
         identified = identify(list(files.records), **configured(snakemake.params.measured))
-        results = findings(identified, beam | {"record": files.blow})
+        results = findings_of(identified, beam | {"record": files.blow})
     except ValueError as error:
         sys.exit(f"error: {error}")
     for name, alt in pictures.ALTERNATIVE_TEXTS.items():

@@ -19,15 +19,22 @@ from typing import Any
 import numpy as np
 
 from ...arrays import Array, Integers
+from ...identification.stepped_sine import SteppedOutcome
+from ...law.terms import FRICTION
 from ...likelihood.dynamic_stiffness import (
     Band,
     ContactComparison,
     ContactFit,
     SteppedLines,
+    fit_contact,
 )
 from ...records.measured import read_records
 from .hammer import ModalDecay, filter_bias, modal_decay
 
+ADDITIONS = ("residual", "hardening")
+"""Options of a fit whose worth is shown by leaving each of them out."""
+
+_UNUSED = 2  # replicates of a fit whose intervals nobody asks for
 _NEAR = 0.8  # sin φ of lines near the resonance
 _SHOWN = 6  # amplitudes of the decay in the table
 
@@ -48,16 +55,43 @@ class Findings:
     foretold: Band
 
 
+def findings_of(identified: SteppedOutcome, beam: Mapping[str, Any]) -> Findings:
+    """All results for the beam, from the identification of its tables.
+
+    beam : as for `findings`. Raises ValueError as `findings` does, and for too few levels to compare contacts.
+    """
+    if identified.compared is None:
+        raise ValueError(
+            "beam: contacts are compared by levels that are left out, of three or more"
+        )
+    options = identified.options
+    asked: dict[str, Any] = {
+        "terms": [symbol for symbol in options["terms"] if symbol != FRICTION],
+        "given": options["given"],
+        "stiffness": options["stiffness_N_per_m"],
+        "mass": options["mass_kg"],
+        **{name: options[name] for name in ADDITIONS},
+    }
+    without = {
+        name: fit_contact(
+            identified.lines, contact="gradual", replicates=_UNUSED, **asked | {name: False}
+        )
+        for name in ADDITIONS
+        if options[name]
+    }
+    return findings(identified.compared, identified.lines, without, beam)
+
+
 def findings(
     comparison: ContactComparison,
     lines: SteppedLines,
-    left_out: Mapping[str, ContactFit],
+    without: Mapping[str, ContactFit],
     beam: Mapping[str, Any],
 ) -> Findings:
     """All results for the beam.
 
-    comparison : of the contacts that the lines may come from.   lines : of the tables.   left_out : fits of the gradual
-    contact without an addition to it, by its name.   beam : the section of that name in the configuration: record,
+    comparison : of the contacts that the lines may come from.   lines : of the tables.   without : fits of the gradual
+    contact without one of ADDITIONS, by its name.   beam : the section of that name in the configuration: record,
     channels, time, unit, band_hz, start_s and window_s of a blow.
 
     Raises ValueError where a record cannot be read, and where the decay passes no amplitude of the lines.
@@ -90,7 +124,7 @@ def findings(
         ],
         "supported": comparison.supported,
         "words": comparison.words(),
-        "without": {name: _misfits(fit, lines) for name, fit in left_out.items()},
+        "without": {name: _misfits(fit, lines) for name, fit in without.items()},
         "gradual": {
             name: {"value": value, "interval": gradual.intervals.get(name)}
             for name, value in (*gradual.values.items(), ("K_z", gradual.K_z), ("F_k", gradual.F_k))
