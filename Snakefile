@@ -43,6 +43,7 @@ include: "workflow/rules/claims.smk"
 include: "workflow/rules/studies.smk"
 include: "workflow/rules/measured.smk"
 include: "workflow/rules/frame.smk"
+include: "workflow/rules/beam.smk"
 include: "workflow/rules/article.smk"
 include: "workflow/rules/page.smk"
 include: "workflow/rules/notebook.smk"
@@ -101,6 +102,6 @@ rule all:
         rules.codecheck.output if CODECHECKED else [],
         [*rules.page.output, *rules.manifest.output, *rules.crate.output] if not MEASURED else [],
         [*rules.measured.output, *measured_files()] if MEASURED else [],
-        [*FRAME_FILES.values()],
+        [*FRAME_FILES.values(), *BEAM_FILES.values()],
     message:
         "Everything is rebuilt"

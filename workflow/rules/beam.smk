@@ -1,0 +1,55 @@
+# What the stepped-sine tables of a bolted beam say: make CONFIG=config/beam.yaml, where they are (config/records/beam/README.md).
+#
+# The rule exists only where the configuration has the section `beam`, for nothing else knows which tables it is about.
+
+BEAM_FILES = {}
+
+if config.get("beam"):
+    BEAM = config["beam"]
+    BEAM_FILES = {
+        "page": f"{RESULTS}/beam.md",
+        "numbers": f"{RESULTS}/beam.json",
+        "joint": f"{RESULTS}/joint.svg",
+        "joint_png": f"{RESULTS}/joint.png",
+        "blow": f"{RESULTS}/blow.svg",
+        "blow_png": f"{RESULTS}/blow.png",
+    }
+    if workflow.is_main_process and BEAM["set"] not in MEASURED:
+        sets = ", ".join(MEASURED) or "none"
+        try:
+            refuse(
+                ("beam", "set"),
+                f"{BEAM['set']} is no set of records; the configuration has {sets}",
+                CONFIG_FILES,
+            )
+        except ConfigurationError as error:
+            raise WorkflowError(str(error)) from None
+
+    rule beam:
+        input:
+            records=[unmoved(file) for file in record_files(BEAM["set"])],
+            mappings=[unmoved(file) for file in mapping_files(BEAM["set"])],
+            blow=unmoved(named_file(BEAM["record"])),
+            template=project_input("src/dampbalance/publishing/templates/beam.md.j2"),
+            modules=script_modules("beam/beam.py"),
+        output:
+            **BEAM_FILES
+            | {
+                "page": report(
+                    BEAM_FILES["page"],
+                    caption="../report/beam.rst",
+                    category="Reading",
+                    labels={"result": "What the tables of a real joint say"},
+                )
+            },
+        log:
+            log_file("beam"),
+        conda:
+            ENVIRONMENT
+        params:
+            measured=MEASURED[BEAM["set"]],
+            beam=BEAM,
+        message:
+            "What the tables of the beam say"
+        script:
+            "../scripts/beam/beam.py"
