@@ -255,3 +255,12 @@ def sliders_orbit(
     while count > 1 and half - phases[count - 1, PHASE_T] < _SHORTEST * half:
         count -= 1
     return SlidersOrbit(oscillator, motion, r, kappa, theta, phases[:count].copy())
+
+
+def spread_contact(oscillator: Oscillator, ratio: float, count: int = 32) -> tuple[Array, Array]:
+    """(r, κ) of elements that share the K_z and F_k of an oscillator and slip one after the other.
+
+    κ_j = K_z/n each, ln r_j evenly spaced, r_n/r_1 = ratio, and Σ κ_j r_j = F_k > 0. With ratio 1 they are its contact.
+    """
+    lengths = np.geomspace(1.0, ratio, count)
+    return oscillator.Z_m * lengths / lengths.mean(), np.full(count, oscillator.K_z / count)

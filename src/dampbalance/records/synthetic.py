@@ -14,6 +14,7 @@ import numpy as np
 from ..arguments import instance, mapping, names, number, shown, whole
 from ..model import BaseMotion, Oscillator
 from ..motion.orbit import Orbit
+from ..motion.sliders import SlidersOrbit
 from ..motion.transient import transient
 from .errors import LARGEST
 from .measurement import ABSOLUTE, QUANTITIES, Channel, Measurement
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
 
 
 def measured_orbit(
-    orbit: Orbit | LawOrbit,
+    orbit: Orbit | LawOrbit | SlidersOrbit,
     *,
     rate_hz: float,
     cycles: float,
