@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from .motion.orbit import NoSteadyOrbit, Orbit, steady_orbit
     from .motion.orbits import Orbits, steady_orbits
     from .motion.regime import Regime
+    from .motion.sliders import SlidersOrbit, sliders_orbit
     from .motion.states import State
     from .motion.transient import Trajectory, transient
     from .records.errors import RecordError
@@ -45,6 +46,7 @@ __all__ = [
     "RecordError",
     "Regime",
     "Rows",
+    "SlidersOrbit",
     "State",
     "StudyResult",
     "Term",
@@ -56,6 +58,7 @@ __all__ = [
     "read_records",
     "register_approach",
     "register_term",
+    "sliders_orbit",
     "steady_orbit",
     "steady_orbits",
     "study",
@@ -75,6 +78,7 @@ _MODULES = {
     "motion.orbit": ("NoSteadyOrbit", "Orbit", "steady_orbit"),
     "motion.orbits": ("Orbits", "steady_orbits"),
     "motion.regime": ("Regime",),
+    "motion.sliders": ("SlidersOrbit", "sliders_orbit"),
     "motion.states": ("State",),
     "motion.transient": ("Trajectory", "transient"),
     "records.errors": ("RecordError",),

@@ -56,6 +56,8 @@ NUMBERS: Mapping[str, Bounds] = {
     "omega": Bounds("rad/s"),
     "frequency": Bounds("Hz"),
     **dict.fromkeys(("x", "z", "X", "X_s"), Bounds("m", -LARGEST)),
+    "r": Bounds("m"),
+    "kappa": Bounds("N/m"),
     "v": Bounds("m/s", -LARGEST),
     **dict.fromkeys(("t", "start", "end"), Bounds("s", -LARGEST)),
     **dict.fromkeys(("step", "duration"), Bounds("s")),

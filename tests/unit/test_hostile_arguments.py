@@ -30,6 +30,7 @@ from dampbalance import (
     read_records,
     register_approach,
     register_term,
+    sliders_orbit,
     steady_orbit,
     steady_orbits,
     study,
@@ -147,6 +148,12 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, object], Callable[..., o
         {"oscillator": PAPER, "motion": MOTION, "end": 0.02, **STATE},
         lambda path: finite(path.state(path.end)),
     ),
+    "sliders_orbit": (
+        sliders_orbit,
+        {"oscillator": PAPER, "motion": MOTION, "r": [1e-4, 5e-4], "kappa": [4000.0, 1000.0]},
+        lambda orbit: finite((orbit.X, orbit.friction_loss)),
+    ),
+    "SlidersOrbit.state": (sliders_orbit(PAPER, MOTION, 1e-4, 4000.0).state, {"t": 0.0}, finite),
     "Trajectory.state": (DECAY.state, {"t": 0.01}, finite),
     "law_orbit": (
         law_orbit,

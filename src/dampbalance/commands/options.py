@@ -71,6 +71,19 @@ def coefficients(text: str) -> dict[str, float]:
     return values
 
 
+def sliders(text: str) -> list[tuple[float, float]]:
+    """A type of argument: (r, κ) of Jenkins elements, m and N/m, as in 1e-5:40000,5e-5:8000."""
+    read, pairs = number(), list[tuple[float, float]]()
+    for part in text.split(","):
+        r, colon, kappa = part.partition(":")
+        if not colon:
+            raise argparse.ArgumentTypeError(
+                f"must be pairs r:kappa, m and N/m, as in 1e-5:40000,5e-5:8000, got {shortened(part)}"
+            )
+        pairs.append((read(r), read(kappa)))
+    return pairs
+
+
 def _within(
     kind: Callable[[str], Any], low: float, high: float, wanted: str
 ) -> Callable[[str], Any]:

@@ -11,11 +11,12 @@ import numpy as np
 
 from ..model import BaseMotion, Oscillator
 from ..motion.orbit import Orbit, steady_orbit
+from ..motion.sliders import SlidersOrbit, sliders_orbit
 from ..records.errors import HIGHEST_RATE, LATEST, LOWEST_RATE, RecordError
 from ..records.measurement import QUANTITIES, Channel, Measurement
 from ..records.synthetic import measured_orbit
 from ..records.writers import write
-from .options import coefficients, quantity, whole
+from .options import coefficients, quantity, sliders, whole
 
 if TYPE_CHECKING:
     from ..law.response import LawOrbit
@@ -29,7 +30,12 @@ keeps its --friction unless the law gives F_k. The terms, their coefficients in 
 c_r on that relative to the base, c_2 quadratic, c_3 cubic, eta structural, a loss factor.
 
   dampbalance simulate level1.csv --frequency 3.5 --amplitude 0.004 --noise 0.01 --seed 1
+With --sliders the contact yields gradually: Jenkins elements in parallel, each a spring of kappa that slips at a
+deflection of r, so that the friction force of all is the sum of kappa × r. They are the whole contact unless
+--friction adds the oscillator's own element, with --contact-stiffness.
+
   dampbalance simulate level1.csv --frequency 3.5 --amplitude 0.004 --law c_2=40,eta=0.02
+  dampbalance simulate level1.csv --frequency 3.5 --amplitude 0.004 --sliders 1e-5:40000,5e-5:8000,2e-4:2000
 """
 _MOST_SWINGS = 300_000  # a second or two of computing
 _MOST_SWINGS_OF_LAW = 3_000  # a minute or two
@@ -49,6 +55,11 @@ ARGUMENTS: dict[str, dict[str, Any]] = {
         "type": coefficients,
         "metavar": "SYMBOL=VALUE,…",
         "help": "terms of the damping with their coefficients, see below (default: c alone)",
+    },
+    "--sliders": {
+        "type": sliders,
+        "metavar": "R:KAPPA,…",
+        "help": "Jenkins elements, m:N/m, see below; not with --law",
     },
     "--rate": quantity(5000.0, "samples per second", LOWEST_RATE, HIGHEST_RATE),
     "--cycles": quantity(100.0, "of the drive"),
@@ -74,12 +85,14 @@ def run(options: argparse.Namespace) -> None:
     """Simulate and write a record."""
     require_new(options)
     law = dict(options.law or {})
+    if options.sliders and options.law:
+        raise ValueError("--sliders and --law cannot be followed together: leave out one")
     osc = oscillator(options, law)
     motion = BaseMotion(Y=options.amplitude, omega=2.0 * math.pi * options.frequency)
     cycle = f"a cycle of {options.frequency:g} Hz"
     require_brief(osc, 1.0 / options.frequency, cycle, "a higher --frequency", bool(law))
     measurement = measured_orbit(
-        _steady(osc, motion, law),
+        _steady(osc, motion, law, options.sliders),
         rate_hz=options.rate,
         cycles=options.cycles,
         noise=options.noise,
@@ -124,7 +137,7 @@ def oscillator(options: argparse.Namespace, law: dict[str, float]) -> Oscillator
     for symbol, option in (("c", "--damping"), ("F_k", "--friction")):
         if symbol in law and given[symbol] is not None:
             raise ValueError(f"{symbol} is in --law and given by {option} as well: leave out one")
-    default = {"c": 0.0 if law else DAMPING, "F_k": FRICTION}
+    default = {"c": 0.0 if law else DAMPING, "F_k": 0.0 if options.sliders else FRICTION}
     c, F_k = (
         law.pop(symbol, default[symbol] if given[symbol] is None else given[symbol])
         for symbol in ("c", "F_k")
@@ -132,8 +145,15 @@ def oscillator(options: argparse.Namespace, law: dict[str, float]) -> Oscillator
     return Oscillator(options.mass, c, options.stiffness, options.contact_stiffness, F_k)
 
 
-def _steady(osc: Oscillator, motion: BaseMotion, law: dict[str, float]) -> Orbit | LawOrbit:
+def _steady(
+    osc: Oscillator,
+    motion: BaseMotion,
+    law: dict[str, float],
+    elements: list[tuple[float, float]] | None,
+) -> Orbit | LawOrbit | SlidersOrbit:
     """The steady response: exact where the law is friction and c."""
+    if elements:
+        return sliders_orbit(osc, motion, *zip(*elements, strict=True))
     if not law:
         return steady_orbit(osc, motion)
     from ..law.response import law_orbit  # loads scipy, which an exact orbit does not need

@@ -16,6 +16,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -27,6 +28,7 @@ from ..arguments import instance, mapping, number, numbers
 from ..arrays import Array
 from ..model import BaseMotion, Oscillator
 from ..motion.events import PHASE_S, PHASE_T, PHASE_V, PHASE_X, PHASE_Z
+from ..motion.mirrored import ACCEPTED, mirrored_state, reversal
 from ..motion.orbit import NoSteadyOrbit, steady_orbit
 from ..motion.states import State
 from .terms import FRICTION, Term, parted, term
@@ -224,9 +226,6 @@ def _direction(eq: Equation, start: Point, theta: float) -> float:
 
 _MOST_PHASES = 16384  # of half a period
 _MOST_STEPS = 50  # Newton's method takes four or so, and ten from a state far off
-_CONVERGED = 1e-14  # energy norm of s + Φ(s), relative to that of s
-_ACCEPTED = 1e-12  # like `_CONVERGED`, where rounding stops the descent
-_SINGULAR = 1e-9  # of 1 + ∂Φ/∂s, about π times the damping ratio: less is rounding
 _EQUIVALENCES = 12  # repetitions of the equivalent damper, each of which halves its error or better
 _NOTHING = np.empty((3, 0))
 _MOST_RADIANS = 3e5  # a few minutes of computing
@@ -299,13 +298,13 @@ def law_orbit(oscillator: Oscillator, motion: BaseMotion, law: Mapping[str, floa
             f"found no steady response, mirrored half a period later, of {oscillator} under {motion} "
             f"and the law {dict(law)}: there is one wherever energy is lost; add damping, or leave the resonance"
         )
-    # within a period both extremes occur, unless one is at its start: the other, mirrored, gives the reversal at −X
-    turns = [row for row in _phases(eq, state, motion.period, 0.0)[0][1:] if row[PHASE_V] == 0.0]
-    t, _, x, _, z = max(turns, key=lambda row: abs(row[PHASE_X]))
-    side = math.copysign(1.0, x)
-    theta = motion.omega * (t if side < 0.0 else (t + 0.5 * motion.period) % motion.period)
-    rows, pieces = _phases(eq, (-side * x, 0.0, -side * z), 0.5 * motion.period, theta)
-    phases = np.array(_until_closed(rows, oscillator))
+    rows = [np.array(row) for row in _phases(eq, state, motion.period, 0.0)[0]]
+    turned = reversal(rows, motion.period)
+    assert turned is not None, "a phase ends with each reversal"
+    t, (x, v, z) = turned
+    theta = motion.omega * t
+    half_cycle, pieces = _phases(eq, (x, v, z), 0.5 * motion.period, theta)
+    phases = np.array(_until_closed(half_cycle, oscillator))
     return LawOrbit(oscillator, motion, dict(law), theta, phases, tuple(pieces[: len(phases)]))
 
 
@@ -313,7 +312,7 @@ def _until_closed(rows: Sequence[Row], o: Oscillator) -> Sequence[Row]:
     """The phases of a half cycle without those at its end that start when it has closed: rounding lets the reversal
     come early, or leaves a velocity at the end, and neither is a phase of the motion."""
     states = np.array(rows)[:, [PHASE_X, PHASE_V, PHASE_Z]] * _weights(o)
-    away = np.linalg.norm(states + states[0], axis=1) > _ACCEPTED * np.linalg.norm(states[0])
+    away = np.linalg.norm(states + states[0], axis=1) > ACCEPTED * np.linalg.norm(states[0])
     return rows[: 1 + int(np.flatnonzero(away)[-1])]
 
 
@@ -375,23 +374,8 @@ def _nearby(eq: Equation) -> Point:
 def _fixed_point(eq: Equation, start: Point) -> Point | None:
     """The state s at base phase 0 with Φ(s) = −s, by Newton's method from there; None if it is not found."""
     weights = _weights(eq.oscillator)
-    s = np.array(start)
-    residual, derivative = _closure(eq, s)
-    for _ in range(_MOST_STEPS):
-        size, error = np.linalg.norm(weights * s), np.linalg.norm(weights * residual)
-        if error <= _CONVERGED * size:
-            break
-        trial = s - np.linalg.lstsq(derivative, residual)[0]
-        nearer = _closure(eq, trial)
-        if error <= _ACCEPTED * size and np.linalg.norm(weights * nearer[0]) >= 0.5 * error:
-            break  # rounding keeps it from going lower
-        s, (residual, derivative) = trial, nearer
-    else:
-        return None
-    scaled = derivative * weights[:, None] / weights
-    if np.linalg.svd(scaled, compute_uv=False)[-1] < _SINGULAR:
-        return None  # any amplitude would do
-    return float(s[0]), float(s[1]), float(s[2])
+    s = mirrored_state(partial(_closure, eq), np.array(start), weights, _MOST_STEPS)
+    return None if s is None else (float(s[0]), float(s[1]), float(s[2]))
 
 
 def _closure(eq: Equation, s: Array) -> tuple[Array, Array]:

@@ -125,8 +125,9 @@ def _first_turn(v0: float, f0: float, delta: float, w: float) -> tuple[float, fl
 
 
 @jit
-def _free_end(s: float, lower: float, upper: float, phase: Phase) -> tuple[float, float]:
-    """(duration, level) of a phase of a free under-damped motion; infinite where it lasts.
+def _free_end(which: int, lower: float, upper: float, phase: Phase) -> tuple[float, float]:
+    """(duration, level): when u (which = 0) or u̇ (which = 1) of a free under-damped motion leaves [lower, upper], and
+    at which bound; infinite where it never does.
 
     Its velocity has its zeros half a period apart, and each swing about the rest position is smaller than the one
     before: a contact that sticks slips in one of the first two swings, or never again.
@@ -136,7 +137,7 @@ def _free_end(s: float, lower: float, upper: float, phase: Phase) -> tuple[float
         return math.inf, 0.0
     w = math.sqrt(Omega2 - delta * delta)
     turn, side = _first_turn(v0, f0, delta, w)
-    if s != 0.0:
+    if which == 1:
         return turn, 0.0
     low = 0.0
     for _ in range(2):
@@ -147,9 +148,42 @@ def _free_end(s: float, lower: float, upper: float, phase: Phase) -> tuple[float
             rest = f0 / Omega2
             cosine = (level - rest) / (u - rest) if u != rest else 0.0
             near = turn - math.acos(min(max(cosine, -1.0), 1.0)) / math.sqrt(Omega2)
-            return locate(int(s), level, low, turn, near, phase), level  # s is 0
+            return locate(which, level, low, turn, near, phase), level
         low, turn, side = turn, turn + math.pi / w, -side
     return math.inf, 0.0
+
+
+@jit
+def leaving(
+    which: int, lower: float, upper: float, limit: float, phase: Phase
+) -> tuple[bool, float, float]:
+    """(whether, t, level): whether u (which = 0) or u̇ (which = 1) leaves [lower, upper] before `limit`, s, when, and at
+    which of the two; t is the limit, except for rounding, where it stays within."""
+    if phase.A == 0j and phase.delta < _UNDER * math.sqrt(phase.Omega2):
+        t, level = _free_end(which, lower, upper, phase)
+        return t < limit, min(t, limit), level
+    fastest = max(phase.omega, math.sqrt(phase.Omega2), phase.delta)
+    n = max(1, math.ceil(_STEPS_PER_RADIAN * limit * fastest))
+    low, at_low = 0.0, _motion(0.0, phase)
+    for i in range(1, n + 1):
+        high = limit * i / n
+        at_high = _motion(high, phase)
+        first, second = _turns(which, low, high, at_low, at_high, phase)
+        inside, out, value = low, high, at_high[which]
+        for turn in (first, second):
+            if turn < high:
+                at_turn = _motion(turn, phase)[which]
+                if not lower <= at_turn <= upper:
+                    out, value = turn, at_turn
+                    break
+                inside = turn
+        if not lower <= value <= upper:
+            if inside == 0.0 and (at_low[which] == lower or at_low[which] == upper):
+                inside = _just_inside(which, lower, upper, out, phase)
+            level = upper if value > upper else lower
+            return True, locate(which, level, inside, out, 0.0, phase), level
+        low, at_low = high, at_high
+    return False, low, 0.0
 
 
 @jit
@@ -170,42 +204,13 @@ def phase_end(
         which, lower, upper = 1, 0.0, math.inf
     else:
         which, lower, upper = 1, -math.inf, 0.0
-
-    if par.Y == 0.0 and phase.delta < _UNDER * math.sqrt(phase.Omega2):
-        t, level = _free_end(s, lower, upper, phase)
-        if t >= limit:
-            u, rate = move(limit, phase)
-            return limit, x + u, rate, (z + u if s == 0.0 else s * Z_m)
-        u, rate = move(t, phase)
-        if s == 0.0:
-            return t, x + level, rate, (Z_m if level == upper else -Z_m)
-        return t, x + u, 0.0, s * Z_m
-
-    fastest = max(phase.omega, math.sqrt(phase.Omega2), phase.delta)
-    n = max(1, math.ceil(_STEPS_PER_RADIAN * limit * fastest))
-    low, at_low = 0.0, _motion(0.0, phase)
-    for i in range(1, n + 1):
-        high = limit * i / n
-        at_high = _motion(high, phase)
-        first, second = _turns(which, low, high, at_low, at_high, phase)
-        inside, out, value = low, high, at_high[which]
-        for turn in (first, second):
-            if turn < high:
-                at_turn = _motion(turn, phase)[which]
-                if not lower <= at_turn <= upper:
-                    out, value = turn, at_turn
-                    break
-                inside = turn
-        if not lower <= value <= upper:
-            if inside == 0.0 and (at_low[which] == lower or at_low[which] == upper):
-                inside = _just_inside(which, lower, upper, out, phase)
-            level = upper if value > upper else lower
-            t = locate(which, level, inside, out, 0.0, phase)
-            if s == 0.0:
-                return t, x + level, _motion(t, phase)[1], (Z_m if level == upper else -Z_m)
-            return t, x + _motion(t, phase)[0], 0.0, s * Z_m
-        low, at_low = high, at_high
-    return limit, x + at_low[0], at_low[1], (z + at_low[0] if s == 0.0 else s * Z_m)
+    left, t, level = leaving(which, lower, upper, limit, phase)
+    u, rate = move(t, phase)
+    if not left:
+        return limit, x + u, rate, (z + u if s == 0.0 else s * Z_m)
+    if s == 0.0:
+        return t, x + level, rate, (Z_m if level == upper else -Z_m)
+    return t, x + u, 0.0, s * Z_m
 
 
 @jit

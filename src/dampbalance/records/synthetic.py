@@ -16,6 +16,7 @@ from ..arrays import Array
 from ..law.gradual import Sliders
 from ..model import BaseMotion, Oscillator
 from ..motion.orbit import Orbit
+from ..motion.sliders import SlidersOrbit
 from ..motion.transient import transient
 from .errors import LARGEST
 from .measurement import ABSOLUTE, QUANTITIES, Channel, Measurement
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
 
 
 def measured_orbit(
-    orbit: Orbit | LawOrbit,
+    orbit: Orbit | LawOrbit | SlidersOrbit,
     *,
     rate_hz: float,
     cycles: float,

@@ -24,7 +24,7 @@ from ..arrays import Words
 from ..law.terms import KNOWN_TERMS
 from ..project.files import replacing, write_json
 from .cases import REGIME_NAMES, columns_of
-from .settings import Listed, Study
+from .settings import CONTACT, Listed, Study
 
 MANY = 100_000
 """A table of so many cases or more is written uncompressed: numbers of which no two are alike hardly compress, and
@@ -62,9 +62,9 @@ def column_of(cases: str | Path, name: str) -> Words:
 
 
 def terms_of(cases: str | Path) -> list[str]:
-    """Symbols of the terms whose errors the table of cases holds."""
+    """Symbols of the coefficients, K_z among them, whose errors the table of cases holds."""
     held = {column.partition("_relative_error__")[0] for column in pq.read_schema(cases).names}
-    return [symbol for symbol in KNOWN_TERMS if symbol in held]
+    return [symbol for symbol in (*KNOWN_TERMS, CONTACT) if symbol in held]
 
 
 def write_parts(

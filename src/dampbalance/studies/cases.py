@@ -11,12 +11,12 @@ import numpy as np
 
 from ..arrays import Array, Integers, Words
 from ..features import Features
-from ..law.terms import KNOWN_TERMS
+from ..law.terms import KNOWN_TERMS, Term
 from ..motion.regime import Regime
 from ..project.documents import ConfigurationError
 from ..project.progress import duration_in_words
 from .parameters import MECHANICAL, OF_LAW, PARAMETERS, SI_COLUMNS, in_si
-from .settings import Sampled, Study, case_values
+from .settings import CONTACT, Sampled, Study, case_values
 
 PART = 131_072
 """Cases that are in memory at a time, and a row group of the file: 0.8 kB each while they are worked on."""
@@ -95,6 +95,19 @@ class Column(NamedTuple):
     words: bool = False
 
 
+class _ContactStiffness(NamedTuple):
+    """What a column says of K_z, which is no term of a damping law."""
+
+    symbol: str = CONTACT
+    column: str = "K_z_N_per_m"
+    unit: str = "N/m"
+
+
+def identified_by(symbol: str) -> Term | _ContactStiffness:
+    """What can be identified: a term of a damping law, or K_z, by its symbol."""
+    return _ContactStiffness() if symbol == CONTACT else KNOWN_TERMS[symbol]
+
+
 _STANDARD_ERROR = "standard error of {0.symbol} (bootstrap over cycles; of the fit, its covariance)"
 _COVERED = "1 if the 95 % interval of {0.symbol} holds its true value, else 0"
 _OF_TERMS = {
@@ -124,7 +137,7 @@ def columns_of(study: Study) -> list[Column]:
     true = {*SI_COLUMNS, *(OF_LAW[name] for name in OF_LAW if name in study.parameters)}
     for fit in study.fits:
         how = " ".join(part.replace("_", " ") for part in fit.label.split("__"))
-        terms = [KNOWN_TERMS[symbol] for symbol in fit.identified]
+        terms = [identified_by(symbol) for symbol in fit.identified]
         for kind in (kind for kind in _OF_TERMS if kind in study.columns):
             for term in (of for of in terms if kind == "estimates" or of.symbol in true):
                 for described in _OF_TERMS[kind]:

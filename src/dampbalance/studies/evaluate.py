@@ -12,12 +12,20 @@ import pandas as pd
 from ..arrays import Array, Integers, Words
 from ..balance import APPROACHES, TERMS, Rows, direct
 from ..features import Features, of_orbits
-from ..law.terms import KNOWN_TERMS
 from ..motion.orbits import steady_orbits
 from ..project.progress import followed
 from ..replication.as_published import ReadOut
 from ..solver import NORMAL_95, Estimate, solve
-from .cases import NOT_READ, PART, REGIME_NAMES, Cases, Responses, cases_between, columns_of
+from .cases import (
+    NOT_READ,
+    PART,
+    REGIME_NAMES,
+    Cases,
+    Responses,
+    cases_between,
+    columns_of,
+    identified_by,
+)
 from .parameters import OF_LAW, PARAMETERS, SI_COLUMNS
 from .settings import LIKELIHOOD, RIGID, SIMPSON, WEIGHTED, Fit, Study
 
@@ -82,7 +90,8 @@ def _evaluate(cases: Cases, threads: int | None) -> dict[str, Any]:
     for fit in study.fits:
         table[f"residual__{fit.label}"] = np.full(len(cases.numbers), np.nan)
         if fit.approach == LIKELIHOOD:
-            table |= _results(fit, *responses.likelihood, si)
+            values, errors = ({s: of[s] for s in fit.identified} for of in responses.likelihood)
+            table |= _results(fit, values, errors, si)
             continue
         read, replicates = responses.features, responses.drawn
         if fit.approach == SIMPSON:
@@ -123,7 +132,7 @@ def _results(
     estimate ± 1.96 standard errors holds the true value."""
     table = {}
     for symbol, value in estimates.items():
-        table[f"{KNOWN_TERMS[symbol].column}__{fit.label}"] = value
+        table[f"{identified_by(symbol).column}__{fit.label}"] = value
         if symbol not in si:  # a term that the oscillator does not have
             continue
         true = np.where(si[symbol] > 0.0, si[symbol], np.nan)  # zero has no relative error

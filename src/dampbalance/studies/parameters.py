@@ -87,6 +87,7 @@ OF_LAW = {KNOWN_TERMS[symbol].column: symbol for symbol in BUILT_IN if symbol no
 _NOISE = "rms of the noise of each channel over that of its signal"
 _RUN = "number of the run: the same but for its noise"
 _LAW = "damping law of the oscillator, drawn anew in each run"
+_SLIP_RANGE = "longest over shortest deflection at which a part of the contact slips, r_max/r_min"
 
 PARAMETERS: dict[str, Parameter] = {
     "m_kg": Parameter("oscillator", "kg", "mass m", "m"),
@@ -116,6 +117,7 @@ PARAMETERS: dict[str, Parameter] = {
     "noise": Parameter("numerics", "1", _NOISE, r"\sigma", zero_allowed=True, high=100.0),
     "run": Parameter("numerics", "1", _RUN, zero_allowed=True, whole=True),
     "law": Parameter("numerics", "", _LAW, "law"),
+    "slip_range": Parameter("numerics", "1", _SLIP_RANGE, r"r_{\max}/r_{\min}", low=1.0, high=1e6),
     "X_decimals": _decimals("X", "m"),
     "X_s_decimals": _decimals("X_s", "m"),
     "X_s_mark_m": Parameter("read_out", "m", "marks in which X + X_s is counted"),

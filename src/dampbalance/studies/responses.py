@@ -29,8 +29,9 @@ from ..law.terms import FRICTION, KNOWN_TERMS, of_harmonics
 from ..likelihood.mean_harmonics import Reading, read_features
 from ..model import BaseMotion, Oscillator
 from ..motion.fixed_step import StepTooCoarse, simulate
-from ..motion.orbit import NoSteadyOrbit, steady_orbit
+from ..motion.orbit import NoSteadyOrbit, Orbit, steady_orbit
 from ..motion.regime import Regime
+from ..motion.sliders import SlidersOrbit, sliders_orbit, spread_contact
 from ..project.progress import followed
 from ..reading.clean import CYCLES_TO_READ, of_record
 from ..reading.simpson import cycle_integrals, replicates_of
@@ -39,8 +40,9 @@ from ..records.measurement import Measurement
 from ..records.synthetic import measured_orbit
 from .cases import NOT_READ, STEP_TOO_COARSE, Cases, Responses
 from .parameters import OF_LAW, oscillator_of
-from .settings import NONE, SIMPSON, law_named, terms_named
+from .settings import CONTACT, NONE, SIMPSON, law_named, terms_named
 
+_OF_FIT = (*TERMS, CONTACT)  # what the maximum-likelihood oscillator identifies
 _HARMONICS = 128  # odd ones: what lies beyond takes 1e-9 of the work or less
 
 
@@ -166,7 +168,7 @@ def measured_responses(cases: Cases, _: Iterable[str]) -> Responses:
     study = cases.study
     by_simpson = any(fit.approach == SIMPSON for fit in study.fits)
     points, replicates, plain = [], [], []
-    fitted = np.full((2, len(TERMS), len(cases.numbers)), np.nan)
+    fitted = np.full((2, len(_OF_FIT), len(cases.numbers)), np.nan)
     numbers = followed(cases.numbers.tolist(), len(cases.numbers), "experiments")
     for case, number in enumerate(numbers):
         osc = oscillator_of(cases.si, case)
@@ -178,12 +180,12 @@ def measured_responses(cases: Cases, _: Iterable[str]) -> Responses:
         replicates.append(replicate)
         if whole is not None and (answer := whole.answer):
             for row, of in zip(fitted, (answer.values, answer.standard_errors), strict=True):
-                row[:, case] = [of[symbol] for symbol in TERMS]
+                row[:, case] = [of[symbol] for symbol in _OF_FIT]
         if by_simpson:
             integrals = _by_simpson(records, osc.k, study.replicates, random)
             pairs = zip((point, replicate), integrals, strict=True)
             plain.append([seen.replaced(**dict(zip("abW", of, strict=True))) for seen, of in pairs])
-    values, errors = (dict(zip(TERMS, of, strict=True)) for of in fitted)
+    values, errors = (dict(zip(_OF_FIT, of, strict=True)) for of in fitted)
     simpson = tuple(side_by_side(parts) for parts in zip(*plain, strict=True))
     return Responses(side_by_side(points), side_by_side(replicates), simpson, (values, errors))
 
@@ -197,7 +199,12 @@ def _measured(
     random = np.random.default_rng([study.seed, int(cases.numbers[case]), level])
     rate_hz, noise = (float(cases.values[name][case]) for name in ("sampling_hz", "noise"))
     try:
-        orbit = steady_orbit(osc, motion)
+        if "slip_range" in cases.values:
+            slip_range = float(cases.values["slip_range"][case])
+            elements = spread_contact(osc, slip_range)
+            orbit: Orbit | SlidersOrbit = sliders_orbit(replace(osc, F_k=0.0), motion, *elements)
+        else:
+            orbit = steady_orbit(osc, motion)
     except NoSteadyOrbit:
         return str(Regime.NOT_FOUND)
     start = random.random() * motion.period  # a record begins anywhere in the cycle

@@ -183,7 +183,7 @@ class Route:
     @property
     def answers(self) -> Collection[str]:
         """What a case ends in, which facts are about: coefficients by symbol, or the law that its records support."""
-        return KNOWN_TERMS if self.approaches else ("law",)
+        return (*KNOWN_TERMS, CONTACT) if self.approaches else ("law",)
 
     @property
     def approaches(self) -> Collection[str]:
@@ -216,7 +216,7 @@ ROUTES = {
         Route(
             "measured",
             needs=(("sampling_hz",), ("noise",)),
-            optional=("run",),
+            optional=("run", "slip_range"),
             settings=("cycles", "seed", "replicates"),
             cycles=100,
             chunk_cases=60,
@@ -267,6 +267,9 @@ YARDSTICKS = (SIMPSON, LIKELIHOOD)
 """What approaches are compared with on noisy records: plain direct integration (`reading.simpson`), which takes a
 rigid contact and equal weights, and the maximum-likelihood oscillator, which needs no balance."""
 
+CONTACT = "K_z"
+"""Symbol of the contact stiffness; as a yardstick, the maximum-likelihood oscillator with its K_z besides F_k and c."""
+
 OF_INTERVALS = ("standard_error", "coverage", "coverage_low", "coverage_high")
 SPREADS = ("bias", "rms", "p95_error", *OF_INTERVALS)
 """Facts about a set of runs, each by one fit: see `statistics.spread`."""
@@ -304,7 +307,7 @@ class Fit:
     def identified(self) -> tuple[str, ...]:
         """Symbols of the coefficients that it identifies."""
         if self.approach in YARDSTICKS:
-            return tuple(TERMS)
+            return self.terms or tuple(TERMS)
         return self.terms or APPROACHES[self.approach].terms
 
     @property
@@ -409,9 +412,9 @@ class Study:
         if "lines" in spec:
             lines = [self.fits_of(line) for line in spec["lines"].values()]
             return [fit for (fit,) in lines] if set(map(len, lines)) == {1} else []
-        first = next((fit.terms for fit in self.fits), ())
+        first = next((fit.terms for fit in self.fits if fit.approach != LIKELIHOOD), ())
         terms = in_order(spec["terms"]) if "terms" in spec else first
-        fits = [fit for fit in self.fits if fit.terms == terms]
+        fits = [fit for fit in self.fits if fit.terms == terms or fit.approach == LIKELIHOOD]
         usual = {"contact": COMPLIANT, "weights": WEIGHTED}
         for key in ("approach", "phase", "sharing", "contact", "weights"):
             if wanted := spec.get(key, usual.get(key)):
@@ -493,4 +496,7 @@ def _fits(estimation: Mapping[str, Any], way: Route) -> Iterator[Fit]:
             yield Fit(approach, *choice)
     of_yardsticks = {SIMPSON: (RIGID, EQUAL), LIKELIHOOD: (COMPLIANT, "")}
     for name in estimation.get("yardsticks", []):
-        yield Fit(name, "", "", *of_yardsticks[name], None)
+        if name == CONTACT:
+            yield Fit(LIKELIHOOD, "", "", *of_yardsticks[LIKELIHOOD], None, (*TERMS, CONTACT))
+        else:
+            yield Fit(name, "", "", *of_yardsticks[name], None)

@@ -329,6 +329,30 @@ def test_a_simulated_record_is_not_overwritten_unasked(tmp_path, capsys):
     assert path.read_text(encoding="utf-8") == "mine"
 
 
+def test_sliders_are_the_contact_of_a_simulated_record(tmp_path, capsys):
+    Z_m = 1.28 / 208000.0
+    made = {}
+    for name, arguments in {
+        "one": [],
+        "two": ["--sliders", f"{Z_m!r}:108000,{Z_m!r}:100000"],
+        "more": ["--sliders", f"{Z_m!r}:208000,1e-4:5000"],
+        "own": ["--sliders", "1e-4:5000", "--friction", "1.28"],
+    }.items():
+        path = tmp_path / f"{name}.csv"
+        assert simulate(path, *SMALL, *arguments) == 0
+        made[name] = read(path)["displacement"].values
+    for one, other in (("one", "two"), ("more", "own")):
+        np.testing.assert_allclose(made[one], made[other], rtol=0, atol=1e-12)
+    assert np.abs(made["more"] - made["one"]).max() > 1e-5
+    for arguments, message in (
+        (["--sliders", "1e-4"], "must be pairs r:kappa"),
+        (["--sliders", "1e-4:-5"], "positive"),
+        (["--sliders", "1e-4:5", "--law", "c_2=1"], "leave out one"),
+    ):
+        assert simulate(tmp_path / "wrong.csv", *SMALL, *arguments) == 2
+        assert message in capsys.readouterr().err
+
+
 def test_a_law_is_what_damps_a_simulated_record(tmp_path):
     # ω = 2π 4.92/s: a loss factor ωc/k is a damper c; and quadratic damping takes what harmonic balance gives it
     omega = 2.0 * np.pi * 4.92

@@ -17,7 +17,7 @@ from matplotlib.patches import Rectangle
 from matplotlib.ticker import NullFormatter
 
 from ...arrays import Array, Integers
-from ...balance import TERMS, takes_phase
+from ...balance import takes_phase
 from ...figures.grid import NAMED, clear_labels, decades_axis, grid, signed_axis
 from ...figures.looks import SCHEME_LOOKS, in_maths, label_of, look_of, named
 from ...figures.series import COMMON, EXACT, INDIVIDUAL, SHARINGS, decades, signed_scale
@@ -74,7 +74,9 @@ def study_figure(study: Study, cases: str | Path) -> Figure:
 
 def alternative_text(study: Study) -> str:
     """What the figure shows, in one sentence."""
-    identified, figure = f"the identified {listed(list(TERMS))}", study.figure
+    figure = study.figure
+    symbols = dict.fromkeys(s for fit in study.fits_of(figure) for s in fit.identified)
+    identified = f"the identified {listed([*symbols])}"
     x, y = (PARAMETERS[figure.get(axis, figure["x"])].meaning for axis in ("x", "y"))
     shown = {
         "curves": f"error of {identified} against {x}",

@@ -11,7 +11,7 @@ import pandas as pd
 
 from ...project.wording import in_markdown, listed, markdown_table, percent
 from ..case_files import stretches, terms_of
-from ..settings import EQUAL, NONE, RIGID, Fit, Study
+from ..settings import EQUAL, LIKELIHOOD, NONE, RIGID, Fit, Study
 from .statistics import Sizes, bounds_of, choices_of, groups, share_of, spread_of, terms_of_choice
 
 WITHIN = 0.01  # relative error that the summary counts as good
@@ -75,7 +75,7 @@ def _grouped_records(cases: str | Path, study: Study) -> Iterator[dict[str, Any]
 
 def _which(quantity: str, fit: Fit) -> dict[str, str]:
     """The columns of a table that identify the quantity and the fit of a row."""
-    terms = {"terms": ", ".join(fit.terms)} if fit.terms else {}
+    terms = {"terms": ", ".join(fit.terms)} if fit.terms and fit.approach != LIKELIHOOD else {}
     by = {"quantity": quantity, "approach": fit.approach, "phase": fit.phase}
     by |= {"sharing": fit.sharing, **terms, "contact": fit.contact}
     return by | {"weights": fit.weights, "fit": fit.kind}
