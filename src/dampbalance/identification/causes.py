@@ -7,7 +7,8 @@ model lacks moves the mass by what the equations of its steady motion, linear in
 One cause is special. A contact that yields gradually has nearly the harmonics of one that yields at once, with another
 stiffness: of what lies between, little more than the loss while it yields shows in a record. The sum of the squares of
 the residuals hardly notices; the one direction in which such a contact differs, and the one sign, tell the most. All
-such contacts share it: those of Dahl, Bouc–Wen, Iwan, two sliders differ in it by a few per cent.
+such contacts nearly share it: that of Iwan with a uniform distribution, whose corner is a parabola, stands for those of
+Dahl, Bouc–Wen and several sliders.
 
 A motion relative to the base that was taken for absolute, or the other way round, is off by the whole base motion y,
 which is too much for a score test: the oscillator is fitted again, to x + y or x − y.
@@ -29,7 +30,7 @@ from ..likelihood.mean_harmonics import Reading
 from ..likelihood.oscillator_fit import OscillatorFit
 from ..likelihood.score import Departure, departures_from
 from ..likelihood.waveforms import WaveformFit
-from ..motion.law_decays import ADDED, softer
+from ..motion.law_decays import ADDED, rounding
 from ..project.wording import Remark
 from ..records.measurement import ABSOLUTE, RELATIVE
 from ..solver import NORMAL_95
@@ -39,7 +40,7 @@ _CHANCE = 0.005
 _MOST = 0.3  # of what noise does not explain: a cause that is named as the likeliest
 _PHASES = 1024  # of a cycle
 _FALLING = 0.1  # of the largest speed
-_FARTHEST = 0.25  # of K_z^{−1/2}: what first order reaches
+_ROUNDEST = 1.5  # a Dahl contact, which is twice as stiff after a reversal as the nearest that yields at once
 _MATTERS = 3.0  # standard errors by which another contact may change K_z, unsaid
 _LEAST = 0.03  # of K_z
 GRADUAL = ADDED[-1]
@@ -49,8 +50,7 @@ _GRADUALLY = "yields gradually (Dahl, Bouc–Wen, several contacts)"
 
 
 def departures(fit: WaveformFit) -> list[Departure]:
-    """What each cause would explain; the amount of the gradual contact is its part in the force, 1 for a Dahl contact
-    of the stiffness found."""
+    """What each cause would explain; the amount of the gradual contact is 1 for an Iwan contact."""
     free = np.flatnonzero(np.any(fit.response != 0.0, axis=1))
     jacobian: Array = np.asarray(np.linalg.pinv(fit.response[free]), dtype=np.float64)
     added = {}
@@ -110,8 +110,8 @@ def remark_on(one: Departure, fit: OscillatorFit) -> Remark:
     if one.symbol == GRADUAL:
         words = (
             f"{words}, and its K_z is that of the nearest one that yields at once: after a reversal the contact is "
-            f"about {100.0 * changes['K_z']:.0f} % stiffer; identify the distribution of its yield forces from more "
-            "levels"
+            f"roughly {100.0 * min(changes['K_z'], 1.0):.0f} % stiffer; identify the distribution of its "
+            "yield forces from more levels"
         )
     return Remark(words, doubts={symbol: abs(part) for symbol, part in changes.items()})
 
@@ -125,7 +125,7 @@ def condition_on_contact(fit: OscillatorFit, tested: Iterable[Departure]) -> lis
     for one in tested:
         if one.symbol != GRADUAL or fit.rigid:
             continue
-        most = min(max(one.value, 0.0) + NORMAL_95 * one.error, 1.0)
+        most = min(max(one.value, 0.0) + NORMAL_95 * one.error, _ROUNDEST)
         part = _changes(one, fit, most).get("K_z", 0.0)
         if part > max(_LEAST, _MATTERS * fit.K_z_error / fit.K_z):
             return [
@@ -140,7 +140,8 @@ def _changes(one: Departure, fit: OscillatorFit, value: float) -> dict[str, floa
     """By which part of themselves the numbers of a fit change with a coefficient of this value, by symbol."""
     parts = {s: by * value / (fit.value(s) or 1.0) for s, by in one.slopes.items()}
     if "rho" in parts:
-        parts["K_z"] = max(1.0 + parts.pop("rho"), _FARTHEST) ** -2 - 1.0
+        # after a reversal the contact is as much stiffer as its corner is rounded
+        parts["K_z"] = -2.0 * parts.pop("rho") + (value if one.symbol == GRADUAL else 0.0)
     return parts
 
 
@@ -237,8 +238,7 @@ _FORCES: Mapping[str, Callable[[Array, Array, Array], Array]] = {
 def _motion(fit: WaveformFit, i: int) -> tuple[Array, Array, Array]:
     """(x, ẋ, force of a contact that yields gradually less that of the model's) over a cycle from a peak of the base.
 
-    From rest, the model's force grows with the displacement s by K_z s up to F_k, that of a Dahl contact as
-    g(s) = F_k(1 − e^{−K_z s/F_k}). At a distance u from the reversal at −X either is 2g(u/2) − g(X) (Masing).
+    At a level that does not slip the contacts rise and fall along the same curve, and the force is nearly elastic.
     """
     orbit = fit.responses[i].orbit
     osc = orbit.oscillator
@@ -246,8 +246,7 @@ def _motion(fit: WaveformFit, i: int) -> tuple[Array, Array, Array]:
     x, v, *_ = (np.concatenate([half, -half]) for half in orbit.state(t))
     sign, X = np.where(v < 0.0, -1.0, 1.0), float(np.abs(x).max())
     u = np.maximum(sign * x + X, 0.0)
-    less = [softer(s, osc.F_k, osc.K_z) for s in (0.5 * u, np.array([X]))]
-    return x, v, sign * (2.0 * less[0] - less[1])
+    return x, v, sign * rounding(u, osc.F_k, osc.K_z)
 
 
 def _moved(fit: WaveformFit, i: int, force: Array) -> Complexes:

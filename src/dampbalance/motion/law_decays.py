@@ -21,8 +21,8 @@ from .flow import step_response
 from .jit import jit
 
 ADDED = ("c_2", "c_3", "c_a", "k_2", "k_3", "gradual")
-"""Coefficients of what is not linear: N s²/m², N s³/m³, N s/m, N/m², N/m³, and the part of a contact that yields
-gradually in the force of the contact, by which only derivatives are taken: it stays zero."""
+"""Coefficients of what is not linear: N s²/m², N s³/m³, N s/m, N/m², N/m³, and how much of `rounding` the force of the
+contact has, by which only derivatives are taken: it stays zero."""
 
 _F_K, _C, _RHO, _M, _FIRST = range(5)
 _X, _V, _W = range(_FIRST + len(ADDED), _FIRST + len(ADDED) + 3)
@@ -34,10 +34,11 @@ _MOST_EVENTS = 20000
 
 
 @jit
-def softer(s: Any, F_k: float, K_z: float) -> Any:
-    """Force of a contact that yields gradually (Dahl), less that of one that yields at once, at a displacement s ≥ 0
-    from rest: F_k(1 − e^{−K_z s/F_k}) − min(K_z s, F_k); a number or an array."""
-    return F_k * (1.0 - np.exp(-K_z / F_k * s)) - np.minimum(K_z * s, F_k)
+def rounding(u: Any, F_k: float, K_z: float) -> Any:
+    """Force of an Iwan contact of stiffness 2K_z, less that of a Jenkins contact of stiffness K_z, at a distance u ≥ 0
+    from a reversal, N: 2F_k s(1 − s), s = K_z u/(2F_k) ≤ 1. Both have yielded there; a number or an array."""
+    s = np.minimum(0.5 * K_z / F_k * u, 1.0)
+    return 2.0 * F_k * s * (1.0 - s)
 
 
 @jit
@@ -76,9 +77,8 @@ def _accelerations(
     out[first + 2] -= size / par.m
     out[first + 3] -= x * x / par.m
     out[first + 4] -= x * x * x / par.m
-    # since the reversal at which the contact began to stick; in slip it has stuck over 2Z_m before
-    travel = abs(u) + (0.0 if sticks else 2.0 * par.F_k / par.K_z)
-    out[first + 5] -= math.copysign(2.0 / par.m, u) * softer(0.5 * travel, par.F_k, par.K_z)
+    if sticks:  # since the reversal at u = 0
+        out[first + 5] -= math.copysign(rounding(abs(u), par.F_k, par.K_z), u) / par.m
 
 
 @jit
