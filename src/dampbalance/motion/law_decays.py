@@ -77,7 +77,7 @@ def _accelerations(
     out[first + 2] -= size / par.m
     out[first + 3] -= x * x / par.m
     out[first + 4] -= x * x * x / par.m
-    if sticks:  # since the reversal at u = 0
+    if sticks and par.F_k > 0.0:  # since the reversal at u = 0
         out[first + 5] -= math.copysign(rounding(abs(u), par.F_k, par.K_z), u) / par.m
 
 
