@@ -95,7 +95,8 @@ def test_a_small_force_moves_the_steady_motion_as_an_integrator_finds(osc):
 def test_a_gradual_part_of_the_contact_moves_a_decay_as_an_integrator_finds():
     osc = Oscillator(m=2.42, c=3.0, k=2310.0, K_z=20_000.0, F_k=1.28)
     truth = Decay(0, osc.m, osc.c, osc.k, osc.K_z, osc.F_k, *[()] * 4, 0.0, (), 0.0, 0.0)
-    x, step, lasts, part = 0.02, 0.002, 1.5, 1e-3
+    # as long as it slips in each half cycle: in the last, of part of the corner, the direction is only roughly right
+    x, step, lasts, part = 0.02, 0.002, 1.2, 1e-3
     runs = []
     for p in (0.0, part):
         contact = contact_of(osc, p)
