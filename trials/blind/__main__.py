@@ -15,7 +15,7 @@ import pandas as pd
 
 from dampbalance.project.progress import followed
 
-from . import decay_laws, decrements, efficiency, faults, joints, laws, others, score
+from . import decay_laws, decrements, departures, efficiency, faults, joints, laws, others, score
 from .truths import SEED
 
 
@@ -85,7 +85,7 @@ def decays(options: argparse.Namespace) -> str:
 def departing_decays(options: argparse.Namespace) -> str:
     """Identify free decays with a further term; what is said of it, and which law is chosen."""
     wanted = range(options.first, options.first + options.sets)
-    runs = [(term, index, options.seed) for index in wanted for term in decay_laws.TERMS]
+    runs = [(term, index, options.seed) for index in wanted for term in decay_laws.ALL]
     rows = _rows(decay_laws.outcome, runs, options.processes)
     rows.to_csv(options.output / "decay_laws.csv", index=False)
     return decay_laws.table(rows)
@@ -99,8 +99,18 @@ def jointed(options: argparse.Namespace) -> str:
     return joints.table(rows)
 
 
+def departing(options: argparse.Namespace) -> str:
+    """Identify forced records that depart from the model; what is wrong, and whether that is said."""
+    wanted = range(options.first, options.first + options.sets)
+    runs = [(name, i, options.seed) for i in wanted for name in departures.DEPARTURES]
+    rows = _rows(departures.outcome, runs, options.processes)
+    rows.to_csv(options.output / "departures.csv", index=False)
+    return departures.table(rows)
+
+
 PARTS = {"decays": decays, "blind": blind, "efficiency": efficient, "faults": faulty}
 PARTS |= {"others": other, "laws": confused, "decay_laws": departing_decays, "joints": jointed}
+PARTS |= {"departures": departing}
 
 
 def main(arguments: list[str] | None = None) -> None:
@@ -109,7 +119,9 @@ def main(arguments: list[str] | None = None) -> None:
     parser.add_argument("part", nargs="?", default="blind", choices=PARTS)
     parser.add_argument("--sets", type=int, default=900)
     parser.add_argument("--first", type=int, default=0, help="number of the first set, or drawing")
-    parser.add_argument("--seed", type=int, default=SEED, help="of the sets of decays or joints")
+    parser.add_argument(
+        "--seed", type=int, default=SEED, help="of the sets of decays, departures or joints"
+    )
     parser.add_argument("--drawings", type=int, default=200, help="of each truth or law")
     parser.add_argument("--processes", type=int, default=2)
     parser.add_argument("--approach", default=score.FIRST, help="whose errors faults shows")

@@ -1,5 +1,5 @@
 """Free decays that depart from friction and viscous damping: what `identify` says of them by default, and which law it
-finds.
+finds; and on contacts that yield gradually, and not at once.
 
 A set is one of `decays.py` with a further term, which would take 10 to 40 % of the loss of the motion without it; of a
 spring, 3 to 12 % of the force at the start. "none" are the sets as they are, for false alarms.
@@ -8,7 +8,9 @@ spring, 3 to 12 % of the force at the start. "none" are the sets as they are, fo
 from __future__ import annotations
 
 import math
+import re
 import time
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -19,7 +21,9 @@ from dampbalance.identification.decays import identify_ring_downs
 from dampbalance.motion.jit import interpreted
 from dampbalance.project.wording import markdown_table
 
+from . import gradual
 from .decays import departing, draw, record
+from .other_motion import Departure
 
 TERMS = {
     "none": ("", 0),
@@ -31,10 +35,16 @@ TERMS = {
 }
 """Field of `Departure` and power of each further term."""
 
+CONTACTS = ("Bouc–Wen, n = 1", "Bouc–Wen, n = 2", *gradual.CONTACTS)
+"""Contacts that yield gradually: F_k, c and K_z are right if the right contact is asked for."""
+
+ALL = (*TERMS, *CONTACTS)
+
 _SHARES, _SPRING = (0.1, 0.4), 0.3  # of the loss; of that share, of the force of a spring
 _SHARE = 3  # so that the share is not drawn from the generator that drew the set
 _FAR = 5.0  # standard errors
 _DOUBT = "friction and viscous damping do not account"
+_GRADUAL = "yields gradually"
 _CONDITION = "The values are those of friction and viscous damping"
 
 
@@ -43,7 +53,11 @@ def outcome(run: tuple[str, int, int]) -> list[dict[str, object]]:
     term, index, seed = run
     decay = draw(index, seed)
     share = float(np.random.default_rng((_SHARE, seed, index)).uniform(*_SHARES))
-    field, order = TERMS[term]
+    field, order = TERMS.get(term, ("", 0))
+    if term in gradual.CONTACTS:
+        decay = replace(decay, contact=term)
+    elif term in CONTACTS:
+        decay = replace(decay, departure=Departure(bouc_wen=float(term[-1])))
     if field:
         decay = departing(decay, field, order, share * (_SPRING if term.startswith("k") else 1.0))
     row: dict[str, object] = {"term": term, "set": index, "share": share, "noise": decay.noise}
@@ -57,7 +71,7 @@ def outcome(run: tuple[str, int, int]) -> list[dict[str, object]]:
             return [row | {"refused": str(error)}]
         row["seconds"] = time.process_time() - began
         began = time.process_time()
-        laws = compare_decay_laws(result.fit)
+        laws = compare_decay_laws(result.fit) if term in TERMS else None
         row["seconds_laws"] = time.process_time() - began
     answer = result.answers[REFERENCE]
     notes, rig = " ".join(answer.notes), " ".join(result.rig)
@@ -67,16 +81,24 @@ def outcome(run: tuple[str, int, int]) -> list[dict[str, object]]:
         "doubt": _DOUBT in notes,
         "named": f"{term} =" in notes,
         "condition": _CONDITION in rig,
-        "chosen": ", ".join(laws.chosen or ()),
-        "alike": "; ".join(", ".join(terms) for terms in laws.alike),
+        "gradual": any(_GRADUAL in words for words in result.warnings),
+        "chosen": ", ".join((laws and laws.chosen) or ()),
+        "alike": "; ".join(", ".join(terms) for terms in laws.alike) if laws else "",
     }
-    for symbol in ("F_k", "c"):
+    room = re.search(rf"{_GRADUAL}.* up to (\d+) % stiffer", rig)
+    row["room"] = 0.01 * int(room[1]) if room else math.nan
+    for symbol in ("F_k", "c", "K_z"):
         p, true = answer.parameters[symbol], getattr(decay, symbol)
         row[f"{symbol}_off"] = p.value / true - 1.0
         row[f"{symbol}_sizes"] = abs(p.value - true) / p.standard_error
+        if symbol == "K_z":  # nearly normal as K_z^{−1/2}
+            row["K_z_sizes"] *= 2.0 * (p.value / true) / (1.0 + math.sqrt(p.value / true))
+            largest = p.interval.high * (1.0 + row["room"])
+            row["warned"] = bool(room) and largest >= true >= p.interval.low
         row[f"{symbol}_usable"] = answer.verdicts[symbol].verdict == USABLE
     true_law = ("F_k", "c", *((term,) if term in ("c_2", "c_3") else ()))
-    row["p_true"] = next((t.p for t in laws.tests if t.terms == true_law), math.nan)
+    tests = laws.tests if laws else ()
+    row["p_true"] = next((t.p for t in tests if t.terms == true_law), math.nan)
     return [row]
 
 
@@ -97,7 +119,9 @@ def table(rows: pd.DataFrame) -> str:
             (~known["usable"].astype(bool)).sum(),
             (flags["condition"] & known["usable"]).sum(),
         ]
-        cells += [wrong.sum(), silent.sum()]
+        K_z = (known["K_z_sizes"] > _FAR) & known["K_z_usable"].astype(bool)
+        cells += [wrong.sum(), silent.sum(), known["gradual"].astype(bool).sum()]
+        cells += [known["K_z_usable"].sum(), K_z.sum(), (K_z & ~known["warned"].astype(bool)).sum()]
         fewer = (known["chosen"] != "") & ~chosen
         counts = [chosen.sum(), fewer.sum(), (known["chosen"] == "").sum()]
         cells += counts if term in ("none", "c_2", "c_3") else ["", "", ""]
@@ -114,6 +138,7 @@ def table(rows: pd.DataFrame) -> str:
         "usable with the condition stated",
         f"usable and more than {_FAR:g} standard errors off",
     ]
+    heads += ["of these without a word", "gradual contact named", "K_z usable", "of it far off"]
     heads += ["of these without a word", "law chosen: the true one", "another one", "none"]
     return (
         f"{markdown_table(heads, lines)}\n\nProcessor time of the comparison of laws: "

@@ -9,6 +9,7 @@ import numpy as np
 
 from dampbalance.records.measurement import Channel, Measurement
 
+from .gradual import CONTACTS, ring_down_on
 from .other_motion import NO_DEPARTURE, Departure, ring_down
 from .truths import ANSWERS, NOISE, SEED, Linear, log_uniform
 
@@ -23,7 +24,8 @@ class Decay(Linear):
     starts : of each, ("pluck", x) for a release from x or ("blow", v) for a velocity added at rest.   lead : time that
     the mass is held, or rests, before each, s.   lasts : of each, s.   pull : time that a hand takes to pull it, s.
     answers : channels.   noise : as a part of the largest value.   offset : of a channel, of its largest value.
-    departure : what its motion has in addition to friction and viscous damping.
+    departure : what its motion has in addition to friction and viscous damping.   contact : of `gradual.CONTACTS`,
+    instead of one that yields at once.
     """
 
     index: int
@@ -41,6 +43,7 @@ class Decay(Linear):
     noise: float
     offset: float
     departure: Departure = NO_DEPARTURE
+    contact: str = ""
 
     @property
     def height(self) -> float:
@@ -120,7 +123,12 @@ def clean(decay: Decay) -> tuple[np.ndarray, list[float]]:
         parts.append(_held(x, round(decay.lead[i] / step)))
         count = sum(part.shape[1] for part in parts)
         free.append(count * step)
-        moved = ring_down(decay, x, step, decay.lasts[i], v, z, decay.departure)
+        if decay.contact:
+            contact = CONTACTS[decay.contact](decay.K_z, decay.F_k)
+            forces = contact[:, 1] * (z / Z_m)
+            moved = ring_down_on(contact, decay, x, v, forces, step, decay.lasts[i])
+        else:
+            moved = ring_down(decay, x, step, decay.lasts[i], v, z, decay.departure)
         parts.append(moved)
         # a hand grasps it, or holds it while it is struck
         x = float(moved[0, -1])

@@ -26,6 +26,7 @@ from .. import (
 from ..motion.distorted import distorted_harmonics
 from ..motion.fixed_step import simulate
 from ..motion.jit import interpreted
+from ..motion.law_decays import rounding
 from ..motion.orbit import Orbit
 from ..reading.clean import of_record
 
@@ -52,6 +53,7 @@ def slopes() -> None:
     with interpreted():
         orbit = _orbit()
     orbit.harmonics_with_slopes(3)
+    rounding(np.array([0.0]), 1.28, 208000.0)
 
 
 def rest() -> None:

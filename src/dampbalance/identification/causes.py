@@ -1,15 +1,14 @@
 """What the fit of one oscillator to all records leaves, tested against the likeliest causes, one at a time.
 
-A cause changes the harmonics of the model by a direction d, in units of their errors, times an unknown amount. Of the
-residual r of the fit, whose unknowns have the derivatives J, it explains
+A cause changes the harmonics of the model by a direction, in units of their errors, times an unknown amount: a score
+test (`likelihood/score.py`) says what amount the records show, and what it does to F_k, c and K_z. A force δF that the
+model lacks moves the mass by what the equations of its steady motion, linear in δF, give (`Response.moved_by`).
 
-    (dᵀr)²/(dᵀ M d),   M = 1 − J J⁺,
-
-of χ²: Rao's score test, which asks for no further fit. Where the oscillator holds this is χ² with one degree of freedom
-whatever d is, so that a direction needs to be no better than roughly right. With the amount −dᵀr/(dᵀ M d) of it, the
-unknowns would be others by J⁺d times that amount: what the cause does to F_k, c and K_z.
-
-A force δF that the model lacks moves the mass by δx_n = −δF_n/(k − mn²ω² + inωc) while it slides.
+One cause is special. A contact that yields gradually has nearly the harmonics of one that yields at once, with another
+stiffness: of what lies between, little more than the loss while it yields shows in a record. The sum of the squares of
+the residuals hardly notices; the one direction in which such a contact differs, and the one sign, tell the most. All
+such contacts nearly share it: that of Iwan with a uniform distribution, whose corner is a parabola, stands for those of
+Dahl, Bouc–Wen and several sliders.
 
 A motion relative to the base that was taken for absolute, or the other way round, is off by the whole base motion y,
 which is too much for a score test: the oscillator is fitted again, to x + y or x − y.
@@ -24,57 +23,126 @@ import numpy as np
 
 from ..arrays import Array, Complexes, Integers
 from ..law.law import Law
+from ..law.steady import HARMONICS
 from ..law.terms import FRICTION
 from ..likelihood.base_harmonics import fit_records
 from ..likelihood.mean_harmonics import Reading
+from ..likelihood.oscillator_fit import OscillatorFit
+from ..likelihood.score import Departure, departures_from
 from ..likelihood.waveforms import WaveformFit
+from ..motion.law_decays import ADDED, rounding
+from ..project.wording import Remark
 from ..records.measurement import ABSOLUTE, RELATIVE
+from ..solver import NORMAL_95
 
-_SHOWS = 25.0  # of χ²: five standard errors, for one of eight causes by chance in 200,000 sets
+# Probability of a cause by chance in records of the oscillator, half of it that of the contact that yields gradually.
+_CHANCE = 0.005
 _MOST = 0.3  # of what noise does not explain: a cause that is named as the likeliest
-_NEW = 1e-6  # of the square of a direction: what the unknowns of the fit must leave of it
 _PHASES = 1024  # of a cycle
 _FALLING = 0.1  # of the largest speed
+_ROUNDEST = 1.5  # a Dahl contact, which is twice as stiff after a reversal as the nearest that yields at once
+_MATTERS = 3.0  # standard errors by which another contact may change K_z, unsaid
+_LEAST = 0.03  # of K_z
+GRADUAL = ADDED[-1]
+"""The cause that hardly shows: see above."""
+
+_GRADUALLY = "yields gradually (Dahl, Bouc–Wen, several contacts)"
 
 
-@dataclass(frozen=True, slots=True)
-class Cause:
-    """A cause of a misfit.
-
-    words : what it is.   explained : of χ².   changes : what it does to each number, as parts of them, by symbol.
-    """
-
-    words: str
-    explained: float
-    changes: dict[str, float]
-
-
-def likeliest(fit: WaveformFit) -> Cause | None:
-    """The cause that explains most of what a fit leaves, if it is more than chance would give it."""
+def departures(fit: WaveformFit) -> list[Departure]:
+    """What each cause would explain; the amount of the gradual contact is 1 for an Iwan contact."""
     free = np.flatnonzero(np.any(fit.response != 0.0, axis=1))
-    inverse = fit.response[free]
-    jacobian: Array = np.asarray(np.linalg.pinv(inverse), dtype=np.float64)
-    causes, keys = [], (*fit.law.unknowns, "rho")
+    jacobian: Array = np.asarray(np.linalg.pinv(fit.response[free]), dtype=np.float64)
+    added = {}
     for words, of_records in _directions(fit, jacobian, free):
-        d = np.zeros(fit.residual.size)
+        added[words] = np.zeros(fit.residual.size)
         for place, part in zip(fit.places, of_records, strict=True):
-            d[place][2:] = part
-        left = d - jacobian @ (inverse @ d)
-        square = float(left @ d)
-        if not square > _NEW * float(d @ d):
-            continue
-        along = float(d @ fit.residual)
-        moved = np.zeros(fit.point.size)
-        moved[free] = inverse @ d * (along / square)
-        parts = {key: moved[fit.names.index(key)] / (fit.value(key) or 1.0) for key in keys}
-        parts["K_z"] = -2.0 * parts.pop("rho")
-        changes = {symbol: abs(float(part)) for symbol, part in parts.items()}
-        causes.append(Cause(words, along**2 / square, changes))
-    best = max(causes, key=lambda cause: cause.explained, default=None)
-    if best is None or best.explained < _SHOWS:
+            added[words][place][2:] = part
+    names = [fit.names[at] for at in free if at < len(fit.names)]
+    return departures_from(fit.residual, jacobian, added, names, noise_known=True)
+
+
+def likeliest(fit: WaveformFit, tested: Sequence[Departure]) -> Departure | None:
+    """The cause that explains most of what a fit leaves, if it is more than chance would give it.
+
+    tested : by `departures`.
+    """
+    shown = [one for one in tested if one.p < _level(one, len(tested))]
+    best = max(shown, key=lambda one: abs(one.size), default=None)
+    if best is None:
         return None
     beyond_noise = fit.chi_square - fit.freedom
-    return best if fit.adequate or best.explained > _MOST * beyond_noise else None
+    return best if fit.adequate or best.size**2 > _MOST * beyond_noise else None
+
+
+def _level(one: Departure, count: int) -> float:
+    """The p below which a cause shows; a contact that yields more suddenly than at once is no cause."""
+    if one.symbol != GRADUAL:
+        return 0.5 * _CHANCE / max(count - 1, 1)
+    return _CHANCE if one.value > 0.0 else 0.0
+
+
+def gradual_contact(tested: Sequence[Departure], scale: float = 1.0) -> Departure | None:
+    """The contact that yields gradually, where it shows and explains more than anything else that was tested.
+
+    scale : of the errors, where the residual is like a motion.
+    """
+    from scipy import special  # slow to import
+
+    best = max(tested, key=lambda one: abs(one.size), default=None)
+    if best is None or best.symbol != GRADUAL or not best.value > 0.0:
+        return None
+    return best if 2.0 * float(special.ndtr(-best.size / scale)) < _CHANCE else None
+
+
+def words_of(one: Departure) -> str:
+    """A cause in words."""
+    return f"a contact that {_GRADUALLY} and not at once" if one.symbol == GRADUAL else one.symbol
+
+
+def remark_on(one: Departure, fit: OscillatorFit) -> Remark:
+    """The sentence on a departure from an oscillator that explains the records within their noise otherwise."""
+    changes = _changes(one, fit, one.value)
+    words = (
+        f"the records show {words_of(one)}: that explains {one.size**2:.0f} of χ², by chance with p = {one.p:.1g}; the "
+        "model has none"
+    )
+    if one.symbol == GRADUAL:
+        words = (
+            f"{words}, and its K_z is that of the nearest one that yields at once: after a reversal the contact is "
+            f"roughly {100.0 * min(changes['K_z'], 1.0):.0f} % stiffer; identify the distribution of its "
+            "yield forces from more levels"
+        )
+    return Remark(words, doubts={symbol: abs(part) for symbol, part in changes.items()})
+
+
+def condition_on_contact(fit: OscillatorFit, tested: Iterable[Departure]) -> list[str]:
+    """A sentence where K_z depends on the contact yielding at once by more than its interval shows, and the records
+    could not tell one that yields gradually from it; none where they could.
+
+    It is no doubt: K_z is that of the contact that was asked for.   tested : all that was tested.
+    """
+    for one in tested:
+        if one.symbol != GRADUAL or fit.rigid:
+            continue
+        most = min(max(one.value, 0.0) + NORMAL_95 * one.error, _ROUNDEST)
+        part = _changes(one, fit, most).get("K_z", 0.0)
+        if part > max(_LEAST, _MATTERS * fit.K_z_error / fit.K_z):
+            return [
+                f"K_z is that of a contact that yields at once. One that {_GRADUALLY} could not be told from it by "
+                f"these records, and would be up to {100.0 * part:.0f} % stiffer after a reversal; less noise, or "
+                "levels at which it hardly slips, would tell."
+            ]
+    return []
+
+
+def _changes(one: Departure, fit: OscillatorFit, value: float) -> dict[str, float]:
+    """By which part of themselves the numbers of a fit change with a coefficient of this value, by symbol."""
+    parts = {s: by * value / (fit.value(s) or 1.0) for s, by in one.slopes.items()}
+    if "rho" in parts:
+        # after a reversal the contact is as much stiffer as its corner is rounded
+        parts["K_z"] = -2.0 * parts.pop("rho") + (value if one.symbol == GRADUAL else 0.0)
+    return parts
 
 
 @dataclass(frozen=True, slots=True)
@@ -160,9 +228,7 @@ _FORCES: Mapping[str, Callable[[Array, Array, Array], Array]] = {
     "a friction force that changes with the speed": lambda x, v, gradual: (
         np.sign(v) * np.exp(-np.abs(v) / _FALLING)
     ),
-    "a contact that yields gradually (Dahl, Bouc–Wen, several contacts) and not at once": (
-        lambda x, v, gradual: gradual
-    ),
+    GRADUAL: lambda x, v, gradual: gradual,
     "damping that grows with the speed (compare the laws)": lambda x, v, gradual: v * np.abs(v),
     "a spring that is not linear": lambda x, v, gradual: x**3,
 }
@@ -172,24 +238,24 @@ _FORCES: Mapping[str, Callable[[Array, Array, Array], Array]] = {
 def _motion(fit: WaveformFit, i: int) -> tuple[Array, Array, Array]:
     """(x, ẋ, force of a contact that yields gradually less that of the model's) over a cycle from a peak of the base.
 
-    After a reversal at −X both contacts start at −F_k. Over the distance u from there, the model's force rises by K_z u
-    up to F_k, that of a Dahl contact by dF/du = K_z(1 − F/F_k)/2.
+    At a level that does not slip the contacts rise and fall along the same curve, and the force is nearly elastic.
     """
     orbit = fit.responses[i].orbit
     osc = orbit.oscillator
     t = orbit.motion.period * np.arange(_PHASES // 2) / _PHASES
     x, v, *_ = (np.concatenate([half, -half]) for half in orbit.state(t))
-    sign = np.where(v < 0.0, -1.0, 1.0)
-    u = np.maximum(sign * x + float(np.abs(x).max()), 0.0)
-    jenkins = np.minimum(osc.K_z * u - osc.F_k, osc.F_k)
-    dahl = osc.F_k * (1.0 - 2.0 * np.exp(-0.5 * osc.K_z * u / osc.F_k))
-    return x, v, sign * (dahl - jenkins)
+    sign, X = np.where(v < 0.0, -1.0, 1.0), float(np.abs(x).max())
+    u = np.maximum(sign * x + X, 0.0)
+    return x, v, sign * rounding(u, osc.F_k, osc.K_z)
 
 
 def _moved(fit: WaveformFit, i: int, force: Array) -> Complexes:
     """Change of the harmonics of a record by a further force on the mass that opposes its motion."""
     one = fit.lines[i]
-    spectrum = 2.0 * np.fft.rfft(force)[one.n] / force.size
-    at = 1j * one.n * one.omega
+    spectrum = 2.0 * np.fft.rfft(force) / force.size
     turned = np.exp(1j * one.n * fit.point[fit.unknowns.at[i]["psi"]])
-    return np.asarray(-spectrum * turned / (fit.k + at * fit.c + at**2 * fit.m))
+    moved = fit.responses[i].moved_by(spectrum[1 : 2 * HARMONICS : 2])
+    if moved is not None:
+        return np.asarray(np.pad(moved, (0, max(0, one.n.size - HARMONICS)))[: one.n.size] * turned)
+    at = 1j * one.n * one.omega
+    return np.asarray(-spectrum[one.n] * turned / (fit.k + at * fit.c + at**2 * fit.m))

@@ -15,11 +15,13 @@ from collections.abc import Iterable, Sequence
 
 from ..law.terms import FRICTION, KNOWN_TERMS
 from ..likelihood.decay import RingFit
-from ..likelihood.law_fit import TERMS, Departure, LawFit, fit_law
+from ..likelihood.law_fit import TERMS, LawFit, fit_law
+from ..likelihood.score import Departure
 from ..project.progress import followed
 from ..project.wording import listed
 from ..reading.one_thread import one_thread
 from ..solver import NORMAL_95
+from .causes import GRADUAL
 from .law_comparison import ALPHA, MOST_TERMS, LawComparison, LawTest, Probability, chosen_of
 
 _CHANCE = 0.02  # probability of a doubt on decays with friction and viscous damping
@@ -52,7 +54,8 @@ def doubt_of(fit: RingFit, further: Sequence[Departure]) -> str:
 
     # residuals that are like a motion repeat themselves: fewer of them are independent
     scale = 1.0 if fit.adequate else math.sqrt(fit.misfit)
-    shown = [(abs(one.value) / one.error / scale, one) for one in further if one.error > 0.0]
+    damping = [one for one in further if one.symbol != GRADUAL]
+    shown = [(abs(one.size) / scale, one) for one in damping if one.error > 0.0]
     size, likely = max(shown, key=lambda pair: pair[0], default=(0.0, None))
     p = len(shown) * 2.0 * float(special.ndtr(-size))
     if likely is None or p > _CHANCE:

@@ -26,7 +26,8 @@ from ..likelihood.decay import (
     with_intervals,
     with_noise_of,
 )
-from ..likelihood.law_fit import Departure, departures
+from ..likelihood.law_fit import departures
+from ..likelihood.score import Departure
 from ..likelihood.search import fit_all, minima_of, separate_fits
 from ..project.wording import Remark, times, visible
 from ..reading.bursts import NoDecay, Signal, noise_of
@@ -46,6 +47,7 @@ from .answer import (
     covariance_of,
     normal,
 )
+from .causes import condition_on_contact, gradual_contact, remark_on
 from .decay_laws import compare_decay_laws, condition_of, doubt_of
 from .half_cycles import A, B, RingRows, W, rows_of
 from .identified import Identified, Level, Picture
@@ -313,7 +315,11 @@ def _solved(
     values, covariance, misfit, freedom = _least_squares(fit, rows)
     fit_notes = [*known, *map(Remark, fit.shortcomings)]
     further = departures(fit)
-    if doubt := doubt_of(fit, further):
+    scale = 1.0 if fit.adequate else math.sqrt(fit.misfit)
+    gradual, doubt = gradual_contact(further, scale), ""
+    if gradual is not None:
+        warnings = [*warnings, remark_on(gradual, fit)]
+    elif doubt := doubt_of(fit, further):
         fit_notes.append(Remark(doubt))
     notes = [*fit_notes]
     if freedom > 0 and special.chdtrc(freedom, misfit * freedom) < _CHANCE:
@@ -377,6 +383,10 @@ def _solved(
         correlations,
         merit={"misfit": misfit, "degrees_of_freedom": freedom},
     )
+    conditions: list[str] = []
+    if gradual is None and not doubt:
+        conditions = [*filter(None, [condition_of(fit, further)])]
+        conditions += condition_on_contact(fit, further) if fit.adequate else []
     return DecayOutcome(
         k=fit.k,
         sources=sources,
@@ -385,7 +395,7 @@ def _solved(
         warnings=(*warnings, *clipped_signals.values()),
         head=f"{_counted(len(sources), 'record')} with {_counted(len(fit.decays), 'free decay')}, "
         f"{_slipping(rows.halves)}; values with 95 % intervals",
-        rig=[*implied(fit), *filter(None, ["" if doubt else condition_of(fit, further)])],
+        rig=[*implied(fit), *conditions],
         settings={"confidence": CONFIDENCE},
         fit=fit,
         half_cycles=rows,

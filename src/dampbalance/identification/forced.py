@@ -32,6 +32,7 @@ from ..features import COLUMNS, Features, Phase, stack
 from ..law.law import Law
 from ..law.terms import FRICTION, parted
 from ..likelihood.mean_harmonics import Reading
+from ..likelihood.score import Departure
 from ..likelihood.unfolding import unfolded
 from ..project.wording import Remark
 from ..reading.one_thread import one_thread
@@ -46,6 +47,7 @@ from .answer import (
     ParameterEstimate,
     covariance_of,
 )
+from .causes import condition_on_contact, departures, likeliest
 from .identified import Identified, Level, Picture
 from .loading import Loaded
 from .oscillator import (
@@ -242,13 +244,16 @@ def identify_readings(
     estimates = with_notes(estimates, readings, joint)
     hz = ", ".join(f"{f:g}" for f in sorted({round(r.steady.frequency_hz, 4) for r in readings}))
     fit, delayed, rig = joint.fit, joint.delayed, []
+    tested: list[Departure] = []
     if fit is not None and not joint.linear:
-        rig = implied(fit)
+        rig, tested = implied(fit), departures(fit)
         if fit.adequate and delayed is not None:
             late = with_error(1e6 * delayed.delay, 1e6 * delayed.error("delay"))
             rig.append(f"Left free, a delay of the response is {late} µs.")
     of_records = [words.about(r.steady.source) for r in readings for words in r.warnings]
-    of_all = agreement(readings, line, joint, estimates)
+    of_all = agreement(readings, line, joint, estimates, tested)
+    if fit is not None and joint.waveforms_hold and likeliest(fit, tested) is None:
+        rig += condition_on_contact(fit, tested)
     return ForcedOutcome(
         k=k,
         sources=tuple(reading.steady.source for reading in readings),

@@ -17,11 +17,12 @@ import numpy as np
 from ..balance import Rows
 from ..law.terms import term
 from ..likelihood.mean_harmonics import Reading
+from ..likelihood.score import Departure
 from ..likelihood.waveforms import WaveformFit
 from ..project.wording import Remark, factor, listed, merged, times
 from ..reading.checks import is_clipped
 from .answer import Answer, ParameterEstimate
-from .causes import OtherFrame, in_other_frame, likeliest
+from .causes import OtherFrame, in_other_frame, likeliest, remark_on, words_of
 from .oscillator import CONTRADICTED, COUPLED, LATE, JointFit, Microstick
 
 DIRECT = "direct"
@@ -121,9 +122,13 @@ def agreement(
     microstick: Microstick,
     joint: JointFit,
     answers: Mapping[str, Answer],
+    tested: Sequence[Departure],
 ) -> Iterator[Remark]:
-    """Warnings on all records together: what the joint fit shows, which levels fail, where answers contradict."""
-    yield from _on_the_oscillator(readings, joint)
+    """Warnings on all records together: what the joint fit shows, which levels fail, where answers contradict.
+
+    tested : causes of what the joint fit leaves.
+    """
+    yield from _on_the_oscillator(readings, joint, tested)
     if still := _numbered(reading.slips is False for reading in readings):
         yield Remark(
             f"the contact only sticks in record {still}: it takes no energy there, and the record stays out of the "
@@ -175,8 +180,10 @@ def _numbered(which: Iterable[bool]) -> str:
     return ", ".join(str(i) for i, holds in enumerate(which, 1) if holds)
 
 
-def _on_the_oscillator(readings: Sequence[Reading], joint: JointFit) -> Iterator[Remark]:
-    """Warnings from the joint fit."""
+def _on_the_oscillator(
+    readings: Sequence[Reading], joint: JointFit, tested: Sequence[Departure]
+) -> Iterator[Remark]:
+    """Warnings from the joint fit.   tested : causes of what it leaves."""
     if joint.linear:
         yield Remark(
             "the records are those of a linear oscillator within their noise: the contact only sticks, or there is no "
@@ -199,13 +206,9 @@ def _on_the_oscillator(readings: Sequence[Reading], joint: JointFit) -> Iterator
             "nothing here uses it; check the mass, the stiffness, the gains and the units"
         )
     named = bool(joint.late or coupling or frame)
-    cause = None if named else likeliest(fit)
+    cause = None if named else likeliest(fit, tested)
     if fit.adequate and cause is not None:
-        yield Remark(
-            f"the records show {cause.words}: that explains {cause.explained:.0f} of χ², and chance hardly ever "
-            "more than 25; the model has none",
-            doubts=cause.changes,
-        )
+        yield remark_on(cause, fit)
     if not fit.adequate:
         likely = "the likeliest cause, which explains all of that, is named in another sentence"
         if not named:
@@ -215,10 +218,10 @@ def _on_the_oscillator(readings: Sequence[Reading], joint: JointFit) -> Iterator
                 "oscillator is of another kind"
             )
         if cause is not None:
-            part = min(1.0, cause.explained / (fit.chi_square - fit.freedom))
+            part = min(1.0, cause.size**2 / (fit.chi_square - fit.freedom))
             likely = (
-                f"the likeliest of the causes tested is {cause.words}, which explains {100.0 * part:.0f} % of that; "
-                f"else {likely}"
+                f"the likeliest of the causes tested is {words_of(cause)}, which explains "
+                f"{100.0 * part:.0f} % of that; else {likely}"
             )
         worst = readings[int(np.argmax(fit.misfits))].steady.source
         yield Remark(

@@ -364,6 +364,21 @@ class Response:
         onset = np.array([self.V_s, self.t_s, self.taken])
         return self._by_coefficients([onset, *by.T], symbols, np.array([1.0, 0.0, 1.0]), 0.0)
 
+    def moved_by(self, force: Complexes) -> Complexes | None:
+        """Change of the harmonics, m, (32,), by a small further force against the motion, f_n in the phases of the
+        orbit, N, (32,), which moves the onsets of slip as well; None where the orbit is of a kind that is not followed.
+        """
+        try:
+            system = self.system or System.of(self.orbit, self.orbit.oscillator.c, {})
+        except NoSteadyOrbit:
+            return None
+        n, matrix = tables()[0], self.matrix
+        if matrix is None:
+            matrix = system.equations(np.zeros(n.size, dtype=np.complex128), 0.0)[1]
+        moved = np.linalg.solve(matrix, -np.concatenate([force.real, force.imag, [0.0]]))
+        turned = 1j * n * moved[-1] * self.harmonics(n.size)
+        return np.asarray(system.basis @ moved[:-1] * np.exp(1j * n * self.advance) - turned)
+
     def _closed(self, symbols: Sequence[str]) -> bool:
         """Whether the motion is that of the orbit, and would be with other coefficients of these terms."""
         terms = [KNOWN_TERMS[s] for s in symbols if s != FRICTION]

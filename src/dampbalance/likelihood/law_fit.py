@@ -1,9 +1,8 @@
 """Free decays under other laws: what a further term would explain, and the oscillator of largest likelihood.
 
-The residual r of a fit with friction and viscous damping is tested against what one more coefficient p would change in
-the samples, g = ∂r/∂p: with the unknowns of the fit adjusted, p = −gᵀr/gᵀg with the variance 1/gᵀg, g taken orthogonal
-to the derivatives by them. This is the score test, and costs one evaluation. A law is fitted by climbs, as the
-oscillator is; χ² of nested laws differ as χ² of as many degrees of freedom as coefficients.
+The residual of a fit with friction and viscous damping is tested against what one more coefficient would change in the
+samples (`score.py`). A law is fitted by climbs, as the oscillator is; χ² of nested laws differ as χ² of as many degrees
+of freedom as coefficients.
 """
 
 from __future__ import annotations
@@ -31,35 +30,19 @@ from .decay import (
     numbers_of,
     w_errors,
 )
+from .score import Departure, departures_from
 
 TERMS = (FRICTION, "c", "c_2", "c_3")
 """Terms that free decays distinguish: base at rest and at one frequency, c_r and eta act as c does."""
 
 _NAMES = (*COMMON, *ADDED)
-_F_K, _C, _RHO, _M = range(4)
-_RANK = 1e-9  # of the largest singular value
-_SHOWN = 1e-10  # of the square of a derivative, that must be orthogonal to the others
+_F_K, _, _RHO, _M = range(4)
 _MASSES = 2.0  # of the mass over that of the fit, either way
 _MOST, _GAIN = 40, 1e-4  # of a climb: evaluations, and what the last step would gain in half of χ²
 # Of what a law leaves out, and of a climb on the way: the end in half of χ², and evaluations.
 _PARTS, _COARSE, _FEW = (0.25, 0.5, 0.75, 1.0), 1e-2, 10
 _SMALL = 1e-3  # of the damping of the fit: a coefficient below that counts as zero
 _DENSE = 64  # instants of a period, of which a loss of energy is summed
-
-
-@dataclass(frozen=True, slots=True)
-class Departure:
-    """What a further coefficient would explain of the samples.
-
-    symbol : of `ADDED`.   value, error : SI.   p : probability in noise of a coefficient as large.
-    slopes : change of F_k and c with the coefficient.
-    """
-
-    symbol: str
-    value: float
-    error: float
-    p: float
-    slopes: Mapping[str, float]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -103,39 +86,15 @@ class LawFit(RingFit):
 
 
 def departures(fit: RingFit) -> list[Departure]:
-    """What each of `ADDED` would explain, those that the decays do not show left out.
-
-    Use it to see whether friction and viscous damping account for the decays; the values hold to first order.
-    """
-    from scipy import special  # slow to import
-
+    """What each of `ADDED` would explain (`departures_from`); empty where the motion cannot be followed."""
     whole = _columns(fit.decays, fit.k, _with_added(fit.point, 0.0))
     if whole is None:
         return []
     own = np.flatnonzero(_with_added(np.abs(fit.jacobian).max(axis=0), 0.0))
     first = len(COMMON)
-    length = np.linalg.norm(whole, axis=0)
-    length[length == 0.0] = 1.0
-    columns = [*own, *range(first, len(_NAMES)), whole.shape[1] - 1]
-    triangle = np.asarray(np.linalg.qr(whole[:, columns] / length[columns], mode="r"))
-    known, added, residual = triangle[:, : own.size], triangle[:, own.size : -1], triangle[:, -1]
-    inverse = np.linalg.pinv(known, rcond=_RANK)
-    moves, rest = inverse @ added, residual - known @ (inverse @ residual)
-    freedom = whole.shape[0] - round(float(np.sum(inverse.T * known))) - 1
-    found = []
-    for j, (symbol, g) in enumerate(zip(ADDED, (added - known @ moves).T, strict=True)):
-        square = float(g @ g)
-        if not square > _SHOWN * float(added[:, j] @ added[:, j]):
-            continue
-        unit = length[-1] / length[first + j]
-        slope = -float(g @ rest) / square
-        left = float(rest @ rest) - slope**2 * square
-        error = math.sqrt(max(left, 0.0) / max(freedom, 1) / square)
-        p = 2.0 * float(special.stdtr(freedom, -abs(slope) / error)) if error > 0.0 else 1.0
-        moved = -moves[:, j] * length[first + j] / length[own]
-        slopes = {COMMON[at]: float(by) for at, by in zip(own, moved, strict=True) if at <= _C}
-        found.append(Departure(symbol, slope * unit, error * unit, p, slopes))
-    return found
+    added = {symbol: whole[:, first + j] for j, symbol in enumerate(ADDED)}
+    names = [COMMON[at] for at in own if at < first]
+    return departures_from(whole[:, -1], whole[:, own], added, names, noise_known=False)
 
 
 def fit_law(fit: RingFit, terms: Sequence[str], starts: Iterable[Array] = ()) -> LawFit | None:

@@ -10,6 +10,7 @@ linearised equations; x, ẋ and their derivatives are continuous at events, sin
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 
@@ -19,8 +20,9 @@ from .events import contact_state
 from .flow import step_response
 from .jit import jit
 
-ADDED = ("c_2", "c_3", "c_a", "k_2", "k_3")
-"""Coefficients of what is not linear: N s²/m², N s³/m³, N s/m, N/m², N/m³."""
+ADDED = ("c_2", "c_3", "c_a", "k_2", "k_3", "gradual")
+"""Coefficients of what is not linear: N s²/m², N s³/m³, N s/m, N/m², N/m³, and how much of `rounding` the force of the
+contact has, by which only derivatives are taken: it stays zero."""
 
 _F_K, _C, _RHO, _M, _FIRST = range(5)
 _X, _V, _W = range(_FIRST + len(ADDED), _FIRST + len(ADDED) + 3)
@@ -29,6 +31,14 @@ _RADIANS = 0.3  # of a phase that a step takes at the most: derivatives are then
 _NEWTONS = 20
 _REACHED = 1e-13  # of a step: an event is located
 _MOST_EVENTS = 20000
+
+
+@jit
+def rounding(u: Any, F_k: float, K_z: float) -> Any:
+    """Force of an Iwan contact of stiffness 2K_z, less that of a Jenkins contact of stiffness K_z, at a distance u ≥ 0
+    from a reversal, N: 2F_k s(1 − s), s = K_z u/(2F_k) ≤ 1. Both have yielded there; a number or an array."""
+    s = np.minimum(0.5 * K_z / F_k * u, 1.0)
+    return 2.0 * F_k * s * (1.0 - s)
 
 
 @jit
@@ -67,6 +77,8 @@ def _accelerations(
     out[first + 2] -= size / par.m
     out[first + 3] -= x * x / par.m
     out[first + 4] -= x * x * x / par.m
+    if sticks and par.F_k > 0.0:  # since the reversal at u = 0
+        out[first + 5] -= math.copysign(rounding(abs(u), par.F_k, par.K_z), u) / par.m
 
 
 @jit
@@ -137,13 +149,13 @@ def _hold(
 def law_decay(
     times: Array, order: int, x: float, v: float, w: float, par: Parameters, p: Array
 ) -> Array:
-    """x, ẋ or ẍ (order 0, 1, 2) of a free decay at ascending times ≥ 0, and derivatives by the unknowns, (n, 1 + 12).
+    """x, ẋ or ẍ (order 0, 1, 2) of a free decay at ascending times ≥ 0, and derivatives by the unknowns, (n, 1 + 13).
 
     The unknowns are F_k, c, ρ, m, `ADDED` and the start x, ẋ, w, see `motion.free_decay`. Use it where the
     damping or the spring is not linear, or for the derivatives by those coefficients where it is; a decay with
     friction and viscous damping alone is followed faster by `decay_samples`. NaN from where the contact rattles on.
 
-    p : coefficients of `ADDED`, (5,).
+    p : coefficients of `ADDED`, (6,).
     """
     rows = 1 + _COUNT
     out = np.full((times.size, rows), math.nan)

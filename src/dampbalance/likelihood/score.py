@@ -1,0 +1,92 @@
+"""Rao's score test: what one further coefficient would explain of the residual of a fit.
+
+The residual r = (model − data)/σ of a fit has the derivatives J by its unknowns, and g by a coefficient p that the
+model lacks. With the unknowns adjusted,
+
+    p = −gᵀr/(gᵀ M g),   M = 1 − J J⁺,
+
+with the variance 1/(gᵀ M g), and the unknowns change by −J⁺g p. This asks for no further
+fit. Where the model holds, p over its error is normal whatever g is: a direction that is only roughly right makes the
+test weaker, not wrong (Rao, Proc. Cambridge Phil. Soc. 44, 1948).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arrays import Array
+
+_RANK = 1e-9  # of the largest singular value
+_SHOWN = 1e-10  # of the square of a derivative, that must be orthogonal to the others
+
+
+@dataclass(frozen=True, slots=True)
+class Departure:
+    """What a further coefficient would explain of the data.
+
+    symbol : of the coefficient, or words for it.   value, error : in its unit.   p : probability in noise of a
+    coefficient as large, either way.   slopes : change of the unknowns of the fit with the coefficient, by name.
+    """
+
+    symbol: str
+    value: float
+    error: float
+    p: float
+    slopes: Mapping[str, float]
+
+    @property
+    def size(self) -> float:
+        """The coefficient in standard errors; its square is what it explains of χ²."""
+        return self.value / self.error if self.error > 0.0 else 0.0
+
+
+def departures_from(
+    residual: Array,
+    known: Array,
+    added: Mapping[str, Array],
+    names: Sequence[str],
+    *,
+    noise_known: bool,
+) -> list[Departure]:
+    """What each further coefficient would explain, those that the data do not show left out.
+
+    Use it to see whether the model of a fit accounts for the data; the values hold to first order.
+
+    residual : (n,).   known : derivatives by the unknowns of the fit, (n, u), the first of which have `names`.
+    added : derivatives by each coefficient, (n,), by symbol.   noise_known : whether the residual is in units of a
+    noise that is known; otherwise it shows itself how large that is.
+    """
+    from scipy import special  # slow to import
+
+    if not added:
+        return []
+    whole = np.column_stack([known, *added.values(), residual])
+    length = np.linalg.norm(whole, axis=0)
+    length[length == 0.0] = 1.0
+    size = known.shape[1]
+    triangle = np.asarray(np.linalg.qr(whole / length, mode="r"))
+    own, others, rest = triangle[:, :size], triangle[:, size:-1], triangle[:, -1]
+    inverse = np.linalg.pinv(own, rcond=_RANK)
+    moves, rest = inverse @ others, rest - own @ (inverse @ rest)
+    freedom = float(residual.size - round(float(np.sum(inverse.T * own))) - 1)
+    found = []
+    for j, (symbol, g) in enumerate(zip(added, (others - own @ moves).T, strict=True)):
+        square = float(g @ g)
+        if not square > _SHOWN * float(others[:, j] @ others[:, j]):
+            continue
+        slope = -float(g @ rest) / square
+        if noise_known:
+            degrees, error = math.inf, 1.0 / (length[-1] * math.sqrt(square))
+        else:
+            left = max(float(rest @ rest) - slope**2 * square, 0.0)
+            degrees, error = freedom, math.sqrt(left / max(freedom, 1) / square)
+        p = 2.0 * float(special.stdtr(degrees, -abs(slope) / error)) if error > 0.0 else 1.0
+        unit = length[-1] / length[size + j]
+        by = -moves[:, j] * length[size + j] / length[:size]
+        slopes = {name: float(of) for name, of in zip(names, by, strict=False)}
+        found.append(Departure(symbol, slope * unit, error * unit, p, slopes))
+    return found
