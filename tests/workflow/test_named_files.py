@@ -19,11 +19,13 @@ NAMES_A_FILE = {
     "config: measured[].records[]",
     "config: measured[].mapping",
     "config: published",
+    "config: beam.record",
     "mapping: channels.*.file",
     "codecheck: manifest[].file",  # results of the paper's case, which rules make
 }
 NAMES_NONE = {
     "config: frame.set",
+    *(f"config: beam.{key}" for key in ("set", "time", "channels[]", "unit")),
     "config: measured[].groups.*[]",
     "config: measured[].at",
     *(f"study: {key}" for key in ("title", "shows", "summary_by[]", "route.law")),
@@ -34,6 +36,7 @@ NAMES_NONE = {
         f"mapping: channels.*.{key}"
         for key in ("channel", "unit", "time", "delay", "delay_uncertainty")
     ),
+    *(f"mapping: table.*.{key}" for key in ("channel", "unit", "standard_error")),
     *(f"mapping: {key}" for key in ("time.channel", "time.unit", "level", "notes")),
     *(f"codecheck: {key}" for key in ("source", "report", "summary", "manifest[].comment")),
     *(f"codecheck: paper.{key}" for key in ("title", "reference", "authors[].name")),
@@ -47,7 +50,7 @@ def test_every_text_is_known_to_name_a_file_or_none():
     for key, node in values({"string"}):
         closed = {"enum", "const", "registered"} & node.keys()
         if not closed and re.search(node.get("pattern", ""), "results/a_file.csv"):
-            found.add(re.sub(r"^mapping: channels\.\w+", "mapping: channels.*", key))
+            found.add(re.sub(r"^mapping: (channels|table)\.\w+", r"mapping: \1.*", key))
     found.discard("codecheck: paper.reference")  # an address, which its pattern wants
     assert found == NAMES_A_FILE | NAMES_NONE - {"codecheck: paper.reference"}
 
@@ -129,6 +132,25 @@ def test_a_frame_that_does_not_fit_its_set_is_told_before_anything_runs(named, c
     status, said = dry_run(
         named, CASE | {"measured": [CASE["measured"][0] | {"mass_kg": 1.0}], "frame": frame}
     )
+    assert re.search(rf"named\.yaml: line \d: {re.escape(expected)}", said)
+    assert (status, "Traceback" in said) == (1, False)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("kind", "change", "expected"),
+    [
+        ("forced", {}, "beam.set: set is no set of kind stepped-sine; the configuration has none"),
+        ("stepped-sine", {"record": "none.mat"}, "beam.record: no file none.mat: name one"),
+    ],
+)
+def test_a_beam_that_does_not_fit_is_told_before_anything_runs(named, kind, change, expected):
+    beam = {
+        **{"set": "set", "record": "data/one.csv", "time": "t", "channels": ["a"], "unit": "m/s^2"},
+        **{"band_hz": [60.0, 110.0], "start_s": 0.2, "window_s": 0.2},
+    }
+    one = CASE["measured"][0] | {"kind": kind}
+    status, said = dry_run(named, CASE | {"measured": [one], "beam": beam | change})
     assert re.search(rf"named\.yaml: line \d: {re.escape(expected)}", said)
     assert (status, "Traceback" in said) == (1, False)
 

@@ -14,14 +14,22 @@ if config.get("beam"):
         "blow": f"{RESULTS}/blow.svg",
         "blow_png": f"{RESULTS}/blow.png",
     }
-    if workflow.is_main_process and BEAM["set"] not in MEASURED:
-        sets = ", ".join(MEASURED) or "none"
+    if workflow.is_main_process:
+        tables = [name for name in MEASURED if kind_of(name) == "stepped-sine"]
         try:
-            refuse(
-                ("beam", "set"),
-                f"{BEAM['set']} is no set of records; the configuration has {sets}",
-                CONFIG_FILES,
-            )
+            if BEAM["set"] not in tables:
+                refuse(
+                    ("beam", "set"),
+                    f"{BEAM['set']} is no set of kind stepped-sine; the configuration has "
+                    f"{', '.join(tables) or 'none'}",
+                    CONFIG_FILES,
+                )
+            if not Path(named_file(BEAM["record"])).is_file():
+                refuse(
+                    ("beam", "record"),
+                    f"no file {BEAM['record']}: name one, {FROM}",
+                    CONFIG_FILES,
+                )
         except ConfigurationError as error:
             raise WorkflowError(str(error)) from None
 

@@ -20,6 +20,7 @@ from .. import (
     identify,
     measured_orbit,
     measured_ring_down,
+    sliders_orbit,
     steady_orbit,
     steady_orbits,
 )
@@ -57,8 +58,10 @@ def slopes() -> None:
 
 
 def rest() -> None:
-    """Responses to a distorted drive, and free decays under the friction of a contact and under other laws."""
+    """Responses to a distorted drive and with several sliders, and free decays under friction and other laws."""
     distorted_harmonics(_orbit(), np.array([0.004, 4e-5], dtype=complex), 3)
+    several = sliders_orbit(Oscillator(**_OSCILLATOR), BaseMotion(0.004, _OMEGA), [1e-5], [1e5])
+    measured_orbit(several, rate_hz=1000.0, cycles=2.0)
     osc = Oscillator(**_OSCILLATOR | {"c": 1.0, "F_k": 0.5})
     decay = measured_ring_down(osc, x=0.01, rate_hz=500.0, duration=2.0, noise=0.01)
     identify(decay, osc.k, laws=True)

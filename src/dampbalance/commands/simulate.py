@@ -87,7 +87,7 @@ def run(options: argparse.Namespace) -> None:
     law = dict(options.law or {})
     if options.sliders and options.law:
         raise ValueError("--sliders and --law cannot be followed together: leave out one")
-    osc = oscillator(options, law)
+    osc = oscillator(options, law, 0.0 if options.sliders else FRICTION)
     motion = BaseMotion(Y=options.amplitude, omega=2.0 * math.pi * options.frequency)
     cycle = f"a cycle of {options.frequency:g} Hz"
     require_brief(osc, 1.0 / options.frequency, cycle, "a higher --frequency", bool(law))
@@ -131,13 +131,18 @@ def save(options: argparse.Namespace, measurement: Measurement) -> None:
         print(f"Written: {written}")
 
 
-def oscillator(options: argparse.Namespace, law: dict[str, float]) -> Oscillator:
-    """The oscillator of the options; it takes friction and c out of a law that gives them."""
+def oscillator(
+    options: argparse.Namespace, law: dict[str, float], friction: float = FRICTION
+) -> Oscillator:
+    """The oscillator of the options; it takes friction and c out of a law that gives them.
+
+    friction : F_k, N, where neither options nor law give it.
+    """
     given = {"c": options.damping, "F_k": options.friction}
     for symbol, option in (("c", "--damping"), ("F_k", "--friction")):
         if symbol in law and given[symbol] is not None:
             raise ValueError(f"{symbol} is in --law and given by {option} as well: leave out one")
-    default = {"c": 0.0 if law else DAMPING, "F_k": 0.0 if options.sliders else FRICTION}
+    default = {"c": 0.0 if law else DAMPING, "F_k": friction}
     c, F_k = (
         law.pop(symbol, default[symbol] if given[symbol] is None else given[symbol])
         for symbol in ("c", "F_k")
