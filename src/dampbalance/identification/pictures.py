@@ -273,13 +273,12 @@ def loss(lines: SteppedLines, fits: Mapping[str, ContactFit]) -> Figure:
 @styled()
 def stiffness(lines: SteppedLines, fits: Mapping[str, ContactFit]) -> Figure:
     """Stiffness against the amplitude: (F/X) cos φ + mω² of each line (dots, darker at higher levels), with the mass m
-    of the first contact, and the law of each contact with its band of 95 %; that of one with another mass is drawn as
-    the same force at the median frequency."""
+    of the first contact, and the law of each contact at the median frequency, with its band of 95 %."""
     figure = page(DOUBLE_COLUMN, 92.0)
     m, omega = next(iter(fits.values())).values["m"], float(np.median(lines.omega))
 
     def law(fit: ContactFit, X: Array) -> Band:
-        return Band(*(of + (m - fit.values["m"]) * omega**2 for of in fit.stiffness(X)))
+        return Band(*(of + m * omega**2 for of in fit.stiffness(X, omega)))
 
     laws = {name: partial(law, fit) for name, fit in fits.items()}
     of_lines = lines.Z.real + m * lines.omega**2

@@ -328,7 +328,7 @@ def _rig(fit: ContactFit, lines: SteppedLines) -> Iterator[str]:
     )
     if fit.values.get("k_3"):
         k_3 = with_error(1e-9 * fit.values["k_3"], 1e-9 * fit.errors["k_3"])
-        yield f"Its stiffness rises with the amplitude by ¾k_3X², k_3 = {k_3} N/mm³."
+        yield f"Its stiffness rises with the amplitude by ¾ k_3 X², k_3 = {k_3} N/mm³."
     if R := fit.values.get("R"):
         mass = 1.0 / (abs(R) * float(np.median(lines.omega)) ** 2)
         like = "of their flexibility" if R > 0.0 else f"as the inertia of {mass:.2g} kg does"

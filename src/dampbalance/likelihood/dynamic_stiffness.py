@@ -15,6 +15,7 @@ import numpy as np
 from ..arrays import Array, Complexes
 from ..law.gradual import Sliders, secant
 from ..law.terms import listed
+from ..project.wording import number
 from ..reading.one_thread import one_thread
 from .stepped_lines import LESS, Design, Estimate, Rows, column, estimated
 from .stepped_lines import Contact as Contact
@@ -107,13 +108,18 @@ class ContactFit:
         omega = np.broadcast_to(np.asarray(omega, dtype=np.float64), X.shape)
         return self._band(X, omega, self.terms, lambda Z: math.pi * X**2 * Z.imag)
 
-    def stiffness(self, X: Array | float) -> Band:
-        """Stiffness of the fundamental, k + ¾k_3X² + Σ κ Re D, at amplitudes X, m, with its interval, N/m, each (n,).
+    def stiffness(self, X: Array | float, omega: Array | float = 0.0) -> Band:
+        """Stiffness of the fundamental, k + ¾k_3X² − mω² + Σ κ Re D, at amplitudes X, m, with its interval, N/m, each
+        (n,).
+
+        omega : rad/s. At 0 the error is mostly that of k. Lines near a resonance tell k and mω² far less well than
+        their difference: at the resonance the interval shows how well the change with X is known.
 
         Raises ValueError outside of the amplitudes seen.
         """
         X = self._inside(X)
-        return self._band(X, np.ones_like(X), ("k", "k_3"), lambda Z: Z.real)
+        omega = np.broadcast_to(np.asarray(omega, dtype=np.float64), X.shape)
+        return self._band(X, omega, ("k", "k_3", "m"), lambda Z: Z.real)
 
     def _inside(self, X: Array | float) -> Array:
         X = np.atleast_1d(np.asarray(X, dtype=np.float64))
@@ -347,7 +353,7 @@ class ContactComparison:
         loss, stiffness = chosen.fit.misfit[:2]
         said = (
             f"the lines support {_WORDS[chosen.fit.contact]} with {listed(chosen.fit.terms)} "
-            f"(loss {100.0 * loss:.2g} %, in-phase {stiffness:.3g} N/m rms)"
+            f"(loss {100.0 * loss:.2g} %, in-phase {number(stiffness, 3)} N/m rms)"
         )
         if self.supported in ("one slider", "gradual"):
             enough = "is enough" if self.supported == "one slider" else "is not enough"
@@ -359,7 +365,7 @@ class ContactComparison:
             other = self[name].fit.misfit
             said += (
                 f"; {name} has the same loss ({100.0 * other.loss:.2g} %), and the in-phase rows tell them apart "
-                f"({other.in_phase:.3g} N/m)"
+                f"({number(other.in_phase, 3)} N/m)"
             )
         return said
 

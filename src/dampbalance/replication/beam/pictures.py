@@ -34,7 +34,8 @@ def joint(findings: Findings) -> Figure:
     gradual = findings.fits["gradual"]
     mode = findings.lines.of_mode(gradual.values.get("R", 0.0))
     shades = np.argsort(np.argsort([mode.X[mode.level == i].max() for i in range(len(mode.names))]))
-    stiff = mode.Z.real + gradual.values["m"] * mode.omega**2
+    m = gradual.values["m"]
+    stiff = mode.Z.real + m * mode.omega**2
     look: dict[str, Any] = {"ls": "none", "marker": ".", "ms": 2.0, "zorder": 1}
     for i, shade in enumerate(shades):
         of = mode.level == i
@@ -52,9 +53,9 @@ def joint(findings: Findings) -> Figure:
         left.fill_between(
             1e6 * X, scale * loss.low, scale * loss.high, color=of["color"], alpha=0.2, lw=0.0
         )
-        # k and mω² err together, and the band of k alone is far wider than that of their difference
-        shift = (gradual.values["m"] - fit.values["m"]) * omega**2
-        right.plot(1e6 * X, 1e-3 * (fit.stiffness(X).value + shift), zorder=3, **of)
+        value, *ends = (1e-3 * (part + m * omega**2) for part in fit.stiffness(X, omega))
+        right.plot(1e6 * X, value, zorder=3, **of)
+        right.fill_between(1e6 * X, ends[0], ends[1], color=of["color"], alpha=0.2, lw=0.0)
     left.set_ylabel("$W/(\\pi X^2)$ (kN/m)", labelpad=1.0)
     right.set_ylabel("$\\mathrm{Re}\\,Z + m\\omega^2$ (kN/m)", labelpad=1.0)
     for axes, letter in ((left, "a"), (right, "b")):
