@@ -389,6 +389,42 @@ def test_the_oscillator_moves_and_can_be_stopped(opened):
     assert moving.inner_text("#oscillator .state") == "The contact sticks."
 
 
+WORK = """() => Object.fromEntries(['friction', 'damper'].map(css => {
+  const area = part => {
+    const svg = document.querySelector(`#oscillator svg.${css === 'friction' ? 'contact' : 'viscous'}`);
+    const d = svg.querySelector(`path.area.${css}${part}`).getAttribute('d');
+    const points = [...d.matchAll(/(-?[\\d.]+)[ ,](-?[\\d.]+)/g)].map(([, x, y]) => [Number(x), Number(y)]);
+    return points.reduce((sum, [x, y], i) => {
+      const [u, v] = points[(i + 1) % points.length];
+      return sum + 0.5 * (x * v - u * y);
+    }, 0);
+  };
+  const bar = part => Number(document.querySelector(`#oscillator rect.${css}${part}`).getAttribute('width'));
+  return [css, [area(':not(.whole)') / area('.whole'), bar(':not(.whole)') / bar('.whole')]];
+}))"""
+
+
+@pytest.mark.slow
+def test_the_loops_fill_as_the_energy_is_lost(opened):
+    """The area that is dark in a loop is the work so far, and the bar below says the same."""
+    page = opened()
+    for phase in (60, 90, 185, 270, 360):
+        page.evaluate(PHASE, phase)
+        for area, bar in page.evaluate(WORK).values():
+            assert area == pytest.approx(bar, abs=0.01), phase  # drawn to a tenth of a pixel
+    assert bar == pytest.approx(1.0, abs=0.01)
+
+
+@pytest.mark.slow
+def test_an_undamped_oscillator_has_an_axis_of_forces(opened):
+    page = opened("#oscillator?c=0")
+    page.wait_for_function("() => document.querySelector('#oscillator .words').textContent")
+    ticks = page.eval_on_selector_all(
+        "#oscillator svg.viscous text", "all => all.map(one => one.textContent)"
+    )
+    assert all(len(text) < 8 for text in ticks), ticks
+
+
 @pytest.mark.slow
 def test_a_case_of_ones_own_has_its_own_values(opened, made, tmp_path):
     file = tmp_path / "own.html"

@@ -220,7 +220,7 @@ def sliders_orbit(
     >>> motion = BaseMotion(Y=0.004, omega=2 * math.pi * 4.92)
     >>> orbit = sliders_orbit(osc, motion, r=[1e-4, 3e-4, 9e-4], kappa=[4000.0, 1300.0, 500.0])
     >>> f"X = {1000 * orbit.X:.3f} mm, {1000 * orbit.friction_loss:.2f} mJ per cycle"
-    'X = 2.861 mm, 12.61 mJ per cycle'
+    'X = 2.848 mm, 11.88 mJ per cycle'
     """
     par = parameters(oscillator, instance("motion", motion, BaseMotion))
     r, kappa = np.atleast_1d(numbers("r", r)), np.atleast_1d(numbers("kappa", kappa))

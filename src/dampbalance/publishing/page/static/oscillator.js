@@ -46,7 +46,7 @@ kit.instrument('oscillator', (it) => {
     if (!found) return;
     const [x, v, f, d, push] = [['x', 1e3], ['v', 1], ['z', par.K_z], ['v', par.c], ['y', par.k]].map(([name, scale]) => Array.from(cycle[name], (u) => scale * u));
     Object.assign(cycle, { r, par, input: share(push, x, r.W, r.W), friction: share(f, x, lost, r.W), damper: share(d, x, damped, r.W) });
-    const around = (values) => { const most = 1.12 * Math.max(1e-9, ...values.map(Math.abs)); return [-most, most]; };
+    const around = (values) => { const most = 1.12 * (Math.max(...values.map(Math.abs)) || 1); return [-most, most]; };
     marks = [[0, x, f, 'friction', 'f, N'], [1, x, d, 'damper', 'c ẋ, N']].map(([n, us, forces, css, label]) => {
       const plane = kit.plot(planes[n], { x: around(us), y: around(forces), labels: ['x, mm', label] });
       const all = us.map((u, i) => [u, forces[i]]);
@@ -71,7 +71,8 @@ kit.instrument('oscillator', (it) => {
     phase.setAttribute('aria-valuetext', `${Math.round(phase.value)}°`);
     for (const { plane, all, filled, dot } of marks) {
       dot.setAttribute('transform', `translate(${plane.X(all[i][0])} ${plane.Y(all[i][1])})`);
-      filled?.setAttribute('d', `${plane.path(all.slice(0, i + 1))}Z`);
+      // down to the axis of no force: the area is the work so far, ∫ f dx
+      filled?.setAttribute('d', `${plane.path([...all.slice(0, i + 1), [all[i][0], 0], [all[0][0], 0]])}Z`);
     }
     const scale = SWING / Math.max(r.X, par.Y);
     const slider = scale * (x[i] - z[i]); // at rest while the contact sticks
