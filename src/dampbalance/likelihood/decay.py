@@ -48,6 +48,7 @@ _RHO = COMMON.index("rho")
 _LOOSEST, _STIFFEST = 1e-4, 1e8  # of K_z/k: contacts that stand for none and for a rigid one
 # Bounds for a motion that oscillates: c over √(km), and the mass over that of the start, either way.
 _DAMPED, _MASSES = 2.0, 10.0
+_UNNOTICED = 1e-9  # of the force of the spring: a friction that no motion shows
 _CHANCE = 1e-4  # probability in white noise of a residual so much like a motion
 _W_ERROR = 1.0  # of w, which lies between 0 and 2
 # That probability, and standard deviations of the correlation of neighbouring residuals.
@@ -353,10 +354,12 @@ class Samples(NamedTuple):
         light = self.k * (min(one.period for one in self.decays) / (8.0 * math.pi)) ** 2
         lower[:4] = 1e-9 * F_k, 0.0, self.rigid, max(m / _MASSES, min(light, m))
         upper[1:4] = _DAMPED * critical, 1.0 / math.sqrt(_LOOSEST * self.k), m * _MASSES
-        scale[:4] = F_k, 1e-3 * critical, 1e-3 * rho, m
         states = start[first_state:].reshape(-1, STATE)
         size = np.maximum(np.maximum(np.abs(states[:, 0]), np.abs(states[:, 1]) / omega), 1e-300)
         scale[first_state::STATE], scale[first_state + 1 :: STATE] = size, size * omega
+        # an earlier climb may have left no friction
+        least = _UNNOTICED * self.k * float(size.max())
+        scale[:4] = max(F_k, least), 1e-3 * critical, 1e-3 * rho, m
         lower[first_state + 2 :: STATE], upper[first_state + 2 :: STATE] = 0.0, 2.0
         for offset, noise in self.channels[:, (OFFSET, NOISE)].tolist():
             scale[len(COMMON) + int(offset)] = noise

@@ -205,6 +205,18 @@ def test_a_decay_without_a_half_cycle_that_slips_has_its_start():
     assert len(turns) == len(errors) == 1
 
 
+def test_a_climb_may_start_without_friction():
+    """An earlier climb may end there; with no size of its own F_k stopped the next one with a division by zero."""
+    sound = measured_ring_down(
+        replace(OSCILLATOR, c=3.0), x=0.005, rate_hz=400.0, duration=0.8, noise=0.005
+    )["displacement"]
+    signal = Signal("displacement", 0, sound.t, sound.values, 2.5e-5)
+    osc = OSCILLATOR
+    start = np.array([0.0, 3.0, osc.K_z**-0.5, osc.m, 0.0, 0.005, 0.0, 1.0])
+    fit = fit_decays([Decay("a", 0.0, 0.8, (signal,), 0.3)], osc.k, start)
+    assert fit is None or np.isfinite(fit.point).all()
+
+
 def test_gain_and_delay_are_taken_off_and_a_filter_is_refused():
     measured, _ = record(PLUCKED)
     measured = replace(measured, source="run")
