@@ -98,7 +98,7 @@ def outcome(run: tuple[str, int, int]) -> list[dict[str, object]]:
         row[f"{symbol}_usable"] = answer.verdicts[symbol].verdict == USABLE
     true_law = ("F_k", "c", *((term,) if term in ("c_2", "c_3") else ()))
     tests = laws.tests if laws else ()
-    row["p_true"] = next((t.p for t in tests if t.terms == true_law), math.nan)
+    row["p_true"] = next((t.p_of() for t in tests if t.terms == true_law), math.nan)
     return [row]
 
 
