@@ -87,7 +87,10 @@ def run(options: argparse.Namespace) -> None:
     missing = [n for n in needed if not getattr(options, n.strip("-"))]
     if missing:
         names = ", ".join(missing).replace("records", "RECORD")
-        raise ValueError(f"the following arguments are required: {names}")
+        hint = "; a stepped sine with a force needs none: add --kind stepped-sine" * (
+            "--stiffness" in missing
+        )
+        raise ValueError(f"the following arguments are required: {names}{hint}")
     if options.write_mapping is not None:
         _write_mapping(options)
         return
