@@ -133,15 +133,18 @@ LOCK := uv pip compile --quiet --universal --python-version 3.11 --generate-hash
 	--no-header --no-annotate --no-emit-index-url --no-emit-find-links
 REBUILD := --extra workflow --extra article --extra records
 DEVELOP := --group dev --group docs
+# IPython and ipykernel ask for them, and import them only where somebody completes names or steps through code.
+UNUSED := debugpy jedi parso
 
 # All together first, so that the locks agree; then what the rebuild needs, and what only tests, linters and the site need.
 lock: $(READY) ## Pin the newest versions that pyproject.toml allows, with hashes
 	@new=$$(mktemp -d) && trap 'rm -rf "$$new"' EXIT \
 	    && $(RUN) $(LOCK) $(REBUILD) $(DEVELOP) --group build --output-file "$$new/all" pyproject.toml \
 	    && $(RUN) $(LOCK) $(REBUILD) --constraint "$$new/all" --output-file "$$new/requirements.lock" pyproject.toml \
+	        $(UNUSED:%=--no-emit-package %) \
 	    && $(RUN) $(LOCK) --group build --constraint "$$new/all" --output-file "$$new/requirements-build.lock" \
 	    && $(RUN) $(LOCK) --group engine --output-file "$$new/requirements-engine.lock" \
-	    && $(RUN) $(LOCK) $(DEVELOP) --constraint "$$new/all" --output-file "$$new/requirements-dev.lock" pyproject.toml \
+	    && $(RUN) $(LOCK) $(REBUILD) $(DEVELOP) --constraint "$$new/all" --output-file "$$new/requirements-dev.lock" pyproject.toml \
 	        $$(sed -n 's/^\([^ =]*\)==.*/--no-emit-package \1/p' "$$new/requirements.lock") \
 	    && cp $(foreach lock,$(LOCKS),"$$new/$(lock)") . && $(CONDA)
 

@@ -131,6 +131,7 @@ class ContactFit:
             )
         return X
 
+    @one_thread
     def _band(
         self, X: Array, omega: Array, names: Sequence[str], of: Callable[[Complexes], Array]
     ) -> Band:
