@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, FuncFormatter, LogLocator, NullFormatter
@@ -21,6 +22,7 @@ APART = 2.0  # points, at least, between labels
 CLEAR = 6.5  # points from the frame to labels along x, below the lowest one along y
 LINEAR_SHARE = 0.2  # of the linear part of a signed axis, the width of the asinh: there it takes as much as a decade
 NAMED = 10  # labels of an axis that fit one above the other
+_SHORT = 12.0  # ratio of the ends of an axis up to which 1, 2, 3, 5 are labelled as well as powers of ten
 TEXT_LEVEL, LEGEND_LEVEL = 11.0, 4.0  # mm above the lower edge of the page
 
 
@@ -157,3 +159,24 @@ def decades_axis(axes: Axes, limits: tuple[float, float]) -> None:
     axes.yaxis.set_major_locator(LogLocator(base=10.0, numticks=20))
     axes.yaxis.set_minor_formatter(NullFormatter())
     axes.grid(axis="y", color=GRID, lw=0.4)
+
+
+def logarithmic_ticks(axes: Axes, which: str, low: float, high: float, ends: bool = True) -> None:
+    """Make an axis from low to high logarithmic, with labels at powers of ten, or at 1, 2, 3, 5 if it is short.
+
+    ends : whether a tick at the upper end has a label (where no panel follows with which it would collide).
+    """
+    axes.set(**{f"{which}scale": "log"})
+    axis = axes.xaxis if which == "x" else axes.yaxis
+    short = high / low <= _SHORT
+    subs = (1.0, 2.0, 3.0, 5.0) if short else (1.0,)
+    axis.set_major_locator(LogLocator(base=10.0, subs=subs, numticks=20))
+    axis.set_minor_locator(LogLocator(base=10.0, subs=np.arange(2.0, 10.0).tolist(), numticks=200))
+    axis.set_minor_formatter(NullFormatter())
+
+    def label(value: float, _: int) -> str:
+        if not ends and value > 0.97 * high:
+            return ""
+        return f"{value:g}" if short else f"$10^{{{round(math.log10(value))}}}$"
+
+    axis.set_major_formatter(FuncFormatter(label))

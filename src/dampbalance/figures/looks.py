@@ -6,6 +6,7 @@ An approach needs no entry here: one that `LOOKS` does not name takes a spare lo
 
 from __future__ import annotations
 
+import math
 import re
 from dataclasses import dataclass
 
@@ -77,3 +78,9 @@ def named(approach: str, sharing: str) -> str:
 def in_maths(text: str) -> str:
     """Text with its symbols set as matplotlib's mathematics, X_s as $X_s$; the page has `words.rich` and `plain`."""
     return re.sub(r"\b([A-Za-z]_\w)\b", r"$\1$", text)
+
+
+def bounded_label(approach: str, bound: float) -> str:
+    """The label of an exact approach with the power of ten that its errors stay below.   bound : of them, %."""
+    power = math.ceil(math.log10(max(bound, 1e-14)))
+    return rf"{in_maths(label_of(approach))} (below $10^{{{power}}}$ %)"

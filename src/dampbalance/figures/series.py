@@ -1,4 +1,4 @@
-"""The axis that holds errors, and what the tables call the two ways of sharing φ and t_s."""
+"""The axis that holds errors, values that ask for a logarithmic one, and the two ways of sharing φ and t_s."""
 
 from __future__ import annotations
 
@@ -61,3 +61,17 @@ def signed_scale(
     )
     high, low = (min(top, 10.0 ** math.ceil(math.log10(side) - 1e-9)) for side in sides)
     return SignedScale(linear, -low, high)
+
+
+def is_logarithmic(places: Sequence[float] | Array) -> bool:
+    """Whether the logarithms of values, in ascending order, are spread evenly rather than the values themselves."""
+    if len(places) < 3 or places[0] <= 0.0 or places[-1] / places[0] < 5.0:
+        return False
+    return is_even(np.log(places))
+
+
+def is_even(places: Array) -> bool:
+    """Whether most steps between values, in ascending order, are alike; single values in between do not matter."""
+    steps = np.diff(places)
+    usual = np.median(steps)
+    return bool(np.median(np.abs(steps - usual)) < 0.05 * usual)

@@ -112,7 +112,9 @@ KNOWN_TERMS: dict[str, Term] = {
             2,
             lambda v, w, k, omega: abs(v) * v,
         ),
-        Term("c_3", "N s³/m³", "cubic damping", "b_3", "m⁴/s³", 3, lambda v, w, k, omega: v * v * v),
+        Term(
+            "c_3", "N s³/m³", "cubic damping", "b_3", "m⁴/s³", 3, lambda v, w, k, omega: v * v * v
+        ),
         Term(
             "eta", "", "structural damping", "b_eta", "J", 1, lambda v, w, k, omega: k / omega * v
         ),

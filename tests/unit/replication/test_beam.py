@@ -14,7 +14,7 @@ from dampbalance.identification.measured import configured, identify
 from dampbalance.law.gradual import Sliders
 from dampbalance.likelihood.dynamic_stiffness import SteppedLines, compare_contacts
 from dampbalance.project.files import sha256
-from dampbalance.publishing.beam import beam_page
+from dampbalance.publishing.rigs import beam_page
 from dampbalance.replication.beam.findings import Findings, findings, findings_of
 from folders import ROOT
 

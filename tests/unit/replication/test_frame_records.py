@@ -10,7 +10,7 @@ import yaml
 
 from dampbalance.identification.measured import configured, identify
 from dampbalance.project.files import sha256
-from dampbalance.publishing.frame import frame_page
+from dampbalance.publishing.rigs import frame_page
 from dampbalance.replication.frame.findings import Findings, findings
 from folders import ROOT
 

@@ -15,6 +15,7 @@ from dampbalance import BaseMotion, Oscillator, __version__, steady_orbit
 from dampbalance.balance import APPROACHES, takes_phase
 from dampbalance.estimates import estimate_table
 from dampbalance.features import of_orbit, stack
+from dampbalance.figures.series import is_logarithmic
 from dampbalance.motion.fixed_step import simulate
 from dampbalance.project.documents import ConfigurationError
 from dampbalance.project.wording import percent
@@ -25,7 +26,6 @@ from dampbalance.studies import case_files, cases, checking, evaluate
 from dampbalance.studies.parameters import MECHANICAL, PARAMETERS, in_si
 from dampbalance.studies.settings import Listed, Range, Sampled, case_values, spread
 from dampbalance.studies.shown import facts, summary
-from dampbalance.studies.shown.logarithmic import is_logarithmic
 from dampbalance.studies.shown.statistics import Sizes
 from folders import PAPER_FILE, ROOT, STUDY_SCHEMA
 from paper_case import PAPER, features_at

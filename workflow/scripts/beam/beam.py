@@ -6,7 +6,7 @@ from dampbalance.figures.style import save
 from dampbalance.identification.measured import configured, identify
 from dampbalance.project.files import sha256, write_json, write_text
 from dampbalance.project.troubles import brief_troubles
-from dampbalance.publishing.beam import beam_page
+from dampbalance.publishing.rigs import beam_page
 from dampbalance.replication.beam import pictures
 from dampbalance.replication.beam.findings import findings_of
 

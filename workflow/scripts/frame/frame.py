@@ -7,7 +7,7 @@ from pathlib import Path
 from dampbalance.figures.style import save
 from dampbalance.project.files import write_json, write_text
 from dampbalance.project.troubles import brief_troubles
-from dampbalance.publishing.frame import frame_page
+from dampbalance.publishing.rigs import frame_page
 from dampbalance.replication.frame import pictures
 from dampbalance.replication.frame.findings import findings
 

@@ -14,15 +14,14 @@ from matplotlib.figure import Figure
 from matplotlib.patheffects import AbstractPathEffect, withStroke
 
 from ...arrays import Array
-from ...figures.grid import LINEAR_SHARE, clear_labels, grid
-from ...figures.looks import in_maths, label_of
-from ...figures.series import EXACT, SignedScale, decades, signed_scale
+from ...figures.grid import LINEAR_SHARE, clear_labels, grid, logarithmic_ticks
+from ...figures.looks import bounded_label, in_maths, label_of
+from ...figures.series import EXACT, SignedScale, decades, is_even, signed_scale
 from ...figures.style import DOUBLE_COLUMN, GREY, INK, note, place, styled
 from ...project.wording import listed, minus, percent
 from ..case_files import stretches, terms_of
 from ..parameters import PARAMETERS
 from ..settings import Fit, Sampled, Study
-from .logarithmic import bounded_label, is_even, logarithmic_ticks
 from .statistics import Sizes
 
 MOST_BINS = 72  # along each axis

@@ -18,9 +18,17 @@ from matplotlib.ticker import NullFormatter
 
 from ...arrays import Array, Integers
 from ...balance import takes_phase
-from ...figures.grid import NAMED, clear_labels, decades_axis, grid, signed_axis
-from ...figures.looks import SCHEME_LOOKS, in_maths, label_of, look_of, named
-from ...figures.series import COMMON, EXACT, INDIVIDUAL, SHARINGS, decades, signed_scale
+from ...figures.grid import NAMED, clear_labels, decades_axis, grid, logarithmic_ticks, signed_axis
+from ...figures.looks import SCHEME_LOOKS, bounded_label, in_maths, label_of, look_of, named
+from ...figures.series import (
+    COMMON,
+    EXACT,
+    INDIVIDUAL,
+    SHARINGS,
+    decades,
+    is_logarithmic,
+    signed_scale,
+)
 from ...figures.style import (
     DASHED,
     DOTTED,
@@ -43,7 +51,6 @@ from ..case_files import column_of, terms_of
 from ..parameters import PARAMETERS, SI_COLUMNS, in_tex
 from ..settings import NONE, Fit, Study, selected
 from .facts import worst_errors
-from .logarithmic import bounded_label, is_logarithmic, logarithmic_ticks
 from .maps import error_map
 from .statistics import groups, spread_of
 from .summary import confusion, laws_in

@@ -1,34 +1,34 @@
-"""The page of the real rig: what its records say, in words, tables and figures, every number from the findings."""
+"""The pages of the real rigs: what their records say, in words, tables and figures, every number from the findings."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from statistics import median
 from typing import Any
 
 from ..identification.answer import USABLE
 from ..project.wording import in_words, listed, minus, number, percent
 from .words import templates
 
+_UNITS = {"K_z": "N/m", "F_k": "N", "c": "N s/m", "k": "N/m", "k_3": "N/m³", "m": "kg"}
+_UNITS |= {"R": "m/N"}
+_ADDITIONS = {"residual": "residual receptance of other modes", "hardening": "hardening"}
+
 
 def frame_page(
     document: Mapping[str, Any], measured: Mapping[str, Any], limits: Sequence[str]
 ) -> str:
-    """The page, in Markdown.
+    """The page of the frame, in Markdown.
 
     document : of the findings.   measured : the set of records in the configuration.   limits : what limits the
     identification, by its own account, a sentence each.
     """
-    environment = templates()
-    filters = (percent, number, in_words, signed, minus, listed, shares)
-    environment.filters |= {function.__name__: function for function in filters} | {
-        "interval": lambda ends, digits: " to ".join(number(end, digits) for end in ends),
-        "span": lambda values: minus(" to ".join(f"{f(values):.0f}" for f in (min, max))),
-    }
     rows = document["loads"]
     given = measured.get("given") or {}
     laws = list(document["speed_laws"])
     best = min(laws, key=document["speed_laws"].__getitem__)
-    return environment.get_template("frame.md.j2").render(
+    return _page(
+        "frame.md.j2",
         document=document,
         rows=rows,
         line=document["line"],
@@ -51,6 +51,32 @@ def frame_page(
         ],
         limits=limits,
     )
+
+
+def beam_page(document: Mapping[str, Any], limits: Sequence[str]) -> str:
+    """The page of the bolted joint, in Markdown.   document, limits : as for `frame_page`."""
+    resonances = [row["resonance_hz"] for row in document["levels"]]
+    return _page(
+        "beam.md.j2",
+        document=document,
+        limits=limits,
+        units=_UNITS,
+        names=_ADDITIONS,
+        um=lambda X: number(1e6 * X, 3),
+        spread_hz=max(resonances) - min(resonances),
+    )
+
+
+def _page(template: str, **values: Any) -> str:
+    environment = templates()
+    filters = (percent, number, in_words, signed, minus, listed, shares)
+    environment.filters |= {function.__name__: function for function in filters} | {
+        "median": median,
+        "interval": lambda ends, digits: " to ".join(number(end, digits) for end in ends),
+        "span": lambda values: minus(" to ".join(f"{f(values):.0f}" for f in (min, max))),
+        "sentence": lambda words: words[0].upper() + words[1:].rstrip(".") + ".",
+    }
+    return environment.get_template(template).render(**values)
 
 
 def signed(share: float) -> str:
