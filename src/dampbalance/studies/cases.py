@@ -95,17 +95,13 @@ class Column(NamedTuple):
     words: bool = False
 
 
-class _ContactStiffness(NamedTuple):
-    """What a column says of K_z, which is no term of a damping law."""
-
-    symbol: str = CONTACT
-    column: str = "K_z_N_per_m"
-    unit: str = "N/m"
+_CONTACT_STIFFNESS = Term(CONTACT, "N/m", "contact stiffness", "", "")
+"""What columns say of K_z, which is no term of a damping law."""
 
 
-def identified_by(symbol: str) -> Term | _ContactStiffness:
+def identified_by(symbol: str) -> Term:
     """What can be identified: a term of a damping law, or K_z, by its symbol."""
-    return _ContactStiffness() if symbol == CONTACT else KNOWN_TERMS[symbol]
+    return _CONTACT_STIFFNESS if symbol == CONTACT else KNOWN_TERMS[symbol]
 
 
 _STANDARD_ERROR = "standard error of {0.symbol} (bootstrap over cycles; of the fit, its covariance)"

@@ -41,12 +41,10 @@ _BLANKS = {"\t": "a tab", " ": "a blank", "": "a blank"}
 _LIMITS = {"minimum": "≥", "exclusiveMinimum": ">", "maximum": "≤", "exclusiveMaximum": "<"}
 
 
-def tables(
-    schema: Mapping[str, Any], registered: Mapping[str, Sequence[str]], level: int = 2
-) -> str:
+def tables(schema: Mapping[str, Any], registered: Mapping[str, Sequence[str]]) -> str:
     """Markdown tables of all keys of a schema: first the keys at the top level, then those inside other keys.
 
-    Each further table has a heading of that level with the path of its keys, in which [] stands for each entry of a
+    Each further table has a heading with the path of its keys, in which [] stands for each entry of a
     list and * for a name chosen by the user. Consecutive keys with the same description share a row.
 
     registered : the names in each registry to which the schema refers (`registered: NAME`).
@@ -56,7 +54,7 @@ def tables(
         lines.setdefault(parent, {})[cells] = None
     parts = []
     for parent, rows in lines.items():
-        parts += [f"{'#' * level} `{parent}`\n"] if parent else []
+        parts += [f"## `{parent}`\n"] if parent else []
         parts.append(markdown_table(["key", "type", "unit", "meaning"], rows) + "\n")
     return "\n".join(parts)
 
