@@ -52,12 +52,22 @@ def tables() -> tuple[Array, Array, Complexes, Array, Array]:
     return n, theta, np.exp(1j * np.outer(theta, n)), 0.5 * (1.0 + nodes), 0.5 * weights
 
 
-def motion_at(orbit: Orbit, theta: Array, change: Complexes) -> tuple[Array, Array]:
-    """x + δ and its velocity at any phases, m, m/s: the orbit without truncation, and the harmonics of δ."""
+def motion_at(
+    orbit: Orbit, theta: Array, change: Complexes, turns: Complexes | None = None
+) -> tuple[Array, Array]:
+    """x + δ and its velocity at any phases, m, m/s: the orbit without truncation, and the harmonics of δ.
+
+    turns : e^{inθ} there, if they are known.
+    """
     omega, n = orbit.motion.omega, tables()[0]
     x, v, _, _ = orbit.states(theta / omega)
-    turn = np.exp(1j * np.outer(theta, n)) * change
+    turn = (np.exp(1j * np.outer(theta, n)) if turns is None else turns) * change
     return x + turn.real.sum(axis=1), v + (turn @ (1j * n * omega)).real
+
+
+def _by_parts(turns: Complexes) -> Array:
+    """Derivatives of Re Σ e_n δ_n by the real parts A, B of δ_n = A_n − iB_n, (…, 2h).   turns : e_n, (…, h)."""
+    return np.concatenate([turns.real, turns.imag], axis=-1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,7 +125,7 @@ class System:
         """`residual`, and the matrix of the derivatives of the equations."""
         n, _, turns, _, _ = tables()
         force, slope = self._forces(change)
-        rates = ((turns * self._rate) @ self.basis).real
+        rates = _by_parts(turns * self._rate)
         jacobian = self.impedance[:, None] * self.basis
         jacobian = jacobian + (2.0 / _POINTS) * (turns.conj().T @ (slope[:, None] * rates))
         matrix = np.eye(2 * n.size + 1)
@@ -226,7 +236,7 @@ class Contact:
         if self.rigid:
             return np.zeros_like(change), np.zeros_like(self.basis)
         f, turns, weighted = self._harmonics(change)
-        moved = (turns @ self.basis).real
+        moved = _by_parts(turns)
         by_change = self.orbit.oscillator.K_z * weighted.T @ (moved[:-1] - moved[-1])
         return f - self._of_orbit, by_change
 
@@ -251,8 +261,8 @@ class Contact:
         n, _, _, nodes, weights = tables()
         length = self.onset(change) - reversal
         theta = reversal + length * np.append(nodes, 0.0)
-        x = motion_at(self.orbit, theta, change)[0]
         turns = np.exp(1j * np.outer(theta, n))
+        x = motion_at(self.orbit, theta, change, turns)[0]
         weighted = (2.0 / math.pi) * length * weights[:, None] * turns[:-1].conj()
         return (osc.K_z * (x[:-1] - x[-1]) - 2.0 * osc.F_k) @ weighted, turns, weighted
 
