@@ -73,7 +73,7 @@ def outcome(run: tuple[str, int, int]) -> list[dict[str, object]]:
         began = time.process_time()
         laws = compare_decay_laws(result.fit) if term in TERMS else None
         row["seconds_laws"] = time.process_time() - began
-    answer = result.answers[REFERENCE]
+    answer = result.approaches[REFERENCE]
     notes, rig = " ".join(answer.notes), " ".join(result.rig)
     row |= {
         "slips": result.half_cycles.halves,

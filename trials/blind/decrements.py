@@ -170,7 +170,7 @@ def tried(index: int, seed: int = SEED) -> list[dict[str, object]]:
             "used": len(result.fit.decays),
             "above": above_the_optimum(result.fit, decay),
         }
-        for way, answer in result.answers.items():
+        for way, answer in result.approaches.items():
             for symbol, p in answer.parameters.items():
                 row = {"way": way, "symbol": symbol, "true": getattr(decay, symbol)}
                 row |= {"value": p.value, "standard_error": p.standard_error}

@@ -70,7 +70,7 @@ def outcome(index: int) -> list[dict[str, object]]:
 
 def numbers(result: ForcedOutcome, truth: Truth) -> Iterator[dict[str, object]]:
     """Approach, symbol, truth, value, its error and interval, and the words: the one place that knows a result."""
-    first = next(iter(result.answers.values()))
+    first = next(iter(result.approaches.values()))
     found = [(FIRST, first.parameters, first.notes)]
     found += [(name, e.parameters, e.notes) for name, e in result.estimates.items()]
     found += [(f"{name}, {PUBLISHED}", e.equal, e.notes) for name, e in result.estimates.items()]

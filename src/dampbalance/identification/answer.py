@@ -162,11 +162,6 @@ class Answer:
         own = {s: p.value for s, p in self.coefficients.items() if s in rows.terms}
         return rows.misfit({**rows.given, **own})
 
-    @property
-    def row_names(self) -> tuple[str, ...]:
-        """Names of the records or decays that the rows belong to."""
-        return () if self.balance is None else self.balance.names
-
 
 def answer_of_fit(
     fit: OscillatorFit,

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any, ClassVar
 
@@ -127,7 +127,7 @@ class DecayOutcome(Identified):
     def levels(self) -> list[Level]:
         """Swings of each decay, spread over it: what half a cycle between two turns loses, twice. The first, which
         begins at no turn, and the last, which may end in sticking, are left out."""
-        F_k, rows = next(iter(self.answers.values())).values["F_k"], self.half_cycles
+        F_k, rows = next(iter(self.approaches.values())).values["F_k"], self.half_cycles
         levels = []
         for i, (turns, _) in enumerate(rows.turns):
             of = rows.columns[rows.decay == i]
@@ -139,10 +139,8 @@ class DecayOutcome(Identified):
                 levels.append(Level(name, X, omega, 2.0 * of[n, W], 2.0 * F_k * of[n, A]))
         return levels
 
-    def shifts(
-        self, faults: Mapping[str, Fault], names: Collection[str]
-    ) -> dict[str, dict[str, dict[str, float]]]:
-        """What faults of all records do to the answers: m, c, k, K_z and F_k times a number are an oscillator of the
+    def shifts(self, faults: Mapping[str, Fault], name: str) -> dict[str, dict[str, float]]:
+        """What faults of all records do to either answer: m, c, k, K_z and F_k times a number are an oscillator of the
         same motion, and F_k is in proportion to the motion. When a decay began is not known: a delay does nothing."""
         fit = self.fit
         lighter = dict.fromkeys(("F_k", "c", "K_z"), 0.0)
@@ -152,13 +150,13 @@ class DecayOutcome(Identified):
                 here = getattr(fit, symbol)
                 lighter[symbol] = (getattr(other, symbol) / here - 1.0) / _LIGHTER if here else 0.0
         changes = {
-            name: {s: fault.stiffness * (1.0 + by) for s, by in lighter.items()}
-            | {"m": fault.stiffness * (fit.error("m") > 0.0)}
-            for name, fault in faults.items()
+            fault: {s: of.stiffness * (1.0 + by) for s, by in lighter.items()}
+            | {"m": of.stiffness * (fit.error("m") > 0.0)}
+            for fault, of in faults.items()
         }
-        for name, fault in faults.items():
-            changes[name]["F_k"] += fault.response
-        return dict.fromkeys([name for name in self.answers if name in names], changes)
+        for fault, of in faults.items():
+            changes[fault]["F_k"] += of.response
+        return changes
 
     @property
     def pictures(self) -> dict[str, Picture]:
@@ -170,7 +168,7 @@ class DecayOutcome(Identified):
         )
         return {
             "decays": Picture(words, (self.fit, self.half_cycles.turns)),
-            "balance": Picture(of_rows, (self.answers, False)),
+            "balance": Picture(of_rows, (self.approaches, False)),
         }
 
 

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from operator import itemgetter
 from typing import Any
@@ -61,7 +61,7 @@ from .oscillator import (
     microstick,
     read_samples,
 )
-from .remarks import DIRECT, agreement, with_notes
+from .remarks import DIRECT, agreement, notes_on
 from .screen import implied, with_error
 from .sensitivities import Fault, sensitivities, shifts_of_fit
 
@@ -144,17 +144,14 @@ class ForcedOutcome(Identified):
             levels.append(Level(reading.steady.source, X, reading.steady.omega, W, F_k * a))
         return levels
 
-    def shifts(
-        self, faults: Mapping[str, Fault], names: Collection[str]
-    ) -> dict[str, dict[str, dict[str, float]]]:
-        """What faults of all records do to answers."""
-        changes = {}
-        for name in (name for name in APPROACHES if name in names and name in self.estimates):
+    def shifts(self, faults: Mapping[str, Fault], name: str) -> dict[str, dict[str, float]]:
+        """What faults of all records do to an answer; nothing is known of a fit that is not that of the waveforms."""
+        if name in APPROACHES:
             rows_of = LawRows(APPROACHES[name], self.law, self.k, self.phase, self.joint.linear)
-            changes[name] = sensitivities(self.readings, rows_of, self.estimates[name], faults)
-        if REFERENCE in names and self.joint.fit is not None and self.joint.waveforms_hold:
-            changes[REFERENCE] = shifts_of_fit(self.readings, self.joint.fit, faults)
-        return changes
+            return sensitivities(self.readings, rows_of, self.estimates[name], faults)
+        held = name == REFERENCE and self.joint.waveforms_hold
+        fit = self.joint.fit if held else None
+        return {} if fit is None else shifts_of_fit(self.readings, fit, faults)
 
     @property
     def pictures(self) -> dict[str, Picture]:
@@ -189,7 +186,7 @@ class ForcedOutcome(Identified):
             ),
             "balance": Picture(
                 f"rows of the energy balance {line}, and the residual of each row by approach",
-                (self.answers, two),
+                (self.approaches, two),
             ),
         }
 
@@ -240,8 +237,9 @@ def identify_readings(
     estimates = {}
     for name, way in approaches.items():
         rows_of = LawRows(way, law, k, phase, joint.linear)
-        estimates[name] = _answer(name, rows_of, joint, readings, samples, line)
-    estimates = with_notes(estimates, readings, joint)
+        one = _answer(name, rows_of, joint, readings, samples, line)
+        notes = (*one.notes, *notes_on(one, readings, joint))
+        estimates[name] = replace(one, notes=notes)
     hz = ", ".join(f"{f:g}" for f in sorted({round(r.steady.frequency_hz, 4) for r in readings}))
     fit, delayed, rig = joint.fit, joint.delayed, []
     tested: list[Departure] = []

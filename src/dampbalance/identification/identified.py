@@ -6,7 +6,7 @@ import itertools
 import math
 import warnings
 from abc import ABC, abstractmethod
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field
 from functools import cached_property
@@ -22,7 +22,7 @@ from ..motion.jit import interpreted
 from ..project.files import plain, write_json, write_rows, write_text
 from ..project.wording import Remark
 from ..records.measured import MeasuredRecord
-from .answer import REFERENCE, USABLE, Answer, Interval, ParameterEstimate, Verdict, column, unit_of
+from .answer import REFERENCE, USABLE, Answer, Interval, Verdict, column, unit_of
 from .law_comparison import LawComparison
 from .outputs import ALL_PICTURES, REPORT, TABLES, pictures_of, require_room
 from .remarks import Limit, doubted, in_a_sentence, limits
@@ -170,14 +170,12 @@ class Identified(ABC):
         """The pictures by name, the most telling first."""
 
     @abstractmethod
-    def shifts(
-        self, faults: Mapping[str, Fault], names: Collection[str]
-    ) -> dict[str, dict[str, dict[str, float]]]:
-        """By which part of themselves faults change the numbers of answers of these names, to first order: name of the
-        answer → fault → symbol, "m" for the mass."""
+    def shifts(self, faults: Mapping[str, Fault], name: str) -> dict[str, dict[str, float]]:
+        """By which part of themselves faults change the numbers of the answer of that name, to first order: fault →
+        symbol, "m" for the mass; empty where that is not known."""
 
     @cached_property
-    def answers(self) -> dict[str, Answer]:
+    def approaches(self) -> dict[str, Answer]:
         """The answer of each approach, by its name, and of the fit of one oscillator to all records, "maximum
         likelihood"; the one to use first, with the doubts that the warnings cast on its numbers.
 
@@ -189,17 +187,6 @@ class Identified(ABC):
         if fit and _worth(answers[REFERENCE]) > _worth(chosen):
             answers = {REFERENCE: answers[REFERENCE], **answers}
         return answers
-
-    @property
-    def approaches(self) -> dict[str, Answer]:
-        """The answer of each approach, by its name, and of the fit of one oscillator to all records, "maximum
-        likelihood"; the one to use first."""
-        return self.answers
-
-    @property
-    def result(self) -> Identified:
-        """The identification itself: `result.answers` are its `approaches`."""
-        return self
 
     @property
     def figures(self) -> tuple[str, ...]:
@@ -250,7 +237,8 @@ class Identified(ABC):
         import pandas as pd  # slow to import
 
         answer = next(a for a in self.approaches.values() if a.balance is not None)
-        return pd.DataFrame(dict(answer.rows), index=pd.Index(answer.row_names, name="row"))
+        names = [] if answer.balance is None else answer.balance.names
+        return pd.DataFrame(dict(answer.rows), index=pd.Index(names, name="row"))
 
     def to_frame(self) -> pd.DataFrame:
         """A line for each approach and each number: approach, symbol, unit, value, standard_error, low and high (the
@@ -271,8 +259,8 @@ class Identified(ABC):
     def sensitivities(self) -> tuple[str | None, dict[str, dict[str, float]]]:
         """Name of the answer to use first, and what each of `FAULTS` that acts does to it, fault → symbol → number; the
         next answer where that is the fit, and it does not describe the waveforms."""
-        for name in self.answers:
-            if changes := self.shifts(FAULTS, [name]).get(name):
+        for name in self.approaches:
+            if changes := self.shifts(FAULTS, name):
                 return name, {fault: of for fault, of in changes.items() if any(of.values())}
         return None, {}
 
@@ -280,7 +268,7 @@ class Identified(ABC):
     def document(self) -> dict[str, Any]:
         """Everything, as plain data for JSON, what `identification.json` holds; SI units, named in the keys; what is
         not known is null."""
-        answers, findings = {n: _entries(a) for n, a in self.answers.items()}, self.findings()
+        answers, findings = {n: _entries(a) for n, a in self.approaches.items()}, self.findings()
         for entry, record in zip(findings["records"], self.records, strict=bool(self.records)):
             entry |= record.files or {}
         m = (self.reference or self.answer).merit.get("m_kg", math.nan)
@@ -298,7 +286,7 @@ class Identified(ABC):
             **findings,
             "damping": {
                 "damping_ratio": damping_ratio(
-                    next(iter(self.answers.values())).values.get("c", math.nan), self.k, m
+                    next(iter(self.approaches.values())).values.get("c", math.nan), self.k, m
                 ),
                 "levels": [level.document(self.k, m) for level in self.levels],
             },
@@ -317,18 +305,10 @@ class Identified(ABC):
         """A row for each answer, the one to use first: value, standard errors and interval of each parameter, in
         columns named with units, and the verdict on each; None where an answer has no such number."""
         rows = []
-        for name, answer in self.answers.items():
-            row: dict[str, Any] = {"approach": name}
-            for symbol, p in answer.parameters.items():
-                ends = {f"_{end}": number for end, number in p.interval._asdict().items()}
-                row |= _columns(symbol, _with_errors(answer, p) | ends)
-            for symbol, p in answer.equal.items():
-                numbers = {"": p.value, "_standard_error": p.standard_error}
-                row |= _columns(symbol, numbers, "equal_weights_")
+        for name, answer in self.approaches.items():
+            row = {"approach": name} | _columns(answer, table=True)
             row |= {key: answer.merit[key] for key in _IN_TABLE if key in answer.merit}
-            row |= {
-                f"{symbol}_verdict": verdict for symbol, (verdict, _) in answer.verdicts.items()
-            }
+            row |= {f"{symbol}_verdict": v.verdict for symbol, v in answer.verdicts.items()}
             rows.append(row | {"note": "; ".join(answer.notes)})
         columns = dict.fromkeys(name for row in sorted(rows, key=len, reverse=True) for name in row)
         return [{name: row.get(name) for name in columns} for row in rows]
@@ -336,7 +316,7 @@ class Identified(ABC):
     @property
     def limits(self) -> list[Limit]:
         """What limits the answers, each thing once."""
-        return limits(self.answers, self.warnings)
+        return limits(self.approaches, self.warnings)
 
     @property
     def limiting(self) -> list[str]:
@@ -350,7 +330,7 @@ class Identified(ABC):
         """The table for a screen: the answers with their 95 % intervals and verdicts, a line each, then what limits
         them."""
         tests, sentences = comparison(self.laws), self.limiting
-        lines = [self.head, "", *aligned(answers_table(self.answers)), "", *self.rig]
+        lines = [self.head, "", *aligned(answers_table(self.approaches)), "", *self.rig]
         lines += ["", *tests] if tests else []
         lines += ["", "What limits the answer:", *sentences] if sentences else []
         return "\n".join(lines) + "\n"
@@ -476,11 +456,7 @@ def _worth(answer: Answer) -> tuple[float, ...]:
 
 def _entries(answer: Answer) -> dict[str, Any]:
     """An answer for the document."""
-    entries: dict[str, Any] = {}
-    for beginning, parameters in (("", answer.parameters), ("equal_weights_", answer.equal)):
-        for symbol, p in parameters.items():
-            numbers = _with_errors(answer, p) | {"_interval": p.interval}
-            entries |= _columns(symbol, numbers, beginning)
+    entries = _columns(answer)
     if answer.balance is not None:
         entries |= {
             f"correlation_of_{one}_and_{other}": answer.correlations.get((one, other))
@@ -493,12 +469,16 @@ def _entries(answer: Answer) -> dict[str, Any]:
     return entries | {"notes": answer.notes}
 
 
-def _columns(symbol: str, numbers: Mapping[str, Any], beginning: str = "") -> dict[str, Any]:
-    """Numbers of a parameter, given by what they are of it, in columns named with its unit."""
-    return {beginning + column(symbol, what): number for what, number in numbers.items()}
-
-
-def _with_errors(answer: Answer, p: ParameterEstimate) -> dict[str, Any]:
-    """The value and its standard errors by the ends of their keys; the error by propagation where it is computed."""
-    numbers = {"": p.value, "_standard_error": p.standard_error}
-    return numbers | ({"_propagated_error": p.propagated_error} if answer.equal else {})
+def _columns(answer: Answer, *, table: bool = False) -> dict[str, Any]:
+    """The numbers of an answer in columns named with their units, those of equal weights behind the others; in a table
+    each end of an interval has a column, and of equal weights there are values and standard errors alone."""
+    columns: dict[str, Any] = {}
+    for beginning, parameters in (("", answer.parameters), ("equal_weights_", answer.equal)):
+        for symbol, p in parameters.items():
+            numbers: dict[str, Any] = {"": p.value, "_standard_error": p.standard_error}
+            if not (table and beginning):
+                numbers |= {"_propagated_error": p.propagated_error} if answer.equal else {}
+                ends = {"_low": p.interval.low, "_high": p.interval.high}
+                numbers |= ends if table else {"_interval": p.interval}
+            columns |= {beginning + column(symbol, what): n for what, n in numbers.items()}
+    return columns

@@ -261,20 +261,16 @@ def decays(fit: RingFit, turns: Sequence[tuple[Array, Array]]) -> Figure:
 def loss(lines: SteppedLines, fits: Mapping[str, ContactFit]) -> Figure:
     """Energy lost per cycle against the amplitude: each line of a table (dots, darker at higher levels), and the law of
     each contact with its band of 95 %, at the median frequency."""
-    figure = page(DOUBLE_COLUMN, 92.0)
     omega = float(np.median(lines.omega))
     laws = {name: partial(fit.loss, omega=omega) for name, fit in fits.items()}
-    W = math.pi * lines.X**2 * lines.Z.imag
-    axes = _against_amplitude(figure, lines, 1e3 * W, fits, laws, 1e3)
-    axes.set(yscale="log", ylabel="energy lost per cycle, $W$ (mJ)")
-    return figure
+    look = {"yscale": "log", "ylabel": "energy lost per cycle, $W$ (mJ)"}
+    return _against_amplitude(lines, math.pi * lines.X**2 * lines.Z.imag, fits, laws, 1e3, look)
 
 
 @styled()
 def stiffness(lines: SteppedLines, fits: Mapping[str, ContactFit]) -> Figure:
     """Stiffness against the amplitude: (F/X) cos φ + mω² of each line (dots, darker at higher levels), with the mass m
     of the first contact, and the law of each contact at the median frequency, with its band of 95 %."""
-    figure = page(DOUBLE_COLUMN, 92.0)
     m, omega = next(iter(fits.values())).values["m"], float(np.median(lines.omega))
 
     def law(fit: ContactFit, X: Array) -> Band:
@@ -282,9 +278,7 @@ def stiffness(lines: SteppedLines, fits: Mapping[str, ContactFit]) -> Figure:
 
     laws = {name: partial(law, fit) for name, fit in fits.items()}
     of_lines = lines.Z.real + m * lines.omega**2
-    axes = _against_amplitude(figure, lines, 1e-3 * of_lines, fits, laws, 1e-3)
-    axes.set_ylabel("stiffness (N/mm)")
-    return figure
+    return _against_amplitude(lines, of_lines, fits, laws, 1e-3, {"ylabel": "stiffness (N/mm)"})
 
 
 @styled()
@@ -302,20 +296,21 @@ def distribution(fits: Mapping[str, ContactFit]) -> Figure:
 
 
 def _against_amplitude(
-    figure: Figure,
     lines: SteppedLines,
     values: Array,
     fits: Mapping[str, ContactFit],
     laws: Mapping[str, Callable[[Array], Band]],
     factor: float,
-) -> Axes:
-    """A panel with values of the lines, and laws, a factor times as large, with their bands."""
+    look: Mapping[str, str],
+) -> Figure:
+    """Values of the lines, and laws with their bands, all a factor times as large.   look : of the axes."""
+    figure = page(DOUBLE_COLUMN, 92.0)
     axes = place(figure, 22.0, 20.0, 150.0, 66.0)
     largest = [lines.X[lines.level == i].max() for i in range(len(lines.names))]
     shades = np.linspace(0.75, 0.15, len(largest))
     for shade, i in zip(shades, np.argsort(largest), strict=True):
         own = lines.level == i
-        axes.plot(1e3 * lines.X[own], values[own], ".", color=str(shade), markersize=2.5)
+        axes.plot(1e3 * lines.X[own], factor * values[own], ".", color=str(shade), markersize=2.5)
     for (name, law), colour in zip(laws.items(), (SLIP, STICK), strict=False):
         low, high = fits[name].X_range
         X = np.geomspace(low, high, 200)
@@ -324,12 +319,11 @@ def _against_amplitude(
             1e3 * X, factor * of.low, factor * of.high, color=colour, alpha=0.25, lw=0
         )
         axes.plot(1e3 * X, factor * of.value, color=colour, label=name)
-    axes.set(xscale="log", xlabel="amplitude, $X$ (mm)")
+    axes.set(xscale="log", xlabel="amplitude, $X$ (mm)", **look)
     axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     axes.xaxis.set_major_formatter("{x:g}")
     axes.xaxis.set_minor_formatter(NullFormatter())
-    _explained(figure, [(axes, axes)], scale=1.0)
-    return axes
+    return _explained(figure, [(axes, axes)], scale=1.0)
 
 
 @styled()

@@ -37,17 +37,8 @@ _MASS_OFF = 0.02  # of a mass that is given: what scales and gains are off by
 _ALIKE = 0.02  # sine of the angle between the columns of A below which the levels hardly distinguish F_k from c
 
 
-def with_notes(
-    answers: Mapping[str, Answer], readings: Sequence[Reading], joint: JointFit
-) -> dict[str, Answer]:
-    """The answers of the approaches, each with what a reader must know before using it."""
-    return {
-        name: replace(answer, notes=(*answer.notes, *_notes(answer, readings, joint)))
-        for name, answer in answers.items()
-    }
-
-
-def _notes(answer: Answer, readings: Sequence[Reading], joint: JointFit) -> Iterator[Remark]:
+def notes_on(answer: Answer, readings: Sequence[Reading], joint: JointFit) -> Iterator[Remark]:
+    """What a reader must know, in addition to the notes of an approach, before using its answer."""
     clipped = [
         f"{quantity} of {reading.steady.source}"
         for reading in readings

@@ -9,7 +9,7 @@ equation of motion, and so of every coefficient.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -80,11 +80,7 @@ def sensitivities(
             # 2F_k/L, the L of the waveforms, which does not know the stiffness
             friction = [values[key] for key in rows_of.law.keys_of(FRICTION) if key in values]
             values["K_z"] = np.mean(friction, axis=0) / (sample.F_k * sample.rho**2)
-        changes = {symbol: (of[1:] / of[0] - 1.0) / _STEP for symbol, of in values.items()}
-    return {
-        name: {symbol: float(change[i]) for symbol, change in changes.items()}
-        for i, name in enumerate(faults)
-    }
+        return _by_fault(faults, {s: (of[1:] / of[0] - 1.0) / _STEP for s, of in values.items()})
 
 
 @one_thread
@@ -113,10 +109,12 @@ def shifts_of_fit(
         with np.errstate(divide="ignore", invalid="ignore"):
             shifts[key] = changes[key] / value + scaled * (not (heavy and key == "m"))
     shifts["K_z"] = -2.0 * shifts.pop("rho")  # K_z = ρ^{−2}
-    return {
-        name: {symbol: float(of[i]) for symbol, of in shifts.items()}
-        for i, name in enumerate(faults)
-    }
+    return _by_fault(faults, shifts)
+
+
+def _by_fault(names: Iterable[str], of: Mapping[str, Array]) -> dict[str, dict[str, float]]:
+    """What each fault does, from what all of them do to each number, (faults,)."""
+    return {name: {s: float(by[i]) for s, by in of.items()} for i, name in enumerate(names)}
 
 
 def _faulty(reading: Reading, faults: list[Fault]) -> Means:

@@ -21,7 +21,7 @@ import numpy as np
 from ..project.wording import listed
 from ..records.measurement import EXCITATIONS
 from ..solver import NORMAL_95
-from .answer import Answer, Interval, ParameterEstimate
+from .answer import REFERENCE, Answer, Interval, ParameterEstimate
 from .identified import Identified
 from .loading import correction_of
 from .sensitivities import FAULTS, Fault
@@ -42,9 +42,8 @@ def carried(found: Identified) -> Identified:
     faults = {name: Fault(name, **{name: size}) for name, size in stated.items() if size > 0.0}
     estimates, reference = found.estimates, found.reference
     if faults:
-        shifts = found.shifts(faults, list(found.answers))
-        estimates = {name: _widened(one, shifts.get(name, {})) for name, one in estimates.items()}
-        reference = reference and _widened(reference, shifts.get(reference.name, {}))
+        estimates = {n: _widened(one, found.shifts(faults, n)) for n, one in estimates.items()}
+        reference = reference and _widened(reference, found.shifts(faults, REFERENCE))
     mass = found.options["mass_kg"] is not None  # with which the records were tested
     settings = {"stated_uncertainties": {**stated, "mass_tested": mass}}
     return replace(
@@ -118,9 +117,9 @@ def _conditional(found: Identified, stiffness: bool, mass: bool) -> list[str]:
     """
     if stiffness and mass:
         return []
-    name, answer = next(iter(found.answers.items()))
+    name, answer = next(iter(found.approaches.items()))
     effects = []
-    for what, changes in found.shifts(_UNTESTED, [name]).get(name, {}).items():
+    for what, changes in found.shifts(_UNTESTED, name).items():
         parts = [
             f"{symbol} by {100.0 * change:+.2g} %"
             for symbol in answer.parameters

@@ -8,7 +8,7 @@ one slider, that of the paper, and many that slip one after the other, as the in
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar, Literal
 
@@ -59,7 +59,7 @@ class SteppedOutcome(Identified):
     @property
     def fit(self) -> ContactFit:
         """That of the answer."""
-        return self.fits[next(iter(self.answers))]
+        return self.fits[next(iter(self.approaches))]
 
     @property
     def of_mode(self) -> SteppedLines:
@@ -123,10 +123,8 @@ class SteppedOutcome(Identified):
             levels.append(Level(name, X, omega, float(W[at]), float(friction[at])))
         return levels
 
-    def shifts(
-        self, faults: Mapping[str, Fault], names: Collection[str]
-    ) -> dict[str, dict[str, dict[str, float]]]:
-        """What gains do to the answers, where all numbers are free to follow: forces go with that of the drive, motions
+    def shifts(self, faults: Mapping[str, Fault], name: str) -> dict[str, dict[str, float]]:
+        """What gains do to an answer, where all numbers are free to follow: forces go with that of the drive, motions
         with that of the response, and an exact law of scales says how each number does. With k or m held there is no
         such law, except for the stiffness of a table of base motions, which scales all forces."""
 
@@ -137,19 +135,15 @@ class SteppedOutcome(Identified):
             return fault.drive - order * fault.response
 
         return {
-            name: {
-                fault: {symbol: shift(symbol, of) for symbol in answer.parameters}
-                for fault, of in faults.items()
-            }
-            for name, answer in self.answers.items()
-            if name in names
+            fault: {symbol: shift(symbol, of) for symbol in self.estimates[name].parameters}
+            for fault, of in faults.items()
         }
 
     @property
     def pictures(self) -> dict[str, Picture]:
         """loss : energy lost per cycle over the amplitude.   stiffness : the in-phase stiffness over it.   distribution
         : of the sliders."""
-        of, fits = self.of_mode, {name: self.fits[name] for name in self.answers}
+        of, fits = self.of_mode, {name: self.fits[name] for name in self.approaches}
         count = f"{of.X.size} lines at {len(of.names)} levels"
         return {
             "loss": Picture(

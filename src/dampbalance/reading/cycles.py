@@ -458,14 +458,12 @@ def _comes_to_rest(s: Array, step: float) -> bool:
     cut of p samples by 1 to 2(p + 2q)/(p + q), 2.2 for q = p/8. q is long enough for four samples and for six steps of
     the converter, which round the ends away, and p at least 4q: a shorter one is taken for a cut.
 
-    s : samples of a cycle, (n,), its first following its last.   step : to the next lower value.
+    s : samples of a cycle, (n,), not all equal, its first following its last.   step : to the next lower value.
     """
     size, drop = s.size, s.max() - s
     ends = np.flatnonzero(drop == 0.0)
     gaps = np.diff(ends, append=ends[0] + size)
     breaks = np.flatnonzero(gaps > 1)
-    if not breaks.size:
-        return False
     lengths = np.diff(breaks, prepend=breaks[-1] - ends.size)
     last = int(np.argmax(lengths))
     length, stop = int(lengths[last]), int(ends[breaks[last]])

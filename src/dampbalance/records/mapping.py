@@ -172,27 +172,24 @@ def _rule(stated: Mapping[str, Any]) -> ChannelRule:
 def _contradictions(document: Mapping[str, Any]) -> Iterable[tuple[tuple[str | int, ...], str]]:
     """What no schema can say: units that do not fit, keys that exclude each other."""
     channels = document.get("channels", {})
-    rules: dict[tuple[str | int, ...], Any] = {("channels", q): channels[q] for q in channels}
+    columns = document.get("table", {})
+    sections = {"channels": channels, "table": columns}
+    rules: dict[tuple[str | int, ...], Any] = {
+        (of, q): r for of in sections for q, r in sections[of].items()
+    }
     timed = [(*key, "time") for key, rule in rules.items() if "time" in rule]
     if "sample_rate_hz" in document:
         for key in [*timed, ("time",)] if "time" in document else timed:
             yield key, "not together with sample_rate_hz; keep one"
-    columns = document.get("table", {})
     if columns and channels:
         yield ("table",), "not together with channels; keep one"
-    for quantity, rule in columns.items():
-        if "unit" in rule:
-            try:
-                table_factor(rule["unit"], quantity)
-            except UnitError as error:
-                yield ("table", quantity, "unit"), str(error)
     if columns and ("frequency" not in columns or "phase" not in columns):
         yield (
             ("table",),
             f"needs frequency and phase, and a response ({', '.join(TABLE_DIMENSIONS)})",
         )
     for key, rule in {**rules, ("time",): document.get("time", {})}.items():
-        unit = partial(unit_for, quantity=str(key[-1]))
+        unit = partial(table_factor if key[0] == "table" else unit_for, quantity=str(key[-1]))
         readers = ("unit", unit), ("delay", _seconds), ("delay_uncertainty", _seconds)
         for part, read in readers:
             if part in rule:

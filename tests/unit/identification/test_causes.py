@@ -100,7 +100,7 @@ def test_a_motion_in_the_wrong_frame_is_named(channel, taken_for, hz, base):
 def test_a_motion_in_its_own_frame_is_not_doubted(channel):
     answer = identify_readings(in_frame(channel, channel), PAPER.k, replicates=20)
     assert not any("taken for" in w for w in answer.warnings)
-    assert answer.answers["direct"].verdicts["F_k"].verdict == "usable"
+    assert answer.approaches["direct"].verdicts["F_k"].verdict == "usable"
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -115,5 +115,5 @@ def test_the_report_names_it_first_and_what_it_changes_is_doubtful():
     found = identify_readings(of_unequal_friction(), PAPER.k, replicates=20)
     warning = next(w for w in found.warnings if "a friction force that changes with the level" in w)
     assert warning.index("the likeliest of the causes") < warning.index("a channel may be skewed")
-    verdicts = {v.verdict for a in found.answers.values() for v in a.verdicts.values()}
+    verdicts = {v.verdict for a in found.approaches.values() for v in a.verdicts.values()}
     assert verdicts <= {"doubtful", "none"}

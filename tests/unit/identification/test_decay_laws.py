@@ -29,7 +29,7 @@ def chosen(laws):
 
 def test_sound_decays_raise_no_doubt_and_keep_friction_and_viscous_damping():
     result = found_in(SOUND, laws=True)
-    for answer in result.answers.values():
+    for answer in result.approaches.values():
         assert answer.verdicts["F_k"].verdict == answer.verdicts["c"].verdict == USABLE
     assert result.laws.chosen == ("F_k", "c")
     for symbol, (value, error) in chosen(result.laws).coefficients.items():
@@ -44,7 +44,7 @@ def test_sound_decays_raise_no_doubt_and_keep_friction_and_viscous_damping():
 def test_decays_under_another_law_are_doubtful_and_its_coefficients_found(symbol, field, order):
     decay = departing(SOUND, field, order, 0.4)
     result = found_in(decay, laws=True)
-    for answer in result.answers.values():
+    for answer in result.approaches.values():
         for of_law in ("F_k", "c"):
             verdict = answer.verdicts[of_law]
             assert verdict.verdict == DOUBTFUL
@@ -64,7 +64,7 @@ def test_decays_under_another_law_are_doubtful_and_its_coefficients_found(symbol
 )
 def test_what_no_law_of_damping_explains_is_named(symbol, field, order, share):
     decay = departing(SOUND, field, order, share)
-    reasons = [answer.verdicts["c"].reason for answer in found_in(decay).answers.values()]
+    reasons = [answer.verdicts["c"].reason for answer in found_in(decay).approaches.values()]
     assert all(f"{symbol} =" in reason for reason in reasons)
 
 

@@ -210,7 +210,7 @@ def test_what_makes_no_sense_is_refused(change, message):
 
 def test_one_level_is_identified_by_its_waveform_alone():
     found = identify_readings(readings(noise=0.01, levels=LEVELS[1:2]), PAPER.k, replicates=20)
-    (first, answer), *others = found.answers.items()
+    (first, answer), *others = found.approaches.items()
     assert first == REFERENCE
     assert holds(answer)
     for word, reason in answer.verdicts.values():
@@ -225,7 +225,7 @@ def test_one_level_is_identified_by_its_waveform_alone():
 @pytest.mark.parametrize("levels", [LEVELS[1:2] * 2, (0.0100, 0.0101)])
 def test_no_number_of_levels_that_are_alike_is_usable(levels):
     found = identify_readings(readings(noise=0.01, levels=levels), PAPER.k, replicates=20)
-    for answer in found.answers.values():
+    for answer in found.approaches.values():
         for symbol in ("F_k", "c"):
             verdict = answer.verdicts[symbol]
             assert verdict.verdict == "doubtful"

@@ -109,7 +109,7 @@ def by_label(axes):
 @pytest.mark.parametrize("fitted", [True, False])
 def test_the_friction_loop_takes_what_friction_takes(steady, fitted):
     """∮ f dx = a F_k; without a fit the mass is that of a contact that does not yield."""
-    result = steady.result
+    result = steady
     if not fitted:
         result = replace(result, joint=replace(result.joint, fit=None), reference=None)
     for axes, a in zip(result.draw("friction").axes, result.features.a, strict=True):
@@ -137,7 +137,7 @@ def test_the_residual_of_a_cycle_is_noise_unless_the_fit_fails(found, kind, larg
 def test_a_decay_fills_the_picture_as_long_as_it_moves(decay):
     panel = decay.plot("decays")[0]
     assert panel.get_position().width > 0.85
-    (start, end), fit = panel.get_xlim(), decay.result.fit
+    (start, end), fit = panel.get_xlim(), decay.fit
     moves = fit.sticks_from(0)
     assert moves < end - start <= moves + 1.6 * fit.decays[0].period
 
@@ -171,7 +171,7 @@ def test_at_the_natural_frequency_the_loss_factor_is_twice_the_damping_ratio():
 
 def test_the_levels_of_records_lose_what_friction_and_damper_take(steady, decay):
     for found, osc in ((steady, PAPER), (decay, DECAYING)):
-        damping, levels = found.document()["damping"], found.result.levels
+        damping, levels = found.document()["damping"], found.levels
         assert damping["damping_ratio"] == pytest.approx(
             damping_ratio(osc.c, osc.k, osc.m), rel=0.05
         )

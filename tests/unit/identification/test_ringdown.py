@@ -32,7 +32,7 @@ OSCILLATOR = Oscillator(PLUCKED.m, PLUCKED.c, PLUCKED.k, PLUCKED.K_z, PLUCKED.F_
 
 def holds(result, decay):
     """Whether F_k, c and K_z of balance and fit are those of the truth within their errors."""
-    for found in result.answers.values():
+    for found in result.approaches.values():
         for symbol in ("F_k", "c"):
             off = found.values[symbol] - getattr(decay, symbol)
             assert abs(off) < FAR * found.standard_errors[symbol], symbol
@@ -84,7 +84,7 @@ def test_a_record_without_noise_gives_the_oscillator_back(quantity):
     )
     result = identify_ring_downs([clean], OSCILLATOR.k)
     assert result.fit.adequate
-    for found in result.answers.values():
+    for found in result.approaches.values():
         for symbol in SYMBOLS:
             # where a climb ends: 1e-4 of the errors that the least noise assumed, 3e-6 of the swing, leaves: 3e-5 of c
             assert found.values[symbol] == pytest.approx(getattr(OSCILLATOR, symbol), rel=1e-8)
@@ -148,7 +148,7 @@ def test_a_mass_that_is_known_sharpens_and_one_that_is_wrong_is_named():
     assert wrong.fit.m == pytest.approx(free.fit.m)
     assert "is not that of these decays" in wrong.warnings[0]
     assert given.estimates["balance"].verdicts["F_k"] == ("usable", "")
-    for answer in wrong.answers.values():
+    for answer in wrong.approaches.values():
         assert answer.verdicts["F_k"] == ("doubtful", "the mass given contradicts the decays")
     assert "the mass given" in given.rig[0]
     assert not any("the mass given" in each.rig[0] for each in (free, wrong))
@@ -270,7 +270,7 @@ def test_a_drive_that_stands_still_is_none(tmp_path):
     both = [Channel("base_displacement", t, still), measured["displacement"]]
     write(tmp_path / "run.csv", Measurement.of("run", both))
     result = identify([tmp_path / "run.csv"], PLUCKED.k)
-    holds(result.result, PLUCKED)
+    holds(result, PLUCKED)
 
 
 @pytest.mark.parametrize(

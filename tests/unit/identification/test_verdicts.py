@@ -29,7 +29,7 @@ from dampbalance.identification.remarks import (
     forbidden,
     in_a_sentence,
     limits,
-    with_notes,
+    notes_on,
 )
 from dampbalance.identification.screen import in_one, with_interval
 from dampbalance.project.wording import Remark, factor, listed, times
@@ -199,8 +199,10 @@ def test_the_first_answer_is_the_one_to_use(balance, fit, warnings, first):
     kinds = {"head": "", "rig": (), "settings": {}, "k": 1.0, "sources": ()}
     Both.__abstractmethods__ = frozenset()
     outcome = Both(estimates={"direct": balance}, reference=fit, warnings=warnings, **kinds)
-    assert next(iter(outcome.answers)) == first
-    assert set(outcome.answers) == {"direct", REFERENCE} - ({REFERENCE} if fit is None else set())
+    assert next(iter(outcome.approaches)) == first
+    assert set(outcome.approaches) == {"direct", REFERENCE} - (
+        {REFERENCE} if fit is None else set()
+    )
 
 
 def test_words_in_a_row():
@@ -232,7 +234,7 @@ def test_a_coefficient_that_physics_forbids_is_named_with_the_likely_cause():
             "clipping is the likely cause (velocity of a and velocity of b); raise the measuring range",
         ),
     ):
-        first, *_ = with_notes({"direct": negative}, readings, linear)["direct"].notes
+        first = next(notes_on(negative, readings, linear))
         assert first == f"c = -6 N s/m is negative, which physics forbids: {cause}"
     assert forbidden(SOUND.coefficients, [], "all") == []
 

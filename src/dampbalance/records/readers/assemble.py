@@ -181,8 +181,6 @@ class Stretch:
 
     def _require_no_overflow(self, values: Array) -> None:
         """No jump through nearly the whole range of an integer type, from its one end to the other."""
-        if values.size < 2:
-            return
         jumps = np.abs(np.diff(values))
         i = int(np.argmax(jumps))
         bits = next((bits for bits in _BITS if np.ptp(values) < 2.0**bits), 0)
