@@ -189,6 +189,16 @@ class Identified(ABC):
         return answers
 
     @property
+    def answers(self) -> dict[str, Answer]:
+        """The same as `approaches`."""
+        return self.approaches
+
+    @property
+    def result(self) -> Identified:
+        """The identification itself: `result.answers` are its `approaches`."""
+        return self
+
+    @property
     def figures(self) -> tuple[str, ...]:
         """Names of the pictures that `plot` draws, the first if none is named: of forced records cycles (each record
         folded onto one cycle), loops (acceleration against displacement) and balance (its rows, and what they leave);
