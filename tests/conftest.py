@@ -15,6 +15,10 @@ import pytest
 
 # No test opens a window. Set before matplotlib is imported; pipelines that tests start inherit it.
 os.environ["MPLBACKEND"] = "Agg"
+# Processes of tests share the processors: threads of linear algebra would wait for each other, for most of the time.
+# Set before NumPy is imported.
+if "PYTEST_XDIST_WORKER" in os.environ:
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 # The same examples in every run: a failure is a failure for everybody.
 # No deadline: the first call of a kernel compiles it.

@@ -33,7 +33,7 @@ DECAYING = Oscillator(m=2.0, c=1.5, k=2310.0, K_z=208000.0, F_k=0.5)
 
 @pytest.fixture(scope="module")
 def steady():
-    return identify(made(), stiffness=PAPER.k, laws=True)
+    return identify(made(), stiffness=PAPER.k, laws=True, replicates=200)
 
 
 @pytest.fixture(scope="module")

@@ -201,6 +201,6 @@ def test_records_in_time_become_lines_that_give_the_oscillator_back():
     # as harmonic motions, the same lines are off by their third harmonics
     harmonic = SteppedLines(table.omega, table.X, table.Z, table.level, table.names)
     other = fit_contact(
-        harmonic, contact="one slider", stiffness=osc.k, hardening=False, replicates=10
+        harmonic, contact="one slider", stiffness=osc.k, hardening=False, replicates=2
     )
     assert other.misfit.loss > 2.0 * fit.misfit.loss

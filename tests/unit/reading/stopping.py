@@ -109,9 +109,9 @@ def _period(of: Stopping, state, sign: float, period: float):
 
         def rate(t, s, sign=sign):
             x, v = s[0], s[1]
-            friction = of.friction(x, sign)
-            a = (of.push(t, x, v) - friction) / of.m
-            return [v, a, abs(v), v * v, of.y(t, 1) * v, of.k * of.y(t) * v, friction * v, 0.0]
+            y, w, friction = of.y(t), of.y(t, 1), of.friction(x, sign)
+            a = (of.k * (y - x) + of.c_r * (w - v) - friction) / of.m
+            return [v, a, abs(v), v * v, w * v, of.k * y * v, friction * v, 0.0]
 
         def still(t, s, sign=sign):
             return sign * s[1]
