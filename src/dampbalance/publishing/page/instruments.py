@@ -8,7 +8,6 @@ from typing import Any
 
 import pandas as pd
 
-from ...balance import APPROACHES
 from ...figures.looks import SCHEME_LOOKS, label_of, look_of
 from ...motion.fixed_step import SCHEMES
 from ...project.case import Case
@@ -48,8 +47,7 @@ def instruments_data(
         },
         "approaches": {
             name: {"label": label_of(name), "colour": variable(look.series), "shape": look.shape}
-            for name, look in ((name, look_of(name)) for name in IN_THE_BROWSER)
-            if name in APPROACHES
+            for name, look in zip(IN_THE_BROWSER, map(look_of, IN_THE_BROWSER), strict=True)
         },
         "steps": [
             dict(zip(("approach", "phase", "sharing"), WAYS[way], strict=True))

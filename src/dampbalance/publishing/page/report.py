@@ -7,9 +7,10 @@ from __future__ import annotations
 
 import base64
 import math
+import posixpath
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 from typing import Any
 
 import jinja2
@@ -27,6 +28,7 @@ from ...replication.comparison import WAY, mends, off_resonance
 from ...replication.printed_tables import SHOWN_ROUTES, TITLES, blocks, claim_of
 from ...studies.settings import Study
 from ...studies.shown.facts import filled
+from ...studies.shown.summary import along_lines
 from .. import words
 from ..colours import css_variables
 from .drawings import Sheet
@@ -74,28 +76,24 @@ ORIGINS: dict[str, dict[str, Any]] = read_yaml(
 """Where the results on the page come from, as that file explains."""
 
 
-def link(path: str, page: str) -> str:
-    """The address of a file of the repository as seen from the page, both as paths from the repository's root."""
-    up = len(PurePosixPath(page).parent.parts)
-    return "../" * up + path
-
-
 def report_page(content: PageContent, page: str) -> str:
     """The page as HTML. page : where it will stand, as a path from the repository's root, for its links.
 
     Raises ValueError where it would become larger than LARGEST_PAGE.
     """
     case, frequencies, approaches = content.case, content.case.frequencies_hz, content.approaches
-    printed = pd.DataFrame() if content.claims is None else content.claims.set_index("id", drop=False)
+    printed = (
+        pd.DataFrame() if content.claims is None else content.claims.set_index("id", drop=False)
+    )
     claims = printed.to_dict("index")
     counted = judged.counts(printed) if claims else []
-    tables = [
+    tables = (
         [
-            {"title": TITLES[name], "parts": list(_parts(table, name, {} if n else claims))}
-            for name, table in content.tables[frequency].items()
+            (TITLES[name], list(_parts(table, name, {} if n else claims)))
+            for name, table in of.items()
         ]
-        for n, frequency in enumerate(frequencies)
-    ]
+        for n, of in enumerate(map(content.tables.__getitem__, frequencies))
+    )
     sheet = Sheet()
     figures = {name: sheet.drawing(f"drawing-{name}", svg) for name, svg in content.figures.items()}
     studies = {study.name: _study(content, sheet, study, svg) for study, svg in content.studies}
@@ -109,7 +107,7 @@ def report_page(content: PageContent, page: str) -> str:
         judged=judged,
         claims=claims,
         frequencies=[
-            {"key": name, "name": wording.frequency_name(name), "hz": f"{hz:g}", "tables": shown}
+            {"name": wording.frequency_name(name), "hz": f"{hz:g}", "tables": shown}
             for (name, hz), shown in zip(frequencies.items(), tables, strict=True)
         ],
         terms=list(TERMS),
@@ -121,6 +119,7 @@ def report_page(content: PageContent, page: str) -> str:
         mends=mends(approaches, frequencies),
         figures=figures,
         studies=studies,
+        noise=studies.get("noise"),
         sheet=sheet,
         origins=ORIGINS,
         configuration=wording.dotted(content.config),
@@ -184,21 +183,15 @@ def _parts(
 def _study(content: PageContent, sheet: Sheet, study: Study, svg: str) -> dict[str, Any]:
     """The figure of a study, with what it shows: in its first sentence, and in more.
 
-    lines, of noise : the rows of F_k in the summary, line by line of the figure: (label, rows).
+    lines, of noise : the errors of F_k as `along_lines` has them.
     """
-    name, keys = study.name.replace("_", "-"), ["approach", "phase", "contact", "weights", "fit"]
+    name = study.name.replace("_", "-")
     first, _, more = filled(study, content.facts[study.name]).partition(". ")
-    lines = []
-    if study.name == "noise" and content.noise is not None:
-        of_F_k = content.noise[content.noise["quantity"] == "F_k"].fillna(dict.fromkeys(keys, ""))
-        rows = {key: group.to_dict("records") for key, group in of_F_k.groupby(keys)}
-        for label, spec in study.figure["lines"].items():
-            (fit,) = study.fits_of(spec)
-            key = (fit.approach, fit.phase, fit.contact, fit.weights, fit.kind)
-            lines.append((label, rows[key]))
+    summary = content.noise if study.name == "noise" else None
     files = (f"results/studies/{study.name}/cases.parquet", f"config/studies/{study.name}.yaml")
     return {
-        **{"title": study.title, "first": f"{first}.", "more": more, "lines": lines},
+        **{"title": study.title, "first": f"{first}.", "more": more},
+        "lines": [] if summary is None else along_lines(study, summary, "F_k"),
         "figure": sheet.drawing(f"study-{name}", svg),
         "origin": ORIGINS["studies"] | {"results": files},  # its file says what is varied
     }
@@ -211,7 +204,7 @@ def _environment(case: str, page: str) -> jinja2.Environment:
     environment.policies["json.dumps_kwargs"] = compact
     setting = (words.rich, words.titled, words.quantity, words.reason, words.symbol, minus)
     environment.filters |= {one.__name__: one for one in setting} | {
-        "here": lambda path: link(path.format(case=case), page),
+        "here": lambda path: posixpath.relpath(path.format(case=case), posixpath.dirname(page)),
         "at_case": lambda path: path.format(case=case),
         "approach": lambda key: words.rich(label_of(key)),
         "bound": lambda error: f"{wording.power_of_ten(error)} %",

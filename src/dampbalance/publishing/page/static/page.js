@@ -71,14 +71,12 @@
       for (const one of all) one.open = open;
     });
 
-    for (const link of document.querySelectorAll('.counts a')) {
-      link.addEventListener('click', () => {
-        clear();
-        part.value = link.dataset.part;
-        verdict.value = link.dataset.verdict;
-        apply();
-      });
-    }
+    document.querySelector('.counts').addEventListener('click', ({ target: { dataset } }) => {
+      if (!dataset.verdict) return;
+      clear();
+      [part.value, verdict.value] = [dataset.part, dataset.verdict];
+      apply();
+    });
 
     show = clear;
     apply(); // a browser that comes back may have kept what stood in the form
@@ -122,21 +120,17 @@
     const svg = box.querySelector('svg');
     const fold = box.parentElement.querySelector('.values');
     const [tip, spoken] = [box.querySelector('.tip'), box.nextElementSibling];
-    const ring = document.createElementNS(svg.namespaceURI, 'circle');
     const size = svg.viewBox.baseVal.width;
     let lines = null;
     let chosen = [0, -1];
-    ring.setAttribute('r', 4);
-    ring.setAttribute('class', 'ring');
 
     const choose = (line, i) => {
       chosen = [line, i];
       const mark = lines[line]?.[i];
       tip.hidden = !mark;
-      if (!mark) { ring.remove(); spoken.textContent = ''; return; }
-      ring.setAttribute('cx', mark.x);
-      ring.setAttribute('cy', mark.y);
-      svg.append(ring);
+      svg.querySelector('.ring')?.remove();
+      if (!mark) { spoken.textContent = ''; return; }
+      svg.insertAdjacentHTML('beforeend', `<circle class="ring" r="4" cx="${mark.x}" cy="${mark.y}"/>`);
       tip.innerHTML = [`<b>${mark.name}</b>`, ...mark.says.map(([what, value]) => `<span>${what}</span> ${value}`)].join('<br>');
       spoken.innerHTML = [mark.name, ...mark.says.map((pair) => pair.join(' '))].join(', ');
       const px = svg.clientWidth / size;
@@ -166,7 +160,7 @@
       if (!(event.key in keys) || event.ctrlKey || event.altKey || event.metaKey) return;
       const [to, n] = keys[event.key];
       choose(to, Math.min(n, lines[to].length - 1));
-      ring.scrollIntoView({ block: 'nearest', inline: 'nearest', behavior: 'instant' }); // where the drawing is wider than its box
+      svg.querySelector('.ring').scrollIntoView({ block: 'nearest', inline: 'nearest', behavior: 'instant' }); // where the drawing is wider than its box
       event.preventDefault();
     });
     fold.addEventListener('toggle', () => {
