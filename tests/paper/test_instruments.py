@@ -85,9 +85,6 @@ def test_rows_and_solution_in_the_browser_are_those_of_the_package(frequency):
             assert solution["n"] == estimate.n
             for symbol in TERMS:
                 assert solution[symbol] == pytest.approx(float(estimate[symbol]), rel=1e-11)
-            if estimate.residual > 1e-9:  # else rounding only
-                np.testing.assert_allclose(solution["covariance"], estimate.covariance, rtol=1e-5)
-                assert solution["residual"] == pytest.approx(float(estimate.residual), rel=1e-5)
 
 
 OWN = replace(  # stiffer and lighter; the lowest level does not slip

@@ -6,8 +6,8 @@ from pathlib import Path
 from dampbalance.project.case import Case
 from dampbalance.project.files import read_csv, write_text
 from dampbalance.project.troubles import brief_troubles
-from dampbalance.publishing.page.instruments import of_run
 from dampbalance.publishing.page.report import PageContent, report_page
+from dampbalance.replication.claims.changed_digits import of_run
 from dampbalance.studies.checking import read_study
 
 TABLES = ("table1", "table2", "table3", "statistics")
@@ -44,6 +44,7 @@ def main(params, inputs):
         figures=dict(zip(params.figures, map(read_text, inputs.figures), strict=True)),
         evidence=json.loads(read_text(inputs.evidence)) if inputs.evidence else None,
         facts={name: of["facts"] for name, of in facts.items()},
+        noise=read_csv(inputs.noise) if inputs.noise else None,
         studies=list(zip(studies, map(read_text, inputs.study_figures), strict=True)),
     )
 

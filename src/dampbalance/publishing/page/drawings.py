@@ -49,8 +49,7 @@ class Sheet:
     @property
     def svg(self) -> Markup:
         """The definitions of all drawings."""
-        named = (element.replace("NAME", name) for element, name in self.outlines.items())
-        return Markup("".join(named))
+        return Markup("".join(one.replace("NAME", name) for one, name in self.outlines.items()))
 
     @property
     def css(self) -> str:

@@ -8,13 +8,12 @@ from typing import Any
 
 import pandas as pd
 
-from ...balance import APPROACHES
 from ...figures.looks import SCHEME_LOOKS, label_of, look_of
 from ...motion.fixed_step import SCHEMES
 from ...project.case import Case
 from ...project.wording import plain
 from ...replication.as_published import coefficients
-from ...replication.claim_verdicts import VERDICTS, of_cell
+from ...replication.claim_verdicts import PARTS, VERDICTS, of_cell
 from ...replication.comparison import RECIPES, WAYS
 from ...replication.printed_tables import TABLE_2, UNKNOWNS
 from ..colours import variable
@@ -48,8 +47,7 @@ def instruments_data(
         },
         "approaches": {
             name: {"label": label_of(name), "colour": variable(look.series), "shape": look.shape}
-            for name, look in ((name, look_of(name)) for name in IN_THE_BROWSER)
-            if name in APPROACHES
+            for name, look in zip(IN_THE_BROWSER, map(look_of, IN_THE_BROWSER), strict=True)
         },
         "steps": [
             dict(zip(("approach", "phase", "sharing"), WAYS[way], strict=True))
@@ -65,7 +63,7 @@ def instruments_data(
             name: _name(*rows.loc[name, ["where", "quantity"]].tolist()) for name in digits["was"]
         }
         looks = [(verdict.css, verdict.mark) for verdict in VERDICTS.values()]
-        data["digits"] = {**digits, "looks": looks, "names": names}
+        data["digits"] = {**digits, "looks": looks, "names": names, "parts": PARTS}
     return data
 
 
@@ -104,15 +102,6 @@ def _name(where: str, quantity: str) -> str:
     if not table.startswith("Table"):
         return plain(quantity)
     return plain(f"{line}: {quantity.partition(':')[0].partition(', ')[0]}")
-
-
-def of_run(record: Mapping[str, Any], claims: pd.DataFrame) -> bool:
-    """Whether a record by `changed_digits.packed` is of a run's print and verdicts.   claims : claims.csv as text."""
-    computed = claims[claims["kind"] == "computed"].set_index("id")
-    was = {name: record["verdicts"][place] for name, place in record["was"].items()}
-    printed = {name: text for name, (text, _) in record["numbers"].items()}
-    same = printed.items() <= computed["printed"].to_dict().items()
-    return same and was == computed["verdict"].to_dict()
 
 
 def sliders(case: Case) -> dict[str, dict[str, Any]]:

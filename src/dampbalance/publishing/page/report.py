@@ -6,11 +6,11 @@
 from __future__ import annotations
 
 import base64
-import json
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from pathlib import Path, PurePosixPath
+import posixpath
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 import jinja2
@@ -24,10 +24,11 @@ from ...project.case import Case
 from ...project.documents import read_yaml
 from ...project.wording import minus, number, percent, signed_percent, unit_of
 from ...replication import claim_verdicts as judged
-from ...replication.comparison import mends, off_resonance
+from ...replication.comparison import WAY, mends, off_resonance
 from ...replication.printed_tables import SHOWN_ROUTES, TITLES, blocks, claim_of
 from ...studies.settings import Study
 from ...studies.shown.facts import filled
+from ...studies.shown.summary import along_lines
 from .. import words
 from ..colours import css_variables
 from .drawings import Sheet
@@ -53,6 +54,7 @@ class PageContent:
     numerics.
     evidence : `derived_numbers`, which the article argues with.   facts : study → its facts in words, as there.
     studies : (study, its figure as SVG).   digits : `changed_digits.packed`, if it is on record.
+    noise : the summary of the study of noise, if that is among them.
     """
 
     case: Case
@@ -65,33 +67,13 @@ class PageContent:
     facts: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
     studies: Sequence[tuple[Study, str]] = ()
     digits: Mapping[str, Any] | None = None
+    noise: pd.DataFrame | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Origin:
-    """Where a result comes from; `templates/origins.yaml` says what each of these is."""
-
-    what: str
-    results: Sequence[str]
-    rule: str
-    rules: str
-    code: Sequence[str]
-
-
-_FILE = Path(__file__).with_name("templates") / "origins.yaml"
-ORIGINS = {name: Origin(**origin) for name, origin in read_yaml(_FILE).items()}
-
-
-def study_origin(name: str) -> Origin:
-    """The origin of one study: its file says what is varied."""
-    files = (f"results/studies/{name}/cases.parquet", f"config/studies/{name}.yaml")
-    return replace(ORIGINS["studies"], results=files)
-
-
-def link(path: str, page: str) -> str:
-    """The address of a file of the repository as seen from the page, both as paths from the repository's root."""
-    up = len(PurePosixPath(page).parent.parts)
-    return "../" * up + path
+ORIGINS: dict[str, dict[str, Any]] = read_yaml(
+    Path(__file__).with_name("templates") / "origins.yaml"
+)
+"""Where the results on the page come from, as that file explains."""
 
 
 def report_page(content: PageContent, page: str) -> str:
@@ -100,24 +82,21 @@ def report_page(content: PageContent, page: str) -> str:
     Raises ValueError where it would become larger than LARGEST_PAGE.
     """
     case, frequencies, approaches = content.case, content.case.frequencies_hz, content.approaches
-    claims: dict[Any, Any] = {}
-    counted: list[judged.Count] = []
-    if content.claims is not None:
-        claims = content.claims.set_index("id", drop=False).to_dict("index")
-        counted = judged.counts(content.claims)
-    tables: dict[str, list[dict[str, Any]]] = {
-        frequency: [
-            {"title": TITLES[name], "parts": list(_parts(table, name, {} if n else claims))}
-            for name, table in content.tables[frequency].items()
+    printed = (
+        pd.DataFrame() if content.claims is None else content.claims.set_index("id", drop=False)
+    )
+    claims = printed.to_dict("index")
+    counted = judged.counts(printed) if claims else []
+    tables = (
+        [
+            (TITLES[name], list(_parts(table, name, {} if n else claims)))
+            for name, table in of.items()
         ]
-        for n, frequency in enumerate(frequencies)
-    }
+        for n, of in enumerate(map(content.tables.__getitem__, frequencies))
+    )
     sheet = Sheet()
     figures = {name: sheet.drawing(f"drawing-{name}", svg) for name, svg in content.figures.items()}
     studies = {study.name: _study(content, sheet, study, svg) for study, svg in content.studies}
-    noise = studies.pop("noise", None)
-    first = tables[next(iter(frequencies))]
-    in_tables = {claim for table in first for part in table["parts"] for claim in part["claims"]}
     template = _environment(case.name, page).get_template("report.html.j2")
     html = template.render(
         version=__version__,
@@ -125,42 +104,25 @@ def report_page(content: PageContent, page: str) -> str:
         page=page,
         counts=counted,
         total=counted[-1] if claims else None,
-        claims=[
-            {
-                **row,
-                **{
-                    name: minus(row[name])
-                    for name in ("printed", "explanation", *judged.ROUTE_NAMES)
-                },
-                **{"part": judged.PARTS[judged.part_of(id)], "unit": unit_of(row["unit"])},
-                **{
-                    "verdict": judged.VERDICTS[row["verdict"]],
-                    "holds": row["verdict"] in judged.HOLDING,
-                },
-                "in_table": id in in_tables,
-            }
-            for id, row in claims.items()
-        ],
-        routes=judged.ROUTE_NAMES,
-        verdicts=judged.VERDICTS.values(),
-        kinds=judged.KINDS,
+        judged=judged,
+        claims=claims,
         frequencies=[
-            {"name": wording.frequency_name(name), "hz": f"{hz:g}", "tables": tables[name]}
-            for name, hz in frequencies.items()
+            {"name": wording.frequency_name(name), "hz": f"{hz:g}", "tables": shown}
+            for (name, hz), shown in zip(frequencies.items(), tables, strict=True)
         ],
         terms=list(TERMS),
-        error_table=list(_error_lines(approaches, frequencies)),
+        errors=[
+            (key, rows.to_dict("records"))
+            for key, rows in approaches.groupby(list(WAY), sort=False)
+        ],
         costs=off_resonance(approaches, frequencies),
-        mends={
-            recipe: [_error(error, signed_percent) for error in errors]
-            for recipe, errors in mends(approaches, frequencies).items()
-        },
+        mends=mends(approaches, frequencies),
         figures=figures,
-        studies=studies.values(),
-        noise=noise,
+        studies=studies,
+        noise=studies.get("noise"),
         sheet=sheet,
         origins=ORIGINS,
-        configuration=[(key, _value(value)) for key, value in wording.dotted(content.config)],
+        configuration=wording.dotted(content.config),
         evidence=content.evidence,
         facts=content.facts,
         css_variables=css_variables,
@@ -184,7 +146,7 @@ def _parts(
 ) -> Iterator[dict[str, Any]]:
     """A table as the paper lays it out, in parts whose rows share their quantities.
 
-    columns : (symbol, unit) each.   claims : those on its printed numbers.
+    columns : (symbol, unit) each.
     groups : a row's label and its lines, (route, cells) each, the printed one first where there is one; a cell is its
     text, and for a printed number the verdict and the claim that gives the reason.
 
@@ -193,7 +155,7 @@ def _parts(
     """
     places = {row: place for place, row in enumerate(dict.fromkeys(table["row"]), start=1)}
     for quantities, block in blocks(table):
-        groups, claimed = [], set()
+        groups = []
         for label, rows in block.groupby("row", sort=False):
             cells = {
                 claim_of(name, str(label), places[label], str(cell["quantity"])): cell
@@ -204,7 +166,6 @@ def _parts(
                 for claim, cell in cells.items()
                 for text in [cell["printed"]]
             ]
-            claimed |= {claim for _, verdict, claim in printed if verdict}
             lines = [("printed", printed)] if any(text for text, *_ in printed) else []
             for route in SHOWN_ROUTES:
                 texts = (
@@ -216,83 +177,50 @@ def _parts(
                 )
             groups.append((label, lines))
         columns = list(zip(quantities, map(unit_of, block["unit"]), strict=False))
-        yield {"columns": columns, "groups": groups, "claims": claimed}
+        yield {"columns": columns, "groups": groups}
 
 
 def _study(content: PageContent, sheet: Sheet, study: Study, svg: str) -> dict[str, Any]:
-    """The figure of a study, with what it shows in words."""
+    """The figure of a study, with what it shows: in its first sentence, and in more.
+
+    lines, of noise : the errors of F_k as `along_lines` has them.
+    """
     name = study.name.replace("_", "-")
+    first, _, more = filled(study, content.facts[study.name]).partition(". ")
+    summary = content.noise if study.name == "noise" else None
+    files = (f"results/studies/{study.name}/cases.parquet", f"config/studies/{study.name}.yaml")
     return {
-        "title": study.title,
-        "paragraph": filled(study, content.facts[study.name]),
+        **{"title": study.title, "first": f"{first}.", "more": more},
+        "lines": [] if summary is None else along_lines(study, summary, "F_k"),
         "figure": sheet.drawing(f"study-{name}", svg),
-        "origin": study_origin(study.name),
+        "origin": ORIGINS["studies"] | {"results": files},  # its file says what is varied
     }
-
-
-def as_json(data: Any) -> str:
-    """Data to stand in a script element: compact, and without anything that could end it."""
-    text = json.dumps(data, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
-    return text.replace("</", "<\\/").replace("<!--", "<\\u0021--")
 
 
 def _environment(case: str, page: str) -> jinja2.Environment:
     """Templates with the filters that they use; an undefined name is an error."""
     environment = words.templates(jinja2.PackageLoader(__package__), html=True)
-    environment.filters |= {
-        "rich": words.rich,
-        "titled": words.titled,
-        "quantity": words.quantity,
-        "reason": words.reason,
-        "symbol": words.symbol,
-        "here": lambda path: link(path.format(case=case), page),
+    compact = {"ensure_ascii": False, "allow_nan": False, "separators": (",", ":")}
+    environment.policies["json.dumps_kwargs"] = compact
+    setting = (words.rich, words.titled, words.quantity, words.reason, words.symbol, minus)
+    environment.filters |= {one.__name__: one for one in setting} | {
+        "here": lambda path: posixpath.relpath(path.format(case=case), posixpath.dirname(page)),
         "at_case": lambda path: path.format(case=case),
         "approach": lambda key: words.rich(label_of(key)),
         "bound": lambda error: f"{wording.power_of_ten(error)} %",
         "significant": number,
-        "as_json": as_json,
+        "unit": unit_of,
+        "part": lambda claim: judged.PARTS[judged.part_of(claim)],
+        "error": _error,
     }
     return environment
 
 
-def _error_lines(approaches: pd.DataFrame, frequencies: Iterable[str]) -> Iterator[dict[str, Any]]:
-    """The table of errors: (least squares, largest of the pairs) per frequency and quantity, side by side."""
-    for key, rows in approaches.groupby(["approach", "phase", "sharing"], sort=False):
-        approach, phase, sharing = (str(word) for word in key)
-        at = rows.set_index("frequency")
-        errors = [
-            (
-                _error(float(at[f"{unknown}_error_percent"][frequency]), signed_percent),
-                _error(float(at[f"{unknown}_largest_pair_error_percent"][frequency])),
-            )
-            for frequency in frequencies
-            for unknown in TERMS
-        ]
-        phase = phase.replace("_", " ") or wording.NONE
-        yield {
-            "approach": approach,
-            "phase": phase,
-            "sharing": sharing or wording.NONE,
-            "errors": errors,
-        }
-
-
-def _error(error: float, in_percent: Callable[[float], str] = percent) -> str:
+def _error(error: float, signed: bool = True) -> str:
     """An error given in %, without its unit; a bound without a sign where it is nothing but rounding."""
-    if not math.isfinite(error) or abs(error) < 1e-6:
-        in_percent = percent
-    text = in_percent(0.01 * error).removesuffix(" %")
+    signed = signed and math.isfinite(error) and abs(error) >= 1e-6
+    text = (signed_percent if signed else percent)(0.01 * error).removesuffix(" %")
     return f"≤ {text}" if abs(error) < 1e-6 else text
-
-
-def _value(value: Any, inner: bool = False) -> str:
-    if isinstance(value, Mapping):
-        return ", ".join(f"{key}: {_value(part)}" for key, part in value.items())
-    if isinstance(value, Sequence) and not isinstance(value, str):
-        mapped = any(isinstance(part, Mapping) for part in value)
-        text = ("; " if mapped else ", ").join(_value(part, inner=True) for part in value)
-        return f"({text})" if inner else text
-    return "none" if value is None else str(value)
 
 
 def _static(name: str) -> str:

@@ -81,6 +81,19 @@ def _which(quantity: str, fit: Fit) -> dict[str, str]:
     return by | {"weights": fit.weights, "fit": fit.kind}
 
 
+def along_lines(
+    study: Study, summary: pd.DataFrame, quantity: str
+) -> list[tuple[str, list[dict[str, Any]]]]:
+    """The rows of a summary along the lines of the study's figure: (label of the line, its rows of this quantity)."""
+    found = []
+    for label, spec in study.figure["lines"].items():
+        (fit,) = study.fits_of(spec)
+        which = pd.Series(_which(quantity, fit))
+        same = (summary[which.index].fillna("") == which).all(axis=1)
+        found.append((label, summary[same].to_dict("records")))
+    return found
+
+
 def confusion(cases: str | Path) -> pd.DataFrame:
     """A row per true law, a column per law that is true or chosen somewhere, and for none: numbers of cases; how many
     are right and have a term too many, as shares with their 95 % intervals, %."""

@@ -1,10 +1,9 @@
 /* Change a printed digit: which verdicts notice. All of them were judged when the page was made; here they are looked up. */
 kit.instrument('misprint', (it) => {
   'use strict';
-  const { verdicts, looks, was, reasons, because, sets, numbers, names } = it.data.digits;
+  const { verdicts, looks, was, reasons, because, sets, numbers, names, parts } = it.data.digits;
   const chip = (place) => `<span class="chip v-${looks[place][0]}"><span class="mark" aria-hidden="true">${looks[place][1]}</span> ${verdicts[place]}</span>`;
-  const TITLES = { table1: 'Table 1', table2: 'Table 2', table3: 'Table 3', text: 'Text' };
-  const of = (id) => `${TITLES[id.split('.')[0]]}, ${names[id]}`;
+  const of = (id) => `${parts[id.split('.')[0]]}, ${names[id]}`;
 
   // Every change with the verdicts that get worse and better by it.
   const effect = (id, [, own, , , set]) => {
@@ -14,11 +13,6 @@ kit.instrument('misprint', (it) => {
   const every = Object.entries(numbers).flatMap(([id, [, changes]]) => changes.map((change) => effect(id, change)));
   const unnoticed = every.filter(({ worse }) => !worse.length).length;
 
-  const groups = Object.entries(TITLES).map(([part, title]) => [title, Object.keys(numbers).filter((id) => id.startsWith(`${part}.`))]).filter(([, ids]) => ids.length);
-  it.find('.controls').insertAdjacentHTML('beforeend', `<div class="choice"><label for="misprint-number">Printed number</label><select id="misprint-number">${
-    groups.map(([title, ids]) => `<optgroup label="${title}">${ids.map((id) => `<option value="${id}">${names[id]}: ${numbers[id][0]}</option>`).join('')}</optgroup>`).join('')}</select></div>
-    <div class="places" role="group" aria-label="Digits of the number, each one up or one down"></div>`);
-  const select = it.find('select');
   const places = it.find('.places');
   let built = '';
 
@@ -32,21 +26,17 @@ kit.instrument('misprint', (it) => {
       if (at >= mantissa.length || !/\d/.test(sign)) return `<span class="digit"><b>${sign}</b></span>`;
       place -= 1;
       if (2 * place >= changes.length) return `<span class="digit"><b>${sign}</b></span>`;
-      const button = (i, arrow, words) => `<button type="button" data-to="${changes[i][0]}" aria-label="${words}: ${changes[i][0]}">${arrow}</button>`;
+      const button = (i, arrow, words) => `<button type="button" name="to" value="${changes[i][0]}" aria-label="${words}: ${changes[i][0]}">${arrow}</button>`;
       return `<span class="digit">${button(2 * place, '▲', 'one up')}<b>${sign}</b>${button(2 * place + 1, '▼', 'one down')}</span>`;
     }).join('');
   }
-  places.addEventListener('click', ({ target: { dataset: { to } } }) => { if (to) it.set({ to: to === it.values.to ? '' : to }); });
-  select.addEventListener('input', () => it.set({ number: select.value, to: '' }));
-  const first = Object.keys(numbers)[0];
-  it.control('number', first, (id) => { select.value = id; }, (id) => (numbers[id] ? id : first));
-  it.control('to', '', () => {}, (text) => text);
+  it.control('to', '', String);
 
   function draw({ number: id, to }) {
     if (built !== id) build(id);
     const [printed, changes] = numbers[id];
     const change = changes.find(([text]) => text === to);
-    for (const button of places.querySelectorAll('button')) button.setAttribute('aria-pressed', button.dataset.to === to);
+    for (const button of places.querySelectorAll('button')) button.setAttribute('aria-pressed', button.value === to);
     const rate = `Of all ${every.length} changes of one digit by one in Tables 1 to 3, <b>${unnoticed}</b> make no verdict worse.`;
     if (!change) {
       it.write('.words', `${of(id)} is printed as <b>${printed}</b>: ${chip(was[id])}. Move one of its digits up or down. ${rate}`);

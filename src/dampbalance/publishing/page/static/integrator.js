@@ -29,26 +29,25 @@ const integrator = (() => {
     const known = new Map(); // simulations that were done
     let [wanted, levels] = ['', []];
 
-    function march({ scheme, step, coefficients, cycles }, i) {
-      const kept = coefficients === 'rounded' ? rounded : {};
-      return it.engine.march({ ...set, Y: set.levels[i], omega, scheme, step: step * 1e-6, cycles, ...kept, slip_samples: recipe.slip_samples[i] });
+    // A level at a time, so that controls answer meanwhile.
+    function next(key, values) {
+      if (key !== wanted) return;
+      if (levels.length < set.levels.length) {
+        const [{ scheme, step, coefficients, cycles }, Y, slip_samples] = [values, ...[set.levels, recipe.slip_samples].map((all) => all[levels.length])];
+        const kept = coefficients === 'rounded' ? rounded : {};
+        levels.push(it.engine.march({ ...set, Y, omega, scheme, step: step * 1e-6, cycles, ...kept, slip_samples }));
+        setTimeout(next, 0, key, values);
+      }
+      show(values);
     }
 
-    // A level at a time, so that controls answer meanwhile.
     function draw(values) {
       const key = JSON.stringify(values);
       if (key === wanted) return show(values);
-      wanted = key;
-      levels = known.get(key) ?? [];
-      const next = () => {
-        if (key !== wanted) return;
-        if (levels.length === set.levels.length) { known.set(key, levels); show(values); return; }
-        levels.push(march(values, levels.length));
-        show(values);
-        setTimeout(next);
-      };
-      setTimeout(next, levels.length ? 0 : 40);
+      if (!known.has(key)) known.set(key, []);
+      [wanted, levels] = [key, known.get(key)];
       it.root.classList.add('busy');
+      setTimeout(next, levels.length ? 0 : 40, key, values);
     }
 
     function show({ scheme, step }) {

@@ -1,7 +1,8 @@
 /* What the instruments share: the balance, drawings, controls, a state that stands in the address, and code to copy.
    kit.instrument(id, (it) => { …; return draw; }) builds the element of that id once the engine runs; draw(it.values) follows every
    change. it.engine; it.data of the case; it.values by control, in the units shown: those of the template and, for a state of
-   another kind, it.control(name, value, show, accept); it.set({name: value}), it.find, it.write(selector, html), it.drawing, it.code. */
+   another kind, it.control(name, value, given); a button with the name of a control and a value sets it. it.find,
+   it.write(selector, html), it.drawing, it.code. */
 const kit = (() => {
   'use strict';
   const power = (_, exponent) => `·10${[...exponent].map((sign) => '⁻⁰¹²³⁴⁵⁶⁷⁸⁹'['-0123456789'.indexOf(sign)]).join('')}`;
@@ -43,7 +44,7 @@ const kit = (() => {
     } : { a: travel[approach]({ ...r, t_s: t_s[i] }), b: Math.PI * r.omega * r.X ** 2, W: Math.PI * r.k * r.Y * r.X * Math.sin(phi[i]) }));
   }
 
-  /* {F_k, c, covariance, residual, n} by least squares of the finite rows, weighted with `weights` (1/J²); NaN where they do not tell. */
+  /* {F_k, c, n} by least squares of the finite rows, weighted with `weights` (1/J²); NaN where they do not tell. */
   function solve(all, weights = null) {
     const kept = all.map((r, i) => [r, weights ? Math.sqrt(weights[i]) : 1]).filter(([r]) => Number.isFinite(r.a + r.b + r.W));
     const [A, B, W] = ['a', 'b', 'W'].map((name) => kept.map(([r, scale]) => scale * r[name]));
@@ -52,11 +53,7 @@ const kit = (() => {
     const Q = B.map((b, i) => b - r * A[i]); // b without its share along a
     const qq = n > 1 && dot(Q, Q) > 1e-24 * dot(B, B) ? dot(Q, Q) : NaN;
     const c = dot(Q, W) / qq;
-    const F_k = dot(A, W.map((w, i) => w - c * B[i])) / aa;
-    const rest = W.map((w, i) => w - F_k * A[i] - c * B[i]);
-    const s2 = n > 2 ? dot(rest, rest) / (n - 2) : NaN;
-    const cross = -s2 * r / qq;
-    return { F_k, c, covariance: [[s2 / aa - r * cross, cross], [cross, s2 / qq]], residual: Math.sqrt(dot(rest, rest) / dot(W, W)), n };
+    return { F_k: dot(A, W.map((w, i) => w - c * B[i])) / aa, c, n };
   }
 
   // Drawings: SVG in CSS pixels, so that text has one size on every screen.
@@ -81,8 +78,9 @@ const kit = (() => {
   // An entry of a legend.
   const key = ({ shape, colour }, words) => `<li><svg class="key" viewBox="-8 -8 16 16" aria-hidden="true"><path d="${SHAPES[shape]}" fill="${colour}"/></svg><span>${words}</span></li>`;
 
-  /* Axes over a whole svg of it.drawing. Returns the scales X, Y and line, area, dot, text, which take values and classes of CSS. */
-  function plot(svg, { x, y, labels = ['', ''] }) {
+  /* Axes over a whole svg of it.drawing, with dotted lines at the truth [x, y]. Returns the scales X, Y and line, area, dot, text,
+     which take values and classes of CSS. */
+  function plot(svg, { x, y, labels = ['', ''], truth = [] }) {
     const [width, height] = svg.size ?? [320, 240];
     const [left, top, right, bottom] = [44, 24, width - 12, height - 38];
     const X = (v) => left + ((v - x[0]) / (x[1] - x[0])) * (right - left);
@@ -98,9 +96,10 @@ const kit = (() => {
     const [w, h] = [right - left, bottom - top]; // of the plane inside, which clips
     const inside = element(svg, 'svg', { x: left, y: top, width: w, height: h, viewBox: `${left} ${top} ${w} ${h}` });
     const path = (points) => points.map(([u, v], i) => `${i ? 'L' : 'M'}${X(u).toFixed(2)} ${Y(v).toFixed(2)}`).join('');
+    const line = (points, css = '') => element(inside, 'path', { d: path(points), class: `line ${css}` });
+    if (truth.length) for (const ends of [y.map((v) => [truth[0], v]), x.map((u) => [u, truth[1]])]) line(ends, 'truth');
     return {
-      X, Y, path,
-      line: (points, css = '') => element(inside, 'path', { d: path(points), class: `line ${css}` }),
+      X, Y, path, line,
       area: (points, css = '') => element(inside, 'path', { d: path(points), class: `area ${css}` }),
       dot: (u, v, css = '', shape = 'circle', style = '') => element(inside, 'path', {
         d: SHAPES[shape], transform: `translate(${X(u)} ${Y(v)})`, class: `dot ${css}`, style }),
@@ -116,7 +115,6 @@ const kit = (() => {
   const text = (id) => document.getElementById(id).textContent;
   const bytes = (base64) => Uint8Array.from(atob(base64.trim()), (sign) => sign.charCodeAt(0));
   const start = async () => [await loadEngine(bytes(text('engine'))), JSON.parse(text('instruments-data'))];
-  const html = (parent, markup) => { parent.insertAdjacentHTML('beforeend', markup); return parent.lastElementChild; };
 
   async function instrument(id, build) {
     const root = globalThis.document?.getElementById(id);
@@ -125,7 +123,12 @@ const kit = (() => {
     const [defaults, controls] = [{}, {}];
     let [draw, frame, timer] = [null, 0, 0];
     const redraw = () => { frame ||= requestAnimationFrame(() => { frame = 0; draw(it.values); it.tell?.(); }); };
-    const show = (values) => { for (const [name, v] of Object.entries(values)) { it.values[name] = v; controls[name].show(v); } redraw(); };
+    const show = (name, v) => {
+      it.values[name] = v;
+      controls[name].shown(v);
+      for (const one of root.querySelectorAll(`button[name=${name}]`)) one.setAttribute('aria-pressed', one.value === String(v));
+      redraw();
+    };
     const save = () => {
       const changed = Object.entries(it.values).filter(([name, v]) => v !== defaults[name]);
       history.replaceState(null, '', `#${id}${changed.length ? `?${new URLSearchParams(changed)}` : ''}`);
@@ -134,10 +137,19 @@ const kit = (() => {
       const [place, query] = location.hash.slice(1).split('?');
       const given = new URLSearchParams(query);
       if (place !== id || query === undefined) return; // a plain #id is an anchor like any other
-      for (const [name, v] of Object.entries(defaults)) show({ [name]: given.has(name) ? controls[name].accept(given.get(name)) : v });
+      for (const [name, v] of Object.entries(defaults)) show(name, given.has(name) ? controls[name].accept(given.get(name)) : v);
     };
-    it.set = (values) => { show(values); clearTimeout(timer); timer = setTimeout(save, 250); };
-    it.control = (name, value, shown, accept) => { defaults[name] = value; controls[name] = { show: shown, accept }; show({ [name]: value }); };
+    const change = ({ type: kind, target: { name, value, type } }) => { // moved, chosen or pressed
+      if (!controls[name] || (kind === 'click') !== (type === 'button')) return;
+      show(name, (type === 'range' ? controls[name].from : controls[name].accept)(value));
+      clearTimeout(timer);
+      timer = setTimeout(save, 250);
+    };
+    it.control = (name, value, given, shown = () => {}, from = null) => { // given : what it makes of a text, or the texts that it takes
+      const accept = Array.isArray(given) ? (text) => (given.includes(text) ? text : value) : given;
+      [defaults[name], controls[name]] = [value, { shown, accept, from }];
+      show(name, value);
+    };
     it.write = (selector, markup) => { it.find(selector).innerHTML = markup; };
     const slide = (input) => { // as `slider` in instrument_macros.html.j2 says: with `log` it moves in decades, with `stops` between these
       const { value, stops, min = stops?.[0], max = stops?.at(-1), step = 1, unit = '', log = false } = JSON.parse(input.dataset.of);
@@ -148,13 +160,7 @@ const kit = (() => {
         input.setAttribute('aria-valuetext', `${v} ${unit}`);
         input.previousElementSibling.textContent = `${v}\u00a0${unit}`;
       };
-      input.addEventListener('input', () => it.set({ [input.name]: from(input.value) }));
-      it.control(input.name, value, shown, (given) => (given && Number.isFinite(Number(given)) ? Math.min(max, Math.max(min, Number(given))) : value));
-    };
-    const choose = (select) => {
-      const { name, value } = select;
-      select.addEventListener('input', () => it.set({ [name]: select.value }));
-      it.control(name, value, (v) => { select.value = v; }, (given) => ([...select.options].some((one) => one.value === given) ? given : value));
+      it.control(input.name, value, (given) => (given && Number.isFinite(Number(given)) ? Math.min(max, Math.max(min, Number(given))) : value), shown, from);
     };
     it.drawing = (selector, height) => {
       const svg = it.find(selector);
@@ -164,22 +170,24 @@ const kit = (() => {
       }).observe(svg);
       return svg;
     };
-    it.code = (values = () => ({})) => { // the texts below the instrument, folded; values() → what their ‹names› stand for
-      const templates = [...root.querySelectorAll('template')];
-      const texts = () => templates.map((one) => filled(one, { ...it.data.case, ...it.values, ...values() }));
-      const blocks = templates.map(({ title }, i) => `<div><p>${title} <button type="button" value="${i}">Copy</button></p><pre tabindex="0"></pre></div>`);
-      const fold = html(root, `<details class="code"><summary>The Python and the YAML that compute the same</summary>${blocks.join('')}</details>`);
-      it.tell = () => { if (fold.open) texts().forEach((text, i) => { fold.querySelectorAll('pre')[i].textContent = text; }); };
+    it.code = (values = () => ({})) => { // the texts below the instrument; values() → what their ‹names› stand for
+      const fold = it.find('.code');
+      it.tell = () => {
+        const given = { ...it.data.case, ...it.values, ...values() };
+        if (fold.open) for (const one of fold.querySelectorAll('template')) one.previousElementSibling.textContent = filled(one, given);
+      };
       fold.addEventListener('toggle', it.tell);
       fold.addEventListener('click', ({ target }) => {
-        if (!target.value) return;
-        getSelection().selectAllChildren(target.closest('div').querySelector('pre'));
-        navigator.clipboard?.writeText(texts()[target.value]).catch(() => {}); // selected, if nothing else
+        if (target.type !== 'button') return;
+        const text = target.closest('div').querySelector('pre');
+        getSelection().selectAllChildren(text);
+        navigator.clipboard?.writeText(text.textContent).catch(() => {}); // selected, if nothing else
       });
     };
     [it.engine, it.data] = await (started ??= start());
     for (const input of root.querySelectorAll('.controls input')) slide(input);
-    for (const select of root.querySelectorAll('.controls select')) choose(select);
+    for (const one of root.querySelectorAll('.controls select')) it.control(one.name, one.value, [...one.options].map(({ value }) => value), (v) => { one.value = v; });
+    for (const kind of ['input', 'click']) root.addEventListener(kind, change);
     draw = build(it);
     addEventListener('hashchange', restore);
     restore();

@@ -100,9 +100,7 @@ const noise = (() => {
       const truth = [set.F_k, set.c];
       const reach = truth.map((value, i) => 1.25 * Math.max(...ways.map((way) => Math.abs(way.mean[i] - value) + Math.sqrt(CHI2 * way.predicted[i][i]))));
       const [x, y] = truth.map((value, i) => [value - reach[i], value + reach[i]]);
-      const plane = kit.plot(svg, { x, y, labels: ['F_k, N', 'c, N s/m'] });
-      plane.line([[set.F_k, y[0]], [set.F_k, y[1]]], 'truth');
-      plane.line([[x[0], set.c], [x[1], set.c]], 'truth');
+      const plane = kit.plot(svg, { x, y, labels: ['F_k, N', 'c, N s/m'], truth });
       Object.keys(NAMES).forEach((css, i) => {
         const { all, mean, covariance, predicted: expected } = ways[i];
         plane.line([], `points ${css}`).setAttribute('d', all.map((one) => `${plane.path([[one.F_k, one.c]])}h0`).join(''));

@@ -8,11 +8,7 @@ kit.instrument('off_resonance', (it) => {
   // The phases have colours and shapes of approaches, which no picture shows beside them.
   const phases = { reversal: ['velocity reversal', 'X_s'], zero_crossing: ['zero crossing', 'V_s'], fundamental: ['fundamental', 't_s'] };
   const looks = Object.fromEntries(Object.entries(phases).map(([phase, [, name]]) => [phase, approaches[name]]));
-  const buttons = it.root.querySelectorAll('.steps button');
-  it.find('.controls').addEventListener('click', ({ target }) => { if (target.type === 'button') it.set({ f: Number(target.value) }); });
-  it.find('.steps').addEventListener('click', ({ target }) => { if (target.value) it.set({ step: target.value }); });
-  it.control('step', steps[0].name, (name) => { for (const one of buttons) one.setAttribute('aria-pressed', one.value === name); },
-    (text) => (steps.some(({ name }) => name === text) ? text : steps[0].name));
+  it.control('step', steps[0].name, steps.map(({ name }) => name));
   it.write('.of-phases', Object.entries(phases).map(([phase, [words]]) => kit.key(looks[phase], words)).join(''));
   const drawings = { plane: it.drawing('.plane', 400), phases: it.drawing('.phases', 240), sine: it.drawing('.sine', 240) };
   let [solved, responses] = [null, []];
@@ -32,14 +28,20 @@ kit.instrument('off_resonance', (it) => {
     });
     ways.forEach(({ fit, worst }, i) => {
       const errors = [percent(truth(fit, 'F_k')), percent(worst, ''), percent(truth(fit, 'c'))];
-      errors.forEach((error, n) => { buttons[i].closest('tr').cells[n + 1].textContent = error; });
+      errors.forEach((error, n) => { it.find('.steps').tBodies[0].rows[i].cells[n + 1].textContent = error; });
     });
     const now = ways.find(({ way }) => way.name === step);
     const estimates = Object.keys(approaches).map((name) => [approaches[name], solve(by(name, now.way))]);
-    const { way, fit, worst } = now;
+    const { way, fit, worst, pairs } = now;
+    const found = finite(pairs.map(({ F_k }) => F_k / set.F_k));
+    const [apart, off] = [Math.max(...found) - Math.min(...found), Math.abs(mean(found) - 1)];
+    const sine = solve(rows('fourier', responses.map((r) => ({ ...r, X_3: 0, X_5: 0 })))); // of the fundamental alone
     it.write('.words', `At ${f}\u00a0Hz, with ${way.words}${way.phase ? `, by ${rich(approaches[approach].label)}` : ''}: <b>${rich('F_k')} = ${number(fit.F_k)}\u00a0N</b>
       (${percent(truth(fit, 'F_k'))}) and <b><i>c</i> = ${number(fit.c)}\u00a0N\u00a0s/m</b> (${percent(truth(fit, 'c'))}) by least squares over
-      ${fit.n} levels; the worst pair is off by ${percent(worst, '')} in ${rich('F_k')}. The true values are ${set.F_k}\u00a0N and ${set.c}\u00a0N\u00a0s/m.`);
+      ${fit.n} levels; the worst pair is off by ${percent(worst, '')} in ${rich('F_k')}. The true values are ${set.F_k}\u00a0N and ${set.c}\u00a0N\u00a0s/m.
+      ${apart < 0.5 * off ? `The pairs are within ${percent(apart, '')} of each other, and all of them are wrong.` : ''}
+      ${step === 'fundamental' ? `What is left has a third cause, the harmonics: ${rich('X')} stands for the amplitude of the fundamental. With that amplitude instead,
+      ${percent(truth(sine, 'F_k'))} remain, which the harmonics in <i>b</i> account for; the Fourier balance has both.` : ''}`);
     it.write('.solutions', estimates.map(([look, one]) => kit.key(look, `${rich(look.label)} ${percent(truth(one, 'F_k'))}`)).join(''));
     lines(now, estimates);
     angles(way);
@@ -52,9 +54,7 @@ kit.instrument('off_resonance', (it) => {
       return [set[name] - most, set[name] + most];
     };
     const [x, y] = [around('F_k', set.F_k || 1e-3), around('c', 0.2 * set.c || 1e-3)];
-    const plane = kit.plot(drawings.plane, { x, y, labels: ['F_k, N', 'c, N s/m'] });
-    plane.line([[set.F_k, y[0]], [set.F_k, y[1]]], 'truth');
-    plane.line([[x[0], set.c], [x[1], set.c]], 'truth');
+    const plane = kit.plot(drawings.plane, { x, y, labels: ['F_k, N', 'c, N s/m'], truth: [set.F_k, set.c] });
     plane.text(x[1], set.c, 'truth', { dx: -4, dy: -5, 'text-anchor': 'end', class: 'tag' });
     all.forEach(({ a, b, W }, i) => {
       if (!Number.isFinite(a + b + W)) return;

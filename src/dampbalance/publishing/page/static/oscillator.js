@@ -47,20 +47,15 @@ kit.instrument('oscillator', (it) => {
     const [x, v, f, d, push] = [['x', 1e3], ['v', 1], ['z', par.K_z], ['v', par.c], ['y', par.k]].map(([name, scale]) => Array.from(cycle[name], (u) => scale * u));
     Object.assign(cycle, { r, par, input: share(push, x, r.W, r.W), friction: share(f, x, lost, r.W), damper: share(d, x, damped, r.W) });
     const around = (values) => { const most = 1.12 * (Math.max(...values.map(Math.abs)) || 1); return [-most, most]; };
-    marks = [[0, x, f, 'friction', 'f, N'], [1, x, d, 'damper', 'c ẋ, N']].map(([n, us, forces, css, label]) => {
-      const plane = kit.plot(planes[n], { x: around(us), y: around(forces), labels: ['x, mm', label] });
-      const all = us.map((u, i) => [u, forces[i]]);
-      plane.area(all, `${css} whole`);
-      const filled = plane.area([], css);
+    const drawn = [[x, f, 'x, mm', 'f, N'], [x, d, 'x, mm', 'c ẋ, N'], [v, [...f, ...d], 'ẋ, m/s', 'f and c ẋ, N']].map(
+      ([us, forces, ...labels], n) => kit.plot(planes[n], { x: around(us), y: around(forces), labels }));
+    marks = [[0, x, f, 'friction'], [1, x, d, 'damper'], [2, v, f, 'friction'], [2, v, d, 'damper']].map(([n, us, forces, css]) => {
+      const [plane, all] = [drawn[n], us.map((u, i) => [u, forces[i]])];
+      if (n < 2) plane.area(all, `${css} whole`);
+      const filled = n < 2 ? plane.area([], css) : null;
       plane.line(all, css);
       return { plane, all, filled, dot: plane.dot(...all[0], css) };
     });
-    const plane = kit.plot(planes[2], { x: around(v), y: around([...f, ...d]), labels: ['ẋ, m/s', 'f and c ẋ, N'] });
-    for (const [forces, css] of [[f, 'friction'], [d, 'damper']]) {
-      const all = v.map((u, i) => [u, forces[i]]);
-      plane.line(all, css);
-      marks.push({ plane, all, dot: plane.dot(...all[0], css) });
-    }
     frame();
   }
 

@@ -6,12 +6,9 @@
   document.documentElement.classList.add('scripted');
 
   // However a symbol is typed, it is found: φ or phi, b₁ or b_1.
-  const GREEK = { φ: 'phi', ϕ: 'phi', ω: 'omega', ζ: 'zeta' };
-  const LOWERED = Object.fromEntries([...'₀₁₂₃₄₅₆₇₈₉ₖₛₘₙ'].map((sign, i) => [sign, '0123456789ksmn'[i]]));
-  const plain = (s) => s.toLowerCase()
-    .replace(/[φϕωζ]/g, (letter) => GREEK[letter])
-    .replace(/[₀-₉ₖₛₘₙ]+/g, (run) => `_${[...run].map((sign) => LOWERED[sign]).join('')}`)
-    .replace(/[−–]/g, '-').replace(/\s+/g, ' ');
+  const GREEK = { φ: 'phi', ω: 'omega', ζ: 'zeta' };
+  const plain = (s) => s.toLowerCase().replace(/[₀-₉ₖₛₘₙ]+/g, '_$&').normalize('NFKD')
+    .replace(/[φωζ]/g, (letter) => GREEK[letter]).replace(/[−–]/g, '-').replace(/\s+/g, ' ');
   const wordsOf = (row) => {
     const copy = row.cloneNode(true);
     for (const index of copy.querySelectorAll('sub')) index.prepend('_');
@@ -21,23 +18,16 @@
 
   // Sections are folded on a phone; a link opens what it leads to.
   if (matchMedia('(max-width: 46rem)').matches) {
-    for (const one of document.querySelectorAll('.fold')) one.open = one.parentElement.id === 'instruments';
-    for (const one of [...document.querySelectorAll('.instrument')].slice(1)) {
-      const [fold, summary] = ['details', 'summary'].map((tag) => document.createElement(tag));
-      fold.className = 'fold';
-      one.before(fold);
-      summary.append(one.querySelector('h3'));
-      fold.append(summary, one);
-    }
+    for (const one of document.querySelectorAll('.fold')) one.open = one.parentElement.matches('#instruments, #oscillator');
   }
   let show = () => {};
   const lead = () => {
     const target = $(decodeURIComponent(location.hash.slice(1).split('?')[0]));
     if (!target) return;
+    document.querySelector(':popover-open')?.hidePopover();
     if (target.classList.contains('filtered')) show();
     const reason = 'kind' in target.dataset && (target.querySelector('details') ?? target.closest('details'));
-    for (let one = reason || target.querySelector('.fold'); one; one = one.parentElement.closest('details')) one.open = true;
-    for (let one = target.closest('details'); one; one = one.parentElement.closest('details')) one.open = true;
+    for (let one = reason || target.querySelector('.fold') || target; one; one = one.parentElement.closest('details')) one.open = true;
     target.scrollIntoView({ block: reason ? 'center' : 'start' });
     if (reason) reason.querySelector('summary').focus({ preventScroll: true });
   };
@@ -81,14 +71,12 @@
       for (const one of all) one.open = open;
     });
 
-    for (const link of document.querySelectorAll('.counts a')) {
-      link.addEventListener('click', () => {
-        clear();
-        part.value = link.dataset.part;
-        verdict.value = link.dataset.verdict;
-        apply();
-      });
-    }
+    document.querySelector('.counts').addEventListener('click', ({ target: { dataset } }) => {
+      if (!dataset.verdict) return;
+      clear();
+      [part.value, verdict.value] = [dataset.part, dataset.verdict];
+      apply();
+    });
 
     show = clear;
     apply(); // a browser that comes back may have kept what stood in the form
@@ -99,10 +87,6 @@
     if (event.target.closest('a')?.hash === location.hash && location.hash) lead();
   });
   lead();
-
-  for (const link of document.querySelectorAll('[data-close]')) {
-    link.addEventListener('click', () => link.closest('[popover]').hidePopover());
-  }
 
   // Print shows everything that can be opened, and puts it back afterwards.
   let opened = [];
@@ -117,7 +101,6 @@
 (() => {
   const TO = { linear: (v) => v, log: Math.log, asinh: (v, linear) => Math.asinh(v / linear) };
   const NEAR = 30; // px: farther from any mark, none is meant
-  const put = (tag, name, html = '') => Object.assign(document.createElement(tag), { className: name, innerHTML: html });
   const cellsOf = (pre) => pre.innerHTML.split('\n').map((row) => row.split('\t'));
 
   /* The marks of a line: what they say, and where they stand in the units of the drawing. */
@@ -136,27 +119,18 @@
   for (const box of document.querySelectorAll('.drawing')) {
     const svg = box.querySelector('svg');
     const fold = box.parentElement.querySelector('.values');
-    const [tip, spoken] = [put('div', 'tip'), put('p', 'unseen')];
-    const ring = document.createElementNS(svg.namespaceURI, 'circle');
+    const [tip, spoken] = [box.querySelector('.tip'), box.nextElementSibling];
     const size = svg.viewBox.baseVal.width;
     let lines = null;
     let chosen = [0, -1];
-    ring.setAttribute('r', 4);
-    ring.setAttribute('class', 'ring');
-    spoken.setAttribute('role', 'status');
-    tip.setAttribute('aria-hidden', 'true');
-    tip.hidden = true;
-    box.append(tip);
-    box.after(spoken);
 
     const choose = (line, i) => {
       chosen = [line, i];
       const mark = lines[line]?.[i];
       tip.hidden = !mark;
-      if (!mark) { ring.remove(); spoken.textContent = ''; return; }
-      ring.setAttribute('cx', mark.x);
-      ring.setAttribute('cy', mark.y);
-      svg.append(ring);
+      svg.querySelector('.ring')?.remove();
+      if (!mark) { spoken.textContent = ''; return; }
+      svg.insertAdjacentHTML('beforeend', `<circle class="ring" r="4" cx="${mark.x}" cy="${mark.y}"/>`);
       tip.innerHTML = [`<b>${mark.name}</b>`, ...mark.says.map(([what, value]) => `<span>${what}</span> ${value}`)].join('<br>');
       spoken.innerHTML = [mark.name, ...mark.says.map((pair) => pair.join(' '))].join(', ');
       const px = svg.clientWidth / size;
@@ -186,16 +160,14 @@
       if (!(event.key in keys) || event.ctrlKey || event.altKey || event.metaKey) return;
       const [to, n] = keys[event.key];
       choose(to, Math.min(n, lines[to].length - 1));
-      ring.scrollIntoView({ block: 'nearest', inline: 'nearest', behavior: 'instant' }); // where the drawing is wider than its box
+      svg.querySelector('.ring').scrollIntoView({ block: 'nearest', inline: 'nearest', behavior: 'instant' }); // where the drawing is wider than its box
       event.preventDefault();
     });
     fold.addEventListener('toggle', () => {
       for (const pre of ready() && fold.querySelectorAll('pre')) {
         const [head, ...rows] = cellsOf(pre);
         const row = (cells, tag) => `<tr>${cells.map((cell, n) => `<${n && tag === 'td' ? 'td' : `th scope="${tag === 'td' ? 'row' : 'col'}"`} class="num">${cell}`).join('')}`;
-        const wide = put('div', 'wide', `<table><caption><span>${pre.dataset.title}</span></caption><thead>${row(head, 'th')}<tbody>${rows.map((cells) => row(cells, 'td')).join('')}`);
-        pre.replaceWith(wide);
-        wide.tabIndex = 0;
+        pre.outerHTML = `<div class="wide" tabindex="0"><table><caption><span>${pre.dataset.title}</span></caption><thead>${row(head, 'th')}<tbody>${rows.map((cells) => row(cells, 'td')).join('')}</table></div>`;
       }
     }, { once: true });
   }
