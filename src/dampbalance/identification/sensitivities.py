@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -102,7 +103,7 @@ def shifts_of_fit(
     changes = dict(zip(fit.names, moved, strict=False))
     stiffness = np.array([fault.stiffness for fault in each])
     heavy = fit.error("m") == 0.0
-    lighter = with_mass(fit, fit.m * (1.0 - _STEP)) if heavy and stiffness.any() else None
+    lighter = _lighter(fit) if heavy and stiffness.any() else None
     shifts: dict[str, Array] = {}
     for key in (*fit.law.unknowns, "rho", "m"):
         value, follows = fit.value(key), 1.0 if key == "rho" or parted(key)[0] != "eta" else 0.0
@@ -117,6 +118,11 @@ def shifts_of_fit(
         name: {symbol: float(of[i]) for symbol, of in shifts.items()}
         for i, name in enumerate(faults)
     }
+
+
+@lru_cache(maxsize=1)
+def _lighter(fit: WaveformFit) -> WaveformFit | None:
+    return with_mass(fit, fit.m * (1.0 - _STEP))
 
 
 def _faulty(reading: Reading, faults: list[Fault]) -> Means:
