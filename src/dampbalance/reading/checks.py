@@ -103,6 +103,7 @@ def frequency(
         )
 
 
+@lru_cache(maxsize=64)
 def _significant_for(freedom: int) -> float:
     """Standard errors that are as rare as SIGNIFICANT ones, where so many degrees of freedom give the errors."""
     return t_quantile(freedom, normal_tail(SIGNIFICANT))
