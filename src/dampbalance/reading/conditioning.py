@@ -57,7 +57,6 @@ _NO_NEIGHBOURS = (math.nan, math.nan)
 _JITTER = 0.05  # of a step: times closer to an even grid than that are on it
 _LATTICE = 0.01  # of a step: how far a value may lie from a whole number of steps
 _COPIES = 1e-9  # of the range: values closer than that differ by rounding of the numbers
-_SOME = 2000  # values
 _FINEST = 1e-6  # of the range: finer steps leave nothing that shows
 # Independent errors in a cycle of A cos θ, over A/q: its rounding error is Σ ±(q/πj) sin(2πj A cos θ/q), whose
 # harmonics n ≪ 2πA/q are (2q/πj) J_n(2πjA/q) with J_n² → q/(2π²jA) in the mean; their variance, ζ(3) q³/(π⁴A), is that
@@ -507,12 +506,9 @@ def converter_step(values: Array) -> float:
     """Step of the converter that some samples come from: the least difference of two values, where all values lie on a
     lattice of such steps; 0 where they do not, or where the steps are too fine to matter."""
     span = float(np.ptp(values))
-    for some in (values[:_SOME], values):  # of noise, few values show it already
-        steps = np.diff(np.unique(some))
-        steps = steps[steps > _COPIES * span]
-        if not (step := float(steps.min(initial=math.inf))) > _FINEST * span:
-            return 0.0
-    if not steps.size:
+    steps = np.diff(np.unique(values))
+    steps = steps[steps > _COPIES * span]
+    if not steps.size or not (step := float(steps.min())) > _FINEST * span:
         return 0.0
     whole = np.round(steps / step)
     return step if (np.abs(steps / step - whole) <= _LATTICE * whole).all() else 0.0
