@@ -35,15 +35,17 @@ def states_in_phases(times: Array, phases: Array, theta: float, par: Parameters)
     """
     Z_m = par.F_k / par.K_z
     out = np.empty((4, times.size))
-    start, s, x0, v0, z0 = read_phase(phases, 0)
+    i = 0
+    start, s, x0, v0, z0 = read_phase(phases, i)
     phase = phase_start(s, x0, v0, z0, unit(theta + par.omega * start), par)
-    end = start
     for j in range(times.size):
         t = times[j]
-        if not start <= t < end:  # successive times mostly lie in one phase
-            i = max(0, np.searchsorted(phases[:, PHASE_T], t, side="right") - 1)
+        here = max(0, np.searchsorted(phases[:, PHASE_T], t, side="right") - 1)
+        if (
+            here != i
+        ):  # successive times mostly lie in one phase, whose start costs more than the move
+            i = here
             start, s, x0, v0, z0 = read_phase(phases, i)
-            end = phases[i + 1, PHASE_T] if i + 1 < len(phases) else math.inf
             phase = phase_start(s, x0, v0, z0, unit(theta + par.omega * start), par)
         u, v = move(t - start, phase)
         x = x0 + u
