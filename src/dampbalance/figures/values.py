@@ -7,13 +7,13 @@ them.
 
 from __future__ import annotations
 
+import html
 import itertools
 import json
 import math
 import re
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
-from xml.sax.saxutils import escape, unescape
 
 import numpy as np
 
@@ -48,13 +48,13 @@ def values(figure: Figure) -> list[dict[str, Any]]:
 def read_values(svg: str) -> list[dict[str, Any]]:
     """What `values` gave for the figure that an SVG shows; nothing for an SVG without values."""
     element = re.search(_ELEMENT.format("(.*?)"), svg, re.DOTALL)
-    return json.loads(unescape(element[1])) if element else []
+    return json.loads(html.unescape(element[1])) if element else []
 
 
 def with_values(svg: str, panels: list[dict[str, Any]]) -> str:
     """The SVG with the values of its panels in it."""
     text = json.dumps(panels, ensure_ascii=False, separators=(",", ":"))
-    return svg.replace(" <defs>", f" {_ELEMENT.format(escape(text))}\n <defs>", 1)
+    return svg.replace(" <defs>", f" {_ELEMENT.format(html.escape(text, quote=False))}\n <defs>", 1)
 
 
 def _panel(axes: Axes, lines: list[Line2D]) -> dict[str, Any]:

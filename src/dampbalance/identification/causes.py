@@ -32,6 +32,7 @@ from ..likelihood.score import Departure, departures_from
 from ..likelihood.waveforms import WaveformFit
 from ..motion.law_decays import ADDED, rounding
 from ..project.wording import Remark
+from ..reading.chances import normal_tail
 from ..records.measurement import ABSOLUTE, RELATIVE
 from ..solver import NORMAL_95
 
@@ -87,12 +88,10 @@ def gradual_contact(tested: Sequence[Departure], scale: float = 1.0) -> Departur
 
     scale : of the errors, where the residual is like a motion.
     """
-    from scipy import special  # slow to import
-
     best = max(tested, key=lambda one: abs(one.size), default=None)
     if best is None or best.symbol != GRADUAL or not best.value > 0.0:
         return None
-    return best if 2.0 * float(special.ndtr(-best.size / scale)) < _CHANCE else None
+    return best if 2.0 * normal_tail(best.size / scale) < _CHANCE else None
 
 
 def words_of(one: Departure) -> str:

@@ -19,6 +19,7 @@ from ..likelihood.law_fit import TERMS, LawFit, fit_law
 from ..likelihood.score import Departure
 from ..project.progress import followed
 from ..project.wording import listed
+from ..reading.chances import f_tail, normal_tail
 from ..reading.one_thread import one_thread
 from ..solver import NORMAL_95
 from .causes import GRADUAL
@@ -50,14 +51,12 @@ def doubt_of(fit: RingFit, further: Sequence[Departure]) -> str:
 
     further : what each further coefficient explains.
     """
-    from scipy import special  # slow to import
-
     # residuals that are like a motion repeat themselves: fewer of them are independent
     scale = 1.0 if fit.adequate else math.sqrt(fit.misfit)
     damping = [one for one in further if one.symbol != GRADUAL]
     shown = [(abs(one.size) / scale, one) for one in damping if one.error > 0.0]
     size, likely = max(shown, key=lambda pair: pair[0], default=(0.0, None))
-    p = len(shown) * 2.0 * float(special.ndtr(-size))
+    p = len(shown) * 2.0 * normal_tail(size)
     if likely is None or p > _CHANCE:
         return ""
     chance = "p < 1e-6" if p < 1e-6 else f"p = {p:.1g}"
@@ -175,10 +174,8 @@ def _tested(every: LawFit, terms: tuple[str, ...], law: LawFit | float) -> LawTe
 
     law : its fit, or what χ² rises by where it needs no fit.
     """
-    from scipy import special  # slow to import
-
     rise = law.chi_square - every.chi_square if isinstance(law, LawFit) else law
     freedom, above = len(TERMS) - len(terms), max(rise, 0.0) / _noise(every)
-    p = float(special.fdtrc(freedom, every.freedom, above / freedom))
+    p = f_tail(freedom, every.freedom, above / freedom)
     coefficients = {s: law.coefficient(s) for s in terms} if isinstance(law, LawFit) else {}
     return LawTest(terms, coefficients, {"waveforms": Probability(above, freedom, p)})

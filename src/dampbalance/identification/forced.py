@@ -35,6 +35,7 @@ from ..likelihood.mean_harmonics import Reading
 from ..likelihood.score import Departure
 from ..likelihood.unfolding import unfolded
 from ..project.wording import Remark
+from ..reading.chances import t_quantile
 from ..reading.one_thread import one_thread
 from ..solver import Estimate, least_squares, solve
 from .answer import (
@@ -441,12 +442,10 @@ def _parameter(values: Samples[Array]) -> ParameterEstimate:
     The variances that the records contribute, v_i of g_i groups, give the degrees of freedom of their sum,
     (Σ v_i)²/Σ v_i²/(g_i − 1) (Welch–Satterthwaite), and the degrees of freedom the quantile of Student's t.
     """
-    from scipy import special  # slow to import, as scipy.stats with the same functions is
-
     value, error = float(values.point), float(values.drawn.std(ddof=1))
     parts = np.array([(len(p) - 1) / len(p) * np.sum((p - p.mean()) ** 2) for p in values.left])
     groups = np.array([len(p) for p in values.left])
     total = float(parts.sum())
     freedom = total**2 / float(np.sum(parts**2 / (groups - 1))) if total > 0.0 else math.inf
-    reach = float(special.stdtrit(freedom, 0.5 + 0.5 * CONFIDENCE)) * error
+    reach = t_quantile(freedom, 0.5 - 0.5 * CONFIDENCE) * error
     return ParameterEstimate(value, error, math.sqrt(total), Interval(value - reach, value + reach))

@@ -413,12 +413,13 @@ class Identified(ABC):
         pictures = (*pictures_of(self.figures), REPORT) if flag("figures", figures) else ()
         for name in set(ALL_PICTURES) - set(pictures):
             (folder / name).unlink(missing_ok=True)
+        document = self.document()
         if figures:
-            write_text(folder / REPORT, self._report(folder))
+            write_text(folder / REPORT, self._report(folder, document))
         write_rows(folder / "identification.csv", self.estimates_table())
         write_rows(folder / "features.csv", self.features_table())
         write_text(folder / "summary.txt", self.text())
-        write_json(folder / "identification.json", self.document())
+        write_json(folder / "identification.json", document)
         return [folder / name for name in (*TABLES, *pictures)]
 
     def report(self) -> str:
@@ -426,10 +427,10 @@ class Identified(ABC):
         and what to do next, damping of each level, effect of faults, settings. Use it to hand a result to others;
         `save` writes it as report.html."""
         with TemporaryDirectory() as folder:
-            return self._report(Path(folder), png=False)
+            return self._report(Path(folder), self.document(), png=False)
 
     @interpreted(calls=QUICK)
-    def _report(self, folder: Path, png: bool = True) -> str:
+    def _report(self, folder: Path, document: dict[str, Any], png: bool = True) -> str:
         """The report, and the pictures in a folder."""
         from ..figures.style import save, save_svg  # slow to import, and needed for pictures only
         from .pictures import DPI
@@ -444,7 +445,7 @@ class Identified(ABC):
                 else:
                     save_svg(self.draw(name), svg, picture.words, DPI)
             drawings[name] = svg.read_text(encoding="utf-8")
-        return page_of("report", found=self, document=self.document(), drawings=drawings)
+        return page_of("report", found=self, document=document, drawings=drawings)
 
 
 @contextmanager

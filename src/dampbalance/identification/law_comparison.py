@@ -32,6 +32,7 @@ from ..likelihood.steady_search import fit_quickly, with_mass
 from ..likelihood.waveforms import WaveformFit
 from ..project.progress import followed
 from ..project.wording import listed
+from ..reading.chances import f_tail
 from ..reading.lines import probability
 from ..reading.one_thread import one_thread
 from ..solver import solve
@@ -322,8 +323,6 @@ def _generalised(
     rows: Rows, drawn: Rows, cycles: int
 ) -> tuple[Probability | None, dict[str, tuple[float, float]]]:
     """Test of the rows by generalised least squares, and the coefficients.   drawn : replicates of the rows, (L, r)."""
-    from scipy import special  # slow to import
-
     used = rows.usable
     rows, drawn = rows[used], drawn[used]
     symbols = [key for key in rows.terms if key not in rows.given]
@@ -344,9 +343,9 @@ def _generalised(
     inverse = np.linalg.pinv(white / size) / size[:, None]
     errors = np.sqrt(np.sum(inverse**2, axis=1))
     # the covariance comes from as many degrees of freedom as there are cycles, less one
-    chance = special.fdtrc(freedom, cycles - 1, chi_square / freedom) if freedom else math.nan
+    chance = f_tail(freedom, cycles - 1, chi_square / freedom) if freedom else math.nan
     coefficients = dict(zip(symbols, zip(p.tolist(), errors.tolist(), strict=True), strict=True))
-    return Probability(chi_square, freedom, float(chance)), coefficients
+    return Probability(chi_square, freedom, chance), coefficients
 
 
 def _rejected(p: Sequence[float]) -> list[bool]:

@@ -111,6 +111,7 @@ def joint_fit(
     near: WaveformFit | None = None,
     *,
     uncertainty: float = 0.0,
+    timing: bool = True,
 ) -> JointFit:
     """The oscillator behind the records.
 
@@ -119,7 +120,8 @@ def joint_fit(
 
     k : N/m.   m : kg, if it is known.   law : of its damping; default, F_k and c.   near : a fit to these harmonics
     that has been found already.   uncertainty : standard uncertainty of k, as a part of it: a mass that differs by no
-    more contradicts nothing.
+    more contradicts nothing.   timing : whether a delay and an AC coupling are looked for, which change nothing in the
+    fit; a study that does not read them saves that time.
     """
     law = law or Law()
     chi_square, freedom = linear_misfit(lines, k, law.terms)
@@ -134,6 +136,8 @@ def joint_fit(
     off = math.hypot(fit.error("m"), uncertainty * fit.m)
     agrees = m is None or fits or abs(fit.m - m) < math.sqrt(_SHOWS) * off
     fit = given if given is not None and fits else fit
+    if not timing:
+        return JointFit(fit, linear, None, False, m, agrees)
     # a damper to the base and one to the ground together make up for any delay
     delayed = None if {"c", "c_r"} <= set(law.unknowns) else with_delay(fit)
     late = delayed is not None and delayed.adequate and fit.chi_square - delayed.chi_square > _SHOWS

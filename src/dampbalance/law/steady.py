@@ -378,16 +378,24 @@ class Response:
         """Change of the harmonics, m, (32,), by a small further force against the motion, f_n in the phases of the
         orbit, N, (32,), which moves the onsets of slip as well; None where the orbit is of a kind that is not followed.
         """
+        if self._linearised is None:
+            return None
+        n, (basis, matrix, x) = tables()[0], self._linearised
+        moved = np.linalg.solve(matrix, -np.concatenate([force.real, force.imag, [0.0]]))
+        turned = 1j * n * moved[-1] * x
+        return np.asarray(basis @ moved[:-1] * np.exp(1j * n * self.advance) - turned)
+
+    @cached_property
+    def _linearised(self) -> tuple[Complexes, Array, Complexes] | None:
+        """Basis and matrix of the equations at the motion, and its harmonics; None where it is not followed."""
         try:
             system = self.system or System.of(self.orbit, self.orbit.oscillator.c, {})
         except NoSteadyOrbit:
             return None
-        n, matrix = tables()[0], self.matrix
+        matrix, x = self.matrix, self.harmonics(HARMONICS)
         if matrix is None:
-            matrix = system.equations(np.zeros(n.size, dtype=np.complex128), 0.0)[1]
-        moved = np.linalg.solve(matrix, -np.concatenate([force.real, force.imag, [0.0]]))
-        turned = 1j * n * moved[-1] * self.harmonics(n.size)
-        return np.asarray(system.basis @ moved[:-1] * np.exp(1j * n * self.advance) - turned)
+            matrix = system.equations(np.zeros_like(x), 0.0)[1]
+        return system.basis, matrix, x
 
     def _closed(self, symbols: Sequence[str]) -> bool:
         """Whether the motion is that of the orbit, and would be with other coefficients of these terms."""

@@ -19,6 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import Array
+from ..reading.chances import t_tail
 
 _RANK = 1e-9  # of the largest singular value
 _SHOWN = 1e-10  # of the square of a derivative, that must be orthogonal to the others
@@ -60,8 +61,6 @@ def departures_from(
     added : derivatives by each coefficient, (n,), by symbol.   noise_known : whether the residual is in units of a
     noise that is known; otherwise it shows itself how large that is.
     """
-    from scipy import special  # slow to import
-
     if not added:
         return []
     whole = np.column_stack([known, *added.values(), residual])
@@ -84,7 +83,7 @@ def departures_from(
         else:
             left = max(float(rest @ rest) - slope**2 * square, 0.0)
             degrees, error = freedom, math.sqrt(left / max(freedom, 1) / square)
-        p = 2.0 * float(special.stdtr(degrees, -abs(slope) / error)) if error > 0.0 else 1.0
+        p = 2.0 * t_tail(degrees, abs(slope) / error) if error > 0.0 else 1.0
         unit = length[-1] / length[size + j]
         by = -moves[:, j] * length[size + j] / length[:size]
         slopes = {name: float(of) for name, of in zip(names, by, strict=False)}

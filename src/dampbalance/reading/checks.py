@@ -15,6 +15,7 @@ import numpy as np
 
 from ..arrays import Array, Complexes
 from ..project.wording import Remark, Shown
+from .chances import f_tail, normal_tail, t_quantile
 from .cycles import FEWEST_CYCLES, CycleHarmonics
 
 FEW_CYCLES = 10
@@ -102,11 +103,10 @@ def frequency(
         )
 
 
+@lru_cache(maxsize=64)
 def _significant_for(freedom: int) -> float:
     """Standard errors that are as rare as SIGNIFICANT ones, where so many degrees of freedom give the errors."""
-    from scipy import special  # slow to import, as scipy.stats with the same functions is
-
-    return -float(special.stdtrit(freedom, special.ndtr(-SIGNIFICANT)))
+    return t_quantile(freedom, normal_tail(SIGNIFICANT))
 
 
 def cycles(
@@ -223,8 +223,6 @@ def _change(rows: Complexes, weights: Array, parts: float) -> _Change:
     distribution. The variance is that of successive differences, which a slow change does not raise, in the quieter
     half of the record: a transient is loud at its start.   parts : 2 of complex rows, 1 of real ones.
     """
-    from scipy import special  # slow to import, as scipy.stats with the same functions is
-
     size, mean = len(rows), weighted_mean(rows, weights)
     basis = _slow(size)
     along = basis.T @ rows
@@ -234,7 +232,7 @@ def _change(rows: Complexes, weights: Array, parts: float) -> _Change:
     # successive differences know the variance as well as two thirds as many independent rows; of two halves, twice
     # the chance
     freedom = parts * max(1.0, 2.0 * (size // 2 - 1) / 3.0)
-    chance = 2.0 * float(special.fdtrc(3.0 * parts, freedom, statistic / (3.0 * parts)))
+    chance = 2.0 * f_tail(3.0 * parts, freedom, statistic / (3.0 * parts))
     change = basis @ along
     grown, turned = float(np.ptp(np.abs(change + mean))), float(np.abs(change).max())
     matters = max(grown, turned) >= _DRIFT_MATTERS * abs(mean)

@@ -215,7 +215,7 @@ class _Accumulator:
         self.drift = np.zeros((2, harmonics + 1), dtype=np.complex128)
         self.bad: list[tuple[int, float, Remark]] = []
         self.highest, self.lowest = -math.inf, math.inf
-        self.n = np.arange(harmonics + 1)
+        self.n, self.last = np.arange(harmonics + 1), np.arange(self.shortest, self.longest)
         # e^{−inωr dt} of sample r, (longest, N + 1)
         self.fourier = powers(np.exp(-1j * omega * dt * np.arange(self.longest)), self.n.size)
         self.system = cache(self._system)
@@ -277,7 +277,7 @@ class _Accumulator:
         if whole.any():
             places, size = np.flatnonzero(whole), length[whole]
             s = np.lib.stride_tricks.sliding_window_view(values, self.longest)[begin[whole]]
-            s[np.arange(self.longest) >= size[:, None]] = 0.0
+            s[:, self.shortest :][self.last >= size[:, None]] = 0.0
             # the time of the middle, from all samples: time stamps may be rounded
             middle = np.add.reduceat(t, begin)[whole] / size
             turn = powers(np.exp(-1j * self.omega * middle), self.n.size)
@@ -325,6 +325,8 @@ class _Accumulator:
     ) -> dict[int, Remark]:
         """Which cycles hold samples that stand still while the signal moves on, or that lie far off it."""
         rms = math.sqrt(float(np.median(square)))
+        if not held.any() and float(square.max()) <= _OUTLYING * rms**2:
+            return {}
         usual = max(rms, _HARMLESS * float(np.ptp(s[:, : self.shortest])))
         outlying = square > _OUTLYING * usual**2
         suspect = _three_in_a_row(held) | outlying  # four equal samples

@@ -32,6 +32,7 @@ from ..motion.jit import interpreted
 from ..motion.orbits import steady_orbits
 from ..motion.regime import Regime
 from ..records.measurement import ORDERS, RESPONSES
+from .chances import f_tail
 from .checks import SIGNIFICANT
 from .conditioning import SteadyRecord
 
@@ -273,12 +274,10 @@ def probability(chi_square: float, freedom: int, lines: Sequence[Lines]) -> floa
 
     The errors come from a number of rows, and so it has an F distribution.
     """
-    from scipy import special  # slow to import, as scipy.stats with the same functions is
-
     if freedom < 1:
         return 1.0
     known = sum(_NEIGHBOURS * max(1, one.rows - 1) for one in lines)
-    return float(special.fdtrc(freedom, known, chi_square / freedom))
+    return f_tail(freedom, known, chi_square / freedom)
 
 
 def _candidates(lines: Sequence[Lines], k: float, shares: Shares, wide: bool) -> Array:

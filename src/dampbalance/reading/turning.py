@@ -27,7 +27,7 @@ _FAR = 0.5  # rad: the longest step towards a zero
 _SLOW = 8  # odd harmonics that need none
 _FACTORS = np.array([1j**k / math.factorial(k) for k in range(_POWERS)])  # of (nδ)^k in e^{inδ}
 _MOST = 8  # steps; three or four do, but where a contact is so stiff that the motion nearly stops
-_REACHED = 1e-9  # rad: the next of Newton's steps would be about its square
+_REACHED = 1e-6  # rad: the next of Halley's steps would be some hundred times its cube
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,13 +101,16 @@ def _zero(n: Array, x: Complexes, at: Array, rest: Array, centre: float, reach: 
     slope = rest[:, 1:] * np.arange(1.0, rest.shape[1])
     parts = rest, slope, slope[:, 1:] * np.arange(1.0, slope.shape[1])
     for _ in range(_MOST):
-        turned = np.exp(1j * at)[:, None] * powers(np.exp(2j * at), n.size) * x
         off = powers(np.clip(at - centre, -_NEAR, _NEAR), _POWERS)
         value, rate, bent = (np.einsum("rk,rk->r", c, off[:, : c.shape[1]]) for c in parts)
-        rate = rate - turned.imag @ n
+        if n.size:
+            first = np.exp(1j * at)
+            turned = first[:, None] * powers(first * first, n.size) * x
+            value = value + turned.real.sum(axis=1)
+            rate, bent = rate - turned.imag @ n, bent - turned.real @ n**2
         rate = np.where(rate > 0.0, rate, np.inf)
-        step = (value + turned.real.sum(axis=1)) / rate
-        step = step / np.maximum(1.0 - 0.5 * step * (bent - turned.real @ n**2) / rate, 0.5)
+        step = value / rate
+        step = step / np.maximum(1.0 - 0.5 * step * bent / rate, 0.5)
         at = at - np.clip(step, -reach, reach)
         if np.all(np.abs(step) < _REACHED):
             break

@@ -14,6 +14,7 @@ import numpy as np
 
 from ..arrays import Array
 from .bursts import QUIET_PARTS, noise_of
+from .chances import f_tail
 
 _ROUNDING = 0.1  # of the variance of the noise: what a record without noise leaves is rounding
 _FEWEST = 400  # samples, from which the third differences of a record tell its noise
@@ -44,12 +45,10 @@ def averages(
 
 def chance_of_averages(residuals: Sequence[Array], widths: Sequence[int], lost: int) -> float:
     """Probability that averages of white noise over these widths, or half, a quarter … of them, are as large."""
-    from scipy import special  # slow to import
-
     chances = []
     while True:
         ratio, first, rest = averages(residuals, widths, lost)
-        chances.append(float(special.fdtrc(first, rest, ratio)))
+        chances.append(f_tail(first, rest, ratio))
         if max(widths) <= 2:
             return min(1.0, len(chances) * min(chances))
         widths = [max(2, width // 2) for width in widths]

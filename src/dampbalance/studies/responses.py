@@ -230,7 +230,7 @@ def _with_one_oscillator(
     replicates = [nothing[:, None][:, [0] * count] for nothing in points]
     whole = None
     if readings:
-        whole = joint_fit([reading.lines for reading in readings], k)
+        whole = joint_fit([reading.lines for reading in readings], k, timing=False)
         samples = read_samples(joined(readings, whole), count, random, jackknife=False)
         of_all = samples.point.features, samples.drawn.features
         if not whole.waveforms_hold:

@@ -66,7 +66,9 @@ def cells_of(line: str, delimiter: str, comment: str) -> list[str]:
 
 
 def _split(line: str, delimiter: str) -> list[str]:
-    return [cell.strip() for cell in next(csv.reader([line], delimiter=delimiter), [])]
+    quoted = '"' in line or not line
+    cells = next(csv.reader([line], delimiter=delimiter), []) if quoted else line.split(delimiter)
+    return [cell.strip() for cell in cells]
 
 
 def _first_row(
@@ -221,13 +223,18 @@ class TextFile(RecordFile):
     def __init__(self, path: Path, mapping: RecordMapping) -> None:
         self.path, self.encoding = path, _encoding(path)
         lines: list[str] = []
+        left = _SAMPLE_CHARACTERS
         for line in itertools.islice(self._lines(), _SAMPLE_LINES):
             lines.append(line)
-            if sum(map(len, lines)) > _SAMPLE_CHARACTERS:
+            left -= len(line)
+            if left < 0:
                 break
         begun = (line.lstrip()[:1] for line in lines)
         self.comment = next((mark for mark in begun if mark in [*_COMMENTS]), "#")
         possible = [mapping.delimiter] if mapping.delimiter else _DELIMITERS
+        if mapping.sample_rate_hz is None:  # a row has two cells at least
+            text = "".join(lines)
+            possible = [mark for mark in possible if mark in text or mark == WHITESPACE]
         tables = {mark: [cells_of(line, mark, self.comment) for line in lines] for mark in possible}
         fits = [
             (fit, delimiter, decimal)
