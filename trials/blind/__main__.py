@@ -85,10 +85,22 @@ def decays(options: argparse.Namespace) -> str:
 def departing_decays(options: argparse.Namespace) -> str:
     """Identify free decays with a further term; what is said of it, and which law is chosen."""
     wanted = range(options.first, options.first + options.sets)
-    runs = [(term, index, options.seed) for index in wanted for term in decay_laws.ALL]
+    runs = [(i, term, term in decay_laws.TERMS) for i in wanted for term in decay_laws.ALL]
+    runs = [(term, i, options.seed, compared) for i, term, compared in runs]
     rows = _rows(decay_laws.outcome, runs, options.processes)
     rows.to_csv(options.output / "decay_laws.csv", index=False)
     return decay_laws.table(rows)
+
+
+def decays_of_contacts(options: argparse.Namespace) -> str:
+    """Identify free decays on contacts that yield gradually, and twice as many of one that yields at once."""
+    wanted = range(options.first, options.first + options.sets)
+    runs = [(term, i, options.seed, False) for i in wanted for term in decay_laws.CONTACTS]
+    sound = range(2 * options.first, 2 * (options.first + options.sets))
+    runs += [("none", i, options.seed, False) for i in sound]
+    rows = _rows(decay_laws.outcome, runs, options.processes)
+    rows.to_csv(options.output / "decay_contacts.csv", index=False)
+    return decay_laws.table_of_contacts(rows)
 
 
 def jointed(options: argparse.Namespace) -> str:
@@ -110,7 +122,7 @@ def departing(options: argparse.Namespace) -> str:
 
 PARTS = {"decays": decays, "blind": blind, "efficiency": efficient, "faults": faulty}
 PARTS |= {"others": other, "laws": confused, "decay_laws": departing_decays, "joints": jointed}
-PARTS |= {"departures": departing}
+PARTS |= {"departures": departing, "decay_contacts": decays_of_contacts}
 
 
 def main(arguments: list[str] | None = None) -> None:

@@ -43,14 +43,16 @@ ALL = (*TERMS, *CONTACTS)
 _SHARES, _SPRING = (0.1, 0.4), 0.3  # of the loss; of that share, of the force of a spring
 _SHARE = 3  # so that the share is not drawn from the generator that drew the set
 _FAR = 5.0  # standard errors
+_PART = 0.03  # of a value
 _DOUBT = "friction and viscous damping do not account"
 _GRADUAL = "yields gradually"
 _CONDITION = "The values are those of friction and viscous damping"
 
 
-def outcome(run: tuple[str, int, int]) -> list[dict[str, object]]:
-    """A row for a set: what was said, how far off its values are, which law was chosen.   run : term, number, seed."""
-    term, index, seed = run
+def outcome(run: tuple[str, int, int, bool]) -> list[dict[str, object]]:
+    """A row for a set: what was said, how far off its values are, which law was chosen.   run : term, number, seed, and
+    whether the laws are compared, which takes most of the time."""
+    term, index, seed, compared = run
     decay = draw(index, seed)
     share = float(np.random.default_rng((_SHARE, seed, index)).uniform(*_SHARES))
     field, order = TERMS.get(term, ("", 0))
@@ -71,7 +73,7 @@ def outcome(run: tuple[str, int, int]) -> list[dict[str, object]]:
             return [row | {"refused": str(error)}]
         row["seconds"] = time.process_time() - began
         began = time.process_time()
-        laws = compare_decay_laws(result.fit) if term in TERMS else None
+        laws = compare_decay_laws(result.fit) if compared else None
         row["seconds_laws"] = time.process_time() - began
     answer = result.approaches[REFERENCE]
     notes, rig = " ".join(answer.notes), " ".join(result.rig)
@@ -95,6 +97,7 @@ def outcome(run: tuple[str, int, int]) -> list[dict[str, object]]:
             row["K_z_sizes"] *= 2.0 * (p.value / true) / (1.0 + math.sqrt(p.value / true))
             largest = p.interval.high * (1.0 + row["room"])
             row["warned"] = bool(room) and largest >= true >= p.interval.low
+        row[f"{symbol}_outside"] = not p.interval.low <= true <= p.interval.high
         row[f"{symbol}_usable"] = answer.verdicts[symbol].verdict == USABLE
     true_law = ("F_k", "c", *((term,) if term in ("c_2", "c_3") else ()))
     tests = laws.tests if laws else ()
@@ -144,4 +147,31 @@ def table(rows: pd.DataFrame) -> str:
         f"{markdown_table(heads, lines)}\n\nProcessor time of the comparison of laws: "
         f"{rows['seconds_laws'].median():.1f} s (median), {rows['seconds_laws'].max():.1f} s at the most; of the rest "
         f"{rows['seconds'].median():.1f} s and {rows['seconds'].max():.1f} s.\n"
+    )
+
+
+def table_of_contacts(rows: pd.DataFrame) -> str:
+    """By contact, in sets: which numbers are usable, which of these are wrong, and which are so without a word."""
+    lines = []
+    for contact, some in rows.groupby("term", sort=False):
+        known = some[some["usable"].notna()]
+        usable = {s: known[f"{s}_usable"].astype(bool) for s in ("F_k", "K_z")}
+        warned = {"F_k": False, "K_z": known["warned"].astype(bool)}
+        cells = [len(some), len(some) - len(known), known["gradual"].astype(bool).sum()]
+        cells += [known["doubt"].astype(bool).sum(), *(of.sum() for of in usable.values())]
+        for symbol, of in usable.items():
+            off = known[f"{symbol}_off"].abs() > _PART
+            far = (of & (known[f"{symbol}_sizes"] > _FAR), of & off & known[f"{symbol}_outside"])
+            cells += [wrong.sum() for wrong in far]
+            cells += [((far[0] | far[1]) & ~warned[symbol]).sum()]
+        lines.append([str(contact), *map(str, cells)])
+    heads = ["contact", "sets", "refused", "gradual contact named", "law doubted"]
+    heads += ["F_k usable", "K_z usable"]
+    for symbol in ("F_k", "K_z"):
+        heads += [f"{symbol} usable and more than {_FAR:g} standard errors off"]
+        heads += [f"and more than {100.0 * _PART:g} % off, outside its interval", "silent"]
+    seconds = rows["seconds"]
+    return (
+        f"{markdown_table(heads, lines)}\n\nProcessor time of an identification: {seconds.median():.1f} s (median), "
+        f"{seconds.max():.1f} s at the most.\n"
     )

@@ -37,7 +37,7 @@ A record whose driving channel is missing or constant is one of free decays, one
 A table of a stepped sine has a line for each steady response, with columns of frequency, amplitude of force or base,
 amplitude of the response, phase, and level; with a force it needs no stiffness:
 
-  dampbalance identify levels.csv --kind stepped-sine
+  dampbalance identify levels.csv
 """
 
 
@@ -83,8 +83,9 @@ def run(options: argparse.Namespace) -> None:
     if options.sets is not None:
         _run_sets(options)
         return
-    needed = ("records", *["--stiffness"] * (options.kind != "stepped-sine"))
-    missing = [n for n in needed if not getattr(options, n.strip("-"))]
+    missing = [n for n in ("records", "--stiffness") if not getattr(options, n.strip("-"))]
+    if missing == ["--stiffness"] and _of_tables(options):
+        missing = []
     if missing:
         names = ", ".join(missing).replace("records", "RECORD")
         hint = "; a stepped sine with a force needs none: add --kind stepped-sine" * (
@@ -127,6 +128,15 @@ def run(options: argparse.Namespace) -> None:
     if places:
         stream = sys.stderr if options.json == _SCREEN else sys.stdout
         print(f"\nWritten to {'; '.join(places)}.", file=stream)
+
+
+def _of_tables(options: argparse.Namespace) -> bool:
+    """Whether the records are tables of a stepped sine: as stated, or as the first is recognised."""
+    from ..records.measured import recognised_as_table  # slow to import
+
+    if options.kind != "recognised":
+        return bool(options.kind == "stepped-sine")
+    return recognised_as_table(options.records[0], options.mapping, options.largest)
 
 
 def _write_mapping(options: argparse.Namespace) -> None:

@@ -296,9 +296,9 @@ def _of_decays(records: tuple[MeasuredRecord, ...], options: Mapping[str, Any]) 
 def _of_tables(
     tables: tuple[MeasuredRecord, ...], law: Law, options: Mapping[str, Any]
 ) -> Identified:
-    k, mass, _ = (options[name] for name in _OF_K_AND_M)
+    k, mass, error = (options[name] for name in _OF_K_AND_M)
     own = {name: options[name] for name in (*_OF_CONTACT, *_OF_DRAWINGS)}
-    found = identify_tables(tables, k, law, mass=mass, **own)
+    found = identify_tables(tables, k, law, mass=mass, uncertainty=error, **own)
     return carried(replace(found, records=tables, options=options))
 
 

@@ -32,6 +32,8 @@ from .identified import Identified, Level, Picture
 from .screen import with_error
 from .sensitivities import Fault
 
+_FELT = 0.01  # of k: a part of the contact that sticks, and is worth a sentence
+_FAR = 4.0  # standard errors by which a stiffness that is stated is contradicted
 Asked = Literal["both", "one slider", "gradual"]
 """Contacts that can be asked for."""
 
@@ -166,13 +168,15 @@ def identify_tables(
     law: Law,
     *,
     contact: Asked = "both",
+    uncertainty: float = 0.0,
     **options: Any,
 ) -> SteppedOutcome:
     """The contact and the damping from tables of steady responses at two levels of excitation or more.
 
     k : stiffness, N/m; None where the lines are to tell it, which those of base motions cannot.   law : whose terms
-    except the friction are fitted.   contact : "both" compares them, from three levels on.   options : mass, hardening,
-    residual, replicates and seed of `fit_contact`.
+    except the friction are fitted.   contact : "both" compares them, from three levels on.   uncertainty : standard
+    uncertainty of k, N/m; where a force drives, the lines test it.   options : mass, hardening, residual, replicates
+    and seed of `fit_contact`.
 
     Raises ValueError for base motions without a stiffness, fewer than two levels, lines that do not determine the
     unknowns, and a friction force that is given.
@@ -191,13 +195,21 @@ def identify_tables(
     else:
         fits = {name: fit_contact(lines, contact=name, **asked) for name in contacts}
     first = next(iter(fits.values()))
+    by_force = all(of.table.by_force for of in tables if of.table)
+    tested = {
+        name: list(_on_stiffness(fit, uncertainty)) if by_force else []
+        for name, fit in fits.items()
+    }
     said = [] if compared is None else [f"{compared.words()}."]
     return SteppedOutcome(
         k=first.values["k"],
         sources=tuple(table.name for table in tables),
-        estimates={name: _answer(name, fit, lines, law, compared) for name, fit in fits.items()},
+        estimates={
+            name: _answer(name, fit, lines, law, compared, tested[name])
+            for name, fit in fits.items()
+        },
         reference=None,
-        warnings=() if compared or len(contacts) < 2 else (_UNCOMPARED,),
+        warnings=(*[_UNCOMPARED] * (not compared and len(contacts) > 1), *_on_stuck(first)),
         head=f"{lines.X.size} lines at {len(lines.names)} levels; the answer first, with 95 % intervals from "
         f"{options['replicates']} replicates",
         rig=[
@@ -252,11 +264,41 @@ def _lines(tables: Sequence[MeasuredRecord], k: float | None) -> tuple[SteppedLi
     return lines, np.repeat([i for i, _, _ in levels], sizes)
 
 
+def _on_stiffness(fit: ContactFit, uncertainty: float) -> Iterator[Remark]:
+    """What contradicts a stiffness that is stated: the ratio of likelihoods of the same contact with k free."""
+    k, (shown, gain) = fit.values["k"], fit.shown or (0.0, 0.0)
+    if gain <= 0.0:
+        return
+    error = abs(k - shown) / math.sqrt(gain)
+    if abs(k - shown) > _FAR * math.hypot(error, uncertainty):
+        sticks = ", a part of the contact may stick in every line" * (k < shown)
+        yield Remark(
+            f"the stiffness stated, {k:g} N/m, is not that of these lines, {with_error(shown, error)} N/m: a unit or a "
+            f"gain may be wrong{sticks}; leave it out, and the lines tell it"
+        )
+
+
+def _on_stuck(fit: ContactFit) -> Iterator[Remark]:
+    """What sticks in every line, where a stiffness is stated that is less than the lines show."""
+    k = fit.values["k"]
+    if fit.stuck > _FELT * k:
+        yield Remark(
+            f"with the part of the contact that slips loose the lines show a stiffness of {k + fit.stuck:.6g} N/m, and "
+            f"{k:g} N/m are stated: a contact of {fit.stuck:.4g} N/m that sticks in every line makes up for it, or the "
+            "stiffness stated is too small; F_k, K_z and c are the same for either"
+        )
+
+
 def _answer(
-    name: str, fit: ContactFit, lines: SteppedLines, law: Law, compared: ContactComparison | None
+    name: str,
+    fit: ContactFit,
+    lines: SteppedLines,
+    law: Law,
+    compared: ContactComparison | None,
+    tested: Sequence[Remark],
 ) -> Answer:
     """The answer of a contact: its numbers, and its rows of the balance, without what other modes add to them."""
-    notes, of = [], lines.of_mode(fit.values.get("R", 0.0))
+    notes, of = [*tested], lines.of_mode(fit.values.get("R", 0.0))
     if compared is not None and name != compared.supported:
         notes.append(Remark(f"the lines support another contact: {compared.supported}"))
     elif fit.contact == "none":
@@ -318,7 +360,7 @@ def _rig(fit: ContactFit, lines: SteppedLines) -> Iterator[str]:
         )
     yield (
         f"The oscillator has m = {own['m']} kg, k = {own['k']} N/m and a natural frequency of "
-        f"{math.sqrt(k / m) / (2.0 * math.pi):.4g} Hz with that part of the contact loose."
+        f"{math.sqrt((k + fit.stuck) / m) / (2.0 * math.pi):.4g} Hz with that part of the contact loose."
     )
     if fit.values.get("k_3"):
         k_3 = with_error(1e-9 * fit.values["k_3"], 1e-9 * fit.errors["k_3"])

@@ -65,6 +65,7 @@ class ContactFit:
     misfit : root mean squares.   held_out : the same of each level, predicted from the others.
     X_range : amplitudes that were seen, m.
     smoothing, chosen_by : weight of the smoothness of κ, and what chose it.
+    shown : where k is given, that of the lines if it is free and the χ² that it saves.
     """
 
     contact: Contact
@@ -80,6 +81,7 @@ class ContactFit:
     X_range: tuple[float, float]
     smoothing: float
     chosen_by: str
+    shown: tuple[float, float] | None
     stiffness_given: float | None = field(repr=False)
     draws: _Draws = field(repr=False)
 
@@ -88,6 +90,11 @@ class ContactFit:
         """Those that slip at the amplitudes seen."""
         slips = self.r < self.X_range[1]
         return Sliders(self.r[slips], self.kappa[slips])
+
+    @property
+    def stuck(self) -> float:
+        """Stiffness of the contact that slips at none of the amplitudes seen, N/m; 0 unless k is given."""
+        return float(np.sum(self.kappa)) - self.K_z
 
     @property
     def K_z(self) -> float:
@@ -285,9 +292,27 @@ def _fitted(
         (float(reach.min()), float(reach.max())),
         found.smoothing,
         found.chosen_by,
+        _of_k(found, residual),
         rows.stiffness,
         draws,
     )
+
+
+def _of_k(found: Estimate, residual: bool) -> tuple[float, float] | None:
+    """Where k is given, that of the same contact with k free and the χ² that it saves, with the errors of that fit.
+
+    A gradual contact holds a slider that sticks: with it, only a k that is too large is contradicted.
+    """
+    own = found.rows
+    if "k" not in own.given:
+        return None
+    others = {name: value for name, value in own.given.items() if name != "k"}
+    asked = replace(own, free=("k", *own.free), given=others, R=0.0)
+    free = estimated(asked, found.design.contact, residual)
+    best = _with_R(free) if residual else free.design
+    held = replace(best, rows=replace(free.rows, free=own.free, given=own.given))
+    less, more = (one.solve(one.rows.target, free.smoothing) for one in (held, best))
+    return float(more.linear[0]), less.chi_square - more.chi_square
 
 
 def _with_R(found: Estimate) -> Design:

@@ -275,13 +275,11 @@ class Design:
     @cached_property
     def r(self) -> Array:
         """Sliders, m: of a gradual contact, more between its nodes."""
-        at = np.arange((_NODES - 1) * _BETWEEN + self.stuck) / _BETWEEN
-        fine = (
-            np.interp(at, np.arange(self.nodes.size), np.log(self.nodes))
-            if self.nodes.size
-            else at[:0]
-        )
-        return np.exp(fine)
+        if not self.nodes.size:
+            return self.nodes
+        at = np.arange((_NODES - 1) * _BETWEEN) / _BETWEEN
+        fine = np.exp(np.interp(at, np.arange(_NODES), np.log(self.nodes)))
+        return np.append(fine, self.nodes[-1:] if self.stuck else [])  # exact: it does not slip
 
     @cached_property
     def spread(self) -> Array:

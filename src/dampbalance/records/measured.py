@@ -217,6 +217,13 @@ def _of_file(path: Path, mapping: MappingLike, largest: int, tables: bool | None
     return MeasuredRecord(str(path), label, quantities, measurement, rules, notes, files, largest)
 
 
+def recognised_as_table(path: Path, mapping: MappingLike, largest: int) -> bool:
+    """Whether `read_records` takes a file for a table of steady responses to a stepped sine."""
+    rules = mapping_for(path, mapping)
+    with closing(opened(path, rules, largest)) as file:
+        return is_table_of_lines(file, rules)
+
+
 def _digests(path: Path, rules: RecordMapping, mapping: MappingLike) -> dict[str, Any]:
     """Digests of a file, of the file that names its channels, and of others that hold some."""
     file = mapping_file(path, mapping)

@@ -260,7 +260,7 @@ TABLE = str(ROOT / "config/records/stepped/levels.csv")
 
 
 def test_a_table_of_a_stepped_sine_needs_no_stiffness(tmp_path, answer):
-    command = ["identify", TABLE, "--kind", "stepped-sine", "--replicates", "20"]
+    command = ["identify", TABLE, "--replicates", "20"]  # its columns say what it is
     said = answer(*command, "--contact", "one slider", "--no-hardening", "--output", str(tmp_path))
     assert "75 lines at 5 levels" in said
     document = json.loads((tmp_path / "identification.json").read_text(encoding="utf-8"))

@@ -211,6 +211,52 @@ def test_what_is_known_is_held():
     assert found.sensitivities()[1].keys() <= {"stiffness_1_percent"}
 
 
+@pytest.mark.parametrize(("sliders", "answer"), [(ONE, "one slider"), (MANY, "gradual")])
+@pytest.mark.parametrize("by", [1.0, 0.8, 1.05])
+def test_a_stiffness_that_is_stated_is_tested_by_the_lines(sliders, answer, by):
+    """Too large, none of the answers is usable; too small, a contact that sticks makes up for it, F_k and K_z are what
+    they are with k free, and that is said."""
+    stated = by * OSCILLATOR["k"]
+    found = found_in(table(sliders), stated)
+    doubted = {
+        name: {v.verdict for v in of.verdicts.values()} == {"doubtful"}
+        and all(f"{stated:g} N/m, is not that of these lines" in v.reason for v in of.verdicts.values())
+        for name, of in found.approaches.items()
+    }  # fmt: skip
+    first = next(iter(found.approaches))
+    sticks = [words for words in found.warnings if "that sticks in every line" in words]
+    if by < 1.0:
+        assert first == "gradual"
+        assert doubted["one slider"]
+        assert len(sticks) == 1
+        assert f"{stated:g} N/m are stated" in sticks[0]
+        free = found_in(table(sliders), contact="gradual")
+        for symbol, value in free.values.items():
+            assert found.values[symbol] == pytest.approx(value, rel=1e-3)
+    else:
+        assert not sticks
+        assert doubted[first] == (by > 1.0)
+    if by == 1.0:
+        assert first == answer
+
+
+def test_a_stated_uncertainty_of_the_stiffness_counts():
+    stated = 1.05 * OSCILLATOR["k"]
+    for error, verdict in ((0.001, "doubtful"), (0.05, "usable")):
+        found = found_in(table(), (stated, error * stated), contact="one slider")
+        assert found.verdicts["K_z"].verdict == verdict
+
+
+def test_a_contact_that_sticks_is_none_that_slips():
+    """A stiffness that is stated as 2,310 N/m, and is 189,000: K_z and F_k are those of the sliders that slip."""
+    lines = EXAMPLE / "levels.csv"
+    free, held = (found_in(lines, k, contact="gradual") for k in (None, 2310.0))
+    for symbol, value in free.values.items():
+        assert held.values[symbol] == pytest.approx(value, rel=1e-3)
+    assert held.fit.stuck == pytest.approx(free.fit.values["k"] - 2310.0, rel=1e-3)
+    assert "natural frequency of 48.88 Hz" in held.text()
+
+
 def test_tables_of_one_level_each_make_one_identification():
     columns = table()
     parts = []
