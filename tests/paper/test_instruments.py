@@ -7,7 +7,6 @@ import io
 import json
 import math
 import shutil
-import subprocess
 from dataclasses import replace
 from importlib.resources import files
 
@@ -26,26 +25,30 @@ from dampbalance.solver import solve
 from folders import ROOT
 from paper.page_case import page_of
 from paper.routes import CASE, CONFIG, PAPER, exact
+from processes import output_of
 
 STATIC = files("dampbalance.publishing.page") / "static"
 NODE = shutil.which("node")
 IN_BROWSER = ("omega", "Y", "X", "X_s", "t_s", "V_s", "a", "b", "W", "X_1", "X_3", "X_5")
 
 
-def in_node(program, given):
-    """What a program prints that finds kit.js as `kit` and its data, JSON, as `given`; NaN is null there."""
-    script = f"const kit = require({json.dumps(str(STATIC / 'kit.js'))});"
+def in_node(program, given, *others):
+    """What a program prints that finds kit.js as `kit` and its data, JSON, as `given`; NaN is null there.
+
+    others : further scripts of the page that it finds by their names.
+    """
+    script = "".join(
+        f"globalThis.{name} = require({json.dumps(str(STATIC / f'{name}.js'))});"
+        for name in ("kit", *others)
+    )
     script += (
         "const given = JSON.parse(require('fs').readFileSync(0), (_, v) => v === null ? NaN : v);"
     )
-    run = subprocess.run(
-        [NODE, "-e", f"{script} console.log(JSON.stringify({program}));"],
-        input=json.dumps(given).replace("NaN", "null"),
-        capture_output=True,
-        text=True,
-        check=True,
+    said = output_of(
+        *(NODE, "-e", f"{script} console.log(JSON.stringify({program}));"),
+        given=json.dumps(given).replace("NaN", "null"),
     )
-    return json.loads(run.stdout)
+    return json.loads(said)
 
 
 def responses(features):

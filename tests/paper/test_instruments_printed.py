@@ -6,7 +6,6 @@ import json
 import math
 import random
 import re
-import subprocess
 from dataclasses import replace
 
 import numpy as np
@@ -32,7 +31,7 @@ from paper.mutants import sources
 from paper.page_case import CHANGED
 from paper.routes import CASE, PAPER, PRINT
 from paper.routes import judged as judged_afresh
-from paper.test_instruments import NODE, STATIC, checked, plain, printed, texts
+from paper.test_instruments import NODE, checked, in_node, plain, printed, texts
 
 INTEGRATOR = """() => [...document.querySelectorAll('#integrator td')].map(cell => [
   cell.classList[1], cell.querySelector('.digits').textContent, cell.querySelector('small').textContent])"""
@@ -119,24 +118,6 @@ def test_the_program_and_the_configuration_of_the_integrator_compute_the_same(
     assert (numerics.step_s, numerics.cycles, numerics.c_over_m_decimals) == (1e-5, 20, None)
 
 
-def in_node(program, given):
-    """What a program prints that finds noise.js as `noise` and its data, JSON, as `given`."""
-    run = subprocess.run(
-        [
-            *(NODE, "-e"),
-            f"globalThis.kit = require({json.dumps(str(STATIC / 'kit.js'))});"
-            f"const noise = require({json.dumps(str(STATIC / 'noise.js'))});"
-            "const given = JSON.parse(require('fs').readFileSync(0));"
-            f"console.log(JSON.stringify({program}));",
-        ],
-        input=json.dumps(given),
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    return json.loads(run.stdout)
-
-
 def responses(frequency):
     """What the engine gives of every level, with the parameters, and the features."""
     orbits = [steady_orbit(PAPER, motion) for motion in CASE.motions(frequency)]
@@ -157,7 +138,7 @@ def responses(frequency):
 def test_estimates_from_noise_are_those_of_the_package(frequency, approach):
     given, clean = responses(frequency)
     study = {"approach": approach, "share": 0.01, "samples": 12000, "count": 2000, "seed": 3}
-    got = in_node(f"noise.study(given, {json.dumps(study)})", given)
+    got = in_node(f"noise.study(given, {json.dumps(study)})", given, "noise")
     drawn = {
         name: np.array([[level[name] for level in one] for one in got["draws"]]).T
         for name in ("Y", "X", "X_s", "X_1", "X_3", "X_5", "phi_fundamental", "a", "b", "W")
@@ -191,7 +172,8 @@ def test_equal_weights_use_a_sixth_of_the_information():
     """As found with 4,000 runs against the bound of Cramér and Rao, which weighted rows reach to 7 %."""
     for frequency in CASE.frequencies_hz:
         study = {"approach": "direct", "share": 0.01, "samples": 12000, "count": 2, "seed": 1}
-        ways = in_node(f"noise.study(given, {json.dumps(study)}).ways", responses(frequency)[0])
+        program = f"noise.study(given, {json.dumps(study)}).ways"
+        ways = in_node(program, responses(frequency)[0], "noise")
         equal, weighted = (np.diag(way["predicted"]) for way in ways)
         F_k, c = weighted / equal
         assert 0.14 < F_k < 0.20
@@ -203,6 +185,7 @@ def test_the_draws_are_normal_and_the_same_for_the_same_seed():
     one, again, other = in_node(
         "given.map(seed => { const z = noise.normals(seed); return Array.from({length: 40000}, z); })",
         [1, 1, 2],
+        "noise",
     )
     assert one == again
     assert abs(np.corrcoef(one, other)[0, 1]) < 5.0 / math.sqrt(len(one))

@@ -19,13 +19,13 @@ def loaded(program: str) -> set[str]:
     return set(done.stderr.split())
 
 
-@pytest.mark.parametrize("arguments", [[], ["--help"], ["--version"]])
-def test_the_command_line_says_what_it_can_do_with_the_standard_library(arguments):
+def test_the_command_line_says_what_it_can_do_with_the_standard_library():
     program = (
         "import contextlib, io\n"
         "from dampbalance.commands.main import main\n"
-        "with contextlib.suppress(SystemExit), contextlib.redirect_stderr(io.StringIO()):\n"
-        f"    main({arguments})"
+        "for arguments in ([], ['--help'], ['--version']):\n"
+        "    with contextlib.suppress(SystemExit), contextlib.redirect_stderr(io.StringIO()):\n"
+        "        main(arguments)"
     )
     assert loaded(program) == set()
 
@@ -38,27 +38,33 @@ def test_an_identification_loads_what_it_uses(arguments, needed, tmp_path):
     assert loaded(program) == {"numpy", "scipy"} | needed
 
 
-# Importing a script imports what it needs; it computes when Snakemake runs it.
+# Importing a script imports what it needs; it computes when Snakemake runs it. Those that lack the same share a
+# process: what none of them has loaded in the end, no one of them loads.
 @pytest.mark.parametrize(
-    ("script", "unneeded"),
+    ("scripts", "unneeded"),
     [
-        ("features/features_exact", {"matplotlib", "numba", "scipy"}),
-        ("features/features_as_published", {"matplotlib", "numba", "scipy"}),
-        ("estimates/estimate_exact", {"matplotlib", "numba", "scipy", "pandas"}),
-        ("simulate/simulate_exact", {"matplotlib", "numba", "scipy", "pandas"}),
-        ("claims/check", {"matplotlib", "numba", "scipy"}),
-        ("tables/tables", {"matplotlib", "numba", "scipy"}),
-        ("studies/study_cases", {"matplotlib", "numba", "scipy"}),
-        ("studies/study_chunk", {"matplotlib", "numba", "scipy"}),
-        ("studies/study_summary", {"matplotlib", "numba", "scipy"}),
-        ("figures/figures", {"numba", "pandas", "scipy"}),
-        ("studies/study_figure", {"numba", "scipy"}),
-        ("page/page", {"matplotlib", "numba", "scipy"}),
-        ("article/article", HEAVY),
-        ("provenance/manifest", HEAVY),
-        ("provenance/crate", HEAVY),
+        (
+            (
+                *("features/features_exact", "features/features_as_published", "claims/check"),
+                *("tables/tables", "studies/study_cases", "studies/study_chunk"),
+                *("studies/study_summary", "page/page"),
+            ),
+            {"matplotlib", "numba", "scipy"},
+        ),
+        (
+            ("estimates/estimate_exact", "simulate/simulate_exact"),
+            {"matplotlib", "numba", "scipy", "pandas"},
+        ),
+        (("figures/figures",), {"numba", "pandas", "scipy"}),
+        (("studies/study_figure",), {"numba", "scipy"}),
+        (("article/article", "provenance/manifest", "provenance/crate"), HEAVY),
     ],
 )
-def test_a_script_loads_what_it_uses(script, unneeded):
-    program = f"import runpy; runpy.run_path('workflow/scripts/{script}.py', run_name='imported')"
+def test_a_script_loads_what_it_uses(scripts, unneeded):
+    program = (
+        "import runpy, sys\n"
+        f"for script in {scripts}:\n"
+        "    runpy.run_path(f'workflow/scripts/{script}.py', run_name='imported')\n"
+        f"    assert not {unneeded} & sys.modules.keys(), script"
+    )
     assert not loaded(program) & unneeded
