@@ -142,7 +142,7 @@ def report_page(content: PageContent, page: str) -> str:
 
 
 def _parts(
-    table: pd.DataFrame, name: str, claims: Mapping[str, Mapping[str, str]]
+    table: pd.DataFrame, name: str, claims: Mapping[Any, Mapping[Any, Any]]
 ) -> Iterator[dict[str, Any]]:
     """A table as the paper lays it out, in parts whose rows share their quantities.
 

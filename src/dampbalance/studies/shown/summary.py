@@ -83,7 +83,7 @@ def _which(quantity: str, fit: Fit) -> dict[str, str]:
 
 def along_lines(
     study: Study, summary: pd.DataFrame, quantity: str
-) -> list[tuple[str, list[dict[str, Any]]]]:
+) -> list[tuple[str, list[dict[Any, Any]]]]:
     """The rows of a summary along the lines of the study's figure: (label of the line, its rows of this quantity)."""
     found = []
     for label, spec in study.figure["lines"].items():
