@@ -351,7 +351,7 @@ def test_a_redraw_solves_each_response_once(opened, visit):
     move = f"""name => new Promise(done => {{
       const input = document.getElementById(name);
       calls = {{}};
-      for (let i = 0; i < 5; i++) {{ input.stepUp(); input.dispatchEvent(new Event('input')); }}
+      for (let i = 0; i < 5; i++) {{ input.stepUp(); input.dispatchEvent(new Event('input', {{ bubbles: true }})); }}
       setTimeout(() => {FRAMES}, 0);
     }}).then(() => calls)"""
     counts = {name: page.evaluate(move, name) for name in ("oscillator-f", "off_resonance-f")}

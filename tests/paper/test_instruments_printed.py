@@ -15,12 +15,12 @@ from dampbalance import steady_orbit
 from dampbalance.balance import APPROACHES
 from dampbalance.features import of_orbit, stack
 from dampbalance.project.case import Case
+from dampbalance.publishing.page.instruments import of_run
 from dampbalance.replication.as_published import scheme_table
 from dampbalance.replication.claim_verdicts import VERDICTS
 from dampbalance.replication.claims.changed_digits import (
     cells,
     judged,
-    of_run,
     other_digits,
     verdicts,
 )

@@ -23,7 +23,6 @@ from dampbalance.project.wording import markdown_table
 
 from . import gradual
 from .decays import departing, draw, record
-from .other_motion import Departure
 
 TERMS = {
     "none": ("", 0),
@@ -35,7 +34,7 @@ TERMS = {
 }
 """Field of `Departure` and power of each further term."""
 
-CONTACTS = ("Bouc–Wen, n = 1", "Bouc–Wen, n = 2", *gradual.CONTACTS)
+CONTACTS = tuple(gradual.CONTACTS)
 """Contacts that yield gradually: F_k, c and K_z are right if the right contact is asked for."""
 
 ALL = (*TERMS, *CONTACTS)
@@ -56,10 +55,8 @@ def outcome(run: tuple[str, int, int, bool]) -> list[dict[str, object]]:
     decay = draw(index, seed)
     share = float(np.random.default_rng((_SHARE, seed, index)).uniform(*_SHARES))
     field, order = TERMS.get(term, ("", 0))
-    if term in gradual.CONTACTS:
+    if term in CONTACTS:
         decay = replace(decay, contact=term)
-    elif term in CONTACTS:
-        decay = replace(decay, departure=Departure(bouc_wen=float(term[-1])))
     if field:
         decay = departing(decay, field, order, share * (_SPRING if term.startswith("k") else 1.0))
     row: dict[str, object] = {"term": term, "set": index, "share": share, "noise": decay.noise}

@@ -92,9 +92,7 @@ class Departing:
 
 DEPARTURES = {
     NONE: Departing(),
-    "Bouc–Wen contact, n = 1": Departing(_other(Departure(bouc_wen=1.0))),
-    "Bouc–Wen contact, n = 2": Departing(_other(Departure(bouc_wen=2.0))),
-    **{f"{name} contact": Departing(_on(name)) for name in CONTACTS},
+    **{f"contact: {name}": Departing(_on(name)) for name in CONTACTS},
     "friction 20 % higher at rest": Departing(_other(Departure(falling=0.2, speed=0.1))),
     "quadratic damping, 30 % of c": Departing(_other(Departure(quadratic=0.3))),
     "even stiffness, 2 % of k": Departing(_other(Departure(even=0.02))),

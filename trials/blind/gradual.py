@@ -2,10 +2,11 @@
 
     m x″ + c x′ + k x + Σ f_j = k Y cos ωt
 
-Each element f_j of a contact is a slider, f_j′ = K_j x′ within |f_j| ≤ F_j (Jenkins), or of Dahl's kind,
-f_j′ = ½K_j x′ (1 − f_j sgn(x′)/F_j). Both have the stiffness K_j after a reversal and the friction F_j in the end, and
-their force is a function of the displacement alone between two reversals: it is followed exactly over a step, x by the
-method of Runge and Kutta of order 4. Nothing here comes from the package.
+Each element f_j of a contact is a slider, f_j′ = K_j x′ within |f_j| ≤ F_j (Jenkins), of Dahl's kind,
+f_j′ = ½K_j x′ (1 − f_j sgn(x′)/F_j), or of Bouc's and Wen's, f_j′ = K_j x′ (1 − |f_j/F_j|ⁿ (1 + sgn(f_j x′))/2), n = 1
+or 2. All have the stiffness K_j after a reversal and the friction F_j in the end, and their force is a function of the
+displacement alone between two reversals: it is followed exactly over a step, x by the method of Runge and Kutta of
+order 4. Nothing here comes from the package.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ _REPEATS = 1e-9  # of the displacement
 _SLIDERS = 16  # that stand for a distribution
 
 Contact = np.ndarray
-"""Rows (K_j, F_j, kind) of the elements of a contact; kind 0: a slider, 1: Dahl's."""
+"""Rows (K_j, F_j, kind) of the elements of a contact; kind 0: a slider, 1: Dahl's, 1 + n: Bouc's and Wen's."""
 
 
 def two_sliders(K_z: float, F_k: float) -> Contact:
@@ -46,7 +47,14 @@ def dahl(K_z: float, F_k: float) -> Contact:
     return np.array([(K_z, F_k, 1.0)])
 
 
+def bouc_wen(n: int) -> Callable[[float, float], Contact]:
+    """Bouc's and Wen's contact with the exponent n, 1 or 2."""
+    return lambda K_z, F_k: np.array([(K_z, F_k, 1.0 + n)])
+
+
 CONTACTS: dict[str, Callable[[float, float], Contact]] = {
+    "Bouc–Wen, n = 1": bouc_wen(1),
+    "Bouc–Wen, n = 2": bouc_wen(2),
     "two sliders": two_sliders,
     "Iwan": iwan,
     "Dahl": dahl,
@@ -60,7 +68,17 @@ def _moved(f, u, element):
     if kind == 0.0:
         return min(max(f + K * u, -F), F)
     end = F if u > 0.0 else -F
-    return end + (f - end) * math.exp(-0.5 * K * abs(u) / F)
+    if kind == 1.0:
+        return end + (f - end) * math.exp(-0.5 * K * abs(u) / F)
+    part, way = (
+        f / end,
+        K * abs(u) / F,
+    )  # the force in the direction of motion; elastic until it is zero
+    elastic = min(max(-part, 0.0), way)
+    part, way = part + elastic, way - elastic
+    if kind == 2.0:
+        return end * (1.0 - (1.0 - part) * math.exp(-way))
+    return end * (part + math.tanh(way)) / (1.0 + part * math.tanh(way))
 
 
 @njit(cache=True)

@@ -110,7 +110,7 @@ def test_a_gradual_part_of_the_contact_moves_a_decay_as_an_integrator_finds():
     assert found == pytest.approx(expected, abs=0.03 * np.abs(expected).max())
 
 
-@pytest.mark.parametrize("kind", CONTACTS)
+@pytest.mark.parametrize("kind", NOISE)
 def test_a_soft_contact_that_yields_gradually_is_named(kind):
     lines = lines_of(of_contact(SOFT, kind), NOISE[kind], np.random.default_rng(3))
     fit, gradual, cause = shown(lines, SOFT)

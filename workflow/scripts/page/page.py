@@ -6,8 +6,8 @@ from pathlib import Path
 from dampbalance.project.case import Case
 from dampbalance.project.files import read_csv, write_text
 from dampbalance.project.troubles import brief_troubles
+from dampbalance.publishing.page.instruments import of_run
 from dampbalance.publishing.page.report import PageContent, report_page
-from dampbalance.replication.claims.changed_digits import of_run
 from dampbalance.studies.checking import read_study
 
 TABLES = ("table1", "table2", "table3", "statistics")

@@ -104,6 +104,15 @@ def _name(where: str, quantity: str) -> str:
     return plain(f"{line}: {quantity.partition(':')[0].partition(', ')[0]}")
 
 
+def of_run(record: Mapping[str, Any], claims: pd.DataFrame) -> bool:
+    """Whether a record by `changed_digits.packed` is of a run's print and verdicts.   claims : claims.csv as text."""
+    computed = claims[claims["kind"] == "computed"].set_index("id")
+    was = {name: record["verdicts"][place] for name, place in record["was"].items()}
+    printed = {name: text for name, (text, _) in record["numbers"].items()}
+    same = printed.items() <= computed["printed"].to_dict().items()
+    return same and was == computed["verdict"].to_dict()
+
+
 def sliders(case: Case) -> dict[str, dict[str, Any]]:
     """The sliders of the oscillator and its drive by name; their ranges hold the case and what lies around it.
 

@@ -10,15 +10,12 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 from ..claim_verdicts import VERDICTS, part_of
 from .judging import Claim, explanation, verdict
 from .published import Printed
 from .rules import Sources, claims
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 _JUDGED = {
     "table1": ("table1", "table3", "text"),
@@ -139,12 +136,3 @@ def _because(claim: Claim) -> str:
     if claim.strays:
         return "what the printed inputs give for it is now too far off"
     return "the rest of its table now leaves another range for it"
-
-
-def of_run(record: Mapping[str, Any], claims: pd.DataFrame) -> bool:
-    """Whether a record by `packed` is of a run's print and verdicts.   claims : claims.csv as text."""
-    computed = claims[claims["kind"] == "computed"].set_index("id")
-    was = {name: record["verdicts"][place] for name, place in record["was"].items()}
-    printed = {name: text for name, (text, _) in record["numbers"].items()}
-    same = printed.items() <= computed["printed"].to_dict().items()
-    return same and was == computed["verdict"].to_dict()

@@ -160,7 +160,7 @@
       if (!(event.key in keys) || event.ctrlKey || event.altKey || event.metaKey) return;
       const [to, n] = keys[event.key];
       choose(to, Math.min(n, lines[to].length - 1));
-      svg.querySelector('.ring').scrollIntoView({ block: 'nearest', inline: 'nearest', behavior: 'instant' }); // where the drawing is wider than its box
+      svg.querySelector('.ring')?.scrollIntoView({ block: 'nearest', inline: 'nearest', behavior: 'instant' }); // where the drawing is wider than its box
       event.preventDefault();
     });
     fold.addEventListener('toggle', () => {
