@@ -151,8 +151,9 @@ class RingFit(OscillatorFit):
 
     @property
     def errors(self) -> Array:
-        """Standard errors of the common unknowns at this minimum, (4,)."""
-        return np.sqrt(np.diag(self.covariance)[: len(COMMON)])
+        """Standard errors of the common unknowns at this minimum, (4,); NaN of those that it does not determine."""
+        with np.errstate(invalid="ignore"):
+            return np.sqrt(np.diag(self.covariance)[: len(COMMON)])
 
     @property
     def freedom(self) -> int:
