@@ -70,7 +70,7 @@ const integrator = (() => {
       const { c } = kit.solve(levels);
       const why = dissipation
         ? `To first order ${label} acts as <i>c</i> ${dissipation > 0 ? '+' : '−'} <i>m</i>ω²<i>h</i> = ${number(acts, 6)} N s/m: it ${dissipation > 0 ? 'damps' : 'feeds'} the motion, and that gives it away. `
-        : `Near resonance ${label} adds no damping to <i>c</i> = ${number(set.c, 6)} N s/m, at this step or any other. `;
+        : `Near resonance this scheme adds no damping to <i>c</i> = ${number(set.c, 6)} N s/m, at this step or any other. `;
       it.write('.words', `<b>${count('all', 'near')} of ${all.length}</b> numbers come within ten units of their last digit, ${count('all')} of them in every digit${done ? '' : ` (${levels.length} of ${set.levels.length} levels so far)`}. ${why}The simulated levels together give <i>c</i> = ${number(c, 6)}; the pairs that the paper prints give ${printed.c.reduce((x, y) => (x < y ? x : y))} to ${printed.c.reduce((x, y) => (x > y ? x : y))}.`);
       const plane = kit.plot(svg, { x: [0.4, set.levels.length + 0.6], y: [-2.2, 6], labels: ['row of the table', 'distance from print: power of ten, units of the last digit'] });
       plane.area([[0, -3], [9, -3], [9, 1], [0, 1]], 'within');
