@@ -46,18 +46,33 @@ _ODD = np.arange(1.0, 2.0 * HARMONICS, 2.0)
 @cache
 def _rule(points: int) -> tuple[Array, Array, Array]:
     """Gauss's points and weights on (0, 1), and the integrals from 0 to each point by the values at all of them."""
-    nodes, weights = legendre.leggauss(points)
+    nodes, weights, coefficients = _polynomials(points)
+    integrals = legendre.legval(nodes, legendre.legint(coefficients, lbnd=-1)).T
+    return 0.5 * (1.0 + nodes), 0.5 * weights, np.asarray(0.5 * integrals, dtype=np.float64)
+
+
+@cache
+def _finer(points: int, more: int) -> tuple[Array, Array, Array]:
+    """Points and weights of a finer rule, and the values at its points by those at the points of a coarse one."""
+    nodes, weights, _ = _polynomials(more)
+    values = legendre.legval(nodes, _polynomials(points)[2])
+    return 0.5 * (1.0 + nodes), 0.5 * weights, np.asarray(values.T)
+
+
+@cache
+def _polynomials(points: int) -> tuple[Array, Array, Array]:
+    """Gauss's points and weights on (−1, 1), and the coefficients of Legendre's polynomials by values at the points."""
+    nodes, weights = (np.asarray(of, dtype=np.float64) for of in legendre.leggauss(points))
     n = np.arange(points)
-    coefficients = (n[:, None] + 0.5) * legendre.legvander(nodes, points - 1).T * weights
-    integrals = legendre.legval(nodes, legendre.legint(coefficients, lbnd=-1))
-    return 0.5 * (1.0 + nodes), 0.5 * weights, 0.5 * integrals.T
+    values = np.asarray(legendre.legvander(nodes, points - 1).T, dtype=np.float64)
+    return nodes, weights, (n[:, None] + 0.5) * values * weights
 
 
 class HalfCycle(NamedTuple):
     """A half cycle from the reversal at −X on: t, x + X, ẋ, ẍ at all points, and their derivatives by the unknowns.
 
     t, u, v, a : (n,).   by_t, by_u, by_v : (n, q).   at : (t, x + X, ẋ) at the onset of slip and at the end, (2, 3).
-    by_at : their derivatives, (2, 3, q).   weights : of an integral over the half cycle, s, and derivatives by t_s.
+    by_at : their derivatives, (2, 3, q).
     """
 
     t: Array
@@ -69,8 +84,6 @@ class HalfCycle(NamedTuple):
     by_v: Array
     at: Array
     by_at: Array
-    weights: Array
-    by_weights: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,15 +157,13 @@ class System:
             by_t[:, -1] += by_h * tau
             t = ends[i] + h * tau
             whole = (t, u, v, by_t, by_u, by_v)
-            rows.append([*(of[:-1] for of in whole), a, h * weights, by_h * weights])
+            rows.append([*(of[:-1] for of in whole), a])
             begun, by = np.array([t[-1], u[-1], v[-1]]), np.stack([by_t[-1], by_u[-1], by_v[-1]])
             at.append(begun)
             by_at.append(by)
             first += n
-        t, u, v, by_t, by_u, by_v, a, w, by_w = (
-            np.concatenate(of) for of in zip(*rows, strict=True)
-        )
-        return HalfCycle(t, u, v, a, by_t, by_u, by_v, np.array(at), np.array(by_at), w, by_w)
+        t, u, v, by_t, by_u, by_v, a = (np.concatenate(of) for of in zip(*rows, strict=True))
+        return HalfCycle(t, u, v, a, by_t, by_u, by_v, np.array(at), np.array(by_at))
 
     def equations(self, q: Array) -> tuple[Array, Array]:
         """What is left of the equations, N, and their derivatives."""
@@ -181,15 +192,27 @@ class System:
             by_last.append(o.k * by_ends[0, 1])
         return np.append(left, last), np.vstack([matrix, *by_last])
 
-    def harmonics(self, q: Array) -> tuple[Complexes, Complexes]:
-        """x_n, n = 1, 3 … 63, in the phases of the orbit, m, (32,), and their derivatives, (32, q)."""
-        of, omega = self.half_cycle(q), self.orbit.motion.omega
-        turns = np.exp(-1j * np.outer(_ODD, omega * of.t + self.orbit.theta))
-        turns *= (-2.0 / (math.pi * omega) / _ODD**2)[:, None]
-        by = (turns * (of.weights * of.a) * (-1j * omega * _ODD)[:, None]) @ of.by_t
-        by[:, -1] += turns @ (of.by_weights * of.a)
-        by[:, : of.t.size] += turns * of.weights
-        return turns @ (of.weights * of.a), by
+    def harmonics(self, q: Array, count: int) -> tuple[Complexes, Complexes]:
+        """x_n, n = 1, 3 … 2 count − 1, in the phases of the orbit, m, (count,), and derivatives, (count, q)."""
+        omega, half, first = self.orbit.motion.omega, 0.5 * self.orbit.motion.period, 0
+        n, two = np.arange(1.0, 2.0 * count, 2.0), len(self.lengths) == 2
+        ends = [0.0, q[-1], half] if two else [0.0, half]
+        x, by = np.zeros(count, complex), np.zeros((count, q.size), complex)
+        for i, points in enumerate(self.lengths):
+            # e^{iκs} over (−1, 1) takes κ/2 points and a few, κ < πn/2
+            tau, weights, values = _finer(points, points + int(1.7 * count))
+            own, h = slice(first, first + points), ends[i + 1] - ends[i]
+            turns = np.exp(-1j * np.outer(n, omega * (ends[i] + h * tau) + self.orbit.theta))
+            turns *= -2.0 / (math.pi * omega) / n[:, None] ** 2 * weights
+            a = values @ q[own]
+            x += h * turns @ a
+            by[:, own] += h * turns @ values
+            if two:
+                later = tau if i == 0 else 1.0 - tau
+                by[:, -1] += (1.0 - 2.0 * i) * turns @ a
+                by[:, -1] += -1j * omega * n * h * (turns @ (a * later))
+            first += points
+        return x, by
 
     def moved(self, q: Array, forces: Array) -> Array:
         """Derivatives of the unknowns, (q, any), by further forces: their values in the equations, (q, any), N."""
@@ -223,7 +246,7 @@ class System:
             return o.K_z * (of.u - X), np.full(n, o.K_z), -o.K_z
         sticks = np.arange(n) < (self.lengths[0] if len(self.lengths) == 2 else 0)
         force = np.where(sticks, o.K_z * of.u - o.F_k, o.F_k)
-        return force, o.K_z * sticks, 0.0
+        return force, np.asarray(o.K_z * sticks, dtype=np.float64), 0.0
 
 
 _MOST = 40  # steps
@@ -252,7 +275,7 @@ class Response:
         """x_n less that of the orbit, n = 1, 3 … 63, with the phases of the orbit, m; None where there is none."""
         if self.system is None or self.unknowns is None:
             return None
-        return self.system.harmonics(self.unknowns)[0] - self.orbit.harmonics(HARMONICS)
+        return self.system.harmonics(self.unknowns, HARMONICS)[0] - self.orbit.harmonics(HARMONICS)
 
     @property
     def turned(self) -> float:
@@ -298,13 +321,11 @@ class Response:
 
     def harmonics(self, count: int) -> Complexes:
         """x_n of x = Re Σ x_n e^{inωt}, n = 1, 3 … 2 count − 1, m, shape (count,); y = Y cos ωt."""
+        turn = np.exp(1j * np.arange(1, 2 * count, 2) * self.advance)
+        if self.system is not None and self.unknowns is not None:
+            return self.system.harmonics(self.unknowns, count)[0] * turn
         x = self.orbit.harmonics(count)
-        if not self.advance and self.change is None:
-            return x
-        n = np.arange(1, 2 * count, 2)
-        if self.change is not None:
-            x = x + _first(count, self.change)
-        return x * np.exp(1j * n * self.advance)
+        return x * turn if self.advance else x
 
     @property
     def swings(self) -> float:
@@ -317,20 +338,17 @@ class Response:
     def with_slopes(
         self, count: int, symbols: Sequence[str]
     ) -> tuple[Complexes, dict[str, Complexes]]:
-        """`harmonics` and their derivatives by the coefficients of these terms, rho = K_z^{−1/2} and m, (count,).
-
-        Those of a motion that is no orbit are zero beyond the 63rd harmonic.
-        """
+        """`harmonics` and their derivatives by the coefficients of these terms, rho = K_z^{−1/2} and m, (count,)."""
         n, x = np.arange(1, 2 * count, 2), self.harmonics(count)
         turn = np.exp(1j * n * self.advance)
         if self._closed(symbols):
             by = self.orbit.harmonics_with_slopes(count) * turn
             return by[0], self._by_coefficients(by, symbols, 1.0, 1j * n * by[0])
         moved, (system, unknowns) = self._moved(symbols), self._equations()
-        by_unknowns = system.harmonics(unknowns)[1]
+        by_unknowns = system.harmonics(unknowns, count)[1]
         beta = sum(system.lengths) + 1
         return x, {
-            name: _first(count, by_unknowns @ step) * turn - 1j * n * step[beta] * x
+            name: (by_unknowns @ step) * turn - 1j * n * step[beta] * x
             for name, step in moved.items()
         }
 
@@ -366,7 +384,10 @@ class Response:
         forces[: phase.size] = np.interp(phase, at, odd, period=2.0 * math.pi)
         step = system.moved(unknowns, forces)
         turned = 1j * _ODD * step[phase.size + 1] * self.harmonics(HARMONICS)
-        return system.harmonics(unknowns)[1] @ step * np.exp(1j * _ODD * self.advance) - turned
+        return (
+            system.harmonics(unknowns, HARMONICS)[1] @ step * np.exp(1j * _ODD * self.advance)
+            - turned
+        )
 
     def _equations(self) -> tuple[System, Array]:
         """The equations of the motion, which an orbit solves as well, and the unknowns that do."""
@@ -410,11 +431,6 @@ class Response:
                 damping = float(force(1.0, 0.0, k, omega))
                 slopes[symbol] = damping * by_c + turned * (to_base * by_base + by_phase)
         return slopes
-
-
-def _first(count: int, change: Complexes) -> Complexes:
-    """So many harmonics of δ; those beyond the 63rd are zero."""
-    return np.pad(change, (0, max(0, count - HARMONICS)))[:count]
 
 
 def steady_response(
