@@ -253,7 +253,7 @@ def _moved(fit: WaveformFit, i: int, force: Array) -> Complexes:
     one = fit.lines[i]
     spectrum = 2.0 * np.fft.rfft(force) / force.size
     turned = np.exp(1j * one.n * fit.point[fit.unknowns.at[i]["psi"]])
-    moved = fit.responses[i].moved_by(spectrum[1 : 2 * HARMONICS : 2])
+    moved = fit.responses[i].moved_by(force)
     if moved is not None:
         return np.asarray(np.pad(moved, (0, max(0, one.n.size - HARMONICS)))[: one.n.size] * turned)
     at = 1j * one.n * one.omega

@@ -1,17 +1,17 @@
-"""The steady response to harmonic base motion under any law: an exact orbit, and what other terms add to it.
+"""The steady response to harmonic base motion under any law: an exact orbit, or a motion by collocation.
 
 Terms that are linear in ẋ and ẏ only change the numbers of an oscillator that has an exact orbit:
 
     c ẋ + c_r(ẋ − ẏ) + η(k/ω)ẋ + …  :   damper c + c_r + ηk/ω,   base Re (1 + iωc_r/k) Y e^{iωt}
 
-For the others, N(ẋ) = Σ p_j h_j(ẋ), the orbit x is that with a linear damper of nearly the same work, c_l + c_e, c_l
-of the linear terms. Turned by an angle β, so that both reverse at one time, δ = Re Σ δ_n e^{inωt}, n odd, comes to it:
+With others, N(ẋ) = Σ p_j h_j(ẋ), the half cycle from the reversal at −X on solves
 
-    (k − n²ω²m + inωc_l)δ_n + f_n[x + δ] − f_n[x] + N_n[ẋ + δ̇] − inωc_e x_n = kY(e^{iβ} − 1) of n = 1,   δ̇ = 0 at −X,
+    m ẍ + c_l ẋ + N(ẋ) + k x + f = kY cos(ωt + θ),   x = −X, ẋ = 0 at t = 0,   x = X, ẋ = 0 at t = π/ω,
 
-solved by Newton's method with the exact derivative: f is the force of the contact, −F_k + K_z(x − x_r) from a reversal
-at x_r on until it reaches F_k, and F_k to the next one. The onset of slip is located in the motion x + δ itself: no
-kink is sampled, and the jumps of a stiff contact are in x. What is left out are harmonics of δ beyond the 63rd.
+c_l of the linear terms; f = −F_k + K_z(x + X) until it reaches F_k at t_s, and F_k from there. Unknown are X, θ, t_s
+and ẍ at Gauss's points of both phases, whose integrals are ẋ and x (collocation: Hairer, Nørsett & Wanner, Solving
+Ordinary Differential Equations I, II.7). No kink is inside a phase. Newton's method starts from the orbit with a linear
+damper of nearly the same work, c_l + c_e; its matrix also gives what any parameter, or a small further force, changes.
 """
 
 from __future__ import annotations
@@ -20,9 +20,10 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
-from typing import Any, Self
+from typing import Any, NamedTuple, Self
 
 import numpy as np
+from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
 from ..arrays import Array, Complexes
@@ -34,243 +35,224 @@ from ..motion.steady_slopes import onset_slopes
 from .terms import FRICTION, KNOWN_TERMS
 
 HARMONICS = 32
-"""Odd harmonics of δ."""
+"""Odd harmonics of what other terms add to an orbit."""
 
-_POINTS = 256  # of half a cycle, where N is taken
-# Of Gauss's rule in the stick phase: exact for the 63rd harmonic over half a cycle and more.
-_NODES = 40
+# Points of a phase: exact for the 63rd harmonic over half a cycle and more.
+_POINTS, _MOST_POINTS = 40, 400
 _RIGID = 1e-11  # of X: microstick lines below it are rounding
-_ROUNDING = 1e-15  # of X: what the displacement at an onset is known to
+_ODD = np.arange(1.0, 2.0 * HARMONICS, 2.0)
 
 
 @cache
-def tables() -> tuple[Array, Array, Complexes, Array, Array]:
-    """n; phases of half a cycle; e^{inθ} there; nodes and weights of Gauss's rule on (0, 1)."""
-    n = np.arange(1.0, 2.0 * HARMONICS, 2.0)
-    theta = np.linspace(0.0, math.pi, _POINTS, endpoint=False)
-    nodes, weights = np.polynomial.legendre.leggauss(_NODES)
-    return n, theta, np.exp(1j * np.outer(theta, n)), 0.5 * (1.0 + nodes), 0.5 * weights
+def _rule(points: int) -> tuple[Array, Array, Array]:
+    """Gauss's points and weights on (0, 1), and the integrals from 0 to each point by the values at all of them."""
+    nodes, weights, coefficients = _polynomials(points)
+    integrals = legendre.legval(nodes, legendre.legint(coefficients, lbnd=-1)).T
+    return 0.5 * (1.0 + nodes), 0.5 * weights, np.asarray(0.5 * integrals, dtype=np.float64)
 
 
-def motion_at(
-    orbit: Orbit, theta: Array, change: Complexes, turns: Complexes | None = None
-) -> tuple[Array, Array]:
-    """x + δ and its velocity at any phases, m, m/s: the orbit without truncation, and the harmonics of δ.
+@cache
+def _finer(points: int, more: int) -> tuple[Array, Array, Array]:
+    """Points and weights of a finer rule, and the values at its points by those at the points of a coarse one."""
+    nodes, weights, _ = _polynomials(more)
+    values = legendre.legval(nodes, _polynomials(points)[2])
+    return 0.5 * (1.0 + nodes), 0.5 * weights, np.asarray(values.T)
 
-    turns : e^{inθ} there, if they are known.
+
+@cache
+def _polynomials(points: int) -> tuple[Array, Array, Array]:
+    """Gauss's points and weights on (−1, 1), and the coefficients of Legendre's polynomials by values at the points."""
+    nodes, weights = (np.asarray(of, dtype=np.float64) for of in legendre.leggauss(points))
+    n = np.arange(points)
+    values = np.asarray(legendre.legvander(nodes, points - 1).T, dtype=np.float64)
+    return nodes, weights, (n[:, None] + 0.5) * values * weights
+
+
+class HalfCycle(NamedTuple):
+    """A half cycle from the reversal at −X on: t, x + X, ẋ, ẍ at all points, and their derivatives by the unknowns.
+
+    t, u, v, a : (n,).   by_t, by_u, by_v : (n, q).   at : (t, x + X, ẋ) at the onset of slip and at the end, (2, 3).
+    by_at : their derivatives, (2, 3, q).
     """
-    omega, n = orbit.motion.omega, tables()[0]
-    x, v, _, _ = orbit.states(theta / omega)
-    turn = (np.exp(1j * np.outer(theta, n)) if turns is None else turns) * change
-    return x + turn.real.sum(axis=1), v + (turn @ (1j * n * omega)).real
 
-
-def _by_parts(turns: Complexes) -> Array:
-    """Derivatives of Re Σ e_n δ_n by the real parts A, B of δ_n = A_n − iB_n, (…, 2h).   turns : e_n, (…, h)."""
-    return np.concatenate([turns.real, turns.imag], axis=-1)
+    t: Array
+    u: Array
+    v: Array
+    a: Array
+    by_t: Array
+    by_u: Array
+    by_v: Array
+    at: Array
+    by_at: Array
 
 
 @dataclass(frozen=True, eq=False)
 class System:
-    """The equations of δ and β, and of δ̇ = 0 at −X.
+    """The equations of a half cycle with one onset of slip, or with none.
 
-    linear : c_l, N s/m.   others : the other terms.   basis : δ = basis @ (its real parts A, B).   impedance : of δ_n,
-    N/m.   contact : None where it sticks.
+    orbit : a motion near, whose phases count from its own base.   linear : c_l, N s/m.   others : the other terms.
+    lengths : number of points of each phase: in stick and slip, or of the only one.
+
+    The unknowns q are ẍ at the points, m/s², X, m, β = θ less that of the orbit, rad, and t_s, s, with two phases.
     """
 
     orbit: Orbit
     linear: float
     others: Mapping[str, float]
-    basis: Complexes
-    impedance: Complexes
-    contact: Contact | None
+    lengths: tuple[int, ...]
 
     @classmethod
     def of(cls, orbit: Orbit, linear: float, others: Mapping[str, float]) -> Self:
         """The equations of the response near an orbit. Raises NoSteadyOrbit for one of a kind that is not followed."""
-        osc, omega, n = orbit.oscillator, orbit.motion.omega, tables()[0]
+        o, half = orbit.oscillator, 0.5 * orbit.motion.period
         if orbit.regime not in (Regime.ONE_SLIP, Regime.NO_SLIP):
             raise NoSteadyOrbit(
                 "under quadratic or cubic damping only one onset of slip per half cycle can be followed, not: "
                 f"{orbit.regime}"
             )
-        slips = orbit.regime == Regime.ONE_SLIP
-        basis = np.hstack([np.eye(n.size), -1j * np.eye(n.size)])
-        stiffness = osc.k if slips else osc.k + osc.K_z
-        impedance = stiffness - (n * omega) ** 2 * osc.m + 1j * n * omega * linear
-        contact = Contact(orbit, basis) if slips else None
-        return cls(orbit, linear, others, basis, impedance, contact)
-
-    @cached_property
-    def _rate(self) -> Complexes:
-        return np.asarray(1j * tables()[0] * self.orbit.motion.omega)
-
-    @cached_property
-    def _at_reversal(self) -> Array:
-        """Of δ̇ at −X, by the real parts of δ."""
-        turn = np.exp(1j * tables()[0] * self.orbit.theta)
-        return np.asarray(((self._rate * turn) @ self.basis).real)
-
-    @cached_property
-    def _velocity(self) -> Array:
-        """ẋ of the orbit at the phases of half a cycle, m/s."""
-        return self.orbit.state(tables()[1] / self.orbit.motion.omega).v
-
-    def residual(self, change: Complexes, turned: float) -> Array:
-        """What is left of the equations, its sign changed."""
-        of_contact = 0.0 if self.contact is None else self.contact.force(change)[0]
-        return self._right(change, turned, of_contact, self._forces(change)[0])
-
-    def equations(self, change: Complexes, turned: float) -> tuple[Array, Array]:
-        """`residual`, and the matrix of the derivatives of the equations."""
-        n, _, turns, _, _ = tables()
-        force, slope = self._forces(change)
-        rates = _by_parts(turns * self._rate)
-        jacobian = self.impedance[:, None] * self.basis
-        jacobian = jacobian + (2.0 / _POINTS) * (turns.conj().T @ (slope[:, None] * rates))
-        matrix = np.eye(2 * n.size + 1)
-        of_contact = np.zeros(n.size, dtype=np.complex128)
-        if self.contact is not None:
-            of_contact, by_change = self.contact.force(change)
-            jacobian = jacobian + by_change
-            by_turn = -1j * self.orbit.oscillator.k * self.orbit.motion.Y * np.exp(1j * turned)
-            matrix[0, -1], matrix[n.size, -1] = by_turn.real, by_turn.imag
-            matrix[-1] = np.append(self._at_reversal, 0.0)
-        matrix[: n.size, :-1], matrix[n.size : -1, :-1] = jacobian.real, jacobian.imag
-        return self._right(change, turned, of_contact, force), matrix
-
-    def slopes(
-        self, change: Complexes, lag: float, Y: float, matrix: Array, symbols: Sequence[str]
-    ) -> dict[str, tuple[Complexes, float]]:
-        """Derivatives of the response: name → (∂x_n, m, (h,), ∂lag) by the coefficients of terms, K_z and m.
-
-        lag : phase by which the base follows that of the orbit, in which x_n are, rad.   Y : of the base, m.
-        matrix : of the equations there.   The harmonics of the orbit beyond the 63rd are held.
-        """
-        (n, _, turns, _, _), osc, omega = tables(), self.orbit.oscillator, self.orbit.motion.omega
-        x = self.orbit.harmonics(HARMONICS) + change
-        v = self._velocity + (turns @ (self._rate * change)).real
-        stuck = {"K_z": x, FRICTION: np.zeros_like(x)}
-        by = stuck if self.contact is None else self.contact.slopes(change)
-        by["m"] = -((n * omega) ** 2) * x
-        for symbol in symbols:
-            force = KNOWN_TERMS[symbol].force
-            if force is None:
-                continue
-            if KNOWN_TERMS[symbol].linear:
-                by[symbol] = float(force(1.0, 0.0, osc.k, omega)) * self._rate * x
-                of_base = float(force(0.0, 1.0, osc.k, omega))
-                by[symbol][0] += of_base * 1j * omega * Y * np.exp(1j * lag)
-            else:
-                by[symbol] = (2.0 / _POINTS) * (turns.conj().T @ force(v, 0.0, osc.k, omega))
-        right = np.array([np.concatenate([r.real, r.imag, [0.0]]) for r in by.values()]).T
-        moved = -np.linalg.solve(matrix, right).T
-        return {
-            name: (self.basis @ step[:-1], float(step[-1]))
-            for name, step in zip(by, moved, strict=True)
-        }
-
-    def _forces(self, change: Complexes) -> tuple[Array, Array]:
-        """N − c_e ẋ of the orbit, and ∂N/∂ẋ, at the phases of half a cycle."""
-        turns, osc, omega = tables()[2], self.orbit.oscillator, self.orbit.motion.omega
-        v = self._velocity + (turns @ (self._rate * change)).real
-        force, slope = -(osc.c - self.linear) * self._velocity, np.zeros_like(v)
-        for symbol, p in self.others.items():
-            of_term = KNOWN_TERMS[symbol]
-            assert of_term.force is not None
-            force = force + p * of_term.force(v, 0.0, osc.k, omega)
-            slope = slope + p * of_term.slope(v, 0.0, osc.k, omega)
-        return force, slope
-
-    def _right(
-        self, change: Complexes, turned: float, of_contact: Complexes | float, force: Array
-    ) -> Array:
-        projected = (2.0 / _POINTS) * (tables()[2].conj().T @ force)
-        residual = self.impedance * change + projected + of_contact
-        last = 0.0
-        if self.contact is not None:
-            residual[0] -= self.orbit.oscillator.k * self.orbit.motion.Y * np.expm1(1j * turned)
-            last = float(self._at_reversal @ np.concatenate([change.real, -change.imag]))
-        return -np.concatenate([residual.real, residual.imag, [last]])
-
-
-@dataclass(frozen=True, eq=False)
-class Contact:
-    """The force of the contact in a motion with one onset of slip per half cycle, less that in the orbit.
-
-    basis : of δ, from its real parts.
-    """
-
-    orbit: Orbit
-    basis: Complexes
+        stiff, soft = math.sqrt((o.k + o.K_z) / o.m), math.sqrt(o.k / o.m)
+        phases = [(half, stiff if orbit.regime == Regime.NO_SLIP else soft)]
+        if orbit.regime == Regime.ONE_SLIP and o.Z_m >= _RIGID * orbit.X:
+            phases.insert(0, (orbit.t_s, stiff))
+        swings = (length * (rate + o.c / o.m) / (2.0 * math.pi) for length, rate in phases)
+        points = (_POINTS + 20 * int(min(s, 1e3) / 3.0) for s in swings)
+        return cls(orbit, linear, others, tuple(min(n, _MOST_POINTS) for n in points))
 
     @property
-    def rigid(self) -> bool:
-        """Whether the microstick lines are but rounding."""
-        return self.orbit.oscillator.Z_m < _RIGID * self.orbit.X
+    def slips(self) -> bool:
+        """Whether the contact slips."""
+        return self.orbit.regime == Regime.ONE_SLIP
 
-    def onset(self, change: Complexes) -> float:
-        """Phase of the onset of slip after the reversal at −X, rad."""
-        osc, omega, reversal = self.orbit.oscillator, self.orbit.motion.omega, self.orbit.theta
-        if self.rigid:
-            return reversal
-        x_r = motion_at(self.orbit, np.array([reversal]), change)[0][0]
-        length = omega * self.orbit.t_s
-        for _ in range(40):
-            x, v = motion_at(self.orbit, np.array([reversal + length]), change)
-            step = omega * float((x[0] - x_r - 2.0 * osc.Z_m) / v[0]) if v[0] > 0.0 else -length
-            step = min(max(step, -length), 0.5 * length)
-            length = min(length - step, math.pi)
-            if abs(step) <= max(1e-14 * length, _ROUNDING * abs(omega * x_r / v[0])):
-                break
-        if not 0.0 < length < math.pi:
-            raise NoSteadyOrbit("the contact does not slip in every half cycle")
-        return reversal + length
+    def start(self) -> Array:
+        """The unknowns in the motion of the orbit."""
+        omega, ends = self.orbit.motion.omega, [0.0, 0.5 * self.orbit.motion.period]
+        if len(self.lengths) == 2:
+            ends.insert(1, self.orbit.t_s)
+        t = [ends[i] + (ends[i + 1] - ends[i]) * _rule(n)[0] for i, n in enumerate(self.lengths)]
+        a = self.orbit.states(np.concatenate(t) + self.orbit.theta / omega)[2]
+        return np.concatenate([a, [self.orbit.X, 0.0], ends[1:-1]])
 
-    @cached_property
-    def _of_orbit(self) -> Complexes:
-        return self._harmonics(np.zeros(HARMONICS, dtype=np.complex128))[0]
+    def half_cycle(self, q: Array) -> HalfCycle:
+        """The motion that the unknowns describe, from rest."""
+        half, size, first = 0.5 * self.orbit.motion.period, q.size, 0
+        two = len(self.lengths) == 2
+        ends = [0.0, q[-1], half] if two else [0.0, half]
+        begun, by = np.zeros(3), np.zeros((3, size))
+        rows, at, by_at = [], [], []
+        for i, n in enumerate(self.lengths):
+            nodes, weights, integral = _rule(n)
+            own, h = slice(first, first + n), ends[i + 1] - ends[i]
+            a, by_h = q[own], (1.0 - 2.0 * i) * two
+            # the last row is the end of the phase
+            once = np.vstack([integral, weights])
+            twice, tau = once @ integral, np.append(nodes, 1.0)
+            v, u = begun[2] + h * once @ a, begun[1] + h * tau * begun[2] + h**2 * twice @ a
+            by_v = np.tile(by[2], (n + 1, 1))
+            by_u = by[1] + np.outer(h * tau, by[2])
+            by_t = np.tile(by[0], (n + 1, 1))
+            by_v[:, own] += h * once
+            by_u[:, own] += h**2 * twice
+            by_v[:, -1] += by_h * (once @ a)
+            by_u[:, -1] += by_h * (tau * begun[2] + 2.0 * h * twice @ a)
+            by_t[:, -1] += by_h * tau
+            t = ends[i] + h * tau
+            whole = (t, u, v, by_t, by_u, by_v)
+            rows.append([*(of[:-1] for of in whole), a])
+            begun, by = np.array([t[-1], u[-1], v[-1]]), np.stack([by_t[-1], by_u[-1], by_v[-1]])
+            at.append(begun)
+            by_at.append(by)
+            first += n
+        t, u, v, by_t, by_u, by_v, a = (np.concatenate(of) for of in zip(*rows, strict=True))
+        return HalfCycle(t, u, v, a, by_t, by_u, by_v, np.array(at), np.array(by_at))
 
-    def force(self, change: Complexes) -> tuple[Complexes, Complexes]:
-        """f_n[x + δ] − f_n[x], N, (h,), and its derivatives by the real parts of δ_n, (h, 2h)."""
-        if self.rigid:
-            return np.zeros_like(change), np.zeros_like(self.basis)
-        f, turns, weighted = self._harmonics(change)
-        moved = _by_parts(turns)
-        by_change = self.orbit.oscillator.K_z * weighted.T @ (moved[:-1] - moved[-1])
-        return f - self._of_orbit, by_change
+    def equations(self, q: Array) -> tuple[Array, Array]:
+        """What is left of the equations, N, and their derivatives."""
+        o, motion, of = self.orbit.oscillator, self.orbit.motion, self.half_cycle(q)
+        n, X, ends, by_ends = of.t.size, q[of.t.size], of.at, of.by_at
+        force, slope = self.linear * of.v, np.full(n, self.linear)
+        for symbol, p in self.others.items():
+            term = KNOWN_TERMS[symbol]
+            assert term.force is not None
+            force = force + p * term.force(of.v, 0.0, o.k, motion.omega)
+            slope = slope + p * term.slope(of.v, 0.0, o.k, motion.omega)
+        contact, stiffness, by_X = self._contact(of, X)
+        phase = motion.omega * of.t + self.orbit.theta + q[n + 1]
+        drive, by_phase = o.k * motion.Y * np.cos(phase), o.k * motion.Y * np.sin(phase)
+        matrix = (o.k + stiffness)[:, None] * of.by_u + slope[:, None] * of.by_v
+        matrix += (motion.omega * by_phase)[:, None] * of.by_t
+        matrix[:, :n] += o.m * np.eye(n)
+        matrix[:, n] += by_X - o.k
+        matrix[:, n + 1] += by_phase
+        left = o.m * of.a + force + o.k * (of.u - X) + contact - drive
+        last = [o.k * (ends[-1, 1] - 2.0 * X), o.k / motion.omega * ends[-1, 2]]
+        by_last = [o.k * by_ends[-1, 1], o.k / motion.omega * by_ends[-1, 2]]
+        by_last[0][n] -= 2.0 * o.k
+        if len(self.lengths) == 2:
+            last.append(o.k * (ends[0, 1] - 2.0 * o.Z_m))
+            by_last.append(o.k * by_ends[0, 1])
+        return np.append(left, last), np.vstack([matrix, *by_last])
 
-    def slopes(self, change: Complexes) -> dict[str, Complexes]:
-        """∂f_n/∂F_k and ∂f_n/∂K_z in a motion that is held, (h,)."""
-        n = tables()[0]
-        by_friction = 4.0 / math.pi * np.exp(-1j * n * self.orbit.theta) / (1j * n)
-        if self.rigid:
-            return {FRICTION: by_friction, "K_z": np.zeros_like(by_friction)}
-        f, _, weighted = self._harmonics(change)
-        osc = self.orbit.oscillator
-        of_onset = weighted.sum(axis=0)
-        return {
-            FRICTION: by_friction - 2.0 * of_onset,
-            "K_z": (f + 2.0 * osc.F_k * of_onset) / osc.K_z,
-        }
+    def harmonics(self, q: Array, count: int) -> tuple[Complexes, Complexes]:
+        """x_n, n = 1, 3 … 2 count − 1, in the phases of the orbit, m, (count,), and derivatives, (count, q)."""
+        omega, half, first = self.orbit.motion.omega, 0.5 * self.orbit.motion.period, 0
+        n, two = np.arange(1.0, 2.0 * count, 2.0), len(self.lengths) == 2
+        ends = [0.0, q[-1], half] if two else [0.0, half]
+        x, by = np.zeros(count, complex), np.zeros((count, q.size), complex)
+        for i, points in enumerate(self.lengths):
+            # e^{iκs} over (−1, 1) takes κ/2 points and a few, κ < πn/2
+            tau, weights, values = _finer(points, points + int(1.7 * count))
+            own, h = slice(first, first + points), ends[i + 1] - ends[i]
+            turns = np.exp(-1j * np.outer(n, omega * (ends[i] + h * tau) + self.orbit.theta))
+            turns *= -2.0 / (math.pi * omega) / n[:, None] ** 2 * weights
+            a = values @ q[own]
+            x += h * turns @ a
+            by[:, own] += h * turns @ values
+            if two:
+                later = tau if i == 0 else 1.0 - tau
+                by[:, -1] += (1.0 - 2.0 * i) * turns @ a
+                by[:, -1] += -1j * omega * n * h * (turns @ (a * later))
+            first += points
+        return x, by
 
-    def _harmonics(self, change: Complexes) -> tuple[Complexes, Complexes, Complexes]:
-        """(2/π) ∫ (f − F_k) e^{−inθ} dθ over the stick phase, N, (h,): the rest is the same in both; e^{inθ} at the
-        nodes and at the reversal; the weights of the nodes in the integral."""
-        osc, reversal = self.orbit.oscillator, self.orbit.theta
-        n, _, _, nodes, weights = tables()
-        length = self.onset(change) - reversal
-        theta = reversal + length * np.append(nodes, 0.0)
-        turns = np.exp(1j * np.outer(theta, n))
-        x = motion_at(self.orbit, theta, change, turns)[0]
-        weighted = (2.0 / math.pi) * length * weights[:, None] * turns[:-1].conj()
-        return (osc.K_z * (x[:-1] - x[-1]) - 2.0 * osc.F_k) @ weighted, turns, weighted
+    def moved(self, q: Array, forces: Array) -> Array:
+        """Derivatives of the unknowns, (q, any), by further forces: their values in the equations, (q, any), N."""
+        return np.asarray(-np.linalg.solve(self.equations(q)[1], forces))
+
+    def forces(self, q: Array, lag: float, Y: float, symbols: Sequence[str]) -> dict[str, Array]:
+        """Derivatives of the equations, (q,), by the coefficients of terms, K_z and m.
+
+        lag : phase by which the base follows that of the orbit, rad.   Y : of the base, m.
+        """
+        o, omega, of = self.orbit.oscillator, self.orbit.motion.omega, self.half_cycle(q)
+        ends, slid = np.zeros(q.size - of.t.size), np.full(of.t.size, float(self.slips))
+        by_ends, stuck = ends.copy(), np.zeros(of.t.size) if self.slips else of.u - q[of.t.size]
+        if len(self.lengths) == 2:
+            slid[: self.lengths[0]], stuck[: self.lengths[0]] = -1.0, of.u[: self.lengths[0]]
+            ends[-1], by_ends[-1] = -2.0 * o.k / o.K_z, 2.0 * o.k * o.Z_m / o.K_z
+        by = {FRICTION: np.append(slid, ends), "K_z": np.append(stuck, by_ends)}
+        w = -omega * Y * np.sin(omega * of.t + self.orbit.theta + lag)
+        rest = np.zeros(ends.size)
+        by["m"] = np.append(of.a, rest)
+        for symbol in symbols:
+            force = KNOWN_TERMS[symbol].force
+            if force is not None:
+                by[symbol] = np.append(force(of.v, w, o.k, omega), rest)
+        return by
+
+    def _contact(self, of: HalfCycle, X: float) -> tuple[Array, Array, Array | float]:
+        """The force of the contact at the points, N, and its derivatives by x + X and X, N/m."""
+        o, n = self.orbit.oscillator, of.t.size
+        if not self.slips:
+            return o.K_z * (of.u - X), np.full(n, o.K_z), -o.K_z
+        sticks = np.arange(n) < (self.lengths[0] if len(self.lengths) == 2 else 0)
+        force = np.where(sticks, o.K_z * of.u - o.F_k, o.F_k)
+        return force, np.asarray(o.K_z * sticks, dtype=np.float64), 0.0
 
 
-_MOST, _CHORDS = 30, 3  # steps, and how many of them with the matrix of another response
-_REACHED = 1e-13  # of the amplitude
-_FAR = 0.5  # of the amplitude: a step as long may lead away
-_SHORTEST = 1.0 / 64.0  # part of such a step
+_MOST = 40  # steps
+_REACHED = 1e-11  # of the unknowns: what is left after a step as short is rounding
+_FAR = 0.3  # of the unknowns: a step as long may lead away
+_SHORTEST = 1.0 / 256.0  # part of such a step
 _EQUIVALENCES = 3  # repetitions that bring c_e near that of the response
 
 
@@ -279,20 +261,36 @@ class Response:
     """The steady response of an oscillator with a law.
 
     orbit : exact, of the oscillator with the equivalent linear damper.   advance : phase by which the base of that
-    orbit is before the real one, rad.   change : δ_n, n = 1, 3, 5 …, with the phases of the orbit, m; None where there
-    is none.   turned : β, rad.   onset : phase ωt of the onset of slip after the reversal at −X, in those of the orbit,
-    rad; NaN without slip.   matrix : of the last of Newton's steps that led to it.
-    system : the equations that δ and β solve.   Y : amplitude of the base, m, where there are such.
+    orbit is before the real one, rad.   system, unknowns : the equations of the response, where it is no orbit, and
+    what solves them.
     """
 
     orbit: Orbit
     advance: float
-    change: Complexes | None = None
-    turned: float = 0.0
-    onset: float = math.nan
-    matrix: Array | None = field(default=None, repr=False)
     system: System | None = field(default=None, repr=False)
-    Y: float = math.nan
+    unknowns: Array | None = field(default=None, repr=False)
+
+    @cached_property
+    def change(self) -> Complexes | None:
+        """x_n less that of the orbit, n = 1, 3 … 63, with the phases of the orbit, m; None where there is none."""
+        if self.system is None or self.unknowns is None:
+            return None
+        return self.system.harmonics(self.unknowns, HARMONICS)[0] - self.orbit.harmonics(HARMONICS)
+
+    @property
+    def turned(self) -> float:
+        """Phase of the base at the reversal less that of the orbit, β, rad."""
+        return 0.0 if self._at is None else self._at[1]
+
+    @cached_property
+    def _at(self) -> tuple[float, float, float, float] | None:
+        """X, β, V_s and t_s of a response that is no orbit."""
+        if self.system is None or self.unknowns is None:
+            return None
+        X, beta, *onset = self.unknowns[sum(self.system.lengths) :].tolist()
+        V_s = self.system.half_cycle(self.unknowns).at[0, 2] if onset else 0.0
+        t_s = onset[0] if onset else 0.0
+        return (X, beta, float(V_s), t_s) if self.slips else (X, beta, math.nan, math.nan)
 
     @property
     def slips(self) -> bool:
@@ -302,36 +300,32 @@ class Response:
     @property
     def X(self) -> float:
         """Peak displacement, m."""
-        return self.orbit.X if self.change is None else -float(self._at(self.orbit.theta)[0])
+        return self.orbit.X if self._at is None else self._at[0]
 
     @property
     def V_s(self) -> float:
         """Velocity at the first onset of slip after the reversal at −X, m/s; NaN without slip."""
-        return self.orbit.V_s if self.change is None else float(self._at(self.onset)[1])
+        return self.orbit.V_s if self._at is None else self._at[2]
 
     @property
     def t_s(self) -> float:
         """Time from that reversal to the onset, s; NaN without slip."""
-        if self.change is None:
-            return self.orbit.t_s
-        return (self.onset - self.orbit.theta) / self.orbit.motion.omega
+        return self.orbit.t_s if self._at is None else self._at[3]
 
     @property
     def taken(self) -> float:
         """λ = 4X − a, m: what sticking takes from the travel of a cycle."""
-        if self.change is None:
+        if self.system is None:
             return 4.0 * self.orbit.X - self.orbit.a
         return 4.0 * self.orbit.oscillator.Z_m
 
     def harmonics(self, count: int) -> Complexes:
         """x_n of x = Re Σ x_n e^{inωt}, n = 1, 3 … 2 count − 1, m, shape (count,); y = Y cos ωt."""
+        turn = np.exp(1j * np.arange(1, 2 * count, 2) * self.advance)
+        if self.system is not None and self.unknowns is not None:
+            return self.system.harmonics(self.unknowns, count)[0] * turn
         x = self.orbit.harmonics(count)
-        if not self.advance and self.change is None:
-            return x
-        n = np.arange(1, 2 * count, 2)
-        if self.change is not None:
-            x = x + _first(count, self.change)
-        return x * np.exp(1j * n * self.advance)
+        return x * turn if self.advance else x
 
     @property
     def swings(self) -> float:
@@ -343,64 +337,78 @@ class Response:
 
     def with_slopes(
         self, count: int, symbols: Sequence[str]
-    ) -> tuple[Complexes, dict[str, Complexes] | None]:
-        """`harmonics` and their derivatives by the coefficients of these terms, rho = K_z^{−1/2} and m, (count,).
-
-        They are exact where all terms are linear. Else they follow from the equations of δ, for nothing of the motion
-        is computed again, and are accurate to 1e-3 or so: choose that during a search, and differences of neighbouring
-        responses for standard errors. None where there are no such equations.
-        """
-        n = np.arange(1, 2 * count, 2)
+    ) -> tuple[Complexes, dict[str, Complexes]]:
+        """`harmonics` and their derivatives by the coefficients of these terms, rho = K_z^{−1/2} and m, (count,)."""
+        n, x = np.arange(1, 2 * count, 2), self.harmonics(count)
         turn = np.exp(1j * n * self.advance)
         if self._closed(symbols):
             by = self.orbit.harmonics_with_slopes(count) * turn
             return by[0], self._by_coefficients(by, symbols, 1.0, 1j * n * by[0])
-        x = self.harmonics(count)
-        if self.system is None or self.change is None or self.matrix is None:
-            return x, None
-        moved = self.system.slopes(self.change, -self.advance, self.Y, self.matrix, symbols)
-        slopes = {
-            name: _first(count, of) * turn - 1j * n * lag * x for name, (of, lag) in moved.items()
+        moved, (system, unknowns) = self._moved(symbols), self._equations()
+        by_unknowns = system.harmonics(unknowns, count)[1]
+        beta = sum(system.lengths) + 1
+        return x, {
+            name: (by_unknowns @ step) * turn - 1j * n * step[beta] * x
+            for name, step in moved.items()
         }
-        slopes["rho"] = -2.0 * self.orbit.oscillator.K_z**1.5 * slopes.pop("K_z")
-        return x, slopes
 
-    def onset_slopes(self, symbols: Sequence[str]) -> dict[str, Array] | None:
-        """Derivatives of (V_s, t_s, λ), SI, by the coefficients of these terms, rho and m, (3,); None where not all of
-        them are linear."""
-        if not self._closed(symbols):
-            return None
-        by = onset_slopes(self.orbit.phases, self.orbit.theta, self.orbit.parameters)
-        onset = np.array([self.V_s, self.t_s, self.taken])
-        return self._by_coefficients([onset, *by.T], symbols, np.array([1.0, 0.0, 1.0]), 0.0)
+    def onset_slopes(self, symbols: Sequence[str]) -> dict[str, Array]:
+        """Derivatives of (V_s, t_s, λ), SI, by the coefficients of these terms, rho and m, (3,)."""
+        if self._closed(symbols):
+            by = onset_slopes(self.orbit.phases, self.orbit.theta, self.orbit.parameters)
+            onset = np.array([self.V_s, self.t_s, self.taken])
+            return self._by_coefficients([onset, *by.T], symbols, np.array([1.0, 0.0, 1.0]), 0.0)
+        moved, (system, unknowns) = self._moved(symbols), self._equations()
+        by = np.zeros((2, unknowns.size))
+        if len(system.lengths) == 2:
+            by = system.half_cycle(unknowns).by_at[0, [2, 0]]
+        o = self.orbit.oscillator
+        taken = {FRICTION: 4.0 / o.K_z, "rho": 8.0 * o.F_k / math.sqrt(o.K_z)}
+        return {name: np.append(by @ step, taken.get(name, 0.0)) for name, step in moved.items()}
 
-    def moved_by(self, force: Complexes) -> Complexes | None:
-        """Change of the harmonics, m, (32,), by a small further force against the motion, f_n in the phases of the
-        orbit, N, (32,), which moves the onsets of slip as well; None where the orbit is of a kind that is not followed.
+    def moved_by(self, force: Array) -> Complexes | None:
+        """Change of the harmonics, m, (32,), by a small further force against the motion, which moves the onsets of
+        slip as well; None where the orbit is of a kind that is not followed.
+
+        force : at evenly spaced phases of a cycle from the peak of the base of the orbit on, N, an even number. Only
+        what changes its sign half a cycle later has an effect on odd harmonics.
         """
-        if self._linearised is None:
-            return None
-        n, (basis, matrix, x) = tables()[0], self._linearised
-        moved = np.linalg.solve(matrix, -np.concatenate([force.real, force.imag, [0.0]]))
-        turned = 1j * n * moved[-1] * x
-        return np.asarray(basis @ moved[:-1] * np.exp(1j * n * self.advance) - turned)
-
-    @cached_property
-    def _linearised(self) -> tuple[Complexes, Array, Complexes] | None:
-        """Basis and matrix of the equations at the motion, and its harmonics; None where it is not followed."""
         try:
-            system = self.system or System.of(self.orbit, self.orbit.oscillator.c, {})
+            system, unknowns = self._equations()
         except NoSteadyOrbit:
             return None
-        matrix, x = self.matrix, self.harmonics(HARMONICS)
-        if matrix is None:
-            matrix = system.equations(np.zeros_like(x), 0.0)[1]
-        return system.basis, matrix, x
+        phase = self.orbit.motion.omega * system.half_cycle(unknowns).t + self.orbit.theta
+        forces = np.zeros(unknowns.size)
+        odd = 0.5 * (force - np.roll(force, force.size // 2))
+        at = 2.0 * math.pi * np.arange(force.size) / force.size
+        forces[: phase.size] = np.interp(phase, at, odd, period=2.0 * math.pi)
+        step = system.moved(unknowns, forces)
+        turned = 1j * _ODD * step[phase.size + 1] * self.harmonics(HARMONICS)
+        return (
+            system.harmonics(unknowns, HARMONICS)[1] @ step * np.exp(1j * _ODD * self.advance)
+            - turned
+        )
+
+    def _equations(self) -> tuple[System, Array]:
+        """The equations of the motion, which an orbit solves as well, and the unknowns that do."""
+        if self.system is not None and self.unknowns is not None:
+            return self.system, self.unknowns
+        system = System.of(self.orbit, self.orbit.oscillator.c, {})
+        return system, system.start()
+
+    def _moved(self, symbols: Sequence[str]) -> dict[str, Array]:
+        """Derivatives of the unknowns by the coefficients of terms, rho and m."""
+        system, unknowns = self._equations()
+        Y = self.orbit.motion.Y * math.cos(self.advance + self.turned)  # of the real base
+        forces = system.forces(unknowns, -self.advance, Y, symbols)
+        forces["rho"] = -2.0 * self.orbit.oscillator.K_z**1.5 * forces.pop("K_z")
+        moved = system.moved(unknowns, np.array([*forces.values()]).T)
+        return dict(zip(forces, moved.T, strict=True))
 
     def _closed(self, symbols: Sequence[str]) -> bool:
         """Whether the motion is that of the orbit, and would be with other coefficients of these terms."""
         terms = [KNOWN_TERMS[s] for s in symbols if s != FRICTION]
-        return self.change is None and all(term.linear for term in terms)
+        return self.system is None and all(term.linear for term in terms)
 
     def _by_coefficients(
         self, by: Any, symbols: Sequence[str], degree: Any, by_phase: Any
@@ -423,17 +431,6 @@ class Response:
                 damping = float(force(1.0, 0.0, k, omega))
                 slopes[symbol] = damping * by_c + turned * (to_base * by_base + by_phase)
         return slopes
-
-    def _at(self, theta: float) -> tuple[float, float]:
-        """x and ẋ at a phase of the orbit, m and m/s."""
-        assert self.change is not None
-        x, v = motion_at(self.orbit, np.array([theta]), self.change)
-        return float(x[0]), float(v[0])
-
-
-def _first(count: int, change: Complexes) -> Complexes:
-    """So many harmonics of δ; those beyond the 63rd are zero."""
-    return np.pad(change, (0, max(0, count - HARMONICS)))[:count]
 
 
 def steady_response(
@@ -469,13 +466,14 @@ def steady_response(
     if not others:
         own = replace(oscillator, c=linear)
         return Response(steady_orbit(own, base, most_radians=most_radians), advance)
-    if near is not None and near.change is not None:
+    if near is not None and near.system is not None:
         extra = near.orbit.oscillator.c - linear
         orbit = steady_orbit(replace(oscillator, c=linear + max(extra, 0.0)), base)
     else:
         orbit, near = _equivalent(replace(oscillator, c=linear), base, others), None
-    found = _solved(orbit, linear, others, near)
-    return replace(found, advance=advance - found.turned, Y=motion.Y)
+    system = System.of(orbit, linear, others)
+    unknowns = _solved(system, near)
+    return Response(orbit, advance - unknowns[sum(system.lengths) + 1], system, unknowns)
 
 
 def _equivalent(oscillator: Oscillator, base: BaseMotion, others: Mapping[str, float]) -> Orbit:
@@ -493,56 +491,41 @@ def _equivalent(oscillator: Oscillator, base: BaseMotion, others: Mapping[str, f
     return orbit
 
 
-def _solved(
-    orbit: Orbit, linear: float, others: Mapping[str, float], near: Response | None
-) -> Response:
-    """The response, by Newton's method on δ and β; beside another with its matrix, as long as that leads there."""
-    system = System.of(orbit, linear, others)
-    change, turned, matrix = np.zeros(HARMONICS, dtype=np.complex128), 0.0, None
-    if near is not None and near.change is not None:
-        change, turned, matrix = near.change, near.turned, near.matrix
-    for repetition in range(_MOST):
-        if matrix is None or repetition >= _CHORDS:
-            right, matrix = system.equations(change, turned)
-        else:
-            right = system.residual(change, turned)
-        step = np.linalg.solve(matrix, right)
-        size = float(np.abs(step[:-1]).max())
-        if not size < 10.0 * orbit.X:
+def _solved(system: System, near: Response | None) -> Array:
+    """The unknowns of the response, by Newton's method from the orbit, or from a response near."""
+    orbit, q, n = system.orbit, system.start(), sum(system.lengths)
+    if near is not None and near.unknowns is not None and near.unknowns.size == q.size:
+        q = near.unknowns.copy()
+        q[n + 1] -= math.remainder(orbit.theta - near.orbit.theta, 2.0 * math.pi)
+    left, matrix = system.equations(q)
+    for _ in range(_MOST):
+        step, before, part = -np.linalg.solve(matrix, left), np.linalg.norm(left), 1.0
+        scale = np.append(np.full(n, np.abs(q[:n]).max()), [q[n], 1.0, *q[n + 2 :]])
+        size = float(np.abs(step / scale).max())
+        if not size < 1e3:
             break
-        if size > _FAR * orbit.X:
-            step = _shortened(system, change, turned, step, right)
-        change, turned = change + system.basis @ step[:-1], turned + float(step[-1])
-        if size < _REACHED * orbit.X:
-            return Response(orbit, 0.0, change, turned, _onset(system, change), matrix, system)
-    raise NoSteadyOrbit(f"the response under {dict(others)} was not found from {orbit.oscillator}")
+        left, matrix = system.equations(q + step)
+        # a step as long is halved until it brings the equations nearer to balance
+        while size > _FAR and part > _SHORTEST:
+            if np.linalg.norm(left) < (1.0 - 0.1 * part) * before and (q + part * step)[n] > 0.0:
+                break
+            part *= 0.5
+            left, matrix = system.equations(q + part * step)
+        q = q + part * step
+        if size < _REACHED:
+            _require_kind(system, q)
+            return q
+    raise NoSteadyOrbit(
+        f"the response under {dict(system.others)} was not found from {orbit.oscillator}"
+    )
 
 
-def _shortened(
-    system: System, change: Complexes, turned: float, step: NDArray[Any], right: Array
-) -> NDArray[Any]:
-    """The step, or the longest of its halves, quarters … that brings the equations nearer to balance."""
-    before, part = float(np.linalg.norm(right)), 1.0
-    while part > _SHORTEST:
-        shorter = part * step
-        after = system.residual(change + system.basis @ shorter[:-1], turned + float(shorter[-1]))
-        if float(np.linalg.norm(after)) < (1.0 - 0.1 * part) * before:
-            return shorter
-        part *= 0.5
-    return step
-
-
-def _onset(system: System, change: Complexes) -> float:
-    """Phase of the onset of slip of a response, rad; NaN without slip.
-
-    Raises NoSteadyOrbit if the response is not of the kind that was assumed.
-    """
-    orbit, contact = system.orbit, system.contact
-    if contact is None:
-        if np.abs(motion_at(orbit, tables()[1], change)[0]).max() > orbit.oscillator.Z_m:
-            raise NoSteadyOrbit("the contact begins to slip under quadratic or cubic damping")
-        return math.nan
-    between = orbit.theta + np.linspace(0.0, math.pi, 66)[1:-1]
-    if not (motion_at(orbit, between, change)[1] > 0.0).all():
+def _require_kind(system: System, q: Array) -> None:
+    """Raise NoSteadyOrbit if a response is not of the kind that was assumed."""
+    of, n = system.half_cycle(q), sum(system.lengths)
+    if not system.slips and q[n] > system.orbit.oscillator.Z_m:
+        raise NoSteadyOrbit("the contact begins to slip under quadratic or cubic damping")
+    if not (np.diff(of.t) > 0.0).all():
+        raise NoSteadyOrbit("the contact does not slip in every half cycle")
+    if not (of.v > 0.0).all():
         raise NoSteadyOrbit("the velocity changes its sign inside a half cycle")
-    return contact.onset(change)

@@ -85,7 +85,7 @@ def cramer_rao(
         lines.append(Lines(motion.omega, motion.Y, part * of_y, n, x, errors, samples))
     unknowns = Unknowns(Law(), tuple(lines), osc.k)
     point = unknowns.start(np.array([osc.F_k, osc.c, osc.K_z, osc.m]), np.ones(len(lines)))
-    here = HarmonicResiduals(unknowns, 0.0, quickly=False).evaluate(point)
+    here = HarmonicResiduals(unknowns, 0.0).evaluate(point)
     if here is not None:
         common = 3 + ("m" in free)
         kept = [*range(common), *range(len(unknowns.names), point.size)]

@@ -249,7 +249,7 @@ def _climbed(
     if not evaluations:
         return None
     # the errors as they are, and derivatives that hold to 1e-6
-    here = HarmonicResiduals(unknowns, 0.0, quickly=False).evaluate(point)
+    here = HarmonicResiduals(unknowns, 0.0).evaluate(point)
     if here is None:
         return None
     residual, jacobian, size = here[:, -1], here[:, :-1], point.size

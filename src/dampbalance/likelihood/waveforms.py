@@ -18,8 +18,8 @@ two channels) turns harmonic n by n times its angle, and can be left free.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -37,8 +37,6 @@ from .climb import Bounds
 from .oscillator_fit import OscillatorFit
 
 _OTHERS = ("rho", "m", "delay")  # common unknowns in addition to the coefficients of the law
-_STEP = 1e-6  # of the finite differences: orbits are exact to 1e-13
-_LEAST = 2e-2  # of √(km): damping that sets the step where that of the point is smaller
 MOST_RADIANS = 5e5
 """Of the fastest motion that are followed in search of one orbit: a quarter of a second."""
 
@@ -105,20 +103,16 @@ class Unknowns:
         return steady_response(oscillator, motion, law, near, most_radians=MOST_RADIANS)
 
     def harmonics(
-        self, point: Array, record: int, response: Response, count: int, *, quickly: bool
+        self, point: Array, record: int, response: Response, count: int
     ) -> tuple[Complexes, Complexes]:
         """Harmonics n = 1, 3 … of a record, turned by ψ, m, (count,), and their derivatives, (count, unknowns).
 
         By Y because x is homogeneous: of degree one in Y and in p_j^{1/(1 − d_j)}, d_j the order of the term, so that
         Y ∂x/∂Y = x − Σ (1 − d_j) p_j ∂x/∂p_j.
-
-        quickly : whether derivatives under a nonlinear law may come from its equations (`Response.with_slopes`).
         """
         at = self.at[record]
         x, known = response.with_slopes(count, self.law.terms)
-        if self.law.nonlinear and not quickly:
-            known = None
-        slope = self._slopes((point, record, response), lambda one: one.harmonics(count), x, known)
+        slope = self._slopes(record, x, known)
         n = np.arange(1, 2 * count, 2)
         slope[:, at["Y"]] = self._by_base(point, record, x, slope)
         slope[:, at["psi"]] = 1j * n * x
@@ -127,48 +121,20 @@ class Unknowns:
 
     def onset(self, point: Array, record: int, response: Response) -> tuple[Array, Array]:
         """(V_s, t_s, λ), SI, λ = 4X − a, and their derivatives, (3, unknowns)."""
-
-        def read(motion: Response) -> Array:
-            return np.array([motion.V_s, motion.t_s, motion.taken])
-
-        known = response.onset_slopes(self.law.terms)
-        onset = read(response)
-        slope = self._slopes((point, record, response), read, onset, known)
+        onset = np.array([response.V_s, response.t_s, response.taken])
+        slope = self._slopes(record, onset, response.onset_slopes(self.law.terms))
         of_degree_one = np.array([1.0, 0.0, 1.0]) * onset
         slope[:, self.at[record]["Y"]] = self._by_base(point, record, of_degree_one, slope)
         return onset, slope
 
     def _slopes(
-        self,
-        at: tuple[Array, int, Response],
-        read: Callable[[Response], NDArray[Any]],
-        here: NDArray[Any],
-        known: Mapping[str, NDArray[Any]] | None,
+        self, record: int, here: NDArray[Any], known: Mapping[str, NDArray[Any]]
     ) -> NDArray[Any]:
-        """Derivatives of what is read off a motion by the common unknowns of its record: those that are known, by name,
-        or differences of neighbouring motions."""
-        point, record, response = at
-        slope = np.zeros((here.size, point.size), dtype=here.dtype)
-        for name, by in (known or {}).items():
+        """Derivatives of what is read off a motion by all unknowns, from those by the coefficients of its record."""
+        slope = np.zeros((here.size, self.size), dtype=here.dtype)
+        for name, by in known.items():
             slope[:, self.at[record][name]] = by
-        for j, step in self._steps(point, record).items() if known is None else ():
-            moved = point.copy()
-            moved[j] += step
-            slope[:, j] = (read(self.response(moved, record, response)) - here) / step
         return slope
-
-    def _steps(self, point: Array, record: int) -> dict[int, float]:
-        """Steps of differences by the common unknowns of a record: a part of each, or of what matters near zero."""
-        at, one = self.at[record], self.lines[record]
-        m, rho = float(point[at["m"]]), float(point[at["rho"]])
-        shortest = 1e-2 / (one.omega * math.sqrt(m))  # sticks for about 1e-2 of a cycle
-        parts = {FRICTION: float(point[at[FRICTION]]), "rho": max(rho, shortest), "m": m}
-        small = _LEAST * math.sqrt(self.k * m)
-        for symbol in self.law.terms:
-            if symbol != FRICTION:
-                least = small * equivalent_coefficient(symbol, one, self.k)
-                parts[symbol] = max(float(point[at[symbol]]), least)
-        return {at[name]: _STEP * part for name, part in parts.items()}
 
     def _by_base(self, point: Array, record: int, value: Any, slope: Any) -> Any:
         at = self.at[record]
@@ -231,14 +197,12 @@ class HarmonicResiduals:
     left : evaluations that may still be made, (1,), changed by each: a light mass that swings on while it sticks takes
     as long as many others, and ends the climb early.
     near : the last motion of each record under a nonlinear law, from which the next starts.
-    quickly : as for `Unknowns.harmonics`.
     """
 
     unknowns: Unknowns
     softening: float
     left: Array = field(default_factory=lambda: np.array([math.inf]))
     near: dict[int, Response] = field(default_factory=dict)
-    quickly: bool = True
 
     def products(self, point: Array, out: Array) -> bool:
         """Set `out` to the products of derivatives and residuals, as `climb` takes them."""
@@ -270,8 +234,8 @@ class HarmonicResiduals:
         except NoSteadyOrbit:
             self._charge(MOST_RADIANS / (2.0 * math.pi * _DEAR))
             raise
-        if response.change is not None:
-            self.near[i] = replace(response, matrix=None)
+        if response.system is not None:
+            self.near[i] = response
         par = response.orbit.parameters
         # or the decay of a velocity by e^{2π} where a light mass creeps in a strong damper
         turns = max(response.swings, 0.5 * par.c / par.m / par.omega)
@@ -286,7 +250,7 @@ class HarmonicResiduals:
     def _block(self, point: Array, i: int, response: Response) -> Array:
         """The rows of a record: |Y|, its phase, Re x_n, Im x_n."""
         unknowns, one = self.unknowns, self.unknowns.lines[i]
-        x, by = unknowns.harmonics(point, i, response, one.n.size, quickly=self.quickly)
+        x, by = unknowns.harmonics(point, i, response, one.n.size)
         at, delay = unknowns.at[i], unknowns.at[i]["delay"]
         error = np.hypot(one.x_error, self.softening * abs(one.x[0]))
         Y_error = math.hypot(one.Y_error, self.softening * one.Y)
@@ -385,7 +349,7 @@ class WaveformFit(OscillatorFit):
         for i, response in enumerate(self.responses):
             of_record = (self.point, i, response)
             onset = self.unknowns.onset(*of_record)
-            tail = self.unknowns.harmonics(*of_record, _HARMONICS, quickly=False)
+            tail = self.unknowns.harmonics(*of_record, _HARMONICS)
             waveforms.append(Waveform(self, i, response, *onset, *tail))
         return tuple(waveforms)
 

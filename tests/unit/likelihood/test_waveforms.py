@@ -478,7 +478,7 @@ def test_slopes_by_linear_terms_are_exact(c_r):
     def harmonics(at):
         return unknowns.response(at, 0).harmonics(count) * np.exp(1j * n * at[-1])
 
-    x, slopes = unknowns.harmonics(point, 0, unknowns.response(point, 0), count, quickly=False)
+    x, slopes = unknowns.harmonics(point, 0, unknowns.response(point, 0), count)
     assert x == pytest.approx(harmonics(point), abs=1e-12 * abs(x[0]))
     for j, name in enumerate((*unknowns.names, "Y", "psi")):
         # orbits are exact to 1e-13, and curvature leaves h²; a coefficient at zero grows to one side
