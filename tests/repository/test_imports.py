@@ -35,7 +35,7 @@ def test_an_identification_loads_what_it_uses(arguments, needed, tmp_path):
     records = [f"config/records/example/level{i}.csv" for i in (1, 5)]
     given = ["identify", *records, "--stiffness", "2310", "--output", str(tmp_path), *arguments]
     program = f"from dampbalance.commands.main import main\nmain({given})"
-    assert loaded(program) == {"numpy", "scipy"} | needed
+    assert loaded(program) == {"numpy"} | needed
 
 
 # Importing a script imports what it needs; it computes when Snakemake runs it. Those that lack the same share a
