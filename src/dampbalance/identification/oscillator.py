@@ -249,12 +249,12 @@ def read_samples(
     count : of replicates.   random : generator of the drawings.   jackknife : whether groups of rows are left out, too;
     a study that needs no propagated errors saves that time.
     """
-    drawn = sample_of(readings, [reading.resampled(count, random) for reading in readings])
-    points = [reading.features for reading in readings]
-    left = [_left_out(readings, points, j) for j in range(len(readings) if jackknife else 0)]
-    fit = _fit(readings)
-    nothing = np.zeros((0 if fit is None else fit.point.size, 1))
-    return Samples(_sample(readings, stack(points), nothing), drawn, tuple(left))
+    whole = sample_of(readings, [r.mean.followed_by(r.resampled(count, random)) for r in readings])
+    features = whole.features
+    point = Sample(features[:, 0], whole.F_k[:1], whole.rho[:1])
+    drawn = Sample(features[:, 1:], whole.F_k[1:], whole.rho[1:])
+    parts = range(len(readings) if jackknife else 0)
+    return Samples(point, drawn, tuple(_left_out(readings, point.features, j) for j in parts))
 
 
 def sample_of(readings: Sequence[Reading], means: Sequence[Means]) -> Sample:
@@ -276,15 +276,15 @@ def microstick(samples: Samples[Sample]) -> Microstick:
     )
 
 
-def _left_out(readings: Sequence[Reading], points: Sequence[Features], j: int) -> Sample:
+def _left_out(readings: Sequence[Reading], point: Features, j: int) -> Sample:
     """All records as read, except that record j lacks one group of its rows after the other."""
     means = readings[j].left_out()
     moved = readings[j].moved(means)
     parts = [
         reading.features_of(means, moved)[None]
         if i == j
-        else _followed(reading, point[None][:, [0] * len(means.Y)], moved)
-        for i, (reading, point) in enumerate(zip(readings, points, strict=True))
+        else _followed(reading, point[[[i] * len(means.Y)]], moved)
+        for i, reading in enumerate(readings)
     ]
     return _sample(readings, stack(parts), moved)
 

@@ -339,11 +339,12 @@ class Response:
         self, count: int, symbols: Sequence[str]
     ) -> tuple[Complexes, dict[str, Complexes]]:
         """`harmonics` and their derivatives by the coefficients of these terms, rho = K_z^{−1/2} and m, (count,)."""
-        n, x = np.arange(1, 2 * count, 2), self.harmonics(count)
+        n = np.arange(1, 2 * count, 2)
         turn = np.exp(1j * n * self.advance)
         if self._closed(symbols):
             by = self.orbit.harmonics_with_slopes(count) * turn
             return by[0], self._by_coefficients(by, symbols, 1.0, 1j * n * by[0])
+        x = self.harmonics(count)
         moved, (system, unknowns) = self._moved(symbols), self._equations()
         by_unknowns = system.harmonics(unknowns, count)[1]
         beta = sum(system.lengths) + 1

@@ -312,7 +312,7 @@ def of_harmonics(
     others from the velocity at equidistant phases.
 
     n : orders, (h,).   x : m, (r, h).   y_n, y : the same of the base, (l,) and (r, l).   omega : rad/s.   k : N/m.
-    variance : of the noise in each complex x_n, m², (h,); what it adds to the powers of ẋ in the mean is taken off:
+    variance : of the noise in each complex x_n, m², (r, h); what it adds to the powers of ẋ in the mean is taken off:
     ẋ² by σ², |ẋ|³ by 3σ²|ẋ|, ẋ⁴ by 6σ²ẋ², σ² = ½ω² Σ n² var x_n.
 
     Raises ValueError for friction, whose travel no harmonics tell.
@@ -320,7 +320,7 @@ def of_harmonics(
     of_term = KNOWN_TERMS[symbol]
     if of_term.force is None:
         raise ValueError(f"{FRICTION} has no integral that harmonics tell")
-    variance = np.zeros(n.size) if variance is None else variance
+    variance = np.zeros((1, n.size)) if variance is None else variance
     if of_term.linear:
         square = math.pi * omega * ((np.abs(x) ** 2 - variance) @ n**2)
         factor, of_base = (float(of_term.force(*at, k, omega)) for at in ((1.0, 0.0), (0.0, 1.0)))
@@ -333,7 +333,7 @@ def of_harmonics(
     spectrum = np.zeros((len(x), points // 2 + 1), dtype=np.complex128)
     spectrum[:, n.astype(np.intp)] = 0.5j * omega * points * n * x
     v = np.fft.irfft(spectrum, points, axis=1)
-    sigma2 = 0.5 * omega**2 * float(variance @ n**2)
+    sigma2 = 0.5 * omega**2 * (variance @ n**2)
     power = of_term.order + 1
     mean = np.mean(of_term.force(v, 0.0, k, omega) * v, axis=1)
     bias = 0.5 * power * (power - 1) * sigma2 * np.mean(np.abs(v) ** (power - 2), axis=1)

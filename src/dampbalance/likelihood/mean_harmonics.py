@@ -21,7 +21,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from typing import Any
 
@@ -56,19 +56,23 @@ class Means:
 
     Y : amplitude of the base, m, (r,).   x : x_n, m, relative to its phase, (r, h), n as in `Lines`.
     even : x_n, n = 2, 4 …, and base : y_n, n = 2, 3 …, m, likewise, up to those that stand out of the noise.
-    bias : noise bias of |x_n|², in variances of x_n: 1 for the mean, 2 for bootstrap replicates.
+    bias : noise bias of |x_n|², in variances of x_n, (r,): 1 for the mean, 2 for bootstrap replicates.
     """
 
     Y: Array
     x: Complexes
     even: Complexes
     base: Complexes
-    bias: float = 1.0
+    bias: Array
 
     def __getitem__(self, kept: Any) -> Means:
         """Those of some drawings, by a list or a mask."""
-        parts = {name: getattr(self, name)[kept] for name in ("Y", "x", "even", "base")}
-        return replace(self, **parts)
+        return Means(*(getattr(self, part.name)[kept] for part in fields(self)))
+
+    def followed_by(self, other: Means) -> Means:
+        """These means and, after them, others of the same record."""
+        names = [part.name for part in fields(self)]
+        return Means(*(np.concatenate([getattr(of, n) for of in (self, other)]) for n in names))
 
     def changed(
         self, drive: Array, response: Array, turn: Array, *, relative: bool = False
@@ -87,7 +91,8 @@ class Means:
             return x * (1.0 + response)[:, None] * np.exp(-1j * np.outer(turn, n))
 
         x = turned(self.x - of_base, 1) + of_base * driven
-        return Means(self.Y * driven[:, 0], x, turned(self.even, 2), self.base * driven)
+        of_all = self.Y * driven[:, 0], x, turned(self.even, 2), self.base * driven
+        return Means(*of_all, np.broadcast_to(self.bias, turn.shape))
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,7 +145,9 @@ class Reading:
         at = waveform.fit.unknowns.at[waveform.index]
         x = waveform.response.harmonics(max(self.lines.n.size, waveform.tail.size))
         none = np.zeros((1, 0), dtype=np.complex128)
-        means = Means(waveform.fit.point[[at["Y"]]], x[None, : self.lines.n.size], none, none, 0.0)
+        means = Means(
+            waveform.fit.point[[at["Y"]]], x[None, : self.lines.n.size], none, none, np.zeros(1)
+        )
         # with the phase of its own base
         alone = replace(self, joint=True, shared=replace(waveform, tail=x))
         return alone.features_of(means, np.zeros((self._unknowns, 1)))
@@ -325,7 +332,7 @@ class Reading:
         n = np.concatenate([2.0 * odd + 1.0, 2.0 * even + 2.0])
         of_even = self.steady.X_error[2::2][: even.size]
         error = np.concatenate([lines.x_error[own], np.zeros(tail.shape[1]), of_even])
-        return Series(n, x, means.bias * 2.0 * error**2)
+        return Series(n, x, np.outer(means.bias, 2.0 * error**2))
 
     @one_thread
     def _drawn(self, drawn: Array, stretch: float, bias: float) -> Means:
@@ -347,7 +354,7 @@ class Reading:
             stretched(steady.X[:, lines.n]) * turn[:, lines.n],
             stretched(steady.X[:, even]) * turn[:, even],
             stretched(steady.Y[:, higher]) * turn[:, higher],
-            bias,
+            np.full(len(drawn), bias),
         )
 
     def _onset(self, means: Means, moved: Array) -> tuple[str, Array, Array]:

@@ -16,7 +16,7 @@ import numpy as np
 from ..arrays import Array, Complexes
 from ..project.wording import Remark, Shown
 from .chances import f_tail, normal_tail, t_quantile
-from .cycles import FEWEST_CYCLES, CycleHarmonics
+from .cycles import FEWEST_CYCLES, CycleHarmonics, unwrapped
 
 FEW_CYCLES = 10
 """Number of cycles below which the scatter between cycles gives no trustworthy interval."""
@@ -263,7 +263,7 @@ def clock(
     if size < FEW_CYCLES:
         return None
     rows = X / (Y / np.abs(Y))
-    phase, at = np.unwrap(np.angle(rows)), times - weighted_mean(times, weights)
+    phase, at = unwrapped(rows), times - weighted_mean(times, weights)
     square = float(weights @ at**2)
     rate = float((weights * at) @ phase) / square
     straight = rows * np.exp(-1j * rate * at)

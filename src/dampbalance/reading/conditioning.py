@@ -36,7 +36,16 @@ from ..records.measurement import (
 )
 from . import checks
 from .checks import weighted_mean
-from .cycles import CycleHarmonics, Samples, accumulate, drive_frequency, frequency_offset, powers
+from .cycles import (
+    CycleHarmonics,
+    Samples,
+    accumulate,
+    drive_frequency,
+    frequency_offset,
+    median,
+    powers,
+    windows,
+)
 from .one_thread import one_thread
 
 SampleBlocks = Callable[[], Iterable[Samples]]
@@ -273,7 +282,7 @@ def _steady(
         of *= turn[:, : of.shape[1]]
         # of white noise, from the scatter of the harmonics between rows
         per_cycle = 2.0 * math.pi / (channel.omega * channel.dt)
-        noise = math.sqrt(float(np.median(_scatter(of, weights)[1:])) * 0.5 * per_cycle)
+        noise = math.sqrt(median(_scatter(of, weights)[1:]) * 0.5 * per_cycle)
         used = round(float(channel.weights.sum()))
         response = passed.get(q, np.ones(of.shape[1]))
         scale = _of_displacement(q, response.size, omega, k) / response
@@ -460,7 +469,7 @@ def _error(rows: Complexes, weights: Array) -> Array:
     """
     smooth = _scatter(rows, weights) / weights.sum()
     higher = np.concatenate([_NO_NEIGHBOURS, smooth[2:], _NO_NEIGHBOURS])
-    ordered = np.sort(np.lib.stride_tricks.sliding_window_view(higher, 5), axis=1)  # NaN last
+    ordered = np.sort(windows(higher, 5), axis=1)  # NaN last
     known, place = np.isfinite(ordered).sum(axis=1), np.arange(len(ordered))
     smooth[2:] = 0.5 * (ordered[place, (known - 1) // 2] + ordered[place, known // 2])
     floor = (_RELATIVE_FLOOR * abs(weighted_mean(rows, weights)[1])) ** 2
@@ -504,7 +513,7 @@ def converter_step(values: Array) -> float:
     """Step of the converter that some samples come from: the least difference of two values, where all values lie on a
     lattice of such steps; 0 where they do not, or where the steps are too fine to matter."""
     span = float(np.ptp(values))
-    steps = np.diff(np.unique(values))
+    steps = np.diff(np.sort(values))
     steps = steps[steps > _COPIES * span]
     if not steps.size or not (step := float(steps.min())) > _FINEST * span:
         return 0.0

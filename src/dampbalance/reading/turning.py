@@ -34,7 +34,7 @@ _REACHED = 1e-6  # rad: the next of Halley's steps would be some hundred times i
 class Series:
     """Harmonics of r means of a motion, x = Re Σ x_n e^{inωt}.
 
-    n : orders, the odd ones first, (h,).   x : m, (r, h).   variance : of each x_n as a complex number, m², (h,).
+    n : orders, the odd ones first, (h,).   x : m, (r, h).   variance : of each x_n as a complex number, m², (r, h).
     """
 
     n: Array
@@ -45,7 +45,7 @@ class Series:
     def symmetric(self) -> Series:
         """The odd harmonics: the part with x(t + T/2) = −x(t)."""
         odd = slice(np.count_nonzero(self.n % 2.0))
-        return Series(self.n[odd], self.x[:, odd], self.variance[odd])
+        return Series(self.n[odd], self.x[:, odd], self.variance[:, odd])
 
     @property
     def squares(self) -> Array:
@@ -58,7 +58,9 @@ class Series:
         Harmonic n needs the more of them the larger nδ is; up to 7, the rest is a tenth of that harmonic.
         """
         terms = powers(self.n, _POWERS) * _FACTORS * np.exp(1j * theta * self.n)[:, None]
-        return (self.x @ terms).real
+        # Re Σ x t = Σ Re x Re t − Im x Im t: half of a product of complex numbers
+        parts = np.stack([terms.real, -terms.imag], axis=1).reshape(-1, _POWERS)
+        return np.ascontiguousarray(self.x).view(np.float64) @ parts
 
     def mean_between(self, begin: float, end: float) -> Array:
         """Mean of x from one phase ωt to the other, rad, for each mean, (r,)."""
@@ -89,7 +91,7 @@ def upward_zero(series: Series, lag: Array) -> Array:
     mean = odd.x.mean(axis=0, keepdims=True)
     start, nothing = -np.angle(mean[:, 0]) - 0.5 * math.pi, np.zeros((1, _POWERS))
     centre = float(_zero(odd.n, mean, start, nothing, 0.0, _FAR)[0])
-    high = Series(odd.n[_SLOW:], odd.x[:, _SLOW:], odd.variance[_SLOW:]).around(centre)
+    high = Series(odd.n[_SLOW:], odd.x[:, _SLOW:], odd.variance[:, _SLOW:]).around(centre)
     return _zero(odd.n[:_SLOW], odd.x[:, :_SLOW], lag - 0.5 * math.pi, high, centre, _FAR)
 
 
@@ -124,7 +126,11 @@ def _end(series: Series, sign: float, rests: bool) -> tuple[Array, Array]:
     spectrum[series.n.astype(np.intp)] = sign * series.x.mean(axis=0)
     values = np.fft.irfft(spectrum) * (0.5 * _POINTS)
     highest = int(np.argmax(values))
-    rest = _rest(values, highest, math.sqrt(0.5 * series.variance.sum())) if rests else None
+    rest = (
+        _rest(values, highest, math.sqrt(0.5 * series.variance.sum() / len(series.x)))
+        if rests
+        else None
+    )
     if rest is not None:
         begin, end = (2.0 * math.pi / _POINTS * place for place in rest)
         return np.full(len(series.x), 0.5 * (begin + end)), sign * series.mean_between(begin, end)

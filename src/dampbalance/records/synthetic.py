@@ -19,7 +19,7 @@ from ..motion.orbit import Orbit
 from ..motion.sliders import SlidersOrbit
 from ..motion.transient import transient
 from .errors import LARGEST
-from .measurement import ABSOLUTE, QUANTITIES, Channel, Measurement
+from .measurement import ABSOLUTE, EXCITATIONS, QUANTITIES, RELATIVE, Channel, Measurement
 
 if TYPE_CHECKING:
     from ..law.response import LawOrbit
@@ -71,14 +71,7 @@ def measured_orbit(
         sampled = f"{cycles} cycles at {rate_hz:g} samples per second"
         raise ValueError(f"{sampled} are {count} samples; at least 2 are needed")
     t = start + np.arange(count) / rate_hz
-    state = orbit.state(t)
-    y = np.asarray(motion.y(t), dtype=np.float64)
-    driving = (y, -(motion.omega**2) * y, orbit.oscillator.k * y)
-    moved = (state.x, state.v, state.acceleration)
-    base = (y, -motion.omega * motion.Y * np.sin(motion.omega * t), driving[1])
-    relative = (x - of_base for x, of_base in zip(moved, base, strict=True))
-    clean = dict(zip(QUANTITIES, (*driving, *moved, *relative), strict=True))
-    measured = []
+    clean, measured = _clean(orbit, t, channels), []
     for quantity in channels:
         values, part = clean[quantity], parts.get(quantity, 0.0)
         if part > 0.0:
@@ -86,6 +79,23 @@ def measured_orbit(
             values = values + part * rms * random.standard_normal(count)
         measured.append(Channel(quantity, t, values))
     return Measurement.of(source or f"simulated, Y = {motion.Y:g} m", measured)
+
+
+def _clean(
+    orbit: Orbit | LawOrbit | SlidersOrbit, t: Array, channels: Sequence[str]
+) -> dict[str, Array]:
+    """The signals without noise, by quantity, of the channels asked for and those that come with them."""
+    motion, omega = orbit.motion, orbit.motion.omega
+    y = np.asarray(motion.y(t), dtype=np.float64)
+    clean = dict(zip(EXCITATIONS, (y, -(omega**2) * y, orbit.oscillator.k * y), strict=True))
+    if not clean.keys() >= set(channels):
+        state = orbit.state(t)
+        clean |= dict(zip(ABSOLUTE, (state.x, state.v, state.acceleration), strict=True))
+    if not clean.keys() >= set(channels):
+        base = (y, -omega * motion.Y * np.sin(omega * t), -(omega**2) * y)
+        relative = [clean[of] - of_base for of, of_base in zip(ABSOLUTE, base, strict=True)]
+        clean |= dict(zip(RELATIVE, relative, strict=True))
+    return clean
 
 
 def measured_ring_down(

@@ -13,12 +13,14 @@ from dampbalance.reading.turning import Series, turning_points, upward_zero
 def series(first: int, *harmonics: complex) -> Series:
     """Harmonics first, first + 2, … of one mean, without noise."""
     n = first + 2.0 * np.arange(len(harmonics))
-    return Series(n, np.array([harmonics], dtype=np.complex128).reshape(1, -1), np.zeros(n.size))
+    return Series(
+        n, np.array([harmonics], dtype=np.complex128).reshape(1, -1), np.zeros((1, n.size))
+    )
 
 
 def both(odd: Series, even: Series) -> Series:
     """A motion of the odd and the even harmonics."""
-    variance = np.concatenate([odd.variance, even.variance])
+    variance = np.concatenate([odd.variance, even.variance], axis=1)
     return Series(np.concatenate([odd.n, even.n]), np.hstack([odd.x, even.x]), variance)
 
 
@@ -49,7 +51,7 @@ def test_half_the_range_and_the_middle_of_the_turning_points(even):
 
 def test_each_mean_has_its_own():
     many = Series(ODD.n, ODD.x * np.array([[1.0], [2.0], [1.5]]), ODD.variance)
-    even = Series(np.array([2.0]), np.array([[0.1j], [0.2j], [-0.1]]), np.zeros(1))
+    even = Series(np.array([2.0]), np.array([[0.1j], [0.2j], [-0.1]]), np.zeros((1, 1)))
     motion = both(many, even)
     at, X = turning_points(motion, rests=True)
     for i in range(3):
@@ -107,7 +109,7 @@ def test_replicates_with_many_harmonics_turn_and_cross_zero_where_a_fine_search_
     scatter = 0.005 * (rng.standard_normal((40, 3)) + 1j * rng.standard_normal((40, 3)))
     drawn = np.tile(x, (40, 1))
     drawn[:, :3] += scatter / n[:3] ** 3
-    many = Series(n, drawn, np.zeros(n.size))
+    many = Series(n, drawn, np.zeros((1, n.size)))
     at, X = turning_points(many, rests=False)
     zero = upward_zero(many, -np.angle(drawn[:, 0]))
     for i in range(40):
