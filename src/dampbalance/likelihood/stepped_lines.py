@@ -33,7 +33,7 @@ from .mean_harmonics import Reading
 Contact = Literal["none", "one slider", "gradual"]
 
 _NODES, _BETWEEN = 32, 3  # of κ over ln r of a gradual contact; sliders from one node to the next
-_LOWEST = 1.0 / 3.0  # r of its first node, of the smallest amplitude
+_LOWEST = 0.1  # r of its first node, of the smallest amplitude, at which it is felt
 _RIGID, _PROFILE = 1e-3, 120  # smallest r of one slider, likewise; how many are tried
 # Differences of κ r^{−1/2} are penalised: κ of bolted joints grows with a power of r between 0.2 and 1.2.
 _GROWTH = 0.5
