@@ -436,6 +436,13 @@ class Estimate:
         """The rows of the fit."""
         return self.design.rows
 
+    def scatter(self, residual: bool) -> Array:
+        """Standard errors of the rows that its misfit shows, N/m, (2, n).   residual : whether R is an unknown."""
+        own, point = self.rows, self.point
+        used = np.count_nonzero(np.concatenate([point.linear, point.nodes])) + residual
+        left = own.measured(own.law(point) - own.mode.Z)
+        return _scatter(own, left, int(used) + (self.design.contact == "one slider"))
+
     def _part(self, kept: Mask) -> Design:
         return Design(self.rows[kept], self.design.contact, self.design.nodes)
 
@@ -510,10 +517,5 @@ def estimated(rows: Rows, contact: Contact, residual: bool, steps: int = _ITERAT
             found = found.smoothed()
             smoothing = found.smoothing
         if step < steps - 1:
-            own, point = found.rows, found.point
-            left = own.measured(own.law(point) - own.mode.Z)
-            used = int(np.count_nonzero(np.concatenate([point.linear, point.nodes])))
-            rows = replace(
-                rows, sigma=_scatter(own, left, used + (contact == "one slider") + residual)
-            )
+            rows = replace(rows, sigma=found.scatter(residual))
     return found
