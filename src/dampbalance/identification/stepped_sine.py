@@ -14,7 +14,7 @@ from typing import Any, ClassVar, Literal
 
 import numpy as np
 
-from ..arrays import Integers
+from ..arrays import Integers, Mask
 from ..balance import Rows
 from ..law.law import Law
 from ..law.terms import FRICTION, term
@@ -45,15 +45,15 @@ class SteppedOutcome(Identified):
     """The answers to tables of steady responses, and all that they come from.
 
     lines : of all tables.   table_of : index of the table that each belongs to, (n,).   fits : of each contact, by
-    name, the one to use first.   compared : which of them the lines support, where there are levels enough.   scaled :
-    whether all numbers follow the gains, none being held.
+    name, the one to use first.   compared : which of them the lines support, where there are levels enough.   by_base :
+    lines that a moving base drives, (n,).
     """
 
     lines: SteppedLines
     table_of: Integers
     fits: Mapping[str, ContactFit]
     compared: ContactComparison | None
-    scaled: bool
+    by_base: Mask
 
     kind: ClassVar[Mapping[str, str]] = {"kind": "stepped-sine"}
     mass_tests: ClassVar[bool] = False
@@ -126,20 +126,27 @@ class SteppedOutcome(Identified):
         return levels
 
     def shifts(self, faults: Mapping[str, Fault], name: str) -> dict[str, dict[str, float]]:
-        """What gains do to an answer, where all numbers are free to follow: forces go with that of the drive, motions
-        with that of the response, and an exact law of scales says how each number does. With k or m held there is no
-        such law, except for the stiffness of a table of base motions, which scales all forces."""
+        """What faults do to an answer: half the difference of the fits to lines with the fault and with its opposite,
+        whatever is given staying as it is. The force of a base that moves follows the stiffness."""
+        fit, omega = self.fits[name], self.lines.omega
+        held = {"k": self.k} if "k" in fit.design.rows.given else {}
 
-        def shift(symbol: str, fault: Fault) -> float:
-            order = 1.0 if symbol in ("K_z", "m") else term(symbol).order
-            if not self.scaled:
-                return fault.stiffness
-            return fault.drive - order * fault.response
+        def of(fault: Fault, sign: float) -> dict[str, float]:
+            drive, X, k = (1.0 + sign * e for e in (fault.drive, fault.response, fault.stiffness))
+            lag = np.exp(1j * sign * (fault.late * omega + fault.angle))
+            force = drive * np.where(self.by_base, k, 1.0)
+            return fit.changed(
+                force / X * lag, X, **{symbol: k * of for symbol, of in held.items()}
+            )
 
-        return {
-            fault: {symbol: shift(symbol, of) for symbol in self.estimates[name].parameters}
-            for fault, of in faults.items()
-        }
+        shifts = {}
+        for what, fault in faults.items():
+            less, more = of(fault, -1.0), of(fault, 1.0)
+            own = {
+                s: less[s] + more[s] for s in (*self.estimates[name].parameters, "m") if s in more
+            }
+            shifts[what] = {s: (more[s] - less[s]) / both for s, both in own.items() if both}
+        return shifts
 
     @property
     def pictures(self) -> dict[str, Picture]:
@@ -222,7 +229,7 @@ def identify_tables(
         table_of=table_of,
         fits=fits,
         compared=compared,
-        scaled=k is None and options["mass"] is None and not law.given,
+        by_base=~np.array([of.table is not None and of.table.by_force for of in tables])[table_of],
     )
 
 

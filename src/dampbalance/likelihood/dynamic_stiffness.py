@@ -23,6 +23,7 @@ from .stepped_lines import Misfit as Misfit
 from .stepped_lines import SteppedLines as SteppedLines
 from .stepped_lines import lines_of as lines_of
 
+_REPEATS = 3  # of the errors of changed lines, which start from those of the fit
 _FIRST_ERROR = 0.05  # of Z, where the iteration of errors starts
 _ALIKE = 1.05  # of amplitudes: closer ones count as one
 _SINGULAR = 1e-7  # smallest singular value of columns of length one
@@ -82,7 +83,7 @@ class ContactFit:
     smoothing: float
     chosen_by: str
     shown: tuple[float, float] | None
-    stiffness_given: float | None = field(repr=False)
+    design: Design = field(repr=False)
     draws: _Draws = field(repr=False)
 
     @property
@@ -128,6 +129,36 @@ class ContactFit:
         omega = np.broadcast_to(np.asarray(omega, dtype=np.float64), X.shape)
         return self._band(X, omega, ("k", "k_3", "m"), lambda Z: Z.real)
 
+    @one_thread
+    def changed(self, Z: Complexes, X: float = 1.0, **given: float) -> dict[str, float]:
+        """Unknowns, K_z and F_k of the fit with the same smoothing to other lines, by name.
+
+        Use it for what gains, phases and given values do to an answer.
+
+        Z, X : factors of each Z, (n,), and of all amplitudes.   given : values instead of those that are given.
+        """
+        own, size, residual = self.design.rows, np.abs(Z), "R" in self.values
+        known, cycle = {**own.given, **given}, own.lines.cycle
+        cycle = None if cycle is None else X * cycle
+        rows = replace(
+            own,
+            lines=replace(own.lines, X=X * own.lines.X, Z=Z * own.lines.Z, cycle=cycle),
+            given=known,
+            stiffness=own.stiffness and known["k"],
+            sigma=size * own.sigma,
+            R=own.R / float(np.mean(size)),
+        )
+        design = replace(self.design, rows=rows, nodes=X * self.design.nodes)
+        for _ in range(_REPEATS):
+            found = Estimate(design, design.solve(rows.target, self.smoothing), self.smoothing)
+            rows = replace(rows, sigma=found.scatter(residual))
+            found = replace(found, design=replace(design, rows=rows))
+            design = _with_R(found) if residual else found.design
+        point, largest = design.solve(rows.target, self.smoothing), rows.mode.reach.max()
+        slips = Sliders(*(of[point.r < largest] for of in (point.r, point.kappa)))
+        free = dict(zip(rows.free, point.linear.tolist(), strict=True))
+        return free | {"K_z": slips.K_z, "F_k": slips.F_k}
+
     def _inside(self, X: Array | float) -> Array:
         X = np.atleast_1d(np.asarray(X, dtype=np.float64))
         low, high = self.X_range
@@ -143,7 +174,7 @@ class ContactFit:
         self, X: Array, omega: Array, names: Sequence[str], of: Callable[[Complexes], Array]
     ) -> Band:
         names = [name for name in names if name in self.values]
-        parts = np.array([column(name, omega, X, self.stiffness_given) for name in names])
+        parts = np.array([column(name, omega, X, self.design.rows.stiffness) for name in names])
         drawn = self.draws
         given = {name: np.full(len(drawn.r), self.values[name]) for name in names}
         values = np.array(
@@ -293,7 +324,7 @@ def _fitted(
         found.smoothing,
         found.chosen_by,
         _of_k(found, residual),
-        rows.stiffness,
+        design,
         draws,
     )
 

@@ -33,7 +33,7 @@ from .mean_harmonics import Reading
 Contact = Literal["none", "one slider", "gradual"]
 
 _NODES, _BETWEEN = 32, 3  # of κ over ln r of a gradual contact; sliders from one node to the next
-_LOWEST = 1.0 / 3.0  # r of its first node, of the smallest amplitude
+_LOWEST = 0.1  # r of its first node, of the smallest amplitude, at which it is felt
 _RIGID, _PROFILE = 1e-3, 120  # smallest r of one slider, likewise; how many are tried
 # Differences of κ r^{−1/2} are penalised: κ of bolted joints grows with a power of r between 0.2 and 1.2.
 _GROWTH = 0.5
@@ -436,6 +436,13 @@ class Estimate:
         """The rows of the fit."""
         return self.design.rows
 
+    def scatter(self, residual: bool) -> Array:
+        """Standard errors of the rows that its misfit shows, N/m, (2, n).   residual : whether R is an unknown."""
+        own, point = self.rows, self.point
+        used = np.count_nonzero(np.concatenate([point.linear, point.nodes])) + residual
+        left = own.measured(own.law(point) - own.mode.Z)
+        return _scatter(own, left, int(used) + (self.design.contact == "one slider"))
+
     def _part(self, kept: Mask) -> Design:
         return Design(self.rows[kept], self.design.contact, self.design.nodes)
 
@@ -510,10 +517,5 @@ def estimated(rows: Rows, contact: Contact, residual: bool, steps: int = _ITERAT
             found = found.smoothed()
             smoothing = found.smoothing
         if step < steps - 1:
-            own, point = found.rows, found.point
-            left = own.measured(own.law(point) - own.mode.Z)
-            used = int(np.count_nonzero(np.concatenate([point.linear, point.nodes])))
-            rows = replace(
-                rows, sigma=_scatter(own, left, used + (contact == "one slider") + residual)
-            )
+            rows = replace(rows, sigma=found.scatter(residual))
     return found
