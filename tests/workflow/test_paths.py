@@ -37,7 +37,12 @@ def odd(tmp_path):
 
 def make(folder, *arguments, **environment):
     """What `make` does in a folder: (the run, the arguments of each call of its Python)."""
-    given = ("PYTEST_ARGS", "CONFIG", "WITH", "ARCHIVE")  # to the run of make that these tests may be part of
+    given = (
+        "PYTEST_ARGS",
+        "CONFIG",
+        "WITH",
+        "ARCHIVE",
+    )  # to the run of make that these tests may be part of
     handed_down = dict.fromkeys(n for n in os.environ if n.startswith("MAKE") or n in given)
     command = ("make", "--no-print-directory", *arguments)
     done = run(*command, folder=folder, timeout=60, **handed_down | environment)

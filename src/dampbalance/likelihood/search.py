@@ -275,9 +275,12 @@ def _starts(part: Decay, burst: Burst, lead: Signal, k: float) -> Array:
 
 
 def _longer(fit: RingFit, part: Decay) -> RingFit | None:
-    """The fit of a longer part, from a shorter one on, or from the contact on which it rings."""
+    """The fit of a longer part, from a shorter one on, or from the contact on which it rings; None where the mass comes
+    to rest after too few samples."""
     w = {fit.point.size - 1}
     part = _without_ringing(fit, part)
+    if part.samples < _LEAST:
+        return None
     best = _refit(fit, part, given=w)
     for K_z in _rings(best or fit, part):
         start = (best or fit).point.copy()

@@ -11,6 +11,8 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
+from blind.decays import draw, record
+from dampbalance.identification.decays import identify_ring_downs
 from dampbalance.likelihood.decay import COMMON, Decay, RingFit, fit_decays, with_intervals
 from dampbalance.likelihood.search import _before, _grown, _until_grasped, minima_of
 from dampbalance.motion.jit import interpreted
@@ -195,3 +197,12 @@ def test_a_decay_ends_where_a_hand_holds_the_mass_that_rang(grasped):
     else:
         # the ringing, of a few times the noise, tells the instant to some samples
         assert found.decays[0].end == pytest.approx(grasped * HALF, abs=0.3 * HALF)
+
+
+def test_a_mass_that_rests_at_once_is_no_longer_decay():
+    """Three plucks of hardly more than the noise: what starts there may stick after its first sample."""
+    plucked = draw(151, 1795560035)
+    measured, _ = record(plucked, 1795560035)
+    with interpreted(False):
+        found = identify_ring_downs([measured], plucked.k)
+    assert found.intervals["F_k"][0] < plucked.F_k < found.intervals["F_k"][1]
