@@ -10,7 +10,7 @@ each against the F distribution with its degrees of freedom. The p-value of a la
 A law without friction is tested with a friction force too small to show. Laws are rejected by Holm's procedure, which
 keeps the probability of rejecting any true law, superfluous terms or not, below `ALPHA`. The smallest law that is not
 rejected is the answer; it has a superfluous term with a probability below `ALPHA`. Where the waveforms reject every
-law, the balance alone decides.
+law, the balance decides, and of laws with the same loss those are kept that have the stiffness of the records.
 """
 
 from __future__ import annotations
@@ -27,6 +27,7 @@ from ..balance import APPROACHES, Rows
 from ..law.law import Law
 from ..law.terms import FRICTION, KNOWN_TERMS, in_order, term
 from ..likelihood.base_harmonics import settled
+from ..likelihood.dynamic_stiffness import as_good
 from ..likelihood.mean_harmonics import Means, Reading
 from ..likelihood.steady_search import fit_quickly, with_mass
 from ..likelihood.waveforms import WaveformFit
@@ -62,7 +63,7 @@ class LawTest:
 
     terms : of the law.   coefficients : by key, (value, standard error), SI units.   tests : those that count, by name,
     "balance" and "waveforms"; None where there is no such motion.   rejected, rejected_by_balance : by all of these, by
-    the balance alone.
+    the balance alone.   in_phase : squares of what the waveforms leave of each record's stiffness, in standard errors.
     """
 
     terms: tuple[str, ...]
@@ -72,6 +73,7 @@ class LawTest:
     )
     rejected: bool = True
     rejected_by_balance: bool = True
+    in_phase: tuple[float, ...] = ()
 
     @property
     def balance(self) -> Probability | None:
@@ -111,7 +113,8 @@ class LawComparison:
     tests : of each law.
     chosen : terms of the smallest law that is not rejected; None where all are.
     by_balance : whether the waveforms reject every law, so that the balance alone decides.
-    alike : other laws as small that are not rejected.
+    alike : other laws as small that are not rejected.   by_stiffness : those that the balance does not reject, and that
+    do not have the stiffness of the records, while the chosen one has.
     left_out : terms that these records cannot distinguish from others, and why.
     remedy : what tells laws that are alike apart.   caution : what the tests take for granted, and does not hold.
     """
@@ -121,6 +124,7 @@ class LawComparison:
     by_balance: bool
     alike: tuple[tuple[str, ...], ...]
     left_out: str
+    by_stiffness: tuple[tuple[str, ...], ...] = ()
     remedy: str = "add records at other amplitudes or another frequency"
     caution: str = ""
 
@@ -150,6 +154,12 @@ class LawComparison:
         if self.alike:
             others = " or ".join(words_of(terms) for terms in self.alike)
             sentences.append(f"they do not distinguish it from {others}: {self.remedy}")
+        if self.by_stiffness:
+            others = " or ".join(words_of(terms) for terms in self.by_stiffness)
+            sentences.append(
+                f"the loss alone does not distinguish it from {others}: the in-phase rows, the stiffness against the "
+                "amplitude, do"
+            )
         return sentences
 
     def _nothing_fits(self) -> str:
@@ -177,6 +187,7 @@ class LawComparison:
             "chosen": self.chosen,
             "by": self.by,
             "not_told_apart": self.alike,
+            "told_apart_by_stiffness": self.by_stiffness,
             "chance_to_reject_a_true_law": ALPHA,
             "words": self.words(),
             "tested": [test.document() for test in self.tests],
@@ -192,6 +203,7 @@ def words_of(terms: Sequence[str]) -> str:
 _NO_FORCE = 1e-9  # of k times the smallest base motion: a friction force that stands for none
 _SURE = 1e-9  # probability of a balance below which the waveforms are not asked
 _REPEATS = 4  # of generalised least squares, since its covariance depends on the solution
+_APART = 4.0  # of squares of in-phase misfits in standard errors: less is noise
 _ALIKE = 1.001  # of frequencies: closer ones count as one
 
 
@@ -288,9 +300,27 @@ def chosen_of(tests: Sequence[LawTest], left_out: str, **more: Any) -> LawCompar
         kept = [e for e in kept if e.balance is not None]
     smallest = [e for e in kept if len(e.terms) == min(len(k.terms) for k in kept)]
     smallest.sort(key=lambda e: -e.p_of(*["balance"] * by_balance))
+    if by_balance:  # none has the waveforms: the stiffness is the second witness
+        best = min(smallest, key=lambda e: float(np.mean(e.in_phase or math.inf)), default=None)
+        smallest = [e for e in smallest if best is None or _as_stiff(e, best)]
     found = [e.terms for e in smallest]
     chosen, alike = (found[0], tuple(found[1:])) if found else (None, ())
+    by_stiffness = [
+        e.terms
+        for e in tests
+        if e.balance is not None
+        and not (e.rejected_by_balance or e in smallest)
+        and len(e.terms) == len(chosen or ())
+        and not _as_stiff(e, smallest[0])
+    ]
+    more["by_stiffness"] = tuple(by_stiffness)
     return LawComparison(tuple(tests), chosen, by_balance and bool(kept), alike, left_out, **more)
+
+
+def _as_stiff(test: LawTest, best: LawTest) -> bool:
+    """Whether a law has the stiffness of the records as well as another does, or none was fitted to tell."""
+    a, b = np.array(test.in_phase), np.array(best.in_phase)
+    return a.size != b.size or a.size < 2 or as_good(a, b) or float(np.mean(a - b)) < _APART
 
 
 def _tested(
@@ -316,7 +346,8 @@ def _tested(
         return LawTest(terms, coefficients, {"balance": balance})
     p = probability(fit.chi_square, fit.freedom, fit.lines)
     waveforms = Probability(fit.chi_square, fit.freedom, p)
-    return LawTest(terms, coefficients, {"balance": balance, "waveforms": waveforms})
+    tests = {"balance": balance, "waveforms": waveforms}
+    return LawTest(terms, coefficients, tests, in_phase=tuple(fit.in_phase.tolist()))
 
 
 def _generalised(

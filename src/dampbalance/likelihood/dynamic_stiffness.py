@@ -380,8 +380,14 @@ class ContactTrial:
 
     def as_good_as(self, other: ContactTrial, which: str = "score") -> bool:
         """Whether levels are predicted as well, within one standard error of the difference."""
-        worse = self.scores(which) - other.scores(which)
-        return float(np.mean(worse)) <= float(np.std(worse, ddof=1)) / math.sqrt(worse.size)
+        return as_good(self.scores(which), other.scores(which))
+
+
+def as_good(scores: Array, others: Array) -> bool:
+    """Whether the misfits of a law to levels are no larger than another's, within one standard error of the difference
+    over levels."""
+    worse = scores - others
+    return float(np.mean(worse)) <= float(np.std(worse, ddof=1)) / math.sqrt(worse.size)
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,8 +16,10 @@ from dampbalance.identification.forced import identify_readings
 from dampbalance.identification.law_comparison import _rejected, compare_laws
 from dampbalance.law.law import Law
 from dampbalance.law.response import law_orbit
+from dampbalance.likelihood.mean_harmonics import read_features
 from paper_case import PAPER
 from unit.identification.levels import identified, read
+from unit.identification.test_gradual import records_on
 
 AT = [(hz, Y) for hz in (3.5, 7.0) for Y in (0.003, 0.006, 0.012)]
 FEW = [(hz, Y) for hz, Y in AT if Y != 0.006]  # a search among laws takes as long as it has records
@@ -188,6 +190,38 @@ def test_a_law_without_friction_is_the_smallest_where_there_is_none():
     (viscous,) = [e for e in compared.tests if e.terms == ("c",)]
     value, error = viscous.coefficients["c"]
     assert abs(value - linear.c) < 4.0 * error
+
+
+def test_laws_of_the_same_loss_are_told_apart_by_the_stiffness_or_called_alike():
+    """Three levels of a soft contact and 10 % of noise: their loss is that of two dampers, too, and these have no
+    stiffness that falls with the amplitude; of friction with one damper, nothing says which."""
+    soft = replace(PAPER, K_z=4000.0, F_k=5.0, c=5.0)
+    levels = [(3.5, Y) for Y in (0.006, 0.008, 0.01)]
+    compared = compare_laws(readings(soft, {}, at=levels, noise=0.1), soft.k, replicates=100)
+    dampers = ("c", "c_r")
+    assert compared.by_stiffness == (dampers,)
+    assert {*compared.alike, compared.chosen} == {("F_k", s) for s in ("c", "c_r", "c_2", "c_3")}
+    tests = {e.terms: e for e in compared.tests}
+    assert not tests[dampers].rejected_by_balance
+    for law in (*compared.alike, compared.chosen):
+        assert np.mean(tests[law].in_phase) < 4.0 < np.mean(tests[dampers].in_phase)
+    said = " ".join(compared.words())
+    assert "the loss alone does not distinguish it from viscous damping" in said
+    assert compared.document()["told_apart_by_stiffness"] == (dampers,)
+
+
+def test_the_stiffness_counts_where_no_law_has_the_waveforms():
+    """A contact that yields gradually: the waveforms reject every law, and the balance keeps one without its
+    stiffness."""
+    soft = replace(PAPER, K_z=20_000.0)
+    records = [read_features(one, soft.k) for one in records_on(soft, "Bouc–Wen, n = 1", 1e-3, 1)]
+    compared = compare_laws(records, soft.k, replicates=200)
+    assert compared.by_balance
+    other = ("F_k", "c_r", "c_2")
+    assert compared.by_stiffness == (other,)
+    assert not next(e for e in compared.tests if e.terms == other).rejected_by_balance
+    # both at zero, c_2 and c_3 are one law
+    assert {("F_k", "c", "c_2"), ("F_k", "c", "c_3")} <= {compared.chosen, *compared.alike}
 
 
 def test_structural_damping_is_not_tried_at_one_frequency():
