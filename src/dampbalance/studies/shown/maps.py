@@ -226,7 +226,8 @@ def _draw(
         drawn = axes.contour(x.centres, y.centres, smooth, [*crossed], **look)
         drawn.set_path_effects(_HALO)
         look = {"fontsize": 6.0, "inline_spacing": 1.0, "fmt": lambda level: minus(f"{level:g} %")}
-        for label in axes.clabel(drawn, **look):
+        labels: list[Any] = [*axes.clabel(drawn, **look)]
+        for label in labels:
             label.set_path_effects(_HALO)
             box, at = label.get_window_extent(), axes.transData.transform(label.get_position())
             inside = at + np.maximum(axes.bbox.min - box.min, 0.0)  # so that the frame cuts none

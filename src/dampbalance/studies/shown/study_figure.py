@@ -204,14 +204,16 @@ def _curve_style(approach: str, number: int, second: bool, few: bool) -> dict[st
 
 
 def _x_axis(axes: Axes, name: str, places: Array, last: bool) -> None:
-    margin, whole = 0.0, PARAMETERS[name].whole
-    if whole and len(places) <= FEW:
+    (low, high), few = places[[0, -1]], len(places) <= FEW  # marks at the ends are shown whole
+    if PARAMETERS[name].whole and few:
         axes.set_xticks(places)
         axes.minorticks_off()
-        margin = 0.4
-    elif not whole and is_logarithmic(places):
-        logarithmic_ticks(axes, "x", places[0], places[-1], ends=last)
-    axes.set_xlim(places[0] - margin, places[-1] + margin)
+        low, high = low - 0.4, high + 0.4
+    elif not PARAMETERS[name].whole and is_logarithmic(places):
+        logarithmic_ticks(axes, "x", low, high, ends=last)
+        room = (high / low) ** 0.03 if few else 1.0
+        low, high = low / room, high * room
+    axes.set_xlim(low, high)
 
 
 def _marks(axes: Axes, study: Study, label: bool, factor: float = 1.0) -> None:
