@@ -59,7 +59,7 @@ kit.instrument('off_resonance', (it) => {
       if (!Number.isFinite(a + b + W)) return;
       const at = (F) => (W - a * F) / b;
       plane.line(x.map((F) => [F, at(F)]), 'level');
-      const place = Math.min(x[1], (W - b * y[0]) / a) - (0.05 + 0.09 * (i % 2)) * (x[1] - x[0]); // before it leaves the picture
+      const place = Math.min(x[1], (W - b * y[0]) / a) - (0.07 + 0.1 * (i % 2)) * (x[1] - x[0]); // before it leaves the picture
       plane.text(place, at(place), `${millimetres(responses[i])} mm`, { dy: 4, 'text-anchor': 'middle', class: 'tag' });
     });
     for (const [look, one] of estimates) plane.dot(one.F_k, one.c, 'fit', look.shape, `fill:${look.colour}`);
