@@ -68,4 +68,4 @@ def visit(browser):
     for context in contexts:
         context.close()
     assert failed == []
-    assert [url for url in asked if not url.startswith(("file:", "data:"))] == []
+    assert [url for url in asked if not url.startswith(("file:", "data:", "blob:"))] == []

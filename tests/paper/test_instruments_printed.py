@@ -11,6 +11,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+import redraws
 from dampbalance import steady_orbit
 from dampbalance.balance import APPROACHES
 from dampbalance.features import of_orbit, stack
@@ -98,6 +99,15 @@ def test_other_schemes_miss_print_as_in_python(opened, schemes, scheme, coeffici
             off = got[number.text].replace("−", "-").replace("·10", "e")
             off = off.translate(str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹", "0123456789"))
             assert float(off) == pytest.approx(units, rel=0.05, abs=0.06)  # two digits are shown
+
+
+@pytest.mark.slow
+def test_the_page_answers_while_it_simulates(opened, browser):
+    """A level takes 0.1 s and more with the shortest step: as long no task of the page may take."""
+    page = opened("integrator")
+    tasks = [*redraws.frames(browser, page.locator("#integrator-step"), 3)]
+    assert len(tasks) > 2 * len(CASE.levels_m)  # something is shown after each level
+    assert max(processor for _, processor in tasks) < 80.0
 
 
 @pytest.mark.slow

@@ -18,7 +18,8 @@ from .style import DOUBLE_COLUMN, FAINT, GRID, MM, page, place
 
 RIGHT, TOP, ROW_GAP, COLUMN_GAP = 3.0, 8.0, 4.0, 3.5  # mm
 ENTRIES = 7  # of a legend that fit into a line
-APART = 2.0  # points, at least, between labels
+APART, ASIDE = 2.0, 6.0  # points, at least, between labels, and between those of two panels
+ROOM = 1.4  # ratio by which a signed axis goes beyond its last power of ten, so that no mark is cut there
 CLEAR = 6.5  # points from the frame to labels along x, below the lowest one along y
 LINEAR_SHARE = 0.2  # of the linear part of a signed axis, the width of the asinh: there it takes as much as a decade
 NAMED = 10  # labels of an axis that fit one above the other
@@ -105,11 +106,15 @@ def clear_labels(row: Sequence[Axes]) -> None:
     """Leave out labels along x that would touch others, of the same panel or the next, or the edge of the page."""
     figure: Any = row[0].figure
     figure.draw_without_rendering()
-    apart, limit = APART / 72.0 * figure.dpi, figure.bbox.width
+    apart, aside = (points / 72.0 * figure.dpi for points in (APART, ASIDE - APART))
+    limit = figure.bbox.width
     for axes in reversed(row):
         axes.tick_params(axis="x", pad=CLEAR)
         low, high = axes.get_xlim()
-        ticks = [tick for tick in axes.xaxis.get_major_ticks() if low <= tick.get_loc() <= high]
+        end = high + 1e-9 * (
+            high - low
+        )  # an edge that was computed may lie just below the tick at it
+        ticks = [tick for tick in axes.xaxis.get_major_ticks() if low <= tick.get_loc() <= end]
         ticks = [tick for tick in ticks if tick.label1.get_text()]
         boxes = [tick.label1.get_window_extent() for tick in ticks]
         every = next(
@@ -122,7 +127,7 @@ def clear_labels(row: Sequence[Axes]) -> None:
             texts = [t.label1.get_text() if i in shown else "" for i, t in enumerate(ticks)]
             axes.set_xticks([tick.get_loc() for tick in ticks], texts)
             axes.set_xlim(low, high)
-        limit = boxes[shown[0]].x0 if shown else axes.bbox.x0
+        limit = (boxes[shown[0]].x0 if shown else axes.bbox.x0) - aside
 
 
 def signed_axis(axes: Axes, scale: SignedScale) -> None:
@@ -130,7 +135,7 @@ def signed_axis(axes: Axes, scale: SignedScale) -> None:
     axes.set_yscale(
         "asinh", linear_width=LINEAR_SHARE * scale.linear
     )  # to ±linear as far as a decade
-    axes.set_ylim(scale.low, scale.high)
+    axes.set_ylim(ROOM * scale.low, ROOM * scale.high)
     ticks = scale.ticks
     every = math.ceil(len(ticks) / NAMED)
     named = {0.0, *(tick for tick in ticks if tick and _steps(tick, scale) % every == 0)}

@@ -58,10 +58,8 @@ def instruments_data(
     if claims is not None:
         data["integrator"] = _integrator(case, claims)
     if claims is not None and digits:
-        rows = claims.set_index("id")
-        names = {
-            name: _name(*rows.loc[name, ["where", "quantity"]].tolist()) for name in digits["was"]
-        }
+        rows = claims.set_index("id").loc[list(digits["was"]), ["where", "quantity"]]
+        names = {name: _name(*row) for name, *row in rows.itertuples()}
         looks = [(verdict.css, verdict.mark) for verdict in VERDICTS.values()]
         data["digits"] = {**digits, "looks": looks, "names": names, "parts": PARTS}
     return data
@@ -70,11 +68,9 @@ def instruments_data(
 def _integrator(case: Case, claims: pd.DataFrame) -> dict[str, Any]:
     """The data of `integrator.js`."""
     numerics = case.numerics
-    printed: dict[str, dict[str, str]] = {}
-    for symbol in (quantity.symbol for quantity in (*TABLE_2, *UNKNOWNS)):
-        rows = claims[claims["id"].str.startswith(of_cell("table2", symbol))]
-        places = rows["id"].str.rpartition(".")[2]
-        printed[symbol] = dict(zip(places, rows["printed"], strict=True))
+    symbols = [quantity.symbol for quantity in (*TABLE_2, *UNKNOWNS)]
+    rows = {s: claims[claims["id"].str.startswith(of_cell("table2", s))] for s in symbols}
+    pairs = rows["F_k"]["id"].str.rpartition(".")[2].str.split("-")
     step = float(f"{1e6 * numerics.step_s:.12g}")
     return {
         "schemes": [
@@ -91,8 +87,8 @@ def _integrator(case: Case, claims: pd.DataFrame) -> dict[str, Any]:
         "rounded": coefficients(case),
         "stops": sorted({*STOPS_US, step}),
         "omega": case.omega(next(iter(case.frequencies_hz))),
-        "printed": {symbol: list(of.values()) for symbol, of in printed.items()},
-        "pairs": [[int(level) - 1 for level in label.split("-")] for label in printed["F_k"]],
+        "printed": {symbol: of["printed"].tolist() for symbol, of in rows.items()},
+        "pairs": [[int(level) - 1 for level in pair] for pair in pairs],
     }
 
 

@@ -113,7 +113,7 @@ def error_map(study: Study, cases: str | Path) -> Figure:
         axes.tick_params(labelbottom=covered[-1] == len(rows) - 1, labelleft=column == 0)
         lowest[column] = axes  # the last row comes last
         if covered[0] == 0:
-            axes.set_title(in_maths(label_of(fit.approach)), pad=11.0)
+            axes.set_title(in_maths(label_of(fit.approach)), pad=14.0)  # above what the panel shows
         if column == 0:
             panels.name_row(axes, PARAMETERS[names[1]].label)
         # what the panel shows, as far as others of its column show something else
@@ -226,5 +226,10 @@ def _draw(
         drawn = axes.contour(x.centres, y.centres, smooth, [*crossed], **look)
         drawn.set_path_effects(_HALO)
         look = {"fontsize": 6.0, "inline_spacing": 1.0, "fmt": lambda level: minus(f"{level:g} %")}
-        for label in axes.clabel(drawn, **look):
+        labels: list[Any] = [*axes.clabel(drawn, **look)]
+        for label in labels:
             label.set_path_effects(_HALO)
+            box, at = label.get_window_extent(), axes.transData.transform(label.get_position())
+            inside = at + np.maximum(axes.bbox.min - box.min, 0.0)  # so that the frame cuts none
+            inside -= np.maximum(box.max - axes.bbox.max, 0.0)
+            label.set_position(axes.transData.inverted().transform(inside))

@@ -193,6 +193,9 @@ def _curve_style(approach: str, number: int, second: bool, few: bool) -> dict[st
     look = look_of(approach)
     style: dict[str, Any] = {"color": look.colour, "marker": look.marker, "mew": 0.7}
     style |= {"lw": look.width, "ms": 3.2, "ls": DASHED if second else "-"}
+    style |= {
+        "zorder": 3.0 - 0.1 * look.width
+    }  # wide ones below narrow ones that coincide with them
     style |= {"mfc": PAPER if second else look.colour}
     if not few:  # with an edge, which keeps them visible on curves that coincide
         edge = look.colour if second else PAPER
@@ -201,14 +204,16 @@ def _curve_style(approach: str, number: int, second: bool, few: bool) -> dict[st
 
 
 def _x_axis(axes: Axes, name: str, places: Array, last: bool) -> None:
-    margin, whole = 0.0, PARAMETERS[name].whole
-    if whole and len(places) <= FEW:
+    (low, high), few = places[[0, -1]], len(places) <= FEW  # marks at the ends are shown whole
+    if PARAMETERS[name].whole and few:
         axes.set_xticks(places)
         axes.minorticks_off()
-        margin = 0.4
-    elif not whole and is_logarithmic(places):
-        logarithmic_ticks(axes, "x", places[0], places[-1], ends=last)
-    axes.set_xlim(places[0] - margin, places[-1] + margin)
+        low, high = low - 0.4, high + 0.4
+    elif not PARAMETERS[name].whole and is_logarithmic(places):
+        logarithmic_ticks(axes, "x", low, high, ends=last)
+        room = (high / low) ** 0.03 if few else 1.0
+        low, high = low / room, high * room
+    axes.set_xlim(low, high)
 
 
 def _marks(axes: Axes, study: Study, label: bool, factor: float = 1.0) -> None:
@@ -246,6 +251,9 @@ def error_of_steps(study: Study, cases: str | Path) -> Figure:
             those = those[np.argsort(h[those])]
             style: dict[str, Any] = {"color": look.colour, "marker": look.marker, "lw": 0.7}
             style |= {"ms": 3.4, "mfc": "white", "mew": 0.7}
+            style |= {
+                "zorder": 3.0 - 0.1 * len(handles)
+            }  # the diamond below the cross, which it would hide
             axes.plot(1e6 * h[those], errors[those], gid=label, **style)
             handles.append(Line2D([], [], label=label, **style))
     logarithmic_ticks(axes, "x", 1e6 * steps[0], 1e6 * steps[-1])

@@ -53,30 +53,25 @@ async function loadEngine(bytes) {
   function steady(parameters) {
     const par = numbers(parameters);
     const { regime, count, phases, theta } = orbit(par);
-    const features = { regime: REGIMES[regime], Z_m: parameters.F_k / parameters.K_z };
     const read = count && call("measure", phases.argument, BigInt(count), theta, par);
-    MEASURES.forEach((name, i) => { features[name] = count ? read.getFloat64(8 * i, true) : NaN; });
-    return { ...features, phi_fundamental: features.phi_1 };
+    const measured = Object.fromEntries(MEASURES.map((name, i) => [name, count ? read.getFloat64(8 * i, true) : NaN]));
+    return { regime: REGIMES[regime], Z_m: parameters.F_k / parameters.K_z, ...measured, phi_fundamental: measured.phi_1 };
   }
 
   // One period from the reversal at −X on, both ends included; t counts from that reversal.
   function cycle(parameters, points) {
     const par = numbers(parameters);
     const { count, phases, theta } = orbit(par);
-    const rows = Object.fromEntries(["t", "y", "x", "v", "acceleration", "z"].map((name) => [name, new Float64Array(points)]));
     const half = Math.PI / parameters.omega;
     const mirrored = (i) => 2 * i >= points - 1;
-    rows.t.forEach((_, i) => { rows.t[i] = 2 * half * i / (points - 1); });
+    const t = Float64Array.from({ length: points }, (_, i) => 2 * half * i / (points - 1));
     const times = array(points);
-    times.view().set(rows.t.map((t, i) => (mirrored(i) ? t - half : t)));
+    times.view().set(t.map((at, i) => (mirrored(i) ? at - half : at)));
     phases.argument[5] = BigInt(count);
     const out = Number(call("states_in_phases", times.argument, phases.argument, theta, par).getUint32(24, true));
     const states = new Float64Array(kernels.memory.buffer, out, STATE_ROWS * points);
-    ["x", "v", "acceleration", "z"].forEach((name, row) => {
-      for (let i = 0; i < points; i++) rows[name][i] = (mirrored(i) ? -1 : 1) * states[row * points + i];
-    });
-    rows.t.forEach((t, i) => { rows.y[i] = parameters.Y * Math.cos(theta + parameters.omega * t); });
-    return rows;
+    const [x, v, acceleration, z] = [0, 1, 2, 3].map((row) => t.map((_, i) => (mirrored(i) ? -1 : 1) * states[row * points + i]));
+    return { t, x, v, acceleration, z, y: t.map((at) => parameters.Y * Math.cos(theta + parameters.omega * at)) };
   }
 
   // The fixed-step simulation from rest, its last three cycles read as the as-published route reads them: a, b, W and

@@ -27,30 +27,23 @@ const integrator = (() => {
     const MARKS = { all: ['✓', 'every digit'], near: ['≈', 'near'], off: ['', ''], none: ['', ''] };
     const svg = it.drawing('.distances', 250);
     const known = new Map(); // simulations that were done
-    let [wanted, levels] = ['', []];
-
-    // A level at a time, so that controls answer meanwhile.
-    function next(key, values) {
-      if (key !== wanted) return;
-      if (levels.length < set.levels.length) {
-        const [{ scheme, step, coefficients, cycles }, Y, slip_samples] = [values, ...[set.levels, recipe.slip_samples].map((all) => all[levels.length])];
-        const kept = coefficients === 'rounded' ? rounded : {};
-        levels.push(it.engine.march({ ...set, Y, omega, scheme, step: step * 1e-6, cycles, ...kept, slip_samples }));
-        setTimeout(next, 0, key, values);
-      }
-      show(values);
-    }
+    let [wanted, turn] = ['', Promise.resolve()];
 
     function draw(values) {
-      const key = JSON.stringify(values);
-      if (key === wanted) return show(values);
-      if (!known.has(key)) known.set(key, []);
-      [wanted, levels] = [key, known.get(key)];
-      it.root.classList.add('busy');
-      setTimeout(next, levels.length ? 0 : 40, key, values);
+      const key = wanted = JSON.stringify(values);
+      const given = { ...set, ...values, omega, step: values.step * 1e-6, ...(values.coefficients === 'rounded' ? rounded : {}) };
+      const levels = known.get(key) ?? known.set(key, []).get(key);
+      if (levels.length) show(values, levels); else it.root.classList.add('busy');
+      turn = turn.then(async () => { // one level after the other, as long as nothing else is wanted
+        while (key === wanted && levels.length < set.levels.length) {
+          const [Y, slip_samples] = [set.levels, recipe.slip_samples].map((all) => all[levels.length]);
+          levels.push(await it.march({ ...given, Y, slip_samples }));
+          it.redraw();
+        }
+      });
     }
 
-    function show({ scheme, step }) {
+    function show({ scheme, step }, levels) {
       const done = levels.length === set.levels.length;
       it.root.classList.toggle('busy', !done);
       const values = table(levels, pairs, kit.solve);
@@ -72,13 +65,13 @@ const integrator = (() => {
         ? `To first order ${label} acts as <i>c</i> ${dissipation > 0 ? '+' : '−'} <i>m</i>ω²<i>h</i> = ${number(acts, 6)} N s/m: it ${dissipation > 0 ? 'damps' : 'feeds'} the motion, and that gives it away. `
         : `Near resonance this scheme adds no damping to <i>c</i> = ${number(set.c, 6)} N s/m, at this step or any other. `;
       it.write('.words', `<b>${count('all', 'near')} of ${all.length}</b> numbers come within ten units of their last digit, ${count('all')} of them in every digit${done ? '' : ` (${levels.length} of ${set.levels.length} levels so far)`}. ${why}The simulated levels together give <i>c</i> = ${number(c, 6)}; the pairs that the paper prints give ${printed.c.reduce((x, y) => (x < y ? x : y))} to ${printed.c.reduce((x, y) => (x > y ? x : y))}.`);
-      const plane = kit.plot(svg, { x: [0.4, set.levels.length + 0.6], y: [-2.2, 6], labels: ['row of the table', 'distance from print: power of ten, units of the last digit'] });
+      const plane = kit.plot(svg, { x: [0.4, set.levels.length + 0.6], y: [-2.2, 6], labels: ['row of the table', 'log₁₀ of the distance from print, in units of the last digit'] });
       plane.area([[0, -3], [9, -3], [9, 1], [0, 1]], 'within');
       plane.line([[0, Math.log10(0.5)], [9, Math.log10(0.5)]], 'truth');
       for (const { name, i, units } of all) {
         const height = Math.min(5.9, Math.max(-2.1, Math.log10(Math.abs(units))));
         const aside = 0.12 * (COLUMNS.indexOf(name) - 2);
-        if (Number.isFinite(height)) plane.dot(i + 1 + aside, height, '', LOOK[name].shape, `fill:${LOOK[name].colour}`);
+        plane.dot(i + 1 + aside, height, '', LOOK[name].shape, `fill:${LOOK[name].colour}`);
       }
     }
     it.write('.legend', COLUMNS.map((name) => kit.key(LOOK[name], name.length > 1 ? rich(name) : `<i>${name}</i>`)).join(''));

@@ -1,7 +1,7 @@
 /* What the instruments share: the balance, drawings, controls, a state that stands in the address, and code to copy.
    kit.instrument(id, (it) => { …; return draw; }) builds the element of that id once the engine runs; draw(it.values) follows every
-   change. it.engine; it.data of the case; it.values by control, in the units shown: those of the template and, for a state of
-   another kind, it.control(name, value, given); a button with the name of a control and a value sets it. it.find,
+   change. it.engine, it.march; it.data of the case; it.values by control, in the units shown: those of the template and, for a state of
+   another kind, it.control(name, value, given); a button with the name of a control and a value sets it. it.redraw, it.find,
    it.write(selector, html), it.drawing, it.code. */
 const kit = (() => {
   'use strict';
@@ -46,14 +46,12 @@ const kit = (() => {
 
   /* {F_k, c, n} by least squares of the finite rows, weighted with `weights` (1/J²); NaN where they do not tell. */
   function solve(all, weights = null) {
-    const kept = all.map((r, i) => [r, weights ? Math.sqrt(weights[i]) : 1]).filter(([r]) => Number.isFinite(r.a + r.b + r.W));
-    const [A, B, W] = ['a', 'b', 'W'].map((name) => kept.map(([r, scale]) => scale * r[name]));
-    const dot = (u, v) => sum(u.map((x, i) => x * v[i]));
-    const [n, aa, r] = [kept.length, dot(A, A), dot(A, B) / dot(A, A)];
-    const Q = B.map((b, i) => b - r * A[i]); // b without its share along a
-    const qq = n > 1 && dot(Q, Q) > 1e-24 * dot(B, B) ? dot(Q, Q) : NaN;
-    const c = dot(Q, W) / qq;
-    return { F_k: dot(A, W.map((w, i) => w - c * B[i])) / aa, c, n };
+    let [n, aa, ab, bb, aW, qq, qW] = [0, 0, 0, 0, 0, 0, 0];
+    const each = (add) => all.forEach((r, i) => { if (Number.isFinite(r.a + r.b + r.W)) add(r, weights ? weights[i] : 1); });
+    each(({ a, b, W }, w) => { n += 1; aa += w * a * a; ab += w * a * b; bb += w * b * b; aW += w * a * W; });
+    each(({ a, b, W }, w) => { const q = b - (ab / aa) * a; qq += w * q * q; qW += w * q * W; }); // b without its share along a
+    const c = n > 1 && qq > 1e-24 * bb ? qW / qq : NaN;
+    return { F_k: (aW - c * ab) / aa, c, n };
   }
 
   // Drawings: SVG in CSS pixels, so that text has one size on every screen.
@@ -101,7 +99,7 @@ const kit = (() => {
     return {
       X, Y, path, line,
       area: (points, css = '') => element(inside, 'path', { d: path(points), class: `area ${css}` }),
-      dot: (u, v, css = '', shape = 'circle', style = '') => element(inside, 'path', {
+      dot: (u, v, css = '', shape = 'circle', style = '') => Number.isFinite(u + v) && element(inside, 'path', {
         d: SHAPES[shape], transform: `translate(${X(u)} ${Y(v)})`, class: `dot ${css}`, style }),
       text: (u, v, words, attributes = {}) => element(inside, 'text', { x: X(u), y: Y(v), ...attributes }, words),
     };
@@ -113,8 +111,14 @@ const kit = (() => {
 
   let started = null;
   const text = (id) => document.getElementById(id).textContent;
-  const bytes = (base64) => Uint8Array.from(atob(base64.trim()), (sign) => sign.charCodeAt(0));
-  const start = async () => [await loadEngine(bytes(text('engine'))), JSON.parse(text('instruments-data'))];
+  async function start() {
+    const bytes = Uint8Array.from(atob(text('engine').trim()), (sign) => sign.charCodeAt(0));
+    // A simulation takes longer than a frame: march(parameters) promises what engine.march gives, by an engine in another thread.
+    const program = `onmessage = async ({ data: [bytes, given] }) => postMessage((await (self.engine ??= loadEngine(bytes))).march(given)); ${loadEngine}`;
+    const worker = new Worker(URL.createObjectURL(new Blob([program])));
+    const march = (given) => new Promise((done) => { worker.onmessage = ({ data }) => done(data); worker.postMessage([bytes, given]); });
+    return { engine: await loadEngine(bytes), data: JSON.parse(text('instruments-data')), march };
+  }
 
   async function instrument(id, build) {
     const root = globalThis.document?.getElementById(id);
@@ -122,12 +126,12 @@ const kit = (() => {
     const it = { root, values: {}, find: (selector) => root.querySelector(selector) };
     const [defaults, controls] = [{}, {}];
     let [draw, frame, timer] = [null, 0, 0];
-    const redraw = () => { frame ||= requestAnimationFrame(() => { frame = 0; draw(it.values); it.tell?.(); }); };
+    it.redraw = () => { frame ||= requestAnimationFrame(() => { frame = 0; draw(it.values); it.tell?.(); }); };
     const show = (name, v) => {
       it.values[name] = v;
       controls[name].shown(v);
       for (const one of root.querySelectorAll(`button[name=${name}]`)) one.setAttribute('aria-pressed', one.value === String(v));
-      redraw();
+      it.redraw();
     };
     const save = () => {
       const changed = Object.entries(it.values).filter(([name, v]) => v !== defaults[name]);
@@ -166,15 +170,14 @@ const kit = (() => {
       const svg = it.find(selector);
       svg.style.height = `${height}px`;
       new ResizeObserver(([{ contentRect: { width } }]) => {
-        if (width && width !== svg.size?.[0]) { svg.size = [width, height]; redraw(); }
+        if (width && width !== svg.size?.[0]) { svg.size = [width, height]; it.redraw(); }
       }).observe(svg);
       return svg;
     };
-    it.code = (values = () => ({})) => { // the texts below the instrument; values() → what their ‹names› stand for
+    it.code = (values) => { // the texts below the instrument; values() → what their ‹names› stand for
       const fold = it.find('.code');
       it.tell = () => {
-        const given = { ...it.data.case, ...it.values, ...values() };
-        if (fold.open) for (const one of fold.querySelectorAll('template')) one.previousElementSibling.textContent = filled(one, given);
+        if (fold.open) for (const one of fold.querySelectorAll('template')) one.previousElementSibling.textContent = filled(one, { ...it.data.case, ...it.values, ...values() });
       };
       fold.addEventListener('toggle', it.tell);
       fold.addEventListener('click', ({ target }) => {
@@ -184,7 +187,7 @@ const kit = (() => {
         navigator.clipboard?.writeText(text.textContent).catch(() => {}); // selected, if nothing else
       });
     };
-    [it.engine, it.data] = await (started ??= start());
+    Object.assign(it, await (started ??= start()));
     for (const input of root.querySelectorAll('.controls input')) slide(input);
     for (const one of root.querySelectorAll('.controls select')) it.control(one.name, one.value, [...one.options].map(({ value }) => value), (v) => { one.value = v; });
     for (const kind of ['input', 'click']) root.addEventListener(kind, change);
@@ -193,8 +196,7 @@ const kit = (() => {
     restore();
     root.classList.add('ready');
     // The instruments above have their full height from now on, and what the address names has moved down with it.
-    const scroll = () => { if (location.hash.slice(1).split('?')[0] === id) root.scrollIntoView(); };
-    requestAnimationFrame(() => requestAnimationFrame(scroll));
+    requestAnimationFrame(() => requestAnimationFrame(() => { if (location.hash.slice(1).split('?')[0] === id) root.scrollIntoView(); }));
   }
 
   return { instrument, number, percent, rich, response, rows, solve, element, plot, key, PHASES, sum, finite, mean };

@@ -16,39 +16,41 @@ const noise = (() => {
     return () => Math.sqrt(-2 * Math.log(uniform())) * Math.cos(2 * Math.PI * uniform());
   }
 
-  /* Standard deviations [of x, of y], m, of the real and the imaginary part of a harmonic: white noise that is a share of the rms
-     of its channel, in a record of so many samples. */
-  const deviations = (r, share, samples) => [Math.hypot(...ODD.map((n) => r[`X_${n}`])), r.Y].map((rms) => (share * rms) / Math.sqrt(samples));
+  /* A response with what noise needs of it: its harmonics x_n, e^(inφ) at the reversal at +X, and the standard deviations [of x, of y],
+     m, of the real and the imaginary part of a harmonic: white noise that is a share of the rms of its channel, in so many samples. */
+  const prepared = (r, share, samples) => ({
+    ...r,
+    harmonics: ODD.map((n) => [r[`X_${n}`], -r[`phi_${n}`], n * r.phi, n]).map(([X, psi, turn, n]) => [n, X * Math.cos(psi), X * Math.sin(psi), Math.cos(turn), Math.sin(turn)]),
+    deviations: [Math.hypot(...ODD.map((n) => r[`X_${n}`])), r.Y].map((rms) => (share * rms) / Math.sqrt(samples)),
+  });
 
-  /* A response as it is read with noise: 8 standard normal numbers, of x_1, x_3, x_5 and y, real and imaginary parts. The contact
-     stiffness is known, so that the onset of slip stays 2 Z_m from the reversal; harmonics above the fifth stay as they are. */
-  function noisy(r, [of_x, of_y], z) {
+  /* A prepared response as it is read with noise: z gives 8 standard normal numbers, of x_1, x_3, x_5 and y, real and imaginary parts,
+     one after the other. The contact stiffness is known, so that the onset of slip stays 2 Z_m from the reversal; harmonics above the fifth stay as they are. */
+  function noisy(r, z) {
+    const { omega, k, harmonics, deviations: [of_x, of_y] } = r;
     let [X, b] = [r.X, r.b];
-    const read = {};
-    const psi = Math.atan2(of_y * z[7], r.Y + of_y * z[6]);
-    ODD.forEach((n, i) => {
-      const [re, im] = [of_x * z[2 * i], of_x * z[2 * i + 1]];
-      const [real, imaginary] = [r[`X_${n}`] * Math.cos(r[`phi_${n}`]) + re, im - r[`X_${n}`] * Math.sin(r[`phi_${n}`])];
-      read[`X_${n}`] = Math.hypot(real, imaginary);
-      if (n === 1) read.phi_fundamental = psi - Math.atan2(imaginary, real);
-      X += re * Math.cos(n * r.phi) - im * Math.sin(n * r.phi); // at the reversal at +X, where ωt = φ
-      b += Math.PI * r.omega * n ** 2 * (read[`X_${n}`] ** 2 - r[`X_${n}`] ** 2);
+    const read = harmonics.map(([n, re, im, cos, sin], i) => {
+      const [u, v] = [of_x * z(2 * i), of_x * z(2 * i + 1)];
+      X += u * cos - v * sin;
+      b += Math.PI * omega * n ** 2 * ((re + u) ** 2 - re ** 2 + (im + v) ** 2 - im ** 2);
+      return [re + u, im + v];
     });
-    const Y = Math.hypot(r.Y + of_y * z[6], of_y * z[7]);
-    const W = Math.PI * r.k * Y * read.X_1 * Math.sin(read.phi_fundamental);
-    return { ...r, ...read, Y, X, X_s: r.X_s + r.X - X, a: r.a + 4 * (X - r.X), b, W };
+    const all = [...read, [r.Y + of_y * z(6), of_y * z(7)]];
+    const [X_1, X_3, X_5, Y] = all.map(([re, im]) => Math.sqrt(re * re + im * im));
+    const phi_fundamental = Math.atan2(all[3][1], all[3][0]) - Math.atan2(all[0][1], all[0][0]);
+    const W = Math.PI * k * Y * X_1 * Math.sin(phi_fundamental);
+    return { omega, k, Y, X, X_s: r.X_s + r.X - X, X_1, X_3, X_5, phi_fundamental, a: r.a + 4 * (X - r.X), b, W };
   }
 
   const rowsOf = (approach, responses) => kit.rows(approach, responses, 'fundamental');
 
   /* How far one standard deviation of each normal number moves the row of every response: per response 8 changes of {a, b, W}. */
-  function spread(approach, responses, sigmas) {
-    const shifted = (i, by) => rowsOf(approach, responses.map((r, level) => noisy(r, sigmas[level], Array.from({ length: NORMALS }, (_, j) => (i === j ? by : 0)))));
-    const moves = Array.from({ length: NORMALS }, (_, i) => [shifted(i, 1), shifted(i, -1)]);
-    return responses.map((_, level) => moves.map(([up, down]) => ['a', 'b', 'W'].map((name) => 0.5 * (up[level][name] - down[level][name]))));
-  }
+  const spread = (approach, responses) => responses.map((r) => Array.from({ length: NORMALS }, (_, i) => {
+    const [up, down] = rowsOf(approach, [1, -1].map((by) => noisy(r, (j) => (i === j ? by : 0))));
+    return ['a', 'b', 'W'].map((name) => 0.5 * (up[name] - down[name]));
+  }));
   /* Variance of a F_k + b c − W of every row. */
-  const variances = (moves, { F_k, c }) => moves.map((of) => sum(of.map(([a, b, W]) => (a * F_k + b * c - W) ** 2)));
+  const variances = (moves, { F_k, c }) => moves.map((of) => of.reduce((total, [a, b, W]) => total + (a * F_k + b * c - W) ** 2, 0));
 
   /* The covariance of (F_k, c) that errors of rows with these variances leave, if the rows are weighted so: the estimates are linear
      in W, and `gains` says how far each row moves them. */
@@ -56,9 +58,6 @@ const noise = (() => {
     const gains = rows.map((_, n) => kit.solve(rows.map((row, i) => ({ ...row, W: Number(i === n) })), weights));
     return ['F_k', 'c'].map((i) => ['F_k', 'c'].map((j) => sum(gains.map((gain, n) => gain[i] * gain[j] * variance[n]))));
   }
-
-  /* [equal, weighted] estimates of one experiment: its weights come from its own estimate with equal weights. */
-  const estimates = (rows, moves, equal = kit.solve(rows)) => [equal, kit.solve(rows, variances(moves, equal).map((v) => 1 / v))];
 
   function statistics(all) {
     const mean = ['F_k', 'c'].map((name) => kit.mean(all.map((one) => one[name])));
@@ -73,15 +72,15 @@ const noise = (() => {
 
   /* Experiments: {draws, moves, ways: [equal, weighted]}, of each way {all, mean, covariance, predicted}. */
   function study(responses, { approach, share, samples, count, seed }) {
-    const [sigmas, normal] = [responses.map((r) => deviations(r, share, samples)), normals(seed)];
-    const draws = Array.from({ length: count }, () => responses.map((r, i) => noisy(r, sigmas[i], Array.from({ length: NORMALS }, normal))));
-    const [moves, clean] = [spread(approach, responses, sigmas), rowsOf(approach, responses)];
-    const each = draws.map((one) => estimates(rowsOf(approach, one), moves));
+    const [read, normal] = [responses.map((r) => prepared(r, share, samples)), normals(seed)];
+    const draws = Array.from({ length: count }, () => read.map((r) => noisy(r, normal)));
+    const [moves, clean] = [spread(approach, read), rowsOf(approach, responses)];
     const variance = variances(moves, kit.solve(clean));
-    return { draws, moves, ways: [variance.map(() => 1), variance.map((v) => 1 / v)].map((weights, i) => {
-      const all = each.map((pair) => pair[i]);
-      return { all, ...statistics(all), predicted: predicted(clean, variance, weights) };
-    }) };
+    const rows = draws.map((one) => rowsOf(approach, one));
+    const equal = rows.map((one) => kit.solve(one));
+    const weighted = equal.map((one, i) => kit.solve(rows[i], variances(moves, one).map((v) => 1 / v))); // by the experiment's own estimate
+    return { draws, moves, ways: [[equal, variance.map(() => 1)], [weighted, variance.map((v) => 1 / v)]].map(
+      ([all, weights]) => ({ all, ...statistics(all), predicted: predicted(clean, variance, weights) })) };
   }
 
   const RATE = 1000; // Hz, of the records
@@ -107,14 +106,12 @@ const noise = (() => {
         plane.line(ellipse(mean, covariance), css);
         plane.line(ellipse(mean, expected), `${css} predicted`);
       });
-      const cells = (way) => truth.map((value, i) => {
-        const [mean, deviation, expected] = [way.mean[i] / value - 1, Math.sqrt(way.covariance[i][i]) / value, Math.sqrt(way.predicted[i][i]) / value];
-        const places = Math.max(0, 2 - Math.floor(Math.log10(100 * deviation)));
-        return `<td class="num">${mean < 0 ? '−' : '+'}${(100 * Math.abs(mean)).toFixed(places)} %</td><td class="num">${percent(deviation, '')}</td><td class="num">${percent(expected, '')}</td>`;
-      }).join('');
+      const cells = (way) => truth.flatMap((value, i) => [
+        percent(way.mean[i] / value - 1), ...[way.covariance, way.predicted].map((C) => percent(Math.sqrt(C[i][i]) / value, '')),
+      ]).map((text) => `<td class="num">${text}</td>`).join('');
       it.write('tbody', Object.values(NAMES).map((words, i) => `<tr><th scope="row">${words}</th>${cells(ways[i])}<td class="num">${correlation(ways[i].covariance).toFixed(3).replace('-', '−')}</td></tr>`).join(''));
       const [F_k, c] = [0, 1].map((i) => percent(ways[1].predicted[i][i] / ways[0].predicted[i][i], ''));
-      it.write('.words', `With equal weights, as in Eq. (9), the rows use <b>${F_k}</b> of what weighted rows tell about ${rich('F_k')}, and ${c} of what they tell about <i>c</i>: the highest level has the largest errors and counts most. Each record holds ${samples} samples.`);
+      it.write('.words', `Weighting lowers the variance of ${rich('F_k')} to <b>${F_k}</b> of what equal weights, as in the paper’s Eq. (9), leave, and that of <i>c</i> to ${c}: unweighted, the highest level counts most, and it has the largest errors. Each record holds ${samples} samples.`);
     }
 
     it.code(() => ({ rate: RATE, share: it.values.percent / 100 }));

@@ -6,17 +6,16 @@ kit.instrument('off_resonance', (it) => {
   const truth = (estimate, name) => estimate[name] / (set[name] || NaN) - 1;
   const millimetres = ({ Y }) => Number((1e3 * Y).toPrecision(12));
   // The phases have colours and shapes of approaches, which no picture shows beside them.
-  const phases = { reversal: ['velocity reversal', 'X_s'], zero_crossing: ['zero crossing', 'V_s'], fundamental: ['fundamental', 't_s'] };
-  const looks = Object.fromEntries(Object.entries(phases).map(([phase, [, name]]) => [phase, approaches[name]]));
+  const { X_s, V_s, t_s } = approaches;
+  const phases = { reversal: ['velocity reversal', X_s], zero_crossing: ['zero crossing', V_s], fundamental: ['fundamental', t_s] };
   it.control('step', steps[0].name, steps.map(({ name }) => name));
-  it.write('.of-phases', Object.entries(phases).map(([phase, [words]]) => kit.key(looks[phase], words)).join(''));
+  it.write('.of-phases', Object.values(phases).map(([words, look]) => kit.key(look, words)).join(''));
   const drawings = { plane: it.drawing('.plane', 400), phases: it.drawing('.phases', 240), sine: it.drawing('.sine', 240) };
   let [solved, responses] = [null, []];
 
   function draw({ f, approach, step }) {
     if (solved !== f) {
-      const { m, c, k, K_z, F_k } = set;
-      responses = set.levels.map((Y) => kit.response(it.engine, { m, c, k, K_z, F_k, Y, omega: 2 * Math.PI * f }));
+      responses = set.levels.map((Y) => kit.response(it.engine, { ...set, Y, omega: 2 * Math.PI * f }));
       solved = f;
     }
     const by = (name, { phase, sharing }) => rows(name, responses, phase || 'reversal', sharing === 'common');
@@ -60,11 +59,11 @@ kit.instrument('off_resonance', (it) => {
       if (!Number.isFinite(a + b + W)) return;
       const at = (F) => (W - a * F) / b;
       plane.line(x.map((F) => [F, at(F)]), 'level');
-      const edge = Math.min(x[1], (W - b * y[0]) / a); // where it leaves the picture
-      plane.text(edge, at(edge), `${millimetres(responses[i])} mm`, { dx: edge < x[1] ? -8 : -4, dy: -6, 'text-anchor': 'end', class: 'tag' });
+      const place = Math.min(x[1], (W - b * y[0]) / a) - (0.07 + 0.1 * (i % 2)) * (x[1] - x[0]); // before it leaves the picture
+      plane.text(place, at(place), `${millimetres(responses[i])} mm`, { dy: 4, 'text-anchor': 'middle', class: 'tag' });
     });
-    for (const [look, one] of estimates) if (Number.isFinite(one.c)) plane.dot(one.F_k, one.c, 'fit', look.shape, `fill:${look.colour}`);
-    for (const one of pairs) if (Number.isFinite(one.c)) plane.dot(one.F_k, one.c, 'pair');
+    for (const [look, one] of estimates) plane.dot(one.F_k, one.c, 'fit', look.shape, `fill:${look.colour}`);
+    for (const one of pairs) plane.dot(one.F_k, one.c, 'pair');
   }
 
   function angles({ phase, sharing }) {
@@ -86,10 +85,9 @@ kit.instrument('off_resonance', (it) => {
     lower.line(sines.map((phi) => [phi, Math.sin(phi)]), 'curve');
     for (const [name, phis] of each) {
       const used = name === (phase || 'fundamental');
-      const [{ colour, shape }, css] = [looks[name], used ? '' : 'dim'];
+      const [{ colour, shape }, css] = [phases[name][1], used ? '' : 'dim'];
       upper.line(Ys.map((Y, i) => [Y, phis[i]]).filter(([, phi]) => Number.isFinite(phi)), `phase ${css}`).style.stroke = colour;
       for (const [i, phi] of phis.entries()) {
-        if (!Number.isFinite(phi)) continue;
         upper.dot(Ys[i], phi, css, shape, `fill:${colour}`);
         lower.dot(phi, Math.sin(phi), css, shape, `fill:${colour}`);
       }
@@ -100,7 +98,7 @@ kit.instrument('off_resonance', (it) => {
   }
 
   it.code(() => {
-    const { f, approach, step } = it.values;
+    const { approach, step } = it.values;
     const { phase, sharing, approach: own } = steps.find(({ name }) => name === step);
     const chosen = `${phase ? `.with_phase("${phase}")` : ''}${sharing === 'common' ? '.with_common("phi", "t_s")' : ''}`;
     return {

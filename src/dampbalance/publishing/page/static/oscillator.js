@@ -14,10 +14,7 @@ kit.instrument('oscillator', (it) => {
   const UNITS = { // of the readings: how many of the unit shown are in the SI unit
     X: [1e3, 'mm'], X_s: [1e3, 'mm'], V_s: [1e3, 'mm/s'], t_s: [1e3, 'ms'], phi: [1, 'rad'], a: [1e3, 'mm'], b: [1e6, 'mm²/s'], Z_m: [1e6, 'µm'],
   };
-  const parameters = () => {
-    const { Y, f, c, F_k, K_z } = it.values;
-    return { m: it.data.case.m, c, k: it.data.case.k, K_z, F_k, Y: Y / 1000, omega: 2 * Math.PI * f };
-  };
+  const parameters = ({ Y, f, ...others } = it.values) => ({ ...it.data.case, ...others, Y: Y / 1000, omega: 2 * Math.PI * f });
   const planes = ['.contact', '.viscous', '.velocity'].map((one) => it.drawing(one, 230));
   const parts = ['.spring', '.contact-spring', '.base', '.mass', '.part.slider'].map(it.find);
   const bars = Object.fromEntries([...it.root.querySelectorAll('rect[class]')].map((one) => [one.getAttribute('class'), one]));
@@ -73,20 +70,19 @@ kit.instrument('oscillator', (it) => {
     const slider = scale * (x[i] - z[i]); // at rest while the contact sticks
     const mass = slider + (r.Z_m ? Math.max(scale, FLEX / r.Z_m) : 0) * z[i];
     const [b, m, s] = [50 + scale * y[i], 220 + mass, 480 + slider];
-    const place = (n, at, stretch = 1) => parts[n].setAttribute('transform', `translate(${at.toFixed(2)} 0) scale(${stretch.toFixed(4)} 1)`);
-    place(0, b + 30, (m - b - 30) / 100);
-    place(1, m + 110, (s - m - 110) / 100);
-    [b, m, s].forEach((at, n) => place(n + 2, at));
+    [[b + 30, (m - b - 30) / 100], [m + 110, (s - m - 110) / 100], [b], [m], [s]].forEach(([at, stretch = 1], n) => {
+      parts[n].setAttribute('transform', `translate(${at.toFixed(2)} 0) scale(${stretch.toFixed(4)} 1)`);
+    });
     const sticks = Math.abs(z[i]) < r.Z_m * (1 - 1e-9);
     it.root.classList.toggle('sticks', sticks);
     state.textContent = sticks ? 'The contact sticks.' : 'The contact slips.';
-    const bar = (name, from, width) => { bars[name].setAttribute('x', from); bars[name].setAttribute('width', Math.max(0, width)); };
-    const [friction, damper] = [cycle.friction.at(-1), cycle.damper.at(-1)];
-    bar('input', 0, Math.min(1, cycle.input[i]));
-    bar('friction whole', 0, friction);
-    bar('damper whole', friction, damper);
-    bar('friction', 0, cycle.friction[i]);
-    bar('damper', friction, cycle.damper[i]);
+    for (const [whole, at] of [['', i], [' whole', POINTS - 1]]) { // so far, and in all of the cycle
+      const places = { input: [0, Math.min(1, cycle.input[at])], friction: [0, cycle.friction[at]], damper: [cycle.friction.at(-1), cycle.damper[at]] };
+      for (const [name, [from, width]] of Object.entries(places)) {
+        bars[name + whole].setAttribute('x', from);
+        bars[name + whole].setAttribute('width', Math.max(0, width));
+      }
+    }
   }
 
   const tick = (now) => {
@@ -97,9 +93,8 @@ kit.instrument('oscillator', (it) => {
     requestAnimationFrame(tick);
   };
   const play = (on) => {
-    playing = on;
+    [playing, last] = [on, performance.now()];
     toggle.textContent = on ? 'Pause' : 'Play';
-    last = performance.now();
     requestAnimationFrame(tick);
   };
   toggle.addEventListener('click', () => play(!playing));

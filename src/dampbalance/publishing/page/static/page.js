@@ -87,14 +87,6 @@
     if (event.target.closest('a')?.hash === location.hash && location.hash) lead();
   });
   lead();
-
-  // Print shows everything that can be opened, and puts it back afterwards.
-  let opened = [];
-  addEventListener('beforeprint', () => {
-    opened = [...document.querySelectorAll('details:not([open], .values)')];
-    for (const one of opened) one.open = true;
-  });
-  addEventListener('afterprint', () => { for (const one of opened) one.open = false; });
 })();
 
 /* Drawings: the value at the pointer or chosen by the arrow keys, and the tables of all values. */
@@ -121,8 +113,7 @@
     const fold = box.parentElement.querySelector('.values');
     const [tip, spoken] = [box.querySelector('.tip'), box.nextElementSibling];
     const size = svg.viewBox.baseVal.width;
-    let lines = null;
-    let chosen = [0, -1];
+    let [lines, chosen] = [null, [0, -1]];
 
     const choose = (line, i) => {
       chosen = [line, i];
