@@ -65,6 +65,11 @@ def function_of(nodeid: str) -> str:
     return nodeid.partition("[")[0].removeprefix("tests/")
 
 
+def pytest_xdist_auto_num_workers():
+    """A process more than there are processors: browsers, clusters and other programs are waited for."""
+    return len(os.sched_getaffinity(0)) + 1 if hasattr(os, "sched_getaffinity") else None
+
+
 @pytest.hookimpl(wrapper=True)
 def pytest_collection():
     """Collect seven thousand tests without looking for garbage among them, which takes as long as all else, and leave

@@ -14,7 +14,7 @@ from dampbalance.figures.style import styled
 def texts(figure: Figure) -> list[tuple[str, object]]:
     """Every text that is seen, with the box it takes on the page."""
     canvas = FigureCanvasAgg(figure)
-    canvas.draw()
+    figure.draw_without_rendering()
     hidden = set()
     for axes in figure.axes:
         for axis in (axes.xaxis, axes.yaxis):

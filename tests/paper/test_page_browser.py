@@ -240,7 +240,7 @@ def test_a_table_below_a_drawing_holds_its_values(opened):
 
 @pytest.mark.parametrize("viewport", [PHONE, DESK], ids=["phone", "desk"])
 def test_links_lead_to_headings_below_the_bar(opened, viewport):
-    page = opened(viewport)
+    page = opened(viewport, reduced_motion="reduce" if viewport is PHONE else "no-preference")
     bar = page.locator("nav").bounding_box()["height"]
     for link in page.locator("nav a").all():
         link.click()

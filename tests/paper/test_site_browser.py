@@ -72,22 +72,26 @@ def test_the_first_screen_shows_a_figure_and_a_result(site, visit):
     assert page.eval_on_selector_all("article img", loaded)
 
 
-def test_no_block_is_cut_on_a_laptop(site, visit):
+def test_no_block_is_cut_on_a_laptop_and_no_page_wider_than_a_phone(site, visit):
     """Code on all pages; tables on those that are not lists of numbers or keys."""
-    page = visit("about:blank", viewport=LAPTOP)
+    page = visit("about:blank")
     wider = "all => all.filter(one => one.scrollWidth > one.clientWidth).map(one => one.innerText)"
-    cut, counted = [], 0
+    cut, wide, counted = [], [], 0
     for path in sorted(site.rglob("*.html")):
         name = path.relative_to(site).as_posix()
         if name.startswith(("files/", "run/")):
             continue
+        page.set_viewport_size(LAPTOP)
         page.goto(path.as_uri())
         counted += page.locator("pre").count()
         cut += [(name, text) for text in page.eval_on_selector_all("pre", wider)]
         if not name.startswith(("reference/", "explain/")):
             tables = ".pst-scrollable-table-container"
             cut += [(name, text) for text in page.eval_on_selector_all(tables, wider)]
-    assert cut == []
+        page.set_viewport_size(PHONE)
+        if (width := page.evaluate("document.documentElement.scrollWidth")) > PHONE["width"]:
+            wide.append(f"{name}: {width}")
+    assert (cut, wide) == ([], [])
     assert counted > 60
 
 
@@ -98,18 +102,6 @@ def test_the_search_field_leads_to_the_results(site, visit):
     page.keyboard.press("Enter")
     page.wait_for_selector("#search-results li a")
     assert "search.html?q=Coulomb" in page.url
-
-
-def test_no_page_is_wider_than_a_phone(site, visit):
-    page = visit("about:blank", viewport=PHONE)
-    wide = []
-    for path in sorted(site.rglob("*.html")):
-        if not {"files", "run"} & {*path.relative_to(site).parts}:
-            page.goto(path.as_uri())
-            width = page.evaluate("() => document.documentElement.scrollWidth")
-            if width > PHONE["width"]:
-                wide.append(f"{path.relative_to(site)}: {width}")
-    assert wide == []
 
 
 @pytest.mark.skipif(axe.SKIP, reason=axe.REASON)
