@@ -40,9 +40,11 @@ def states_in_phases(times: Array, phases: Array, theta: float, par: Parameters)
     phase = phase_start(s, x0, v0, z0, unit(theta + par.omega * start), par)
     for j in range(times.size):
         t = times[j]
-        # successive times mostly lie in one phase, whose start costs more than the move
-        if t < start or (i + 1 < len(phases) and t >= phases[i + 1, PHASE_T]):
-            i = max(0, np.searchsorted(phases[:, PHASE_T], t, side="right") - 1)
+        here = max(0, np.searchsorted(phases[:, PHASE_T], t, side="right") - 1)
+        if (
+            here != i
+        ):  # successive times mostly lie in one phase, whose start costs more than the move
+            i = here
             start, s, x0, v0, z0 = read_phase(phases, i)
             phase = phase_start(s, x0, v0, z0, unit(theta + par.omega * start), par)
         u, v = move(t - start, phase)

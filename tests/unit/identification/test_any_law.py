@@ -13,13 +13,17 @@ import pytest
 from dampbalance import BaseMotion
 from dampbalance.identification.answer import USABLE
 from dampbalance.identification.forced import identify_readings
-from dampbalance.identification.law_comparison import _rejected, compare_laws
+from dampbalance.identification.law_comparison import (
+    LawTest,
+    Probability,
+    _rejected,
+    chosen_of,
+    compare_laws,
+)
 from dampbalance.law.law import Law
 from dampbalance.law.response import law_orbit
-from dampbalance.likelihood.mean_harmonics import read_features
 from paper_case import PAPER
 from unit.identification.levels import identified, read
-from unit.identification.test_gradual import records_on
 
 AT = [(hz, Y) for hz in (3.5, 7.0) for Y in (0.003, 0.006, 0.012)]
 FEW = [(hz, Y) for hz, Y in AT if Y != 0.006]  # a search among laws takes as long as it has records
@@ -211,17 +215,21 @@ def test_laws_of_the_same_loss_are_told_apart_by_the_stiffness_or_called_alike()
 
 
 def test_the_stiffness_counts_where_no_law_has_the_waveforms():
-    """A contact that yields gradually: the waveforms reject every law, and the balance keeps one without its
-    stiffness."""
-    soft = replace(PAPER, K_z=20_000.0)
-    records = [read_features(one, soft.k) for one in records_on(soft, "Bouc–Wen, n = 1", 1e-3, 1)]
-    compared = compare_laws(records, soft.k, replicates=200)
-    assert compared.by_balance
-    other = ("F_k", "c_r", "c_2")
-    assert compared.by_stiffness == (other,)
-    assert not next(e for e in compared.tests if e.terms == other).rejected_by_balance
-    # both at zero, c_2 and c_3 are one law
-    assert {("F_k", "c", "c_2"), ("F_k", "c", "c_3")} <= {compared.chosen, *compared.alike}
+    """As on a contact that yields gradually: the waveforms reject every law, the balance keeps some."""
+
+    def tested(terms, p, in_phase):
+        tests = {"balance": Probability(9.0, 9, p), "waveforms": Probability(1e4, 9, 0.0)}
+        return LawTest(terms, tests=tests, in_phase=in_phase)
+
+    near, stiff = (1.2, 0.4, 2.0, 0.9), (300.0, 900.0, 500.0, 700.0)
+    one, other = ("F_k", "c"), ("F_k", "c_r")
+    found = chosen_of([tested(other, 0.9, stiff), tested(one, 0.1, near)], "")
+    assert (found.by_balance, found.chosen, found.alike) == (True, one, ())
+    assert found.by_stiffness == (other,)
+    alike = chosen_of([tested(other, 0.9, near), tested(one, 0.1, near[::-1])], "")
+    assert (alike.chosen, alike.alike, alike.by_stiffness) == (other, (one,), ())
+    rejected = chosen_of([tested(other, 1e-9, stiff), tested(one, 0.1, near)], "")
+    assert (rejected.chosen, rejected.by_stiffness) == (one, ())
 
 
 def test_structural_damping_is_not_tried_at_one_frequency():
