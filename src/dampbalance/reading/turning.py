@@ -126,11 +126,8 @@ def _end(series: Series, sign: float, rests: bool) -> tuple[Array, Array]:
     spectrum[series.n.astype(np.intp)] = sign * series.x.mean(axis=0)
     values = np.fft.irfft(spectrum) * (0.5 * _POINTS)
     highest = int(np.argmax(values))
-    rest = (
-        _rest(values, highest, math.sqrt(0.5 * series.variance.sum() / len(series.x)))
-        if rests
-        else None
-    )
+    noise = math.sqrt(0.5 * float(series.variance.sum(axis=1).min()))  # replicates have it twice
+    rest = _rest(values, highest, noise) if rests else None
     if rest is not None:
         begin, end = (2.0 * math.pi / _POINTS * place for place in rest)
         return np.full(len(series.x), 0.5 * (begin + end)), sign * series.mean_between(begin, end)
