@@ -122,11 +122,12 @@ def _zero(n: Array, x: Complexes, at: Array, rest: Array, centre: float, reach: 
 def _end(series: Series, sign: float, rests: bool) -> tuple[Array, Array]:
     """(ωt, x) at the largest value of sign·x, (r,): the zero of the velocity near the largest of 1,024 points;
     where the mass rests there, the middle of the rest and its level."""
+    variances = np.broadcast_to(series.variance, series.x.shape).sum(axis=1)
+    known = variances <= variances.min()  # the mean, where there are replicates of it
     spectrum = np.zeros(_POINTS // 2 + 1, dtype=np.complex128)
-    spectrum[series.n.astype(np.intp)] = sign * series.x.mean(axis=0)
+    spectrum[series.n.astype(np.intp)] = sign * series.x[known].mean(axis=0)
     values = np.fft.irfft(spectrum) * (0.5 * _POINTS)
-    highest = int(np.argmax(values))
-    noise = math.sqrt(0.5 * float(series.variance.sum(axis=1).min()))  # replicates have it twice
+    highest, noise = int(np.argmax(values)), math.sqrt(0.5 * float(variances.min()))
     rest = _rest(values, highest, noise) if rests else None
     if rest is not None:
         begin, end = (2.0 * math.pi / _POINTS * place for place in rest)

@@ -77,7 +77,7 @@ def test_the_level_of_a_rest_is_free_of_ringing_and_of_noise(part):
     assert level[0] == pytest.approx(1.0, abs=2e-5)  # 31 harmonics, beyond which lies 1e-4
     rng, error = np.random.default_rng(2), 1e-3
     noise = error * (rng.standard_normal((400, 16)) + 1j * rng.standard_normal((400, 16)))
-    drawn = [Series(odd.n, odd.x + one, np.full(16, 2.0 * error**2)) for one in noise]
+    drawn = [Series(odd.n, odd.x + one, np.full((1, 16), 2.0 * error**2)) for one in noise]
     levels = np.array([turning_points(one, rests=True)[1][0] for one in drawn])
     peaks = np.array([turning_points(one, rests=False)[1][0] for one in drawn])
     assert abs(levels.mean() - 1.0) < 4.0 * levels.std() / 20.0 + 2e-5  # 400 draws
