@@ -40,7 +40,6 @@ _AT_X, _AT_V, _GAIN = range(3)  # rows of a phase: x and ẋ at its start, and w
 
 _RADIANS = 4.0  # of the fastest of Ω, 2δ and ω: a series so long loses two digits at most
 _TERMS = 36
-_ORDERS = np.arange(float(_TERMS))[:, None]
 _PLACES = 0.5 * (1.0 + GAUSS_NODES)
 # Of a series of the gain over a panel: the velocity there, times the weight of Gauss's rule, (places, terms).
 _RATES = np.arange(_TERMS) * _PLACES[:, None] ** np.maximum(np.arange(_TERMS) - 1.0, 0.0)
@@ -120,13 +119,14 @@ def _set_contact(phases: Array, theta: float, par: Parameters, out: Complexes) -
         rates, at = np.dot(_RATES, series[panel]), panel * nodes
         for node in range(nodes):
             turns[at + node] = unit(-places[panel, 0] - places[panel, 1] * _PLACES[node])
-        values[0, at : at + nodes] = rates[:, 0]
-        for j in range(1, 5):
-            values[j, at : at + nodes] = _total(rates, start, j)
+            values[0, at + node] = rates[node, 0]
+            for j in range(1, 5):
+                values[j, at + node] = _total(rates[node], start, j)
     for onset in range(shifts.shape[0]):
-        turns[panels * nodes + onset] = unit(-shifts[onset, 0])
-    for j in range(1, 5):  # that an onset moves adds to the derivatives alone
-        values[j, panels * nodes :] = _total(shifts, start, j)
+        at = panels * nodes + onset
+        turns[at] = unit(-shifts[onset, 0])
+        for j in range(1, 5):  # that an onset moves adds to the derivatives alone
+            values[j, at] = _total(shifts[onset], start, j)
     squares = turns * turns
     for i in range(count):
         sums = np.dot(values, turns)
@@ -137,9 +137,9 @@ def _set_contact(phases: Array, theta: float, par: Parameters, out: Complexes) -
 
 
 @jit
-def _total(rows: Array, start: Array, j: int) -> Array:
-    """Derivatives by unknown j of what has these rows of `_follow`, with that of the start."""
-    return rows[:, j] + rows[:, _X] * start[0, j - 1] + rows[:, _V] * start[1, j - 1]
+def _total(row: Array, start: Array, j: int) -> float:
+    """The derivative by unknown j of what has this row of `_follow`, with that of the start."""
+    return row[j] + row[_X] * start[0, j - 1] + row[_V] * start[1, j - 1]
 
 
 @jit
@@ -253,23 +253,29 @@ def _taylor(
     damping, square = phase[2, 0] * h, phase[3, 0] * h * h
     radians = max(damping, math.sqrt(square), par.omega * h)
     terms = min(_TERMS, 12 + int(6.0 * radians))
-    constant, driven, damped, stiff = phase[0], phase[1], phase[2].copy(), phase[3].copy()
-    damped[0] = stiff[0] = 0.0  # by no derivative
-    before, last = gained[0].copy(), h * gained[1]
-    series[0], series[1] = before, last
     turn, advance = unit(psi), par.omega * h
     force = h * h
+    for j in range(_COLUMNS):
+        series[0, j], series[1, j] = gained[0, j], h * gained[1, j]
+        gained[0, j], gained[1, j] = series[0, j] + series[1, j], series[1, j]
+    # column by column: whole rows take Numba twice as long to compile
     for n in range(2, terms):
-        u = force * turn.real * driven - damping * (n - 1) * last - square * before
-        u -= h * (n - 1) * last[0] * damped + h * h * before[0] * stiff
-        if n == 2:
-            u += h * h * constant
-        u *= 1.0 / (n * (n - 1))
-        series[n], before, last = u, last, u
+        for j in range(_COLUMNS):
+            last, before = series[n - 1, j], series[n - 2, j]
+            u = force * turn.real * phase[1, j] - damping * (n - 1) * last - square * before
+            if j > 0:
+                slower, softer = h * (n - 1) * series[n - 1, 0], h * h * series[n - 2, 0]
+                u -= slower * phase[2, j] + softer * phase[3, j]
+            if n == 2:
+                u += h * h * phase[0, j]
+            u *= 1.0 / (n * (n - 1))
+            series[n, j] = u
+            gained[0, j] += u
+            gained[1, j] += n * u
         force *= advance / (n - 1)
         turn = complex(-turn.imag, turn.real)
-    gained[0] = series[:terms].sum(axis=0)
-    gained[1] = (_ORDERS[:terms] * series[:terms]).sum(axis=0) / h
+    for j in range(_COLUMNS):
+        gained[1, j] /= h
 
 
 @jit
