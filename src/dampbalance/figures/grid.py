@@ -105,7 +105,8 @@ def grid(
 def clear_labels(row: Sequence[Axes]) -> None:
     """Leave out labels along x that would touch others, of the same panel or the next, or the edge of the page."""
     figure: Any = row[0].figure
-    figure.draw_without_rendering()
+    for axes in row:
+        axes.xaxis.get_ticklabels()  # sets their texts and places, without drawing all else
     apart, aside = (points / 72.0 * figure.dpi for points in (APART, ASIDE - APART))
     limit = figure.bbox.width
     for axes in reversed(row):

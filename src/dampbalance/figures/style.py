@@ -159,17 +159,17 @@ def save(figure: Figure, svg: str | Path, png: str | Path, alt: str = "", dpi: i
 
 def save_svg(figure: Figure, svg: str | Path, alt: str = "", dpi: int = DPI) -> None:
     """Write the figure as SVG alone, with the values of all lines that have a name (`figures.values`)."""
-    panels, lines = values(figure), [line for axes in figure.axes for line in axes.get_lines()]
+    lines = [line for axes in figure.axes for line in axes.get_lines()]
     names = [line.get_gid() for line in lines]
-    for line in lines:
-        line.set_gid(None)  # inside a file it would have to be unique
     with replacing(svg) as temporary:
+        for line in lines:
+            line.set_gid(None)  # inside a file it would have to be unique
         _write(figure, temporary, "svg", alt, dpi)
-        if panels:
+        for line, name in zip(lines, names, strict=True):
+            line.set_gid(name)
+        if panels := values(figure):
             text = with_values(temporary.read_text(encoding="utf-8"), panels)
             temporary.write_text(text, encoding="utf-8", newline="\n")
-    for line, name in zip(lines, names, strict=True):
-        line.set_gid(name)
 
 
 @styled()

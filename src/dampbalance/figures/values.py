@@ -29,7 +29,8 @@ _ELEMENT = '<metadata id="values">{}</metadata>'
 
 
 def values(figure: Figure) -> list[dict[str, Any]]:
-    """The panels of a figure whose lines have names, each with what is drawn in it.
+    """The panels of a figure whose lines have names, each with what is drawn in it. The figure has been drawn before:
+    only then do its axes know their limits.
 
     title : above the panel.
     x, y : what the places are, and what the values.
@@ -40,8 +41,6 @@ def values(figure: Figure) -> list[dict[str, Any]]:
     none), and where its places lie on the drawing.
     """
     named = {axes: [line for line in axes.get_lines() if line.get_gid()] for axes in figure.axes}
-    if any(named.values()):
-        figure.draw_without_rendering()  # which takes as long as writing
     return [_panel(axes, lines) for axes, lines in named.items() if lines]
 
 
