@@ -15,7 +15,9 @@ VERSION := $(shell sed -n 's/^version = "\(.*\)"/\1/p' pyproject.toml)
 # What `make archive` packs; of another case it is dampbalance-<version>-<case>.tar.gz.
 ARCHIVE ?= results/archive/dampbalance-$(VERSION).tar.gz
 SNAKEMAKE := PATH="$$HERE/$(VENV)/bin:$$PATH" exec python workflow/run.py --cores $(CORES) $${CONFIG:+"--configfile=$$CONFIG"}
-PIP_INSTALL := $(RUN) pip install --quiet --disable-pip-version-check --no-compile
+QUIETLY := install --quiet --disable-pip-version-check --no-compile
+PIP_INSTALL := $(RUN) pip $(QUIETLY)
+BUILD_LOCK := --require-hashes --requirement requirements-build.lock
 
 # Paths may hold blanks and any other character: recipes take them from the environment, as neither make nor the shell expands
 # what stands there. A colon ends a folder of PATH, and what pip installs takes the others for the shell's own.
@@ -172,7 +174,7 @@ help: ## Show the targets
 # Each mark is set by the last line of its recipe: an interrupted set-up starts afresh.
 $(READY): $(LOCKED) pyproject.toml
 	@rm -f $(READY)
-	@$(PIP_INSTALL) --no-build-isolation --no-deps --editable .
+	@$(call INSTALL,--editable .)
 	@$(RUN) dampbalance.commands.kernels
 	@touch $(READY)
 
@@ -185,24 +187,24 @@ $(LOCKED): requirements.lock requirements-build.lock $(STALE)
 	    echo "       On Debian or Ubuntu install the package python3-venv, then run make again."; exit 1; } >&2
 	@echo "Setting up $(VENV): $$(grep -c == requirements.lock) packages from requirements.lock."
 	@rm -f $(LOCKED) $(TOOLS)
-	@"$$PYTHON" -m venv --clear $(VENV)
-	@$(PIP_INSTALL) --require-hashes --requirement requirements-build.lock
-	@$(call INSTALL,requirements.lock)
+	@"$$PYTHON" -m venv --clear --without-pip $(VENV)
+	@"$$PYTHON" -m pip --python $(VENV)/bin/python $(QUIETLY) $(BUILD_LOCK) 2>/dev/null \
+	    || { $(RUN) ensurepip >/dev/null && $(PIP_INSTALL) $(BUILD_LOCK); }
+	@$(call INSTALL,--require-hashes --requirement requirements.lock,$(FROM_INDEX))
 	@printf '%s' "$$HERE" > $(LOCKED)
 
 $(TOOLS): requirements-dev.lock $(LOCKED)
 	@rm -f $(TOOLS)
 	@echo "Adding the tools of tests, linters and documentation: $$(grep -c == requirements-dev.lock) packages from requirements-dev.lock."
-	@$(call INSTALL,requirements-dev.lock)
+	@$(call INSTALL,--require-hashes --requirement requirements-dev.lock,$(FROM_INDEX))
 	@touch $(TOOLS)
 
-# uv takes a third of pip's time. It does not read pip's settings: where those name another index they are handed on, and where it
-# cannot install, pip does.
-INSTALL = { UV_DEFAULT_INDEX="$${UV_DEFAULT_INDEX:-$${PIP_INDEX_URL:-$$($(RUN) pip config get global.index-url 2>/dev/null)}}" \
-	UV_NO_INDEX="$${UV_NO_INDEX:-$${PIP_NO_INDEX:-0}}" UV_FIND_LINKS="$${UV_FIND_LINKS:-$$PIP_FIND_LINKS}" \
-	    $(RUN) uv pip install --quiet --no-deps --no-build-isolation --require-hashes --requirement $(1) \
-	|| { echo "uv cannot install $(1) here: pip does."; \
-	    $(PIP_INSTALL) --no-deps --no-build-isolation --require-hashes --requirement $(1); }; }
+# uv takes a third of pip's time; where it cannot install, pip does.
+INSTALL = { $(2) $(RUN) uv pip install --quiet --no-deps --no-build-isolation $(1) \
+	|| { echo "uv cannot install $(lastword $(1)) here: pip does."; $(PIP_INSTALL) --no-deps --no-build-isolation $(1); }; }
+# It does not read pip's settings: where those name another index they are handed on.
+FROM_INDEX = UV_DEFAULT_INDEX="$${UV_DEFAULT_INDEX:-$${PIP_INDEX_URL:-$$($(RUN) pip config get global.index-url 2>/dev/null)}}" \
+	UV_NO_INDEX="$${UV_NO_INDEX:-$${PIP_NO_INDEX:-0}}" UV_FIND_LINKS="$${UV_FIND_LINKS:-$$PIP_FIND_LINKS}"
 
 # Peers to measure against and the linker of the engine: environments of their own, which see the packages of the first one.
 SITE := import sysconfig; site = sysconfig.get_path("purelib")
