@@ -24,6 +24,7 @@ rule study_chunk:
         chunk=temp(f"{STUDY_RESULTS}/{{study}}/chunks/{{chunk}}.parquet"),
     log:
         study_log("chunk_{chunk}"),
+    priority: NEXT
     conda:
         ENVIRONMENT
     threads: 1
@@ -54,6 +55,7 @@ rule study_cases:
         study_log("cases"),
     benchmark:
         study_log("cases", "tsv")
+    priority: NEXT
     conda:
         ENVIRONMENT
     threads: 1
@@ -102,6 +104,7 @@ rule study_figure:
         png=[f"{STUDY_RESULTS}/{{study}}/figure.png"],
     log:
         study_log("figure"),
+    priority: NEXT
     conda:
         ENVIRONMENT
     resources:
@@ -147,6 +150,7 @@ rule study_summary:
         md=f"{STUDY_RESULTS}/{{study}}/summary.md",
     log:
         study_log("summary"),
+    priority: NEXT
     conda:
         ENVIRONMENT
     resources:
