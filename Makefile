@@ -75,7 +75,7 @@ test: lint check unit ## Run every check: lint, types, the rebuild with its clai
 lint: setup ## Check style, formatting and types
 	@$(RUN) ruff check .
 	@$(RUN) ruff format --check .
-	@$(RUN) mypy
+	@$(RUN) mypy --num-workers auto
 	@$(RUN) snakefmt --check Snakefile workflow
 
 unit: setup ## Run the tests: unit, analytic, paper, workflow (choose with PYTEST_ARGS="-k …")

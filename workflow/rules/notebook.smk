@@ -20,6 +20,7 @@ rule notebook:
         ),
     log:
         log_file("notebook"),
+    priority: NEXT
     benchmark:
         log_file("notebook", "tsv")
     conda:
