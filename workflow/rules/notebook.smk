@@ -20,9 +20,9 @@ rule notebook:
         ),
     log:
         log_file("notebook"),
-    priority: NEXT
     benchmark:
         log_file("notebook", "tsv")
+    priority: NEXT
     conda:
         ENVIRONMENT
     message:
