@@ -63,12 +63,16 @@ class Checkout:
 
 
 def keep_kernels(source: Path, folder: Path) -> None:
-    """Let a copy use the compiled kernels that came along: Numba names their folder after the path of the sources."""
-    for cached in (folder / "src").rglob("kernels-*/*_*"):
+    """Let a copy of the sources use the kernels that these have compiled: Numba knows sources by their path, size and
+    time, and the package by a digest of them."""
+    for cached in (source / "src").rglob("kernels-*/*_*"):
+        kept = folder / cached.parent.relative_to(source)
         for package in (source / "src").rglob("*/"):
+            own = folder / package.relative_to(source)
             if cached.name == get_subpath(str(package / "any.py")):
-                own = folder / package.relative_to(source)
-                cached.rename(cached.parent / get_subpath(str(own / "any.py")))
+                shutil.copytree(cached, kept / get_subpath(str(own / "any.py")))
+                for module in package.glob("*.py"):
+                    shutil.copystat(module, own / module.name)
                 break
 
 
@@ -78,7 +82,7 @@ def copied(source: Path, folder: Path, *more: str) -> Checkout:
         target = folder / name
         target.parent.mkdir(parents=True, exist_ok=True)
         if (source / name).is_dir():
-            shutil.copytree(source / name, target)
+            shutil.copytree(source / name, target, ignore=shutil.ignore_patterns("kernels-*"))
         elif (source / name).is_file():
             shutil.copy2(source / name, target)
     keep_kernels(source, folder)

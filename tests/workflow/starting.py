@@ -8,15 +8,15 @@ import os
 import subprocess
 import sys
 import tempfile
-from multiprocessing import get_context
+from multiprocessing import forkserver, get_context
 from pathlib import Path
+from unittest.mock import patch
 
-from forks import LIBRARIES, scripts_as_forks
+import forks
 
 SERVER = get_context("forkserver")
-# What Snakemake itself imports in every run. Nothing of the package: each run imports that of its own folder.
-IMPORTED = ("snakemake.cli", "snakemake.report.html_reporter", "nbformat", "smart_open", "yte")
-SERVER.set_forkserver_preload([*IMPORTED, *LIBRARIES])
+SERVER.set_forkserver_preload(["preloaded"])
+PATHS = os.pathsep.join(str(Path(file).parent) for file in (__file__, forks.__file__))
 
 
 def snakemake(
@@ -27,6 +27,8 @@ def snakemake(
     compiled : without it the kernels that Snakemake itself calls are interpreted, not compiled first.
     project : the copy of the project whose package it uses, if that is not the folder.
     """
+    with patch.dict(os.environ, PYTHONPATH=PATHS):  # the server looks nowhere else
+        forkserver.ensure_running()
     with tempfile.TemporaryDirectory() as said:
         process = SERVER.Process(
             target=_run, args=(folder, project or folder, arguments, compiled, said)
@@ -51,6 +53,6 @@ def _run(
     from numba.core import config
     from snakemake.cli import main
 
-    with scripts_as_forks():
+    with forks.scripts_as_forks():
         config.DISABLE_JIT = not compiled
         main()

@@ -12,8 +12,7 @@ import pytest
 import yaml
 
 from dampbalance import identify
-from dampbalance.identification.batch import OVERVIEW
-from dampbalance.identification.outputs import OUTPUTS, outputs_of
+from dampbalance.identification.outputs import OUTPUTS, OVERVIEW, outputs_of
 from folders import ROOT, restored
 
 pytestmark = pytest.mark.slow

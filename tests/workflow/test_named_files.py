@@ -9,8 +9,7 @@ import time
 import pytest
 import yaml
 
-from dampbalance.identification.batch import OVERVIEW
-from dampbalance.identification.outputs import OUTPUTS
+from dampbalance.identification.outputs import OUTPUTS, OVERVIEW
 from dampbalance.project.files import ROUTES
 from folders import restored
 from schemas import values

@@ -11,6 +11,7 @@ import pytest
 from dampbalance import __version__
 from folders import ROOT
 from processes import output_of, run
+from workflow.copies import copied
 
 LOCKS = sorted(path.name for path in ROOT.glob("requirements*.lock"))
 ODD = "ä b'c & (e) [f] #h %i"
@@ -124,10 +125,11 @@ def test_where_home_cannot_be_written_a_folder_of_the_project_serves(odd, enviro
 
 
 @pytest.mark.slow
-def test_jobs_run_by_a_python_with_an_odd_path(checkout, tmp_path):
+def test_jobs_run_by_a_python_with_an_odd_path(tmp_path):
     """The environment is a link, whose path Snakemake writes into the command lines of its jobs."""
     folder = tmp_path / ODD
-    checkout().folder.rename(folder)
+    folder.mkdir()
+    copied(ROOT, folder)
     (folder / ".venv").symlink_to(sys.prefix)
     case = folder / "s m.yaml"
     shutil.copy(ROOT / "tests/workflow/small.yaml", case)

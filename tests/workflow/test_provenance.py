@@ -23,7 +23,7 @@ from dampbalance.publishing.provenance import archive
 from dampbalance.publishing.provenance.manifest import digest_of, files_of
 from folders import ROOT, contents
 from processes import git
-from workflow.copies import SMALL, Checkout
+from workflow.copies import SMALL, Checkout, keep_kernels
 
 pytestmark = pytest.mark.slow
 
@@ -175,9 +175,12 @@ def unpacked(built, tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def rebuilt(unpacked):
-    """The results that the archive had, by path; they are deleted, and built again by its own sources, on one core."""
+def rebuilt(built, unpacked):
+    """The results that the archive had, by path; they are deleted, and built again by its own sources, on one core.
+
+    With kernels that are compiled already, which a digest of the sources admits."""
     packed = unpacked.files("small")
+    keep_kernels(built.folder, unpacked.folder)
     shutil.rmtree(unpacked.folder / "results/small")
     unpacked.made("all", *(f"results/small/{name}" for name in packed), *SMALL, cores=1)
     return packed

@@ -52,16 +52,15 @@ def test_a_job_that_takes_more_memory_than_it_asked_for_is_ended(slurm):
 @pytest.mark.slow
 def test_slurm_gives_the_bytes_of_the_local_run(slurm, tmp_path):
     """A study of two chunks; a million cases the same way: config/studies/CLUSTER.md."""
-    small = (ROOT / "tests/workflow/studies/map.yaml").read_text(encoding="utf-8")
-    halves = small.replace("chunk_cases: 1000", "chunk_cases: 2000")
-    (tmp_path / "map.yaml").write_text(halves, encoding="utf-8")
+    small = (ROOT / "tests/workflow/studies/quadratic.yaml").read_text(encoding="utf-8")
+    (tmp_path / "quadratic.yaml").write_text(f"{small}chunk_cases: 5\n", encoding="utf-8")
     done = loopback(
         sys.executable,
         "-m",
         "cluster.same_bytes",
         "--config-of",
         str(tmp_path),
-        "map",
+        "quadratic",
         timeout=550,
     )
     assert done.returncode == 0, done.stdout + done.stderr

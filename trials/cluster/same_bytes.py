@@ -26,8 +26,11 @@ from folders import ROOT
 from same_results import different, names_of
 from workflow.copies import copied
 
-LOCAL = ("--cores", "all")
-SLURM = ("--profile", "workflow/profiles/slurm", "--slurm-init-seconds-before-status-checks", "2")
+LOCAL = ("workflow/run.py", "--cores", "all")
+SLURM = (
+    *("-m", "snakemake", "--profile", "workflow/profiles/slurm"),
+    *("--slurm-init-seconds-before-status-checks", "2"),
+)
 
 
 def make_smaller(folder: Path, study: str, changes: Path) -> None:
@@ -47,7 +50,7 @@ def compute(folder: Path, study: str, how: tuple[str, ...]) -> float:
         "PYTHONPATH": str(folder / "src"),
         "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}",
     }
-    command = [sys.executable, "-m", "snakemake", *how, f"results/studies/{study}/summary.md"]
+    command = [sys.executable, *how, f"results/studies/{study}/summary.md"]
     begun = time.perf_counter()
     subprocess.run(command, cwd=folder, env=environment, check=True)
     return time.perf_counter() - begun

@@ -1,9 +1,10 @@
 # Which printed numbers there are to compare with, and when they were compared last.
 import time
 
-from dampbalance.replication.claims.table import WORSE
-
 PUBLISHED = named_file(config["published"]) if config["published"] else None
+
+if PUBLISHED:  # slow to import
+    from dampbalance.replication.claims.table import WORSE
 
 if PUBLISHED and workflow.is_main_process:
     from dampbalance.replication.claims import published as printed

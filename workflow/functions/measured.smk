@@ -4,12 +4,14 @@ import logging
 
 from snakemake.common import NOTHING_TO_BE_DONE_MSG
 from dampbalance.project.documents import refuse
-from dampbalance.records.errors import RecordError
-from dampbalance.records.mapping import mapping_file, mapping_for, parts_of
-from dampbalance.identification.batch import OVERVIEW, SUMMARY as SET_SUMMARY, summarise
-from dampbalance.identification.measured import not_taken
-from dampbalance.identification.outputs import outputs_of
-from dampbalance.law.law import law_of
+from dampbalance.identification.outputs import OVERVIEW, SUMMARY as SET_SUMMARY, outputs_of
+
+if config.get("measured"):  # slow to import
+    from dampbalance.identification.batch import summarise
+    from dampbalance.identification.measured import not_taken
+    from dampbalance.law.law import law_of
+    from dampbalance.records.errors import RecordError
+    from dampbalance.records.mapping import mapping_file, mapping_for, parts_of
 
 MEASURED = {one["name"]: {**one} for one in config.get("measured") or []}
 for one in MEASURED.values():

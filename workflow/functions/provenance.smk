@@ -40,10 +40,9 @@ def jobs_behind_everything():
         if file in seen:
             continue
         seen.add(file)
-        made_by = [r for r in producers if r.is_producer(file)]
-        if not made_by:
+        producer = next((rule for rule in producers if rule.is_producer(file)), None)
+        if producer is None:
             continue
-        producer = made_by[0]
         wildcards = producer.get_wildcards(file)
         job = jobs.setdefault((names[producer], *sorted(wildcards.items())), {})
         if job:
@@ -67,6 +66,7 @@ def everything_built(wildcards):
     return [file for job in jobs_behind_everything() for file in job["outputs"]]
 
 
+@functools.cache
 def sources_of(names):
     """Files of the project below `names`, and configurations given on the command line: name → path."""
     own = {name: project_file(name) for name in files_of(ROOT, names)}

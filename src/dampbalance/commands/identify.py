@@ -161,7 +161,8 @@ def _write_mapping(options: argparse.Namespace) -> None:
 
 def _run_sets(options: argparse.Namespace) -> None:
     """Identify several sets, and show their table; ValueError where one of them failed."""
-    from ..identification.batch import OVERVIEW, identify_sets  # slow to import
+    from ..identification.batch import identify_sets  # slow to import
+    from ..identification.outputs import OVERVIEW
 
     taken = ("--sets", "--output", "--overwrite", "--largest")
     for name, of in _OPTIONS.items():

@@ -25,12 +25,8 @@ from ..records.errors import LARGEST, library
 from ..records.mapping import mapping_file, mapping_for, parts_of
 from .answer import DOUBTFUL, USABLE, Interval, ParameterEstimate, Verdict, column, unit_of
 from .measured import SETTINGS, configured, identify
-from .outputs import COMPLETE, REPORT, TABLES, outputs_of, require_room
+from .outputs import COMPLETE, ESTIMATES, REPORT, SUMMARY, TABLES, outputs_of, require_room
 from .screen import aligned, headed, in_one, with_interval
-
-ESTIMATES, SUMMARY = TABLES[1], TABLES[3]
-OVERVIEW = (ESTIMATES, SUMMARY, REPORT)
-"""Names of the files of a set, and of those of all sets."""
 
 _VERDICT = "_verdict"
 

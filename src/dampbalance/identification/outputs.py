@@ -13,6 +13,10 @@ TABLES = ("identification.json", "identification.csv", "features.csv", "summary.
 REPORT = "report.html"
 """All of it on a page, for a reader: of a set of records, or of several sets."""
 
+ESTIMATES, SUMMARY = TABLES[1], TABLES[3]
+OVERVIEW = (ESTIMATES, SUMMARY, REPORT)
+"""Names of the files of a set, and of those of all sets."""
+
 COMPLETE = ".complete"
 """Mark of a set among several whose results are complete."""
 

@@ -22,16 +22,15 @@ def package_modules(
     script : a Python file.   source : folder that holds the packages, e.g. `src`.   relative_to : folder the paths
     start from.
     """
-    source = Path(source)
-    modules: set[Path] = set()
-    waiting = [Path(script)]
+    modules: set[str] = set()
+    waiting, source = [str(script)], str(source)
     while waiting:
         file = waiting.pop()
-        for module in _imported_files(file, file.stat().st_mtime_ns, source):
-            if module not in modules:
-                modules.add(module)
-                waiting.append(module)
-    return sorted(os.path.relpath(path, relative_to or source) for path in modules)
+        new = _imported_files(file, os.stat(file).st_mtime_ns, source) - modules
+        modules |= new
+        waiting += new
+    start = os.path.relpath(source, relative_to or source)
+    return sorted(os.path.normpath(start + module.removeprefix(source)) for module in modules)
 
 
 # from .. import a, (b as c) or import a; a text that reads like one names a file more at most.
@@ -41,18 +40,27 @@ _IMPORT = re.compile(
 
 
 @cache  # a workflow asks about many scripts that share their modules
-def _imported_files(file: Path, changed: int, source: Path) -> frozenset[Path]:
-    paths: set[Path] = set()
-    for dots, module, taken, plain in _IMPORT.findall(file.read_text(encoding="utf-8")):
-        package = ".".join(file.relative_to(source).parent.parts) if dots else None
-        base = source.joinpath(*(plain or resolve_name(dots + module, package)).split("."))
-        paths.add(base)
-        if base.is_dir():  # of a module, or of another package, names are no files here
-            paths |= {base / name for name in re.findall(r"\w+", taken)}
+def _imported_files(file: str, changed: int, source: str) -> frozenset[str]:
+    names: set[str] = set()
+    for dots, module, taken, plain in _IMPORT.findall(Path(file).read_text(encoding="utf-8")):
+        package = os.path.dirname(os.path.relpath(file, source)).replace(os.sep, ".")
+        base = plain or resolve_name(dots + module, package)
+        names.add(base)
+        if os.path.isdir(
+            _path(base, source)
+        ):  # of a module, or of another package, names are no files here
+            names |= {f"{base}.{name}" for name in re.findall(r"\w+", taken)}
     files = set()
-    for path in paths:
-        if path.with_suffix(".py").is_file():
-            files.add(path.with_suffix(".py"))
-        elif path.parent != source and (path / "__init__.py").is_file():  # a subpackage
-            files.add(path / "__init__.py")
+    for name in names:
+        path = _path(name, source)
+        if os.path.isfile(f"{path}.py"):
+            files.add(f"{path}.py")
+        elif "." in name and os.path.isfile(
+            init := os.path.join(path, "__init__.py")
+        ):  # a subpackage
+            files.add(init)
     return frozenset(files)
+
+
+def _path(name: str, source: str) -> str:
+    return os.path.join(source, *name.split("."))

@@ -37,20 +37,20 @@ def stretches(cases: str | Path, names: Sequence[str]) -> Iterator[dict[str, Wor
     An array is not to be changed: facts and figures, which ask for the same columns again and again, get the same one.
     """
     file, wanted = (str(cases), Path(cases).stat().st_mtime_ns), list(dict.fromkeys(names))
-    for group in range(_groups_of(*file)):
+    for group in range(_metadata_of(*file).num_row_groups):
         yield {name: _column(*file, group, name) for name in wanted}
 
 
 @functools.lru_cache(maxsize=16)
-def _groups_of(cases: str, changed: int) -> int:
-    """How many row groups a file has, as it was when it changed last."""
-    return int(pq.read_metadata(cases).num_row_groups)
+def _metadata_of(cases: str, changed: int) -> pq.FileMetaData:
+    """What a file says of itself, as it was when it changed last: to read this takes longer than to read a column."""
+    return pq.read_metadata(cases)
 
 
 @functools.lru_cache(maxsize=256)  # of 1 MB or less
 def _column(cases: str, changed: int, group: int, name: str) -> Words:
     """A column of a row group of such a file."""
-    with pq.ParquetFile(cases) as file:
+    with pq.ParquetFile(cases, metadata=_metadata_of(cases, changed)) as file:
         column = np.asarray(file.read_row_group(group, columns=[name])[name].to_numpy())
     column.flags.writeable = False
     return column
