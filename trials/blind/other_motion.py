@@ -53,7 +53,8 @@ NO_DEPARTURE = Departure()
 @njit(cache=True)
 def _limit(v, numbers, departure):
     """Largest |z| of a Jenkins contact at a speed."""
-    return numbers[4] / numbers[3] * (1.0 + departure[4] * math.exp(-abs(v) / departure[5]))
+    falling = departure[4] * math.exp(-abs(v) / departure[5]) if departure[4] != 0.0 else 0.0
+    return numbers[4] / numbers[3] * (1.0 + falling)
 
 
 @njit(cache=True)
@@ -69,10 +70,14 @@ def _rate(t, x, v, z, numbers, departure):
     else:
         limit = _limit(v, numbers, departure)
         z = min(max(z, -limit), limit)
-    drive = math.cos(omega * t) + second * math.cos(2.0 * omega * t)
-    drive = k * Y * (drive + third * math.cos(3.0 * omega * t))
-    base = math.sin(omega * t) + 2.0 * second * math.sin(2.0 * omega * t)
-    base = -omega * Y * (base + 3.0 * third * math.sin(3.0 * omega * t))
+    drive = math.cos(omega * t)
+    if second != 0.0 or third != 0.0:
+        drive += second * math.cos(2.0 * omega * t) + third * math.cos(3.0 * omega * t)
+    drive *= k * Y
+    base = 0.0
+    if relative != 0.0:
+        base = math.sin(omega * t) + 2.0 * second * math.sin(2.0 * omega * t)
+        base = -omega * Y * (base + 3.0 * third * math.sin(3.0 * omega * t))
     damping = c + structural * k / omega + quadratic * abs(v) + third_power * v * v
     force = (damping * v + sided * abs(v) + relative * (v - base)) + K_z * z
     force += (k + even * x + cubic * x * x) * x

@@ -27,10 +27,9 @@ def secant(X: Array, r: Array) -> Complexes:
     X : amplitudes, m, (n,).   r : deflections at which sliders slip, m, (j,).
     """
     ratio = np.minimum(r / np.asarray(X)[:, None], 1.0)
-    theta = 2.0 * np.arcsin(
-        np.sqrt(ratio)
-    )  # accurate for small ones, where ϑ − sin ϑ cos ϑ cancels
-    in_phase = theta - np.sin(theta) * np.cos(theta)
+    root = np.sqrt(ratio)
+    theta = 2.0 * np.arcsin(root)  # accurate for small ones
+    in_phase = theta - 2.0 * root * np.sqrt(1.0 - ratio) * (1.0 - 2.0 * ratio)
     return np.asarray((in_phase + 4j * ratio * (1.0 - ratio)) / np.pi)
 
 

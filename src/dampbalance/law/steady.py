@@ -29,6 +29,7 @@ from numpy.typing import NDArray
 from ..arrays import Array, Complexes
 from ..model import BaseMotion, Oscillator
 from ..motion.events import MOST_RADIANS
+from ..motion.nearby import steady_orbit_near
 from ..motion.orbit import NoSteadyOrbit, Orbit, steady_orbit
 from ..motion.regime import Regime
 from ..motion.steady_slopes import onset_slopes
@@ -451,8 +452,11 @@ def steady_response(
     Raises NoSteadyOrbit where there is none, or none with one onset of slip per half cycle under quadratic or cubic
     damping.
     """
+    start = None if near is None else near.orbit
     if not law:
-        return Response(steady_orbit(oscillator, motion, most_radians=most_radians), 0.0)
+        return Response(
+            steady_orbit_near(oscillator, motion, start, most_radians=most_radians), 0.0
+        )
     omega, k = motion.omega, oscillator.k
     linear, to_base, others = oscillator.c, 0.0, {}
     for symbol, p in law.items():
@@ -466,7 +470,7 @@ def steady_response(
     advance = math.atan2(omega * to_base, k)
     if not others:
         own = replace(oscillator, c=linear)
-        return Response(steady_orbit(own, base, most_radians=most_radians), advance)
+        return Response(steady_orbit_near(own, base, start, most_radians=most_radians), advance)
     if near is not None and near.system is not None:
         extra = near.orbit.oscillator.c - linear
         orbit = steady_orbit(replace(oscillator, c=linear + max(extra, 0.0)), base)

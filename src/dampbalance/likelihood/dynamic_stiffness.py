@@ -180,10 +180,9 @@ class ContactFit:
         values = np.array(
             [[self.values[name], *drawn.linear.get(name, given[name])] for name in names]
         )
-        r = np.vstack([self.r, drawn.r])
-        Z = np.zeros((len(r), X.size), dtype=np.complex128)
-        for row, own, kappa in zip(Z, r, np.vstack([self.kappa, drawn.kappa]), strict=True):
-            row += secant(X, own) @ kappa
+        r, kappa = np.vstack([self.r, drawn.r]), np.vstack([self.kappa, drawn.kappa])
+        alike = bool((r == r[0]).all())  # as of a gradual contact, with its nodes
+        Z = kappa @ secant(X, r[0]).T if alike else kappa * secant(X, r[:, 0]).T
         all_Z = of(Z + values.T @ parts) if names else of(Z)
         return Band(all_Z[0], *_interval(all_Z[0], all_Z[1:]))
 

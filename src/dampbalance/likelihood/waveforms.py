@@ -196,7 +196,7 @@ class HarmonicResiduals:
     softening : part of the amplitudes added to the errors.
     left : evaluations that may still be made, (1,), changed by each: a light mass that swings on while it sticks takes
     as long as many others, and ends the climb early.
-    near : the last motion of each record under a nonlinear law, from which the next starts.
+    near : the last motion of each record, from which the next starts.
     """
 
     unknowns: Unknowns
@@ -234,8 +234,7 @@ class HarmonicResiduals:
         except NoSteadyOrbit:
             self._charge(MOST_RADIANS / (2.0 * math.pi * _DEAR))
             raise
-        if response.system is not None:
-            self.near[i] = response
+        self.near[i] = response
         par = response.orbit.parameters
         # or the decay of a velocity by e^{2π} where a light mass creeps in a strong damper
         turns = max(response.swings, 0.5 * par.c / par.m / par.omega)

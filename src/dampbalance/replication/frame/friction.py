@@ -30,6 +30,7 @@ roots of the push; the base between samples is a cubic spline through them.
 from __future__ import annotations
 
 import math
+from bisect import bisect_left
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -107,11 +108,15 @@ def friction_loop(
 
 
 def viscous(
-    damping: Mapping[str, float], v: Array, w: Array, k: float, omega: float
+    damping: Mapping[str, float], v: Array | float, w: Array | float, k: float, omega: float
 ) -> Array | float:
     """Σ p_j h_j, N, of the velocities v of the mass and w of the base, m/s."""
-    terms = ((p, KNOWN_TERMS[symbol].force) for symbol, p in damping.items())
-    return sum(p * force(v, w, k, omega) for p, force in terms if force is not None)
+    of_terms: Array | float = 0.0
+    for symbol, p in damping.items():
+        force = KNOWN_TERMS[symbol].force
+        if force is not None:
+            of_terms = of_terms + p * force(v, w, k, omega)
+    return of_terms
 
 
 def shape(loop: Loop, F_k: float) -> dict[str, float | list[float]]:
@@ -257,7 +262,7 @@ def _slipping(loop: Loop) -> tuple[Array, Array, Array]:
     return speed[on], (np.sign(loop.v) * loop.force)[on], path / path.sum()
 
 
-_METHOD: Mapping[str, Any] = {"method": "DOP853", "rtol": 1e-9, "atol": 1e-13}
+_METHOD: Mapping[str, Any] = {"method": "DOP853", "rtol": 1e-7, "atol": 1e-11}
 
 
 @dataclass(frozen=True)
@@ -271,7 +276,7 @@ class Mass:
 
     m: float
     k: float
-    friction: Callable[[Array], Array]
+    friction: Callable[[Any], Any]
     damping: Mapping[str, float]
     zero: float = 0.0
 
@@ -282,22 +287,27 @@ def predicted(mass: Mass, t: Array, y: Array, x: float, v: float, omega: float) 
     t : s, increasing.   y : m.   x, v : m, m/s.   omega : drive frequency, rad/s.
     """
     base = CubicSpline(t, y)
-    speed = base.derivative()
+    speed, knots, pieces = base.derivative(), t.tolist(), base.c.T.tolist()
     out = np.full(t.size, np.nan)
     now, end = float(t[0]), float(t[-1])
-    at_rest = float(mass.friction(np.asarray(0.0)))
+    at_rest = float(mass.friction(0.0))
 
-    def push(at: float | Array, x: float, v: float = 0.0) -> Array:
-        of_terms = viscous(mass.damping, np.asarray(v), speed(at), mass.k, omega)
-        return np.asarray(mass.k * (base(at) - x + mass.zero) - of_terms)
+    def push(y: Any, w: Any, x: float, v: float = 0.0) -> Any:
+        return mass.k * (y - x + mass.zero) - viscous(mass.damping, v, w, mass.k, omega)
+
+    def pushed(at: float, x: float, v: float = 0.0) -> float:
+        # a call of the spline takes as long as ten of these
+        i = max(bisect_left(knots, at) - 1, 0)
+        since, (a, b, c, d) = at - knots[i], pieces[i]
+        y, w = ((a * since + b) * since + c) * since + d, (3.0 * a * since + 2.0 * b) * since + c
+        return float(push(y, w, x, v))
 
     def over(at: float, x: float) -> float:
-        return abs(float(push(at, x))) - at_rest
+        return abs(pushed(at, x)) - at_rest
 
-    def rate(at: float, state: Array, sign: float) -> list[float]:
+    def rate(at: float, state: Array, sign: float) -> tuple[float, float]:
         x, v = state.tolist()
-        force = float(push(at, x, v)) - sign * float(mass.friction(np.asarray(abs(v))))
-        return [v, force / mass.m]
+        return v, (pushed(at, x, v) - sign * float(mass.friction(abs(v)))) / mass.m
 
     def still(at: float, state: Array, sign: float) -> float:
         return sign * float(state[1])
@@ -308,12 +318,12 @@ def predicted(mass: Mass, t: Array, y: Array, x: float, v: float, omega: float) 
     while now < end:
         if sign == 0.0:  # at rest until the push first exceeds the friction
             ahead = np.append(now, t[t > now])
-            free = np.flatnonzero(np.abs(push(ahead, x)) > at_rest)
+            free = np.flatnonzero(np.abs(push(base(ahead), speed(ahead), x)) > at_rest)
             last = float(ahead[free[0]]) if free.size else end
             if free.size and free[0] > 0:
                 last = float(brentq(over, ahead[free[0] - 1], last, args=(x,)))
             out[(t >= now) & (t <= last)] = x
-            sign, now = float(np.sign(push(last, x))), last
+            sign, now = float(np.sign(pushed(last, x))), last
             continue
         run = solve_ivp(
             rate, (now, end), [x, v], events=end_of_slip, args=(sign,), dense_output=True, **_METHOD
