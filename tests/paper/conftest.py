@@ -11,14 +11,22 @@ from paper.chromium import ARGUMENTS, CHROMIUM, REASON
 
 
 @pytest.fixture(scope="session")
-def report(tmp_path_factory):
+def article(tmp_path_factory):
+    """The article and all that it is made of, by the scripts of the workflow in a folder of their own."""
+    from paper.article_case import Project, build
+
+    return Project(shared(tmp_path_factory, "article", build))
+
+
+@pytest.fixture(scope="session")
+def report(article, tmp_path_factory):
     """The folder with the page of the paper's case, report.html, and what it shows."""
 
     def make(folder):
         from paper.page_case import page_of, results
 
         (folder / "files").mkdir()
-        made = results(folder / "files")
+        made = results(folder / "files", article.folder)
         (folder / "report.html").write_text(page_of(made), encoding="utf-8")
         (folder / "shown.pickle").write_bytes(pickle.dumps(made))
 
