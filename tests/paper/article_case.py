@@ -14,7 +14,7 @@ import re
 import runpy
 import shutil
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -24,7 +24,7 @@ from matplotlib.figure import Figure
 
 from dampbalance import figures, steady_orbit
 from dampbalance.figures import style
-from dampbalance.project.files import write_csv
+from dampbalance.project.files import write_csv, write_json
 from dampbalance.publishing.article import compiling
 from dampbalance.replication.printed_tables import paper_tables
 from dampbalance.studies import case_files
@@ -69,13 +69,15 @@ FIRST = next(iter(CASE.frequencies_hz))
 
 @dataclass(frozen=True)
 class Project:
-    """A folder with what the article is made of, and the article.
-
-    faults : of the legibility of each figure, by its file.
-    """
+    """A folder with what the article is made of, and the article."""
 
     folder: Path
-    faults: dict[str, list[tuple[str, ...]]] = field(default_factory=dict)
+
+    @property
+    def faults(self) -> dict[str, list[list[str]]]:
+        """Of the legibility of each figure, by its file, as they were found when it was drawn."""
+        files = self.folder.glob("faults/*.json")
+        return {file.stem: json.loads(file.read_text(encoding="utf-8")) for file in files}
 
     @property
     def source(self) -> Path:
@@ -91,8 +93,10 @@ class Project:
         return {value["key"]: value for value in values}
 
     def query(self, selector: str, field: str) -> list[Any]:
-        """A field of every element of the compiled article that a selector matches."""
-        return compiling.query(self.source, self.folder, INPUTS, selector, field)
+        """A field of every element of the compiled article that a selector matches, as the rule `article` compiles it:
+        what typst has laid out in this process it does not lay out again."""
+        with compiling.placed(self.source.parent, self.folder / "results") as source:
+            return compiling.query(source, source.parents[1], INPUTS, selector, field)
 
     def copy(self, folder: Path) -> Project:
         """The article and its results in another folder."""
@@ -133,7 +137,8 @@ class Project:
     def save(self, figure: Figure, svg: str | Path, png: object, alt: str) -> None:
         """As `style.save`, without a bitmap, which takes longer to write than all else here."""
         file = self.folder / svg
-        self.faults[file.name if file.stem != "figure" else file.parent.name] = faults(figure)
+        name = file.stem if file.stem != "figure" else file.parent.name
+        write_json(self.folder / f"faults/{name}.json", faults(figure))
         file.parent.mkdir(parents=True, exist_ok=True)
         style.save_svg(figure, file, alt)
 
@@ -143,8 +148,8 @@ class Project:
         self.run("article", {"pdf": output}, {}, **params)
 
 
-def build(folder: Path) -> Project:
-    """All that the article needs, and the article."""
+def build(folder: Path) -> None:
+    """All that the article needs, and the article, in an empty folder."""
     project = Project(folder)
     shutil.copytree(ROOT / "paper/article", folder / "paper/article")
     for name in ("config", "src", "workflow", "CITATION.cff"):
@@ -154,7 +159,6 @@ def build(folder: Path) -> Project:
     _numbers(project, cases, files)
     _figures(project, cases)
     project.typeset()
-    return project
 
 
 def _routes(folder: Path) -> None:

@@ -16,18 +16,12 @@ from pypdf import PdfReader
 
 from dampbalance.figures.style import DARK, follows_the_screen
 from dampbalance.publishing.article import compiling
-from paper.article_case import INPUTS, SOURCES, build
+from paper.article_case import INPUTS, SOURCES
 from paper.routes import ROOT
 
 pytestmark = pytest.mark.slow
 
 # --- the values ---------------------------------------------------------------------------
-
-
-@pytest.fixture(scope="module")
-def article(tmp_path_factory):
-    """The article and all that it is made of, by the scripts of the workflow in a folder of their own."""
-    return build(tmp_path_factory.mktemp("article"))
 
 
 @pytest.fixture(scope="module")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import random
 import re
 import shutil
@@ -171,10 +170,8 @@ def test_nothing_is_stated_that_the_citation_lacks():
 def printed(cases) -> list[str]:
     """The entries as typst prints them.   cases : entry of a result file, form, and what else the style states."""
     source = b"""#import "numbers.typ": *
-        #let cases = json(bytes(sys.inputs.cases))
-        #metadata(cases.map(((raw, form, more)) => printed(raw, style(form, ..more))))<text>"""
-    inputs = {"cases": json.dumps(cases)}
-    return compiling.query(source, ARTICLE, inputs, "<text>", "value")[0]
+        #metadata(json(bytes(sys.inputs.given)).map(((raw, form, more)) => printed(raw, style(form, ..more))))<text>"""
+    return compiling.query(source, ARTICLE, cases, "<text>", "value")[0]
 
 
 EXAMPLES = [

@@ -123,6 +123,7 @@ def test_sliders_hold_the_case(case):
 FRAMES = "requestAnimationFrame(() => requestAnimationFrame(done))"
 GO = f"""hash => new Promise(done => {{
   addEventListener('hashchange', () => {FRAMES}, {{ once: true }});
+  if (location.hash === `#${{hash}}`) dispatchEvent(new Event('hashchange'));
   location.hash = hash;
 }})"""
 PHASE = """phase => {
@@ -146,8 +147,8 @@ COUNT = """
 def opened(visit, report):
     """Opens the page at an address and waits until both instruments have drawn."""
 
-    def page(hash="", file=report / "report.html", **options):
-        view = visit(file.as_uri() + hash, **{"reduced_motion": "reduce"} | options)
+    def page(hash="", file=report / "report.html", open=visit, **options):
+        view = open(file.as_uri() + hash, **{"reduced_motion": "reduce"} | options)
         for name in ("oscillator", "off_resonance"):
             view.wait_for_selector(f"#{name}.ready")
             view.wait_for_function(f"() => document.querySelector('#{name} .words').textContent")
@@ -155,6 +156,18 @@ def opened(visit, report):
 
     yield page
     assert visit.said == []
+
+
+@pytest.fixture
+def led(opened, visit):
+    """Leads to a state of an instrument, on a page that tests share: an address states all of it."""
+
+    def page(state):
+        view = opened(open=visit.again)
+        view.evaluate(GO, state)
+        return view
+
+    return page
 
 
 def number(value, digits=5):
@@ -189,10 +202,10 @@ STATES = {  # of the address → Y, f and what else is changed
 
 
 @pytest.mark.slow
-def test_the_oscillator_has_the_readings_that_python_gives_in_every_regime(opened):
-    page, regimes = opened(), {}
+def test_the_oscillator_has_the_readings_that_python_gives_in_every_regime(led):
+    regimes = {}
     for state, (Y, f, changed) in STATES.items():
-        page.evaluate(GO, f"oscillator?{state}")
+        page = led(f"oscillator?{state}")
         orbit = orbit_of(CASE, Y, f, **changed)
         shown = readings(page)
         for name, scale in (("X", 1e3), ("X_s", 1e3), ("V_s", 1e3), ("t_s", 1e3), ("b", 1e6)):
@@ -207,13 +220,12 @@ def test_the_oscillator_has_the_readings_that_python_gives_in_every_regime(opene
 
 
 @pytest.mark.slow
-def test_errors_off_resonance_are_those_of_the_table(opened, made):
-    page = opened()
+def test_errors_off_resonance_are_those_of_the_table(led, made):
     table = made.approaches.set_index(["frequency", "approach", "phase", "sharing"])
     rows = "all => all.map(row => [...row.querySelectorAll('td')].map(one => one.textContent))"
     for frequency, hz in CASE.frequencies_hz.items():
         for chosen in ("X_s", "t_s", "V_s"):
-            page.evaluate(GO, f"off_resonance?f={hz}&approach={chosen}&step=reversal")
+            page = led(f"off_resonance?f={hz}&approach={chosen}&step=reversal")
             shown = page.eval_on_selector_all("#off_resonance .steps tbody tr", rows)
             assert len(shown) == len(RECIPES)
             for step, cells in zip(RECIPES, shown, strict=True):
@@ -239,7 +251,7 @@ def printed(program):
 
 
 def texts(page, name):
-    page.click(f"#{name} .code summary")
+    page.evaluate(f"document.querySelector('#{name} .code').open = true")
     page.wait_for_function(f"() => document.querySelector('#{name} pre').textContent")
     return page.locator(f"#{name} pre").all_text_contents()
 
@@ -257,10 +269,8 @@ def checked(file, text):
 
 @pytest.mark.parametrize("state", ["f=3.5&Y=10&F_k=0.9&c=41.5&K_z=7500", ""])
 @pytest.mark.slow
-def test_the_program_and_the_configuration_of_the_oscillator_compute_the_same(
-    opened, tmp_path, state
-):
-    page = opened(f"#oscillator?{state}")
+def test_the_program_and_the_configuration_of_the_oscillator_compute_the_same(led, tmp_path, state):
+    page = led(f"oscillator?{state}")
     program, configuration = texts(page, "oscillator")
     (X, *_, phi), (friction, damper, W) = printed(program)
     assert readings(page)["X"] == f"{number(1e3 * X)} mm"
@@ -274,8 +284,8 @@ def test_the_program_and_the_configuration_of_the_oscillator_compute_the_same(
 
 @pytest.mark.parametrize("state", ["step=mean", "f=3.5&approach=t_s&step=shared", "step=fourier"])
 @pytest.mark.slow
-def test_the_program_and_the_configuration_off_resonance_compute_the_same(opened, tmp_path, state):
-    page = opened(f"#off_resonance?{state}")
+def test_the_program_and_the_configuration_off_resonance_compute_the_same(led, tmp_path, state):
+    page = led(f"off_resonance?{state}")
     program, configuration = texts(page, "off_resonance")
     ((F_k, c),) = printed(program)
     words = plain(page.inner_text("#off_resonance .words"))
@@ -344,10 +354,13 @@ def test_an_address_leads_to_its_instrument(visit, report, name, width):
 
 @pytest.mark.slow
 def test_a_redraw_solves_each_response_once(opened, visit):
-    page = opened()
-    page.context.add_init_script(COUNT)
-    page.reload()
-    page.wait_for_function("() => document.querySelector('#off_resonance .words').textContent")
+    def counted(address, **options):
+        page = visit("about:blank", **options)
+        page.add_init_script(COUNT)
+        page.goto(address)
+        return page
+
+    page = opened(open=counted)
     move = f"""name => new Promise(done => {{
       const input = document.getElementById(name);
       calls = {{}};
@@ -367,9 +380,10 @@ def test_a_redraw_solves_each_response_once(opened, visit):
 
 
 @pytest.mark.slow
-def test_the_oscillator_moves_and_can_be_stopped(opened):
+def test_the_oscillator_moves_and_can_be_stopped(opened, led):
     place = "() => document.querySelector('#oscillator .mass').getAttribute('transform')"
-    still = opened()
+    still = led("oscillator?")
+    still.evaluate(PHASE, 0)
     assert still.inner_text("#oscillator .toggle") == "Play"
     before = still.evaluate(place)
     still.locator("#oscillator-phase").focus()
@@ -405,9 +419,9 @@ WORK = """() => Object.fromEntries(['friction', 'damper'].map(css => {
 
 
 @pytest.mark.slow
-def test_the_loops_fill_as_the_energy_is_lost(opened):
+def test_the_loops_fill_as_the_energy_is_lost(led):
     """The area that is dark in a loop is the work so far, and the bar below says the same."""
-    page = opened()
+    page = led("oscillator?")
     for phase in (60, 90, 185, 270, 360):
         page.evaluate(PHASE, phase)
         for area, bar in page.evaluate(WORK).values():
@@ -416,9 +430,8 @@ def test_the_loops_fill_as_the_energy_is_lost(opened):
 
 
 @pytest.mark.slow
-def test_an_undamped_oscillator_has_an_axis_of_forces(opened):
-    page = opened("#oscillator?c=0")
-    page.wait_for_function("() => document.querySelector('#oscillator .words').textContent")
+def test_an_undamped_oscillator_has_an_axis_of_forces(led):
+    page = led("oscillator?c=0")
     ticks = page.eval_on_selector_all(
         "#oscillator svg.viscous text", "all => all.map(one => one.textContent)"
     )

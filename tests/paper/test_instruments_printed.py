@@ -32,7 +32,7 @@ from paper.mutants import sources
 from paper.page_case import CHANGED
 from paper.routes import CASE, PAPER, PRINT
 from paper.routes import judged as judged_afresh
-from paper.test_instruments import NODE, checked, in_node, plain, printed, texts
+from paper.test_instruments import GO, NODE, checked, in_node, plain, printed, texts
 
 INTEGRATOR = """() => [...document.querySelectorAll('#integrator td')].map(cell => [
   cell.classList[1], cell.querySelector('.digits').textContent, cell.querySelector('small').textContent])"""
@@ -40,10 +40,13 @@ INTEGRATOR = """() => [...document.querySelectorAll('#integrator td')].map(cell 
 
 @pytest.fixture
 def opened(visit, report):
-    """Opens the page at the address of an instrument and waits until it has computed."""
+    """Leads to a state of an instrument and waits until it has computed, on a page that tests share: an address states
+    all of it."""
 
     def page(name, state=""):
-        view = visit(f"{(report / 'report.html').as_uri()}#{name}?{state}", reduced_motion="reduce")
+        view = visit.again((report / "report.html").as_uri(), reduced_motion="reduce")
+        view.wait_for_selector(f"#{name}.ready", state="attached")
+        view.evaluate(GO, f"{name}?{state}")
         view.wait_for_selector(f"#{name}.ready:not(.busy)")
         view.wait_for_function(f"() => document.querySelector('#{name} .words').textContent")
         view.wait_for_selector(f"#{name}.ready:not(.busy)")

@@ -24,7 +24,7 @@ from dampbalance.replication.claim_verdicts import KINDS, VERDICTS, counts
 from dampbalance.replication.printed_tables import claim_of
 from paper.contrast import GRAPHICS_ON, TEXT_ON, contrast
 from paper.html import Tree
-from paper.page_case import PAGE, claims_of_paper, page_of
+from paper.page_case import PAGE, page_of
 from paper.routes import CASE, ROOT
 
 
@@ -112,9 +112,9 @@ def test_every_printed_cell_of_a_table_leads_to_its_claim(tree, made):
         (("statistics", "direct, mean", 2, "c"), "text.c_direct_mean"),
     ],
 )
-def test_a_cell_knows_its_claim(cell, claim):
+def test_a_cell_knows_its_claim(made, cell, claim):
     assert claim_of(*cell) == claim
-    assert claim in set(claims_of_paper()["id"])
+    assert claim in set(made.claims["id"])
 
 
 def test_the_errors_are_those_of_the_table(tree, made):
@@ -462,16 +462,16 @@ def test_symbols_numbers_and_units_are_set(function, text, shown):
 # --- the picture in the README ---------------------------------------------------------------------
 
 
-def test_the_picture_of_the_match_is_up_to_date():
+def test_the_picture_of_the_match_is_up_to_date(made):
     shown = (ROOT / "paper/figures/match.svg").read_text(encoding="utf-8")
-    assert match_picture(counts(claims_of_paper())) == shown
+    assert match_picture(counts(made.claims)) == shown
 
 
 SVG = "{http://www.w3.org/2000/svg}"
 
 
-def test_the_picture_says_its_numbers():
-    found = counts(claims_of_paper())
+def test_the_picture_says_its_numbers(made):
+    found = counts(made.claims)
     root = ElementTree.fromstring(match_picture(found))
     total = found[-1]
     description = root.find(f"{SVG}desc").text
@@ -502,8 +502,8 @@ def test_the_picture_says_its_numbers():
         )
 
 
-def test_the_legend_of_the_picture_holds_every_verdict_inside_it():
-    root = ElementTree.fromstring(match_picture(counts(claims_of_paper())))
+def test_the_legend_of_the_picture_holds_every_verdict_inside_it(made):
+    root = ElementTree.fromstring(match_picture(counts(made.claims)))
     words = {text.text: text for text in root.iter(f"{SVG}text")}
     for name in VERDICTS:
         # 8 px a letter at 14 px, and some room

@@ -36,7 +36,7 @@ def stated(tmp_path_factory):
     write_json(folder / "article/evidence.json", {"setting": setting, "recipe": recipe})
     keys = [key for key in re.findall(r'#(?:v|n|words)\("([^"]+)"\)', TEXT) if key not in OTHERS]
     source = b"""#import "values.typ": value-of
-        #metadata(json(bytes(sys.inputs.keys)).map(key => (key, value-of(key).text)))<texts>"""
+        #metadata(json(bytes(sys.inputs.given)).keys.map(key => (key, value-of(key).text)))<texts>"""
     inputs = {"results": "", "studies": "", "sources": {"article/evidence.json": "-"}, "keys": keys}
     texts = dict(compiling.query(source, folder, inputs, "<texts>", "value")[0])
 

@@ -11,6 +11,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 
 _KEYED = re.compile(
     r"(?:(?<=\bn\()|(?<=\bv\()|(?<=\bwords\()|(?<=\bjudged\()|(?<=\bimage\()|(?<=\binclude )|(?<=\bimport ))"
@@ -47,7 +48,8 @@ class Typed:
         return f"{self.file}:{self.line}: {self.number!r} in {self.text.strip()!r}"
 
 
-def typed_numbers(file: str, source: str) -> list[Typed]:
+@cache
+def typed_numbers(file: str, source: str) -> tuple[Typed, ...]:
     """All numbers typed in a typst source, spelled ones from three on as well, in the order of the text."""
     bare = source
     for pattern in _MASKED:
@@ -58,11 +60,11 @@ def typed_numbers(file: str, source: str) -> list[Typed]:
     for formula in _MATH.finditer(source):
         found += [(formula.start() + m.start(), m[0]) for m in _LONG.finditer(formula[0])]
     lines = source.splitlines()
-    typed = []
+    typed: list[Typed] = []
     for start, number in sorted(found):
         line = source.count("\n", 0, start)
         typed.append(Typed(file, line + 1, number, lines[line]))
-    return typed
+    return tuple(typed)
 
 
 def not_excused(

@@ -5,7 +5,8 @@ from __future__ import annotations
 import json
 import shutil
 import tempfile
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Literal, TypeVar
 
@@ -18,7 +19,7 @@ equation without alternative text is an error."""
 # 1 January 2026, always: the bytes do not depend on the day of the build.
 TIMESTAMP = 1_767_225_600
 
-Inputs = Mapping[str, str | Mapping[str, str]]
+Inputs = Mapping[str, object]
 Source = TypeVar("Source", Path, bytes)
 """A typst file, or its text."""
 
@@ -30,10 +31,11 @@ class ArticleError(RuntimeError):
 def compiler(source: Source, root: str | Path, inputs: Inputs) -> typst.Compiler:
     """A compiler that uses only the fonts that typst brings along: the article looks the same on every machine.
 
-    inputs : name → what the article finds under it in `sys.inputs`; anything but text as JSON.
+    inputs : what the article finds as JSON in `sys.inputs.given`. It is one input, as typst takes several in an order
+    that changes from call to call, and lays a document out again when it differs.
     """
-    texts = {name: of if isinstance(of, str) else json.dumps(of) for name, of in inputs.items()}
-    return typst.Compiler(source, root=str(root), ignore_system_fonts=True, sys_inputs=texts)
+    given = {"given": json.dumps(inputs)}
+    return typst.Compiler(source, root=str(root), ignore_system_fonts=True, sys_inputs=given)
 
 
 def query(source: Source, root: str | Path, inputs: Inputs, selector: str, field: str) -> list[Any]:
@@ -48,15 +50,22 @@ def version() -> str:
 
 
 def article(folder: str | Path, results: str | Path, inputs: Inputs) -> bytes:
-    """The PDF of the article in a folder, with results that are kept anywhere.
+    """The PDF of the article in a folder, with results that are kept anywhere."""
+    with placed(folder, results) as source:
+        return pdf(source, source.parents[1], inputs)
+
+
+@contextmanager
+def placed(folder: str | Path, results: str | Path) -> Iterator[Path]:
+    """The source of the article in a folder, as typst can read it with results that are kept anywhere.
 
     typst reads files below one folder only, and names the files that it attaches by their paths from there. So the
-    article is compiled in a temporary folder in which /article is a copy of `folder` and /results leads to `results`.
+    article stands in a temporary folder in which /article is a copy of `folder` and /results leads to `results`.
     """
     with tempfile.TemporaryDirectory(prefix="article-") as top:
         source = shutil.copytree(folder, Path(top, "article"))
         Path(top, "results").symlink_to(Path(results).resolve())
-        return pdf(source / "article.typ", top, inputs)
+        yield source / "article.typ"
 
 
 def pdf(source: Path, root: str | Path, inputs: Inputs) -> bytes:
