@@ -10,6 +10,7 @@ in conda or containers, scripts are started as ever.
 from __future__ import annotations
 
 import contextlib
+import functools
 import gc
 import importlib
 import os
@@ -31,6 +32,7 @@ LIBRARIES = (
 _MOST_BYTES = 1 << 20  # of a request: an environment
 
 
+@functools.cache
 def prepare() -> None:
     """Import the libraries, and have Numba learn what it knows: 0.15 s that each script with kernels would need."""
     for name in LIBRARIES:
