@@ -10,6 +10,7 @@ in conda or containers, scripts are started as ever.
 from __future__ import annotations
 
 import contextlib
+import functools
 import gc
 import importlib
 import os
@@ -31,6 +32,7 @@ LIBRARIES = (
 _MOST_BYTES = 1 << 20  # of a request: an environment
 
 
+@functools.cache
 def prepare() -> None:
     """Import the libraries, and have Numba learn what it knows: 0.15 s that each script with kernels would need."""
     for name in LIBRARIES:
@@ -89,15 +91,17 @@ def _fork(jobs: socket.socket, job: Any, file: str) -> None:
 
 def _serve(asked: socket.socket) -> None:
     """Run each script that is asked for in a separate process, until nobody can ask any more."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # meant for the scripts, and for who asks
+    # Meant for the scripts, and for who asks: it waits for a script that is yet to start.
+    signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     os.environ["OPENBLAS_NUM_THREADS"] = "1"  # no threads that a fork would lose
     prepare()
     gc.freeze()  # a script searches for garbage among its own objects, not among those of the libraries
     running = 0
     while message := (received := socket.recv_fds(asked, _MOST_BYTES, 1))[0]:
+        interrupted = signal.SIGINT in signal.sigpending()
         if os.fork() == 0:
             if (script := os.fork()) == 0:
-                _script(*pickle.loads(message))
+                _script(*pickle.loads(message), interrupted)
             os.write(received[1][0], str(script).encode())
             status = os.waitstatus_to_exitcode(os.waitpid(script, 0)[1])
             with contextlib.suppress(BrokenPipeError):
@@ -110,7 +114,7 @@ def _serve(asked: socket.socket) -> None:
     os._exit(0)
 
 
-def _script(file: str, environment: dict[str, str], threads: int) -> None:
+def _script(file: str, environment: dict[str, str], threads: int, interrupted: bool) -> None:
     """Run a script as Python itself would, and end."""
     from threadpoolctl import threadpool_limits
 
@@ -122,6 +126,9 @@ def _script(file: str, environment: dict[str, str], threads: int) -> None:
     os.environ.update(environment)
     sys.argv = [file]
     try:
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
+        if interrupted:
+            raise KeyboardInterrupt
         with threadpool_limits(threads):  # for a shell, Snakemake states it in variables
             runpy.run_path(file, run_name="__main__")
     except SystemExit as end:  # a status, or words and 1

@@ -19,11 +19,7 @@ from pathlib import Path
 from time import time
 
 import psutil
-import terminal
 from forks import scripts_as_forks
-from snakemake.cli import args_to_api, parse_args
-from snakemake.exceptions import print_exception
-from snakemake_interface_logger_plugins.registry import LoggerPluginRegistry
 
 from dampbalance.project.documents import ConfigurationError, read_yaml
 from dampbalance.project.files import remove_unfinished
@@ -101,6 +97,10 @@ def main(arguments: list[str]) -> None:
     """Look, clear away, and run Snakemake."""
     if problem := obstacle(arguments):
         sys.exit(f"error: {problem}")
+    # slow to import
+    from snakemake.cli import args_to_api, parse_args
+    from snakemake.exceptions import print_exception
+
     if (STATE / "locks").exists():
         print(
             "The last run was interrupted: its lock is lifted, and what it had not finished is made again.",
@@ -112,6 +112,9 @@ def main(arguments: list[str]) -> None:
     if os.environ.get("SNAKEMAKE_OUTPUT_CACHE"):
         given = ["--cache", *CACHED, *given]
     if sys.stderr.isatty():
+        import terminal
+        from snakemake_interface_logger_plugins.registry import LoggerPluginRegistry
+
         LoggerPluginRegistry().register_plugin("snakemake_logger_plugin_terminal", terminal)
         given += ["--logger=terminal"]
     with tempfile.TemporaryDirectory() as folder:

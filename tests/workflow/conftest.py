@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from folders import ROOT, shared
-from workflow.copies import SMALL, Checkout, copied
+from workflow.copies import EXAMPLE, SMALL, Checkout, copied
 
 
 @pytest.fixture(scope="module")
@@ -27,6 +27,17 @@ def small(tmp_path_factory) -> Path:
         copy.made("archive", *SMALL)
 
     return shared(tmp_path_factory, "small", make)
+
+
+@pytest.fixture(scope="session")
+def example(tmp_path_factory) -> Path:
+    """The example of measured records, identified, and in example.txt what was said, by the first process that asks."""
+
+    def make(folder: Path) -> None:
+        said = copied(ROOT, folder).made(*EXAMPLE)
+        (folder / "example.txt").write_text(said, encoding="utf-8")
+
+    return shared(tmp_path_factory, "example", make)
 
 
 @pytest.fixture(scope="module")

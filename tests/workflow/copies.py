@@ -18,6 +18,7 @@ from workflow.starting import snakemake
 get_subpath = _CacheLocator.get_suitable_cache_subpath
 
 SMALL = ("--configfile", "small.yaml")
+EXAMPLE = ("--configfile", "config/measured.yaml")
 
 
 @dataclass(frozen=True)

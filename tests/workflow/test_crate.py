@@ -90,11 +90,44 @@ def names(value):
     return [item["@id"] for item in (value if isinstance(value, list) else [value])]
 
 
+def references(value):
+    """The names that stand anywhere in a property, an entity or several."""
+    if isinstance(value, dict):
+        if set(value) == {"@id"}:
+            yield value["@id"]
+        for item in value.values():
+            yield from references(item)
+    elif isinstance(value, list):
+        for item in value:
+            yield from references(item)
+
+
 def of_type(graph, kind):
     return [e for e in graph.values() if kind in e["@type"] or e["@type"] == kind]
 
 
 # --- validity ------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def thinned(unpacked, tmp_path):
+    """The archive with a crate that has one of the files that are described alike and no action names: the validator
+    would look at each of eight hundred."""
+    data, described = read(unpacked), {}
+    graph = {entity["@id"]: entity for entity in data["@graph"]}
+    named = set(references([entity for name, entity in graph.items() if name != "./"]))
+    for name, entity in graph.items():
+        if entity["@type"] == "File" and name not in named:
+            kind = tuple(sorted(entity)), str(entity.get("encodingFormat"))
+            described.setdefault(kind, []).append(name)
+    left_out = {name for alike in described.values() for name in alike[1:]}
+    assert len(left_out) > 500
+    parts = graph["./"]["hasPart"]
+    graph["./"]["hasPart"] = [part for part in parts if part["@id"] not in left_out]
+    data["@graph"] = [entity for name, entity in graph.items() if name not in left_out]
+    shutil.copytree(unpacked, tmp_path / "crate")
+    (tmp_path / "crate" / METADATA).write_text(json.dumps(data), encoding="utf-8")
+    return tmp_path / "crate"
 
 
 def test_the_crate_of_a_case_lacks_no_more_than_it_says(case, tmp_path):
@@ -103,8 +136,8 @@ def test_the_crate_of_a_case_lacks_no_more_than_it_says(case, tmp_path):
     assert {severity for severity, _ in found} == {"RECOMMENDED"}
 
 
-def test_the_crate_of_an_archive_lacks_an_address_on_the_web_and_nothing_else(unpacked, tmp_path):
-    assert set(issues(unpacked, tmp_path / "cache")) == {("RECOMMENDED", NO_ADDRESS)}
+def test_the_crate_of_an_archive_lacks_an_address_on_the_web_and_nothing_else(thinned, tmp_path):
+    assert set(issues(thinned, tmp_path / "cache")) == {("RECOMMENDED", NO_ADDRESS)}
 
 
 BROKEN = [
@@ -116,17 +149,16 @@ BROKEN = [
 ]
 
 
-def test_the_validator_sees_what_is_missing(unpacked, tmp_path):
-    shutil.copytree(unpacked, tmp_path / "crate")
-    data = read(unpacked)
+def test_the_validator_sees_what_is_missing(thinned, tmp_path):
+    data = read(thinned)
     graph = {entity["@id"]: entity for entity in data["@graph"]}
     for name, key, value, _ in BROKEN:
         assert graph[name].pop(key)
         if value:
             graph[name][key] = value
-    (tmp_path / "crate" / METADATA).write_text(json.dumps(data), encoding="utf-8")
-    (tmp_path / "crate/Snakefile").unlink()
-    found = [message for _, message in issues(tmp_path / "crate", tmp_path / "cache")]
+    (thinned / METADATA).write_text(json.dumps(data), encoding="utf-8")
+    (thinned / "Snakefile").unlink()
+    found = [message for _, message in issues(thinned, tmp_path / "cache")]
     for complaint in (*(row[-1] for row in BROKEN), "Main Workflow Snakefile not found in crate"):
         assert any(complaint in message for message in found), complaint
 
@@ -162,16 +194,6 @@ def test_every_reference_within_the_crate_is_answered(folder):
     data = read(folder)
     known = {entity["@id"] for entity in data["@graph"]}
     assert len(known) == len(data["@graph"])
-
-    def references(value):
-        if isinstance(value, dict):
-            if set(value) == {"@id"}:
-                yield value["@id"]
-            for item in value.values():
-                yield from references(item)
-        elif isinstance(value, list):
-            for item in value:
-                yield from references(item)
 
     outside = {name for name in references(data["@graph"]) if name not in known}
     if folder.name == "small":

@@ -104,6 +104,8 @@ def test_a_second_run_in_the_same_folder_is_refused(copy):
     assert second.returncode == 1
     (line,) = second.stderr.splitlines()
     assert line.startswith(f"error: another run is at work in this folder (process {run.pid}, for ")
+    # Ctrl-C reached jobs that were yet to start: it waited for none of their chunks, which take ten seconds
+    assert not list((copy.folder / "results/studies").glob("*/chunks/*"))
 
 
 def test_ctrl_c_leaves_no_process_and_no_lock(copy):

@@ -4,88 +4,82 @@ from __future__ import annotations
 
 import json
 import re
-import sys
-from subprocess import run
+from contextlib import chdir
 
 import pandas as pd
 import pytest
 import yaml
 
 from dampbalance import identify
+from dampbalance.commands.main import main
 from dampbalance.identification.outputs import OUTPUTS, OVERVIEW, outputs_of
 from folders import ROOT, restored
+from workflow.copies import EXAMPLE, copied
 
 pytestmark = pytest.mark.slow
 
-EXAMPLE = "config/measured.yaml"
 SET = "measured/below_resonance"
 
 
 @pytest.fixture(scope="module")
-def built(checkout):
-    copy = checkout()
-    return copy, copy.made("--configfile", EXAMPLE)
+def built(example, tmp_path_factory):
+    return copied(example, tmp_path_factory.mktemp("built"), "results/example", ".snakemake")
 
 
-def test_everything_is_made_and_shown(built):
-    copy, said = built
-    files = copy.files("example")
+def test_everything_is_made_and_shown(built, example):
+    files = built.files("example")
     of_the_set = {f"{SET}/{name}" for name in (*OUTPUTS, ".complete")}
     of_all = {f"measured/{name}" for name in OVERVIEW}
     assert set(files) == of_all | of_the_set
     summary = files[f"{SET}/summary.txt"].decode()
-    assert summary.splitlines()[3] in said
+    assert summary.splitlines()[3] in (example / "example.txt").read_text(encoding="utf-8")
 
 
 def test_the_workflow_says_what_the_package_says(built, monkeypatch):
-    copy, _ = built
-    monkeypatch.chdir(copy.folder)
+    monkeypatch.chdir(built.folder)
     records = [f"config/records/example/level{i}.csv" for i in range(1, 6)]
     direct = identify(records, 2310.0, frequency=3.5, mass=2.42)
-    assert json.loads(copy.files("example")[f"{SET}/identification.json"]) == json.loads(
+    assert json.loads(built.files("example")[f"{SET}/identification.json"]) == json.loads(
         json.dumps(direct.document())
     )
-    table = pd.read_csv(copy.folder / "results/example/measured/identification.csv")
+    table = pd.read_csv(built.folder / "results/example/measured/identification.csv")
     assert set(table["set"]) == {"below_resonance"}
     assert len(table) == 6  # the fit, and five approaches
 
 
 def test_a_bad_record_leaves_the_results_as_they_are_and_fails_until_it_is_mended(built):
-    copy, _ = built
-    before = copy.files("example")
-    record = copy.folder / "config/records/example/level2.csv"
+    before = built.files("example")
+    record = built.folder / "config/records/example/level2.csv"
     good = record.read_text(encoding="utf-8")
     lines = good.splitlines(keepends=True)
     lines[499] = "0.598,none here,0,0\n"
     record.write_text("".join(lines), encoding="utf-8")
     for _ in range(2):  # the second time, every result is there and newer than the record
-        assert "level2.csv: line 500, column" in copy.refused("--configfile", EXAMPLE)
-        kept = copy.files("example")
+        assert "level2.csv: line 500, column" in built.refused(*EXAMPLE)
+        kept = built.files("example")
         assert {f: kept[f] for f in kept if f.startswith(SET)} == {
             f: before[f] for f in before if f.startswith(SET) and not f.endswith(".complete")
         }
         assert b"below_resonance: config/records/example/level2" in kept["measured/summary.txt"]
     record.write_text(good, encoding="utf-8")
-    copy.made("--configfile", EXAMPLE)
-    assert copy.files("example") == before
+    built.made(*EXAMPLE)
+    assert built.files("example") == before
 
 
 @pytest.mark.parametrize("name", ["identification.csv", "summary.txt", "cycles.png", ".complete"])
 def test_a_result_that_is_missing_is_made(built, name):
-    copy, _ = built
-    result = copy.folder / "results/example" / SET / name
+    result = built.folder / "results/example" / SET / name
     with restored(result):
         result.unlink()
-        assert copy.jobs("--configfile", EXAMPLE)["identify"] == 1
+        assert built.jobs(*EXAMPLE)["identify"] == 1
 
 
 def test_nothing_is_done_twice_and_a_record_that_changes_is_read_again(built):
-    copy, _ = built
-    assert copy.jobs("--configfile", EXAMPLE) == {}
-    record = copy.folder / "config/records/example/level3.csv"
+    assert built.jobs(*EXAMPLE) == {}
+    record = built.folder / "config/records/example/level3.csv"
     lines = record.read_text(encoding="utf-8").splitlines()
     record.write_text("\n".join(lines[:-100]) + "\n", encoding="utf-8")
-    assert copy.jobs("--configfile", EXAMPLE) == {
+    assert built.jobs(*EXAMPLE) == {
         "all": 1,
         "identify": 1,
         "measured": 1,
@@ -111,8 +105,9 @@ def rig(checkout):
     copy = checkout()
     text = (ROOT / "config/records/README.md").read_text(encoding="utf-8")
     text = text[text.index("### Several sets at once") :]
-    for line in re.findall(r"^dampbalance (.+)", text, re.MULTILINE)[:4]:
-        run([sys.executable, "-m", "dampbalance", *line.split()], check=True, cwd=copy.folder)
+    with chdir(copy.folder):
+        for line in re.findall(r"^dampbalance (.+)", text, re.MULTILINE)[:4]:
+            assert main(line.split()) == 0
     (copy.folder / "rig.yaml").write_text(re.search(r"```yaml\n(.+?)```", text, re.DOTALL)[1])
     decay = (copy.folder / "decay.csv").read_text(encoding="utf-8")
     (copy.folder / "broken.csv").write_text(
@@ -121,7 +116,8 @@ def rig(checkout):
     document = yaml.safe_load((copy.folder / "rig.yaml").read_text(encoding="utf-8"))
     broken = document["measured"][1] | {"name": "broken", "records": ["broken.csv"]}
     document["measured"].insert(0, broken)
-    (copy.folder / "all.yaml").write_text(yaml.safe_dump(document), encoding="utf-8")
+    text = yaml.safe_dump(document, sort_keys=False)
+    (copy.folder / "all.yaml").write_text(text, encoding="utf-8")
     return copy
 
 
@@ -153,18 +149,20 @@ def test_a_set_that_fails_stands_with_its_error_beside_the_others(rig):
 
 
 def test_without_the_set_that_failed_nothing_is_left_of_it(rig):
-    rig.made("--configfile", "rig.yaml")
+    own = ("--configfile", "rig.yaml")
+    assert rig.jobs(*own) == {"all": 1, "measured": 1, "total": 2}  # the others are not repeated
+    rig.made(*own)
     shown = rig.files("rig")["measured/summary.txt"].decode()
     assert "2 of 2 sets" in shown
     assert "broken" not in shown
-    assert rig.jobs("--configfile", "rig.yaml") == {}
+    assert rig.jobs(*own) == {}
     # a run that finds nothing to do shows the table again
-    assert shown in rig.made("--configfile", "rig.yaml")
+    assert shown in rig.made(*own)
 
 
 def against(copy, change):
     """What is said against a case of one's own: the example with a change of its set of records."""
-    document = yaml.safe_load((copy.folder / EXAMPLE).read_text(encoding="utf-8"))
+    document = yaml.safe_load((copy.folder / EXAMPLE[1]).read_text(encoding="utf-8"))
     document["case"] = "mine"
     document["measured"][0] |= change
     (copy.folder / "mine.yaml").write_text(yaml.safe_dump(document), encoding="utf-8")
@@ -194,11 +192,10 @@ def against(copy, change):
     ],
 )
 def test_a_wrong_configuration_is_refused_before_anything_runs(built, change, message):
-    copy, _ = built
-    said = against(copy, change)
+    said = against(built, change)
     assert "mine.yaml" in said
     assert message in said
-    assert not (copy.folder / "results/mine").exists()
+    assert not (built.folder / "results/mine").exists()
 
 
 @pytest.mark.parametrize(
@@ -209,6 +206,6 @@ def test_a_wrong_configuration_is_refused_before_anything_runs(built, change, me
     ],
 )
 def test_a_record_that_cannot_be_used_is_named(built, change, message):
-    said = against(built[0], change)
+    said = against(built, change)
     assert "error: config/records/example/level1.csv: " in said
     assert message in said

@@ -10,11 +10,10 @@ import pytest
 import yaml
 
 from folders import contents, restored
-from workflow.copies import SMALL, Checkout
+from workflow.copies import EXAMPLE, SMALL, Checkout
 
 pytestmark = pytest.mark.slow
 
-EXAMPLE = "config/measured.yaml"
 IDENTIFIED = "example/measured/below_resonance"
 # Three uses of one workflow: a small case below db/, measured records below example/, and the paper's case, whose rules
 # alone have other names.
@@ -72,7 +71,7 @@ def foreign(built, tmp_path_factory):
     (folder / "config/studies/ours.yaml").write_text(STUDY, encoding="utf-8")
     small, example = (
         yaml.safe_load((built.folder / name).read_text(encoding="utf-8"))
-        for name in (SMALL[1], EXAMPLE)
+        for name in (SMALL[1], EXAMPLE[1])
     )
     config = {"small": small, "example": example}
     (folder / "config/config.yaml").write_text(
@@ -125,14 +124,13 @@ def test_a_study_of_its_own_is_made_beside_those_of_the_project(made, built):
     assert made.jobs("db/results/studies/damping/summary.md")["db_small_studies"] == 1
 
 
-def test_records_that_the_project_brings_along_are_identified(made, built):
-    built.made("--configfile", EXAMPLE)
+def test_records_that_the_project_brings_along_are_identified(made, example):
     files = contents(made.folder / "example/results" / IDENTIFIED)
     # Records are named by their paths from the folder of the run on.
-    way = os.path.relpath(built.folder, made.folder).encode() + b"/"
+    way = os.path.relpath(made.project, made.folder).encode() + b"/"
     assert way in files["features.csv"]
     same = {name: data.replace(way, b"") for name, data in files.items()}
-    assert same == built.files(IDENTIFIED)
+    assert same == contents(example / "results" / IDENTIFIED)
 
 
 def test_nothing_is_made_twice(made):

@@ -37,7 +37,7 @@ def jobs_behind_everything():
     seen, jobs = set(), {}
     while waiting:
         file = str(waiting.pop())
-        if file in seen:
+        if file in seen or not file.startswith(placed("results/")):
             continue
         seen.add(file)
         producer = next((rule for rule in producers if rule.is_producer(file)), None)

@@ -42,8 +42,8 @@ _IMPORT = re.compile(
 @cache  # a workflow asks about many scripts that share their modules
 def _imported_files(file: str, changed: int, source: str) -> frozenset[str]:
     names: set[str] = set()
+    package = os.path.dirname(os.path.relpath(file, source)).replace(os.sep, ".")
     for dots, module, taken, plain in _IMPORT.findall(Path(file).read_text(encoding="utf-8")):
-        package = os.path.dirname(os.path.relpath(file, source)).replace(os.sep, ".")
         base = plain or resolve_name(dots + module, package)
         names.add(base)
         if os.path.isdir(
