@@ -30,8 +30,8 @@ _UNFOLD = """() => {
   if (values) values.open = true;
 }"""
 
-# Of entries of a list, rows of a table, marks of a drawing and boxes that open which are made alike, down to what is empty
-# in them, three stay.
+# Of entries of a list, rows of a table, marks of a drawing and boxes that open which are made alike, down to what is
+# empty in them, three stay.
 THIN = r"""() => {
   const counts = new Map();
   for (const one of document.querySelectorAll('tr, li, svg *, [popover]')) {
