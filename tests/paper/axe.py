@@ -30,11 +30,11 @@ _UNFOLD = """() => {
   if (values) values.open = true;
 }"""
 
-# Of entries of a list, rows of a table and marks of a drawing that are made alike, down to what is empty in them, three
-# stay.
+# Of entries of a list, rows of a table, marks of a drawing and boxes that open which are made alike, down to what is
+# empty in them, three stay.
 THIN = r"""() => {
   const counts = new Map();
-  for (const one of document.querySelectorAll('tr, li, svg *')) {
+  for (const one of document.querySelectorAll('tr, li, svg *, [popover]')) {
     const make = one.outerHTML.replace(/>[^<]*[^<\s][^<]*</g, '>x<').replace(/="[^"]+"/g, '=x');
     if (!counts.has(one.parentElement)) counts.set(one.parentElement, {});
     const count = counts.get(one.parentElement);
@@ -48,7 +48,6 @@ THIN = r"""() => {
 # of each are looked at.
 _SAMPLE = """() => {
     const CLEAR = 'rgba(0, 0, 0, 0),none,1'; // shows what is below
-    for (const one of document.querySelectorAll('[data-contrast]')) one.removeAttribute('data-contrast');
     const seen = {}, below = new Map([[null, '']]);
     for (const one of document.querySelectorAll('html, html *')) {
         const style = getComputedStyle(one);
@@ -68,16 +67,14 @@ def found(browser: Any, file: Path) -> list[str]:
     Of its rules contrast alone depends on the scheme, and that on no width: the same colours serve at all of them.
     """
     wrong = []
-    view = opened(browser, file, "desktop", "light")
-    view.evaluate(THIN)
     for size, scheme in zip(SIZES, ("light", "dark"), strict=True):
-        view.set_viewport_size(SIZES[size])
-        view.emulate_media(color_scheme=scheme)
+        view = opened(browser, file, size, scheme)
+        view.evaluate(THIN)
         all_of = violations(view, contrast=False)
         view.evaluate(_SAMPLE)
         all_of += violations(view, "[data-contrast]", only=["color-contrast"])
         wrong += [f"{size}, {scheme}: {one}" for one in all_of]
-    view.context.close()
+        view.context.close()
     return wrong
 
 

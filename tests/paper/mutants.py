@@ -11,8 +11,8 @@ from typing import NamedTuple
 from dampbalance.replication.claim_verdicts import VERDICTS
 from dampbalance.replication.claims.changed_digits import judged
 from dampbalance.replication.claims.judging import Claim, verdict
-from dampbalance.replication.claims.rules import Sources, claims
-from paper.routes import CASE, PRINT, as_published, exact, unrounded
+from dampbalance.replication.claims.rules import claims
+from paper.routes import PRINT, sources_of
 
 
 class Mutant(NamedTuple):
@@ -36,22 +36,16 @@ class Mutant(NamedTuple):
 
 
 @cache
-def sources() -> Sources:
-    """What the claims on the paper's print are judged from."""
-    return Sources(PRINT, CASE, exact(), as_published(), unrounded())
-
-
-@cache
 def originals() -> list[Claim]:
     """The claims on all computed numbers, as they are."""
-    return claims(sources(), [row for row in PRINT.rows.values() if row.kind == "computed"])
+    return claims(sources_of(), [row for row in PRINT.rows.values() if row.kind == "computed"])
 
 
 def of_print(*steps: int) -> Iterator[Mutant]:
     """Every computed number, its last printed digit moved by each of some steps."""
     for before, step in itertools.product(originals(), steps):
         name = before.row.id
-        yield Mutant(before, judged(sources(), name, PRINT[name].moved(step))[name], step)
+        yield Mutant(before, judged(sources_of(), name, PRINT[name].moved(step))[name], step)
 
 
 def of_rebuild(*, units: float = 0.0, share: float = 0.0) -> Iterator[Mutant]:

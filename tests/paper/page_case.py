@@ -18,8 +18,7 @@ from dampbalance.studies.shown.facts import fact
 from dampbalance.studies.shown.study_figure import alternative_text, study_figure
 from folders import PAPER_FILE, STUDY_SCHEMA
 from paper.article_case import RESULTS, STUDIES
-from paper.mutants import sources
-from paper.routes import CASE, CONFIG, PAPER, as_published, computed, exact
+from paper.routes import CASE, CONFIG, PAPER, as_published, computed, exact, sources_of
 
 CHANGED = ("table1.V_s.4", "table2.b.3", "table2.c.2-3", "table3.V_s.F_k.2-3")
 """The numbers whose digits the page changes; in the workflow it is all of Tables 1 to 3."""
@@ -60,7 +59,7 @@ def results(folder: Path, article: Path) -> PageContent:
             (frequency, _text(folder / "figure.svg")),
             (steps, _text(article / f"{STUDIES}/step_size/figure.svg")),
         ],
-        digits=json.loads(json.dumps(packed(sources(), CHANGED))),
+        digits=json.loads(json.dumps(packed(sources_of(), CHANGED))),
     )
 
 

@@ -55,14 +55,21 @@ def judged(
     published: Published = PRINT, oscillator: Oscillator = PAPER, claimed: Oscillator | None = None
 ) -> pd.DataFrame:
     """The table of claims.   claimed : the oscillator of the configuration where it differs from the simulated one."""
-    return claims_table(
-        Sources(
-            published,
-            case_of(claimed or oscillator),
-            exact(oscillator),
-            as_published(oscillator),
-            unrounded(oscillator),
-        )
+    of_routes = sources_of(oscillator, claimed or oscillator)
+    sources = replace(of_routes, published=published)
+    vars(sources)["rules_at_work"] = of_routes.rules_at_work  # does not follow from print
+    return claims_table(sources)
+
+
+@lru_cache
+def sources_of(oscillator: Oscillator = PAPER, claimed: Oscillator = PAPER) -> Sources:
+    """What the claims on the paper's print are judged from.   claimed : as for `judged`."""
+    return Sources(
+        PRINT,
+        case_of(claimed),
+        exact(oscillator),
+        as_published(oscillator),
+        unrounded(oscillator),
     )
 
 

@@ -37,6 +37,7 @@ from paper.routes import (
     case_of,
     exact,
     judged,
+    sources_of,
     unrounded,
 )
 
@@ -265,7 +266,7 @@ def test_a_flipped_sign_in_a_row_is_found(monkeypatch, recorded, approach):
     for approaches in (balance.APPROACHES, authors.APPROACHES_OF_TABLE_3):
         if approaches[approach] is right:
             monkeypatch.setitem(approaches, approach, replace(right, rows=flipped))
-    computed = (exact, as_read, as_published)
+    computed = (exact, as_read, as_published, sources_of)
     try:
         for route in computed:
             route.cache_clear()

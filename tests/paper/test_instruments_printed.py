@@ -28,9 +28,8 @@ from dampbalance.replication.claims.changed_digits import (
 from dampbalance.replication.claims.judging import explanation, verdict
 from dampbalance.solver import solve
 from folders import ROOT
-from paper.mutants import sources
 from paper.page_case import CHANGED
-from paper.routes import CASE, PAPER, PRINT
+from paper.routes import CASE, PAPER, PRINT, sources_of
 from paper.routes import judged as judged_afresh
 from paper.test_instruments import GO, NODE, checked, in_node, plain, printed, texts
 
@@ -226,8 +225,8 @@ def test_the_program_of_the_noise_has_its_statistics(opened):
 
 def test_misprints_are_judged_as_a_fresh_run_judges_them():
     """Drawn at random from all changes of a digit by one."""
-    draw, was = random.Random(27), verdicts(sources())
-    every = [(name, text) for name in cells(sources()) for text in other_digits(PRINT[name])]
+    draw, was = random.Random(27), verdicts(sources_of())
+    every = [(name, text) for name in cells(sources_of()) for text in other_digits(PRINT[name])]
     assert len(every) == len(set(every)) > 700
     drawn = [
         pick
@@ -236,7 +235,7 @@ def test_misprints_are_judged_as_a_fresh_run_judges_them():
     ]
     for name, text in drawn:
         afresh = judged_afresh(PRINT.changed({name: text})).set_index("id")
-        now = {i: verdict(claim).name for i, claim in judged(sources(), name, text).items()}
+        now = {i: verdict(claim).name for i, claim in judged(sources_of(), name, text).items()}
         computed = afresh[afresh["kind"] == "computed"]["verdict"].to_dict()
         assert was | now == computed, (name, text)
         rest = afresh[afresh["kind"] != "computed"]["verdict"].to_dict()
@@ -261,7 +260,7 @@ def unpacked(record, name):
 
 def test_the_misprints_on_record_are_those_of_this_run(made):
     record = json.loads((ROOT / "paper/published/misprints.json").read_text(encoding="utf-8"))
-    assert set(record["numbers"]) == set(cells(sources()))
+    assert set(record["numbers"]) == set(cells(sources_of()))
     assert of_run(record, made.claims)
     for name in CHANGED:
         assert unpacked(record, name) == unpacked(made.digits, name)
@@ -275,14 +274,14 @@ def test_the_misprints_on_record_are_those_of_this_run(made):
 @pytest.mark.slow
 @pytest.mark.parametrize("name", CHANGED)
 def test_the_page_shows_which_verdicts_change(opened, name):
-    page, was = opened("misprint", f"number={name}"), verdicts(sources())
+    page, was = opened("misprint", f"number={name}"), verdicts(sources_of())
     assert PRINT[name].text in page.inner_text("#misprint .words")
     assert page.locator("#misprint .digit button").count() == 2 * PRINT[name].significant
     ranks = list(VERDICTS)
     for text in other_digits(PRINT[name])[:3]:
         page.click(f'#misprint button[name="to"][value="{text}"]')
         page.wait_for_selector(f'#misprint button[name="to"][value="{text}"][aria-pressed=true]')
-        claims = judged(sources(), name, text)
+        claims = judged(sources_of(), name, text)
         now = {i: verdict(claim).name for i, claim in claims.items()}
         changed = {i: of for i, of in now.items() if of != was[i]}
         rows = page.locator("#misprint .noticed tr").all_inner_texts()
@@ -302,7 +301,9 @@ def test_the_program_of_a_misprint_judges_it(opened, monkeypatch, capsys):
     name, text = "table2.c.2-3", "90.0115"
     page = opened("misprint", f"number={name}&to={text}")
     program, _ = texts(page, "misprint")
-    monkeypatch.setattr("dampbalance.replication.claims.rules.read_sources", lambda *_: sources())
+    monkeypatch.setattr(
+        "dampbalance.replication.claims.rules.read_sources", lambda *_: sources_of()
+    )
     monkeypatch.chdir(ROOT)
     exec(compile(program, "shown", "exec"), {})
     said = capsys.readouterr().out.splitlines()

@@ -74,23 +74,26 @@ def test_the_first_screen_shows_a_figure_and_a_result(site, visit):
 
 def test_no_block_is_cut_on_a_laptop_and_no_page_wider_than_a_phone(site, visit):
     """Code on all pages; tables on those that are not lists of numbers or keys."""
-    page = visit("about:blank")
+    page, sizes = visit("about:blank"), [LAPTOP, PHONE]
     wider = "all => all.filter(one => one.scrollWidth > one.clientWidth).map(one => one.innerText)"
     cut, wide, counted = [], [], 0
     for path in sorted(site.rglob("*.html")):
         name = path.relative_to(site).as_posix()
         if name.startswith(("files/", "run/")):
             continue
-        page.set_viewport_size(LAPTOP)
         page.goto(path.as_uri())
-        counted += page.locator("pre").count()
-        cut += [(name, text) for text in page.eval_on_selector_all("pre", wider)]
-        if not name.startswith(("reference/", "explain/")):
-            tables = ".pst-scrollable-table-container"
-            cut += [(name, text) for text in page.eval_on_selector_all(tables, wider)]
-        page.set_viewport_size(PHONE)
-        if (width := page.evaluate("document.documentElement.scrollWidth")) > PHONE["width"]:
-            wide.append(f"{name}: {width}")
+        for size in sizes:
+            page.set_viewport_size(size)
+            if size is PHONE:
+                width = page.evaluate("document.documentElement.scrollWidth")
+                wide += [f"{name}: {width}"] * (width > PHONE["width"])
+                continue
+            counted += page.locator("pre").count()
+            cut += [(name, text) for text in page.eval_on_selector_all("pre", wider)]
+            if not name.startswith(("reference/", "explain/")):
+                tables = ".pst-scrollable-table-container"
+                cut += [(name, text) for text in page.eval_on_selector_all(tables, wider)]
+        sizes.reverse()  # the next page begins with the size of this one: no page is laid out in vain
     assert (cut, wide) == ([], [])
     assert counted > 60
 

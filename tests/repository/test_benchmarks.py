@@ -55,7 +55,7 @@ def test_diffrax_solves_the_same_problem(method, exact):
     assert worst_error(getattr(peer_diffrax, method)(CASES), exact) < 1e-7
 
 
-def test_peers_write_what_they_measured(tmp_path, monkeypatch):
+def test_peers_write_what_they_measured(tmp_path, monkeypatch, coarse):
     found = {peers.REFERENCE: (64, peers.ours(1)), "scipy, shooting": (1, peer_scipy.shooting)}
     monkeypatch.setattr(peers, "solvers", lambda size: (found, ["a peer"]))
     peers.run(tmp_path, repetitions=2, exact_cases=1)
@@ -96,7 +96,7 @@ def test_contestants_take_turns():
 
 
 @pytest.mark.slow
-def test_scaling_writes_what_it_measured(tmp_path):
+def test_scaling_writes_what_it_measured(tmp_path, coarse):
     scaling.run(tmp_path, largest=10**4, repetitions=1)
     times = pd.read_csv(tmp_path / "scaling.csv")
     assert sorted(set(times["cases"])) == [100, 1000, 10000]
@@ -116,7 +116,7 @@ IMPORT_TIMES = (
 
 
 @pytest.mark.slow
-def test_identification_writes_what_it_measured(tmp_path, monkeypatch, capsys):
+def test_identification_writes_what_it_measured(tmp_path, monkeypatch, capsys, coarse):
     def here(script, arguments, *options):
         """In this process, where all is imported: a new one takes seconds."""
         monkeypatch.setattr("sys.argv", ["-c", *arguments])

@@ -69,7 +69,7 @@ class RouteTables:
         self, approaches: tuple[str, ...] = HARMONIC, frequency: str = "omega1"
     ) -> pd.DataFrame:
         """The estimates of all pairs by some approaches."""
-        frame = _as_in_paper(self.estimates.get(frequency, _NOTHING))
+        frame = self._in_paper.get(frequency, _NOTHING)
         return frame[frame["approach"].isin(approaches) & (frame["kind"] == "pair")]
 
     @cached_property
@@ -77,9 +77,14 @@ class RouteTables:
         """The lines of the estimates by frequency, approach, kind and pair."""
         return {
             (frequency, line["approach"], line["kind"], line["pair"]): line
-            for frequency, frame in self.estimates.items()
-            for line in _as_in_paper(frame).to_dict("records")
+            for frequency, frame in self._in_paper.items()
+            for line in frame.to_dict("records")
         }
+
+    @cached_property
+    def _in_paper(self) -> dict[str, pd.DataFrame]:
+        """The estimates that are looked up, by frequency."""
+        return {frequency: _as_in_paper(frame) for frequency, frame in self.estimates.items()}
 
 
 def _as_in_paper(frame: pd.DataFrame) -> pd.DataFrame:
