@@ -113,11 +113,22 @@ def solve(parameters, X, theta, events, states):
         par = [mp.mpf(p) for p in parameters]
         H = mp.pi / par[6]
 
-        def residual(*u):
-            return half_cycle(par, u[0] * mp.mpf(X), u[1], [H * e for e in u[2:]], states)[1]
+        def residual(u):
+            inner = [H * e for e in u[2:]]
+            return mp.matrix(half_cycle(par, u[0] * mp.mpf(X), u[1], inner, states)[1])
 
-        guess = [mp.mpf(1), mp.mpf(theta), *(mp.mpf(e) / H for e in events)]
-        root = mp.findroot(residual, guess, tol=mp.mpf(10) ** (-2 * DIGITS), maxsteps=20)
+        root = mp.matrix([1, mp.mpf(theta), *(mp.mpf(e) / H for e in events)])
+        left, smallest = residual(root), mp.inf
+        # the start holds fifteen digits or so, and with its derivatives every step gains about as many
+        step, matrix = mp.mpf(10) ** (-_WORKING_DIGITS // 2), mp.matrix(len(root))
+        for j, moved in enumerate(step * mp.eye(len(root)).column(j) for j in range(len(root))):
+            matrix[:, j] = (residual(root + moved) - left) / step
+        inverse = matrix**-1
+        while mp.norm(left) < 0.1 * smallest:
+            smallest, root = mp.norm(left), root - inverse * left
+            left = residual(root)
+        if not smallest < mp.mpf(10) ** -DIGITS:
+            raise ValueError(f"no orbit near: {mp.nstr(smallest)}")
         X, theta, events = root[0] * mp.mpf(X), root[1], [H * e for e in root[2:]]
         phases, _ = half_cycle(par, X, theta, events, states)
         return _features(par, X, theta, events, states, phases)

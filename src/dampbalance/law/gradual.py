@@ -55,9 +55,16 @@ def secant_of_cycles(x: Array, r: Array) -> Complexes:
     x = x[rows, order]  # each from its maximum on, where every slider that slips is at r
     first = np.minimum(r, 0.5 * np.ptp(x, axis=1)[:, None])
     turn = np.exp(-2j * np.pi * np.arange(points) / points)
-    total = np.zeros(first.shape, dtype=np.complex128)
-    for factor, z in zip(turn, _deflections(x, r, first), strict=True):
-        total += factor * z
+    ends = np.argmin(x, axis=1)[:, None]
+    after, steps = np.arange(points) > ends, np.diff(x, axis=1)
+    if np.all(steps * np.where(after[:, 1:], 1.0, -1.0) >= 0.0):  # down and up again: all at once
+        moved, limit = np.where(after, x - x[rows, ends], x - x[:, :1])[..., None], first[:, None]
+        falling, rising = np.maximum(limit + moved, -limit), np.minimum(moved - limit, limit)
+        total = np.einsum("nps,p->ns", np.where(after[..., None], rising, falling), turn)
+    else:
+        total = np.zeros(first.shape, dtype=np.complex128)
+        for factor, z in zip(turn, _deflections(x, r, first), strict=True):
+            total += factor * z
     return np.asarray(total / (x @ turn)[:, None])
 
 

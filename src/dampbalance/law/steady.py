@@ -53,6 +53,14 @@ def _rule(points: int) -> tuple[Array, Array, Array]:
 
 
 @cache
+def _integrals(points: int) -> tuple[Array, Array, Array]:
+    """Gauss's points and the end, 1, and the first and second integrals from 0 to each by the values at the points."""
+    nodes, weights, integral = _rule(points)
+    once = np.vstack([integral, weights])
+    return np.append(nodes, 1.0), once, once @ integral
+
+
+@cache
 def _finer(points: int, more: int) -> tuple[Array, Array, Array]:
     """Points and weights of a finer rule, and the values at its points by those at the points of a coarse one."""
     nodes, weights, _ = _polynomials(more)
@@ -141,20 +149,18 @@ class System:
         begun, by = np.zeros(3), np.zeros((3, size))
         rows, at, by_at = [], [], []
         for i, n in enumerate(self.lengths):
-            nodes, weights, integral = _rule(n)
+            tau, once, twice = _integrals(n)
             own, h = slice(first, first + n), ends[i + 1] - ends[i]
             a, by_h = q[own], (1.0 - 2.0 * i) * two
-            # the last row is the end of the phase
-            once = np.vstack([integral, weights])
-            twice, tau = once @ integral, np.append(nodes, 1.0)
-            v, u = begun[2] + h * once @ a, begun[1] + h * tau * begun[2] + h**2 * twice @ a
-            by_v = np.tile(by[2], (n + 1, 1))
-            by_u = by[1] + np.outer(h * tau, by[2])
-            by_t = np.tile(by[0], (n + 1, 1))
+            gained, moved = once @ a, twice @ a
+            v, u = begun[2] + h * gained, begun[1] + h * tau * begun[2] + h**2 * moved
+            by_t, by_v = np.empty((2, n + 1, size))
+            by_t[:], by_v[:] = by[0], by[2]
+            by_u = by[1] + (h * tau)[:, None] * by[2]
             by_v[:, own] += h * once
             by_u[:, own] += h**2 * twice
-            by_v[:, -1] += by_h * (once @ a)
-            by_u[:, -1] += by_h * (tau * begun[2] + 2.0 * h * twice @ a)
+            by_v[:, -1] += by_h * gained
+            by_u[:, -1] += by_h * (tau * begun[2] + 2.0 * h * moved)
             by_t[:, -1] += by_h * tau
             t = ends[i] + h * tau
             whole = (t, u, v, by_t, by_u, by_v)
@@ -251,7 +257,7 @@ class System:
 
 
 _MOST = 40  # steps
-_REACHED = 1e-11  # of the unknowns: what is left after a step as short is rounding
+_REACHED = 1e-8  # of the unknowns: what a step as short leaves, its square, is rounding
 _FAR = 0.3  # of the unknowns: a step as long may lead away
 _SHORTEST = 1.0 / 256.0  # part of such a step
 _EQUIVALENCES = 3  # repetitions that bring c_e near that of the response
@@ -509,6 +515,10 @@ def _solved(system: System, near: Response | None) -> Array:
         size = float(np.abs(step / scale).max())
         if not size < 1e3:
             break
+        if size < _REACHED:
+            q = q + step
+            _require_kind(system, q)
+            return q
         left, matrix = system.equations(q + step)
         # a step as long is halved until it brings the equations nearer to balance
         while size > _FAR and part > _SHORTEST:
@@ -517,9 +527,6 @@ def _solved(system: System, near: Response | None) -> Array:
             part *= 0.5
             left, matrix = system.equations(q + part * step)
         q = q + part * step
-        if size < _REACHED:
-            _require_kind(system, q)
-            return q
     raise NoSteadyOrbit(
         f"the response under {dict(system.others)} was not found from {orbit.oscillator}"
     )

@@ -58,3 +58,9 @@ def test_play_starts_from_given_deflections_and_remembers():
 def test_a_slider_that_never_slips_rests_at_the_middle_of_a_cycle():
     x = 4.0 + np.cos(THETA)[None]
     assert secant_of_cycles(x, np.array([2.0])) == pytest.approx(np.ones((1, 1)), abs=1e-12)
+
+
+def test_a_cycle_that_turns_more_than_twice_is_followed_step_by_step():
+    x, r = np.cos(THETA) + 0.4 * np.cos(3.0 * THETA + 1.0), np.array([0.05, 0.2, 0.7])
+    z, turn = play(np.tile(x, 2), r)[THETA.size :], np.exp(-1j * THETA)
+    assert secant_of_cycles(x[None], r)[0] == pytest.approx(turn @ z / (turn @ x), abs=1e-12)
