@@ -57,7 +57,10 @@ def scripts_as_forks() -> Iterator[None]:
     asked.close()
     started = PythonScript.execute_script
 
+    asked_for: list[str] = []
+
     def execute_script(job: Any, file: str, edit: bool = False) -> None:
+        asked_for.append(file)
         if edit or job.conda_env or job.container_img or job.env_modules:
             started(job, file, edit)
         else:
@@ -69,6 +72,8 @@ def scripts_as_forks() -> Iterator[None]:
     finally:
         PythonScript.execute_script = started
         jobs.close()
+        if not asked_for:  # what it imports was in vain
+            os.kill(server, signal.SIGKILL)
         os.waitpid(server, 0)
 
 
