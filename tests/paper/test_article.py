@@ -254,7 +254,9 @@ def attachments(reader: PdfReader) -> dict[str, bytes]:
 
 def test_the_same_bytes_each_time_and_wherever_the_results_are_kept(article, tmp_path):
     kept = shutil.copytree(article.folder / "results", tmp_path / "ours/results")
-    afresh = INPUTS | {"unread": "so that typst lays out again what it has laid out in this process"}
+    afresh = INPUTS | {
+        "unread": "so that typst lays out again what it has laid out in this process"
+    }
     made = compiling.article(article.folder / "paper/article", kept, afresh)
     assert made == article.pdf.read_bytes()
 
