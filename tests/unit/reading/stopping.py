@@ -8,6 +8,7 @@ The mass stays where it stops as long as |k (x − y) − c_r y′| is no more t
 
 from __future__ import annotations
 
+import cmath
 import math
 from dataclasses import dataclass, field
 from functools import cache
@@ -34,10 +35,11 @@ class Stopping:
 
     def y(self, t, order=0):
         """The base displacement, or its derivative of that order."""
-        return sum(
-            ((1j * n * self.omega) ** order * y * np.exp(1j * n * self.omega * t)).real
-            for n, y in self.base.items()
-        )
+        exp, total = (cmath.exp if isinstance(t, float) else np.exp), 0.0
+        for n, y in self.base.items():
+            rate = 1j * n * self.omega
+            total = total + (rate**order * y * exp(rate * t)).real
+        return total
 
     def friction(self, x, sign):
         """Friction force against motion in that direction, N."""
@@ -108,7 +110,7 @@ def _period(of: Stopping, state, sign: float, period: float):
             continue
 
         def rate(t, s, sign=sign):
-            x, v = s[0], s[1]
+            x, v = s[:2].tolist()
             y, w, friction = of.y(t), of.y(t, 1), of.friction(x, sign)
             a = (of.k * (y - x) + of.c_r * (w - v) - friction) / of.m
             return [v, a, abs(v), v * v, w * v, of.k * y * v, friction * v, 0.0]
