@@ -175,8 +175,10 @@ def steady_orbits(
     def solve(start: int) -> None:
         block = slice(start, start + _BLOCK)
         inputs = tuple(view.flat[block] for view in views)
-        if _solve_closed_forms(inputs, out[:, block], regime[block]):
-            _solve_others(inputs, out[:, block], regime[block])
+        part = np.empty((len(out), len(inputs[0])))  # contiguous: for another layout Numba would compile anew
+        if _solve_closed_forms(inputs, part, regime[block]):
+            _solve_others(inputs, part, regime[block])
+        out[:, block] = part
 
     if threads is None:
         cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
