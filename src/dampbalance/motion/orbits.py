@@ -175,7 +175,9 @@ def steady_orbits(
     def solve(start: int) -> None:
         block = slice(start, start + _BLOCK)
         inputs = tuple(view.flat[block] for view in views)
-        part = np.empty((len(out), len(inputs[0])))  # contiguous: for another layout Numba would compile anew
+        part = np.empty(
+            (len(out), len(inputs[0]))
+        )  # contiguous: for another layout Numba would compile anew
         if _solve_closed_forms(inputs, part, regime[block]):
             _solve_others(inputs, part, regime[block])
         out[:, block] = part
