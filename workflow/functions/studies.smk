@@ -97,11 +97,25 @@ def chunk_memory_mb(wildcards, attempt):
     return 1650 * attempt
 
 
-def study_title(wildcards):
-    """What the report calls the study of a job: no study is read for it before a report is made."""
-    from dampbalance.project.wording import plain  # needed for a report only
+def title_of(name):
+    """What the report calls a study, for a job: no study is read before a report is made."""
 
-    return {"result": plain(study_plan(wildcards.study)[0].title)}
+    def title(wildcards):
+        from dampbalance.project.wording import plain  # needed for a report only
+
+        return {"result": plain(study_plan(name)[0].title)}
+
+    return title
+
+
+def study_title(wildcards):
+    """What the report calls the study of a job."""
+    return title_of(wildcards.study)(wildcards)
+
+
+def study_svg(path, title):
+    """The figure of a study, which the report shows."""
+    return report(path, caption="../report/study.rst", category="Studies", labels=title)
 
 
 def study_figure_files(wildcards):

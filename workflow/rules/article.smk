@@ -32,6 +32,7 @@ if config["published"]:
             cycles=f"{ARTICLE}/cycles.csv",
         log:
             log_file("article_schemes"),
+        priority: NEXT
         conda:
             ENVIRONMENT
         params:
@@ -61,6 +62,7 @@ if config["published"]:
             environment=f"{ARTICLE}/environment.json",
         log:
             log_file("article_numbers"),
+        priority: NEXT
         conda:
             ENVIRONMENT
         params:
@@ -88,6 +90,7 @@ if config["published"]:
             **figure_files("glance", "The findings at a glance"),
         log:
             log_file("article_figure"),
+        priority: NEXT
         conda:
             ENVIRONMENT
         params:

@@ -19,6 +19,7 @@ rule figures:
         **MATCH_FILES,
     log:
         log_file("figures"),
+    priority: NEXT
     conda:
         ENVIRONMENT
     params:

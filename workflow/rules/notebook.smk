@@ -22,7 +22,6 @@ rule notebook:
         log_file("notebook"),
     benchmark:
         log_file("notebook", "tsv")
-    priority: NEXT
     conda:
         ENVIRONMENT
     message:

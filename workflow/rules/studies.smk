@@ -97,16 +97,11 @@ ruleorder: small_studies > study_cases
 rule study_figure:
     input:
         cases=rules.study_cases.output.cases,
-        file=lambda wildcards: unmoved(study_file(wildcards.study)),
+        files=lambda wildcards: [unmoved(study_file(wildcards.study))],
         modules=script_modules("studies/study_figure.py"),
     output:
-        svg=report(
-            f"{STUDY_RESULTS}/{{study}}/figure.svg",
-            caption="../report/study.rst",
-            category="Studies",
-            labels=study_title,
-        ),
-        png=f"{STUDY_RESULTS}/{{study}}/figure.png",
+        svg=[study_svg(f"{STUDY_RESULTS}/{{study}}/figure.svg", study_title)],
+        png=[f"{STUDY_RESULTS}/{{study}}/figure.png"],
     log:
         study_log("figure"),
     priority: NEXT
@@ -121,6 +116,27 @@ rule study_figure:
         "Study {wildcards.study}: figure"
     script:
         "../scripts/studies/study_figure.py"
+
+
+# Those of SMALL_STUDIES, in one job as well.
+use rule study_figure as small_figures with:
+    input:
+        cases=expand(rules.study_cases.output.cases, study=SMALL_STUDIES),
+        files=study_files(SMALL_STUDIES),
+        modules=script_modules("studies/study_figure.py"),
+    output:
+        svg=[
+            study_svg(f"{STUDY_RESULTS}/{name}/figure.svg", title_of(name))
+            for name in SMALL_STUDIES
+        ],
+        png=expand(f"{STUDY_RESULTS}/{{study}}/figure.png", study=SMALL_STUDIES),
+    log:
+        log_file("small_figures"),
+    message:
+        "Small studies: figures"
+
+
+ruleorder: small_figures > study_figure
 
 
 rule study_summary:

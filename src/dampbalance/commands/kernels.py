@@ -90,7 +90,7 @@ def main(names: list[str]) -> None:
 def _started(*command: str) -> subprocess.Popen[bytes]:
     """A silent process that outlives this one."""
     return subprocess.Popen(
-        command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True
+        command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, process_group=0
     )
 
 

@@ -1,4 +1,4 @@
-"""The figure of a study."""
+"""The figures of one or several studies."""
 
 from dampbalance.figures.style import save
 from dampbalance.project.troubles import brief_troubles
@@ -8,5 +8,6 @@ from dampbalance.studies.shown.study_figure import alternative_text, study_figur
 if __name__ == "__main__":
     brief_troubles(snakemake.log)
     i, o, p = (getattr(snakemake, name) for name in ("input", "output", "params"))
-    study = checking.read_study(i.file, p.schema, p.base)
-    save(study_figure(study, i.cases[0]), o.svg, o.png, alternative_text(study))
+    for cases, file, svg, png in zip(i.cases, i.files, o.svg, o.png, strict=True):
+        study = checking.read_study(file, p.schema, p.base)
+        save(study_figure(study, cases), svg, png, alternative_text(study))
