@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-QUICK = 50_000
+QUICK = 200_000
 """Calls of kernels, which take no more time in Python than Numba takes to load."""
 
 _IN_TABLE = ("residual", "misfit")  # of the merit of an answer
