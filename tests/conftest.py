@@ -66,8 +66,8 @@ def function_of(nodeid: str) -> str:
 
 
 def pytest_xdist_auto_num_workers():
-    """A process more than there are processors: browsers, clusters and other programs are waited for."""
-    return len(os.sched_getaffinity(0)) + 1 if hasattr(os, "sched_getaffinity") else None
+    """Two processes more than there are processors: browsers, clusters, builds and other programs are waited for."""
+    return len(os.sched_getaffinity(0)) + 2 if hasattr(os, "sched_getaffinity") else None
 
 
 @pytest.hookimpl(wrapper=True)

@@ -10,7 +10,14 @@ from pathlib import Path
 SUGGESTIONS = ("WebUIOmniboxPopup", "WebUIOmniboxAimPopup")
 ARGUMENTS = ["--no-sandbox", "--disable-gpu", f"--disable-features={','.join(SUGGESTIONS)}"]
 
-NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
+# First the one without a window, which spares a tenth of the work.
+NAMES = (
+    "chromium-headless-shell",
+    "chromium",
+    "chromium-browser",
+    "google-chrome",
+    "google-chrome-stable",
+)
 
 
 def executable() -> str | None:
@@ -28,4 +35,6 @@ def executable() -> str | None:
 
 
 CHROMIUM = executable()
-REASON = "no Chromium: apt-get install chromium, or name one in the variable CHROMIUM"
+REASON = (
+    "no Chromium: apt-get install chromium-headless-shell, or name one in the variable CHROMIUM"
+)
