@@ -32,7 +32,7 @@ if config["published"]:
             cycles=f"{ARTICLE}/cycles.csv",
         log:
             log_file("article_schemes"),
-        priority: NEXT
+        priority: NEXT + 1  # the longest chain begins with it
         conda:
             ENVIRONMENT
         params:
