@@ -59,7 +59,7 @@ def rest() -> None:
     """Features of an orbit, responses to a distorted drive and with several sliders, and free decays under friction and
     other laws."""
     orbit = _orbit()
-    distorted_harmonics(orbit, orbit.X * np.array([1.0, 0.01], dtype=complex), 3)
+    distorted_harmonics(orbit, np.array([orbit.X, 0.01 * orbit.X], dtype=complex), 3)
     several = sliders_orbit(Oscillator(**_OSCILLATOR), BaseMotion(0.004, _OMEGA), [1e-5], [1e5])
     measured_orbit(several, rate_hz=1000.0, cycles=2.0)
     osc = Oscillator(**_OSCILLATOR | {"c": 1.0, "F_k": 0.5})
