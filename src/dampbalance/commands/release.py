@@ -11,7 +11,7 @@ from ..records.measurement import ABSOLUTE
 from ..records.synthetic import measured_ring_down
 from .options import LARGEST, quantity
 from .simulate import ARGUMENTS as OF_FORCED
-from .simulate import oscillator, require_brief, require_new, save
+from .simulate import DAMPING, oscillator, require_brief, require_new, save
 
 EPILOG = """\
 The record is exact except for its noise, which is white, of every channel by itself. The oscillator is that of the
@@ -21,7 +21,7 @@ paper unless options say otherwise; it damps so much that it hardly swings.
   dampbalance identify decay.csv --stiffness 2310
 """
 
-_ALIKE = ("--mass", "--damping", "--stiffness", "--contact-stiffness", "--friction", "--rate")
+_ALIKE = ("--mass", "--stiffness", "--contact-stiffness", "--friction", "--rate")
 ARGUMENTS: dict[str, dict[str, Any]] = {
     "record": OF_FORCED["record"],
     "--displacement": quantity(0.0, "to which the mass was pulled, m", -LARGEST, metavar="X"),
@@ -29,6 +29,7 @@ ARGUMENTS: dict[str, dict[str, Any]] = {
     "--duration": quantity(3.0, "of the decay, s", 0.0, LATEST),
     "--held": quantity(0.2, "time for which the mass is held before, s", 0.0, LATEST),
     **{name: OF_FORCED[name] for name in _ALIKE},
+    "--damping": quantity(DAMPING, "c, N s/m", 0.0),
     "--noise": OF_FORCED["--noise"]
     | {"help": "rms over the largest value of the channel (default: %(default)s)"},
     "--seed": OF_FORCED["--seed"],

@@ -20,7 +20,7 @@ import pandas as pd
 from .. import __version__
 from ..project.files import read_csv, sha256, write_csv, write_text
 from ..project.troubles import trouble
-from ..project.wording import listed, number, shortened
+from ..project.wording import listed, number, shortened, with_unit
 from ..records.errors import LARGEST, library
 from ..records.mapping import mapping_file, mapping_for, parts_of
 from .answer import DOUBTFUL, USABLE, Interval, ParameterEstimate, Verdict, column, unit_of
@@ -228,14 +228,14 @@ def _agreement(
         if len(ends) < 2:
             continue
         low, high = max(end.low for end in ends), min(end.high for end in ends)
-        unit = unit_of(symbol)
+        least, most = (with_unit(number(end, 4), unit_of(symbol)) for end in (low, high))
         if low <= high:
-            upper = f"{number(low, 4)} to {number(high, 4)}" if math.isfinite(high) else ""
-            yield f"{symbol}: the intervals of all sets have {upper or 'values'} {unit} in common"
+            upper = f"{number(low, 4)} to {most}" if math.isfinite(high) else "values"
+            yield f"{symbol}: the intervals of all sets have {upper} in common"
         else:
             yield (
                 f"{symbol}: the sets differ by more than their intervals show; no value from {number(high, 4)} to "
-                f"{number(low, 4)} {unit} lies in all of them"
+                f"{least} lies in all of them"
             )
 
 

@@ -31,7 +31,7 @@ from ..likelihood.oscillator_fit import OscillatorFit
 from ..likelihood.score import Departure, departures_from
 from ..likelihood.waveforms import WaveformFit
 from ..motion.law_decays import ADDED, rounding
-from ..project.wording import Remark
+from ..project.wording import Remark, larger_by
 from ..reading.chances import normal_tail
 from ..records.measurement import ABSOLUTE, RELATIVE
 from ..solver import NORMAL_95
@@ -107,10 +107,11 @@ def remark_on(one: Departure, fit: OscillatorFit) -> Remark:
         "model has none"
     )
     if one.symbol == GRADUAL:
+        share = min(changes["K_z"], 1.0)
         words = (
             f"{words}, and its K_z is that of the nearest one that yields at once: after a reversal the contact is "
-            f"roughly {100.0 * min(changes['K_z'], 1.0):.0f} % stiffer; identify the distribution of its "
-            "yield forces from more levels"
+            f"roughly {larger_by(abs(share))} {'stiffer' if share > 0.0 else 'softer'}; identify the distribution of "
+            "its yield forces from more levels"
         )
     return Remark(words, doubts={symbol: abs(part) for symbol, part in changes.items()})
 
@@ -129,7 +130,7 @@ def condition_on_contact(fit: OscillatorFit, tested: Iterable[Departure]) -> lis
         if part > max(_LEAST, _MATTERS * fit.K_z_error / fit.K_z):
             return [
                 f"K_z is that of a contact that yields at once. One that {_GRADUALLY} could not be told from it by "
-                f"these records, and would be up to {100.0 * part:.0f} % stiffer after a reversal; less noise, or "
+                f"these records, and would be stiffer by up to {larger_by(part)} after a reversal; less noise, or "
                 "levels at which it hardly slips, would tell."
             ]
     return []

@@ -18,10 +18,11 @@ from ..likelihood.decay import RingFit
 from ..likelihood.law_fit import TERMS, LawFit, fit_law
 from ..likelihood.score import Departure
 from ..project.progress import followed
-from ..project.wording import listed
+from ..project.wording import change, listed
 from ..reading.chances import f_tail, normal_tail
 from ..reading.one_thread import one_thread
 from ..solver import NORMAL_95
+from .answer import unit_of
 from .causes import GRADUAL
 from .law_comparison import ALPHA, MOST_TERMS, LawComparison, LawTest, Probability, chosen_of
 
@@ -108,12 +109,22 @@ def condition_of(fit: RingFit, further: Iterable[Departure]) -> str:
         large = {s: part for s, part in parts.items() if abs(part) > _LEAST}
         if size > worst and large:
             worst = size
-            words = listed([f"{s} by up to {100.0 * part:+.0f} %" for s, part in large.items()])
+            words = listed([_changed(fit, s, moved[s]) for s in large])
             sentence = (
                 f"The values are those of friction and viscous damping. {KNOWN_TERMS[one.symbol].words.capitalize()} "
                 f"that these decays would not show changes {words}: {_REMEDY}, if the damping may not be viscous."
             )
     return sentence
+
+
+def _changed(fit: RingFit, name: str, by: float) -> str:
+    """By how much an unknown changes, for a sentence; ρ as the stiffness that it stands for. None becomes negative."""
+    value = fit.value(name)
+    moved = max(value + by, 0.0)
+    if name == "rho":  # K_z = ρ^{−2}
+        name, value, moved = "K_z", value**-2, moved**-2 if moved else math.inf
+    unit = "kg" if name == "m" else unit_of(name)
+    return f"{name} by up to {change(value, moved - value, unit)}"
 
 
 @one_thread

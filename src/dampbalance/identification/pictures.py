@@ -27,7 +27,7 @@ from ..likelihood.dynamic_stiffness import Band, ContactFit
 from ..likelihood.mean_harmonics import Reading
 from ..likelihood.stepped_lines import SteppedLines
 from ..likelihood.waveforms import WaveformFit
-from ..project.wording import cut
+from ..project.wording import cut, headed
 from ..records.measurement import ORDERS, RELATIVE
 from .answer import DOUBTFUL, SHAPE, UNKNOWN, USABLE, Answer, ParameterEstimate, unit_of
 from .loading import Loaded
@@ -357,8 +357,8 @@ def sets(
             look: dict[str, Any] = {"fmt": marker, "color": colour, "fillstyle": fill}
             error = np.abs(ends - value)[:, None]
             axes.errorbar([at[name]], [value], yerr=error, capsize=2.0, label=label, **look)
-        unit = f" ({unit_of(symbol)})" if unit_of(symbol) else ""
-        axes.set_ylabel((in_maths(symbol) if "_" in symbol else f"${symbol}$") + unit)
+        name = in_maths(symbol) if "_" in symbol else f"${symbol}$"
+        axes.set_ylabel(headed(name, unit_of(symbol)))
         axes.margins(x=0.08, y=0.12)
         axes.tick_params(labelbottom=n == len(estimates))
         if not places or dated:

@@ -19,7 +19,19 @@ from ..law.terms import term
 from ..likelihood.mean_harmonics import Reading
 from ..likelihood.score import Departure
 from ..likelihood.waveforms import WaveformFit
-from ..project.wording import Remark, factor, listed, merged, times
+from ..project.wording import (
+    Remark,
+    Shown,
+    change,
+    factor,
+    larger_by,
+    listed,
+    merged,
+    number,
+    part,
+    times,
+    with_unit,
+)
 from ..reading.checks import is_clipped
 from .answer import Answer, ParameterEstimate
 from .causes import OtherFrame, in_other_frame, likeliest, remark_on, words_of
@@ -81,8 +93,8 @@ def forbidden(
         cause = f"clipping is the likely cause ({listed(clipped)}); raise the measuring range"
     return [
         Remark(
-            "{} = {:.3g} {} is negative, which physics forbids: {}",
-            *(symbol, p.value, term(symbol).unit, cause),
+            "{} = {} is negative, which physics forbids: {}",
+            *(symbol, Shown(p.value, with_unit(number(p.value, 3), term(symbol).unit)), cause),
         )
         for symbol, p in coefficients.items()
         if p.interval.high < 0.0
@@ -97,9 +109,9 @@ def _shape(answer: Answer) -> Iterator[Remark]:
         own = answer.coefficients[symbol]
         least = max(_SHAPE_SHOWS * own.standard_error, _SHAPE_LEAST * abs(own.value))
         if not abs(bias * own.value) <= least:  # nor is NaN
-            size = f"{{:.2g}} % too {'small' if bias < 0.0 else 'large'}"
+            size = f"{{}} too {'small' if bias < 0.0 else 'large'}"
             parts.append(f"{{}} {size if math.isfinite(bias) else 'impossible to find'}")
-            sizes += [symbol, 100.0 * abs(bias)][: 1 + math.isfinite(bias)]
+            sizes += [symbol, larger_by(abs(bias))][: 1 + math.isfinite(bias)]
     if parts:
         yield Remark(
             f"the shape of x(t) that this approach assumes makes {listed(parts)} for the oscillator identified, and "
@@ -209,10 +221,10 @@ def _on_the_oscillator(
                 "oscillator is of another kind"
             )
         if cause is not None:
-            part = min(1.0, cause.size**2 / (fit.chi_square - fit.freedom))
+            share = min(1.0, cause.size**2 / (fit.chi_square - fit.freedom))
             likely = (
                 f"the likeliest of the causes tested is {words_of(cause)}, which explains "
-                f"{100.0 * part:.0f} % of that; else {likely}"
+                f"{part(share)} of that; else {likely}"
             )
         worst = readings[int(np.argmax(fit.misfits))].steady.source
         yield Remark(
@@ -228,8 +240,9 @@ def _on_the_oscillator(
             "corner in the mapping"
         )
     if joint.late and delayed is not None:
+        lags = "lags" if delayed.delay > 0.0 else "leads"
         yield Remark(
-            f"the harmonics say that the response lags the drive by {1e6 * delayed.delay:.4g} ± "
+            f"the harmonics say that the response {lags} the drive by {1e6 * abs(delayed.delay):.4g} ± "
             f"{1e6 * delayed.error('delay'):.2g} µs more than the motion explains; without that, "
             f"{listed(_values(delayed))}: give the delay in the mapping, or sample all channels at once"
         )
@@ -237,7 +250,9 @@ def _on_the_oscillator(
 
 def _values(fit: WaveformFit, K_z: bool = False) -> list[str]:
     """The numbers of a fit for a sentence: "F_k = 1.28 N", …"""
-    values = [f"{key} = {fit.value(key):.4g} {term(key).unit}" for key in fit.law.unknowns]
+    values = [
+        with_unit(f"{key} = {fit.value(key):.4g}", term(key).unit) for key in fit.law.unknowns
+    ]
     return [*values, f"K_z = {fit.K_z:.4g} N/m"] if K_z else values
 
 
@@ -282,7 +297,7 @@ def _apart(answer: Answer | None, joint: JointFit) -> Iterator[Remark]:
         error = math.sqrt(max(own.standard_error**2 - joint.fit.error(symbol) ** 2, 0.0))
         error = max(error, 0.5 * own.standard_error, 1e-7 * abs(of_fit))
         if abs(own.value - of_fit) > _APART * error and of_fit:
-            parts[symbol] = f"{symbol} by {100.0 * (own.value / of_fit - 1.0):+.2g} %"
+            parts[symbol] = f"{symbol} by {change(of_fit, own.value - of_fit, term(symbol).unit)}"
     if parts:
         yield Remark(
             "the energy balance and the fit of one oscillator to all records differ, "

@@ -21,11 +21,14 @@ from ..project.wording import (
     Remark,
     dotted,
     in_html,
+    larger_by,
     listed,
     number,
     percent,
+    sentence,
     signed_percent,
     visible,
+    with_unit,
 )
 from .answer import DOUBTFUL, NONE, USABLE, Answer, ParameterEstimate, unit_of
 from .remarks import in_a_sentence
@@ -56,13 +59,6 @@ def page_of(template: str, **content: Any) -> str:
 def rich(text: str) -> Markup:
     """Text of a sentence or a symbol, its symbols set."""
     return Markup(in_html(text))
-
-
-def _sentence(text: str) -> str:
-    """Words as a sentence; one that begins with a symbol or a file keeps its letter."""
-    first = text.split(" ")[0].rstrip(":,")
-    capital = first.isalpha() and (len(first) > 1 or first == "a")
-    return (text[0].upper() if capital else text[0]) + text[1:].rstrip(".") + "."
 
 
 def _known(value: float | None) -> float:
@@ -97,7 +93,7 @@ def _verdict(answer: Answer, warnings: Sequence[Remark]) -> tuple[str, str]:
         ]
         reasons += [_clause(one.reason) for one in answer.verdicts.values() if one.reason]
         parts.append(f"the first reason: {reasons[0]}")
-    return _sentence("; ".join(parts)), f"lead {kind}"
+    return sentence("; ".join(parts)), f"lead {kind}"
 
 
 def _clause(text: str) -> str:
@@ -123,7 +119,7 @@ def _values(answer: Answer, symbols: Sequence[str]) -> str:
         share = f" (±\N{NO-BREAK SPACE}{_part(p)})" if _half(p) < 1.0 else ""
         value = value_of(p)
         equal = "" if value.startswith(">") else "= "
-        texts.append(f"{symbol} {equal}{value} {unit_of(symbol)}".rstrip() + share)
+        texts.append(with_unit(f"{symbol} {equal}{value}", unit_of(symbol)) + share)
     return listed(texts)
 
 
@@ -133,7 +129,7 @@ def _half(p: ParameterEstimate) -> float:
 
 
 def _part(p: ParameterEstimate) -> str:
-    return f"{number(100.0 * _half(p), 2)}\N{NO-BREAK SPACE}%"
+    return percent(_half(p), 2).replace(" ", "\N{NO-BREAK SPACE}")
 
 
 def _first_check(answer: Answer, effects: Mapping[str, Any]) -> list[str]:
@@ -144,14 +140,16 @@ def _first_check(answer: Answer, effects: Mapping[str, Any]) -> list[str]:
         for symbol, p in answer.parameters.items():
             change, half = abs(effect.get(f"{symbol}_percent") or 0.0) / 100.0, _half(p)
             if half > 0.0 and math.isfinite(half):
-                words = f"{effect['fault']}, {symbol} is off by {percent(change)}, and its interval"
+                words = (
+                    f"{effect['fault']}, {symbol} is off by {larger_by(change)}, and its interval"
+                )
                 felt.append((f"check first: if {words} shows {_part(p)} only", change / half))
     return [*filter(None, [max(felt, key=lambda one: one[1])[0]])]
 
 
 def _setting(value: Any) -> str:
     if isinstance(value, list | tuple):
-        return ", ".join(map(str, value))
+        return ", ".join(map(_setting, value))
     if isinstance(value, bool):
         return "yes" if value else "no"
     return visible(f"{value:.10g}" if isinstance(value, float) else str(value))
@@ -168,7 +166,7 @@ _TEMPLATES = jinja2.Environment(
 )
 _TEMPLATES.filters |= {
     "rich": rich,
-    "sentence": _sentence,
+    "sentence": sentence,
     "base64": lambda svg: base64.b64encode(follows_the_screen(svg).encode()).decode(),
     "visible": visible,
     "short": _short,

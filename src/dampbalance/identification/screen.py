@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 
 from ..likelihood.oscillator_fit import OscillatorFit
+from ..project import wording
 from .answer import Answer, ParameterEstimate, Verdict, unit_of
 from .law_comparison import LawComparison, Probability
 
@@ -116,8 +117,7 @@ def interval_of(parameter: ParameterEstimate) -> str:
 
 def headed(symbol: str) -> str:
     """F_k (N): the head of a column of a table."""
-    unit = unit_of(symbol)
-    return f"{symbol} ({unit})" if unit else symbol
+    return wording.headed(symbol, unit_of(symbol))
 
 
 def _rounded(value: float, spread: float) -> str:

@@ -18,10 +18,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..project.wording import listed
+from ..project.wording import change, listed
 from ..records.measurement import EXCITATIONS
 from ..solver import NORMAL_95
-from .answer import REFERENCE, Answer, Interval, ParameterEstimate
+from .answer import REFERENCE, Answer, Interval, ParameterEstimate, unit_of
 from .identified import Identified
 from .loading import correction_of
 from .sensitivities import FAULTS, Fault
@@ -121,9 +121,9 @@ def _conditional(found: Identified, stiffness: bool, mass: bool) -> list[str]:
     effects = []
     for what, changes in found.shifts(_UNTESTED, name).items():
         parts = [
-            f"{symbol} by {100.0 * change:+.2g} %"
-            for symbol in answer.parameters
-            if math.isfinite(change := changes.get(symbol, 0.0)) and abs(change) > 0.01 * _FELT
+            f"{symbol} by {change(p.value, share * p.value, unit_of(symbol))}"
+            for symbol, p in answer.parameters.items()
+            if math.isfinite(share := changes.get(symbol, 0.0)) and abs(share) > 0.01 * _FELT
         ]
         effects += [f"1 % in {what} changes {listed(parts)}"] if parts else []
     if not effects:

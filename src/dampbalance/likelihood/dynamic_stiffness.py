@@ -15,7 +15,7 @@ import numpy as np
 from ..arrays import Array, Complexes
 from ..law.gradual import Sliders, secant
 from ..law.terms import listed
-from ..project.wording import number
+from ..project.wording import number, part
 from ..reading.one_thread import one_thread
 from .stepped_lines import LESS, Design, Estimate, Rows, column, estimated
 from .stepped_lines import Contact as Contact
@@ -415,7 +415,7 @@ class ContactComparison:
         loss, stiffness = chosen.fit.misfit[:2]
         said = (
             f"the lines support {_WORDS[chosen.fit.contact]} with {listed(chosen.fit.terms)} "
-            f"(loss {100.0 * loss:.2g} %, in-phase {number(stiffness, 3)} N/m rms)"
+            f"(loss {part(loss)}, in-phase {number(stiffness, 3)} N/m rms)"
         )
         if self.supported in ("one slider", "gradual"):
             enough = "is enough" if self.supported == "one slider" else "is not enough"
@@ -426,7 +426,7 @@ class ContactComparison:
         for name in self.by_stiffness:
             other = self[name].fit.misfit
             said += (
-                f"; {name} has the same loss ({100.0 * other.loss:.2g} %), and the in-phase rows tell them apart "
+                f"; {name} has the same loss ({part(other.loss)}), and the in-phase rows tell them apart "
                 f"({number(other.in_phase, 3)} N/m)"
             )
         return said

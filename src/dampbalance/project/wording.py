@@ -33,38 +33,55 @@ def power_of_ten(bound: float) -> str:
     return ten_to(math.ceil(math.log10(bound))) if bound > 0.0 else "0"
 
 
-def percent(share: float) -> str:
-    """A share as a percentage with three significant digits; a bound where it is no more than rounding."""
-    if not math.isfinite(share):
-        return NONE
+def percent(share: float, digits: int = 3) -> str:
+    """A share as a percentage to this many significant digits, 0.0150 %; a bound where it is no more than rounding.
+
+    Percentages below a thousandth and from ten thousand on are powers of ten with two digits, 1.2·10⁴ %.
+    """
     value = 100.0 * abs(share)
+    if not math.isfinite(value):
+        return NONE
     if value < 1e-6:
         return f"{power_of_ten(value)} %"
-    exponent = math.floor(math.log10(value))
-    if not -3 <= exponent < 5:
-        return f"{scientific(f'{value / 10.0**exponent:.1f}', exponent)} %"
-    digits = max(0, 2 - exponent)
-    if value < 100.0 <= round(value, digits):  # do not round 99.97 % up to 100 %
-        digits = 2
-    return f"{value:.{digits}f} %"
+    value = min(value, 99.99) if value < 100.0 else value
+    while value < 100.0 <= float(f"{value:.{digits}g}"):  # do not round 99.97 % up to 100 %
+        digits += 1
+    far = not -3 <= _split(value, digits)[1] < 4
+    return f"{number(value, 2 if far else digits, -3, 4)} %"
 
 
-def signed_percent(share: float) -> str:
-    """A share as a percentage with its sign, +1.37 % or −65.8 %."""
-    sign = "" if math.isnan(share) or share == 0.0 else "+" if share > 0.0 else MINUS
-    return f"{sign}{percent(share)}"
+def signed_percent(share: float, plus: str = "+", digits: int = 3) -> str:
+    """A share as a percentage with its sign, +1.37 % or −65.8 %.   plus : the sign of a positive one."""
+    sign = MINUS if share < 0.0 else plus if share > 0.0 else ""
+    text = percent(share, digits)
+    return text if text == NONE else sign + text
 
 
-def number(value: float, digits: int = 7) -> str:
-    """A number to this many significant digits, trailing zeros kept, powers of ten as 1.2·10⁻³; – for none."""
+def number(value: float, digits: int = 7, least: int = -5, most: int = 7) -> str:
+    """A number to this many significant digits, trailing zeros kept; – for none.
+
+    least, most : powers of ten between which it is written out; others become 1.2·10⁻³.
+    """
     if not math.isfinite(value):
         return NONE
     if value == 0.0:
         return "0"
-    exponent = math.floor(math.log10(abs(value)))
-    if not -5 <= exponent < 7:
-        return minus(scientific(f"{value / 10.0**exponent:.{digits - 1}f}", exponent))
+    mantissa, exponent = _split(value, digits)
+    if not least <= exponent < most:
+        return minus(scientific(mantissa, exponent))
     return minus(f"{value:.{max(0, digits - 1 - exponent)}f}")
+
+
+def _split(value: float, digits: int) -> tuple[str, int]:
+    """The mantissa to this many digits, and its power of ten: 9.97 is 1.0·10¹ to two digits."""
+    mantissa, _, exponent = f"{value:.{digits - 1}e}".partition("e")
+    return mantissa, int(exponent)
+
+
+def signed(value: float, decimals: int = 0) -> str:
+    """A number with its sign and so many decimals, +1.4 or −0.3; no sign where only zeros are shown."""
+    text = f"{value:+.{decimals}f}"
+    return minus(text) if float(text) else text[1:]
 
 
 def in_words(count: int) -> str:
@@ -93,6 +110,32 @@ def factor(value: float) -> Shown:
     if value > _MANY_TIMES:
         return Shown(value, f"more than {_MANY_TIMES}")
     return Shown(value, f"{value:.2g}" if value < 99.5 else f"{value:.0f}")
+
+
+def part(share: float) -> Shown:
+    """A share as a percentage of two digits for a sentence, 4.7 %."""
+    return Shown(share, percent(share, 2))
+
+
+def larger_by(share: float) -> Shown:
+    """By how much more something is, for a sentence: 4.7 %; from twice as much on a factor, "a factor of 3.2"."""
+    return Shown(share, f"a factor of {factor(1.0 + share)}") if share >= 1.0 else part(share)
+
+
+def change(value: float, by: float, unit: str = "") -> str:
+    """By how much a number changes, for a sentence: +4.7 %, −0.38 %, a factor of 3.2.
+
+    A value of nearly zero has no relative change, and no positive one falls by more than itself: then the change itself
+    with its unit, +0.031 N.
+    """
+    if math.isnan(value) or not by > -math.inf:
+        return NONE
+    share = by / value if value else math.copysign(math.inf, by)
+    if -1.0 <= share < 1.0:
+        return signed_percent(share, digits=2)
+    if 0.0 < share <= _MANY_TIMES or math.isinf(by):
+        return f"{larger_by(share)}"
+    return with_unit(f"{'+' * (by > 0.0)}{number(by, 2, -3, 4)}", unit)
 
 
 def times(value: float) -> str:
@@ -177,13 +220,33 @@ def dotted(values: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, An
 
 
 def minus(text: str) -> str:
-    """Text whose numbers have a true minus sign."""
-    return re.sub(r"(?<![\w.])-(?=\d)", MINUS, text)
+    """Text whose numbers have a true minus sign, and zeros none."""
+    return re.sub(
+        r"(?<![\w.])-(\d[\d.]*)", lambda of: MINUS * bool(of[1].strip("0.")) + of[1], text
+    )
+
+
+def sentence(text: str) -> str:
+    """Words as a sentence, with one mark at its end; one that begins with a symbol or a file keeps its letter."""
+    first = text.split(" ")[0].rstrip(":,")
+    capital = first.isalpha() and (len(first) > 1 or first == "a")
+    end = "" if text.endswith(("?", "!")) else "."
+    return (text[0].upper() if capital else text[0]) + text[1:].rstrip(".") + end
 
 
 def unit_of(text: str) -> str:
     """A unit as it is read: m^2/s becomes m²/s, the unit of a pure number becomes nothing."""
     return "" if text in ("", "1") else text.replace("^2", "²")
+
+
+def with_unit(text: str, unit: str) -> str:
+    """A number with its unit, if it has one."""
+    return f"{text} {unit_of(unit)}".rstrip()
+
+
+def headed(name: str, unit: str) -> str:
+    """A name with its unit in brackets, for a column or an axis, F_k (N); that of a pure number alone."""
+    return f"{name} ({unit})" if unit_of(unit) else name
 
 
 def plain(text: str) -> str:

@@ -7,7 +7,8 @@ from statistics import median
 from typing import Any
 
 from ..identification.answer import USABLE
-from ..project.wording import in_words, listed, minus, number, percent
+from ..project.wording import in_words, listed, minus, number, percent, sentence
+from ..project.wording import signed as with_sign
 from .words import templates
 
 _UNITS = {"K_z": "N/m", "F_k": "N", "c": "N s/m", "k": "N/m", "k_3": "N/m³", "m": "kg"}
@@ -74,14 +75,14 @@ def _page(template: str, **values: Any) -> str:
         "median": median,
         "interval": lambda ends, digits: " to ".join(number(end, digits) for end in ends),
         "span": lambda values: minus(" to ".join(f"{f(values):.0f}" for f in (min, max))),
-        "sentence": lambda words: words[0].upper() + words[1:].rstrip(".") + ".",
+        "sentence": sentence,
     }
     return environment.get_template(template).render(**values)
 
 
 def signed(share: float) -> str:
     """A share in percent with its sign and one digit."""
-    return minus(f"{100.0 * share:+.1f} %")
+    return f"{with_sign(100.0 * share, 1)} %"
 
 
 def shares(values: Sequence[float]) -> str:

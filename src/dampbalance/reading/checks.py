@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..arrays import Array, Complexes
-from ..project.wording import Remark, Shown
+from ..project.wording import Remark, Shown, part, signed
 from .chances import f_tail, normal_tail, t_quantile
 from .cycles import FEWEST_CYCLES, CycleHarmonics, unwrapped
 
@@ -94,11 +94,11 @@ def frequency(
             f"{words.format(at, spread, given)}: wrong frequency, wrong column, or a wrong sampling rate"
         )
     if abs(off) > max(_FREQUENCY_DIFFERS, _significant_for(max(1, cycles - 2)) * spread / hertz):
-        size, unit = (1e6 * off, "{:+.0f} ppm") if abs(off) < 1e-3 else (100.0 * off, "{:+.2f} %")
+        size = f"{signed(1e6 * off)} ppm" if abs(off) < 1e-3 else f"{signed(100.0 * off, 2)} %"
         yield Remark(
-            f"{words} ({unit}): it was rounded, or the clock of the generator or the recorder is off; the frequency "
+            f"{words} ({{}}): it was rounded, or the clock of the generator or the recorder is off; the frequency "
             "found is used",
-            *(at, spread, given, size),
+            *(at, spread, given, Shown(off, size)),
             doubts={"": abs(off)},
         )
 
@@ -181,17 +181,19 @@ def consistency(
         if abs(gain - 1.0) > _GAIN_WRONG or abs(phase) > _PHASE_WRONG:
             raise ValueError(
                 f"{name} contradicts {first}: at the drive frequency it stands for {gain:.4g} times the motion, "
-                f"{math.degrees(phase):+.1f}° apart; check units, sign and calibration, or leave one of the two out"
+                f"{signed(math.degrees(phase), 1)}° apart; check units, sign and calibration, or leave one of the two "
+                "out"
             )
         late = abs(phase) > max(SIGNIFICANT * error, _PHASE_MATTERS)
         scaled = abs(gain - 1.0) > max(SIGNIFICANT * error, _GAIN_MATTERS)
         if late:
             skew[name] = -phase / omega
             words = (
-                "{} lags {} by {:.1f} ± {:.1g} µs: shifted to agree; whether the excitation is in time with either, a "
+                "{} {} {} by {:.1f} ± {:.1g} µs: shifted to agree; whether the excitation is in time with either, a "
                 "record cannot tell"
             )
-            sizes = (name, first, 1e6 * skew[name], 1e6 * error / omega)
+            lags = "lags" if skew[name] > 0.0 else "leads"
+            sizes = (name, lags, first, 1e6 * abs(skew[name]), 1e6 * error / omega)
             warnings.append(Remark(words, *sizes, doubts={"": abs(phase)}))
         if scaled:
             words = "{} stands for {:.5f} times the motion of {}: scaled to agree; check the calibration"
@@ -308,10 +310,11 @@ def steadiness(
         if not found.shows:
             continue
         words = (
-            "{} is not steady: its amplitude changes by {:.2g} %, its phasor by up to {:.2g} % during the record "
-            "(chance of that in noise: {:.0e})"
+            "{} is not steady: its amplitude changes by {}, its phasor by up to {} during the record "
+            "(chance of that in noise: {})"
         )
-        sizes = (name, 100.0 * found.size, 100.0 * found.turn, min(1.0, found.chance))
+        chance = Shown(found.chance, "below 1e-6" if found.chance < 1e-6 else f"{found.chance:.1g}")
+        sizes = (name, part(found.size), part(found.turn), chance)
         if found.size > _DRIFT_WRONG:
             raise ValueError(
                 f"{words.format(*sizes)}; record again after the motion has settled, or cut its start"
@@ -347,14 +350,20 @@ def plausible(Y: float, X: float, omega: float, driven_by: str) -> Iterator[Rema
         )
 
 
-def harmonic_base(mean: Complexes, error: Array) -> Iterator[Remark]:
-    """A warning when the base moves at more than one frequency: not all that is read counts its harmonics."""
+def harmonic_drive(mean: Complexes, error: Array, driven_by: str) -> Iterator[Remark]:
+    """A warning when base or force has more than one frequency: not all that is read counts its harmonics."""
+    what = "the force" if driven_by == "force" else "the base motion"
     relative = _significant(mean, error)[2:]
     if relative.any():
         yield _doubtful(
-            "the base motion is not harmonic: {:.2g} % distortion, most of it harmonic {} ({:.2g} %); direct "
+            "{} is not harmonic: {} distortion, most of it harmonic {} ({}); direct "
             "integration and the fit of one oscillator count all its harmonics, everything else the fundamental only",
-            *(100.0 * math.hypot(*relative), int(np.argmax(relative)) + 2, 100.0 * relative.max()),
+            *(
+                what,
+                part(math.hypot(*relative)),
+                int(np.argmax(relative)) + 2,
+                part(relative.max()),
+            ),
             spares=(*_BY_HARMONICS, "maximum likelihood"),
         )
 
@@ -373,9 +382,9 @@ def symmetry(mean: Complexes, error: Array) -> Iterator[Remark]:
     even = _significant(mean, error)[2::2]
     if even.any():
         yield _doubtful(
-            "the response is not symmetric: harmonic {} is {:.2g} % of the fundamental; direct integration counts the "
+            "the response is not symmetric: harmonic {} is {} of the fundamental; direct integration counts the "
             "even harmonics, everything else is read off the symmetric part",
-            *(2 * int(np.argmax(even)) + 2, 100.0 * even.max()),
+            *(2 * int(np.argmax(even)) + 2, part(even.max())),
             spares=_BY_HARMONICS,
         )
 

@@ -310,7 +310,7 @@ def _steady(
     warnings += inconsistencies
     warnings += checks.plausible(abs(mean_Y[1]), abs(mean_X[1]), omega, driving)
     warnings += checks.steadiness(Y[:, 1], X[:, 1], times, weights, 2.0 * math.pi / base.omega)
-    warnings += checks.harmonic_base(mean_Y, Y_error)
+    warnings += checks.harmonic_drive(mean_Y, Y_error, driving)
     asymmetry = list(checks.symmetry(mean_X, X_error))
     warnings += asymmetry
     warnings += checks.work(mean_Y[1], mean_X[1], Y_error[1], X_error[1])

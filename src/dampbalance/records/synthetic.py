@@ -19,7 +19,15 @@ from ..motion.orbit import Orbit
 from ..motion.sliders import SlidersOrbit
 from ..motion.transient import transient
 from .errors import LARGEST
-from .measurement import ABSOLUTE, EXCITATIONS, QUANTITIES, RELATIVE, Channel, Measurement
+from .measurement import (
+    ABSOLUTE,
+    EXCITATIONS,
+    QUANTITIES,
+    RELATIVE,
+    Channel,
+    Measurement,
+    sample_times,
+)
 
 if TYPE_CHECKING:
     from ..law.response import LawOrbit
@@ -70,7 +78,7 @@ def measured_orbit(
     if count < 2:
         sampled = f"{cycles} cycles at {rate_hz:g} samples per second"
         raise ValueError(f"{sampled} are {count} samples; at least 2 are needed")
-    t = start + np.arange(count) / rate_hz
+    t = sample_times(rate_hz, start, 0, count)
     clean, measured = _clean(orbit, t, channels), []
     for quantity in channels:
         values, part = clean[quantity], parts.get(quantity, 0.0)

@@ -170,4 +170,4 @@ def _signed(error: float) -> str:
     """An error given in %, with its sign if it is negative; a bound where it is nothing but rounding."""
     if abs(error) < 1e-6:
         return f"≤ {percent(0.01 * error)}"
-    return ("−" if error < 0.0 else "") + percent(0.01 * error)
+    return signed_percent(0.01 * error, plus="")

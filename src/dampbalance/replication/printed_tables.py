@@ -19,7 +19,7 @@ import pandas as pd
 
 from ..balance import TERMS
 from ..estimates import estimate_columns
-from ..project.wording import markdown_table
+from ..project.wording import headed, markdown_table
 from .claim_verdicts import STATISTICS, VERDICTS, of_cell, of_text, statistic
 
 PRINTED_APPROACHES = ("direct", "t_s", "X_s", "V_s")
@@ -215,10 +215,7 @@ def markdown(table: pd.DataFrame, title: str) -> str:
     parts = [f"# {title}", ""]
     for quantities, block in blocks(table):
         units = block["unit"]  # those of its first row come first
-        heads = [
-            q if unit == "1" else f"{q} ({unit})"
-            for q, unit in zip(quantities, units, strict=False)
-        ]
+        heads = [headed(q, unit) for q, unit in zip(quantities, units, strict=False)]
         lines = []
         for row, cells in block.groupby("row", sort=False):
             label = str(row)

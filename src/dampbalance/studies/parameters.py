@@ -19,7 +19,7 @@ from ..arrays import Array
 from ..balance import TERMS
 from ..law.terms import BUILT_IN, KNOWN_TERMS
 from ..model import Oscillator
-from ..project.wording import shortened
+from ..project.wording import headed, shortened
 
 Kind = Literal["oscillator", "excitation", "numerics", "read_out"]
 
@@ -55,8 +55,7 @@ class Parameter:
     @property
     def label(self) -> str:
         """Symbol and unit, for the axis of a figure."""
-        unit = self.unit.removeprefix("1")
-        return f"{self.name} ({unit})" if self.symbol and unit else self.name
+        return headed(self.name, self.unit) if self.symbol else self.name
 
     def shown(self, value: float | str, digits: int = 4) -> str:
         """A value with its unit, e.g. 4.92 Hz."""

@@ -9,7 +9,7 @@ from typing import Any
 
 import pandas as pd
 
-from ...project.wording import in_markdown, listed, markdown_table, percent
+from ...project.wording import in_markdown, listed, markdown_table, percent, signed_percent
 from ..case_files import stretches, terms_of
 from ..settings import EQUAL, LIKELIHOOD, NONE, RIGID, Fit, Study
 from .statistics import Sizes, bounds_of, choices_of, groups, share_of, spread_of, terms_of_choice
@@ -176,10 +176,9 @@ def _grouped_markdown(study: Study, summary: pd.DataFrame) -> list[str]:
 
 
 def _grouped_cells(row: Row) -> list[str]:
-    sign = "−" if row["bias_percent"] < 0.0 else ""
     return [
         f"{row['identified']:,} of {row['runs']:,}",
-        f"{sign}{_percent(row, 'bias')} ± {_percent(row, 'bias_error')}",
+        f"{signed_percent(0.01 * row['bias_percent'], plus='')} ± {_percent(row, 'bias_error')}",
         _percent(row, "scatter"),
         *(f"{_percent(row, n)} ± {_percent(row, f'{n}_error')}" for n in ("standard_error", "p95")),
         _with_interval(row, "coverage"),

@@ -13,7 +13,7 @@ const kit = (() => {
   };
   const percent = (share, plus = '+') => {
     const size = 100 * Math.abs(share);
-    return Number.isFinite(size) ? `${share < 0 ? '−' : plus}${raised(size < 1e-3 ? size.toExponential(1) : number(size, 3))}\u00a0%` : '–';
+    return Number.isFinite(size) ? `${share < 0 ? '−' : plus}${raised(size < 1e-3 || size >= 1e4 ? size.toExponential(1) : number(size, 3))}\u00a0%` : '–';
   };
   const rich = (text) => text.replace(/([A-Za-zφω])_(\w)/g, '<i>$1</i><sub>$2</sub>');
 
