@@ -113,8 +113,8 @@ def factor(value: float) -> Shown:
 
 
 def part(share: float) -> Shown:
-    """A share as a percentage of two digits for a sentence, 4.7 %."""
-    return Shown(share, percent(share, 2))
+    """A share as a percentage of two digits for a sentence, 4.7 % or 1 %."""
+    return Shown(share, percent(share, 2).replace(".0 %", " %"))
 
 
 def larger_by(share: float) -> Shown:
@@ -132,7 +132,7 @@ def change(value: float, by: float, unit: str = "") -> str:
         return NONE
     share = by / value if value else math.copysign(math.inf, by)
     if -1.0 <= share < 1.0:
-        return signed_percent(share, digits=2)
+        return signed_percent(share, digits=2).replace(".0 %", " %")
     if 0.0 < share <= _MANY_TIMES or math.isinf(by):
         return f"{larger_by(share)}"
     return with_unit(f"{'+' * (by > 0.0)}{number(by, 2, -3, 4)}", unit)

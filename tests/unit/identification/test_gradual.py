@@ -174,7 +174,7 @@ def test_where_it_cannot_show_the_size_of_what_it_does_is_stated():
             continue
         assert found.verdicts["K_z"].verdict == "usable"
         K_z = found.answer.K_z
-        room = re.search(r"yields gradually.* up to (\d+) % stiffer", rig)
+        room = re.search(r"yields gradually.* stiffer by up to (\d+) %", rig)
         assert K_z.interval.high < PAPER.K_z < K_z.interval.high * (1.0 + 0.01 * int(room[1]))
         assert found.verdicts["F_k"].verdict == found.verdicts["c"].verdict == "usable"
 

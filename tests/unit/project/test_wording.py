@@ -1,19 +1,42 @@
-"""Text of a user shows as it is: in Markdown, in figures, on the page."""
+"""Text of a user shows as it is: in Markdown, in figures, on the page; numbers, shares and units as a person writes
+them."""
 
 from __future__ import annotations
 
 import html
+import math
 import re
 from xml.etree import ElementTree
 
 import pytest
+from hypothesis import example, given
+from hypothesis import strategies as st
 from jinja2.utils import htmlsafe_json_dumps
 from markdown_it import MarkdownIt
 from matplotlib.figure import Figure
 
 from dampbalance.figures.style import save
-from dampbalance.project.wording import in_figure, in_markdown, markdown_table
+from dampbalance.project.wording import (
+    change,
+    factor,
+    headed,
+    in_figure,
+    in_markdown,
+    larger_by,
+    markdown_table,
+    minus,
+    number,
+    part,
+    percent,
+    sentence,
+    signed,
+    signed_percent,
+    times,
+    unit_of,
+    with_unit,
+)
 from dampbalance.publishing.words import rich
+from slips import KINDS, slips
 
 TEXTS = [
     "<script>alert('x')</script>",
@@ -81,3 +104,142 @@ def test_a_table_in_markdown():
         "|  | c | 2 |",
     ]
     assert markdown_table(["x", "y"], []) == "| x | y |\n|---|---|"
+
+
+# --- numbers, shares, units ---------------------------------------------------------------------------------------
+
+WORDS = [
+    (percent, (0.0,), "0 %"),
+    (percent, (-0.0,), "0 %"),
+    (percent, (math.nan,), "–"),
+    (percent, (math.inf,), "–"),
+    (percent, (1e307,), "–"),  # a hundred times as much is no float
+    (percent, (3e-11,), "10⁻⁸ %"),
+    (percent, (9.96e-6,), "0.0010 %"),
+    (percent, (9.64e-6,), "9.6·10⁻⁴ %"),
+    (percent, (1.5e-4,), "0.0150 %"),
+    (percent, (0.099996,), "10.0 %"),
+    (percent, (-0.658,), "65.8 %"),
+    (percent, (0.9997,), "99.97 %"),
+    (percent, (0.99996,), "99.99 %"),  # which is not all
+    (percent, (1.0,), "100 %"),
+    (percent, (12.256,), "1226 %"),
+    (percent, (122.56,), "1.2·10⁴ %"),
+    (percent, (0.996, 2), "99.6 %"),
+    (percent, (0.0478, 2), "4.8 %"),
+    (signed_percent, (0.0137,), "+1.37 %"),
+    (signed_percent, (-0.658,), "−65.8 %"),
+    (signed_percent, (0.5, ""), "50.0 %"),
+    (signed_percent, (-0.5, ""), "−50.0 %"),
+    (signed_percent, (-0.0,), "0 %"),
+    (signed_percent, (-math.inf,), "–"),
+    (number, (9.9999, 2), "10"),
+    (number, (-0.0,), "0"),
+    (number, (-2.5, 3), "−2.50"),
+    (number, (9.97e-7, 2), "1.0·10⁻⁶"),
+    (number, (math.nan,), "–"),
+    (signed, (1.36, 1), "+1.4"),
+    (signed, (-0.3, 1), "−0.3"),
+    (signed, (-0.04, 1), "0.0"),
+    (signed, (0.4,), "0"),
+    (minus, ("-0.00 to -0.05, level-1, -12",), "0.00 to −0.05, level-1, −12"),
+    (part, (0.01,), "1 %"),
+    (part, (0.0478,), "4.8 %"),
+    (part, (6.1,), "610 %"),
+    (larger_by, (0.92,), "92 %"),
+    (larger_by, (1.0,), "a factor of 2"),
+    (larger_by, (6.14,), "a factor of 7.1"),
+    (larger_by, (119.2,), "a factor of 120"),
+    (larger_by, (4.1e83,), "a factor of more than 1000"),
+    (change, (2.0, 0.1), "+5 %"),
+    (change, (2.0, -0.62, "N"), "−31 %"),
+    (change, (2.0, 12.28, "N"), "a factor of 7.1"),
+    (change, (2.0, math.inf, "N"), "a factor of more than 1000"),
+    (change, (1e-84, 0.0413, "N"), "+0.041 N"),
+    (change, (0.0, -0.0413), "−0.041"),
+    (change, (0.1, -0.3, "N"), "−0.30 N"),  # less than nothing is no share
+    (change, (2.0, 0.0, "N"), "0 %"),
+    (change, (math.nan, 1.0, "N"), "–"),
+    (factor, (3.21,), "3.2"),
+    (factor, (450.2,), "450"),
+    (factor, (1e9,), "more than 1000"),
+    (times, (3.21,), "3.2 times"),
+    (unit_of, ("m^2/s",), "m²/s"),
+    (unit_of, ("1",), ""),
+    (with_unit, ("0.5", "N"), "0.5 N"),
+    (with_unit, ("0.02", ""), "0.02"),
+    (with_unit, ("0.02", "1"), "0.02"),
+    (headed, ("F_k", "N"), "F_k (N)"),
+    (headed, ("eta", ""), "eta"),
+    (headed, ("residual", "1"), "residual"),
+    (sentence, ("are two channels exchanged?",), "Are two channels exchanged?"),
+    (sentence, ("a gap",), "A gap."),
+    (sentence, ("a gap.",), "A gap."),
+    (sentence, ("F_k is usable",), "F_k is usable."),
+    (sentence, ("level1.csv: a gap",), "level1.csv: a gap."),
+]
+
+
+@pytest.mark.parametrize(("function", "of", "words"), WORDS)
+def test_a_formatter_writes_as_a_person_would(function, of, words):
+    assert f"{function(*of)}" == words
+
+
+NUMBERS = st.floats(allow_nan=True, allow_infinity=True, allow_subnormal=True)
+
+
+@given(NUMBERS, NUMBERS)
+@example(-0.0, 0.0)
+@example(-1e-320, -5e-324)
+@example(0.99996, 4.133e81)
+@example(math.inf, math.nan)
+def test_no_share_or_change_slips_out(one, other):
+    """Four significant digits at the most, powers of ten apart, and none of the words that slip out of a program."""
+    shares = [percent(one), percent(one, 2), signed_percent(one), part(one), larger_by(abs(one))]
+    for text in map("{}".format, [*shares, change(one, other, "N"), change(one, other)]):
+        assert slips(text) == []
+        digits = re.sub(r"·?10[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+|\D", "", text).lstrip("0")
+        assert len(digits) <= 4, text
+        assert text.count("−") <= 1
+
+
+@given(st.floats(0.0, 1.0, exclude_max=True))
+def test_only_all_is_100_percent(share):
+    for digits in (1, 2, 3):
+        text = percent(share, digits)
+        assert not text.startswith("100")
+        # two digits of a power of ten, and three otherwise, are within 5 % and 0.5 %
+        if share > 1e-3 and digits > 1:
+            shown = 0.01 * float(text.removesuffix(" %"))
+            assert shown == pytest.approx(share, rel=0.5 * 10.0 ** (1 - digits) * (1.0 + 1e-9))
+
+
+@pytest.mark.parametrize(
+    ("text", "kind"),
+    [
+        ("rho by up to +12256 %", "an internal name"),
+        ("F_k by +12256 %", "a share of more than four digits"),
+        ("changes F_k by +6.1e+02 %", "a power of ten of a program"),
+        (
+            "up to 413345686774928024750240204289814132 % stiffer",
+            "a share of more than four digits",
+        ),
+        ("the response lags the drive by −1753 ± 2 µs", "a negative lag"),
+        ("are two channels exchanged?.", "two marks"),
+        ("at 0.10200000000000001 s", "rounding"),
+        ("residual norm ()", "no unit"),
+        ("off by -0.0 %", "a minus of zero"),
+        ("from −0.0° on", "a minus of zero"),
+        ("+−3 %", "two signs"),
+        ("eta = 0.02 , c = 1", "a gap"),
+        ("nan %", "a number that is none"),
+    ],
+)
+def test_slips_are_seen(text, kind):
+    assert kind in [one for one, _ in slips(text)]
+
+
+def test_what_a_person_writes_is_no_slip():
+    assert len(KINDS) == 11
+    text = "−0.05 to 0.5 %, 10⁻¹¹ %, 1.2·10⁻³ N, a … b, is it? F_k (N); −60 ± 150 µs, 2310±10, p < 1e-6, 200000 N/m."
+    assert slips(text) == []

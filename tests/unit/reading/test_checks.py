@@ -62,7 +62,7 @@ def test_fewest_cycles_and_rows():
     [
         (19e-6, 0.0, 100, ""),  # two sound clocks
         (21e-6, 0.0, 100, "at 5.000105 ± 0 Hz, not at the 5 Hz given (+21 ppm)"),
-        (-50e-6, 8e-6, 1000, "(-50 ppm)"),
+        (-50e-6, 8e-6, 1000, "(−50 ppm)"),
         (50e-6, 11e-6, 1000, ""),  # not resolved
         # nor where 10 degrees of freedom know the error badly: 11 standard errors are needed
         (50e-6, 8e-6, 12, ""),
@@ -121,9 +121,8 @@ def test_skew_and_gain_count_from_five_standard_errors_on(off, counts, sign):
     late, larger = pair_of_responses(1.0, sign * off), pair_of_responses(1.0 + sign * off, 0.0)
     skew, words = checks.consistency(late, EQUAL, OMEGA)
     assert skew == ({"v": pytest.approx(-sign * off / OMEGA, rel=1e-3)} if counts else {})
-    assert [f"v lags x by {-1e6 * sign * off / OMEGA:.1f}" in one for one in words] == [
-        True
-    ] * counts
+    turns = "leads" if sign > 0.0 else "lags"
+    assert [f"v {turns} x by {1e6 * off / OMEGA:.1f}" in one for one in words] == [True] * counts
     skew, words = checks.consistency(larger, EQUAL, OMEGA)
     assert (skew, len(words)) == ({}, counts)
     # harmonic n turns back n times as far
@@ -194,7 +193,7 @@ def test_only_the_amplitude_of_the_excitation_may_not_change():
     assert steadiness(turning, 2.0 * turning) == []
     words = steadiness(np.ones(40) + 0j, np.exp(1e-2j * np.linspace(0.0, 1.0, 40)))
     assert "its amplitude changes by" in words[0]
-    assert "its phasor by up to 0.5 %" in words[0]
+    assert "its phasor by up to 0.50 %" in words[0]
 
 
 @pytest.mark.parametrize("cycles_per_row", [1, 4])
@@ -236,13 +235,16 @@ def test_sizes_that_no_bench_has(Y, X, omega, count):
 def test_distortion_is_that_of_the_harmonics_that_count():
     error = np.array([1e-3, 1e-3, 2e-3, 1e-3, 1e-3])
     mean = np.array([5.0, 2.0, 0.008j, 0.06, 0.08], dtype=np.complex128)
-    words = list(checks.harmonic_base(mean, error))
+    words = list(checks.harmonic_drive(mean, error, "base_displacement"))
     # 3 % and 4 %: 5 % together; the second harmonic is four errors
     assert len(words) == 1
     assert "5 % distortion, most of it harmonic 4 (4 %)" in words[0]
-    assert list(checks.harmonic_base(mean[:3], error[:3])) == []
+    assert words[0].startswith("the base motion is not harmonic")
+    (of_force,) = checks.harmonic_drive(mean, error, "force")
+    assert of_force.startswith("the force is not harmonic")
+    assert list(checks.harmonic_drive(mean[:3], error[:3], "force")) == []
     # six errors, but 0.04 % does not matter
-    assert list(checks.harmonic_base(mean[:3] * [1, 10, 1], error[:3] / 1.5)) == []
+    assert list(checks.harmonic_drive(mean[:3] * [1, 10, 1], error[:3] / 1.5, "force")) == []
 
 
 def test_even_harmonics_are_asymmetry_and_odd_ones_are_not():
