@@ -19,7 +19,7 @@ from ..balance import Rows
 from ..law.terms import term
 from ..likelihood.oscillator_fit import OscillatorFit
 from ..model import named_with_unit
-from ..project.wording import Remark, with_unit
+from ..project.wording import Remark, number, with_unit
 from ..solver import NORMAL_95
 
 CONFIDENCE = 0.95
@@ -233,7 +233,7 @@ def _judged(symbol: str, parameter: ParameterEstimate, notes: Sequence[str]) -> 
     reasons = [*notes, *filter(None, [parameter.doubt])]
     if math.isinf(parameter.value) or math.isinf(high):
         reasons.append(
-            f"a lower limit only: {symbol} is above {with_unit(f'{low:.4g}', unit_of(symbol))}"
+            f"a lower limit only: {symbol} is above {with_unit(number(low, 4), unit_of(symbol))}"
         )
     elif not high - low <= abs(parameter.value):
         reasons.append("its interval is wider than its value")

@@ -18,7 +18,7 @@ from ..likelihood.decay import RingFit
 from ..likelihood.law_fit import TERMS, LawFit, fit_law
 from ..likelihood.score import Departure
 from ..project.progress import followed
-from ..project.wording import change, listed
+from ..project.wording import change, listed, number
 from ..reading.chances import f_tail, normal_tail
 from ..reading.one_thread import one_thread
 from ..solver import NORMAL_95
@@ -65,8 +65,8 @@ def doubt_of(fit: RingFit, further: Sequence[Departure]) -> str:
     if likely.symbol in _OTHERS:
         words, unit = _OTHERS[likely.symbol]
         return (
-            f"{begin}{words} would explain most of it ({likely.symbol} = {likely.value:.3g} ± {likely.error:.1g} "
-            f"{unit}); F_k and c may carry its effect"
+            f"{begin}{words} would explain most of it ({likely.symbol} = {number(likely.value, 3)} ± "
+            f"{number(likely.error, 1)} {unit}); F_k and c may carry its effect"
         )
     if likely.value < 0.0:
         return (
@@ -86,7 +86,7 @@ def doubt_of(fit: RingFit, further: Sequence[Departure]) -> str:
 
 def _values_of(law: LawFit) -> str:
     coefficients = ((s, *law.coefficient(s)) for s in law.terms)
-    return f" ({', '.join(f'{s} = {x:.4g} ± {error:.2g}' for s, x, error in coefficients)})"
+    return f" ({', '.join(f'{s} = {number(x, 4)} ± {number(error, 2)}' for s, x, error in coefficients)})"
 
 
 def condition_of(fit: RingFit, further: Iterable[Departure]) -> str:

@@ -32,7 +32,7 @@ from ..likelihood.mean_harmonics import Means, Reading
 from ..likelihood.steady_search import fit_quickly, with_mass
 from ..likelihood.waveforms import WaveformFit
 from ..project.progress import followed
-from ..project.wording import listed
+from ..project.wording import listed, times
 from ..reading.chances import f_tail
 from ..reading.lines import probability
 from ..reading.one_thread import one_thread
@@ -173,9 +173,9 @@ class LawComparison:
         if not tested:
             return "no law can be tested: there are no more records than coefficients; add records at other amplitudes"
         _, terms, test = max(tested, key=lambda one: one[0])
-        times = math.sqrt(test.chi_square / test.degrees_of_freedom)
+        size = math.sqrt(test.chi_square / test.degrees_of_freedom)
         return (
-            f"no law of {MOST_TERMS} terms or fewer in addition to friction fits: the rows lie {times:.2g} times as far"
+            f"no law of {MOST_TERMS} terms or fewer in addition to friction fits: the rows lie {times(size)} as far"
             f" from the balance of the nearest, {words_of(terms)}, as noise explains; the levels may differ in "
             "more than their amplitude (a coefficient for each group of records may help), a gain may be wrong, or "
             "another term is missing"

@@ -161,7 +161,7 @@ def agreement(
     if fit is not None and {"c", "c_r"} <= set(fit.law.unknowns):
         yield Remark(
             f"c and c_r together cannot be distinguished from a skew of the channels: if the response lags by 1 µs, "
-            f"c_r is {1e-6 * fit.k:.2g} N s/m too small and c as much too large",
+            f"c_r is {number(1e-6 * fit.k, 2)} N s/m too small and c as much too large",
             doubts={"c": math.inf, "c_r": math.inf},
         )
     yield from _apart(answers.get(DIRECT), joint)
@@ -205,8 +205,9 @@ def _on_the_oscillator(
         return
     if not joint.mass_fits:
         yield Remark(
-            f"the mass given, {joint.mass:.6g} kg, is not that of the records, {fit.m:.6g} ± {fit.error('m'):.2g} kg: "
-            "nothing here uses it; check the mass, the stiffness, the gains and the units"
+            f"the mass given, {joint.mass:.6g} kg, is not that of the records, {number(fit.m, 6)} ± "
+            f"{number(fit.error('m'), 2)} kg: nothing here uses it; check the mass, the stiffness, the gains and the "
+            "units"
         )
     named = bool(joint.late or coupling or frame)
     cause = None if named else likeliest(fit, tested)
@@ -235,15 +236,15 @@ def _on_the_oscillator(
     if coupling is not None:
         yield Remark(
             "the harmonics are those of a response that is coupled through a capacitor (AC), a high-pass filter with a "
-            f"corner of {coupling.hz:.4g} ± {coupling.error_hz:.2g} Hz, which explains what the oscillator alone does "
-            f"not; without that, {listed(_values(coupling.fit, K_z=True))}: couple it directly (DC), or give the "
+            f"corner of {number(coupling.hz, 4)} ± {number(coupling.error_hz, 2)} Hz, which explains what the "
+            f"oscillator alone does not; without that, {listed(_values(coupling.fit, K_z=True))}: couple it directly (DC), or give the "
             "corner in the mapping"
         )
     if joint.late and delayed is not None:
         lags = "lags" if delayed.delay > 0.0 else "leads"
         yield Remark(
-            f"the harmonics say that the response {lags} the drive by {1e6 * abs(delayed.delay):.4g} ± "
-            f"{1e6 * delayed.error('delay'):.2g} µs more than the motion explains; without that, "
+            f"the harmonics say that the response {lags} the drive by {number(1e6 * abs(delayed.delay), 4)} ± "
+            f"{number(1e6 * delayed.error('delay'), 2)} µs more than the motion explains; without that, "
             f"{listed(_values(delayed))}: give the delay in the mapping, or sample all channels at once"
         )
 
@@ -251,9 +252,10 @@ def _on_the_oscillator(
 def _values(fit: WaveformFit, K_z: bool = False) -> list[str]:
     """The numbers of a fit for a sentence: "F_k = 1.28 N", …"""
     values = [
-        with_unit(f"{key} = {fit.value(key):.4g}", term(key).unit) for key in fit.law.unknowns
+        with_unit(f"{key} = {number(fit.value(key), 4)}", term(key).unit)
+        for key in fit.law.unknowns
     ]
-    return [*values, f"K_z = {fit.K_z:.4g} N/m"] if K_z else values
+    return [*values, f"K_z = {number(fit.K_z, 4)} N/m"] if K_z else values
 
 
 def _other_frame(readings: Sequence[Reading], joint: JointFit) -> OtherFrame | None:
@@ -280,7 +282,7 @@ def _in_other_frame(frame: OtherFrame) -> Remark:
     return Remark(
         f"the response is likely {is_really} and was taken for {taken}: with the motion of the base "
         f"{'added to' if frame.relative else 'taken off'} it the records are those of one oscillator within their "
-        f"noise, with {listed([*_values(fit, K_z=True), f'm = {fit.m:.4g} kg'])}; name "
+        f"noise, with {listed([*_values(fit, K_z=True), f'm = {number(fit.m, 4)} kg'])}; name "
         f"{'them' if len(frame.names) > 1 else 'it'} {listed(frame.names)} in the mapping",
         doubts=dict.fromkeys([*fit.law.unknowns, "K_z"], math.inf),
     )

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 
 from ..likelihood.oscillator_fit import OscillatorFit
 from ..project import wording
+from ..project.wording import minus, number
 from .answer import Answer, ParameterEstimate, Verdict, unit_of
 from .law_comparison import LawComparison, Probability
 
@@ -52,7 +53,7 @@ def comparison(laws: LawComparison | None) -> list[str]:
         rejected = test.rejected_by_balance if laws.by_balance else test.rejected
         word = "chosen" if laws.chosen == test.terms else "rejected" if rejected else "possible"
         values = ", ".join(
-            f"{key} = {value:.5g} ± {error:.2g}"
+            f"{key} = {number(value, 5)} ± {number(error, 2)}"
             for key, (value, error) in test.coefficients.items()
         )
         tests = [_in_noise(test.tests.get(name)) for name in laws.names]
@@ -80,8 +81,8 @@ def implied(fit: OscillatorFit) -> list[str]:
     given = error < _ROUNDING * fit.m
     mass = "the mass given" if given else f"m = {with_error(fit.m, error)} kg"
     return [
-        f"The oscillator of largest likelihood has {mass} and a natural frequency of {fit.natural_frequency_hz:.4g} Hz "
-        "with the contact loose.",
+        f"The oscillator of largest likelihood has {mass} and a natural frequency of "
+        f"{number(fit.natural_frequency_hz, 4)} Hz with the contact loose.",
         "If that is not your rig, a gain, a unit or the stiffness is wrong.",
     ]
 
@@ -123,11 +124,11 @@ def headed(symbol: str) -> str:
 def _rounded(value: float, spread: float) -> str:
     """The value with two digits of the spread, as a power of ten where either is far from one."""
     if not spread > 0.0:
-        return f"{value:.6g}"
+        return number(value, 6)
     size = math.floor(math.log10(max(abs(value), spread)))
     # what a float holds
     decimals = min(1 - math.floor(math.log10(spread)), _DIGITS - size)
     value = round(value, decimals)
     if _SMALLEST <= size < _LARGEST:
-        return f"{value:.{max(0, decimals)}f}"
-    return f"{value:.{min(max(0, size + decimals), _MANTISSA)}e}" if value else "0"
+        return minus(f"{value:.{max(0, decimals)}f}")
+    return number(value, 1 + min(max(0, size + decimals), _MANTISSA), 0, 0)

@@ -25,7 +25,7 @@ from ..likelihood.dynamic_stiffness import (
     fit_contact,
 )
 from ..likelihood.stepped_lines import Contact, SteppedLines
-from ..project.wording import Remark, listed
+from ..project.wording import Remark, listed, number
 from ..records.measured import MeasuredRecord
 from .answer import CONFIDENCE, UNKNOWN, Answer, Balance, Interval, ParameterEstimate, covariance_of
 from .identified import Identified, Level, Picture
@@ -118,8 +118,8 @@ class SteppedOutcome(Identified):
         """The line of each level whose phase is nearest to 90°."""
         of, levels = self.of_mode, []
         W, friction = math.pi * of.X**2 * of.Z.imag, self.fit.sliders.loss(of.X)
-        for number, name in enumerate(of.names):
-            (own,) = np.nonzero(of.level == number)
+        for level, name in enumerate(of.names):
+            (own,) = np.nonzero(of.level == level)
             at = own[np.argmax(np.sin(np.angle(of.Z[own])))]
             X, omega = float(of.X[at]), float(of.omega[at])
             levels.append(Level(name, X, omega, float(W[at]), float(friction[at])))
@@ -290,9 +290,10 @@ def _on_stuck(fit: ContactFit) -> Iterator[Remark]:
     k = fit.values["k"]
     if fit.stuck > _FELT * k:
         yield Remark(
-            f"with the part of the contact that slips loose the lines show a stiffness of {k + fit.stuck:.6g} N/m, and "
-            f"{k:g} N/m are stated: a contact of {fit.stuck:.4g} N/m that sticks in every line makes up for it, or the "
-            "stiffness stated is too small; F_k, K_z and c are the same for either"
+            "with the part of the contact that slips loose the lines show a stiffness of "
+            f"{number(k + fit.stuck, 6)} N/m, and {k:g} N/m are stated: a contact of {number(fit.stuck, 4)} N/m that "
+            "sticks in every line makes up for it, or the stiffness stated is too small; F_k, K_z and c are the same for "
+            "either"
         )
 
 
@@ -367,7 +368,7 @@ def _rig(fit: ContactFit, lines: SteppedLines) -> Iterator[str]:
         )
     yield (
         f"The oscillator has m = {own['m']} kg, k = {own['k']} N/m and a natural frequency of "
-        f"{math.sqrt((k + fit.stuck) / m) / (2.0 * math.pi):.4g} Hz with that part of the contact loose."
+        f"{number(math.sqrt((k + fit.stuck) / m) / (2.0 * math.pi), 4)} Hz with that part of the contact loose."
     )
     if fit.values.get("k_3"):
         k_3 = with_error(1e-9 * fit.values["k_3"], 1e-9 * fit.errors["k_3"])

@@ -32,6 +32,7 @@ from ..motion.free_decay import (
     decay_samples,
     phase_slopes,
 )
+from ..project.wording import times
 from ..reading.bursts import Signal, rounding
 from ..reading.whiteness import averages, chance_of_averages, chance_of_lines, louder
 from ..solver import NORMAL_95
@@ -240,7 +241,7 @@ class RingFit(OscillatorFit):
         if self.slow_chance < _CHANCE:
             words.append(
                 "the decays are not those of one mass on a spring, a damper and one friction contact within white "
-                f"noise: what is left is {self.misfit:.3g} times as large as noise would leave it over a twelfth of a "
+                f"noise: what is left is {times(self.misfit)} as large as noise would leave it over a twelfth of a "
                 f"cycle, or over fewer samples, with a probability of {self.slow_chance:.1g}"
             )
         elif not self.adequate:
@@ -250,7 +251,7 @@ class RingFit(OscillatorFit):
         loud = max(louder(r, signal.values, signal.noise) for _, signal, r in self.residuals())
         if loud > 1.0:
             words.append(
-                f"what is left of the decays is {loud:.3g} times the noise that their samples themselves show"
+                f"what is left of the decays is {times(loud)} the noise that their samples themselves show"
             )
         return tuple(words)
 

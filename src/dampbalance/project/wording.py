@@ -7,6 +7,7 @@ import re
 import unicodedata
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from html import escape
+from string import Formatter
 from typing import Any
 
 MINUS, TIMES, NONE = "−", "·", "–"
@@ -143,6 +144,16 @@ def times(value: float) -> str:
     return f"{factor(value)} times"
 
 
+class _Sentence(Formatter):
+    """Templates of sentences: their numbers as people write them, −0.5 or 1.65·10³."""
+
+    def format_field(self, value: Any, format_spec: str) -> str:
+        text = format(value, format_spec)
+        if not isinstance(value, float | int) or isinstance(value, Shown):
+            return text
+        return re.sub(r"e([+-]\d+)", lambda of: f"{TIMES}{ten_to(int(of[1]))}", minus(text))
+
+
 class Remark(str):
     """A sentence that knows its numbers, and the record that it is about.
 
@@ -171,7 +182,7 @@ class Remark(str):
         spares: Sequence[str] = (),
     ) -> Remark:
         """The sentence, after the name of the record where it is about one."""
-        words = template.format(*of) if of else template
+        words = _Sentence().format(template, *of) if of else template
         remark = super().__new__(cls, f"{source}: {words}" if source else words)
         remark.template, remark.of, remark.source, remark.words = template, of, source, words
         remark.doubts, remark.spares = doubts or {}, spares
@@ -201,7 +212,7 @@ class _Range(tuple[Any, ...]):
     __slots__ = ()
 
     def __format__(self, spec: str) -> str:
-        low, high = format(min(self), spec), format(max(self), spec)
+        low, high = (_Sentence().format_field(end, spec) for end in (min(self), max(self)))
         return low if low == high else f"{low} to {high}"
 
 

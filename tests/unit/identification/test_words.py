@@ -72,7 +72,7 @@ RECORDS = {
     "leading": lambda: [late(one, -1753e-6) for one in measured()],
     "lagging": lambda: [late(one, 1753e-6) for one in measured()],
     "a loud force": lambda: [loud(one, 0.2) for one in measured(channels=FORCED)],
-    "a louder force": lambda: [loud(one, 1.5) for one in measured(channels=FORCED)],
+    "a louder force": lambda: [loud(one, 0.9) for one in measured(channels=FORCED)],
     "a turned sign": lambda: [turned(one) for one in measured()],
     "a wrong gain": lambda: [larger(one, 1.5) for one in measured()],
     "a wrong unit": lambda: [larger(one, 1e3) for one in measured()],
