@@ -237,8 +237,8 @@ def _on_the_oscillator(
         yield Remark(
             "the harmonics are those of a response that is coupled through a capacitor (AC), a high-pass filter with a "
             f"corner of {number(coupling.hz, 4)} ± {number(coupling.error_hz, 2)} Hz, which explains what the "
-            f"oscillator alone does not; without that, {listed(_values(coupling.fit, K_z=True))}: couple it directly (DC), or give the "
-            "corner in the mapping"
+            f"oscillator alone does not; without that, {listed(_values(coupling.fit, K_z=True))}: couple it directly "
+            "(DC), or give the corner in the mapping"
         )
     if joint.late and delayed is not None:
         lags = "lags" if delayed.delay > 0.0 else "leads"

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 
 from ..likelihood.oscillator_fit import OscillatorFit
 from ..project import wording
-from ..project.wording import minus, number
+from ..project.wording import minus, number, written
 from .answer import Answer, ParameterEstimate, Verdict, unit_of
 from .law_comparison import LawComparison, Probability
 
@@ -124,7 +124,7 @@ def headed(symbol: str) -> str:
 def _rounded(value: float, spread: float) -> str:
     """The value with two digits of the spread, as a power of ten where either is far from one."""
     if not spread > 0.0:
-        return number(value, 6)
+        return written(value, ".6g")
     size = math.floor(math.log10(max(abs(value), spread)))
     # what a float holds
     decimals = min(1 - math.floor(math.log10(spread)), _DIGITS - size)

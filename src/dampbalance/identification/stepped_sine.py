@@ -292,8 +292,8 @@ def _on_stuck(fit: ContactFit) -> Iterator[Remark]:
         yield Remark(
             "with the part of the contact that slips loose the lines show a stiffness of "
             f"{number(k + fit.stuck, 6)} N/m, and {k:g} N/m are stated: a contact of {number(fit.stuck, 4)} N/m that "
-            "sticks in every line makes up for it, or the stiffness stated is too small; F_k, K_z and c are the same for "
-            "either"
+            "sticks in every line makes up for it, or the stiffness stated is too small; F_k, K_z and c are the same "
+            "for either"
         )
 
 

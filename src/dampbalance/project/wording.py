@@ -144,14 +144,18 @@ def times(value: float) -> str:
     return f"{factor(value)} times"
 
 
+def written(value: float, spec: str) -> str:
+    """A number in a form such as ".3g" as people write it, −0.5 or 1.65·10³."""
+    text = minus(format(value, spec))
+    return re.sub(r"e([+-]\d+)", lambda of: f"{TIMES}{ten_to(int(of[1]))}", text)
+
+
 class _Sentence(Formatter):
-    """Templates of sentences: their numbers as people write them, −0.5 or 1.65·10³."""
+    """Templates of sentences: their numbers as people write them."""
 
     def format_field(self, value: Any, format_spec: str) -> str:
-        text = format(value, format_spec)
-        if not isinstance(value, float | int) or isinstance(value, Shown):
-            return text
-        return re.sub(r"e([+-]\d+)", lambda of: f"{TIMES}{ten_to(int(of[1]))}", minus(text))
+        plain = isinstance(value, float | int) and not isinstance(value, Shown)
+        return (written if plain else format)(value, format_spec)
 
 
 class Remark(str):

@@ -171,7 +171,7 @@ def test_a_clipped_decay_is_named_and_what_physics_forbids(tmp_path):
     assert found.intervals["c"].high < 0.0
     (words,) = [note for note in found.answer.notes if "physics forbids" in note]
     cause = r"clipping is the likely cause \(displacement of decay\)"
-    assert re.match(rf"c = -\d.* N s/m is negative, .* {cause}", words)
+    assert re.match(rf"c = −\d.* N s/m is negative, .* {cause}", words)
     assert words in found.verdicts["c"].reason
     (warning,) = found.warnings
     assert warning.startswith("decay: displacement is clipped")

@@ -86,7 +86,7 @@ def test_a_lower_limit_is_doubtful_and_says_the_limit():
     limit = ParameterEstimate(math.inf, math.nan, math.nan, Interval(41234.5, math.inf))
     verdict = with_parameters(K_z=limit).verdicts["K_z"]
     assert verdict.verdict == "doubtful"
-    assert "above 4.123e+04 N/m" in verdict.reason
+    assert "above 41234 N/m" in verdict.reason
 
 
 SOURCES = ["data/a.csv", "data/b.csv", "data/c.csv"]
@@ -100,9 +100,9 @@ def test_the_same_warning_on_several_records_is_one_sentence_with_its_range():
     drift = partial(Remark, "drifts by {:g} % in {} s: let it warm up")
     said = [drift(3.5, 20, source=SOURCES[0]), drift(1e-5, 20, source=SOURCES[1])]
     assert said[0] == "data/a.csv: drifts by 3.5 % in 20 s: let it warm up"
-    assert sentences(said) == ["a.csv and b.csv: drifts by 1e-05 to 3.5 % in 20 s: let it warm up"]
+    assert sentences(said) == ["a.csv and b.csv: drifts by 1·10⁻⁵ to 3.5 % in 20 s: let it warm up"]
     said.append(drift(-2.0, 20, source=SOURCES[2]))
-    assert sentences(said) == ["all 3 records: drifts by -2 to 3.5 % in 20 s: let it warm up"]
+    assert sentences(said) == ["all 3 records: drifts by −2 to 3.5 % in 20 s: let it warm up"]
 
 
 def test_different_warnings_stay_apart_whatever_they_share():
@@ -144,7 +144,7 @@ def test_many_records_are_counted():
 def test_notes_of_approaches_go_together():
     off = {"X_s": -16.0, "t_s": -17.0}
     answers = {s: replace(SOUND, notes=(Remark("F_k by {:g} %", x),)) for s, x in off.items()}
-    assert limits(answers, []) == [Limit("approaches", ("X_s", "t_s"), "F_k by -17 to -16 %")]
+    assert limits(answers, []) == [Limit("approaches", ("X_s", "t_s"), "F_k by −17 to −16 %")]
 
 
 NEAR = replace(SOUND, name=REFERENCE, balance=None)
@@ -235,7 +235,7 @@ def test_a_coefficient_that_physics_forbids_is_named_with_the_likely_cause():
         ),
     ):
         first = next(notes_on(negative, readings, linear))
-        assert first == f"c = -6 N s/m is negative, which physics forbids: {cause}"
+        assert first == f"c = −6.00 N s/m is negative, which physics forbids: {cause}"
     assert forbidden(SOUND.coefficients, [], "all") == []
 
 
@@ -245,12 +245,14 @@ def test_a_coefficient_that_physics_forbids_is_named_with_the_likely_cause():
         (1.2785, 0.0039, "1.2785 [1.2746, 1.2824]"),
         (207_400.0, 1650.0, "207400 [205800, 209000]"),
         (0.001, 2e-6, "0.0010000 [0.0009980, 0.0010020]"),
-        (2.94e-24, 1e-67, "2.94e-24 [2.94e-24, 2.94e-24]"),
-        (2.9e-24, 1e-26, "2.900e-24 [2.890e-24, 2.910e-24]"),
-        (1e300, 2e299, "1.00e+300 [8.0e+299, 1.20e+300]"),
-        (1e12, 1.0, "1.000000e+12 [1.000000e+12, 1.000000e+12]"),
-        (5.0, 1e15, "0 [-1.0e+15, 1.0e+15]"),
-        (0.0, 5e-324, "0 [-4.9e-324, 4.9e-324]"),
+        (2.94e-24, 1e-67, "2.94·10⁻²⁴ [2.94·10⁻²⁴, 2.94·10⁻²⁴]"),
+        (2.9e-24, 1e-26, "2.900·10⁻²⁴ [2.890·10⁻²⁴, 2.910·10⁻²⁴]"),
+        (1e300, 2e299, "1.00·10³⁰⁰ [8.0·10²⁹⁹, 1.20·10³⁰⁰]"),
+        (1e12, 1.0, "1.000000·10¹² [1.000000·10¹², 1.000000·10¹²]"),
+        (5.0, 1e15, "0 [−1.0·10¹⁵, 1.0·10¹⁵]"),
+        (0.0, 5e-324, "0 [−4.9·10⁻³²⁴, 4.9·10⁻³²⁴]"),
+        (0.5, 1.0, "0.50 [−0.50, 1.50]"),
+        (1.0, 1.004, "1.0 [0.0, 2.0]"),  # no minus zero
     ],
 )
 def test_a_number_of_any_size_fits_its_cell(value, half, expected):

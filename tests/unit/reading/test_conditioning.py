@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+import unicodedata
 from dataclasses import replace
 
 import numpy as np
@@ -174,7 +175,8 @@ def test_the_error_that_resampling_is_said_to_make_is_the_one_it_makes():
     x = 0.01 * np.cos(MOTION.omega * t - 1.0)
     record = _pair(t, MOTION.Y * np.cos(MOTION.omega * t), x)
     (words,) = (w for w in condition(record, PAPER.k).warnings if w.startswith("displacement"))
-    said = float(re.search(r"error about (\S+) m in addition", words)[1])
+    digits, power = re.search(r"error about (\S+)·10⁻(\S) m in addition", words).groups()
+    said = float(digits) * 10.0 ** -unicodedata.digit(power)
     grid = np.arange(t[1], t[-2], np.median(np.diff(t)))
     off = CubicSpline(t, x)(grid) - 0.01 * np.cos(MOTION.omega * grid - 1.0)
     # the error of a spline of half as many samples over 2⁴: an estimate, of steps that differ
