@@ -61,6 +61,7 @@ def test_every_claim_has_its_row_and_its_reason(tree, made):
         # Symbols are set in HTML: compare what is not one.
         reason = words.reason(wording.minus(claim["explanation"])).striptags()
         assert " ".join(reason.split()) in text
+        assert "()" not in text  # a pure number has no unit
 
 
 def test_the_headline_counts_what_is_computed(tree, made):

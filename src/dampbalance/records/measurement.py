@@ -36,7 +36,7 @@ ORDERS = {q: [*ABSOLUTE.values()].index(unit) for q, unit in QUANTITIES.items() 
 
 def sample_times(rate_hz: float, start: float, first: int, count: int) -> Array:
     """Times, s, of `count` samples from number `first` on; the sample number 0 is taken at `start`."""
-    # start and number in one division: 0.102 at 0.1 s and 1 kHz, not 0.10200000000000001
+    # one division, so that a start that is a whole number of steps leads to 0.102, and not to 0.10200000000000001
     return (start * rate_hz + np.arange(first, first + count, dtype=np.float64)) / rate_hz
 
 

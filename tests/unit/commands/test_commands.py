@@ -17,7 +17,7 @@ import pytest
 
 from dampbalance import identify, read_records
 from dampbalance.balance import APPROACHES
-from dampbalance.commands.main import main
+from dampbalance.commands.main import COMMANDS, main, parser
 from dampbalance.identification.outputs import OUTPUTS, TABLES, outputs_of
 from dampbalance.records.readers import read
 from folders import ROOT
@@ -576,6 +576,16 @@ def test_a_mapping_to_start_from_is_saved_and_used(tmp_path, capsys, answer):
     assert mapping.read_text(encoding="utf-8") == "notes: mine\n"
     assert code_of(*command, "--write-mapping", mapping, "--overwrite") == 0
     assert mapping.read_text(encoding="utf-8") == written.replace("time:", 'notes: "mine"\ntime:')
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_help_names_no_option_that_the_command_lacks(command, capsys):
+    with pytest.raises(SystemExit):
+        parser([command]).parse_args([command, "--help"])
+    arguments = capsys.readouterr().out.partition("\noptions:\n")[2].partition("\n\n")[0]
+    options = set(re.findall(r"^  (?:-\w, )?(--[\w-]+)", arguments, re.MULTILINE))
+    assert "--help" in options
+    assert set(re.findall(r"--[a-z][\w-]*", arguments)) == options
 
 
 def test_the_version_is_told(capsys):

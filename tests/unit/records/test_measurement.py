@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from dampbalance import BaseMotion, steady_orbit
-from dampbalance.records.measurement import Channel, Measurement
+from dampbalance.records.measurement import Channel, Measurement, sample_times
 from dampbalance.records.synthetic import measured_orbit
 from paper_case import NEAR, OMEGA, PAPER
 
@@ -76,6 +76,14 @@ def test_the_simulated_signals_are_those_of_the_exact_orbit():
     np.testing.assert_array_equal(made["acceleration"].values, state.acceleration)
     np.testing.assert_allclose(made["force"].values, PAPER.k * MOTION.y(t), rtol=1e-14)
     assert [c.quantity for c in made.responses] == ["displacement", "velocity", "acceleration"]
+
+
+@pytest.mark.parametrize("start", [0.1, 0.02, -0.2, 3.0])
+@pytest.mark.parametrize("rate_hz", [100.0, 500.0, 1000.0, 2000.0, 5000.0])
+def test_times_are_the_decimal_numbers_that_they_stand_for(start, rate_hz):
+    """0.102 at 1 kHz from 0.1 s on, and not 0.10200000000000001: Python writes the shortest number of each float."""
+    at = [round(start * 10_000) + round(10_000 / rate_hz) * i for i in range(3000)]
+    assert sample_times(rate_hz, start, 0, 3000).tolist() == [n / 10_000 for n in at]
 
 
 def test_the_noise_is_white_of_the_size_asked_for_and_the_same_for_the_same_seed():
