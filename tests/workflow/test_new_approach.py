@@ -13,6 +13,7 @@ import pandas as pd
 import pytest
 import yaml
 
+from dampbalance.publishing.page.report import LARGEST_PAGE
 from folders import restored
 from processes import output_of
 
@@ -94,6 +95,14 @@ def test_the_pipeline_shows_it(extended):
     assert "toy" in (results / "tables/approaches.md").read_text(encoding="utf-8")
     assert "with a toy" in (results / "figures/estimation_error.svg").read_text(encoding="utf-8")
     assert "with a toy" in (results / "report.html").read_text(encoding="utf-8")
+
+
+def test_the_page_of_the_paper_s_case_is_built_with_it(extended):
+    said = extended.made("results/paper/report.html")
+    page = (extended.folder / "results/paper/report.html").read_text(encoding="utf-8")
+    assert "with a toy" in page
+    if (size := len(page.encode())) > LARGEST_PAGE:
+        assert f"results/paper/report.html has {size:,} bytes, more than the" in said
 
 
 def test_a_study_can_ask_for_it(extended):
