@@ -29,7 +29,6 @@ LIBRARIES = (
     *("threadpoolctl", "pyarrow.parquet", "matplotlib.figure"),
     *("matplotlib.backends.backend_agg", "matplotlib.backends.backend_svg"),
 )
-_MOST_BYTES = 1 << 20  # of a request: an environment
 
 
 @functools.cache
@@ -83,9 +82,11 @@ def _fork(jobs: socket.socket, job: Any, file: str) -> None:
 
     here, there = socket.socketpair(type=socket.SOCK_SEQPACKET)
     with here:
-        with there:
-            message = pickle.dumps((file, dict(os.environ), job.threads))
-            socket.send_fds(jobs, [message], [there.fileno()])
+        # in a file without a name: a message holds 200 kB, and an environment may be larger
+        with there, open(os.memfd_create("job"), "w+b") as request:
+            pickle.dump((file, dict(os.environ), job.threads), request)
+            request.flush()
+            socket.send_fds(jobs, [b"job"], [there.fileno(), request.fileno()])
         process = int(here.recv(16))
         measured = benchmarked(process, job.bench_record) if job.bench_record else None
         with measured or contextlib.nullcontext():
@@ -102,18 +103,22 @@ def _serve(asked: socket.socket) -> None:
     prepare()
     gc.freeze()  # a script searches for garbage among its own objects, not among those of the libraries
     running = 0
-    while message := (received := socket.recv_fds(asked, _MOST_BYTES, 1))[0]:
+    while received := socket.recv_fds(asked, 16, 2)[1]:
+        reply, request = received
         interrupted = signal.SIGINT in signal.sigpending()
         if os.fork() == 0:
             if (script := os.fork()) == 0:
-                _script(*pickle.loads(message), interrupted)
-            os.write(received[1][0], str(script).encode())
+                with open(request, "rb") as job:
+                    job.seek(0)
+                    _script(*pickle.load(job), interrupted)
+            os.write(reply, str(script).encode())
             status = os.waitstatus_to_exitcode(os.waitpid(script, 0)[1])
             with contextlib.suppress(BrokenPipeError):
-                os.write(received[1][0], str(status).encode())
+                os.write(reply, str(status).encode())
             os._exit(0)
         running += 1
-        os.close(received[1][0])
+        os.close(reply)
+        os.close(request)
     for _ in range(running):
         os.wait()
     os._exit(0)

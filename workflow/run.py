@@ -63,13 +63,18 @@ def other_run() -> psutil.Process | None:
         words = process.info["cmdline"] or []
         if process.pid in own or process.info["cwd"] != str(here) or {"-n", "--dry-run"} & {*words}:
             continue
-        runs = any(
-            Path(word).name == "snakemake" or ".snakemake/scripts/" in word for word in words
-        )
-        begins = any(word.endswith("workflow/run.py") for word in words)
-        if runs or (begins and _age(process) < _age(this)):
+        script = _script(words)
+        runs = Path(script).name == "snakemake" or ".snakemake/scripts/" in script
+        if runs or (script.endswith("workflow/run.py") and _age(process) < _age(this)):
             return process
     return None
+
+
+def _script(words: list[str]) -> str:
+    """The script or module that a command line has Python run; "" for any other program, such as an editor or `man`."""
+    python, *rest = words or [""]
+    names = (word for word in rest if not word.startswith("-"))
+    return next(names, "") if Path(python).name.startswith("python") else ""
 
 
 def _age(process: psutil.Process) -> tuple[float, int]:

@@ -116,10 +116,9 @@ def _in_columns(values: Mapping[str, Any]) -> dict[str, object]:
 
 def _numbers(estimate: Estimate, swing: Array) -> dict[str, object]:
     """An estimate as columns of the table; `swing` are the lengths X + X_s of its responses' microstick lines, m."""
-    length = float(swing.mean())  # read-outs with few digits may have lost it
     K_z = math.nan
-    if "F_k" in estimate.values and length > 0.0:
-        K_z = float(contact_stiffness(estimate["F_k"], length, 0.0))
+    if "F_k" in estimate.values:
+        K_z = float(contact_stiffness(estimate["F_k"], float(swing.mean()), 0.0))
     errors = {TERMS[s].error_column: estimate.standard_error(s) for s in estimate.values}
     overdetermined = estimate.n > len(estimate.values)
     return {

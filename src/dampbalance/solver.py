@@ -297,17 +297,12 @@ def contact_stiffness(F_k: ArrayLike, X: ArrayLike, X_s: ArrayLike) -> Array:
     Eq. (10), corrected: from the reversal at −X to the onset of slip at X_s the contact spring swings from −Z_m to +Z_m
     with F_k = K_z Z_m. The paper prints the inverse without the 2, which has the unit of a compliance.
 
-    F_k : N.   X, X_s : m (X_s < 0), any shapes that broadcast; NaN where X_s is NaN.
-    Raises ValueError where X_s lies at or beyond −X: a microstick line without length has no stiffness.
+    F_k : N.   X, X_s : m (X_s < 0), any shapes that broadcast. NaN where X_s is NaN, and where it lies at or beyond −X:
+    a microstick line without length has no stiffness; read X and X_s with more digits, or take the contact as rigid.
     """
     swing = numbers("X", X, missing=True) + numbers("X_s", X_s, missing=True)
-    if np.any(swing <= 0.0):
-        raise ValueError(
-            f"X + X_s must be positive to give a contact stiffness, got {float(np.nanmin(swing)):.3g} m: "
-            "read X and X_s with more digits, or take the contact as rigid"
-        )
-    stiffness: Array = np.asarray(2.0 * numbers("F_k", F_k, missing=True, signed=True) / swing)
-    return stiffness
+    force = numbers("F_k", F_k, missing=True, signed=True)
+    return np.asarray(2.0 * force / np.where(swing > 0.0, swing, np.nan))
 
 
 def pair_label(i: int, j: int) -> str:

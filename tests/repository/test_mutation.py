@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 
 from mutation import __main__ as command
@@ -65,6 +67,18 @@ def test_a_mutant_differs_from_the_original_in_its_place_alone():
         pairs = enumerate(zip(SOURCE.splitlines(), changed, strict=True), start=1)
         assert [number for number, (before, after) in pairs if before != after] == [mutant.number]
         compile("\n".join(changed), "toy.py", "exec")
+
+
+def test_the_samples_on_record_name_no_module_that_is_gone():
+    text = (ROOT / "trials/mutation/README.md").read_text(encoding="utf-8")
+    folders = (ROOT / PACKAGE, ROOT / PACKAGE / "replication/claims", ROOT / "trials/mutation")
+    names = re.findall(r"[\w/]+\.py\b", text)
+    assert names
+    for name in names:
+        assert any((folder / name).is_file() for folder in folders), name
+    # a survivor: its module, its line, and the code that stands there
+    for name, code in re.findall(r"^- ([\w/]+\.py):\d+ `([^`]+)`", text, re.MULTILINE):
+        assert code in (ROOT / PACKAGE / name).read_text(encoding="utf-8"), f"{name} has no {code}"
 
 
 def test_a_sample_stays_the_same_while_other_lines_are_edited():

@@ -335,6 +335,14 @@ def test_contact_stiffness_without_slip_is_nan():
     assert np.isnan(contact_stiffness(1.28, 0.004, np.nan))
 
 
+def test_a_microstick_line_without_length_takes_no_other_case_along():
+    # of 10 µm, of none, of less than none, and of one that was not read
+    X, X_s = [0.004, 0.006, 0.006, 0.004], [-0.00399, -0.006, -0.0061, np.nan]
+    K_z = contact_stiffness(1.28, X, X_s)
+    assert K_z[0] == pytest.approx(2.56 / 1e-5, rel=1e-10)  # of 10 µm, 4 mm in doubles leave 1e-13
+    assert np.isnan(K_z[1:]).all()
+
+
 def test_table_has_one_line_per_estimate():
     features = features_at()
     table = estimate_table(features, PAPER.k, PAIRS)
@@ -437,9 +445,6 @@ REFUSED = {
     "^F_k, c and d need at least three usable": lambda: least_squares(empty("F_k", "c", "d")),
     r"given \['eta'\] are no terms of these rows": lambda: replace(TWO, given={"eta": 0.1}),
     "no estimates": lambda: mean_and_deviation([]),
-    r"X \+ X_s must be positive": lambda: contact_stiffness(
-        1.28, [0.004, 0.006], [-0.00399, -0.006]
-    ),
 }
 
 

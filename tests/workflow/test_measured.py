@@ -87,6 +87,22 @@ def test_nothing_is_done_twice_and_a_record_that_changes_is_read_again(built):
     }
 
 
+@pytest.mark.parametrize(
+    "part",
+    [
+        "identification/templates/report.html.j2",
+        "identification/templates/report.css",
+        "records/mapping.schema.yaml",
+    ],
+)
+def test_reports_follow_their_templates_and_mappings_their_schema(example, part, tmp_path):
+    copy = copied(example, tmp_path, "results/example", ".snakemake")
+    assert copy.jobs(*EXAMPLE) == {}
+    file = copy.folder / "src/dampbalance" / part
+    file.write_text(file.read_text(encoding="utf-8") + "\n", encoding="utf-8")
+    assert copy.jobs(*EXAMPLE) == {"all": 1, "identify": 1, "measured": 1, "total": 3}
+
+
 def test_a_table_of_a_stepped_sine_is_a_set(checkout, monkeypatch):
     copy = checkout()
     said = copy.made("--configfile", "config/stepped.yaml")

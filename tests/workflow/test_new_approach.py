@@ -13,6 +13,7 @@ import pandas as pd
 import pytest
 import yaml
 
+from dampbalance.publishing.page.report import LARGEST_PAGE
 from folders import restored
 from processes import output_of
 
@@ -42,6 +43,15 @@ def quartic(features: Features, k: ArrayLike) -> Rows:
 APPROACHES["toy"] = Approach(
     quartic, "with a toy", takes_phase=False, terms=("F_k", "c", "c_4")
 )
+"""
+# As CONTRIBUTING.md has it, without a term.
+ALONE = """
+
+def alone(features: Features, k: ArrayLike) -> Rows:
+    return Rows({"F_k": 4.0 * features.X, "c": features.b}, features.W)
+
+
+APPROACHES["alone"] = Approach(alone, "with nothing else", takes_phase=False)
 """
 CASE = {
     "case": "toy",
@@ -94,6 +104,17 @@ def test_the_pipeline_shows_it(extended):
     assert "toy" in (results / "tables/approaches.md").read_text(encoding="utf-8")
     assert "with a toy" in (results / "figures/estimation_error.svg").read_text(encoding="utf-8")
     assert "with a toy" in (results / "report.html").read_text(encoding="utf-8")
+
+
+def test_the_page_of_the_paper_s_case_is_built_with_an_approach_more(checkout):
+    copy = checkout()
+    with (copy.folder / "src/dampbalance/balance.py").open("a", encoding="utf-8") as module:
+        module.write(ALONE)
+    said = copy.made("results/paper/report.html")
+    page = (copy.folder / "results/paper/report.html").read_text(encoding="utf-8")
+    assert "with nothing else" in page
+    if (size := len(page.encode())) > LARGEST_PAGE:
+        assert f"results/paper/report.html has {size:,} bytes, more than the" in said
 
 
 def test_a_study_can_ask_for_it(extended):

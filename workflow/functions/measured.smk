@@ -19,6 +19,14 @@ for one in MEASURED.values():
         one["mapping"] = named_file(one["mapping"])
 PLACES = {name: one.get("at") for name, one in MEASURED.items()}
 MEASURED_FILES = f"{RESULTS}/measured"
+MAPPING_SCHEMA = project_input("src/dampbalance/records/mapping.schema.yaml")
+REPORT_PARTS = [
+    MAPPING_SCHEMA,
+    *map(
+        project_input,
+        sorted((ROOT / "src/dampbalance/identification/templates").iterdir()),
+    ),
+]
 FROM = "relative to the folder of the run or of the project"
 
 

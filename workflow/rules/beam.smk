@@ -39,6 +39,7 @@ if config.get("beam"):
             mappings=[unmoved(file) for file in mapping_files(BEAM["set"])],
             blow=unmoved(named_file(BEAM["record"])),
             template=project_input("src/dampbalance/publishing/templates/beam.md.j2"),
+            schema=MAPPING_SCHEMA,
             modules=script_modules("beam/beam.py"),
         output:
             **BEAM_FILES

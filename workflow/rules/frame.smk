@@ -38,6 +38,7 @@ if config.get("frame"):
             mappings=[unmoved(file) for file in mapping_files(FRAME["set"])],
             identification=f"{MEASURED_FILES}/{FRAME['set']}/identification.json",
             template=project_input("src/dampbalance/publishing/templates/frame.md.j2"),
+            schema=MAPPING_SCHEMA,
             modules=script_modules("frame/frame.py"),
         output:
             **FRAME_FILES

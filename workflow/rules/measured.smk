@@ -8,6 +8,7 @@ rule identify:
     input:
         records=lambda wildcards: [unmoved(file) for file in record_files(wildcards.set)],
         mappings=lambda wildcards: [unmoved(file) for file in mapping_files(wildcards.set)],
+        parts=REPORT_PARTS,
         modules=script_modules("measured/identify.py"),
     output:
         # Earlier results stay when the job fails, and only its mark goes: the next run finds that missing and tries again.
@@ -49,6 +50,7 @@ use rule identify as identify_stepped_sine with:
 rule measured:
     input:
         sets=expand(f"{MEASURED_FILES}/{{set}}/identification.csv", set=MEASURED),
+        parts=REPORT_PARTS,
         modules=script_modules("measured/measured.py"),
     output:
         csv=f"{MEASURED_FILES}/identification.csv",

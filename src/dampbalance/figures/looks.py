@@ -38,7 +38,7 @@ LOOKS = {
     "V_s": Look("#3DAA8B", "^", "V-s", "#1f8468", "#56cfac", "triangle-up", 0.7),
     "fourier": Look("#EDA900", "P", "fourier", "#946a00", "#f2c14e", "cross"),
     "simpson": Look("#C51B7D", "s", "other-3", "#b3126b", "#f58cc0", "square"),
-    "fit": Look("#3DAA8B", "^", "V-s", "#1f8468", "#56cfac", "triangle-up"),
+    "fit": Look("#8A5A2B", "*", "other-2", "#7a4a21", "#d9a679", "triangle-left"),
 }
 SPARE = (
     Look("#B57EDC", "v", "other", "#8e4fc0", "#cf9ff0", "triangle-down"),

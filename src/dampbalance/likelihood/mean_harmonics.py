@@ -3,7 +3,7 @@
 All features are functions of the mean harmonics of base and response, relative to the phase of the base:
 
     X_n² = |x_n|² − var x_n              freed of the bias that noise gives a square
-    W = −πk Σ n Im(y_n* x_n)             exact by orthogonality; πkYX₁ sin φ₁ of a harmonic base
+    W = −πk Σ n Im(y_n* x_n)             exact by orthogonality, and free of bias as it is: linear in x_n
     b = πω Σ n²X_n²                      likewise
     2X = x_max − x_min                   of Σ x_n e^{inωt}; of the levels of its rests, where it has such (`turning.py`)
     X_s, V_s, t_s, a = 4X − λ            from the exact waveform that fits (`waveforms.py`)
@@ -260,7 +260,7 @@ class Reading:
             X_5=amplitudes[2],
             a=4.0 * X - taken,
             b=math.pi * steady.omega * (squares @ series.n**2),
-            W=math.pi * steady.k * (means.Y * amplitudes[0] * np.sin(lag) - beyond),
+            W=-math.pi * steady.k * (means.Y * series.x[:, 0].imag + beyond),
             integrals={
                 symbol: of_harmonics(
                     *(symbol, series.n, series.x, orders, base),

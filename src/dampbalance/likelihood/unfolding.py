@@ -101,15 +101,18 @@ def _folds(steady: SteadyRecord) -> bool:
     noise, in the scatter or in the mean."""
     if steady.cycles_per_row > 1:
         return False
-    for quantity in RESPONSES:
-        if quantity in steady.channels:
-            order = ORDERS[quantity]
-            highest = np.arange(1, steady.gathered.channels[quantity].coefficients.shape[1], 2)[-3:]
-            rate = (highest * steady.omega) ** order
-            size = float(np.median(np.abs(steady.mean(steady.X[:, highest])) * rate))
-            beyond = size * math.sqrt(highest[-1] / (4.0 * (7 - 2 * order)))
-            if beyond > steady.noise_rms[quantity] / math.sqrt(steady.cycles):
-                return True
+    for quantity in RESPONSES.keys() & steady.channels.keys():
+        channel, order = steady.gathered.channels[quantity], ORDERS[quantity]
+        # as far as the filters of some channel pass them; beyond those fitted only what those of this one pass folds
+        fitted = channel.coefficients.shape[1]
+        highest = np.arange(1, min(fitted, steady.X.shape[1]), 2)[-3:]
+        size = np.median(
+            np.abs(steady.mean(steady.X[:, highest])) * (highest * steady.omega) ** order
+        )
+        passed = abs((channel.correction or Correction()).response(fitted * steady.omega))
+        beyond = size * passed * math.sqrt(highest[-1] / (4.0 * (7 - 2 * order)))
+        if beyond > steady.noise_rms[quantity] / math.sqrt(steady.cycles):
+            return True
     return False
 
 

@@ -154,7 +154,9 @@ def lightness(colour: str) -> float:
 
 
 def test_approaches_stay_apart_in_grey():
-    # a yardstick takes the marks of another approach, which is not drawn with it
+    # a yardstick takes the colour of a spare one; no two of those that have a look look alike
+    for of_look in ("colour", "series"):
+        assert len({getattr(look, of_look) for look in looks.LOOKS.values()}) == len(looks.LOOKS)
     every = [*(looks.LOOKS[name] for name in balance.APPROACHES), *looks.SPARE]
     for of_look in ("marker", "shape", "series"):
         assert len({getattr(look, of_look) for look in every}) == len(every)

@@ -106,6 +106,14 @@ def test_a_decay_without_an_amplitude_of_the_lines_is_refused(tmp_path):
         findings(comparison, lines, {}, known_blow(tmp_path, X_0=1e-6))
 
 
+def test_a_window_without_a_sample_is_refused_by_file_and_key(tmp_path):
+    lines = known_lines()
+    comparison = compare_contacts(lines, hardening=False, replicates=10)
+    blow = known_blow(tmp_path) | {"window_s": 1e-6}
+    with pytest.raises(ValueError, match=r"beam: .*blow\.csv: window_s must be a cycle of the band's"):
+        findings(comparison, lines, {}, blow)
+
+
 @cache
 def found() -> Findings:
     identified = identify(

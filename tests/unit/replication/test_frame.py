@@ -86,6 +86,16 @@ def test_the_scatter_about_the_line_is_one_where_the_errors_make_it():
     assert np.mean(np.square(scatters)) == pytest.approx(1.0, rel=0.08)
 
 
+def test_cycles_that_do_not_differ_let_no_scatter_be_expected():
+    load, force = [0.25, 0.35, 0.45, 0.55], [0.68, 0.99, 1.29, 1.62]
+    line, _ = load_line(load, force, [0.0] * 4)
+    # JSON has neither ∞ nor NaN
+    assert line["scatter"] is None
+    assert {**line, "scatter": 0.0} == load_line(load, force, [0.01] * 4)[0] | {"scatter": 0.0}
+    clocks = [{"faster_ppm": [part], "standard_error_ppm": [0.0]} for part in (300.0, 340.0)]
+    assert common_clock(clocks) is None
+
+
 def test_the_loop_of_a_constant_friction_force_is_that_force():
     of = Stopping(base=TWO, forward=0.9, back=0.9, c_r=6.0)
     loop = loop_of(of)

@@ -127,3 +127,7 @@ def test_the_page_takes_its_numbers_from_the_findings():
     through = RECORDED["line"] | {"intercept_interval_N": [-0.1, 0.1]}
     assert "not proportional" in page
     assert "not proportional" not in frame_page(RECORDED | {"line": through}, MEASURED, [])
+    alike = {name: RECORDED[name] | {"scatter": None} for name in ("line", "line_by_series")}
+    said = frame_page(RECORDED | alike, MEASURED, [])
+    assert "cycles\nof the records do not differ" in said
+    assert "times as much as" not in said

@@ -61,9 +61,16 @@ def test_the_bias_of_the_filter_is_what_it_makes_of_known_damping():
 
 
 @pytest.mark.parametrize(
-    ("band", "start", "message"),
-    [((60.0, 7000.0), 0.25, "half the sampling rate, 6400 Hz"), (BAND, 4.7, "no two windows")],
+    ("band", "start", "window", "message"),
+    [
+        ((60.0, 7000.0), 0.25, 0.2, "half the sampling rate, 6400 Hz"),
+        (BAND, 4.7, 0.2, "no two windows of 0.2 s after 4.7 s: shorten window_s or start_s"),
+        # no sample, one sample, and a cycle of 60 Hz less a little
+        (BAND, 0.25, 1e-6, "window_s must be a cycle .* at least, 0.0167 s, .* got 1e-06"),
+        (BAND, 0.25, 8e-5, "window_s must be a cycle"),
+        (BAND, 0.25, 0.0166, "window_s must be a cycle"),
+    ],
 )
-def test_what_cannot_be_done_is_refused(band, start, message):
+def test_what_cannot_be_done_is_refused(band, start, window, message):
     with pytest.raises(ValueError, match=message):
-        modal_decay(T, decay(1e-3, 0.0)[0], band, start=start, window=0.2)
+        modal_decay(T, decay(1e-3, 0.0)[0], band, start=start, window=window)

@@ -7,6 +7,7 @@ import pytest
 
 from dampbalance.motion.sliders import spread_contact
 from dampbalance.studies.shown import summary
+from dampbalance.studies.shown.statistics import bounds_of
 from dampbalance.studies.shown.study_figure import alternative_text
 from paper_case import PAPER
 from unit.studies.documents import document
@@ -68,6 +69,18 @@ def test_the_contact_stiffness_is_tabled_and_named(gradual):
     page = summary.summary_markdown(study, rows, "", "")
     assert "| K_z | fit |" in page
     assert "F_k, c and K_z" in alternative_text(study)
+
+
+def test_a_contact_that_yields_gradually_has_no_bound_of_one_slider(make):
+    run = {"run": {"values": [1, 2]}}
+    study = make(SMALL | {"axes": [*SMALL["axes"], run], "figure": None})
+    one, gradual = (bounds_of(study, np.array(cases)) for cases in ([0, 1], [2, 3]))
+    assert 0.0 < one["F_k"] < 1.0
+    assert np.isnan([*gradual.values()]).all()
+    # nor where the range is that of all cases
+    route = {**SMALL["route"], "slip_range": 10.0}
+    study = make(SMALL | {"axes": [run], "route": route, "figure": None})
+    assert np.isnan([*bounds_of(study, np.array([0, 1])).values()]).all()
 
 
 def test_other_routes_refuse_a_range(make):

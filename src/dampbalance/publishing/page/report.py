@@ -8,6 +8,7 @@ from __future__ import annotations
 import base64
 import math
 import posixpath
+import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -34,7 +35,7 @@ from ..colours import css_variables
 from .drawings import Sheet
 from .instruments import instruments_data, sliders
 
-LARGEST_PAGE = 1_500_000  # bytes: a page that a phone loads
+LARGEST_PAGE = 1_500_000  # bytes: a page that a phone loads quickly
 STATIC = Path(__file__).with_name("static")
 STYLES = ("style.css", "instruments.css")
 SCRIPTS = (
@@ -79,7 +80,7 @@ ORIGINS: dict[str, dict[str, Any]] = read_yaml(
 def report_page(content: PageContent, page: str) -> str:
     """The page as HTML. page : where it will stand, as a path from the repository's root, for its links.
 
-    Raises ValueError where it would become larger than LARGEST_PAGE.
+    Warns where it is larger than LARGEST_PAGE.
     """
     case, frequencies, approaches = content.case, content.case.frequencies_hz, content.approaches
     printed = (
@@ -135,8 +136,10 @@ def report_page(content: PageContent, page: str) -> str:
     )
     size = len(html.encode())
     if size > LARGEST_PAGE:
-        raise ValueError(
-            f"{page} would have {size:,} bytes, more than {LARGEST_PAGE:,}: show fewer studies, or coarser ones"
+        warnings.warn(
+            f"{page} has {size:,} bytes, more than the {LARGEST_PAGE:,} that a phone loads quickly: show fewer studies, or "
+            "coarser ones",
+            stacklevel=2,
         )
     return html
 

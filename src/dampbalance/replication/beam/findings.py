@@ -160,7 +160,10 @@ def _decays(beam: Mapping[str, Any]) -> tuple[dict[str, ModalDecay], Array]:
         mapping = {"channels": channel, "time": {"channel": beam["time"], "unit": "s"}}
         (record,) = read_records(beam["record"], mapping=mapping)
         measured = record.whole()["acceleration"]
-        decays[name] = modal_decay(measured.t, measured.values, band, **steps)
+        try:
+            decays[name] = modal_decay(measured.t, measured.values, band, **steps)
+        except ValueError as error:
+            raise ValueError(f"beam: {beam['record']}: {error}") from None
         bias = filter_bias(decays[name], measured.t, band, **steps) if bias is None else bias
     assert bias is not None
     return decays, bias

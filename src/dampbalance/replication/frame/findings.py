@@ -257,7 +257,7 @@ def load_line(
 
     `slope_N_per_kg` s and `intercept_N` F_0, with intervals of 95 % by Student's t from the scatter about the line;
     `coefficient` s/g of friction, if the load alone presses; `scatter`, the scatter about the line relative to
-    that which the standard errors predict: 1 where the cycles explain all of it.
+    that which the standard errors predict: 1 where the cycles explain all of it, None where these are all 0.
     """
     load, force = np.asarray(loads), np.asarray(forces)
     columns = np.column_stack([np.ones(load.size), load])
@@ -276,7 +276,7 @@ def load_line(
         "coefficient": slope / _GRAVITY,
         "intercept_N": intercept,
         "intercept_interval_N": [intercept - reach[0], intercept + reach[0]],
-        "scatter": math.sqrt(variance / expected),
+        "scatter": math.sqrt(variance / expected) if expected > 0.0 else None,
     }
     return line, (off / force).tolist()
 
@@ -338,12 +338,12 @@ def _force(
 
 def common_clock(clocks: Sequence[Mapping[str, Any]]) -> dict[str, float] | None:
     """The difference of two clocks that the records have in common, ppm, its standard error, and the probability that
-    the records differ as much or more if it is the same in all (χ²); None unless each record shows one.
+    the records differ as much or more if it is the same in all (χ²); None unless each record shows one, with an error.
 
     clocks : `faster_ppm` and `standard_error_ppm` of each record.
     """
     pairs = [(of["faster_ppm"], of["standard_error_ppm"]) for of in clocks]
-    if not all(len(parts) == 1 for parts, _ in pairs):
+    if not all(len(parts) == 1 and errors[0] > 0.0 for parts, errors in pairs):
         return None
     parts, errors = np.array(pairs)[:, :, 0].T
     weights = errors**-2.0

@@ -161,7 +161,7 @@ def bounds_of(study: Study, cases: Integers) -> dict[str, float]:
 
     cases : numbers of cases that differ only by their noise (the axis `run`). The Cramér–Rao bound takes m, k and the
     drive frequency as known and K_z as unknown. NaN where the records are not noisy ones, the cases differ in more,
-    nothing slips, or the likelihood has no such term.
+    nothing slips, the contact yields gradually, or the likelihood has no such term.
     """
     nothing = dict.fromkeys(TERMS, math.nan)
     if not study.route.has_intervals or not cases.size:
@@ -170,6 +170,8 @@ def bounds_of(study: Study, cases: Integers) -> dict[str, float]:
     held = cases_between(study, first, int(cases.max()) + 1)
     here = {name: array[cases - first] for name, array in held.values.items() if name != "run"}
     if any(len(set(array.tolist())) > 1 for array in here.values()) or here["noise"][0] == 0.0:
+        return nothing
+    if here.get("slip_range", [1.0])[0] > 1.0:  # the bound is that of one slider
         return nothing
     at, omega = int(cases[0]) - first, float(held.si["omega"][cases[0] - first])
     osc = oscillator_of(held.si, at)
