@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from ..arrays import Array
 from ..likelihood.mean_harmonics import Reading, read_features
 from ..reading.conditioning import condition_blocks
-from ..reading.cycles import stands_still
+from ..reading.drive import stands_still
 from ..records.measured import MeasuredRecord
 from ..records.measurement import EXCITATIONS, Correction
 from ..records.readers import open_channels

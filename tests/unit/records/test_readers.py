@@ -366,7 +366,7 @@ def refused(path, match, mapping=None):
         ("base [mm],acc [g]\n" + rows(columns=(Y, A)), r"(?s)has no times.*  sample_rate_hz: 1000"),
         (HEADER.replace("acc", "y") + rows(), r"takes both 'base displacement' and 'y' for base_displacement"),
         ("time [s],y [mm],force [N],x [m]\n" + rows(columns=(T, Y, A, A)), r"finds base_displacement and force"),
-        (HEADER.replace("acc", "sensor") + rows(), r"finds no response"),
+        (HEADER.replace("acc [g]", "sensor") + rows(), r"finds no response"),
         ("time [s],base,acc\n" + "0,5,0,5,0,5\n1,5,1,5,2,5\n" * 3, r"header has 3 names, its rows have 6 cells"),
     ],
 )  # fmt: skip
