@@ -147,6 +147,7 @@ class Gathered:
     source, k : as for `SteadyRecord`.   driving : the quantity that drives.   channels : harmonics of each channel, as
     they were recorded.   warnings : on the samples.
     clocks : of channels, by quantity, where they differed from that of the excitation and were corrected.
+    skipped : cycles left out at the start, as asked for.
     """
 
     source: str
@@ -155,6 +156,7 @@ class Gathered:
     channels: Mapping[str, CycleHarmonics]
     warnings: tuple[Remark, ...]
     clocks: Mapping[str, Clock]
+    skipped: int
 
 
 def condition(
@@ -308,7 +310,8 @@ def _steady(
     mean_Y, mean_X = weighted_mean(Y, weights), weighted_mean(X, weights)
     warnings += inconsistencies
     warnings += checks.plausible(abs(mean_Y[1]), abs(mean_X[1]), omega, driving)
-    warnings += checks.steadiness(Y[:, 1], X[:, 1], times, weights, 2.0 * math.pi / base.omega)
+    period, skipped = 2.0 * math.pi / base.omega, gathered.skipped
+    warnings += checks.steadiness(Y[:, 1], X[:, 1], times, weights, period, skipped)
     warnings += checks.harmonic_base(mean_Y, Y_error)
     asymmetry = list(checks.symmetry(mean_X, X_error))
     warnings += asymmetry
@@ -386,7 +389,7 @@ def _gathered(
             step=converter_step(values[:_COMPARED]),
             correction=corrections.get(q),
         )
-    return Gathered(source, k, driving, harmonics, tuple(warnings), clocks)
+    return Gathered(source, k, driving, harmonics, tuple(warnings), clocks, skip_cycles)
 
 
 def _by_clock(blocks: SampleBlocks, faster: float) -> SampleBlocks:

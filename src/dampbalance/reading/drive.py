@@ -84,21 +84,26 @@ def frequency_of(blocks: SampleBlocks, quantity: str) -> tuple[float, float, int
 def _frequency_in(t: Array, values: Array, step: float) -> tuple[float, float, int]:
     """ω of a drive, its standard error, and the sample from which on it moves, if it stands still for a cycle or more
     before; otherwise 0."""
-    begins = onset(values)
+    begins, first = onset(values), None
     try:
         omega, error = drive_frequency(t, values, step)
         if t[begins] - t[0] <= 2.0 * math.pi / omega:
             return omega, error, 0
+    except ValueError as problem:
+        first = problem
+    try:
+        later, its_error = drive_frequency(t[begins:], values[begins:], step)
     except ValueError:
-        if not begins:
-            raise
-        omega, error = 0.0, math.nan
-    later, its_error = drive_frequency(t[begins:], values[begins:], step)
+        if first is not None:
+            raise first from None
+        return omega, error, 0
     before = int(np.searchsorted(t, t[begins] - 2.0 * math.pi / later))
     parts = slice(0, before), slice(begins, None)
     still, moving = (_amplitude(t[part], values[part], later) for part in parts)
-    if still < _STILL * moving or not omega:
+    if still < _STILL * moving:
         return later, its_error, begins
+    if first is not None:
+        raise first
     return omega, error, 0
 
 
