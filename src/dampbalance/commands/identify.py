@@ -30,7 +30,8 @@ file does not say of its channels stands in a small YAML file next to it, NAME.y
 
   dampbalance identify level*.csv --stiffness 2310 --frequency 3.5 --output found
 
-A record whose driving channel is missing or constant is one of free decays, one or several after releases or blows:
+A record whose driving channel is missing, or holds noise or the blows of a hammer alone, is one of free decays, one or
+several after releases or blows:
 
   dampbalance identify decay.csv --stiffness 2310
 

@@ -86,10 +86,9 @@ def picks_of(file: RecordFile, mapping: RecordMapping, *, entire: bool = True) -
         chosen = plan.recognised()
         if (
             mapping.free
-        ):  # what drives is read where its unit says how, to show that it stands still
-            chosen = {
-                q: i for q, i in chosen.items() if q in RESPONSES or by_unit(plan.channels[i])
-            }
+        ):  # what may drive is read, where its unit says how, to see that it stands still
+            moving = [q for q in EXCITATIONS if q in chosen and by_unit(plan.channels[chosen[q]])]
+            chosen = {q: i for q, i in chosen.items() if q in (*RESPONSES, *moving[:1])}
         rules = {quantity: ChannelRule(channel=index + 1) for quantity, index in chosen.items()}
     driving, answering = ([q for q in of if q in chosen] for of in (EXCITATIONS, RESPONSES))
     if entire and len(driving) > 1:
@@ -302,8 +301,8 @@ class _Plan:
     def unclear(self, what: str) -> RecordError:
         """The error for channels that cannot be distinguished, with what to write."""
         return RecordError(
-            f"{self.path}: {what}; it needs one of {', '.join(EXCITATIONS)}, unless it is a free decay, and at least"
-            f" one of {', '.join(ABSOLUTE)} (relative_displacement, … if measured against the base). Its channels are "
+            f"{self.path}: {what}; it needs one of {', '.join(EXCITATIONS)}, unless it is a free decay (--kind "
+            f"ring-down), and at least one of {', '.join(ABSOLUTE)} (relative_displacement, … if measured against the base). Its channels are "
             f"{self.overview}. {self.suggested('Say which is which')}"
         )
 
@@ -392,7 +391,8 @@ class _Suggestion:
         names = {i: plan.named(i) for i in range(len(self.channels)) if plan.may_move(i)}
         chosen, twice = plan.told_apart
         for quantity, i in ({} if twice else chosen).items():
-            if names.get(i, quantity) != quantity:
+            unit = by_unit(self.channels[i])
+            if i in names and unit and DIMENSIONS[unit] == DIMENSIONS[quantity] and not names[i]:
                 names[i], self.why[i] = quantity, _BY_UNIT
         names |= self._first_drives(names)
         for i in sorted(names, key=lambda i: (names[i] is None, by_unit(self.channels[i]) is None)):
