@@ -578,6 +578,22 @@ def test_a_mapping_to_start_from_is_saved_and_used(tmp_path, capsys, answer):
     assert mapping.read_text(encoding="utf-8") == written.replace("time:", 'notes: "mine"\ntime:')
 
 
+def test_a_mapping_to_start_from_needs_no_stiffness(tmp_path, answer):
+    mapping = tmp_path / "channels.yaml"
+    assert "base_displacement: {channel" in answer(
+        "identify", RECORDS[0], "--write-mapping", mapping
+    )
+    said = answer("identify", "--write-mapping", mapping, code=2)
+    assert "arguments are required: RECORD" in said
+    assert "--stiffness" not in said
+    table = tmp_path / "levels.csv"
+    table.write_text("frequency [Hz],force [N],x [mm],phase [rad]\n49,1,2,3\n", encoding="utf-8")
+    other = tmp_path / "other.yaml"
+    said = answer("identify", table, "--write-mapping", other, code=2)
+    assert "is a table of a stepped sine" in said
+    assert not other.exists()
+
+
 def test_the_version_is_told(capsys):
     assert code_of("--version") == 0
     assert capsys.readouterr().out.startswith("dampbalance ")

@@ -404,7 +404,6 @@ def told(message: str) -> dict[str, object]:
             "time [s],acc [g],pick-up: 2 [g]",
             {"base_acceleration": "pick-up: 2", "acceleration": "acc"},
         ),
-        ("time [s],load [N],CH [m/s²]", {"force": "load", "acceleration": "CH"}),
         ("time [s],x [mm],CH [m/s²]", {"base_acceleration": "CH", "displacement": "x"}),
         ("time [s],y [mm],force [N],x [mm]", {"base_displacement": "y", "displacement": "x"}),
         ("time [s],laser [mm],laser [mm]", {"base_displacement": "laser", "displacement": "laser"}),

@@ -146,7 +146,8 @@ def _names(sets: Sequence[dict[str, Any]]) -> list[str]:
             int(item["ordinate_spec_data_type"]), "data"
         )
         own = _stated(item, keys[0]) or ""
-        has = set(words_of(label)) <= set(words_of(split_label(own)[0]))
+        # a label has 20 characters at most
+        has = label.casefold() in own.casefold() or {*words_of(label)} <= {*words_of(own)}
         name, unit = split_label(own if has else f"{own} {label}".strip())
         raws.append(RawChannel(name, _stated(item, "ordinate_axis_units_lab") or unit))
     degrees = [(_degree(item, "rsp"), _degree(item, "ref")) for item in sets]
