@@ -30,7 +30,8 @@ file does not say of its channels stands in a small YAML file next to it, NAME.y
 
   dampbalance identify level*.csv --stiffness 2310 --frequency 3.5 --output found
 
-A record whose driving channel is missing or constant is one of free decays, one or several after releases or blows:
+A record whose driving channel is missing, or holds noise or the blows of a hammer alone, is one of free decays, one or
+several after releases or blows:
 
   dampbalance identify decay.csv --stiffness 2310
 
@@ -83,7 +84,8 @@ def run(options: argparse.Namespace) -> None:
     if options.sets is not None:
         _run_sets(options)
         return
-    missing = [n for n in ("records", "--stiffness") if not getattr(options, n.strip("-"))]
+    needed = ["records"] + ["--stiffness"] * (options.write_mapping is None)
+    missing = [name for name in needed if not getattr(options, name.strip("-"))]
     if missing == ["--stiffness"] and _of_tables(options):
         missing = []
     if missing:
@@ -147,6 +149,11 @@ def _write_mapping(options: argparse.Namespace) -> None:
     file: Path = options.write_mapping
     if file.suffix != ".yaml":
         raise ValueError(f"--write-mapping {file}: a mapping ends in .yaml; choose such a name")
+    if _of_tables(options):
+        raise ValueError(
+            f"{options.records[0]} is a table of a stepped sine, and --write-mapping writes a mapping for signals: "
+            "name the columns under `table` where they are not recognised"
+        )
     require_room(file.parent, [file.name], "" if options.overwrite else "--overwrite")
     text = mapping_to_start_from(options.records[0], options.mapping)
     with replacing(file) as unfinished:

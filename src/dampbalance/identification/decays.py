@@ -32,7 +32,8 @@ from ..likelihood.search import fit_all, minima_of, separate_fits
 from ..project.wording import Remark, times, visible
 from ..reading.bursts import NoDecay, Signal, noise_of
 from ..reading.conditioning import evenly_sampled
-from ..reading.cycles import clipped, stands_still
+from ..reading.cycles import clipped
+from ..reading.drive import stands_still
 from ..reading.one_thread import one_thread
 from ..records.measurement import EXCITATIONS, ORDERS, Channel, Measurement
 from ..solver import NORMAL_95, solve

@@ -5,24 +5,26 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from ..arrays import Array
 from ..likelihood.mean_harmonics import Reading, read_features
 from ..reading.conditioning import condition_blocks
-from ..reading.cycles import stands_still
+from ..reading.drive import stands_still
 from ..records.measured import MeasuredRecord
 from ..records.measurement import EXCITATIONS, Correction
 from ..records.readers import open_channels
 
-EXCERPT = 16_384  # leading samples of each channel that are kept for plots
+EXCERPT = 16_384  # leading samples of each channel that are kept for plots, or three cycles of a slow drive
 
 
 class NotDriven(ValueError):
-    """A record whose excitation channel is missing or constant: a free decay."""
+    """A record whose excitation channel is missing, constant or only strikes: a free decay."""
 
 
 @dataclass(frozen=True, eq=False)
 class Loaded:
-    """A record, its features, and its leading samples (t, values) by quantity, s and SI units, with known
+    """A record, its features, and its leading steady samples (t, values) by quantity, s and SI units, with known
     gains and delays taken off, for pictures."""
 
     record: MeasuredRecord
@@ -45,7 +47,7 @@ def load(
     whole = record.measurement
     if not record.driven or (whole is not None and stands_still(whole.excitation.values)):
         raise NotDriven(
-            f"{record.name}: the excitation channel is missing or constant: a forced record needs one that moves "
+            f"{record.name}: the excitation channel is missing, constant, or strikes only: a forced record needs one that keeps moving "
             f"({', '.join(EXCITATIONS)}); a free decay is identified by itself (--kind ring-down)"
         )
     nominal = record.rules.frequency_hz if frequency_hz is None else frequency_hz
@@ -66,7 +68,11 @@ def load(
     excerpt = {}
     for q, (t, values) in first.items():
         known = correction_of(record, q)
-        excerpt[q] = t[:EXCERPT] - known.delay, values[:EXCERPT] / known.gain
+        cycles = int(np.searchsorted(t, t[0] + 6.0 * np.pi / steady.omega))
+        count = max(EXCERPT, cycles)
+        begin = min(int(np.searchsorted(t, steady.start)), max(0, t.size - count))
+        part = slice(begin, begin + count)
+        excerpt[q] = t[part] - known.delay, values[part] / known.gain
     return Loaded(record, reading, excerpt)
 
 

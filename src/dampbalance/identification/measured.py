@@ -128,7 +128,8 @@ def identify(
     asked = () if approaches is None else names("approaches", approaches, APPROACHES)
     law = law_of(terms, given, groups)
     of_kind = {"recognised": None, "stepped-sine": True}.get(kind, False)
-    read = read_records(records, mapping=mapping, largest=largest, tables=of_kind)
+    free = kind == "ring-down"
+    read = read_records(records, mapping=mapping, largest=largest, tables=of_kind, free=free)
     _require_different(read)
     lines = [record.name for record in read if record.table is not None]
     others = [record.name for record in read if record.table is None]

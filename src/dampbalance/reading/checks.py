@@ -290,10 +290,10 @@ def two_clocks(quantity: str, faster: tuple[float, float]) -> Remark:
 
 
 def steadiness(
-    Y: Complexes, X: Complexes, times: Array, weights: Array, period: float
+    Y: Complexes, X: Complexes, times: Array, weights: Array, period: float, skipped: int
 ) -> Iterator[Remark]:
     """Whether the fundamentals of base and response stay as they are, against the scatter from cycle to cycle
-    (`_change`).
+    (`_change`).   skipped : cycles that were left out before.
 
     ValueError when the amplitude changes by more than a tenth.
     """
@@ -314,21 +314,20 @@ def steadiness(
             "(chance of that in noise: {})"
         )
         chance = Shown(found.chance, "below 1e-6" if found.chance < 1e-6 else f"{found.chance:.1g}")
-        sizes = (name, part(found.size), part(found.turn), chance)
-        if found.size > _DRIFT_WRONG:
-            raise ValueError(
-                f"{words.format(*sizes)}; record again after the motion has settled, or cut its start"
-            )
+        sizes: tuple[str | float, ...] = (name, part(found.size), part(found.turn), chance)
         # where the phasor stays within its scatter about the mean of the second half
         late = rows[size // 2 :].mean()
         scatter = 4.0 * math.sqrt(parts * found.noise) + 1e-6 * abs(late)
         outside = 1 + np.flatnonzero(np.abs(rows - late) > scatter)
         if outside.size and outside[-1] < size // 2:
             after = round(outside[-1] * (times[-1] - times[0]) / (size - 1) / period)
-            words += "; it settles after about {} cycles: leave those out"
-            yield _doubtful(words, *sizes, after)
-        else:
-            yield _doubtful(words, *sizes)
+            words += "; it settles after about {} cycles: leave those out (--skip-cycles {})"
+            sizes = (*sizes, after, skipped + after)
+        elif found.size > _DRIFT_WRONG:
+            words += "; leave out cycles at its start (--skip-cycles), or record again once it has settled"
+        if found.size > _DRIFT_WRONG:
+            raise ValueError(words.format(*sizes))
+        yield _doubtful(words, *sizes)
 
 
 def plausible(Y: float, X: float, omega: float, driven_by: str) -> Iterator[Remark]:

@@ -15,7 +15,7 @@ several response channels are averaged, each weighted by its inverse variance.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from types import MappingProxyType
@@ -40,15 +40,14 @@ from .cycles import (
     CycleHarmonics,
     Samples,
     accumulate,
-    drive_frequency,
     frequency_offset,
     median,
     powers,
     windows,
 )
+from .drive import LEADING, SampleBlocks, frequency_of, leading_samples, step_of
 from .one_thread import one_thread
 
-SampleBlocks = Callable[[], Iterable[Samples]]
 Clock = tuple[float, float]
 """By how much a clock was faster than that of the excitation, as a part of it, and the standard error."""
 
@@ -57,7 +56,6 @@ _MOST_HARMONICS = (31, 61, 91)
 cycle limits it too."""
 
 _HARMONICS_OF_BASE = 9
-_LEADING = 1 << 18  # samples from which the drive frequency is first estimated
 _COMPARED = 1 << 12  # samples in which a copy of another channel shows
 _FILTERED_OUT = 1e-3  # of a harmonic that passes a filter: below it, the rest is noise
 # Rounding as a part of the fundamental; smaller noise cannot be distinguished from it.
@@ -149,6 +147,7 @@ class Gathered:
     source, k : as for `SteadyRecord`.   driving : the quantity that drives.   channels : harmonics of each channel, as
     they were recorded.   warnings : on the samples.
     clocks : of channels, by quantity, where they differed from that of the excitation and were corrected.
+    skipped : cycles left out at the start, as asked for.
     """
 
     source: str
@@ -157,6 +156,7 @@ class Gathered:
     channels: Mapping[str, CycleHarmonics]
     warnings: tuple[Remark, ...]
     clocks: Mapping[str, Clock]
+    skipped: int
 
 
 def condition(
@@ -235,7 +235,8 @@ def condition_blocks(
     """Like `condition`, for channels that come in blocks: memory stays bounded however long the record is.
 
     channels : by quantity, a function that starts the blocks (t, values) of the channel from the beginning. It is
-    called twice: for the leading 262,144 samples, and for all.   corrections : of their harmonics, by quantity.
+    called twice: for the leading 262,144 samples, and for all; of a drive that is slower or begins later, again, for
+    averages of more samples.   corrections : of their harmonics, by quantity.
     """
     if not (math.isfinite(k) and k > 0.0):
         raise ValueError(f"{source}: the stiffness k must be positive, got {k} N/m")
@@ -309,7 +310,8 @@ def _steady(
     mean_Y, mean_X = weighted_mean(Y, weights), weighted_mean(X, weights)
     warnings += inconsistencies
     warnings += checks.plausible(abs(mean_Y[1]), abs(mean_X[1]), omega, driving)
-    warnings += checks.steadiness(Y[:, 1], X[:, 1], times, weights, 2.0 * math.pi / base.omega)
+    period, skipped = 2.0 * math.pi / base.omega, gathered.skipped
+    warnings += checks.steadiness(Y[:, 1], X[:, 1], times, weights, period, skipped)
     warnings += checks.harmonic_drive(mean_Y, Y_error, driving)
     asymmetry = list(checks.symmetry(mean_X, X_error))
     warnings += asymmetry
@@ -356,23 +358,20 @@ def _gathered(
     """The harmonics of every channel at the drive frequency of the leading part."""
     channels = {q: _by_clock(of, clocks[q][0]) if q in clocks else of for q, of in channels.items()}
     driving = next(q for q in EXCITATIONS if q in channels)
+    omega, error, cycles, begin = frequency_of(channels[driving], driving)
     leading = {
-        q: _leading_samples(blocks(), _LEADING if q == driving else _COMPARED)
+        q: leading_samples(blocks(), LEADING if q == driving else _COMPARED, begin)
         for q, blocks in channels.items()
     }
-    steps = {q: _step_of(t, q) for q, (t, _) in leading.items()}
+    steps = {q: step_of(t, q) for q, (t, _) in leading.items()}
     drive = leading[driving]
-    checks.require_signal(driving, drive[1])
-    try:
-        omega, error = drive_frequency(*drive, steps[driving])
-    except ValueError as problem:
-        raise ValueError(f"{driving}: {problem}") from problem
     for q, (_, values) in leading.items():
         if q != driving:
             checks.require_distinct(q, values, driving, drive[1])
     period = 2.0 * math.pi / omega
-    cycles = math.floor(np.ptp(drive[0]) / period)
     warnings = [checks.two_clocks(q, faster) for q, faster in clocks.items()]
+    if begin > -math.inf:
+        warnings.append(Remark("{} stands still until {:.4g} s: left out", driving, begin))
     warnings += checks.frequency(omega, error, cycles, frequency_hz)
     start = max(float(t[0]) for t, _ in leading.values()) + skip_cycles * period
     harmonics = {}
@@ -390,7 +389,7 @@ def _gathered(
             step=converter_step(values[:_COMPARED]),
             correction=corrections.get(q),
         )
-    return Gathered(source, k, driving, harmonics, tuple(warnings), clocks)
+    return Gathered(source, k, driving, harmonics, tuple(warnings), clocks, skip_cycles)
 
 
 def _by_clock(blocks: SampleBlocks, faster: float) -> SampleBlocks:
@@ -403,29 +402,6 @@ def _by_clock(blocks: SampleBlocks, faster: float) -> SampleBlocks:
             yield (t if start is None else start + (t - start) * (1.0 - faster)), values
 
     return blocks_in_time
-
-
-def _leading_samples(blocks: Iterable[Samples], count: int) -> Samples:
-    """The first samples of a channel, at least `count` of them if there are as many."""
-    parts, size = [], 0
-    for t, values in blocks:
-        parts.append((t[: count - size], values[: count - size]))
-        size += len(parts[-1][0])
-        if size >= count:
-            break
-    t, values = (np.concatenate(of, dtype=np.float64) for of in zip(*parts, strict=True))
-    return t, values
-
-
-def _step_of(t: Array, quantity: str) -> float:
-    """Sampling interval, s: the mean over the steps that are no gaps."""
-    if t.size < 3:
-        raise ValueError(f"{quantity} has only {t.size} samples")
-    steps = np.diff(t)
-    if np.ptp(steps) >= 0.5 * steps.min():
-        median = np.median(steps)
-        steps = steps[np.abs(steps - median) < 0.5 * median]
-    return float(np.mean(steps))
 
 
 def _passed(quantity: str, harmonics: CycleHarmonics, omega: float) -> Complexes:

@@ -50,8 +50,6 @@ _LONGEST_CYCLE = 1 << 22  # samples; beyond it the drive is not what it seems
 FEWEST_CYCLES = 3
 _LONGEST_SPECTRUM = 1 << 18
 _REFINEMENTS = 4
-_LEADING = 1 << 16  # samples that show whether a drive moves
-_LINE_OF_NOISE = 25.0  # times its mean, that no line of 32,768 in white noise has by chance
 # Windows; records of a set have one length.
 _hann = lru_cache(maxsize=2)(np.hanning)
 
@@ -151,13 +149,6 @@ def drive_frequency(t: Array, values: Array, dt: float) -> tuple[float, float]:
         if abs(correction) <= 10.0 * error or abs(correction) < 1e-13 * omega:
             return omega, error
     return omega, error
-
-
-def stands_still(values: Array) -> bool:
-    """Whether a drive channel holds nothing but noise: the spectrum of its leading samples has no line."""
-    values = values[:_LEADING] - np.mean(values[:_LEADING])
-    power = np.abs(np.fft.rfft(values)[1:]) ** 2
-    return bool(power.max() < _LINE_OF_NOISE * power.mean())
 
 
 def frequency_offset(harmonics: CycleHarmonics) -> tuple[float, float]:

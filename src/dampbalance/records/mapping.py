@@ -61,7 +61,7 @@ class RecordMapping:
     sample_rate_hz : instead of a time channel.   delimiter ("\\t", "whitespace", …), decimal, header_lines : of a text
     file.   frequency_hz : nominal frequency of the drive.   level : what the level of excitation is called.
     table : of a table of steady responses, its columns by quantity.   force_N : amplitude of the force at which a
-    response given per force was measured.
+    response given per force was measured.   free : whether the record is known to be one of free decays.
     """
 
     source: str = ""
@@ -77,6 +77,7 @@ class RecordMapping:
     notes: str = ""
     table: Mapping[str, ChannelRule] = field(default_factory=lambda: ReadOnly({}))
     force_N: float | None = None
+    free: bool = False
 
 
 MappingLike = RecordMapping | Mapping[str, Any] | str | Path | None

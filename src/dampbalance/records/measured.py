@@ -113,6 +113,7 @@ def read_records(
     mapping: MappingLike = None,
     largest: int = LARGEST,
     tables: bool | None = None,
+    free: bool = False,
 ) -> tuple[MeasuredRecord, ...]:
     """Measured records, ready for `identify`: from files, tables of pandas, or arrays.
 
@@ -123,7 +124,8 @@ def read_records(
     mapping : what the names do not say, for all records: a document as in the YAML file of a record, or the path of
     one; default, for a file, the one next to it.   largest : numbers (samples × channels) that may be read of each.
     tables : whether they are tables of steady responses to a stepped sine (frequency, amplitudes, phase); default,
-    those that have columns of frequency and phase and none of times.
+    those that have columns of frequency and phase and none of times.   free : whether they are known to be free decays,
+    so that no channel that nothing names, and no unit of a drive, is in the way.
 
     A record in memory is called "record 1" by its place, or as `name` in the `attrs` of its table says.
 
@@ -147,11 +149,10 @@ def read_records(
     made: list[MeasuredRecord] = []
     for number, one in enumerate(several, start=1):
         if isinstance(one, str | Path):
-            one = _of_file(path("each record", one, "a file"), mapping, largest, tables)
+            one = _of_file(path("each record", one, "a file"), mapping, largest, tables, free)
         elif not isinstance(one, MeasuredRecord):
-            one = _in_memory(
-                one, number, {record.name for record in made}, mapping, largest, tables
-            )
+            taken = {record.name for record in made}
+            one = _in_memory(one, number, taken, mapping, largest, tables, free)
         made.append(one)
     return tuple(made)
 
@@ -163,6 +164,7 @@ def _in_memory(
     mapping: MappingLike,
     largest: int,
     tables: bool | None,
+    free: bool,
 ) -> MeasuredRecord:
     """The record of signals in memory, the `number`-th of several, under a name that is not taken."""
     if not (is_table(record) or isinstance(record, Measurement)):
@@ -173,6 +175,7 @@ def _in_memory(
     names = itertools.chain([own], (f"{own} ({count})" for count in itertools.count(2)))
     name = next(name for name in names if name not in taken)
     rules = RecordMapping("mapping") if mapping is None else mapping_for("", mapping)
+    rules = replace(rules, free=free)
     if not isinstance(record, Measurement) and tables is not False:
         file = signals_file(name, record)
         if tables or is_table_of_lines(file, rules):
@@ -199,8 +202,10 @@ def _of_lines(
     return MeasuredRecord(name, label, held, None, rules, files=files, largest=largest, table=table)
 
 
-def _of_file(path: Path, mapping: MappingLike, largest: int, tables: bool | None) -> MeasuredRecord:
-    rules = mapping_for(path, mapping)
+def _of_file(
+    path: Path, mapping: MappingLike, largest: int, tables: bool | None, free: bool
+) -> MeasuredRecord:
+    rules = replace(mapping_for(path, mapping), free=free)
     measurement: Measurement | None = None
     if tables is not False and not rules.channels:
         with closing(opened(path, rules, largest)) as file:

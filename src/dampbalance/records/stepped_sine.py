@@ -23,7 +23,7 @@ from .errors import RecordError
 from .mapping import ChannelRule, RecordMapping, Which
 from .measurement import ABSOLUTE
 from .readers.assemble import columns_of
-from .readers.channels import WORDS, by_unit, full_name, names_time, quantity_of, words_of
+from .readers.headings import WORDS, by_unit, full_name, names_time, quantity_of, words_of
 from .readers.record_file import RawChannel, RecordFile
 from .units import PER_FORCE, TABLE_DIMENSIONS, UnitError, find_unit, table_factor
 

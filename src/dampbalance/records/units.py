@@ -63,7 +63,7 @@ _OTHER_SPELLINGS = {
     "s": ["sec", "second", "seconds"],
     "ms": ["msec", "millisecond", "milliseconds"],
     "µs": ["usec", "microsecond", "microseconds"],
-    "Hz": ["hertz", "1/s", "samples/s", "sa/s", "s/s"],
+    "Hz": ["hertz", "1/s", "samples/s", "Sa/s", "S/s"],
     "rad": ["radian", "radians"],
     "deg": ["°", "degree", "degrees", "grad"],
 }
@@ -78,8 +78,13 @@ _OTHERS = {
     "a pressure": ("bar", "mbar", "Pa", "kPa", "MPa"),
     "an angle or its rate": ("°", "deg", "rad", "rad/s", "°/s", "deg/s", "rpm", "1/min", "U/min"),
     "a part": ("%", "dB", "ppm", "µm/m"),
+    "a torque": ("Nm", "N·m", "mNm", "kNm"),
+    "a power": ("W", "mW", "kW", "Nm/s"),
+    "an impulse": ("Ns", "N·s"),
+    "a speed in knots": ("kn",),
+    "a conductance": ("S", "mS", "µS", "nS", "MS"),
+    "an inductance": ("H", "mH", "µH"),
 }
-_OTHER_UNITS = {unit: what for what, units in _OTHERS.items() for unit in units}
 
 
 class UnitError(ValueError):
@@ -93,8 +98,11 @@ def find_unit(text: str) -> Unit | None:
 
 
 def find_other(text: str) -> str | None:
-    """What is measured in a unit that a text spells, if that is no motion, force or time: "a temperature"; or None."""
-    return _OTHER_UNITS.get(text.strip())
+    """What is measured in a unit that a text spells, if that is no motion, force or time: "a temperature"; or None.
+
+    Upper and lower case count here: Nm is a torque, nm a length.
+    """
+    return _OTHER_UNITS.get(_plain(text)) if len(text.strip()) <= _LONGEST else None
 
 
 def unit_for(text: str, quantity: str, dimension: str | None = None) -> Unit:
@@ -106,10 +114,13 @@ def unit_for(text: str, quantity: str, dimension: str | None = None) -> Unit:
     fitting = [unit.name for unit in UNITS if unit.dimension == wanted]
     unit = find_unit(text)
     if unit is None:
-        near = difflib.get_close_matches(text.strip()[:_LONGEST], [u.name for u in UNITS], n=1)
+        names = [unit.name for unit in UNITS]
+        alike = [name for name in names if name.casefold() == text.strip().casefold()]
+        near = alike or difflib.get_close_matches(text.strip()[:_LONGEST], names, n=1)
         hint = f" (did you mean {near[0]}?)" if near else ""
-        remedy = f"known for {wanted}: {', '.join(fitting)}"
-        raise UnitError(f"unknown unit {shortened(text)}{hint}; {remedy}")
+        other = find_other(text)
+        what = f"{text!r} is a unit of {other}" if other else f"unknown unit {shortened(text)}"
+        raise UnitError(f"{what}{hint}; known for {wanted}: {', '.join(fitting)}")
     if unit.dimension != wanted:
         raise UnitError(
             f"{text!r} is a unit of {unit.dimension}, but {quantity.replace('_', ' ')} needs one of {wanted}: "
@@ -122,7 +133,7 @@ def split_label(label: str) -> tuple[str, str | None]:
     """Name and unit of a column header: "x [mm]", "x (mm)", "x/mm", "x, mm", "x in mm" and "x_mm" give ("x", "mm").
 
     What stands in brackets is the unit, known or not, except a number, which counts; elsewhere only a known one is.
-    None: there is no unit.
+    The word "in" at the end is none: disp_in goes with disp_out. None: there is no unit.
     """
     label = label.strip()
     if len(label) > LONGEST_NAME:
@@ -134,8 +145,12 @@ def split_label(label: str) -> tuple[str, str | None]:
         return match[1].strip(), match[2].strip()
     parts = re.split(r"[_\s]", label)
     for start in range(1, len(parts)):  # the longest ending that is a unit: "m_per_s2" before "s2"
-        if find_unit("_".join(parts[start:])):
-            return label[: len("_".join(parts[:start]))], "_".join(parts[start:])
+        ending = "_".join(parts[start:])
+        # of other units no single letter, which may be a place or a phase: x_A, x_C
+        if ending.lower() != "in" and (
+            find_unit(ending) or (len(ending) > 1 and find_other(ending))
+        ):
+            return label[: len("_".join(parts[:start]))], ending
     return label, None
 
 
@@ -159,8 +174,10 @@ _EXACT = {_plain(unit.name): unit for unit in UNITS} | {
     _plain(spelling): unit for unit in UNITS for spelling in _OTHER_SPELLINGS.get(unit.name, ())
 }
 
-# Without regard to case where that is not ambiguous: MM, Sec and G, but mN is not MN, nor ms Ms.
-_FOLDS = Counter(map(str.casefold, _EXACT)) + Counter(("mn", "mhz", "mg"))
+_OTHER_UNITS = {_plain(unit): what for what, units in _OTHERS.items() for unit in units}
+
+# Without regard to case where no other unit differs in case alone: MM, Sec and G, but mN is not MN, nor nm Nm.
+_FOLDS = Counter(map(str.casefold, {*_EXACT, *_OTHER_UNITS})) + Counter(("mn", "mhz", "mg"))
 _FOLDED = {key.casefold(): unit for key, unit in _EXACT.items() if _FOLDS[key.casefold()] == 1}
 
 DIMENSIONS = {q: _EXACT[_plain(unit)].dimension for q, unit in (QUANTITIES | {"time": "s"}).items()}

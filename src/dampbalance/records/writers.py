@@ -135,7 +135,7 @@ def _write_uff(path: Path, measurement: Measurement) -> None:
             f"{_UFF_TIME_RESPONSE:5}{number:10}{0:5}{0:10} {'NONE':10}{number:10}{0:4} {'NONE':10}{0:10}{0:4}",
             f"{_UFF_DOUBLE:10}{len(channel):10}{even:10}{even * start:13.5e}{even * step:13.5e}{0:13.5e}",
             f"{_UFF_TIME:10}{0:5}{0:5}{0:5} {'time':20} {'s':20}",
-            f"{_UFF_TYPES[DIMENSIONS[quantity]]:10}{0:5}{0:5}{0:5} {quantity:20} {unit:20}",
+            f"{_UFF_TYPES[DIMENSIONS[quantity]]:10}{0:5}{0:5}{0:5} {quantity[:20]:20} {unit:20}",
             *[f"{0:10}{0:5}{0:5}{0:5} {'NONE':20} {'NONE':20}"] * 2,
         ]
         text = "".join(f"{line}\n" for line in header).encode("ascii")

@@ -588,6 +588,22 @@ def test_help_names_no_option_that_the_command_lacks(command, capsys):
     assert set(re.findall(r"--[a-z][\w-]*", arguments)) == options
 
 
+def test_a_mapping_to_start_from_needs_no_stiffness(tmp_path, answer):
+    mapping = tmp_path / "channels.yaml"
+    assert "base_displacement: {channel" in answer(
+        "identify", RECORDS[0], "--write-mapping", mapping
+    )
+    said = answer("identify", "--write-mapping", mapping, code=2)
+    assert "arguments are required: RECORD" in said
+    assert "--stiffness" not in said
+    table = tmp_path / "levels.csv"
+    table.write_text("frequency [Hz],force [N],x [mm],phase [rad]\n49,1,2,3\n", encoding="utf-8")
+    other = tmp_path / "other.yaml"
+    said = answer("identify", table, "--write-mapping", other, code=2)
+    assert "is a table of a stepped sine" in said
+    assert not other.exists()
+
+
 def test_the_version_is_told(capsys):
     assert code_of("--version") == 0
     assert capsys.readouterr().out.startswith("dampbalance ")

@@ -274,6 +274,35 @@ def test_a_drive_that_stands_still_is_none(tmp_path):
 
 
 @pytest.mark.parametrize(
+    ("heading", "kinds"),
+    [
+        ("Hammer [N]", ["recognised", "ring-down"]),
+        ("force_N", ["recognised", "ring-down"]),
+        # in no unit of a force: nothing says that it only strikes
+        *(
+            (heading, ["ring-down"])
+            for heading in ("Hammer [V]", "Force [V]", "Hammer", "CH 2 [mm]")
+        ),
+    ],
+)
+def test_a_hammer_is_no_obstacle_to_a_decay(heading, kinds):
+    struck = Oscillator(m=2.42, c=1.0, k=2310.0, K_z=208000.0, F_k=0.5)
+    options = {"rate_hz": 2000.0, "duration": 4.0, "noise": 0.002, "seed": 3}
+    a = measured_ring_down(struck, v=0.3, channels=("acceleration",), **options)["acceleration"]
+    begin = a.t[int(np.argmax(np.abs(a.values) > 1.0))]
+    since = (a.t - begin + 0.005) / 0.005  # a blow of 5 ms
+    blow = np.where((since > 0.0) & (since < 1.0), 200.0 * np.sin(math.pi * since), 0.0)
+    # noise of 1 % and the undershoot of a charge amplifier
+    blow += 2.0 * np.random.default_rng(1).standard_normal(a.t.size)
+    blow -= np.where(a.t > begin, np.exp(begin - a.t), 0.0)
+    record = {"time_s": a.t, heading: blow, "Acc [m/s²]": a.values}
+    for kind in kinds:
+        found = identify(record, struck.k, kind=kind)
+        for symbol, (low, high) in found.intervals.items():
+            assert low < getattr(struck, symbol) < high, symbol
+
+
+@pytest.mark.parametrize(
     "options", [{"frequency": 3.0}, {"skip_cycles": 2}, {"approaches": ["X_s"]}]
 )
 def test_options_of_forced_records_are_refused(tmp_path, options):

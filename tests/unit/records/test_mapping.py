@@ -22,7 +22,7 @@ from dampbalance.records.mapping import (
 )
 from dampbalance.records.measurement import QUANTITIES
 from dampbalance.records.readers import FORMATS, read
-from dampbalance.records.readers.channels import TEMPERATURE, WORDS
+from dampbalance.records.readers.headings import TEMPERATURE, WORDS
 from dampbalance.records.units import UNITS
 from folders import ROOT
 

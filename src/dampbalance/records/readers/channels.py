@@ -1,15 +1,12 @@
 """Which channel of a file holds what: by its mapping, else by its heading, its unit and its samples.
 
-A heading is taken word by word: "Weg Tisch", "table displacement", "BaseDisp" and "base_displacement" are all the
-displacement of the base. Where it names a body and no quantity, "Base [g]", the unit says which quantity it is. Where
-headings do not suffice, a mapping to start from says what each channel may hold, and why.
+Where headings do not suffice, a mapping to start from says what each channel may hold, and why.
 """
 
 from __future__ import annotations
 
 import json
 import re
-import unicodedata
 import warnings
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -23,111 +20,19 @@ from ..errors import RecordError, RecordWarning
 from ..mapping import ChannelRule, RecordMapping, Which
 from ..measurement import ABSOLUTE, EXCITATIONS, QUANTITIES, RESPONSES, Correction
 from ..units import DIMENSIONS, VOLTAGE, UnitError, find_other, find_unit, unit_for
-from .record_file import RawChannel, RecordFile
-
-WORDS: dict[str, tuple[str, ...]] = {
-    "displacement": ("displacement", "disp", "deflection", "x", "weg", "auslenkung", "verschiebung"),
-    "velocity": ("velocity", "vel", "v", "geschwindigkeit"),
-    "acceleration": ("acceleration", "accel", "acc", "beschleunigung"),
-    "force": ("force", "kraft"),
-    "base_displacement": ("y",),
-    "base": (
-        *("base", "ground", "table", "shaker", "foundation", "support", "excitation", "input"),
-        *("basis", "boden", "tisch", "fundament", "fußpunkt", "anregung", "erregung"),
-    ),
-    "mass": ("mass", "response", "absolute", "masse", "antwort", "absolut"),
-    "relative": ("relative", "rel", "relativ"),
-}  # fmt: skip
-"""Words by which a channel is recognised, in lower case: quantities, then what moves, and against what."""
-
-TEMPERATURE = ("temp", "temperature", "temperatur", "thermocouple")
-"""Words of a heading that make a channel a temperature, which is left aside."""
-
-_MEANINGS = {word: meaning for meaning, words in WORDS.items() for word in words}
-_BODIES = ("base", "mass", "relative")
-_SHORTEST = 3  # letters of a word that may be part of another
-_TIME = re.compile(
-    r"((elapsed|relative|rel|running|test|record|recording|measurement|date|abs|absolute|sample)_?)?"
-    r"(time|zeit|t|messzeit|zeitstempel|uhrzeit|timestamps?)(_?(stamps?|axis|value|achse|\d+))?"
+from .headings import (
+    WORDS,
+    by_unit,
+    full_name,
+    holds_time,
+    key_of,
+    names_time,
+    quantity_of,
+    unit_of,
+    unusable,
+    words_of,
 )
-_SECONDS = re.compile(r"x_values?|seconds?|sekunden?")  # LabVIEW and oscilloscopes
-_NAMED_TIME = re.compile(r"x_axis|date_?times?(_?\d+)?")
-
-
-def key_of(name: str) -> str:
-    """The last part of a path, in lower case, with "_" for what separates words."""
-    return re.sub(r"[\s\-]+", "_", re.split(r"[/.](?=[^/.])", name.strip())[-1].strip().lower())
-
-
-def names_time(raw: RawChannel) -> bool:
-    """Whether a channel holds times by its name, or points in time."""
-    key = key_of(raw.name)
-    return raw.stamps or any(p.fullmatch(key) for p in (_TIME, _SECONDS, _NAMED_TIME))
-
-
-def holds_time(raw: RawChannel) -> bool:
-    """Whether a channel holds times, by its name or unit."""
-    unit = find_unit(raw.unit or "")
-    return names_time(raw) or bool(unit and unit.dimension == "time")
-
-
-def unit_of(raw: RawChannel) -> str | None:
-    """The unit of a channel as the file spells it, or as its name implies; None for none."""
-    return raw.unit or ("s" if _SECONDS.fullmatch(key_of(raw.name)) else None)
-
-
-def unusable(raw: RawChannel) -> str | None:
-    """What a channel is instead of a motion or a force, by its name or unit; None where they do not say."""
-    if set(words_of(raw.name)) & {*TEMPERATURE}:
-        return "a temperature"
-    other = find_other(raw.unit or "")
-    return None if other == VOLTAGE else other
-
-
-def quantity_of(raw: RawChannel, *, all_words: bool = True) -> str | None:
-    """The quantity that the heading of a channel names; None where it does not, or names several.
-
-    all_words : whether every word must be known, so that nothing is guessed. Otherwise unknown words are passed over,
-    single letters (of a direction) with them; base and mass together are a relative motion, and a body alone moves by
-    a displacement.
-    """
-    words = words_of(raw.name)
-    if not (all_words or len(words) == 1):
-        words = [word for word in words if word in _MEANINGS and len(word) > 1]
-    found = {_MEANINGS.get(word, "") for word in words}
-    bodies, quantities = found & {*_BODIES}, found - {*_BODIES}
-    if not all_words and len(bodies) > 1:
-        bodies = {"relative"}
-    if len(bodies) > 1 or len(quantities) > 1 or not found or "" in found:
-        return None
-    body, quantity = "".join(bodies), "".join(quantities) or by_unit(raw)
-    if quantity is None and (body == "base" or not all_words):
-        quantity = "displacement"
-    if body == "base" and quantity in ("force", "base_displacement"):
-        return quantity
-    named = quantity if body in ("", "mass") else f"{body}_{quantity}"
-    return named if named in DIMENSIONS and (body, named) != ("mass", "force") else None
-
-
-def by_unit(raw: RawChannel) -> str | None:
-    """The first quantity that has the unit of a channel; None where it has none, or one of no motion and no force."""
-    unit = find_unit(raw.unit or "")
-    fitting = (*ABSOLUTE, *EXCITATIONS)
-    return next((q for q in fitting if unit and DIMENSIONS[q] == unit.dimension), None)
-
-
-def words_of(name: str) -> list[str]:
-    """The words of a heading in lower case, compounds taken apart: Relativweg is relativ and weg."""
-    name = unicodedata.normalize("NFC", re.split(r"[/.](?=[^/.])", name.strip())[-1])
-    spaced = re.sub(r"(?<=[a-zß-ÿ])(?=[A-Z])|(?<=\D)(?=\d)|(?<=\d)(?=\D)", " ", name)
-    words: list[str] = []
-    spaced = spaced.lower().replace("_", " ").replace("fusspunkt", "fußpunkt")
-    for word in re.findall(r"\w+", spaced):
-        cuts = range(_SHORTEST, len(word) - _SHORTEST + 1)
-        parts = (part for i in cuts if {*(part := (word[:i], word[i:]))} <= _MEANINGS.keys())
-        words += [word] if word in _MEANINGS else next(parts, (word,))
-    return words
-
+from .record_file import RawChannel, RecordFile
 
 # words that YAML takes for others
 _YAML_WORDS = ("y", "n", "yes", "no", "on", "off", "true", "false", "null")
@@ -139,7 +44,7 @@ _ROUNDED = 0.6  # of a step, by which times with too few digits are off
 _IN_MM = 0.05  # half the range of a displacement: more is in mm, less in m
 # by the least step: nothing is sampled at less than 20 Hz
 _TIME_UNITS = {"µs": 50.0, "ms": 0.05, "s": 0.0}
-_BY_NAME = "by its name"
+_BY_NAME, _BY_UNIT = "by its name", "by its unit"
 _RESPONSE_OF = {"base_displacement": "displacement", "base_acceleration": "acceleration"}
 _KEPT = ("delimiter", "decimal", "header_lines", "sample_rate_hz", "frequency_hz", "level", "notes")
 """Keys of a mapping that stay in the one suggested."""
@@ -168,7 +73,7 @@ def picks_of(file: RecordFile, mapping: RecordMapping, *, entire: bool = True) -
     """What to read from a file, in the order of QUANTITIES.
 
     entire : whether it holds all of the record, a response and an excitation; none of these in a free decay, if no
-    channel is left that could be one, or the mapping names none.
+    channel is left that could be one, the mapping names none, or it is known to be `free`.
 
     Raises RecordError naming the channel and the remedy: one that is not there, is there twice or has no unit or no
     time, a unit that does not fit; channels that cannot be distinguished, with the mapping to write.
@@ -179,12 +84,18 @@ def picks_of(file: RecordFile, mapping: RecordMapping, *, entire: bool = True) -
         chosen = {q: plan.find(rule.channel, f"channels.{q}.channel") for q, rule in rules.items()}
     else:
         chosen = plan.recognised()
+        if (
+            mapping.free
+        ):  # what may drive is read, where its unit says how, to see that it stands still
+            moving = [q for q in EXCITATIONS if q in chosen and by_unit(plan.channels[chosen[q]])]
+            chosen = {q: i for q, i in chosen.items() if q in (*RESPONSES, *moving[:1])}
         rules = {quantity: ChannelRule(channel=index + 1) for quantity, index in chosen.items()}
     driving, answering = ([q for q in of if q in chosen] for of in (EXCITATIONS, RESPONSES))
     if entire and len(driving) > 1:
         raise plan.unclear(f"finds {' and '.join(driving)}")
     # a channel without a name may drive: only where there is none left is it a free decay
-    unnamed = answering and not mapping.channels and plan.unnamed(chosen.values())
+    known = mapping.channels or mapping.free
+    unnamed = answering and not known and plan.unnamed(chosen.values())
     if entire and not driving and (unnamed or not answering):
         raise plan.unclear("finds no excitation")
     if entire and not answering:
@@ -192,6 +103,7 @@ def picks_of(file: RecordFile, mapping: RecordMapping, *, entire: bool = True) -
     picks = tuple(plan.pick(q, chosen[q], rules[q]) for q in QUANTITIES if q in chosen)
     if not mapping.channels:
         plan.warn_of_unused(picks)
+        plan.warn_of_guess(chosen)
     return picks
 
 
@@ -250,21 +162,51 @@ class _Plan:
         )
 
     def recognised(self) -> dict[str, int]:
-        """Quantity → channel, by the names; of a single signal by its unit, if that is one of a response."""
+        """Quantity → channel as `told_apart`. Raises RecordError where two are taken for the same quantity."""
+        chosen, twice = self.told_apart
+        if twice:
+            raise self.unclear(twice)
+        return chosen
+
+    @cached_property
+    def told_apart(self) -> tuple[dict[str, int], str]:
+        """Quantity → channel, by the names; of a single signal by its unit, if that is one of a response. And which
+        two are taken for the same quantity, if any.
+
+        A force is no response: where nothing that drives is named, the only other signal drives if it is in a unit of
+        force. Where something drives and no response is named, the only signal left with a motion, by name or unit, is
+        the response.
+        """
         chosen: dict[str, int] = {}
         for i, raw in enumerate(self.channels):
             quantity = None if holds_time(raw) or unusable(raw) else quantity_of(raw)
             if quantity in chosen:
                 both = [shortened(self.channels[at].name) for at in (chosen[quantity], i)]
-                raise self.unclear(f"takes both {' and '.join(both)} for {quantity}")
+                return chosen, f"takes both {' and '.join(both)} for {quantity}"
             if quantity:
                 chosen[quantity] = i
-        if not chosen:
-            signals = [i for i in range(len(self.channels)) if self.may_move(i)]
-            quantity = by_unit(self.channels[signals[0]]) if len(signals) == 1 else None
-            if quantity is not None and quantity in ABSOLUTE:
-                return {quantity: signals[0]}
-        return chosen
+        answering, driving = ({*chosen} & {*of} for of in (RESPONSES, EXCITATIONS))
+        if answering and driving:
+            return chosen, ""
+        left = [i for i in self.unused(chosen.values()) if self.may_move(i)]
+        forces = [i for i in left if by_unit(self.channels[i]) == "force"]
+        if not driving and len(forces) == 1 and len(left) == 2 - bool(answering):
+            chosen["force"] = forces[0]
+        others = {i: self.named(i) or by_unit(self.channels[i]) for i in left if i not in forces}
+        motions = {q: i for i, q in others.items() if q}
+        alone = [*others.values()].count(None) + 1 == len(others)
+        if answering or not alone or not motions.keys() <= RESPONSES.keys():
+            return chosen, ""
+        # a single signal is that of a free decay, if its unit says what it is
+        free = not chosen and len(left) == 1 and by_unit(self.channels[left[0]]) in ABSOLUTE
+        return chosen | (motions if free or chosen else {}), ""
+
+    def named(self, i: int) -> str | None:
+        """The quantity that a heading names, also in other words, if its unit is not of another one."""
+        raw, unit = self.channels[i], by_unit(self.channels[i])
+        quantity = quantity_of(raw) or quantity_of(raw, all_words=False)
+        fits = quantity and (unit is None or DIMENSIONS[unit] == DIMENSIONS[quantity])
+        return quantity if fits else None
 
     def time_of(self, index: int) -> int | None:
         """The time channel of another: the one named after it, else the nearest before it, else the first."""
@@ -290,9 +232,25 @@ class _Plan:
             unused = RecordWarning(f"{self.path}: channels not used: {said}")
             warnings.warn(unused, stacklevel=2)
 
+    def warn_of_guess(self, chosen: Mapping[str, int]) -> None:
+        """Warn of a displacement or velocity that only its unit tells: it may be that against a base that moves."""
+        moving = "force" not in chosen and any(q in EXCITATIONS for q in chosen)
+        for quantity in ("displacement", "velocity"):
+            if moving and quantity in chosen and self.named(chosen[quantity]) is None:
+                name = shortened(full_name(self.channels[chosen[quantity]]))
+                said = f"{name} is taken for the {quantity} of the mass against the ground, as nothing else is left"
+                remedy = (
+                    f"say relative_{quantity} in {self.where} if it is measured against the base"
+                )
+                warnings.warn(RecordWarning(f"{self.path}: {said}; {remedy}"), stacklevel=2)
+
+    def unused(self, used: Collection[int | None]) -> list[int]:
+        """The channels that are not used."""
+        return [i for i in range(len(self.channels)) if i not in used]
+
     def unnamed(self, used: Collection[int | None]) -> bool:
         """Whether there are signals that are not used."""
-        return any(i not in used and self.may_move(i) for i in range(len(self.channels)))
+        return any(map(self.may_move, self.unused(used)))
 
     def may_move(self, i: int) -> bool:
         """Whether a channel may hold a motion or a force: no time, no temperature, no counter, nothing constant."""
@@ -323,9 +281,11 @@ class _Plan:
         """SI units per unit of the channel."""
         text = given or unit_of(raw)
         channel = f"{self.path}: channel {shortened(raw.name)}"
+        key = "time" if quantity == "time" else f"channels.{quantity}"
+        stated = (
+            f": say unit: {QUANTITIES.get(quantity, 's')}, or as recorded, at {key} in {self.where}"
+        )
         if text is None:
-            key = "time" if quantity == "time" else f"channels.{quantity}"
-            stated = f": say unit: {QUANTITIES.get(quantity, 's')}, or as recorded, at {key} in {self.where}"
             shown = stated if self.mapping.channels else f". {self.suggested('Give it')}"
             raise RecordError(f"{channel} has no unit{shown}")
         if find_other(text) == VOLTAGE and not self.mapping.channels:
@@ -333,13 +293,16 @@ class _Plan:
         try:
             return unit_for(text, quantity).factor
         except UnitError as error:
-            raise RecordError(f"{channel}: {error}") from None
+            remedy = "" if given else f"; if the file is wrong{stated}"
+            if not (self.mapping.channels or given) and _Suggestion(self).complete:
+                remedy = f". {self.suggested('Say what it is')}"
+            raise RecordError(f"{channel}: {error}{remedy}") from None
 
     def unclear(self, what: str) -> RecordError:
         """The error for channels that cannot be distinguished, with what to write."""
         return RecordError(
-            f"{self.path}: {what}; it needs one of {', '.join(EXCITATIONS)}, unless it is a free decay, and at least"
-            f" one of {', '.join(ABSOLUTE)} (relative_displacement, … if measured against the base). Its channels are "
+            f"{self.path}: {what}; it needs one of {', '.join(EXCITATIONS)}, unless it is a free decay (--kind "
+            f"ring-down), and at least one of {', '.join(ABSOLUTE)} (relative_displacement, … if measured against the base). Its channels are "
             f"{self.overview}. {self.suggested('Say which is which')}"
         )
 
@@ -351,11 +314,6 @@ class _Plan:
             return f"A record has two signals at least: {remedy} {self.where}"
         here = "" if self.mapping.source else " (--write-mapping writes it)"
         return "\n  ".join([f"{what} in {self.where}{here}, for example", *suggestion.lines()])
-
-
-def full_name(raw: RawChannel) -> str:
-    """Name and unit of a channel."""
-    return f"{raw.name} [{raw.unit}]" if raw.unit else raw.name
 
 
 def _first_of(names: Sequence[str]) -> str:
@@ -430,7 +388,13 @@ class _Suggestion:
         self.samples, self.chosen = plan.samples, dict[str, int]()
         self.why = dict(self.samples.aside)
         # what names say goes first, then units
-        names = {i: self._named(i) for i in range(len(self.channels)) if plan.may_move(i)}
+        names = {i: plan.named(i) for i in range(len(self.channels)) if plan.may_move(i)}
+        chosen, twice = plan.told_apart
+        for quantity, i in ({} if twice else chosen).items():
+            unit = by_unit(self.channels[i])
+            if i in names and unit and DIMENSIONS[unit] == DIMENSIONS[quantity] and not names[i]:
+                names[i], self.why[i] = quantity, _BY_UNIT
+        names |= self._first_drives(names)
         for i in sorted(names, key=lambda i: (names[i] is None, by_unit(self.channels[i]) is None)):
             self._take(i, names[i])
         if len(self.chosen) == 1:
@@ -461,17 +425,23 @@ class _Suggestion:
         aside = [
             f"# left aside: {shortened(full_name(raw))}: {self.why[i]}"
             for i, raw in enumerate(self.channels)
-            if i not in self.chosen.values() and not self._is_time(i)
+            if i not in self.chosen.values() and not holds_time(raw) and not self._is_time(i)
         ]
         more = [f"# and {len(aside) - _LISTED} more"] * (len(aside) > _LISTED)
         return [*lines, *aside[:_LISTED], *more]
 
-    def _named(self, i: int) -> str | None:
-        """The quantity that a heading names, if its unit is not of another one."""
-        raw, unit = self.channels[i], by_unit(self.channels[i])
-        quantity = quantity_of(raw) or quantity_of(raw, all_words=False)
-        fits = quantity and (unit is None or DIMENSIONS[unit] == DIMENSIONS[quantity])
-        return quantity if fits else None
+    def _first_drives(self, names: Mapping[int, str | None]) -> dict[int, str]:
+        """The first of several channels that names call alike, none the mass, is the base's where no name drives."""
+        first: dict[int, str] = {}
+        if any(name in EXCITATIONS for name in names.values()):
+            return first
+        for driving, quantity in _RESPONSE_OF.items():
+            alike = [i for i, name in names.items() if name == quantity]
+            bare = [i for i in alike if not {*words_of(self.channels[i].name)} & {*WORDS["mass"]}]
+            if len(alike) > 1 and bare:
+                first[bare[0]] = driving
+                self.why[bare[0]] = f"{_BY_NAME}; taken as the drive, as it comes first"
+        return first
 
     def _take(self, i: int, named: str | None) -> None:
         """Choose a quantity for a channel, or say why there is none."""
@@ -483,14 +453,17 @@ class _Suggestion:
         fitting = ["base_displacement"] * (not driven) + ["displacement"] * (not self.complete)
         reason = "neither name nor unit says what it is"
         if of_unit is not None:
-            reason, one = "by its unit", DIMENSIONS[of_unit]
+            reason, one = _BY_UNIT, DIMENSIONS[of_unit]
             fitting = [q for q in (*EXCITATIONS, *ABSOLUTE) if DIMENSIONS[q] == one]
+        if named in EXCITATIONS:  # what drives is no response
+            fitting = []
         for quantity in filter(None, [named, *fitting]):
             taken = driven if quantity in EXCITATIONS else quantity in self.chosen
             if not taken:
                 self.chosen[quantity] = i
-                guessed = "; taken as the drive, as it comes first" * (quantity in EXCITATIONS)
-                self.why[i] = _BY_NAME if quantity == named else reason + guessed
+                first = "; taken as the drive, as it comes first" * (quantity in EXCITATIONS)
+                by_name = self.why.get(i, _BY_NAME)
+                self.why[i] = by_name if quantity == named else reason + first
                 return
         wanted = next(filter(None, [named, *fitting]), None)
         self.why[i] = f"another channel is taken for {wanted}" if wanted else reason
@@ -530,8 +503,9 @@ class _Suggestion:
         """Whether a channel is taken for the times: by the mapping, name or unit, or as the only one that rises."""
         if self.mapping.time is not None:
             return self.mapping.time in (i + 1, self.channels[i].name)
-        if any(map(holds_time, self.channels)):
-            return holds_time(self.channels[i])
+        for is_time in (names_time, holds_time):
+            if any(map(is_time, self.channels)):
+                return is_time(self.channels[i])
         return i in self.samples.rising
 
     def _which(self, i: int) -> str:

@@ -14,6 +14,8 @@ import numpy as np
 from ...arrays import Array
 from ...project.wording import shortened
 from ..errors import RecordError, library
+from ..units import split_label
+from .headings import quantity_of, words_of
 from .record_file import (
     RawChannel,
     RecordFile,
@@ -29,6 +31,8 @@ from .record_file import (
 _TIME_RESPONSE, _FREQUENCY_RESPONSE = 1, 4
 _SPECIFIC_TYPES = {8: "displacement", 9: "force", 11: "velocity", 12: "acceleration", 13: "force"}
 _RESPONSE_TYPES = {8: "receptance", 11: "mobility", 12: "accelerance"}
+# where it says what a time response is, besides the label of its ordinate
+_NAMING = ("id1", "id2", "rsp_ent_name", "id4", "id5")
 _NO_SIZE = (0, 0xFFFFFFFF)  # what a program writes that does not know how long a WAV will become
 
 
@@ -89,7 +93,8 @@ class ParquetFile(RecordFile):
 
 def uff_file(path: Path, largest: int) -> RecordFile:
     """A universal file: its time responses, data sets 58, with even or uneven abscissa, in text or binary. A channel
-    is called by its ordinate's label, else by its first ID line, else by what the data type says. Of a file without
+    is called by the ID line or the component in which the channels differ and by its ordinate's label, or what the data
+    type says; by node and direction as well, where that leaves several alike or says not what moves. Of a file without
     time responses its frequency responses: frequency, receptance, mobility or accelerance, and phase, "1/phase" of the
     first of several."""
     pyuff = library("pyuff", "a universal file")
@@ -106,11 +111,8 @@ def uff_file(path: Path, largest: int) -> RecordFile:
             for name, unit, values in _frequency_response(item):
                 channels.append(RawChannel(group + name, unit, values.size, label=group + name))
                 arrays.append(values)
-        for item in sets:
+        for item, label in zip(sets, _names(sets), strict=True):
             n = int(item["num_pts"])
-            label = _stated(item, "ordinate_axis_lab", "id1") or _SPECIFIC_TYPES.get(
-                int(item["ordinate_spec_data_type"]), "data"
-            )
             values = np.asarray(item["data"])
             if values.size != n or np.iscomplexobj(values):
                 raise RecordError(
@@ -119,7 +121,8 @@ def uff_file(path: Path, largest: int) -> RecordFile:
                 )
             even = item["abscissa_spacing"] == 1
             timing = {"dt": item["abscissa_inc"], "t0": item["abscissa_min"]} if even else {}
-            channel = described(path, label, n, timing, _stated(item, "ordinate_axis_units_lab"))
+            stated = _stated(item, "ordinate_axis_units_lab")
+            channel = described(path, label, n, timing, stated)
             if not even:  # its times stand in it, in front of it here
                 seconds = _stated(item, "abscissa_axis_units_lab") or "s"
                 channels.append(RawChannel(f"{channel.name} time", seconds, n))
@@ -131,6 +134,43 @@ def uff_file(path: Path, largest: int) -> RecordFile:
     if not arrays:
         raise RecordError(f"{path}: holds no time response and no frequency response (data set 58)")
     return Sliced(path, channels, lambda i, a, b: arrays[i][a:b], "a universal file")
+
+
+def _names(sets: Sequence[dict[str, Any]]) -> list[str]:
+    """The names of time responses: the first ID line, or the component of the response, in which they differ (the
+    third line is the date), and the label of the ordinate, unless the line has it already."""
+    keys = [k for k in _NAMING if len({_stated(item, k) for item in sets}) > 1] or ["id1"]
+    raws = []
+    for item in sets:
+        label = _stated(item, "ordinate_axis_lab") or _SPECIFIC_TYPES.get(
+            int(item["ordinate_spec_data_type"]), "data"
+        )
+        own = _stated(item, keys[0]) or ""
+        # a label has 20 characters at most
+        has = label.casefold() in own.casefold() or {*words_of(label)} <= {*words_of(own)}
+        name, unit = split_label(own if has else f"{own} {label}".strip())
+        raws.append(RawChannel(name, _stated(item, "ordinate_axis_units_lab") or unit))
+    degrees = [(_degree(item, "rsp"), _degree(item, "ref")) for item in sets]
+    names = [raw.name for raw in raws]
+    for i, (raw, (degree, reference)) in enumerate(zip(raws, degrees, strict=True)):
+        alike = [one.name.casefold() for one in raws].count(raw.name.casefold()) > 1
+        if degree and (alike or quantity_of(raw) is None):
+            others = {degree for degree, other in degrees if other == reference}
+            referred = ", the reference" * (degree == reference and len(others) > 1)
+            names[i] = f"{raw.name} at {degree}{referred}"
+    return names
+
+
+def _degree(item: dict[str, Any], of: str) -> str:
+    """The degree of freedom of a response ("rsp") or of its reference ("ref"), node 2 +Z; "" where none is stated."""
+    node, direction = int(item[f"{of}_node"]), int(item[f"{of}_dir"])
+    axis = ("", "X", "Y", "Z", "RX", "RY", "RZ")[min(abs(direction), 6)]
+    parts = [
+        _stated(item, f"{of}_ent_name"),
+        f"node {node}" if node else "",
+        "+-"[direction < 0] + axis if axis else "",
+    ]
+    return " ".join(filter(None, parts))
 
 
 def _frequency_response(item: dict[str, Any]) -> Iterator[tuple[str, str | None, Array]]:

@@ -125,8 +125,8 @@ def columns_of(path: Path, table: Sequence[list[str]], width: int) -> list[RawCh
     fitting = [cells for cells in table if len(cells) == width and any(cells)]
     if not fitting and table and len(table[-1]) > 1:
         raise RecordError(
-            f"{path}: its header has {len(table[-1])} names, its rows have {width} cells; if it has 0,5 for 0.5, "
-            'say decimal: "," and the delimiter in a mapping'
+            f"{path}: its header has {len(table[-1])} names, its rows have {width} cells; give each column a name; if "
+            "it has 0,5 for 0.5 and commas between the columns, export it with another delimiter, such as ;"
         )
     units = fitting.pop() if len(fitting) > 1 and _are_units(fitting[-1]) else [""] * width
     columns = []

@@ -1,0 +1,130 @@
+"""What the heading and the unit of a channel say that it holds.
+
+A heading is taken word by word: "Weg Tisch", "table displacement", "BaseDisp" and "base_displacement" are all the
+displacement of the base. Where it names a body and no quantity, "Base [g]", the unit says which quantity it is.
+"""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+
+from ..measurement import ABSOLUTE, EXCITATIONS
+from ..units import DIMENSIONS, VOLTAGE, find_other, find_unit
+from .record_file import RawChannel
+
+WORDS: dict[str, tuple[str, ...]] = {
+    "displacement": ("displacement", "disp", "deflection", "x", "weg", "auslenkung", "verschiebung"),
+    "velocity": ("velocity", "vel", "v", "geschwindigkeit"),
+    "acceleration": ("acceleration", "accel", "acc", "beschleunigung"),
+    "force": ("force", "kraft"),
+    "base_displacement": ("y",),
+    "base": (
+        *("base", "ground", "table", "shaker", "foundation", "support", "excitation", "input"),
+        *("in", "eingang"),
+        *("basis", "boden", "tisch", "fundament", "fußpunkt", "anregung", "erregung"),
+    ),
+    "mass": (
+        *("mass", "response", "absolute", "output", "out"),
+        *("masse", "antwort", "absolut", "ausgang"),
+    ),
+    "relative": ("relative", "rel", "relativ"),
+}  # fmt: skip
+"""Words by which a channel is recognised, in lower case: quantities, then what moves, and against what. "in" counts at
+the end of a heading alone."""
+
+TEMPERATURE = ("temp", "temperature", "temperatur", "thermocouple")
+"""Words of a heading that make a channel a temperature, which is left aside."""
+
+_MEANINGS = {word: meaning for meaning, words in WORDS.items() for word in words}
+# words that suffice for a guess alone
+_HINTS = {"reference": "base", "hammer": "force", "load": "force"}
+_BODIES = ("base", "mass", "relative")
+_SHORTEST = 3  # letters of a word that may be part of another
+_TIME = re.compile(
+    r"((elapsed|relative|rel|running|test|record|recording|measurement|date|abs|absolute|sample)_?)?"
+    r"(time|zeit|t|messzeit|zeitstempel|uhrzeit|timestamps?)(_?(stamps?|axis|value|achse|\d+))?"
+)
+_SECONDS = re.compile(r"x_values?|seconds?|sekunden?")  # LabVIEW and oscilloscopes
+_NAMED_TIME = re.compile(r"x_axis|date_?times?(_?\d+)?")
+
+
+def key_of(name: str) -> str:
+    """The last part of a path, in lower case, with "_" for what separates words."""
+    return re.sub(r"[\s\-]+", "_", re.split(r"[/.](?=[^/.])", name.strip())[-1].strip().lower())
+
+
+def names_time(raw: RawChannel) -> bool:
+    """Whether a channel holds times by its name, or points in time."""
+    key = key_of(raw.name)
+    return raw.stamps or any(p.fullmatch(key) for p in (_TIME, _SECONDS, _NAMED_TIME))
+
+
+def holds_time(raw: RawChannel) -> bool:
+    """Whether a channel holds times, by its name or unit."""
+    unit = find_unit(raw.unit or "")
+    return names_time(raw) or bool(unit and unit.dimension == "time")
+
+
+def full_name(raw: RawChannel) -> str:
+    """Name and unit of a channel."""
+    return f"{raw.name} [{raw.unit}]" if raw.unit else raw.name
+
+
+def unit_of(raw: RawChannel) -> str | None:
+    """The unit of a channel as the file spells it, or as its name implies; None for none."""
+    return raw.unit or ("s" if _SECONDS.fullmatch(key_of(raw.name)) else None)
+
+
+def unusable(raw: RawChannel) -> str | None:
+    """What a channel is instead of a motion or a force, by its name or unit; None where they do not say."""
+    if set(words_of(raw.name)) & {*TEMPERATURE}:
+        return "a temperature"
+    other = find_other(raw.unit or "")
+    return None if other == VOLTAGE else other
+
+
+def quantity_of(raw: RawChannel, *, all_words: bool = True) -> str | None:
+    """The quantity that the heading of a channel names; None where it does not, or names several.
+
+    all_words : whether every word must be known, so that nothing is guessed. Otherwise unknown words are passed over,
+    single letters (of a direction) with them; base and mass together are a relative motion, and a body alone moves by
+    a displacement.
+    """
+    words, meanings = words_of(raw.name), _MEANINGS if all_words else _HINTS | _MEANINGS
+    words = ["" if word == "in" else word for word in words[:-1]] + words[-1:]  # a preposition
+    if not (all_words or len(words) == 1):
+        words = [word for word in words if word in meanings and len(word) > 1]
+    found = {meanings.get(word, "") for word in words}
+    bodies, quantities = found & {*_BODIES}, found - {*_BODIES}
+    if not all_words and len(bodies) > 1:
+        bodies = {"relative"}
+    if len(bodies) > 1 or len(quantities) > 1 or not found or "" in found:
+        return None
+    body, quantity = "".join(bodies), "".join(quantities) or by_unit(raw)
+    if quantity is None and (body == "base" or not all_words):
+        quantity = "displacement"
+    if body == "base" and quantity in ("force", "base_displacement"):
+        return quantity
+    named = quantity if body in ("", "mass") else f"{body}_{quantity}"
+    return named if named in DIMENSIONS and (body, named) != ("mass", "force") else None
+
+
+def by_unit(raw: RawChannel) -> str | None:
+    """The first quantity that has the unit of a channel; None where it has none, or one of no motion and no force."""
+    unit = find_unit(raw.unit or "")
+    fitting = (*ABSOLUTE, *EXCITATIONS)
+    return next((q for q in fitting if unit and DIMENSIONS[q] == unit.dimension), None)
+
+
+def words_of(name: str) -> list[str]:
+    """The words of a heading in lower case, compounds taken apart: Relativweg is relativ and weg."""
+    name = unicodedata.normalize("NFC", re.split(r"[/.](?=[^/.])", name.strip())[-1])
+    spaced = re.sub(r"(?<=[a-zß-ÿ])(?=[A-Z])|(?<=\D)(?=\d)|(?<=\d)(?=\D)", " ", name)
+    words: list[str] = []
+    spaced = spaced.lower().replace("_", " ").replace("fusspunkt", "fußpunkt")
+    for word in re.findall(r"\w+", spaced):
+        cuts = range(_SHORTEST, len(word) - _SHORTEST + 1)
+        parts = (part for i in cuts if {*(part := (word[:i], word[i:]))} <= _MEANINGS.keys())
+        words += [word] if word in _MEANINGS else next(parts, (word,))
+    return words
