@@ -36,8 +36,11 @@ ORDERS = {q: [*ABSOLUTE.values()].index(unit) for q, unit in QUANTITIES.items() 
 
 def sample_times(rate_hz: float, start: float, first: int, count: int) -> Array:
     """Times, s, of `count` samples from number `first` on; the sample number 0 is taken at `start`."""
-    # one division, so that a start that is a whole number of steps leads to 0.102, and not to 0.10200000000000001
-    return (start * rate_hz + np.arange(first, first + count, dtype=np.float64)) / rate_hz
+    number = np.arange(first, first + count, dtype=np.float64)
+    steps = round(start * rate_hz)
+    if steps / rate_hz == start:  # one division leads to 0.102, and not to 0.10200000000000001
+        return (steps + number) / rate_hz
+    return start + number / rate_hz
 
 
 def mean_rate(t: Array) -> float:

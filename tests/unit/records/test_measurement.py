@@ -78,7 +78,7 @@ def test_the_simulated_signals_are_those_of_the_exact_orbit():
     assert [c.quantity for c in made.responses] == ["displacement", "velocity", "acceleration"]
 
 
-@pytest.mark.parametrize("start", [0.1, 0.02, -0.2, 3.0])
+@pytest.mark.parametrize("start", [0.1, 0.02, -0.2, 3.0, 0.29])
 @pytest.mark.parametrize("rate_hz", [100.0, 500.0, 1000.0, 2000.0, 5000.0])
 def test_times_are_the_decimal_numbers_that_they_stand_for(start, rate_hz):
     """0.102 at 1 kHz from 0.1 s on, and not 0.10200000000000001: Python writes the shortest number of each float."""
