@@ -52,6 +52,10 @@ def named_with_unit(name: str, unit: str) -> str:
     return f"{name}_{ending}" if ending else name
 
 
+class NoOscillator(ValueError):
+    """A number that no oscillator, or no motion of its base, has."""
+
+
 @dataclass(frozen=True, slots=True)
 class Oscillator:
     """Mass, damper, spring and compliant friction contact.
@@ -59,7 +63,7 @@ class Oscillator:
     m : mass, kg, > 0.   c : viscous damping, N s/m, ≥ 0.   k : stiffness, N/m, > 0.
     K_z : contact stiffness, N/m, > 0 and finite.   F_k : friction force in slip, N, ≥ 0.
 
-    Raises ValueError naming the field and what it may be.
+    Raises NoOscillator, a ValueError, naming the field and what it may be.
     """
 
     m: float
@@ -93,7 +97,7 @@ class BaseMotion:
 
     Y : amplitude, m, > 0.   omega : circular frequency, rad/s, > 0 (ω = 2π f; the paper gives f in Hz).
 
-    Raises ValueError naming the field and what it may be.
+    Raises NoOscillator, a ValueError, naming the field and what it may be.
     """
 
     Y: float
@@ -136,5 +140,8 @@ def parameters(oscillator: Oscillator, motion: BaseMotion | None) -> Parameters:
 def _require_numbers(model: Oscillator | BaseMotion) -> None:
     # __match_args__ names the fields, and `dataclasses.fields` costs more than the checks
     for field in model.__match_args__:
-        value = number(field, getattr(model, field), f"{type(model).__name__}.{field}")
+        try:
+            value = number(field, getattr(model, field), f"{type(model).__name__}.{field}")
+        except ValueError as error:
+            raise NoOscillator(str(error)) from None
         object.__setattr__(model, field, value)

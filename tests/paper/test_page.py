@@ -172,7 +172,9 @@ def test_the_same_results_give_the_same_bytes(made, html):
 def test_it_is_small_enough_and_warns_when_it_is_not(made, html, monkeypatch):
     assert len(html.encode()) < LARGEST_PAGE == 1_500_000
     monkeypatch.setattr("dampbalance.publishing.page.report.LARGEST_PAGE", 1000)
-    with pytest.warns(UserWarning, match=r"report\.html has [\d,]+ bytes, more than the 1,000 that"):
+    with pytest.warns(
+        UserWarning, match=r"report\.html has [\d,]+ bytes, more than the 1,000 that"
+    ):
         assert page_of(made) == html
 
 

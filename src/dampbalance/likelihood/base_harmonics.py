@@ -23,7 +23,7 @@ from ..motion.distorted import distorted_harmonics
 from ..motion.orbit import NoSteadyOrbit
 from ..reading.lines import Lines
 from .steady_search import climb_on, fit_oscillator, of_all_stiffnesses
-from .waveforms import WaveformFit
+from .waveforms import NO_MOTION, WaveformFit
 
 MOST = 20
 """Repetitions: three or four do, but where a contact rings while it sticks."""
@@ -104,7 +104,7 @@ def repeated(
     for count in range(1, MOST + 1):
         try:
             responses = [fit.unknowns.response(at, i) for i in range(len(fit.lines))]
-        except (NoSteadyOrbit, ValueError):
+        except NO_MOTION:
             return None
         following = climb_on(fit, freed(responses))
         if following is None:

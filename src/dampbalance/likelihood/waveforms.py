@@ -30,13 +30,17 @@ from ..arrays import Array, Complexes, Mask
 from ..law.law import Law
 from ..law.steady import Response, steady_response
 from ..law.terms import FRICTION, KNOWN_TERMS
-from ..model import BaseMotion, Oscillator
+from ..model import BaseMotion, NoOscillator, Oscillator
 from ..motion.orbit import NoSteadyOrbit
 from ..reading.lines import Lines, improbable
 from .climb import Bounds
 from .oscillator_fit import OscillatorFit
 
 _OTHERS = ("rho", "m", "delay")  # common unknowns in addition to the coefficients of the law
+NO_MOTION = (ArithmeticError, NoOscillator, np.linalg.LinAlgError)
+"""Errors of a point that has no motion to fit: no steady orbit, which is an ArithmeticError like a division by zero on
+the way to one, a number out of range, or equations without a solution. Any other error is a defect, and shows."""
+
 MOST_RADIANS = 5e5
 """Of the fastest motion that are followed in search of one orbit: a quarter of a second."""
 
@@ -93,7 +97,7 @@ class Unknowns:
         return points[places].mean(axis=0)
 
     def response(self, point: Array, record: int, near: Response | None = None) -> Response:
-        """The motion of a record.   near : a motion from which to start.   Raises NoSteadyOrbit, ValueError."""
+        """The motion of a record.   near : a motion from which to start.   Raises NO_MOTION."""
         value = {name: float(point[at]) for name, at in self.at[record].items()}
         law = {s: value[s] for s in self.law.terms if s not in (FRICTION, "c")}
         oscillator = Oscillator(
@@ -222,13 +226,13 @@ class HarmonicResiduals:
             try:
                 response = self._response(point, i)
                 blocks.append(self._block(point, i, response))
-            except (NoSteadyOrbit, ValueError):
+            except NO_MOTION:
                 return None
             slips |= response.slips
         return np.vstack(blocks) if slips else None
 
     def _response(self, point: Array, i: int) -> Response:
-        """The motion of a record.   Raises NoSteadyOrbit, perhaps after a long search, and ValueError."""
+        """The motion of a record.   Raises NO_MOTION, perhaps after a long search."""
         try:
             response = self.unknowns.response(point, i, self.near.get(i))
         except NoSteadyOrbit:

@@ -118,7 +118,9 @@ class _Kernel:
         global _left
         if _left > 0.0:
             _left -= 1.0
-            return self.py_func(*arguments)
+            # Python raises where machine code goes on with NaN or ∞, as at √−1 or e^1000: that goes on for this call
+            with contextlib.suppress(ArithmeticError, ValueError):
+                return self.py_func(*arguments)
         return self.dispatcher(*arguments)
 
 
@@ -131,8 +133,8 @@ def jit(function: Function) -> Function:
 def interpreted(on: bool = True, calls: float = math.inf) -> Iterator[None]:
     """Run kernels in Python, which for a few hundred orbits takes less time than importing Numba.
 
-    calls : of kernels, also from one another; those beyond are compiled. An orbit takes 100 to 200.
-    The last bits may differ, and Python raises errors where machine code goes on with NaN or ∞.
+    calls : of kernels, also from one another; those beyond are compiled, and those in which Python raises an error, for
+    machine code may go on with NaN or ∞. An orbit takes 100 to 200. The last bits may differ.
     """
     global _left
     previous, _left = _left, calls if on else 0.0

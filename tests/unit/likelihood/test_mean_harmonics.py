@@ -56,7 +56,7 @@ def test_without_noise_the_features_are_exact(frequency_hz, channels):
 
 
 def test_the_work_has_no_bias_of_noise():
-    """W is linear in x_1. By way of |x_1|² − var x_1 and the angle of x_1 it is σ²/X_1² too small, σ of the real part."""
+    """W is linear in x_1. By way of |x_1|² − var x_1 and the angle it is σ²/X_1² too small, σ of the real part."""
     orbit, part, draws = _orbit(), 0.1, 20_000
     steady = _read(orbit, 1e-3).steady
     x = orbit.harmonics(3)

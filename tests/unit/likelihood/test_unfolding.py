@@ -22,8 +22,8 @@ POINTS = 8192
 def records(samples, noise=1e-3, seed=5, highest=math.inf, poles=()):
     """Base displacement and acceleration with so many samples to the cycle.
 
-    highest : harmonic beyond which an anti-alias filter without delay passes nothing.   poles : of a low-pass filter that
-    the mapping names, rad/s.
+    highest : harmonic beyond which an anti-alias filter without delay passes nothing.   poles : of a low-pass filter
+    that the mapping names, rad/s.
     """
     rng = np.random.default_rng(seed)
     t = np.arange(int(samples * CYCLES) + 2) * (2.0 * math.pi / (OMEGA * samples))

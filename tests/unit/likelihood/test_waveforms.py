@@ -22,7 +22,7 @@ from dampbalance.likelihood.steady_search import (
     with_delay,
     with_mass,
 )
-from dampbalance.likelihood.waveforms import Unknowns, WaveformFit
+from dampbalance.likelihood.waveforms import HarmonicResiduals, Unknowns, WaveformFit
 from dampbalance.motion.regime import Regime
 from dampbalance.reading.lines import Lines
 from paper_case import FREQUENCIES_HZ, LEVELS, NEAR, PAPER, motions_at, orbits_at
@@ -95,6 +95,48 @@ def test_a_fit_holds_from_starts_that_need_no_orbits(osc, hz, regime, monkeypatc
     fit = fit_oscillator([lines_of(orbit, EXACT) for orbit in orbits], osc.k)
     assert fit.adequate
     assert np.abs(off(fit, osc)).max() < 1e-2
+
+
+def residuals() -> tuple[HarmonicResiduals, np.ndarray]:
+    """Residuals of one record, and the point of its oscillator."""
+    (orbit,) = orbits_at(NEAR, [0.004])
+    unknowns = Unknowns(Law(), (lines_of(orbit, EXACT),), PAPER.k)
+    point = np.array([PAPER.F_k, PAPER.c, PAPER.K_z**-0.5, PAPER.m, 0.0, 0.004, 0.0])
+    return HarmonicResiduals(unknowns, 0.0), point
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [("m", -1.0), ("F_k", math.nan), ("c", math.inf), ("rho", 0.0), ("rho", 1e-200)],
+)
+def test_numbers_that_no_oscillator_has_are_no_motion(name, value):
+    of, point = residuals()
+    assert of.evaluate(point) is not None
+    point[of.unknowns.names.index(name)] = value
+    assert of.evaluate(point) is None
+
+
+@pytest.mark.parametrize(
+    ("error", "hidden"),
+    [
+        (ZeroDivisionError("float division by zero"), True),
+        (OverflowError("math range error"), True),
+        (np.linalg.LinAlgError("Singular matrix"), True),
+        (ValueError("operands could not be broadcast together"), False),
+        (IndexError("index 3 is out of bounds"), False),
+    ],
+)
+def test_a_defect_is_not_taken_for_a_point_without_motion(error, hidden, monkeypatch):
+    def failing(*_, **__):
+        raise error
+
+    of, point = residuals()
+    monkeypatch.setattr("dampbalance.law.steady.steady_orbit_near", failing)
+    if hidden:
+        assert of.evaluate(point) is None
+    else:
+        with pytest.raises(type(error)):
+            of.evaluate(point)
 
 
 def test_slopes_are_those_of_orbits_beside():

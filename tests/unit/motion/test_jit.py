@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import re
 import shutil
@@ -231,6 +232,26 @@ def test_interpreted_kernels_give_the_same_orbit():
         features = orbit.X, orbit.b
     # the same operations in the same order; only the library of sines may round a last bit otherwise
     assert features == pytest.approx((compiled.X, compiled.b), rel=1e-13)
+
+
+def test_interpreted_kernels_go_on_where_compiled_ones_do(monkeypatch):
+    monkeypatch.setattr(dampbalance.motion.jit, "_folder", lambda: None)
+    jit = dampbalance.motion.jit.jit
+    root, power = jit(lambda x: math.sqrt(x)), jit(lambda x: math.exp(x))
+    both = jit(lambda x: (root(-x), power(x), x))
+    with dampbalance.motion.jit.interpreted():
+        assert math.isnan(root(-1.0))
+        assert power(1e4) == math.inf
+        inner = both(1e4)
+    assert math.isnan(inner[0])
+    assert inner[1:] == (math.inf, 1e4)
+    # the kernel that calls them needs no compilation
+    assert both._dispatcher is None
+    # division by zero is an error to both
+    part = jit(lambda x: 1.0 / x)
+    for on in (True, False):
+        with dampbalance.motion.jit.interpreted(on), pytest.raises(ZeroDivisionError):
+            part(0.0)
 
 
 def test_interpreting_needs_no_numba():

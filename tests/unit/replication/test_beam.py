@@ -110,7 +110,9 @@ def test_a_window_without_a_sample_is_refused_by_file_and_key(tmp_path):
     lines = known_lines()
     comparison = compare_contacts(lines, hardening=False, replicates=10)
     blow = known_blow(tmp_path) | {"window_s": 1e-6}
-    with pytest.raises(ValueError, match=r"beam: .*blow\.csv: window_s must be a cycle of the band's"):
+    with pytest.raises(
+        ValueError, match=r"beam: .*blow\.csv: window_s must be a cycle of the band's"
+    ):
         findings(comparison, lines, {}, blow)
 
 

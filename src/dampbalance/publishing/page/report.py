@@ -137,8 +137,8 @@ def report_page(content: PageContent, page: str) -> str:
     size = len(html.encode())
     if size > LARGEST_PAGE:
         warnings.warn(
-            f"{page} has {size:,} bytes, more than the {LARGEST_PAGE:,} that a phone loads quickly: show fewer studies, or "
-            "coarser ones",
+            f"{page} has {size:,} bytes, more than the {LARGEST_PAGE:,} that a phone loads quickly: show fewer "
+            "studies, or coarser ones",
             stacklevel=2,
         )
     return html

@@ -45,8 +45,8 @@ def modal_decay(
     other one.   start : of the first window, s; late enough for the filter to have forgotten the blow.   window : s,
     several cycles long and short compared with the decay.
 
-    Raises ValueError for a band that the sampling does not hold, a window of less than a cycle, and a record of less than
-    two windows.
+    Raises ValueError for a band that the sampling does not hold, a window of less than a cycle, and a record of less
+    than two windows.
     """
     rate = (len(t) - 1) / (t[-1] - t[0])
     if not 0.0 < band_hz[0] < band_hz[1] < 0.5 * rate:
@@ -55,8 +55,8 @@ def modal_decay(
         )
     if not window * band_hz[0] >= 1.0:
         raise ValueError(
-            f"window_s must be a cycle of the band's lowest frequency at least, {1.0 / band_hz[0]:.3g} s, better several: "
-            f"got {window:g}"
+            f"window_s must be a cycle of the band's lowest frequency at least, {1.0 / band_hz[0]:.3g} s, better "
+            f"several: got {window:g}"
         )
     passed = signal.butter(_ORDER, band_hz, "bandpass", fs=rate, output="sos")
     analytic = signal.hilbert(signal.sosfiltfilt(passed, acceleration))
@@ -66,8 +66,8 @@ def modal_decay(
     windows = (len(t) - first) // length - 1
     if windows < 1:
         raise ValueError(
-            f"a record from {t[0]:.6g} to {t[-1]:.6g} s holds no two windows of {window:g} s after {start:g} s: shorten "
-            "window_s or start_s"
+            f"a record from {t[0]:.6g} to {t[-1]:.6g} s holds no two windows of {window:g} s after {start:g} s: "
+            "shorten window_s or start_s"
         )
     parts = np.arange(first, first + windows * length).reshape(windows, length)
     step = (np.arange(length) - 0.5 * (length - 1)) / rate
