@@ -311,7 +311,12 @@ def steadiness(
             "{} is not steady: its amplitude changes by {:.2g} %, its phasor by up to {:.2g} % during the record "
             "(chance of that in noise: {:.0e})"
         )
-        sizes = (name, 100.0 * found.size, 100.0 * found.turn, min(1.0, found.chance))
+        sizes: tuple[str | float, ...] = (
+            name,
+            100.0 * found.size,
+            100.0 * found.turn,
+            min(1.0, found.chance),
+        )
         # where the phasor stays within its scatter about the mean of the second half
         late = rows[size // 2 :].mean()
         scatter = 4.0 * math.sqrt(parts * found.noise) + 1e-6 * abs(late)

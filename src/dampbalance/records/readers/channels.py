@@ -302,8 +302,8 @@ class _Plan:
         """The error for channels that cannot be distinguished, with what to write."""
         return RecordError(
             f"{self.path}: {what}; it needs one of {', '.join(EXCITATIONS)}, unless it is a free decay (--kind "
-            f"ring-down), and at least one of {', '.join(ABSOLUTE)} (relative_displacement, … if measured against the base). Its channels are "
-            f"{self.overview}. {self.suggested('Say which is which')}"
+            f"ring-down), and at least one of {', '.join(ABSOLUTE)} (relative_displacement, … if measured against the "
+            f"base). Its channels are {self.overview}. {self.suggested('Say which is which')}"
         )
 
     def suggested(self, what: str) -> str:
