@@ -154,6 +154,8 @@ class _Plan:
         if time is not None:
             seconds = self.unit(self.channels[time], self.mapping.time_unit, "time")
             return replace(pick, time=time, time_factor=seconds)
+        if raw.fault:
+            raise RecordError(raw.fault)
         if raw.rate_hz is not None:
             return replace(pick, rate_hz=raw.rate_hz, start=raw.start)
         raise RecordError(
