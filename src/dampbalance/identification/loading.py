@@ -47,8 +47,8 @@ def load(
     whole = record.measurement
     if not record.driven or (whole is not None and stands_still(whole.excitation.values)):
         raise NotDriven(
-            f"{record.name}: the excitation channel is missing, constant, or strikes only: a forced record needs one that keeps moving "
-            f"({', '.join(EXCITATIONS)}); a free decay is identified by itself (--kind ring-down)"
+            f"{record.name}: the excitation channel is missing or constant, or only strikes: a forced record needs one "
+            f"that keeps moving ({', '.join(EXCITATIONS)}); a free decay is identified by itself (--kind ring-down)"
         )
     nominal = record.rules.frequency_hz if frequency_hz is None else frequency_hz
     if whole is None:

@@ -290,7 +290,7 @@ def two_clocks(quantity: str, faster: tuple[float, float]) -> Remark:
 
 
 def steadiness(
-    Y: Complexes, X: Complexes, times: Array, weights: Array, period: float, skipped: int
+    Y: Complexes, X: Complexes, times: Array, weights: Array, period: float, skipped: int = 0
 ) -> Iterator[Remark]:
     """Whether the fundamentals of base and response stay as they are, against the scatter from cycle to cycle
     (`_change`).   skipped : cycles that were left out before.
@@ -324,7 +324,7 @@ def steadiness(
             words += "; it settles after about {} cycles: leave those out (--skip-cycles {})"
             sizes = (*sizes, after, skipped + after)
         elif found.size > _DRIFT_WRONG:
-            words += "; leave out cycles at its start (--skip-cycles), or record again once it has settled"
+            words += "; leave out cycles at its start (--skip-cycles), or record again after the motion has settled"
         if found.size > _DRIFT_WRONG:
             raise ValueError(words.format(*sizes))
         yield _doubtful(words, *sizes)

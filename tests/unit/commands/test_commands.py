@@ -596,7 +596,8 @@ def test_a_mapping_to_start_from_needs_no_stiffness(tmp_path, answer):
     said = answer("identify", "--write-mapping", mapping, code=2)
     assert "arguments are required: RECORD" in said
     assert "--stiffness" not in said
-    table = tmp_path / "levels.csv"
+    (tmp_path / "stepped").mkdir()
+    table = tmp_path / "stepped" / "levels.csv"
     table.write_text("frequency [Hz],force [N],x [mm],phase [rad]\n49,1,2,3\n", encoding="utf-8")
     other = tmp_path / "other.yaml"
     said = answer("identify", table, "--write-mapping", other, code=2)

@@ -344,6 +344,9 @@ def test_structures_of_matlab_are_counted_right(tmp_path):
     count = t.size + y.size + x.size
     assert read(path, largest=4 * (count + 1000))
     refused(path, "MATLAB 5 is read whole", largest=4 * (count - 1))
+    with pytest.raises(RecordError, match="--largest") as error:
+        read(path, largest=1000)
+    assert read(path, largest=int(re.search(r"--largest (\d+)", str(error.value))[1]))
 
 
 # HDF5

@@ -481,6 +481,7 @@ def test_unequal_lengths(tmp_path):
 def test_a_rate_that_is_none(tmp_path, rate):
     path = hdf5(tmp_path, {"fs": rate}, base_mm=Y, acc_g=A)
     refused(path, r"fs of channel .* is .*give sample_rate_hz")
+    assert_expected(read(path, {"sample_rate_hz": RATE}))
 
 
 def test_parquet_with_text_and_nulls(tmp_path):

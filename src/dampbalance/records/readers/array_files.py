@@ -173,7 +173,8 @@ def _unrolled(fields: Iterable[tuple[str, Any]]) -> Iterator[tuple[str, Any]]:
 
 
 def _require_readable(path: Path, most: int) -> None:
-    """RecordError for a file whose arrays hold more than `most` numbers, or each other too deeply."""
+    """RecordError for a file whose arrays hold more than `most` numbers, or each other too deeply. What is beyond them
+    is not counted: it has a number in each byte at the most."""
     numbers = elements = 0
     with open(path, "rb") as stream:
         order = ">" if stream.read(_HEADER).endswith(b"MI") else "<"
@@ -186,12 +187,17 @@ def _require_readable(path: Path, most: int) -> None:
             if kind == _PACKED:
                 read = _Unpacked(stream, size).read
                 kind, size = struct.unpack(f"{order}II", read(8))
-            for count in _counts(read, order, size) if kind == _ARRAY else [0]:
-                numbers += count
-                if numbers > most:
-                    holds = f"holds more than {most:,} numbers"
-                    raise too_large(path, holds, "MATLAB 5", 16 * most, ", save it as -v7.3")
+            if kind == _ARRAY and numbers <= most:
+                for count in _counts(read, order, size):
+                    numbers += count
+                    if numbers > most:
+                        break
+            if kind == _ARRAY and numbers > most:
+                numbers += size
             stream.seek(end)
+    if numbers > most:
+        holds = f"holds more than {most:,} numbers"
+        raise too_large(path, holds, "MATLAB 5", 4 * numbers, ", save it as -v7.3")
 
 
 def _counts(read: Callable[[int], bytes], order: str, left: int, depth: int = 1) -> Iterator[int]:

@@ -154,6 +154,8 @@ class _Plan:
         if time is not None:
             seconds = self.unit(self.channels[time], self.mapping.time_unit, "time")
             return replace(pick, time=time, time_factor=seconds)
+        if raw.fault:
+            raise RecordError(raw.fault)
         if raw.rate_hz is not None:
             return replace(pick, rate_hz=raw.rate_hz, start=raw.start)
         raise RecordError(
@@ -302,8 +304,8 @@ class _Plan:
         """The error for channels that cannot be distinguished, with what to write."""
         return RecordError(
             f"{self.path}: {what}; it needs one of {', '.join(EXCITATIONS)}, unless it is a free decay (--kind "
-            f"ring-down), and at least one of {', '.join(ABSOLUTE)} (relative_displacement, … if measured against the base). Its channels are "
-            f"{self.overview}. {self.suggested('Say which is which')}"
+            f"ring-down), and at least one of {', '.join(ABSOLUTE)} (relative_displacement, … if measured against the "
+            f"base). Its channels are {self.overview}. {self.suggested('Say which is which')}"
         )
 
     def suggested(self, what: str) -> str:

@@ -7,7 +7,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -41,6 +41,7 @@ class RawChannel:
     size : number of samples, or None if only reading tells.
     rate_hz : samples per second, or None if the file does not say.   start : time of its first sample, s.
     stamps : whether it holds points in time, or spans of it; read as s from the first on.
+    fault : of the rate, the step or the first time that the file states; "" for none.
     """
 
     name: str
@@ -50,6 +51,7 @@ class RawChannel:
     start: float = 0.0
     label: str = ""
     stamps: bool = False
+    fault: str = ""
 
 
 class RecordFile(ABC):
@@ -185,40 +187,38 @@ def described(
     unit: str | None = None,
     folder: str = "",
 ) -> RawChannel:
-    """The channel of `size` samples with that label, its timing among the attributes, whatever they are called.
+    """The channel of `size` samples with that label, its timing among the attributes, whatever they are called; with
+    a fault where a rate, a step or a first time is none.
 
     unit : instead of the label's.   folder : that it stands in, up to its last slash.
-
-    Raises RecordError when a rate, a step or a first time is none.
     """
     name, own = split_label(label)
     name, label = f"{folder}{name}", f"{folder}{label}"
     values = {str(key).lower(): value for key, value in attributes.items()}
     channel, remedy = f"channel {shortened(label)}", "give sample_rate_hz in a mapping"
+    raw = RawChannel(name, unit or own, size, label=label)
 
     def number(key: str) -> float:
         value = np.asarray(values[key])
         if value.size != 1 or value.dtype.kind not in "fiu":
-            raise RecordError(
-                f"{path}: {key} of {channel} is {shortened(values[key])}, not a number; {remedy}"
-            )
+            raise ValueError(f"{key} of {channel} is {shortened(values[key])}, not a number")
         return float(value.reshape(-1)[0])
 
-    start = next((number(key) for key in START_NAMES if key in values), 0.0)
-    if not abs(start) <= LATEST:
-        raise RecordError(f"{path}: {channel} begins at {start:g} s; {remedy}")
-    key = next((key for key in (*RATE_NAMES, *STEP_NAMES) if key in values), None)
-    if key is None:
-        return RawChannel(name, unit or own, size, None, start, label)
-    value, low, high = number(key), LOWEST_RATE, HIGHEST_RATE
-    if key in STEP_NAMES:
-        low, high = 1.0 / HIGHEST_RATE, 1.0 / LOWEST_RATE
-    if not low <= value <= high:
-        raise RecordError(
-            f"{path}: {key} of {channel} is {value:g}, not within {low:g} to {high:g}; {remedy}"
-        )
-    rate = 1.0 / value if key in STEP_NAMES else value
-    return RawChannel(name, unit or own, size, rate, start, label)
+    try:
+        start = next((number(key) for key in START_NAMES if key in values), 0.0)
+        if not abs(start) <= LATEST:
+            raise ValueError(f"{channel} begins at {start:g} s")
+        key = next((key for key in (*RATE_NAMES, *STEP_NAMES) if key in values), None)
+        if key is None:
+            return replace(raw, start=start)
+        value, low, high = number(key), LOWEST_RATE, HIGHEST_RATE
+        if key in STEP_NAMES:
+            low, high = 1.0 / HIGHEST_RATE, 1.0 / LOWEST_RATE
+        if not low <= value <= high:
+            raise ValueError(f"{key} of {channel} is {value:g}, not within {low:g} to {high:g}")
+    except ValueError as error:
+        return replace(raw, fault=f"{path}: {error}; {remedy}")
+    return replace(raw, rate_hz=1.0 / value if key in STEP_NAMES else value, start=start)
 
 
 def unit_among(attributes: dict[str, object]) -> str | None:
