@@ -67,6 +67,7 @@ READ = [
     (["y [MM]", "acc [G]"], {BASE_D: 0, A: 1}),
     (["y [in]", "x in inches"], {BASE_D: 0, X: 1}),
     (["Laser [mm]"], {X: 0}),
+    (["Table laser 2 [mm]"], {X: 0}),  # the only signal
     (["Laser [mm]", "Torque [Nm]"], {X: 0}),
     (["x [mm]", "Conductance [S]"], {X: 0}),
     (["x [mm]", "wind [kn]"], {X: 0}),
@@ -179,6 +180,9 @@ def test_known_free_decays_need_no_drive():
         given = {name: of for name, of in signals.items() if name != left}
         (one,) = read_records(given, free=True)
         assert list(one.quantities) == quantities
+    given = {"time_s": T, "Ch 1 [g]": SIGNALS[0], "Hammer [V]": SIGNALS[1], "Ch 3": SIGNALS[2]}
+    (one,) = read_records(given, free=True)
+    assert list(one.quantities) == [A]
     both = signals | {"Force [N]": SIGNALS[3]}
     (one,) = read_records(both, free=True)
     assert list(one.quantities) == [BASE_D, A]

@@ -84,9 +84,8 @@ def picks_of(file: RecordFile, mapping: RecordMapping, *, entire: bool = True) -
         chosen = {q: plan.find(rule.channel, f"channels.{q}.channel") for q, rule in rules.items()}
     else:
         chosen = plan.recognised()
-        if (
-            mapping.free
-        ):  # what may drive is read, where its unit says how, to see that it stands still
+        if mapping.free:
+            # what may drive is read, where its unit says how, to see that it stands still
             moving = [q for q in EXCITATIONS if q in chosen and by_unit(plan.channels[chosen[q]])]
             chosen = {q: i for q, i in chosen.items() if q in (*RESPONSES, *moving[:1])}
         rules = {quantity: ChannelRule(channel=index + 1) for quantity, index in chosen.items()}
@@ -194,14 +193,15 @@ class _Plan:
         forces = [i for i in left if by_unit(self.channels[i]) == "force"]
         if not driving and len(forces) == 1 and len(left) == 2 - bool(answering):
             chosen["force"] = forces[0]
+        if not chosen and len(left) == 1 and (q := by_unit(self.channels[left[0]])) in ABSOLUTE:
+            return {str(q): left[0]}, ""  # of a free decay
         others = {i: self.named(i) or by_unit(self.channels[i]) for i in left if i not in forces}
-        motions = {q: i for i, q in others.items() if q}
-        alone = [*others.values()].count(None) + 1 == len(others)
-        if answering or not alone or not motions.keys() <= RESPONSES.keys():
-            return chosen, ""
-        # a single signal is that of a free decay, if its unit says what it is
-        free = not chosen and len(left) == 1 and by_unit(self.channels[left[0]]) in ABSOLUTE
-        return chosen | (motions if free or chosen else {}), ""
+        answers = {q: i for i, q in others.items() if q in RESPONSES}
+        single = len([q for q in others.values() if q in answers]) == 1 and not answering
+        nothing_else = {*others.values()} <= {*answers, None}
+        if single and (self.mapping.free or (chosen and nothing_else)):
+            chosen |= answers
+        return chosen, ""
 
     def named(self, i: int) -> str | None:
         """The quantity that a heading names, also in other words, if its unit is not of another one."""
@@ -394,7 +394,8 @@ class _Suggestion:
         chosen, twice = plan.told_apart
         for quantity, i in ({} if twice else chosen).items():
             unit = by_unit(self.channels[i])
-            if i in names and unit and DIMENSIONS[unit] == DIMENSIONS[quantity] and not names[i]:
+            fits = unit and DIMENSIONS[unit] == DIMENSIONS[quantity]
+            if i in names and names[i] != quantity and fits:
                 names[i], self.why[i] = quantity, _BY_UNIT
         names |= self._first_drives(names)
         for i in sorted(names, key=lambda i: (names[i] is None, by_unit(self.channels[i]) is None)):
