@@ -21,6 +21,7 @@ from ..balance import TERMS, Rows
 from ..likelihood.decay import (
     COMMON,
     RingFit,
+    ScatteringMean,
     fit_decays,
     linear_solution,
     with_intervals,
@@ -310,7 +311,7 @@ def _solved(
     """The rows solved, with warnings and with notes, those that are known before and others."""
     from scipy import special  # slow to import
 
-    values, covariance, misfit, freedom = _least_squares(fit, rows)
+    values, covariance, misfit, freedom, interval = _least_squares(fit, rows)
     fit_notes = [*known, *map(Remark, fit.shortcomings)]
     further = departures(fit)
     scale = 1.0 if fit.adequate else math.sqrt(fit.misfit)
@@ -340,6 +341,8 @@ def _solved(
         notes.append(fit_notes[-1])
     errors = np.sqrt(np.diag(covariance)).tolist()
     estimates = {s: normal(p, error) for (s, p), error in zip(values.items(), errors, strict=True)}
+    if interval is not None:
+        estimates["F_k"] = replace(estimates["F_k"], interval=interval)
     clipped_signals = {
         f"{signal.quantity} of {one.source}": Remark(
             "{} is clipped: several samples hold its extreme value; swings are too small; raise the measuring range",
@@ -401,20 +404,34 @@ def _solved(
     )
 
 
-def _least_squares(fit: RingFit, rows: RingRows) -> tuple[dict[str, float], Array, float, int]:
-    """(F_k and c by symbol, their covariance, χ² per degree of freedom, degrees of freedom)."""
+def _least_squares(
+    fit: RingFit, rows: RingRows
+) -> tuple[dict[str, float], Array, float, int, Interval | None]:
+    """(F_k and c by symbol, their covariance, χ² per degree of freedom, degrees of freedom, interval of F_k where it is
+    the mean of several friction forces)."""
     scale = np.sqrt(np.diag(rows.covariance))
     scale = np.where(scale > 0.0, scale, 1.0)
     # rows that the same samples make may nearly be one
     sizes, vectors = np.linalg.eigh(rows.covariance / np.outer(scale, scale))
     least = 1e-10 * sizes.max(initial=0.0)
-    white = (vectors / np.sqrt(np.maximum(sizes, least))).T @ (rows.columns / scale[:, None])
-    estimate = solve(Rows({"F_k": white[:, A], "c": white[:, B]}, white[:, W]))
+    forces = np.unique(rows.friction[rows.friction >= 0])
+    travels = [np.where(rows.friction == one, rows.columns[:, A], 0.0) for one in forces]
+    columns = np.column_stack([rows.columns[:, W], *travels, rows.columns[:, B]])
+    white = (vectors / np.sqrt(np.maximum(sizes, least))).T @ (columns / scale[:, None])
+    estimate = solve(Rows({str(j): g for j, g in enumerate(white.T[1:])}, white[:, W]))
     if math.isnan(estimate.residual):
-        return {}, np.empty((0, 0)), math.nan, 0
-    values = {name: float(value) for name, value in estimate.values.items()}
-    _, covariance = linear_solution(white[:, [A, B]], white[:, W], np.full(2, math.inf))
-    left = white @ [-1.0, *values.values()]
-    freedom = len(white) - len(values)
+        return {}, np.empty((0, 0)), math.nan, 0, None
+    values = np.array([*map(float, estimate.values.values())])
+    _, covariance = linear_solution(white[:, 1:], white[:, W], np.full(values.size, math.inf))
+    left = white @ [-1.0, *values]
+    freedom = len(white) - values.size
     misfit = float(left @ left) / freedom if freedom > 0 else math.nan
-    return values, covariance, misfit, freedom
+    if forces.size == 1:
+        interval = None
+    else:
+        mean = ScatteringMean.of(values[:-1], covariance[:-1, :-1])
+        averages = np.zeros((2, values.size))
+        averages[0, :-1], averages[1, -1] = 1.0 / forces.size, 1.0
+        values, covariance = averages @ values, averages @ covariance @ averages.T
+        covariance[0, 0], interval = mean.error**2, Interval(*mean.interval)
+    return dict(zip(TERMS, values.tolist(), strict=True)), covariance, misfit, freedom, interval
