@@ -30,7 +30,7 @@ from ..likelihood.decay import (
 from ..likelihood.law_fit import departures
 from ..likelihood.score import Departure
 from ..likelihood.search import fit_all, minima_of, separate_fits
-from ..project.wording import Remark, times, visible
+from ..project.wording import Remark, listed, times, visible
 from ..reading.bursts import NoDecay, Signal, noise_of
 from ..reading.conditioning import evenly_sampled
 from ..reading.cycles import clipped, stands_still
@@ -48,12 +48,18 @@ from .answer import (
     covariance_of,
     normal,
 )
-from .causes import condition_on_contact, gradual_contact, remark_on
-from .decay_laws import compare_decay_laws, condition_of, doubt_of
+from .causes import gradual_contact, remark_on
+from .decay_laws import (
+    compare_decay_laws,
+    condition_of,
+    condition_of_contact,
+    doubt_of,
+    with_effects,
+)
 from .half_cycles import A, B, RingRows, W, rows_of
 from .identified import Identified, Level, Picture
 from .remarks import forbidden
-from .screen import implied
+from .screen import implied, with_error
 from .sensitivities import Fault
 
 BALANCE = "balance"
@@ -82,10 +88,12 @@ class DecayOutcome(Identified):
     kind: ClassVar[Mapping[str, str]] = {"kind": "ring-down"}
 
     def findings(self) -> dict[str, Any]:
-        """What each further coefficient would explain, the decays of each record."""
+        """What each further coefficient would explain, the standard deviation of the friction forces, 0 where all
+        decays share one, and the decays of each record."""
         decays = [(one.source, self._decay(i)) for i, one in enumerate(self.fit.decays)]
         return {
             "departures": [asdict(one) for one in self.departures],
+            "F_k_scatter_N": self.fit.friction.scatter,
             "records": [
                 {"record": name, "decays": [decay for source, decay in decays if source == name]}
                 for name in self.sources
@@ -94,13 +102,15 @@ class DecayOutcome(Identified):
 
     def _decay(self, i: int) -> dict[str, Any]:
         one, (turns, errors) = self.fit.decays[i], self.half_cycles.turns[i]
-        still = self.fit.sticks_from(i)
+        still, place = self.fit.sticks_from(i), self.fit.friction_places[i]
         # where the spring is slack, in the channel of displacement if there is one
         rest = next((signal.offset for signal in one.signals if signal.order == 0), None)
         return {
             "decay": i + 1,
             "start_s": one.start,
             "end_s": one.end,
+            "F_k_N": self.fit.point_of(i)[0],
+            "F_k_standard_error_N": math.sqrt(self.fit.covariance[place, place]),
             "sticks_from_s": one.start + still if math.isfinite(still) else None,
             "rest_m": None if rest is None else self.fit.point[len(COMMON) + rest],
             "noise_rms": {signal.quantity: signal.noise for signal in one.signals},
@@ -128,16 +138,17 @@ class DecayOutcome(Identified):
     def levels(self) -> list[Level]:
         """Swings of each decay, spread over it: what half a cycle between two turns loses, twice. The first, which
         begins at no turn, and the last, which may end in sticking, are left out."""
-        F_k, rows = next(iter(self.approaches.values())).values["F_k"], self.half_cycles
-        levels = []
+        rows, levels = self.half_cycles, []
+        mean = next(iter(self.approaches.values())).values["F_k"]
         for i, (turns, _) in enumerate(rows.turns):
             of = rows.columns[rows.decay == i]
+            own = self.fit.point_of(i)[0] - self.fit.F_k  # zero where all decays share one
             spread = np.linspace(1, len(of) - 2, _SWINGS if len(of) > 2 else 0)
             for n in np.unique(spread.round().astype(int)):
                 (start, x_a), (end, x_b) = turns[n : n + 2]
                 X, omega = 0.5 * abs(x_b - x_a), math.pi / (end - start)
                 name = f"decay {i + 1} at {start:.3g} s"
-                levels.append(Level(name, X, omega, 2.0 * of[n, W], 2.0 * F_k * of[n, A]))
+                levels.append(Level(name, X, omega, 2.0 * of[n, W], 2.0 * (mean + own) * of[n, A]))
         return levels
 
     def shifts(self, faults: Mapping[str, Fault], name: str) -> dict[str, dict[str, float]]:
@@ -384,15 +395,16 @@ def _solved(
         correlations,
         merit={"misfit": misfit, "degrees_of_freedom": freedom},
     )
-    conditions: list[str] = []
+    conditions, effects, stiffer = _scatter_of(fit), {}, 0.0
     if gradual is None and not doubt:
-        conditions = [*filter(None, [condition_of(fit, further)])]
-        conditions += condition_on_contact(fit, further) if fit.adequate else []
+        sentence, effects = condition_of(fit, further)
+        of_contact, stiffer = condition_of_contact(fit, further) if fit.adequate else ("", 0.0)
+        conditions += filter(None, [sentence, of_contact])
     return DecayOutcome(
         k=fit.k,
         sources=sources,
-        estimates={BALANCE: answer},
-        reference=reference,
+        estimates={BALANCE: with_effects(answer, fit, effects, stiffer)},
+        reference=with_effects(reference, fit, effects, stiffer),
         warnings=(*warnings, *clipped_signals.values()),
         head=f"{_counted(len(sources), 'record')} with {_counted(len(fit.decays), 'free decay')}, "
         f"{_slipping(rows.halves)}; values with 95 % intervals",
@@ -402,6 +414,20 @@ def _solved(
         half_cycles=rows,
         departures=further,
     )
+
+
+def _scatter_of(fit: RingFit) -> list[str]:
+    """A sentence on the friction forces of the decays where they do not share one."""
+    if fit.frictions.size == 1:
+        return []
+    mean, errors = fit.friction, np.sqrt(np.diag(fit.covariance)[fit.friction_places])
+    forces = listed(
+        [with_error(*pair) for pair in zip(fit.frictions, errors.tolist(), strict=True)]
+    )
+    return [
+        f"The decays do not share one friction force: {forces} N. F_k is their mean, and its interval holds their "
+        f"scatter, a standard deviation of {mean.scatter:.2g} N or {100.0 * mean.scatter / mean.value:.2g} %."
+    ]
 
 
 def _least_squares(

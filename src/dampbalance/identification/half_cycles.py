@@ -163,7 +163,10 @@ def rows_of(fit: RingFit) -> RingRows:
 
     # to first order about the fit: a poorly determined level would distort the squares in W
     columns_of = [columns + slope @ shifts for columns, slope in rows]
-    slopes = [s[:, W] - s[:, A] * own[0] - s[:, B] * fit.c for (_, s), own in zip(rows, points, strict=True)]
+    slopes = [
+        s[:, W] - s[:, A] * own[0] - s[:, B] * fit.c
+        for (_, s), own in zip(rows, points, strict=True)
+    ]
     which = [i for i, columns in enumerate(columns_of) for _ in columns]
     force_of = [one.friction for one in fit.decays]
     forces = [force_of[i] for i in which]
@@ -171,7 +174,10 @@ def rows_of(fit: RingFit) -> RingRows:
     travel: dict[int, list[float]] = {}
     for force, course in zip(force_of, courses, strict=True):
         travel.setdefault(force, []).extend(abs(half.x_b - half.x_a) for half in course.halves)
-    shape = [(A, force, fit.friction_places[force_of.index(force)], math.fsum(ways)) for force, ways in travel.items()]
+    shape = [
+        (A, force, fit.friction_places[force_of.index(force)], math.fsum(ways))
+        for force, ways in travel.items()
+    ]
     shape.append((B, -1, 1, math.fsum(course.viscous for course in courses)))
     for column, force, j, size in shape:
         if covariance[total + j, total + j] > 0.0 and size > 0.0:

@@ -191,7 +191,7 @@ class RingFit(OscillatorFit):
         means = np.eye(len(self.names), self.point.size)
         means[0, places] = 1.0 / len(places)
         covariance = means @ self.covariance @ means.T
-        covariance[0, 0] = self.friction.error ** 2
+        covariance[0, 0] = self.friction.error**2
         return covariance
 
     def point_of(self, i: int) -> Array:
@@ -305,7 +305,9 @@ def columns_of(
     samples : (number of a decay, channel) → samples and their derivatives by the common unknowns and the start state.
     """
     blocks = []
-    for i, (one, friction) in enumerate(zip(decays, friction_places(decays, point.size), strict=True)):
+    for i, (one, friction) in enumerate(
+        zip(decays, friction_places(decays, point.size), strict=True)
+    ):
         begin = point.size - STATE * (len(decays) - i)
         places = [friction, *range(1, common), *range(begin, begin + STATE)]
         for signal in one.signals:
@@ -402,7 +404,9 @@ class Samples(NamedTuple):
     def of(cls, decays: Sequence[Decay], k: float, unknowns: int) -> Samples:
         """Pack the samples of decays for a fit with so many unknowns."""
         rows, end = [], 0
-        for i, (one, friction) in enumerate(zip(decays, friction_places(decays, unknowns), strict=True)):
+        for i, (one, friction) in enumerate(
+            zip(decays, friction_places(decays, unknowns), strict=True)
+        ):
             for signal in one.signals:
                 begin, end = end, end + signal.t.size
                 of, (first, step, _) = (i, signal.order, signal.offset), one.grid(signal)
