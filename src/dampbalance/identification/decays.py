@@ -31,7 +31,7 @@ from ..likelihood.law_fit import departures
 from ..likelihood.score import Departure
 from ..likelihood.search import fit_all, minima_of, separate_fits
 from ..project.wording import Remark, listed, times, visible
-from ..reading.bursts import NoDecay, Signal, noise_of
+from ..reading.bursts import NoDecay, Signal, noise_of, too_few_samples
 from ..reading.conditioning import evenly_sampled
 from ..reading.cycles import clipped, stands_still
 from ..reading.one_thread import one_thread
@@ -230,10 +230,12 @@ def identify_ring_downs(
         except NoDecay as error:
             raise ValueError(f"{record.source}: {_unclear(record)}: {error}") from None
         if not separate:
-            raise ValueError(
-                f"{record.source}: {_unclear(record)}: what moves in it is not the motion of a mass on a spring of "
-                f"{k:g} N/m with friction; give the record from the release or the blow on"
+            few = too_few_samples(bursts[0].period / min(signal.dt for signal in signals))
+            cause = few or (
+                f"what moves in it is not the motion of a mass on a spring of {k:g} N/m with friction; give the record "
+                "from the release or the blow on"
             )
+            raise ValueError(f"{record.source}: {_unclear(record)}: {cause}")
         warnings += [
             Remark(
                 "what moves about {:.4g} s is no free decay that slips, and is left out",

@@ -36,7 +36,7 @@ _SHARES = (0.05, 0.35, 0.65, 0.95)  # of friction in what the swing, or the moti
 _STIFFNESSES = (4.0, 30.0, 300.0)  # of K_z/k
 _MASSES = (0.85, 1.0, 1.15)  # relative to that of the period
 _CLIMBED, _ALIKE = 4, 1.5  # starts, until χ² per sample is below that
-_FIRST = 1.0  # cycles that are fitted first
+_FIRST = 1.0  # cycles that are fitted first, or more where these have too few samples
 _GROWTH = 2.0  # of the fitted part from one climb to the next
 _COARSE = 1e-2  # of half of χ², where a climb on the way ends
 _PIECES = 12  # of a cycle, in which the mass is looked at for rest
@@ -241,7 +241,8 @@ def _grown(
     whole: Decay, burst: Burst, lead: Signal, k: float, surest: RingFit | None
 ) -> RingFit | None:
     """The fit of a burst from its turn on."""
-    end = min(burst.turn + _FIRST * burst.period, burst.end)
+    enough = (_LEAST + 1) / math.fsum(1.0 / signal.dt for signal in whole.signals)
+    end = min(burst.turn + max(_FIRST * burst.period, enough), burst.end)
     part = whole.cut(burst.turn, end)
     if part.samples < _LEAST:
         return None
