@@ -21,13 +21,13 @@ from ..balance import TERMS, Rows
 from ..likelihood.decay import (
     COMMON,
     RingFit,
-    ScatteringMean,
     fit_decays,
     linear_solution,
     with_intervals,
     with_noise_of,
 )
 from ..likelihood.law_fit import departures
+from ..likelihood.scattering_mean import ScatteringMean
 from ..likelihood.score import Departure
 from ..likelihood.search import fit_all, minima_of, separate_fits
 from ..project.wording import Remark, listed, times, visible
@@ -397,7 +397,8 @@ def _solved(
         correlations,
         merit={"misfit": misfit, "degrees_of_freedom": freedom},
     )
-    conditions, effects, stiffer = _scatter_of(fit), {}, 0.0
+    conditions, stiffer = _scatter_of(fit), 0.0
+    effects: Mapping[str, float] = {}
     if gradual is None and not doubt:
         sentence, effects = condition_of(fit, further)
         of_contact, stiffer = condition_of_contact(fit, further) if fit.adequate else ("", 0.0)

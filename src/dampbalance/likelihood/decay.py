@@ -5,8 +5,9 @@ From the start of a decay on, the base being at rest, the mass follows
     m ẍ + c ẋ + k x + K_z z = 0,   ż = ẋ within |z| ≤ F_k/K_z
 
 with x counted from the rest position of the spring. c, ρ = K_z^{−1/2} and m are common to all decays, and so is F_k
-unless decays are numbered as having friction forces of their own: F_k is then their mean. Each channel of a record has a separate offset, which for a displacement holds the rest position of the spring; each decay
-has its start state (x, ẋ, w), z = (w − 1) F_k/K_z with 0 ≤ w ≤ 2. The noise is white, and the maximum of the likelihood
+unless decays are numbered as having friction forces of their own: F_k is then their mean. Each channel of a record has
+a separate offset, which for a displacement holds the rest position of the spring; each decay has its start state
+(x, ẋ, w), z = (w − 1) F_k/K_z with 0 ≤ w ≤ 2. The noise is white, and the maximum of the likelihood
 is the least sum of squares over all samples. The stiffness k is given.
 """
 
@@ -33,11 +34,11 @@ from ..motion.free_decay import (
     phase_slopes,
 )
 from ..reading.bursts import Signal, rounding
-from ..reading.chances import t_quantile
 from ..reading.whiteness import averages, chance_of_averages, chance_of_lines, louder
 from ..solver import NORMAL_95
 from .climb import GAIN, MOST, Bounds, Climb, climb
 from .oscillator_fit import OscillatorFit
+from .scattering_mean import ScatteringMean
 
 COMMON = ("F_k", "c", "rho", "m")
 """Unknowns common to all decays; the offsets, further friction forces and the start states follow."""
@@ -103,8 +104,8 @@ class Decay:
 class RingFit(OscillatorFit):
     """The oscillator whose free decays fit the samples of n decays best.
 
-    The unknowns are COMMON, the offsets, the friction forces after the first, and x, ẋ, w of each decay; the residuals run decay by decay, channel by
-    channel.
+    The unknowns are COMMON, the offsets, the friction forces after the first, and x, ẋ, w of each decay; the residuals
+    run decay by decay, channel by channel.
 
     free : which unknowns were not given, (p,).
     ranges : 95 % intervals of common unknowns that a search has profiled, by name.
@@ -168,15 +169,19 @@ class RingFit(OscillatorFit):
         return friction_places(self.decays, self.point.size)
 
     @property
+    def _forces(self) -> list[int]:
+        return [*dict.fromkeys(self.friction_places)]
+
+    @property
     def frictions(self) -> Array:
         """The friction forces, N: one, or that of each decay."""
-        return self.point[[*dict.fromkeys(self.friction_places)]]
+        return self.point[self._forces]
 
     @property
     def friction(self) -> ScatteringMean:
         """The mean of the friction forces."""
-        places = [*dict.fromkeys(self.friction_places)]
-        return ScatteringMean.of(self.point[places], self.covariance[np.ix_(places, places)])
+        covariance = self.covariance[np.ix_(self._forces, self._forces)]
+        return ScatteringMean.of(self.frictions, covariance)
 
     def value(self, name: str) -> float:
         """A common unknown, in its unit; of several friction forces their mean."""
@@ -185,11 +190,10 @@ class RingFit(OscillatorFit):
     @property
     def common_covariance(self) -> Array:
         """Covariance of the common unknowns; that of F_k includes the scatter of several friction forces."""
-        places = [*dict.fromkeys(self.friction_places)]
-        if len(places) == 1:
+        if self.frictions.size == 1:
             return super().common_covariance
         means = np.eye(len(self.names), self.point.size)
-        means[0, places] = 1.0 / len(places)
+        means[0, self._forces] = 1.0 / self.frictions.size
         covariance = means @ self.covariance @ means.T
         covariance[0, 0] = self.friction.error**2
         return covariance
@@ -326,35 +330,6 @@ def friction_places(decays: Sequence[Decay], size: int) -> list[int]:
     return [further + one.friction - 1 if one.friction else 0 for one in decays]
 
 
-class ScatteringMean(NamedTuple):
-    """The mean of friction forces that differ from one decay to the next.
-
-    error : its standard error, of the fit and of the scatter together.   interval : of 95 %, with Student's t for the
-    scatter.   scatter : standard deviation of the forces; 0 for one.
-    """
-
-    value: float
-    error: float
-    interval: tuple[float, float]
-    scatter: float
-
-    @classmethod
-    def of(cls, values: Array, covariance: Array) -> ScatteringMean:
-        """The mean of values with this covariance of their fit, (n, n).
-
-        The error of the fit that is common to all does not show in their scatter, and the scatter is not in the
-        covariance: both are added in quadrature, which counts what is independent in the fit twice.
-        """
-        n, value = values.size, float(values.mean())
-        own = math.sqrt(max(float(covariance.sum()), 0.0)) / n
-        if n == 1:
-            return cls(value, own, (value - NORMAL_95 * own, value + NORMAL_95 * own), 0.0)
-        scatter = float(np.std(values, ddof=1))
-        of_mean = scatter / math.sqrt(n)
-        reach = math.hypot(NORMAL_95 * own, t_quantile(n - 1, 0.025) * of_mean)
-        return cls(value, math.hypot(own, of_mean), (value - reach, value + reach), scatter)
-
-
 def fit_decays(
     decays: Sequence[Decay],
     k: float,
@@ -391,7 +366,8 @@ def fit_decays(
 class Samples(NamedTuple):
     """The samples of decays as kernels take them, and climbs on them.
 
-    offsets : number of offsets and friction forces after the first.   channels : table, decay by decay.   values : of all samples.
+    offsets : number of offsets and friction forces after the first.   channels : table, decay by decay.   values : of
+    all samples.
     """
 
     decays: Sequence[Decay]

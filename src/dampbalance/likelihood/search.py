@@ -187,8 +187,8 @@ def _same(whole: RingFit, parts: Sequence[RingFit]) -> bool:
 
     fewer = sum(np.count_nonzero(fit.free) for fit in parts) - np.count_nonzero(whole.free)
     excess = whole.chi_square - math.fsum(fit.chi_square for fit in parts)
-    noise = max(1.0, *(fit.misfit for fit in parts if not fit.adequate), 1.0)
-    return fewer <= 0 or bool(special.chdtrc(fewer, max(excess, 0.0) / noise) > _ONE)
+    noise = max((fit.misfit for fit in parts if not fit.adequate), default=1.0)
+    return bool(fewer <= 0 or special.chdtrc(fewer, max(excess, 0.0) / noise) > _ONE)
 
 
 def _turns(fit: RingFit) -> int:

@@ -186,7 +186,8 @@ def decay_products(
     of the residuals: JᵀJ, Jᵀr and, in the last corner, χ². False where the contact rattles on.
 
     point : F_k, c, ρ, m, the offsets of the channels, further friction forces, and the start state x, ẋ, w of each
-    decay.   offsets : number of offsets and further friction forces.   channels : table, decay by decay.   values : samples of all of them.
+    decay.   offsets : number of offsets and further friction forces.   channels : table, decay by decay.   values :
+    samples of all of them.
     rows : room for phases.
     """
     p, decay, state, count = point.size, -1, 0, 0

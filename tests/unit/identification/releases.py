@@ -49,8 +49,8 @@ def _struck(numbers, impulse, start, lasts, step, samples, finer):
     return out
 
 
-def struck(decay, instant, lasts, cycles=12.0, noise=1e-3):
-    """The acceleration of the mass of a decay that a hammer strikes an instant after the first sample, both in cycles."""
+def struck(decay, instant, lasts, cycles=8.0, noise=1e-3):
+    """The acceleration of a mass that a hammer strikes an instant after the first sample, both times in cycles."""
     period = 2.0 * math.pi / decay.omega_n
     numbers = (decay.m, decay.c, decay.k, decay.K_z, decay.F_k)
     impulse, samples = decay.m * 0.1, round(cycles * period * decay.rate_hz)

@@ -210,7 +210,7 @@ def test_derivatives_by_friction_forces_are_those_of_the_samples():
 @pytest.mark.parametrize("lasts", [0.02, 0.05])
 @pytest.mark.parametrize("decay", [RIG, replace(PLUCKED, rate_hz=640.0)], ids=["rig", "plucked"])
 def test_a_blow_soon_after_the_first_sample_is_identified(decay, lasts):
-    for instant in (0.0, 0.01, 0.03, 0.04, 0.05, 0.06, 0.07, 0.08, 0.09, 0.11, 0.15):
+    for instant in (0.0, 0.03, 0.05, 0.06, 0.08, 0.11):
         found = identify_ring_downs([struck(replace(decay, F_k=0.1), instant, lasts)], decay.k)
         assert found.fit.adequate, instant
         off = found.values["F_k"] - 0.1
