@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from blind.decays import draw, record
+from blind.decays import _pulled, clean, draw, record
 from dampbalance import BaseMotion, Oscillator, identify, steady_orbit
 from dampbalance.commands.main import main
 from dampbalance.identification.answer import USABLE
@@ -169,6 +169,23 @@ def test_releases_that_scatter_have_friction_forces_of_their_own():
     assert f"{scatter:.2g} N" in words
     assert "1.34" in words
     assert words in found.report() or "do not share one friction force" in found.report()
+
+
+def test_releases_of_one_record_may_scatter():
+    """A hand pulls the mass to the next release, in which friction is another; the pulls are left out."""
+    frictions, parts = (0.1, 0.112, 0.093), []
+    for F_k, x in zip(frictions, (5e-3, -4e-3, 4.5e-3), strict=True):
+        of_one = replace(PLUCKED, F_k=F_k, starts=(("pluck", x),), lasts=(4.0,))
+        if parts:
+            parts.append(_pulled(float(parts[-1][0, -1]), x, 0.4, 1.0 / PLUCKED.rate_hz))
+        parts.append(clean(of_one)[0])
+    values = np.hstack(parts)[0]
+    values += 2e-5 * np.random.default_rng(0).standard_normal(values.size)
+    channel = Channel("displacement", np.arange(values.size) / PLUCKED.rate_hz, values)
+    fit = identify_ring_downs([Measurement.of("three", [channel])], PLUCKED.k).fit
+    for i, (force, F_k) in enumerate(zip(fit.frictions, frictions, strict=True)):
+        place = fit.friction_places[i]
+        assert abs(force - F_k) < FAR * math.sqrt(fit.covariance[place, place])
 
 
 def test_releases_that_share_a_friction_force_have_one():
