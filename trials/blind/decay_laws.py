@@ -2,7 +2,8 @@
 finds; and on contacts that yield gradually, and not at once.
 
 A set is one of `decays.py` with a further term, which would take 10 to 40 % of the loss of the motion without it; of a
-spring, 3 to 12 % of the force at the start. "none" are the sets as they are, for false alarms.
+spring, 3 to 12 % of the force at the start. Friction that falls with speed is 10 to 40 % higher at rest, and falls over
+3 to 30 % of the largest speed. "none" are the sets as they are, for false alarms.
 """
 
 from __future__ import annotations
@@ -22,7 +23,8 @@ from dampbalance.motion.jit import interpreted
 from dampbalance.project.wording import markdown_table
 
 from . import gradual
-from .decays import departing, draw, record
+from .decays import departing, draw, falling, record
+from .truths import log_uniform
 
 TERMS = {
     "none": ("", 0),
@@ -31,6 +33,7 @@ TERMS = {
     "c_a": ("sided", 1),
     "k_2": ("even", 2),
     "k_3": ("cubic", 3),
+    "Stribeck": ("falling", 0),
 }
 """Field of `Departure` and power of each further term."""
 
@@ -40,6 +43,7 @@ CONTACTS = tuple(gradual.CONTACTS)
 ALL = (*TERMS, *CONTACTS)
 
 _SHARES, _SPRING = (0.1, 0.4), 0.3  # of the loss; of that share, of the force of a spring
+_FALLS = (0.03, 0.3)  # of the largest speed, over which friction falls
 _SHARE = 3  # so that the share is not drawn from the generator that drew the set
 _FAR = 5.0  # standard errors
 _PART = 0.03  # of a value
@@ -53,11 +57,14 @@ def outcome(run: tuple[str, int, int, bool]) -> list[dict[str, object]]:
     whether the laws are compared, which takes most of the time."""
     term, index, seed, compared = run
     decay = draw(index, seed)
-    share = float(np.random.default_rng((_SHARE, seed, index)).uniform(*_SHARES))
+    random = np.random.default_rng((_SHARE, seed, index))
+    share = float(random.uniform(*_SHARES))
     field, order = TERMS.get(term, ("", 0))
     if term in CONTACTS:
         decay = replace(decay, contact=term)
-    if field:
+    if field == "falling":
+        decay = falling(decay, share, log_uniform(random)(*_FALLS))
+    elif field:
         decay = departing(decay, field, order, share * (_SPRING if term.startswith("k") else 1.0))
     row: dict[str, object] = {"term": term, "set": index, "share": share, "noise": decay.noise}
     row |= {"zeta": decay.zeta, "height": decay.height}

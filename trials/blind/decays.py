@@ -108,6 +108,15 @@ def departing(decay: Decay, field: str, order: int, share: float) -> Decay:
     return replace(decay, departure=Departure(**{field: size}))
 
 
+def falling(decay: Decay, part: float, speed: float) -> Decay:
+    """The decay with friction that falls with speed, F_k (1 + part · e^(−|ẋ|/v_s)) (Stribeck).
+
+    speed : v_s over the largest speed of the motion without it.
+    """
+    top = float(np.abs(clean(decay)[0][1]).max())
+    return replace(decay, departure=Departure(falling=part, speed=speed * top))
+
+
 def clean(decay: Decay) -> tuple[np.ndarray, list[float]]:
     """(x, x′, x″) of the record, (3, n), and the times at which the mass comes free, s."""
     step, Z_m = 1.0 / decay.rate_hz, decay.F_k / decay.K_z

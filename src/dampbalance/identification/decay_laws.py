@@ -11,7 +11,8 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 
 from ..law.terms import FRICTION, KNOWN_TERMS
 from ..likelihood.decay import RingFit
@@ -22,13 +23,15 @@ from ..project.wording import change, listed, number
 from ..reading.chances import f_tail, normal_tail
 from ..reading.one_thread import one_thread
 from ..solver import NORMAL_95
-from .answer import unit_of
-from .causes import GRADUAL
+from .answer import Answer, Interval, unit_of
+from .causes import GRADUAL, condition_on_contact, remark_on
 from .law_comparison import ALPHA, MOST_TERMS, LawComparison, LawTest, Probability, chosen_of
+from .stated import widened
 
 _CHANCE = 0.02  # probability of a doubt on decays with friction and viscous damping
 _MATTERS = 3.0  # standard errors by which another law may move F_k or c, unsaid
 _LEAST = 0.03  # of F_k or c
+_ROUNDEST = 1.5  # of what an Iwan contact is rounded by: the roundest that the sentence on the contact allows for
 _OTHERS = {
     "c_a": ("damping that differs by direction", "N s/m"),
     "k_2": ("a spring that is stiffer to one side", "N/m²"),
@@ -89,32 +92,71 @@ def _values_of(law: LawFit) -> str:
     return f" ({', '.join(f'{s} = {number(x, 4)} ± {number(error, 2)}' for s, x, error in coefficients)})"
 
 
-def condition_of(fit: RingFit, further: Iterable[Departure]) -> str:
-    """A sentence where F_k or c depend on the damping being viscous by more than their intervals show, and the decays
-    are too few or too noisy to tell; empty where they are not.
+def condition_of(fit: RingFit, further: Iterable[Departure]) -> tuple[str, dict[str, float]]:
+    """A sentence where F_k, c or K_z depend on the damping being viscous by more than the noise shows, and the decays
+    are too few or too noisy to tell; and by how much, by name, in the units of the fit. Empty where they do not.
 
-    It is no doubt: values are those of the law that was asked for.
+    It is no doubt: values are those of the law that was asked for, and what another would change is for their
+    intervals. Friction that falls with speed acts as the negative of damping that grows with it.
     """
-    worst, sentence = _MATTERS, ""
+    worst, sentence, effects = _MATTERS, "", {}
     for one in further:
         if one.symbol not in TERMS:
             continue
-        most = max(one.value, 0.0) + NORMAL_95 * one.error
+        most = abs(one.value) + NORMAL_95 * one.error
         by_c = one.slopes.get("c", 0.0)
         if by_c < 0.0:
             most = min(most, -(fit.c + NORMAL_95 * fit.error("c")) / by_c)
-        moved = {s: most * by for s, by in one.slopes.items() if fit.error(s) > 0.0}
+        slopes = {s: by for s, by in one.slopes.items() if s != "m" and fit.error(s) > 0.0}
+        moved = {s: most * by for s, by in slopes.items()}
         size = max((abs(by) / fit.error(s) for s, by in moved.items()), default=0.0)
         parts = {s: by / fit.value(s) for s, by in moved.items() if fit.value(s) > 0.0}
         large = {s: part for s, part in parts.items() if abs(part) > _LEAST}
         if size > worst and large:
-            worst = size
+            worst, effects = size, moved
             words = listed([_changed(fit, s, moved[s]) for s in large])
             sentence = (
                 f"The values are those of friction and viscous damping. {KNOWN_TERMS[one.symbol].words.capitalize()} "
-                f"that these decays would not show changes {words}: {_REMEDY}, if the damping may not be viscous."
+                f"that these decays would not show changes {words}, and friction that falls with the speed the other "
+                f"way; their intervals include both: {_REMEDY}, if the damping may not be viscous."
             )
-    return sentence
+    return sentence, effects
+
+
+def condition_of_contact(fit: RingFit, further: Iterable[Departure]) -> tuple[str, float]:
+    """The sentence of `condition_on_contact`, and by which part K_z may be larger by it; empty and 0 without one."""
+    for one in further:
+        if one.symbol == GRADUAL and (sentences := condition_on_contact(fit, [one])):
+            most = min(max(one.value, 0.0) + NORMAL_95 * one.error, _ROUNDEST)
+            return sentences[0], remark_on(replace(one, value=most), fit).doubts["K_z"]
+    return "", 0.0
+
+
+def with_effects(
+    answer: Answer, fit: RingFit, effects: Mapping[str, float], stiffer: float
+) -> Answer:
+    """The answer with its intervals widened by what laws and contacts would change that the decays do not show: what a
+    sentence states belongs to the number next to it.
+
+    effects : of `condition_of`, taken as 95 % of what may be, either way.   stiffer : part by which K_z may be larger.
+    """
+    if not (effects or stiffer):
+        return answer
+    shifts = {
+        s: by / NORMAL_95 / fit.value(s)
+        for s, by in effects.items()
+        if s in TERMS and fit.value(s) > 0.0
+    }
+    answer = widened(answer, {"law": shifts})
+    rho, reach = fit.value("rho"), effects.get("rho", 0.0)
+    # an interval of K_z is that of K_z^{−1/2}
+    low, high = (
+        rho + math.copysign(math.hypot(end - rho, reach), end - rho) for end in fit.interval("rho")
+    )
+    ends = Interval(high**-2, (1.0 + stiffer) * low**-2 if low > 0.0 else math.inf)
+    return replace(
+        answer, parameters={**answer.parameters, "K_z": replace(answer.K_z, interval=ends)}
+    )
 
 
 def _changed(fit: RingFit, name: str, by: float) -> str:

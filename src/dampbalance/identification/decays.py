@@ -27,10 +27,11 @@ from ..likelihood.decay import (
     with_noise_of,
 )
 from ..likelihood.law_fit import departures
+from ..likelihood.scattering_mean import ScatteringMean
 from ..likelihood.score import Departure
 from ..likelihood.search import fit_all, minima_of, separate_fits
-from ..project.wording import Remark, times, visible
-from ..reading.bursts import NoDecay, Signal, noise_of
+from ..project.wording import Remark, listed, times, visible
+from ..reading.bursts import NoDecay, Signal, noise_of, too_few_samples
 from ..reading.conditioning import evenly_sampled
 from ..reading.cycles import clipped
 from ..reading.drive import stands_still
@@ -48,12 +49,18 @@ from .answer import (
     covariance_of,
     normal,
 )
-from .causes import condition_on_contact, gradual_contact, remark_on
-from .decay_laws import compare_decay_laws, condition_of, doubt_of
+from .causes import gradual_contact, remark_on
+from .decay_laws import (
+    compare_decay_laws,
+    condition_of,
+    condition_of_contact,
+    doubt_of,
+    with_effects,
+)
 from .half_cycles import A, B, RingRows, W, rows_of
 from .identified import Identified, Level, Picture
 from .remarks import forbidden
-from .screen import implied
+from .screen import implied, with_error
 from .sensitivities import Fault
 
 BALANCE = "balance"
@@ -82,10 +89,12 @@ class DecayOutcome(Identified):
     kind: ClassVar[Mapping[str, str]] = {"kind": "ring-down"}
 
     def findings(self) -> dict[str, Any]:
-        """What each further coefficient would explain, the decays of each record."""
+        """What each further coefficient would explain, the standard deviation of the friction forces, 0 where all
+        decays share one, and the decays of each record."""
         decays = [(one.source, self._decay(i)) for i, one in enumerate(self.fit.decays)]
         return {
             "departures": [asdict(one) for one in self.departures],
+            "F_k_scatter_N": self.fit.friction.scatter,
             "records": [
                 {"record": name, "decays": [decay for source, decay in decays if source == name]}
                 for name in self.sources
@@ -94,13 +103,15 @@ class DecayOutcome(Identified):
 
     def _decay(self, i: int) -> dict[str, Any]:
         one, (turns, errors) = self.fit.decays[i], self.half_cycles.turns[i]
-        still = self.fit.sticks_from(i)
+        still, place = self.fit.sticks_from(i), self.fit.friction_places[i]
         # where the spring is slack, in the channel of displacement if there is one
         rest = next((signal.offset for signal in one.signals if signal.order == 0), None)
         return {
             "decay": i + 1,
             "start_s": one.start,
             "end_s": one.end,
+            "F_k_N": self.fit.point_of(i)[0],
+            "F_k_standard_error_N": math.sqrt(self.fit.covariance[place, place]),
             "sticks_from_s": one.start + still if math.isfinite(still) else None,
             "rest_m": None if rest is None else self.fit.point[len(COMMON) + rest],
             "noise_rms": {signal.quantity: signal.noise for signal in one.signals},
@@ -128,16 +139,17 @@ class DecayOutcome(Identified):
     def levels(self) -> list[Level]:
         """Swings of each decay, spread over it: what half a cycle between two turns loses, twice. The first, which
         begins at no turn, and the last, which may end in sticking, are left out."""
-        F_k, rows = next(iter(self.approaches.values())).values["F_k"], self.half_cycles
-        levels = []
+        rows, levels = self.half_cycles, []
+        mean = next(iter(self.approaches.values())).values["F_k"]
         for i, (turns, _) in enumerate(rows.turns):
             of = rows.columns[rows.decay == i]
+            own = self.fit.point_of(i)[0] - self.fit.F_k  # zero where all decays share one
             spread = np.linspace(1, len(of) - 2, _SWINGS if len(of) > 2 else 0)
             for n in np.unique(spread.round().astype(int)):
                 (start, x_a), (end, x_b) = turns[n : n + 2]
                 X, omega = 0.5 * abs(x_b - x_a), math.pi / (end - start)
                 name = f"decay {i + 1} at {start:.3g} s"
-                levels.append(Level(name, X, omega, 2.0 * of[n, W], 2.0 * F_k * of[n, A]))
+                levels.append(Level(name, X, omega, 2.0 * of[n, W], 2.0 * (mean + own) * of[n, A]))
         return levels
 
     def shifts(self, faults: Mapping[str, Fault], name: str) -> dict[str, dict[str, float]]:
@@ -219,10 +231,12 @@ def identify_ring_downs(
         except NoDecay as error:
             raise ValueError(f"{record.source}: {_unclear(record)}: {error}") from None
         if not separate:
-            raise ValueError(
-                f"{record.source}: {_unclear(record)}: what moves in it is not the motion of a mass on a spring of "
-                f"{k:g} N/m with friction; give the record from the release or the blow on"
+            few = too_few_samples(bursts[0].period / min(signal.dt for signal in signals))
+            cause = few or (
+                f"what moves in it is not the motion of a mass on a spring of {k:g} N/m with friction; give the record "
+                "from the release or the blow on"
             )
+            raise ValueError(f"{record.source}: {_unclear(record)}: {cause}")
         warnings += [
             Remark(
                 "what moves about {:.4g} s is no free decay that slips, and is left out",
@@ -311,7 +325,7 @@ def _solved(
     """The rows solved, with warnings and with notes, those that are known before and others."""
     from scipy import special  # slow to import
 
-    values, covariance, misfit, freedom = _least_squares(fit, rows)
+    values, covariance, misfit, freedom, interval = _least_squares(fit, rows)
     fit_notes = [*known, *map(Remark, fit.shortcomings)]
     further = departures(fit)
     scale = 1.0 if fit.adequate else math.sqrt(fit.misfit)
@@ -341,6 +355,8 @@ def _solved(
         notes.append(fit_notes[-1])
     errors = np.sqrt(np.diag(covariance)).tolist()
     estimates = {s: normal(p, error) for (s, p), error in zip(values.items(), errors, strict=True)}
+    if interval is not None:
+        estimates["F_k"] = replace(estimates["F_k"], interval=interval)
     clipped_signals = {
         f"{signal.quantity} of {one.source}": Remark(
             "{} is clipped: several samples hold its extreme value; swings are too small; raise the measuring range",
@@ -382,15 +398,17 @@ def _solved(
         correlations,
         merit={"misfit": misfit, "degrees_of_freedom": freedom},
     )
-    conditions: list[str] = []
+    conditions, stiffer = _scatter_of(fit), 0.0
+    effects: Mapping[str, float] = {}
     if gradual is None and not doubt:
-        conditions = [*filter(None, [condition_of(fit, further)])]
-        conditions += condition_on_contact(fit, further) if fit.adequate else []
+        sentence, effects = condition_of(fit, further)
+        of_contact, stiffer = condition_of_contact(fit, further) if fit.adequate else ("", 0.0)
+        conditions += filter(None, [sentence, of_contact])
     return DecayOutcome(
         k=fit.k,
         sources=sources,
-        estimates={BALANCE: answer},
-        reference=reference,
+        estimates={BALANCE: with_effects(answer, fit, effects, stiffer)},
+        reference=with_effects(reference, fit, effects, stiffer),
         warnings=(*warnings, *clipped_signals.values()),
         head=f"{_counted(len(sources), 'record')} with {_counted(len(fit.decays), 'free decay')}, "
         f"{_slipping(rows.halves)}; values with 95 % intervals",
@@ -402,20 +420,48 @@ def _solved(
     )
 
 
-def _least_squares(fit: RingFit, rows: RingRows) -> tuple[dict[str, float], Array, float, int]:
-    """(F_k and c by symbol, their covariance, χ² per degree of freedom, degrees of freedom)."""
+def _scatter_of(fit: RingFit) -> list[str]:
+    """A sentence on the friction forces of the decays where they do not share one."""
+    if fit.frictions.size == 1:
+        return []
+    mean, errors = fit.friction, np.sqrt(np.diag(fit.covariance)[fit.friction_places])
+    forces = listed(
+        [with_error(*pair) for pair in zip(fit.frictions, errors.tolist(), strict=True)]
+    )
+    return [
+        f"The decays do not share one friction force: {forces} N. F_k is their mean, and its interval holds their "
+        f"scatter, a standard deviation of {mean.scatter:.2g} N or {100.0 * mean.scatter / mean.value:.2g} %."
+    ]
+
+
+def _least_squares(
+    fit: RingFit, rows: RingRows
+) -> tuple[dict[str, float], Array, float, int, Interval | None]:
+    """(F_k and c by symbol, their covariance, χ² per degree of freedom, degrees of freedom, interval of F_k where it is
+    the mean of several friction forces)."""
     scale = np.sqrt(np.diag(rows.covariance))
     scale = np.where(scale > 0.0, scale, 1.0)
     # rows that the same samples make may nearly be one
     sizes, vectors = np.linalg.eigh(rows.covariance / np.outer(scale, scale))
     least = 1e-10 * sizes.max(initial=0.0)
-    white = (vectors / np.sqrt(np.maximum(sizes, least))).T @ (rows.columns / scale[:, None])
-    estimate = solve(Rows({"F_k": white[:, A], "c": white[:, B]}, white[:, W]))
+    forces = np.unique(rows.friction[rows.friction >= 0])
+    travels = [np.where(rows.friction == one, rows.columns[:, A], 0.0) for one in forces]
+    columns = np.column_stack([rows.columns[:, W], *travels, rows.columns[:, B]])
+    white = (vectors / np.sqrt(np.maximum(sizes, least))).T @ (columns / scale[:, None])
+    estimate = solve(Rows({str(j): g for j, g in enumerate(white.T[1:])}, white[:, W]))
     if math.isnan(estimate.residual):
-        return {}, np.empty((0, 0)), math.nan, 0
-    values = {name: float(value) for name, value in estimate.values.items()}
-    _, covariance = linear_solution(white[:, [A, B]], white[:, W], np.full(2, math.inf))
-    left = white @ [-1.0, *values.values()]
-    freedom = len(white) - len(values)
+        return {}, np.empty((0, 0)), math.nan, 0, None
+    values = np.array([*map(float, estimate.values.values())])
+    _, covariance = linear_solution(white[:, 1:], white[:, W], np.full(values.size, math.inf))
+    left = white @ [-1.0, *values]
+    freedom = len(white) - values.size
     misfit = float(left @ left) / freedom if freedom > 0 else math.nan
-    return values, covariance, misfit, freedom
+    if forces.size == 1:
+        interval = None
+    else:
+        mean = ScatteringMean.of(values[:-1], covariance[:-1, :-1])
+        averages = np.zeros((2, values.size))
+        averages[0, :-1], averages[1, -1] = 1.0 / forces.size, 1.0
+        values, covariance = averages @ values, averages @ covariance @ averages.T
+        covariance[0, 0], interval = mean.error**2, Interval(*mean.interval)
+    return dict(zip(TERMS, values.tolist(), strict=True)), covariance, misfit, freedom, interval

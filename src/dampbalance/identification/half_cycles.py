@@ -92,13 +92,15 @@ class RingRows:
     """Rows of all decays.
 
     columns : (n, 3), see W, A, B, as read.   covariance : of W − a F_k − b c with the F_k and c of the fit, J²,
-    (n, n).   decay : number of the decay of each row, (n,), −1 for the two of the shape, the last ones.
+    (n, n).   decay : number of the decay of each row, (n,), −1 for those of the shape, the last ones.   friction :
+    number of the friction force of each row, (n,), −1 for the row that has none.
     turns : of each decay, its start and turns as read, rows (t, x), s and m, and their standard errors, m.
     """
 
     columns: Array
     covariance: Array
     decay: Integers
+    friction: Integers
     turns: tuple[tuple[Array, Array], ...]
 
     @property
@@ -110,8 +112,10 @@ class RingRows:
 def rows_of(fit: RingFit) -> RingRows:
     """The rows of all decays of a fit."""
     p = fit.point.size
+    points = [fit.point_of(i) for i in range(len(fit.decays))]
     courses = [
-        _course(fit.point, fit.point[fit.places(i)], fit.k, one) for i, one in enumerate(fit.decays)
+        _course(point, point[fit.places(i)], fit.k, one)
+        for i, (one, point) in enumerate(zip(fit.decays, points, strict=True))
     ]
     nodes = [course.turns for course in courses]
     ends = np.cumsum([node.size for node in nodes]).tolist()
@@ -122,10 +126,10 @@ def rows_of(fit: RingFit) -> RingRows:
     errors = np.concatenate([np.full(total, math.inf), w_errors(p, len(fit.decays))])
     rows = []
     at = 0
-    for i, (one, course) in enumerate(zip(fit.decays, courses, strict=True)):
+    for i, (one, course, own) in enumerate(zip(fit.decays, courses, points, strict=True)):
         here = slice(at, at + one.samples)
         at = here.stop
-        block, seen = _basis(fit.point, fit.k, one, course)
+        block, seen = _basis(own, fit.k, one, course)
         start, begin = fit.places(i).start, places[i].start
         by_unknowns = np.where(seen[:, None], fit.jacobian[here], 0.0)
         design[here, total:] = by_unknowns
@@ -134,19 +138,21 @@ def rows_of(fit: RingFit) -> RingRows:
         design[here, begin] += by_unknowns[:, start]
         design[here, total + start] = 0.0
         rest[here] = np.where(seen, rest[here], 0.0)
-        columns = _columns(fit.point, fit.k, course, nodes[i])
+        columns = _columns(own, fit.k, course, nodes[i])
         slope = np.zeros((*columns.shape, total + p))
         span = _STEP * max(float(np.ptp(nodes[i])), 1e-300)
         for j in range(nodes[i].size if course.halves else 0):
             turns = nodes[i].copy()
             turns[j] += span
-            slope[..., begin + j] = (_columns(fit.point, fit.k, course, turns) - columns) / span
+            slope[..., begin + j] = (_columns(own, fit.k, course, turns) - columns) / span
         for j in (*range(len(COMMON)), *range(start, start + STATE)):
-            nearby = _nearby(fit, i, j, len(course.halves)) if fit.jacobian[:, j].any() else None
+            place = j or fit.friction_places[i]
+            seen_there = fit.jacobian[:, place].any()
+            nearby = _nearby(fit, i, j, len(course.halves)) if seen_there else None
             if nearby is None:
                 continue
             point, other, step = nearby
-            column = begin if j == start else total + j
+            column = begin if j == start else total + place
             design[here, column] -= block @ ((other.turns - nodes[i]) / step)
             slope[..., column] += (_columns(point, fit.k, other, nodes[i]) - columns) / step
         rows.append((columns, slope))
@@ -157,12 +163,23 @@ def rows_of(fit: RingFit) -> RingRows:
 
     # to first order about the fit: a poorly determined level would distort the squares in W
     columns_of = [columns + slope @ shifts for columns, slope in rows]
-    slopes = [s[:, W] - s[:, A] * fit.F_k - s[:, B] * fit.c for _, s in rows]
+    slopes = [
+        s[:, W] - s[:, A] * own[0] - s[:, B] * fit.c
+        for (_, s), own in zip(rows, points, strict=True)
+    ]
     which = [i for i, columns in enumerate(columns_of) for _ in columns]
-    # the shape: F_k times the way, and c ∫ ẋ² dt
-    travel = math.fsum(abs(half.x_b - half.x_a) for course in courses for half in course.halves)
-    viscous = math.fsum(course.viscous for course in courses)
-    for column, j, size in ((A, 0, travel), (B, 1, viscous)):
+    force_of = [one.friction for one in fit.decays]
+    forces = [force_of[i] for i in which]
+    # the shape: each friction force times the way, and c ∫ ẋ² dt
+    travel: dict[int, list[float]] = {}
+    for force, course in zip(force_of, courses, strict=True):
+        travel.setdefault(force, []).extend(abs(half.x_b - half.x_a) for half in course.halves)
+    shape = [
+        (A, force, fit.friction_places[force_of.index(force)], math.fsum(ways))
+        for force, ways in travel.items()
+    ]
+    shape.append((B, -1, 1, math.fsum(course.viscous for course in courses)))
+    for column, force, j, size in shape:
         if covariance[total + j, total + j] > 0.0 and size > 0.0:
             row, slope = np.zeros((1, 3)), np.zeros((1, shifts.size))
             row[0, column], row[0, W] = size, size * (fit.point[j] + shifts[total + j])
@@ -170,6 +187,7 @@ def rows_of(fit: RingFit) -> RingRows:
             columns_of.append(row)
             slopes.append(slope)
             which.append(-1)
+            forces.append(force)
     all_turns = []
     for one, course, node, place in zip(fit.decays, courses, nodes, places, strict=True):
         times = one.start + np.array([0.0, *(half.t_b for half in course.halves)])
@@ -177,21 +195,22 @@ def rows_of(fit: RingFit) -> RingRows:
         all_turns.append((np.column_stack([times, theta[: times.size]]), sure[: times.size]))
     by_all = np.vstack(slopes)
     covariance = by_all @ covariance @ by_all.T
-    return RingRows(np.vstack(columns_of), covariance, np.array(which), tuple(all_turns))
+    numbers = np.array(which), np.array(forces)
+    return RingRows(np.vstack(columns_of), covariance, *numbers, tuple(all_turns))
 
 
 def _nearby(fit: RingFit, i: int, j: int, halves: int) -> tuple[Array, Course, float] | None:
     """The point with unknown j moved, the motion of decay i there, as many half cycles of it, and by how much it is
     moved; None where there are fewer either way."""
-    own = fit.places(i)
-    step = _PART * math.sqrt(fit.covariance[j, j])
+    own, place = fit.places(i), j or fit.friction_places[i]
+    step = _PART * math.sqrt(fit.covariance[place, place])
     if j == own.start + 2:
         step = _PART
     elif j == COMMON.index("rho"):
         # close to a rigid contact the motion depends on ρ²: a chord replaces the slope
         step = contact_chord(float(fit.point[j]), fit.k) or _STEP * float(fit.point[j])
     for way in (-step, step) if j == own.start + 2 and fit.point[j] > 1.0 else (step, -step):
-        point = fit.point.copy()
+        point = fit.point_of(i)
         point[j] += way
         if (j < len(COMMON) and point[j] <= 0.0) or step == 0.0:
             continue

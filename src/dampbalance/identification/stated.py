@@ -42,8 +42,8 @@ def carried(found: Identified) -> Identified:
     faults = {name: Fault(name, **{name: size}) for name, size in stated.items() if size > 0.0}
     estimates, reference = found.estimates, found.reference
     if faults:
-        estimates = {n: _widened(one, found.shifts(faults, n)) for n, one in estimates.items()}
-        reference = reference and _widened(reference, found.shifts(faults, REFERENCE))
+        estimates = {n: widened(one, found.shifts(faults, n)) for n, one in estimates.items()}
+        reference = reference and widened(reference, found.shifts(faults, REFERENCE))
     mass = found.options["mass_kg"] is not None  # with which the records were tested
     settings = {"stated_uncertainties": {**stated, "mass_tested": mass}}
     return replace(
@@ -72,7 +72,7 @@ def _stated_of_channels(found: Identified) -> dict[str, float]:
     return {"drive": drive[0], "response": response[0], "late": math.hypot(drive[1], response[1])}
 
 
-def _widened(answer: Answer, shifts: Mapping[str, Mapping[str, float]]) -> Answer:
+def widened(answer: Answer, shifts: Mapping[str, Mapping[str, float]]) -> Answer:
     """The answer with its covariance widened by shifts, relative to its values, by fault and symbol."""
     symbols = list(answer.parameters)
     values = np.array([answer.parameters[s].value for s in symbols])

@@ -4,9 +4,10 @@ From the start of a decay on, the base being at rest, the mass follows
 
     m ẍ + c ẋ + k x + K_z z = 0,   ż = ẋ within |z| ≤ F_k/K_z
 
-with x counted from the rest position of the spring. F_k, c, ρ = K_z^{−1/2} and m are common to all decays. Each
-channel of a record has a separate offset, which for a displacement holds the rest position of the spring; each decay
-has its start state (x, ẋ, w), z = (w − 1) F_k/K_z with 0 ≤ w ≤ 2. The noise is white, and the maximum of the likelihood
+with x counted from the rest position of the spring. c, ρ = K_z^{−1/2} and m are common to all decays, and so is F_k
+unless decays are numbered as having friction forces of their own: F_k is then their mean. Each channel of a record has
+a separate offset, which for a displacement holds the rest position of the spring; each decay has its start state
+(x, ẋ, w), z = (w − 1) F_k/K_z with 0 ≤ w ≤ 2. The noise is white, and the maximum of the likelihood
 is the least sum of squares over all samples. The stiffness k is given.
 """
 
@@ -38,9 +39,10 @@ from ..reading.whiteness import averages, chance_of_averages, chance_of_lines, l
 from ..solver import NORMAL_95
 from .climb import GAIN, MOST, Bounds, Climb, climb
 from .oscillator_fit import OscillatorFit
+from .scattering_mean import ScatteringMean
 
 COMMON = ("F_k", "c", "rho", "m")
-"""Unknowns common to all decays; the offsets and the start states follow."""
+"""Unknowns common to all decays; the offsets, further friction forces and the start states follow."""
 
 STATE = 3
 """Number of unknowns of a start state: x, ẋ, w."""
@@ -66,7 +68,7 @@ class Decay:
     """The samples of one free decay.
 
     source : of its record.   start, end : s.   signals : its channels, cut to the decay.   period : of the motion, s,
-    about.
+    about.   friction : number of its friction force, 0 for the first, which all decays share by default.
     """
 
     source: str
@@ -74,6 +76,7 @@ class Decay:
     end: float
     signals: tuple[Signal, ...]
     period: float
+    friction: int = 0
 
     def cut(self, start: float, end: float) -> Decay:
         """The part of the decay between two times, s."""
@@ -102,8 +105,8 @@ class Decay:
 class RingFit(OscillatorFit):
     """The oscillator whose free decays fit the samples of n decays best.
 
-    The unknowns are COMMON, the offsets, and x, ẋ, w of each decay; the residuals run decay by decay, channel by
-    channel.
+    The unknowns are COMMON, the offsets, the friction forces after the first, and x, ẋ, w of each decay; the residuals
+    run decay by decay, channel by channel.
 
     free : which unknowns were not given, (p,).
     ranges : 95 % intervals of common unknowns that a search has profiled, by name.
@@ -117,16 +120,16 @@ class RingFit(OscillatorFit):
 
     @cached_property
     def _columns(self) -> Array:
-        par = numbers_of(self.point, self.k)
+        K_z = self.point[_RHO] ** -2
 
         def samples(i: int, signal: Signal) -> Array:
-            one = self.decays[i]
+            one, par = self.decays[i], numbers_of(self.point_of(i), self.k)
             phases = self.phases(i, one.last_sample)
             slopes = phase_slopes(phases, float(self.point[self.places(i)][2]), par)
             return decay_samples(one.grid(signal), signal.order, phases, slopes, par)[:, :-1]
 
         whole = columns_of(self.decays, self.point, len(COMMON), samples)
-        whole[:, _RHO] *= 1.0 + 0.5 * contact_chord(par.K_z**-0.5, self.k) / self.point[_RHO]
+        whole[:, _RHO] *= 1.0 + 0.5 * contact_chord(K_z**-0.5, self.k) / self.point[_RHO]
         whole[:, :-1] *= self.free
         return whole
 
@@ -161,6 +164,47 @@ class RingFit(OscillatorFit):
         """Degrees of freedom."""
         return self.samples - self.point.size
 
+    @property
+    def friction_places(self) -> list[int]:
+        """Place of the friction force of each decay in the point."""
+        return friction_places(self.decays, self.point.size)
+
+    @property
+    def _forces(self) -> list[int]:
+        return [*dict.fromkeys(self.friction_places)]
+
+    @property
+    def frictions(self) -> Array:
+        """The friction forces, N: one, or that of each decay."""
+        return self.point[self._forces]
+
+    @property
+    def friction(self) -> ScatteringMean:
+        """The mean of the friction forces."""
+        covariance = self.covariance[np.ix_(self._forces, self._forces)]
+        return ScatteringMean.of(self.frictions, covariance)
+
+    def value(self, name: str) -> float:
+        """A common unknown, in its unit; of several friction forces their mean."""
+        return self.friction.value if name == "F_k" else super().value(name)
+
+    @property
+    def common_covariance(self) -> Array:
+        """Covariance of the common unknowns; that of F_k includes the scatter of several friction forces."""
+        if self.frictions.size == 1:
+            return super().common_covariance
+        means = np.eye(len(self.names), self.point.size)
+        means[0, self._forces] = 1.0 / self.frictions.size
+        covariance = means @ self.covariance @ means.T
+        covariance[0, 0] = self.friction.error**2
+        return covariance
+
+    def point_of(self, i: int) -> Array:
+        """The point with the friction force of decay i in the place of F_k."""
+        point = self.point.copy()
+        point[0] = point[self.friction_places[i]]
+        return point
+
     def interval(self, name: str) -> tuple[float, float]:
         """95 % interval of a common unknown, in its unit."""
         return self.ranges.get(name) or super().interval(name)
@@ -181,7 +225,7 @@ class RingFit(OscillatorFit):
         """Rows (t, s, x, ẋ, z) of the motion of decay i, t from its start on, to its end or to another one, s."""
         one = self.decays[i]
         until = (one.end if end is None else end) - one.start
-        return phases_of(self.point, self.point[self.places(i)], self.k, until)
+        return phases_of(self.point_of(i), self.point[self.places(i)], self.k, until)
 
     def sticks_from(self, i: int, end: float | None = None) -> float:
         """The time, s after its start, from which on the mass of decay i sticks; infinite where it moves up to the end
@@ -262,13 +306,15 @@ def columns_of(
     """Derivatives of the residuals (model − sample)/σ by the unknowns of a point, and these residuals,
     (samples, unknowns + 1).
 
-    common : number of the unknowns common to all decays.
+    common : number of the unknowns common to all decays, F_k first.
     samples : (number of a decay, channel) → samples and their derivatives by the common unknowns and the start state.
     """
     blocks = []
-    for i, one in enumerate(decays):
+    for i, (one, friction) in enumerate(
+        zip(decays, friction_places(decays, point.size), strict=True)
+    ):
         begin = point.size - STATE * (len(decays) - i)
-        places = [*range(common), *range(begin, begin + STATE)]
+        places = [friction, *range(1, common), *range(begin, begin + STATE)]
         for signal in one.signals:
             part, offset = samples(i, signal), common + signal.offset
             block = np.zeros((signal.t.size, point.size + 1))
@@ -277,6 +323,12 @@ def columns_of(
             block[:, -1] = part[:, 0] + point[offset] - signal.values
             blocks.append(block / signal.noise)
     return np.vstack(blocks)
+
+
+def friction_places(decays: Sequence[Decay], size: int) -> list[int]:
+    """Place of the friction force of each decay in a point of so many unknowns: F_k, or one before the start states."""
+    further = size - STATE * len(decays) - max(one.friction for one in decays)
+    return [further + one.friction - 1 if one.friction else 0 for one in decays]
 
 
 def fit_decays(
@@ -315,7 +367,8 @@ def fit_decays(
 class Samples(NamedTuple):
     """The samples of decays as kernels take them, and climbs on them.
 
-    offsets : number of offsets.   channels : table, decay by decay.   values : of all samples.
+    offsets : number of offsets and friction forces after the first.   channels : table, decay by decay.   values : of
+    all samples.
     """
 
     decays: Sequence[Decay]
@@ -328,12 +381,14 @@ class Samples(NamedTuple):
     def of(cls, decays: Sequence[Decay], k: float, unknowns: int) -> Samples:
         """Pack the samples of decays for a fit with so many unknowns."""
         rows, end = [], 0
-        for i, one in enumerate(decays):
+        for i, (one, friction) in enumerate(
+            zip(decays, friction_places(decays, unknowns), strict=True)
+        ):
             for signal in one.signals:
                 begin, end = end, end + signal.t.size
                 of, (first, step, _) = (i, signal.order, signal.offset), one.grid(signal)
                 until = one.last_sample - one.start
-                rows.append((*of, first, step, signal.noise, begin, end, until))
+                rows.append((*of, first, step, signal.noise, begin, end, until, friction))
         values = np.concatenate([signal.values for one in decays for signal in one.signals])
         offsets = unknowns - len(COMMON) - STATE * len(decays)
         return cls(decays, k, offsets, np.array(rows, dtype=float), values)
@@ -362,6 +417,8 @@ class Samples(NamedTuple):
         # an earlier climb may have left no friction
         least = _UNNOTICED * self.k * float(size.max())
         scale[:4] = max(F_k, least), 1e-3 * critical, 1e-3 * rho, m
+        frictions = friction_places(self.decays, start.size)
+        lower[frictions], scale[frictions] = lower[0], scale[0]
         lower[first_state + 2 :: STATE], upper[first_state + 2 :: STATE] = 0.0, 2.0
         for offset, noise in self.channels[:, (OFFSET, NOISE)].tolist():
             scale[len(COMMON) + int(offset)] = noise
@@ -405,7 +462,10 @@ def with_intervals(fits: Sequence[RingFit]) -> RingFit:
     for j, name in enumerate(COMMON[:-1]):
         if not best.error(name) > 0.0:
             continue
-        low, high = _end(best, j, -1.0), _end(best, j, 1.0)
+        if name == "F_k" and best.frictions.size > 1:
+            low, high = best.friction.interval
+        else:
+            low, high = _end(best, j, -1.0), _end(best, j, 1.0)
         for one in others:
             left = max(_LEVEL - (one.chi_square - best.chi_square), 0.0)
             reach = math.sqrt(left) * one.error(name)

@@ -26,6 +26,7 @@ from .decay import (
     RingFit,
     Samples,
     columns_of,
+    friction_places,
     inverse_information,
     numbers_of,
     w_errors,
@@ -91,6 +92,11 @@ def departures(fit: RingFit) -> list[Departure]:
     if whole is None:
         return []
     own = np.flatnonzero(_with_added(np.abs(fit.jacobian).max(axis=0), 0.0))
+    # of several friction forces, by their mean and by the others' distance from the first
+    further = [*dict.fromkeys(friction_places(fit.decays, whole.shape[1] - 1))][1:]
+    first_force = whole[:, [_F_K]]
+    whole[:, [_F_K]] += whole[:, further].sum(axis=1, keepdims=True)
+    whole[:, further] -= first_force
     first = len(COMMON)
     added = {symbol: whole[:, first + j] for j, symbol in enumerate(ADDED)}
     names = [COMMON[at] for at in own if at < first]
@@ -106,6 +112,8 @@ def fit_law(fit: RingFit, terms: Sequence[str], starts: Iterable[Array] = ()) ->
     """
     losses = _losses(fit)
     others = [at for at, symbol in enumerate(_NAMES) if symbol in TERMS and symbol not in terms]
+    if FRICTION not in terms:
+        others += friction_places(fit.decays, fit.point.size + len(ADDED))
     free = _with_added(fit.free, 0.0).astype(np.bool_)
     free[[_NAMES.index(s) for s in terms]] = True
     free[others] = False
@@ -162,8 +170,8 @@ def _with_added(of_fit: Array | Mask, value: float) -> Array:
 def _losses(fit: RingFit) -> dict[str, float]:
     """Coefficient of each term that alone would take the energy that friction and damping take in the fit."""
     powers = dict.fromkeys(TERMS, 0.0)
-    par = numbers_of(fit.point, fit.k)
     for i, one in enumerate(fit.decays):
+        par = numbers_of(fit.point_of(i), fit.k)
         times = np.arange(0.0, one.end - one.start, one.period / _DENSE)
         x, v, w = fit.point[fit.places(i)].tolist()
         speed = np.abs(law_decay(times, 1, x, v, w, par, np.zeros(len(ADDED)))[:, 0])
@@ -177,7 +185,8 @@ def _bounds(fit: RingFit, free: Mask, losses: Mapping[str, float]) -> Bounds:
     """The bounds of a climb: no coefficient is negative.   losses : of `_losses`."""
     of_fit = Samples.of(fit.decays, fit.k, fit.point.size).bounds(fit.point)
     lower, upper, scale = map(_with_added, of_fit[1:], (0.0, math.inf, 0.0))
-    lower[_F_K], lower[_M], upper[_M] = 0.0, fit.m / _MASSES, fit.m * _MASSES
+    lower[friction_places(fit.decays, free.size)] = 0.0
+    lower[_M], upper[_M] = fit.m / _MASSES, fit.m * _MASSES
     for symbol, alone in losses.items():
         scale[_NAMES.index(symbol)] = _SMALL * alone
     return Bounds(free, lower, upper, scale)
@@ -186,11 +195,12 @@ def _bounds(fit: RingFit, free: Mask, losses: Mapping[str, float]) -> Bounds:
 def _columns(decays: Sequence[Decay], k: float, point: Array) -> Array | None:
     """Derivatives of the residuals (model − sample)/σ by all unknowns of a law, and these residuals, (samples, p + 1);
     None where the contact rattles."""
-    par, p = numbers_of(point, k), point[len(COMMON) : len(_NAMES)]
+    p, places = point[len(COMMON) : len(_NAMES)], friction_places(decays, point.size)
     states = point[point.size - STATE * len(decays) :].reshape(-1, STATE).tolist()
 
     def samples(i: int, signal: Signal) -> Array:
         x, v, w = states[i]
+        par = numbers_of(np.concatenate([point[[places[i]]], point[1:]]), k)
         return law_decay(signal.t - decays[i].start, signal.order, x, v, w, par, p)
 
     whole = columns_of(decays, point, len(_NAMES), samples)

@@ -37,6 +37,11 @@ class OscillatorFit(ABC):
     def misfit(self) -> float:
         """How far the residual is from noise; 1 where it is noise."""
 
+    @property
+    def common_covariance(self) -> Array:
+        """Covariance of the common unknowns, in the order of their names."""
+        return self.covariance[: len(self.names), : len(self.names)]
+
     def value(self, name: str) -> float:
         """A common unknown, in its unit."""
         return float(self.point[self.names.index(name)])
@@ -44,7 +49,7 @@ class OscillatorFit(ABC):
     def error(self, name: str) -> float:
         """Standard error of a common unknown, in its unit; 0 where it was given."""
         at = self.names.index(name)
-        return math.sqrt(self.covariance[at, at])
+        return math.sqrt(self.common_covariance[at, at])
 
     def interval(self, name: str) -> tuple[float, float]:
         """95 % interval of a common unknown, in its unit."""

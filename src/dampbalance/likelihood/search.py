@@ -36,7 +36,7 @@ _SHARES = (0.05, 0.35, 0.65, 0.95)  # of friction in what the swing, or the moti
 _STIFFNESSES = (4.0, 30.0, 300.0)  # of K_z/k
 _MASSES = (0.85, 1.0, 1.15)  # relative to that of the period
 _CLIMBED, _ALIKE = 4, 1.5  # starts, until χ² per sample is below that
-_FIRST = 1.0  # cycles that are fitted first
+_FIRST = 1.0  # cycles that are fitted first, or more where these have too few samples
 _GROWTH = 2.0  # of the fitted part from one climb to the next
 _COARSE = 1e-2  # of half of χ², where a climb on the way ends
 _PIECES = 12  # of a cycle, in which the mass is looked at for rest
@@ -53,8 +53,7 @@ _SWINGS = 0.25  # of a cycle, for which a decay goes on after its turn
 _LEAST = 4 * (len(COMMON) + STATE)  # samples of a decay
 _PART = 0.1  # of the swing of a burst, that its motion has at least
 _DISTURBED = 0.02  # probability of a residual after which a burst ends before the next one
-_ONE = 1e-3  # probability of what one oscillator for all decays adds to χ²
-_SPARE = 3  # bursts that may be left out instead of those that slip least
+_ONE = 1e-3  # probability of what one oscillator, or friction force, for all decays adds to χ²
 _MOST_TURNS = 4  # half cycles that slip, of a burst that may be the work of a hand
 
 # of the search for all minima
@@ -143,37 +142,53 @@ def _of_burst(
 
 
 def fit_all(fits: Sequence[RingFit]) -> tuple[RingFit | None, list[Decay]]:
-    """One oscillator for the decays with these separate fits, and what is not a decay of it.
+    """One oscillator for the decays with these separate fits, and what is no decay at all.
 
-    A hand that moves the mass from one place to another can look like half a cycle of another oscillator. Where no
-    oscillator fits all decays about as well as each has its own, as few as possible are left out, those that slip least
-    first, if one then fits the rest.
+    The decays share c, K_z and m, and F_k unless forces of their own are likelier by more than chance. A hand that
+    moves the mass from one place to another can look like half a cycle of another oscillator: what slips in a few half
+    cycles only is left out where no friction force whatever makes it a motion of the oscillator of the others.
     """
-    whole = _joined(fits)
-    if whole is not None and not _of_one(whole, fits):
-        whole = minima_of(whole, wide=len(fits) == 1)[0]
-    if whole is None or len(fits) == 1 or _of_one(whole, fits):
+    whole = _of_all(fits)
+    if whole is None or len(fits) == 1 or _same(whole, fits):
         return whole, []
-    order = sorted(fits, key=lambda fit: (_turns(fit), fit.samples))
-    handled = [fit for fit in order if _turns(fit) <= _MOST_TURNS]
-    for count in range(1, len(fits)):
-        for some in itertools.combinations(handled[: count + _SPARE], count):
-            rest = [fit for fit in fits if fit not in some]
-            fit = _joined(rest)
-            if fit is not None and _of_one(fit, rest):
-                return fit, [fit.decays[0] for fit in fits if fit in some]
-    return whole if whole.adequate else minima_of(whole)[0], []
+    order = sorted(fits, key=lambda fit: (-_turns(fit), -fit.samples))
+    kept = [fit for fit in order if _turns(fit) > _MOST_TURNS] or order[:1]
+    here = _of_all(kept)
+    for fit in order[len(kept) :]:
+        more = _of_all([*kept, fit])
+        if here is None or (more is not None and _same(more, [here, fit])):
+            kept, here = [*kept, fit], more
+    left_out = [fit.decays[0] for fit in fits if fit not in kept]
+    if left_out:
+        whole = _of_all([fit for fit in fits if fit in kept])
+    return whole if whole is None or whole.adequate else minima_of(whole)[0], left_out
 
 
-def _of_one(whole: RingFit, fits: Sequence[RingFit]) -> bool:
-    """Whether the decays are those of one oscillator: what χ² of one for all lies above those of one for each is within
-    what as many unknowns fewer leave, and its residual is noise."""
+def _of_all(fits: Sequence[RingFit]) -> RingFit | None:
+    """The fit of all decays, with a friction force for each where the likelihood asks for it."""
+
+    def fitted(own_frictions: bool) -> RingFit | None:
+        whole = _joined(fits, own_frictions=own_frictions)
+        if whole is None or (whole.adequate and _same(whole, fits)):
+            return whole
+        return minima_of(whole, wide=len(fits) == 1)[0]
+
+    whole = fitted(own_frictions=False)
+    if whole is None or len(fits) == 1:
+        return whole
+    several = fitted(own_frictions=True)
+    return whole if several is None or _same(whole, [several]) else several
+
+
+def _same(whole: RingFit, parts: Sequence[RingFit]) -> bool:
+    """Whether the unknowns that a fit has less than fits of its parts are not missed: its χ² lies above theirs by no
+    more than chance makes of as many, in the noise that the parts leave."""
     from scipy import special  # slow to import
 
-    fewer = sum(np.count_nonzero(fit.free) for fit in fits) - np.count_nonzero(whole.free)
-    excess = whole.chi_square - math.fsum(fit.chi_square for fit in fits)
-    same = fewer <= 0 or special.chdtrc(fewer, max(excess, 0.0)) > _ONE
-    return whole.adequate and bool(same)
+    fewer = sum(np.count_nonzero(fit.free) for fit in parts) - np.count_nonzero(whole.free)
+    excess = whole.chi_square - math.fsum(fit.chi_square for fit in parts)
+    noise = max((fit.misfit for fit in parts if not fit.adequate), default=1.0)
+    return bool(fewer <= 0 or special.chdtrc(fewer, max(excess, 0.0) / noise) > _ONE)
 
 
 def _turns(fit: RingFit) -> int:
@@ -181,17 +196,23 @@ def _turns(fit: RingFit) -> int:
     return int(np.count_nonzero(fit.phases(0)[:, PHASE_S]))
 
 
-def _joined(fits: Sequence[RingFit]) -> RingFit | None:
-    """The fit of all decays: from the oscillator of each in turn, that of most samples first, until one is adequate."""
-    decays, size = [fit.decays[0] for fit in fits], len(COMMON)
+def _joined(fits: Sequence[RingFit], *, own_frictions: bool = False) -> RingFit | None:
+    """The fit of all decays, with one friction force or one for each: from the oscillator of each in turn, that of most
+    samples first, until one is adequate."""
+    size = len(COMMON)
+    decays = [replace(fit.decays[0], friction=i * own_frictions) for i, fit in enumerate(fits)]
     offsets = np.zeros(1 + max(signal.offset for one in decays for signal in one.signals))
     for fit, one in zip(fits, decays, strict=True):
         places = [signal.offset for signal in one.signals]
         offsets[places] = fit.point[size:][places]
-    rest = np.concatenate([offsets, *(fit.point[-STATE:] for fit in fits)])
+    frictions = [fit.F_k for fit in fits[1:] if own_frictions]
+    rest = np.concatenate([offsets, frictions, *(fit.point[-STATE:] for fit in fits)])
     ends: list[RingFit | None] = []
     for fit in sorted(fits, key=lambda fit: -fit.samples):
-        end = fit_decays(decays, fit.k, np.concatenate([fit.point[:size], rest]))
+        start = np.concatenate([fit.point[:size], rest])
+        if own_frictions:
+            start[_F_K] = fits[0].F_k
+        end = fit_decays(decays, fit.k, start)
         if end is not None and end.adequate:
             return end
         ends.append(end)
@@ -220,7 +241,8 @@ def _grown(
     whole: Decay, burst: Burst, lead: Signal, k: float, surest: RingFit | None
 ) -> RingFit | None:
     """The fit of a burst from its turn on."""
-    end = min(burst.turn + _FIRST * burst.period, burst.end)
+    enough = (_LEAST + 1) / math.fsum(1.0 / signal.dt for signal in whole.signals)
+    end = min(burst.turn + max(_FIRST * burst.period, enough), burst.end)
     part = whole.cut(burst.turn, end)
     if part.samples < _LEAST:
         return None
@@ -509,7 +531,8 @@ def _grid(fit: RingFit, wide: bool) -> Iterator[Array]:
     for of_loss, share, stiffness, mass in itertools.chain(*(itertools.product(*g) for g in grids)):
         together = mass * (fit.k + stiffness) - fit.k
         start = fit.point.copy()
-        start[_F_K], start[_C] = of_loss * share * loss, of_loss * (1.0 - share) * loss / ratio
+        start[fit.friction_places] *= of_loss * share * loss / fit.F_k if fit.F_k > 0.0 else 1.0
+        start[_C] = of_loss * (1.0 - share) * loss / ratio
         start[_RHO], start[_M] = max(together, 0.1 * fit.k) ** -0.5, mass * fit.m
         yield start
 

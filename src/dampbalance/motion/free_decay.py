@@ -33,10 +33,10 @@ _CRITICAL_BELOW = 0.05  # of |Ω² − δ²| t²: four terms of the series in it
 MOST_PHASES = 4096
 """Of a decay: a motion that slips more often than that is none."""
 
-DECAY, ORDER, OFFSET, FIRST, STEP, NOISE, BEGIN, END, UNTIL = range(9)
+DECAY, ORDER, OFFSET, FIRST, STEP, NOISE, BEGIN, END, UNTIL, FRICTION = range(10)
 """Columns of the table of channels: number of the decay, order of the derivative, number of the offset, time of the
-first sample after the start of the decay, s, interval, s, standard deviation of the noise, the samples' places, and
-time of the last sample of the decay in any channel, s."""
+first sample after the start of the decay, s, interval, s, standard deviation of the noise, the samples' places, time of
+the last sample of the decay in any channel, s, and place of the decay's friction force in the point."""
 
 _UNDER = 0.999  # of the critical damping: below it the responses are advanced by a rotation
 _CHORD = 3e-2  # of ρ√k, K_z = 1100 k
@@ -185,15 +185,15 @@ def decay_products(
     """Set out (p + 1, p + 1) to the products of the derivatives of all residuals (model − sample)/σ by unknowns and
     of the residuals: JᵀJ, Jᵀr and, in the last corner, χ². False where the contact rattles on.
 
-    point : F_k, c, ρ, m, the offsets of the channels, and the start state x, ẋ, w of each decay.
-    offsets : number of offsets.   channels : table, decay by decay.   values : samples of all of them.
+    point : F_k, c, ρ, m, the offsets of the channels, further friction forces, and the start state x, ẋ, w of each
+    decay.   offsets : number of offsets and further friction forces.   channels : table, decay by decay.   values :
+    samples of all of them.
     rows : room for phases.
     """
     p, decay, state, count = point.size, -1, 0, 0
     out[:] = 0.0
     rho = point[_RHO]
     par = Parameters(point[_M], point[_C], k, rho**-2, point[_F_K], 0.0, 0.0)
-    Z_m = par.F_k / par.K_z
     places = np.array([p, _F_K, _C, _RHO, _M, 0, 0, 0, 0])
     slopes = np.empty((0, 5, 7))
     stretch = 1.0 + 0.5 * contact_chord(rho, k) / rho
@@ -204,6 +204,9 @@ def decay_products(
             decay = int(channel[DECAY])
             state = COMMON_UNKNOWNS + offsets + STATE_UNKNOWNS * decay
             x, v, w = point[state], point[state + 1], point[state + 2]
+            places[1] = int(channel[FRICTION])
+            par = Parameters(point[_M], point[_C], k, rho**-2, point[places[1]], 0.0, 0.0)
+            Z_m = par.F_k / par.K_z
             z = min(max((w - 1.0) * Z_m, -Z_m), Z_m)
             count, reached, _, _, _ = run(x, v, z, 0.0, until, 0.0, par, rows)
             if not reached >= until:

@@ -10,12 +10,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from blind.decays import draw, record
+from blind.decays import _pulled, clean, draw, record
 from dampbalance import BaseMotion, Oscillator, identify, steady_orbit
 from dampbalance.commands.main import main
+from dampbalance.identification.answer import USABLE
 from dampbalance.identification.decays import identify_ring_downs
 from dampbalance.identification.forced import identify_readings
 from dampbalance.identification.half_cycles import rows_of
+from dampbalance.likelihood import search
 from dampbalance.likelihood.decay import Decay, fit_decays
 from dampbalance.likelihood.mean_harmonics import read_features
 from dampbalance.reading.bursts import Signal
@@ -25,7 +27,7 @@ from dampbalance.records.synthetic import measured_orbit, measured_ring_down
 from dampbalance.records.writers import write
 from unit.identification.levels import SYMBOLS, changed
 from unit.identification.levels import clipped as cut
-from unit.identification.releases import FAR, PLUCKED, compiled  # noqa: F401
+from unit.identification.releases import FAR, PLUCKED, compiled, struck  # noqa: F401
 
 OSCILLATOR = Oscillator(PLUCKED.m, PLUCKED.c, PLUCKED.k, PLUCKED.K_z, PLUCKED.F_k)
 
@@ -128,6 +130,136 @@ def test_records_go_together():
     # the starts are found within a tenth of a cycle, the first tenth of the largest of 12 half cycles
     assert error / of_one == pytest.approx(3.0**-0.5, rel=0.12)
     assert len(all_of_them.sources) == 3
+
+
+SCATTERING = (1.541, 1.599, 1.540, 1.344, 1.609)  # N, of five releases of one rig
+RIG = replace(
+    PLUCKED,
+    **{"m": 2.42, "c": 4.0, "k": 2310.0, "K_z": 208000.0},
+    **{"starts": (("pluck", 6e-3),), "lasts": (3.0,), "noise": 20e-6 / 6e-3},
+)
+
+
+def released(frictions):
+    """A record of a release for each friction force."""
+    return [record(replace(RIG, index=i, F_k=F_k))[0] for i, F_k in enumerate(frictions)]
+
+
+def test_releases_that_scatter_have_friction_forces_of_their_own():
+    found = identify_ring_downs(released(SCATTERING), RIG.k)
+    assert not found.warnings  # nothing is left out
+    mean, scatter = float(np.mean(SCATTERING)), float(np.std(SCATTERING, ddof=1))
+    for answer in found.approaches.values():
+        assert answer.verdicts["F_k"].verdict == answer.verdicts["c"].verdict == USABLE
+        p = answer.parameters["F_k"]
+        # the forces of all five are known: the mean is theirs, to what the noise leaves
+        assert p.value == pytest.approx(mean, abs=0.01)
+        # Student's t of 4 degrees of freedom at 95 %, of which the noise adds little
+        reach = 2.776 * scatter / math.sqrt(5)
+        assert 0.5 * (p.interval.high - p.interval.low) == pytest.approx(reach, rel=0.1)
+        for symbol in ("c", "K_z"):
+            low, high = answer.intervals[symbol]
+            assert low < getattr(RIG, symbol) < high
+    document = found.document()
+    decays = [decay for entry in document["records"] for decay in entry["decays"]]
+    for decay, F_k in zip(decays, SCATTERING, strict=True):
+        assert abs(decay["F_k_N"] - F_k) < FAR * decay["F_k_standard_error_N"]
+    assert document["F_k_scatter_N"] == pytest.approx(scatter, rel=0.05)
+    words = next(line for line in found.rig if "do not share one friction force" in line)
+    assert f"{scatter:.2g} N" in words
+    assert "1.34" in words
+    assert words in found.report() or "do not share one friction force" in found.report()
+
+
+def test_releases_of_one_record_may_scatter():
+    """A hand pulls the mass to the next release, in which friction is another; the pulls are left out."""
+    frictions, parts = (0.1, 0.112, 0.093), []
+    for F_k, x in zip(frictions, (5e-3, -4e-3, 4.5e-3), strict=True):
+        of_one = replace(PLUCKED, F_k=F_k, starts=(("pluck", x),), lasts=(4.0,))
+        if parts:
+            parts.append(_pulled(float(parts[-1][0, -1]), x, 0.4, 1.0 / PLUCKED.rate_hz))
+        parts.append(clean(of_one)[0])
+    values = np.hstack(parts)[0]
+    values += 2e-5 * np.random.default_rng(0).standard_normal(values.size)
+    channel = Channel("displacement", np.arange(values.size) / PLUCKED.rate_hz, values)
+    fit = identify_ring_downs([Measurement.of("three", [channel])], PLUCKED.k).fit
+    for i, (force, F_k) in enumerate(zip(fit.frictions, frictions, strict=True)):
+        place = fit.friction_places[i]
+        assert abs(force - F_k) < FAR * math.sqrt(fit.covariance[place, place])
+
+
+def test_releases_that_share_a_friction_force_have_one():
+    found = identify_ring_downs(released([1.5] * 4), RIG.k)
+    assert found.fit.frictions.size == 1
+    assert found.document()["F_k_scatter_N"] == 0.0
+    assert not any("do not share" in line for line in found.rig)
+
+
+def test_the_joint_fits_do_not_grow_with_the_number_of_releases(monkeypatch):
+    joined, fits = search._joined, []
+
+    def counted(some, **options):
+        fits.append(len(some))
+        return joined(some, **options)
+
+    monkeypatch.setattr(search, "_joined", counted)
+    frictions = 1.5 + 0.12 * np.random.default_rng(0).standard_normal(12)
+    found = identify_ring_downs(released(frictions), RIG.k)
+    assert fits == [12, 12]  # with one friction force and with one for each
+    assert found.fit.F_k == pytest.approx(frictions.mean(), abs=0.01)
+
+
+def test_derivatives_by_friction_forces_are_those_of_the_samples():
+    fit = identify_ring_downs(released(SCATTERING[:3]), RIG.k).fit
+    for j in fit.friction_places:
+        step = 1e-6 * fit.point[j]
+        either = []
+        for side in (step, -step):
+            point = fit.point.copy()
+            point[j] += side
+            either.append(fit_decays(fit.decays, fit.k, point, most=1).residual)
+        slope = (either[0] - either[1]) / (2.0 * step)
+        # central differences of exact motions
+        np.testing.assert_allclose(fit.jacobian[:, j], slope, atol=1e-5 * np.abs(slope).max())
+
+
+# the middle of the pulse was taken for a turn where it lay within half a window of smoothing of the first sample
+@pytest.mark.parametrize("lasts", [0.02, 0.05])
+@pytest.mark.parametrize("decay", [RIG, replace(PLUCKED, rate_hz=640.0)], ids=["rig", "plucked"])
+def test_a_blow_soon_after_the_first_sample_is_identified(decay, lasts):
+    for instant in (0.0, 0.03, 0.05, 0.06, 0.08, 0.11):
+        found = identify_ring_downs([struck(replace(decay, F_k=0.1), instant, lasts)], decay.k)
+        assert found.fit.adequate, instant
+        off = found.values["F_k"] - 0.1
+        assert abs(off) < FAR * found.standard_errors["F_k"], instant
+
+
+def sampled(spc, kind="pluck", quantity="displacement"):
+    """A decay with so many samples a cycle."""
+    hz = PLUCKED.omega_n / (2.0 * math.pi)
+    start = {"pluck": ("pluck", 5e-3), "blow": ("blow", 0.1)}[kind]
+    return replace(PLUCKED, starts=(start,), answers=(quantity,), rate_hz=spc * hz, noise=3e-3)
+
+
+@pytest.mark.parametrize("quantity", ["displacement", "velocity", "acceleration"])
+@pytest.mark.parametrize("kind", ["pluck", "blow"])
+@pytest.mark.parametrize("spc", [8, 12, 20, 28])
+def test_few_samples_a_cycle_suffice(spc, kind, quantity):
+    decay = sampled(spc, kind, quantity)
+    found = identify_ring_downs([record(decay)[0]], decay.k)
+    assert found.fit.adequate
+    for symbol in ("F_k", "c"):
+        off = found.values[symbol] - getattr(decay, symbol)
+        assert abs(off) < FAR * found.standard_errors[symbol]
+
+
+def test_too_few_samples_a_cycle_are_counted():
+    decay = replace(draw(7, 77), answers=("acceleration",), noise=3e-3)
+    decay = replace(decay, rate_hz=4.0 * decay.omega_n / (2.0 * math.pi))
+    with pytest.raises(
+        ValueError, match=r"it has 3\.8 samples a cycle, 8 are needed: sample faster"
+    ):
+        identify_ring_downs([record(decay)[0]], decay.k)
 
 
 def test_it_agrees_with_the_forced_result_for_the_same_oscillator():

@@ -126,7 +126,7 @@ def test_a_law_that_would_change_the_numbers_of_a_decay_is_said_in_words(decay, 
     fit = decay.fit
     slopes = {name: sign * size * fit.value(name) for name in fit.names if fit.error(name) > 0.0}
     further = Departure("c_2", 1.0, 1e-3, 1e-9, slopes)
-    words = condition_of(fit, [further])
+    words, _ = condition_of(fit, [further])
     assert slips(words) == []
     for name in ("F_k", "c", "K_z"):
         assert f"{name} by up to" in words or not size > 1.0 or sign < 0.0
