@@ -29,7 +29,12 @@ _GAIN_WRONG = 0.1
 _PHASE_WRONG = 0.5  # rad
 _PHASE_MATTERS = 2e-5  # rad
 _GAIN_MATTERS = 1e-4
-_DRIFT_MATTERS, _DRIFT_WRONG = 2e-5, 0.1  # of the amplitude, over the record
+# Of the amplitude, over the record: from the first on it is reported and widens intervals, beyond the second it may be
+# another motion at the end than at the start, and all numbers are doubtful.
+_DRIFT_MATTERS, _DRIFT_DOUBTFUL, _DRIFT_WRONG = 2e-5, 0.05, 0.1
+UNSTEADY = ("drive", "response", "angle")
+"""What a channel that is not steady puts in doubt, with standard deviations over the record: the gain of the drive and
+of the response, as parts of them, and the phase of the response, rad."""
 _DRIFT_CHANCE = 1e-6
 # Two clocks that nothing ties together hardly agree better than that; harmonics that fold back turn by less.
 _CLOCKS_DIFFER = 5e-7
@@ -37,8 +42,7 @@ _HARMONIC_MATTERS = 1e-3  # of the fundamental
 _BASE_COUNTS = 1e-6  # of the fundamental: what the file or the rounding of a time may leave
 _CLIPPED_CYCLES = 0.5
 _LARGEST_AMPLITUDE = 0.5  # m
-_LARGEST_ACCELERATION = 1000.0  # m/s²: a hundred times gravity
-_LARGEST_GAIN = 100.0
+_LARGEST_SPEED = 10.0  # m/s, some three times what the fastest shakers do
 
 # What puts everything in doubt, by how much is not known.
 _doubtful = partial(Remark, doubts={"": math.inf})
@@ -300,9 +304,9 @@ def steadiness(
         return
     # of the excitation, whose phase is that of the record, only the amplitude varies
     amplitude = np.abs(Y)
-    for name, rows, parts in (
-        ("the excitation", amplitude + 0j, 1.0),
-        ("the response", X / (Y / amplitude), 2.0),
+    for channel, name, rows, parts in (
+        ("drive", "the excitation", amplitude + 0j, 1.0),
+        ("response", "the response", X / (Y / amplitude), 2.0),
     ):
         found = _change(rows, weights, parts)
         if not found.shows:
@@ -316,6 +320,12 @@ def steadiness(
             raise ValueError(
                 f"{words.format(*sizes)}; record again after the motion has settled, or cut its start"
             )
+        # a change in proportion to time, from end to end and to either side of the mean
+        doubts = {channel: found.size / math.sqrt(12.0)}
+        if channel == "response":
+            doubts["angle"] = found.turn / math.sqrt(3.0)
+        if max(found.size, found.turn) > _DRIFT_DOUBTFUL:
+            doubts = {"": math.inf}
         # where the phasor stays within its scatter about the mean of the second half
         late = rows[size // 2 :].mean()
         scatter = 4.0 * math.sqrt(parts * found.noise) + 1e-6 * abs(late)
@@ -323,28 +333,24 @@ def steadiness(
         if outside.size and outside[-1] < size // 2:
             after = round(outside[-1] * (times[-1] - times[0]) / (size - 1) / period)
             words += "; it settles after about {} cycles: leave those out"
-            yield _doubtful(words, *sizes, after)
+            yield Remark(words, *sizes, after, doubts=doubts)
         else:
-            yield _doubtful(words, *sizes)
+            yield Remark(words, *sizes, doubts=doubts)
 
 
 def plausible(Y: float, X: float, omega: float, driven_by: str) -> Iterator[Remark]:
     """Warnings where amplitudes Y, X (m) are not those of a test bench: a unit may be wrong.
 
-    A wrong unit of all channels alike scales F_k, and nothing else: only the size can betray it.
+    A wrong unit of all channels alike scales F_k, and nothing else: only the size can betray it. Accelerations of more
+    than 100 g are nothing odd at high frequencies; speeds of tens of m/s are, and they become usual ones by a unit that
+    is a thousandth. A force over the stiffness is no motion.
     """
-    base = "the force over the stiffness" if driven_by == "force" else "the base"
-    for what, amplitude in ((base, Y), ("the mass", X)):
-        if amplitude > _LARGEST_AMPLITUDE or omega**2 * amplitude > _LARGEST_ACCELERATION:
+    for what, amplitude in (("the base", Y),) * (driven_by != "force") + (("the mass", X),):
+        if amplitude > _LARGEST_AMPLITUDE or omega * amplitude > _LARGEST_SPEED:
             yield _doubtful(
-                "{} moves by {:.3g} m, with {:.3g} m/s²: is a unit wrong (mm taken for m)?",
-                *(what, amplitude, omega**2 * amplitude),
+                "{} moves by {:.3g} m, with {:.3g} m/s: is a unit wrong (mm taken for m)?",
+                *(what, amplitude, omega * amplitude),
             )
-    if not 1.0 / _LARGEST_GAIN < X / Y < _LARGEST_GAIN:
-        yield _doubtful(
-            "the mass moves {:.3g} times as far as {}: is the unit of one channel wrong (mm taken for m)?",
-            *(X / Y, base),
-        )
 
 
 def harmonic_base(mean: Complexes, error: Array) -> Iterator[Remark]:

@@ -31,7 +31,7 @@ from ..law.terms import KNOWN_TERMS
 from ..motion.jit import interpreted
 from ..motion.orbits import steady_orbits
 from ..motion.regime import Regime
-from ..records.measurement import ORDERS, RESPONSES
+from ..records.measurement import ABSOLUTE, ORDERS, RESPONSES
 from .chances import f_tail
 from .checks import SIGNIFICANT
 from .conditioning import SteadyRecord
@@ -79,6 +79,7 @@ class Lines:
     rows : independent rows that the standard deviations come from.   aliased : what harmonics beyond half the sampling
     rate add, as a part of the noise, at its largest; it is counted in x_error unless it has been removed.
     base : y_n, n = 2, 3 …, m, likewise, zero where they do not stand out of the noise; empty for a harmonic base.
+    relative : whether the response was measured against the base, to whose motion it was added.
     """
 
     omega: float
@@ -90,6 +91,7 @@ class Lines:
     rows: int
     aliased: float = 0.0
     base: Complexes = field(default_factory=lambda: np.empty(0, dtype=np.complex128))
+    relative: bool = False
 
     @property
     def clear(self) -> Mask:
@@ -122,6 +124,7 @@ class Lines:
             rows=len(steady.weights),
             aliased=float(np.max(aliased / np.maximum(noise, _ROUNDING * abs(x[0])))),
             base=np.where(clear, y[higher] * np.exp(-1j * higher * np.angle(base)), 0.0),
+            relative=not steady.channels.keys() & {"force", *ABSOLUTE},
         )
 
 

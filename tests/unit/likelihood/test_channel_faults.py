@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from dampbalance import BaseMotion, steady_orbit
-from dampbalance.likelihood.coupling import ac_coupling
+from dampbalance.likelihood.channel_faults import ac_coupling, drive_gain
 from dampbalance.likelihood.steady_search import fit_oscillator
 from paper_case import OMEGA, PAPER
 from unit.reading.harmonics import lines_of
@@ -35,12 +35,12 @@ def test_the_corner_is_found_and_the_oscillator_behind_it(corner_hz, seed):
     fit = fitted(corner_hz, seed)
     coupling = ac_coupling(fit, SHOWS)
     assert coupling is not None
-    assert coupling.gain > SHOWS
-    assert abs(coupling.hz - corner_hz) < 4.0 * coupling.error_hz
+    assert fit.chi_square - coupling.fit.chi_square > SHOWS
+    assert abs(coupling.size - corner_hz) < 4.0 * coupling.error
     assert coupling.fit.adequate
     # near resonance the coupling passes for another mass, whose error is that of the corner then
     off = abs(fit.m - PAPER.m)
-    slack = 4.0 * coupling.error_hz / corner_hz * off + 4.0 * fit.error("m")
+    slack = 4.0 * coupling.error / corner_hz * off + 4.0 * fit.error("m")
     assert abs(coupling.fit.m - PAPER.m) < slack < off
 
 
