@@ -64,8 +64,7 @@ from .oscillator import (
 )
 from .remarks import DIRECT, agreement, notes_on
 from .screen import implied, with_error
-from .sensitivities import Fault, sensitivities, shifts_of_fit, unsteady
-from .stated import with_faults
+from .sensitivities import Fault, sensitivities, shifts_of_fit
 
 REPLICATES = 1000
 SEED = 2010
@@ -261,7 +260,7 @@ def identify_readings(
     of_all = agreement(readings, line, joint, estimates, tested)
     if fit is not None and joint.waveforms_hold and likeliest(fit, tested) is None:
         rig += condition_on_contact(fit, tested)
-    outcome = ForcedOutcome(
+    return ForcedOutcome(
         k=k,
         sources=tuple(reading.steady.source for reading in readings),
         estimates=estimates,
@@ -283,7 +282,6 @@ def identify_readings(
         features=samples.point.features.with_phase(phase),
         microstick=line,
     )
-    return with_faults(outcome, unsteady(readings))
 
 
 def _require(

@@ -48,8 +48,8 @@ _SHAPE_LEAST = 1e-6  # of a value: the size of the harmonics that a waveform lea
 _FOLDED = 2.0  # of the noise
 _FAR = 3.0  # standard deviations of the rows
 _MASS_OFF = 0.02  # of a mass that is given: what scales and gains are off by
-# X/Y, or its inverse: beyond the first, units are doubted of records that no oscillator explains; beyond the second, which
-# takes a Q of 300 or 17 times the natural frequency, of others too.
+# X/Y, or its inverse: beyond the first, units are doubted of records that no oscillator explains; beyond the second,
+# which takes a Q of 300 or 17 times the natural frequency, of others too.
 _LARGE_GAIN, _RARE_GAIN = 100.0, 300.0
 _UNITS = {
     1000.0: "mm taken for m",
@@ -270,7 +270,7 @@ def of_masses(implied: float, given: float) -> str:
     shown = 1 - math.floor(math.log10(abs(given - implied))) if off else 0
     size = f"{100.0 * abs(off):.2f} %" if 1e-4 <= abs(off) < 1.0 else percent(off)
     return (
-        f"records imply {implied:.{max(digits + 1, shown, 0)}f} kg, you gave {given!r} kg "
+        f"records imply {implied:.{max(digits + 1, shown, 0)}f} kg, you gave {given:.12g} kg "
         f"({size} {'less' if off < 0.0 else 'more'})"
     )
 
@@ -345,8 +345,8 @@ def _wrong_unit(readings: Sequence[Reading], joint: JointFit) -> Iterator[Remark
     lines, fit = [reading.lines for reading in readings], joint.fit
     gains = [float(abs(one.x[0])) / one.Y for one in lines]
     limit = _RARE_GAIN if joint.linear or (fit is not None and fit.adequate) else _LARGE_GAIN
-    large = max(gains) > limit
-    if not (large or min(gains) < 1.0 / limit):
+    large = any(gain > limit for gain in gains)
+    if not (large or any(gain < 1.0 / limit for gain in gains)):
         return
     steady, law = readings[0].steady, None if fit is None else fit.law
     for size, words in _UNITS.items():

@@ -20,7 +20,6 @@ from ..law.terms import FRICTION, parted
 from ..likelihood.mean_harmonics import Means, Reading
 from ..likelihood.steady_search import with_mass
 from ..likelihood.waveforms import WaveformFit
-from ..reading.checks import UNSTEADY
 from ..reading.one_thread import one_thread
 from ..records.measurement import ABSOLUTE
 from ..solver import solve
@@ -33,11 +32,11 @@ _with_mass = lru_cache(maxsize=1)(with_mass)  # asked for by the report and by i
 
 @dataclass(frozen=True, slots=True)
 class Fault:
-    """A fault, alike in all records or in one of them.
+    """A fault, alike in all records.
 
     words : what is wrong, and by how much.   drive, response : relative errors of gain.   late : delay of the response,
     s.   angle : lag of the response at the drive frequency, rad.   stiffness, mass : relative errors of k and of m, if
-    it is given.   record : number of the record, from 0; None for all.
+    it is given.
     """
 
     words: str
@@ -47,7 +46,6 @@ class Fault:
     angle: float = 0.0
     stiffness: float = 0.0
     mass: float = 0.0
-    record: int | None = None
 
 
 FAULTS: Mapping[str, Fault] = {
@@ -74,7 +72,7 @@ def sensitivities(
     """
     assert answer.balance is not None
     each = list(faults.values())
-    sample = sample_of(readings, [_faulty(reading, each, i) for i, reading in enumerate(readings)])
+    sample = sample_of(readings, [_faulty(reading, each) for reading in readings])
     stiffer = 1.0 + _STEP * np.array([0.0, *(fault.stiffness for fault in each)])
     rows, errors = rows_of(sample.features), answer.balance.errors
     rows = replace(rows, W=rows.W * stiffer)
@@ -100,8 +98,7 @@ def shifts_of_fit(
     an error of k, and with the mass given that of an error of the mass the other way.
     """
     each = list(faults.values())
-    moved = np.sum([r.moved(_faulty(r, each, i)) for i, r in enumerate(readings)], axis=0)
-    moved = moved[:, 1:] / _STEP
+    moved = np.sum([r.moved(_faulty(r, each)) for r in readings], axis=0)[:, 1:] / _STEP
     changes = dict(zip(fit.names, moved, strict=False))
     stiffness = np.array([fault.stiffness for fault in each])
     # a mass that is given too large acts like a stiffness too small, but scales nothing
@@ -128,27 +125,13 @@ def _by_fault(names: Iterable[str], of: Mapping[str, Array]) -> dict[str, dict[s
     return {name: {s: float(by[i]) for s, by in of.items()} for i, name in enumerate(names)}
 
 
-def unsteady(readings: Sequence[Reading]) -> dict[str, Fault]:
-    """The faults that changes of a channel during a record amount to, one standard deviation of each, by names."""
-    return {
-        f"{words.about(reading.steady.source)} ({what})": Fault(words, record=i, **{what: size})
-        for i, reading in enumerate(readings)
-        for words in reading.warnings
-        for what, size in words.doubts.items()
-        if what in UNSTEADY
-    }
-
-
-def _faulty(reading: Reading, faults: list[Fault], record: int) -> Means:
-    """The means of a record of this number as read, and with each of the faults, a thousandth of each.
+def _faulty(reading: Reading, faults: list[Fault]) -> Means:
+    """The means of a record as read, and with each of the faults, a thousandth of each.
 
     A force f moves the mass like the base motion f/k: an error of k is one of that motion.
     """
-    sizes = [_STEP * (fault.record in (None, record)) for fault in faults]
     drive, response, late, angle, stiffness = (
-        np.array(
-            [0.0, *(getattr(fault, what) * size for fault, size in zip(faults, sizes, strict=True))]
-        )
+        _STEP * np.array([0.0, *(getattr(fault, what) for fault in faults)])
         for what in ("drive", "response", "late", "angle", "stiffness")
     )
     drive = drive - stiffness * ("force" in reading.steady.channels)

@@ -16,7 +16,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import TypeVar
 
 import numpy as np
 
@@ -27,8 +26,6 @@ from .answer import REFERENCE, Answer, Interval, ParameterEstimate
 from .identified import Identified
 from .loading import correction_of
 from .sensitivities import FAULTS, Fault
-
-Outcome = TypeVar("Outcome", bound=Identified)
 
 _FELT = 1e-3  # of an effect of a part of the same size: what is said of less is that it is nothing
 _UNTESTED = {
@@ -46,25 +43,18 @@ def carried(found: Identified) -> Identified:
     of_mass = m_error / m if m else 0.0
     stated = {"stiffness": stiffness, "mass": of_mass, **_stated_of_channels(found)}
     faults = {name: Fault(name, **{name: size}) for name, size in stated.items() if size > 0.0}
+    estimates, reference = found.estimates, found.reference
+    if faults:
+        estimates = {n: _widened(one, found.shifts(faults, n)) for n, one in estimates.items()}
+        reference = reference and _widened(reference, found.shifts(faults, REFERENCE))
     mass = m is not None  # with which the records were tested
     settings = {"stated_uncertainties": {**stated, "mass_tested": mass}}
     return replace(
-        with_faults(found, faults),
+        found,
+        estimates=estimates,
+        reference=reference,
         rig=[*found.rig, *_conditional(found, stiffness > 0.0, mass)],
         settings={**found.settings, **settings},
-    )
-
-
-def with_faults(found: Outcome, faults: Mapping[str, Fault]) -> Outcome:
-    """An identification whose errors, intervals and covariances hold what faults of these sizes do, each one standard
-    deviation."""
-    if not faults:
-        return found
-    reference = found.reference
-    return replace(
-        found,
-        estimates={n: _widened(a, found.shifts(faults, n)) for n, a in found.estimates.items()},
-        reference=reference and _widened(reference, found.shifts(faults, REFERENCE)),
     )
 
 

@@ -32,9 +32,6 @@ _GAIN_MATTERS = 1e-4
 # Of the amplitude, over the record: from the first on it is reported and widens intervals, beyond the second it may be
 # another motion at the end than at the start, and all numbers are doubtful.
 _DRIFT_MATTERS, _DRIFT_DOUBTFUL, _DRIFT_WRONG = 2e-5, 0.05, 0.1
-UNSTEADY = ("drive", "response", "angle")
-"""What a channel that is not steady puts in doubt, with standard deviations over the record: the gain of the drive and
-of the response, as parts of them, and the phase of the response, rad."""
 _DRIFT_CHANCE = 1e-6
 # Two clocks that nothing ties together hardly agree better than that; harmonics that fold back turn by less.
 _CLOCKS_DIFFER = 5e-7
@@ -293,20 +290,19 @@ def two_clocks(quantity: str, faster: tuple[float, float]) -> Remark:
 
 def steadiness(
     Y: Complexes, X: Complexes, times: Array, weights: Array, period: float
-) -> Iterator[Remark]:
+) -> tuple[tuple[float, float], list[Remark]]:
     """Whether the fundamentals of base and response stay as they are, against the scatter from cycle to cycle
-    (`_change`).
+    (`_change`): the standard deviations of those that do not, over the record and as parts of them, and warnings.
 
     ValueError when the amplitude changes by more than a tenth.
     """
-    size = len(Y)
+    size, parts_of, warnings = len(Y), [0.0, 0.0], list[Remark]()
     if size < 4:
-        return
+        return (0.0, 0.0), warnings
     # of the excitation, whose phase is that of the record, only the amplitude varies
     amplitude = np.abs(Y)
-    for channel, name, rows, parts in (
-        ("drive", "the excitation", amplitude + 0j, 1.0),
-        ("response", "the response", X / (Y / amplitude), 2.0),
+    for i, (name, rows, parts) in enumerate(
+        (("the excitation", amplitude + 0j, 1.0), ("the response", X / (Y / amplitude), 2.0))
     ):
         found = _change(rows, weights, parts)
         if not found.shows:
@@ -320,12 +316,9 @@ def steadiness(
             raise ValueError(
                 f"{words.format(*sizes)}; record again after the motion has settled, or cut its start"
             )
-        # a change in proportion to time, from end to end and to either side of the mean
-        doubts = {channel: found.size / math.sqrt(12.0)}
-        if channel == "response":
-            doubts["angle"] = found.turn / math.sqrt(3.0)
-        if max(found.size, found.turn) > _DRIFT_DOUBTFUL:
-            doubts = {"": math.inf}
+        # of a change in proportion to time, from end to end, and to either side of the mean
+        parts_of[i] = max(found.size / math.sqrt(12.0), found.turn / math.sqrt(3.0))
+        doubts = {"": math.inf} if max(found.size, found.turn) > _DRIFT_DOUBTFUL else {}
         # where the phasor stays within its scatter about the mean of the second half
         late = rows[size // 2 :].mean()
         scatter = 4.0 * math.sqrt(parts * found.noise) + 1e-6 * abs(late)
@@ -333,9 +326,10 @@ def steadiness(
         if outside.size and outside[-1] < size // 2:
             after = round(outside[-1] * (times[-1] - times[0]) / (size - 1) / period)
             words += "; it settles after about {} cycles: leave those out"
-            yield Remark(words, *sizes, after, doubts=doubts)
+            warnings.append(Remark(words, *sizes, after, doubts=doubts))
         else:
-            yield Remark(words, *sizes, doubts=doubts)
+            warnings.append(Remark(words, *sizes, doubts=doubts))
+    return (parts_of[0], parts_of[1]), warnings
 
 
 def plausible(Y: float, X: float, omega: float, driven_by: str) -> Iterator[Remark]:
