@@ -65,6 +65,7 @@ _RELATIVE_FLOOR = 1e-9
 _NO_NEIGHBOURS = (math.nan, math.nan)
 _JITTER = 0.05  # of a step: times closer to an even grid than that are on it
 _LATTICE = 0.01  # of a step: how far a value may lie from a whole number of steps
+_FREQUENCY_COUNTS = 0.3  # of the noise of the fundamental: less would widen intervals by 5 %
 _COPIES = 1e-9  # of the range: values closer than that differ by rounding of the numbers
 _FINEST = 1e-6  # of the range: finer steps leave nothing that shows
 # Independent errors in a cycle of A cos θ, over A/q: its rounding error is Σ ±(q/πj) sin(2πj A cos θ/q), whose
@@ -319,8 +320,9 @@ def _steady(
     changing = parts[1] * np.abs(mean_X)
     # nor is that of the frequency: ∂ln x/∂ω = 2mω x/(kY) with mω² = k − Re kY/x, much where the damping is light
     gain = mean_X[1] / mean_Y[1]
-    along = 2.0 * abs(mean_X[1]) * abs(gain) * abs(1.0 - (1.0 / gain).real)
-    changing[1] = math.hypot(changing[1], along * omega_error / omega)
+    by_frequency = 2.0 * abs(mean_X[1] * gain) * abs(1.0 - (1.0 / gain).real) * omega_error / omega
+    if by_frequency > _FREQUENCY_COUNTS * X_error[1]:
+        changing[1] = math.hypot(changing[1], by_frequency)
     X_error, X_hidden = np.hypot(X_error, changing), np.hypot(X_rounding, changing)
     warnings += checks.harmonic_base(mean_Y, Y_error)
     asymmetry = list(checks.symmetry(mean_X, X_error))

@@ -5,12 +5,23 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
-from dampbalance import identify, measured_orbit, measured_ring_down
+from dampbalance import (
+    BaseMotion,
+    Oscillator,
+    identify,
+    measured_orbit,
+    measured_ring_down,
+    steady_orbit,
+)
+from dampbalance.arguments import mass_with_error
+from dampbalance.commands.options import mass as mass_on_the_command_line
+from dampbalance.identification.measured import configured, not_taken
 from dampbalance.records.measurement import Correction
 from paper_case import LEVELS, PAPER, orbits_at
-from unit.identification.levels import SYMBOLS, THREE, changed, measured
+from unit.identification.levels import SYMBOLS, THREE, changed, close, measured
 
 DECAYING = replace(PAPER, c=1.5, F_k=0.5)
 
@@ -208,3 +219,77 @@ def test_a_drift_is_in_the_intervals_and_doubts_nothing(drift, part):
 def test_an_uncertainty_that_is_none_is_refused(wrong):
     with pytest.raises(ValueError, match="stiffness must be a positive number"):
         identify(forced(), stiffness=wrong)
+
+
+@pytest.mark.parametrize(
+    ("value", "mass", "error"),
+    [
+        ("3.1", 3.1, 0.05),
+        (3.1, 3.1, 0.05),
+        ("3.100", 3.1, 0.0155),
+        (3.098, 3.098, 0.01549),
+        (np.float64(3.098), 3.098, 0.01549),
+        (24, 24.0, 0.5),
+        ("3.1±0.01", 3.1, 0.01),
+        ("3.1+-0.01", 3.1, 0.01),
+        ((3.1, 0.0), 3.1, 0.0),
+    ],
+)
+def test_a_mass_alone_is_known_to_half_its_last_digit_or_half_a_per_cent(value, mass, error):
+    assert mass_with_error(value) == pytest.approx((mass, error))
+    of_text = mass_on_the_command_line(value) if isinstance(value, str) else (mass, error)
+    assert of_text == pytest.approx((mass, error))
+
+
+@pytest.mark.parametrize(
+    "wrong", [(3.1, 3.1), "3.1±x", "x", "-3", True, (3.1, -0.1), [1.0, 0.1, 0.1]]
+)
+def test_a_mass_that_is_none_is_refused(wrong):
+    with pytest.raises(ValueError, match="mass must be a positive number"):
+        mass_with_error(wrong)
+
+
+def test_a_configuration_states_the_uncertainty_of_its_mass():
+    of = {"stiffness_N_per_m": 2310.0, "mass_kg": 2.42}
+    assert configured(of)["mass"] == 2.42
+    assert configured(of | {"mass_standard_error_kg": 0.01})["mass"] == (2.42, 0.01)
+    for kind in ("forced", "ring-down", "stepped-sine"):
+        assert not not_taken(of | {"kind": kind, "mass_standard_error_kg": 0.01})
+
+
+@pytest.mark.parametrize("bits", [10, 14])
+def test_the_steps_of_a_converter_make_no_other_oscillator(bits):
+    """Records without noise: the error that rounding leaves repeats in each cycle, and is known to a factor only."""
+    step = 0.04 / 2**bits
+    records = measured(noise=0.0, cycles=40.3, rate_hz=997.0)
+    for quantity in THREE[:2]:
+        records = [
+            changed(r, quantity, values=np.round(r[quantity].values / step) * step) for r in records
+        ]
+    found = identify(records, PAPER.k, replicates=20)
+    assert {found.verdicts[s].verdict for s in ("F_k", "c")} == {"usable"}
+    assert close(found.answer, PAPER)
+
+
+def test_a_light_damping_asks_more_of_the_frequency():
+    """Q = 220 at resonance: a frequency that is off by 4e-7 turns the response by more than the noise does."""
+    k = 2.0 * (20.0 * math.pi) ** 2
+    osc = Oscillator(2.0, 0.5, k, 20.0 * k, 0.05)
+    orbits = [steady_orbit(osc, BaseMotion(Y, 20.0 * math.pi)) for Y in (2e-5, 4e-5, 6e-5)]
+    options = {"rate_hz": 1000.0, "cycles": 40.0, "noise": 3e-3, "channels": THREE[:2]}
+    sizes = []
+    for seed in range(6):
+        records = [measured_orbit(o, seed=10 * seed + i, **options) for i, o in enumerate(orbits)]
+        merit = identify(records, k, approaches="direct", replicates=20).reference.merit
+        sizes.append((merit["m_kg"] - osc.m) / merit["m_standard_error_kg"])
+    # rms of six normal numbers: above 1.7 once in 400 times
+    assert math.sqrt(np.mean(np.square(sizes))) < 1.7
+
+
+def test_the_verdict_on_a_contact_agrees_with_what_is_said_of_it():
+    """K_z and its interval are conditional on the model; the sentence says so, and what another contact would be."""
+    found = identify(measured(noise=0.003, cycles=40.0), PAPER.k, replicates=20)
+    (said,) = (words for words in found.rig if "yields gradually" in words)
+    assert found.verdicts["K_z"].verdict == "usable"
+    assert said.startswith("K_z and its interval are conditional on a contact that yields at once")
+    assert "stiffer right after a reversal" in said
