@@ -27,6 +27,8 @@ SMALLEST, LARGEST = 1e-30, 1e30  # SI units; beyond them, products of a few numb
 MOST_REPLICATES = 10_000
 """Of a bootstrap. More tell nothing new: the standard error of a standard error is 0.7 % of it then."""
 
+_UNCERTAIN = r"±|\+/?-"  # between a number and its standard uncertainty
+_AS_WEIGHED = 0.005  # of a mass: what holds and drives it, and half of its springs, move along and are seldom weighed
 _WORD = 2**63 - 1  # the largest integer of an array
 
 
@@ -101,7 +103,7 @@ def with_error(name: str, value: object) -> tuple[float, float]:
     pair: Any = value
     if isinstance(value, str):
         with suppress(ValueError):
-            pair = [float(part) for part in re.split(r"±|\+/?-", value)]
+            pair = [float(part) for part in re.split(_UNCERTAIN, value)]
     if not isinstance(pair, list | tuple) or len(pair) != 2:
         return number(name, value), 0.0
     plain, error = number(name, pair[0]), pair[1]
@@ -109,6 +111,23 @@ def with_error(name: str, value: object) -> tuple[float, float]:
         wanted = f"{NUMBERS[name]}, with an uncertainty below it, (2310, 10) or 2310±10"
         _refuse(name, wanted, value)
     return plain, float(error)
+
+
+def mass_with_error(value: object) -> tuple[float, float]:
+    """A mass and its standard uncertainty, kg, in the forms of `with_error`; that of a mass alone is half a unit of its
+    last digit or 0.5 %, whichever is more.
+
+    "3.1" and 3.1 have one of 0.05 kg, "3.100" has 0.0155 kg; (3.1, 0.0) and "3.1±0" are exact.
+    """
+    if isinstance(value, list | tuple) or (isinstance(value, str) and re.search(_UNCERTAIN, value)):
+        return with_error("mass", value)
+    plain: object = value
+    if isinstance(value, str):
+        with suppress(ValueError):
+            plain = float(value)
+    mass = number("mass", plain)
+    last_digit = 10.0 ** int(Decimal(str(value)).as_tuple().exponent)
+    return mass, max(0.5 * last_digit, _AS_WEIGHED * mass)
 
 
 def whole(name: str, value: object) -> int:

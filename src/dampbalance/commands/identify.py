@@ -19,7 +19,7 @@ from ..law.terms import KNOWN_TERMS
 from ..project.files import json_text, replacing, write_text
 from ..project.wording import shortened
 from ..records.errors import LARGEST
-from .options import coefficients, count, number, whole, with_error
+from .options import coefficients, count, mass, number, whole, with_error
 
 EPILOG = """\
 A record is one file per level of excitation: a channel that drives (base_displacement, base_acceleration or force) and
@@ -56,7 +56,7 @@ records         a file, one per level; as many as there are coefficients, or mor
 --laws          compare laws of one or two terms, with and without friction, and name the one that the records support
 --approach      an approach; may be repeated (default: all)
 --phase         phase φ that the approaches X_s, t_s and V_s take (default: reversal)
---mass          mass, kg, if it is known: the fit takes it, unless the records contradict it; tests stiffness and gains
+--mass          mass, kg, or with its standard uncertainty, 2.42±0.01; alone, half its last digit or 0.5 %%, the larger
 --write-mapping write a mapping to start from to this file, with a reason for each channel, and do nothing else
 --mapping       file or folder that names the channels of the records (default: the file next to each)
 --skip-cycles   cycles left out at the start of each record, where the motion has not settled (default: 0)
@@ -222,7 +222,7 @@ _OPTIONS: dict[str, dict[str, Any]] = {
     "--laws": {"action": "store_true"},
     "--approach": {"action": "append", "choices": list(APPROACHES), "dest": "approaches"},
     "--phase": {"choices": get_args(Phase), "default": "reversal"},
-    "--mass": {"type": number(), "metavar": "M"},
+    "--mass": {"type": mass, "metavar": "M"},
     "--write-mapping": {"type": Path, "metavar": "FILE"},
     "--mapping": {"type": Path, "metavar": "FILE"},
     "--skip-cycles": {"type": whole(), "default": 0, "metavar": "N"},

@@ -7,6 +7,7 @@ import re
 from collections.abc import Callable
 from typing import Any
 
+from ..arguments import mass_with_error
 from ..law.terms import term
 from ..project.wording import shortened
 
@@ -38,6 +39,12 @@ def with_error(text: str) -> tuple[float, float]:
             f"must have an uncertainty below the number itself, got {shortened(text)}"
         )
     return one, uncertainty
+
+
+def mass(text: str) -> tuple[float, float]:
+    """A type of argument: a mass like `with_error`; alone, with the uncertainty that its digits state."""
+    with_error(text)
+    return mass_with_error(text)
 
 
 def whole(low: int = 0, high: int = 2**63 - 1) -> Callable[[str], int]:

@@ -31,10 +31,11 @@ from ..likelihood.oscillator_fit import OscillatorFit
 from ..likelihood.score import Departure, departures_from
 from ..likelihood.waveforms import WaveformFit
 from ..motion.law_decays import ADDED, rounding
-from ..project.wording import Remark, larger_by
+from ..project.wording import Remark, larger_by, listed
 from ..reading.chances import normal_tail
 from ..records.measurement import ABSOLUTE, RELATIVE
 from ..solver import NORMAL_95
+from .oscillator import AS_WELL
 
 # Probability of a cause by chance in records of the oscillator, half of it that of the contact that yields gradually.
 _CHANCE = 0.005
@@ -44,6 +45,11 @@ _FALLING = 0.1  # of the largest speed
 _ROUNDEST = 1.5  # a Dahl contact, which is twice as stiff after a reversal as the nearest that yields at once
 _MATTERS = 3.0  # standard errors by which another contact may change K_z, unsaid
 _LEAST = 0.03  # of K_z
+DELAY = "a delay between the channels (skew, or clocks that differ)"
+COUPLING = "an AC coupling (high-pass) of a channel"
+DRIVE = "a wrong gain of the drive"
+OF_CHANNELS = (DELAY, COUPLING, DRIVE)
+"""Causes in the channels and not in the oscillator."""
 GRADUAL = ADDED[-1]
 """The cause that hardly shows: see above."""
 
@@ -94,17 +100,40 @@ def gradual_contact(tested: Sequence[Departure], scale: float = 1.0) -> Departur
     return best if 2.0 * normal_tail(best.size / scale) < _CHANCE else None
 
 
+def as_well(explained: float, tested: Sequence[Departure], named: Sequence[str]) -> list[Departure]:
+    """Causes that explain about as much of χ² (`AS_WELL`), to first order.   named : those that are named already."""
+    return [
+        one
+        for one in tested
+        if one.symbol not in named
+        and one.size**2 > explained - AS_WELL
+        and (one.symbol != GRADUAL or one.value > 0.0)
+    ]
+
+
+def in_others(words: Sequence[str]) -> str:
+    """The clause on causes that explain the records as well; empty for none."""
+    explain = "explain" if len(words) > 1 else "explains"
+    return (
+        f"; {listed(words, 'or')} {explain} it as well, with χ² within {AS_WELL:g}" if words else ""
+    )
+
+
 def words_of(one: Departure) -> str:
     """A cause in words."""
     return f"a contact that {_GRADUALLY} and not at once" if one.symbol == GRADUAL else one.symbol
 
 
-def remark_on(one: Departure, fit: OscillatorFit) -> Remark:
-    """The sentence on a departure from an oscillator that explains the records within their noise otherwise."""
+def remark_on(one: Departure, fit: OscillatorFit, others: Sequence[str] = ()) -> Remark:
+    """The sentence on a departure from an oscillator that explains the records within their noise otherwise.
+
+    others : causes that explain as much, in words.
+    """
     changes = _changes(one, fit, one.value)
+    remedy = "calibrate the channels" if one.symbol in OF_CHANNELS else "the model has none"
     words = (
-        f"the records show {words_of(one)}: that explains {one.size**2:.0f} of χ², by chance with p = {one.p:.1g}; the "
-        "model has none"
+        f"the records show {words_of(one)}: that explains {one.size**2:.0f} of χ², by chance with p = {one.p:.1g}"
+        f"{in_others(others)}; {remedy}"
     )
     if one.symbol == GRADUAL:
         share = min(changes["K_z"], 1.0)
@@ -120,7 +149,9 @@ def condition_on_contact(fit: OscillatorFit, tested: Iterable[Departure]) -> lis
     """A sentence where K_z depends on the contact yielding at once by more than its interval shows, and the records
     could not tell one that yields gradually from it; none where they could.
 
-    It is no doubt: K_z is that of the contact that was asked for.   tested : all that was tested.
+    It is a condition and no doubt, as of all numbers on the gains: K_z and its interval are those of the contact that
+    was asked for, which moves like one that yields gradually and is stiffer after a reversal.   tested : all that was
+    tested.
     """
     for one in tested:
         if one.symbol != GRADUAL or fit.rigid:
@@ -129,9 +160,10 @@ def condition_on_contact(fit: OscillatorFit, tested: Iterable[Departure]) -> lis
         part = _changes(one, fit, most).get("K_z", 0.0)
         if part > max(_LEAST, _MATTERS * fit.K_z_error / fit.K_z):
             return [
-                f"K_z is that of a contact that yields at once. One that {_GRADUALLY} could not be told from it by "
-                f"these records, and would be stiffer by up to {larger_by(part)} after a reversal; less noise, or "
-                "levels at which it hardly slips, would tell."
+                "K_z and its interval are conditional on a contact that yields at once, which these records cannot "
+                f"test: one that {_GRADUALLY} moves alike, and is stiffer by up to {larger_by(part)} right "
+                "after a reversal. To use K_z for that stiffness, test it with less noise, or with levels at which the "
+                "contact hardly slips."
             ]
     return []
 
@@ -201,14 +233,9 @@ def _directions(
         scaled = [dx / one.x_error for dx, one in zip(changes, lines, strict=True)]
         return [np.concatenate([dx.real, dx.imag]) for dx in scaled]
 
-    yield (
-        "a delay between the channels (skew, or clocks that differ)",
-        in_errors(-1j * one.n * one.omega * one.x for one in lines),
-    )
-    yield (
-        "an AC coupling (high-pass) of a channel",
-        in_errors(1j * one.x / (one.n * one.omega) for one in lines),
-    )
+    yield DELAY, in_errors(-1j * one.n * one.omega * one.x for one in lines)
+    yield COUPLING, in_errors(1j * one.x / (one.n * one.omega) for one in lines)
+    yield DRIVE, in_errors(_under_less(fit, i) for i in range(len(lines)))
     sizes = np.log([one.Y for one in lines])
     where = [np.flatnonzero(free == at[FRICTION]) for at in fit.unknowns.at]
     if len(lines) > 1 and all(w.size for w in where):
@@ -233,6 +260,15 @@ _FORCES: Mapping[str, Callable[[Array, Array, Array], Array]] = {
     "a spring that is not linear": lambda x, v, gradual: x**3,
 }
 """Forces that the model lacks, of x, of ẋ over the largest speed, and of that of a contact that yields gradually."""
+
+
+def _under_less(fit: WaveformFit, i: int) -> Complexes:
+    """Change of the harmonics of a record, over the part by which its drive is less than was read."""
+    one = fit.lines[i]
+    _, by = fit.unknowns.harmonics(fit.point, i, fit.responses[i], one.n.size)
+    # the base that was added to a relative motion was read too large as well
+    added = np.where(one.n == 1, one.relative, 0.0)
+    return np.asarray(one.Y * (added - by[:, fit.unknowns.at[i]["Y"]]))
 
 
 def _motion(fit: WaveformFit, i: int) -> tuple[Array, Array, Array]:

@@ -59,7 +59,7 @@ from .decay_laws import (
 )
 from .half_cycles import A, B, RingRows, W, rows_of
 from .identified import Identified, Level, Picture
-from .remarks import forbidden
+from .remarks import forbidden, on_mass
 from .screen import implied, with_error
 from .sensitivities import Fault
 
@@ -157,14 +157,14 @@ class DecayOutcome(Identified):
         same motion, and F_k is in proportion to the motion. When a decay began is not known: a delay does nothing."""
         fit = self.fit
         lighter = dict.fromkeys(("F_k", "c", "K_z"), 0.0)
-        if fit.error("m") == 0.0 and any(fault.stiffness for fault in faults.values()):
+        if fit.error("m") == 0.0 and any(of.stiffness or of.mass for of in faults.values()):
             other = _with_mass(fit, (1.0 - _LIGHTER) * fit.m)
             for symbol in lighter if other is not None else ():
                 here = getattr(fit, symbol)
                 lighter[symbol] = (getattr(other, symbol) / here - 1.0) / _LIGHTER if here else 0.0
         changes = {
-            fault: {s: of.stiffness * (1.0 + by) for s, by in lighter.items()}
-            | {"m": of.stiffness * (fit.error("m") > 0.0)}
+            fault: {s: of.stiffness * (1.0 + by) - of.mass * by for s, by in lighter.items()}
+            | {"m": of.stiffness if fit.error("m") > 0.0 else of.mass}
             for fault, of in faults.items()
         }
         for fault, of in faults.items():
@@ -199,13 +199,15 @@ def identify_ring_downs(
     k: float,
     *,
     mass: float | None = None,
+    mass_error: float = 0.0,
     uncertainty: float = 0.0,
     laws: bool = False,
 ) -> DecayOutcome:
     """F_k, c and K_z from records of free decays, one or more.
 
-    k : stiffness, N/m.   mass : kg, if it is known; the fit takes it unless the decays contradict it.   uncertainty :
-    standard uncertainty of k, as a part of it.   laws : whether to compare the laws that the decays may have.
+    k : stiffness, N/m.   mass : kg, if it is known; the fit takes it where it is known better than the decays know it,
+    and they agree.   mass_error : its standard uncertainty, kg.   uncertainty : that of k, as a part of it.   laws :
+    whether to compare the laws that the decays may have.
 
     Raises ValueError for a stiffness or a mass that is not positive, a record whose excitation channel moves, one
     without a decay that slips, and a channel with a filter.
@@ -258,20 +260,16 @@ def identify_ring_downs(
         for one in left_out
     ]
     ends = minima_of(with_noise_of(common))
-    fit, notes = with_intervals(ends), []
-    if mass is not None and abs(ends[0].m - mass) < _MASS_OFF * ends[0].error("m"):
-        given = [one for end in ends if (one := _with_mass(end, mass)) is not None]
-        fit = with_intervals(sorted(given, key=lambda one: one.chi_square)) if given else fit
-    elif mass is not None and not abs(fit.m - mass) < _MASS_OFF * math.hypot(
-        fit.error("m"), uncertainty * fit.m
-    ):
-        notes.append(Remark("the mass given contradicts the decays"))
-        warnings.append(
-            Remark(
-                f"the mass given, {mass:g} kg, is not that of these decays, {fit.m:.6g} ± {fit.error('m'):.2g} kg, and "
-                "is left out: a gain, a unit or the stiffness may be wrong"
-            )
-        )
+    fit, agrees = with_intervals(ends), True
+    if mass is not None:
+        own, off = ends[0].error("m"), abs(ends[0].m - mass)
+        errors = fit.error("m"), uncertainty * fit.m, mass_error
+        agrees = abs(fit.m - mass) < _MASS_OFF * math.hypot(*errors)
+        if mass_error < own and off < _MASS_OFF * math.hypot(own, mass_error):
+            given = [one for end in ends if (one := _with_mass(end, mass)) is not None]
+            fit = with_intervals(sorted(given, key=lambda one: one.chi_square)) if given else fit
+        elif not agrees:
+            warnings.append(on_mass(fit, TERMS, mass))
     rows = rows_of(fit)
     if not fit.adequate and (rows.halves < _FEWEST or fit.K_z < _LOOSE * k):
         raise ValueError(
@@ -280,7 +278,8 @@ def identify_ring_downs(
             f"{_slipping(rows.halves)} and leaves {times(math.sqrt(fit.misfit))} the noise; is the mass still driven, "
             "or is its frequency or its gain not constant? Give the record from the release or the blow on"
         )
-    outcome = _solved(fit, rows, tuple(record.source for record in records), notes, warnings)
+    rig = implied(fit, mass if agrees else None)
+    outcome = _solved(fit, rows, tuple(record.source for record in records), rig, warnings)
     return replace(outcome, laws=compare_decay_laws(fit)) if laws else outcome
 
 
@@ -319,14 +318,14 @@ def _solved(
     fit: RingFit,
     rows: RingRows,
     sources: tuple[str, ...],
-    known: Sequence[Remark],
+    rig: Sequence[str],
     warnings: Sequence[Remark],
 ) -> DecayOutcome:
-    """The rows solved, with warnings and with notes, those that are known before and others."""
+    """The rows solved, with notes, and warnings and sentences on the rig in addition to these."""
     from scipy import special  # slow to import
 
     values, covariance, misfit, freedom, interval = _least_squares(fit, rows)
-    fit_notes = [*known, *map(Remark, fit.shortcomings)]
+    fit_notes = [*map(Remark, fit.shortcomings)]
     further = departures(fit)
     scale = 1.0 if fit.adequate else math.sqrt(fit.misfit)
     gradual, doubt = gradual_contact(further, scale), ""
@@ -412,7 +411,7 @@ def _solved(
         warnings=(*warnings, *clipped_signals.values()),
         head=f"{_counted(len(sources), 'record')} with {_counted(len(fit.decays), 'free decay')}, "
         f"{_slipping(rows.halves)}; values with 95 % intervals",
-        rig=[*implied(fit), *conditions],
+        rig=[*rig, *conditions],
         settings={"confidence": CONFIDENCE},
         fit=fit,
         half_cycles=rows,

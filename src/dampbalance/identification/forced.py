@@ -149,7 +149,12 @@ class ForcedOutcome(Identified):
         """What faults of all records do to an answer; nothing is known of a fit that is not that of the waveforms."""
         if name in APPROACHES:
             rows_of = LawRows(APPROACHES[name], self.law, self.k, self.phase, self.joint.linear)
-            return sensitivities(self.readings, rows_of, self.estimates[name], faults)
+            changes = sensitivities(self.readings, rows_of, self.estimates[name], faults)
+            # the balance takes nothing else from the fit that has the mass
+            of_mass = {what: Fault(what, mass=of.mass) for what, of in faults.items() if of.mass}
+            for what, of in (self.shifts(of_mass, REFERENCE) if of_mass else {}).items():
+                changes[what]["K_z"] = changes[what].get("K_z", 0.0) + of["K_z"]
+            return changes
         held = name == REFERENCE and self.joint.waveforms_hold
         fit = self.joint.fit if held else None
         return {} if fit is None else shifts_of_fit(self.readings, fit, faults)
@@ -201,6 +206,7 @@ def identify_readings(
     approaches: Mapping[str, Approach] = APPROACHES,
     phase: Phase = "reversal",
     mass: float | None = None,
+    mass_error: float = 0.0,
     uncertainty: float = 0.0,
     replicates: int = REPLICATES,
     seed: int = SEED,
@@ -211,7 +217,8 @@ def identify_readings(
 
     readings : of `read_features`, one per level; levels that differ, at least as many as there are unknowns for a
     balance. The fit may do with fewer.   k : stiffness of the readings, N/m.   law : default, F_k and c.
-    uncertainty : standard uncertainty of k, as a part of it, for the test of the mass.
+    mass_error : standard uncertainty of the mass, kg.   uncertainty : that of k, as a part of it, for the test of the
+    mass.
     replicates, seed : of the bootstrap; 1000 replicates know a standard error to 2 %.
     Others are as for `identify`.
 
@@ -226,7 +233,7 @@ def identify_readings(
         number("mass", mass)
     readings, near = unfolded(readings, k, law)
     lines = [reading.lines for reading in readings]
-    joint = joint_fit(lines, k, mass, law, near, uncertainty=uncertainty)
+    joint = joint_fit(lines, k, mass, law, near, mass_error=mass_error, uncertainty=uncertainty)
     few, reference = len(readings) < len(law.unknowns), joint.answer
     if few and not (joint.waveforms_hold and joint.fit is not None and joint.fit.freedom > 0):
         law.require([reading.steady.frequency_hz for reading in readings])
@@ -245,7 +252,7 @@ def identify_readings(
     fit, delayed, rig = joint.fit, joint.delayed, []
     tested: list[Departure] = []
     if fit is not None and not joint.linear:
-        rig, tested = implied(fit), departures(fit)
+        rig, tested = implied(fit, mass if joint.mass_fits else None), departures(fit)
         if fit.adequate and delayed is not None:
             late = with_error(1e6 * delayed.delay, 1e6 * delayed.error("delay"))
             rig.append(f"Left free, a delay of the response is {late} µs.")

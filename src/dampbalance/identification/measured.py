@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
-from ..arguments import flag, names, number, one_of, whole, with_error
+from ..arguments import flag, mass_with_error, names, number, one_of, whole, with_error
 from ..balance import APPROACHES, TERMS
 from ..features import Phase
 from ..law.law import Law, law_of
@@ -42,7 +42,7 @@ def identify(
     mapping: MappingLike = None,
     kind: Kind = "recognised",
     frequency: float | None = None,
-    mass: float | None = None,
+    mass: float | tuple[float, float] | str | None = None,
     terms: Sequence[str] | str | None = None,
     given: Mapping[str, float] | None = None,
     groups: Mapping[str, Sequence[str] | str] | None = None,
@@ -74,7 +74,9 @@ def identify(
     kind : "forced", "ring-down" or "stepped-sine" (tables of frequency, amplitudes and phase, a line for each steady
     response), where it is not to be recognised.
     frequency : of the drive as known, Hz; compared with that found in each record.
-    mass : kg, if it is known: it sharpens K_z, and tests the stiffness and the gains.
+    mass : kg, if it is known: it tests the stiffness and the gains, and sharpens K_z where it is known better than the
+    records know it. State its standard uncertainty like that of the stiffness, (2.42, 0.01) or "2.42±0.01"; of a mass
+    alone it is half a unit of the last digit ("2.420" keeps its zero) or 0.5 %, whichever is more.
     terms : of the damping law, symbols of `KNOWN_TERMS`; default, F_k, c and those that are given.
     given : symbol → known coefficient, SI units.
     groups : symbol → a label for each record, where each group of records has its own coefficient.
@@ -122,7 +124,7 @@ def identify(
     hardening, residual = flag("hardening", hardening), flag("residual", residual)
     laws = flag("laws", laws)
     frequency = None if frequency is None else number("frequency", frequency)
-    mass = None if mass is None else number("mass", mass)
+    m, m_error = (None, None) if mass is None else mass_with_error(mass)
     skip_cycles, replicates = whole("skip_cycles", skip_cycles), whole("replicates", replicates)
     seed, largest = whole("seed", seed), whole("largest", largest)
     asked = () if approaches is None else names("approaches", approaches, APPROACHES)
@@ -144,7 +146,8 @@ def identify(
         "stiffness_N_per_m": k,
         "stiffness_standard_error_N_per_m": error,
         "frequency_hz": frequency,
-        "mass_kg": mass,
+        "mass_kg": m,
+        "mass_standard_error_kg": m_error,
         "terms": list(law.terms),
         "given": dict(law.given),
         "groups": {symbol: list(labels) for symbol, labels in law.groups.items()},
@@ -171,13 +174,16 @@ def identify(
     return _of_decays(read, _taken("ring-down", options))
 
 
-_OF_K_AND_M = ("stiffness_N_per_m", "mass_kg", "stiffness_standard_error_N_per_m")
+_OF_K_AND_M = (
+    *("stiffness_N_per_m", "stiffness_standard_error_N_per_m"),
+    *("mass_kg", "mass_standard_error_kg"),
+)
 _OF_LAW, _OF_DRAWINGS = ("terms", "given"), ("replicates", "seed")
 _OF_CONTACT = ("contact", "hardening", "residual")
 _OF_ALL = ("mapping", "largest")
 _OPTIONS = {
     "forced": (
-        *("stiffness_N_per_m", "stiffness_standard_error_N_per_m", "frequency_hz", "mass_kg"),
+        *(*_OF_K_AND_M, "frequency_hz"),
         *(*_OF_LAW, "groups", "laws", "approaches", "phase", "mapping", "skip_cycles"),
         *(*_OF_DRAWINGS, "largest"),
     ),
@@ -257,6 +263,8 @@ def configured(settings: Mapping[str, Any]) -> dict[str, Any]:
     error = arguments.pop("stiffness_standard_error_N_per_m", 0.0)
     if "stiffness" in arguments:
         arguments["stiffness"] = arguments["stiffness"], error
+    if "mass_standard_error_kg" in arguments:
+        arguments["mass"] = arguments["mass"], arguments.pop("mass_standard_error_kg")
     return {"kind": "forced"} | arguments
 
 
@@ -264,30 +272,34 @@ def configured(settings: Mapping[str, Any]) -> dict[str, Any]:
 def _of_steady(
     records: tuple[MeasuredRecord, ...], law: Law, options: Mapping[str, Any]
 ) -> Identified:
-    k, mass, error = (options[name] for name in _OF_K_AND_M)
+    k, error, mass, mass_error = (options[name] for name in _OF_K_AND_M)
     of_drive = {name: options[name] for name in ("frequency_hz", "skip_cycles")}
     loaded = tuple(load(record, k, **of_drive) for record in records)
     _require_possible(loaded, mass, k)
     readings = [one.reading for one in loaded]
-    common = {name: options[name] for name in ("replicates", "seed")} | {"law": law, "mass": mass}
+    common = {name: options[name] for name in ("replicates", "seed")} | {"law": law}
     found = identify_readings(
         readings,
         k,
         approaches={name: APPROACHES[name] for name in options["approaches"]},
         phase=options["phase"],
+        mass=mass,
+        mass_error=mass_error or 0.0,
         uncertainty=error / k,
         **common,
     )
-    laws = compare_laws(readings, k, **common) if options["laws"] else None
+    held = mass if found.joint.mass_taken else None
+    laws = compare_laws(readings, k, mass=held, **common) if options["laws"] else None
     return carried(replace(found, laws=laws, loaded=loaded, records=records, options=options))
 
 
 @interpreted(False)  # a motion of thousands of samples, hundreds of times
 def _of_decays(records: tuple[MeasuredRecord, ...], options: Mapping[str, Any]) -> Identified:
     measurements = [record.whole() for record in records]
-    k, mass, error = (options[name] for name in _OF_K_AND_M)
+    k, error, mass, mass_error = (options[name] for name in _OF_K_AND_M)
+    of_mass = {"mass": mass, "mass_error": mass_error or 0.0}
     found = identify_ring_downs(
-        measurements, k, mass=mass, uncertainty=error / k, laws=options["laws"]
+        measurements, k, uncertainty=error / k, laws=options["laws"], **of_mass
     )
     odd = [words.about(record.name) for record in records for words in record.warnings]
     warnings = (*odd, *found.warnings)
@@ -297,7 +309,7 @@ def _of_decays(records: tuple[MeasuredRecord, ...], options: Mapping[str, Any]) 
 def _of_tables(
     tables: tuple[MeasuredRecord, ...], law: Law, options: Mapping[str, Any]
 ) -> Identified:
-    k, mass, error = (options[name] for name in _OF_K_AND_M)
+    k, error, mass, _ = (options[name] for name in _OF_K_AND_M)
     own = {name: options[name] for name in (*_OF_CONTACT, *_OF_DRAWINGS)}
     found = identify_tables(tables, k, law, mass=mass, uncertainty=error, **own)
     return carried(replace(found, records=tables, options=options))

@@ -20,7 +20,7 @@ from ..features import Features, Phase, stack
 from ..law.law import Law
 from ..law.terms import FRICTION
 from ..likelihood.base_harmonics import fit_records
-from ..likelihood.coupling import Coupling, ac_coupling
+from ..likelihood.channel_faults import ChannelFault, ac_coupling, drive_gain
 from ..likelihood.mean_harmonics import RESOLVED, Means, Reading
 from ..likelihood.steady_search import with_delay, with_mass
 from ..likelihood.waveforms import WaveformFit
@@ -32,9 +32,7 @@ from .answer import Answer, answer_of_fit
 Of = TypeVar("Of")
 To = TypeVar("To")
 
-CONTRADICTED = Remark("the mass given contradicts the records")
-LATE = Remark("the response is out of time with the drive (see below): F_k and c carry that error")
-COUPLED = Remark("the response is coupled (AC, see below): F_k and c carry that error")
+FAULTY = Remark("a channel seems to be at fault (see below): all numbers carry that error")
 FAR = Remark(
     "the records are not those of such an oscillator: it is only the one that comes nearest"
 )
@@ -44,6 +42,8 @@ NOT_CONVERGED = Remark(
 
 _UNKNOWN = ("X_s", "V_s", "t_s", "X_r", "V_r", "t_r")
 _SHOWS = 16.0  # of χ²: what slip, or a delay, must explain to be there; four standard errors
+AS_WELL = 6.0
+"""Difference of χ² below which two causes explain records alike: a ratio of likelihoods of e³ = 20."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,23 +52,27 @@ class JointFit:
 
     fit : the oscillator that responds most like them; None where no oscillator that slips does.
     linear : whether a linear oscillator explains them within their noise: nothing slips, or slip does not show.
-    delayed : the fit with a delay between base and response.   late : whether the delay explains what noise does not.
-    coupling : AC coupling of the response that explains what noise does not, better than a delay; None for none.
-    mass : kg, as given, or None.   mass_fits : whether the records agree with it; if not, the fit has its own mass.
+    delayed : the fit with a delay between base and response.
+    faults : of channels that explain what noise does not, the likeliest first, and those that do as well (`AS_WELL`).
+    mass : kg, as given, or None.   mass_fits : whether the records agree with it.
     """
 
     fit: WaveformFit | None
     linear: bool
     delayed: WaveformFit | None
-    late: bool = False
+    faults: tuple[ChannelFault, ...] = ()
     mass: float | None = None
     mass_fits: bool = True
-    coupling: Coupling | None = None
 
     @property
     def waveforms_hold(self) -> bool:
         """Whether the waveforms of the fit are those of the records, so that the onset of slip and K_z are known."""
         return self.fit is not None and self.fit.adequate and not self.linear
+
+    @property
+    def mass_taken(self) -> bool:
+        """Whether the fit has the mass that was given, which the records know less well."""
+        return self.mass is not None and self.fit is not None and self.fit.error("m") == 0.0
 
     @property
     def notes(self) -> tuple[Remark, ...]:
@@ -78,9 +82,7 @@ class JointFit:
             return ()
         of_zero = "is at its limit, zero: its standard error is not that of a normal distribution"
         shown = {
-            CONTRADICTED: not self.mass_fits,
-            COUPLED: self.coupling is not None,
-            LATE: self.late,
+            FAULTY: bool(self.faults),
             FAR: not fit.adequate,
             NOT_CONVERGED: not fit.converged,
             **{Remark(f"the best {key} {of_zero}"): True for key in fit.undamped},
@@ -110,18 +112,19 @@ def joint_fit(
     law: Law | None = None,
     near: WaveformFit | None = None,
     *,
+    mass_error: float = 0.0,
     uncertainty: float = 0.0,
     timing: bool = True,
 ) -> JointFit:
     """The oscillator behind the records.
 
-    The records determine the mass by themselves, nearly as well as scales would: a given mass that contradicts them is
-    left out.
+    The records determine the mass by themselves, often better than scales do: the fit takes a mass that is given only
+    where it is known better than that, and the records agree with it.
 
     k : N/m.   m : kg, if it is known.   law : of its damping; default, F_k and c.   near : a fit to these harmonics
-    that has been found already.   uncertainty : standard uncertainty of k, as a part of it: a mass that differs by no
-    more contradicts nothing.   timing : whether a delay and an AC coupling are looked for, which change nothing in the
-    fit; a study that does not read them saves that time.
+    that has been found already.   mass_error : standard uncertainty of m, kg.   uncertainty : standard uncertainty of
+    k, as a part of it: a mass that differs by no more contradicts nothing.   timing : whether faults of channels are
+    looked for, which change nothing in the fit; a study that does not read them saves that time.
     """
     law = law or Law()
     chi_square, freedom = linear_misfit(lines, k, law.terms)
@@ -131,23 +134,32 @@ def joint_fit(
     linear = explained < _SHOWS and not slips
     if fit is None or linear:
         return JointFit(fit, linear, None, mass=m)
-    given = None if m is None else with_mass(fit, m)
-    fits = given is not None and given.chi_square - fit.chi_square < _SHOWS
-    off = math.hypot(fit.error("m"), uncertainty * fit.m)
+    error = fit.error("m")
+    given = with_mass(fit, m) if m is not None and mass_error < error else None
+    # χ² rises by the square of the difference over the error of the records alone
+    most = _SHOWS * (1.0 + (mass_error / error) ** 2) if error else _SHOWS
+    fits = given is not None and given.chi_square - fit.chi_square < most
+    off = math.hypot(error, uncertainty * fit.m, mass_error)
     agrees = m is None or fits or abs(fit.m - m) < math.sqrt(_SHOWS) * off
     fit = given if given is not None and fits else fit
     if not timing:
-        return JointFit(fit, linear, None, False, m, agrees)
+        return JointFit(fit, linear, None, mass=m, mass_fits=agrees)
     # a damper to the base and one to the ground together make up for any delay
     delayed = None if {"c", "c_r"} <= set(law.unknowns) else with_delay(fit)
-    late = delayed is not None and delayed.adequate and fit.chi_square - delayed.chi_square > _SHOWS
-    coupling = ac_coupling(fit, _SHOWS)
-    if coupling is not None and not coupling.fit.adequate:
-        coupling = None
-    if coupling is not None and late and delayed is not None:  # the likelier of the two
-        late = delayed.chi_square < coupling.fit.chi_square
-        coupling = None if late else coupling
-    return JointFit(fit, linear, delayed, late, m, agrees, coupling)
+    causes = [ac_coupling(fit, _SHOWS), drive_gain(fit, _SHOWS)]
+    if delayed is not None and fit.chi_square - delayed.chi_square > _SHOWS:
+        causes.append(ChannelFault("delay", delayed.delay, delayed.error("delay"), delayed))
+    faults = [one for one in causes if one is not None and one.fit.adequate]
+
+    def misfit(fault: ChannelFault) -> float:
+        """χ², to which a mass that is given adds unless the fit has it already."""
+        own = fault.fit
+        apart = math.hypot(own.error("m"), mass_error, uncertainty * own.m)
+        return own.chi_square + (0.0 if m is None or own.m == m else ((own.m - m) / apart) ** 2)
+
+    least = min(map(misfit, faults), default=math.inf)
+    faults = sorted((one for one in faults if misfit(one) < least + AS_WELL), key=misfit)
+    return JointFit(fit, linear, delayed, tuple(faults), m, agrees)
 
 
 def joined(readings: Sequence[Reading], joint: JointFit, law: Law | None = None) -> list[Reading]:

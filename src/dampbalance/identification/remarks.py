@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from decimal import Decimal
 from pathlib import PurePath
 from typing import Any
 
@@ -16,7 +17,10 @@ import numpy as np
 
 from ..balance import Rows
 from ..law.terms import term
+from ..likelihood.base_harmonics import fit_records
+from ..likelihood.channel_faults import ChannelFault, with_response
 from ..likelihood.mean_harmonics import Reading
+from ..likelihood.oscillator_fit import OscillatorFit
 from ..likelihood.score import Departure
 from ..likelihood.waveforms import WaveformFit
 from ..project.wording import (
@@ -29,13 +33,24 @@ from ..project.wording import (
     merged,
     number,
     part,
+    percent,
     times,
     with_unit,
 )
 from ..reading.checks import is_clipped
+from ..solver import NORMAL_95
 from .answer import Answer, ParameterEstimate
-from .causes import OtherFrame, in_other_frame, likeliest, remark_on, words_of
-from .oscillator import CONTRADICTED, COUPLED, LATE, JointFit, Microstick
+from .causes import (
+    OF_CHANNELS,
+    OtherFrame,
+    as_well,
+    in_other_frame,
+    in_others,
+    likeliest,
+    remark_on,
+    words_of,
+)
+from .oscillator import AS_WELL, FAULTY, JointFit, Microstick
 
 DIRECT = "direct"
 """The approach that assumes no shape of x(t): the one that is compared with the fit to all records."""
@@ -46,6 +61,15 @@ _SHAPE_LEAST = 1e-6  # of a value: the size of the harmonics that a waveform lea
 _FOLDED = 2.0  # of the noise
 _FAR = 3.0  # standard deviations of the rows
 _MASS_OFF = 0.02  # of a mass that is given: what scales and gains are off by
+# X/Y, or its inverse: beyond the first, units are doubted of records that no oscillator explains; beyond the second,
+# which takes a Q of 300 or 17 times the natural frequency, of others too.
+_LARGE_GAIN, _RARE_GAIN = 100.0, 300.0
+_UNITS = {
+    1000.0: "mm taken for m",
+    100.0: "cm taken for m",
+    25.4: "mm taken for inches",
+    10.0: "mm taken for cm",
+}
 _ALIKE = 0.02  # sine of the angle between the columns of A below which the levels hardly distinguish F_k from c
 
 
@@ -60,8 +84,6 @@ def notes_on(answer: Answer, readings: Sequence[Reading], joint: JointFit) -> It
     suspects = "a sign, a gain, a channel or the stiffness"
     yield from forbidden(answer.coefficients, clipped, suspects)
     yield from _shape(answer)
-    if not joint.mass_fits:
-        yield CONTRADICTED
     if joint.linear:
         yield Remark("F_k and K_z leave no trace in the records: c comes from W = b c")
     elif not joint.waveforms_hold and not answer.notes:
@@ -75,10 +97,8 @@ def notes_on(answer: Answer, readings: Sequence[Reading], joint: JointFit) -> It
                 "its rows lie {} times farther from the balance than noise explains, and the intervals do not show it",
                 factor(math.sqrt(answer.misfit)),
             )
-    if joint.coupling is not None:
-        yield COUPLED
-    if joint.late:
-        yield LATE
+    if joint.faults:
+        yield FAULTY
 
 
 def forbidden(
@@ -193,26 +213,26 @@ def _on_the_oscillator(
             "friction, and F_k and K_z cannot be determined; raise the excitation"
         )
         return
+    yield from _wrong_unit(readings, joint)
     frame = _other_frame(readings, joint)
     if frame is not None:
         yield _in_other_frame(frame)
-    fit, delayed, coupling = joint.fit, joint.delayed, joint.coupling
+    fit = joint.fit
     if fit is None:
         yield Remark(
             "no oscillator with this stiffness and a friction contact slips and responds like the records: check the "
             "stiffness, the signs, the units and the order of the channels"
         )
         return
-    if not joint.mass_fits:
-        yield Remark(
-            f"the mass given, {joint.mass:.6g} kg, is not that of the records, {number(fit.m, 6)} ± "
-            f"{number(fit.error('m'), 2)} kg: nothing here uses it; check the mass, the stiffness, the gains and the "
-            "units"
-        )
-    named = bool(joint.late or coupling or frame)
+    if joint.mass is not None and not joint.mass_fits:
+        yield on_mass(fit, fit.law.unknowns, joint.mass)
+    named = bool(joint.faults or frame)
     cause = None if named else likeliest(fit, tested)
+    others = (
+        [] if cause is None else [*map(words_of, as_well(cause.size**2, tested, [cause.symbol]))]
+    )
     if fit.adequate and cause is not None:
-        yield remark_on(cause, fit)
+        yield remark_on(cause, fit, others)
     if not fit.adequate:
         likely = "the likeliest cause, which explains all of that, is named in another sentence"
         if not named:
@@ -225,7 +245,7 @@ def _on_the_oscillator(
             share = min(1.0, cause.size**2 / (fit.chi_square - fit.freedom))
             likely = (
                 f"the likeliest of the causes tested is {words_of(cause)}, which explains "
-                f"{part(share)} of that; else {likely}"
+                f"{part(share)} of that{in_others(others)}; else {likely}"
             )
         worst = readings[int(np.argmax(fit.misfits))].steady.source
         yield Remark(
@@ -233,29 +253,91 @@ def _on_the_oscillator(
             f"{fit.evaluations} trials found leaves {times(math.sqrt(fit.misfit))} their noise, most in {worst}; K_z "
             f"and the onset of slip cannot be determined; {likely}"
         )
-    if coupling is not None:
-        yield Remark(
-            "the harmonics are those of a response that is coupled through a capacitor (AC), a high-pass filter with a "
-            f"corner of {number(coupling.hz, 4)} ± {number(coupling.error_hz, 2)} Hz, which explains what the "
-            f"oscillator alone does not; without that, {listed(_values(coupling.fit, K_z=True))}: couple it directly "
-            "(DC), or give the corner in the mapping"
-        )
-    if joint.late and delayed is not None:
-        lags = "lags" if delayed.delay > 0.0 else "leads"
-        yield Remark(
-            f"the harmonics say that the response {lags} the drive by {number(1e6 * abs(delayed.delay), 4)} ± "
-            f"{number(1e6 * delayed.error('delay'), 2)} µs more than the motion explains; without that, "
-            f"{listed(_values(delayed))}: give the delay in the mapping, or sample all channels at once"
-        )
+    if joint.faults:
+        yield _on_channels(fit, joint.faults, tested)
 
 
-def _values(fit: WaveformFit, K_z: bool = False) -> list[str]:
+def on_mass(fit: OscillatorFit, keys: Iterable[str], mass: float) -> Remark:
+    """The warning that a mass is not that of the records, with doubts on each number that it moves by more than the
+    number's interval.
+
+    m, c, k, K_z and F_k times a number are an oscillator of the same motion: where the mass is right, the stiffness is
+    likely wrong, and all numbers by as much.
+
+    keys : of the coefficients.   mass : kg, as given.
+    """
+    off = abs(mass / fit.m - 1.0)
+    parts = {key: fit.error(key) / (abs(fit.value(key)) or math.inf) for key in keys}
+    parts["K_z"] = math.inf if fit.rigid else fit.K_z_error / fit.K_z
+    return Remark(
+        f"the {of_masses(fit.m, mass)}, more than their uncertainties allow: check the mass, the stiffness, the "
+        "gains and the units, of which one may put all numbers off by as much",
+        doubts={symbol: off for symbol, part in parts.items() if off > NORMAL_95 * part},
+    )
+
+
+def of_masses(implied: float, given: float) -> str:
+    """records imply 3.1000 kg, you gave 3.098 kg (0.06 % less)"""
+    off = given / implied - 1.0
+    digits = -int(Decimal(repr(given)).as_tuple().exponent)
+    shown = 1 - math.floor(math.log10(abs(given - implied))) if off else 0
+    size = f"{100.0 * abs(off):.2f} %" if 1e-4 <= abs(off) < 1.0 else percent(off)
+    return (
+        f"records imply {implied:.{max(digits + 1, shown, 0)}f} kg, you gave {given:.12g} kg "
+        f"({size} {'less' if off < 0.0 else 'more'})"
+    )
+
+
+def _on_channels(
+    fit: WaveformFit, faults: Sequence[ChannelFault], tested: Sequence[Departure]
+) -> Remark:
+    """The sentence on faults of channels: the likeliest, and all that explain the records as well, with remedies."""
+    explained = fit.chi_square - faults[0].fit.chi_square
+    causes = [f"{_in_words(one)} (without that, {listed(_values(one.fit))})" for one in faults]
+    others = [*causes[1:], *map(words_of, as_well(explained, tested, OF_CHANNELS))]
+    remedies = "; ".join(_REMEDIES[one.kind] for one in faults)
+    return Remark(
+        f"a fault of a channel explains what the oscillator alone does not, {explained:.0f} of χ²: likeliest, "
+        f"{causes[0]}{in_others(others)}; {remedies}"
+    )
+
+
+_REMEDIES = {
+    "coupling": "couple the response directly (DC), or give the corner in the mapping",
+    "drive": "calibrate the drive and the response, or give the gain in the mapping",
+    "delay": "give the delay in the mapping, or sample all channels at once",
+}
+
+
+def _in_words(fault: ChannelFault) -> str:
+    """A fault of a channel, and its size."""
+    size, error = abs(fault.size), fault.error
+    if fault.kind == "coupling":
+        return (
+            "the response is coupled through a capacitor (AC), a high-pass filter with a corner of "
+            f"{number(size, 4)} ± {number(error, 2)} Hz"
+        )
+    if fault.kind == "delay":
+        return (
+            f"the response {'lags' if fault.size > 0.0 else 'leads'} the drive by {number(1e6 * size, 4)} ± "
+            f"{number(1e6 * error, 2)} µs more than the motion explains"
+        )
+    much, little = ("much", "little") if fault.size > 0.0 else ("little", "much")
+    words = f"the drive reads {number(100.0 * size, 3)} ± {number(100.0 * error, 2)} % too {much}"
+    if any(one.relative for one in fault.fit.lines):
+        return words
+    # F_k is in proportion to the size of the motion, which nothing else asks for
+    larger = "larger" if fault.size > 0.0 else "smaller"
+    return f"{words}, or the response as much too {little}, with an F_k that is as much {larger}"
+
+
+def _values(fit: WaveformFit) -> list[str]:
     """The numbers of a fit for a sentence: "F_k = 1.28 N", …"""
     values = [
         with_unit(f"{key} = {number(fit.value(key), 4)}", term(key).unit)
         for key in fit.law.unknowns
     ]
-    return [*values, f"K_z = {number(fit.K_z, 4)} N/m"] if K_z else values
+    return [*values, f"K_z = {number(fit.K_z, 4)} N/m"]
 
 
 def _other_frame(readings: Sequence[Reading], joint: JointFit) -> OtherFrame | None:
@@ -269,10 +351,34 @@ def _other_frame(readings: Sequence[Reading], joint: JointFit) -> OtherFrame | N
     if joint.mass is not None:
         off = max(_APART * frame.fit.error("m"), _MASS_OFF * joint.mass)
         return frame if abs(frame.fit.m - joint.mass) < off else None
-    own = math.inf if joint.coupling is None else joint.coupling.fit.chi_square
-    if joint.late and joint.delayed is not None:
-        own = min(own, joint.delayed.chi_square)
+    own = min((one.fit.chi_square for one in joint.faults), default=math.inf)
     return frame if frame.fit.chi_square < own else None
+
+
+def _wrong_unit(readings: Sequence[Reading], joint: JointFit) -> Iterator[Remark]:
+    """A question about the unit of a channel where the mass moves much more or less than the base, and another unit of
+    one of them explains the records as well as any oscillator does."""
+    lines, fit = [reading.lines for reading in readings], joint.fit
+    gains = [float(abs(one.x[0])) / one.Y for one in lines]
+    limit = _RARE_GAIN if joint.linear or (fit is not None and fit.adequate) else _LARGE_GAIN
+    large = any(gain > limit for gain in gains)
+    if not (large or any(gain < 1.0 / limit for gain in gains)):
+        return
+    steady, law = readings[0].steady, None if fit is None else fit.law
+    for size, words in _UNITS.items():
+        scaled = [with_response(one, 1.0 / size if large else size) for one in lines]
+        other = fit_records(scaled, steady.k, law, thorough=False)
+        if other is None or not other.adequate:
+            continue
+        if fit is None or other.chi_square < fit.chi_square + AS_WELL:
+            drive = "the force over the stiffness" if "force" in steady.channels else "the base"
+            yield Remark(
+                f"the mass moves {max(gains) if large else min(gains):.3g} times as far as {drive}, and {size:g} times "
+                f"{'less' if large else 'more'} would be the motion of an oscillator as well: is the unit of one "
+                f"channel wrong ({words})?",
+                doubts={"": math.inf},
+            )
+            return
 
 
 def _in_other_frame(frame: OtherFrame) -> Remark:
@@ -282,7 +388,7 @@ def _in_other_frame(frame: OtherFrame) -> Remark:
     return Remark(
         f"the response is likely {is_really} and was taken for {taken}: with the motion of the base "
         f"{'added to' if frame.relative else 'taken off'} it the records are those of one oscillator within their "
-        f"noise, with {listed([*_values(fit, K_z=True), f'm = {number(fit.m, 4)} kg'])}; name "
+        f"noise, with {listed([*_values(fit), f'm = {number(fit.m, 4)} kg'])}; name "
         f"{'them' if len(frame.names) > 1 else 'it'} {listed(frame.names)} in the mapping",
         doubts=dict.fromkeys([*fit.law.unknowns, "K_z"], math.inf),
     )

@@ -10,6 +10,7 @@ from ..project import wording
 from ..project.wording import minus, number, written
 from .answer import Answer, ParameterEstimate, Verdict, unit_of
 from .law_comparison import LawComparison, Probability
+from .remarks import of_masses
 
 _SMALLEST, _LARGEST = -6, 9  # powers of ten between which a number is written out
 _DIGITS = 15  # significant digits of a float
@@ -74,16 +75,21 @@ def _in_noise(test: Probability | None) -> str:
     return "< 1e-6" if test.p < 1e-6 else f"{test.p:.2g}"
 
 
-def implied(fit: OscillatorFit) -> list[str]:
-    """What a fit implies about the rig: numbers that its owner can check."""
+def implied(fit: OscillatorFit, given_mass: float | None = None) -> list[str]:
+    """What a fit implies about the rig: numbers that its owner can check.
+
+    given_mass : kg, to compare with the mass of the fit, unless that is the one.
+    """
     error = fit.error("m")
     # what rounding leaves of the error of a mass that is given
     given = error < _ROUNDING * fit.m
     mass = "the mass given" if given else f"m = {with_error(fit.m, error)} kg"
+    compared = [] if given or given_mass is None else [f"The {of_masses(fit.m, given_mass)}."]
     return [
         f"The oscillator of largest likelihood has {mass} and a natural frequency of "
         f"{number(fit.natural_frequency_hz, 4)} Hz with the contact loose.",
         "If that is not your rig, a gain, a unit or the stiffness is wrong.",
+        *compared,
     ]
 
 

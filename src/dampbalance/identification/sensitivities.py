@@ -35,7 +35,8 @@ class Fault:
     """A fault, alike in all records.
 
     words : what is wrong, and by how much.   drive, response : relative errors of gain.   late : delay of the response,
-    s.   angle : lag of the response at the drive frequency, rad.   stiffness : relative error of k.
+    s.   angle : lag of the response at the drive frequency, rad.   stiffness, mass : relative errors of k and of m, if
+    it is given.
     """
 
     words: str
@@ -44,6 +45,7 @@ class Fault:
     late: float = 0.0
     angle: float = 0.0
     stiffness: float = 0.0
+    mass: float = 0.0
 
 
 FAULTS: Mapping[str, Fault] = {
@@ -99,17 +101,21 @@ def shifts_of_fit(
     moved = np.sum([r.moved(_faulty(r, each)) for r in readings], axis=0)[:, 1:] / _STEP
     changes = dict(zip(fit.names, moved, strict=False))
     stiffness = np.array([fault.stiffness for fault in each])
+    # a mass that is given too large acts like a stiffness too small, but scales nothing
+    lightened = stiffness - np.array([fault.mass for fault in each])
     heavy = fit.error("m") == 0.0
-    lighter = _with_mass(fit, fit.m * (1.0 - _STEP)) if heavy and stiffness.any() else None
+    lighter = _with_mass(fit, fit.m * (1.0 - _STEP)) if heavy and lightened.any() else None
     shifts: dict[str, Array] = {}
     for key in (*fit.law.unknowns, "rho", "m"):
         value, follows = fit.value(key), 1.0 if key == "rho" or parted(key)[0] != "eta" else 0.0
         scaled = stiffness * (-0.5 if key == "rho" else follows)
         if heavy and key != "m":
             by_mass = 0.0 if lighter is None else (lighter.value(key) / value - 1.0) / _STEP
-            scaled = scaled + stiffness * by_mass
+            scaled = scaled + lightened * by_mass
+        if heavy and key == "m":
+            scaled = stiffness - lightened
         with np.errstate(divide="ignore", invalid="ignore"):
-            shifts[key] = changes[key] / value + scaled * (not (heavy and key == "m"))
+            shifts[key] = changes[key] / value + scaled
     shifts["K_z"] = -2.0 * shifts.pop("rho")  # K_z = ρ^{−2}
     return _by_fault(faults, shifts)
 

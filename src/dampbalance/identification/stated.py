@@ -1,8 +1,9 @@
 """Stated uncertainties of the stiffness, the gains and the timing, carried into the intervals of an identification.
 
-No record tests the stiffness k or a gain: the interval that its noise makes is conditional on both. Where their
-standard uncertainties are stated, each shifts an answer p by Δ_j, what an error of one standard uncertainty does to it;
-they are independent of the noise and of each other, so that the covariance C of the noise becomes
+No record tests the stiffness k or a gain that all channels share, and its harmonics hardly test that of one: the
+interval that its noise makes is conditional on them. Where their standard uncertainties are stated, each shifts an
+answer p by Δ_j, what an error of one standard uncertainty does to it; they are independent of the noise and of each
+other, so that the covariance C of the noise becomes
 
     C + Σ_j Δ_j Δ_jᵀ
 
@@ -38,13 +39,15 @@ def carried(found: Identified) -> Identified:
     """An identification whose errors, intervals and covariances hold what its options and the mappings of its records
     state, and which says on what it depends."""
     stiffness = found.options["stiffness_standard_error_N_per_m"] / found.k
-    stated = {"stiffness": stiffness, **_stated_of_channels(found)}
+    m, m_error = (found.options[name] for name in ("mass_kg", "mass_standard_error_kg"))
+    of_mass = m_error / m if m else 0.0
+    stated = {"stiffness": stiffness, "mass": of_mass, **_stated_of_channels(found)}
     faults = {name: Fault(name, **{name: size}) for name, size in stated.items() if size > 0.0}
     estimates, reference = found.estimates, found.reference
     if faults:
         estimates = {n: widened(one, found.shifts(faults, n)) for n, one in estimates.items()}
         reference = reference and widened(reference, found.shifts(faults, REFERENCE))
-    mass = found.options["mass_kg"] is not None  # with which the records were tested
+    mass = m is not None  # with which the records were tested
     settings = {"stated_uncertainties": {**stated, "mass_tested": mass}}
     return replace(
         found,
@@ -76,8 +79,9 @@ def widened(answer: Answer, shifts: Mapping[str, Mapping[str, float]]) -> Answer
     """The answer with its covariance widened by shifts, relative to its values, by fault and symbol."""
     symbols = list(answer.parameters)
     values = np.array([answer.parameters[s].value for s in symbols])
-    off = np.array([[of.get(s, 0.0) for s in symbols] for of in shifts.values()]) * values
-    off = np.where(np.isfinite(off), off, 0.0).reshape(-1, len(symbols))
+    off = np.array([[of.get(s, 0.0) for s in symbols] for of in shifts.values()])
+    off = off.reshape(-1, len(symbols)) * values  # no shifts are known of a fit that does not hold
+    off = np.where(np.isfinite(off), off, 0.0)
     sizes = dict(zip(symbols, np.sqrt(np.sum(off**2, axis=0)).tolist(), strict=True))
     covariance = answer.covariance + off.T @ off
     errors = np.sqrt(np.diag(covariance))
@@ -111,7 +115,7 @@ def _wider(p: ParameterEstimate, size: float) -> ParameterEstimate:
 
 
 def _conditional(found: Identified, stiffness: bool, mass: bool) -> list[str]:
-    """A sentence on what the numbers depend on and no record tests; none where it is stated and tested.
+    """A sentence on what the numbers depend on and records hardly test; none where it is stated and tested.
 
     stiffness : whether its uncertainty is stated.   mass : whether it is given.
     """
@@ -133,6 +137,6 @@ def _conditional(found: Identified, stiffness: bool, mass: bool) -> list[str]:
     asked += ["give the mass (--mass), which tests them"] * (found.mass_tests and not mass)
     remedy = f" To be sure of them, {listed(asked)}." if asked else ""
     return [
-        f"All numbers are conditional on the {'stiffness and the ' * stated}gains, which the records alone cannot "
-        f"test: an error of {'; '.join(effects)}.{remedy}"
+        f"All numbers are conditional on the {'stiffness and the ' * stated}gains, which the records alone hardly "
+        f"test, or not at all: an error of {'; '.join(effects)}.{remedy}"
     ]

@@ -129,14 +129,18 @@ class SteppedOutcome(Identified):
         """What faults do to an answer: half the difference of the fits to lines with the fault and with its opposite,
         whatever is given staying as it is. The force of a base that moves follows the stiffness."""
         fit, omega = self.fits[name], self.lines.omega
-        held = {"k": self.k} if "k" in fit.design.rows.given else {}
+        given = fit.design.rows.given
 
         def of(fault: Fault, sign: float) -> dict[str, float]:
-            drive, X, k = (1.0 + sign * e for e in (fault.drive, fault.response, fault.stiffness))
+            drive, X, k, m = (
+                1.0 + sign * e for e in (fault.drive, fault.response, fault.stiffness, fault.mass)
+            )
             lag = np.exp(1j * sign * (fault.late * omega + fault.angle))
             force = drive * np.where(self.by_base, k, 1.0)
             return fit.changed(
-                force / X * lag, X, **{symbol: k * of for symbol, of in held.items()}
+                force / X * lag,
+                X,
+                **{s: by * given[s] for s, by in (("k", k), ("m", m)) if s in given},
             )
 
         shifts = {}

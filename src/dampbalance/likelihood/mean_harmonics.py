@@ -180,7 +180,7 @@ class Reading:
         steady = self.steady
         drawn, stretch = bootstrap(len(steady.weights), count, rng)
         means = self._drawn(drawn * steady.weights, stretch, 2.0)
-        if not (steady.X_rounding.any() or steady.Y_rounding.any()):
+        if not (steady.X_hidden.any() or steady.Y_hidden.any()):
             return means
 
         def shaken(x: Complexes, error: Array) -> Complexes:
@@ -189,10 +189,10 @@ class Reading:
 
         return replace(
             means,
-            Y=means.Y + steady.Y_rounding[1] * rng.standard_normal(means.Y.shape),
-            x=shaken(means.x, steady.X_rounding[self.lines.n]),
-            even=shaken(means.even, steady.X_rounding[2 : steady.even_bandwidth + 1 : 2]),
-            base=shaken(means.base, steady.Y_rounding[2 : steady.base_bandwidth + 1]),
+            Y=means.Y + steady.Y_hidden[1] * rng.standard_normal(means.Y.shape),
+            x=shaken(means.x, steady.X_hidden[self.lines.n]),
+            even=shaken(means.even, steady.X_hidden[2 : steady.even_bandwidth + 1 : 2]),
+            base=shaken(means.base, steady.Y_hidden[2 : steady.base_bandwidth + 1]),
         )
 
     def left_out(self) -> Means:

@@ -63,6 +63,7 @@ _RELATIVE_FLOOR = 1e-9
 _NO_NEIGHBOURS = (math.nan, math.nan)
 _JITTER = 0.05  # of a step: times closer to an even grid than that are on it
 _LATTICE = 0.01  # of a step: how far a value may lie from a whole number of steps
+_FREQUENCY_COUNTS = 0.3  # of the noise of the fundamental: less would widen intervals by 5 %
 _COPIES = 1e-9  # of the range: values closer than that differ by rounding of the numbers
 _FINEST = 1e-6  # of the range: finer steps leave nothing that shows
 # Independent errors in a cycle of A cos θ, over A/q: its rounding error is Σ ±(q/πj) sin(2πj A cos θ/q), whose
@@ -81,7 +82,8 @@ class SteadyRecord:
     Each signal is Re Σ s_n e^{inω(t − start)}.
     weights : usable cycles in each row.   X_error, Y_error : standard deviation of the real and of the imaginary part
     of the mean of each harmonic, m; infinite where no channel reaches.
-    X_rounding, Y_rounding : part of these that the steps of a converter leave, which no scatter between cycles shows.
+    X_hidden, Y_hidden : part of these that no scatter between cycles shows, of the steps of a converter and of a
+    channel that is not steady.
     bandwidth : N, the highest odd harmonic that stands out of the noise.   even_bandwidth : the highest even one, 0
     where the response is symmetric.   base_bandwidth : the highest harmonic of the base, 1 where it is harmonic.
     channels : harmonics of each channel, corrected, by quantity.
@@ -103,8 +105,8 @@ class SteadyRecord:
     weights: Array
     X_error: Array
     Y_error: Array
-    X_rounding: Array
-    Y_rounding: Array
+    X_hidden: Array
+    Y_hidden: Array
     bandwidth: int
     even_bandwidth: int
     base_bandwidth: int
@@ -306,12 +308,22 @@ def _steady(
         return _steady(by_one_clock(clocks))
     skew, inconsistencies = checks.consistency(moved, weights, omega)
     X, X_error, X_rounding = _combined(moved, rounding, weights)
-    Y_error = np.hypot(_error(Y, weights), rounding[driving])
     mean_Y, mean_X = weighted_mean(Y, weights), weighted_mean(X, weights)
     warnings += inconsistencies
     warnings += checks.plausible(abs(mean_Y[1]), abs(mean_X[1]), omega, driving)
     period, skipped = 2.0 * math.pi / base.omega, gathered.skipped
-    warnings += checks.steadiness(Y[:, 1], X[:, 1], times, weights, period, skipped)
+    parts, unsteady = checks.steadiness(Y[:, 1], X[:, 1], times, weights, period, skipped)
+    warnings += unsteady
+    # which motion of those in a record that is not steady its mean stands for is known no better
+    Y_hidden = np.hypot(rounding[driving], parts[0] * np.abs(mean_Y))
+    Y_error = np.hypot(_error(Y, weights), Y_hidden)
+    changing = parts[1] * np.abs(mean_X)
+    # nor is that of the frequency: ∂ln x/∂ω = 2mω x/(kY) with mω² = k − Re kY/x, much where the damping is light
+    gain = mean_X[1] / mean_Y[1]
+    by_frequency = 2.0 * abs(mean_X[1] * gain) * abs(1.0 - (1.0 / gain).real) * omega_error / omega
+    if by_frequency > _FREQUENCY_COUNTS * X_error[1]:
+        changing[1] = math.hypot(changing[1], by_frequency)
+    X_error, X_hidden = np.hypot(X_error, changing), np.hypot(X_rounding, changing)
     warnings += checks.harmonic_drive(mean_Y, Y_error, driving)
     asymmetry = list(checks.symmetry(mean_X, X_error))
     warnings += asymmetry
@@ -333,8 +345,8 @@ def _steady(
         weights=weights,
         X_error=X_error,
         Y_error=Y_error,
-        X_rounding=X_rounding,
-        Y_rounding=rounding[driving],
+        X_hidden=X_hidden,
+        Y_hidden=Y_hidden,
         bandwidth=_bandwidth(mean_X, X_error),
         even_bandwidth=_bandwidth(mean_X, X_error, lowest=2) if asymmetry else 0,
         base_bandwidth=checks.highest_of_base(mean_Y, Y_error),

@@ -31,7 +31,7 @@ from ..law.terms import KNOWN_TERMS
 from ..motion.jit import interpreted
 from ..motion.orbits import steady_orbits
 from ..motion.regime import Regime
-from ..records.measurement import ORDERS, RESPONSES
+from ..records.measurement import ABSOLUTE, ORDERS, RESPONSES
 from .chances import f_tail
 from .checks import SIGNIFICANT
 from .conditioning import SteadyRecord
@@ -49,6 +49,9 @@ CHANCE = 1e-4
 # Degrees of freedom that a row adds to an error, which is smoothed over five harmonics.
 _NEIGHBOURS = 6
 
+_HIDDEN = (
+    6.0  # degrees of freedom of a variance that is computed and not seen: its root is known to 30 %
+)
 _EXTRA = 4  # odd harmonics beyond the bandwidth that are taken: they bound the waveform
 _STIFFNESSES = np.geomspace(0.1, 1e5, 19)  # of K_z/k
 # How many of them, up to 1,000: stiffer ones rattle, and a climb reaches them from there, in 1/√K_z.
@@ -76,9 +79,11 @@ class Lines:
 
     omega : rad/s.   Y : amplitude of the base, m.   n : odd orders, (h,).   x : x_n, m, (h,).
     Y_error, x_error : standard deviations of the real and of the imaginary part of each, m.
-    rows : independent rows that the standard deviations come from.   aliased : what harmonics beyond half the sampling
-    rate add, as a part of the noise, at its largest; it is counted in x_error unless it has been removed.
+    rows : independent rows that would know the standard deviations as well as they are known.   aliased : what
+    harmonics beyond half the sampling rate add, as a part of the noise, at its largest; it is counted in x_error unless
+    it has been removed.
     base : y_n, n = 2, 3 …, m, likewise, zero where they do not stand out of the noise; empty for a harmonic base.
+    relative : whether the response was measured against the base, to whose motion it was added.
     """
 
     omega: float
@@ -90,6 +95,7 @@ class Lines:
     rows: int
     aliased: float = 0.0
     base: Complexes = field(default_factory=lambda: np.empty(0, dtype=np.complex128))
+    relative: bool = False
 
     @property
     def clear(self) -> Mask:
@@ -119,10 +125,20 @@ class Lines:
             n=n,
             x=x,
             x_error=noise if steady.unfolded else np.hypot(noise, aliased),
-            rows=len(steady.weights),
+            rows=_rows(steady, n),
             aliased=float(np.max(aliased / np.maximum(noise, _ROUNDING * abs(x[0])))),
             base=np.where(clear, y[higher] * np.exp(-1j * higher * np.angle(base)), 0.0),
+            relative=not steady.channels.keys() & {"force", *ABSOLUTE},
         )
+
+
+def _rows(steady: SteadyRecord, n: Integers) -> int:
+    """Independent rows that know the variances of the harmonics as well as they are known (Welch–Satterthwaite): that
+    of noise from the scatter of the rows, what this does not show, as a converter's steps, to a factor."""
+    rows = len(steady.weights)
+    hidden = float(np.mean((steady.X_hidden[n] / steady.X_error[n]) ** 2))
+    scatter = (1.0 - hidden) ** 2 / (_NEIGHBOURS * max(1, rows - 1))
+    return 1 + max(1, round(1.0 / (scatter + hidden**2 / _HIDDEN) / _NEIGHBOURS))
 
 
 def _aliased(steady: SteadyRecord, n: Integers) -> Array:

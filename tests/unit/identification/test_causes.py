@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from dampbalance import BaseMotion
+from dampbalance import BaseMotion, Oscillator, identify, measured_orbit, steady_orbit
 from dampbalance.identification.causes import departures, words_of
 from dampbalance.identification.causes import likeliest as likeliest_of
 from dampbalance.identification.forced import identify_readings
@@ -18,7 +18,7 @@ from dampbalance.law.law import Law
 from dampbalance.law.response import law_orbit
 from dampbalance.likelihood.mean_harmonics import Reading, read_features
 from paper_case import LEVELS, PAPER, orbits_at
-from unit.identification.levels import changed, measured, read
+from unit.identification.levels import THREE, changed, measured, read
 
 
 def likeliest(fit):
@@ -117,3 +117,98 @@ def test_the_report_names_it_first_and_what_it_changes_is_doubtful():
     assert warning.index("the likeliest of the causes") < warning.index("a channel may be skewed")
     verdicts = {v.verdict for a in found.approaches.values() for v in a.verdicts.values()}
     assert verdicts <= {"doubtful", "none"}
+
+
+def under_gain(gain, levels=LEVELS, noise=0.003, **options):
+    """Records whose drive reads too much by this part."""
+    records = measured(levels, 3.5, cycles=40.0, noise=noise, **options)
+    base = "base_displacement"
+    return [changed(r, base, values=(1.0 + gain) * r[base].values) for r in records]
+
+
+@pytest.mark.parametrize("mass", [None, PAPER.m, (PAPER.m, 0.0), (PAPER.m, 0.002)])
+@pytest.mark.parametrize("gain", [0.01, -0.01])
+def test_a_wrong_gain_of_the_drive_is_the_likeliest_cause_and_its_size_is_right(gain, mass):
+    found = identify(under_gain(gain), PAPER.k, mass=mass, replicates=20)
+    (said,) = (w for w in found.warnings if "a fault of a channel" in w)
+    first = said.partition("likeliest, ")[2]
+    size, error, much = re.match(r"the drive reads ([\d.]+) ± ([\d.]+) % too (\w+)", first).groups()
+    assert much == ("much" if gain > 0.0 else "little")
+    assert abs(float(size) - 1.0) < 4.0 * float(error)
+    # the numbers without it, to their errors and the four digits that are printed
+    fault = found.joint.faults[0]
+    printed = dict(re.findall(r"(F_k|c|K_z) = ([\d.e+]+)", first.partition("without that")[2]))
+    for symbol, by_gain in (("F_k", 1.0), ("c", 1.0), ("K_z", 6.0)):
+        own = fault.fit.K_z_error if symbol == "K_z" else fault.fit.error(symbol)
+        truth = getattr(PAPER, symbol)
+        slack = math.hypot(own / truth, by_gain * fault.error)
+        assert abs(float(printed[symbol]) / truth - 1.0) < 4.0 * slack + 5e-4, symbol
+    assert "calibrate the drive and the response" in said
+    assert {v.verdict for v in found.verdicts.values()} <= {"doubtful", "none"}
+
+
+def test_causes_that_explain_the_records_as_well_are_named_in_the_same_sentence():
+    """At so much noise a capacitor explains a wrong gain nearly as well; a mass that is known well tells them apart."""
+    records = under_gain(0.01, noise=0.012)
+    free, weighed = (
+        identify(records, PAPER.k, mass=m, replicates=20) for m in (None, (PAPER.m, 1e-3))
+    )
+    kinds = {one.kind for one in free.joint.faults}
+    assert {"drive", "coupling"} <= kinds
+    (said,) = (w for w in free.warnings if "a fault of a channel" in w)
+    assert "as well, with χ² within 6" in said
+    assert "the drive reads" in said
+    assert "through a capacitor" in said
+    best = min(one.fit.chi_square for one in free.joint.faults)
+    assert all(one.fit.chi_square < best + 6.0 for one in free.joint.faults)
+    assert "coupling" not in {one.kind for one in weighed.joint.faults}
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_drives_that_read_right_are_not_suspected(seed):
+    found = identify(under_gain(0.0, seed=seed), PAPER.k, replicates=20)
+    assert found.joint.faults == ()
+    assert {v.verdict for v in found.verdicts.values()} == {"usable"}
+
+
+STIFF = 2.0 * (2.0 * math.pi * 10.0) ** 2
+RARE = {
+    # k, c, F_k, f, levels, rate: Q = 220; eleven times the natural frequency; 150 g
+    "Q": (Oscillator(2.0, 0.50, STIFF, 20.0 * STIFF, 0.05), 10.0, (2e-5, 4e-5, 6e-5), 1000.0),
+    "fast": (Oscillator(2.0, 5.0, STIFF, 20.0 * STIFF, 0.5), 110.0, (2e-3, 4e-3, 6e-3), 2e4),
+    "100 g": (
+        Oscillator(0.05, 10.0, 1.26e6, 20.0 * 1.26e6, 0.1),
+        *(800.0, (1e-6, 2e-6, 3e-6), 160e3),
+    ),
+}
+
+
+def rare(name, noise, factor=1.0):
+    """Records of a rare rig, with displacements that were read in a unit that is so much smaller."""
+    osc, hz, levels, rate = RARE[name]
+    records = []
+    for i, Y in enumerate(levels):
+        orbit = steady_orbit(osc, BaseMotion(Y, 2.0 * math.pi * hz))
+        options = {"rate_hz": rate, "cycles": 40.0, "noise": noise, "seed": i}
+        one = measured_orbit(orbit, channels=THREE[:2], **options)
+        x = one["displacement"].values
+        records.append(changed(one, "displacement", values=factor * x))
+    return osc, records
+
+
+@pytest.mark.parametrize("noise", [1e-4, 1e-2])
+@pytest.mark.parametrize("name", RARE)
+def test_a_rare_rig_is_not_asked_for_its_units(name, noise):
+    osc, records = rare(name, noise)
+    found = identify(records, osc.k, replicates=20)
+    assert not any("unit" in words for words in found.warnings)
+    assert found.verdicts["F_k"].verdict == "usable"
+    assert found.values["F_k"] == pytest.approx(osc.F_k, rel=max(1e-4, 2.0 * noise))
+
+
+@pytest.mark.parametrize(("name", "factor"), [("Q", 1000.0), ("100 g", 1000.0), ("fast", 1e-3)])
+def test_a_unit_of_one_channel_is_asked_for_where_another_fits(name, factor):
+    osc, records = rare(name, 1e-3, factor)
+    found = identify(records, osc.k, replicates=20)
+    assert any("of one channel wrong (mm taken for m)?" in words for words in found.warnings)
+    assert {v.verdict for v in found.verdicts.values()} <= {"doubtful", "none"}

@@ -25,7 +25,7 @@ def test_records_of_an_oscillator_are_one_and_nothing_else():
     whole = joint_fit(lines(), PAPER.k)
     assert whole.waveforms_hold
     assert not whole.linear
-    assert not whole.late
+    assert whole.faults == ()
     for name in ("F_k", "c", "m"):
         assert abs(getattr(whole.fit, name) - getattr(PAPER, name)) < 4.0 * whole.fit.error(name)
 
@@ -54,25 +54,39 @@ def test_a_mass_is_taken_where_the_records_agree_with_it(mass, fits):
     assert abs(mass - free.m) > 16.0 * free.error("m") or fits
     whole = joint_fit(lines(), PAPER.k, mass)
     assert (whole.mass, whole.mass_fits) == (mass, fits)
-    doubts = () if fits else ("the mass given contradicts the records",)
-    assert whole.notes == doubts
-    assert whole.answer.verdicts["F_k"].verdict == ("usable" if fits else "doubtful")
+    assert whole.notes == ()
     assert whole.waveforms_hold
+    assert whole.mass_taken == fits
     if fits:
         assert (whole.fit.m, whole.fit.error("m")) == (mass, 0.0)
     else:
         np.testing.assert_array_equal(whole.fit.point, free.point)
 
 
+def test_the_fit_takes_a_mass_only_where_it_is_known_better_than_the_records_know_it():
+    free = joint_fit(lines(), PAPER.k).fit
+    error = free.error("m")
+    for part in (0.5, 2.0):
+        whole = joint_fit(lines(), PAPER.k, PAPER.m, mass_error=part * error)
+        assert whole.mass_taken == (part < 1.0)
+        assert whole.mass_fits
+    # 6 errors of the records alone, and 2.7 of the difference: √(1 + 2²) times as large
+    for uncertain, agrees in ((0.0, False), (2.0 * error, True)):
+        mass = free.m + 6.0 * error
+        whole = joint_fit(lines(), PAPER.k, mass, mass_error=uncertain)
+        assert (whole.mass_fits, whole.mass_taken) == (agrees, False)
+        np.testing.assert_array_equal(whole.fit.point, free.point)
+
+
 @pytest.mark.parametrize("mass", [None, PAPER.m])
 def test_a_delay_is_said_where_it_explains_more_than_noise_would(mass):
     whole = joint_fit(lines(late=1e-3, sigma=1e-7), PAPER.k, mass)
-    assert whole.late
+    assert [one.kind for one in whole.faults] == ["delay"]
     late = whole.delayed
     assert abs(late.delay - 1e-3) < 4.0 * late.error("delay")
     assert abs(late.c - PAPER.c) < 4.0 * late.error("c")
     found = [joint_fit(lines(seed=seed), PAPER.k, mass) for seed in range(10)]
-    assert not any(whole.late for whole in found)
+    assert not any(whole.faults for whole in found)
     sizes = np.array([whole.delayed.delay / whole.delayed.error("delay") for whole in found])
     assert np.abs(sizes).max() < 4.0  # standard errors
 

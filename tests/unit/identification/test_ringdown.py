@@ -278,12 +278,26 @@ def test_a_mass_that_is_known_sharpens_and_one_that_is_wrong_is_named():
     assert given.fit.m == PLUCKED.m
     assert given.reference.K_z.standard_error < free.reference.K_z.standard_error
     assert wrong.fit.m == pytest.approx(free.fit.m)
-    assert "is not that of these decays" in wrong.warnings[0]
+    assert "the records imply 1.00 kg, you gave 1.3 kg (" in wrong.warnings[0]
     assert given.estimates["balance"].verdicts["F_k"] == ("usable", "")
     for answer in wrong.approaches.values():
-        assert answer.verdicts["F_k"] == ("doubtful", "the mass given contradicts the decays")
+        assert answer.verdicts["F_k"] == ("doubtful", wrong.warnings[0])
     assert "the mass given" in given.rig[0]
     assert not any("the mass given" in each.rig[0] for each in (free, wrong))
+
+
+def test_a_weighed_mass_changes_no_number_that_the_decay_knows_better():
+    """The decay knows the mass to far less than 0.3 %, and scales do not."""
+    free, weighed = (plucked(mass=m, mass_error=0.005) for m in (None, 1.003 * PLUCKED.m))
+    assert weighed.values == free.values
+    assert {v.verdict for v in weighed.verdicts.values()} == {"usable"}
+    assert any("you gave 1.003 kg (0." in words for words in weighed.rig)
+    # known to a millionth, it contradicts, and moves numbers by 0.3 %: some by more than their intervals
+    exact = plucked(mass=1.003 * PLUCKED.m, mass_error=1e-6)
+    assert exact.values == free.values
+    doubted = {s for s, v in exact.verdicts.items() if v.verdict == "doubtful"}
+    wide = {s for s, error in free.standard_errors.items() if 1.96 * error > 3e-3 * free.values[s]}
+    assert doubted == set(free.values) - wide
 
 
 def test_a_contact_of_another_kind_is_told():
