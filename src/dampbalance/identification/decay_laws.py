@@ -12,7 +12,6 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import replace
 
 from ..law.terms import FRICTION, KNOWN_TERMS
 from ..likelihood.decay import RingFit
@@ -23,15 +22,14 @@ from ..project.wording import change, listed, number
 from ..reading.chances import f_tail, normal_tail
 from ..reading.one_thread import one_thread
 from ..solver import NORMAL_95
-from .answer import Answer, Interval, unit_of
-from .causes import GRADUAL, condition_on_contact, remark_on
+from .answer import Answer, unit_of
+from .causes import GRADUAL
 from .law_comparison import ALPHA, MOST_TERMS, LawComparison, LawTest, Probability, chosen_of
 from .stated import widened
 
 _CHANCE = 0.02  # probability of a doubt on decays with friction and viscous damping
 _MATTERS = 3.0  # standard errors by which another law may move F_k or c, unsaid
 _LEAST = 0.03  # of F_k or c
-_ROUNDEST = 1.5  # of what an Iwan contact is rounded by: the roundest that the sentence on the contact allows for
 _OTHERS = {
     "c_a": ("damping that differs by direction", "N s/m"),
     "k_2": ("a spring that is stiffer to one side", "N/m²"),
@@ -123,40 +121,16 @@ def condition_of(fit: RingFit, further: Iterable[Departure]) -> tuple[str, dict[
     return sentence, effects
 
 
-def condition_of_contact(fit: RingFit, further: Iterable[Departure]) -> tuple[str, float]:
-    """The sentence of `condition_on_contact`, and by which part K_z may be larger by it; empty and 0 without one."""
-    for one in further:
-        if one.symbol == GRADUAL and (sentences := condition_on_contact(fit, [one])):
-            most = min(max(one.value, 0.0) + NORMAL_95 * one.error, _ROUNDEST)
-            return sentences[0], remark_on(replace(one, value=most), fit).doubts["K_z"]
-    return "", 0.0
+def with_effects(answer: Answer, fit: RingFit, effects: Mapping[str, float]) -> Answer:
+    """Return the answer with its intervals widened by what another law would change: what a sentence states belongs to
+    the number next to it.
 
-
-def with_effects(
-    answer: Answer, fit: RingFit, effects: Mapping[str, float], stiffer: float
-) -> Answer:
-    """The answer with its intervals widened by what laws and contacts would change that the decays do not show: what a
-    sentence states belongs to the number next to it.
-
-    effects : of `condition_of`, taken as 95 % of what may be, either way.   stiffer : part by which K_z may be larger.
+    effects : of `condition_of`, taken as 95 % of what may be, either way.
     """
-    if not (effects or stiffer):
-        return answer
-    shifts = {
-        s: by / NORMAL_95 / fit.value(s)
-        for s, by in effects.items()
-        if s in TERMS and fit.value(s) > 0.0
-    }
-    answer = widened(answer, {"law": shifts})
-    rho, reach = fit.value("rho"), effects.get("rho", 0.0)
-    # an interval of K_z is that of K_z^{−1/2}
-    low, high = (
-        rho + math.copysign(math.hypot(end - rho, reach), end - rho) for end in fit.interval("rho")
-    )
-    ends = Interval(high**-2, (1.0 + stiffer) * low**-2 if low > 0.0 else math.inf)
-    return replace(
-        answer, parameters={**answer.parameters, "K_z": replace(answer.K_z, interval=ends)}
-    )
+    parts = {s: by / fit.value(s) for s, by in effects.items() if fit.value(s) > 0.0}
+    if "rho" in parts:
+        parts["K_z"] = -2.0 * parts.pop("rho")  # K_z = ρ^{−2}
+    return widened(answer, {"law": {s: part / NORMAL_95 for s, part in parts.items()}})
 
 
 def _changed(fit: RingFit, name: str, by: float) -> str:

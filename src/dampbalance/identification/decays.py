@@ -49,11 +49,10 @@ from .answer import (
     covariance_of,
     normal,
 )
-from .causes import gradual_contact, remark_on
+from .causes import condition_on_contact, gradual_contact, remark_on
 from .decay_laws import (
     compare_decay_laws,
     condition_of,
-    condition_of_contact,
     doubt_of,
     with_effects,
 )
@@ -397,17 +396,16 @@ def _solved(
         correlations,
         merit={"misfit": misfit, "degrees_of_freedom": freedom},
     )
-    conditions, stiffer = _scatter_of(fit), 0.0
-    effects: Mapping[str, float] = {}
+    conditions, effects = _scatter_of(fit), dict[str, float]()
     if gradual is None and not doubt:
         sentence, effects = condition_of(fit, further)
-        of_contact, stiffer = condition_of_contact(fit, further) if fit.adequate else ("", 0.0)
-        conditions += filter(None, [sentence, of_contact])
+        conditions += filter(None, [sentence])
+        conditions += condition_on_contact(fit, further) if fit.adequate else []
     return DecayOutcome(
         k=fit.k,
         sources=sources,
-        estimates={BALANCE: with_effects(answer, fit, effects, stiffer)},
-        reference=with_effects(reference, fit, effects, stiffer),
+        estimates={BALANCE: with_effects(answer, fit, effects)},
+        reference=with_effects(reference, fit, effects),
         warnings=(*warnings, *clipped_signals.values()),
         head=f"{_counted(len(sources), 'record')} with {_counted(len(fit.decays), 'free decay')}, "
         f"{_slipping(rows.halves)}; values with 95 % intervals",

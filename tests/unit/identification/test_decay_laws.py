@@ -119,17 +119,12 @@ def test_friction_that_falls_with_speed_does_not_leave_the_interval_of_c():
     assert held["F_k"] >= 5
 
 
-def test_a_contact_that_may_be_stiffer_is_in_the_interval_of_its_stiffness():
-    decay = replace(SOUND, noise=0.01)
-    result = found_in(decay)
-    stiffer = [float(m[1]) for w in result.rig if (m := re.search(r"up to (\d+) % stiffer", w))]
-    assert stiffer
-    for answer in result.approaches.values():
-        # the upper end is stated to a per cent
-        assert answer.K_z.interval.high > (1.0 + (stiffer[0] - 0.5) / 100.0) * answer.K_z.value
-        width = answer.K_z.interval.high - answer.K_z.interval.low
-        usable = width <= answer.K_z.value
-        assert usable == (answer.verdicts["K_z"].verdict == USABLE)
+def test_the_verdict_on_a_stiffness_agrees_with_what_is_said_of_the_contact():
+    """K_z is conditional on a contact that yields at once, and the sentence says so: no doubt follows from it."""
+    found = found_in(replace(SOUND, noise=0.01))
+    (said,) = (words for words in found.rig if "yields gradually" in words)
+    assert said.startswith("K_z and its interval are conditional on a contact that yields at once")
+    assert found.reference.verdicts["K_z"].verdict == USABLE
 
 
 def test_laws_of_decays_can_be_asked_of_identify():

@@ -292,4 +292,4 @@ def test_the_verdict_on_a_contact_agrees_with_what_is_said_of_it():
     (said,) = (words for words in found.rig if "yields gradually" in words)
     assert found.verdicts["K_z"].verdict == "usable"
     assert said.startswith("K_z and its interval are conditional on a contact that yields at once")
-    assert "stiffer right after a reversal" in said
+    assert "is stiffer by up to" in said

@@ -141,9 +141,9 @@ def channels(n: int = 300) -> np.ndarray:
     last = (n - 1) * dt
     return np.array(
         [
-            [0, 0, 0, 0.0, dt, SIGMA, 0, n, last],
-            [0, 1, 1, 0.3 * dt, 1.7 * dt, 20.0 * SIGMA, n, n + n // 2, last],
-            [1, 2, 1, 0.0, dt, 400.0 * SIGMA, n + n // 2, 2 * n + n // 2, last],
+            [0, 0, 0, 0.0, dt, SIGMA, 0, n, last, 0],
+            [0, 1, 1, 0.3 * dt, 1.7 * dt, 20.0 * SIGMA, n, n + n // 2, last, 0],
+            [1, 2, 1, 0.0, dt, 400.0 * SIGMA, n + n // 2, 2 * n + n // 2, last, 0],
         ]
     )
 
