@@ -135,11 +135,12 @@ def test_off_resonance_the_page_states_three_causes_and_what_each_costs(tree, ma
     # findings, derived by independent code: +4.0 % without the first two at 3.5 Hz, from where they shift F_k by −20.2
     # and −21.6 points; +12.2 and −66.2 points from −0.36 % at 11.1 Hz; the paper's own fit +0.68, −16.2 and +11.8 %
     for sentence in (
-        "At 4.92 Hz the third alone puts Fk off by +1.42 %; from there the first shifts it by −0.7 percentage points",
+        "At 4.92 Hz the third alone puts Fk off by +1.42 %; from there the first shifts it by −0.7 percentage "
+        "points",
         "At 3.5 Hz the third alone puts Fk off by +3.99 %; from there the first shifts it by −20.2 percentage points, "
         "the second by −21.6, and both together by −23.5.",
-        "At 11.1 Hz the third alone puts Fk off by −0.356 %; from there the first shifts it by +12.2 percentage points, "
-        "the second by −66.2, and both together by −65.5.",
+        "At 11.1 Hz the third alone puts Fk off by −0.356 %; from there the first shifts it by +12.2 percentage "
+        "points, the second by −66.2, and both together by −65.5.",
         "the second does not touch, is off by +0.678 %, −16.2 % and +11.8 %.",
     ):
         assert sentence in text

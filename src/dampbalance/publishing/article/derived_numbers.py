@@ -35,8 +35,8 @@ GLANCE = {
     r"own $\varphi_1$": "fundamental",
     "Fourier balance": "fourier",
 }
-"""Label of the figure at a glance → its way of `comparison.WAYS`. The fit with a mean φ, the phase of the paper's pairs,
-is not the paper's, whose least squares takes each level's φ."""
+"""Label of the figure at a glance → its way of `comparison.WAYS`. The fit with a mean φ is ours: the paper takes that
+phase in its pairs, and each level's φ in its least squares."""
 
 
 def derived_numbers(

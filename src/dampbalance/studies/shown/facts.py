@@ -99,7 +99,8 @@ def _coverage_range(
     least = min(known, key=lambda of: of["coverage"])
     names = ("coverage", "coverage_low", "coverage_high")
     share, low, high = (percent(least[name]) for name in names)
-    return f"{share} (95 % bounds: {low} to {high}) to {percent(max(of['coverage'] for of in known))}"
+    most = percent(max(of["coverage"] for of in known))
+    return f"{share} (95 % bounds: {low} to {high}) to {most}"
 
 
 def _in_words(share: float, signed: bool = False) -> str:
