@@ -355,18 +355,20 @@ blame(features_above.with_common("phi", "t_s"))
 # highest. Friction takes a small share of $W$, so an error of a few per cent there is a large one for what friction
 # takes.
 #
-# ## Two causes
+# ## Three causes
 #
 # The base moves harmonically. By orthogonality, only the *fundamental* of $x$ takes work from it, with its own lag
-# $\varphi_1$: $W = \pi k Y X_1 \sin\varphi_1$, exactly. Against that, the paper's phase is wrong in two ways.
+# $\varphi_1$: $W = \pi k Y X_1 \sin\varphi_1$, exactly. Against that, the paper's pairs are wrong in three ways.
 #
 # 1. **Which phase.** It is read where the velocity reverses. The contact adds higher harmonics, and they shift the
 #    reversal away from that of the fundamental.
 # 2. **One phase for all levels.** Friction weighs less at a higher level, so the lag changes from level to level, and
-#    with it $\sin\varphi$.
+#    with it $\sin\varphi$. (The paper's least squares takes each level's own phase.)
+# 3. **The peak for the amplitude.** The peak $X$ stands where the amplitude $X_1$ of the fundamental belongs, in $W$
+#    and in $b$.
 #
-# How large are the two? The table compares $\sin\varphi$ of the reversal with $\sin\varphi_1$, on average over the
-# levels, and tells how far $\sin\varphi_1$ spreads from the lowest level to the highest.
+# How large are the first two? The table compares $\sin\varphi$ of the reversal with $\sin\varphi_1$, on average over
+# the levels, and tells how far $\sin\varphi_1$ spreads from the lowest level to the highest.
 
 # %%
 FREQUENCIES = (BELOW, RESONANCE, ABOVE)
@@ -393,10 +395,10 @@ pd.DataFrame(
 #
 # ## Mend it, one thing at a time
 #
-# Take the paper's recipe, $X_s$ and one phase for all levels, and change one thing: (a) give each level its own
-# phase, still that of the reversal; (b) or that of the upward zero crossing of $x$, which the paper's text names; (c)
-# share one phase, but that of the fundamental; (d) give each level its own phase of the fundamental. All five levels
-# enter, by least squares.
+# Take the recipe of the paper's pairs, $X_s$ and one phase for all levels, and change one thing: (a) give each level
+# its own phase, still that of the reversal, as the paper does in its least squares; (b) or that of the upward zero
+# crossing of $x$, which the paper's text names; (c) share one phase, but that of the fundamental; (d) give each level
+# its own phase of the fundamental. All five levels enter, by least squares.
 #
 # Or (e), give up the harmonic shape. Write the motion as what it is, a Fourier series $x = \sum_n X_n \cos(n\omega t -
 # \varphi_n)$, and integrate again:
@@ -409,7 +411,10 @@ pd.DataFrame(
 
 # %%
 MENDS = {
-    "as in the paper: one phase of the reversal": lambda f: ("X_s", f.with_common("phi", "t_s")),
+    "as in the paper's pairs: one phase of the reversal": lambda f: (
+        "X_s",
+        f.with_common("phi", "t_s"),
+    ),
     "(a) each level's phase of the reversal": lambda f: ("X_s", f),
     "(b) each level's phase of the zero crossing": lambda f: ("X_s", f.with_phase("zero_crossing")),
     "(c) one phase of the fundamental": lambda f: (
@@ -436,11 +441,12 @@ pd.DataFrame(
 )
 
 # %% [markdown]
-# Read it by columns. At 3.5 Hz the wrong phase alone, (a), costs nearly as much as both causes together; and so does
-# the sharing alone, (c). At 11.1 Hz the sharing costs most: with it, the better phase of (c) helps nothing; without it,
-# (a) does far better. Only when both go, in (d), is the method back within a few per cent. The zero crossing, (b), lies
-# between: it is shifted, too, but less. What is left in (d) is the rest of the harmonic shape, such as the peak $X$
-# where the amplitude $X_1$ belongs. The Fourier balance (e) mends that as well, with no more effort at the bench.
+# Read it by columns, from (d) on: there only the third cause is left, which at resonance is all of the error. At 3.5 Hz
+# it is +4 %, from where the wrong phase, (a), shifts $F_k$ nearly as far as both other causes together; and so does the
+# sharing, (c): the effects do not add. At 11.1 Hz the sharing costs most: with it, the better phase of (c) helps
+# nothing; without it, (a), the paper's own least squares, does far better. Only when both go, in (d), is the method
+# back within a few per cent. The zero crossing, (b), lies between: it is shifted, too, but less. The Fourier balance,
+# (e), mends the third cause as well, with no more effort at the bench.
 #
 # It is not a matter of three lucky frequencies:
 
@@ -453,7 +459,7 @@ by_frequency = [features_at(f) for f in hertz]
 
 figure, axes = plt.subplots(figsize=(150 * MM, 78 * MM))
 looks = {  # in the order of the recipes: colour, dashes
-    "as in the paper": (STICK, "-"),
+    "as in the paper's pairs": (STICK, "-"),
     "(a) each, reversal": (FAINT, "-"),
     "(b) each, zero crossing": (FAINT, (0, (4, 2))),
     "(c) one, fundamental": (STICK, (0, (4, 2))),

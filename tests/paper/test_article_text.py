@@ -38,6 +38,14 @@ def typed(texts: dict[str, str]) -> list:
     return [number for file, text in texts.items() for number in typed_numbers(file, text)]
 
 
+def test_the_abstract_has_at_most_eight_numbers():
+    """Values that are looked up; no typed one gets in (below)."""
+    abstract = sources()["sections/findings.typ"].partition("*Abstract.*")[2].partition("\n]\n")[0]
+    numbers = re.findall(r"#[nv]\(\"([^\"]+)\"\)", abstract)
+    assert 3 < len(numbers) <= 8
+    assert "the simplest explanation" in " ".join(abstract.split())
+
+
 def test_there_are_texts_to_scan():
     assert sum(len(text) for text in sources().values()) > 15_000
 

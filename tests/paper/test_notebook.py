@@ -143,7 +143,11 @@ def test_each_mend_does_what_the_text_tells(names):
     assert paper[above] == pytest.approx(0.658, abs=0.001)  # findings: 65.8 % of least squares
     assert a[below] == pytest.approx(0.162, abs=0.001)  # findings: the phase alone costs 16 %
     assert c[below] == pytest.approx(0.176, abs=0.001)
-    assert min(a[below], c[below]) > 0.8 * paper[below]  # "nearly as much as both"
+    assert d[below] == pytest.approx(0.04, abs=0.0005)  # "+4 %"; the others have a minus there
+    both = paper[below] + d[below]
+    assert min(a[below], c[below]) + d[below] > 0.8 * both  # "nearly as far as both"
+    assert a[below] + c[below] + 2.0 * d[below] > 1.5 * both  # "do not add"
+    assert d[at] == pytest.approx(paper[at], rel=0.05)  # "all of the error"
     assert c[above] > 0.99 * paper[above]  # "the better phase of (c) helps nothing"
     assert a[above] == pytest.approx(0.118, abs=0.001)  # findings: 11.8 %, "far better"
     for place in (below, above):

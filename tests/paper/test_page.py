@@ -127,19 +127,27 @@ def test_the_errors_are_those_of_the_table(tree, made):
     assert text.count("(") == 6 * len(rows) // 3 + 0  # two quantities at three frequencies a line
 
 
-def test_off_resonance_the_page_tells_both_causes_and_what_each_costs(tree, made):
+def test_off_resonance_the_page_states_three_causes_and_what_each_costs(tree, made):
     text = " ".join(tree.one("section", id="errors")["text"].split())
     assert "Which phase:" in text
     assert "One phase for all levels:" in text
-    # findings: −16.2 % by the phase alone and −19.5 % by both at 3.5 Hz, +11.8 and −65.8 % at 11.1 Hz
+    assert "The peak for the amplitude:" in text
+    # findings, derived by independent code: +4.0 % without the first two at 3.5 Hz, from where they shift F_k by −20.2
+    # and −21.6 points; +12.2 and −66.2 points from −0.36 % at 11.1 Hz; the paper's own fit +0.68, −16.2 and +11.8 %
     for sentence in (
-        "At 3.5 Hz the first alone puts Fk off by −16.2 %, the second alone by −17.6 %, and both together by −19.5 %",
-        "At 11.1 Hz the first alone puts Fk off by +11.8 %, the second alone by −66.6 %, and both together by −65.8 %",
+        "At 4.92 Hz the third alone puts Fk off by +1.42 %; from there the first shifts it by −0.7 percentage "
+        "points",
+        "At 3.5 Hz the third alone puts Fk off by +3.99 %; from there the first shifts it by −20.2 percentage points, "
+        "the second by −21.6, and both together by −23.5.",
+        "At 11.1 Hz the third alone puts Fk off by −0.356 %; from there the first shifts it by +12.2 percentage "
+        "points, the second by −66.2, and both together by −65.5.",
+        "the second does not touch, is off by +0.678 %, −16.2 % and +11.8 %.",
     ):
         assert sentence in text
     shown = comparison.mends(made.approaches, CASE.frequencies_hz)
     assert [round(abs(row[2]), 1) for row in shown.values()] == [65.8, 11.8, 2.8, 66.6, 0.4, 0.0]
-    assert "as in the paper+1.37−19.5−65.8" in text
+    assert "as in the paper’s pairs+1.37−19.5−65.8" in text
+    assert "as in the paper’s least squares+0.678−16.2+11.8" in text
 
 
 @pytest.mark.slow
@@ -360,8 +368,9 @@ def test_page_and_glance_and_article_state_the_same_numbers(tree, made):
     assert float(damping[1][1]) == pytest.approx(90.0 + added, abs=5e-5)
     ways = made.evidence["vocabulary"]["ways"]
     at = made.approaches.set_index(["approach", "phase", "sharing", "frequency_hz"])
-    shown = float(errors[2][1].replace("−", "-"))
-    assert shown == pytest.approx(at["F_k_error_percent"][*ways["mean"], 11.1], rel=1e-4)
+    for column, way in enumerate(("reversal", "mean", "fundamental", "fourier"), start=1):
+        shown = float(errors[2][column].replace("−", "-"))
+        assert shown == pytest.approx(at["F_k_error_percent"][*ways[way], 11.1], rel=1e-4)
     text = tree.one("section", id="findings")["text"]
     assert f"{added:.4f} N s/m" in text
     assert f"off by {made.evidence['fourier_largest']['F_k']:.3f} %" in text

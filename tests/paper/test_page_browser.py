@@ -211,7 +211,7 @@ def test_drawings_tell_values_to_keyboard_and_pointer(opened, made):
     printed = made.claims.set_index("id").loc["text.c_direct_ls", "printed"]
     assert told(figure).endswith(f"(N s/m) {float(printed):.6g}")
     page.keyboard.press("ArrowDown")  # the errors in the panel beside
-    assert told(figure).startswith("as in the paper, 11.1 Hz, error of Fk (%) −65.8")
+    assert told(figure).startswith("paper’s fit, 11.1 Hz, error of Fk (%) 11.8")
     ring = figure.locator(".ring").bounding_box()
     page.keyboard.press("Escape")
     assert told(figure) == ""
@@ -219,8 +219,8 @@ def test_drawings_tell_values_to_keyboard_and_pointer(opened, made):
     page.mouse.move(ring["x"] + 0.5 * ring["width"] + 3, ring["y"] + 0.5 * ring["height"])
     tip = figure.locator(".tip")
     tip.wait_for(state="visible")
-    assert "−65.8" in tip.inner_text()
-    assert "as in the paper" in tip.inner_text()
+    assert "11.8" in tip.inner_text()
+    assert "paper’s fit" in tip.inner_text()
     page.mouse.move(0, 0)
     tip.wait_for(state="hidden")
 

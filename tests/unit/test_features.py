@@ -377,6 +377,7 @@ def read_off(**rules):
         OMEGA, "one slip onset per half cycle", X=0.0060473738, phi=1.5462469,
         X_s=-0.0060350661, V_s=0.0117259, t_s=2.0333e-3,
         X_r=0.0060350661, V_r=-0.0117259, t_r=2.0333e-3,
+        X_1=0.0060312345, X_3=5.5512e-5, X_5=1.2345e-5, phi_fundamental=1.5724689,
     )  # fmt: skip
 
 
@@ -393,6 +394,11 @@ def read_off(**rules):
         ({"V_s_decimals": 4}, "V_s", 0.0117),
         ({"V_s_decimals": 4}, "V_r", -0.0117),
         ({"phi_decimals": 2}, "phi", 1.55),
+        ({"phi_decimals": 3}, "phi_fundamental", 1.572),
+        ({"X_n_decimals": 5}, "X_1", 0.00603),
+        ({"X_n_decimals": 5}, "X_3", 6e-5),
+        ({"X_n_decimals": 6}, "X_5", 1.2e-5),
+        ({"X_decimals": 5}, "X_1", 0.0060312345),
         ({"t_s_unit": 1e-4}, "t_s", 2.0e-3),
         ({"t_s_inset": 4e-5, "t_s_unit": 1e-4}, "t_s", 1.9e-3),
         ({"t_s_inset": 4e-5}, "t_r", 1.9933e-3),

@@ -30,8 +30,9 @@ ALT = (
 GLANCE_ALT = (
     "Left: on an axis of c, the true value; that plus the numerical dissipation of backward Euler; the value that the "
     "rebuilt simulation gives; and the printed one. The last three nearly coincide. Right: errors of the friction "
-    "force at each drive frequency: large off resonance as in the paper's pairs, below one per cent at the highest "
-    "frequency with the phase of the fundamental of each level, and far smaller by the Fourier energy balance."
+    "force at each drive frequency by least squares: by the paper's fit, which errs by more than ten per cent off "
+    "resonance; with one mean phase for all levels, which errs by more; with the phase of the fundamental of each "
+    "level, below one per cent at the highest frequency; and far smaller by the Fourier energy balance."
 )
 
 PRINTED: dict[str, Any] = {"marker": "o", "ls": "none", "color": STICK, "ms": 4.2, "zorder": 5}
@@ -44,6 +45,7 @@ _OF_SCHEME = {
 }
 _MARKS: Sequence[Mapping[str, Any]] = (
     {"marker": "o", "color": PRINTED["color"]},
+    {"marker": "D", "color": FAINT},
     {"marker": "^", "color": OTHER},
     {"marker": "s", "color": REBUILT},
 )
@@ -258,10 +260,10 @@ def glance(
 ) -> Figure:
     """Two panels: (a) the damping, true, with that of the scheme, rebuilt and printed; (b) errors of F_k.
 
-    errors : label → error of F_k at each frequency, %, with sign; up to three labels.   frequencies : Hz.
+    errors : label → error of F_k at each frequency, %, with sign; up to four labels.   frequencies : Hz.
     """
     figure = page(DOUBLE_COLUMN, 53.0)
-    left, right = (place(figure, x, 11.0, wide, 36.0) for x, wide in ((28.0, 62.0), (110.0, 68.0)))
+    left, right = (place(figure, x, 11.0, wide, 36.0) for x, wide in ((28.0, 50.0), (96.0, 82.0)))
     rows = {
         "true $c$": (damping.true, {"marker": "D", "color": INK}),
         r"true $c + m\omega^2h$": (damping.true + damping.added, {"marker": "^", "color": FAINT}),
@@ -283,18 +285,14 @@ def glance(
     left.set_xlabel("$c$ by direct integration, all levels (N s/m)")
     # (b) on an axis that is linear about zero, so that the sign shows
     for n, ((label, values), look) in enumerate(zip(errors.items(), _MARKS, strict=False)):
-        places = [f + 0.28 * (n - 1) for f in range(len(frequencies))]
+        places = [f + 0.24 * (n - 1.5) for f in range(len(frequencies))]
         right.vlines(places, 0.0, values, color=look["color"], lw=1.2)
         right.plot(places, values, ls="none", ms=4.5, label=label, gid=label, **look)
         for at in zip(places, values, strict=True):
             text = f"{at[1]:+#.2g}".rstrip(".").replace("-", "−")
-            if (
-                n == len(_MARKS) - 1
-            ):  # to the right of the last mark, clear of the stems of the others
-                note(right, text, at, (2.0, 3.0), "left", size=7.0)
-            elif at[1] > 0.0:
+            if at[1] > 0.0 and n < len(_MARKS) - 1:
                 note(right, text, at, (0.0, 4.0), "center", "bottom", size=7.0)
-            else:
+            else:  # also of the last mark, clear of the stems of the others
                 note(right, text, at, (0.0, -4.0), "center", "top", size=7.0)
     right.axhline(0.0, color=INK, lw=0.6)
     right.set_yscale("asinh", linear_width=0.05)
@@ -302,10 +300,10 @@ def glance(
     ticks = [-100, -10, -1, 0, 1, 10, 100]
     right.set_yticks(ticks, [f"{tick:+d}".replace("-", "−") if tick else "0" for tick in ticks])
     right.minorticks_off()
-    right.set_xlim(-0.5, len(frequencies) - 0.25)
+    right.set_xlim(-0.55, len(frequencies) - 0.4)
     right.set_xticks(range(len(frequencies)), [f"{hz:g} Hz" for hz in frequencies])
     right.tick_params(axis="x", length=0)
-    right.legend(loc="upper center", ncols=3, fontsize=7.2, handletextpad=0.1, columnspacing=0.7)
+    right.legend(loc="upper center", ncols=4, fontsize=7.2, handletextpad=0.1, columnspacing=0.7)
     right.set_ylabel("error of $F_k$ (%)", labelpad=1.0)
     for axes, letter in ((left, "a"), (right, "b")):
         panel_letter(axes, letter)

@@ -43,6 +43,7 @@ class ReadOut:
     """Rules by which features are read; a rule that is None is not applied. SI units.
 
     X_decimals, X_s_decimals, V_s_decimals, phi_decimals : decimals kept in m, m, m/s, rad, rounded to nearest.
+    X_n_decimals : decimals kept of the amplitudes X_1, X_3, X_5 of the harmonics, m.
     X_s_mark : m. Instead of rounding X_s: the length X + X_s of the microstick line in whole marks of the axis, up to
     the first mark beyond the corner, taken off the X that was read. (With marks of 1 µm, 12.3 µm read 13 µm.)
     t_s_inset : s, taken off t_s: timed from the first sample inside the microstick phase to the last one inside it, the
@@ -54,6 +55,7 @@ class ReadOut:
     """
 
     X_decimals: int | None = None
+    X_n_decimals: int | None = None
     X_s_decimals: int | None = None
     X_s_mark: float | None = None
     V_s_decimals: int | None = None
@@ -84,6 +86,7 @@ class ReadOut:
         """The features as read, each response by itself."""
         X = _rounded(features.X, self.X_decimals)
         phases = ("phi", "phi_reversal", "phi_zero_crossing", "phi_fundamental")
+        amplitudes = ("X_1", "X_3", "X_5")
 
         def slip(at: Array) -> Array:
             """|X_s| as read: by its mark, counted from the peak, or rounded."""
@@ -104,6 +107,7 @@ class ReadOut:
             t_s=time(features.t_s),
             t_r=time(features.t_r),
             **{name: _rounded(getattr(features, name), self.phi_decimals) for name in phases},
+            **{name: _rounded(getattr(features, name), self.X_n_decimals) for name in amplitudes},
         )
 
     def common(self, features: Features) -> Features:

@@ -1,14 +1,16 @@
 """Every approach at every frequency: how far off F_k and c are, for each definition of the phase.
 
 The paper compares its approaches at resonance, with one definition of the phase. This table adds what each approach
-gives off resonance, where the harmonic ones fail for two reasons: `off_resonance` says what each costs, `mends` what
-helps. Its features are exact, so that what is left is the error of the approach.
+gives off resonance, where the harmonic ones fail for three reasons: the phase of the velocity reversal stands for that
+of the fundamental, one phase for those of all levels (in the pairs; the paper's least squares takes each level's own),
+and the peak X for the amplitude X_1. `cause_shifts` says what each costs, `mends` what helps. Its features are exact,
+so that what is left is the error of the approach.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING, get_args
 
 from ..balance import APPROACHES, TERMS, takes_phase
@@ -16,7 +18,7 @@ from ..estimates import estimate_table
 from ..features import Features, Phase
 from ..model import Oscillator
 from ..project.case import Case
-from ..project.wording import markdown_table, percent, signed_percent
+from ..project.wording import markdown_table, percent, signed, signed_percent
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -34,16 +36,23 @@ WAYS = {
     "fourier": ("fourier", "", ""),
     "direct": ("direct", "", ""),
 }
-"""Ways to identify F_k and c, compared off resonance, the paper's pairs first: name → columns WAY of the table."""
+"""Ways to identify F_k and c, compared off resonance: name → columns WAY of the table.
+
+The pairs of "mean" are the paper's, and the least squares of "reversal" is the paper's. The least squares of "mean"
+combines the two, as the paper never does: it shows what the phase of the pairs costs with all levels.
+"""
 RECIPES = {
-    "mean": "one phase of the reversal for all levels, as in the paper",
-    "reversal": "each level’s phase of the reversal",
+    "mean": "one phase of the reversal for all levels, as in the paper’s pairs",
+    "reversal": "each level’s phase of the reversal, as in the paper’s least squares",
     "crossing": "each level’s phase of the zero crossing",
     "shared": "one phase of the fundamental for all levels",
     "fundamental": "each level’s phase of the fundamental",
     "fourier": "Fourier balance",
 }
-"""A way of WAYS → in words: the paper's, then each mend."""
+"""A way of WAYS → in words: the paper's two, then each mend."""
+
+CAUSES = {"which": "reversal", "shared": "shared", "both": "mean"}
+"""A wrong phase → the way of WAYS that takes it: which phase, one phase for all levels, and both."""
 
 
 def approaches_table(features: Mapping[str, Features], case: Case) -> pd.DataFrame:
@@ -120,22 +129,45 @@ def _errors(features: Features, case: Case) -> Iterator[dict[str, object]]:
                 }
 
 
+def cause_shifts(
+    approaches: pd.DataFrame, frequencies: Iterable[str]
+) -> dict[str, dict[str, float]]:
+    """What each cause of failure does to F_k by X_s and least squares at each frequency, in percentage points.
+
+    peak : the error, %, with the phase of the fundamental of each level: X stands for X_1, and nothing else is wrong.
+    which : the shift from there by the phase of the reversal, of each level.   shared : by one phase for all levels, of
+    the fundamental.   both : by one phase of the reversal. Effects of causes do not add.
+
+    approaches : the table of `approaches_table`.
+    """
+    errors = _of_F_k(approaches)
+    shifts = {}
+    for name in frequencies:
+        peak = errors[*WAYS["fundamental"], name]
+        wrong = {cause: errors[*WAYS[way], name] - peak for cause, way in CAUSES.items()}
+        shifts[name] = {"peak": peak, **wrong}
+    return shifts
+
+
 def off_resonance(
     approaches: pd.DataFrame, frequencies_hz: Mapping[str, float]
 ) -> list[dict[str, str]]:
-    """What a wrong phase costs at each frequency but the first: the error of F_k by least squares, as text.
+    """The `cause_shifts` in words, frequency by frequency.
 
-    hz : the frequency.   which : error with the phase of the reversal, of each level.   shared : with one phase for all
-    levels, but of the fundamental.   both, neither : with both causes, and without either.
+    hz : the frequency.   peak : an error, %.   paper : that of the paper's least squares, which takes each level's
+    phase of the reversal.   which, shared, both : shifts, percentage points.
 
-    approaches : as `approaches_table` gives it.
+    approaches : the table of `approaches_table`.
     """
-    ways = {"which": "reversal", "shared": "shared", "both": "mean", "neither": "fundamental"}
     errors = _of_F_k(approaches)
     return [
-        {"hz": f"{hz:g} Hz"}
-        | {cost: signed_percent(0.01 * errors[*WAYS[way], name]) for cost, way in ways.items()}
-        for name, hz in list(frequencies_hz.items())[1:]
+        {
+            "hz": f"{frequencies_hz[name]:g} Hz",
+            "peak": signed_percent(0.01 * shifts["peak"]),
+            "paper": signed_percent(0.01 * errors[*WAYS["reversal"], name]),
+            **{cause: signed(shifts[cause], 1) for cause in CAUSES},
+        }
+        for name, shifts in cause_shifts(approaches, frequencies_hz).items()
     ]
 
 

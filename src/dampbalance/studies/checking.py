@@ -35,6 +35,7 @@ from .parameters import MECHANICAL, OF_LAW, PARAMETERS, in_si, objection, synony
 from .settings import (
     BANDS,
     CHOICES,
+    COVERAGE_RANGE,
     OF_INTERVALS,
     ROUTES,
     SOBOL_BITS,
@@ -446,6 +447,8 @@ def _wrong_fact(study: Study, key: Key, spec: Mapping[str, Any]) -> Iterator[Pro
         yield key, f"{take} refers to one fit, but selects {labels}"
     if take in OF_INTERVALS and "intervals" not in study.columns:
         yield (*key, "take"), "needs the columns of intervals: columns: [errors, intervals]"
+    if take == COVERAGE_RANGE and not study.summary_by:
+        yield (*key, "take"), "needs summary_by, whose axes divide the cases"
     if take in (*BANDS, "share") and "within" not in spec:
         yield (*key, "within"), f"missing; the bound of {take}, as a relative error"
     if take in BANDS:

@@ -29,7 +29,10 @@ from .cases import (
 from .parameters import OF_LAW, PARAMETERS, SI_COLUMNS
 from .settings import LIKELIHOOD, RIGID, SIMPSON, WEIGHTED, Fit, Study
 
-READ = ("X", "X_s", "X_r", "V_s", "V_r", "t_s", "t_r", "phi")
+READ = (
+    *("X", "X_s", "X_r", "V_s", "V_r", "t_s", "t_r", "phi"),
+    *("phi_fundamental", "X_1", "X_3", "X_5"),
+)
 """The features that rules of reading change, as far as the rows need them."""
 
 _SLICE = 16_384  # cases worked on at a time: their arrays stay in the processor's cache

@@ -118,6 +118,7 @@ PARAMETERS: dict[str, Parameter] = {
     "law": Parameter("numerics", "", _LAW, "law"),
     "slip_range": Parameter("numerics", "1", _SLIP_RANGE, r"r_{\max}/r_{\min}", low=1.0, high=1e6),
     "X_decimals": _decimals("X", "m"),
+    "X_n_decimals": _decimals("X_1, X_3 and X_5", "m"),
     "X_s_decimals": _decimals("X_s", "m"),
     "X_s_mark_m": Parameter("read_out", "m", "marks in which X + X_s is counted"),
     "V_s_decimals": _decimals("V_s", "m/s"),

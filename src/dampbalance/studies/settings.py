@@ -270,8 +270,11 @@ rigid contact and equal weights, and the maximum-likelihood oscillator, which ne
 CONTACT = "K_z"
 """Symbol of the contact stiffness; as a yardstick, the maximum-likelihood oscillator with its K_z besides F_k and c."""
 
-OF_INTERVALS = ("standard_error", "coverage", "coverage_low", "coverage_high")
-SPREADS = ("bias", "rms", "p95_error", *OF_INTERVALS)
+COVERAGE_RANGE = "coverage_range"
+"""Fact about the coverage in each combination of values of the axes `summary_by`, where `coverage` pools them."""
+
+OF_INTERVALS = ("standard_error", "coverage", "coverage_low", "coverage_high", COVERAGE_RANGE)
+SPREADS = ("bias", "bias_error", "rms", "p95_error", *OF_INTERVALS)
 """Facts about a set of runs, each by one fit: see `statistics.spread`."""
 
 CHOICES = ("right", "right_low", "right_high", "extra", "extra_low", "extra_high", "none")

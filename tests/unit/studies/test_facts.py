@@ -161,6 +161,24 @@ def test_facts_are_at_the_parameters_that_they_name(shipped, name, fact, of):
     assert shipped(name, fact) == facts._in_words(error_of_F_k(**of), signed=True)
 
 
+# Derived by independent code from exact orbits, to half a unit of the digits given: the worst pair of the Fourier
+# balance at 11.1 Hz and 3.5 Hz where the features named are rounded, X, X_s and X_n to 10 µm, φ_1 to three decimals.
+@pytest.mark.parametrize(
+    ("fact", "error", "half"),
+    [
+        ("fourier_five", 0.773, 0.0005),  # X, X_s
+        ("fourier_six", -0.0747, 0.00005),  # X, X_s to one more
+        ("fourier_phase", 2.8, 0.05),  # φ_1 as well
+        ("fourier_table_1", 6.5, 0.05),  # X_1, X_3, X_5 as well
+        ("fourier_table_1_below", 3.1, 0.05),
+        ("fourier_one_more", 0.35, 0.005),  # all of them to one more
+    ],
+)
+def test_the_fourier_balance_needs_the_decimals_of_all_that_it_reads(shipped, fact, error, half):
+    stated = shipped("read_out", fact).removesuffix(" %").replace("−", "-")
+    assert float(stated) == pytest.approx(error, abs=half * (1.0 + 1e-9))
+
+
 @pytest.mark.parametrize(("number_of", "hz"), [(1, 4.92), (2, 3.5), (3, 11.1)])
 def test_thresholds_of_a_rigid_model_are_where_its_error_is_one_per_cent(shipped, number_of, hz):
     def excess(K):

@@ -30,11 +30,13 @@ from ...solver import Pair
 Json = dict[str, Any]
 
 GLANCE = {
-    "as in the paper": "mean",
+    "paper’s fit": "reversal",
+    r"mean $\varphi$ (ours)": "mean",
     r"own $\varphi_1$": "fundamental",
     "Fourier balance": "fourier",
 }
-"""Label of the figure at a glance → its way of `comparison.WAYS`."""
+"""Label of the figure at a glance → its way of `comparison.WAYS`. The fit with a mean φ is ours: the paper takes that
+phase in its pairs, and each level's φ in its least squares."""
 
 
 def derived_numbers(
@@ -88,6 +90,7 @@ def derived_numbers(
                 for term in TERMS
             },
             "balance": terms,
+            "causes": comparison.cause_shifts(approaches, case.frequencies_hz),
             "fundamental_work_largest": max(of["W_fundamental"]["max"] for of in terms.values()),
             "two_point_largest": {  # of the pairs by Table 3's formulas
                 route: {

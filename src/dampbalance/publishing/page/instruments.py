@@ -31,7 +31,8 @@ def instruments_data(
     """The case in SI units and what the instruments need besides, for `kit.js`; to stand in the page as JSON.
 
     case : m, c, k, K_z, F_k, levels (m), frequencies (name → Hz) and pairs of levels (counted from 0).
-    approaches : key → its label, colour and shape.   steps : ways to mend the balance off resonance, the paper's first.
+    approaches : key → its label, colour and shape.   steps : ways to mend the balance off resonance, the paper's two
+    first.
     integrator, where something is printed : the schemes, the recipe of the configuration, Table 2 as printed (the
     text), its pairs of levels.
     digits, where there are any : `changed_digits.packed` with names for the numbers and the looks of the verdicts.

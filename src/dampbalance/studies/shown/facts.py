@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from ...arrays import Array, Words
+from ...arrays import Array, Integers, Words
 from ...project.wording import minus, number, percent, signed_percent
 from ..case_files import stretches
-from ..settings import BANDS, CHOICES, SPREADS, Study, is_value, selected
-from .statistics import Sizes, choices_of, share_of, spread_of
+from ..settings import BANDS, CHOICES, COVERAGE_RANGE, SPREADS, Fit, Study, is_value, selected
+from .statistics import Sizes, choices_of, groups, share_of, spread_of
 
 CROSSING, BEGINS, ENDS = "", " (where the axis begins)", " (where the axis ends)"
 UNKNOWN = " (beyond it there are cases that cannot be identified)"
@@ -48,6 +48,8 @@ def fact(study: Study, cases: str | Path, spec: Mapping[str, Any]) -> str:
     if take in SPREADS:
         (fit,) = study.fits_of(spec)
         kept = np.concatenate([part["case"] for part in _cases_of(cases, spec, ["case"])])
+        if take == COVERAGE_RANGE:
+            return _coverage_range(study, cases, spec["of"], fit, kept)
         spread = spread_of(study, cases, spec["of"], fit, kept)
         return _in_words(float(spread[take]), signed=take == "bias")
     if take in BANDS:
@@ -80,6 +82,25 @@ def worst_errors(study: Study, cases: str | Path, spec: Mapping[str, Any]) -> Ar
     """`worst` in all cases, held in memory as a whole."""
     names = error_columns(study, spec)
     return np.concatenate([worst(study, part, spec) for part in stretches(cases, names)])
+
+
+def _coverage_range(
+    study: Study, cases: str | Path, quantity: str, fit: Fit, kept: Integers
+) -> str:
+    """The least coverage, with its 95 % bounds, and the largest, among the combinations of values of the axes
+    `summary_by`.   kept : numbers of the cases that count."""
+    spreads = (
+        spread_of(study, cases, quantity, fit, np.intersect1d(numbers, kept))
+        for _, numbers in groups(cases, study.summary_by)
+    )
+    known = [of for of in spreads if math.isfinite(of["coverage"])]
+    if not known:
+        return _in_words(math.nan)
+    least = min(known, key=lambda of: of["coverage"])
+    names = ("coverage", "coverage_low", "coverage_high")
+    share, low, high = (percent(least[name]) for name in names)
+    most = percent(max(of["coverage"] for of in known))
+    return f"{share} (95 % bounds: {low} to {high}) to {most}"
 
 
 def _in_words(share: float, signed: bool = False) -> str:

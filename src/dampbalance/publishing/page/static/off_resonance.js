@@ -39,7 +39,7 @@ kit.instrument('off_resonance', (it) => {
       (${percent(truth(fit, 'F_k'))}) and <b><i>c</i> = ${number(fit.c)}\u00a0N\u00a0s/m</b> (${percent(truth(fit, 'c'))}) by least squares over
       ${fit.n} levels; the worst pair is off by ${percent(worst, '')} in ${rich('F_k')}. The true values are ${set.F_k}\u00a0N and ${set.c}\u00a0N\u00a0s/m.
       ${apart < 0.5 * off ? `The pairs are within ${percent(apart, '')} of each other, and all of them are wrong.` : ''}
-      ${step === 'fundamental' ? `What is left has a third cause, the harmonics: ${rich('X')} stands for the amplitude of the fundamental. With that amplitude instead,
+      ${step === 'fundamental' ? `What is left is the third cause, the harmonics: ${rich('X')} stands for the amplitude of the fundamental. With that amplitude instead,
       ${percent(truth(sine, 'F_k'))} remain, which the harmonics in <i>b</i> account for; the Fourier balance has both.` : ''}`);
     it.write('.solutions', estimates.map(([look, one]) => kit.key(look, `${rich(look.label)} ${percent(truth(one, 'F_k'))}`)).join(''));
     lines(now, estimates);
