@@ -3,8 +3,8 @@
     simulate_levels   the equation of motion divided by m, its coefficients rounded, by a scheme of fixed step
     read_levels       a, b and W at the samples, all else between them, then as it was written down (`ReadOut`)
     estimates         Table 3 with the slip of sign in its V_s columns
-    scheme_table      the integrals of Table 2 by every other scheme and way of rounding, and by the exact solver with the
-                      damping of the simulation put in by hand: W and b follow from that damping, whatever causes it
+    scheme_table      the integrals of Table 2 by every other scheme and way of rounding, and by the exact solver with
+                      the damping of the simulation put in by hand: W and b follow from it, whatever causes it
     trial_table       a in many cycles, by the simulation and its rivals: what decides between them is whether the
                       printed a of all levels belong to one sampling instant
 
@@ -330,13 +330,13 @@ def cycle_table(case: Case, frequency: str, count: int = _CYCLES) -> pd.DataFram
 _TRIAL_CYCLES = 3
 """Cycles read of each rival: enough to see that their instants do not hang on the cycle."""
 _TRIAL_PERIODS = 13
-"""Periods simulated of each rival. A transient loses a factor of 40 in a period (ζ = 0.6): the first one read is steady."""
+"""Periods simulated of each rival. A transient loses a factor of 40 in each (ζ = 0.6): the first one read is steady."""
 _OTHER_STEPS = (0.4, 0.6, 0.8, 1.2, 1.4, 1.6, 1.8, 2.0, 2.4)
-"""Other steps of the trapezoidal rule, multiples of the configured one. Runge–Kutta differs from it by 1e-4 of a step."""
+"""Other steps of the trapezoidal rule, multiples of the configured one (Runge–Kutta gives the same to 1e-4 steps)."""
 _OTHER_DAMPING = (-5e-4, -4e-4, -3e-4, -2e-4, -1e-4, 1e-4)
-"""Damping put in by hand, less `damping_by_hand`, N s/m: around the one at which the instants agree best, and W does not."""
+"""Other damping put in by hand, less `damping_by_hand`, N s/m: around that with which the instants agree best."""
 _STEPS_OF_W = {"c_over_m": 1.003, "exact": 0.986}
-"""Way of rounding → the step at which W agrees as well, a multiple of the configured one (`step_from_W` of the article)."""
+"""Way of rounding → the step at which W agrees as well (`step_from_W` of the article), a multiple of the configured."""
 
 
 def trials(case: Case, frequency: str) -> Iterator[tuple[str, Case]]:

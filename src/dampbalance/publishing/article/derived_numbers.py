@@ -185,10 +185,10 @@ def recipe(case: Case, exact: Features) -> Json:
 def choices(case: Case, exact: Features, claims: pd.DataFrame) -> Json:
     """How freely the reconstruction was chosen, against what it has to give.
 
-    continuous : the step.   discrete : scheme, decimals of two coefficients, cycle, the sample at which a begins at each
-    level, every rule of reading for Table 3, which phase, which sign.
+    continuous : the step.   discrete : scheme, decimals of two coefficients, cycle, the sample at which a begins at
+    each level, every rule of reading for Table 3, which phase, which sign.
     inputs : numbers from which Table 3 follows, besides V_s: X of each level, X + X_s, t_s, φ, the sign.
-    from_exact : how many numbers of Table 3 come out as printed with those read from the exact responses by the same rules.
+    from_exact : how many numbers of Table 3 come out as printed if the same rules read the exact responses.
     """
     numerics = case.numerics
     rules = ReadOut.from_config(numerics.two_point)
