@@ -60,7 +60,7 @@ def number(text: str) -> tuple[float, float]:
     return float(mantissa) * power, 10.0 ** Decimal(mantissa).as_tuple().exponent * power
 
 
-WORDS = {"two": 2, "three": 3, "four": 4, "five": 5, "six": 6}
+WORDS = {"one": 1, "two": 2, "three": 3, "four": 4, "five": 5, "six": 6, "nine": 9, "17": 17}
 
 
 def agrees(value: dict, entry: object) -> bool:

@@ -108,18 +108,18 @@ def _named(axes: Axes, x: Any, y: Any, name: str, **look: Any) -> None:
 
 def _instants(axes: Axes, e: Evidence) -> None:
     """(a) Where within a step each printed a is sampled, by the rebuild and its rivals, in the last cycle."""
-    last = e.instants[e.instants["cycle"] == 0].set_index("trial")
-    step_us = 1e6 * float(last.loc["step_of_W_exact", "step_s"].iloc[0])
+    last = e.instants[e.instants["cycle"] == 0]
+    # The first simulation of each trial: Runge–Kutta, the second by hand, lies on the trapezoidal rule.
+    first = {str(name): rows.iloc[: len(e.exact)] for name, rows in last.groupby("trial")}
+    step_us = 1e6 * float(first["step_of_W_exact"]["step_s"].iloc[0])
     looks = {
         "as_published": ("backward Euler, rounded", {"marker": "o", "color": REBUILT}),
         "step_of_W_exact": (f"unrounded, {step_us:.3g} µs", {"marker": "s", "color": THIRD}),
         "by_hand": ("trapezoidal, $c$ by hand", {"marker": "^", "color": OTHER}),
     }
     for trial, (name, look) in looks.items():
-        rows = last.loc[[trial]].iloc[
-            : len(e.exact)
-        ]  # Runge–Kutta, the second by hand, lies on the trapezoidal rule
-        _named(axes, 1e3 * e.exact["Y_m"], rows["instant"], name, lw=0.8, ms=4.0, **look)
+        instants = first[trial]["instant"]
+        _named(axes, 1e3 * e.exact["Y_m"], instants, name, lw=0.8, ms=4.0, **look)
     axes.axhline(0.0, color=PRINTED["color"], lw=0.6, ls=":")
     axes.set_ylim(-0.42, 0.62)
     axes.legend(loc="upper center", fontsize=7.5, handletextpad=0.4, labelspacing=0.2)

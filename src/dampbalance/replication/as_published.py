@@ -355,9 +355,10 @@ def trials(case: Case, frequency: str) -> Iterator[tuple[str, Case]]:
         yield f"step_of_W_{rounding}", _with_coefficients(case, rounding, **few | other)
 
     def by_hand(scheme: str, factor: float = 1.0, more: float = 0.0) -> Case:
-        changed = {"scheme": scheme, "step_s": factor * numerics.step_s, "c_over_m_decimals": None}
+        changed: dict[str, Any] = {"scheme": scheme, "step_s": factor * numerics.step_s}
+        changed |= few | {"c_over_m_decimals": None}
         damped = replace(case.oscillator, c=round(c + more, _C_DECIMALS))
-        return replace(case, oscillator=damped, numerics=replace(numerics, **few | changed))
+        return replace(case, oscillator=damped, numerics=replace(numerics, **changed))
 
     for scheme in ("trapezoidal", "rk4"):
         yield "by_hand", by_hand(scheme)
@@ -370,12 +371,12 @@ def trial_table(case: Case, frequency: str) -> pd.DataFrame:
 
     Columns trial, scheme, step_s (s), c_N_s_per_m say which one a row belongs to.
     """
-    tables: list[dict[str, Any]] = []
+    tables: list[dict[Any, Any]] = []
     for trial, of in (("as_published", case), *trials(case, frequency)):
         count = _CYCLES if trial == "as_published" else _TRIAL_CYCLES
         setting = {"scheme": of.numerics.scheme, "step_s": of.numerics.step_s}
         which = {"trial": trial, **setting, "c_N_s_per_m": of.oscillator.c}
-        tables.append(which | cycle_table(of, frequency, count).to_dict("list"))
+        tables.append(which | dict(cycle_table(of, frequency, count).items()))
     return _stacked(tables)
 
 
