@@ -230,6 +230,7 @@ def _figures(project: Project, cases: list[str]) -> None:
         "exact": f"{RESULTS}/features/exact/{FIRST}.csv",
         "estimates": f"{RESULTS}/estimates/as_published/{FIRST}.csv",
         "schemes": f"{RESULTS}/article/schemes.csv",
+        "cycles": f"{RESULTS}/article/cycles.csv",
         "steps": cases[OF_ARTICLE.index("step_size")],
         "approaches": f"{RESULTS}/tables/approaches.csv",
     }

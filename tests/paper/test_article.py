@@ -60,7 +60,7 @@ def number(text: str) -> tuple[float, float]:
     return float(mantissa) * power, 10.0 ** Decimal(mantissa).as_tuple().exponent * power
 
 
-WORDS = {"two": 2, "three": 3, "four": 4, "five": 5, "six": 6}
+WORDS = {"one": 1, "two": 2, "three": 3, "four": 4, "five": 5, "six": 6, "nine": 9, "17": 17}
 
 
 def agrees(value: dict, entry: object) -> bool:
@@ -140,7 +140,9 @@ BY_HAND = {
     "swing": "12.308",  # 2 F_k/K_z = 2.56/208 000 m
     "f_n": "4.9172",  # sqrt(2310/2.42)/2π
     "added": "0.0116",  # mω²h = 2.42 (2π 4.92)² 5e-6 = 0.01156
-    "effective": "90.0116",
+    "c.rounded": "89.9998",  # 37.19 · 2.42
+    "effective": "90.0114",  # 37.19 · 2.42 + mω²h
+    "by_hand.c": "90.0114",
     "c_over_m": "37.19",  # 90/2.42 = 37.190083
     "k_over_m": "954.545",  # 2310/2.42 = 954.545455
     "share.omega1.first": "18",  # a F_k/W = 0.0108872 · 1.28/0.0794072 = 0.1755
@@ -191,6 +193,19 @@ BY_HAND = {
     "b_fifth.omega2.size": "0.012",
     "b_fifth.omega2.last": "0.0011",
     "rebuilt.b.first": "1.6·10⁻⁵",
+    "rebuilt.W": "3.4·10⁻⁷",
+    "by_hand.W": "2.3·10⁻⁷",
+    "c_over_m.W": "5.9·10⁻⁷",
+    "step_from_W.rounded.min": "4.987",
+    "step_from_W.rounded.max": "5.003",
+    "step_from_W.c_over_m.min": "5.008",
+    "step_from_W.c_over_m.max": "5.023",
+    "step_from_W.exact.max": "4.937",
+    "instants.by_hand.max": "0.27",
+    # counted in `config/config.yaml`: four that have a name, two roundings, five starts of a, six rules of reading
+    "choices.discrete": "17",
+    "choices.inputs": "nine",  # X_1 … X_5, X + X_s, t_s, φ, the sign
+    "choices.from_exact": "six",
 }
 
 

@@ -82,6 +82,7 @@ if config["published"]:
             exact=f"{RESULTS}/features/exact/{FREQUENCIES[0]}.csv",
             estimates=f"{RESULTS}/estimates/as_published/{FREQUENCIES[0]}.csv",
             schemes=rules.article_schemes.output.csv,
+            cycles=rules.article_schemes.output.cycles,
             steps=f"{STUDY_RESULTS}/step_size/cases.parquet",
             approaches=f"{RESULTS}/tables/approaches.csv",
             modules=script_modules("article/article_figure.py"),

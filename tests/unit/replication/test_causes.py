@@ -18,7 +18,7 @@ LABELS = ["1-2", "2-3", "3-4", "4-5", "1-5"]
 
 C, F_K, T, V, PHI = map(Printed, ("90.0402", "1.28", "2.9E-3", "0.01135", "1.541"))
 OTHER_SCHEME = replace(CASE, numerics=replace(CASE.numerics, scheme="rk4"))
-EFFECTIVE = 90.0 + 2.42 * (2.0 * math.pi * 4.92) ** 2 * 5e-6
+EFFECTIVE = 37.19 * 2.42 + 2.42 * (2.0 * math.pi * 4.92) ** 2 * 5e-6
 MISFITS = {"plus": 0.4, "minus": 4.03, "minus alone": 0.34}
 CYCLE = "after slip is seen, in the cycle that starts in period 24."
 CORNER = "Read at the corner of the acceleration-velocity plot: the first slipping sample has"

@@ -7,17 +7,19 @@ from dampbalance.figures.style import save
 from dampbalance.project.case import Case
 from dampbalance.project.files import read_csv
 from dampbalance.project.troubles import brief_troubles
-from dampbalance.publishing.article.derived_numbers import at_a_glance
+from dampbalance.publishing.article.derived_numbers import at_a_glance, sampling_instants
 
 if __name__ == "__main__":
     brief_troubles(snakemake.log)
     i, case = snakemake.input, Case.from_config(snakemake.params.case)
+    claims = read_csv(i.claims, dtype=str)
     evidence = Evidence(
-        claims=read_csv(i.claims, dtype=str),
+        claims=claims,
         exact=read_csv(i.exact),
         estimates=read_csv(i.estimates),
         schemes=read_csv(i.schemes),
         steps=pd.read_parquet(i.steps),
+        instants=sampling_instants(read_csv(i.cycles), claims),
     )
     unit = case.numerics.tabulated["t_s_unit_s"]
     figure = numerics(evidence, case.oscillator, case.numerics.step_s, unit)

@@ -22,7 +22,15 @@ from ...project.case import Case
 from ...project.files import plain
 from ...reading.clean import CYCLES_TO_READ
 from ...replication import comparison
-from ...replication.as_published import ReadOut, added_damping, coefficients
+from ...replication.as_published import (
+    APPROACHES_OF_TABLE_3,
+    CORRECTED,
+    ReadOut,
+    added_damping,
+    coefficients,
+    damping_by_hand,
+    effective_damping,
+)
 from ...replication.claim_verdicts import VERDICTS, counts, of_cell
 from ...replication.printed_tables import TABLE_2, RouteTables
 from ...solver import Pair
@@ -51,7 +59,7 @@ def derived_numbers(
     """All numbers of evidence.json, each group under the name of what it describes.
 
     features, estimates : route (exact, as_published) → frequency → table.   claims : the table of verdicts, as text.
-    approaches, schemes, cycles : by `comparison.approaches_table`, `as_published.scheme_table` and `cycle_table`.
+    approaches, schemes, cycles : by `comparison.approaches_table`, `as_published.scheme_table` and `trial_table`.
 
     None stands for a number that does not exist, such as the relative error of a true value of zero.
     """
@@ -77,10 +85,13 @@ def derived_numbers(
                 for count in counts(claims)
             },
             "recipe": recipe(case, features_of_first),
-            # of backward Euler near resonance, where c acts as c + mω²h, N s/m
+            "choices": choices(case, features_of_first, claims),
+            # of backward Euler near resonance, where c, as rounded, acts as c + mω²h, N s/m
             "dissipation": {
                 "added": added,
-                "effective": oscillator.c + added,
+                "effective": effective_damping(case, float(features_of_first.omega[0])),
+                "rounded": oscillator.m * coefficients(case)["c_over_m"],
+                "by_hand": damping_by_hand(case, first),
                 "relative": added / oscillator.c if oscillator.c else math.nan,
             },
             "integrals": integral_deviations(features["exact"][first], rebuilt, claims, schemes),
@@ -111,7 +122,7 @@ def derived_numbers(
             # of the printed a from the rebuilt one, in samples of the instant at which slip is detected
             "slip_detected": _range((_printed(claims, "a") - rebuilt["a_m"]) / per_sample),
             "step_from_W": step_from_work(claims, schemes, case),
-            "cycles": sampling_instants(cycles, claims, case),
+            "cycles": agreement_of_instants(sampling_instants(cycles, claims), claims),
             "vocabulary": {
                 "verdicts": [asdict(verdict) for verdict in VERDICTS.values()],
                 "ways": comparison.WAYS,
@@ -174,6 +185,46 @@ def recipe(case: Case, exact: Features) -> Json:
     }
 
 
+def choices(case: Case, exact: Features, claims: pd.DataFrame) -> Json:
+    """How freely the reconstruction was chosen, against what it has to give.
+
+    continuous : the step.   discrete : scheme, decimals of two coefficients, cycle, the sample at which a begins at
+    each level, every rule of reading for Table 3, which phase, which sign.
+    inputs : numbers from which Table 3 follows, besides V_s: X of each level, X + X_s, t_s, φ, the sign.
+    from_exact : how many numbers of Table 3 come out as printed if the same rules read the exact responses.
+    """
+    numerics = case.numerics
+    rules = ReadOut.from_config(numerics.two_point)
+    kept = [numerics.c_over_m_decimals, numerics.k_over_m_decimals]
+    of_reading = [value for value in asdict(rules).values() if value]
+    named = ["scheme", "cycle", "phase", "sign"]
+    approaches = {n: of for n, of in APPROACHES_OF_TABLE_3.items() if n != CORRECTED}
+    table = estimate_table(
+        exact,
+        case.oscillator.k,
+        case.pairs,
+        common=rules.common(exact),
+        common_approaches=approaches,
+    )
+    pairs = table[(table["kind"] == "pair") & (table["phase"] == "common")]
+    printed = claims.set_index("id")["printed"]
+    agree = 0
+    for row in pairs.to_dict("records"):
+        name = str(row["approach"]).removesuffix(" with plus")
+        for symbol, term in TERMS.items():
+            text = printed.get(of_cell("table3", symbol, row["pair"], name), "")
+            agree += f"{row[term.column]:.{len(text.partition('.')[2])}f}" == text
+    return {
+        "continuous": 1,
+        "discrete": len(named)
+        + sum(decimals is not None for decimals in kept)
+        + len(numerics.slip_samples)
+        + len(of_reading),
+        "inputs": len(exact) + len(["X + X_s", "t_s", "phi", "sign"]),
+        "from_exact": agree,
+    }
+
+
 def integral_deviations(
     exact: pd.DataFrame, rebuilt: pd.DataFrame, claims: pd.DataFrame, schemes: pd.DataFrame
 ) -> Json:
@@ -181,11 +232,16 @@ def integral_deviations(
 
     printed : of the printed numbers from the exact ones.   as_published : of the rebuilt simulation from the exact one.
     printed_from_rebuilt : of the printed numbers from the rebuilt ones, in size; without the first level as well.
-    printed_from_unrounded : of the printed numbers from a simulation with unrounded coefficients, in size.
+    printed_from_c_over_m, printed_from_unrounded : of the printed numbers from a simulation with c/m alone rounded, and
+    with no coefficient rounded, in size.
+    printed_from_by_hand : likewise, from the exact solver with the damping of the simulation put in by hand.
     """
-    unrounded = schemes[
-        (schemes["scheme"] == "backward-euler") & (schemes["coefficients"] == "exact")
-    ]
+    others = {
+        "printed_from_c_over_m": ("backward-euler", "c_over_m"),
+        "printed_from_unrounded": ("backward-euler", "exact"),
+        "printed_from_by_hand": ("exact", "by_hand"),
+    }
+    simulated = {(of, by): rows for (of, by), rows in schemes.groupby(["scheme", "coefficients"])}
     deviations: Json = {}
     for name, _, column, _ in TABLE_2:
         printed = _printed(claims, name)
@@ -195,39 +251,76 @@ def integral_deviations(
             "as_published": _range(rebuilt[column] / exact[column] - 1.0),
             "printed_from_rebuilt": _range(from_rebuilt),
             "printed_from_rebuilt_beyond_first": _range(from_rebuilt[1:]),
-            "printed_from_unrounded": _range(np.abs(printed / unrounded[column].to_numpy() - 1.0)),
+            **{
+                of: _range(np.abs(printed / simulated[which][column].to_numpy() - 1.0))
+                for of, which in others.items()
+            },
             "printed_from_rebuilt_at_first": from_rebuilt[0],
         }
     return deviations
 
 
 def step_from_work(claims: pd.DataFrame, schemes: pd.DataFrame, case: Case) -> Json:
-    """The step, µs, at which backward Euler would give each printed W of Table 2.
+    """The step, µs, at which backward Euler would give each printed W of Table 2, by way of rounding c/m and k/m.
 
-    Its error is proportional to h, and Runge–Kutta with the same rounded coefficients gives W for h → 0.
+    Its error is proportional to h, and Runge–Kutta with the same coefficients gives W for h → 0.
 
     schemes : the table of `as_published.scheme_table`.
     """
-    rounded = schemes[schemes["coefficients"] == "rounded"].set_index("scheme")["W_J"]
-    euler, limit = (rounded[name].to_numpy() for name in ("backward-euler", "rk4"))
-    share = (_printed(claims, "W") - limit) / (euler - limit)
-    return _range(1e6 * case.numerics.step_s * share)
+    W = schemes.set_index("scheme")
+    steps: Json = {}
+    for rounding in ("rounded", "c_over_m", "exact"):
+        of = W.loc[W["coefficients"] == rounding, "W_J"]
+        euler, limit = (of[name].to_numpy() for name in ("backward-euler", "rk4"))
+        share = (_printed(claims, "W") - limit) / (euler - limit)
+        steps[rounding] = _range(1e6 * case.numerics.step_s * share)
+    return steps
 
 
-def sampling_instants(cycles: pd.DataFrame, claims: pd.DataFrame, case: Case) -> Json:
-    """How well the printed a of all levels agree on the instant, within a step, at which the motion is sampled.
+SIMULATION = ["trial", "scheme", "step_s", "c_N_s_per_m"]
+"""The columns of `as_published.trial_table` that name one simulation."""
 
-    count : number of steady cycles tried.   spread : largest deviation of a level from the mean of its cycle, in steps,
-    over all cycles. Whole steps do not count, because a may begin a sample earlier or later.
 
-    cycles : the table of `as_published.cycle_table`.
+def sampling_instants(cycles: pd.DataFrame, claims: pd.DataFrame) -> pd.DataFrame:
+    """Where within a step each printed a says that the motion is sampled, in each cycle of each simulation.
+
+    Adds a column instant: the part of a step by which a level deviates from the mean of its cycle, between −1/2 and
+    1/2. If the simulation is the one behind the printed a, all levels agree on one instant, and it is zero. Whole steps
+    do not count, because a may begin a sample earlier or later.
+
+    cycles : the table of `as_published.trial_table`.
     """
-    per_step = 2.0 * cycles["V_s_m_per_s"] * case.numerics.step_s
+    per_step = 2.0 * cycles["V_s_m_per_s"] * cycles["step_s"]
     printed = _printed(claims, "a")[cycles["level"].to_numpy() - 1]
     turns = np.exp(2j * np.pi * (printed - cycles["a_m"]) / per_step)
-    mean = turns.groupby(cycles["cycle"]).transform("mean")
-    off = np.angle(turns / mean) / (2.0 * np.pi)
-    return {"count": int(cycles["cycle"].nunique()), "spread": float(np.max(np.abs(off)))}
+    mean = turns.groupby([cycles[name] for name in [*SIMULATION, "cycle"]]).transform("mean")
+    return cycles.assign(instant=np.angle(turns / mean) / (2.0 * np.pi))
+
+
+def agreement_of_instants(instants: pd.DataFrame, claims: pd.DataFrame) -> Json:
+    """How well the printed a of all levels agree on one sampling instant, in steps, by trial.
+
+    spread : by trial, the largest deviation of a level in a cycle: the smallest and the largest of all cycles.
+    count : number of cycles of the as-published simulation.   steps : number of other steps tried.
+    other_damping : of the trials with another c, put in by hand, the one whose instants agree best: its c (N s/m), its
+    spread, and by how much of itself its W misses print at most.
+
+    instants : by `sampling_instants`.
+    """
+    W = _printed(claims, "W")[instants["level"].to_numpy() - 1]
+    sizes = instants.assign(spread=instants["instant"].abs(), W=(instants["W_J"] / W - 1.0).abs())
+    spreads = sizes.groupby([*SIMULATION, "cycle"])["spread"].max().groupby("trial")
+    of_damping = sizes[sizes["trial"] == "other_damping"].groupby("c_N_s_per_m")
+    largest = of_damping[["spread", "W"]].max()
+    best = largest.sort_values("spread").iloc[:1].reset_index().iloc[0]
+    columns = {"c": "c_N_s_per_m", "spread": "spread", "W": "W"}
+    cycles, others = (sizes[sizes["trial"] == name] for name in ("as_published", "other_steps"))
+    return {
+        "count": cycles["cycle"].nunique(),
+        "steps": others["step_s"].nunique(),
+        "spread": {name: {"min": of.min(), "max": of.max()} for name, of in spreads},
+        "other_damping": {name: best[of] for name, of in columns.items()},
+    }
 
 
 def at_a_glance(

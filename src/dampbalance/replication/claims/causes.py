@@ -17,7 +17,7 @@ from ...balance import Rows
 from ...features import Features
 from ...project.case import Case
 from ...solver import least_squares
-from ..as_published import ReadOut, added_damping, estimates
+from ..as_published import ReadOut, effective_damping, estimates
 from ..claim_verdicts import of_cell
 from ..printed_tables import COLUMN_OF, TABLE_2, RouteTables
 from .cross_checks import agrees
@@ -30,7 +30,7 @@ def backward_euler(case: Case, values: Mapping[str, float]) -> str:
     exact, as_published = values["exact"], values["as_published"]
     if case.numerics.scheme != "backward-euler" or math.isnan(as_published) or not exact:
         return ""
-    effective = case.oscillator.c + added_damping(case, case.omega("omega1"))
+    effective = effective_damping(case, case.omega("omega1"))
     return (
         f"Backward Euler, {1e6 * case.numerics.step_s:g} µs: c acts as c + mω²h = {effective:.4f}; "
         f"as published lies {as_published / exact - 1.0:+.1e} of itself from exact."

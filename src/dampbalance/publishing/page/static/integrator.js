@@ -43,7 +43,7 @@ const integrator = (() => {
       });
     }
 
-    function show({ scheme, step }, levels) {
+    function show({ scheme, step, coefficients }, levels) {
       const done = levels.length === set.levels.length;
       it.root.classList.toggle('busy', !done);
       const values = table(levels, pairs, kit.solve);
@@ -59,11 +59,12 @@ const integrator = (() => {
       it.write('.lower tbody', rows(['F_k', 'c'], pairs.map((pair) => pair.map((i) => i + 1).join('–'))));
       const count = (...close) => all.filter((one) => close.includes(one.close)).length;
       const { label, dissipation } = schemes.find(({ name }) => name === scheme);
-      const acts = set.c + dissipation * set.m * omega ** 2 * step * 1e-6;
+      const put = coefficients === 'rounded' ? rounded.c_over_m * set.m : set.c; // the c that is simulated
+      const acts = put + dissipation * set.m * omega ** 2 * step * 1e-6;
       const { c } = kit.solve(levels);
       const why = dissipation
-        ? `To first order ${label} acts as <i>c</i> ${dissipation > 0 ? '+' : '−'} <i>m</i>ω²<i>h</i> = ${number(acts, 6)} N s/m: it ${dissipation > 0 ? 'damps' : 'feeds'} the motion, and that gives it away. `
-        : `Near resonance this scheme adds no damping to <i>c</i> = ${number(set.c, 6)} N s/m, at this step or any other. `;
+        ? `To first order ${label} acts as <i>c</i> ${dissipation > 0 ? '+' : '−'} <i>m</i>ω²<i>h</i> = ${number(acts, 6)} N s/m: it ${dissipation > 0 ? 'damps' : 'feeds'} the motion, as another <i>c</i> would. `
+        : `Near resonance this scheme adds no damping to <i>c</i> = ${number(put, 6)} N s/m, at this step or any other. `;
       it.write('.words', `<b>${count('all', 'near')} of ${all.length}</b> numbers come within ten units of their last digit, ${count('all')} of them in every digit${done ? '' : ` (${levels.length} of ${set.levels.length} levels so far)`}. ${why}The simulated levels together give <i>c</i> = ${number(c, 6)}; the pairs that the paper prints give ${printed.c.reduce((x, y) => (x < y ? x : y))} to ${printed.c.reduce((x, y) => (x > y ? x : y))}.`);
       const plane = kit.plot(svg, { x: [0.4, set.levels.length + 0.6], y: [-2.2, 6], labels: ['row of the table', 'log₁₀ of the distance from print, in units of the last digit'] });
       plane.area([[0, -3], [9, -3], [9, 1], [0, 1]], 'within');
