@@ -23,7 +23,9 @@ from ...project.files import plain
 from ...reading.clean import CYCLES_TO_READ
 from ...replication import comparison
 from ...replication.as_published import ReadOut, added_damping, coefficients
-from ...replication.claim_verdicts import VERDICTS, counts, of_cell
+from ...replication.claim_verdicts import VERDICTS, counts, of_cell, of_text
+from ...replication.claims import evidence as proof
+from ...replication.claims import unprinted
 from ...replication.printed_tables import TABLE_2, RouteTables
 from ...solver import Pair
 
@@ -45,11 +47,13 @@ def derived_numbers(
     approaches: pd.DataFrame,
     schemes: pd.DataFrame,
     cycles: pd.DataFrame,
+    unrounded: pd.DataFrame,
 ) -> Json:
     """All numbers of evidence.json, each group under the name of what it describes.
 
     features, estimates : route (exact, as_published) → frequency → table.   claims : the table of verdicts, as text.
     approaches, schemes, cycles : by `comparison.approaches_table`, `as_published.scheme_table` and `cycle_table`.
+    unrounded : features of the as-published simulation at the first frequency, before they are read.
 
     None stands for a number that does not exist, such as the relative error of a true value of zero.
     """
@@ -74,6 +78,11 @@ def derived_numbers(
                 }
                 for count in counts(claims)
             },
+            "chance": proof.chance(claims),
+            "routes": proof.by_route(claims),
+            "choices": free_choices(case),
+            "table_3": proof.inputs_of_table_3(case, features["exact"][first], unrounded, claims),
+            "unprinted": left_open(case, features["exact"], claims),
             "recipe": recipe(case, features_of_first),
             # of backward Euler near resonance, where c acts as c + mω²h, N s/m
             "dissipation": {
@@ -168,6 +177,34 @@ def recipe(case: Case, exact: Features) -> Json:
         "t_s_ms": 1e3 * float(common.t_s[0]),
         "phi": float(common.phi[0]),
         "phi_decimals": rules.common_phi_decimals,
+    }
+
+
+def free_choices(case: Case) -> Json:
+    """The free choices behind the as-published numbers with their counts: continuous, discrete, list."""
+    choices = proof.free_choices(case)
+    return {**{kind: len(of) for kind, of in choices.items()}, "list": choices}
+
+
+def left_open(case: Case, exact: Mapping[str, pd.DataFrame], claims: pd.DataFrame) -> Json:
+    """What unprinted read-outs leave of the largest error that the paper states at its last frequency.
+
+    draws, seed : of the Monte Carlo.   spreads : half widths of X, µm, and φ, rad, and the share of draws above the
+    printed bound, %.   rounded : 5 and 95 % quantiles of the largest error, %, where X alone is rounded to 1 µm.
+    """
+    last, table = list(exact.items())[-1]
+    printed = claims.set_index("id")["printed"].get(of_text(f"max_error_{last}"))
+    bound = float(printed) if printed is not None else math.nan
+    spreads = unprinted.drawn(table, case, bound)
+    (rounded,) = unprinted.drawn(table, case, bound, [unprinted.ROUNDED])
+    return {
+        "draws": unprinted.DRAWS,
+        "seed": unprinted.SEED,
+        "spreads": [
+            {"X_um": 1e6 * of.X_m, "phi_rad": of.phi_rad, "above_percent": 100.0 * of.share}
+            for of in spreads
+        ],
+        "rounded": {"low": rounded.low, "high": rounded.high, "above_percent": 100 * rounded.share},
     }
 
 
