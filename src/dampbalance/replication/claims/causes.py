@@ -90,7 +90,8 @@ def slip_time(t_s: float, step: float, number: Printed) -> str:
     return (
         f"The microstick phase lasts {1e3 * t_s:.3f} ms, without a step of {1e6 * step:g} µs at each end "
         f"{1e3 * between:.3f} ms; the print keeps whole tenths."
-        + " This number chose that these steps are taken off; its agreement is no evidence." * chosen
+        + " This number chose that these steps are taken off; its agreement is no evidence."
+        * chosen
     )
 
 
@@ -104,7 +105,9 @@ def slip_velocity(sample: float, number: Printed, column: Array) -> str:
         return ""
     read, marks = round(sample / VELOCITY_MARK) * VELOCITY_MARK, column / VELOCITY_MARK
     as_printed = math.isclose(read, number.value, rel_tol=1e-9)
-    fits = np.isclose(marks, np.round(marks), atol=1e-6)  # 1e-6 of a mark: the rounding of binary fractions
+    fits = np.isclose(
+        marks, np.round(marks), atol=1e-6
+    )  # 1e-6 of a mark: the rounding of binary fractions
     between = ", ".join(str(level) for level, on in enumerate(fits, 1) if not on)
     return (
         f"Read at the corner of the acceleration-velocity plot: the first slipping sample has {1e3 * sample:.3f} mm/s, "
@@ -182,7 +185,9 @@ def other_b(
         return ""
     value = float(least_squares(Rows({"F_k": a, "c": b}, W))[row.symbol])
     units = (value - row.number.value) / row.number.unit
-    pair_is = f"the as-published pair is {row.number.show(value, 2)} ({round(units, 1) + 0.0:+.1f} units)"
+    pair_is = (
+        f"the as-published pair is {row.number.show(value, 2)} ({round(units, 1) + 0.0:+.1f} units)"
+    )
     return f"With {' and '.join(notes)}, {pair_is}."
 
 

@@ -149,7 +149,9 @@ def inputs_of_table_3(
         values = (getattr(read, field) + sign * step for sign in (-1.0, 1.0))
         moved[name] = missed(*(read.replaced(**{field: value}) for value in values))
     moved["sign"] = [len(printed) - given(read, minus=True)]
-    V_s = [float(claims.set_index("id")["printed"][f"table1.V_s.{n + 1}"]) for n in range(len(read))]
+    V_s = [
+        float(claims.set_index("id")["printed"][f"table1.V_s.{n + 1}"]) for n in range(len(read))
+    ]
     return {
         "inputs": len(moved),
         "moved": moved,

@@ -20,7 +20,8 @@ How far off a rebuilt number may lie, and why, behind "reading", "propagated" an
                   and less than a step in a period        one scheme may differ by where a cycle begins
 
 Everything else has no range: whole tenths, rounded read-outs and the arithmetic on printed numbers leave nothing open.
-V_s, too, was read off a plot, but no mark coarser than its last digit suits all five printed values.
+V_s, too, was read off a plot, but no mark coarser than its last digit suits all five printed values, so that they are
+judged like rounded ones: the exact ones come closest.
 The bounds of "unexplained" state what nearness means for a kind of quantity; no number that they judge enters them.
 """
 
@@ -132,13 +133,11 @@ class Claim:
 
     @property
     def deciding(self) -> str:
-        """The route that earns the verdict.
+        """The route that earns the verdict, none of `apart`.
 
-        It is the best one that gives the digits, else one that misses by a unit of the last, else that of the column.
+        It is the best one that gives the digits; if none does, that of the column.
         """
-        others = [route for route in self.routes if route not in (self.route, *self.apart)]
-        close = [route for route in (self.route, *others) if self.one_unit_off(route)]
-        return next(iter([*self.agreeing, *close, self.route]))
+        return next((r for r in self.agreeing if r not in self.apart), self.route)
 
     @property
     def strays(self) -> list[str]:
@@ -159,15 +158,16 @@ class Claim:
         value = self.value(self.route)
         return next((t for t in self.tolerances if t.low <= value <= t.high), None)
 
-    def one_unit_off(self, route: str) -> bool:
-        """Whether a route misses by a digit that rounding may have moved.
+    @property
+    def one_unit_off(self) -> bool:
+        """Whether the column's route misses by a digit that rounding may have moved.
 
         It may not where the paper's other numbers show what was rounded, and the route lies half a unit from that.
         """
-        number, value = self.row.number, self.value(route)
+        number, value = self.row.number, self.value(self.route)
         low, high = self.allowed or (value, value)
         excluded = max(low - value, value - high) > 0.5 * number.unit
-        near = abs(self.off(route)) <= 1.0 + self.reach
+        near = abs(self.off(self.route)) <= 1.0 + self.reach
         return near and number.significant >= FEWEST_DIGITS and not excluded
 
 
@@ -181,9 +181,9 @@ def verdict(claim: Claim) -> ClaimVerdict:
         return VERDICT_BY[claim.route] if claim.holds else DIFFERS
     if claim.strays:
         return DIFFERS
-    if claim.agreeing:
+    if claim.deciding in claim.agreeing:
         return VERDICT_BY[claim.deciding]
-    if claim.one_unit_off(claim.deciding):
+    if claim.one_unit_off:
         return LAST_DIGIT
     return claim.tolerance.verdict if claim.tolerance else DIFFERS
 

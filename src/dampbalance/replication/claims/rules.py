@@ -102,20 +102,20 @@ def read_sources(folder: str | Path, published_in: str | Path, case: Case) -> So
 
 
 def read_out(sources: Sources, row: Row) -> Claim:
-    """Table 1: X and X_s are rounded, φ and V_s read off plots, t_s is cut off to whole tenths."""
+    """Table 1: X, X_s and V_s are rounded, φ is read off a plot, t_s is cut off to whole tenths."""
     level, column, number = int(row.line), COLUMN_OF[row.symbol], row.number
     exact = sources.exact.feature(column, level)
-    how: dict[str, Any] = {"route": "as_published"}
-    if row.rule == "rounded":
-        how = {}
-    elif row.rule == "time":
-        how |= {"reach": judging.WRITTEN, "nearby": _uncut(sources.unread.feature(column, level))}
+    how: dict[str, Any] = {}
+    if row.rule == "time":
+        how = {"route": "as_published", "reach": judging.WRITTEN}
+        how["nearby"] = _uncut(sources.unread.feature(column, level))
         how["cause"] = causes.slip_time(exact, sources.case.numerics.step_s, number)
     elif row.rule == "phase":
-        crossing = sources.exact.feature("phi_zero_crossing_rad", level)
-        how |= {"reach": math.nan, "cause": causes.phase(exact, crossing, number)}
+        how = {"route": "as_published", "reach": math.nan}
         how["tolerances"] = judging.phase_read(number, sources.case.omega("omega1"))
-    else:
+        crossing = sources.exact.feature("phi_zero_crossing_rad", level)
+        how["cause"] = causes.phase(exact, crossing, number)
+    elif row.rule == "velocity":
         sample = sources.unread.feature(SLIPPING_SAMPLE, level)
         how["cause"] = causes.slip_velocity(
             sample, number, sources.published.column("table1", row.symbol)
