@@ -94,7 +94,7 @@ def test_choices_are_the_rules_of_the_configuration():
 
 
 def table_3(X, swing, t_s, phi, V_s, sign=+1.0):
-    """Every number of Table 3 from its inputs, in the order of the printed numbers: Eqs. (16), (18), (19) solved anew."""
+    """Every number of Table 3 from its inputs, by id: Eqs. (16), (18) and (19) solved anew."""
     omega = 2.0 * math.pi * 4.92
     b, W = math.pi * omega * X**2, math.pi * PAPER.k * np.array(LEVELS) * X * math.sin(phi)
     travels = {

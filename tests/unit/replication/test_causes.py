@@ -23,8 +23,8 @@ OTHER_SCHEME = replace(CASE, numerics=replace(CASE.numerics, scheme="rk4"))
 EFFECTIVE = 90.0 + 2.42 * (2.0 * math.pi * 4.92) ** 2 * 5e-6
 MISFITS = {"plus": 0.4, "minus": 4.03, "minus alone": 0.34}
 CYCLE = (
-    "after slip is seen, in the cycle that starts in period 24: chosen for this number, of which only the fraction of a "
-    "sample is evidence."
+    "after slip is seen, in the cycle that starts in period 24: chosen for this number, of which only the fraction of "
+    "a sample is evidence."
 )
 MARKS = np.array([0.01130, 0.01135])
 CORNER = "Read at the corner of the acceleration-velocity plot: the first slipping sample has"

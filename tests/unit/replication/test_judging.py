@@ -158,7 +158,8 @@ EXPLAINED = {"exact": 1.31, "tolerances": (WIDE,), "cause": "So read."}
         (
             "1.280",
             by_authors(1.2801, exact=1.2799),
-            "Exactly 1.2799000, which rounds to 1.280. Its column came about as published, which gives the digits as well.",
+            "Exactly 1.2799000, which rounds to 1.280. "
+            "Its column came about as published, which gives the digits as well.",
         ),
         ("1.28", by_authors(1.2801), "Obtained as published."),
         # a last digit needs no tolerance and another does
@@ -218,7 +219,7 @@ def on_marks(values, half_units, unit):
 
 
 def test_the_unit_of_the_phases_is_the_coarsest_that_print_allows():
-    """φ/ω of the five levels are multiples of 0.05 ms, within half a unit of their last digit, and not of 0.1 or 0.2."""
+    """φ/ω of the five levels are multiples of 0.05 ms, as rounded, and not of anything coarser."""
     times, half = PRINT.column("table1", "phi") / OMEGA, 0.5e-3 / OMEGA
     assert on_marks(times, half, PHASE_UNIT_S).all()
     for coarser in (1e-4, 2e-4, 5e-4):

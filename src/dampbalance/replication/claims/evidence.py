@@ -108,8 +108,8 @@ def inputs_of_table_3(
 
     moved : input → numbers missed with the input one step less and one step more, or with the other sign.
     inputs : their number.   given : numbers of Table 3 that the inputs give.
-    given_by_exact_X : those given with X read off the exact solution by the same rule.   missed_by_printed_V_s : those missed with V_s
-    as Table 1 prints it, in place of all digits.
+    given_by_exact_X : those given with X read off the exact solution by the same rule.
+    missed_by_printed_V_s : those missed with V_s as Table 1 prints it, in place of all digits.
 
     exact, unrounded : features of both routes at the first frequency, the latter before they are read.
     claims : claims.csv as text.

@@ -81,7 +81,8 @@ def summary(frame: pd.DataFrame, offences: pd.DataFrame) -> str:
     """The summary that ends a run, as text.
 
     It counts the computed numbers by part and verdict, with inputs and statements next to them, and lists each claim
-    of which no route gives the digits, with the number that is obtained; the reasons stand in the table of claims. After WORSE there is a line for each offence that `check` returned.
+    of which no route gives the digits or which the paper refutes, with the number that is obtained; the reasons stand
+    in the table of claims. After WORSE there is a line for each offence that `check` returned.
     """
     counted = counts(frame)
     total, table = counted[-1], {}
