@@ -190,7 +190,8 @@ def left_open(case: Case, exact: Mapping[str, pd.DataFrame], claims: pd.DataFram
     """What unprinted read-outs leave of the largest error that the paper states at its last frequency.
 
     draws, seed : of the Monte Carlo.   spreads : half widths of X, µm, and φ, rad, and the share of draws above the
-    printed bound, %.   rounded : 5 and 95 % quantiles of the largest error, %, where X alone is rounded to 1 µm.
+    printed bound, %.   rounded : low and high, between which the largest error, %, of the inner inner_percent of the
+    draws lies where X alone is rounded as for Table 3.
     """
     last, table = list(exact.items())[-1]
     printed = claims.set_index("id")["printed"].get(of_text(f"max_error_{last}"))
@@ -200,11 +201,12 @@ def left_open(case: Case, exact: Mapping[str, pd.DataFrame], claims: pd.DataFram
     return {
         "draws": unprinted.DRAWS,
         "seed": unprinted.SEED,
+        "inner_percent": 100.0 * (1.0 - 2.0 * unprinted.RARE),
         "spreads": [
             {"X_um": 1e6 * of.X_m, "phi_rad": of.phi_rad, "above_percent": 100.0 * of.share}
             for of in spreads
         ],
-        "rounded": {"low": rounded.low, "high": rounded.high, "above_percent": 100 * rounded.share},
+        "rounded": {"low": rounded.low, "high": rounded.high},
     }
 
 

@@ -29,15 +29,14 @@ BY_CHANCE = 0.1
 
 
 def chance(claims: pd.DataFrame) -> dict[str, float]:
-    """Count the exact numbers that may agree by chance, of columns that came about by another route.
+    """Count the exact numbers that may agree by chance: those in columns that the exact route does not give throughout.
 
     close : those less than CLOSE_UNITS off, which agree in all digits but the last.
     expected : BY_CHANCE of them.   observed : those that give the printed digits.
 
     claims : claims.csv as text.
     """
-    elsewhere = claims[(claims["kind"] == "computed") & (claims["judged"] != ROUTE_NAMES["exact"])]
-    exact = elsewhere[elsewhere["exact"] != ""]
+    exact = claims[_made_otherwise(claims) & (claims["exact"] != "")]
     units = exact["printed"].map(lambda text: Printed(text).unit)
     off = ((exact["exact"].astype(float) - exact["printed"].astype(float)) / units).abs()
     close = int((off < CLOSE_UNITS).sum())
@@ -48,10 +47,21 @@ def chance(claims: pd.DataFrame) -> dict[str, float]:
     }
 
 
+def _made_otherwise(claims: pd.DataFrame) -> pd.Series:
+    """Which computed numbers stand in columns that came about by another route than the exact one.
+
+    A column that is judged by the exact route and has a number that it does not give is among them: V_s.
+    """
+    computed, exact = claims["kind"] == "computed", ROUTE_NAMES["exact"]
+    missed = computed & ~claims["agrees"].str.startswith(exact)
+    columns = claims["id"].str.rpartition(".")[0]
+    return computed & ((claims["judged"] != exact) | missed.groupby(columns).transform("any"))
+
+
 def by_route(claims: pd.DataFrame) -> dict[str, int]:
     """Count the computed numbers by the routes that give them, next to the verdicts, which name the best one.
 
-    exact : given by the equations alone, in a column that came about so.
+    exact : in columns that the exact route gives throughout.
     simulation : given as published, of all other columns.   simulation_reproduced : of these, exact agrees as well.
     print : given by arithmetic on printed tables alone, of columns that came about so.
     print_elsewhere : with the verdict `from print`, in a column that came about otherwise.
@@ -65,10 +75,11 @@ def by_route(claims: pd.DataFrame) -> dict[str, int]:
         for name, words in ROUTE_NAMES.items()
     }
     judged = {name: rows["judged"] == words for name, words in ROUTE_NAMES.items()}
-    simulation = agrees["as_published"] & ~judged["exact"]
+    elsewhere = _made_otherwise(claims).loc[rows.index]
+    simulation = agrees["as_published"] & elsewhere
     printed = agrees["from_print"] & ~agrees["as_published"]
     counted = {
-        "exact": agrees["exact"] & judged["exact"],
+        "exact": agrees["exact"] & ~elsewhere,
         "simulation": simulation,
         "simulation_reproduced": simulation & (rows["verdict"] == REPRODUCED.name),
         "print": printed & judged["from_print"],
@@ -107,6 +118,7 @@ def inputs_of_table_3(
     """Move each input behind Table 3 by its smallest step and count the printed numbers that are then missed.
 
     moved : input → numbers missed with the input one step less and one step more, or with the other sign.
+    moved_X : the fewest and the most that a step of one X misses.
     inputs : their number.   given : numbers of Table 3 that the inputs give.
     given_by_exact_X : those given with X read off the exact solution by the same rule.
     missed_by_printed_V_s : those missed with V_s as Table 1 prints it, in place of all digits.
@@ -155,6 +167,7 @@ def inputs_of_table_3(
     return {
         "inputs": len(moved),
         "moved": moved,
+        "moved_X": [of(of(moved[f"X_{n + 1}"]) for n in range(len(read))) for of in (min, max)],
         "given": given(read),
         "given_by_exact_X": given(with_X(rules.apply(Features.from_frame(exact)).X)),
         "missed_by_printed_V_s": missed(read.replaced(V_s=np.array(V_s)))[0],

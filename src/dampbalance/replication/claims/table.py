@@ -101,7 +101,7 @@ def summary(frame: pd.DataFrame, offences: pd.DataFrame) -> str:
     if rest := [row for row in frame.to_dict("records") if row["verdict"] not in HOLDING]:
         rows = [("number", "printed", "verdict", "obtained"), *map(_open, rest)]
         widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-        lines.append("Not obtained by any route, or refuted by the paper (why: claims.md)")
+        lines.append("What no route gives, or the paper refutes (why: claims.md)")
         for row in rows:
             padded = (cell.ljust(width) for cell, width in zip(row, widths, strict=True))
             lines.append(f"  {'  '.join(padded)}".rstrip())

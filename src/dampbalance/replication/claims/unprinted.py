@@ -41,7 +41,8 @@ RARE = 0.05
 class Drawn(NamedTuple):
     """How often the largest error exceeds a bound.
 
-    X_m, phi_rad : half widths of what was drawn.   share : of the draws.   low, high : 5 and 95 % quantiles, per cent.
+    X_m, phi_rad : half widths of what was drawn.   share : of the draws.
+    low, high : quantiles RARE and 1 − RARE of the largest error, per cent.
     """
 
     X_m: float
@@ -61,13 +62,13 @@ def drawn(
 
     exact : exact features at the frequency, `Features.to_frame()`.   spreads : half widths, as SPREADS.
     """
-    found = []
+    shares = []
     for X_m, phi_rad in spreads:
         errors = _largest_errors(exact, case, X_m, phi_rad)
-        low, high = np.quantile(errors, [0.05, 0.95])
+        low, high = np.quantile(errors, [RARE, 1.0 - RARE])
         share = float(np.mean(errors > bound))
-        found.append(Drawn(X_m, phi_rad, share, float(low), float(high)))
-    return found
+        shares.append(Drawn(X_m, phi_rad, share, float(low), float(high)))
+    return shares
 
 
 def open_to(drawn: Sequence[Drawn]) -> bool:
