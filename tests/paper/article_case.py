@@ -41,6 +41,7 @@ from paper.routes import (
     computed,
     exact,
     judged,
+    unrounded,
 )
 
 RESULTS, STUDIES = "results/paper", "results/studies"
@@ -166,6 +167,7 @@ def _routes(folder: Path) -> None:
     routes = {"exact": exact(PAPER), "as_published": as_published(PAPER)}
     claims = judged()
     frames: dict[str, Any] = {"claims": claims}
+    frames[f"features/as_published/unrounded/{FIRST}"] = unrounded()
     for route, of in routes.items():
         for name in CASE.frequencies_hz:
             frames[f"features/{route}/{name}"] = of.features[name]
@@ -201,6 +203,7 @@ def _numbers(project: Project, cases: list[str], files: list[str]) -> None:
     project.run("article_schemes", schemes, {}, case=CONFIG, frequency=FIRST)
     inputs = {
         "claims": f"{RESULTS}/claims.csv",
+        "unrounded": f"{RESULTS}/features/as_published/unrounded/{FIRST}.csv",
         "approaches": f"{RESULTS}/tables/approaches.csv",
         "schemes": schemes["csv"],
         "cycles": schemes["cycles"],

@@ -204,8 +204,8 @@ BY_HAND = {
     "instants.by_hand.max": "0.27",
     # counted in `config/config.yaml`: four that have a name, two roundings, five starts of a, six rules of reading
     "choices.discrete": "17",
-    "choices.inputs": "nine",  # X_1 … X_5, X + X_s, t_s, φ, the sign
-    "choices.from_exact": "six",
+    "table_3.inputs": "nine",  # X_1 … X_5, X + X_s, t_s, φ, the sign
+    "table_3.given_by_exact_X": "six",
 }
 
 

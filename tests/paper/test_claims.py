@@ -13,6 +13,7 @@ from dampbalance import balance
 from dampbalance.project.files import write_csv
 from dampbalance.replication import as_published as authors
 from dampbalance.replication.claim_verdicts import (
+    HOLDING,
     ROUTE_NAMES,
     VERDICTS,
 )
@@ -69,33 +70,80 @@ def test_every_printed_number_has_exactly_one_claim_explained_and_on_record(clai
 def test_all_thirty_numbers_of_table_3_are_obtained(claims):
     table3 = claims[claims["id"].str.startswith("table3")]
     assert len(table3) == 30
-    assert set(table3["verdict"]) <= {"reproduced", "reconstructed"}
+    assert set(table3["verdict"]) == {"reproduced", "simulated"}
 
 
 def test_what_differs_has_its_evidence(claims):
-    """Three pairs with level 1, by the printed b_1 that the other pairs refute; and the 70 per cent."""
+    """b_1, which the other pairs refute, and the four estimates from it: one cause, one treatment."""
     differs = claims[claims["verdict"] == "differs"].set_index("id")["explanation"]
-    pairs = ["table2.F_k.1-2", "table2.c.1-2", "table2.F_k.1-5"]
-    assert differs.index.tolist() == [*pairs, "text.max_error_omega3"]
-    words = "Table 2 contradicts itself. The printed pairs 1-2 and"
-    assert differs[pairs].str.contains(words).all()
+    pairs = ["table2.F_k.1-2", "table2.c.1-2", "table2.F_k.1-5", "table2.c.1-5"]
+    assert differs.index.tolist() == ["table2.b.1", *pairs]
+    assert differs.str.contains("Table 2 contradicts itself; b_1 and F_k and c of the pairs").all()
+    # with the b_1 that print fixes, the first pair is 3 to 4 and 0.7 to 0.8 units off, the last as printed
+    off = [float(re.search(r"\(([-+][\d.]+) units\)", differs[pair])[1]) for pair in pairs]
+    assert np.abs(off[:2]) == pytest.approx([4.0, 0.75], rel=0.25)
+    assert np.abs(off[2:]).max() < 1.0
 
 
-def test_digits_that_agree_by_chance_are_not_reproduced(claims):
+CHANCE = {"table1.t_s.3", "table1.t_s.5", "table3.t_s.F_k.4-5", "text.phi_mean"}
+"""Numbers that the exact solution gives though their columns came about otherwise."""
+
+
+def test_what_the_exact_solution_rounds_to_is_reproduced_whatever_its_column(claims):
+    """Nineteen: ζ, f_n, all X and X_s, three V_s, and those of CHANCE, which say how their columns came about."""
+    reproduced = set(
+        claims["id"][(claims["verdict"] == "reproduced") & (claims["kind"] != "given")]
+    )
+    rounded = {f"table1.{symbol}.{level}" for symbol in ("X", "X_s") for level in range(1, 6)}
+    rounded |= {f"table1.V_s.{level}" for level in (1, 4, 5)}
+    assert reproduced == {"parameter.zeta", "parameter.omega1_natural"} | rounded | CHANCE
+    assert len(reproduced) == 19
     rows = claims.set_index("id")
-    for name in ("table1.t_s.3", "table1.t_s.5", "table3.t_s.F_k.4-5", "text.phi_mean"):
-        assert rows["verdict"][name] == "reconstructed"
-        assert "exact: rounds to print as well, by chance" in rows["explanation"][name]
-    assert set(rows["verdict"][[f"table1.V_s.{level}" for level in range(1, 6)]]) == {"reading"}
+    for row in claims[claims["kind"] == "computed"].to_dict("records"):
+        near = row["exact"] and abs(float(row["exact"]) - float(row["printed"])) <= (
+            0.5 * Printed(row["printed"]).unit
+        )
+        assert bool(near) == (row["verdict"] == "reproduced"), row["id"]
+    assert (
+        rows["explanation"][sorted(CHANCE)].str.contains("its column came about", case=False).all()
+    )
+    assert rows["verdict"][["table1.V_s.2", "table1.V_s.3"]].tolist() == ["last digit"] * 2
+
+
+def test_the_column_agrees_names_every_route_that_rounds_to_print(claims):
+    for row in claims[claims["kind"] == "computed"].to_dict("records"):
+        given = [
+            words
+            for route, words in ROUTE_NAMES.items()
+            if row[route]
+            and abs(float(row[route]) - float(row["printed"])) <= 0.5 * Printed(row["printed"]).unit
+        ]
+        if row["id"].startswith("table1.phi"):  # read more coarsely than printed
+            given = [words for words in given if words != "as published"]
+        assert row["agrees"] == "; ".join(given), row["id"]
+    rows = claims.set_index("id")
+    assert rows["agrees"]["table3.t_s.F_k.4-5"] == "exact; as published"
+    assert rows["agrees"]["text.phi_mean"] == "exact; as published; from print"
+    assert (rows["agrees"][rows["kind"] != "computed"] == "").all()
+
+
+def test_a_number_says_where_it_chose_its_own_rule(claims):
+    """t_s of level 4, which alone would be a tenth more; and where a begins, level by level."""
+    chose = claims["id"][claims["explanation"].str.contains("This number chose")]
+    assert chose.tolist() == ["table1.t_s.4"]
+    chosen = claims["id"][claims["explanation"].str.contains("chosen for this number")]
+    assert chosen.tolist() == [f"table2.a.{level}" for level in range(1, 6)]
 
 
 def test_what_nothing_explains_says_how_near_it_is(claims):
     rows = claims[claims["verdict"] == "unexplained"].set_index("id")
-    assert {f"table2.W.{level}" for level in range(1, 6)} | {"table2.b.1"} <= set(rows.index)
+    W_and_phi = {f"table2.W.{level}" for level in range(1, 6)} | {
+        f"table1.phi.{level}" for level in (1, 3, 5)
+    }
+    assert W_and_phi <= set(rows.index)
     assert rows["explanation"].str.contains("nothing says why").all()
     W = rows.filter(like="table2.W.", axis="index")["off_units"].astype(float)
     assert W.tolist() == pytest.approx([-1.5, -6.5, 2.6, 3.3, 4.9], abs=0.05)
-    assert float(rows["off_relative"]["table2.b.1"]) == pytest.approx(-1.6e-5, abs=5e-7)
 
 
 def test_only_a_rebuilt_number_in_the_range_that_print_leaves_is_propagated(claims):
@@ -104,12 +152,13 @@ def test_only_a_rebuilt_number_in_the_range_that_print_leaves_is_propagated(clai
     assert "leave 1.28002281 to 1.28003634" in rows["explanation"]["table2.F_k.3-4"]
 
 
-def test_one_route_judges_all_statements_and_the_70_per_cent_do_not_hold(claims):
+def test_one_route_judges_all_statements_and_print_does_not_decide_on_the_70_per_cent(claims):
     rows = claims[claims["kind"] == "statement"].set_index("id")
     assert set(rows["judged"]) == {"as published"}
-    assert rows.index[rows["verdict"] == "differs"].tolist() == ["text.max_error_omega3"]
+    assert rows["verdict"].value_counts().to_dict() == {"simulated": 5, "undecided": 1}
     row = rows.loc["text.max_error_omega3"]
-    for figure in ("-66.5 %", "-66.6 %", "-68.6 %", "-77.3 %", "It does not hold."):
+    assert row["verdict"] == "undecided"
+    for figure in ("-66.5 %", "-66.6 %", "-68.6 %", "-77.3 %", "exceeds 70 % in 7 % with X ± 1 µm"):
         assert figure in row["explanation"]
     # one as-published value for the largest error at ω3
     assert float(row["as_published"]) == pytest.approx(66.46, abs=0.005)
@@ -128,9 +177,11 @@ def test_values_shown_agree_with_the_verdicts(claims):
         share = printed.unit / abs(printed.value)
         relative = float(row["off_relative"])
         assert relative == pytest.approx(value / printed.value - 1.0, rel=0.06, abs=1e-4 * share)
-        given = row["verdict"] in ("reproduced", "reconstructed")
-        assert given == (abs(off) <= 0.5001), row["id"]
-        assert (row["verdict"] == "reproduced") == (given and row["judged"] == "exact")
+        given = row["verdict"] in HOLDING
+        if row["verdict"] not in ("differs", "reading"):
+            by_itself = row["judged"] in row["agrees"].split("; ")
+            assert by_itself == (abs(off) <= 0.5001), row["id"]
+            assert given == bool(row["agrees"])
 
 
 def test_explanations_cite_the_numbers_of_their_row(claims):
@@ -163,7 +214,9 @@ def test_kinds(claims):
     assert (given["explanation"] == "The configuration holds this value.").all()
     assert set(given["quantity"].str.startswith("Y:")) == {True, False}
     statements = claims[claims["kind"] == "statement"]
-    assert statements["explanation"].str.startswith("Judged as published, by ").all()
+    open_one = statements["verdict"] == "undecided"
+    assert statements["explanation"][~open_one].str.startswith("Judged as published, by ").all()
+    assert statements["explanation"][open_one].str.startswith("The print does not decide. ").all()
     words = [row for row in claims.to_dict("records") if not Printed(row["printed"]).is_number]
     assert {row["kind"] for row in words} == {"statement"}
     assert kinds["parameter.zeta"] == kinds["parameter.omega1_natural"] == "computed"
@@ -176,7 +229,7 @@ def test_markdown_has_a_line_per_claim(claims):
     assert text.count("\n| Table 3, pair") == 30
     body = re.findall(r"^\| (?!where).*", text, re.MULTILINE)
     assert len(body) == len(claims)
-    assert all(line.count(" | ") == 11 for line in body)
+    assert all(line.count(" | ") == 12 for line in body)
 
 
 def test_summary_counts_and_lists_what_is_left_open(claims, recorded):
@@ -185,7 +238,7 @@ def test_summary_counts_and_lists_what_is_left_open(claims, recorded):
     computed = claims[claims["kind"] == "computed"]
     counts = [int((computed["verdict"] == name).sum()) for name in VERDICTS]
     assert [int(word) for word in total.split()[1:]] == [len(computed), *counts, 27, 6]
-    left = claims[~claims["verdict"].isin(["reproduced", "reconstructed"])]
+    left = claims[~claims["verdict"].isin(HOLDING)]
     for row in left.to_dict("records"):
         line = next(line for line in text.splitlines() if line.startswith(f"  {row['id']} "))
         assert row["printed"] in line
@@ -202,7 +255,8 @@ def test_a_changed_parameter_is_found(recorded):
     found = check(judged(oscillator=replace(PAPER, c=91.0)), recorded)
     assert {"parameter.c", "parameter.c_table3", "parameter.zeta"} <= set(found["id"])
     assert {f"table1.{s}.{i}" for s in ("X", "X_s", "V_s") for i in range(1, 6)} <= set(found["id"])
-    assert {f"table2.{s}.{i}" for s in "abW" for i in range(1, 6)} <= set(found["id"])
+    integrals = {f"table2.{s}.{i}" for s in "abW" for i in range(1, 6)}
+    assert integrals - {"table2.b.1"} <= set(found["id"])  # b_1 differs as it is
     assert {f"table3.V_s.c.{p}" for p in ("1-2", "2-3", "3-4", "4-5", "1-5")} <= set(found["id"])
     line = found.set_index("id").loc["parameter.c"]
     assert (line["was"], line["now"]) == ("reproduced", "differs")
@@ -239,10 +293,11 @@ def test_a_parameter_that_only_rounds_to_the_printed_one_is_found(recorded):
         ("text.max_error_F_k", "50", "differs"),
         ("text.max_error_c", "9", "differs"),
         ("text.max_error_omega3", "5", "differs"),
+        ("text.max_error_omega3", "50", "differs"),  # every draw is above it
         ("text.accuracy_omega2", "improved", "differs"),
         ("text.direct_best", "false", "differs"),
         ("text.max_error_F_k", "1.4", "differs"),
-        ("text.max_error_omega3", "80", "differs"),
+        ("text.max_error_omega3", "95", "differs"),  # none is
         ("parameter.K_z", "280000", "differs"),
     ],
 )

@@ -14,7 +14,6 @@ from dampbalance.figures.numerics import Damping, Evidence, glance
 from dampbalance.publishing.article.derived_numbers import (
     agreement_of_instants,
     at_a_glance,
-    choices,
     integral_deviations,
     lock_in_errors,
     sampling_instants,
@@ -198,15 +197,6 @@ def test_the_steps_of_other_roundings_are_those_that_W_asks_for(trials, schemes,
         rows = trials[trials["trial"] == f"step_of_W_{rounding}"]
         (tried,) = 1e6 * rows["step_s"].unique()
         assert steps[rounding]["min"] < tried < steps[rounding]["max"]
-
-
-def test_choices_are_those_of_the_configuration(printed):
-    """Counted by hand; with exact X six numbers of Table 3, by an independent computation."""
-    features = Features.from_frame(exact().features["omega1"])
-    counted = choices(CASE, features, printed)
-    assert counted == {"continuous": 1, "discrete": 17, "inputs": 9, "from_exact": 6}
-    numerics = replace(CASE.numerics, c_over_m_decimals=None, slip_samples=(1,))
-    assert choices(replace(CASE, numerics=numerics), features, printed)["discrete"] == 12
 
 
 def test_the_errors_of_a_fit_have_their_sign():

@@ -78,7 +78,7 @@ def test_the_recipe_agrees_with_print_as_the_claims_say(opened, made):
     words = page.inner_text("#integrator .words")
     assert f"{near} of 25" in words
     assert f"{closes.count('all')} of them" in words
-    held = made.claims[made.claims["verdict"] == "reconstructed"]["id"].str.startswith("table2.")
+    held = made.claims[made.claims["verdict"] == "simulated"]["id"].str.startswith("table2.")
     assert closes.count("all") == held.sum()
 
 
@@ -267,7 +267,7 @@ def test_the_misprints_on_record_are_those_of_this_run(made):
     other = made.claims.copy()
     other.loc[other["id"] == CHANGED[0], "printed"] += "1"
     assert not of_run(record, other)
-    worse = made.claims.assign(verdict=made.claims["verdict"].replace("reconstructed", "differs"))
+    worse = made.claims.assign(verdict=made.claims["verdict"].replace("simulated", "differs"))
     assert not of_run(record, worse)
 
 
@@ -308,4 +308,4 @@ def test_the_program_of_a_misprint_judges_it(opened, monkeypatch, capsys):
     exec(compile(program, "shown", "exec"), {})
     said = capsys.readouterr().out.splitlines()
     assert len(said) == page.locator("#misprint .noticed tr").count()
-    assert any(line.startswith(f"{name} reconstructed -> differs") for line in said)
+    assert any(line.startswith(f"{name} simulated -> differs") for line in said)

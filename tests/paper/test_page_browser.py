@@ -114,8 +114,8 @@ def test_every_printed_number_is_there_and_filters_choose(page, made, computed):
     page.click("#clear")
     assert shown(page) == list(claims["id"])
 
-    count = claims[claims["id"].str.startswith("table3") & (claims["verdict"] == "reconstructed")]
-    page.click('.counts a[data-part="Table 3"][data-verdict="reconstructed"]')
+    count = claims[claims["id"].str.startswith("table3") & (claims["verdict"] == "simulated")]
+    page.click('.counts a[data-part="Table 3"][data-verdict="simulated"]')
     assert shown(page) == list(count["id"])
 
 

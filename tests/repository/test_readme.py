@@ -14,11 +14,12 @@ from dampbalance.estimates import estimate_table
 from dampbalance.figures import figure3, save
 from dampbalance.law.terms import KNOWN_TERMS
 from dampbalance.replication.claim_verdicts import VERDICTS, counts
+from dampbalance.replication.claims import evidence, unprinted
 from dampbalance.replication.claims.rules import Sources
 from dampbalance.replication.claims.table import claims_table
 from dampbalance.replication.printed_tables import RouteTables
 from folders import ROOT
-from paper.routes import CASE, PRINT
+from paper.routes import CASE, PRINT, exact, judged, unrounded
 from paper_case import FREQUENCIES_HZ, OMEGA, PAIRS, PAPER, features_at, orbits_at
 
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -41,6 +42,39 @@ def test_the_verdicts_are_those_on_record():
         c.part: [c.computed, *c.of_verdict.values(), c.given, c.statements, c.statements_held]
         for c in counts(recorded)
     }
+
+
+def test_what_the_agreement_proves_is_as_counted():
+    table = judged()
+    routes, chance = evidence.by_route(table), evidence.chance(table)
+    choices = {kind: len(of) for kind, of in evidence.free_choices(CASE).items()}
+    found = evidence.inputs_of_table_3(CASE, exact().features["omega1"], unrounded(), table)
+    above = [
+        f"{100.0 * of.share:.0f} %"
+        for of in unprinted.drawn(
+            exact().features["omega3"], CASE, PRINT["text.max_error_omega3"].value
+        )
+    ]
+    text = " ".join(README.split())
+    assert (routes["exact"], routes["print_elsewhere"], choices["continuous"]) == (12, 1, 1)
+    assert (found["inputs"], found["moved"]["t_s"], found["moved"]["X + X_s"]) == (
+        9,
+        [0, 0],
+        [1, 1],
+    )
+    for words in (
+        "Twelve numbers stand in columns that the exact solution gives throughout",
+        f"the simulation gives {routes['simulation']}, and arithmetic on printed tables",
+        f"standard deviations) {routes['print']} more",
+        f"{routes['simulation_reproduced']} of the {routes['simulation']} count as reproduced",
+        f"{chance['close']} exact numbers agree in all digits but the last",
+        f"one in ten, {chance['expected']:g}, is expected to agree in the last, too; {chance['observed']} do",
+        f"one continuous choice, the step, and {choices['discrete']} discrete ones",
+        "nine inputs, of which one, t_s, moves no digit, and one, X + X_s, a single one",
+        f"{above[0]} exceed the bound if X is known to 1 µm and φ to 0.003 rad, {above[1]} with 2 µm and 0.004 rad, "
+        f"{above[2]} with the decimals of Table 1",
+    ):
+        assert words in text
 
 
 def test_the_picture_is_the_figure_that_is_built(tmp_path):

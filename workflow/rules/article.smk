@@ -46,6 +46,7 @@ if config["published"]:
     rule article_numbers:
         input:
             features=of_routes("features"),
+            unrounded=f"{RESULTS}/features/as_published/unrounded/{FREQUENCIES[0]}.csv",
             estimates=of_routes("estimates"),
             claims=rules.claims.output.csv,
             approaches=f"{RESULTS}/tables/approaches.csv",
@@ -67,7 +68,7 @@ if config["published"]:
             ENVIRONMENT
         params:
             **STUDY_DEFAULTS,
-            case=of_case("oscillator", "frequencies_hz", "pairs", "numerics"),
+            case=of_case("oscillator", "frequencies_hz", "pairs", "phase", "numerics"),
             folder=lambda wildcards: placed(RESULTS),
             studies=ARTICLE_STUDIES,
             packages=ARTICLE_PACKAGES,

@@ -26,14 +26,16 @@ _GENERAL = {
     "on-verdict": ("#ffffff", "#0f1317"),  # text on the colour of a verdict
 }
 # Of a verdict as a surface, as a tint under text, as text: light, then dark. Each column has one lightness of OKLCH,
-# from which contrasts follow; hues go from green to red, once and a half around, so that neighbours differ.
+# from which contrasts follow; hues differ from one verdict to the next.
 _OF_VERDICT = {
     "reproduced": ("#327213", "#e3f5de", "#265511", "#8bc377", "#1f3418", "#bbe1ae"),
-    "reconstructed": ("#046798", "#e0f1fe", "#024d73", "#62bbf5", "#0f3146", "#aadbfe"),
+    "simulated": ("#046798", "#e0f1fe", "#024d73", "#62bbf5", "#0f3146", "#aadbfe"),
+    "from-print": ("#954804", "#ffeade", "#713400", "#ed9b67", "#432512", "#fec6a5"),
     "last-digit": ("#923a78", "#ffe6f5", "#6d2b59", "#e592c8", "#402236", "#fac0e4"),
     "reading": ("#7c5a02", "#faedd5", "#5d4301", "#d6a94f", "#3b2b07", "#eed098"),
     "propagated": ("#037066", "#d6f7f1", "#02544c", "#3ccaba", "#003631", "#96e6da"),
     "unexplained": ("#5b50ab", "#ecedfe", "#443c7f", "#aaa6fa", "#2b2948", "#cfcfff"),
+    "undecided": ("#626602", "#eff1d8", "#494c02", "#b3b959", "#2e300b", "#d5da9d"),
     "differs": ("#a13832", "#fee9e6", "#782a25", "#f49287", "#46221e", "#fec4bc"),
 }
 _MOTION = {"slip": ("#2c5a8a", "#8fbcec"), "stick": ("#c75000", "#ff9a4d")}

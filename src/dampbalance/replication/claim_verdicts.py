@@ -48,21 +48,26 @@ class ClaimVerdict:
 
 _MEANINGS = {
     "reproduced": ("✓", "The equations, solved exactly, give the printed digits."),
-    "reconstructed": (
+    "simulated": (
         "≈",
-        "The paper’s own numerics or printed inputs give the printed digits, by a named deviation.",
+        "The simulation as published, with its read-outs, gives the printed digits, by a named deviation.",
     ),
+    "from print": ("≡", "The paper’s own printed inputs in its own equations give the digits."),
     "last digit": ("±1", "One unit off in the last printed digit."),
     "reading": ("r", "Within the resolution with which the number was read off a plot."),
     "propagated": ("u", "The rebuild’s own number lies in the range that unprinted digits leave."),
     "unexplained": ("?", "Near, within a bound fixed beforehand, but nothing says why it is off."),
+    "undecided": ("≷", "A statement that holds or not within what the print leaves open."),
     "differs": ("✗", "None of these, or against the paper’s own numbers; see the evidence."),
 }
 VERDICTS = {name: ClaimVerdict(name, *of) for name, of in _MEANINGS.items()}
 """Every verdict by its name, best first."""
-REPRODUCED, RECONSTRUCTED, LAST_DIGIT, READING, PROPAGATED, UNEXPLAINED, DIFFERS = VERDICTS.values()
+REPRODUCED, SIMULATED, FROM_PRINT, LAST_DIGIT, READING, *_WORSE = VERDICTS.values()
+PROPAGATED, UNEXPLAINED, UNDECIDED, DIFFERS = _WORSE
 
-HOLDING = (REPRODUCED.name, RECONSTRUCTED.name)
+VERDICT_BY = dict(zip(ROUTE_NAMES, (REPRODUCED, SIMULATED, FROM_PRINT), strict=True))
+"""Route, as a column of the table of claims → the verdict on a number of which it gives the digits, the best first."""
+HOLDING = tuple(verdict.name for verdict in VERDICT_BY.values())
 """The verdicts with which an input or a statement holds."""
 
 Kind = Literal["given", "computed", "statement"]

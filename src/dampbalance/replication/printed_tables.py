@@ -50,8 +50,8 @@ class RouteTables:
 
     def mean_feature(self, column: str) -> float:
         """Mean of a feature at ω1 over the levels that have it."""
-        frame = self.features.get("omega1")
-        return math.nan if frame is None else float(frame[column].mean())
+        frame = self.features.get("omega1", _NOTHING)
+        return float(frame[column].mean()) if column in frame else math.nan
 
     def estimate(
         self,

@@ -5,28 +5,30 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 import pytest
 
 from dampbalance.replication.claim_verdicts import PROPAGATED, READING, UNEXPLAINED
 from dampbalance.replication.claims.judging import (
+    PHASE_UNIT_S,
+    VELOCITY_MARK,
     WRITTEN,
     Tolerance,
     explanation,
     phase_read,
     propagated,
     simulated,
-    velocity_read,
     verdict,
 )
 from dampbalance.replication.claims.published import Printed, Row
 from dampbalance.replication.claims.rules import bound_holds, word_holds
-from paper.routes import CASE, claim
+from paper.routes import CASE, PRINT, claim
 
 NEAR = Tolerance(1.26, 1.30, "read so", READING)
 WIDE = Tolerance(1.2, 1.4, "nothing says why", UNEXPLAINED)
 ELSEWHERE = {"exact": 1.28, "nearby": {"as_published": 1.325}}
-READ = {"reach": math.nan, "tolerances": (NEAR,)}
-"""A column that was read off a plot: what is read agrees by chance at best, and has no last digit."""
+READ = {"route": "as_published", "reach": math.nan, "tolerances": (NEAR,)}
+"""A column that was read more coarsely than it is printed: the digits of its own route say nothing."""
 
 
 def by_authors(value: float, **parts: object) -> dict[str, object]:
@@ -38,17 +40,26 @@ def by_authors(value: float, **parts: object) -> dict[str, object]:
     [
         ("1.28", {"exact": 1.2849}, "reproduced"),
         ("1.28", {"exact": 1.275}, "reproduced"),  # half a unit away: rounds either way
-        ("1.28", by_authors(1.2801), "reconstructed"),
-        ("1.28", {"route": "from_print", "from_print": 1.2849}, "reconstructed"),
+        ("1.28", by_authors(1.2801), "simulated"),
+        ("1.28", {"route": "from_print", "from_print": 1.2849}, "from print"),
         ("1.28", {"exact": 1.2949}, "last digit"),
         ("1.28", {"route": "from_print", "from_print": 1.2651}, "last digit"),
         ("1.28", {"exact": 1.2951, "tolerances": (NEAR,)}, "reading"),
         ("1.28", {"exact": 1.3, "tolerances": (NEAR,)}, "reading"),
         ("1.28", {"exact": 1.3001, "tolerances": (NEAR,)}, "differs"),
         ("1.28", {"exact": math.nan, "tolerances": (NEAR,)}, "differs"),
-        # digits of another route are chance
-        ("1.280", by_authors(1.283, exact=1.28), "differs"),
+        # the best verdict that holds, however the column came about
+        ("1.280", by_authors(1.283, exact=1.28), "reproduced"),
+        ("1.280", by_authors(1.28, exact=1.28, from_print=1.28), "reproduced"),
+        ("1.280", by_authors(1.28, exact=1.282, from_print=1.28), "simulated"),
+        ("1.280", by_authors(1.2807, exact=1.282, from_print=1.28), "from print"),
+        ("1.280", by_authors(1.282, exact=1.2807), "differs"),
+        ("1.280", by_authors(1.282, exact=1.28, apart=("exact",)), "differs"),
         ("1.280", {"exact": 1.28, "as_published": 1.283}, "reproduced"),
+        # then its own route must not be far off either, nor the best one from where it belongs
+        ("1.280", by_authors(1.2865, exact=1.28), "differs"),
+        ("1.6", by_authors(1.6, exact=1.643, nearby={"exact": 1.642}), "reproduced"),
+        ("1.6", by_authors(1.6, exact=1.626, nearby={"exact": 1.642}), "differs"),
         # another route must not be far off: half a per cent of 1.280 is 0.0064
         ("1.280", {"exact": 1.28, "as_published": 1.2863}, "reproduced"),
         ("1.280", {"exact": 1.28, "as_published": 1.2737}, "reproduced"),
@@ -60,9 +71,10 @@ def by_authors(value: float, **parts: object) -> dict[str, object]:
         ),
         ("1.280", ELSEWHERE | {"as_published": 1.33}, "reproduced"),
         ("1.280", ELSEWHERE | {"as_published": 1.34}, "differs"),
-        ("1.28", READ | {"exact": 1.28}, "reading"),
-        ("1.28", READ | {"exact": 1.29}, "reading"),
-        ("1.28", READ | {"exact": 1.31}, "differs"),
+        ("1.28", READ | {"as_published": 1.28}, "reading"),
+        ("1.28", READ | {"as_published": 1.29}, "reading"),
+        ("1.28", READ | {"as_published": 1.31}, "differs"),
+        ("1.28", READ | {"as_published": 1.284, "exact": 1.2801}, "reproduced"),
         # what a route writes itself must be the same
         ("2.9E-3", {"exact": 2.9e-3, "reach": WRITTEN}, "reproduced"),
         ("2.9E-3", {"exact": 2.901e-3, "reach": WRITTEN}, "differs"),
@@ -79,7 +91,9 @@ def by_authors(value: float, **parts: object) -> dict[str, object]:
         ("1.28", {"exact": 1.2801, "contradiction": "1.29 only."}, "differs"),
         # statements; a route that is silent supports none
         ("less", {"holds": True, "exact": 1.0}, "reproduced"),
-        ("less", by_authors(1.0, exact=1.0, holds=True), "reconstructed"),
+        ("less", by_authors(1.0, exact=1.0, holds=True), "simulated"),
+        ("less", by_authors(1.0, exact=1.0, holds=False, undecided=True), "undecided"),
+        ("less", by_authors(math.nan, exact=1.0, holds=False, undecided=True), "differs"),
         ("less", by_authors(1.0, exact=1.0, holds=False), "differs"),
         ("less", by_authors(math.nan, exact=1.0, holds=True), "differs"),
     ],
@@ -119,8 +133,20 @@ EXPLAINED = {"exact": 1.31, "tolerances": (WIDE,), "cause": "So read."}
         ("1.000", {"exact": 0.975}, f"Exact: 2.5 % below print. {NOTHING}"),
         ("1.00", {"exact": 1.25}, f"Exact: 25 % above print. {NOTHING}"),
         ("1.000", {"exact": 0.9}, f"Exact: 10 % below print. {NOTHING}"),
-        # the route that judges is named however close another comes
+        # the route of the column is named however close another comes
         ("1.280", by_authors(1.285, exact=1.283), f"As published: {above('5 units')}. {NOTHING}"),
+        # unless another one decides
+        (
+            "1.280",
+            by_authors(1.285, exact=1.2801, cause="So read."),
+            "Exactly 1.2801000, which rounds to 1.280. "
+            f"This may be chance: its column came about as published, {above('5 units')}. So read.",
+        ),
+        (
+            "1.280",
+            by_authors(1.283, from_print=1.2801),
+            f"Obtained from print. This may be chance: its column came about as published, {above('3 units')}.",
+        ),
         ("1.28", {"exact": 1.29}, f"Exact: {above('1 unit')}."),
         # digits that are obtained say by what
         ("1.28", {"exact": 1.2801}, "Exactly 1.280100, which rounds to 1.28."),
@@ -132,18 +158,23 @@ EXPLAINED = {"exact": 1.31, "tolerances": (WIDE,), "cause": "So read."}
         (
             "1.280",
             by_authors(1.2801, exact=1.2799),
-            "Obtained as published (exact: rounds to print as well, by chance).",
+            "Exactly 1.2799000, which rounds to 1.280. "
+            "Its column came about as published, which gives the digits as well.",
         ),
         ("1.28", by_authors(1.2801), "Obtained as published."),
         # a last digit needs no tolerance and another does
         ("1.28", EXPLAINED | {"exact": 1.294}, f"Exact: {above('1.4 units')}. So read."),
         ("1.28", EXPLAINED, f"Exact: {above('3 units')}; nothing says why. So read."),
         # what differs is contradicted by the paper, or says that it is not
-        ("1.28", {"exact": 1.31, "evidence": "W."}, f"Exact: {above('3 units')}. W."),
         (
             "1.28",
-            {"exact": 1.31, "evidence": "W.", "contradiction": "The mean needs 1.31."},
+            {"exact": 1.31, "contradiction": "The mean needs 1.31."},
             f"Exact: {above('3 units')}. The mean needs 1.31.",
+        ),
+        (
+            "1.280",
+            by_authors(1.283, exact=1.28, contradiction="The mean needs 1.31."),
+            f"As published: {above('3 units')}. The mean needs 1.31.",
         ),
         ("1.28", {}, "No number exact."),
         (
@@ -168,20 +199,40 @@ def verdict_of(tolerances, value):
 
 
 @pytest.mark.parametrize("side", [1.0, -1.0])
-@pytest.mark.parametrize(
-    ("tolerances", "middle", "step", "words"),
-    [
-        (phase_read(Printed("1.522"), OMEGA), 1.522, OMEGA * 1e-4, "0.1 ms"),
-        # the velocity of the first slipping sample, to half a mark
-        (velocity_read(Printed("0.01330"), 2e-5), 0.01330 - 2e-5, 2.5e-5, "0.05 mm/s"),
-    ],
-    ids=["phase", "velocity"],
-)
-def test_what_was_read_lies_within_its_resolution(side, tolerances, middle, step, words):
-    for off, expected in ((0.99, READING), (1.01, UNEXPLAINED), (1.99, UNEXPLAINED), (2.01, None)):
-        assert verdict_of(tolerances, middle + side * off * step) is expected
-    assert words in tolerances[0].reason
+def test_a_phase_lies_within_its_resolution(side):
+    tolerances = phase_read(Printed("1.522"), OMEGA)
+    for ms, expected in (
+        (0.0499, READING),
+        (0.0501, UNEXPLAINED),
+        (0.199, UNEXPLAINED),
+        (0.201, None),
+    ):
+        assert verdict_of(tolerances, 1.522 + side * OMEGA * 1e-3 * ms) is expected
+    assert "0.05 ms" in tolerances[0].reason
     assert "nothing says why" in tolerances[1].reason
+
+
+def on_marks(values, half_units, unit):
+    """Whether each printed value may be a whole multiple of a unit, within its rounding."""
+    off = np.abs(values - unit * np.round(values / unit))
+    return off <= half_units * (1.0 + 1e-9)
+
+
+def test_the_unit_of_the_phases_is_the_coarsest_that_print_allows():
+    """φ/ω of the five levels are multiples of 0.05 ms, as rounded, and not of anything coarser."""
+    times, half = PRINT.column("table1", "phi") / OMEGA, 0.5e-3 / OMEGA
+    assert on_marks(times, half, PHASE_UNIT_S).all()
+    for coarser in (1e-4, 2e-4, 5e-4):
+        assert not on_marks(times, half, coarser).all()
+
+
+def test_no_mark_coarser_than_the_last_digit_suits_all_velocities():
+    """Levels 2 to 5 are multiples of 0.05 mm/s, the first is not; with 0.02 mm/s others are not."""
+    V_s, rounding = PRINT.column("table1", "V_s"), 1e-12
+    assert on_marks(V_s, rounding, VELOCITY_MARK).tolist() == [False, True, True, True, True]
+    for coarser in (2e-5, 1e-4):
+        assert not on_marks(V_s, rounding, coarser).all()
+    assert on_marks(V_s, rounding, 1e-5).all()
 
 
 def test_a_range_that_print_leaves_is_one_of_the_rebuilt_number_itself():

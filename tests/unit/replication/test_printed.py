@@ -179,8 +179,8 @@ def test_counts_per_part_and_of_all():
             ("text.a", "computed", "reading"),
             ("table1.X.1", "computed", "differs"),
             ("text.b", "computed", "reading"),
-            ("text.c", "statement", "reconstructed"),
-            ("text.d", "statement", "differs"),
+            ("text.c", "statement", "simulated"),
+            ("text.d", "statement", "undecided"),
             ("table1.Y.1", "given", "reproduced"),
         ],
         columns=["id", "kind", "verdict"],
@@ -190,7 +190,7 @@ def test_counts_per_part_and_of_all():
     assert parts == [("Text", 2), ("Table 1", 1), ("all", 3)]
     assert list(text.of_verdict) == list(VERDICTS)
     assert every.of_verdict["reading"] == 2
-    assert every.of_verdict["reconstructed"] == 0  # a statement is not a computed number
+    assert every.of_verdict["simulated"] == 0  # a statement is not a computed number
     assert (text.statements, text.statements_held) == (2, 1)
     assert (table1.given, table1.given_held) == (1, 1)
 

@@ -29,6 +29,7 @@ def evidence(inputs, folder, case):
         approaches=read_csv(inputs.approaches),
         schemes=read_csv(inputs.schemes),
         cycles=read_csv(inputs.cycles),
+        unrounded=read_csv(inputs.unrounded),
     )
 
 

@@ -23,15 +23,15 @@ from ...project.files import plain
 from ...reading.clean import CYCLES_TO_READ
 from ...replication import comparison
 from ...replication.as_published import (
-    APPROACHES_OF_TABLE_3,
-    CORRECTED,
     ReadOut,
     added_damping,
     coefficients,
     damping_by_hand,
     effective_damping,
 )
-from ...replication.claim_verdicts import VERDICTS, counts, of_cell
+from ...replication.claim_verdicts import VERDICTS, counts, of_cell, of_text
+from ...replication.claims import evidence as proof
+from ...replication.claims import unprinted
 from ...replication.printed_tables import TABLE_2, RouteTables
 from ...solver import Pair
 
@@ -55,11 +55,13 @@ def derived_numbers(
     approaches: pd.DataFrame,
     schemes: pd.DataFrame,
     cycles: pd.DataFrame,
+    unrounded: pd.DataFrame,
 ) -> Json:
     """All numbers of evidence.json, each group under the name of what it describes.
 
     features, estimates : route (exact, as_published) → frequency → table.   claims : the table of verdicts, as text.
     approaches, schemes, cycles : by `comparison.approaches_table`, `as_published.scheme_table` and `trial_table`.
+    unrounded : features of the as-published simulation at the first frequency, before they are read.
 
     None stands for a number that does not exist, such as the relative error of a true value of zero.
     """
@@ -84,8 +86,12 @@ def derived_numbers(
                 }
                 for count in counts(claims)
             },
+            "chance": proof.chance(claims),
+            "routes": proof.by_route(claims),
+            "choices": free_choices(case),
+            "table_3": proof.inputs_of_table_3(case, features["exact"][first], unrounded, claims),
+            "unprinted": left_open(case, features["exact"], claims),
             "recipe": recipe(case, features_of_first),
-            "choices": choices(case, features_of_first, claims),
             # of backward Euler near resonance, where c, as rounded, acts as c + mω²h, N s/m
             "dissipation": {
                 "added": added,
@@ -185,43 +191,33 @@ def recipe(case: Case, exact: Features) -> Json:
     }
 
 
-def choices(case: Case, exact: Features, claims: pd.DataFrame) -> Json:
-    """How freely the reconstruction was chosen, against what it has to give.
+def free_choices(case: Case) -> Json:
+    """The free choices behind the as-published numbers with their counts: continuous, discrete, list."""
+    choices = proof.free_choices(case)
+    return {**{kind: len(of) for kind, of in choices.items()}, "list": choices}
 
-    continuous : the step.   discrete : scheme, decimals of two coefficients, cycle, the sample at which a begins at
-    each level, every rule of reading for Table 3, which phase, which sign.
-    inputs : numbers from which Table 3 follows, besides V_s: X of each level, X + X_s, t_s, φ, the sign.
-    from_exact : how many numbers of Table 3 come out as printed if the same rules read the exact responses.
+
+def left_open(case: Case, exact: Mapping[str, pd.DataFrame], claims: pd.DataFrame) -> Json:
+    """What unprinted read-outs leave of the largest error that the paper states at its last frequency.
+
+    draws, seed : of the Monte Carlo.   spreads : half widths of X, µm, and φ, rad, and the share of draws above the
+    printed bound, %.   rounded : low and high, between which the largest error, %, of the inner inner_percent of the
+    draws lies where X alone is rounded as for Table 3.
     """
-    numerics = case.numerics
-    rules = ReadOut.from_config(numerics.two_point)
-    kept = [numerics.c_over_m_decimals, numerics.k_over_m_decimals]
-    of_reading = [value for value in asdict(rules).values() if value]
-    named = ["scheme", "cycle", "phase", "sign"]
-    approaches = {n: of for n, of in APPROACHES_OF_TABLE_3.items() if n != CORRECTED}
-    table = estimate_table(
-        exact,
-        case.oscillator.k,
-        case.pairs,
-        common=rules.common(exact),
-        common_approaches=approaches,
-    )
-    pairs = table[(table["kind"] == "pair") & (table["phase"] == "common")]
-    printed = claims.set_index("id")["printed"]
-    agree = 0
-    for row in pairs.to_dict("records"):
-        name = str(row["approach"]).removesuffix(" with plus")
-        for symbol, term in TERMS.items():
-            text = printed.get(of_cell("table3", symbol, row["pair"], name), "")
-            agree += f"{row[term.column]:.{len(text.partition('.')[2])}f}" == text
+    last, table = list(exact.items())[-1]
+    printed = claims.set_index("id")["printed"].get(of_text(f"max_error_{last}"))
+    bound = float(printed) if printed is not None else math.nan
+    spreads = unprinted.drawn(table, case, bound)
+    (rounded,) = unprinted.drawn(table, case, bound, [unprinted.ROUNDED])
     return {
-        "continuous": 1,
-        "discrete": len(named)
-        + sum(decimals is not None for decimals in kept)
-        + len(numerics.slip_samples)
-        + len(of_reading),
-        "inputs": len(exact) + len(["X + X_s", "t_s", "phi", "sign"]),
-        "from_exact": agree,
+        "draws": unprinted.DRAWS,
+        "seed": unprinted.SEED,
+        "inner_percent": 100.0 * (1.0 - 2.0 * unprinted.RARE),
+        "spreads": [
+            {"X_um": 1e6 * of.X_m, "phi_rad": of.phi_rad, "above_percent": 100.0 * of.share}
+            for of in spreads
+        ],
+        "rounded": {"low": rounded.low, "high": rounded.high},
     }
 
 

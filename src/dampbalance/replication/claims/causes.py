@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
+from ...arrays import Array
 from ...balance import Rows
 from ...features import Features
 from ...project.case import Case
@@ -38,10 +39,11 @@ def backward_euler(case: Case, values: Mapping[str, float]) -> str:
 
 
 def implied_b(published: Published, level: str) -> tuple[str, str]:
-    """Compare a printed b with b = (W − a F_k)/c of the printed pairs: (a note on it, a contradiction), "" for none.
+    """Compare a printed b with b = (W − a F_k)/c of the printed pairs: two contradictions, "" where there is none.
 
-    The pairs with this level show whether b is printed as it was used; if not, that is a contradiction. The other pairs
-    show which b this level should have had. Each b is as sharp as the rounding of a, W, F_k and c lets it be.
+    The first refutes b and the pairs with this level alike: they were computed with this b, and the F_k and c of all
+    other pairs balance the level with another one only. The second refutes b alone: the pairs were computed with
+    another one. Each b is as sharp as the rounding of a, W, F_k and c lets it be.
     """
     b, a, W = (published[of_cell("table2", symbol, level)] for symbol in "baW")
 
@@ -63,8 +65,12 @@ def implied_b(published: Published, level: str) -> tuple[str, str]:
     if any(not_used):
         return "", f"It contradicts Table 2 itself: the printed pairs {names} give b = {used}."
     if all(not_wanted):
-        note = f"The printed pairs {names} were computed with b_{level} = {used}"
-        return f"{note}, the others want {wanted}.", ""
+        family = f"b_{level} and F_k and c of the pairs {names} are judged alike"
+        return (
+            f"Table 2 contradicts itself; {family}: these pairs were computed with b_{level} = {used}, "
+            f"and with the F_k and c of the other pairs level {level} balances for {wanted} only.",
+            "",
+        )
     return "", ""
 
 
@@ -80,24 +86,33 @@ def slip_time(t_s: float, step: float, number: Printed) -> str:
     between = t_s - 2.0 * step
     if math.isnan(t_s) or math.floor(between / TIME_UNIT_S) != round(number.value / TIME_UNIT_S):
         return ""
+    chosen = math.floor(t_s / TIME_UNIT_S) != math.floor(between / TIME_UNIT_S)
     return (
         f"The microstick phase lasts {1e3 * t_s:.3f} ms, without a step of {1e6 * step:g} µs at each end "
         f"{1e3 * between:.3f} ms; the print keeps whole tenths."
+        + " This number chose that these steps are taken off; its agreement is no evidence."
+        * chosen
     )
 
 
-def slip_velocity(sample: float, number: Printed) -> str:
-    """V_s as read off the velocity axis: whether half a division of 0.1 mm/s explains it.
+def slip_velocity(sample: float, number: Printed, column: Array) -> str:
+    """V_s as read off the velocity axis, and why no mark on it explains the column.
 
     sample : the velocity of the first slipping sample of the as-published simulation, m/s.
+    column : the printed V_s of all levels, m/s.
     """
     if math.isnan(sample):
         return ""
-    read = round(sample / VELOCITY_MARK) * VELOCITY_MARK
+    read, marks = round(sample / VELOCITY_MARK) * VELOCITY_MARK, column / VELOCITY_MARK
     as_printed = math.isclose(read, number.value, rel_tol=1e-9)
+    fits = np.isclose(
+        marks, np.round(marks), atol=1e-6
+    )  # 1e-6 of a mark: the rounding of binary fractions
+    between = ", ".join(str(level) for level, on in enumerate(fits, 1) if not on)
     return (
         f"Read at the corner of the acceleration-velocity plot: the first slipping sample has {1e3 * sample:.3f} mm/s, "
-        f"to the nearest {1e3 * VELOCITY_MARK:g} mm/s {1e3 * read:.2f}, {'as' if as_printed else 'not as'} printed."
+        f"to the nearest {1e3 * VELOCITY_MARK:g} mm/s {1e3 * read:.2f}, {'as' if as_printed else 'not as'} printed"
+        + (f"; at level {between} the print is no multiple of this." if between else ".")
     )
 
 
@@ -133,7 +148,10 @@ def starting_sample(case: Case, level: int) -> str:
     """Where the integral a begins.   level : counted from 1."""
     count = case.numerics.after_slip(level - 1)
     samples = "a sample" if count == 1 else f"{count} samples"
-    return f"Begun {samples} after slip is seen, in the cycle that starts in period {case.numerics.cycles - 2}."
+    return (
+        f"Begun {samples} after slip is seen, in the cycle that starts in period {case.numerics.cycles - 2}: "
+        "chosen for this number, of which only the fraction of a sample is evidence."
+    )
 
 
 def other_b(
@@ -166,7 +184,11 @@ def other_b(
     if not notes:
         return ""
     value = float(least_squares(Rows({"F_k": a, "c": b}, W))[row.symbol])
-    return f"With {' and '.join(notes)}, the as-published pair is {row.number.show(value, 2)}."
+    units = (value - row.number.value) / row.number.unit
+    pair_is = (
+        f"the as-published pair is {row.number.show(value, 2)} ({round(units, 1) + 0.0:+.1f} units)"
+    )
+    return f"With {' and '.join(notes)}, {pair_is}."
 
 
 def outside(allowed: Range | None, number: Printed, table: str) -> str:

@@ -1,23 +1,27 @@
 """From a printed number and what the routes give for it to the best verdict of `claim_verdicts.VERDICTS` that it earns.
 
-One route judges a claim: the one by which the numbers of its column came about. It gives the printed digits when it
-lies within half a unit of the last of them. That another route rounds to the same digits is chance; it must not be far
-off, though. Nothing here is typed in: the verdict follows from the row, and so does its reason.
+The rule is the same for every number: the best verdict that holds. A route gives the printed digits when it lies
+within half a unit of the last of them, whether or not the column came about by this route; how many may do so by chance
+is counted (`evidence.chance`). The route by which the column came about judges wherever no route gives the digits, and
+neither it nor any other may be far off. What the paper's own numbers refute differs, whatever any route gives. Nothing
+here is typed in: the verdict follows from the row, and so does its reason.
 
 How far off a rebuilt number may lie, and why, behind "reading", "propagated" and "unexplained":
 
     quantity      range                                   reason                                             verdict
-    φ             ± 0.1 ms                                the difference of two instants, each read to       reading
-                                                          the nearest tenth of a millisecond
-    V_s           ± 0.025 mm/s about the first            read off an axis to the nearest 0.05 mm/s          reading
-                  slipping sample
-    φ, V_s        twice as far                            a whole mark misread where half of one is due      unexplained
+    φ             ± 0.05 ms                               the difference of two instants, each read to       reading
+                                                          the nearest 0.05 ms: of the round units, the
+                                                          coarsest that suits all five printed φ/ω
+    φ             ± 0.2 ms                                two tenths of a millisecond, a bound fixed before  unexplained
+                                                          the unit of reading was looked for in print
     F_k, c of     what the rest of Table 2 allows         computed from inputs with digits that are          propagated
     a pair        (`cross_checks.py`)                 not printed
     Table 2       less than ten units of the last digit,  the last digit alone is wrong; two programs of     unexplained
                   and less than a step in a period        one scheme may differ by where a cycle begins
 
 Everything else has no range: whole tenths, rounded read-outs and the arithmetic on printed numbers leave nothing open.
+V_s, too, was read off a plot, but no mark coarser than its last digit suits all five printed values, so that they are
+judged like rounded ones: the exact ones come closest.
 The bounds of "unexplained" state what nearness means for a kind of quantity; no number that they judge enters them.
 """
 
@@ -33,10 +37,11 @@ from ..claim_verdicts import (
     LAST_DIGIT,
     PROPAGATED,
     READING,
-    RECONSTRUCTED,
     REPRODUCED,
     ROUTE_NAMES,
+    UNDECIDED,
     UNEXPLAINED,
+    VERDICT_BY,
     ClaimVerdict,
 )
 from .published import Printed, Row
@@ -71,23 +76,24 @@ class Claim:
     """One printed number, what the routes give for it, and why they differ.
 
     values : a number per route of ROUTE_NAMES, NaN or absent where the route has nothing to say.
-    route : the one that judges.
+    route : the one by which the column came about.
     holds : for an input or a statement, whether it holds by that route; None for a number, compared by its digits.
-    reach : how many units of the last digit the printed digits reach; NaN for a column that was read off a plot, whose
-    digits agree by chance at best.
+    undecided : for a statement, whether it may hold or not within what the print leaves open.
+    reach : how many units of the last digit the printed digits reach by `route`; NaN where it was read more coarsely
+    than it is printed, so that its digits say nothing.
     allowed : the range that the paper's other numbers leave for the number before it was rounded, or None.
     tolerances : ranges that earn other verdicts, the best first.
     apart : routes that are shown only, because they leave out what made the number.
-    nearby : where another route belongs if not at the printed number.
+    nearby : where a route belongs if not at the printed number.
     cause : the deviation behind the digits, one sentence computed from the same run; "" without one.
     contradiction : which of the paper's own numbers refute this one, whatever any route gives; "" if none does.
-    evidence : what in the paper's own numbers contradicts the printed one, should it differ.
     """
 
     row: Row
     values: Mapping[str, float]
     route: str = "exact"
     holds: bool | None = None
+    undecided: bool = False
     reach: float = HALF
     allowed: Range | None = None
     tolerances: tuple[Tolerance, ...] = ()
@@ -95,7 +101,6 @@ class Claim:
     nearby: Mapping[str, float] = field(default_factory=dict)
     cause: str = ""
     contradiction: str = ""
-    evidence: str = ""
 
     def value(self, route: str) -> float:
         """The number of a route, NaN if it gives none."""
@@ -119,24 +124,43 @@ class Claim:
         return self.value(route) / self.row.number.value - 1.0
 
     @property
+    def agreeing(self) -> list[str]:
+        """The routes that give the printed digits, the best first; none for a statement."""
+        if self.holds is not None:
+            return []
+        reaches = {self.route: self.reach}
+        return [r for r in self.routes if abs(self.off(r)) <= reaches.get(r, HALF)]
+
+    @property
+    def deciding(self) -> str:
+        """The route that earns the verdict, none of `apart`.
+
+        It is the best one that gives the digits; if none does, that of the column.
+        """
+        return next((r for r in self.agreeing if r not in self.apart), self.route)
+
+    @property
     def strays(self) -> list[str]:
-        """The routes next to the judging one that lie further than LEASH from where they belong."""
+        """The routes that lie further than LEASH from where they belong.
+
+        That of the column is among them only where another one decides.
+        """
 
         def far(route: str) -> float:
             return abs(self.value(route) / self.nearby.get(route, self.row.number.value) - 1.0)
 
-        others = [route for route in self.routes if route not in (self.route, *self.apart)]
-        return [route for route in others if not far(route) <= LEASH]
+        exempt = (*self.apart, *([self.route] if self.deciding == self.route else []))
+        return [route for route in self.routes if route not in exempt and not far(route) <= LEASH]
 
     @property
     def tolerance(self) -> Tolerance | None:
-        """The best tolerance that holds the number of the judging route."""
+        """The best tolerance that holds the number of the column's route."""
         value = self.value(self.route)
         return next((t for t in self.tolerances if t.low <= value <= t.high), None)
 
     @property
     def one_unit_off(self) -> bool:
-        """Whether the judging route misses by a digit that rounding may have moved.
+        """Whether the column's route misses by a digit that rounding may have moved.
 
         It may not where the paper's other numbers show what was rounded, and the route lies half a unit from that.
         """
@@ -151,13 +175,14 @@ def verdict(claim: Claim) -> ClaimVerdict:
     """The best verdict that the claim earns."""
     if claim.contradiction or claim.route not in claim.routes:
         return DIFFERS
-    given = REPRODUCED if claim.route == "exact" else RECONSTRUCTED
+    if claim.undecided:
+        return UNDECIDED
     if claim.holds is not None:
-        return given if claim.holds else DIFFERS
+        return VERDICT_BY[claim.route] if claim.holds else DIFFERS
     if claim.strays:
         return DIFFERS
-    if abs(claim.off(claim.route)) <= claim.reach:
-        return given
+    if claim.deciding in claim.agreeing:
+        return VERDICT_BY[claim.deciding]
     if claim.one_unit_off:
         return LAST_DIGIT
     return claim.tolerance.verdict if claim.tolerance else DIFFERS
@@ -167,33 +192,42 @@ def explanation(claim: Claim) -> str:
     """Why the claim has its verdict, in a sentence or two, from the numbers of its row."""
     if claim.holds is not None:
         return claim.cause
-    decided, route = verdict(claim), ROUTE_NAMES[claim.route]
-    if decided is REPRODUCED:
-        return f"Exactly {claim.show('exact')}, which rounds to {claim.row.printed}."
+    decided = verdict(claim)
     if claim.route not in claim.routes:
-        return f"No number {route}."
-    if decided is RECONSTRUCTED:
-        exact = f" (exact: {_distance(claim, 'exact')})" if "exact" in claim.routes else ""
-        return f"Obtained {route}{exact}. {claim.cause}".strip()
-    far, why = f"{route.capitalize()}: {_distance(claim, claim.route)}", claim.cause
+        return f"No number {ROUTE_NAMES[claim.route]}."
+    route = claim.route if decided is DIFFERS else claim.deciding
+    far, why = f"{ROUTE_NAMES[route].capitalize()}: {_distance(claim, route)}", claim.cause
+    if decided in VERDICT_BY.values():
+        how = f"Exactly {claim.show('exact')}, which rounds to {claim.row.printed}."
+        if decided is not REPRODUCED:
+            exact = f" (exact: {_distance(claim, 'exact')})" if "exact" in claim.routes else ""
+            how = f"Obtained {ROUTE_NAMES[route]}{exact}."
+        return " ".join(filter(None, [how, _column(claim), why]))
     if decided is DIFFERS:
         strays = " and ".join(f"{ROUTE_NAMES[r]} {_distance(claim, r)}" for r in claim.strays)
         why = claim.contradiction or (
             f"Too far for the deviation that is named: {strays}."
             if strays
-            else claim.evidence
-            or "No bound reaches so far, and no other number of the paper contradicts it."
+            else "No bound reaches so far, and no other number of the paper contradicts it."
         )
     elif decided is not LAST_DIGIT and claim.tolerance:
         far += f"; {claim.tolerance.reason}"
     return f"{far}. {why}".strip()
 
 
+def _column(claim: Claim) -> str:
+    """How the number lies by which the column came about, where another one decides; "" otherwise."""
+    if claim.deciding == claim.route:
+        return ""
+    arose = f"its column came about {ROUTE_NAMES[claim.route]}"
+    if claim.route in claim.agreeing:
+        return f"{arose[0].upper()}{arose[1:]}, which gives the digits as well."
+    return f"This may be chance: {arose}, {_distance(claim, claim.route)}."
+
+
 def _distance(claim: Claim, route: str) -> str:
     """How far a route lies from the printed number, in words: units of the last digit if few, else per cent."""
     units = claim.off(route)
-    if route != claim.route and abs(units) <= HALF:
-        return "rounds to print as well, by chance"
     side = "above" if units > 0 else "below"
     if abs(units) < 20.0:
         few = f"{abs(units):.2g}"
@@ -203,10 +237,13 @@ def _distance(claim: Claim, route: str) -> str:
 
 
 TIME_UNIT_S = 1e-4
-VELOCITY_MARK = 5e-5  # m/s; the printed V_s of levels 2 to 5 are whole multiples of it
+VELOCITY_MARK = 5e-5  # m/s; some printed V_s are whole multiples of it
 
-NEAR_READINGS = 2.0
-"""A reading is near up to so many times what its resolution explains: a whole mark misread instead of half of one."""
+PHASE_UNIT_S = 5e-5
+"""The coarsest of the units 1, 2 and 5 times a power of ten of which all printed φ/ω are multiples, as rounded."""
+
+NEAR_PHASE_S = 2e-4
+"""A phase is near up to so many seconds: two tenths of a millisecond, a whole one misread for each of two instants."""
 
 NEAR_UNITS = 10.0
 """Units of the last digit: a simulated number that is less far off is right in all digits but the last."""
@@ -216,19 +253,13 @@ NOTHING = "nothing says why"
 
 def phase_read(number: Printed, omega: float) -> tuple[Tolerance, ...]:
     """φ as the difference of two instants that were each read to the nearest unit of time.   omega : rad/s."""
-    step = omega * TIME_UNIT_S
-    how = f"a difference of two instants, each to the nearest {1e3 * TIME_UNIT_S:g} ms, is known to {step:.4f} rad"
-    return _read(number.value, step, how)
-
-
-def velocity_read(number: Printed, to_sample: float) -> tuple[Tolerance, ...]:
-    """V_s as the velocity of the first slipping sample, read to the nearest mark.
-
-    to_sample : by how much it exceeds that of the onset itself, which the route gives, m/s.
-    """
-    half = 0.5 * VELOCITY_MARK
-    how = f"the first slipping sample, to the nearest {1e3 * VELOCITY_MARK:g} mm/s, is known to {1e3 * half:g} mm/s"
-    return _read(number.value - to_sample, half, how)
+    value, step, far = number.value, omega * PHASE_UNIT_S, omega * NEAR_PHASE_S
+    how = f"a difference of two instants, each to the nearest {1e3 * PHASE_UNIT_S:g} ms, is known to {step:.4f} rad"
+    beyond = f"{how}; it is less than {1e3 * NEAR_PHASE_S:g} ms off, and {NOTHING}"
+    return (
+        Tolerance(value - step, value + step, how, READING),
+        Tolerance(value - far, value + far, beyond, UNEXPLAINED),
+    )
 
 
 def propagated(allowed: Range | None, number: Printed) -> tuple[Tolerance, ...]:
@@ -250,12 +281,3 @@ def simulated(number: Printed, case: Case) -> tuple[Tolerance, ...]:
 def shown(ends: Range, number: Printed) -> str:
     """A range as text, with two digits more than are printed."""
     return " to ".join(number.show(end, 2) for end in ends)
-
-
-def _read(value: float, step: float, how: str) -> tuple[Tolerance, ...]:
-    far = NEAR_READINGS * step
-    beyond = f"{how}; it is less than {NEAR_READINGS:g} times as far off, and {NOTHING}"
-    return (
-        Tolerance(value - step, value + step, how, READING),
-        Tolerance(value - far, value + far, beyond, UNEXPLAINED),
-    )

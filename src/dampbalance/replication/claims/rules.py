@@ -2,14 +2,16 @@
 
 Statements, bounds and words, are judged by one route, as published: they speak of what the authors computed. "Less than
 1.5 %" holds where the value is less, and the bound is the value rounded as it is printed, or one unit looser; any
-looser, it would say nothing of the value. A word holds where the comparison that it names does.
+looser, it would say nothing of the value. A bound at a frequency at which the paper prints no read-outs is undecided
+where some that it may have used keep it and others do not (`unprinted.py`). A word holds where the comparison that it
+names does.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -27,7 +29,7 @@ from ..as_published import CORRECTED, SLIPPING_SAMPLE, ReadOut
 from ..claim_verdicts import ROUTE_NAMES, Kind, of_text, statistic
 from ..comparison import largest_errors, relative_errors
 from ..printed_tables import COLUMN_OF, HARMONIC, PRINTED_APPROACHES, RESIDUAL, RouteTables
-from . import causes, cross_checks, judging, published
+from . import causes, cross_checks, judging, published, unprinted
 from .judging import Claim
 from .published import FILE, FREQUENCIES, LEVELS, LONGEST, PAIRS, Published, Row, column_ids
 
@@ -100,36 +102,39 @@ def read_sources(folder: str | Path, published_in: str | Path, case: Case) -> So
 
 
 def read_out(sources: Sources, row: Row) -> Claim:
-    """Table 1: X and X_s are rounded, φ and V_s read off plots, t_s is cut off to whole tenths."""
+    """Table 1: X, X_s and V_s are rounded, φ is read off a plot, t_s is cut off to whole tenths."""
     level, column, number = int(row.line), COLUMN_OF[row.symbol], row.number
     exact = sources.exact.feature(column, level)
-    how: dict[str, Any] = {"route": "as_published", "reach": math.nan}
-    if row.rule == "rounded":
-        how = {}
-    elif row.rule == "time":  # whole tenths, of which the exact time keeps the rest
-        how |= {"reach": judging.WRITTEN, "apart": ("exact",)}
+    how: dict[str, Any] = {}
+    if row.rule == "time":
+        how = {"route": "as_published", "reach": judging.WRITTEN}
+        how["nearby"] = _uncut(sources.unread.feature(column, level))
         how["cause"] = causes.slip_time(exact, sources.case.numerics.step_s, number)
     elif row.rule == "phase":
-        crossing = sources.exact.feature("phi_zero_crossing_rad", level)
+        how = {"route": "as_published", "reach": math.nan}
         how["tolerances"] = judging.phase_read(number, sources.case.omega("omega1"))
+        crossing = sources.exact.feature("phi_zero_crossing_rad", level)
         how["cause"] = causes.phase(exact, crossing, number)
-    else:
-        onset, sample = (sources.unread.feature(name, level) for name in (column, SLIPPING_SAMPLE))
-        how["tolerances"] = judging.velocity_read(number, sample - onset)
-        how["cause"] = causes.slip_velocity(sample, number)
+    elif row.rule == "velocity":
+        sample = sources.unread.feature(SLIPPING_SAMPLE, level)
+        how["cause"] = causes.slip_velocity(
+            sample, number, sources.published.column("table1", row.symbol)
+        )
     contradiction = sources.refuted.get(row.id, "")
     return Claim(row, sources.features(column, level), contradiction=contradiction, **how)
+
+
+def _uncut(simulated: float) -> dict[str, float]:
+    """Where the exact route of a time belongs: at the simulated one, of which the print keeps whole tenths."""
+    return {} if math.isnan(simulated) else {"exact": simulated}
 
 
 def integral(sources: Sources, row: Row) -> Claim:
     """Table 2, upper part: the integrals a, b and W of the five levels."""
     case, level = sources.case, int(row.line)
     values = sources.features(COLUMN_OF[row.symbol], level)
-    note, evidence = "", ""
-    if row.symbol == "b":
-        note, evidence = causes.implied_b(sources.published, row.line)
-    elif row.symbol == "a":
-        note = causes.starting_sample(case, level)
+    note = causes.starting_sample(case, level) if row.symbol == "a" else ""
+    of_pairs = causes.implied_b(sources.published, row.line) if row.symbol == "b" else ()
     return Claim(
         row,
         values,
@@ -137,8 +142,7 @@ def integral(sources: Sources, row: Row) -> Claim:
         allowed=sources.allowed.get(row.id),
         tolerances=judging.simulated(row.number, case),
         cause=f"{causes.backward_euler(case, values)} {note}".strip(),
-        contradiction=sources.refuted.get(row.id, ""),
-        evidence=evidence,
+        contradiction=next(filter(None, (sources.refuted.get(row.id), *of_pairs)), ""),
     )
 
 
@@ -149,7 +153,7 @@ def direct_pair(sources: Sources, row: Row) -> Claim:
     damped = causes.backward_euler(case, values) if row.symbol == "c" else ""
     with_b = causes.other_b(sources.published, sources.as_published, sources.allowed, row)
     implied = (causes.implied_b(sources.published, level)[0] for level in row.line.split("-"))
-    evidence = " ".join(filter(None, implied))
+    unbalanced = " ".join(filter(None, implied))
     return Claim(
         row,
         values,
@@ -157,8 +161,8 @@ def direct_pair(sources: Sources, row: Row) -> Claim:
         allowed=allowed,
         tolerances=(*judging.propagated(allowed, number), *judging.simulated(number, case)),
         cause=f"{damped} {with_b}".strip(),
-        contradiction=causes.outside(allowed, number, "Table 2"),
-        evidence=evidence and f"Table 2 contradicts itself. {evidence} {with_b}".strip(),
+        contradiction=causes.outside(allowed, number, "Table 2")
+        or (unbalanced and f"{unbalanced} {with_b}".strip()),
     )
 
 
@@ -227,8 +231,8 @@ def mean_of_levels(sources: Sources, row: Row) -> Claim:
     values = {name: route.mean_feature(column) for name, route in sources.routes.items()}
     how: dict[str, Any] = {}
     if row.symbol == "t_s":
-        # The mean of five times in whole tenths has no more digits than print; cut off, they lie below exact.
-        how = {"reach": judging.WRITTEN, "apart": ("exact",)}
+        # The mean of five times in whole tenths has no more digits than print.
+        how = {"reach": judging.WRITTEN, "nearby": _uncut(sources.unread.mean_feature(column))}
     return _from_print(row, values, "Over the five values that Table 1 prints.", **how)
 
 
@@ -290,10 +294,16 @@ def bound(sources: Sources, row: Row) -> Claim:
         osc, pairs = sources.case.oscillator, sources.pairs.items()
         values = {name: largest_errors(of.pairs(), osc)[row.symbol] for name, of in pairs}
         cause = f"Largest error in the fifteen pairs: {_each(values)}."
-    else:
-        values = _worst(sources, sources.routes, frequency=row.symbol)
-        cause = _largest_with_sign(sources, row.symbol)
-    return _stated(row, values, bound_holds(row, values[ROUTE]), cause)
+        return _stated(row, values, bound_holds(row, values[ROUTE]), cause)
+    values = _worst(sources, sources.routes, frequency=row.symbol)
+    cause = _largest_with_sign(sources, row.symbol)
+    claim = _stated(row, values, bound_holds(row, values[ROUTE]), cause)
+    exact = sources.exact.features.get(row.symbol)
+    drawn = [] if exact is None else unprinted.drawn(exact, sources.case, row.number.value)
+    if not unprinted.open_to(drawn):
+        return claim
+    shares = unprinted.in_words(drawn, row.printed)
+    return replace(claim, undecided=True, cause=f"The print does not decide. {shares} {cause}")
 
 
 def change(sources: Sources, row: Row) -> Claim:
@@ -351,8 +361,7 @@ def _largest_with_sign(sources: Sources, frequency: str) -> str:
 
     return (
         f"Largest error of F_k by the recipe that gives Table 3: {largest(sources.as_published)}; by exact features "
-        f"{largest(sources.exact)}, with six decimals {with_decimals(6)}, with the five of Table 1 {with_decimals(5)}. "
-        "The paper prints no number at this frequency to hold against it."
+        f"{largest(sources.exact)}, with six decimals {with_decimals(6)}, with the five of Table 1 {with_decimals(5)}."
     )
 
 

@@ -15,10 +15,14 @@ from .rules import Sources, check_printed, claims, require_paper
 
 COLUMNS = (
     *("id", "where", "quantity", "unit", "printed", *ROUTE_NAMES),
-    *("verdict", "explanation", "kind", "judged", "off_relative", "off_units"),
+    *("verdict", "explanation", "kind", "agrees", "judged", "off_relative", "off_units"),
 )
-"""Those of claims.csv. judged : the route that judges.   off_… : how far it lies from a computed number as printed, of
-itself and in units of the last digit."""
+"""Those of claims.csv. agrees : the routes that give the printed digits of a computed number, the best first.
+judged : the route by which the number's column came about.   off_… : how far it lies from a computed number as printed,
+of itself and in units of the last digit."""
+SEPARATOR = "; "
+"""Between the routes in the column `agrees`."""
+
 RECORD = ("id", "printed", "verdict")
 
 
@@ -35,6 +39,7 @@ def claims_table(sources: Sources) -> pd.DataFrame:
     for claim in claims(sources, sources.published.rows.values()):
         row = claim.row._asdict() | {route: claim.show(route) for route in ROUTE_NAMES}
         row |= {"verdict": verdict(claim).name, "explanation": explanation(claim)}
+        row |= {"agrees": SEPARATOR.join(ROUTE_NAMES[route] for route in claim.agreeing)}
         row |= {"judged": ROUTE_NAMES[claim.route], "off_relative": "", "off_units": ""}
         if claim.row.kind == "computed" and claim.route in claim.routes:
             row["off_relative"] = f"{claim.off_relative(claim.route):+.1e}"
@@ -52,13 +57,13 @@ def claims_markdown(frame: pd.DataFrame) -> str:
     lines += [f"- **{name}** {total.of_verdict[name]}: {v.meaning}" for name, v in VERDICTS.items()]
     for part, rows in frame.groupby(frame["id"].map(part_of), sort=False):
         cells = map(_cells, rows.to_dict("records"))
-        lines += ["", f"## {PARTS[str(part)]}", "", markdown_table(_HEADS, cells, "llrrrrllllrr")]
+        lines += ["", f"## {PARTS[str(part)]}", "", markdown_table(_HEADS, cells, "llrrrrlllllrr")]
     return "\n".join([*lines, ""])
 
 
 _HEADS = (
     *("where", "quantity", "printed", *ROUTE_NAMES.values(), "verdict", "why"),
-    *("kind", "judged", "off, of itself", "off, units"),
+    *("kind", "agrees", "judged", "off, of itself", "off, units"),
 )
 
 
@@ -76,8 +81,8 @@ def summary(frame: pd.DataFrame, offences: pd.DataFrame) -> str:
     """The summary that ends a run, as text.
 
     It counts the computed numbers by part and verdict, with inputs and statements next to them, and lists each claim
-    that is neither reproduced nor reconstructed, with the number that is obtained; the reasons stand in the table of
-    claims. After WORSE there is a line for each offence that `check` returned.
+    of which no route gives the digits or which the paper refutes, with the number that is obtained; the reasons stand
+    in the table of claims. After WORSE there is a line for each offence that `check` returned.
     """
     counted = counts(frame)
     total, table = counted[-1], {}
@@ -96,7 +101,7 @@ def summary(frame: pd.DataFrame, offences: pd.DataFrame) -> str:
     if rest := [row for row in frame.to_dict("records") if row["verdict"] not in HOLDING]:
         rows = [("number", "printed", "verdict", "obtained"), *map(_open, rest)]
         widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-        lines.append("Neither reproduced nor reconstructed (why: claims.md)")
+        lines.append("What no route gives, or the paper refutes (why: claims.md)")
         for row in rows:
             padded = (cell.ljust(width) for cell, width in zip(row, widths, strict=True))
             lines.append(f"  {'  '.join(padded)}".rstrip())
@@ -106,7 +111,7 @@ def summary(frame: pd.DataFrame, offences: pd.DataFrame) -> str:
 
 
 def _open(row: Mapping[Hashable, str]) -> tuple[str, ...]:
-    """A claim in the summary: with the number of the route that judges, and how many units it is off."""
+    """A claim in the summary: with the number of its column's route, and how many units it is off."""
     value = row[next(name for name, words in ROUTE_NAMES.items() if words == row["judged"])]
     off = f", {row['off_units']} units" if row["off_units"] else ""
     printed = f"{row['printed']} {'' if row['unit'] == '1' else row['unit']}".strip()

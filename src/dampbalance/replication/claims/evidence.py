@@ -1,0 +1,174 @@
+"""How much the agreement with print proves: agreement by chance, free choices, and the inputs behind Table 3.
+
+Everything is counted from the table of claims and from the configuration.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from ...features import Features
+from ...project.case import Case
+from ..as_published import CORRECTED, ReadOut, estimates
+from ..claim_verdicts import HOLDING, REPRODUCED, ROUTE_NAMES
+from ..printed_tables import COLUMN_OF, RouteTables
+from .judging import HALF
+from .published import PAIRS, Printed
+from .table import SEPARATOR
+
+CLOSE_UNITS = 5.0
+"""Units of the last digit within which a number agrees in all digits but the last: ten last digits lie that close."""
+
+BY_CHANCE = 0.1
+"""The share of such numbers that agree in the last digit, too, if it is a matter of chance."""
+
+
+def chance(claims: pd.DataFrame) -> dict[str, float]:
+    """Count the exact numbers that may agree by chance: those in columns that the exact route does not give throughout.
+
+    close : those less than CLOSE_UNITS off, which agree in all digits but the last.
+    expected : BY_CHANCE of them.   observed : those that give the printed digits.
+
+    claims : claims.csv as text.
+    """
+    exact = claims[_made_otherwise(claims) & (claims["exact"] != "")]
+    units = exact["printed"].map(lambda text: Printed(text).unit)
+    off = ((exact["exact"].astype(float) - exact["printed"].astype(float)) / units).abs()
+    close = int((off < CLOSE_UNITS).sum())
+    return {
+        "close": close,
+        "expected": BY_CHANCE * close,
+        "observed": int((off <= HALF).sum()),
+    }
+
+
+def _made_otherwise(claims: pd.DataFrame) -> pd.Series:
+    """Which computed numbers stand in columns that came about by another route than the exact one.
+
+    A column that is judged by the exact route and has a number that it does not give is among them: V_s.
+    """
+    computed, exact = claims["kind"] == "computed", ROUTE_NAMES["exact"]
+    missed = computed & ~claims["agrees"].str.startswith(exact)
+    columns = claims["id"].str.rpartition(".")[0]
+    return computed & ((claims["judged"] != exact) | missed.groupby(columns).transform("any"))
+
+
+def by_route(claims: pd.DataFrame) -> dict[str, int]:
+    """Count the computed numbers by the routes that give them, next to the verdicts, which name the best one.
+
+    exact : in columns that the exact route gives throughout.
+    simulation : given as published, of all other columns.   simulation_reproduced : of these, exact agrees as well.
+    print : given by arithmetic on printed tables alone, of columns that came about so.
+    print_elsewhere : with the verdict `from print`, in a column that came about otherwise.
+    table_3_from_table_1 : numbers of Table 3 that follow from Table 1 with the decimals that it prints.
+
+    claims : claims.csv as text.
+    """
+    rows = claims[(claims["kind"] == "computed") & claims["verdict"].isin(HOLDING)]
+    agrees = {
+        name: rows["agrees"].str.split(SEPARATOR).map(lambda routes, w=words: w in routes)
+        for name, words in ROUTE_NAMES.items()
+    }
+    judged = {name: rows["judged"] == words for name, words in ROUTE_NAMES.items()}
+    elsewhere = _made_otherwise(claims).loc[rows.index]
+    simulation = agrees["as_published"] & elsewhere
+    printed = agrees["from_print"] & ~agrees["as_published"]
+    counted = {
+        "exact": agrees["exact"] & ~elsewhere,
+        "simulation": simulation,
+        "simulation_reproduced": simulation & (rows["verdict"] == REPRODUCED.name),
+        "print": printed & judged["from_print"],
+        "print_elsewhere": printed & ~judged["from_print"] & ~agrees["exact"],
+        "table_3_from_table_1": agrees["from_print"] & rows["id"].str.startswith("table3"),
+    }
+    return {name: int(rows_of.sum()) for name, rows_of in counted.items()}
+
+
+def free_choices(case: Case) -> dict[str, dict[str, Any]]:
+    """List what was chosen in view of the printed digits, of the rules of the configuration that are not null.
+
+    continuous : the step.   discrete : all else, a rule each; a begins at a sample of its own at every level. The
+    decimals of `tabulated` are those that Table 1 prints, and no choice; its other rules are those of `two_point`.
+    """
+    numerics = case.numerics
+    starts = {f"slip_samples.{level}": n for level, n in enumerate(numerics.slip_samples or (), 1)}
+    rules = {
+        "scheme": numerics.scheme,
+        "cycles": numerics.cycles,
+        "c_over_m_decimals": numerics.c_over_m_decimals,
+        "k_over_m_decimals": numerics.k_over_m_decimals,
+        **starts,
+        **{k: of for k, of in numerics.tabulated.items() if not k.endswith("_decimals")},
+        **numerics.two_point,
+        "phase": case.phase,
+        "sign": "plus",
+    }
+    discrete = {name: of for name, of in rules.items() if of is not None}
+    return {"continuous": {"step_s": numerics.step_s}, "discrete": discrete}
+
+
+def inputs_of_table_3(
+    case: Case, exact: pd.DataFrame, unrounded: pd.DataFrame, claims: pd.DataFrame
+) -> dict[str, Any]:
+    """Move each input behind Table 3 by its smallest step and count the printed numbers that are then missed.
+
+    moved : input → numbers missed with the input one step less and one step more, or with the other sign.
+    moved_X : the fewest and the most that a step of one X misses.
+    inputs : their number.   given : numbers of Table 3 that the inputs give.
+    given_by_exact_X : those given with X read off the exact solution by the same rule.
+    missed_by_printed_V_s : those missed with V_s as Table 1 prints it, in place of all digits.
+
+    exact, unrounded : features of both routes at the first frequency, the latter before they are read.
+    claims : claims.csv as text.
+    """
+    rules = ReadOut.from_config(case.numerics.two_point)
+    read = rules.common(Features.from_frame(unrounded))
+    printed = claims[claims["id"].str.startswith("table3.")].set_index("id")["printed"]
+
+    def given(features: Features, minus: bool = False) -> int:
+        """How many numbers of Table 3 the features give."""
+        table = estimates(features, features, replace(case, pairs=PAIRS))
+        route, count = RouteTables({}, {"omega1": table}), 0
+        for name, text in printed.items():
+            _, approach, symbol, pair = str(name).split(".")
+            row = CORRECTED if minus and approach == "V_s" else approach
+            value, number = route.estimate(COLUMN_OF[symbol], row, pair=pair), Printed(text)
+            count += bool(abs(value - number.value) <= HALF * number.unit)
+        return count
+
+    def with_X(X: np.ndarray) -> Features:
+        return read.replaced(X=X, X_s=read.X_s - (X - read.X))
+
+    def missed(*moved: Features) -> list[int]:
+        return [len(printed) - given(features) for features in moved]
+
+    X_unit, mark = 10.0 ** -(rules.X_decimals or 6), rules.X_s_mark or 1e-6
+    steps: Mapping[str, tuple[str, float]] = {
+        "X + X_s": ("X_s", mark),
+        "t_s": ("t_s", 10.0 ** -(rules.common_t_s_decimals or 4)),
+        "phi": ("phi", 10.0 ** -(rules.common_phi_decimals or 3)),
+    }
+    moved = {
+        f"X_{level}": missed(*(with_X(read.X + sign * X_unit * one) for sign in (-1.0, 1.0)))
+        for level, one in enumerate(np.eye(len(read)), 1)
+    }
+    for name, (field, step) in steps.items():
+        values = (getattr(read, field) + sign * step for sign in (-1.0, 1.0))
+        moved[name] = missed(*(read.replaced(**{field: value}) for value in values))
+    moved["sign"] = [len(printed) - given(read, minus=True)]
+    V_s = [
+        float(claims.set_index("id")["printed"][f"table1.V_s.{n + 1}"]) for n in range(len(read))
+    ]
+    return {
+        "inputs": len(moved),
+        "moved": moved,
+        "moved_X": [of(of(moved[f"X_{n + 1}"]) for n in range(len(read))) for of in (min, max)],
+        "given": given(read),
+        "given_by_exact_X": given(with_X(rules.apply(Features.from_frame(exact)).X)),
+        "missed_by_printed_V_s": missed(read.replaced(V_s=np.array(V_s)))[0],
+    }

@@ -1,0 +1,109 @@
+"""Whether read-outs that the paper does not print could keep a bound that it states, by drawing them at random.
+
+At ω2 and ω3 the paper states errors of its two-point formulas without the read-outs behind them. A bound is open where
+some read-outs that it may have used keep it and others do not. The formulas are those of Table 3, with one φ and one
+t_s for all levels; X of each level and the one φ are drawn uniformly about their exact values, and X + X_s stays exact.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+
+from ...arrays import Array
+from ...balance import TERMS
+from ...features import Features
+from ...project.case import Case
+from ...solver import solve
+from ..as_published import APPROACHES_OF_TABLE_3
+from ..printed_tables import HARMONIC
+from .published import PAIRS
+
+DRAWS = 10_000
+"""Draws of the read-outs: a share is known to half a per cent."""
+
+SEED = 2010
+
+SPREADS = ((1e-6, 3e-3), (2e-6, 4e-3), (5e-6, 5e-4))
+"""Half widths of X, m, and φ, rad: a unit of the X behind Table 3 and two of its units, with a φ as far off as those of
+Table 1 are read; and half a unit of the decimals of Table 1, which the paper says that it used."""
+
+ROUNDED = (0.5e-6, 0.0)
+"""Half widths of X, m, and φ, rad, where X is rounded as for Table 3 and φ is exact."""
+
+RARE = 0.05
+"""A share of draws below which, or within which of all, a bound is decided."""
+
+
+class Drawn(NamedTuple):
+    """How often the largest error exceeds a bound.
+
+    X_m, phi_rad : half widths of what was drawn.   share : of the draws.
+    low, high : quantiles RARE and 1 − RARE of the largest error, per cent.
+    """
+
+    X_m: float
+    phi_rad: float
+    share: float
+    low: float
+    high: float
+
+
+def drawn(
+    exact: pd.DataFrame,
+    case: Case,
+    bound: float,
+    spreads: Sequence[tuple[float, float]] = SPREADS,
+) -> list[Drawn]:
+    """Draw the largest error of F_k and c over the pairs of levels and hold it against a bound, per cent.
+
+    exact : exact features at the frequency, `Features.to_frame()`.   spreads : half widths, as SPREADS.
+    """
+    shares = []
+    for X_m, phi_rad in spreads:
+        errors = _largest_errors(exact, case, X_m, phi_rad)
+        low, high = np.quantile(errors, [RARE, 1.0 - RARE])
+        share = float(np.mean(errors > bound))
+        shares.append(Drawn(X_m, phi_rad, share, float(low), float(high)))
+    return shares
+
+
+def open_to(drawn: Sequence[Drawn]) -> bool:
+    """Whether a bound is kept by some read-outs and not by others, for at least one of the spreads."""
+    return any(RARE <= of.share <= 1.0 - RARE for of in drawn)
+
+
+def in_words(drawn: Sequence[Drawn], bound: str) -> str:
+    """Sentences on how often the bound, as printed, is exceeded."""
+    cases = [
+        f"{100.0 * of.share:.0f} % with X ± {1e6 * of.X_m:g} µm and phi ± {of.phi_rad:g} rad"
+        for of in drawn
+    ]
+    return (
+        "The read-outs at this frequency are not printed. Of "
+        f"{DRAWS:,} random ones about the exact values, the largest error exceeds {bound} % in {', '.join(cases)}."
+    )
+
+
+def _largest_errors(exact: pd.DataFrame, case: Case, X_m: float, phi_rad: float) -> Array:
+    """The largest error of F_k and c over the pairs by all harmonic approaches, per cent, a number per draw."""
+    random = np.random.default_rng(SEED)
+    common = Features.from_frame(exact).with_common("phi", "t_s")
+    many = common[:, None][:, np.zeros(DRAWS, dtype=np.int64)]
+    moved = X_m * random.uniform(-1.0, 1.0, many.X.shape)
+    read = many.replaced(
+        X=many.X + moved,
+        X_s=many.X_s - moved,
+        phi=many.phi + phi_rad * random.uniform(-1.0, 1.0, DRAWS),
+    )
+    largest = np.zeros(DRAWS)
+    for name in HARMONIC:
+        rows = APPROACHES_OF_TABLE_3[name](read, case.oscillator.k)
+        estimate = solve(rows[np.transpose(PAIRS)])
+        for symbol in TERMS:
+            errors = np.abs(estimate[symbol] / getattr(case.oscillator, symbol) - 1.0)
+            largest = np.maximum(largest, errors.max(axis=0))
+    return 100.0 * largest
