@@ -60,7 +60,7 @@ def number(text: str) -> tuple[float, float]:
     return float(mantissa) * power, 10.0 ** Decimal(mantissa).as_tuple().exponent * power
 
 
-WORDS = {"one": 1, "two": 2, "three": 3, "four": 4, "five": 5, "six": 6, "nine": 9, "17": 17}
+WORDS = ["no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten"]
 
 
 def agrees(value: dict, entry: object) -> bool:
@@ -73,7 +73,9 @@ def agrees(value: dict, entry: object) -> bool:
     wanted = float(str(entry)) * float(style["scale"])
     wanted = abs(wanted) if style["unsigned"] else wanted
     if style["form"] == "word":
-        return WORDS[value["text"]] == wanted
+        return (
+            WORDS.index(value["text"]) if value["text"] in WORDS else int(value["text"])
+        ) == wanted
     shown, unit = number(value["text"])
     if style["form"] == "bound":
         return wanted <= shown < 10.0 * wanted or wanted == shown == 0.0
