@@ -186,7 +186,7 @@ def test_values_shown_agree_with_the_verdicts(claims):
 
 def test_explanations_cite_the_numbers_of_their_row(claims):
     rows = claims.set_index("id")["explanation"]
-    assert "90.0116" in rows["table2.W.3"]  # c + m ω² h = 90 + 2.42 · (2π 4.92)² · 5e-6
+    assert "90.0114" in rows["table2.W.3"]  # c + m ω² h = 2.42 · 37.19 + 2.42 · (2π 4.92)² · 5e-6
     assert "66.6 %" in rows["text.max_error_omega3"]
     assert "1.2943 N" in rows["table3.V_s.F_k.1-2"]  # with the minus of (19)
     assert "cut off" in rows["text.c_Xs_ls"]
