@@ -40,7 +40,7 @@ STATIC = Path(__file__).with_name("static")
 STYLES = ("style.css", "instruments.css")
 SCRIPTS = (
     *("page.js", "engine.js", "kit.js"),
-    *("oscillator.js", "off_resonance.js", "integrator.js", "noise.js", "digits.js"),
+    *("oscillator.js", "off_resonance.js", "integrator.js", "digits.js"),
 )
 
 
