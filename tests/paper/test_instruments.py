@@ -444,6 +444,7 @@ def test_a_case_of_ones_own_has_its_own_values(opened, made, tmp_path):
     own = {
         **{"case": OWN, "claims": None, "evidence": None, "studies": [], "approaches": table},
         "tables": dict.fromkeys(OWN.frequencies_hz, made.tables["omega1"]),
+        "figures": {name: made.figures[name] for name in ("figure3", "estimation_error")},
     }
     file.write_text(page_of(replace(made, **own)), encoding="utf-8")
     page = opened("#off_resonance?f=40.125", file=file)
