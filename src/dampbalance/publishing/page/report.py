@@ -231,7 +231,7 @@ def _tables(panels: list[dict[str, Any]]) -> Iterator[tuple[Markup, list[Markup]
     for panel in panels:
         what = " against ".join(filter(None, (panel["y"], panel["x"])))
         for block in panel["blocks"]:
-            names, values, _ = zip(*block["lines"], strict=True)
+            names, values = zip(*block["lines"], strict=True)
             head = [panel["x"] or "what", *names]
             rows = zip(block["places"], *values, strict=True)
             title = words.from_tex(", ".join(filter(None, (panel["title"], what))))
