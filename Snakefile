@@ -48,7 +48,6 @@ include: "workflow/rules/article.smk"
 include: "workflow/rules/page.smk"
 include: "workflow/rules/notebook.smk"
 include: "workflow/rules/site.smk"
-include: "workflow/rules/codecheck.smk"
 include: "workflow/rules/provenance.smk"
 
 
@@ -99,7 +98,6 @@ rule all:
         [*rules.claims.output, *rules.check.output] if config["published"] else [],
         rules.article.output if config["published"] else [],
         rules.notebook.output if config["published"] else [],
-        rules.codecheck.output if CODECHECKED else [],
         [*rules.page.output, *rules.manifest.output, *rules.crate.output] if not MEASURED else [],
         [*rules.measured.output, *measured_files()] if MEASURED else [],
         [*FRAME_FILES.values(), *BEAM_FILES.values()],

@@ -91,7 +91,7 @@ def main(arguments: list[str]) -> int:
         for screen, options in SCREENS.items():
             page = browser.new_context(offline=True, reduced_motion="reduce", **options).new_page()
             page.goto(given.page.resolve().as_uri())
-            page.wait_for_selector("#cloud.ready", state="attached")
+            page.wait_for_selector("#integrator.ready", state="attached")
             page.evaluate("for (const one of document.querySelectorAll('.fold')) one.open = true")
             for slider in page.locator(SLIDERS).all():
                 both = [*zip(*frames(browser, slider, given.positions), strict=True)]

@@ -18,9 +18,9 @@
 # over a cycle comes out over that cycle.* This tour builds such a mass, looks at how it moves, finds $F_k$ and $c$
 # from its motion, drives the method to where it fails, and mends it.
 #
-# You need to know what a damped oscillator is, and a little Python. Every number and picture below is computed when
-# this page is built. To try things yourself, open `paper/notebook/tour.py` in Jupyter (it is a notebook in plain
-# text; *Open With → Notebook*), or turn it into one:
+# You need to know what a damped oscillator is, and a little Python. Every number and picture of the notebook is
+# computed when it is built. To try things yourself, open `paper/notebook/tour.py` in Jupyter (it is a notebook in
+# plain text; *Open With → Notebook*), or turn it into one:
 #
 # ```
 # jupytext --to notebook paper/notebook/tour.py
@@ -517,7 +517,7 @@ axes = measured.plot("balance")
 # %% [markdown]
 # ## Exercises
 #
-# Guess first, then change a cell and look. The outcomes are computed, and folded away below each question.
+# Guess first, then change a cell and look. The outcomes are computed below each question.
 #
 # **1. Overlook the compliance.** Suppose you never saw the microstick line and took the contact for rigid, $X_s =
 # -X$. How much longer is the distance slid, and how much worse does the X_s approach become at resonance?

@@ -1,4 +1,4 @@
-"""A browser for the tests of page and tour."""
+"""A browser for the tests of page and site."""
 
 from __future__ import annotations
 

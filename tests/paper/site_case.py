@@ -28,6 +28,7 @@ RESULTS = {
         '<a class="x" href="../studies/frequency/cases.parquet">taken away</a> <a href="#top">up</a></p>'
         "</body></html>\n"
     ),
+    "paper/notebook/tour.ipynb": "{}\n",
     "studies/frequency/summary.md": (
         "# Drive frequency\n\n441 cases; varied: omega_over_omega_n.\n\nIt shows *this*.\n\n"
         "![Drive frequency](figure.png)\n\n| quantity |\n|---|\n| F_k |\n"

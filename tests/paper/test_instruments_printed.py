@@ -1,20 +1,15 @@
-"""The instruments on the printed numbers and on noise: they show what Python gives."""
+"""The instruments on the printed numbers: they show what Python gives."""
 
 from __future__ import annotations
 
 import json
-import math
 import random
 import re
 from dataclasses import replace
 
-import numpy as np
 import pytest
 
 import redraws
-from dampbalance import steady_orbit
-from dampbalance.balance import APPROACHES
-from dampbalance.features import of_orbit, stack
 from dampbalance.project.case import Case
 from dampbalance.publishing.page.instruments import of_run
 from dampbalance.replication.as_published import scheme_table
@@ -26,12 +21,11 @@ from dampbalance.replication.claims.changed_digits import (
     verdicts,
 )
 from dampbalance.replication.claims.judging import explanation, verdict
-from dampbalance.solver import solve
 from folders import ROOT
 from paper.page_case import CHANGED
-from paper.routes import CASE, PAPER, PRINT, sources_of
+from paper.routes import CASE, PRINT, sources_of
 from paper.routes import judged as judged_afresh
-from paper.test_instruments import GO, NODE, checked, in_node, plain, printed, texts
+from paper.test_instruments import GO, checked, plain, printed, texts
 
 INTEGRATOR = """() => [...document.querySelectorAll('#integrator td')].map(cell => [
   cell.classList[1], cell.querySelector('.digits').textContent, cell.querySelector('small').textContent])"""
@@ -128,99 +122,6 @@ def test_the_program_and_the_configuration_of_the_integrator_compute_the_same(
         assert float(off) == pytest.approx((values[4] - number.value) / number.unit, rel=0.05)
     numerics = Case.from_config(checked(tmp_path / "shown.yaml", configuration)).numerics
     assert (numerics.step_s, numerics.cycles, numerics.c_over_m_decimals) == (1e-5, 20, None)
-
-
-def responses(frequency):
-    """What the engine gives of every level, with the parameters, and the features."""
-    orbits = [steady_orbit(PAPER, motion) for motion in CASE.motions(frequency)]
-    given = []
-    for orbit in orbits:
-        names = ("X", "X_s", "V_s", "t_s", "phi", "a", "b", "W")
-        values = {name: float(getattr(orbit, name)) for name in names}
-        for n in (1, 3, 5):
-            values[f"X_{n}"], values[f"phi_{n}"] = map(float, orbit.harmonic(n))
-        values["phi_fundamental"] = values["phi_1"]
-        given.append(values | {"k": PAPER.k, "Y": orbit.motion.Y, "omega": orbit.motion.omega})
-    return given, stack([of_orbit(orbit) for orbit in orbits])
-
-
-@pytest.mark.skipif(NODE is None, reason="no Node")
-@pytest.mark.parametrize("approach", ["direct", "fourier", "X_s"])
-@pytest.mark.parametrize("frequency", CASE.frequencies_hz)
-def test_estimates_from_noise_are_those_of_the_package(frequency, approach):
-    given, clean = responses(frequency)
-    study = {"approach": approach, "share": 0.01, "samples": 12000, "count": 2000, "seed": 3}
-    got = in_node(f"noise.study(given, {json.dumps(study)})", given, "noise")
-    drawn = {
-        name: np.array([[level[name] for level in one] for one in got["draws"]]).T
-        for name in ("Y", "X", "X_s", "X_1", "X_3", "X_5", "phi_fundamental", "a", "b", "W")
-    }
-    many = clean[:, None][:, np.zeros(study["count"], dtype=int)].replaced(**drawn)
-    rows = APPROACHES[approach](many.with_phase("fundamental"), PAPER.k)
-    moves = np.array(got["moves"])  # (levels, 8, 3)
-    covariance = np.einsum("lni,lnj->ijl", moves, moves)[..., None]
-    np.testing.assert_allclose(  # first order, and from so many draws
-        np.sqrt(np.einsum("iil->il", covariance[..., 0])),
-        np.sqrt(np.einsum("iil->il", rows.scatter())),
-        rtol=5.0 / math.sqrt(2 * study["count"]),
-    )
-    equal = solve(rows)
-    weighted = solve(replace(rows, covariance=covariance).weighted(equal.values))
-    for way, estimate in zip(got["ways"], (equal, weighted), strict=True):
-        values = np.array([estimate["F_k"], estimate["c"]])
-        ours = np.array([[one["F_k"], one["c"]] for one in way["all"]]).T
-        np.testing.assert_allclose(ours, values, rtol=1e-10)
-        np.testing.assert_allclose(way["mean"], values.mean(axis=1), rtol=1e-12)
-        np.testing.assert_allclose(way["covariance"], np.cov(values), rtol=1e-6)
-        np.testing.assert_allclose(  # 5 standard errors of a standard deviation
-            np.sqrt(np.diag(way["predicted"])),
-            values.std(axis=1, ddof=1),
-            rtol=5.0 / math.sqrt(2 * study["count"]),
-        )
-
-
-@pytest.mark.skipif(NODE is None, reason="no Node")
-def test_equal_weights_use_a_sixth_of_the_information():
-    """As found with 4,000 runs against the bound of Cramér and Rao, which weighted rows reach to 7 %."""
-    for frequency in CASE.frequencies_hz:
-        study = {"approach": "direct", "share": 0.01, "samples": 12000, "count": 2, "seed": 1}
-        program = f"noise.study(given, {json.dumps(study)}).ways"
-        ways = in_node(program, responses(frequency)[0], "noise")
-        equal, weighted = (np.diag(way["predicted"]) for way in ways)
-        F_k, c = weighted / equal
-        assert 0.14 < F_k < 0.20
-        assert 0.25 < c < 0.33
-
-
-@pytest.mark.skipif(NODE is None, reason="no Node")
-def test_the_draws_are_normal_and_the_same_for_the_same_seed():
-    one, again, other = in_node(
-        "given.map(seed => { const z = noise.normals(seed); return Array.from({length: 40000}, z); })",
-        [1, 1, 2],
-        "noise",
-    )
-    assert one == again
-    assert abs(np.corrcoef(one, other)[0, 1]) < 5.0 / math.sqrt(len(one))
-    for power, moment, variance in ((1, 0.0, 1.0), (2, 1.0, 2.0), (3, 0.0, 15.0), (4, 3.0, 96.0)):
-        off = np.mean(np.array(one) ** power) - moment
-        assert abs(off) < 5.0 * math.sqrt(variance / len(one))
-
-
-@pytest.mark.slow
-def test_the_program_of_the_noise_has_its_statistics(opened):
-    page = opened("cloud", "count=400&approach=fourier&f=3.5&percent=0.5")
-    program, study = texts(page, "cloud")
-    lines = page.eval_on_selector_all(
-        "#cloud tbody tr",
-        "all => all.map(row => [...row.querySelectorAll('td')].map(one => one.textContent))",
-    )
-    for (F_k, c, correlation), shown in zip(printed(program), lines, strict=True):
-        shares = [float(shown[i].split()[0]) / 100.0 for i in (2, 5)]  # predicted
-        # of a standard deviation of 400: 3.5 %
-        assert F_k / PAPER.F_k == pytest.approx(shares[0], rel=0.16)
-        assert c / PAPER.c == pytest.approx(shares[1], rel=0.16)
-        assert correlation == pytest.approx(float(shown[6].replace("−", "-")), abs=0.05)
-    assert "values: [0.005]" in study
 
 
 def test_misprints_are_judged_as_a_fresh_run_judges_them():

@@ -1,38 +1,27 @@
-"""The guided tour runs, says what is so, shows the same each time, and needs no network to be read."""
+"""The guided tour runs, says what is so, and shows the same each time."""
 
 from __future__ import annotations
 
 import ast
-import html
 import importlib
 import os
 import re
-from base64 import b64decode, b64encode
 from dataclasses import replace
-from io import BytesIO
 
 import nbformat
 import numpy as np
-import pandas as pd
 import pytest
-from fontTools.ttLib import TTFont
 
-from dampbalance.figures.style import DARK
-from dampbalance.publishing import formulas, notebook
+from dampbalance.publishing import notebook
 from folders import ROOT
-from paper import axe
-from paper.html import Tree
 
-FOLDER = ROOT / "paper/notebook"
-SOURCE = FOLDER / "tour.py"
-STYLE = (FOLDER / "page.css").read_text(encoding="utf-8")
-TEMPLATE = FOLDER / "page.html"
+SOURCE = ROOT / "paper/notebook/tour.py"
 
 
 def shown(source):
-    """The executed notebook, and the bytes of its two files."""
+    """The executed notebook, and the text of its file."""
     executed = notebook.run(source)
-    return executed, notebook.write(executed), notebook.page(executed, STYLE, TEMPLATE)
+    return executed, notebook.write(executed)
 
 
 @pytest.fixture(scope="module")
@@ -43,11 +32,6 @@ def tour():
 @pytest.fixture(scope="module")
 def executed(tour):
     return tour[0]
-
-
-@pytest.fixture(scope="module")
-def page(tour):
-    return tour[2]
 
 
 def script(folder, *cells):
@@ -247,7 +231,7 @@ def test_a_notebook_shows_figures_without_being_told_of_pyplot(tmp_path):
         ("", "from dampbalance.figures.style import page, place\nfigure = page(40.0, 30.0)"),
         (' alt="A frame."', "place(figure, 5.0, 5.0, 30.0, 20.0)\nfigure"),
     )
-    assert shown(path)[2].count("<img") == 1
+    assert pictures(notebook.run(path)) == ["A frame."]
 
 
 # --- what it becomes -----------------------------------------------------------------------------
@@ -271,116 +255,37 @@ def test_one_core_shows_the_same_bytes(tour):
     allowed = os.sched_getaffinity(0)
     os.sched_setaffinity(0, {min(allowed)})  # inherited by the kernel
     try:
-        _, ipynb, html = shown(SOURCE)
+        _, ipynb = shown(SOURCE)
     finally:
         os.sched_setaffinity(0, allowed)
     assert ipynb == tour[1]
-    assert html == tour[2]
 
 
-@pytest.mark.slow
-def test_the_page_loads_nothing_and_its_links_lead_somewhere(page):
-    tree = Tree(page)
-    assert [a for a in tree.addresses if not a.startswith(("data:", "#"))] == []
-    within = {a[1:] for a in tree.addresses if a.startswith("#")}
-    assert within
-    assert within - set(tree.ids) == set()
-    assert tree.named("script", "link", "iframe", "object") == []
-    assert "@import" not in page
-    assert re.findall(r"url\((.{14})", page) == ['"data:font/otf']
-
-
-@pytest.mark.slow
-def test_formulas_are_mathml_and_pictures_are_described(page, executed):
-    tree = Tree(page)
-    assert len(tree.named("math")) > 50
-    assert "\\ddot" not in re.sub(r"<pre.*?</pre>", "", page, flags=re.S)
-    apart = re.sub(r'<span class="together">.*?</span>', "", page, flags=re.S)
-    assert apart != page
-    assert not re.search(r"</math>(?:</span>)?[,.;:)]", apart)  # no line begins with a comma
-    pictures = [
-        cell
+def pictures(executed):
+    """What the cells that show a picture say of it."""
+    return [
+        cell.metadata.get("alt")
         for cell in executed.cells
-        if any("image/svg+xml" in o.get("data", {}) for o in cell.get("outputs", []))
+        if any("image/svg+xml" in output.get("data", {}) for output in cell.get("outputs", []))
     ]
-    assert [e.get("alt") for e in tree.named("img")] == [cell.metadata.alt for cell in pictures]
-    assert len(pictures) == 6
-    assert len(tree.named("details")) == 5
 
 
 @pytest.mark.slow
-def test_the_font_has_all_characters_of_the_formulas_and_its_table_for_mathematics(page):
-    """And little else: without the one, ẍ has its dots anywhere; without the other, another font steps in."""
-    made = formulas.font_for(page)
-    assert b64encode(made).decode() in page
-    font = TTFont(BytesIO(made))
-    assert "MATH" in font
-    for latex, shown in (
-        (r"\ddot x", "\N{MATHEMATICAL ITALIC SMALL X}"),
-        ("K_z", "𝐾𝑧"),
-        ("h", "ℎ"),
-    ):
-        assert set(shown) <= formulas.characters(formulas.inline(latex))
-    assert formulas.characters(page) - set(map(chr, font.getBestCmap())) == set()
-    assert len(made) < 60_000
+def test_pictures_are_described(executed):
+    described = pictures(executed)
+    assert len(described) == 6
+    assert all(described)
 
 
-@pytest.mark.slow
-def test_pictures_follow_the_screen_and_have_no_colour_that_does_not(page):
-    pictures = [b64decode(p).decode() for p in re.findall(r"svg\+xml;base64,([^\"]*)", page)]
-    palette = {colour.lower() for colour in DARK}
-    for picture in pictures:
-        assert picture.count("@media (prefers-color-scheme: dark)") == 1
-        drawn = picture.partition("</style>")[2]
-        assert set(re.findall(r"(?:fill|stroke): (#\w+)", drawn)) - palette == set()
-
-
-@pytest.mark.slow
-def test_what_is_said_beside_a_table_is_shown(page):
-    """An identification says what it is made of and what limits it, around its table."""
-    text = html.unescape(re.sub(r"<[^>]+>", "", page))
-    space = "\N{NO-BREAK SPACE}"
-    assert f"5 records at 3.5{space}Hz; the answer first, with 95{space}% intervals" in text
-    assert "<ul><li>* <i>X</i><sub>s</sub>, <i>t</i><sub>s</sub> and" in page
-    assert "<style" not in page.split("<body", 1)[1]
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("width", "dark"), [(1200, False), (360, True)])
-def test_a_browser_without_network_shows_it(page, tmp_path, visit, width, dark):
-    file = tmp_path / "tour.html"
-    file.write_text(page, encoding="utf-8")
-    view = visit(file.as_uri(), dark, viewport={"width": width, "height": 800})
-    seen = view.evaluate(
-        """() => ({
-            wide: document.documentElement.scrollWidth,
-            formula: document.querySelector('math[display=block]').getBoundingClientRect().height,
-            pictures: [...document.images].map(i => i.complete && i.naturalWidth > 0),
-            paper: getComputedStyle(document.body).backgroundColor,
-            cut: [...document.querySelectorAll('.equation')].filter(e => e.scrollWidth > e.clientWidth).length,
-            fonts: [...document.fonts].filter(f => f.status === 'loaded').length,
-            pushed: [...document.querySelectorAll('pre')].filter(p => p.scrollWidth > p.clientWidth).length,
-            open: [...document.querySelectorAll('details')].filter(d => d.open).length,
-        })"""
+def test_the_text_has_every_paragraph_and_every_line_of_code(tmp_path):
+    path = script(
+        tmp_path,
+        TITLE,
+        (' alt="A frame."', "x = 1  # metres"),
+        (' [markdown] tags=["outcome"]', "# With $x$."),
     )
-    view.keyboard.press("Tab")
-    skip = view.evaluate("document.activeElement.className")
-    assert visit.said == []
-    assert seen["wide"] <= width  # nothing has to be pushed sideways but tables, figures, equations
-    assert seen["formula"] > 10
-    assert seen["pictures"] == [True] * 6
-    assert seen["open"] == 0
-    assert (seen["pushed"], seen["cut"], seen["fonts"]) == (0, 0, 1)
-    assert (seen["paper"] == "rgb(255, 255, 255)") == (not dark)
-    assert skip == "skip"  # the first thing that the keyboard reaches
-
-
-@pytest.mark.slow
-@pytest.mark.skipif(axe.SKIP, reason=axe.REASON)
-def test_axe_finds_nothing_to_mend(page, tmp_path, browser):
-    file = tmp_path / "tour.html"
-    file.write_text(page, encoding="utf-8")
-    assert axe.found(browser, file) == []
+    expected = "# A title\n\n```python\nx = 1  # metres\n```\n\nWith $x$.\n"
+    assert re.sub(r"```python .*", "```python", notebook.as_markdown(path)) == expected
 
 
 # --- what can go wrong ---------------------------------------------------------------------------
@@ -398,77 +303,3 @@ def test_what_goes_to_stderr_stays_out(tmp_path, capsys):
     assert "a warning" not in notebook.write(executed).split('"outputs"', 1)[1].split('"source"')[0]
     assert [output.text for output in executed.cells[1].outputs] == ["a result\n"]
     assert "a warning" in capsys.readouterr().err
-
-
-def made(*cells):
-    return nbformat.v4.new_notebook(cells=list(cells))
-
-
-def picture(**metadata):
-    cell = nbformat.v4.new_code_cell("draw()", id="cell-02", metadata=metadata)
-    data = {"image/svg+xml": "<svg/>", "text/plain": "<Figure>"}
-    cell.outputs = [nbformat.v4.new_output("display_data", data=data)]
-    return cell
-
-
-@pytest.mark.parametrize(
-    ("cells", "message"),
-    [
-        ([nbformat.v4.new_markdown_cell("no title")], "must begin with its title"),
-        ([nbformat.v4.new_markdown_cell("# A title"), picture()], "cell-02 shows a picture: say"),
-        (
-            [
-                nbformat.v4.new_markdown_cell(
-                    '# A title\n\n<img alt="x" src="https://example.org/x.png">'
-                )
-            ],
-            "would load from elsewhere",
-        ),
-    ],
-)
-def test_a_page_that_would_lack_something_is_refused(cells, message):
-    with pytest.raises(notebook.NotebookError, match=message):
-        notebook.page(made(*cells), STYLE, TEMPLATE)
-
-
-def table_of(frame):
-    return shown_of(frame.to_html(notebook=True))
-
-
-def shown_of(text):
-    cell = nbformat.v4.new_code_cell("table", id="cell-07")
-    cell.outputs = [nbformat.v4.new_output("execute_result", data={"text/html": text})]
-    return notebook.body(made(cell))
-
-
-def test_html_that_cannot_be_read_is_refused():
-    with pytest.raises(notebook.NotebookError, match="cell-07 shows HTML that is not well-formed"):
-        shown_of("<div><p>one<br>two</p></div>")
-
-
-def test_a_table_keeps_its_heads_and_loses_its_own_look():
-    frame = pd.DataFrame(
-        {"X_s (mm)": [-1.5], "F_k < 2": ["(a) *x*"]}, index=pd.Index([4], name="Y")
-    )
-    assert table_of(frame).splitlines()[3:-2] == [
-        '<div class="table" tabindex="0" role="region" aria-label="Table">',
-        "<table>",
-        "<thead>",
-        '<tr><th scope="col">Y</th><th scope="col"><i>X</i><sub>s</sub> (mm)</th>'
-        '<th scope="col"><i>F</i><sub>k</sub> &lt; 2</th></tr>',
-        "</thead>",
-        "<tbody>",
-        '<tr><th scope="row">4</th><td>−1.5</td><td>(a) *x*</td></tr>',
-        "</tbody>",
-    ]
-
-
-def test_heads_above_several_columns_say_so_and_an_empty_corner_is_no_head():
-    columns = pd.MultiIndex.from_tuples([("3.5 Hz", "F_k"), ("3.5 Hz", "c")])
-    text = table_of(pd.DataFrame([[1, 2]], columns=columns, index=["direct"]))
-    assert (
-        '<td rowspan="2"></td><th scope="colgroup" colspan="2">3.5\N{NO-BREAK SPACE}Hz</th></tr>'
-        in text
-    )
-    assert '<tr><th scope="col"><i>F</i><sub>k</sub></th><th scope="col">c</th></tr>' in text
-    assert "<th></th>" not in text

@@ -125,7 +125,7 @@ def test_reasons_open_on_demand_and_from_the_tables(page, made, computed):
     page.click('button[popovertarget="why.table1.phi.1"]')
     box = page.locator('[id="why.table1.phi.1"]')
     assert box.is_visible()
-    assert "reading" in box.inner_text()
+    assert made.claims.set_index("id")["verdict"]["table1.phi.1"] in box.inner_text()
     page.keyboard.press("Escape")
     assert not box.is_visible()
     page.select_option("#filter-part", "Table 3")  # hides the row that the link leads to
@@ -195,68 +195,13 @@ def test_the_keyboard_reaches_everything_and_shows_where_it_is(opened):
     assert page.evaluate("document.activeElement.id") == "main"
 
 
-def told(figure):
-    """What a drawing says of the mark that is chosen."""
-    return figure.locator("[role=status]").inner_text()
-
-
-def test_drawings_tell_values_to_keyboard_and_pointer(opened, made):
-    page = opened()
-    figure = page.locator("[id='drawing-glance']")
-    box = figure.locator(".drawing")
-    box.focus()
-    page.keyboard.press("ArrowRight")
-    assert told(figure) == "c, true c, c by direct integration, all levels (N s/m) 90"
-    page.keyboard.press("End")
-    printed = made.claims.set_index("id").loc["text.c_direct_ls", "printed"]
-    assert told(figure).endswith(f"(N s/m) {float(printed):.6g}")
-    page.keyboard.press("ArrowDown")  # the errors in the panel beside
-    assert told(figure).startswith("paper’s fit, 11.1 Hz, error of Fk (%) 11.8")
-    ring = figure.locator(".ring").bounding_box()
-    page.keyboard.press("Escape")
-    assert told(figure) == ""
-    assert figure.locator(".ring").count() == 0
-    page.mouse.move(ring["x"] + 0.5 * ring["width"] + 3, ring["y"] + 0.5 * ring["height"])
-    tip = figure.locator(".tip")
-    tip.wait_for(state="visible")
-    assert "11.8" in tip.inner_text()
-    assert "paper’s fit" in tip.inner_text()
-    page.mouse.move(0, 0)
-    tip.wait_for(state="hidden")
-
-
-LINES = """figure => {
-  const key = name => figure.querySelector('.drawing').dispatchEvent(new KeyboardEvent('keydown', { key: name }));
-  const box = name => figure.querySelector(name).getBoundingClientRect();
-  const lines = new Map();
-  for (let step = 'Home'; ; step = 'ArrowDown') {
-    key(step);
-    const told = figure.querySelector('[role=status]').textContent;
-    if (lines.has(told)) return [...lines];
-    const [ring, frame] = ['.ring', 'svg'].map(box);
-    const across = ring.left > frame.left && ring.right < frame.right;
-    lines.set(told, across && ring.top > frame.top && ring.bottom < frame.bottom);
-  }
-}"""
-
-
-def test_every_line_of_every_drawing_can_be_chosen_and_lies_on_it(page):
-    for figure in page.locator("figure:has(.drawing)").all():
-        lines = figure.evaluate(LINES)
-        assert len(lines) > 3
-        assert [told for told, inside in lines if not inside] == []
-
-
 def test_a_table_below_a_drawing_holds_its_values(page):
     figure = page.locator("figure:has(.drawing)").first
     figure.locator(".values summary").click()
     tables = figure.locator("table")
     assert tables.count() == 2
     assert tables.nth(1).locator("tbody th").all_inner_texts() == ["4.92 Hz", "3.5 Hz", "11.1 Hz"]
-    figure.locator(".drawing").focus()
-    page.keyboard.press("Home")
     assert tables.first.locator("tbody td").first.inner_text() == "90"
-    assert told(figure).endswith(" 90")
 
 
 @pytest.mark.parametrize("viewport", [PHONE, DESK], ids=["phone", "desk"])
@@ -273,7 +218,7 @@ def test_links_lead_to_headings_below_the_bar(opened, viewport):
             " return y >= bar - 1 && (y < bar + 80 || end); }",
             arg=[heading.get_attribute("id"), bar],
         )
-        assert section.locator("p, table").first.is_visible()  # unfolded
+        assert section.locator(":is(p, table):not(.values *)").first.is_visible()  # unfolded
         page.emulate_media(reduced_motion="reduce")  # the first one scrolls smoothly
 
 
@@ -388,9 +333,9 @@ def test_axe_would_find_what_is_wrong(opened):
 def test_without_a_script_everything_can_be_read(opened, computed):
     page = opened(java_script_enabled=False)
     assert page.locator("#claims tbody tr >> visible=true").count() == len(computed)
-    assert page.locator(".drawing svg >> visible=true").count() == 6
+    assert page.locator(".drawing img >> visible=true").count() == 6
     page.locator(".values summary").first.click()
-    assert "11.1 Hz" in page.locator(".values pre >> visible=true").last.inner_text()
+    assert "11.1 Hz" in page.locator(".values table >> visible=true").last.inner_text()
     assert not page.locator(".filter").is_visible()  # nothing that would not work
     page.click('[id="table1.phi.1"] summary')
     assert page.locator('[id="table1.phi.1"] details p').is_visible()

@@ -184,6 +184,23 @@ def test_the_same_project_gives_the_same_bytes_elsewhere(site, tmp_path):
         assert str(site.parent).encode() not in content, name
 
 
+def test_the_tour_is_a_page_with_all_its_text_and_code(site):
+    shown = read_page(site / "explain/tour.html")
+    text = " ".join(shown.text.split())
+    cells = re.split(
+        r"^# %%(.*)\n", (ROOT / "paper/notebook/tour.py").read_text("utf-8"), flags=re.M
+    )
+    for head, body in zip(cells[1::2], cells[2::2], strict=True):
+        if "[markdown]" not in head:
+            assert " ".join(body.split()) in text
+            continue
+        title = re.search(r"^# #+ (.+)", body, re.M)
+        assert not title or title[1] in text
+    assert "files/results/paper/notebook/tour.ipynb" in (site / "explain/tour.html").read_text(
+        "utf-8"
+    )
+
+
 def test_without_results_it_says_how_to_make_them(site, tmp_path):
     with with_commands_of(site.parent):
         root = project(tmp_path / "project", results=False)

@@ -1,4 +1,4 @@
-# The guided tour: a plain script that is run as a notebook and shown as a page.
+# The guided tour: a plain script that is run as a notebook.
 
 NOTEBOOK = "paper/notebook"
 
@@ -6,14 +6,11 @@ NOTEBOOK = "paper/notebook"
 rule notebook:
     input:
         source=project_input(f"{NOTEBOOK}/tour.py"),
-        template=project_input(f"{NOTEBOOK}/page.html"),
-        style=project_input(f"{NOTEBOOK}/page.css"),
         modules=script_modules("notebook/notebook.py"),
         imported=modules_behind(f"{NOTEBOOK}/tour.py"),
     output:
-        ipynb=f"{RESULTS}/notebook/tour.ipynb",
-        html=report(
-            f"{RESULTS}/notebook/tour.html",
+        ipynb=report(
+            f"{RESULTS}/notebook/tour.ipynb",
             caption="../report/notebook.rst",
             category="Reading",
             labels={"result": "The guided tour"},

@@ -23,7 +23,7 @@ if Path.cwd() == ROOT and not IS_MODULE:
             sources=files_of(ROOT, SITE_SOURCES),
             studies=expand(rules.study_summary.output, study=STUDIES),  # and so their figures
             paper=(
-                [rules.page.output.page, rules.article.output.pdf, rules.notebook.output.html]
+                [rules.page.output.page, rules.article.output.pdf, rules.notebook.output.ipynb]
                 if config["published"] and CASE.name == "paper"
                 else []
             ),

@@ -30,15 +30,12 @@ _ELEMENT = '<metadata id="values">{}</metadata>'
 
 def values(figure: Figure) -> list[dict[str, Any]]:
     """The panels of a figure whose lines have names, each with what is drawn in it. The figure has been drawn before:
-    only then do its axes know their limits.
+    only then do its axes know their limits. Values are read upwards, or to the right where places are named along y.
 
     title : above the panel.
     x, y : what the places are, and what the values.
-    up : whether the values are read upwards, or to the right, for places that are named along the axis y.
-    scale : of the values: its kind, its limits, where these lie on the drawing (points from its left upper corner), and
-    the width of its linear part.
-    blocks : lines at the same places, which are values or names. Each line has a name, its values (None where there is
-    none), and where its places lie on the drawing.
+    blocks : lines at the same places, which are values or names. Each line has a name and its values (None where there
+    is none).
     """
     named = {axes: [line for line in axes.get_lines() if line.get_gid()] for axes in figure.axes}
     return [_panel(axes, lines) for axes, lines in named.items() if lines]
@@ -58,16 +55,10 @@ def with_values(svg: str, panels: list[dict[str, Any]]) -> str:
 
 def _panel(axes: Axes, lines: list[Line2D]) -> dict[str, Any]:
     up = list(axes.get_yticks()) != list(range(len(axes.get_yticks())))
-    across = axes.yaxis if up else axes.xaxis
-    limits = axes.get_ylim() if up else axes.get_xlim()
-    scale: Any = across.get_transform()
-    linear = float(getattr(scale, "linear_width", 0.0))
     return {
         "title": axes.get_title(),
         "x": _label(axes, "x") if up else "",
         "y": _label(axes, "y" if up else "x"),
-        "up": up,
-        "scale": [across.get_scale(), *map(float, limits), *_on_page(axes, limits, up), linear],
         "blocks": list(_blocks(axes, lines, up)),
     }
 
@@ -90,11 +81,9 @@ def _blocks(axes: Axes, lines: list[Line2D], up: bool) -> Iterator[dict[str, Any
         x, y = np.hstack(parts)
         if x.size:  # thinned, the last place among those that are kept
             kept = np.unique([*range(0, x.size, math.ceil(x.size / MOST)), x.size - 1])
-            known.append((_places(axes, x[kept], up), name, x[kept], y[kept]))
+            known.append((_places(axes, x[kept], up), name, y[kept]))
     for places, group in itertools.groupby(known, lambda line: line[0]):
-        columns = [
-            [name, [_short(one) for one in y], _on_page(axes, x, not up)] for _, name, x, y in group
-        ]
+        columns = [[name, [_short(one) for one in y]] for _, name, y in group]
         yield {"places": places, "lines": columns}
 
 
@@ -107,16 +96,9 @@ def _places(axes: Axes, places: Any, up: bool) -> list[Any]:
     given = isinstance(axis.get_major_locator(), FixedLocator) and hasattr(formatter, "func")
     if not given or (len(ticks) != len(places) and ticks != list(range(len(ticks)))):
         return [_short(x) for x in places]
-    names, at = formatter.format_ticks(ticks), np.array(_on_page(axes, ticks, not up))
-    return [names[int(np.argmin(np.abs(at - x)))] for x in _on_page(axes, places, not up)]
-
-
-def _on_page(axes: Axes, values: Any, up: bool) -> list[float]:
-    """Where values along one axis lie on the drawing, in points of 1/72 inch from its left upper corner."""
-    figure: Any = axes.get_figure()
-    placed = axes.transData.transform(np.column_stack([values, values])) * 72.0 / figure.dpi
-    at = 72.0 * figure.get_figheight() - placed[:, 1] if up else placed[:, 0]
-    return [round(float(p), 1) for p in at]
+    names, scale = formatter.format_ticks(ticks), axis.get_transform()
+    at = scale.transform(np.array(ticks, dtype=float))
+    return [names[int(np.argmin(np.abs(at - x)))] for x in scale.transform(places)]
 
 
 def _label(axes: Axes, which: str) -> str:

@@ -1,4 +1,4 @@
-"""The values that a figure keeps in its SVG: those of lines with a name, where the drawing shows them."""
+"""The values that a figure keeps in its SVG: those of lines with a name."""
 
 from __future__ import annotations
 
@@ -26,17 +26,15 @@ def saved(axes, path):
     return panel
 
 
-def test_lines_with_a_name_keep_their_values_and_places(axes, tmp_path):
+def test_lines_with_a_name_keep_their_values(axes, tmp_path):
     axes.plot([0.0, 1.0, 2.0], [1.0, np.nan, 100.0], gid="$a$ < b & c")
     axes.plot([0.0, 2.0], [1.0, 1.0])  # without a name: it only guides the eye
     axes.set(xlim=(0.0, 2.0), ylim=(1.0, 100.0), yscale="log", xlabel="$x$", ylabel="y", title="t")
     panel = saved(axes, tmp_path / "a.svg")
-    assert (panel["title"], panel["x"], panel["y"], panel["up"]) == ("t", "$x$", "y", True)
-    # 4 × 3 inches of 72 points; upside down, as SVG has it
-    assert panel["scale"] == ["log", 1.0, 100.0, 108.0, 54.0, 0.0]
+    assert (panel["title"], panel["x"], panel["y"]) == ("t", "$x$", "y")
     (block,) = panel["blocks"]
     assert block["places"] == [0.0, 1.0, 2.0]
-    assert block["lines"] == [["$a$ < b & c", [1.0, None, 100.0], [72.0, 144.0, 216.0]]]
+    assert block["lines"] == [["$a$ < b & c", [1.0, None, 100.0]]]
 
 
 def test_saving_leaves_the_names_and_gives_the_same_bytes(axes, tmp_path):
@@ -52,7 +50,7 @@ def test_named_places_keep_their_names_and_rows_are_read_along_x(axes, tmp_path)
     axes.plot([3.0, 4.0], [0, 1], gid="c")
     axes.set_yticks(range(2), ["one", "two"])
     panel = saved(axes, tmp_path / "a.svg")
-    assert not panel["up"]
+    assert (panel["x"], panel["y"]) == ("", "")
     assert panel["blocks"][0]["places"] == ["one", "two"]
     assert panel["blocks"][0]["lines"][0][1] == [3.0, 4.0]
 
@@ -61,7 +59,7 @@ def test_a_long_line_is_thinned_and_a_loop_keeps_what_the_panel_shows(axes, tmp_
     turn = np.linspace(0.0, 2.0 * np.pi, 1000)
     axes.plot(np.cos(turn), np.sin(turn), gid="loop")
     axes.set(xlim=(0.0, 2.0), ylim=(0.0, 2.0))  # a quarter of it
-    places, (_, heights, _) = (
+    places, (_, heights) = (
         (block := saved(axes, tmp_path / "a.svg")["blocks"][0])["places"],
         block["lines"][0],
     )

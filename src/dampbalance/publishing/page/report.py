@@ -6,20 +6,26 @@
 from __future__ import annotations
 
 import base64
+import html
 import math
 import posixpath
+import re
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
+from urllib.parse import quote
 
 import jinja2
 import pandas as pd
+from markupsafe import Markup, escape
 
 from ... import __version__
 from ...balance import TERMS
 from ...figures.looks import label_of
+from ...figures.style import follows_the_screen
+from ...figures.values import read_values
 from ...project import wording
 from ...project.case import Case
 from ...project.documents import read_yaml
@@ -32,16 +38,20 @@ from ...studies.shown.facts import filled
 from ...studies.shown.summary import along_lines
 from .. import words
 from ..colours import css_variables
-from .drawings import Sheet
 from .instruments import instruments_data, sliders
 
-LARGEST_PAGE = 1_500_000  # bytes: a page that a phone loads quickly
+LARGEST_PAGE = 3_500_000  # bytes: a page that a phone loads in seconds
 STATIC = Path(__file__).with_name("static")
 STYLES = ("style.css", "instruments.css")
 SCRIPTS = (
     *("page.js", "engine.js", "kit.js"),
-    *("oscillator.js", "off_resonance.js", "integrator.js", "noise.js", "digits.js"),
+    *("oscillator.js", "off_resonance.js", "integrator.js", "digits.js"),
 )
+
+_METADATA = re.compile("<metadata.*?</metadata>", re.DOTALL)
+_DESCRIPTION = "<dc:description>(.*?)</dc:description>"
+# what an attribute in single quotes and a data URL both take as it is; % and # would end or change the latter
+_IN_A_URL = ' "<>=/:;,.()[]{}!@*+-_~?'
 
 
 @dataclass(frozen=True)
@@ -95,11 +105,10 @@ def report_page(content: PageContent, page: str) -> str:
         ]
         for n, of in enumerate(map(content.tables.__getitem__, frequencies))
     )
-    sheet = Sheet()
-    figures = {name: sheet.drawing(f"drawing-{name}", svg) for name, svg in content.figures.items()}
-    studies = {study.name: _study(content, sheet, study, svg) for study, svg in content.studies}
+    figures = {name: _figure(f"drawing-{name}", svg) for name, svg in content.figures.items()}
+    studies = {study.name: _study(content, study, svg) for study, svg in content.studies}
     template = _environment(case.name, page).get_template("report.html.j2")
-    html = template.render(
+    page_html = template.render(
         version=__version__,
         case=case.name,
         page=page,
@@ -121,7 +130,6 @@ def report_page(content: PageContent, page: str) -> str:
         figures=figures,
         studies=studies,
         noise=studies.get("noise"),
-        sheet=sheet,
         origins=ORIGINS,
         configuration=wording.dotted(content.config),
         evidence=content.evidence,
@@ -134,14 +142,14 @@ def report_page(content: PageContent, page: str) -> str:
         sliders=sliders(case),
         instruments=instruments_data(case, content.claims, content.digits),
     )
-    size = len(html.encode())
+    size = len(page_html.encode())
     if size > LARGEST_PAGE:
         warnings.warn(
-            f"{page} has {size:,} bytes, more than the {LARGEST_PAGE:,} that a phone loads quickly: show fewer "
+            f"{page} has {size:,} bytes, more than the {LARGEST_PAGE:,} that a phone loads in seconds: show fewer "
             "studies, or coarser ones",
             stacklevel=2,
         )
-    return html
+    return page_html
 
 
 def _parts(
@@ -183,7 +191,7 @@ def _parts(
         yield {"columns": columns, "groups": groups}
 
 
-def _study(content: PageContent, sheet: Sheet, study: Study, svg: str) -> dict[str, Any]:
+def _study(content: PageContent, study: Study, svg: str) -> dict[str, Any]:
     """The figure of a study, with what it shows: in its first sentence, and in more.
 
     lines, of noise : the errors of F_k as `along_lines` has them.
@@ -195,9 +203,46 @@ def _study(content: PageContent, sheet: Sheet, study: Study, svg: str) -> dict[s
     return {
         **{"title": study.title, "first": f"{first}.", "more": more},
         "lines": [] if summary is None else along_lines(study, summary, "F_k"),
-        "figure": sheet.drawing(f"study-{name}", svg),
+        "figure": _figure(f"study-{name}", svg),
         "origin": ORIGINS["studies"] | {"results": files},  # its file says what is varied
     }
+
+
+def _figure(name: str, svg: str) -> dict[str, Any]:
+    """A figure that `figures.style.save` wrote, for the page.
+
+    name : unique on the page.   alt : what it shows, in a sentence.   wide : its width, points.
+    source : the SVG as drawn, without its metadata, as a data URL for an attribute in single quotes.
+    tables : its values, (title, head, rows) each, a table for the lines at the same places; "" where there is none.
+    """
+    alt, box = (re.search(what, svg, re.DOTALL) for what in (_DESCRIPTION, 'viewBox="([^"]*)"'))
+    drawn = follows_the_screen(_METADATA.sub("", svg[svg.index("<svg") :]))
+    return {
+        "name": name,
+        "alt": html.unescape(alt[1]) if alt else "",
+        "wide": box[1].split()[2] if box else "",
+        # base64 would be a third larger; a URL loses its line ends
+        "source": Markup(f"data:image/svg+xml,{quote(' '.join(drawn.split()), safe=_IN_A_URL)}"),
+        "tables": list(_tables(read_values(svg))),
+    }
+
+
+def _tables(panels: list[dict[str, Any]]) -> Iterator[tuple[Markup, list[Markup], list[Any]]]:
+    for panel in panels:
+        what = " against ".join(filter(None, (panel["y"], panel["x"])))
+        for block in panel["blocks"]:
+            names, values = zip(*block["lines"], strict=True)
+            head = [panel["x"] or "what", *names]
+            rows = zip(block["places"], *values, strict=True)
+            title = words.from_tex(", ".join(filter(None, (panel["title"], what))))
+            yield title, [*map(_cell, head)], [[*map(_cell, row)] for row in rows]
+
+
+def _cell(value: float | str | None) -> Markup:
+    """A value or the name of a place."""
+    if isinstance(value, str):
+        return words.from_tex(value)
+    return escape("" if value is None else f"{value:g}".replace("-", "−"))
 
 
 def _environment(case: str, page: str) -> jinja2.Environment:

@@ -41,6 +41,7 @@ from ...project.documents import read_yaml
 from ...project.files import UNFINISHED
 from ...project.wording import in_markdown
 from ..formulas import font_face
+from ..notebook import as_markdown
 from ..words import templates
 from . import reference
 
@@ -133,6 +134,7 @@ def write_pages(root: Path, stage: Path, parser: argparse.ArgumentParser) -> Non
         "run": session.run,
         "document": lambda path: json.loads((session.folder / path).read_text(encoding="utf-8")),
         "screen": screen,
+        "notebook": lambda path: as_markdown(root / path),
         "source": lambda path: (root / path).read_text(encoding="utf-8").strip(),
         "terms": KNOWN_TERMS.values(),
         "public": reference.by_room(dampbalance.__all__, "dampbalance"),

@@ -44,12 +44,12 @@ const kit = (() => {
     } : { a: travel[approach]({ ...r, t_s: t_s[i] }), b: Math.PI * r.omega * r.X ** 2, W: Math.PI * r.k * r.Y * r.X * Math.sin(phi[i]) }));
   }
 
-  /* {F_k, c, n} by least squares of the finite rows, weighted with `weights` (1/J²); NaN where they do not tell. */
-  function solve(all, weights = null) {
+  /* {F_k, c, n} by least squares of the finite rows; NaN where they do not tell. */
+  function solve(all) {
     let [n, aa, ab, bb, aW, qq, qW] = [0, 0, 0, 0, 0, 0, 0];
-    const each = (add) => all.forEach((r, i) => { if (Number.isFinite(r.a + r.b + r.W)) add(r, weights ? weights[i] : 1); });
-    each(({ a, b, W }, w) => { n += 1; aa += w * a * a; ab += w * a * b; bb += w * b * b; aW += w * a * W; });
-    each(({ a, b, W }, w) => { const q = b - (ab / aa) * a; qq += w * q * q; qW += w * q * W; }); // b without its share along a
+    const each = (add) => all.forEach((r) => { if (Number.isFinite(r.a + r.b + r.W)) add(r); });
+    each(({ a, b, W }) => { n += 1; aa += a * a; ab += a * b; bb += b * b; aW += a * W; });
+    each(({ a, b, W }) => { const q = b - (ab / aa) * a; qq += q * q; qW += q * W; }); // b without its share along a
     const c = n > 1 && qq > 1e-24 * bb ? qW / qq : NaN;
     return { F_k: (aW - c * ab) / aa, c, n };
   }
@@ -199,6 +199,6 @@ const kit = (() => {
     requestAnimationFrame(() => requestAnimationFrame(() => { if (location.hash.slice(1).split('?')[0] === id) root.scrollIntoView(); }));
   }
 
-  return { instrument, number, percent, rich, response, rows, solve, element, plot, key, PHASES, sum, finite, mean };
+  return { instrument, number, percent, rich, response, rows, solve, element, plot, key, PHASES, finite, mean };
 })();
 if (typeof module !== 'undefined') module.exports = kit;
