@@ -205,7 +205,7 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, object], Callable[..., o
     ),
     "a signal": (signals, {"displacement_m": np.sin(T), "time_s": T}, repr),
     "the rate": (lambda dt: signals(dt=dt, time_s=np.sin(T)), {"dt": 0.1}, repr),
-    "write": (write, {"path": "", "measurement": STEADY[0], "format": None}, repr),
+    "write": (write, {"path": "", "measurement": STEADY[0]}, repr),
     "read": (read, {"path": "level1.csv", "mapping": None, "largest": 100}, repr),
     "channels": (channels, {"path": "level1.csv", "mapping": None}, repr),
     "open_channels": (open_channels, {"path": "level1.csv", "mapping": None, "block": 9, "largest": 9}, repr),

@@ -287,8 +287,8 @@ def test_results_are_not_overwritten_unasked(tmp_path, answer):
     assert list(json.loads(document.read_text(encoding="utf-8"))["approaches"]) == ["fourier"]
 
 
-@pytest.mark.parametrize("suffix", ["tsv", "parquet", "mat", "h5", "uff", "tdms", "wav"])
-def test_simulated_records_come_back_in_every_format(suffix, tmp_path):
+@pytest.mark.parametrize("suffix", ["tsv", "mat"])
+def test_simulated_records_come_back_in_both_formats(suffix, tmp_path):
     for name in (f"a.{suffix}", "plain.csv"):
         assert simulate(tmp_path / name, *SMALL) == 0
     found, plain = read(tmp_path / f"a.{suffix}"), read(tmp_path / "plain.csv")
@@ -320,6 +320,19 @@ def test_the_demo_makes_the_example_identifies_it_and_shows_the_report(
     assert "holds level1.csv already: choose another folder" in answer("demo", str(folder), code=2)
     assert report.stat().st_mtime_ns == before
     assert len(shown) == 1
+
+
+@pytest.mark.parametrize("command", ["simulate", "release"])
+def test_a_format_that_is_not_written_is_refused_in_a_sentence(command, tmp_path, capsys):
+    path = tmp_path / "a.parquet"
+    amounts = {
+        "simulate": ("--frequency", "4.92", "--amplitude", "0.004"),
+        "release": ("--displacement", "0.01", "--damping", "1"),
+    }[command]
+    assert code_of(command, path, *amounts) == 2
+    said = capsys.readouterr().err
+    assert "records are not written as '.parquet', but as .csv, .tsv" in said
+    assert not path.exists()
 
 
 def test_a_simulated_record_is_not_overwritten_unasked(tmp_path, capsys):

@@ -14,14 +14,11 @@ import xml.dom.minidom
 import zlib
 
 import h5py
-import nptdms
 import numpy as np
 import pandas as pd
 import pyarrow as pa
-import pyarrow.parquet as pq
 import pytest
 import scipy.io
-from scipy.io import wavfile
 
 from dampbalance.commands.main import main
 from dampbalance.model import BaseMotion
@@ -34,6 +31,7 @@ from dampbalance.records.readers import channels, open_channels, read
 from dampbalance.records.synthetic import measured_orbit
 from paper_case import PAPER
 from processes import in_time, run
+from unit.records.formats import write_columns
 from unit.records.workbooks import packed, row, xlsx
 
 pytestmark = pytest.mark.usefixtures("coarse")
@@ -70,27 +68,8 @@ def sound(tmp_path_factory):
 
 
 def write(path, *columns, names=NAMES):
-    """Write columns by their names, in the format of the suffix; in a WAV, without times. Gives the path."""
-    arrays = dict(zip(names, columns, strict=True))
-    match path.suffix:
-        case ".csv":
-            pd.DataFrame(arrays).to_csv(path, index=False)
-        case ".parquet":
-            pq.write_table(pa.table(arrays), path)
-        case ".mat":
-            scipy.io.savemat(path, arrays, do_compression=True, oned_as="column")
-        case ".h5":
-            with h5py.File(path, "w") as file:
-                for name, values in arrays.items():
-                    file[name] = values
-        case ".tdms":
-            with nptdms.TdmsWriter(str(path)) as file:
-                parts = [nptdms.ChannelObject("group", n, v) for n, v in arrays.items()]
-                file.write_segment(parts)
-        case ".wav":
-            wavfile.write(path, int(RATE), np.stack(columns[1:], axis=1))
-            path.with_name(f"{path.name}.yaml").write_text(json.dumps({"channels": CHANNELS}))
-    return path
+    """Write columns by their names, in the format of the suffix. Gives the path."""
+    return write_columns(path, dict(zip(names, columns, strict=True)))
 
 
 FORMATS = ("csv", "parquet", "mat", "h5", "tdms", "wav")

@@ -15,16 +15,15 @@ import pandas as pd
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
-import pyuff
 import scipy.io
 import yaml
 from scipy.io import wavfile
 
 from dampbalance.record import Record
 from dampbalance.records.errors import RecordError, RecordWarning
-from dampbalance.records.measurement import Channel, Measurement
+from dampbalance.records.measurement import Channel
 from dampbalance.records.readers import channels, open_channels, read
-from dampbalance.records.writers import write
+from unit.records.formats import write_columns, write_uff
 
 RATE = 1000.0
 N = 8
@@ -264,13 +263,6 @@ def test_universal_files_of_another_program(tmp_path, binary, even):
     write_uff(path, sets)
     assert_expected(read(path))
     assert len(channels(path)) == (2 if even else 4)
-
-
-def write_uff(path, sets):
-    with warnings.catch_warnings():
-        # pyuff leaves closing to the garbage collector; "overwrite" loses the header of a binary set
-        warnings.simplefilter("ignore", ResourceWarning)
-        pyuff.UFF(str(path)).write_sets(sets, mode="add")
 
 
 def test_tdms_groups_and_segments(tmp_path):
@@ -518,9 +510,24 @@ def sample(path, kind=None, n=200):
     random = np.random.default_rng(3)
     t = np.arange(n) / RATE
     values = random.standard_normal((2, n))
-    record = Measurement.of("", [Channel("force", t, values[0]), Channel("velocity", t, values[1])])
-    write(path, record, kind)
-    return path
+    columns = {"time_s": t, "force_N": values[0], "velocity_m_per_s": values[1]}
+    return write_columns(path, columns, kind == "matlab73")
+
+
+@pytest.mark.parametrize(("suffix", "kind"), [*[(s, None) for s in SAMPLES], (".mat", "matlab73")])
+@pytest.mark.parametrize("block", [3, 37, 199, 200, 1000])
+def test_every_format_is_read_to_the_last_bit_whole_and_in_blocks(tmp_path, suffix, kind, block):
+    # 200 = 5 · 37 + 15: the last block is short; 199 leaves one sample, which joins the block before.
+    values = np.random.default_rng(3).standard_normal((2, 200))
+    path = sample(tmp_path / f"run{suffix}", kind)
+    measurement = read(path)
+    for quantity, expected in zip(("force", "velocity"), values, strict=True):
+        np.testing.assert_array_equal(measurement[quantity].values, expected)
+        np.testing.assert_array_equal(measurement[quantity].t, np.arange(200) / RATE)
+        t, parts = zip(*open_channels(path, block=block)[quantity](), strict=True)
+        assert all(len(part) == block for part in t[:-1])
+        np.testing.assert_array_equal(np.concatenate(t), measurement[quantity].t)
+        np.testing.assert_array_equal(np.concatenate(parts), expected)
 
 
 @pytest.mark.parametrize("suffix", SAMPLES)
@@ -641,7 +648,10 @@ def test_padding_of_a_table_does_not_reach_the_blocks(tmp_path):
     force = Channel("force", np.arange(40) / 1000.0, random.standard_normal(40))
     for n in (3, 20, 29, 30, 31, 39, 40):
         velocity = Channel("velocity", np.arange(n) / 500.0, random.standard_normal(n))
-        write(path, Measurement.of("", [force, velocity]))
+        columns = {"force_time_s": force.t, "force_N": force.values}
+        columns |= {"velocity_time_s": velocity.t, "velocity_m_per_s": velocity.values}
+        frame = pd.DataFrame({name: pd.Series(values) for name, values in columns.items()})
+        frame.to_csv(path, index=False)
         blocks = list(open_channels(path, block=10)["velocity"]())
         np.testing.assert_array_equal(np.concatenate([b[0] for b in blocks]), velocity.t)
         np.testing.assert_array_equal(np.concatenate([b[1] for b in blocks]), velocity.values)

@@ -40,7 +40,7 @@ FORMATS = {
         "a spreadsheet", (".xlsx", ".xlsm", ".xlsb", ".xls", ".ods"), ("spreadsheet",)
     ),
 }
-"""The formats read, and all but the last two written, by short name."""
+"""The formats read, by short name."""
 
 
 def format_by_suffix(path: Path) -> str:
