@@ -52,7 +52,7 @@ def load(
         )
     nominal = record.rules.frequency_hz if frequency_hz is None else frequency_hz
     if whole is None:
-        channels = open_channels(record.name, record.rules, largest=record.largest)
+        channels = open_channels(record.name, record.rules)
         corrections = {q: rule.correction for q, rule in record.rules.channels.items()}
         steady = condition_blocks(
             *(record.name, channels, k),

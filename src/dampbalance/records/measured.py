@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-from ..arguments import items, path, whole
+from ..arguments import items, path
 from ..project.files import sha256
 from ..project.wording import Remark, listed, visible
-from .errors import LARGEST, RecordError, RecordWarning
+from .errors import RecordError, RecordWarning
 from .mapping import MappingLike, RecordMapping, mapping_file, mapping_for, parts_of
 from .measurement import EXCITATIONS, Measurement, mean_rate
 from .readers import open_channels, opened, read, read_signals, stated_numbers
@@ -41,8 +41,7 @@ class MeasuredRecord:
     quantities : that it holds, by the names of `Measurement`.   measurement : its channels in SI units; None for a file
     above LARGE bytes, which is read block by block when it is identified.
     rules : what its mapping says.   warnings : what is odd about it, in words.   files : digests of what it was read
-    from.   largest : numbers (samples × channels) that may be read of it.   table : its lines, where it is a table of
-    steady responses; it has no samples then.
+    from.   table : its lines, where it is a table of steady responses; it has no samples then.
     """
 
     name: str
@@ -52,7 +51,6 @@ class MeasuredRecord:
     rules: RecordMapping
     warnings: tuple[Remark, ...] = ()
     files: Mapping[str, Any] | None = None
-    largest: int = LARGEST
     table: SteppedTable | None = None
 
     @property
@@ -111,7 +109,6 @@ def read_records(
     records: RecordLike | Sequence[RecordLike],
     *,
     mapping: MappingLike = None,
-    largest: int = LARGEST,
     tables: bool | None = None,
     free: bool = False,
 ) -> tuple[MeasuredRecord, ...]:
@@ -122,7 +119,7 @@ def read_records(
     read. Columns and arrays are named like those of a file, displacement_mm or force_N, with time_s among them, or
     sample_rate_hz as a number. A masked sample is missing, as an empty cell of a file is.
     mapping : what the names do not say, for all records: a document as in the YAML file of a record, or the path of
-    one; default, for a file, the one next to it.   largest : numbers (samples × channels) that may be read of each.
+    one; default, for a file, the one next to it.
     tables : whether they are tables of steady responses to a stepped sine (frequency, amplitudes, phase); default,
     those that have columns of frequency and phase and none of times.   free : whether they are known to be free decays,
     so that no channel that nothing names, and no unit of a drive, is in the way.
@@ -142,17 +139,16 @@ def read_records(
     >>> float(record.measurement["base_displacement"].values[0])  # m
     0.004
     """
-    largest = whole("largest", largest)
     single = isinstance(records, str | Path | Measurement | MeasuredRecord) or is_table(records)
     wanted = "the path of a file, a pandas DataFrame, a mapping of names to arrays, or a sequence of them"
     several = [records] if single else items("records", records, wanted)
     made: list[MeasuredRecord] = []
     for number, one in enumerate(several, start=1):
         if isinstance(one, str | Path):
-            one = _of_file(path("each record", one, "a file"), mapping, largest, tables, free)
+            one = _of_file(path("each record", one, "a file"), mapping, tables, free)
         elif not isinstance(one, MeasuredRecord):
             taken = {record.name for record in made}
-            one = _in_memory(one, number, taken, mapping, largest, tables, free)
+            one = _in_memory(one, number, taken, mapping, tables, free)
         made.append(one)
     return tuple(made)
 
@@ -162,7 +158,6 @@ def _in_memory(
     number: int,
     taken: set[str],
     mapping: MappingLike,
-    largest: int,
     tables: bool | None,
     free: bool,
 ) -> MeasuredRecord:
@@ -179,12 +174,12 @@ def _in_memory(
     if not isinstance(record, Measurement) and tables is not False:
         file = signals_file(name, record)
         if tables or is_table_of_lines(file, rules):
-            return _of_lines(file, name, rules, largest)
+            return _of_lines(file, name, rules)
     with _told(name) as said:
         if isinstance(record, Measurement):
             measurement = replace(record, source=name)
         else:
-            measurement = read_signals(name, record, rules, largest)
+            measurement = read_signals(name, record, rules)
     label = visible(rules.level or name)
     return MeasuredRecord(name, label, tuple(measurement), measurement, rules, tuple(said))
 
@@ -193,39 +188,36 @@ def _of_lines(
     file: RecordFile,
     label: str,
     rules: RecordMapping,
-    largest: int,
     files: Mapping[str, Any] | None = None,
 ) -> MeasuredRecord:
     """The record of a table of steady responses."""
-    table = read_table(file, rules, visible(rules.level or label), largest)
+    table = read_table(file, rules, visible(rules.level or label))
     held, name = tuple(table.quantities), str(file.path)
-    return MeasuredRecord(name, label, held, None, rules, files=files, largest=largest, table=table)
+    return MeasuredRecord(name, label, held, None, rules, files=files, table=table)
 
 
-def _of_file(
-    path: Path, mapping: MappingLike, largest: int, tables: bool | None, free: bool
-) -> MeasuredRecord:
+def _of_file(path: Path, mapping: MappingLike, tables: bool | None, free: bool) -> MeasuredRecord:
     rules = replace(mapping_for(path, mapping), free=free)
     measurement: Measurement | None = None
     if tables is not False and not rules.channels:
-        with closing(opened(path, rules, largest)) as file:
+        with closing(opened(path, rules)) as file:
             if tables or is_table_of_lines(file, rules):
-                return _of_lines(file, path.name, rules, largest, _digests(path, rules, mapping))
+                return _of_lines(file, path.name, rules, _digests(path, rules, mapping))
     with _told(str(path)) as said:
-        stated = 8 * stated_numbers(path, rules, largest)
+        stated = 8 * stated_numbers(path, rules)
         stored = sum(file.stat().st_size for file in parts_of(path, rules))
         if max(stated, stored) <= LARGE:
-            measurement = replace(read(path, rules, largest), source=str(path))
-        quantities = tuple(measurement or open_channels(path, rules, largest=largest))
+            measurement = replace(read(path, rules), source=str(path))
+        quantities = tuple(measurement or open_channels(path, rules))
     label, notes = visible(rules.level or path.name), tuple(said)
     files = _digests(path, rules, mapping)
-    return MeasuredRecord(str(path), label, quantities, measurement, rules, notes, files, largest)
+    return MeasuredRecord(str(path), label, quantities, measurement, rules, notes, files)
 
 
-def recognised_as_table(path: Path, mapping: MappingLike, largest: int) -> bool:
+def recognised_as_table(path: Path, mapping: MappingLike) -> bool:
     """Whether `read_records` takes a file for a table of steady responses to a stepped sine."""
     rules = mapping_for(path, mapping)
-    with closing(opened(path, rules, largest)) as file:
+    with closing(opened(path, rules)) as file:
         return is_table_of_lines(file, rules)
 
 

@@ -143,7 +143,6 @@ def test_the_document_says_from_what_it_was_made(tmp_path):
         "skip_cycles": 0,
         "replicates": 20,
         "seed": 7,
-        "largest": 200_000_000,
     }
 
     def digest(name):
@@ -529,7 +528,6 @@ ONE, TWO = RECORDS[0], [*RECORDS[:2], *COMMON]
         ([*TWO, "--approach", "best"], "invalid choice"),
         ([*TWO, "--replicates", "some"], "must be a whole number, 2 to 10000"),
         ([*TWO, "--replicates", "10000000"], "a whole number, 2 to 10000"),
-        ([*TWO, "--largest", "0"], "must be a positive number"),
         ([*TWO, "--groups", "F_k"], "must be TERM=LABELS with a label for each record"),
         (RECORDS[:2], "arguments are required: --stiffness"),
         (COMMON, "arguments are required: RECORD"),

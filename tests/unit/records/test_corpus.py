@@ -12,7 +12,7 @@ import pandas as pd
 import pytest
 
 from dampbalance.records.errors import RecordError, RecordWarning
-from dampbalance.records.readers import open_channels, read, stated_numbers
+from dampbalance.records.readers import open_channels, read
 from unit.records.workbooks import row, xlsx
 
 RATE = 20000.0
@@ -267,12 +267,3 @@ def test_channels_of_several_files_are_looked_for_where_the_mapping_says(tmp_pat
         mapping.write_text(text.replace(old, new), encoding="utf-8")
         with pytest.raises(RecordError, match=message):
             read(path)
-
-
-def test_numbers_of_several_files_count_together(tmp_path):
-    path = _several(tmp_path)
-    # of text, from the length of its lines
-    assert stated_numbers(path) == pytest.approx(8000, rel=0.05)
-    read(path, largest=8000)
-    with pytest.raises(RecordError, match="would be 4,000 numbers, more than 3,999"):
-        read(path, largest=7999)

@@ -35,14 +35,14 @@ def stated_size(file: RecordFile, picks: Sequence[Pick], otherwise: int = 0) -> 
     return sum(file.channels[i].size or otherwise for i in wanted_of(picks))
 
 
-def whole(file: RecordFile, picks: Sequence[Pick], largest: int) -> list[Channel]:
-    """All samples of the picked channels, `largest` numbers at most, which not every file tells beforehand.
+def whole(file: RecordFile, picks: Sequence[Pick]) -> list[Channel]:
+    """All samples of the picked channels.
 
     Raises RecordError naming channel and line or sample: a value that is missing, not finite or beyond all bounds,
     times that do not increase, have a gap or unequal steps, a constant channel, an integer that ran over, channels of
     unequal lengths.
     """
-    columns = columns_of(file, wanted_of(picks), largest)
+    columns = columns_of(file, wanted_of(picks))
     first_of: dict[tuple[object, ...], Pick] = {}  # of the channels that share their times
     channels: list[Channel] = []
     for pick in picks:
@@ -59,35 +59,35 @@ def whole(file: RecordFile, picks: Sequence[Pick], largest: int) -> list[Channel
                 "that share their times have equal lengths"
             )
         own = [columns[i] for i in wanted_of([pick])]
-        channels += _checked(Stretch(file, pick, entire=True), [own], largest)
+        channels += _checked(Stretch(file, pick, entire=True), [own])
     return channels
 
 
-def columns_of(file: RecordFile, wanted: Sequence[int], largest: int) -> dict[int, Array]:
-    """All samples of channels by their numbers, as they are recorded. Raises RecordError for more than `largest`."""
-    require_size(file.path, sum(file.channels[i].size or 0 for i in wanted), largest)
+def columns_of(file: RecordFile, wanted: Sequence[int]) -> dict[int, Array]:
+    """All samples of channels by their numbers, as recorded. Raises RecordError for more than LARGEST numbers."""
+    require_size(file.path, sum(file.channels[i].size or 0 for i in wanted))
     blocks = list(file.blocks(wanted, max(file.channels[i].size or errors.LARGEST for i in wanted)))
     # what is one array already is not copied
     arrays = [p[0] if len(p) == 1 else np.concatenate(p) for p in zip(*blocks, strict=True)]
-    require_size(file.path, sum(len(array) for array in arrays), largest)
+    require_size(file.path, sum(len(array) for array in arrays))
     return dict(zip(wanted, arrays or [np.empty(0)] * len(wanted), strict=True))
 
 
-def in_blocks(file: RecordFile, pick: Pick, size: int, largest: int) -> Iterator[Channel]:
+def in_blocks(file: RecordFile, pick: Pick, size: int) -> Iterator[Channel]:
     """One channel, `size` samples at a time; the last block may be shorter, but has at least 2.
 
     Raises RecordError as `whole`, when the block that is wrong comes up, a constant channel after the last; and when
-    there are more than `largest` samples, which not every file tells beforehand.
+    there are more than LARGEST numbers, which not every file tells beforehand.
     """
     wanted = wanted_of([pick])
     if len({file.channels[i].size for i in wanted}) > 1:
         named = ", ".join(f"{file.channels[i].name!r} {file.channels[i].size}" for i in wanted)
         remedy = "such a file is read only as a whole"
         raise RecordError(f"{file.path}: its channels have unequal lengths ({named}); {remedy}")
-    return _checked(Stretch(file, pick), file.blocks(wanted, size), largest)
+    return _checked(Stretch(file, pick), file.blocks(wanted, size))
 
 
-def _checked(stretch: Stretch, raw: Iterable[list[Array]], largest: int) -> Iterator[Channel]:
+def _checked(stretch: Stretch, raw: Iterable[list[Array]]) -> Iterator[Channel]:
     """The blocks of one channel, and of its times, as they pass all checks."""
     wanted = wanted_of([stretch.pick])
     # One block is kept back, so that a last one of a single sample can join it.
@@ -98,7 +98,7 @@ def _checked(stretch: Stretch, raw: Iterable[list[Array]], largest: int) -> Iter
             continue
         if waiting:
             yield stretch.channel(dict(zip(wanted, waiting, strict=True)))
-            require_size(stretch.file.path, stretch.count * len(wanted), largest)
+            require_size(stretch.file.path, stretch.count * len(wanted))
         waiting = block
     yield stretch.channel(dict(zip(wanted, waiting or [np.empty(0)] * len(wanted), strict=True)))
     stretch.finish()
@@ -164,7 +164,7 @@ class Stretch:
 
     def _in_si(self, index: int, values: Array, factor: float, bound: float, unit: str) -> Array:
         """The values in SI, finite and within the bound either way."""
-        with np.errstate(over="ignore"):
+        with np.errstate(over="ignore", invalid="ignore"):  # a damaged file has signalling NaN, too
             signal = values * factor
         bad = np.flatnonzero(~(np.abs(signal) <= bound))
         if not bad.size:
