@@ -44,7 +44,7 @@ from dampbalance.law.response import law_orbit
 from dampbalance.motion.fixed_step import simulate
 from dampbalance.project.documents import ConfigurationError
 from dampbalance.record import Record
-from dampbalance.records.readers import channels, open_channels, read
+from dampbalance.records.readers import channels, read
 from dampbalance.records.writers import write
 from dampbalance.solver import contact_stiffness
 from paper_case import PAPER
@@ -208,7 +208,6 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, object], Callable[..., o
     "write": (write, {"path": "", "measurement": STEADY[0]}, repr),
     "read": (read, {"path": "level1.csv", "mapping": None}, repr),
     "channels": (channels, {"path": "level1.csv", "mapping": None}, repr),
-    "open_channels": (open_channels, {"path": "level1.csv", "mapping": None, "block": 9}, repr),
     "study": (
         study,
         {"axes": {"zeta": [0.1]}, "base": {}, "levels_m": [0.004, 0.008], "estimation": {}, "read_out": {}}

@@ -142,7 +142,7 @@ def _of_tables(options: argparse.Namespace) -> bool:
 def _write_mapping(options: argparse.Namespace) -> None:
     """Write a mapping for the first record that the others can be read with, show it, and say how it is used."""
     from ..records.mapping import find_mapping, read_mapping  # slow to import
-    from ..records.readers import mapping_to_start_from, open_channels
+    from ..records.readers import mapping_to_start_from, quantities_of
 
     file: Path = options.write_mapping
     if file.suffix != ".yaml":
@@ -158,7 +158,7 @@ def _write_mapping(options: argparse.Namespace) -> None:
         unfinished.write_text(text, encoding="utf-8", newline="\n")
         mapping = replace(read_mapping(unfinished), source=str(file))
         for record in options.records:
-            open_channels(record, mapping)
+            quantities_of(record, mapping)
     is_usual = all(find_mapping(record) == file for record in options.records)
     use = "without --write-mapping" if is_usual else f"with --mapping {file} instead"
     print(f"{text}\nWritten to {file}. Check each line, then give the same command {use}.")

@@ -18,7 +18,7 @@ from ..project.wording import Remark, listed, visible
 from .errors import RecordError, RecordWarning
 from .mapping import MappingLike, RecordMapping, mapping_file, mapping_for, parts_of
 from .measurement import EXCITATIONS, Measurement, mean_rate
-from .readers import open_channels, opened, read, read_signals, stated_numbers
+from .readers import opened, read, read_signals
 from .readers.record_file import is_table, signals_file
 from .stepped_sine import SteppedTable, is_table_of_lines, read_table
 
@@ -29,8 +29,6 @@ if TYPE_CHECKING:
 
     RecordLike: TypeAlias = "str | Path | Signals | Measurement | MeasuredRecord"
 
-LARGE = 256_000_000  # bytes of a file, packed or not; a larger one is not taken into memory
-
 
 @dataclass(frozen=True, eq=False, repr=False)
 class MeasuredRecord:
@@ -38,8 +36,8 @@ class MeasuredRecord:
     a stepped sine, as `read_records` makes it.
 
     name : what messages and tables call it; the path of a file.   label : of its level, for plots.
-    quantities : that it holds, by the names of `Measurement`.   measurement : its channels in SI units; None for a file
-    above LARGE bytes, which is read block by block when it is identified.
+    quantities : that it holds, by the names of `Measurement`.   measurement : its channels in SI units; None for
+    a table.
     rules : what its mapping says.   warnings : what is odd about it, in words.   files : digests of what it was read
     from.   table : its lines, where it is a table of steady responses; it has no samples then.
     """
@@ -62,7 +60,7 @@ class MeasuredRecord:
         """The samples: a column for each channel, named with its SI unit, and their times, time_s, as index; of a table
         of steady responses its lines.
 
-        Raises ValueError where the channels have times of their own, and RecordError for a file that is too large.
+        Raises ValueError where the channels have times of their own.
         """
         import pandas as pd  # slow to import
 
@@ -79,15 +77,10 @@ class MeasuredRecord:
         return pd.DataFrame(columns, index=pd.Index(t, name="time_s"))
 
     def whole(self) -> Measurement:
-        """All its channels. Raises RecordError for a file that is too large for memory, and for a table."""
-        if self.table is not None:
-            raise RecordError(
-                f"{self.name}: is a table of steady responses, without samples; take its lines, `table`"
-            )
+        """All its channels. Raises RecordError for a table."""
         if self.measurement is None:
             raise RecordError(
-                f"{self.name}: is larger than {LARGE / 1e6:.0f} MB and was not taken into memory; identify it, or read "
-                "a part of it"
+                f"{self.name}: is a table of steady responses, without samples; take its lines, `table`"
             )
         return self.measurement
 
@@ -98,9 +91,7 @@ class MeasuredRecord:
             sizes = [of.X.size for of in self.table.levels]
             levels = f"{sum(sizes)} lines at {len(sizes)} level{'s' * (len(sizes) > 1)}"
             return f"<table {self.name}: {levels}; {self.table.convention}>"
-        if self.measurement is None:
-            return f"<record {self.name}: {held}; read when it is identified>"
-        t = max((self.measurement[q].t for q in self.quantities), key=len)
+        t = max((self.whole()[q].t for q in self.quantities), key=len)
         sampled = f"{t.size:,} samples from {t[0]:.4g} s to {t[-1]:.4g} s at {mean_rate(t):.6g} Hz"
         return f"<record {self.name}: {'; '.join([held, sampled, *self.warnings])}>"
 
@@ -198,20 +189,15 @@ def _of_lines(
 
 def _of_file(path: Path, mapping: MappingLike, tables: bool | None, free: bool) -> MeasuredRecord:
     rules = replace(mapping_for(path, mapping), free=free)
-    measurement: Measurement | None = None
     if tables is not False and not rules.channels:
         with closing(opened(path, rules)) as file:
             if tables or is_table_of_lines(file, rules):
                 return _of_lines(file, path.name, rules, _digests(path, rules, mapping))
     with _told(str(path)) as said:
-        stated = 8 * stated_numbers(path, rules)
-        stored = sum(file.stat().st_size for file in parts_of(path, rules))
-        if max(stated, stored) <= LARGE:
-            measurement = replace(read(path, rules), source=str(path))
-        quantities = tuple(measurement or open_channels(path, rules))
+        measurement = replace(read(path, rules), source=str(path))
     label, notes = visible(rules.level or path.name), tuple(said)
     files = _digests(path, rules, mapping)
-    return MeasuredRecord(str(path), label, quantities, measurement, rules, notes, files)
+    return MeasuredRecord(str(path), label, tuple(measurement), measurement, rules, notes, files)
 
 
 def recognised_as_table(path: Path, mapping: MappingLike) -> bool:

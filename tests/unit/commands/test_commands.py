@@ -546,14 +546,6 @@ def test_wrong_options_records_and_contradictions_are_refused(arguments, message
     assert message in answer("identify", *arguments, code=2)
 
 
-def test_large_files_are_read_in_blocks_with_the_same_result(monkeypatch):
-    whole = identify(RECORDS[:2], 2310.0, approaches=["direct"], replicates=20).document()
-    monkeypatch.setattr("dampbalance.records.measured.LARGE", 1000)
-    blocks = identify(RECORDS[:2], 2310.0, approaches=["direct"], replicates=20)
-    assert blocks.document() == whole
-    assert whole["maximum_likelihood"]["F_k_N"] == pytest.approx(PAPER.F_k, rel=0.01)
-
-
 def test_a_mapping_to_start_from_is_saved_and_used(tmp_path, capsys, answer):
     files = [tmp_path / f"level{i}.csv" for i in (1, 2, 3)]
     for path, file in zip(RECORDS[::2], files, strict=True):

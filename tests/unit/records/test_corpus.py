@@ -12,7 +12,7 @@ import pandas as pd
 import pytest
 
 from dampbalance.records.errors import RecordError, RecordWarning
-from dampbalance.records.readers import open_channels, read
+from dampbalance.records.readers import read
 from unit.records.workbooks import row, xlsx
 
 RATE = 20000.0
@@ -169,17 +169,6 @@ def test_a_file_of_a_laboratory_gives_its_signals(tmp_path, kind):
         np.testing.assert_allclose(channel.values, values, rtol=1e-15, atol=0)
         # a point in time has nine digits of a second at the most
         np.testing.assert_allclose(channel.t - channel.t[0], T, rtol=0, atol=1e-9)
-
-
-@pytest.mark.parametrize("kind", EXACT)
-@pytest.mark.filterwarnings("ignore:.*channels not used. 'date'")
-def test_blocks_give_the_same(tmp_path, kind):
-    path = CORPUS[kind](tmp_path)
-    whole = read(path)
-    for quantity, blocks in open_channels(path, block=7001).items():
-        t, values = np.hstack([np.array(block) for block in blocks()])
-        np.testing.assert_array_equal(t, whole[quantity].t)
-        np.testing.assert_array_equal(values, whole[quantity].values)
 
 
 def test_dates_of_a_spreadsheet_give_the_rate(tmp_path):

@@ -187,13 +187,3 @@ def test_it_shows_what_it_holds(tmp_path):
     path = tmp_path / "run.csv"
     pd.DataFrame(ARRAYS | {"other_V": A}).to_csv(path, index=False)
     assert "channels not used: 'other" in repr(read_records(path)[0])
-
-
-def test_a_file_too_large_for_memory_says_so(tmp_path, monkeypatch):
-    write_columns(tmp_path / "run.h5", COLUMNS)
-    monkeypatch.setattr("dampbalance.records.measured.LARGE", 100)
-    (record,) = read_records(tmp_path / "run.h5")
-    assert record.measurement is None
-    assert repr(record).endswith("read when it is identified>")
-    with pytest.raises(RecordError, match=r"run\.h5: is larger than"):
-        record.to_frame()

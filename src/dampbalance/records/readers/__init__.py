@@ -1,24 +1,21 @@
 """Reading records of every format that laboratories have into a `Measurement` in SI units.
 
 measurement = read("level1.mat")                    # mapping next to it, or names and units in the file
-for t, values in open_channels("long.tdms")["force"](): ...  # in bounded memory
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import closing
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ... import arguments
-from ...arrays import Array
-from ..errors import RecordError, RecordWarning, require_size
+from ..errors import RecordError, RecordWarning
 from ..mapping import MappingLike, RecordMapping, mapping_for, parts_of
 from ..measurement import QUANTITIES, Channel, Measurement
 from .array_files import hdf5_file, matlab_file
-from .assemble import in_blocks, stated_size, whole
+from .assemble import whole
 from .channels import Pick, picks_of, suggested_mapping
 from .containers import ParquetFile, lvm_file, tdms_file, uff_file, wav_file
 from .formats import FORMATS, checked_format
@@ -35,11 +32,10 @@ __all__ = [
     "RecordWarning",
     "channels",
     "mapping_to_start_from",
-    "open_channels",
     "opened",
+    "quantities_of",
     "read",
     "read_signals",
-    "stated_numbers",
 ]
 
 
@@ -69,40 +65,11 @@ def read_signals(name: str, signals: Signals, rules: RecordMapping) -> Measureme
     return Measurement.of(name, whole(file, picks_of(file, rules)))
 
 
-def stated_numbers(path: str | Path, mapping: MappingLike = None) -> int:
-    """How many numbers (samples × channels) a file says its measurement has: about, for text. 0 for what is read whole
-    when it is opened. Raises RecordError as `read`."""
-    files = _files(*_named(path, mapping), skipped=_READ_WHOLE)
-    return sum(stated_size(file, picks, file.rows_stated) for file, picks in files)
-
-
-def open_channels(
-    path: str | Path, mapping: MappingLike = None, block: int = 1_000_000
-) -> dict[str, Callable[[], Iterator[tuple[Array, Array]]]]:
-    """For each quantity of the measurement, a function that reads its channel from the beginning, block by block.
-
-    A block is the times (s) and the values (SI), shape (n,), n ≤ block. The channels may have unequal lengths and times
-    of their own, and each may be read as often as wanted; only one of them is in memory.
-
-    Text, Parquet, HDF5, MATLAB 7.3, TDMS (segment by segment) and WAV are read piece by piece; MATLAB 5, universal
-    files, LabVIEW's text and spreadsheets are read whole and handed out in blocks, as their libraries know no other
-    way. File and mapping are checked before the first block, and how many numbers they are.
-
-    Raises RecordError as `read`; for a wrong sample, when its block comes up.
-    """
-    block = arguments.whole("block", block)
-    path, rules = _named(path, mapping)
-    picked: dict[str, tuple[Path, Pick]] = {}
-    for file, picks in _files(path, rules):
-        require_size(file.path, stated_size(file, picks))
-        picked |= {pick.quantity: (file.path, pick) for pick in picks}
-
-    def blocks(part: Path, pick: Pick) -> Iterator[tuple[Array, Array]]:
-        with closing(opened(part, rules)) as file:
-            for channel in in_blocks(file, pick, block):
-                yield channel.t, channel.values
-
-    return {q: partial(blocks, *picked[q]) for q in QUANTITIES if q in picked}
+def quantities_of(path: str | Path, mapping: MappingLike = None) -> tuple[str, ...]:
+    """The quantities that names, units and mapping give the channels of a file, without a look at its samples. Raises
+    RecordError as `read`."""
+    picked = [pick.quantity for _, picks in _files(*_named(path, mapping)) for pick in picks]
+    return tuple(q for q in QUANTITIES if q in picked)
 
 
 def channels(path: str | Path, mapping: MappingLike = None) -> tuple[RawChannel, ...]:
@@ -132,15 +99,12 @@ def _named(path: str | Path, mapping: MappingLike) -> tuple[Path, RecordMapping]
     return file, mapping_for(file, mapping)
 
 
-def _files(
-    path: Path, rules: RecordMapping, skipped: Sequence[str] = ()
-) -> Iterator[tuple[RecordFile, tuple[Pick, ...]]]:
-    """Each file of a record, open, with what to read from it; without those of some kinds of content."""
+def _files(path: Path, rules: RecordMapping) -> Iterator[tuple[RecordFile, tuple[Pick, ...]]]:
+    """Each file of a record, open, with what to read from it."""
     parts = parts_of(path, rules)
     for part, of in parts.items():
-        if not skipped or checked_format(part) not in skipped:
-            with closing(opened(part, of)) as file:
-                yield file, picks_of(file, of, entire=len(parts) == 1)
+        with closing(opened(part, of)) as file:
+            yield file, picks_of(file, of, entire=len(parts) == 1)
 
 
 def opened(path: Path, rules: RecordMapping) -> RecordFile:
@@ -154,8 +118,6 @@ def opened(path: Path, rules: RecordMapping) -> RecordFile:
         raise
     return file
 
-
-_READ_WHOLE = ("matlab", "uff", "lvm", "spreadsheet")
 
 _OPENERS: dict[str, Callable[[Path], RecordFile]] = {  # each imports its library
     "parquet": ParquetFile,
