@@ -70,7 +70,6 @@ NUMBERS: Mapping[str, Bounds] = {
     "k_over_m": Bounds("1/s²"),
     "noise": Bounds(low=0.0, high=1e6, remedy="it is a part of the signal: 0.01 is 1 %"),
     "given": Bounds(low=0.0),
-    "largest": Bounds("samples × channels", 1, 10**12),
     "replicates": Bounds("", 2, MOST_REPLICATES),
     "seed": Bounds("", 0, _WORD),
     **dict.fromkeys(("skip_cycles", "stick_samples"), Bounds("", 0, _WORD)),

@@ -44,7 +44,7 @@ from dampbalance.law.response import law_orbit
 from dampbalance.motion.fixed_step import simulate
 from dampbalance.project.documents import ConfigurationError
 from dampbalance.record import Record
-from dampbalance.records.readers import channels, open_channels, read
+from dampbalance.records.readers import channels, read
 from dampbalance.records.writers import write
 from dampbalance.solver import contact_stiffness
 from paper_case import PAPER
@@ -200,15 +200,14 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, object], Callable[..., o
     ),
     "read_records": (
         read_records,
-        {"records": {"time_s": T, "displacement_m": np.sin(T)}, "mapping": None, "largest": 100},
+        {"records": {"time_s": T, "displacement_m": np.sin(T)}, "mapping": None},
         repr,
     ),
     "a signal": (signals, {"displacement_m": np.sin(T), "time_s": T}, repr),
     "the rate": (lambda dt: signals(dt=dt, time_s=np.sin(T)), {"dt": 0.1}, repr),
-    "write": (write, {"path": "", "measurement": STEADY[0], "format": None}, repr),
-    "read": (read, {"path": "level1.csv", "mapping": None, "largest": 100}, repr),
+    "write": (write, {"path": "", "measurement": STEADY[0]}, repr),
+    "read": (read, {"path": "level1.csv", "mapping": None}, repr),
     "channels": (channels, {"path": "level1.csv", "mapping": None}, repr),
-    "open_channels": (open_channels, {"path": "level1.csv", "mapping": None, "block": 9, "largest": 9}, repr),
     "study": (
         study,
         {"axes": {"zeta": [0.1]}, "base": {}, "levels_m": [0.004, 0.008], "estimation": {}, "read_out": {}}
@@ -231,7 +230,7 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, object], Callable[..., o
         identify,
         {"records": STEADY, "stiffness": 2310.0, "mapping": None, "kind": "forced", "frequency": 3.5, "mass": 2.42}
         | {"terms": ["F_k", "c"], "given": {}, "groups": {}, "laws": False, "approaches": ["X_s"], "phase": "reversal"}
-        | {"skip_cycles": 0, "replicates": 2, "seed": 1, "largest": 10**6},
+        | {"skip_cycles": 0, "replicates": 2, "seed": 1},
         repr,
     ),
 }  # fmt: skip

@@ -18,8 +18,7 @@ from ..identification.outputs import ALL_PICTURES, OUTPUTS, REPORT, TABLES, requ
 from ..law.terms import KNOWN_TERMS
 from ..project.files import json_text, replacing, write_text
 from ..project.wording import shortened
-from ..records.errors import LARGEST
-from .options import coefficients, count, mass, number, whole, with_error
+from .options import coefficients, mass, number, whole, with_error
 
 EPILOG = """\
 A record is one file per level of excitation: a channel that drives (base_displacement, base_acceleration or force) and
@@ -62,7 +61,6 @@ records         a file, one per level; as many as there are coefficients, or mor
 --skip-cycles   cycles left out at the start of each record, where the motion has not settled (default: 0)
 --replicates    of the bootstrap (default: %(default)s)
 --seed          of the bootstrap (default: %(default)s)
---largest       numbers, samples × channels, that may be read of a record (default: %(default)s)
 --output        write {", ".join(OUTPUTS)} there
 --no-figures    write no pictures: they take longer than all the rest
 --json          write {TABLES[0]} to this file, too; - shows it instead of the table
@@ -74,7 +72,7 @@ records         a file, one per level; as many as there are coefficients, or mor
 _SCREEN = Path("-")
 _SETTINGS = (
     *("kind", "mapping", "frequency", "mass", "terms", "laws", "approaches", "phase"),
-    *("contact", "hardening", "residual", "skip_cycles", "replicates", "seed", "largest"),
+    *("contact", "hardening", "residual", "skip_cycles", "replicates", "seed"),
 )
 """What `identify` takes as it stands in the options."""
 
@@ -138,13 +136,13 @@ def _of_tables(options: argparse.Namespace) -> bool:
 
     if options.kind != "recognised":
         return bool(options.kind == "stepped-sine")
-    return recognised_as_table(options.records[0], options.mapping, options.largest)
+    return recognised_as_table(options.records[0], options.mapping)
 
 
 def _write_mapping(options: argparse.Namespace) -> None:
     """Write a mapping for the first record that the others can be read with, show it, and say how it is used."""
     from ..records.mapping import find_mapping, read_mapping  # slow to import
-    from ..records.readers import mapping_to_start_from, open_channels
+    from ..records.readers import mapping_to_start_from, quantities_of
 
     file: Path = options.write_mapping
     if file.suffix != ".yaml":
@@ -160,7 +158,7 @@ def _write_mapping(options: argparse.Namespace) -> None:
         unfinished.write_text(text, encoding="utf-8", newline="\n")
         mapping = replace(read_mapping(unfinished), source=str(file))
         for record in options.records:
-            open_channels(record, mapping)
+            quantities_of(record, mapping)
     is_usual = all(find_mapping(record) == file for record in options.records)
     use = "without --write-mapping" if is_usual else f"with --mapping {file} instead"
     print(f"{text}\nWritten to {file}. Check each line, then give the same command {use}.")
@@ -171,7 +169,7 @@ def _run_sets(options: argparse.Namespace) -> None:
     from ..identification.batch import identify_sets  # slow to import
     from ..identification.outputs import OVERVIEW
 
-    taken = ("--sets", "--output", "--overwrite", "--largest")
+    taken = ("--sets", "--output", "--overwrite")
     for name, of in _OPTIONS.items():
         given = getattr(options, of.get("dest", name.strip("-").replace("-", "_")))
         default = of.get("default") or of.get("action") == "store_false"
@@ -179,9 +177,7 @@ def _run_sets(options: argparse.Namespace) -> None:
             raise ValueError(f"--sets takes all settings from its file: leave out {name}")
     if options.output is None:
         raise ValueError("--sets needs --output, the folder for the results of all sets")
-    text, failed = identify_sets(
-        options.sets, options.output, overwrite=options.overwrite, largest=options.largest
-    )
+    text, failed = identify_sets(options.sets, options.output, overwrite=options.overwrite)
     print(f"{text}\nWritten to {options.output}: {', '.join(OVERVIEW)}, and a folder for each set.")
     if failed:
         raise ValueError(f"{failed} of the sets could not be identified; the table says why")
@@ -228,7 +224,6 @@ _OPTIONS: dict[str, dict[str, Any]] = {
     "--skip-cycles": {"type": whole(), "default": 0, "metavar": "N"},
     "--replicates": {"type": whole(2, MOST_REPLICATES), "default": REPLICATES},
     "--seed": {"type": whole(), "default": SEED},
-    "--largest": {"type": count, "default": LARGEST, "metavar": "N"},
     "--output": {"type": Path, "metavar": "DIR"},
     "--no-figures": {"action": "store_true"},
     "--json": {"type": Path, "metavar": "FILE"},

@@ -1,4 +1,4 @@
-"""dampbalance release: a record of the exact free decay after a release or a blow, in any of the formats."""
+"""dampbalance release: a record of the exact free decay after a release or a blow, as text or for MATLAB."""
 
 from __future__ import annotations
 
@@ -38,7 +38,6 @@ ARGUMENTS: dict[str, dict[str, Any]] = {
         "choices": list(ABSOLUTE),
         "help": "a quantity; may be repeated (default: displacement)",
     },
-    "--format": OF_FORCED["--format"],
     "--overwrite": OF_FORCED["--overwrite"],
 }
 

@@ -1,4 +1,4 @@
-"""dampbalance simulate: a record of the exact steady response, with noise, in any of the formats."""
+"""dampbalance simulate: a record of the exact steady response, with noise, as text or for MATLAB."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ DAMPING, FRICTION = 90.0, 1.28  # the paper's c, N s/m, and F_k, N
 _CHANNELS = ("base_displacement", "displacement")
 
 ARGUMENTS: dict[str, dict[str, Any]] = {
-    "record": {"type": Path, "metavar": "FILE", "help": "its suffix names the format"},
+    "record": {"type": Path, "metavar": "FILE", "help": ".csv or other text, or .mat"},
     "--frequency": quantity(None, "of the drive, Hz", 1e-9, 1e9, required=True, metavar="HZ"),
     "--amplitude": quantity(None, "of the base, m", required=True, metavar="Y"),
     "--mass": quantity(2.42, "m, kg"),
@@ -76,7 +76,6 @@ ARGUMENTS: dict[str, dict[str, Any]] = {
         "metavar": "N",
         "help": "round the values, in SI units, to N decimals",
     },
-    "--format": {"help": "where the suffix stands for several, e.g. matlab73"},
     "--overwrite": {"action": "store_true", "help": "replace a file that is there already"},
 }
 
@@ -126,9 +125,8 @@ def require_brief(
 
 
 def save(options: argparse.Namespace, measurement: Measurement) -> None:
-    """Write the record, and say which files that made."""
-    for written in write(options.record, measurement, options.format):
-        print(f"Written: {written}")
+    """Write the record, and print the name of its file."""
+    print(f"Written: {write(options.record, measurement)}")
 
 
 def oscillator(

@@ -21,7 +21,7 @@ from .. import __version__
 from ..project.files import read_csv, sha256, write_csv, write_text
 from ..project.troubles import trouble
 from ..project.wording import listed, number, shortened, with_unit
-from ..records.errors import LARGEST, library
+from ..records.errors import library
 from ..records.mapping import mapping_file, mapping_for, parts_of
 from .answer import DOUBTFUL, USABLE, Interval, ParameterEstimate, Verdict, column, unit_of
 from .measured import SETTINGS, configured, identify
@@ -69,7 +69,7 @@ def read_sets(file: str | Path) -> list[dict[str, Any]]:
 
 
 def identify_sets(
-    file: str | Path, folder: str | Path, *, overwrite: bool = False, largest: int = LARGEST
+    file: str | Path, folder: str | Path, *, overwrite: bool = False
 ) -> tuple[str, int]:
     """Identify all sets of a file, each into a folder of its name; return the table of all, and how many failed.
 
@@ -86,7 +86,7 @@ def identify_sets(
     errors: dict[str, str] = {}
     for one in sets:
         try:
-            _identify_set(one, root, folder / one["name"], overwrite, largest)
+            _identify_set(one, root, folder / one["name"], overwrite)
             errors[one["name"]] = ""
         except (ValueError, ArithmeticError, OSError) as error:
             errors[one["name"]] = " ".join((trouble(error) or str(error)).split("\n"))
@@ -94,12 +94,10 @@ def identify_sets(
     return text, sum(map(bool, errors.values()))
 
 
-def _identify_set(
-    one: Mapping[str, Any], root: Path, folder: Path, overwrite: bool, largest: int
-) -> None:
+def _identify_set(one: Mapping[str, Any], root: Path, folder: Path, overwrite: bool) -> None:
     patterns = one["records"] if isinstance(one["records"], list) else [one["records"]]
     records = list(dict.fromkeys(f for pattern in patterns for f in _matching(pattern, root)))
-    settings = {"largest": largest} | configured(one)
+    settings = configured(one)
     if mapping := settings.get("mapping"):
         settings["mapping"] = mapping if Path(mapping).exists() else str(root / mapping)
     mapping = settings.get("mapping")

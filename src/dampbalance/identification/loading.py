@@ -1,4 +1,4 @@
-"""Reads the features of a record; large files a block at a time."""
+"""Reads the features of a record."""
 
 from __future__ import annotations
 
@@ -9,11 +9,9 @@ import numpy as np
 
 from ..arrays import Array
 from ..likelihood.mean_harmonics import Reading, read_features
-from ..reading.conditioning import condition_blocks
 from ..reading.drive import stands_still
 from ..records.measured import MeasuredRecord
 from ..records.measurement import EXCITATIONS, Correction
-from ..records.readers import open_channels
 
 EXCERPT = 16_384  # leading samples of each channel that are kept for plots, or three cycles of a slow drive
 
@@ -44,26 +42,15 @@ def load(
 
     Raises NotDriven for a free decay, ValueError naming the record for one that cannot be used.
     """
-    whole = record.measurement
-    if not record.driven or (whole is not None and stands_still(whole.excitation.values)):
+    if not record.driven or stands_still(record.whole().excitation.values):
         raise NotDriven(
             f"{record.name}: the excitation channel is missing or constant, or only strikes: a forced record needs one "
             f"that keeps moving ({', '.join(EXCITATIONS)}); a free decay is identified by itself (--kind ring-down)"
         )
+    whole = record.whole()
     nominal = record.rules.frequency_hz if frequency_hz is None else frequency_hz
-    if whole is None:
-        channels = open_channels(record.name, record.rules, largest=record.largest)
-        corrections = {q: rule.correction for q, rule in record.rules.channels.items()}
-        steady = condition_blocks(
-            *(record.name, channels, k),
-            frequency_hz=nominal,
-            skip_cycles=skip_cycles,
-            corrections=corrections,
-        )
-        first = {q: next(iter(blocks())) for q, blocks in channels.items()}
-    else:
-        steady = read_features(whole, k, frequency_hz=nominal, skip_cycles=skip_cycles).steady
-        first = {q: (whole[q].t, whole[q].values) for q in whole}
+    steady = read_features(whole, k, frequency_hz=nominal, skip_cycles=skip_cycles).steady
+    first = {q: (whole[q].t, whole[q].values) for q in whole}
     reading = Reading(replace(steady, warnings=(*record.warnings, *steady.warnings)))
     excerpt = {}
     for q, (t, values) in first.items():
@@ -78,6 +65,5 @@ def load(
 
 def correction_of(record: MeasuredRecord, quantity: str) -> Correction:
     """Gain, delay and filters of a channel as they are known: its own, or what the mapping states."""
-    own = None if record.measurement is None else record.measurement[quantity].correction
-    rule = record.rules.channels.get(quantity)
+    own, rule = record.whole()[quantity].correction, record.rules.channels.get(quantity)
     return own or (rule.correction if rule else None) or Correction()

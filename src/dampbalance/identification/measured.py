@@ -14,7 +14,6 @@ from ..features import Phase
 from ..law.law import Law, law_of
 from ..motion.jit import interpreted
 from ..project.wording import listed, visible
-from ..records.errors import LARGEST
 from ..records.mapping import MappingLike
 from ..records.measured import MeasuredRecord, read_records
 from .decays import identify_ring_downs
@@ -55,7 +54,6 @@ def identify(
     skip_cycles: int = 0,
     replicates: int = REPLICATES,
     seed: int = SEED,
-    largest: int = LARGEST,
 ) -> Identified:
     """The coefficients of a damping law and the contact stiffness K_z from measured records, each with an interval.
 
@@ -90,10 +88,9 @@ def identify(
     phase : that the harmonic approaches X_s, t_s and V_s take.
     skip_cycles : left out at the start of each record, where the motion has not settled.
     replicates, seed : of the bootstrap.
-    largest : numbers (samples × channels) that may be read of a record.
 
-    Free decays determine F_k, c and K_z only, and take stiffness, mass, laws, mapping and largest; tables of a stepped
-    sine take stiffness, mass, terms, given, contact, hardening, residual, mapping, replicates, seed and largest. Names
+    Free decays determine F_k, c and K_z only, and take stiffness, mass, laws and mapping; tables of a stepped
+    sine take stiffness, mass, terms, given, contact, hardening, residual, mapping, replicates and seed. Names
     and labels in order (terms, approaches, those of groups) may be a text with commas between them, as on the command
     line: terms="F_k,c".
 
@@ -126,12 +123,12 @@ def identify(
     frequency = None if frequency is None else number("frequency", frequency)
     m, m_error = (None, None) if mass is None else mass_with_error(mass)
     skip_cycles, replicates = whole("skip_cycles", skip_cycles), whole("replicates", replicates)
-    seed, largest = whole("seed", seed), whole("largest", largest)
+    seed = whole("seed", seed)
     asked = () if approaches is None else names("approaches", approaches, APPROACHES)
     law = law_of(terms, given, groups)
     of_kind = {"recognised": None, "stepped-sine": True}.get(kind, False)
     free = kind == "ring-down"
-    read = read_records(records, mapping=mapping, largest=largest, tables=of_kind, free=free)
+    read = read_records(records, mapping=mapping, tables=of_kind, free=free)
     _require_different(read)
     lines = [record.name for record in read if record.table is not None]
     others = [record.name for record in read if record.table is None]
@@ -161,7 +158,6 @@ def identify(
         "skip_cycles": skip_cycles,
         "replicates": replicates,
         "seed": seed,
-        "largest": largest,
     }
     if lines:
         return _of_tables(read, law, _taken("stepped-sine", options))
@@ -180,15 +176,14 @@ _OF_K_AND_M = (
 )
 _OF_LAW, _OF_DRAWINGS = ("terms", "given"), ("replicates", "seed")
 _OF_CONTACT = ("contact", "hardening", "residual")
-_OF_ALL = ("mapping", "largest")
 _OPTIONS = {
     "forced": (
         *(*_OF_K_AND_M, "frequency_hz"),
         *(*_OF_LAW, "groups", "laws", "approaches", "phase", "mapping", "skip_cycles"),
-        *(*_OF_DRAWINGS, "largest"),
+        *_OF_DRAWINGS,
     ),
-    "ring-down": (*_OF_K_AND_M, "laws", *_OF_ALL),
-    "stepped-sine": (*_OF_K_AND_M, *_OF_LAW, *_OF_CONTACT, *_OF_DRAWINGS, *_OF_ALL),
+    "ring-down": (*_OF_K_AND_M, "laws", "mapping"),
+    "stepped-sine": (*_OF_K_AND_M, *_OF_LAW, *_OF_CONTACT, *_OF_DRAWINGS, "mapping"),
 }
 """Options that each kind of records takes, in the order of its document."""
 
@@ -217,7 +212,7 @@ _OF_THE_WORKFLOW = ("name", "records", "at")
 SETTINGS = (
     *(*_OF_THE_WORKFLOW, "kind", *_OF_K_AND_M, "frequency_hz"),
     *("terms", "given", "groups", "laws", *_OF_CONTACT, "approaches", "phase"),
-    *("mapping", "skip_cycles", "replicates", "seed", "largest"),
+    *("mapping", "skip_cycles", "replicates", "seed"),
 )
 """Keys of a set of records in a configuration."""
 

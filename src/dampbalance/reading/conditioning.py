@@ -18,7 +18,6 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from types import MappingProxyType
 
 import numpy as np
 
@@ -161,6 +160,7 @@ class Gathered:
     skipped: int
 
 
+@one_thread
 def condition(
     measurement: Measurement,
     k: float,
@@ -179,14 +179,17 @@ def condition(
     warnings: list[Remark] = []
     source, channels = measurement.source, {q: measurement[q] for q in measurement}
     even = {q: evenly_sampled(channel, source, warnings) for q, channel in channels.items()}
-    steady = condition_blocks(
-        source,
-        {q: partial(iter, [(channel.t, channel.values)]) for q, channel in even.items()},
-        k,
-        frequency_hz=frequency_hz,
-        skip_cycles=skip_cycles,
-        corrections={q: channel.correction for q, channel in channels.items()},
-    )
+    if not (math.isfinite(k) and k > 0.0):
+        raise ValueError(f"{source}: the stiffness k must be positive, got {k} N/m")
+    samples = {q: partial(iter, [(channel.t, channel.values)]) for q, channel in even.items()}
+    corrections = {q: channel.correction for q, channel in channels.items()}
+    gathered = partial(_gathered, source, samples, k, frequency_hz, skip_cycles, corrections)
+    try:
+        steady = _steady(gathered({}), gathered)
+    except RecordError:  # names the file itself
+        raise
+    except ValueError as error:
+        raise ValueError(f"{source}: {error}") from error
     return replace(steady, warnings=(*warnings, *steady.warnings))
 
 
@@ -222,34 +225,6 @@ def evenly_sampled(channel: Channel, source: str, warnings: list[Remark]) -> Cha
         )
     )
     return Channel(channel.quantity, t, spline(t), channel.name)
-
-
-@one_thread
-def condition_blocks(
-    source: str,
-    channels: Mapping[str, SampleBlocks],
-    k: float,
-    *,
-    frequency_hz: float | None = None,
-    skip_cycles: int = 0,
-    corrections: Mapping[str, Correction | None] = MappingProxyType({}),
-) -> SteadyRecord:
-    """Like `condition`, for channels that come in blocks: memory stays bounded however long the record is.
-
-    channels : by quantity, a function that starts the blocks (t, values) of the channel from the beginning. It is
-    called twice: for the leading 262,144 samples, and for all; of a drive that is slower or begins later, again, for
-    averages of more samples.   corrections : of their harmonics, by quantity.
-    """
-    if not (math.isfinite(k) and k > 0.0):
-        raise ValueError(f"{source}: the stiffness k must be positive, got {k} N/m")
-
-    gathered = partial(_gathered, source, channels, k, frequency_hz, skip_cycles, corrections)
-    try:
-        return _steady(gathered({}), gathered)
-    except RecordError:  # names the file itself
-        raise
-    except ValueError as error:
-        raise ValueError(f"{source}: {error}") from error
 
 
 def _steady(

@@ -29,7 +29,8 @@ def library(name: str, purpose: str) -> Any:
         raise RecordError(f"{purpose} needs {missing}: {remedy}") from None
 
 
-LARGEST = 200_000_000  # numbers that are read of a record: samples × channels, with times
+LARGEST = 200_000_000  # numbers that are read of a record, samples × channels with times: 1.6 GB of memory
+LARGEST_FILE = 4_000_000_000  # bytes: as many numbers as text, with some twenty characters each
 LARGEST_VALUE = 1e15  # SI unit of the quantity; no signal goes beyond it
 SMALLEST_RANGE = 1e-15  # SI unit of the quantity; a signal whose values lie closer together is none
 FINEST = 1e-10  # of the largest value: a range below it is rounding
@@ -39,9 +40,8 @@ MOST_CHANNELS = 4096  # of a file
 LONGEST_NAME = 1000  # characters of a channel's name
 
 
-def require_size(path: object, numbers: int, largest: int) -> None:
-    """RecordError for a record of more numbers than may be read."""
-    if numbers > largest:
-        remedy = f"give a part of the record, or raise the limit (--largest {numbers})"
-        much = f"{numbers:,} numbers, more than {largest:,}"
-        raise RecordError(f"{path}: the channels read would be {much}; {remedy}")
+def require_size(path: object, numbers: int) -> None:
+    """RecordError for a record of more numbers than are taken into memory."""
+    if numbers > LARGEST:
+        much = f"{numbers:,} numbers, more than {LARGEST:,}"
+        raise RecordError(f"{path}: the channels read would be {much}; give a part of the record")

@@ -12,13 +12,13 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-from ..arguments import items, path, whole
+from ..arguments import items, path
 from ..project.files import sha256
 from ..project.wording import Remark, listed, visible
-from .errors import LARGEST, RecordError, RecordWarning
+from .errors import RecordError, RecordWarning
 from .mapping import MappingLike, RecordMapping, mapping_file, mapping_for, parts_of
 from .measurement import EXCITATIONS, Measurement, mean_rate
-from .readers import open_channels, opened, read, read_signals, stated_numbers
+from .readers import opened, read, read_signals
 from .readers.record_file import is_table, signals_file
 from .stepped_sine import SteppedTable, is_table_of_lines, read_table
 
@@ -29,8 +29,6 @@ if TYPE_CHECKING:
 
     RecordLike: TypeAlias = "str | Path | Signals | Measurement | MeasuredRecord"
 
-LARGE = 256_000_000  # bytes of a file, packed or not; a larger one is not taken into memory
-
 
 @dataclass(frozen=True, eq=False, repr=False)
 class MeasuredRecord:
@@ -38,11 +36,10 @@ class MeasuredRecord:
     a stepped sine, as `read_records` makes it.
 
     name : what messages and tables call it; the path of a file.   label : of its level, for plots.
-    quantities : that it holds, by the names of `Measurement`.   measurement : its channels in SI units; None for a file
-    above LARGE bytes, which is read block by block when it is identified.
+    quantities : that it holds, by the names of `Measurement`.   measurement : its channels in SI units; None for
+    a table.
     rules : what its mapping says.   warnings : what is odd about it, in words.   files : digests of what it was read
-    from.   largest : numbers (samples × channels) that may be read of it.   table : its lines, where it is a table of
-    steady responses; it has no samples then.
+    from.   table : its lines, where it is a table of steady responses; it has no samples then.
     """
 
     name: str
@@ -52,7 +49,6 @@ class MeasuredRecord:
     rules: RecordMapping
     warnings: tuple[Remark, ...] = ()
     files: Mapping[str, Any] | None = None
-    largest: int = LARGEST
     table: SteppedTable | None = None
 
     @property
@@ -64,7 +60,7 @@ class MeasuredRecord:
         """The samples: a column for each channel, named with its SI unit, and their times, time_s, as index; of a table
         of steady responses its lines.
 
-        Raises ValueError where the channels have times of their own, and RecordError for a file that is too large.
+        Raises ValueError where the channels have times of their own.
         """
         import pandas as pd  # slow to import
 
@@ -81,15 +77,10 @@ class MeasuredRecord:
         return pd.DataFrame(columns, index=pd.Index(t, name="time_s"))
 
     def whole(self) -> Measurement:
-        """All its channels. Raises RecordError for a file that is too large for memory, and for a table."""
-        if self.table is not None:
-            raise RecordError(
-                f"{self.name}: is a table of steady responses, without samples; take its lines, `table`"
-            )
+        """All its channels. Raises RecordError for a table."""
         if self.measurement is None:
             raise RecordError(
-                f"{self.name}: is larger than {LARGE / 1e6:.0f} MB and was not taken into memory; identify it, or read "
-                "a part of it"
+                f"{self.name}: is a table of steady responses, without samples; take its lines, `table`"
             )
         return self.measurement
 
@@ -100,9 +91,7 @@ class MeasuredRecord:
             sizes = [of.X.size for of in self.table.levels]
             levels = f"{sum(sizes)} lines at {len(sizes)} level{'s' * (len(sizes) > 1)}"
             return f"<table {self.name}: {levels}; {self.table.convention}>"
-        if self.measurement is None:
-            return f"<record {self.name}: {held}; read when it is identified>"
-        t = max((self.measurement[q].t for q in self.quantities), key=len)
+        t = max((self.whole()[q].t for q in self.quantities), key=len)
         sampled = f"{t.size:,} samples from {t[0]:.4g} s to {t[-1]:.4g} s at {mean_rate(t):.6g} Hz"
         return f"<record {self.name}: {'; '.join([held, sampled, *self.warnings])}>"
 
@@ -111,7 +100,6 @@ def read_records(
     records: RecordLike | Sequence[RecordLike],
     *,
     mapping: MappingLike = None,
-    largest: int = LARGEST,
     tables: bool | None = None,
     free: bool = False,
 ) -> tuple[MeasuredRecord, ...]:
@@ -122,7 +110,7 @@ def read_records(
     read. Columns and arrays are named like those of a file, displacement_mm or force_N, with time_s among them, or
     sample_rate_hz as a number. A masked sample is missing, as an empty cell of a file is.
     mapping : what the names do not say, for all records: a document as in the YAML file of a record, or the path of
-    one; default, for a file, the one next to it.   largest : numbers (samples × channels) that may be read of each.
+    one; default, for a file, the one next to it.
     tables : whether they are tables of steady responses to a stepped sine (frequency, amplitudes, phase); default,
     those that have columns of frequency and phase and none of times.   free : whether they are known to be free decays,
     so that no channel that nothing names, and no unit of a drive, is in the way.
@@ -142,17 +130,16 @@ def read_records(
     >>> float(record.measurement["base_displacement"].values[0])  # m
     0.004
     """
-    largest = whole("largest", largest)
     single = isinstance(records, str | Path | Measurement | MeasuredRecord) or is_table(records)
     wanted = "the path of a file, a pandas DataFrame, a mapping of names to arrays, or a sequence of them"
     several = [records] if single else items("records", records, wanted)
     made: list[MeasuredRecord] = []
     for number, one in enumerate(several, start=1):
         if isinstance(one, str | Path):
-            one = _of_file(path("each record", one, "a file"), mapping, largest, tables, free)
+            one = _of_file(path("each record", one, "a file"), mapping, tables, free)
         elif not isinstance(one, MeasuredRecord):
             taken = {record.name for record in made}
-            one = _in_memory(one, number, taken, mapping, largest, tables, free)
+            one = _in_memory(one, number, taken, mapping, tables, free)
         made.append(one)
     return tuple(made)
 
@@ -162,7 +149,6 @@ def _in_memory(
     number: int,
     taken: set[str],
     mapping: MappingLike,
-    largest: int,
     tables: bool | None,
     free: bool,
 ) -> MeasuredRecord:
@@ -179,12 +165,12 @@ def _in_memory(
     if not isinstance(record, Measurement) and tables is not False:
         file = signals_file(name, record)
         if tables or is_table_of_lines(file, rules):
-            return _of_lines(file, name, rules, largest)
+            return _of_lines(file, name, rules)
     with _told(name) as said:
         if isinstance(record, Measurement):
             measurement = replace(record, source=name)
         else:
-            measurement = read_signals(name, record, rules, largest)
+            measurement = read_signals(name, record, rules)
     label = visible(rules.level or name)
     return MeasuredRecord(name, label, tuple(measurement), measurement, rules, tuple(said))
 
@@ -193,39 +179,31 @@ def _of_lines(
     file: RecordFile,
     label: str,
     rules: RecordMapping,
-    largest: int,
     files: Mapping[str, Any] | None = None,
 ) -> MeasuredRecord:
     """The record of a table of steady responses."""
-    table = read_table(file, rules, visible(rules.level or label), largest)
+    table = read_table(file, rules, visible(rules.level or label))
     held, name = tuple(table.quantities), str(file.path)
-    return MeasuredRecord(name, label, held, None, rules, files=files, largest=largest, table=table)
+    return MeasuredRecord(name, label, held, None, rules, files=files, table=table)
 
 
-def _of_file(
-    path: Path, mapping: MappingLike, largest: int, tables: bool | None, free: bool
-) -> MeasuredRecord:
+def _of_file(path: Path, mapping: MappingLike, tables: bool | None, free: bool) -> MeasuredRecord:
     rules = replace(mapping_for(path, mapping), free=free)
-    measurement: Measurement | None = None
     if tables is not False and not rules.channels:
-        with closing(opened(path, rules, largest)) as file:
+        with closing(opened(path, rules)) as file:
             if tables or is_table_of_lines(file, rules):
-                return _of_lines(file, path.name, rules, largest, _digests(path, rules, mapping))
+                return _of_lines(file, path.name, rules, _digests(path, rules, mapping))
     with _told(str(path)) as said:
-        stated = 8 * stated_numbers(path, rules, largest)
-        stored = sum(file.stat().st_size for file in parts_of(path, rules))
-        if max(stated, stored) <= LARGE:
-            measurement = replace(read(path, rules, largest), source=str(path))
-        quantities = tuple(measurement or open_channels(path, rules, largest=largest))
+        measurement = replace(read(path, rules), source=str(path))
     label, notes = visible(rules.level or path.name), tuple(said)
     files = _digests(path, rules, mapping)
-    return MeasuredRecord(str(path), label, quantities, measurement, rules, notes, files, largest)
+    return MeasuredRecord(str(path), label, tuple(measurement), measurement, rules, notes, files)
 
 
-def recognised_as_table(path: Path, mapping: MappingLike, largest: int) -> bool:
+def recognised_as_table(path: Path, mapping: MappingLike) -> bool:
     """Whether `read_records` takes a file for a table of steady responses to a stepped sine."""
     rules = mapping_for(path, mapping)
-    with closing(opened(path, rules, largest)) as file:
+    with closing(opened(path, rules)) as file:
         return is_table_of_lines(file, rules)
 
 

@@ -124,17 +124,16 @@ def is_table_of_lines(file: RecordFile, rules: RecordMapping) -> bool:
     return {"frequency", "phase"} <= roles and not any(map(names_time, file.channels))
 
 
-def read_table(file: RecordFile, rules: RecordMapping, label: str, largest: int) -> SteppedTable:
+def read_table(file: RecordFile, rules: RecordMapping, label: str) -> SteppedTable:
     """The table in an open file, in SI units.
 
-    rules : what the file does not say.   label : of a level that has no name of its own.   largest : numbers that may
-    be read.
+    rules : what the file does not say.   label : of a level that has no name of its own.
 
     Raises RecordError naming file, column or line, and remedy: a column that is missing or unclear, a unit that is
     missing or wrong, a value that is missing, an amplitude that is not positive, frequencies of a level that turn or
     stand, a constant column, phases in another unit than is stated, lines with phases of another convention.
     """
-    return _Table(file, rules).read(label, largest)
+    return _Table(file, rules).read(label)
 
 
 class _Table:
@@ -215,9 +214,9 @@ class _Table:
             return 2.0 * math.pi * factor
         return math.sqrt(2.0) * factor if "rms" in words else factor
 
-    def read(self, label: str, largest: int) -> SteppedTable:
+    def read(self, label: str) -> SteppedTable:
         """The table, with the lag φ of the displacement in each line."""
-        phased = [*self._levels(label, largest)]
+        phased = [*self._levels(label)]
         levels = [level for level, _ in phased]
         phases = np.concatenate([level.phi for level in levels])
         low, high, radians = float(phases.min()), float(phases.max()), self.factors["phase"] == 1.0
@@ -238,11 +237,11 @@ class _Table:
             f"its phases are those by which the {moved} {'leads' if sign > 0 else 'lags'} the {against}",
         )
 
-    def _levels(self, label: str, largest: int) -> Iterator[tuple[SteppedLevel, int]]:
+    def _levels(self, label: str) -> Iterator[tuple[SteppedLevel, int]]:
         """Each level, with phases as recorded, rad, and their column: of each group or column of a matrix, or of each
         value of a column of levels."""
         wanted = sorted({i for of in self.columns.values() for i in of.values()})
-        values = columns_of(self.file, wanted, largest)
+        values = columns_of(self.file, wanted)
         several = {q: of for q, of in self.columns.items() if len(of) > 1}
         places = list(next(iter(several.values()), {("", 0): 0}))
         for place in places:

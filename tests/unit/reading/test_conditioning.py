@@ -15,7 +15,6 @@ from dampbalance import BaseMotion, steady_orbit, transient
 from dampbalance.reading.conditioning import (
     _bandwidth,
     condition,
-    condition_blocks,
     converter_step,
     evenly_sampled,
     rounding_error,
@@ -134,19 +133,6 @@ def test_offset_and_drift_leave_the_features_alone():
     assert a.warnings == ()
     # the drift, 0.25 X over the record, is taken off
     np.testing.assert_allclose(a.mean(a.X)[1:6], b.mean(b.X)[1:6], atol=1e-6 * ORBIT.X)
-
-
-def test_blocks_give_the_same_as_the_whole():
-    whole = _measured(ALL)
-    cuts = range(0, len(whole["displacement"]), 777)
-
-    def blocks(channel):
-        return lambda: ((channel.t[i : i + 777], channel.values[i : i + 777]) for i in cuts)
-
-    a = condition(whole, PAPER.k)
-    b = condition_blocks("in blocks", {q: blocks(whole[q]) for q in ALL}, PAPER.k)
-    assert (a.cycles, a.warnings, a.bandwidth) == (b.cycles, b.warnings, b.bandwidth)
-    np.testing.assert_allclose(a.mean(a.X), b.mean(b.X), atol=1e-15)
 
 
 def test_uneven_sampling_is_resampled_and_said():

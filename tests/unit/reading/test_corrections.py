@@ -11,7 +11,6 @@ from scipy import signal
 from dampbalance import BaseMotion, steady_orbit
 from dampbalance.identification.loading import load
 from dampbalance.reading.conditioning import condition
-from dampbalance.records import measured
 from dampbalance.records.errors import RecordError
 from dampbalance.records.mapping import mapping_from
 from dampbalance.records.measured import read_records
@@ -170,7 +169,7 @@ def test_nonsense_is_named(tmp_path, told, said):
     assert said in str(error.value)
 
 
-def test_a_mapping_corrects_a_file_whole_or_in_blocks(tmp_path, monkeypatch):
+def test_a_mapping_corrects_a_file(tmp_path):
     record = tmp_path / "run.csv"
     late = T - 2e-3
     columns = np.column_stack([T, MOTION.Y * np.cos(OMEGA * T), 1.05 * ORBIT.state(late).x])
@@ -182,12 +181,10 @@ def test_a_mapping_corrects_a_file_whole_or_in_blocks(tmp_path, monkeypatch):
         encoding="utf-8",
     )
     exact = ORBIT.harmonic(1)
-    for large in (measured.LARGE, 1):
-        monkeypatch.setattr(measured, "LARGE", large)
-        steady = load(read_records(record)[0], PAPER.k).reading.steady
-        x, y = steady.mean(steady.X)[1], steady.mean(steady.Y)[1]
-        # harmonics beyond the 31st leak into it
-        assert x / (y / MOTION.Y) == pytest.approx(exact[0] * np.exp(-1j * exact[1]), rel=1e-6)
+    steady = load(read_records(record)[0], PAPER.k).reading.steady
+    x, y = steady.mean(steady.X)[1], steady.mean(steady.Y)[1]
+    # harmonics beyond the 31st leak into it
+    assert x / (y / MOTION.Y) == pytest.approx(exact[0] * np.exp(-1j * exact[1]), rel=1e-6)
 
 
 def test_what_needs_a_correction_yet_is_not_written(tmp_path):

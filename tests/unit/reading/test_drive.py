@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from dampbalance import BaseMotion, identify, steady_orbit, transient
-from dampbalance.reading.conditioning import condition, condition_blocks
-from dampbalance.reading.drive import LEADING, frequency_of, onset, stands_still
+from dampbalance.reading.conditioning import condition
+from dampbalance.reading.drive import frequency_of, onset, stands_still
 from dampbalance.records.measurement import Channel, Measurement
 from dampbalance.records.synthetic import measured_orbit
 from paper_case import NEAR, OMEGA, PAPER
@@ -92,21 +92,6 @@ def test_a_still_start_does_not_decide_the_kind_of_a_record():
     for symbol, (low, high) in found.intervals.items():
         assert low < getattr(PAPER, symbol) < high, symbol
         assert found.verdicts[symbol].verdict == "usable"
-
-
-def test_a_still_start_of_blocks_is_left_out_alike():
-    record = begun(9.0)
-    assert int(np.searchsorted(record["displacement"].t, 9.0)) > LEADING
-
-    def blocks(of):
-        return lambda: (
-            (of.t[i : i + 50_000], of.values[i : i + 50_000]) for i in range(0, len(of), 50_000)
-        )
-
-    whole = condition(record, PAPER.k, skip_cycles=5)
-    parts = condition_blocks("run", {q: blocks(record[q]) for q in record}, PAPER.k, skip_cycles=5)
-    # the same samples in other products of matrices: rounding
-    np.testing.assert_allclose(parts.X, whole.X, atol=1e-12 * MOTION.Y)
 
 
 def test_a_drift_is_no_still_start():

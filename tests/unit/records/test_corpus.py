@@ -12,7 +12,7 @@ import pandas as pd
 import pytest
 
 from dampbalance.records.errors import RecordError, RecordWarning
-from dampbalance.records.readers import open_channels, read, stated_numbers
+from dampbalance.records.readers import read
 from unit.records.workbooks import row, xlsx
 
 RATE = 20000.0
@@ -171,17 +171,6 @@ def test_a_file_of_a_laboratory_gives_its_signals(tmp_path, kind):
         np.testing.assert_allclose(channel.t - channel.t[0], T, rtol=0, atol=1e-9)
 
 
-@pytest.mark.parametrize("kind", EXACT)
-@pytest.mark.filterwarnings("ignore:.*channels not used. 'date'")
-def test_blocks_give_the_same(tmp_path, kind):
-    path = CORPUS[kind](tmp_path)
-    whole = read(path)
-    for quantity, blocks in open_channels(path, block=7001).items():
-        t, values = np.hstack([np.array(block) for block in blocks()])
-        np.testing.assert_array_equal(t, whole[quantity].t)
-        np.testing.assert_array_equal(values, whole[quantity].values)
-
-
 def test_dates_of_a_spreadsheet_give_the_rate(tmp_path):
     """They are parts of a day, with 15 digits: microseconds; the library rounds them to milliseconds."""
     with pytest.warns(
@@ -267,12 +256,3 @@ def test_channels_of_several_files_are_looked_for_where_the_mapping_says(tmp_pat
         mapping.write_text(text.replace(old, new), encoding="utf-8")
         with pytest.raises(RecordError, match=message):
             read(path)
-
-
-def test_numbers_of_several_files_count_together(tmp_path):
-    path = _several(tmp_path)
-    # of text, from the length of its lines
-    assert stated_numbers(path) == pytest.approx(8000, rel=0.05)
-    read(path, largest=8000)
-    with pytest.raises(RecordError, match="would be 4,000 numbers, more than 3,999"):
-        read(path, largest=7999)

@@ -9,14 +9,15 @@ import pandas as pd
 import pytest
 
 from dampbalance import BaseMotion, RecordError, measured_orbit, read_records, steady_orbit
-from dampbalance.records.writers import write
 from paper_case import PAPER
+from unit.records.formats import write_columns
 
 MOTION = BaseMotion(Y=0.004, omega=2.0 * math.pi * 3.5)
 BOTH = ("base_displacement", "acceleration")
 ORBIT = steady_orbit(PAPER, MOTION)
 MADE = measured_orbit(ORBIT, rate_hz=1000.0, cycles=4.0, noise=0.01, channels=BOTH)
 T, Y, A = MADE["acceleration"].t, MADE["base_displacement"].values, MADE["acceleration"].values
+COLUMNS = {"time_s": T, "base_displacement_m": Y, "acceleration_m_per_s2": A}
 ARRAYS = {"time_s": T, "base_displacement_mm": 1e3 * Y, "acceleration_g": A / 9.80665}
 
 
@@ -43,7 +44,7 @@ FRAMES = {
 @pytest.mark.parametrize("form", FRAMES)
 def test_signals_in_memory_are_those_of_a_file(form, tmp_path):
     assert same(read_records(FRAMES[form])[0], exact=1e-15)
-    write(tmp_path / "run.parquet", MADE)
+    write_columns(tmp_path / "run.parquet", COLUMNS)
     assert same(read_records(tmp_path / "run.parquet")[0], exact=1e-15)
 
 
@@ -186,13 +187,3 @@ def test_it_shows_what_it_holds(tmp_path):
     path = tmp_path / "run.csv"
     pd.DataFrame(ARRAYS | {"other_V": A}).to_csv(path, index=False)
     assert "channels not used: 'other" in repr(read_records(path)[0])
-
-
-def test_a_file_too_large_for_memory_says_so(tmp_path, monkeypatch):
-    write(tmp_path / "run.h5", MADE)
-    monkeypatch.setattr("dampbalance.records.measured.LARGE", 100)
-    (record,) = read_records(tmp_path / "run.h5")
-    assert record.measurement is None
-    assert repr(record).endswith("read when it is identified>")
-    with pytest.raises(RecordError, match=r"run\.h5: is larger than"):
-        record.to_frame()

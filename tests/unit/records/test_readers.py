@@ -5,7 +5,6 @@ from __future__ import annotations
 import importlib
 import re
 import shutil
-import tracemalloc
 import warnings
 
 import h5py
@@ -15,16 +14,14 @@ import pandas as pd
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
-import pyuff
 import scipy.io
 import yaml
 from scipy.io import wavfile
 
 from dampbalance.record import Record
 from dampbalance.records.errors import RecordError, RecordWarning
-from dampbalance.records.measurement import Channel, Measurement
-from dampbalance.records.readers import channels, open_channels, read
-from dampbalance.records.writers import write
+from dampbalance.records.readers import channels, read
+from unit.records.formats import write_columns, write_uff
 
 RATE = 1000.0
 N = 8
@@ -95,11 +92,6 @@ def two(base, acceleration, scale=1.0, **more):
     return {"channels": rules} | more
 
 
-def values_in_blocks(path, mapping=None, block=3, quantity="acceleration"):
-    """The values of one channel, block by block."""
-    return (values for _, values in open_channels(path, mapping, block)[quantity]())
-
-
 def rows(delimiter=",", decimal=".", columns=(T, Y, A), end="\n"):
     lines = (
         delimiter.join(repr(float(v)).replace(".", decimal) for v in row)
@@ -147,9 +139,6 @@ def test_text_layouts(tmp_path, text, suffix):
     path = tmp_path / f"run{suffix}"
     path.write_bytes(text.encode())
     assert_expected(read(path))
-    blocks = list(values_in_blocks(path))
-    assert len(blocks) == 3  # 3, 3 and 2 of 8 rows
-    np.testing.assert_array_equal(np.concatenate(blocks), EXPECTED["acceleration"])
 
 
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "cp1252"])
@@ -244,8 +233,6 @@ def test_hdf5_rows_and_columns(tmp_path):
     for table in (np.stack([Y, A]), np.stack([Y, A], axis=1)):
         path = hdf5(tmp_path, data=table)
         assert_expected(read(path, mapping))
-        joined = np.concatenate(list(values_in_blocks(path, mapping)))
-        np.testing.assert_array_equal(joined, EXPECTED["acceleration"])
 
 
 @pytest.mark.parametrize("binary", [0, 1], ids=["text", "binary"])
@@ -266,13 +253,6 @@ def test_universal_files_of_another_program(tmp_path, binary, even):
     assert len(channels(path)) == (2 if even else 4)
 
 
-def write_uff(path, sets):
-    with warnings.catch_warnings():
-        # pyuff leaves closing to the garbage collector; "overwrite" loses the header of a binary set
-        warnings.simplefilter("ignore", ResourceWarning)
-        pyuff.UFF(str(path)).write_sets(sets, mode="add")
-
-
 def test_tdms_groups_and_segments(tmp_path):
     path = tmp_path / "run.tdms"
     waveform = {"wf_increment": 1 / RATE, "wf_start_offset": 0.0}
@@ -286,8 +266,6 @@ def test_tdms_groups_and_segments(tmp_path):
             )  # fmt: skip
     assert_expected(read(path))
     assert [raw.name for raw in channels(path)] == ["base/y", "mass/acc"]
-    joined = np.concatenate(list(values_in_blocks(path)))
-    np.testing.assert_array_equal(joined, EXPECTED["acceleration"])
 
 
 @pytest.mark.parametrize(
@@ -321,8 +299,6 @@ def test_parquet_units_in_metadata(tmp_path):
     ]
     pq.write_table(pa.table([T, Y, A], schema=pa.schema(fields)), path, row_group_size=3)
     assert_expected(read(path))
-    # row groups of 3 make blocks of 4
-    assert [len(values) for values in values_in_blocks(path, block=4)] == [4, 4]
 
 
 # Bad input: one error each, which names the file.
@@ -469,8 +445,6 @@ def test_a_name_that_stands_twice(csv):
 def test_unequal_lengths(tmp_path):
     path = hdf5(tmp_path, time_s=T, base_mm=Y, acc_g=A[:-1])
     refused(path, r"'acc' has 7 samples, its time 'time' has 8")
-    with pytest.raises(RecordError, match=r"unequal lengths.*only as a whole"):
-        list(values_in_blocks(path))
     refused(
         hdf5(tmp_path, base_mm=Y, acc_g=A[:-1], fs=RATE),
         r"'base' has 8 samples, 'acc' has 7; channels that share their times",
@@ -518,9 +492,18 @@ def sample(path, kind=None, n=200):
     random = np.random.default_rng(3)
     t = np.arange(n) / RATE
     values = random.standard_normal((2, n))
-    record = Measurement.of("", [Channel("force", t, values[0]), Channel("velocity", t, values[1])])
-    write(path, record, kind)
-    return path
+    columns = {"time_s": t, "force_N": values[0], "velocity_m_per_s": values[1]}
+    return write_columns(path, columns, kind == "matlab73")
+
+
+@pytest.mark.parametrize(("suffix", "kind"), [*[(s, None) for s in SAMPLES], (".mat", "matlab73")])
+def test_every_format_is_read_to_the_last_bit(tmp_path, suffix, kind):
+    values = np.random.default_rng(3).standard_normal((2, 200))
+    path = sample(tmp_path / f"run{suffix}", kind)
+    measurement = read(path)
+    for quantity, expected in zip(("force", "velocity"), values, strict=True):
+        np.testing.assert_array_equal(measurement[quantity].values, expected)
+        np.testing.assert_array_equal(measurement[quantity].t, np.arange(200) / RATE)
 
 
 @pytest.mark.parametrize("suffix", SAMPLES)
@@ -557,8 +540,6 @@ def test_a_truncated_file(tmp_path, suffix, kind, part):
     content = path.read_bytes()
     path.write_bytes(content[: int(part * len(content))])
     refused(path, CUT_SHORT)
-    with pytest.raises(RecordError, match=CUT_SHORT):
-        list(values_in_blocks(path, block=50, quantity="velocity"))
 
 
 def test_a_truncated_text(tmp_path):
@@ -594,93 +575,27 @@ def test_a_missing_library_names_the_extra(tmp_path, monkeypatch, suffix, packag
         read(path)
 
 
-# Blocks
-
-
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        (("0.005,-1.0", "0.005,nan"), r"line 7: channel 'base displacement' is empty"),
-        (("0.004,0.25,-1.5\n", ""), r"has a gap of 0\.002 s after 0\.003 s \(line 5\)"),
-        (("0.003,", "0.002,"), r"does not increase: 0\.002 s, then 0\.002 s \(line 5\)"),
-    ],
-)
-def test_a_bad_sample_is_found_in_its_block(csv, change, message):
-    path = csv(HEADER + rows().replace(*change))
-    blocks = values_in_blocks(path, quantity="base_displacement")
-    next(blocks)  # the first three rows are good
-    with pytest.raises(RecordError, match=message):
-        list(blocks)
-
-
-def test_a_channel_constant_in_one_block_only_is_good(csv):
-    path = csv(HEADER + rows(columns=(T, Y, [1, 1, 1, 1, 1, 1, 2, 1])))
-    assert sum(map(len, values_in_blocks(path))) == N
-    path.write_text(HEADER + rows(columns=(T, Y, [1] * N)))
-    with pytest.raises(RecordError, match="'acc' is constant, 1 in all 8 samples"):
-        list(values_in_blocks(path))
-
-
-def test_channels_of_unequal_lengths_are_read_one_by_one(tmp_path):
-    slow = np.arange(5) / 500.0
-    path = hdf5(tmp_path, base_time_s=T, base_mm=Y, acc_time_s=slow, acc_g=A[:5])
-    for _ in range(2):  # from the beginning each time
-        for quantity, t, values in (
-            ("base_displacement", T, Y * 1e-3),
-            ("acceleration", slow, A[:5] * G),
-        ):
-            blocks = list(open_channels(path, block=3)[quantity]())
-            np.testing.assert_array_equal(np.concatenate([b[0] for b in blocks]), t)
-            np.testing.assert_array_equal(np.concatenate([b[1] for b in blocks]), values)
-
-
-def test_padding_of_a_table_does_not_reach_the_blocks(tmp_path):
-    # In a table the shorter channel is empty at its end, which may come in any block.
+def test_padding_of_a_table_is_left_out(tmp_path):
+    # In a table the shorter channel is empty at its end.
     path = tmp_path / "run.csv"
     random = np.random.default_rng(5)
-    force = Channel("force", np.arange(40) / 1000.0, random.standard_normal(40))
-    for n in (3, 20, 29, 30, 31, 39, 40):
-        velocity = Channel("velocity", np.arange(n) / 500.0, random.standard_normal(n))
-        write(path, Measurement.of("", [force, velocity]))
-        blocks = list(open_channels(path, block=10)["velocity"]())
-        np.testing.assert_array_equal(np.concatenate([b[0] for b in blocks]), velocity.t)
-        np.testing.assert_array_equal(np.concatenate([b[1] for b in blocks]), velocity.values)
+    for n in (3, 20, 39, 40):
+        force, velocity = random.standard_normal(40), random.standard_normal(n)
+        columns = {"force_time_s": np.arange(40) / 1000.0, "force_N": force}
+        columns |= {"velocity_time_s": np.arange(n) / 500.0, "velocity_m_per_s": velocity}
+        frame = pd.DataFrame({name: pd.Series(values) for name, values in columns.items()})
+        frame.to_csv(path, index=False)
+        found = read(path)
+        np.testing.assert_array_equal(found["force"].values, force)
+        np.testing.assert_array_equal(found["velocity"].values, velocity)
+        np.testing.assert_array_equal(found["velocity"].t, columns["velocity_time_s"])
 
 
 def test_empty_rows_at_the_end_of_a_table(csv):
     path = csv(HEADER + rows() + ",,\n" * 7)  # spreadsheets leave such
     assert_expected(read(path))
-    assert sum(map(len, values_in_blocks(path))) == N
     path.write_text(HEADER + rows() + ",,\n" * 7 + "0.015,1.0,1.0\n")
     refused(path, "line 10: channel .* is empty")
-    with pytest.raises(RecordError, match=r"line 10: channel .* is empty"):
-        list(values_in_blocks(path))
-
-
-def test_blocks_are_checked_before_the_first(tmp_path):
-    with pytest.raises(RecordError, match="no such file"):
-        open_channels(tmp_path / "no.csv")
-    with pytest.raises(
-        ValueError, match=r"block must be a whole number of samples, 3 to .*, got 2"
-    ):
-        open_channels(sample(tmp_path / "run.csv"), block=2)
-
-
-@pytest.mark.parametrize(
-    ("suffix", "kind"),
-    [(".csv", None), (".parquet", None), (".h5", None), (".mat", "matlab73"), (".tdms", None), (".wav", None)],
-)  # fmt: skip
-def test_blocks_need_little_memory(tmp_path, suffix, kind):
-    # 200,000 samples are 4.8 MB as three columns of floats, a block of 2,000 is 48 kB. The libraries have buffers that
-    # do not grow with the file: 1.2 MB for text, measured for 50,000 to 400,000 samples.
-    path = sample(tmp_path / f"run{suffix}", kind, n=200_000)
-    next(values_in_blocks(path, block=2_000, quantity="force"))  # imports and caches
-    tracemalloc.start()
-    count = sum(map(len, values_in_blocks(path, block=2_000, quantity="force")))
-    peak = tracemalloc.get_traced_memory()[1]
-    tracemalloc.stop()
-    assert count == 200_000
-    assert peak < 1.6e6
 
 
 def test_a_record_without_a_drive_is_a_free_decay(csv):

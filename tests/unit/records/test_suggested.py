@@ -11,10 +11,9 @@ import yaml
 
 from dampbalance import read_records
 from dampbalance.records.errors import RecordError, RecordWarning
-from dampbalance.records.measurement import Channel, Measurement
 from dampbalance.records.readers import mapping_to_start_from, read
-from dampbalance.records.units import find_unit
-from dampbalance.records.writers import write
+from dampbalance.records.units import column_name, find_unit
+from unit.records.formats import write_columns
 
 T = np.arange(400) / 1000.0
 SIGNALS = [np.cos(40.0 * T + i) + 0.3 * np.sin(91.0 * i * T) for i in range(4)]
@@ -191,9 +190,8 @@ def test_known_free_decays_need_no_drive():
 @pytest.mark.parametrize("suffix", [".csv", ".tsv", ".parquet", ".mat", ".h5", ".uff", ".tdms"])
 @pytest.mark.parametrize("quantities", [(FORCE, A), (BASE_A, R, V), (X,)])
 def test_in_every_format_the_mapping_reads_the_same(tmp_path, suffix, quantities):
-    channels = [Channel(q, T, s) for q, s in zip(quantities, SIGNALS, strict=False)]
-    path = tmp_path / f"run{suffix}"
-    write(path, Measurement.of("run", channels))
+    columns = dict(zip(map(column_name, quantities), SIGNALS, strict=False))
+    path = write_columns(tmp_path / f"run{suffix}", {"time_s": T, **columns})
     plain = read(path)
     assert set(plain) == {*quantities}
     mapped = read(path, yaml.safe_load(mapping_to_start_from(path)))

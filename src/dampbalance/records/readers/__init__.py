@@ -1,24 +1,21 @@
 """Reading records of every format that laboratories have into a `Measurement` in SI units.
 
 measurement = read("level1.mat")                    # mapping next to it, or names and units in the file
-for t, values in open_channels("long.tdms")["force"](): ...  # in bounded memory
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import closing
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ... import arguments
-from ...arrays import Array
-from ..errors import LARGEST, RecordError, RecordWarning, require_size
+from ..errors import RecordError, RecordWarning
 from ..mapping import MappingLike, RecordMapping, mapping_for, parts_of
 from ..measurement import QUANTITIES, Channel, Measurement
 from .array_files import hdf5_file, matlab_file
-from .assemble import in_blocks, stated_size, whole
+from .assemble import whole
 from .channels import Pick, picks_of, suggested_mapping
 from .containers import ParquetFile, lvm_file, tdms_file, uff_file, wav_file
 from .formats import FORMATS, checked_format
@@ -35,84 +32,50 @@ __all__ = [
     "RecordWarning",
     "channels",
     "mapping_to_start_from",
-    "open_channels",
     "opened",
+    "quantities_of",
     "read",
     "read_signals",
-    "stated_numbers",
 ]
 
 
-def read(path: str | Path, mapping: MappingLike = None, largest: int = LARGEST) -> Measurement:
+def read(path: str | Path, mapping: MappingLike = None) -> Measurement:
     """The measurement in a file, in SI units.
 
     path : its suffix names the format, its content must agree.   mapping : what the file does not say.
-    largest : numbers (samples × channels) that may be read; looked at before they are.
 
     Raises RecordError naming the file, what is wrong with it, and the remedy; warns of what looks odd (RecordWarning).
     """
     path, rules = _named(path, mapping)
-    largest = arguments.whole("largest", largest)
     channels: list[Channel] = []
-    for file, picks in _files(path, rules, largest):
-        channels += whole(file, picks, largest - sum(map(len, channels)))
+    for file, picks in _files(path, rules):
+        channels += whole(file, picks)
     order = list(QUANTITIES)
     return Measurement.of(str(path), sorted(channels, key=lambda one: order.index(one.quantity)))
 
 
-def read_signals(
-    name: str, signals: Signals, rules: RecordMapping, largest: int = LARGEST
-) -> Measurement:
+def read_signals(name: str, signals: Signals, rules: RecordMapping) -> Measurement:
     """The measurement in arrays or a table of pandas (`signals_file`), in SI units.
 
-    name : of the record, for messages.   rules : what the names of the signals do not say.   largest : as `read`.
+    name : of the record, for messages.   rules : what the names of the signals do not say.
 
     Raises RecordError and warns as `read`.
     """
     file = signals_file(name, signals)
-    return Measurement.of(name, whole(file, picks_of(file, rules), largest))
+    return Measurement.of(name, whole(file, picks_of(file, rules)))
 
 
-def stated_numbers(path: str | Path, mapping: MappingLike = None, largest: int = LARGEST) -> int:
-    """How many numbers (samples × channels) a file says its measurement has: about, for text. 0 for what is read whole
-    when it is opened. Raises RecordError as `read`."""
-    files = _files(*_named(path, mapping), largest, skipped=_READ_WHOLE)
-    return sum(stated_size(file, picks, file.rows_stated) for file, picks in files)
-
-
-def open_channels(
-    path: str | Path, mapping: MappingLike = None, block: int = 1_000_000, largest: int = LARGEST
-) -> dict[str, Callable[[], Iterator[tuple[Array, Array]]]]:
-    """For each quantity of the measurement, a function that reads its channel from the beginning, block by block.
-
-    A block is the times (s) and the values (SI), shape (n,), n ≤ block. The channels may have unequal lengths and times
-    of their own, and each may be read as often as wanted; only one of them is in memory.
-
-    Text, Parquet, HDF5, MATLAB 7.3, TDMS (segment by segment) and WAV are read piece by piece; MATLAB 5, universal
-    files, LabVIEW's text and spreadsheets are read whole and handed out in blocks, as their libraries know no other
-    way. File and mapping are checked before the first block, the numbers that may be read (`largest`), too.
-
-    Raises RecordError as `read`; for a wrong sample, when its block comes up.
-    """
-    block, largest = arguments.whole("block", block), arguments.whole("largest", largest)
-    path, rules = _named(path, mapping)
-    picked: dict[str, tuple[Path, Pick]] = {}
-    for file, picks in _files(path, rules, largest):
-        require_size(file.path, stated_size(file, picks), largest)
-        picked |= {pick.quantity: (file.path, pick) for pick in picks}
-
-    def blocks(part: Path, pick: Pick) -> Iterator[tuple[Array, Array]]:
-        with closing(opened(part, rules, largest)) as file:
-            for channel in in_blocks(file, pick, block, largest):
-                yield channel.t, channel.values
-
-    return {q: partial(blocks, *picked[q]) for q in QUANTITIES if q in picked}
+def quantities_of(path: str | Path, mapping: MappingLike = None) -> tuple[str, ...]:
+    """The quantities that names, units and mapping give the channels of a file, without a look at its samples. Raises
+    RecordError as `read`."""
+    picked = [pick.quantity for _, picks in _files(*_named(path, mapping)) for pick in picks]
+    return tuple(q for q in QUANTITIES if q in picked)
 
 
 def channels(path: str | Path, mapping: MappingLike = None) -> tuple[RawChannel, ...]:
     """The channels of a file, with names, units and sampling rates as it has them. Raises RecordError."""
     path, rules = _named(path, mapping)
-    with closing(opened(path, rules, LARGEST)) as file:
+    with closing(opened(path, rules)) as file:
         return tuple(file.channels)
 
 
@@ -127,7 +90,7 @@ def mapping_to_start_from(path: str | Path, mapping: MappingLike = None) -> str:
     Raises RecordError where the mapping names channels already, or nothing in the file can be a response.
     """
     path, rules = _named(path, mapping)
-    with closing(opened(path, rules, LARGEST)) as file:
+    with closing(opened(path, rules)) as file:
         return suggested_mapping(file, rules)
 
 
@@ -136,21 +99,18 @@ def _named(path: str | Path, mapping: MappingLike) -> tuple[Path, RecordMapping]
     return file, mapping_for(file, mapping)
 
 
-def _files(
-    path: Path, rules: RecordMapping, largest: int, skipped: Sequence[str] = ()
-) -> Iterator[tuple[RecordFile, tuple[Pick, ...]]]:
-    """Each file of a record, open, with what to read from it; without those of some kinds of content."""
+def _files(path: Path, rules: RecordMapping) -> Iterator[tuple[RecordFile, tuple[Pick, ...]]]:
+    """Each file of a record, open, with what to read from it."""
     parts = parts_of(path, rules)
     for part, of in parts.items():
-        if not skipped or checked_format(part) not in skipped:
-            with closing(opened(part, of, largest)) as file:
-                yield file, picks_of(file, of, entire=len(parts) == 1)
+        with closing(opened(part, of)) as file:
+            yield file, picks_of(file, of, entire=len(parts) == 1)
 
 
-def opened(path: Path, rules: RecordMapping, largest: int) -> RecordFile:
+def opened(path: Path, rules: RecordMapping) -> RecordFile:
     """A file, open, as its mapping says how to read it. Raises RecordError as `read`."""
     content = checked_format(path)
-    file = TextFile(path, rules) if content == "text" else _OPENERS[content](path, largest)
+    file = TextFile(path, rules) if content == "text" else _OPENERS[content](path)
     try:
         require_nameable(path, file.channels)
     except RecordError:
@@ -159,9 +119,7 @@ def opened(path: Path, rules: RecordMapping, largest: int) -> RecordFile:
     return file
 
 
-_READ_WHOLE = ("matlab", "uff", "lvm", "spreadsheet")
-
-_OPENERS: dict[str, Callable[[Path, int], RecordFile]] = {  # each imports its library
+_OPENERS: dict[str, Callable[[Path], RecordFile]] = {  # each imports its library
     "parquet": ParquetFile,
     "hdf5": hdf5_file,
     "matlab73": hdf5_file,

@@ -1,10 +1,10 @@
-"""From the columns of a file to a Measurement in SI: finite, within bounds, in equal steps, not constant, no overflow;
-at once or in blocks. Times that were rounded to too few digits are put in equal steps."""
+"""From the columns of a file to a Measurement in SI: finite, within bounds, in equal steps, not constant, no overflow.
+Times that were rounded to too few digits are put in equal steps."""
 
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -27,22 +27,14 @@ _WITHIN = 1.5  # resolutions; rounding, and what the line is off by itself
 _ACCURATE = 1e-3  # of the rate, that it may be off by at the most: c is then off by as much
 
 
-def stated_size(file: RecordFile, picks: Sequence[Pick], otherwise: int = 0) -> int:
-    """How many numbers the picked channels are, as the file says before it is read.
-
-    otherwise : samples of a channel of which it does not.
-    """
-    return sum(file.channels[i].size or otherwise for i in wanted_of(picks))
-
-
-def whole(file: RecordFile, picks: Sequence[Pick], largest: int) -> list[Channel]:
-    """All samples of the picked channels, `largest` numbers at most, which not every file tells beforehand.
+def whole(file: RecordFile, picks: Sequence[Pick]) -> list[Channel]:
+    """All samples of the picked channels.
 
     Raises RecordError naming channel and line or sample: a value that is missing, not finite or beyond all bounds,
     times that do not increase, have a gap or unequal steps, a constant channel, an integer that ran over, channels of
     unequal lengths.
     """
-    columns = columns_of(file, wanted_of(picks), largest)
+    columns = columns_of(file, wanted_of(picks))
     first_of: dict[tuple[object, ...], Pick] = {}  # of the channels that share their times
     channels: list[Channel] = []
     for pick in picks:
@@ -58,99 +50,59 @@ def whole(file: RecordFile, picks: Sequence[Pick], largest: int) -> list[Channel
                 f"{file.path}: channel {first.name!r} has {others} samples, {pick.name!r} has {size}; channels "
                 "that share their times have equal lengths"
             )
-        own = [columns[i] for i in wanted_of([pick])]
-        channels += _checked(Stretch(file, pick, entire=True), [own], largest)
+        own = {i: columns[i] for i in wanted_of([pick])}
+        if pick.time is not None:
+            own = _without_empty_end(own)
+        channels.append(_Signal(file, pick).channel(own))
     return channels
 
 
-def columns_of(file: RecordFile, wanted: Sequence[int], largest: int) -> dict[int, Array]:
-    """All samples of channels by their numbers, as they are recorded. Raises RecordError for more than `largest`."""
-    require_size(file.path, sum(file.channels[i].size or 0 for i in wanted), largest)
+def columns_of(file: RecordFile, wanted: Sequence[int]) -> dict[int, Array]:
+    """All samples of channels by their numbers, as recorded. Raises RecordError for more than LARGEST numbers."""
+    require_size(file.path, sum(file.channels[i].size or 0 for i in wanted))
     blocks = list(file.blocks(wanted, max(file.channels[i].size or errors.LARGEST for i in wanted)))
     # what is one array already is not copied
     arrays = [p[0] if len(p) == 1 else np.concatenate(p) for p in zip(*blocks, strict=True)]
-    require_size(file.path, sum(len(array) for array in arrays), largest)
+    require_size(file.path, sum(len(array) for array in arrays))
     return dict(zip(wanted, arrays or [np.empty(0)] * len(wanted), strict=True))
 
 
-def in_blocks(file: RecordFile, pick: Pick, size: int, largest: int) -> Iterator[Channel]:
-    """One channel, `size` samples at a time; the last block may be shorter, but has at least 2.
-
-    Raises RecordError as `whole`, when the block that is wrong comes up, a constant channel after the last; and when
-    there are more than `largest` samples, which not every file tells beforehand.
-    """
-    wanted = wanted_of([pick])
-    if len({file.channels[i].size for i in wanted}) > 1:
-        named = ", ".join(f"{file.channels[i].name!r} {file.channels[i].size}" for i in wanted)
-        remedy = "such a file is read only as a whole"
-        raise RecordError(f"{file.path}: its channels have unequal lengths ({named}); {remedy}")
-    return _checked(Stretch(file, pick), file.blocks(wanted, size), largest)
-
-
-def _checked(stretch: Stretch, raw: Iterable[list[Array]], largest: int) -> Iterator[Channel]:
-    """The blocks of one channel, and of its times, as they pass all checks."""
-    wanted = wanted_of([stretch.pick])
-    # One block is kept back, so that a last one of a single sample can join it.
-    waiting: list[Array] = []
-    for block in raw if stretch.pick.time is None else _without_empty_end(raw):
-        if waiting and block[0].size < 2:
-            waiting = [np.concatenate(pair) for pair in zip(waiting, block, strict=True)]
-            continue
-        if waiting:
-            yield stretch.channel(dict(zip(wanted, waiting, strict=True)))
-            require_size(stretch.file.path, stretch.count * len(wanted), largest)
-        waiting = block
-    yield stretch.channel(dict(zip(wanted, waiting or [np.empty(0)] * len(wanted), strict=True)))
-    stretch.finish()
-
-
-@dataclass
-class Stretch:
-    """A channel as far as it has come: number of samples, last time and step (s), lowest and highest value.
-
-    entire : whether it comes in one piece; rounded times are then put in equal steps.
-    """
+@dataclass(frozen=True)
+class _Signal:
+    """A picked channel of a file, whose samples are checked."""
 
     file: RecordFile
     pick: Pick
-    entire: bool = False
-    count: int = 0
-    last: float | None = None
-    step: float | None = None
-    low: float = np.inf
-    high: float = -np.inf
 
     def channel(self, columns: Mapping[int, Array]) -> Channel:
-        """The next block of the channel, checked on its own and against what came before."""
+        """The channel of these columns, checked. Raises RecordError as `whole`."""
         pick, values = self.pick, columns[self.pick.index]
-        if self.count + values.size < 3:
+        if values.size < 3:
+            remedy = "that is no record"
             raise RecordError(
-                f"{self.file.path}: channel {pick.name!r} has {self.count + values.size} samples; that is no record"
+                f"{self.file.path}: channel {pick.name!r} has {values.size} samples; {remedy}"
             )
         unit = QUANTITIES[pick.quantity]
         signal = self._in_si(pick.index, values, pick.factor, errors.LARGEST_VALUE, unit)
         self._require_no_overflow(values)
         if pick.time is None:
-            t = sample_times(pick.rate_hz, pick.start, self.count, values.size)
+            t = sample_times(pick.rate_hz, pick.start, 0, values.size)
         else:
             where = f"{self.file.path}: time channel {self.file.channels[pick.time].name!r}"
             t = self._in_si(pick.time, columns[pick.time], pick.time_factor, errors.LATEST, "s")
-            if self.entire:
-                t = _in_equal_steps(t, where)
+            t = _in_equal_steps(t, where)
             self._require_uniform(pick.time, t, where)
-        self.count += values.size
-        self.last = float(t[-1])
-        self.low = min(self.low, float(values.min()))
-        self.high = max(self.high, float(values.max()))
+        self._require_moving(values)
         try:
             return Channel(pick.quantity, t, signal, pick.name, pick.correction)
         except ValueError as error:
             raise RecordError(f"{self.file.path}: {error}") from None
 
-    def finish(self) -> None:
-        """Check what only the whole channel shows: that it is not constant, nor as good as that."""
+    def _require_moving(self, values: Array) -> None:
+        """RecordError for a channel that is constant, or as good as that."""
+        low, high = float(values.min()), float(values.max())
         channel = f"{self.file.path}: channel {self.pick.name!r}"
-        span, constant = self.high - self.low, f"{self.low:g} in all {self.count} samples"
+        span, constant = high - low, f"{low:g} in all {values.size} samples"
         if not span:
             raise RecordError(f"{channel} is constant, {constant}; check transducer and mapping")
         if (swing := span * abs(self.pick.factor)) < errors.SMALLEST_RANGE:
@@ -158,13 +110,13 @@ class Stretch:
                 f"{channel} moves by {swing:.3g} {QUANTITIES[self.pick.quantity]} in all, too little to mean anything; "
                 "check its unit and scale"
             )
-        if span < errors.FINEST * max(abs(self.low), abs(self.high)):
+        if span < errors.FINEST * max(abs(low), abs(high)):
             remedy = "check transducer and mapping, or take off its offset"
             raise RecordError(f"{channel} is constant except for rounding, {constant}; {remedy}")
 
     def _in_si(self, index: int, values: Array, factor: float, bound: float, unit: str) -> Array:
         """The values in SI, finite and within the bound either way."""
-        with np.errstate(over="ignore"):
+        with np.errstate(over="ignore", invalid="ignore"):  # a damaged file has signalling NaN, too
             signal = values * factor
         bad = np.flatnonzero(~(np.abs(signal) <= bound))
         if not bad.size:
@@ -175,7 +127,7 @@ class Stretch:
             what, remedy = f"{values[i]:.6g}, beyond {bound:g} {unit}", "check its unit and scale"
         more = f", and so are {bad.size - 1} more" if bad.size > 1 else ""
         raise RecordError(
-            f"{file.path}: {file.place(index, self.count + i)}: channel {file.channels[index].name!r} is {what}{more}; "
+            f"{file.path}: {file.place(index, i)}: channel {file.channels[index].name!r} is {what}{more}; "
             f"{remedy}, or repair it"
         )
 
@@ -187,42 +139,40 @@ class Stretch:
         if not bits or jumps[i] <= _WRAPPED * 2.0**bits or np.any(values != np.round(values)):
             return
         raise RecordError(
-            f"{self.file.path}: {self.file.place(self.pick.index, self.count + i + 1)}: channel {self.pick.name!r} "
+            f"{self.file.path}: {self.file.place(self.pick.index, i + 1)}: channel {self.pick.name!r} "
             f"goes from {values[i]:g} to {values[i + 1]:g}: an integer of {bits} bits ran over; record "
             "with a wider range"
         )
 
     def _require_uniform(self, index: int, t: Array, where: str) -> None:
-        line = t if self.last is None else np.concatenate([[self.last], t])
-        steps, first = np.diff(line), self.count - (line.size - t.size)
+        steps = np.diff(t)
+        step = float(np.median(steps))
 
         def place(i: int) -> str:
-            return self.file.place(index, first + i)
+            return self.file.place(index, i)
 
-        if self.step is None:
-            self.step = float(np.median(steps))
-        if self.step > 0.0 and not errors.LOWEST_RATE <= 1.0 / self.step <= errors.HIGHEST_RATE:
+        if step > 0.0 and not errors.LOWEST_RATE <= 1.0 / step <= errors.HIGHEST_RATE:
             raise RecordError(
-                f"{where} has steps of {self.step:g} s, which no recorder has; check its unit, or give sample_rate_hz"
+                f"{where} has steps of {step:g} s, which no recorder has; check its unit, or give sample_rate_hz"
             )
         i = int(np.argmin(steps))
         if steps[i] <= 0.0:
             raise RecordError(
-                f"{where} does not increase: {line[i]:.12g} s, then {line[i + 1]:.12g} s ({place(i + 1)}); give "
+                f"{where} does not increase: {t[i]:.12g} s, then {t[i + 1]:.12g} s ({place(i + 1)}); give "
                 "sample_rate_hz instead if it has too few digits"
             )
         i = int(np.argmax(steps))
-        if steps[i] > _GAP * self.step:
+        if steps[i] > _GAP * step:
             raise RecordError(
-                f"{where} has a gap of {steps[i]:g} s after {line[i]:.12g} s ({place(i)}), its step is {self.step:g} s;"
+                f"{where} has a gap of {steps[i]:g} s after {t[i]:.12g} s ({place(i)}), its step is {step:g} s;"
                 " use the part before or after it"
             )
-        off = np.abs(line - np.linspace(line[0], line[-1], line.size))
+        off = np.abs(t - np.linspace(t[0], t[-1], t.size))
         i = int(np.argmax(off))
-        if off[i] > GRID_TOLERANCE * self.step:
+        if off[i] > GRID_TOLERANCE * step:
             raise RecordError(
-                f"{where} is not in equal steps: {line[i]:.12g} s ({place(i)}) is {off[i]:.2g} s off the grid of "
-                f"{self.step:g} s; resample the record, or give sample_rate_hz instead if only the digits are too few"
+                f"{where} is not in equal steps: {t[i]:.12g} s ({place(i)}) is {off[i]:.2g} s off the grid of "
+                f"{step:g} s; resample the record, or give sample_rate_hz instead if only the digits are too few"
             )
 
 
@@ -231,18 +181,11 @@ def wanted_of(picks: Sequence[Pick]) -> list[int]:
     return sorted({i for pick in picks for i in (pick.index, pick.time) if i is not None})
 
 
-def _without_empty_end(blocks: Iterable[list[Array]]) -> Iterator[list[Array]]:
-    """The blocks without the rows at the end that are empty in every column, as a shorter time base leaves them."""
-    empty = 0  # rows that are, so far, the end
-    for block in blocks:
-        present = np.flatnonzero(~np.all([np.isnan(column) for column in block], axis=0))
-        end = int(present[-1]) + 1 if present.size else 0
-        if end:
-            if empty:  # they were not the end: an error, which the checks will find
-                yield [np.full(empty, np.nan) for _ in block]
-            empty = 0
-            yield [column[:end] for column in block]
-        empty += block[0].size - end
+def _without_empty_end(columns: Mapping[int, Array]) -> dict[int, Array]:
+    """The columns without the rows at the end that are empty in all, as a shorter time base leaves them."""
+    present = np.flatnonzero(~np.all([np.isnan(column) for column in columns.values()], axis=0))
+    end = int(present[-1]) + 1 if present.size else 0
+    return {i: column[:end] for i, column in columns.items()}
 
 
 def _in_equal_steps(t: Array, where: str) -> Array:

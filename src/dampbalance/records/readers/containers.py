@@ -22,7 +22,6 @@ from .record_file import (
     Sliced,
     described,
     intact,
-    require_bytes,
     unit_among,
 )
 
@@ -39,7 +38,7 @@ _NO_SIZE = (0, 0xFFFFFFFF)  # what a program writes that does not know how long 
 class ParquetFile(RecordFile):
     """A Parquet file; the unit of a column from its field's metadata, else from its name."""
 
-    def __init__(self, path: Path, largest: int) -> None:
+    def __init__(self, path: Path) -> None:
         self._types, parquet = (library(f"pyarrow.{n}", "Parquet") for n in ("types", "parquet"))
         self.path = path
         with intact(path, "Parquet"):
@@ -91,14 +90,13 @@ class ParquetFile(RecordFile):
         self._file.close()
 
 
-def uff_file(path: Path, largest: int) -> RecordFile:
+def uff_file(path: Path) -> RecordFile:
     """A universal file: its time responses, data sets 58, with even or uneven abscissa, in text or binary. A channel
     is called by the ID line or the component in which the channels differ and by its ordinate's label, or what the data
     type says; by node and direction as well, where that leaves several alike or says not what moves. Of a file without
     time responses its frequency responses: frequency, receptance, mobility or accelerance, and phase, "1/phase" of the
     first of several."""
     pyuff = library("pyuff", "a universal file")
-    require_bytes(path, "a universal file", largest)
     channels, arrays = [], []
     with intact(path, "a universal file"):
         file = pyuff.UFF(str(path))
@@ -183,7 +181,7 @@ def _frequency_response(item: dict[str, Any]) -> Iterator[tuple[str, str | None,
     yield "phase", "rad", np.angle(H)
 
 
-def tdms_file(path: Path, largest: int) -> RecordFile:
+def tdms_file(path: Path) -> RecordFile:
     """A TDMS file: its channels, "group/channel" if there are several groups; step and unit are properties."""
     nptdms, log = library("nptdms", "TDMS"), library("nptdms.log", "TDMS").log_manager
     # what the library complains about, and would read nevertheless; nothing of it reaches the screen
@@ -216,7 +214,7 @@ def tdms_file(path: Path, largest: int) -> RecordFile:
     return Sliced(path, channels, lambda i, a, b: signals[i][a:b], "TDMS", stream.close)
 
 
-def wav_file(path: Path, largest: int) -> RecordFile:
+def wav_file(path: Path) -> RecordFile:
     """A WAV file: its channels are "channel 1", …, without unit; integers become parts of full scale, −1 to 1."""
     from scipy.io import wavfile
 
@@ -253,10 +251,9 @@ def _stated(item: dict[str, str], *keys: str) -> str | None:
     return next((text for text in texts if text.upper() not in ("", "NONE")), None)
 
 
-def lvm_file(path: Path, largest: int) -> RecordFile:
+def lvm_file(path: Path) -> RecordFile:
     """A text file of LabVIEW: the channels of its one segment, with names and units, in the steps of its header."""
     reader = library("lvm_read", "a text file of LabVIEW")
-    require_bytes(path, "a text file of LabVIEW", largest)
     with intact(path, "a text file of LabVIEW"):
         document = reader.read(str(path), read_from_pickle=False, dump_file=False)
         if document["Segments"] != 1:

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from ...project.wording import shortened, visible
-from ..errors import RecordError
+from ..errors import LARGEST_FILE, RecordError
 
 _BEGINNINGS: dict[str, bytes | tuple[bytes, ...]] = {
     "matlab": b"MATLAB 5.0",
@@ -40,7 +40,7 @@ FORMATS = {
         "a spreadsheet", (".xlsx", ".xlsm", ".xlsb", ".xls", ".ods"), ("spreadsheet",)
     ),
 }
-"""The formats read, and all but the last two written, by short name."""
+"""The formats read, by short name."""
 
 
 def format_by_suffix(path: Path) -> str:
@@ -97,6 +97,9 @@ def checked_format(path: Path) -> str:
         raise RecordError(f"{name}: cannot be opened: {error.strerror}") from None
     if size == 0:
         raise RecordError(f"{path}: is empty")
+    if size > LARGEST_FILE:
+        much = f"{size / 1e9:.3g} GB, more than the {LARGEST_FILE / 1e9:g} GB"
+        raise RecordError(f"{path}: has {much} that are read; give a part of the record")
     if content is None:
         remedy = "its first bytes are of no format known here, perhaps it is damaged"
         raise RecordError(f"{path}: is not {kind.title}, as its name says; {remedy}")

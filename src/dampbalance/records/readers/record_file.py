@@ -132,20 +132,6 @@ def require_channels(path: Path, count: int) -> None:
         )
 
 
-def too_large(path: Path, holds: str, what: str, numbers: int, instead: str = "") -> RecordError:
-    """The error for a file of a format that is read whole.   numbers : the least limit that would allow it."""
-    return RecordError(
-        f"{path}: {holds}, and {what} is read whole; give a part of the record{instead}, or raise the limit "
-        f"(--largest {numbers})"
-    )
-
-
-def require_bytes(path: Path, what: str, largest: int) -> None:
-    """RecordError for a file that is read whole and has more than two bytes for each number that may be read."""
-    if (size := path.stat().st_size) > 2 * largest:
-        raise too_large(path, f"has more than {2 * largest:,} bytes", what, size)
-
-
 def signals_in(
     path: Path,
     what: str,

@@ -1,17 +1,14 @@
-"""Spreadsheets: the first sheet that holds rows of numbers, read whole in a process of limited memory and time."""
+"""Spreadsheets: the first sheet that holds rows of numbers, read whole."""
 
 from __future__ import annotations
 
 import datetime
+import functools
 import math
-import pickle
-import subprocess
-import sys
+import re
 import zipfile
-from collections.abc import Generator, Sequence
-from contextlib import closing, suppress
+from collections.abc import Sequence
 from dataclasses import replace
-from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -20,37 +17,32 @@ import numpy as np
 from ...arrays import Array
 from ...project.wording import shortened
 from ..errors import RecordError, library
-from .record_file import RecordFile, Sliced, intact, require_channels, too_large
+from .record_file import RecordFile, Sliced, intact, require_channels
 from .text import columns_of
 
 _DAYS = (datetime.datetime, datetime.date, datetime.time, datetime.timedelta)
 _EPOCH = datetime.datetime(1900, 1, 1)
-_PART = 16  # numbers that may be read of another record, for each cell that may be read of a spreadsheet
-_CELL, _TEXT = 160, 64  # bytes of memory that a cell takes at the most, and of the file, unpacked
-# bytes of memory, and of the file, unpacked, without any cell
-_BASE, _REST = 256_000_000, 1_000_000
-_BYTE = 32  # bytes of memory that a byte of the file, unpacked, explains
-_SECONDS, _SPEED = 30, 2_000_000  # of processor time, and bytes read in a second at the least
+_MOST_CELLS = 12_500_000  # of a sheet, with some 100 bytes of memory for each
+_CELL = re.compile(rb'<c r="([A-Z]{1,3})([0-9]{1,7})"')
 
 
-def spreadsheet_file(path: Path, largest: int) -> RecordFile:
+def spreadsheet_file(path: Path) -> RecordFile:
     """A spreadsheet: the columns of its first sheet that holds rows of at least two numbers. Names and units stand
     above the first such row, as in a text file; points in time are read as s from the first on."""
-    library("python_calamine", "a spreadsheet")
-    most = largest // _PART
+    calamine = library("python_calamine", "a spreadsheet")
     rows: list[Sequence[Any]] = []
-    with closing(_cells(path, most)) as messages:
-        for kind, content in messages:
-            if kind == "rows":
-                rows += content
-            elif any(map(_is_row, rows)):
+    with intact(path, "a spreadsheet"):
+        _require_dense(path)
+        book = calamine.CalamineWorkbook.from_path(path)
+        for name in book.sheet_names:
+            sheet = book.get_sheet_by_name(name)
+            if sheet.start is None or sheet.end is None:
+                continue
+            require_channels(path, sheet.end[1] + 1)
+            left = [""] * sheet.start[1]  # columns before the first that holds something
+            rows = [left + row for row in sheet.iter_rows()]
+            if any(map(_is_row, rows)):
                 break
-            else:
-                rows, (height, width) = [], content
-                require_channels(path, width)
-                if height * width > most:
-                    holds = f"a sheet of {height:,} × {width:,} cells"
-                    raise _too_large(path, holds, height * width)
     first = next((i for i, row in enumerate(rows) if _is_row(row)), None)
     if first is None:
         raise RecordError(f"{path}: no sheet holds rows of at least two numbers")
@@ -66,7 +58,7 @@ def spreadsheet_file(path: Path, largest: int) -> RecordFile:
         unit = "s" if stamps else raw.unit
         channels[i] = replace(raw, unit=unit, size=len(table), stamps=stamps)
 
-    @cache
+    @functools.cache
     def column(i: int) -> Array:
         cells = [row[i] for row in table]
         if channels[i].stamps:
@@ -82,40 +74,24 @@ def spreadsheet_file(path: Path, largest: int) -> RecordFile:
     return Sliced(path, channels, lambda i, a, b: column(i)[a:b], "a spreadsheet")
 
 
-def _cells(path: Path, most: int) -> Generator[tuple[str, Any], None, None]:
-    """What `cells.py` sends of a file, from a process that may take the memory of `most` cells, and no more than a file
-    of this size can fill. Raises RecordError where that is too little, or the file cannot be read."""
-    size = path.stat().st_size
-    if zipfile.is_zipfile(path):
-        with intact(path, "a spreadsheet"), zipfile.ZipFile(path) as packed:
-            size = sum(part.file_size for part in packed.infolist())
-    if size > most * _TEXT + _REST:
-        raise _too_large(path, f"{size:,} bytes, unpacked", size // _TEXT)
-    memory = _BASE + min(most * _CELL, size * _BYTE)
-    command = [sys.executable, "-P", str(Path(__file__).with_name("cells.py"))]
-    command += [str(path), str(memory), str(_SECONDS + size // _SPEED)]
-    quiet = subprocess.DEVNULL
-    with subprocess.Popen(command, stdin=quiet, stdout=subprocess.PIPE, stderr=quiet) as child:
-        try:
-            assert child.stdout is not None
-            with suppress(EOFError, pickle.UnpicklingError):  # its end
-                while True:
-                    kind, content = pickle.load(child.stdout)
-                    if kind == "error":
-                        with intact(path, "a spreadsheet"):
-                            raise ValueError(content)
-                    yield kind, content
-            if child.wait():
+def _require_dense(path: Path) -> None:
+    """RecordError for a workbook with a cell far from all others: the library takes memory for all cells up to it, and
+    ends the process where there is too little."""
+    if not zipfile.is_zipfile(path):
+        return
+    with zipfile.ZipFile(path) as packed:
+        for part in filter(re.compile("xl/worksheets/[^/]*[.]xml").fullmatch, packed.namelist()):
+            columns, last = {b""}, 0
+            for cell in _CELL.finditer(packed.read(part)):
+                columns.add(cell[1])
+                last = max(last, int(cell[2]))
+            letters = max(columns, key=lambda name: (len(name), name)).decode()
+            width = functools.reduce(lambda n, letter: 26 * n + ord(letter) - 64, letters, 0)
+            if width * last > _MOST_CELLS:
                 raise RecordError(
-                    f"{path}: takes more memory or time than what it holds explains: a cell far from all others, or "
-                    "one that repeats; delete the rows and columns behind the record, or save it as CSV"
+                    f"{path}: its last cell, {letters}{last}, makes a sheet of {last:,} × {width:,} cells, more than "
+                    f"{_MOST_CELLS:,}; delete the rows and columns behind the record, or save it as CSV"
                 )
-        finally:
-            child.kill()
-
-
-def _too_large(path: Path, what: str, cells: int) -> RecordError:
-    return too_large(path, f"holds {what}", "a spreadsheet", _PART * cells, ", save it as CSV")
 
 
 def _is_row(row: Sequence[Any]) -> bool:
