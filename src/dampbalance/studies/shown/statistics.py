@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+from scipy import special
 
 from ...arrays import Array, Integers
 from ...balance import TERMS
@@ -133,8 +134,6 @@ def quantile_error(values: Array, share: float) -> float:
 
     Good to 40 % from 50 values; NaN where the quantile is the largest value, for which this gives no error.
     """
-    from scipy import special  # slow to import
-
     n, k = len(values), math.ceil(share * len(values))
     if k == n:
         return math.nan
