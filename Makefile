@@ -62,7 +62,7 @@ export PYTHONNOUSERSITE = 1
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: all setup test lint unit check docs archive wheels verify compare bench peers engine processors redraws mutants blind format lock clean distclean help stale
+.PHONY: all setup test lint unit check docs archive wheels verify compare bench peers engine processors mutants blind format lock clean distclean help stale
 
 all: $(READY) ## Set up the environment, then rebuild tables, figures and claims (the default)
 	@$(SNAKEMAKE)
@@ -119,9 +119,6 @@ engine: $(ENGINE)/ready ## Compile the kernels anew to the WebAssembly with whic
 
 processors: setup ## Run the tests that compare closely as on processors without AVX-512, and without AVX2 and FMA
 	@$(TRIAL) processors --numprocesses auto --dist loadscope $(PYTEST_ARGS)
-
-redraws: setup ## Measure how long the page takes to redraw; best on an idle machine (choose with REDRAWS_ARGS="page.html --positions 100")
-	@$(TRIAL) redraws $(REDRAWS_ARGS)
 
 mutants: setup ## Put errors into the method and see whether its tests notice (choose with MUTANTS_ARGS="motion/flow.py --number 20")
 	@$(TRIAL) mutation $(MUTANTS_ARGS)

@@ -9,10 +9,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from analytic.law_response import law_orbit
 from blind import laws
 from blind.other_motion import Departure, steady
 from dampbalance import BaseMotion, Oscillator
-from dampbalance.law.response import law_orbit
 
 pytestmark = pytest.mark.slow
 

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import base64
-import json
 import subprocess
-import sys
 from importlib.util import find_spec
 
 import numpy as np
@@ -13,7 +10,7 @@ import pandas as pd
 import pytest
 
 from benchmarks import __main__ as command
-from benchmarks import identification, peer_scipy, peers, pipeline, scaling, waiting
+from benchmarks import identification, peer_scipy, peers
 from benchmarks.cases import forty_digits, sweep, worst_error
 from benchmarks.measuring import Contestant, interleaved, ratios
 from benchmarks.shooting import broyden
@@ -95,18 +92,6 @@ def test_contestants_take_turns():
     assert calls == ["a", "b"] * 3
 
 
-@pytest.mark.slow
-def test_scaling_writes_what_it_measured(tmp_path, coarse):
-    scaling.run(tmp_path, largest=10**4, repetitions=1)
-    times = pd.read_csv(tmp_path / "scaling.csv")
-    assert sorted(set(times["cases"])) == [100, 1000, 10000]
-    assert (times[["wall_s_per_case", "cpu_s_per_case"]] > 0.0).all(axis=None)
-    memory = pd.read_csv(tmp_path / "memory.csv")
-    assert (memory["peak_bytes"] > 1e6).all()
-    assert list(pd.read_csv(tmp_path / "process.csv")["quantity"])[:2] == ["import", "first call"]
-    assert (tmp_path / "scaling.png").stat().st_size > 1000
-
-
 IMPORT_TIMES = (
     "import time: self [us] | cumulative | imported package\n"
     "import time:       200 |        300 |   numba.core\n"
@@ -142,61 +127,6 @@ def test_the_import_is_split_by_package():
     assert found.to_dict() == pytest.approx({"numba": 9e-4, "pandas": 1e-4})
 
 
-def test_jobs_with_several_outputs_count_once(tmp_path):
-    folder = tmp_path / ".snakemake/metadata"
-    folder.mkdir(parents=True)
-    records = [("draw", 1.0, 3.0), ("draw", 1.1, 3.1), ("draw", 4.0, 5.0), ("solve", 5.0, 10.0)]
-    for i, (rule, start, end) in enumerate(records):
-        name = base64.urlsafe_b64encode(f"file{i}".encode()).decode()
-        text = json.dumps({"rule": rule, "starttime": start, "endtime": end})
-        (folder / name).write_text(text, encoding="utf-8")
-    table = pipeline.split(pipeline.jobs(tmp_path), total=10.0).set_index("rule")
-    assert table.loc["draw", ["jobs", "seconds"]].tolist() == [2, pytest.approx(3.1)]
-    assert table.loc["solve", "share"] == 0.5
-    assert table.loc["(Snakemake)", "seconds"] == pytest.approx(1.9)
-
-
-def test_waiting_writes_what_it_measured(tmp_path, monkeypatch):
-    seen = []
-
-    def waited(command, folder):
-        config = (folder / waiting.CONFIG).read_text("utf-8")
-        counts = (folder / waiting.MAP).read_text("utf-8")
-        seen.append((command[-1], "F_k_N: 1.2928" in config, "count: 64\n" in counts))
-        for file in ("results/paper/report.html", "results/studies/map/summary.md"):
-            (folder / file).parent.mkdir(parents=True, exist_ok=True)
-            (folder / file).touch()
-        return waiting.Wait(2.0, 3.0, 4e9)
-
-    monkeypatch.setattr(waiting, "waited", waited)
-    waiting.run(tmp_path, repetitions=1, sizes=(64,))
-    table = pd.read_csv(tmp_path / "waiting.csv").set_index("what")
-    assert list(table.index) == [
-        "dampbalance --help",
-        "whole rebuild",
-        "rebuild after F_k was changed",
-        "study of 64 cases",
-        "first call after installation (compiles)",
-    ]
-    assert (table["wall_s"] == 2.0).all()
-    text = (tmp_path / "waiting.md").read_text("utf-8")
-    assert "| whole rebuild | 2 s | 2 s | 2 s | 3 s | 4.00 GB |" in text
-    assert [seen[i] for i in (2, 3, 4)] == [
-        ("all", False, False),
-        ("all", True, False),  # 1.01 · 1.28 N
-        ("results/studies/map/summary.md", True, True),
-    ]
-
-
-def test_a_wait_counts_the_work_and_the_memory_of_children(tmp_path):
-    program = "import time\nx = bytearray(60_000_000)\nt = time.process_time()\n"
-    program += "while time.process_time() - t < 0.5: pass\ntime.sleep(0.5)"
-    wait = waiting.waited([sys.executable, "-c", program], tmp_path)
-    assert wait.wall_s > 1.0
-    assert 0.5 <= wait.cpu_s < wait.wall_s
-    assert 60e6 < wait.memory_bytes < 200e6
-
-
 def test_broyden_works_on_floats_and_arrays():
     def residual(u, v):
         return u * u - 2.0 * v, u + v - 4.0  # root (2, 2)
@@ -212,5 +142,4 @@ def test_broyden_works_on_floats_and_arrays():
 def test_an_unknown_part_is_refused(capsys):
     with pytest.raises(SystemExit):
         command.main(["pears"])
-    known = "peers, scaling, identification, pipeline, waiting"
-    assert f"there is no part pears; known are {known}" in capsys.readouterr().err
+    assert "there is no part pears; known are peers, identification" in capsys.readouterr().err

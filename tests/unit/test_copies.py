@@ -22,7 +22,7 @@ from dampbalance import (
 from dampbalance.balance import APPROACHES
 from dampbalance.features import of_orbit
 from dampbalance.law.law import law_of
-from dampbalance.law.response import law_orbit
+from dampbalance.law.response import law_response
 from dampbalance.solver import solve
 from paper_case import PAPER
 
@@ -39,7 +39,7 @@ def made(Y):
 
 
 def of_law():
-    orbit = law_orbit(PAPER, MOTION, {"c_2": 20.0})
+    orbit = law_response(PAPER, MOTION, {"c_2": 20.0})
     orbit.state(0.1)  # what it keeps from then on is copied, too
     return orbit
 
@@ -58,7 +58,7 @@ THINGS = {
         lambda o: (o.X.tolist(), o.regime.tolist()),
     ),
     "transient": (lambda: transient(PAPER, None, 0.1, x=0.01), lambda path: path.state(0.05)),
-    "orbit of a law": (of_law, lambda o: (o.state(0.2), dict(o.law))),
+    "orbit of a law": (of_law, lambda o: (o.state(0.2), o.X)),
     "features": (features, lambda f: (f.to_frame().to_csv(), dict(f.integrals))),
     "rows": (
         lambda: APPROACHES["direct"](features(), PAPER.k),

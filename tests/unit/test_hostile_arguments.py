@@ -40,7 +40,7 @@ from dampbalance import (
 from dampbalance.balance import direct
 from dampbalance.features import of_orbit
 from dampbalance.law.law import Law, law_of
-from dampbalance.law.response import law_orbit
+from dampbalance.law.response import law_response
 from dampbalance.motion.fixed_step import simulate
 from dampbalance.project.documents import ConfigurationError
 from dampbalance.record import Record
@@ -155,13 +155,13 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, object], Callable[..., o
     ),
     "SlidersOrbit.state": (sliders_orbit(PAPER, MOTION, 1e-4, 4000.0).state, {"t": 0.0}, finite),
     "Trajectory.state": (DECAY.state, {"t": 0.01}, finite),
-    "law_orbit": (
-        law_orbit,
+    "law_response": (
+        law_response,
         {"oscillator": PAPER, "motion": MOTION, "law": {}},
         lambda orbit: finite(orbit.X),
     ),
     "a law of": (
-        lambda c_2: law_orbit(PAPER, MOTION, {"c_2": c_2}),
+        lambda c_2: law_response(PAPER, MOTION, {"c_2": c_2}),
         {"c_2": 1.0},
         lambda orbit: finite(orbit.X),
     ),

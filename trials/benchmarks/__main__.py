@@ -6,15 +6,12 @@ import argparse
 from collections.abc import Callable
 from pathlib import Path
 
-from . import identification, peers, pipeline, scaling, waiting
+from . import identification, peers
 
 # A further part is a module with `run(folder)`, named here.
 PARTS: dict[str, Callable[[Path], None]] = {
     "peers": peers.run,
-    "scaling": scaling.run,
     "identification": identification.run,
-    "pipeline": pipeline.run,
-    "waiting": waiting.run,
 }
 
 

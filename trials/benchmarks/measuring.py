@@ -14,7 +14,7 @@ import pandas as pd
 
 from dampbalance.project.wording import markdown_table
 
-PACKAGES = ("numpy", "numba", "scipy", "heyoka", "diffrax", "jax", "snakemake")
+PACKAGES = ("numpy", "numba", "scipy", "heyoka", "diffrax", "jax")
 TIMES = ("wall_s_per_case", "cpu_s_per_case")
 
 

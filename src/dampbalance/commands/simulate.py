@@ -5,10 +5,12 @@ from __future__ import annotations
 import argparse
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from ..law.response import law_response
+from ..law.steady import Response
 from ..model import BaseMotion, Oscillator
 from ..motion.orbit import Orbit, steady_orbit
 from ..motion.sliders import SlidersOrbit, sliders_orbit
@@ -17,9 +19,6 @@ from ..records.measurement import QUANTITIES, Channel, Measurement
 from ..records.synthetic import measured_orbit
 from ..records.writers import write
 from .options import coefficients, quantity, sliders, whole
-
-if TYPE_CHECKING:
-    from ..law.response import LawOrbit
 
 EPILOG = """\
 Each record is exact except for its noise, which is white, of every channel by itself. The oscillator is that of the
@@ -153,15 +152,13 @@ def _steady(
     motion: BaseMotion,
     law: dict[str, float],
     elements: list[tuple[float, float]] | None,
-) -> Orbit | LawOrbit | SlidersOrbit:
+) -> Orbit | Response | SlidersOrbit:
     """The steady response: exact where the law is friction and c."""
     if elements:
         return sliders_orbit(osc, motion, *zip(*elements, strict=True))
     if not law:
         return steady_orbit(osc, motion)
-    from ..law.response import law_orbit  # loads scipy, which an exact orbit does not need
-
-    return law_orbit(osc, motion, law)
+    return law_response(osc, motion, law)
 
 
 def _rounded(measurement: Measurement, decimals: int) -> Measurement:

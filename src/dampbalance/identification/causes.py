@@ -20,6 +20,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy import special
 
 from ..arrays import Array, Complexes, Integers
 from ..law.law import Law
@@ -32,7 +33,6 @@ from ..likelihood.score import Departure, departures_from
 from ..likelihood.waveforms import WaveformFit
 from ..motion.law_decays import ADDED, rounding
 from ..project.wording import Remark, larger_by, listed
-from ..reading.chances import normal_tail
 from ..records.measurement import ABSOLUTE, RELATIVE
 from ..solver import NORMAL_95
 from .oscillator import AS_WELL
@@ -97,7 +97,7 @@ def gradual_contact(tested: Sequence[Departure], scale: float = 1.0) -> Departur
     best = max(tested, key=lambda one: abs(one.size), default=None)
     if best is None or best.symbol != GRADUAL or not best.value > 0.0:
         return None
-    return best if 2.0 * normal_tail(best.size / scale) < _CHANCE else None
+    return best if 2.0 * special.ndtr(-best.size / scale) < _CHANCE else None
 
 
 def as_well(explained: float, tested: Sequence[Departure], named: Sequence[str]) -> list[Departure]:

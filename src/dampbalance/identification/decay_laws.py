@@ -13,13 +13,14 @@ import itertools
 import math
 from collections.abc import Iterable, Mapping, Sequence
 
+from scipy import special
+
 from ..law.terms import FRICTION, KNOWN_TERMS
 from ..likelihood.decay import RingFit
 from ..likelihood.law_fit import TERMS, LawFit, fit_law
 from ..likelihood.score import Departure
 from ..project.progress import followed
 from ..project.wording import change, listed, number
-from ..reading.chances import f_tail, normal_tail
 from ..reading.one_thread import one_thread
 from ..solver import NORMAL_95
 from .answer import Answer, unit_of
@@ -58,7 +59,7 @@ def doubt_of(fit: RingFit, further: Sequence[Departure]) -> str:
     damping = [one for one in further if one.symbol != GRADUAL]
     shown = [(abs(one.size) / scale, one) for one in damping if one.error > 0.0]
     size, likely = max(shown, key=lambda pair: pair[0], default=(0.0, None))
-    p = len(shown) * 2.0 * normal_tail(size)
+    p = len(shown) * 2.0 * special.ndtr(-size)
     if likely is None or p > _CHANCE:
         return ""
     chance = "p < 1e-6" if p < 1e-6 else f"p = {p:.1g}"
@@ -203,6 +204,6 @@ def _tested(every: LawFit, terms: tuple[str, ...], law: LawFit | float) -> LawTe
     """
     rise = law.chi_square - every.chi_square if isinstance(law, LawFit) else law
     freedom, above = len(TERMS) - len(terms), max(rise, 0.0) / _noise(every)
-    p = f_tail(freedom, every.freedom, above / freedom)
+    p = float(special.fdtrc(freedom, every.freedom, above / freedom))
     coefficients = {s: law.coefficient(s) for s in terms} if isinstance(law, LawFit) else {}
     return LawTest(terms, coefficients, {"waveforms": Probability(above, freedom, p)})

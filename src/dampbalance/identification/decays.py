@@ -14,6 +14,7 @@ from dataclasses import asdict, dataclass, replace
 from typing import Any, ClassVar
 
 import numpy as np
+from scipy import special
 
 from ..arguments import number
 from ..arrays import Array
@@ -321,8 +322,6 @@ def _solved(
     warnings: Sequence[Remark],
 ) -> DecayOutcome:
     """The rows solved, with notes, and warnings and sentences on the rig in addition to these."""
-    from scipy import special  # slow to import
-
     values, covariance, misfit, freedom, interval = _least_squares(fit, rows)
     fit_notes = [*map(Remark, fit.shortcomings)]
     further = departures(fit)

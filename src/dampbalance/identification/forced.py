@@ -24,6 +24,7 @@ from operator import itemgetter
 from typing import Any
 
 import numpy as np
+from scipy import special
 
 from ..arguments import number, whole
 from ..arrays import Array, Mask
@@ -35,7 +36,6 @@ from ..likelihood.mean_harmonics import Reading
 from ..likelihood.score import Departure
 from ..likelihood.unfolding import unfolded
 from ..project.wording import Remark
-from ..reading.chances import t_quantile
 from ..reading.one_thread import one_thread
 from ..solver import Estimate, least_squares, solve
 from .answer import (
@@ -68,6 +68,7 @@ from .sensitivities import Fault, sensitivities, shifts_of_fit
 
 REPLICATES = 1000
 SEED = 2010
+_NORMAL = 1e9  # degrees of freedom with which Student's t is normal, to 1e-9
 
 _COPIED = 1e-9  # of the largest harmonic: what writing a record in another format may change
 
@@ -453,6 +454,6 @@ def _parameter(values: Samples[Array]) -> ParameterEstimate:
     parts = np.array([(len(p) - 1) / len(p) * np.sum((p - p.mean()) ** 2) for p in values.left])
     groups = np.array([len(p) for p in values.left])
     total = float(parts.sum())
-    freedom = total**2 / float(np.sum(parts**2 / (groups - 1))) if total > 0.0 else math.inf
-    reach = t_quantile(freedom, 0.5 - 0.5 * CONFIDENCE) * error
+    freedom = total**2 / float(np.sum(parts**2 / (groups - 1))) if total > 0.0 else _NORMAL
+    reach = float(special.stdtrit(freedom, 0.5 + 0.5 * CONFIDENCE)) * error
     return ParameterEstimate(value, error, math.sqrt(total), Interval(value - reach, value + reach))

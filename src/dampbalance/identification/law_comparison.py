@@ -22,6 +22,7 @@ from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
 import numpy as np
+from scipy import special
 
 from ..balance import APPROACHES, Rows
 from ..law.law import Law
@@ -33,7 +34,6 @@ from ..likelihood.steady_search import fit_quickly, with_mass
 from ..likelihood.waveforms import WaveformFit
 from ..project.progress import followed
 from ..project.wording import listed, times
-from ..reading.chances import f_tail
 from ..reading.lines import probability
 from ..reading.one_thread import one_thread
 from ..solver import solve
@@ -374,7 +374,9 @@ def _generalised(
     inverse = np.linalg.pinv(white / size) / size[:, None]
     errors = np.sqrt(np.sum(inverse**2, axis=1))
     # the covariance comes from as many degrees of freedom as there are cycles, less one
-    chance = f_tail(freedom, cycles - 1, chi_square / freedom) if freedom else math.nan
+    chance = (
+        float(special.fdtrc(freedom, cycles - 1, chi_square / freedom)) if freedom else math.nan
+    )
     coefficients = dict(zip(symbols, zip(p.tolist(), errors.tolist(), strict=True), strict=True))
     return Probability(chi_square, freedom, chance), coefficients
 

@@ -24,14 +24,16 @@ from typing import Any, NamedTuple, Self
 
 import numpy as np
 from numpy.polynomial import legendre
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
+from ..arguments import numbers
 from ..arrays import Array, Complexes
 from ..model import BaseMotion, Oscillator
 from ..motion.events import MOST_RADIANS
 from ..motion.nearby import steady_orbit_near
 from ..motion.orbit import NoSteadyOrbit, Orbit, steady_orbit
 from ..motion.regime import Regime
+from ..motion.states import State
 from ..motion.steady_slopes import onset_slopes
 from .terms import FRICTION, KNOWN_TERMS
 
@@ -114,10 +116,10 @@ class System:
     def of(cls, orbit: Orbit, linear: float, others: Mapping[str, float]) -> Self:
         """The equations of the response near an orbit. Raises NoSteadyOrbit for one of a kind that is not followed."""
         o, half = orbit.oscillator, 0.5 * orbit.motion.period
-        if orbit.regime not in (Regime.ONE_SLIP, Regime.NO_SLIP):
+        if orbit.regime not in (Regime.ONE_SLIP, Regime.NO_SLIP, Regime.NO_FRICTION):
             raise NoSteadyOrbit(
                 "under quadratic or cubic damping only one onset of slip per half cycle can be followed, not: "
-                f"{orbit.regime}"
+                f"{orbit.regime}; raise the excitation, or give linear terms only"
             )
         stiff, soft = math.sqrt((o.k + o.K_z) / o.m), math.sqrt(o.k / o.m)
         phases = [(half, stiff if orbit.regime == Regime.NO_SLIP else soft)]
@@ -130,7 +132,7 @@ class System:
     @property
     def slips(self) -> bool:
         """Whether the contact slips."""
-        return self.orbit.regime == Regime.ONE_SLIP
+        return self.orbit.regime != Regime.NO_SLIP
 
     def start(self) -> Array:
         """The unknowns in the motion of the orbit."""
@@ -220,6 +222,27 @@ class System:
                 by[:, -1] += -1j * omega * n * h * (turns @ (a * later))
             first += points
         return x, by
+
+    def state(self, q: Array, t: Array) -> tuple[Array, Array, Array, Array]:
+        """(x, ẋ, ẍ, z) at times t after the reversal at −X, 0 to π/ω, s, (n,)."""
+        o, at, first = self.orbit.oscillator, self.half_cycle(q).at, 0
+        X, begun = q[sum(self.lengths)], np.vstack([np.zeros(3), at])
+        x, v, a, z = np.empty((4, t.size))
+        phase = np.searchsorted(at[:-1, 0], t, side="right")
+        for i, points in enumerate(self.lengths):
+            here, h, (start, u_0, v_0) = phase == i, at[i, 0] - begun[i, 0], begun[i]
+            tau = (t[here] - start) / h
+            series = _polynomials(points)[2] @ q[first : first + points]
+            once, twice = (legendre.legint(series, times, lbnd=-1) for times in (1, 2))
+            a[here] = legendre.legval(2.0 * tau - 1.0, series)
+            v[here] = v_0 + h / 2.0 * legendre.legval(2.0 * tau - 1.0, once)
+            gained = h * tau * v_0 + h**2 / 4.0 * legendre.legval(2.0 * tau - 1.0, twice)
+            x[here] = u_0 - X + gained
+            z[here] = x[here] if not self.slips else o.Z_m
+            if i == 0 and len(self.lengths) == 2:
+                z[here] = gained - o.Z_m
+            first += points
+        return x, v, a, z
 
     def moved(self, q: Array, forces: Array) -> Array:
         """Derivatives of the unknowns, (q, any), by further forces: their values in the equations, (q, any), N."""
@@ -333,6 +356,28 @@ class Response:
             return self.system.harmonics(self.unknowns, count)[0] * turn
         x = self.orbit.harmonics(count)
         return x * turn if self.advance else x
+
+    @property
+    def oscillator(self) -> Oscillator:
+        """The oscillator with the equivalent linear damper."""
+        return self.orbit.oscillator
+
+    @property
+    def motion(self) -> BaseMotion:
+        """The motion of the base."""
+        base = self.orbit.motion
+        return BaseMotion(base.Y * math.cos(self.advance + self.turned), base.omega)
+
+    def state(self, t: ArrayLike) -> State:
+        """(x, ẋ, ẍ, z) at the times t, s, any shape; y = Y cos ωt."""
+        times, omega = numbers("t", t), self.orbit.motion.omega
+        if self.system is None or self.unknowns is None:
+            return self.orbit.state(times + self.advance / omega)
+        half = math.pi / omega
+        since = np.mod(times.ravel() + (self.advance - self.orbit.theta) / omega, 2.0 * half)
+        mirrored = since >= half
+        state = self.system.state(self.unknowns, np.clip(since - half * mirrored, 0.0, half))
+        return State(*(np.where(mirrored, -of, of).reshape(times.shape) for of in state))
 
     @property
     def swings(self) -> float:

@@ -185,7 +185,7 @@ def register_term(
 
     Use it to try a damping law of your own: its coefficient p is then identified from forced records like any other,
     `identify(records, k, terms="F_k,c,c_4")`, `laws=True` tries it, studies take it as a parameter and as a term of the
-    balance, and `law.response.law_orbit` computes the response under it.
+    balance, and `law.response.law_response` computes the response under it.
 
     A term of this kind is a force p h in which h grows with a fixed power n ≥ 1 of the velocity,
 
@@ -207,14 +207,14 @@ def register_term(
 
     >>> import math
     >>> from dampbalance import BaseMotion, Oscillator, identify, measured_orbit, register_term, unregister
-    >>> from dampbalance.law.response import law_orbit
+    >>> from dampbalance.law.response import law_response
     >>> term = register_term("c_4", lambda v, w, k, omega: abs(v) ** 3 * v, words="quartic damping")
     >>> term.unit, term.integral_column
     ('N s⁴/m⁴', 'b_c_4_m5_per_s4')
     >>> osc = Oscillator(m=2.42, c=0.0, k=2310.0, K_z=208000.0, F_k=1.28)
     >>> records = []
     >>> for Y in (0.004, 0.012):
-    ...     orbit = law_orbit(osc, BaseMotion(Y=Y, omega=2 * math.pi * 4.92), {"c_4": 20000.0})
+    ...     orbit = law_response(osc, BaseMotion(Y=Y, omega=2 * math.pi * 4.92), {"c_4": 20000.0})
     ...     records.append(measured_orbit(orbit, rate_hz=500.0, cycles=20.0, noise=0.001))
     >>> found = identify(records, stiffness=2310.0, terms="F_k,c_4", approaches="direct")
     >>> low, high = found.intervals["c_4"]

@@ -6,9 +6,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+from scipy import special
 
 from ..arrays import Array
-from ..reading.chances import t_quantile
 from ..solver import NORMAL_95
 
 
@@ -37,5 +37,5 @@ class ScatteringMean(NamedTuple):
             return cls(value, own, (value - NORMAL_95 * own, value + NORMAL_95 * own), 0.0)
         scatter = float(np.std(values, ddof=1))
         of_mean = scatter / math.sqrt(n)
-        reach = math.hypot(NORMAL_95 * own, t_quantile(n - 1, 0.025) * of_mean)
+        reach = math.hypot(NORMAL_95 * own, special.stdtrit(n - 1, 0.975) * of_mean)
         return cls(value, math.hypot(own, of_mean), (value - reach, value + reach), scatter)

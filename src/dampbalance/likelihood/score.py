@@ -17,9 +17,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy import special
 
 from ..arrays import Array
-from ..reading.chances import t_tail
 
 _RANK = 1e-9  # of the largest singular value
 _SHOWN = 1e-10  # of the square of a derivative, that must be orthogonal to the others
@@ -83,7 +83,7 @@ def departures_from(
         else:
             left = max(float(rest @ rest) - slope**2 * square, 0.0)
             degrees, error = freedom, math.sqrt(left / max(freedom, 1) / square)
-        p = 2.0 * t_tail(degrees, abs(slope) / error) if error > 0.0 else 1.0
+        p = 2.0 * float(special.stdtr(degrees, -abs(slope) / error)) if error > 0.0 else 1.0
         unit = length[-1] / length[size + j]
         by = -moves[:, j] * length[size + j] / length[:size]
         slopes = {name: float(of) for name, of in zip(names, by, strict=False)}

@@ -25,6 +25,7 @@ from dataclasses import replace
 from typing import TypeVar
 
 import numpy as np
+from scipy import special
 
 from ..arrays import Array
 from ..motion.events import PHASE_S, PHASE_V, PHASE_X
@@ -183,8 +184,6 @@ def _of_all(fits: Sequence[RingFit]) -> RingFit | None:
 def _same(whole: RingFit, parts: Sequence[RingFit]) -> bool:
     """Whether the unknowns that a fit has less than fits of its parts are not missed: its χ² lies above theirs by no
     more than chance makes of as many, in the noise that the parts leave."""
-    from scipy import special  # slow to import
-
     fewer = sum(np.count_nonzero(fit.free) for fit in parts) - np.count_nonzero(whole.free)
     excess = whole.chi_square - math.fsum(fit.chi_square for fit in parts)
     noise = max((fit.misfit for fit in parts if not fit.adequate), default=1.0)
@@ -386,8 +385,6 @@ def _from_earlier(fit: RingFit, whole: Decay, earliest: float) -> RingFit:
 def _doubted(fits: Sequence[RingFit], longer: RingFit | None) -> int:
     """Number of steps back that are in doubt, 0 where the samples follow the motion, judged by the contribution of the
     last step, or of the last three, to χ²."""
-    from scipy import special  # slow to import
-
     if longer is None:
         return 1
     for count in (1, _SEVERAL):

@@ -13,8 +13,11 @@ import numpy as np
 from ..arrays import Array
 from ..law.law import Law
 from ..law.terms import FRICTION, parted
+from ..model import BaseMotion, Oscillator
 from ..motion.jit import interpreted
+from ..motion.orbit import steady_orbit
 from ..reading.lines import Lines, Shares, starts
+from ..reading.one_thread import one_thread
 from .climb import MOST, climb
 from .waveforms import STIFFEST, HarmonicResiduals, Unknowns, WaveformFit, equivalent_coefficient
 
@@ -32,6 +35,7 @@ _SCANS = 3  # along K_z, each from the best end of the one before
 _RINGS = 1.0  # swings in a stick, from which on a fit that holds is not the only one
 _CLOSER = (1.0 / 16.0, 1.0 / 8.0, 1.0 / 4.0, 1.0 / 2.0)  # of a step: kinks of χ² lie close together
 _FOLLOWING, _TRIED = 4, 6  # evaluations at each K_z, and minima that are climbed to
+_HARMONICS = 64  # odd ones: the derivatives of the response by ρ fall as n⁻³
 _LOWER = 0.05  # of χ²: what another minimum must be lower by to be scanned around
 
 
@@ -71,6 +75,35 @@ def fit_oscillator(
         last = _climbed(unknowns, best.point, softenings=(0.0,), last=_TO_THE_END)
         best = _best([best, *filter(None, [last])])
     return best
+
+
+@one_thread
+def fit_at_truth(
+    osc: Oscillator,
+    motions: Sequence[BaseMotion],
+    errors: Sequence[tuple[float, float]],
+    given: Collection[str] = ("m",),
+) -> WaveformFit | None:
+    """The fit to the exact harmonics of an oscillator, at its own values; None where nothing slips.
+
+    Use its standard errors to judge how much an estimate makes of records of base displacement and displacement: no
+    unbiased estimate has a smaller covariance (the Cramér–Rao bound; Kay, *Fundamentals of Statistical Signal
+    Processing: Estimation Theory*, 1993, chapter 3), as harmonics hold all the information on a steady motion. Unknown
+    offsets and an unknown noise cost nothing: their information is orthogonal.
+
+    motions : one per record; frequencies may differ.
+    errors : standard errors of |Y| and of the real and the imaginary part of each harmonic of x, m, for each record:
+    σ√(2/n) of n samples with white noise σ, over whole cycles or many.
+    given : names of common unknowns that are known, besides the delay.
+    """
+    n = np.arange(1, 2 * _HARMONICS, 2)
+    lines = []
+    for motion, (Y_error, x_error) in zip(motions, errors, strict=True):
+        x = steady_orbit(osc, motion).harmonics(_HARMONICS)
+        lines.append(Lines(motion.omega, motion.Y, Y_error, n, x, np.full(n.size, x_error), 1))
+    unknowns = Unknowns(Law(), tuple(lines), osc.k)
+    truth = unknowns.start(np.array([osc.F_k, osc.c, osc.K_z, osc.m]), np.ones(len(lines)))
+    return _climbed(unknowns, truth, {"delay", *given}, softenings=(0.0,), last=1)
 
 
 def of_all_stiffnesses(fit: WaveformFit) -> WaveformFit:

@@ -12,10 +12,10 @@ from functools import lru_cache, partial
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy import special
 
 from ..arrays import Array, Complexes
 from ..project.wording import Remark, Shown, part, signed
-from .chances import f_tail, normal_tail, t_quantile
 from .cycles import FEWEST_CYCLES, CycleHarmonics, unwrapped
 
 FEW_CYCLES = 10
@@ -107,7 +107,7 @@ def frequency(
 @lru_cache(maxsize=64)
 def _significant_for(freedom: int) -> float:
     """Standard errors that are as rare as SIGNIFICANT ones, where so many degrees of freedom give the errors."""
-    return t_quantile(freedom, normal_tail(SIGNIFICANT))
+    return float(-special.stdtrit(freedom, special.ndtr(-SIGNIFICANT)))
 
 
 def cycles(
@@ -235,7 +235,7 @@ def _change(rows: Complexes, weights: Array, parts: float) -> _Change:
     # successive differences know the variance as well as two thirds as many independent rows; of two halves, twice
     # the chance
     freedom = parts * max(1.0, 2.0 * (size // 2 - 1) / 3.0)
-    chance = 2.0 * f_tail(3.0 * parts, freedom, statistic / (3.0 * parts))
+    chance = 2.0 * float(special.fdtrc(3.0 * parts, freedom, statistic / (3.0 * parts)))
     change = basis @ along
     grown, turned = float(np.ptp(np.abs(change + mean))), float(np.abs(change).max())
     matters = max(grown, turned) >= _DRIFT_MATTERS * abs(mean)

@@ -25,6 +25,7 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
+from scipy import special
 
 from ..arrays import Array, Complexes, Integers, Mask
 from ..law.terms import KNOWN_TERMS
@@ -32,7 +33,6 @@ from ..motion.jit import interpreted
 from ..motion.orbits import steady_orbits
 from ..motion.regime import Regime
 from ..records.measurement import ABSOLUTE, ORDERS, RESPONSES
-from .chances import f_tail
 from .checks import SIGNIFICANT
 from .conditioning import SteadyRecord
 from .cycles import median
@@ -294,7 +294,7 @@ def probability(chi_square: float, freedom: int, lines: Sequence[Lines]) -> floa
     if freedom < 1:
         return 1.0
     known = sum(_NEIGHBOURS * max(1, one.rows - 1) for one in lines)
-    return f_tail(freedom, known, chi_square / freedom)
+    return float(special.fdtrc(freedom, known, chi_square / freedom))
 
 
 def _candidates(lines: Sequence[Lines], k: float, shares: Shares, wide: bool) -> Array:

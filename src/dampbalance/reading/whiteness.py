@@ -11,10 +11,10 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
+from scipy import special
 
 from ..arrays import Array
 from .bursts import QUIET_PARTS, noise_of
-from .chances import f_tail
 
 _ROUNDING = 0.1  # of the variance of the noise: what a record without noise leaves is rounding
 _FEWEST = 400  # samples, from which the third differences of a record tell its noise
@@ -48,7 +48,7 @@ def chance_of_averages(residuals: Sequence[Array], widths: Sequence[int], lost: 
     chances = []
     while True:
         ratio, first, rest = averages(residuals, widths, lost)
-        chances.append(f_tail(first, rest, ratio))
+        chances.append(float(special.fdtrc(first, rest, ratio)))
         if max(widths) <= 2:
             return min(1.0, len(chances) * min(chances))
         widths = [max(2, width // 2) for width in widths]

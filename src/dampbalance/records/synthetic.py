@@ -30,11 +30,11 @@ from .measurement import (
 )
 
 if TYPE_CHECKING:
-    from ..law.response import LawOrbit
+    from ..law.steady import Response
 
 
 def measured_orbit(
-    orbit: Orbit | LawOrbit | SlidersOrbit,
+    orbit: Orbit | Response | SlidersOrbit,
     *,
     rate_hz: float,
     cycles: float,
@@ -90,7 +90,7 @@ def measured_orbit(
 
 
 def _clean(
-    orbit: Orbit | LawOrbit | SlidersOrbit, t: Array, channels: Sequence[str]
+    orbit: Orbit | Response | SlidersOrbit, t: Array, channels: Sequence[str]
 ) -> dict[str, Array]:
     """The signals without noise, by quantity, of the channels asked for and those that come with them."""
     motion, omega = orbit.motion, orbit.motion.omega

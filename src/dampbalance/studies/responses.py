@@ -23,7 +23,7 @@ from ..balance import TERMS
 from ..features import Features, of_numbers, of_orbit, side_by_side, stack, wrapped
 from ..identification.law_comparison import compare_laws
 from ..identification.oscillator import JointFit, joined, joint_fit, read_samples
-from ..law.response import law_orbit
+from ..law.response import law_response
 from ..law.steady import Response, steady_response
 from ..law.terms import FRICTION, KNOWN_TERMS, of_harmonics
 from ..likelihood.mean_harmonics import Reading, read_features
@@ -280,7 +280,7 @@ _STICKS = 2.0  # in units of Z_m: the amplitude up to which the contact hardly s
 def chosen_laws(cases: Cases, _: Iterable[str]) -> Responses:
     """The law that is chosen in each case of the route laws.
 
-    An oscillator is drawn for each law and run; its steady motion under its law is computed by `law/response.py`,
+    An oscillator is drawn for each law and run; its steady motion under its law is computed by `law/steady.py`,
     sampled with noise at every level and at two frequencies, one below the resonance and one above it, and identified
     like measured records. Each term of the law takes a significant SHARE of the work at one level at least, and the
     contact slips once per half cycle at all of them.
@@ -305,7 +305,7 @@ def chosen_law(
     for motion in truth.motions:
         try:
             measurement = measured_orbit(
-                law_orbit(truth.oscillator, motion, truth.law),
+                law_response(truth.oscillator, motion, truth.law),
                 rate_hz=random.uniform(*_SAMPLES) / motion.period,
                 cycles=cycles,
                 noise=noise,

@@ -10,6 +10,7 @@ from functools import cache
 import numpy as np
 import pytest
 
+from analytic.law_response import law_orbit
 from dampbalance import BaseMotion
 from dampbalance.identification.answer import USABLE
 from dampbalance.identification.forced import identify_readings
@@ -21,7 +22,6 @@ from dampbalance.identification.law_comparison import (
     compare_laws,
 )
 from dampbalance.law.law import Law
-from dampbalance.law.response import law_orbit
 from paper_case import PAPER
 from unit.identification.levels import identified, read
 

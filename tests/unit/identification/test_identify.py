@@ -17,11 +17,11 @@ from dampbalance.balance import APPROACHES
 from dampbalance.identification.answer import REFERENCE
 from dampbalance.identification.forced import _parameter, identify_readings
 from dampbalance.identification.oscillator import Samples
-from dampbalance.likelihood.information import cramer_rao, noise_of_rms
 from dampbalance.likelihood.mean_harmonics import RESOLVED, read_features
 from dampbalance.records.measurement import Channel, Measurement
 from paper_case import FREQUENCIES_HZ, LEVELS, NEAR, PAPER, motions_at, orbits_at
 from unit.identification.levels import SYMBOLS, THREE, close, identified, read
+from unit.likelihood.sampled import covariance, noise_of_rms
 
 
 def readings(hz=NEAR, noise=0.0, levels=LEVELS, osc=PAPER, **options):
@@ -236,14 +236,14 @@ def test_no_number_of_levels_that_are_alike_is_usable(levels):
 def test_rows_that_weigh_as_they_are_sure_use_what_the_records_hold(hz):
     motions, two = motions_at(hz), THREE[:2]
     noise = noise_of_rms(PAPER, motions, 0.01)
-    bound = cramer_rao(PAPER, motions, rate_hz=1000.0, cycles=25.0, noise=noise, free=("m",))
+    bound = np.sqrt(np.diag(covariance(PAPER, motions, 1000.0, 25.0, noise, ("m",))))
     runs = [
         identified(
             readings(hz, 0.01, seed=50 + i, rate_hz=1000.0, channels=two), replicates=400
         ).estimates["direct"]
         for i in range(4)
     ]
-    for symbol, least in zip(("F_k", "c"), bound.standard_errors, strict=False):
+    for symbol, least in zip(("F_k", "c"), bound, strict=False):
         weighted, alike = (
             least**2 / np.mean([getattr(run, of)[symbol].standard_error ** 2 for run in runs])
             for of in ("coefficients", "equal")

@@ -11,9 +11,9 @@ import pytest
 
 from analytic.cases import SEVERAL_SLIPS, case
 from analytic.integrals import input_work, of_motion
+from analytic.law_response import law_orbit
 from dampbalance import BaseMotion, Oscillator, steady_orbit
 from dampbalance.balance import Rows, unregister
-from dampbalance.law.response import law_orbit
 from dampbalance.law.terms import FRICTION, KNOWN_TERMS, of_harmonics, register_term
 from dampbalance.solver import solve
 from paper_case import PAPER, motions_at

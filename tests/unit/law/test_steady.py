@@ -8,8 +8,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from analytic.cases import case
+from analytic.law_response import law_orbit
 from dampbalance import BaseMotion, NoSteadyOrbit, Oscillator, steady_orbit
-from dampbalance.law.response import law_orbit
+from dampbalance.law.response import law_response
 from dampbalance.law.steady import steady_response
 from paper_case import PAPER
 
@@ -45,6 +47,51 @@ def test_it_is_that_of_the_integrator(law, K_z):
     exact = law_orbit(osc, MOTION, LAWS[law])
     assert pytest.approx(exact.X, rel=tolerance) == found.X
     assert pytest.approx(4.0 * exact.X - exact.a, rel=1e-9) == found.taken
+
+
+STATES = {
+    "one slip": (replace(BARE, c=20.0), LAWS["all"]),
+    "no slip": (replace(BARE, F_k=60.0), LAWS["c_3"]),
+    "no friction": (replace(BARE, F_k=0.0), LAWS["c_2"]),
+    "linear terms": (PAPER, {"c_r": 10.0, "eta": 0.05}),
+}
+
+
+@pytest.mark.parametrize("kind", STATES)
+def test_its_states_are_those_of_the_integrated_motion(kind):
+    osc, law = STATES[kind]
+    found, exact = law_response(osc, MOTION, law), law_orbit(osc, MOTION, law)
+    t = np.linspace(-1.3, 2.1, 301).reshape(7, 43) * MOTION.period
+    one, other = found.state(t), exact.state(t)
+    force = osc.k * exact.X + osc.F_k  # of which z may be a jump
+    omega = MOTION.omega
+    scales = {"x": exact.X, "v": omega * exact.X, "z": max(osc.Z_m, 1e-12 * exact.X)}
+    for name, scale in {**scales, "acceleration": force / osc.m}.items():
+        parts = (getattr(of, name) for of in (one, other))
+        np.testing.assert_allclose(*parts, rtol=0, atol=1e-9 * scale, err_msg=name)
+    assert (found.motion.Y, found.motion.omega) == pytest.approx((MOTION.Y, omega), rel=1e-14)
+
+
+def test_several_onsets_under_a_law_that_is_not_linear_are_refused():
+    oscillator, motion = case(0.02, 0.31, 70.0, 0.34)
+    with pytest.raises(NoSteadyOrbit, match="only one onset of slip per half cycle"):
+        law_response(oscillator, motion, {"c_2": 3.0})
+
+
+@pytest.mark.parametrize(
+    ("law", "message"),
+    [
+        ({"c_7": 1.0}, "unknown term 'c_7'; known are F_k, c"),
+        ({"F_k": 1.0}, "friction force is that of the oscillator"),
+        ({"c": 1.0}, "set Oscillator.c"),
+        ({"c_2": -1.0}, "c_2 .quadratic damping. must be a number, 0 to .*, got -1"),
+        ({"c_3": math.inf}, "c_3 .* must be a number, 0 to .*, got inf"),
+        ({"c_2[a]": 1.0}, "name the term alone"),
+    ],
+)  # fmt: skip
+def test_a_law_that_makes_no_sense_is_refused(law, message):
+    with pytest.raises(ValueError, match=message):
+        law_response(PAPER, BaseMotion(1.0, 1.0), law)
 
 
 def test_a_strong_law_is_found_where_a_whole_step_from_the_linear_damper_leads_away():

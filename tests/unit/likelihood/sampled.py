@@ -26,6 +26,14 @@ def derivatives(osc, motion, t):
     return np.array(of_x), of_y
 
 
+def noise_of_rms(osc, motions, fraction):
+    """Standard deviations of y and x that are a part of the rms of each clean channel, for each record."""
+    phases = np.arange(4096) / 4096
+    x = [steady_orbit(osc, motion).state(phases * motion.period).x for motion in motions]
+    rms = {"y": [motion.Y / np.sqrt(2.0) for motion in motions], "x": np.std(x, axis=1)}
+    return {name: fraction * np.array(sizes) for name, sizes in rms.items()}
+
+
 def covariance(osc, motions, rate_hz, cycles, noise, free=()):
     """The bound on the covariance of (F_k, c, K_z[, m]) from Σ (∂u/∂p)(∂u/∂p)ᵀ/σ² over the samples of each channel; an
     unknown offset takes out the mean of each derivative."""

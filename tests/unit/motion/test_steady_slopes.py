@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from analytic.law_response import law_orbit
 from dampbalance import BaseMotion, Oscillator, Regime, steady_orbit
-from dampbalance.law.response import law_orbit
 from dampbalance.motion.jit import interpreted
 from dampbalance.motion.orbit import NoSteadyOrbit
 from dampbalance.motion.steady_slopes import UNKNOWNS, onset_slopes

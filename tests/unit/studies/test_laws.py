@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 from analytic.integrals import input_work, of_motion
-from dampbalance.law.response import law_orbit
+from analytic.law_response import law_orbit
 from dampbalance.studies import evaluate, responses
 from dampbalance.studies.settings import law_named, terms_named
 from dampbalance.studies.shown import facts, summary

@@ -11,10 +11,10 @@ import pandas as pd
 import pytest
 import yaml
 
+from analytic.law_response import law_orbit
 from dampbalance import register_term, steady_orbits, study, unregister
 from dampbalance.balance import APPROACHES, Rows
 from dampbalance.features import Features
-from dampbalance.law.response import law_orbit
 from dampbalance.model import BaseMotion
 from dampbalance.project.documents import ConfigurationError, read_yaml
 from dampbalance.solver import solve

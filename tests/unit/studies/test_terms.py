@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from analytic.integrals import input_work, of_motion
+from analytic.law_response import law_orbit
 from dampbalance import BaseMotion, Oscillator
 from dampbalance.features import of_orbit
-from dampbalance.law.response import law_orbit
 from dampbalance.law.steady import steady_response
 from dampbalance.law.terms import KNOWN_TERMS
 from dampbalance.motion.orbit import steady_orbit
@@ -43,9 +43,9 @@ def test_every_term_besides_the_paper_s_two_is_a_parameter_of_the_oscillator():
 @pytest.mark.parametrize("name", LAWS)
 @pytest.mark.parametrize("hz", [4.92, 11.1])
 def test_features_of_a_response_are_those_of_the_integrated_motion(name, hz):
-    """Against the integrator of `law/response.py`, exact to 1e-12. `steady_response` cuts harmonics off beyond the
-    63rd: measured 5e-8 of X at these levels, so that what follows from X is held to 1e-6; the velocity at the onset is
-    where they matter most, 3e-4 of it."""
+    """Against the integrator of `analytic/law_response.py`, exact to 1e-12. `steady_response` cuts harmonics off beyond
+    the 63rd: measured 5e-8 of X at these levels, so that what follows from X is held to 1e-6; the velocity at the onset
+    is where they matter most, 3e-4 of it."""
     motion, law = BaseMotion(0.008, 2.0 * math.pi * hz), LAWS[name]
     found = of_response(steady_response(PAPER, motion, law), motion, PAPER.k, list(KNOWN_TERMS)[2:])
     orbit = law_orbit(PAPER, motion, law)

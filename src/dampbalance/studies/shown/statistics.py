@@ -9,12 +9,13 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+from scipy import special
 
 from ...arrays import Array, Integers
 from ...balance import TERMS
-from ...likelihood.information import cramer_rao, noise_of_rms
+from ...likelihood.steady_search import fit_at_truth
 from ...model import BaseMotion
-from ...motion.orbit import NoSteadyOrbit
+from ...motion.orbit import NoSteadyOrbit, steady_orbit
 from ...solver import NORMAL_95
 from ..case_files import column_of
 from ..cases import cases_between
@@ -133,8 +134,6 @@ def quantile_error(values: Array, share: float) -> float:
 
     Good to 40 % from 50 values; NaN where the quantile is the largest value, for which this gives no error.
     """
-    from scipy import special  # slow to import
-
     n, k = len(values), math.ceil(share * len(values))
     if k == n:
         return math.nan
@@ -177,13 +176,17 @@ def bounds_of(study: Study, cases: Integers) -> dict[str, float]:
     osc = oscillator_of(held.si, at)
     motions = [BaseMotion(float(Y), omega) for Y in held.Y[:, at]]
     try:
-        noise = noise_of_rms(osc, motions, float(here["noise"][0]))
-        rate_hz = float(here["sampling_hz"][0])
-        bound = cramer_rao(osc, motions, rate_hz=rate_hz, cycles=study.cycles, noise=noise)
+        samples = round(float(here["sampling_hz"][0]) * study.cycles * motions[0].period)
+        # the noise is a part of the rms of each clean channel; 64 odd harmonics hold all digits of it
+        part = float(here["noise"][0]) / math.sqrt(samples)
+        x = [np.linalg.norm(steady_orbit(osc, motion).harmonics(64)) for motion in motions]
+        errors = [(part * motion.Y, part * float(X)) for motion, X in zip(motions, x, strict=True)]
+        fit = fit_at_truth(osc, motions, errors)
     except (ValueError, NoSteadyOrbit, ArithmeticError):
         return nothing
-    F_k, c, _ = bound.relative  # the third is K_z
-    return nothing | {"F_k": F_k, "c": c}
+    if fit is None:
+        return nothing
+    return nothing | {s: fit.error(s) / fit.value(s) if fit.value(s) else math.inf for s in TERMS}
 
 
 def choices_of(cases: str | Path) -> pd.DataFrame:
