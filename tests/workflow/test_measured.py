@@ -152,9 +152,7 @@ def test_a_set_that_fails_stands_with_its_error_beside_the_others(rig):
     for name, kind in (("steady", "forced"), ("released", "ring-down")):
         assert {f"measured/{name}/{file}" for file in outputs_of(kind)} <= files.keys()
     assert not any(name.startswith("measured/broken") for name in files)
-    page = files["measured/report.html"].decode()
-    assert "The set broken: broken.csv: line" in page
-    assert '<a href="released/report.html">' in page
+    assert [line.split()[0] for line in shown.splitlines()[3:6]] == ["broken", "steady", "released"]
     table = pd.read_csv(rig.folder / "results/rig/measured/identification.csv")
     assert dict(table["set"].value_counts()) == {"steady": 6, "released": 2, "broken": 1}
     assert table["error"].notna().tolist() == (table["set"] == "broken").tolist()
@@ -194,7 +192,6 @@ def against(copy, change):
         ),
         ({"stiffness_N_per_m": 0.0}, "measured[1].stiffness_N_per_m"),
         ({"stiffness": 2310.0}, "stiffness"),
-        ({"at": [1]}, "measured[1].at"),
         ({"approaches": ["best"]}, "measured[1].approaches[1]"),
         ({"kind": "ring-down"}, "measured[1].frequency_hz: is for forced records"),
         ({"kind": "stepped-sine"}, "and these are tables of a stepped sine: leave it out"),

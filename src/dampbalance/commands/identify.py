@@ -67,7 +67,6 @@ records         a file, one per level; as many as there are coefficients, or mor
 --no-figures    write no pictures: they take longer than all the rest
 --json          write {TABLES[0]} to this file, too; - shows it instead of the table
 --report        write the report, one page of HTML with everything, to this file
---sets          a YAML file that lists sets of records and their settings; each gets a folder in --output
 --overwrite     replace results that are there already
 """
 
@@ -80,10 +79,7 @@ _SETTINGS = (
 
 
 def run(options: argparse.Namespace) -> None:
-    """Identify, show the table or the document, write the results; or write a mapping, or identify several sets."""
-    if options.sets is not None:
-        _run_sets(options)
-        return
+    """Identify, show the table or the document, write the results; or write a mapping."""
     needed = ["records"] + ["--stiffness"] * (options.write_mapping is None)
     missing = [name for name in needed if not getattr(options, name.strip("-"))]
     if missing == ["--stiffness"] and _of_tables(options):
@@ -166,27 +162,6 @@ def _write_mapping(options: argparse.Namespace) -> None:
     print(f"{text}\nWritten to {file}. Check each line, then give the same command {use}.")
 
 
-def _run_sets(options: argparse.Namespace) -> None:
-    """Identify several sets, and show their table; ValueError where one of them failed."""
-    from ..identification.batch import identify_sets  # slow to import
-    from ..identification.outputs import OVERVIEW
-
-    taken = ("--sets", "--output", "--overwrite", "--largest")
-    for name, of in _OPTIONS.items():
-        given = getattr(options, of.get("dest", name.strip("-").replace("-", "_")))
-        default = of.get("default") or of.get("action") == "store_false"
-        if (given or default is True) and given != default and name not in taken:
-            raise ValueError(f"--sets takes all settings from its file: leave out {name}")
-    if options.output is None:
-        raise ValueError("--sets needs --output, the folder for the results of all sets")
-    text, failed = identify_sets(
-        options.sets, options.output, overwrite=options.overwrite, largest=options.largest
-    )
-    print(f"{text}\nWritten to {options.output}: {', '.join(OVERVIEW)}, and a folder for each set.")
-    if failed:
-        raise ValueError(f"{failed} of the sets could not be identified; the table says why")
-
-
 def _labels(text: str) -> tuple[str, str]:
     """A type of argument: a term and a label for each record, F_k=A,A,B."""
     name, equals, labels = text.partition("=")
@@ -233,7 +208,6 @@ _OPTIONS: dict[str, dict[str, Any]] = {
     "--no-figures": {"action": "store_true"},
     "--json": {"type": Path, "metavar": "FILE"},
     "--report": {"type": Path, "metavar": "FILE"},
-    "--sets": {"type": Path, "metavar": "FILE"},
     "--overwrite": {"action": "store_true"},
 }
 ARGUMENTS = {

@@ -213,13 +213,7 @@ _IN_WORDS = {
     "stepped-sine": "tables of a stepped sine",
 }
 _CONFIGURED = {"stiffness_N_per_m": "stiffness", "mass_kg": "mass", "frequency_hz": "frequency"}
-_OF_THE_WORKFLOW = ("name", "records", "at")
-SETTINGS = (
-    *(*_OF_THE_WORKFLOW, "kind", *_OF_K_AND_M, "frequency_hz"),
-    *("terms", "given", "groups", "laws", *_OF_CONTACT, "approaches", "phase"),
-    *("mapping", "skip_cycles", "replicates", "seed", "largest"),
-)
-"""Keys of a set of records in a configuration."""
+_OF_THE_WORKFLOW = ("name", "records")
 
 
 def _taken(kind: str, options: Mapping[str, Any]) -> dict[str, Any]:
