@@ -8,11 +8,10 @@ import sys
 from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any
 
 from ..arguments import MOST_REPLICATES
-from ..balance import APPROACHES
-from ..features import Phase
+from ..balance import checks
 from ..identification.forced import REPLICATES, SEED
 from ..identification.outputs import ALL_PICTURES, OUTPUTS, REPORT, TABLES, require_room
 from ..law.terms import KNOWN_TERMS
@@ -55,7 +54,6 @@ records         a file, one per level; as many as there are coefficients, or mor
 --groups        a coefficient for each group of records: F_k=A,A,B, a label per record; may be repeated
 --laws          compare laws of one or two terms, with and without friction, and name the one that the records support
 --approach      an approach; may be repeated (default: all)
---phase         phase φ that the approaches X_s, t_s and V_s take (default: reversal)
 --mass          mass, kg, or with its standard uncertainty, 2.42±0.01; alone, half its last digit or 0.5 %%, the larger
 --write-mapping write a mapping to start from to this file, with a reason for each channel, and do nothing else
 --mapping       file or folder that names the channels of the records (default: the file next to each)
@@ -72,7 +70,7 @@ records         a file, one per level; as many as there are coefficients, or mor
 
 _SCREEN = Path("-")
 _SETTINGS = (
-    *("kind", "mapping", "frequency", "mass", "terms", "laws", "approaches", "phase"),
+    *("kind", "mapping", "frequency", "mass", "terms", "laws", "approaches"),
     *("contact", "hardening", "residual", "skip_cycles", "replicates", "seed", "largest"),
 )
 """What `identify` takes as it stands in the options."""
@@ -195,8 +193,7 @@ _OPTIONS: dict[str, dict[str, Any]] = {
     "--given": {"type": coefficients, **_SEVERAL, "metavar": "TERM=VALUE"},
     "--groups": {"type": _labels, **_SEVERAL, "metavar": "TERM=LABELS"},
     "--laws": {"action": "store_true"},
-    "--approach": {"action": "append", "choices": list(APPROACHES), "dest": "approaches"},
-    "--phase": {"choices": get_args(Phase), "default": "reversal"},
+    "--approach": {"action": "append", "choices": list(checks()), "dest": "approaches"},
     "--mass": {"type": mass, "metavar": "M"},
     "--write-mapping": {"type": Path, "metavar": "FILE"},
     "--mapping": {"type": Path, "metavar": "FILE"},
