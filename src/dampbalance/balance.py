@@ -306,7 +306,8 @@ def register_approach(
     element on features of any shape, (levels,) or (levels, cases), and give NaN where a feature does not exist.
     label : what figures and tables call it; default, its name.
     terms : symbols of the coefficients that its rows are for, in their order.
-    takes_phase : whether the rows use `features.phi`; studies then try each definition of the phase.
+    takes_phase : whether the rows use `features.phi`; studies then try each definition of the phase, and measured
+    records are not evaluated by it.
     overwrite : whether to replace a registered approach of that name, as when a cell is run again.
 
     Raises ValueError for a name that is taken, a function that fails, and rows without these terms or of another shape.
@@ -387,6 +388,14 @@ def unregister(name: str) -> None:
         raise ValueError(f"{shown(name)} is no term and no approach that was registered")
     for known in registered:
         del known[name]
+
+
+def checks() -> dict[str, Approach]:
+    """Return the approaches that measured records are evaluated by: those whose rows need no choice of a phase.
+
+    The others approximate x(t) by its fundamental, which costs more off resonance than the noise of most records.
+    """
+    return {name: approach for name, approach in APPROACHES.items() if not approach.takes_phase}
 
 
 def takes_phase(name: str) -> bool:

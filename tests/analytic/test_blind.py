@@ -146,7 +146,6 @@ def small():
         "refused",
         "something slips, no F_k",
         "lower limit of K_z above the truth",
-        "X_s, t_s, V_s beyond 3 standard errors, no star",
         score.SILENT,
         score.NOTHING_SEEN,
         score.MISSED_WAVEFORM,

@@ -17,7 +17,7 @@ import pandas as pd
 import pytest
 import yaml
 
-from dampbalance.balance import APPROACHES
+from dampbalance.balance import checks
 from dampbalance.project.case import Case, check
 from dampbalance.project.documents import ConfigurationError
 from dampbalance.project.files import read_csv
@@ -163,7 +163,7 @@ def assert_sound(folder) -> None:
 def refused(config: dict, file) -> str:
     """What is said against a configuration, as the workflow looks at it; "" if it is accepted."""
     try:
-        check(config, SCHEMA, [file], APPROACHES)
+        check(config, SCHEMA, [file], checks())
         check_feasible(Case.from_config(config), [file])
     except ConfigurationError as error:
         return str(error)
@@ -203,7 +203,7 @@ def test_frequencies_may_be_called_like_numbers_and_like_no_value(tmp_path):
     config = base() | {"case": "nan"}
     drives = [{"name": name, "hz": 3.0 + i} for i, name in enumerate(names)]
     config["excitation"]["frequencies"] = drives
-    check(config, SCHEMA, [FILE], APPROACHES)
+    check(config, SCHEMA, [FILE], checks())
     case_jobs(config, tmp_path)
     table = read_csv(tmp_path / "tables/approaches.csv")
     assert list(dict.fromkeys(table["frequency"])) == names

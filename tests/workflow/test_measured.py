@@ -44,7 +44,7 @@ def test_the_workflow_says_what_the_package_says(built, monkeypatch):
     )
     table = pd.read_csv(built.folder / "results/example/measured/identification.csv")
     assert set(table["set"]) == {"below_resonance"}
-    assert len(table) == 6  # the fit, and five approaches
+    assert len(table) == 3  # the fit, and two balances that check it
 
 
 def test_a_bad_record_leaves_the_results_as_they_are_and_fails_until_it_is_mended(built):
@@ -152,11 +152,9 @@ def test_a_set_that_fails_stands_with_its_error_beside_the_others(rig):
     for name, kind in (("steady", "forced"), ("released", "ring-down")):
         assert {f"measured/{name}/{file}" for file in outputs_of(kind)} <= files.keys()
     assert not any(name.startswith("measured/broken") for name in files)
-    page = files["measured/report.html"].decode()
-    assert "The set broken: broken.csv: line" in page
-    assert '<a href="released/report.html">' in page
+    assert [line.split()[0] for line in shown.splitlines()[3:6]] == ["broken", "steady", "released"]
     table = pd.read_csv(rig.folder / "results/rig/measured/identification.csv")
-    assert dict(table["set"].value_counts()) == {"steady": 6, "released": 2, "broken": 1}
+    assert dict(table["set"].value_counts()) == {"steady": 3, "released": 2, "broken": 1}
     assert table["error"].notna().tolist() == (table["set"] == "broken").tolist()
     # the decay is that of 0.5 N and 1 N s/m: each interval holds its value, or all but does
     decays = table[table["set"] == "released"]
@@ -194,7 +192,6 @@ def against(copy, change):
         ),
         ({"stiffness_N_per_m": 0.0}, "measured[1].stiffness_N_per_m"),
         ({"stiffness": 2310.0}, "stiffness"),
-        ({"at": [1]}, "measured[1].at"),
         ({"approaches": ["best"]}, "measured[1].approaches[1]"),
         ({"kind": "ring-down"}, "measured[1].frequency_hz: is for forced records"),
         ({"kind": "stepped-sine"}, "and these are tables of a stepped sine: leave it out"),

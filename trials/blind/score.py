@@ -182,8 +182,6 @@ def faults(rows: pd.DataFrame) -> dict[str, tuple[list[int], int]]:
     limit = K_z[np.isinf(K_z["value"])]
     visible = sets["third"] > VISIBLE
     unseen = sets["warnings"].str.contains(NO_ONSET)
-    of_onset = rows["approach"].isin(["X_s", "t_s", "V_s"]) & rows["symbol"].isin(["F_k", "c"])
-    harmonic = rows[of_onset & ~rows["starred"] & slips]
     silent = rows[~rows["remarked"] & (rows["sizes"] > 5.0) & slips]
     nothing = rows[~slips & (rows["symbol"] == "F_k") & np.isfinite(rows["value"])]
     without = F_k[(F_k["approach"] == FIRST) & ~np.isfinite(F_k["value"])]
@@ -197,10 +195,6 @@ def faults(rows: pd.DataFrame) -> dict[str, tuple[list[int], int]]:
         "lower limit of K_z above the truth": (
             limit.loc[limit["low"] > limit["true"], "set"],
             limit["set"].nunique(),
-        ),
-        "X_s, t_s, V_s beyond 3 standard errors, no star": (
-            harmonic.loc[harmonic["sizes"] > 3.0, "set"],
-            harmonic["set"].nunique(),
         ),
         F_K_OF_NOTHING: (nothing["set"], len(sets) - slipping),
         SILENT: (silent["set"], slipping),

@@ -7,7 +7,7 @@ from dampbalance.project.documents import refuse
 from dampbalance.identification.outputs import OVERVIEW, SUMMARY as SET_SUMMARY, outputs_of
 
 if config.get("measured"):  # slow to import
-    from dampbalance.identification.batch import summarise
+    from dampbalance.identification.table_of_sets import summarise
     from dampbalance.identification.measured import not_taken
     from dampbalance.law.law import law_of
     from dampbalance.records.errors import RecordError
@@ -17,7 +17,6 @@ MEASURED = {one["name"]: {**one} for one in config.get("measured") or []}
 for one in MEASURED.values():
     if one.get("mapping"):
         one["mapping"] = named_file(one["mapping"])
-PLACES = {name: one.get("at") for name, one in MEASURED.items()}
 MEASURED_FILES = f"{RESULTS}/measured"
 MAPPING_SCHEMA = project_input("src/dampbalance/records/mapping.schema.yaml")
 REPORT_PARTS = [
@@ -78,7 +77,7 @@ def overview_with_failures():
     """Write and return what became of each set when some could not be identified; the next run makes it anew."""
     folder = Path(placed(MEASURED_FILES))
     folder.mkdir(parents=True, exist_ok=True)
-    text = summarise(folder, failures(), PLACES)
+    text = summarise(folder, failures())
     for name in OVERVIEW:
         os.utime(folder / name, (0, 0))
     return text

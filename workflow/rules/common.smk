@@ -13,7 +13,7 @@ from snakemake.logging import logger
 from snakemake.utils import update_config
 
 try:
-    from dampbalance.balance import APPROACHES
+    from dampbalance.balance import checks
     from dampbalance.project.case import Case, check, excerpt, require_own_case
     from dampbalance.project.documents import ConfigurationError, section_of
     from dampbalance.project.dependencies import package_modules
@@ -79,7 +79,7 @@ if workflow.is_main_process:
             config,
             project_file("workflow/schemas/config.schema.yaml"),
             CONFIG_FILES,
-            APPROACHES,
+            checks(),
         )
         if not IS_MODULE and config["case"] == load_configfile(BASE_CONFIG)["case"]:
             require_own_case(workflow.overwrite_configfiles)

@@ -50,18 +50,16 @@ use rule identify as identify_stepped_sine with:
 rule measured:
     input:
         sets=expand(f"{MEASURED_FILES}/{{set}}/identification.csv", set=MEASURED),
-        parts=REPORT_PARTS,
         modules=script_modules("measured/measured.py"),
     output:
         csv=f"{MEASURED_FILES}/identification.csv",
         summary=f"{MEASURED_FILES}/summary.txt",
-        report=f"{MEASURED_FILES}/report.html",
     log:
         log_file("measured"),
     conda:
         ENVIRONMENT
     params:
-        at=PLACES,
+        sets=list(MEASURED),
     message:
         "Estimates of all sets of records"
     script:

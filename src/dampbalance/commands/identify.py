@@ -8,11 +8,10 @@ import sys
 from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any
 
 from ..arguments import MOST_REPLICATES
-from ..balance import APPROACHES
-from ..features import Phase
+from ..balance import checks
 from ..identification.forced import REPLICATES, SEED
 from ..identification.outputs import ALL_PICTURES, OUTPUTS, REPORT, TABLES, require_room
 from ..law.terms import KNOWN_TERMS
@@ -54,7 +53,6 @@ records         a file, one per level; as many as there are coefficients, or mor
 --groups        a coefficient for each group of records: F_k=A,A,B, a label per record; may be repeated
 --laws          compare laws of one or two terms, with and without friction, and name the one that the records support
 --approach      an approach; may be repeated (default: all)
---phase         phase φ that the approaches X_s, t_s and V_s take (default: reversal)
 --mass          mass, kg, or with its standard uncertainty, 2.42±0.01; alone, half its last digit or 0.5 %%, the larger
 --write-mapping write a mapping to start from to this file, with a reason for each channel, and do nothing else
 --mapping       file or folder that names the channels of the records (default: the file next to each)
@@ -65,23 +63,19 @@ records         a file, one per level; as many as there are coefficients, or mor
 --no-figures    write no pictures: they take longer than all the rest
 --json          write {TABLES[0]} to this file, too; - shows it instead of the table
 --report        write the report, one page of HTML with everything, to this file
---sets          a YAML file that lists sets of records and their settings; each gets a folder in --output
 --overwrite     replace results that are there already
 """
 
 _SCREEN = Path("-")
 _SETTINGS = (
-    *("kind", "mapping", "frequency", "mass", "terms", "laws", "approaches", "phase"),
+    *("kind", "mapping", "frequency", "mass", "terms", "laws", "approaches"),
     *("contact", "hardening", "residual", "skip_cycles", "replicates", "seed"),
 )
 """What `identify` takes as it stands in the options."""
 
 
 def run(options: argparse.Namespace) -> None:
-    """Identify, show the table or the document, write the results; or write a mapping, or identify several sets."""
-    if options.sets is not None:
-        _run_sets(options)
-        return
+    """Identify, show the table or the document, write the results; or write a mapping."""
     needed = ["records"] + ["--stiffness"] * (options.write_mapping is None)
     missing = [name for name in needed if not getattr(options, name.strip("-"))]
     if missing == ["--stiffness"] and _of_tables(options):
@@ -164,25 +158,6 @@ def _write_mapping(options: argparse.Namespace) -> None:
     print(f"{text}\nWritten to {file}. Check each line, then give the same command {use}.")
 
 
-def _run_sets(options: argparse.Namespace) -> None:
-    """Identify several sets, and show their table; ValueError where one of them failed."""
-    from ..identification.batch import identify_sets  # slow to import
-    from ..identification.outputs import OVERVIEW
-
-    taken = ("--sets", "--output", "--overwrite")
-    for name, of in _OPTIONS.items():
-        given = getattr(options, of.get("dest", name.strip("-").replace("-", "_")))
-        default = of.get("default") or of.get("action") == "store_false"
-        if (given or default is True) and given != default and name not in taken:
-            raise ValueError(f"--sets takes all settings from its file: leave out {name}")
-    if options.output is None:
-        raise ValueError("--sets needs --output, the folder for the results of all sets")
-    text, failed = identify_sets(options.sets, options.output, overwrite=options.overwrite)
-    print(f"{text}\nWritten to {options.output}: {', '.join(OVERVIEW)}, and a folder for each set.")
-    if failed:
-        raise ValueError(f"{failed} of the sets could not be identified; the table says why")
-
-
 def _labels(text: str) -> tuple[str, str]:
     """A type of argument: a term and a label for each record, F_k=A,A,B."""
     name, equals, labels = text.partition("=")
@@ -216,8 +191,7 @@ _OPTIONS: dict[str, dict[str, Any]] = {
     "--given": {"type": coefficients, **_SEVERAL, "metavar": "TERM=VALUE"},
     "--groups": {"type": _labels, **_SEVERAL, "metavar": "TERM=LABELS"},
     "--laws": {"action": "store_true"},
-    "--approach": {"action": "append", "choices": list(APPROACHES), "dest": "approaches"},
-    "--phase": {"choices": get_args(Phase), "default": "reversal"},
+    "--approach": {"action": "append", "choices": list(checks()), "dest": "approaches"},
     "--mass": {"type": mass, "metavar": "M"},
     "--write-mapping": {"type": Path, "metavar": "FILE"},
     "--mapping": {"type": Path, "metavar": "FILE"},
@@ -228,7 +202,6 @@ _OPTIONS: dict[str, dict[str, Any]] = {
     "--no-figures": {"action": "store_true"},
     "--json": {"type": Path, "metavar": "FILE"},
     "--report": {"type": Path, "metavar": "FILE"},
-    "--sets": {"type": Path, "metavar": "FILE"},
     "--overwrite": {"action": "store_true"},
 }
 ARGUMENTS = {

@@ -28,8 +28,8 @@ from scipy import special
 
 from ..arguments import number, whole
 from ..arrays import Array, Mask
-from ..balance import APPROACHES, Approach, Rows
-from ..features import COLUMNS, Features, Phase, stack
+from ..balance import APPROACHES, Approach, Rows, checks
+from ..features import COLUMNS, Features, stack
 from ..law.law import Law
 from ..law.terms import FRICTION, parted
 from ..likelihood.mean_harmonics import Reading
@@ -78,7 +78,6 @@ class ForcedOutcome(Identified):
     """The answers to records of steady responses, and all that they come from.
 
     law : whose coefficients are identified.
-    phase : that the harmonic approaches take.
     readings : what was read off each record.
     joint : the fit of one oscillator to all records.
     features : of the records, (n,), with the onset of slip of that oscillator.
@@ -87,7 +86,6 @@ class ForcedOutcome(Identified):
     """
 
     law: Law
-    phase: Phase
     readings: tuple[Reading, ...]
     joint: JointFit
     features: Features
@@ -149,7 +147,7 @@ class ForcedOutcome(Identified):
     def shifts(self, faults: Mapping[str, Fault], name: str) -> dict[str, dict[str, float]]:
         """What faults of all records do to an answer; nothing is known of a fit that is not that of the waveforms."""
         if name in APPROACHES:
-            rows_of = LawRows(APPROACHES[name], self.law, self.k, self.phase, self.joint.linear)
+            rows_of = LawRows(APPROACHES[name], self.law, self.k, self.joint.linear)
             changes = sensitivities(self.readings, rows_of, self.estimates[name], faults)
             # the balance takes nothing else from the fit that has the mass
             of_mass = {what: Fault(what, mass=of.mass) for what, of in faults.items() if of.mass}
@@ -204,8 +202,7 @@ def identify_readings(
     k: float,
     *,
     law: Law | None = None,
-    approaches: Mapping[str, Approach] = APPROACHES,
-    phase: Phase = "reversal",
+    approaches: Mapping[str, Approach] | None = None,
     mass: float | None = None,
     mass_error: float = 0.0,
     uncertainty: float = 0.0,
@@ -228,7 +225,7 @@ def identify_readings(
     readings, and too few or too many replicates. An approach whose rows cannot be solved stays in the result with NaN
     and the reason.
     """
-    law = law or Law()
+    law, approaches = law or Law(), checks() if approaches is None else approaches
     _require(readings, k, law, approaches, replicates)
     if mass is not None:
         number("mass", mass)
@@ -245,7 +242,7 @@ def identify_readings(
     line = microstick(samples)
     estimates = {}
     for name, way in approaches.items():
-        rows_of = LawRows(way, law, k, phase, joint.linear)
+        rows_of = LawRows(way, law, k, joint.linear)
         one = _answer(name, rows_of, joint, readings, samples, line)
         notes = (*one.notes, *notes_on(one, readings, joint))
         estimates[name] = replace(one, notes=notes)
@@ -272,15 +269,13 @@ def identify_readings(
         rig=rig,
         settings={
             "law": {"terms": law.terms, "given": law.given, "groups": law.groups},
-            "phase": phase,
             "confidence": CONFIDENCE,
             "bootstrap": {"replicates": replicates, "seed": seed},
         },
         law=law,
-        phase=phase,
         readings=tuple(readings),
         joint=joint,
-        features=samples.point.features.with_phase(phase),
+        features=samples.point.features,
         microstick=line,
     )
 
@@ -308,7 +303,7 @@ def _require(
                 f"{one.source} and {other.source} hold the same signals: each record is one level"
             )
     if not approaches:
-        raise ValueError(f"no approach is asked for; known are {', '.join(APPROACHES)}")
+        raise ValueError(f"no approach is asked for; known are {', '.join(checks())}")
 
 
 _UNCHECKED = Remark(

@@ -336,7 +336,7 @@ def _tested(
     """
     fit, k = joint.fit, readings[0].steady.k
     mine = joined(readings, joint, law)
-    rows_of = LawRows(APPROACHES[DIRECT], law, k, "reversal", linear=fit is None)
+    rows_of = LawRows(APPROACHES[DIRECT], law, k, linear=fit is None)
     rows, drawn = (
         rows_of(sample_of(mine, of).features) for of in ([one.mean for one in mine], means)
     )

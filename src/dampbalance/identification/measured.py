@@ -9,8 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
 from ..arguments import flag, mass_with_error, names, number, one_of, whole, with_error
-from ..balance import APPROACHES, TERMS
-from ..features import Phase
+from ..balance import TERMS, checks
 from ..law.law import Law, law_of
 from ..motion.jit import interpreted
 from ..project.wording import listed, visible
@@ -50,7 +49,6 @@ def identify(
     hardening: bool = True,
     residual: bool = False,
     approaches: Sequence[str] | str | None = None,
-    phase: Phase = "reversal",
     skip_cycles: int = 0,
     replicates: int = REPLICATES,
     seed: int = SEED,
@@ -83,9 +81,8 @@ def identify(
     interface of a bolted joint does, or "both", of which the one that the lines support is the answer.
     hardening : of a stepped sine: whether the spring may stiffen with the amplitude.
     residual : of a stepped sine: whether other modes may move the driven point, too. Use it for a structure.
-    approaches : names of `APPROACHES` to the balance; default, all. Use "direct", which assumes no shape of x(t); the
-    others show what the approximations of the paper cost.
-    phase : that the harmonic approaches X_s, t_s and V_s take.
+    approaches : names of `balance.checks()`; default, all. "direct" assumes no shape of x(t), "fourier" takes three
+    harmonics of it.
     skip_cycles : left out at the start of each record, where the motion has not settled.
     replicates, seed : of the bootstrap.
 
@@ -116,7 +113,6 @@ def identify(
     'usable'
     """
     one_of("kind", kind, get_args(Kind))
-    one_of("phase", phase, get_args(Phase))
     one_of("contact", contact, get_args(Asked))
     hardening, residual = flag("hardening", hardening), flag("residual", residual)
     laws = flag("laws", laws)
@@ -124,7 +120,7 @@ def identify(
     m, m_error = (None, None) if mass is None else mass_with_error(mass)
     skip_cycles, replicates = whole("skip_cycles", skip_cycles), whole("replicates", replicates)
     seed = whole("seed", seed)
-    asked = () if approaches is None else names("approaches", approaches, APPROACHES)
+    asked = () if approaches is None else names("approaches", approaches, checks())
     law = law_of(terms, given, groups)
     of_kind = {"recognised": None, "stepped-sine": True}.get(kind, False)
     free = kind == "ring-down"
@@ -152,8 +148,7 @@ def identify(
         "contact": contact,
         "hardening": hardening,
         "residual": residual,
-        "approaches": [name for name in APPROACHES if not asked or name in asked],
-        "phase": phase,
+        "approaches": [name for name in checks() if not asked or name in asked],
         "mapping": str(mapping) if isinstance(mapping, str | Path) else None,
         "skip_cycles": skip_cycles,
         "replicates": replicates,
@@ -179,7 +174,7 @@ _OF_CONTACT = ("contact", "hardening", "residual")
 _OPTIONS = {
     "forced": (
         *(*_OF_K_AND_M, "frequency_hz"),
-        *(*_OF_LAW, "groups", "laws", "approaches", "phase", "mapping", "skip_cycles"),
+        *(*_OF_LAW, "groups", "laws", "approaches", "mapping", "skip_cycles"),
         *_OF_DRAWINGS,
     ),
     "ring-down": (*_OF_K_AND_M, "laws", "mapping"),
@@ -190,8 +185,7 @@ _OPTIONS = {
 _DEFAULTS: dict[str, object] = {
     "frequency_hz": None,
     "skip_cycles": 0,
-    "approaches": list(APPROACHES),
-    "phase": "reversal",
+    "approaches": list(checks()),
     "terms": list(TERMS),
     "given": {},
     "groups": {},
@@ -208,13 +202,7 @@ _IN_WORDS = {
     "stepped-sine": "tables of a stepped sine",
 }
 _CONFIGURED = {"stiffness_N_per_m": "stiffness", "mass_kg": "mass", "frequency_hz": "frequency"}
-_OF_THE_WORKFLOW = ("name", "records", "at")
-SETTINGS = (
-    *(*_OF_THE_WORKFLOW, "kind", *_OF_K_AND_M, "frequency_hz"),
-    *("terms", "given", "groups", "laws", *_OF_CONTACT, "approaches", "phase"),
-    *("mapping", "skip_cycles", "replicates", "seed"),
-)
-"""Keys of a set of records in a configuration."""
+_OF_THE_WORKFLOW = ("name", "records")
 
 
 def _taken(kind: str, options: Mapping[str, Any]) -> dict[str, Any]:
@@ -276,8 +264,7 @@ def _of_steady(
     found = identify_readings(
         readings,
         k,
-        approaches={name: APPROACHES[name] for name in options["approaches"]},
-        phase=options["phase"],
+        approaches={name: checks()[name] for name in options["approaches"]},
         mass=mass,
         mass_error=mass_error or 0.0,
         uncertainty=error / k,

@@ -16,7 +16,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..balance import Approach, Rows
-from ..features import Features, Phase, stack
+from ..features import Features, stack
 from ..law.law import Law
 from ..law.terms import FRICTION
 from ..likelihood.base_harmonics import fit_records
@@ -189,19 +189,17 @@ def joined(readings: Sequence[Reading], joint: JointFit, law: Law | None = None)
 class LawRows:
     """How one approach makes rows of the balance of a law.
 
-    k : N/m.   phase : that the harmonic approaches take.   linear : whether the records are those of a linear
-    oscillator, so that friction has no column.
+    k : N/m.   linear : whether the records are those of a linear oscillator, so that friction has no column.
     """
 
     approach: Approach
     law: Law
     k: float
-    phase: Phase
     linear: bool
 
     def __call__(self, features: Features) -> Rows:
         """The rows of features, with a column for each coefficient; one whose records all lack rows has none."""
-        rows = self.approach(features.with_phase(self.phase), self.k, self.law.terms)
+        rows = self.approach(features, self.k, self.law.terms)
         if self.linear:
             rows = replace(rows, terms={**rows.terms, FRICTION: np.zeros(rows.W.shape)})
         rows = rows.of_law(self.law)

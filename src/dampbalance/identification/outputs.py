@@ -11,14 +11,11 @@ TABLES = ("identification.json", "identification.csv", "features.csv", "summary.
 """The document with everything; the estimates; the features; the table of the screen."""
 
 REPORT = "report.html"
-"""All of it on a page, for a reader: of a set of records, or of several sets."""
+"""All of it on a page, for a reader."""
 
 ESTIMATES, SUMMARY = TABLES[1], TABLES[3]
-OVERVIEW = (ESTIMATES, SUMMARY, REPORT)
-"""Names of the files of a set, and of those of all sets."""
-
-COMPLETE = ".complete"
-"""Mark of a set among several whose results are complete."""
+OVERVIEW = (ESTIMATES, SUMMARY)
+"""Names of the files of all sets, and of their like of each set."""
 
 PICTURES = {
     "forced": ("cycles", "friction", "loops", "balance"),

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from datetime import date
 from functools import partial
 from typing import Any
 
@@ -20,16 +19,16 @@ from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter
 from ..arrays import Array
 from ..figures.cycle import branches, whole
 from ..figures.looks import in_maths, label_of, look_of
-from ..figures.style import DASHED, DOTTED, DOUBLE_COLUMN, FAINT, SLIP, STICK, page, place, styled
+from ..figures.style import DASHED, DOUBLE_COLUMN, FAINT, SLIP, STICK, page, place, styled
 from ..law.terms import term
 from ..likelihood.decay import COMMON, RingFit
 from ..likelihood.dynamic_stiffness import Band, ContactFit
 from ..likelihood.mean_harmonics import Reading
 from ..likelihood.stepped_lines import SteppedLines
 from ..likelihood.waveforms import WaveformFit
-from ..project.wording import cut, headed
+from ..project.wording import cut
 from ..records.measurement import ORDERS, RELATIVE
-from .answer import DOUBTFUL, SHAPE, UNKNOWN, USABLE, Answer, ParameterEstimate, unit_of
+from .answer import SHAPE, Answer
 from .loading import Loaded
 from .oscillator import Microstick
 
@@ -50,7 +49,6 @@ _MOST_DECAYS = 24  # panels
 _BOTTOM, _TOP = 18.0, 7.0  # mm
 _HIGHER = {1: 1.6, 2: 1.3, 3: 1.0}  # panels abreast → how much higher each is
 _FINE = 2880  # points of a cycle: its corners are between two of them
-_MOST_PLACES = 16  # of sets that are named along an axis
 _AT_REST = 1.5  # periods of rest that are shown after the motion
 _DOTS: dict[str, Any] = {"color": FAINT, "markersize": 1.0, "rasterized": True}
 
@@ -324,52 +322,6 @@ def _against_amplitude(
     axes.xaxis.set_major_formatter("{x:g}")
     axes.xaxis.set_minor_formatter(NullFormatter())
     return _explained(figure, [(axes, axes)], scale=1.0)
-
-
-@styled()
-def sets(
-    names: Sequence[str],
-    estimates: Mapping[str, Mapping[str, tuple[ParameterEstimate, str]]],
-    places: Mapping[str, float],
-    dated: bool,
-) -> Figure:
-    """The numbers of several sets of records side by side, a panel per number: values with intervals of 95 %, rings
-    where they are doubtful, an arrow head for a lower limit, a dotted line where a set has no value.
-
-    names : of all sets.   estimates : symbol → set → (number, verdict).   places : of the sets along the axis, loads or
-    dates; empty where they stand there by name.   dated : whether places are days.
-    """
-    at = places or {name: float(i) for i, name in enumerate(names)}
-    height = 26.0 + 34.0 * len(estimates)
-    figure, panels = page(DOUBLE_COLUMN, height + 3.0), []
-    for n, (symbol, of_sets) in enumerate(estimates.items(), 1):
-        axes = place(figure, 22.0, height - 34.0 * n, 154.0, 32.0)
-        for name in names:
-            p, verdict = of_sets.get(name, (UNKNOWN, ""))
-            ends, value = np.array(p.interval), p.value
-            if not math.isfinite(ends[0]):
-                axes.axvline(at[name], color=FAINT, linestyle=DOTTED, label="no value")
-                continue
-            label, fill = (verdict, "full") if verdict == USABLE else (DOUBTFUL, "none")
-            marker, colour = "o", SLIP if verdict == USABLE else STICK
-            if not np.isfinite([value, ends[1]]).all():
-                label, marker, value, ends = "lower limit", "^", ends[0], ends[[0, 0]]
-            look: dict[str, Any] = {"fmt": marker, "color": colour, "fillstyle": fill}
-            error = np.abs(ends - value)[:, None]
-            axes.errorbar([at[name]], [value], yerr=error, capsize=2.0, label=label, **look)
-        name = in_maths(symbol) if "_" in symbol else f"${symbol}$"
-        axes.set_ylabel(headed(name, unit_of(symbol)))
-        axes.margins(x=0.08, y=0.12)
-        axes.tick_params(labelbottom=n == len(estimates))
-        if not places or dated:
-            shown = sorted({*at.values()})[:: math.ceil(len(at) / _MOST_PLACES)]
-            of = {place: cut(name, 18) for name, place in at.items()}
-            words = [date.fromordinal(int(p)).isoformat() if dated else of[p] for p in shown]
-            axes.set_xticks(shown, words, rotation=25.0, ha="right", parse_math=False)
-        elif n == len(estimates):
-            axes.set_xlabel("at")
-        panels.append((axes, axes))
-    return _explained(figure, panels, scale=1.0)
 
 
 def _with_residual(

@@ -49,8 +49,8 @@ _COLOURS = {  # on paper, on a dark screen: contrast of text of at least 4.5 : 1
 def page_of(template: str, **content: Any) -> str:
     """A page, or a part of one, as HTML.
 
-    template : "report" (of what `Identified` has, its document and its drawings as SVG), "sets" (several sets
-    compared), "notebook".   content : what the template shows.
+    template : "report" (of what `Identified` has, its document and its drawings as SVG),
+    "notebook".   content : what the template shows.
     """
     colours = {"version": __version__, "colours": _COLOURS}
     return _TEMPLATES.get_template(f"{template}.html.j2").render(**colours, **content)

@@ -170,7 +170,8 @@ def against_schema(
 ) -> list[Problem]:
     """What is wrong with a document by its JSON schema, or because a number is not finite; in a fixed order.
 
-    approaches : names that the schema's `registered: approach` allows; `registered: term` allows those of KNOWN_TERMS.
+    approaches : names that the schema's `registered: approach` or `registered: check` allows; `registered: term` allows
+    those of KNOWN_TERMS.
 
     The texts say what is wrong and, from the `description` of the key in the schema, what would be right.
     """
@@ -191,7 +192,7 @@ def _validator(schema: Mapping[str, Any], approaches: list[str]) -> Any:
     """
 
     def check(_: Any, kind: str, value: Any, node: Any) -> Iterable[ValidationError]:
-        names = {"approach": approaches, "term": list(KNOWN_TERMS)}[kind] + node.get("also", [])
+        names = (list(KNOWN_TERMS) if kind == "term" else approaches) + node.get("also", [])
         if value not in names:
             words = f"{'an' if kind == 'approach' else 'a'} {kind}{_nearest(value, names)}"
             yield ValidationError(f"{shortened(value)} is not {words}; known: {', '.join(names)}")

@@ -6,7 +6,6 @@ import hashlib
 import json
 import re
 import sys
-from html import unescape
 from pathlib import Path
 from urllib.parse import urlsplit
 from urllib.request import url2pathname
@@ -16,7 +15,7 @@ import pandas as pd
 import pytest
 
 from dampbalance import identify, read_records
-from dampbalance.balance import APPROACHES
+from dampbalance.balance import checks
 from dampbalance.commands.main import COMMANDS, main, parser
 from dampbalance.identification.outputs import OUTPUTS, TABLES, outputs_of
 from dampbalance.records.readers import read
@@ -67,8 +66,9 @@ def test_everything_is_written(output):
     folder, shown = output
     assert sorted(path.name for path in folder.iterdir()) == sorted(OUTPUTS)
     assert (folder / "summary.txt").read_text(encoding="utf-8") in shown
-    for approach in APPROACHES:
+    for approach in checks():
         assert f"\n{approach}" in shown
+    assert "\nX_s" not in shown
     assert "\nmaximum likelihood" in shown
 
 
@@ -138,7 +138,6 @@ def test_the_document_says_from_what_it_was_made(tmp_path):
         "groups": {},
         "laws": False,
         "approaches": ["direct"],
-        "phase": "reversal",
         "mapping": None,
         "skip_cycles": 0,
         "replicates": 20,
@@ -188,74 +187,6 @@ def test_a_report_is_written_alone_and_not_over_another(tmp_path, answer):
     assert "holds report.html already" in answer(*QUICK, "--report", str(file), code=2)
 
 
-SETS = """\
-measured:
-  - {name: late, at: 2026-05-20, records: ['RECORDS/level[45].csv'], SETTINGS}
-  - {name: early, at: 2026-03-01, records: ['RECORDS/level[12].csv'], SETTINGS}
-  - {name: broken, at: 2026-04-01, records: [broken.csv], SETTINGS}
-"""
-
-
-@pytest.mark.usefixtures("coarse")
-def test_sets_are_identified_one_by_one_and_compared(tmp_path, capsys):
-    """The second run identifies nothing anew and shows the same; other settings replace nothing unasked."""
-    settings = "stiffness_N_per_m: 2310, approaches: [direct], replicates: 20"
-    text = SETS.replace("SETTINGS", settings).replace("RECORDS", str(EXAMPLE))
-    (tmp_path / "broken.csv").write_text("time_s,displacement_m\n0,none\n", encoding="utf-8")
-    sets, folder = tmp_path / "sets.yaml", tmp_path / "found"
-    sets.write_text(text, encoding="utf-8")
-    command, shown, times = ["identify", "--sets", str(sets), "--output", str(folder)], [], []
-    for _ in range(2):
-        assert main(command) == 2
-        said = capsys.readouterr()
-        assert "1 of the sets could not be identified" in said.err
-        shown.append(said.out)
-        times.append({file: file.stat().st_mtime_ns for file in folder.glob("*/*")})
-    assert shown[0] == shown[1]
-    assert times[0] == times[1]
-    assert len(times[0]) == 2 * (len(OUTPUTS) + 1)
-    lines = [line.split() for line in shown[0].splitlines()]
-    assert [line[0] for line in lines if "2026" in " ".join(line)] == ["early", "broken", "late"]
-    page = (folder / "report.html").read_text(encoding="utf-8")
-    for name in ("early", "late"):
-        assert f'<a href="{name}/report.html">{name}</a>' in page
-    (error,) = (line for line in shown[0].splitlines() if line.startswith("broken: "))
-    assert f"The set {error}" in unescape(page)
-    sets.write_text(text.replace("2310", "2311"), encoding="utf-8")
-    assert main(command) == 2
-    said = capsys.readouterr().out
-    assert "early: " in said
-    assert "holds identification.json already: choose another folder, or add --overwrite" in said
-
-
-@pytest.mark.parametrize(
-    ("text", "options", "message"),
-    [
-        ("measured: []", [], "lists no sets of records; give at least one"),
-        ("- one", [], "lists no sets of records"),
-        ("measured: [one]", [], "measured[0] is no set; give keys"),
-        ("measured: [{records: [a]}]", [], "measured[0].name names a folder; got None"),
-        ("measured: [{name: ../a}]", [], "names a folder; got '../a'"),
-        ("measured: [{name: a, stifness: 1}]", [], "stifness of the set a is not known"),
-        ("measured: [{name: a, masskg: 1}]", [], "did you mean mass_kg?"),
-        ("measured: [{name: a, records: [b]}]", [], "the set a has no stiffness_N_per_m; add it"),
-        (SETS.replace("early", "Late"), [], "two sets have the same name"),
-        (SETS, ["--mass", "2"], "--sets takes all settings from its file: leave out --mass"),
-        (SETS, ["--no-hardening"], "leave out --no-hardening"),
-        (SETS, [RECORDS[0]], "leave out records"),
-    ],
-)
-def test_sets_that_make_no_sense_are_refused(text, options, message, tmp_path, answer):
-    (tmp_path / "sets.yaml").write_text(
-        text.replace("SETTINGS", "stiffness_N_per_m: 2310"), encoding="utf-8"
-    )
-    folder = tmp_path / "found"
-    command = ["identify", "--sets", str(tmp_path / "sets.yaml"), *options]
-    assert message in answer(*command, "--output", str(folder), code=2)
-    assert not folder.exists()
-    assert main(command) == 2
-
-
 TABLE = str(ROOT / "config/records/stepped/levels.csv")
 
 
@@ -267,11 +198,6 @@ def test_a_table_of_a_stepped_sine_needs_no_stiffness(tmp_path, answer):
     assert list(document["approaches"]) == ["one slider"]
     assert "k_3_N_per_m3" not in document["approaches"]["one slider"]
     assert {path.name for path in tmp_path.iterdir()} == {*outputs_of("stepped-sine")}
-    (tmp_path / "sets.yaml").write_text(
-        f"measured: [{{name: joint, kind: stepped-sine, records: ['{TABLE}'], replicates: 20, contact: gradual}}]"
-    )
-    sets = ["identify", "--sets", str(tmp_path / "sets.yaml"), "--output", str(tmp_path / "all")]
-    assert "1 of 1 sets of records identified" in answer(*sets)
 
 
 @pytest.mark.usefixtures("coarse")

@@ -253,7 +253,7 @@ def test_the_mapping_and_the_options_reach_the_records(tmp_path):
         (TWO, {"approaches": ["X"]}, r"unknown approaches \['X'\]"),
         (TWO, {"kind": "ring-down"}, "moves: this is no free decay"),
         (TWO, {"kind": "free"}, "kind must be one of recognised, forced, ring-down"),
-        (TWO, {"phase": "any"}, "phase must be one of reversal, zero_crossing, f.*l, got 'any'"),
+        (TWO, {"approaches": "X_s"}, "unknown approaches .*X_s.*; known are direct, fourier"),
         (TWO, {"mapping": 5}, "mapping must be what the channels hold, .*, got 5"),
         (TWO, {"skip_cycles": -1}, "skip_cycles must be a whole number, 0 to .*, got -1"),
         (TWO, {"terms": ["F_k", "d"]}, "'?d'?"),

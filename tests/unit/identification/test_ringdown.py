@@ -449,7 +449,7 @@ def test_a_hammer_is_no_obstacle_to_a_decay(heading, kinds):
 
 
 @pytest.mark.parametrize(
-    "options", [{"frequency": 3.0}, {"skip_cycles": 2}, {"approaches": ["X_s"]}]
+    "options", [{"frequency": 3.0}, {"skip_cycles": 2}, {"approaches": ["fourier"]}]
 )
 def test_options_of_forced_records_are_refused(tmp_path, options):
     write(tmp_path / "decay.csv", record(PLUCKED)[0])

@@ -35,7 +35,7 @@ from markdown_it import MarkdownIt
 
 import dampbalance
 
-from ...balance import APPROACHES
+from ...balance import APPROACHES, checks
 from ...law.terms import KNOWN_TERMS
 from ...project.documents import read_yaml
 from ...project.files import UNFINISHED
@@ -59,7 +59,7 @@ EQUATIONS = "paper/equations.md"
 PACKAGE_FOLDER = Path(__file__).parents[3]
 WIDTH = 112  # letters of a line of output that is not a row of a table
 _HELP_WIDTH = 64  # letters of a command's help in a line: what a page shows without scrolling
-_REGISTRIES = {"approach": list(APPROACHES), "term": list(KNOWN_TERMS)}
+_REGISTRIES = {"approach": list(APPROACHES), "check": list(checks()), "term": list(KNOWN_TERMS)}
 _AT_ONCE = 2  # pages that are rendered
 _LARGEST = 4_000_000  # bytes of a file that is copied
 _ONE = 0x2460  # ①

@@ -26,7 +26,7 @@ import numpy as np
 from scipy import special
 
 from ...arrays import Array
-from ...balance import APPROACHES, TERMS
+from ...balance import APPROACHES, TERMS, checks
 from ...features import Features
 from ...identification.forced import identify_readings
 from ...identification.loading import Loaded, load
@@ -240,7 +240,7 @@ def require(measured: Mapping[str, Any], frame: Mapping[str, Any], records: int)
     """ValueError where the section `frame` does not fit its set of so many records."""
     if measured.get("mass_kg") is None:
         raise ValueError("frame: needs the mass of the records; give mass_kg for their set")
-    if DIRECT not in (measured.get("approaches") or APPROACHES):
+    if DIRECT not in (measured.get("approaches") or checks()):
         raise ValueError(f"frame: needs the approach {DIRECT}; add it to those of its set")
     if (loads := len(frame["loads_kg"])) != records:
         raise ValueError(
