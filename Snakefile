@@ -52,12 +52,6 @@ include: "workflow/rules/codecheck.smk"
 include: "workflow/rules/provenance.smk"
 
 
-onstart:
-    # A set of records that cannot be identified does not keep the others from it, as with --keep-going.
-    if MEASURED:
-        workflow.scheduler.keepgoing = True
-
-
 onsuccess:
     # What was done, as far as it has something to say: the messages of its rules stand in the log.
     done = "".join(Path(file).read_text(encoding="utf-8") for file in log)
@@ -71,7 +65,7 @@ onsuccess:
 
 
 onerror:
-    # Of a job that was killed. No other job of this run is alive, and no other run may write there.
+    # A job that was killed leaves a temporary file. No other job of this run is alive.
     for folder in (RESULTS, STUDY_RESULTS):
         remove_unfinished(placed(folder))
     said = "".join(Path(file).read_text(encoding="utf-8") for file in log)

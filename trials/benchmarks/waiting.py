@@ -87,7 +87,7 @@ def _memory(pid: int) -> float:
 
 def snakemake(folder: Path, target: str) -> Wait:
     """Build a target on all cores; the file `target`, or the page for `all`, must be there then."""
-    command = [sys.executable, "workflow/run.py", "--cores", "all", "--quiet", "all", "--", target]
+    command = [sys.executable, "-m", "snakemake", "--cores", "all", "--quiet", "all", "--", target]
     wait = waited(command, folder)
     if not (folder / ("results/paper/report.html" if target == "all" else target)).exists():
         raise RuntimeError(f"{target} was not built in {folder}")

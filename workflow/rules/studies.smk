@@ -16,7 +16,7 @@ wildcard_constraints:
     chunk="[0-9]+",
 
 
-# Expensive and pure: with SNAKEMAKE_OUTPUT_CACHE, run.py has it kept for other clones. Rules that may be have no benchmark.
+# Expensive and pure: with SNAKEMAKE_OUTPUT_CACHE, `make` has it kept for other clones. Rules that may be have no benchmark.
 rule study_chunk:
     input:
         modules=script_modules("studies/study_chunk.py"),
