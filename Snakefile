@@ -67,7 +67,7 @@ onsuccess:
 onerror:
     # A job that was killed leaves a temporary file. No other job of this run is alive.
     for folder in (RESULTS, STUDY_RESULTS):
-        remove_unfinished(placed(folder))
+        remove_unfinished(folder)
     said = "".join(Path(file).read_text(encoding="utf-8") for file in log)
     if any(f"records of {name}" in said for name in MEASURED):
         print(overview_with_failures())

@@ -54,8 +54,8 @@ if config["published"]:
             cycles=rules.article_schemes.output.cycles,
             study_cases=expand(rules.study_cases.output.cases, study=ARTICLE_STUDIES),
             study_files=study_files(ARTICLE_STUDIES),
-            lock=project_input("requirements.lock"),
-            citation=project_input("CITATION.cff"),
+            lock=project_file("requirements.lock"),
+            citation=project_file("CITATION.cff"),
             modules=script_modules("article/article_numbers.py"),
         output:
             evidence=f"{ARTICLE}/evidence.json",
@@ -69,7 +69,7 @@ if config["published"]:
         params:
             **STUDY_DEFAULTS,
             case=of_case("oscillator", "frequencies_hz", "pairs", "phase", "numerics"),
-            folder=lambda wildcards: placed(RESULTS),
+            folder=RESULTS,
             studies=ARTICLE_STUDIES,
             packages=ARTICLE_PACKAGES,
         message:
@@ -119,8 +119,8 @@ if config["published"]:
 
     rule article:
         input:
-            texts=[project_input(file) for file in sorted((ROOT / "paper/article").rglob("*.typ"))],
-            references=project_input("paper/article/references.yml"),
+            texts=[project_file(file) for file in sorted((ROOT / "paper/article").rglob("*.typ"))],
+            references=project_file("paper/article/references.yml"),
             sources=list(ARTICLE_SOURCES),
             figures=list(ARTICLE_FIGURES.values()),
             study_figures=expand(
@@ -143,7 +143,7 @@ if config["published"]:
             ENVIRONMENT
         params:
             folder=lambda wildcards: project_file("paper/article"),
-            results=lambda wildcards: placed("results"),
+            results="results",
             inputs={
                 "results": RESULTS,
                 "studies": STUDY_RESULTS,

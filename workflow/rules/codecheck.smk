@@ -20,11 +20,11 @@ if CODECHECKED:
 
     rule codecheck:
         input:
-            configuration=project_input("codecheck.yml"),
-            schema=project_input("workflow/schemas/codecheck.schema.yaml"),
+            configuration=project_file("codecheck.yml"),
+            schema=project_file("workflow/schemas/codecheck.schema.yaml"),
             claims=rules.claims.output.csv,
             outputs=CODECHECKED,
-            template=project_input("src/dampbalance/publishing/templates/codecheck.md.j2"),
+            template=project_file("src/dampbalance/publishing/templates/codecheck.md.j2"),
             modules=script_modules("codecheck/codecheck.py"),
         output:
             report=report(
@@ -38,7 +38,7 @@ if CODECHECKED:
         conda:
             ENVIRONMENT
         params:
-            top=PREFIX or ".",
+            top=".",
         message:
             "Report for a CODECHECK"
         script:

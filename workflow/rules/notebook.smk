@@ -5,9 +5,9 @@ NOTEBOOK = "paper/notebook"
 
 rule notebook:
     input:
-        source=project_input(f"{NOTEBOOK}/tour.py"),
-        template=project_input(f"{NOTEBOOK}/page.html"),
-        style=project_input(f"{NOTEBOOK}/page.css"),
+        source=project_file(f"{NOTEBOOK}/tour.py"),
+        template=project_file(f"{NOTEBOOK}/page.html"),
+        style=project_file(f"{NOTEBOOK}/page.css"),
         modules=script_modules("notebook/notebook.py"),
         imported=modules_behind(f"{NOTEBOOK}/tour.py"),
     output:

@@ -10,7 +10,7 @@ include: "../functions/provenance.smk"
 rule manifest:
     input:
         results=everything_built,
-        sources=lambda wildcards: [unmoved(path) for path in sources_of(COMPUTING).values()],
+        sources=lambda wildcards: list(sources_of(COMPUTING).values()),
     output:
         json=report(
             f"{RESULTS}/manifest.json",
@@ -26,7 +26,6 @@ rule manifest:
         case=CASE.name,
         configuration=config,
         configuration_files=[own_name(file) for file in GIVEN_FILES],
-        top=PREFIX or ".",
         sources=lambda wildcards: sources_of(COMPUTING),
         jobs=lambda wildcards: jobs_behind_everything(),
         code=lambda wildcards: code_version(ROOT, VERSION),
@@ -40,7 +39,7 @@ rule manifest:
 rule crate:
     input:
         manifest=rules.manifest.output.json,
-        citation=project_input("CITATION.cff"),
+        citation=project_file("CITATION.cff"),
         modules=script_modules("provenance/crate.py"),
     output:
         json=report(
@@ -54,7 +53,7 @@ rule crate:
     conda:
         ENVIRONMENT
     params:
-        folder={"root": RESULTS, "beside_sources": Path.cwd() == ROOT and not IS_MODULE},
+        folder={"root": RESULTS, "beside_sources": Path.cwd() == ROOT},
         manifest_name=lambda wildcards: f"{RESULTS}/manifest.json",
     message:
         "RO-Crate of the results"
@@ -63,7 +62,7 @@ rule crate:
 
 
 # It packs the folder of the project, which must be that of the results.
-if Path.cwd() == ROOT and not IS_MODULE:
+if Path.cwd() == ROOT:
 
     rule archive:
         input:

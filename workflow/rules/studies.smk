@@ -97,7 +97,7 @@ ruleorder: small_studies > study_cases
 rule study_figure:
     input:
         cases=rules.study_cases.output.cases,
-        files=lambda wildcards: [unmoved(study_file(wildcards.study))],
+        files=lambda wildcards: [study_file(wildcards.study)],
         modules=script_modules("studies/study_figure.py"),
     output:
         svg=[study_svg(f"{STUDY_RESULTS}/{{study}}/figure.svg", study_title)],
@@ -143,7 +143,7 @@ rule study_summary:
     input:
         cases=rules.study_cases.output.cases,
         figure=study_figure_files,
-        file=lambda wildcards: unmoved(study_file(wildcards.study)),
+        file=lambda wildcards: study_file(wildcards.study),
         modules=script_modules("studies/study_summary.py"),
     output:
         csv=f"{STUDY_RESULTS}/{{study}}/summary.csv",

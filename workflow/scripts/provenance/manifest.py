@@ -8,6 +8,6 @@ if __name__ == "__main__":
     brief_troubles(snakemake.log)
     p = snakemake.params
     made = manifest(
-        p.case, p.configuration, p.configuration_files, p.sources, p.jobs, p.code, p.lock, p.top
+        p.case, p.configuration, p.configuration_files, p.sources, p.jobs, p.code, p.lock
     )
     write_json(snakemake.output.json, made)
