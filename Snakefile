@@ -94,7 +94,7 @@ rule all:
         rules.article.output if config["published"] else [],
         rules.notebook.output if config["published"] else [],
         rules.codecheck.output if CODECHECKED else [],
-        [*rules.page.output, *rules.manifest.output, *rules.crate.output] if not MEASURED else [],
+        [*rules.page.output, *rules.manifest.output] if not MEASURED else [],
         [*rules.measured.output, *measured_files()] if MEASURED else [],
         [*FRAME_FILES.values(), *BEAM_FILES.values()],
     message:
