@@ -10,11 +10,13 @@ VENV := .venv
 # As in an activated environment: what is started from here finds the same Python.
 RUN := PATH="$$HERE/$(VENV)/bin:$$PATH" python -m
 # Programs of trials/ use helpers of the tests.
-TRIAL := PYTHONPATH="$$HERE/trials:$$HERE/tests:$$HERE/workflow" $(RUN)
+TRIAL := PYTHONPATH="$$HERE/trials:$$HERE/tests" $(RUN)
 VERSION := $(shell sed -n 's/^version = "\(.*\)"/\1/p' pyproject.toml)
 # What `make archive` packs; of another case it is dampbalance-<version>-<case>.tar.gz.
 ARCHIVE ?= results/archive/dampbalance-$(VERSION).tar.gz
-SNAKEMAKE := PATH="$$HERE/$(VENV)/bin:$$PATH" exec python workflow/run.py --cores $(CORES) $${CONFIG:+"--configfile=$$CONFIG"}
+SNAKEMAKE := $(RUN) dampbalance.project.documents config/config.yaml $${CONFIG:+"$$CONFIG"} && $(RUN) snakemake \
+	--workflow-profile workflow/profiles/default $${SNAKEMAKE_OUTPUT_CACHE:+--cache study_chunk} \
+	--cores $(CORES) $${CONFIG:+"--configfile=$$CONFIG"}
 QUIETLY := install --quiet --disable-pip-version-check --no-compile
 PIP_INSTALL := $(RUN) pip $(QUIETLY)
 BUILD_LOCK := --require-hashes --requirement requirements-build.lock
@@ -48,7 +50,7 @@ TOOLS := $(VENV)/tools
 LOCKS := requirements-build.lock requirements.lock requirements-dev.lock requirements-engine.lock
 BENCH := .venv-bench
 ENGINE := .venv-engine
-BENCH_RUN := PYTHONPATH="$$HERE/trials:$$HERE/tests:$$HERE/workflow" PATH="$$HERE/$(BENCH)/bin:$$PATH" python -m
+BENCH_RUN := PYTHONPATH="$$HERE/trials:$$HERE/tests" PATH="$$HERE/$(BENCH)/bin:$$PATH" python -m
 ifneq ($(shell test -x $(VENV)/bin/python && cat $(LOCKED) 2>/dev/null),$(CURDIR))
 STALE := stale
 endif

@@ -51,12 +51,6 @@ include: "workflow/rules/site.smk"
 include: "workflow/rules/provenance.smk"
 
 
-onstart:
-    # A set of records that cannot be identified does not keep the others from it, as with --keep-going.
-    if MEASURED:
-        workflow.scheduler.keepgoing = True
-
-
 onsuccess:
     # What was done, as far as it has something to say: the messages of its rules stand in the log.
     done = "".join(Path(file).read_text(encoding="utf-8") for file in log)
@@ -70,9 +64,9 @@ onsuccess:
 
 
 onerror:
-    # Of a job that was killed. No other job of this run is alive, and no other run may write there.
+    # A job that was killed leaves a temporary file. No other job of this run is alive.
     for folder in (RESULTS, STUDY_RESULTS):
-        remove_unfinished(placed(folder))
+        remove_unfinished(folder)
     said = "".join(Path(file).read_text(encoding="utf-8") for file in log)
     if any(f"records of {name}" in said for name in MEASURED):
         print(overview_with_failures())
@@ -98,7 +92,7 @@ rule all:
         [*rules.claims.output, *rules.check.output] if config["published"] else [],
         rules.article.output if config["published"] else [],
         rules.notebook.output if config["published"] else [],
-        [*rules.page.output, *rules.manifest.output, *rules.crate.output] if not MEASURED else [],
+        [*rules.page.output, *rules.manifest.output] if not MEASURED else [],
         [*rules.measured.output, *measured_files()] if MEASURED else [],
         [*FRAME_FILES.values(), *BEAM_FILES.values()],
     message:

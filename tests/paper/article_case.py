@@ -158,7 +158,7 @@ def build(folder: Path) -> None:
     _routes(folder)
     cases, files = _studies(project)
     _numbers(project, cases, files)
-    _figures(project, cases)
+    _figures(project)
     project.typeset()
 
 
@@ -197,26 +197,30 @@ def _studies(project: Project) -> tuple[list[str], list[str]]:
 
 
 def _numbers(project: Project, cases: list[str], files: list[str]) -> None:
-    """schemes.csv, evidence.json, studies.json, environment.json."""
-    article = f"{RESULTS}/article"
-    schemes = {"csv": f"{article}/schemes.csv", "cycles": f"{article}/cycles.csv"}
-    project.run("article_schemes", schemes, {}, case=CONFIG, frequency=FIRST)
+    """schemes.csv, evidence.json, studies.json, environment.json, and the article's own figures."""
+    article, names = f"{RESULTS}/article", ("numerics", "glance")
     inputs = {
         "claims": f"{RESULTS}/claims.csv",
         "unrounded": f"{RESULTS}/features/as_published/unrounded/{FIRST}.csv",
         "approaches": f"{RESULTS}/tables/approaches.csv",
-        "schemes": schemes["csv"],
-        "cycles": schemes["cycles"],
+        "exact": f"{RESULTS}/features/exact/{FIRST}.csv",
+        "as_published": f"{RESULTS}/estimates/as_published/{FIRST}.csv",
+        "steps": cases[OF_ARTICLE.index("step_size")],
         "study_cases": cases,
         "study_files": files,
         "citation": "CITATION.cff",
     }
     output = {name: f"{article}/{name}.json" for name in ("evidence", "studies", "environment")}
+    output |= {name: f"{article}/{name}.csv" for name in ("schemes", "cycles")}
+    output |= {
+        f"{n}_{kind}": f"{RESULTS}/figures/{n}.{kind}" for n in names for kind in ("svg", "png")
+    }
     project.run(
         "article_numbers",
         output,
         inputs,
         case=CONFIG,
+        frequency=FIRST,
         folder=RESULTS,
         studies=OF_ARTICLE,
         schema="src/dampbalance/studies/study.schema.yaml",
@@ -225,21 +229,9 @@ def _numbers(project: Project, cases: list[str], files: list[str]) -> None:
     )
 
 
-def _figures(project: Project, cases: list[str]) -> None:
-    """The article's own figures by their script; the others as theirs draw them."""
+def _figures(project: Project) -> None:
+    """The paper's figures, as their script draws them."""
     folder = f"{RESULTS}/figures"
-    inputs = {
-        "claims": f"{RESULTS}/claims.csv",
-        "exact": f"{RESULTS}/features/exact/{FIRST}.csv",
-        "estimates": f"{RESULTS}/estimates/as_published/{FIRST}.csv",
-        "schemes": f"{RESULTS}/article/schemes.csv",
-        "cycles": f"{RESULTS}/article/cycles.csv",
-        "steps": cases[OF_ARTICLE.index("step_size")],
-        "approaches": f"{RESULTS}/tables/approaches.csv",
-    }
-    names = ("numerics", "glance")
-    output = {f"{n}_{kind}": f"{folder}/{n}.{kind}" for n in names for kind in ("svg", "png")}
-    project.run("article_figure", output, inputs, case=CONFIG)
     orbits = [steady_orbit(PAPER, motion) for motion in CASE.motions(FIRST)]
     others = {
         "figure1": figures.schematic(),

@@ -57,7 +57,7 @@ def test_an_identification_loads_what_it_uses(arguments, needed, tmp_path):
         (("figures/figures",), {"numba", "pandas", "scipy"}),
         (("studies/study_summary", "page/page"), {"matplotlib", "numba"}),
         (("studies/study_figure",), {"numba"}),
-        (("article/article", "provenance/manifest", "provenance/crate"), HEAVY),
+        (("article/article", "provenance/manifest"), HEAVY),
     ],
 )
 def test_a_script_loads_what_it_uses(scripts, unneeded):

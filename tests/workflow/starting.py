@@ -1,5 +1,5 @@
 """Snakemake, started many times, each time as a fork of a process that has imported what is slow to import.
-`workflow/run.py` and plain Snakemake are started by the tests of interruptions, paths and SLURM."""
+The tests of interruptions, paths and SLURM start it as a user does."""
 
 from __future__ import annotations
 
@@ -12,11 +12,8 @@ from multiprocessing import forkserver, get_context
 from pathlib import Path
 from unittest.mock import patch
 
-import forks
-
 SERVER = get_context("forkserver")
 SERVER.set_forkserver_preload(["preloaded"])
-PATHS = os.pathsep.join(str(Path(file).parent) for file in (__file__, forks.__file__))
 
 
 def snakemake(
@@ -27,7 +24,9 @@ def snakemake(
     compiled : without it the kernels that Snakemake itself calls are interpreted, not compiled first.
     project : the copy of the project whose package it uses, if that is not the folder.
     """
-    with patch.dict(os.environ, PYTHONPATH=PATHS):  # the server looks nowhere else
+    with patch.dict(
+        os.environ, PYTHONPATH=str(Path(__file__).parent)
+    ):  # the server looks nowhere else
         forkserver.ensure_running()
     with tempfile.TemporaryDirectory() as said:
         process = SERVER.Process(
@@ -42,7 +41,7 @@ def snakemake(
 def _run(
     folder: Path, project: Path, arguments: tuple[str, ...], compiled: bool, said: str
 ) -> None:
-    gc.freeze()  # as in forks.py: what was imported is no garbage
+    gc.freeze()  # what was imported is no garbage
     for descriptor, name in ((1, "out"), (2, "err")):
         file = os.open(f"{said}/{name}", os.O_WRONLY | os.O_CREAT)
         os.dup2(file, descriptor)
@@ -53,6 +52,5 @@ def _run(
     from numba.core import config
     from snakemake.cli import main
 
-    with forks.scripts_as_forks():
-        config.DISABLE_JIT = not compiled
-        main()
+    config.DISABLE_JIT = not compiled
+    main()

@@ -1,4 +1,4 @@
-"""Kills, Ctrl-C, two runs at once, a full disk, a folder that cannot be written: one sentence, nothing lost."""
+"""Kills, Ctrl-C, a full disk, a configuration that cannot be read: words, no traceback, and nothing lost."""
 
 from __future__ import annotations
 
@@ -21,8 +21,9 @@ from workflow.copies import SMALL
 pytestmark = pytest.mark.slow
 
 PATIENCE = 120.0  # s, for a machine under load: reached by nothing that works
-RUN = (sys.executable, "workflow/run.py", "--cores", "2", "=".join(SMALL))
-SNAKEMAKE = (sys.executable, "-m", "snakemake", "--cores", "2", "=".join(SMALL))
+SNAKEMAKE = (sys.executable, "-m", "snakemake")
+PROFILE = ("--workflow-profile", "workflow/profiles/default")
+RUN = (*SNAKEMAKE, *PROFILE, "--cores", "2", "=".join(SMALL))  # as `make` does
 
 
 @pytest.fixture
@@ -73,9 +74,12 @@ def wait_for(condition):
 
 def jobs_in(copy):
     """The processes of jobs that run in a copy."""
-    found = psutil.process_iter(["name", "cwd"])
-    jobs = [one for one in found if one.info["name"].startswith("job ")]
-    return [one for one in jobs if one.info["cwd"] == str(copy.folder)]
+    here = [
+        one
+        for one in psutil.process_iter(["cmdline", "cwd"])
+        if one.info["cwd"] == str(copy.folder)
+    ]
+    return [one for one in here if ".snakemake/scripts/" in (one.info["cmdline"] or [""])[-1]]
 
 
 def test_after_a_kill_the_same_command_suffices(copy, built):
@@ -83,29 +87,13 @@ def test_after_a_kill_the_same_command_suffices(copy, built):
         wait_for(lambda: jobs_in(copy))
         os.killpg(run.pid, signal.SIGKILL)
     assert (copy.folder / ".snakemake/locks").exists()
-    half_written = copy.folder / "results/small/features/.~above-abcdefgh.csv"
-    half_written.parent.mkdir(parents=True, exist_ok=True)
-    half_written.write_text("level", encoding="utf-8")
-    done = finished(copy, *RUN, "features")
-    assert done.returncode == 0, done.stderr
-    assert "The last run was interrupted" in done.stdout
+    assert "--unlock" in finished(copy, *RUN, "features").stderr
+    for command in ([*SNAKEMAKE, "--unlock"], [*RUN, "features"]):
+        done = finished(copy, *command)
+        assert done.returncode == 0, done.stderr
     made, whole = copy.files("small"), built.files("small")
     assert "features/exact/above.csv" in made
     assert made == {name: whole[name] for name in made}
-
-
-def test_a_second_run_in_the_same_folder_is_refused(copy):
-    with started(copy, *RUN, "studies") as run:  # which takes long
-        wait_for(lambda: (copy.folder / ".snakemake/locks").exists())
-        second = finished(copy, *RUN, "features")
-        assert run.poll() is None, "the first run ended before it could be in the way"
-        os.killpg(run.pid, signal.SIGINT)
-        run.communicate(timeout=PATIENCE)
-    assert second.returncode == 1
-    (line,) = second.stderr.splitlines()
-    assert line.startswith(f"error: another run is at work in this folder (process {run.pid}, for ")
-    # Ctrl-C reached jobs that were yet to start: it waited for none of their chunks, which take ten seconds
-    assert not list((copy.folder / "results/studies").glob("*/chunks/*"))
 
 
 def test_ctrl_c_leaves_no_process_and_no_lock(copy):
@@ -142,26 +130,26 @@ def mounting(copy):
 
 def test_a_full_disk(mounting):
     done = mounting(
-        f"mount -t tmpfs -o size=16k none results && {shlex.join(SNAKEMAKE)} records; find results -type f"
+        f"mount -t tmpfs -o size=16k none results && {shlex.join(RUN)} records; find results -type f"
     )
     assert "as the disk is full: make room" in done.stderr
     assert "Traceback" not in done.stderr
     assert "results/small" not in done.stdout.rpartition("goes on from there.")[2]
 
 
-def test_a_disk_that_is_too_full_to_begin(mounting, copy):
-    done = mounting(
-        f"mount -t tmpfs -o size=64k none results && cd results && ln -s ../* . && {shlex.join(RUN)} records"
-    )
-    assert done.stderr.startswith("error: 0 MB are free on this disk and 100 are needed")
-    assert len(done.stderr.splitlines()) == 1
-
-
-def test_results_that_cannot_be_written(mounting, copy):
-    done = mounting(
-        f"mount --bind results results && mount -o remount,bind,ro results && {shlex.join(RUN)} records"
-    )
-    assert done.returncode == 1
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (None, "cannot be read (No such file or directory); name a YAML file"),
+        ("case: [small", "line 1: not readable as YAML"),
+    ],
+)
+def test_an_unreadable_configuration_is_refused_in_one_line(tmp_path, text, message):
+    file = tmp_path / "case.yaml"
+    if text:
+        file.write_text(text, encoding="utf-8")
+    done = run(sys.executable, "-m", "dampbalance.project.documents", str(file), folder=tmp_path)
     (line,) = done.stderr.splitlines()
-    assert line.startswith(f"error: {copy.folder}/results cannot be written")
-    assert copy.files(".").keys() == {"README.md"}
+    assert line.startswith(f"error: {file}: ")
+    assert message in line
+    assert done.returncode == 1

@@ -53,15 +53,19 @@ def make(folder, *arguments, **environment):
 
 
 PARALLEL = ["--numprocesses", "auto", "--dist", "loadscope", "--no-loadscope-reorder"]
-RUN = ["workflow/run.py", "--cores", "all"]
+READ = ["-m", "dampbalance.project.documents", "config/config.yaml"]
+PROFILE = ["--workflow-profile", "workflow/profiles/default"]
+RUN = ["-m", "snakemake", *PROFILE, "--cores", "all"]
 
 
 @pytest.mark.parametrize(
     ("arguments", "called"),
     [
-        (["check"], [[*RUN, "check"]]),
-        (["check", "CONFIG=a b.yaml"], [[*RUN, "--configfile=a b.yaml", "check"]]),
-        (["check", "CONFIG=it's $x $(y).yaml"], [[*RUN, "--configfile=it's $x $(y).yaml", "check"]]),
+        (["check"], [READ, [*RUN, "check"]]),
+        *(
+            (["check", f"CONFIG={case}"], [[*READ, case], [*RUN, f"--configfile={case}", "check"]])
+            for case in ("a b.yaml", "it's $x $(y).yaml")
+        ),
         (["unit"], [["-m", "pytest", *PARALLEL]]),
         (["compare", "WITH=../o'th er/$re"], [["-m", "same_results", "results", "../o'th er/$re"]]),
     ],
@@ -75,14 +79,14 @@ def test_make_tells_python_every_path_as_it_is(odd, arguments, called):
 def test_make_verify_unpacks_the_archive_that_is_named(odd):
     done, calls = make(odd, "verify", "ARCHIVE=an $archive.tar.gz")
     assert done.returncode != 0  # nothing was unpacked
-    assert calls[0][1:] == [*RUN, "archive"]
+    assert calls[1][1:] == [*RUN, "archive"]
     unpacking = ["-m", "dampbalance.publishing.provenance.archive", "an $archive.tar.gz"]
-    assert calls[1][1:4] == unpacking
+    assert calls[2][1:4] == unpacking
 
 
 def test_make_takes_the_archive_of_this_version_unless_told(odd):
     _, calls = make(odd, "verify")
-    assert calls[1][3] == f"results/archive/dampbalance-{__version__}.tar.gz"
+    assert calls[2][3] == f"results/archive/dampbalance-{__version__}.tar.gz"
 
 
 def test_the_python_that_is_named_is_told_as_it_is(odd):
@@ -134,7 +138,7 @@ def test_jobs_run_by_a_python_with_an_odd_path(tmp_path):
     case = folder / "s m.yaml"
     shutil.copy(ROOT / "tests/workflow/small.yaml", case)
     target = "results/small/orbits/above.json"
-    command = ("workflow/run.py", "--cores=1", f"--configfile={case.name}", target)
+    command = ("-m", "snakemake", "--cores=1", f"--configfile={case.name}", target)
     python = folder / ".venv/bin/python"
     output_of(python, *command, folder=folder, PYTHONPATH=str(folder / "src"))
     assert (folder / target).is_file()

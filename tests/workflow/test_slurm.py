@@ -13,7 +13,7 @@ from folders import ROOT
 from processes import run
 
 CLUSTER = ROOT / "trials/cluster"
-PATHS = os.pathsep.join(str(ROOT / name) for name in ("trials", "tests", "workflow"))
+PATHS = os.pathsep.join(str(ROOT / name) for name in ("trials", "tests"))
 UNAVAILABLE = 69  # loopback.sh: SLURM cannot be started here, with the reason on stderr
 
 

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Compute a study on this machine alone and through SLURM, in a copy of the sources each, and compare every byte.
 
-    export PYTHONPATH=trials:tests:workflow
+    export PYTHONPATH=trials:tests
     trials/cluster/loopback.sh .venv/bin/python -m cluster.same_bytes map
 
 On a cluster, with a folder that its nodes see: python -m cluster.same_bytes --folder SHARED/FOLDER map
@@ -26,7 +26,7 @@ from folders import ROOT
 from same_results import different, names_of
 from workflow.copies import copied
 
-LOCAL = ("workflow/run.py", "--cores", "all")
+LOCAL = ("-m", "snakemake", "--cores", "all")
 SLURM = (
     *("-m", "snakemake", "--profile", "workflow/profiles/slurm"),
     *("--slurm-init-seconds-before-status-checks", "2"),

@@ -1,7 +1,7 @@
 # Which printed numbers there are to compare with, and when they were compared last.
 import time
 
-PUBLISHED = named_file(config["published"]) if config["published"] else None
+PUBLISHED = project_file(config["published"]) if config["published"] else None
 
 if PUBLISHED:  # slow to import
     from dampbalance.replication.claims.table import WORSE
@@ -36,10 +36,10 @@ if PUBLISHED and workflow.is_main_process:
 def published_files(wildcards):
     """The printed numbers, without the verdicts on record, which only the check compares with."""
     files = sorted(Path(PUBLISHED).glob("*.csv"))
-    return [unmoved(file) for file in files if file.name != "verdicts.csv"]
+    return [str(file) for file in files if file.name != "verdicts.csv"]
 
 
-SUMMARY = Path(placed(RESULTS), "summary.txt")
+SUMMARY = Path(RESULTS, "summary.txt")
 
 
 def compared_at():

@@ -13,20 +13,17 @@ if config.get("measured"):  # slow to import
     from dampbalance.records.errors import RecordError
     from dampbalance.records.mapping import mapping_file, mapping_for, parts_of
 
-MEASURED = {one["name"]: {**one} for one in config.get("measured") or []}
-for one in MEASURED.values():
-    if one.get("mapping"):
-        one["mapping"] = named_file(one["mapping"])
+MEASURED = {one["name"]: one for one in config.get("measured") or []}
 MEASURED_FILES = f"{RESULTS}/measured"
-MAPPING_SCHEMA = project_input("src/dampbalance/records/mapping.schema.yaml")
+MAPPING_SCHEMA = project_file("src/dampbalance/records/mapping.schema.yaml")
 REPORT_PARTS = [
     MAPPING_SCHEMA,
     *map(
-        project_input,
+        project_file,
         sorted((ROOT / "src/dampbalance/identification/templates").iterdir()),
     ),
 ]
-FROM = "relative to the folder of the run or of the project"
+FROM = "relative to the folder of the run"
 
 
 def kind_of(name):
@@ -56,8 +53,8 @@ def show_tables(names):
     """Print the tables of sets, and that of all where there are several."""
     several = [f"{MEASURED_FILES}/{SET_SUMMARY}"] if len(MEASURED) > 1 else []
     for file in [*(f"{MEASURED_FILES}/{name}/{SET_SUMMARY}" for name in names), *several]:
-        if Path(placed(file)).is_file():
-            print(Path(placed(file)).read_text(encoding="utf-8"))
+        if Path(file).is_file():
+            print(Path(file).read_text(encoding="utf-8"))
 
 
 class NothingToDo(logging.Filter):
@@ -75,7 +72,7 @@ if MEASURED and workflow.is_main_process:
 
 def overview_with_failures():
     """Write and return what became of each set when some could not be identified; the next run makes it anew."""
-    folder = Path(placed(MEASURED_FILES))
+    folder = Path(MEASURED_FILES)
     folder.mkdir(parents=True, exist_ok=True)
     text = summarise(folder, failures())
     for name in OVERVIEW:
@@ -87,8 +84,8 @@ def failures():
     """Set → why it could not be identified in the run that ends, as its log says; "" where it was."""
     errors = dict.fromkeys(MEASURED, "")
     for name in MEASURED:
-        if not Path(placed(f"{MEASURED_FILES}/{name}/.complete")).exists():
-            log = Path(placed(log_file(f"identify_{name}")))
+        if not Path(f"{MEASURED_FILES}/{name}/.complete").exists():
+            log = Path(log_file(f"identify_{name}"))
             lines = log.read_text(encoding="utf-8").split("\n") if log.exists() else []
             said = [line for line in lines if line.strip()] or ["it was not reached"]
             errors[name] = said[-1].removeprefix("error: ")
@@ -101,10 +98,10 @@ def refuse_of(name, *key, text):
 
 
 def matching(pattern):
-    """The files that a pattern finds from the folder of the run on, or else from that of the project."""
+    """The files that a pattern finds from the folder of the run on."""
     if Path(pattern).is_file():  # whatever brackets its name has
         return [pattern]
-    return glob.glob(pattern) or [*map(project_file, glob.glob(pattern, root_dir=ROOT))]
+    return glob.glob(pattern)
 
 
 def record_files(name):

@@ -7,20 +7,15 @@ from dampbalance.publishing.provenance.manifest import COMPUTING, PROJECT, code_
 from snakemake.io import is_flagged
 
 # A configuration that another workflow hands over stands in no file of its own; as merged it is in the manifest.
-GIVEN_FILES = [os.path.relpath(file) for file in ([BASE_CONFIG] if IS_MODULE else CONFIG_FILES)]
-PROVENANCE_RULES = ("manifest", "crate", "archive")
+GIVEN_FILES = [os.path.relpath(file) for file in [BASE_CONFIG, *OVERRIDING]]
+MANIFESTS = {f"{RESULTS}/manifest.json", f"{RESULTS}/ro-crate-metadata.json"}
 ARCHIVE_NAME = f"dampbalance-{VERSION}" + ("" if CASE.name == "paper" else f"-{CASE.name}")
 
 
-def own_rules():
-    """The rules of this workflow by the names that they have here; one that uses it as a module may call them otherwise."""
-    return {name: proxy.rule for name, proxy in rules._rules.items()}
-
-
 def own_name(file):
-    """A file as the manifest names it: a result without a module's prefix, a file of the project from there on."""
-    if file.startswith(placed("results/")):
-        return file.removeprefix(PREFIX)
+    """A file as the manifest names it: a result from the folder of the run on, a file of the project from there on."""
+    if file.startswith("results/"):
+        return file
     path = Path(os.path.abspath(file))
     return path.relative_to(ROOT).as_posix() if path.is_relative_to(ROOT) else file
 
@@ -31,27 +26,25 @@ def jobs_behind_everything():
 
     Inputs leave out the package's modules (they are sources), outputs what is temporary.
     """
-    names = {rule: name for name, rule in own_rules().items()}
-    producers = [rule for rule, name in names.items() if name not in PROVENANCE_RULES]
     waiting = list(rules.all.rule.expand_input({})[0])
-    seen, jobs = set(), {}
+    seen, jobs = set(MANIFESTS), {}
     while waiting:
         file = str(waiting.pop())
-        if file in seen or not file.startswith(placed("results/")):
+        if file in seen or not file.startswith("results/"):
             continue
         seen.add(file)
-        producer = next((rule for rule in producers if rule.is_producer(file)), None)
+        producer = next((rule for rule in workflow.rules if rule.is_producer(file)), None)
         if producer is None:
             continue
         wildcards = producer.get_wildcards(file)
-        job = jobs.setdefault((names[producer], *sorted(wildcards.items())), {})
+        job = jobs.setdefault((producer.name, *sorted(wildcards.items())), {})
         if job:
             continue
         needed = [str(f) for f in producer.expand_input(wildcards)[0]]
         inputs = {own_name(file) for file in needed}
         outputs = [f.apply_wildcards(wildcards) for f in producer.output]
         job |= {
-            "rule": names[producer],
+            "rule": producer.name,
             "script": os.path.normpath(Path("workflow/rules") / producer.script),
             "inputs": sorted(file for file in inputs if not file.startswith("src/")),
             "outputs": sorted(own_name(str(f)) for f in outputs if not is_flagged(f, "temp")),

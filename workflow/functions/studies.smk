@@ -6,14 +6,10 @@ import sys
 import time
 from importlib.metadata import version
 
-STUDY_FOLDER = Path("config/studies")
 STUDY_RESULTS = "results/studies"
-# Those of the folder in which the workflow runs, and those of the project.
-STUDIES = sorted(
-    {path.stem for top in (Path(), ROOT) for path in (top / STUDY_FOLDER).glob("*.yaml")}
-)
+STUDIES = sorted(path.stem for path in (ROOT / "config/studies").glob("*.yaml"))
 
-# What article and page cite of the paper's oscillator, a second each: one job computes them, in less time than seven start.
+# What article and page cite of the paper's oscillator, a second each: one job computes and draws them, in less time than seven start.
 SMALL_STUDIES = [
     *("frequency", "level", "damping", "contact_stiffness", "rigid_contact"),
     *("read_out", "step_size"),
@@ -24,12 +20,12 @@ STUDY_LIBRARIES = {name: version(name) for name in ("numpy", "scipy", "numba", "
 
 def study_file(name):
     """The file of a study."""
-    return named_file(str(STUDY_FOLDER / f"{name}.yaml"))
+    return project_file(f"config/studies/{name}.yaml")
 
 
 def study_files(names):
     """Files of studies as inputs of a rule."""
-    return [unmoved(study_file(name)) for name in names]
+    return [*map(study_file, names)]
 
 
 @functools.cache
@@ -50,9 +46,8 @@ def study_plan(name):
     try:
         study = read_study(file, STUDY_DEFAULTS["schema"], STUDY_DEFAULTS["base"])
         size = size_of(study)
-        results = placed(STUDY_RESULTS)
-        if workflow.is_main_process and not Path(f"{results}/{name}/cases.parquet").exists():
-            check_size(study, size, results, file)
+        if workflow.is_main_process and not Path(f"{STUDY_RESULTS}/{name}/cases.parquet").exists():
+            check_size(study, size, STUDY_RESULTS, file)
     except ConfigurationError as error:
         raise WorkflowError(str(error)) from None
     return study, size
@@ -60,9 +55,9 @@ def study_plan(name):
 
 def requested_studies():
     """The studies that the command line names; the targets are not known otherwise at this point."""
-    if workflow.modifier.modify_rulename("studies") in sys.argv:
+    if "studies" in sys.argv:
         return STUDIES
-    prefix = f"{placed(STUDY_RESULTS)}/"
+    prefix = f"{STUDY_RESULTS}/"
     named = {arg.removeprefix(prefix).split("/")[0] for arg in sys.argv if arg.startswith(prefix)}
     return sorted(named)
 

@@ -24,25 +24,6 @@ ARTICLE_FIGURES = {
 
 if config["published"]:
 
-    rule article_schemes:
-        input:
-            modules=script_modules("article/article_schemes.py"),
-        output:
-            csv=f"{ARTICLE}/schemes.csv",
-            cycles=f"{ARTICLE}/cycles.csv",
-        log:
-            log_file("article_schemes"),
-        priority: NEXT + 1  # the longest chain begins with it
-        conda:
-            ENVIRONMENT
-        params:
-            case=excerpt(config, "oscillator", "levels_m", "numerics", frequency=FREQUENCIES[0]),
-            frequency=FREQUENCIES[0],
-        message:
-            "Article: the integrals by other schemes"
-        script:
-            "../scripts/article/article_schemes.py"
-
     rule article_numbers:
         input:
             features=of_routes("features"),
@@ -50,14 +31,19 @@ if config["published"]:
             estimates=of_routes("estimates"),
             claims=rules.claims.output.csv,
             approaches=f"{RESULTS}/tables/approaches.csv",
-            schemes=rules.article_schemes.output.csv,
-            cycles=rules.article_schemes.output.cycles,
+            exact=f"{RESULTS}/features/exact/{FREQUENCIES[0]}.csv",
+            as_published=f"{RESULTS}/estimates/as_published/{FREQUENCIES[0]}.csv",
+            steps=f"{STUDY_RESULTS}/step_size/cases.parquet",
             study_cases=expand(rules.study_cases.output.cases, study=ARTICLE_STUDIES),
             study_files=study_files(ARTICLE_STUDIES),
-            lock=project_input("requirements.lock"),
-            citation=project_input("CITATION.cff"),
+            lock=project_file("requirements.lock"),
+            citation=project_file("CITATION.cff"),
             modules=script_modules("article/article_numbers.py"),
         output:
+            **figure_files("numerics", "How the printed digits arose"),
+            **figure_files("glance", "The findings at a glance"),
+            schemes=f"{ARTICLE}/schemes.csv",
+            cycles=f"{ARTICLE}/cycles.csv",
             evidence=f"{ARTICLE}/evidence.json",
             studies=f"{ARTICLE}/studies.json",
             environment=f"{ARTICLE}/environment.json",
@@ -68,44 +54,20 @@ if config["published"]:
             ENVIRONMENT
         params:
             **STUDY_DEFAULTS,
-            case=of_case("oscillator", "frequencies_hz", "pairs", "phase", "numerics"),
-            folder=lambda wildcards: placed(RESULTS),
+            case=of_case("oscillator", "frequencies_hz", "levels_m", "pairs", "phase", "numerics"),
+            frequency=FREQUENCIES[0],
+            folder=RESULTS,
             studies=ARTICLE_STUDIES,
             packages=ARTICLE_PACKAGES,
         message:
-            "Article: numbers to argue with, what the studies show, versions of the environment"
+            "Article: its numbers and figures"
         script:
             "../scripts/article/article_numbers.py"
-
-    rule article_figure:
-        input:
-            claims=rules.claims.output.csv,
-            exact=f"{RESULTS}/features/exact/{FREQUENCIES[0]}.csv",
-            estimates=f"{RESULTS}/estimates/as_published/{FREQUENCIES[0]}.csv",
-            schemes=rules.article_schemes.output.csv,
-            cycles=rules.article_schemes.output.cycles,
-            steps=f"{STUDY_RESULTS}/step_size/cases.parquet",
-            approaches=f"{RESULTS}/tables/approaches.csv",
-            modules=script_modules("article/article_figure.py"),
-        output:
-            **figure_files("numerics", "How the printed digits arose"),
-            **figure_files("glance", "The findings at a glance"),
-        log:
-            log_file("article_figure"),
-        priority: NEXT
-        conda:
-            ENVIRONMENT
-        params:
-            case=of_case("oscillator", "frequencies_hz", "numerics"),
-        message:
-            "Article: its own figures"
-        script:
-            "../scripts/article/article_figure.py"
 
     # The files that the article reads its numbers from, in the order of its list of sources, and the rule that makes each.
     ARTICLE_SOURCES = {
         f"{ARTICLE}/evidence.json": "article_numbers",
-        f"{ARTICLE}/schemes.csv": "article_schemes",
+        f"{ARTICLE}/schemes.csv": "article_numbers",
         f"{RESULTS}/claims.csv": "claims",
         f"{RESULTS}/tables/approaches.csv": "tables",
         f"{ARTICLE}/studies.json": "article_numbers",
@@ -119,8 +81,8 @@ if config["published"]:
 
     rule article:
         input:
-            texts=[project_input(file) for file in sorted((ROOT / "paper/article").rglob("*.typ"))],
-            references=project_input("paper/article/references.yml"),
+            texts=[project_file(file) for file in sorted((ROOT / "paper/article").rglob("*.typ"))],
+            references=project_file("paper/article/references.yml"),
             sources=list(ARTICLE_SOURCES),
             figures=list(ARTICLE_FIGURES.values()),
             study_figures=expand(
@@ -143,7 +105,7 @@ if config["published"]:
             ENVIRONMENT
         params:
             folder=lambda wildcards: project_file("paper/article"),
-            results=lambda wildcards: placed("results"),
+            results="results",
             inputs={
                 "results": RESULTS,
                 "studies": STUDY_RESULTS,

@@ -24,7 +24,7 @@ if config.get("beam"):
                     f"{', '.join(tables) or 'none'}",
                     CONFIG_FILES,
                 )
-            if not Path(named_file(BEAM["record"])).is_file():
+            if not Path(BEAM["record"]).is_file():
                 refuse(
                     ("beam", "record"),
                     f"no file {BEAM['record']}: name one, {FROM}",
@@ -35,10 +35,10 @@ if config.get("beam"):
 
     rule beam:
         input:
-            records=[unmoved(file) for file in record_files(BEAM["set"])],
-            mappings=[unmoved(file) for file in mapping_files(BEAM["set"])],
-            blow=unmoved(named_file(BEAM["record"])),
-            template=project_input("src/dampbalance/publishing/templates/beam.md.j2"),
+            records=record_files(BEAM["set"]),
+            mappings=mapping_files(BEAM["set"]),
+            blow=BEAM["record"],
+            template=project_file("src/dampbalance/publishing/templates/beam.md.j2"),
             schema=MAPPING_SCHEMA,
             modules=script_modules("beam/beam.py"),
         output:

@@ -26,7 +26,7 @@ rule claims:
         ENVIRONMENT
     params:
         case=of_case("oscillator", "frequencies_hz", "levels_m", "numerics"),
-        folder=lambda wildcards: placed(RESULTS),
+        folder=RESULTS,
         published=PUBLISHED,
     message:
         "Verdicts on the printed numbers"
@@ -51,7 +51,7 @@ rule misprints:
         ENVIRONMENT
     params:
         case=of_case("oscillator", "frequencies_hz", "levels_m", "numerics"),
-        folder=lambda wildcards: placed(RESULTS),
+        folder=RESULTS,
         published=PUBLISHED,
     message:
         "Verdicts on the printed tables with other digits"
@@ -63,7 +63,7 @@ rule misprints:
 rule check:
     input:
         claims=rules.claims.output.csv,
-        recorded=unmoved(f"{PUBLISHED}/verdicts.csv"),
+        recorded=f"{PUBLISHED}/verdicts.csv",
         modules=script_modules("claims/check.py"),
     output:
         summary=report(

@@ -28,50 +28,31 @@ except ImportError as error:
 if Path(sys.executable).exists():
     sys.executable = shlex.quote(sys.executable)
 
-IS_MODULE = not workflow.modifier.is_main_snakefile()
-if workflow.modifier.path_modifier.modifies_prefixes:
-    raise WorkflowError("replace_prefix would tear the results apart: use prefix instead.")
-# What a module's `prefix` puts before the paths of its results.
-PREFIX = str(workflow.modifier.modify_path(""))
-
-
-def unmoved(path):
-    """An input that the workflow does not make, before which a module's `prefix` is not put."""
-    return local(str(path)) if IS_MODULE else str(path)
-
 
 def project_file(name):
     """A file of the project, as a path from the folder in which the workflow runs."""
     return os.path.relpath(ROOT / name)
 
 
-def named_file(name):
-    """What a configuration names: a file or folder from the folder in which the workflow runs, or else the project's."""
-    return name if Path.cwd() == ROOT or Path(name).exists() else project_file(name)
-
-
-def placed(path):
-    """Where a result is. Snakemake puts the prefix before inputs and outputs of rules, and before nothing else."""
-    return f"{PREFIX}{path}"
-
-
 BASE_CONFIG = project_file("config/config.yaml")
 
-# A module's configuration holds what differs from the paper's case, like a file of the command line, and is merged like one:
-# its keys come first.
-if IS_MODULE:
+# In the order in which they were merged: files named on the command line come last, and win.
+OVERRIDING = list(workflow.overwrite_configfiles)
+CONFIG_FILES = [BASE_CONFIG, *OVERRIDING]
+
+# Another workflow that uses this one as a module hands over what differs from the paper's case, and errors name the place where
+# it sets a value.
+other = Path(workflow.main_snakefile).resolve()
+if other not in (ROOT / "Snakefile", ROOT / "workflow/Snakefile"):
+    # Merged like a file of the command line, whose keys come first.
     given, config = config, copy.deepcopy(config)
     update_config(config, load_configfile(BASE_CONFIG))
     update_config(config, given)
-
-# In the order in which they were merged: files named on the command line come last, and win.
-CONFIG_FILES = [
-    *(file for file in workflow.configfiles if file not in workflow.overwrite_configfiles),
-    *workflow.overwrite_configfiles,
-]
-if IS_MODULE:  # errors name the place where the other workflow sets a value
-    theirs = os.path.relpath(str(workflow.main_snakefile))
-    CONFIG_FILES = [BASE_CONFIG, *([section_of(given, CONFIG_FILES, theirs)] if given else [])]
+    OVERRIDING = []
+    CONFIG_FILES = [
+        BASE_CONFIG,
+        *([section_of(given, workflow.configfiles, os.path.relpath(other))] if given else []),
+    ]
 
 if workflow.is_main_process:
     try:
@@ -81,8 +62,8 @@ if workflow.is_main_process:
             CONFIG_FILES,
             checks(),
         )
-        if not IS_MODULE and config["case"] == load_configfile(BASE_CONFIG)["case"]:
-            require_own_case(workflow.overwrite_configfiles)
+        if config["case"] == load_configfile(BASE_CONFIG)["case"]:
+            require_own_case(OVERRIDING)
         for notice in check_feasible(Case.from_config(config), CONFIG_FILES):
             logger.warning(notice)
     except ConfigurationError as error:
@@ -134,13 +115,7 @@ def script_modules(script):
 
 def modules_behind(file):
     """Package files that a Python file of the project depends on."""
-    modules = package_modules(ROOT / file, ROOT / "src", relative_to=Path.cwd())
-    return [unmoved(module) for module in modules]
-
-
-def project_input(name):
-    """A file of the project as an input of a rule."""
-    return unmoved(project_file(name))
+    return [*map(str, package_modules(ROOT / file, ROOT / "src", relative_to=Path.cwd()))]
 
 
 wildcard_constraints:

@@ -34,10 +34,10 @@ if config.get("frame"):
 
     rule frame:
         input:
-            records=[unmoved(file) for file in record_files(FRAME["set"])],
-            mappings=[unmoved(file) for file in mapping_files(FRAME["set"])],
+            records=record_files(FRAME["set"]),
+            mappings=mapping_files(FRAME["set"]),
             identification=f"{MEASURED_FILES}/{FRAME['set']}/identification.json",
-            template=project_input("src/dampbalance/publishing/templates/frame.md.j2"),
+            template=project_file("src/dampbalance/publishing/templates/frame.md.j2"),
             schema=MAPPING_SCHEMA,
             modules=script_modules("frame/frame.py"),
         output:

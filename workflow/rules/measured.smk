@@ -6,8 +6,8 @@ include: "../functions/measured.smk"
 
 rule identify:
     input:
-        records=lambda wildcards: [unmoved(file) for file in record_files(wildcards.set)],
-        mappings=lambda wildcards: [unmoved(file) for file in mapping_files(wildcards.set)],
+        records=lambda wildcards: record_files(wildcards.set),
+        mappings=lambda wildcards: mapping_files(wildcards.set),
         parts=REPORT_PARTS,
         modules=script_modules("measured/identify.py"),
     output:
@@ -24,7 +24,7 @@ rule identify:
         ENVIRONMENT
     params:
         settings=lambda wildcards: MEASURED[wildcards.set],
-        folder=lambda wildcards: placed(f"{MEASURED_FILES}/{wildcards.set}"),
+        folder=lambda wildcards: f"{MEASURED_FILES}/{wildcards.set}",
     message:
         "F_k, c and K_z from the records of {wildcards.set}"
     script:

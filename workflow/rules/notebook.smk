@@ -5,7 +5,7 @@ NOTEBOOK = "paper/notebook"
 
 rule notebook:
     input:
-        source=project_input(f"{NOTEBOOK}/tour.py"),
+        source=project_file(f"{NOTEBOOK}/tour.py"),
         modules=script_modules("notebook/notebook.py"),
         imported=modules_behind(f"{NOTEBOOK}/tour.py"),
     output:

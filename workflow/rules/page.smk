@@ -4,7 +4,7 @@
 # with nothing printed to compare with, gets a page without verdicts and studies: snakemake page --configfile …
 
 PAGE_PARTS = sorted(
-    project_input(path)
+    project_file(path)
     for folder in ("static", "templates")
     for path in (ROOT / "src/dampbalance/publishing/page" / folder).iterdir()
 )
@@ -24,7 +24,7 @@ rule page:
     input:
         claims=f"{RESULTS}/claims.csv" if config["published"] else [],
         misprints=(
-            [*map(unmoved, Path(PUBLISHED).glob("misprints.json"))] if config["published"] else []
+            [*map(str, Path(PUBLISHED).glob("misprints.json"))] if config["published"] else []
         ),
         tables=rules.tables.output.csv,
         figures=list(PAGE_FIGURES.values()),
@@ -52,7 +52,7 @@ rule page:
         **STUDY_DEFAULTS,
         config=config,
         figures=list(PAGE_FIGURES),
-        folder=lambda wildcards: placed(RESULTS),
+        folder=RESULTS,
         page=lambda wildcards: f"{RESULTS}/report.html",
     message:
         "The page of the case"

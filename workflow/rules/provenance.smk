@@ -1,7 +1,7 @@
 # Where the results come from: a manifest, the same as an RO-Crate, and an archive. Included last: it looks at the rules.
 #
-# The manifest is made again when a result, a source or the commit changes; nothing but crate and archive depends on it,
-# so that a commit rebuilds no result.
+# The manifest is made again when a result, a source or the commit changes; nothing but the archive depends on it, so that a
+# commit rebuilds no result.
 
 
 include: "../functions/provenance.smk"
@@ -10,13 +10,20 @@ include: "../functions/provenance.smk"
 rule manifest:
     input:
         results=everything_built,
-        sources=lambda wildcards: [unmoved(path) for path in sources_of(COMPUTING).values()],
+        sources=lambda wildcards: list(sources_of(COMPUTING).values()),
+        citation=project_file("CITATION.cff"),
     output:
         json=report(
             f"{RESULTS}/manifest.json",
             caption="../report/manifest.rst",
             category="Provenance",
             labels={"result": "What made the results: configuration, code, packages"},
+        ),
+        crate=report(
+            f"{RESULTS}/ro-crate-metadata.json",
+            caption="../report/crate.rst",
+            category="Provenance",
+            labels={"result": "The same as an RO-Crate, for repositories of data"},
         ),
     log:
         log_file("manifest"),
@@ -26,49 +33,24 @@ rule manifest:
         case=CASE.name,
         configuration=config,
         configuration_files=[own_name(file) for file in GIVEN_FILES],
-        top=PREFIX or ".",
         sources=lambda wildcards: sources_of(COMPUTING),
         jobs=lambda wildcards: jobs_behind_everything(),
         code=lambda wildcards: code_version(ROOT, VERSION),
         lock=project_file("requirements.lock"),
+        folder={"root": RESULTS, "beside_sources": Path.cwd() == ROOT},
     message:
-        "Manifest: configuration, code, packages, digests"
+        "Manifest and RO-Crate: configuration, code, packages, digests"
     script:
         "../scripts/provenance/manifest.py"
 
 
-rule crate:
-    input:
-        manifest=rules.manifest.output.json,
-        citation=project_input("CITATION.cff"),
-        modules=script_modules("provenance/crate.py"),
-    output:
-        json=report(
-            f"{RESULTS}/ro-crate-metadata.json",
-            caption="../report/crate.rst",
-            category="Provenance",
-            labels={"result": "The same as an RO-Crate, for repositories of data"},
-        ),
-    log:
-        log_file("crate"),
-    conda:
-        ENVIRONMENT
-    params:
-        folder={"root": RESULTS, "beside_sources": Path.cwd() == ROOT and not IS_MODULE},
-        manifest_name=lambda wildcards: f"{RESULTS}/manifest.json",
-    message:
-        "RO-Crate of the results"
-    script:
-        "../scripts/provenance/crate.py"
-
-
 # It packs the folder of the project, which must be that of the results.
-if Path.cwd() == ROOT and not IS_MODULE:
+if Path.cwd() == ROOT:
 
     rule archive:
         input:
             manifest=rules.manifest.output.json,
-            crate=rules.crate.output.json,
+            crate=rules.manifest.output.crate,
             results=everything_built,
             sources=lambda wildcards: sorted(sources_of(PROJECT)),
         output:

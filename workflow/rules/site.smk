@@ -16,7 +16,7 @@ SITE_SOURCES = (
 )
 
 # It is of the project as it lies there, whose folder must be that of the results.
-if Path.cwd() == ROOT and not IS_MODULE:
+if Path.cwd() == ROOT:
 
     rule site:
         input:

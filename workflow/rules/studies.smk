@@ -16,7 +16,7 @@ wildcard_constraints:
     chunk="[0-9]+",
 
 
-# Expensive and pure: with SNAKEMAKE_OUTPUT_CACHE, run.py has it kept for other clones. Rules that may be have no benchmark.
+# Expensive and pure: with SNAKEMAKE_OUTPUT_CACHE, `make` has it kept for other clones. Rules that may be have no benchmark.
 rule study_chunk:
     input:
         modules=script_modules("studies/study_chunk.py"),
@@ -49,8 +49,8 @@ rule study_cases:
         chunks=study_chunks,
         modules=script_modules("studies/study_cases.py"),
     output:
-        cases=[f"{STUDY_RESULTS}/{{study}}/cases.parquet"],
-        manifests=[f"{STUDY_RESULTS}/{{study}}/manifest.json"],
+        cases=f"{STUDY_RESULTS}/{{study}}/cases.parquet",
+        manifest=f"{STUDY_RESULTS}/{{study}}/manifest.json",
     log:
         study_log("cases"),
     benchmark:
@@ -64,44 +64,22 @@ rule study_cases:
         runtime=60,
     params:
         **STUDY_DEFAULTS,
-        files=lambda wildcards: [study_file(wildcards.study)],
-        computed_from=lambda wildcards: [study_settings(wildcards.study)],
+        file=lambda wildcards: study_file(wildcards.study),
+        computed_from=lambda wildcards: study_settings(wildcards.study),
     message:
         "Study {wildcards.study}: all cases in one file"
     script:
         "../scripts/studies/study_cases.py"
 
 
-# Those of SMALL_STUDIES that have changed, and the others with them.
-use rule study_cases as small_studies with:
-    input:
-        modules=script_modules("studies/study_cases.py"),
-    output:
-        cases=expand(rules.study_cases.output.cases, study=SMALL_STUDIES),
-        manifests=expand(rules.study_cases.output.manifests, study=SMALL_STUDIES),
-    log:
-        log_file("small_studies"),
-    benchmark:
-        log_file("small_studies", "tsv")
-    params:
-        **STUDY_DEFAULTS,
-        files=[study_file(name) for name in SMALL_STUDIES],
-        computed_from=lambda wildcards: [*map(study_settings, SMALL_STUDIES)],
-    message:
-        "Small studies: all cases"
-
-
-ruleorder: small_studies > study_cases
-
-
 rule study_figure:
     input:
         cases=rules.study_cases.output.cases,
-        files=lambda wildcards: [unmoved(study_file(wildcards.study))],
+        file=lambda wildcards: study_file(wildcards.study),
         modules=script_modules("studies/study_figure.py"),
     output:
-        svg=[study_svg(f"{STUDY_RESULTS}/{{study}}/figure.svg", study_title)],
-        png=[f"{STUDY_RESULTS}/{{study}}/figure.png"],
+        svg=study_svg(f"{STUDY_RESULTS}/{{study}}/figure.svg", study_title),
+        png=f"{STUDY_RESULTS}/{{study}}/figure.png",
     log:
         study_log("figure"),
     priority: NEXT
@@ -118,32 +96,46 @@ rule study_figure:
         "../scripts/studies/study_figure.py"
 
 
-# Those of SMALL_STUDIES, in one job as well.
-use rule study_figure as small_figures with:
+# All SMALL_STUDIES: cases and figures.
+rule small_studies:
     input:
-        cases=expand(rules.study_cases.output.cases, study=SMALL_STUDIES),
         files=study_files(SMALL_STUDIES),
-        modules=script_modules("studies/study_figure.py"),
+        modules=script_modules("studies/small_studies.py"),
     output:
+        cases=expand(rules.study_cases.output.cases, study=SMALL_STUDIES),
+        manifests=expand(rules.study_cases.output.manifest, study=SMALL_STUDIES),
         svg=[
             study_svg(f"{STUDY_RESULTS}/{name}/figure.svg", title_of(name))
             for name in SMALL_STUDIES
         ],
         png=expand(f"{STUDY_RESULTS}/{{study}}/figure.png", study=SMALL_STUDIES),
     log:
-        log_file("small_figures"),
+        log_file("small_studies"),
+    benchmark:
+        log_file("small_studies", "tsv")
+    priority: NEXT
+    conda:
+        ENVIRONMENT
+    resources:
+        mem_mb=chunk_memory_mb,
+        runtime=60,
+    params:
+        **STUDY_DEFAULTS,
     message:
-        "Small studies: figures"
+        "Small studies"
+    script:
+        "../scripts/studies/small_studies.py"
 
 
-ruleorder: small_figures > study_figure
+ruleorder: small_studies > study_cases
+ruleorder: small_studies > study_figure
 
 
 rule study_summary:
     input:
         cases=rules.study_cases.output.cases,
         figure=study_figure_files,
-        file=lambda wildcards: unmoved(study_file(wildcards.study)),
+        file=lambda wildcards: study_file(wildcards.study),
         modules=script_modules("studies/study_summary.py"),
     output:
         csv=f"{STUDY_RESULTS}/{{study}}/summary.csv",

@@ -92,23 +92,17 @@ class Case:
         return "" if frequency == next(iter(self.frequencies_hz)) else f"_{frequency}"
 
 
-def excerpt(
-    config: Mapping[str, Any], *fields: str, frequency: str | None = None
-) -> dict[str, Any]:
+def excerpt(config: Mapping[str, Any], *fields: str) -> dict[str, Any]:
     """The part of a configuration from which `Case.from_config` makes these fields, and no other.
 
     Rules of the workflow hand it to their scripts: a change elsewhere in the configuration then reruns nothing.
 
-    fields : names of fields of `Case`.   frequency : a drive frequency to give as well, and the only one.
+    fields : names of fields of `Case`.
     """
     kept: dict[str, Any] = {}
     for section, name, _ in (_FIELDS[field] for field in fields):
         part, whole = (kept.setdefault(section, {}), config[section]) if section else (kept, config)
         part[name] = whole[name]
-    if frequency is not None:
-        drives = config["excitation"]["frequencies"]
-        only = [drive for drive in drives if drive["name"] == frequency]
-        kept.setdefault("excitation", {})["frequencies"] = only
     return kept
 
 

@@ -11,6 +11,7 @@ import json
 import math
 import re
 import stat
+import sys
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -412,3 +413,12 @@ def _words(loader: _BoundedLoader, node: yaml.ScalarNode) -> str:
 
 for _kind, _make in {"int": _number, "float": _number, "timestamp": _number, "str": _words}.items():
     _BoundedLoader.add_constructor(_TAG.format(_kind), _make)
+
+
+if (
+    __name__ == "__main__"
+):  # python -m … FILE …: `make`, as Snakemake answers an unreadable file with a traceback
+    try:
+        documents_of(sys.argv[1:])
+    except ConfigurationError as unreadable:
+        sys.exit(f"error: {unreadable}")

@@ -10,8 +10,6 @@ from collections.abc import Sequence
 from types import TracebackType
 from typing import TextIO
 
-from .progress import WIPE
-
 
 def trouble(error: BaseException) -> str | None:
     """One sentence on what the machine lacks and what to do about it; None for an error of any other kind."""
@@ -48,12 +46,8 @@ class _Both(io.TextIOBase):
 
     def __init__(self, *streams: TextIO) -> None:
         self._streams = streams
-        self._at_start = True  # of a line, where a terminal may show the progress of the run
 
     def write(self, text: str) -> int:
-        if self._at_start and self.isatty():
-            self._streams[1].write(WIPE)
-        self._at_start = text.endswith("\n")
         for stream in self._streams:
             stream.write(text)
             stream.flush()

@@ -11,7 +11,7 @@ import yaml
 
 from dampbalance.balance import checks
 from dampbalance.model import Oscillator
-from dampbalance.project.case import NOT_GIVEN, Case, check, excerpt, require_own_case
+from dampbalance.project.case import Case, check, excerpt, require_own_case
 from dampbalance.project.documents import ConfigurationError
 from folders import ROOT
 from schemas import SCHEMAS, values
@@ -190,14 +190,6 @@ def test_an_excerpt_makes_the_fields_it_names_and_holds_nothing_else(config):
         assert Case.from_config(only) == Case(**{field: getattr(whole, field)})
         key = next(iter(only))
         assert only[key] == config[key] or set(only[key]) < set(config[key])
-
-
-def test_an_excerpt_at_a_frequency_holds_no_other(config):
-    part = excerpt(config, "levels_m", frequency="omega2")
-    assert part["excitation"].keys() == {"levels_m", "frequencies"}
-    case = Case.from_config(part)
-    assert case.frequencies_hz == {"omega2": 3.5}
-    assert case.oscillator is NOT_GIVEN
 
 
 def test_an_override_that_names_a_case_is_taken(tmp_path):

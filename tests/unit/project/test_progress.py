@@ -21,7 +21,6 @@ def clock(monkeypatch):
     """Seconds that pass with each item."""
     passed = iter(range(0, 1000, 3))
     monkeypatch.setattr(progress.time, "monotonic", lambda: float(next(passed)))
-    monkeypatch.delenv(progress.FOLDER, raising=False)
 
 
 def test_a_terminal_shows_what_is_done_and_left(clock, monkeypatch):
@@ -39,22 +38,6 @@ def test_a_terminal_shows_what_is_done_and_left(clock, monkeypatch):
 def test_a_pipe_shows_nothing(clock, monkeypatch):
     monkeypatch.setattr(sys, "stderr", io.StringIO())
     assert list(followed(range(9), 9, "numbers")) == [*range(9)]
-    assert sys.stderr.getvalue() == ""
-
-
-def test_a_job_leaves_the_seconds_that_it_needs_for_the_run(clock, monkeypatch, tmp_path):
-    monkeypatch.setenv(progress.FOLDER, str(tmp_path))
-    monkeypatch.setattr(sys, "argv", ["/there/tmpabc.study_chunk.py"])
-    monkeypatch.setattr(sys, "stderr", Terminal())
-    loop = followed(range(5), 5, "cases")
-    next(loop), next(loop)
-    (file,) = tmp_path.iterdir()
-    assert (file.stem, file.read_text()) == (
-        "study_chunk",
-        "24.0",
-    )  # six seconds for one, four to come
-    loop.close()
-    assert not [*tmp_path.iterdir()]
     assert sys.stderr.getvalue() == ""
 
 

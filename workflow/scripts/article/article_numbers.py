@@ -1,7 +1,10 @@
-"""The numbers that no other result holds: what the article argues with, the facts of the studies that it cites, and the
-environment: packages, the Python that they need, and what CITATION.cff states of the software.
+"""The numbers that no other result holds, and the article's own figures: how the printed digits arose, and the findings
+at a glance.
 
-Not the Python that ran, on which no result depends: the manifest names it.
+Numbers: the integrals of Table 2 by every scheme and way of rounding, and a in each steady cycle, by rivals as well;
+what the article argues with; the facts of the studies that it cites; and the environment: packages, the Python that
+they need, and what CITATION.cff states of the software. Not the Python that ran, on which no result depends: the
+manifest names it.
 """
 
 from importlib.metadata import metadata, version
@@ -10,25 +13,32 @@ from pathlib import Path
 import pandas as pd
 import yaml
 
+from dampbalance.figures.numerics import ALT, GLANCE_ALT, Evidence, glance, numerics
+from dampbalance.figures.style import save
 from dampbalance.project.case import Case
-from dampbalance.project.files import read_csv, read_routes, write_json
+from dampbalance.project.files import read_csv, read_routes, write_csv, write_json
 from dampbalance.project.troubles import brief_troubles
 from dampbalance.publishing.article import compiling
-from dampbalance.publishing.article.derived_numbers import derived_numbers
+from dampbalance.publishing.article.derived_numbers import (
+    at_a_glance,
+    derived_numbers,
+    sampling_instants,
+)
 from dampbalance.publishing.provenance.manifest import software
+from dampbalance.replication.as_published import scheme_table, trial_table
 from dampbalance.studies import checking
 from dampbalance.studies.shown import facts
 
 
-def evidence(inputs, folder, case):
+def evidence(inputs, output, folder, case):
     return derived_numbers(
         case,
         features=read_routes(folder, "features", case.frequencies_hz),
         estimates=read_routes(folder, "estimates", case.frequencies_hz),
         claims=read_csv(inputs.claims, dtype=str),
         approaches=read_csv(inputs.approaches),
-        schemes=read_csv(inputs.schemes),
-        cycles=read_csv(inputs.cycles),
+        schemes=read_csv(output.schemes),
+        cycles=read_csv(output.cycles),
         unrounded=read_csv(inputs.unrounded),
     )
 
@@ -50,10 +60,31 @@ def environment(packages, citation):
     }
 
 
+def figures(inputs, output, case):
+    claims = read_csv(inputs.claims, dtype=str)
+    seen = Evidence(
+        claims=claims,
+        exact=read_csv(inputs.exact),
+        estimates=read_csv(inputs.as_published),
+        schemes=read_csv(output.schemes),
+        steps=pd.read_parquet(inputs.steps),
+        instants=sampling_instants(read_csv(output.cycles), claims),
+    )
+    unit = case.numerics.tabulated["t_s_unit_s"]
+    figure = numerics(seen, case.oscillator, case.numerics.step_s, unit)
+    save(figure, output.numerics_svg, output.numerics_png, ALT)
+    findings = at_a_glance(seen, read_csv(inputs.approaches), case)
+    save(glance(*findings), output.glance_svg, output.glance_png, GLANCE_ALT)
+
+
 if __name__ == "__main__":
     brief_troubles(snakemake.log)
     i, o, p = snakemake.input, snakemake.output, snakemake.params
-    write_json(o.evidence, evidence(i, p.folder, Case.from_config(p.case)))
+    case = Case.from_config(p.case)
+    write_csv(o.schemes, scheme_table(case, p.frequency))
+    write_csv(o.cycles, trial_table(case, p.frequency))
+    write_json(o.evidence, evidence(i, o, p.folder, case))
     studies = zip(p.studies, i.study_files, i.study_cases, strict=True)
     write_json(o.studies, {name: of_study(file, cases, p) for name, file, cases in studies})
     write_json(o.environment, environment(p.packages, i.citation))
+    figures(i, o, case)

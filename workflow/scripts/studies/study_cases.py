@@ -1,4 +1,4 @@
-"""All cases of one study or of several, each in one Parquet file, from its chunks if it has any, and what it is."""
+"""All cases of one study in one Parquet file, from its chunks if it has any, and what it is."""
 
 from dampbalance import __version__
 from dampbalance.project.troubles import brief_troubles
@@ -7,11 +7,10 @@ from dampbalance.studies import case_files, checking, evaluate
 if __name__ == "__main__":
     brief_troubles(snakemake.log)
     p, output, chunks = snakemake.params, snakemake.output, snakemake.input.get("chunks")
-    for file, cases, manifest in zip(p.files, output.cases, output.manifests, strict=True):
-        study = checking.read_study(file, p.schema, p.base)
-        if chunks:
-            case_files.join_chunks(cases, chunks, study)
-        else:
-            parts = evaluate.in_parts(study, 0, study.cases, threads=snakemake.threads)
-            case_files.write_parts(cases, parts, study, __version__)
-        case_files.write_manifest(manifest, cases, study, __version__)
+    study = checking.read_study(p.file, p.schema, p.base)
+    if chunks:
+        case_files.join_chunks(output.cases, chunks, study)
+    else:
+        parts = evaluate.in_parts(study, 0, study.cases, threads=snakemake.threads)
+        case_files.write_parts(output.cases, parts, study, __version__)
+    case_files.write_manifest(output.manifest, output.cases, study, __version__)

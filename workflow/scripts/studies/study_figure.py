@@ -1,4 +1,4 @@
-"""The figures of one or several studies."""
+"""The figure of a study."""
 
 from dampbalance.figures.style import save
 from dampbalance.project.troubles import brief_troubles
@@ -8,6 +8,5 @@ from dampbalance.studies.shown.study_figure import alternative_text, study_figur
 if __name__ == "__main__":
     brief_troubles(snakemake.log)
     i, o, p = (getattr(snakemake, name) for name in ("input", "output", "params"))
-    for cases, file, svg, png in zip(i.cases, i.files, o.svg, o.png, strict=True):
-        study = checking.read_study(file, p.schema, p.base)
-        save(study_figure(study, cases), svg, png, alternative_text(study))
+    study = checking.read_study(i.file, p.schema, p.base)
+    save(study_figure(study, i.cases), o.svg, o.png, alternative_text(study))

@@ -10,7 +10,7 @@ from dampbalance.studies.shown import facts, summary
 if __name__ == "__main__":
     brief_troubles(snakemake.log)
     i, o, p = (getattr(snakemake, name) for name in ("input", "output", "params"))
-    study, (cases,) = checking.read_study(i.file, p.schema, p.base), i.cases
+    study, cases = checking.read_study(i.file, p.schema, p.base), i.cases
     table = summary.summary_of(cases, study)
     figure = next((Path(file).name for file in i.figure if file.endswith(".png")), "")
     page = summary.summary_markdown(study, table, facts.paragraph(study, cases), figure)
