@@ -34,7 +34,6 @@ from ..law.law import Law
 from ..law.terms import FRICTION, parted
 from ..likelihood.mean_harmonics import Reading
 from ..likelihood.score import Departure
-from ..likelihood.unfolding import unfolded
 from ..project.wording import Remark
 from ..reading.one_thread import one_thread
 from ..solver import Estimate, least_squares, solve
@@ -229,9 +228,8 @@ def identify_readings(
     _require(readings, k, law, approaches, replicates)
     if mass is not None:
         number("mass", mass)
-    readings, near = unfolded(readings, k, law)
     lines = [reading.lines for reading in readings]
-    joint = joint_fit(lines, k, mass, law, near, mass_error=mass_error, uncertainty=uncertainty)
+    joint = joint_fit(lines, k, mass, law, mass_error=mass_error, uncertainty=uncertainty)
     few, reference = len(readings) < len(law.unknowns), joint.answer
     if few and not (joint.waveforms_hold and joint.fit is not None and joint.fit.freedom > 0):
         law.require([reading.steady.frequency_hz for reading in readings])

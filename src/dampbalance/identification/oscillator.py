@@ -110,7 +110,6 @@ def joint_fit(
     k: float,
     m: float | None = None,
     law: Law | None = None,
-    near: WaveformFit | None = None,
     *,
     mass_error: float = 0.0,
     uncertainty: float = 0.0,
@@ -121,15 +120,15 @@ def joint_fit(
     The records determine the mass by themselves, often better than scales do: the fit takes a mass that is given only
     where it is known better than that, and the records agree with it.
 
-    k : N/m.   m : kg, if it is known.   law : of its damping; default, F_k and c.   near : a fit to these harmonics
-    that has been found already.   mass_error : standard uncertainty of m, kg.   uncertainty : standard uncertainty of
-    k, as a part of it: a mass that differs by no more contradicts nothing.   timing : whether faults of channels are
-    looked for, which change nothing in the fit; a study that does not read them saves that time.
+    k : N/m.   m : kg, if it is known.   law : of its damping; default, F_k and c.   mass_error : standard
+    uncertainty of m, kg.   uncertainty : standard uncertainty of k, as a part of it: a mass that differs by no more
+    contradicts nothing.   timing : whether faults of channels are looked for, which change nothing in the fit; a study
+    that does not read them saves that time.
     """
     law = law or Law()
     chi_square, freedom = linear_misfit(lines, k, law.terms)
     slips = improbable(chi_square, freedom, lines)
-    fit = near if near is not None else fit_records(lines, k, law, thorough=slips)
+    fit = fit_records(lines, k, law, thorough=slips)
     explained = 0.0 if fit is None else chi_square - fit.chi_square
     linear = explained < _SHOWS and not slips
     if fit is None or linear:

@@ -163,20 +163,14 @@ def agreement(
             "acceleration, or reduce the noise",
             doubts={"K_z": math.inf},
         )
-    for unfolded, remedy in {
-        False: "K_z may be off by more than its interval shows; sample faster, or through an anti-alias filter that "
-        "the mapping names",
-        True: "those of the oscillator identified are taken off, as if there were no anti-alias filter but that which "
-        "the mapping names; sample faster, or name it",
-    }.items():
-        folded = _numbered(
-            r.lines.aliased > _FOLDED and r.steady.unfolded == unfolded for r in readings
+    folded = _numbered(reading.lines.aliased > _FOLDED for reading in readings)
+    if folded and not joint.linear:
+        yield Remark(
+            f"harmonics above half the sampling rate were not removed from record {folded} and exceed its noise: "
+            "K_z may be off by more than its interval shows; sample faster, or through an anti-alias filter that the "
+            "mapping names",
+            doubts={"K_z": math.inf},
         )
-        if folded and not joint.linear:
-            yield Remark(
-                f"the sampling rate of record {folded} folds back harmonics that are larger than the noise: {remedy}",
-                doubts={} if unfolded else {"K_z": math.inf},
-            )
     fit = joint.fit
     if fit is not None and {"c", "c_r"} <= set(fit.law.unknowns):
         yield Remark(

@@ -89,7 +89,7 @@ class SteadyRecord:
     noise_rms : of the samples, by quantity, in the unit of the channel.
     skew : by how much each response lags the first, s, as corrected (only where it is significant).
     warnings : what is wrong with the record, one sentence each, which says what it leaves in doubt.
-    gathered : what all this comes from.   unfolded : whether harmonics beyond those that are fitted have been removed.
+    gathered : what all this comes from.
     """
 
     source: str
@@ -114,17 +114,6 @@ class SteadyRecord:
     skew: Mapping[str, float]
     warnings: tuple[Remark, ...]
     gathered: Gathered
-    unfolded: bool = False
-
-    def without(self, beyond: Mapping[str, Complexes]) -> SteadyRecord:
-        """The record freed of what harmonics beyond those that were fitted add to these: to the harmonics of a channel
-        as it was recorded, by quantity, rows × (0 … N), in the unit of the channel."""
-        channels = {
-            q: replace(h, coefficients=h.coefficients - beyond[q]) if q in beyond else h
-            for q, h in self.gathered.channels.items()
-        }
-        gathered = replace(self.gathered, channels=channels)
-        return replace(_steady(gathered), gathered=self.gathered, unfolded=True)
 
     @property
     def frequency_hz(self) -> float:
@@ -362,7 +351,7 @@ def _gathered(
     warnings += checks.frequency(omega, error, cycles, frequency_hz)
     start = max(float(t[0]) for t, _ in leading.values()) + skip_cycles * period
     harmonics = {}
-    for q, (t, values) in leading.items():
+    for q, (_, values) in leading.items():
         per_cycle = period / steps[q]
         if per_cycle < 12.0:
             raise ValueError(
@@ -372,7 +361,6 @@ def _gathered(
         highest = min(most, math.floor(per_cycle / 4.0))
         harmonics[q] = replace(
             accumulate(channels[q](), omega, start=start, dt=steps[q], harmonics=highest),
-            first=float(t[0]),
             step=converter_step(values[:_COMPARED]),
             correction=corrections.get(q),
         )

@@ -65,8 +65,8 @@ class CycleHarmonics:
     bad_cycles : cycles left out and why, (number, time s, reason).
     span : difference between the highest and the lowest value.
     clipped : part of the usable cycles whose highest or lowest value is held as a clipped signal holds it.
-    first : time of the first sample, s.   step : of the converter, 0 where there is none that matters.   correction :
-    that the harmonics need yet. These three are known where a whole record is read.
+    step : of the converter, 0 where there is none that matters.   correction : that the harmonics need yet. Both are
+    known where a whole record is read.
     """
 
     omega: float
@@ -79,7 +79,6 @@ class CycleHarmonics:
     bad_cycles: tuple[tuple[int, float, Remark], ...]
     span: float
     clipped: float
-    first: float = math.nan
     step: float = 0.0
     correction: Correction | None = None
 

@@ -20,7 +20,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -80,8 +80,7 @@ class Lines:
     omega : rad/s.   Y : amplitude of the base, m.   n : odd orders, (h,).   x : x_n, m, (h,).
     Y_error, x_error : standard deviations of the real and of the imaginary part of each, m.
     rows : independent rows that would know the standard deviations as well as they are known.   aliased : what
-    harmonics beyond half the sampling rate add, as a part of the noise, at its largest; it is counted in x_error unless
-    it has been removed.
+    harmonics beyond half the sampling rate add, as a part of the noise, at its largest; it is counted in x_error.
     base : y_n, n = 2, 3 …, m, likewise, zero where they do not stand out of the noise; empty for a harmonic base.
     relative : whether the response was measured against the base, to whose motion it was added.
     """
@@ -102,11 +101,6 @@ class Lines:
         """Which harmonics stand out of the noise; the fundamental always."""
         return (np.abs(self.x) > CLEAR * self.x_error) | (self.n == 1)
 
-    def up_to(self, highest: int) -> Lines:
-        """The harmonics up to an order."""
-        low = self.n <= highest
-        return replace(self, n=self.n[low], x=self.x[low], x_error=self.x_error[low])
-
     @classmethod
     def of(cls, steady: SteadyRecord) -> Lines:
         """The harmonics of a record up to a little beyond its bandwidth."""
@@ -124,7 +118,7 @@ class Lines:
             Y_error=float(steady.Y_error[1]),
             n=n,
             x=x,
-            x_error=noise if steady.unfolded else np.hypot(noise, aliased),
+            x_error=np.hypot(noise, aliased),
             rows=_rows(steady, n),
             aliased=float(np.max(aliased / np.maximum(noise, _ROUNDING * abs(x[0])))),
             base=np.where(clear, y[higher] * np.exp(-1j * higher * np.angle(base)), 0.0),

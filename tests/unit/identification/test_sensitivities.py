@@ -7,7 +7,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from dampbalance.identification import forced
 from dampbalance.identification.answer import REFERENCE
 from dampbalance.identification.forced import identify_readings
 from dampbalance.identification.sensitivities import FAULTS
@@ -39,9 +38,7 @@ def with_fault(reading, fault, part):
 
 
 @pytest.mark.parametrize("name", FAULTS)
-def test_records_with_the_fault_change_as_is_said(name, found, monkeypatch):
-    # the harmonics are changed, and not the samples, from which they would be taken again
-    monkeypatch.setattr(forced, "unfolded", lambda readings, k, law: (readings, None))
+def test_records_with_the_fault_change_as_is_said(name, found):
     readings, _ = found
     result = identify_readings(readings, PAPER.k, replicates=20)
     fault, part = FAULTS[name], 0.01
