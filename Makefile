@@ -18,6 +18,7 @@ SNAKEMAKE := $(RUN) dampbalance.project.documents config/config.yaml $${CONFIG:+
 	--workflow-profile workflow/profiles/default $${SNAKEMAKE_OUTPUT_CACHE:+--cache study_chunk} \
 	--cores $(CORES) $${CONFIG:+"--configfile=$$CONFIG"}
 QUIETLY := install --quiet --disable-pip-version-check --no-compile
+PYTEST := $(RUN) pytest --numprocesses auto --dist loadscope --no-loadscope-reorder
 PIP_INSTALL := $(RUN) pip $(QUIETLY)
 BUILD_LOCK := --require-hashes --requirement requirements-build.lock
 
@@ -64,7 +65,7 @@ export PYTHONNOUSERSITE = 1
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: all setup test lint unit check docs archive wheels verify compare bench peers engine processors mutants blind format lock clean distclean help stale
+.PHONY: all setup test lint unit check night docs archive wheels verify compare bench peers engine processors mutants blind format lock clean distclean help stale
 
 all: $(READY) ## Set up the environment, then rebuild tables, figures and claims (the default)
 	@$(SNAKEMAKE)
@@ -81,7 +82,10 @@ lint: setup ## Check style, formatting and types
 	@$(RUN) snakefmt --check Snakefile workflow
 
 unit: setup ## Run the tests: unit, analytic, paper, workflow (choose with PYTEST_ARGS="-k …")
-	@$(RUN) pytest --numprocesses auto --dist loadscope --no-loadscope-reorder $(PYTEST_ARGS)
+	@$(PYTEST) -m "not nightly" $(PYTEST_ARGS)
+
+night: setup ## Run the tests that take long and rarely break, in a browser and a SLURM where these are installed
+	@$(PYTEST) -m nightly $(PYTEST_ARGS)
 
 check: $(READY) ## Rebuild what is out of date and compare each verdict with the recorded one
 	@$(SNAKEMAKE) check

@@ -60,6 +60,10 @@ SLOW = (Path(__file__).parent / "slow.txt").read_text(encoding="utf-8").split()
 at the end of a long run. Files whose fixtures build or start something mark themselves."""
 
 
+NIGHTLY = (Path(__file__).parent / "nightly.txt").read_text(encoding="utf-8").split()
+"""Files and functions that take long and rarely break: `make night` runs them, and all that needs a browser or SLURM."""
+
+
 def function_of(nodeid: str) -> str:
     """A test as it stands in slow.txt: without its case."""
     return nodeid.partition("[")[0].removeprefix("tests/")
@@ -97,8 +101,11 @@ def pytest_collection_modifyitems(items):
         )
     )
     for item in items:
-        for name in OPTIONAL.keys() & set(item.fixturenames):
-            item.user_properties.append(("needs", OPTIONAL[name]))
+        needed = OPTIONAL.keys() & set(item.fixturenames)
+        item.user_properties += [("needs", OPTIONAL[name]) for name in needed]
+        name = function_of(item.nodeid)
+        if needed or name in NIGHTLY or name.partition("::")[0] in NIGHTLY:
+            item.add_marker("nightly")
 
 
 OPTIONAL = {"slurm": "in a real SLURM", "browser": "in a real browser"}

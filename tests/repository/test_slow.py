@@ -1,4 +1,5 @@
-"""Which tests are slow is on record: every entry of slow.txt is a test, and so are marked those that build or start."""
+"""Which tests are slow or nightly is on record: every entry of slow.txt and nightly.txt is there, and what builds or
+starts something is slow."""
 
 from __future__ import annotations
 
@@ -8,20 +9,37 @@ import pytest
 
 from folders import ROOT
 
-SLOW = (ROOT / "tests/slow.txt").read_text(encoding="utf-8").split()
+SLOW, NIGHTLY = (
+    (ROOT / f"tests/{name}.txt").read_text(encoding="utf-8").split() for name in ("slow", "nightly")
+)
 
 STARTING = {"built", "checkout", "small", "browser", "visit"}
 """Fixtures that build a case, or start Snakemake or a browser."""
 
 
-def test_what_is_listed_is_listed_once_in_order():
-    assert sorted({*SLOW}) == SLOW
+NEVER_NIGHTLY = (
+    "analytic/",
+    "unit/motion/",
+    "paper/test_claims.py",
+    "paper/test_broken_rebuild.py",
+    "repository/test_house.py",
+)
+"""What must hold of every change: claims, the broken rebuild, motion, analytic identities, the order of the house."""
 
 
-@pytest.mark.parametrize("file", sorted({name.partition("::")[0] for name in SLOW}))
-def test_every_slow_test_is_there(file):
+@pytest.mark.parametrize("listed", [SLOW, NIGHTLY], ids=["slow", "nightly"])
+def test_what_is_listed_is_listed_once_in_order(listed):
+    assert sorted({*listed}) == listed
+
+
+def test_what_must_always_hold_is_not_left_to_the_night():
+    assert [name for name in NIGHTLY if name.startswith(NEVER_NIGHTLY)] == []
+
+
+@pytest.mark.parametrize("file", sorted({name.partition("::")[0] for name in [*SLOW, *NIGHTLY]}))
+def test_every_test_that_is_listed_is_there(file):
     text = (ROOT / "tests" / file).read_text(encoding="utf-8")
-    listed = {name.partition("::")[2] for name in SLOW if name.startswith(f"{file}::")}
+    listed = {name.partition("::")[2] for name in [*SLOW, *NIGHTLY] if name.startswith(f"{file}::")}
     assert (
         listed - {n.name for n in ast.walk(ast.parse(text)) if isinstance(n, ast.FunctionDef)}
         == set()
