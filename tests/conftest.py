@@ -61,7 +61,7 @@ at the end of a long run. Files whose fixtures build or start something mark the
 
 
 NIGHTLY = (Path(__file__).parent / "nightly.txt").read_text(encoding="utf-8").split()
-"""Files and functions that take long and rarely break: `make night` runs them, and all that needs a browser or SLURM."""
+"""Tests that take long and rarely break: `make night` runs them, and all that needs a browser or SLURM."""
 
 
 def function_of(nodeid: str) -> str:
