@@ -24,8 +24,8 @@ TEXT = (ROOT / "paper/article/supplement/recipe.typ").read_text(encoding="utf-8"
 OTHERS = (  # not numbers of a step
     "recipe.from_table_1",
     "verdicts.table3.computed",
-    "choices.inputs",
-    "choices.from_exact",
+    "table_3.inputs",
+    "table_3.given_by_exact_X",
 )
 WORDS = ["no", "one", "two", "three", "four", "five", "six"]
 

@@ -26,7 +26,6 @@ NAMES_NONE = {
     "config: frame.set",
     *(f"config: beam.{key}" for key in ("set", "time", "channels[]", "unit")),
     "config: measured[].groups.*[]",
-    "config: measured[].at",
     *(f"study: {key}" for key in ("title", "shows", "summary_by[]", "route.law")),
     *(f"study: figure.{key}" for key in ("x", "y", "panels", "at.*")),
     *(f"study: facts.*.{key}" for key in ("along", "at.*")),

@@ -56,7 +56,7 @@ if config["published"]:
             **STUDY_DEFAULTS,
             case=of_case("oscillator", "frequencies_hz", "levels_m", "pairs", "phase", "numerics"),
             frequency=FREQUENCIES[0],
-            folder=RESULTS,
+            folder=lambda wildcards: RESULTS,
             studies=ARTICLE_STUDIES,
             packages=ARTICLE_PACKAGES,
         message:
@@ -105,7 +105,7 @@ if config["published"]:
             ENVIRONMENT
         params:
             folder=lambda wildcards: project_file("paper/article"),
-            results="results",
+            results=lambda wildcards: "results",
             inputs={
                 "results": RESULTS,
                 "studies": STUDY_RESULTS,

@@ -26,7 +26,7 @@ rule claims:
         ENVIRONMENT
     params:
         case=of_case("oscillator", "frequencies_hz", "levels_m", "numerics"),
-        folder=RESULTS,
+        folder=lambda wildcards: RESULTS,
         published=PUBLISHED,
     message:
         "Verdicts on the printed numbers"
@@ -51,7 +51,7 @@ rule misprints:
         ENVIRONMENT
     params:
         case=of_case("oscillator", "frequencies_hz", "levels_m", "numerics"),
-        folder=RESULTS,
+        folder=lambda wildcards: RESULTS,
         published=PUBLISHED,
     message:
         "Verdicts on the printed tables with other digits"

@@ -24,7 +24,7 @@ rule figures:
         ENVIRONMENT
     params:
         case=of_case("oscillator", "frequencies_hz", "levels_m"),
-        folder=RESULTS,
+        folder=lambda wildcards: RESULTS,
     message:
         "Figures of the paper, and the error of each approach"
     script:

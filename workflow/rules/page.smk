@@ -52,7 +52,7 @@ rule page:
         **STUDY_DEFAULTS,
         config=config,
         figures=list(PAGE_FIGURES),
-        folder=RESULTS,
+        folder=lambda wildcards: RESULTS,
         page=lambda wildcards: f"{RESULTS}/report.html",
     message:
         "The page of the case"

@@ -20,7 +20,7 @@ rule tables:
     conda:
         ENVIRONMENT
     params:
-        folder=RESULTS,
+        folder=lambda wildcards: RESULTS,
         case=of_case("oscillator", "frequencies_hz", "pairs"),
     message:
         "Tables"

@@ -65,5 +65,6 @@ def load(
 
 def correction_of(record: MeasuredRecord, quantity: str) -> Correction:
     """Gain, delay and filters of a channel as they are known: its own, or what the mapping states."""
-    own, rule = record.whole()[quantity].correction, record.rules.channels.get(quantity)
+    own = None if record.measurement is None else record.measurement[quantity].correction
+    rule = record.rules.channels.get(quantity)
     return own or (rule.correction if rule else None) or Correction()

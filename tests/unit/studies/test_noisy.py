@@ -47,9 +47,9 @@ def test_a_case_is_an_experiment_as_one_would_do_it(computed):
     assert table.loc[case, ["frequency_hz", "noise", "run"]].tolist() == [3.5, 0.001, 2]
     readings = [reading for _, reading in experiment(case)]
     # what `identify` makes of them; its replicates differ, as they are drawn from one generator
-    expected = identify_readings(readings, PAPER.k, phase="fundamental", replicates=400).estimates
+    expected = identify_readings(readings, PAPER.k, replicates=400).estimates
     found = table.loc[case]
-    for label in ("fourier__least_squares", DIRECT, X_S):
+    for label in ("fourier__least_squares", DIRECT):
         for name, (column, true) in TRUE.items():
             parameter = expected[label.partition("__")[0]].coefficients[name]
             # The same records, rows and solver: sin and cos of longer arrays may round otherwise, no more.
