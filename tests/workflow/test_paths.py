@@ -52,7 +52,15 @@ def make(folder, *arguments, **environment):
     return done, [call.split("\n") for call in text.split("\nend\n")[:-1]]
 
 
-PARALLEL = ["--numprocesses", "auto", "--dist", "loadscope", "--no-loadscope-reorder"]
+PARALLEL = [
+    "--numprocesses",
+    "auto",
+    "--dist",
+    "loadscope",
+    "--no-loadscope-reorder",
+    "-m",
+    "not nightly",
+]
 READ = ["-m", "dampbalance.project.documents", "config/config.yaml"]
 PROFILE = ["--workflow-profile", "workflow/profiles/default"]
 RUN = ["-m", "snakemake", *PROFILE, "--cores", "all"]
