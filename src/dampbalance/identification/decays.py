@@ -89,7 +89,7 @@ class DecayOutcome(Identified):
     kind: ClassVar[Mapping[str, str]] = {"kind": "ring-down"}
 
     def findings(self) -> dict[str, Any]:
-        """What each further coefficient would explain, the standard deviation of the friction forces, 0 where all
+        """List what each further coefficient would explain, the standard deviation of the friction forces, 0 where all
         decays share one, and the decays of each record."""
         decays = [(one.source, self._decay(i)) for i, one in enumerate(self.fit.decays)]
         return {

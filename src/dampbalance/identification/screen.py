@@ -76,7 +76,7 @@ def _in_noise(test: Probability | None) -> str:
 
 
 def implied(fit: OscillatorFit, given_mass: float | None = None) -> list[str]:
-    """What a fit implies about the rig: numbers that its owner can check.
+    """Say what a fit implies about the rig: numbers that its owner can check.
 
     given_mass : kg, to compare with the mass of the fit, unless that is the one.
     """

@@ -29,7 +29,7 @@ _GAIN_WRONG = 0.1
 _PHASE_WRONG = 0.5  # rad
 _PHASE_MATTERS = 2e-5  # rad
 _GAIN_MATTERS = 1e-4
-# Of the amplitude, over the record: from the first on it is reported and widens intervals, beyond the second it may be
+# A part of the amplitude, over the record: from the first on it is reported and widens intervals, beyond the second it may be
 # another motion at the end than at the start, and all numbers are doubtful.
 _DRIFT_MATTERS, _DRIFT_DOUBTFUL, _DRIFT_WRONG = 2e-5, 0.05, 0.1
 _DRIFT_CHANCE = 1e-6

@@ -198,7 +198,7 @@ def free_choices(case: Case) -> Json:
 
 
 def left_open(case: Case, exact: Mapping[str, pd.DataFrame], claims: pd.DataFrame) -> Json:
-    """What unprinted read-outs leave of the largest error that the paper states at its last frequency.
+    """Count what unprinted read-outs leave of the largest error that the paper states at its last frequency.
 
     draws, seed : of the Monte Carlo.   spreads : half widths of X, µm, and φ, rad, and the share of draws above the
     printed bound, %.   rounded : low and high, between which the largest error, %, of the inner inner_percent of the

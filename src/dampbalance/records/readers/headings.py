@@ -1,4 +1,4 @@
-"""What the heading and the unit of a channel say that it holds.
+"""Read from the heading and the unit of a channel what it holds.
 
 A heading is taken word by word: "Weg Tisch", "table displacement", "BaseDisp" and "base_displacement" are all the
 displacement of the base. Where it names a body and no quantity, "Base [g]", the unit says which quantity it is.
@@ -77,7 +77,7 @@ def unit_of(raw: RawChannel) -> str | None:
 
 
 def unusable(raw: RawChannel) -> str | None:
-    """What a channel is instead of a motion or a force, by its name or unit; None where they do not say."""
+    """Say what a channel is instead of a motion or a force, by its name or unit; None where they do not."""
     if set(words_of(raw.name)) & {*TEMPERATURE}:
         return "a temperature"
     other = find_other(raw.unit or "")
