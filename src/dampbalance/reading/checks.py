@@ -29,8 +29,8 @@ _GAIN_WRONG = 0.1
 _PHASE_WRONG = 0.5  # rad
 _PHASE_MATTERS = 2e-5  # rad
 _GAIN_MATTERS = 1e-4
-# A part of the amplitude, over the record: from the first on it is reported and widens intervals, beyond the second it may be
-# another motion at the end than at the start, and all numbers are doubtful.
+# Parts of the amplitude, over the record: from the first on it is reported and widens intervals, beyond the second it
+# may be another motion at the end than at the start, and all numbers are doubtful.
 _DRIFT_MATTERS, _DRIFT_DOUBTFUL, _DRIFT_WRONG = 2e-5, 0.05, 0.1
 _DRIFT_CHANCE = 1e-6
 # Two clocks that nothing ties together hardly agree better than that; harmonics that fold back turn by less.

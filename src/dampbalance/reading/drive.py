@@ -18,7 +18,8 @@ _ENOUGH = 8  # cycles of these; from fewer the spectrum may take one number of c
 _COARSER = 4  # times: samples that are averaged where the cycles are too few
 _STRETCH = 1 << 16  # samples that show whether a drive moves
 _STRETCHES = 16  # of a record that are looked at
-# A part of the largest deviation: a drive that is this near to rest for 95 % of the time strikes. A steady one is for 3 %.
+# A part of the largest deviation: a drive that is this near to rest for 95 % of the time strikes; a steady one is for
+# 3 %.
 _AT_REST = 0.05
 # Amplitude before the onset over that after it; a line through one cycle of a sine leaves 39 % of it.
 _STILL = 0.25

@@ -98,7 +98,7 @@ def find_unit(text: str) -> Unit | None:
 
 
 def find_other(text: str) -> str | None:
-    """Name what is measured in a unit that a text spells, if that is no motion, force or time: "a temperature"; or None.
+    """Name what is measured in a unit, if that is no motion, force or time: "a temperature"; or None.
 
     Upper and lower case count here: Nm is a torque, nm a length.
     """
