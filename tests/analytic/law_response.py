@@ -373,5 +373,5 @@ def _closure(eq: Equation, s: Array) -> tuple[Array, Array]:
 
 
 def _weights(o: Oscillator) -> Array:
-    """What makes the norm of a state (x, ẋ, z) the root of twice its energy."""
+    """Return the factors that make the norm of a state (x, ẋ, z) the root of twice its energy."""
     return np.sqrt([o.k, o.m, o.K_z])

@@ -55,7 +55,7 @@ SURVIVORS = {
     ("table2.c.4-5", -1): (PRINT_GIVES, FROM_PRINT),
     ("table2.F_k.4-5", -1): (INSIDE, PROPAGATED),
 }
-"""What the route of the column may miss by ten units, up or down, without being `differs`: why, and the verdict."""
+"""Numbers that their route may miss by ten units, up or down, without being `differs`: why, and the verdict."""
 
 
 def shown_only(mutant):

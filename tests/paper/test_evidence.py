@@ -1,4 +1,4 @@
-"""What the agreement proves: counts by hand from the verdicts, the recipe's choices, and inputs moved by other code."""
+"""Test what agreement proves: counts by hand from the verdicts, the recipe's choices, inputs moved by other code."""
 
 from __future__ import annotations
 

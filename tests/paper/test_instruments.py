@@ -33,7 +33,7 @@ IN_BROWSER = ("omega", "Y", "X", "X_s", "t_s", "V_s", "a", "b", "W", "X_1", "X_3
 
 
 def in_node(program, given):
-    """What a program prints that finds kit.js as `kit` and its data, JSON, as `given`; NaN is null there."""
+    """Return what a program prints that finds kit.js as `kit` and its data, JSON, as `given`; NaN is null there."""
     script = (
         f"globalThis.kit = require({json.dumps(str(STATIC / 'kit.js'))});"
         "const given = JSON.parse(require('fs').readFileSync(0), (_, v) => v === null ? NaN : v);"

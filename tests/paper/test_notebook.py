@@ -262,7 +262,7 @@ def test_one_core_shows_the_same_bytes(tour):
 
 
 def pictures(executed):
-    """What the cells that show a picture say of it."""
+    """Return what the cells that show a picture say of it."""
     return [
         cell.metadata.get("alt")
         for cell in executed.cells

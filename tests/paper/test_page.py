@@ -348,7 +348,7 @@ def test_every_figure_is_named_and_described_and_shown_as_drawn(tree, made):
 
 
 def paths(svg):
-    """What a picture draws, element by element, in whatever lines."""
+    """List what a picture draws, element by element, in whatever lines."""
     drawn = (e for e in ElementTree.fromstring(svg).iter() if e.tag.endswith(("}path", "}use")))
     return [{key: " ".join(value.split()) for key, value in e.attrib.items()} for e in drawn]
 

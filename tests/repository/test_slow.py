@@ -24,7 +24,7 @@ NEVER_NIGHTLY = (
     "paper/test_broken_rebuild.py",
     "repository/test_house.py",
 )
-"""What must hold of every change: claims, the broken rebuild, motion, analytic identities, the order of the house."""
+"""These must hold of every change: claims, the broken rebuild, motion, analytic identities, the order of the house."""
 
 
 @pytest.mark.parametrize("listed", [SLOW, NIGHTLY], ids=["slow", "nightly"])

@@ -132,7 +132,7 @@ def _errors(features: Features, case: Case) -> Iterator[dict[str, object]]:
 def cause_shifts(
     approaches: pd.DataFrame, frequencies: Iterable[str]
 ) -> dict[str, dict[str, float]]:
-    """What each cause of failure does to F_k by X_s and least squares at each frequency, in percentage points.
+    """Tabulate what each cause of failure does to F_k by X_s and least squares at each frequency, in percentage points.
 
     peak : the error, %, with the phase of the fundamental of each level: X stands for X_1, and nothing else is wrong.
     which : the shift from there by the phase of the reversal, of each level.   shared : by one phase for all levels, of
