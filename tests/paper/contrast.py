@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from dampbalance.publishing import colours
-from dampbalance.replication import claim_verdicts
+from dampbalance.replication.claims import verdicts
 
-VERDICTS = tuple(verdict.css for verdict in claim_verdicts.VERDICTS.values())
+VERDICTS = tuple(verdict.css for verdict in verdicts.VERDICTS.values())
 SERIES = tuple(colours.series())
 
 TEXT_ON = [

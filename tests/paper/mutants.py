@@ -8,10 +8,10 @@ from dataclasses import replace
 from functools import cache
 from typing import NamedTuple
 
-from dampbalance.replication.claim_verdicts import VERDICTS
 from dampbalance.replication.claims.changed_digits import judged
 from dampbalance.replication.claims.judging import Claim, verdict
 from dampbalance.replication.claims.rules import claims
+from dampbalance.replication.claims.verdicts import VERDICTS
 from paper.routes import PRINT, sources_of
 
 

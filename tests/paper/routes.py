@@ -16,11 +16,11 @@ from dampbalance.model import Oscillator
 from dampbalance.motion.orbit import steady_orbit
 from dampbalance.project.case import Case
 from dampbalance.replication import as_published as authors
-from dampbalance.replication.claim_verdicts import ROUTE_NAMES
 from dampbalance.replication.claims.judging import Claim
 from dampbalance.replication.claims.published import Published, Row, read_published
 from dampbalance.replication.claims.rules import Sources
 from dampbalance.replication.claims.table import claims_table
+from dampbalance.replication.claims.verdicts import ROUTE_NAMES
 from dampbalance.replication.comparison import approaches_table
 from dampbalance.replication.printed_tables import RouteTables
 from dampbalance.studies import case_files, evaluate

@@ -17,7 +17,7 @@ from dampbalance.model import BaseMotion
 from dampbalance.motion.fixed_step import simulate
 from dampbalance.motion.orbit import steady_orbit
 from dampbalance.reading.clean import of_record
-from dampbalance.replication.as_published import ReadOut
+from dampbalance.reading.read_out import ReadOut
 from dampbalance.solver import pair
 from paper.routes import PRINT, with_digits_of
 from paper_case import LEVELS, OMEGA, PAIRS, PAPER

@@ -11,16 +11,16 @@ from dataclasses import replace
 
 import pytest
 
-from dampbalance.replication.claim_verdicts import (
+from dampbalance.replication.claims.judging import LEASH
+from dampbalance.replication.claims.rules import Sources
+from dampbalance.replication.claims.table import claims_table
+from dampbalance.replication.claims.verdicts import (
     DIFFERS,
     FROM_PRINT,
     PROPAGATED,
     ROUTE_NAMES,
     UNEXPLAINED,
 )
-from dampbalance.replication.claims.judging import LEASH
-from dampbalance.replication.claims.rules import Sources
-from dampbalance.replication.claims.table import claims_table
 from dampbalance.replication.printed_tables import RouteTables
 from paper.mutants import of_rebuild
 from paper.routes import CASE, PRINT, as_published, exact, unrounded

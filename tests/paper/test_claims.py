@@ -12,11 +12,6 @@ import pytest
 from dampbalance import balance
 from dampbalance.project.files import write_csv
 from dampbalance.replication import as_published as authors
-from dampbalance.replication.claim_verdicts import (
-    HOLDING,
-    ROUTE_NAMES,
-    VERDICTS,
-)
 from dampbalance.replication.claims.published import Printed, read_texts
 from dampbalance.replication.claims.rules import Sources
 from dampbalance.replication.claims.table import (
@@ -26,6 +21,11 @@ from dampbalance.replication.claims.table import (
     claims_table,
     read_record,
     summary,
+)
+from dampbalance.replication.claims.verdicts import (
+    HOLDING,
+    ROUTE_NAMES,
+    VERDICTS,
 )
 from dampbalance.replication.printed_tables import HARMONIC, RouteTables
 from folders import PUBLISHED

@@ -12,7 +12,6 @@ import pytest
 from dampbalance.project.case import Case
 from dampbalance.publishing.page.instruments import of_run
 from dampbalance.replication.as_published import scheme_table
-from dampbalance.replication.claim_verdicts import VERDICTS
 from dampbalance.replication.claims.changed_digits import (
     cells,
     judged,
@@ -20,6 +19,7 @@ from dampbalance.replication.claims.changed_digits import (
     verdicts,
 )
 from dampbalance.replication.claims.judging import explanation, verdict
+from dampbalance.replication.claims.verdicts import VERDICTS
 from folders import ROOT
 from paper.page_case import CHANGED
 from paper.routes import CASE, PRINT, sources_of

@@ -10,7 +10,7 @@ from __future__ import annotations
 import pandas as pd
 import pytest
 
-from dampbalance.replication.claim_verdicts import part_of
+from dampbalance.replication.claims.verdicts import part_of
 from paper.mutants import of_print, originals
 
 pytestmark = pytest.mark.slow

@@ -22,7 +22,7 @@ from dampbalance.publishing import colours, match, words
 from dampbalance.publishing.match import match_picture
 from dampbalance.publishing.page.report import LARGEST_PAGE, ORIGINS
 from dampbalance.replication import comparison
-from dampbalance.replication.claim_verdicts import KINDS, VERDICTS, counts
+from dampbalance.replication.claims.verdicts import KINDS, VERDICTS, counts
 from dampbalance.replication.printed_tables import claim_of
 from paper.contrast import GRAPHICS_ON, TEXT_ON, contrast
 from paper.html import Tree

@@ -12,7 +12,7 @@ import pypdf
 import pytest
 
 from dampbalance.publishing import colours
-from dampbalance.replication.claim_verdicts import KINDS
+from dampbalance.replication.claims.verdicts import KINDS
 from paper import axe
 from paper.chromium import CHROMIUM, REASON
 

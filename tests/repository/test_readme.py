@@ -13,10 +13,10 @@ from dampbalance.balance import APPROACHES, unregister
 from dampbalance.estimates import estimate_table
 from dampbalance.figures import figure3, save
 from dampbalance.law.terms import KNOWN_TERMS
-from dampbalance.replication.claim_verdicts import VERDICTS, counts
 from dampbalance.replication.claims import evidence, unprinted
 from dampbalance.replication.claims.rules import Sources
 from dampbalance.replication.claims.table import claims_table
+from dampbalance.replication.claims.verdicts import VERDICTS, counts
 from dampbalance.replication.printed_tables import RouteTables
 from folders import ROOT
 from paper.routes import CASE, PRINT, exact, judged, unrounded

@@ -22,8 +22,8 @@ from dampbalance.motion.orbit import steady_orbit
 from dampbalance.motion.orbits import steady_orbits
 from dampbalance.motion.sampled import _first_reversal, integral
 from dampbalance.reading.clean import of_record
+from dampbalance.reading.read_out import ReadOut
 from dampbalance.record import Record
-from dampbalance.replication.as_published import ReadOut
 from paper_case import FREQUENCIES_HZ, LEVELS, OMEGA, PAPER
 
 

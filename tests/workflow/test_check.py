@@ -7,7 +7,7 @@ import re
 import pytest
 import yaml
 
-from dampbalance.replication.claim_verdicts import VERDICTS
+from dampbalance.replication.claims.verdicts import VERDICTS
 from folders import restored
 
 pytestmark = pytest.mark.slow

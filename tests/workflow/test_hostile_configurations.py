@@ -18,10 +18,11 @@ import pytest
 import yaml
 
 from dampbalance.balance import checks
+from dampbalance.motion.orbit import RANGES
 from dampbalance.project.case import Case, check
 from dampbalance.project.documents import ConfigurationError
 from dampbalance.project.files import read_csv
-from dampbalance.replication.feasibility import RANGES, check_feasible
+from dampbalance.replication.feasibility import check_feasible
 from folders import ROOT
 from workflow.jobs import case_jobs
 

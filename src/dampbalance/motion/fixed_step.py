@@ -44,6 +44,9 @@ x leaves the reversal as t², so the last of N steps stretches the spring by up 
 samples the force overshoots F_k by up to a fifth, for one step, and t_s is read to 5 %.
 """
 
+MOST_STEPS = 100_000_000
+"""Steps of all levels at one frequency, seconds of computing; the paper's case has 7 million at its lowest one."""
+
 _MOST_SAMPLES = 5e7
 
 

@@ -27,6 +27,17 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.axes import Axes
 
+RANGES = {
+    "zeta": (1e-5, 50.0),
+    "omega_over_omega_n": (1e-2, 1e2),
+    "K_z_over_k": (1e-4, 1e8),
+    "F_k_over_kY": (1e-6, 1e6),
+}
+"""Where the exact solution is known to hold: the energy balance of 1,400 orbits drawn from here closes to 1e-6."""
+
+MOST_EVENTS = 2e4
+"""Highest natural frequency on the contact over that of the drive: a stiff contact chatters, event by event."""
+
 FEATURES = ("X", "X_s", "V_s", "t_s", "phi", "phi_zero_crossing", "a", "b", "W")
 SHOWN_FIRST = ("X", "phi", "W")
 _SIGNS = {"v": r"\dot x", "acceleration": r"\ddot x"}

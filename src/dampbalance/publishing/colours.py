@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import Literal
 
 from ..figures.looks import LOOKS, SPARE
-from ..replication.claim_verdicts import VERDICTS
+from ..replication.claims.verdicts import VERDICTS
 
 Mode = Literal["light", "dark"]
 

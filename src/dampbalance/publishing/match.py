@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Sequence
 from xml.sax.saxutils import escape
 
-from ..replication.claim_verdicts import VERDICTS, Count
+from ..replication.claims.verdicts import VERDICTS, Count
 from .colours import css_variables, variable
 
 # px: the picture, room for the parts' names, room for their totals
@@ -22,7 +22,7 @@ LEGEND_COLUMNS, LEGEND_STEP = 4, 28  # entries in a row; px from row to row
 def match_picture(counts: Sequence[Count]) -> str:
     """The picture as SVG with text that can be read aloud, light or dark as the reader has it; same bytes each time.
 
-    counts : `replication.claim_verdicts.counts`, the last one of all parts.
+    counts : `replication.claims.verdicts.counts`, the last one of all parts.
     """
     shown = [count for count in counts if count.computed]
     legend = TOP + STEP * len(shown) + BELOW

@@ -6,16 +6,13 @@ import math
 from collections.abc import Iterable, Iterator
 
 from ..model import BaseMotion, Oscillator
-from ..motion.fixed_step import MIN_STICK_SAMPLES, largest_growth
+from ..motion.fixed_step import MIN_STICK_SAMPLES, MOST_STEPS, largest_growth
 from ..motion.jit import interpreted
-from ..motion.orbit import NoSteadyOrbit, Orbit, steady_orbit
+from ..motion.orbit import MOST_EVENTS, RANGES, NoSteadyOrbit, Orbit, steady_orbit
 from ..project.case import Case
 from ..project.documents import Problem, Source, refuse
 from ..reading.clean import CYCLES_TO_READ
 from .as_published import coefficients
-
-MOST_STEPS = 100_000_000
-"""Steps of all levels at one frequency, seconds of computing; the paper's case has 7 million at its lowest one."""
 
 MOST_SAMPLES = 5_000_000
 """Samples kept of all levels at one frequency, 0.5 GB of memory; the paper's case has 0.9 million at its lowest."""
@@ -25,17 +22,6 @@ FEWEST_PER_CYCLE = 100
 
 MOST_GROWTH = 10.0
 """By how much a scheme may let an oscillation grow that the equations let decay."""
-
-RANGES = {
-    "zeta": (1e-5, 50.0),
-    "omega_over_omega_n": (1e-2, 1e2),
-    "K_z_over_k": (1e-4, 1e8),
-    "F_k_over_kY": (1e-6, 1e6),
-}
-"""Where the exact solution is known to hold: the energy balance of 1,400 orbits drawn from here closes to 1e-6."""
-
-MOST_EVENTS = 2e4
-"""Highest natural frequency on the contact over that of the drive: a stiff contact chatters, event by event."""
 
 _BALANCE = 1e-6  # of the energy put in: what an orbit may miss by rounding
 

@@ -20,7 +20,7 @@ import pandas as pd
 from ..balance import TERMS
 from ..estimates import estimate_columns
 from ..project.wording import headed, markdown_table
-from .claim_verdicts import STATISTICS, VERDICTS, of_cell, of_text, statistic
+from .claims.verdicts import STATISTICS, VERDICTS, of_cell, of_text, statistic
 
 PRINTED_APPROACHES = ("direct", "t_s", "X_s", "V_s")
 """The approaches that the paper prints estimates of, in the order of Tables 2 and 3."""

@@ -19,6 +19,8 @@ import numpy as np
 
 from ..balance import APPROACHES
 from ..law.law import Law
+from ..motion.fixed_step import MOST_STEPS
+from ..motion.orbit import MOST_EVENTS, RANGES
 from ..project.documents import (
     ConfigurationError,
     Key,
@@ -29,7 +31,6 @@ from ..project.documents import (
     read_yaml,
 )
 from ..project.wording import listed, shortened
-from ..replication.feasibility import MOST_EVENTS, MOST_STEPS, RANGES
 from .cases import PART, columns_of
 from .parameters import MECHANICAL, OF_LAW, PARAMETERS, in_si, objection, synonyms
 from .settings import (

@@ -8,7 +8,6 @@ import math
 import numpy as np
 import pytest
 
-from dampbalance.replication.claim_verdicts import PROPAGATED, READING, UNEXPLAINED
 from dampbalance.replication.claims.judging import (
     PHASE_UNIT_S,
     VELOCITY_MARK,
@@ -22,6 +21,7 @@ from dampbalance.replication.claims.judging import (
 )
 from dampbalance.replication.claims.published import Printed, Row
 from dampbalance.replication.claims.rules import bound_holds, word_holds
+from dampbalance.replication.claims.verdicts import PROPAGATED, READING, UNEXPLAINED
 from paper.routes import CASE, PRINT, claim
 
 NEAR = Tolerance(1.26, 1.30, "read so", READING)

@@ -8,7 +8,9 @@ import random
 import pandas as pd
 import pytest
 
-from dampbalance.replication.claim_verdicts import (
+from dampbalance.replication.claims.published import Printed, read_published
+from dampbalance.replication.claims.rules import RULES, check_printed
+from dampbalance.replication.claims.verdicts import (
     VERDICTS,
     counts,
     of_cell,
@@ -16,8 +18,6 @@ from dampbalance.replication.claim_verdicts import (
     part_of,
     statistic,
 )
-from dampbalance.replication.claims.published import Printed, read_published
-from dampbalance.replication.claims.rules import RULES, check_printed
 from folders import PUBLISHED
 
 TEXT = (PUBLISHED / "printed.csv").read_text(encoding="utf-8")

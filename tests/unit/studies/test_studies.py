@@ -20,7 +20,7 @@ from dampbalance.motion.fixed_step import simulate
 from dampbalance.project.documents import ConfigurationError
 from dampbalance.project.wording import percent
 from dampbalance.reading.clean import of_record
-from dampbalance.replication.as_published import ReadOut
+from dampbalance.reading.read_out import ReadOut
 from dampbalance.solver import least_squares, pair
 from dampbalance.studies import case_files, cases, checking, evaluate
 from dampbalance.studies.parameters import MECHANICAL, PARAMETERS, in_si

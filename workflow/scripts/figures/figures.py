@@ -13,7 +13,7 @@ from dampbalance.project.case import Case
 from dampbalance.project.files import read_csv, read_routes, write_text
 from dampbalance.project.troubles import brief_troubles
 from dampbalance.publishing.match import match_picture
-from dampbalance.replication.claim_verdicts import counts
+from dampbalance.replication.claims.verdicts import counts
 
 if __name__ == "__main__":
     brief_troubles(snakemake.log)

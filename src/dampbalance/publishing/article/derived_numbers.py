@@ -21,17 +21,17 @@ from ...model import Oscillator
 from ...project.case import Case
 from ...project.files import plain
 from ...reading.clean import CYCLES_TO_READ
+from ...reading.read_out import ReadOut
 from ...replication import comparison
 from ...replication.as_published import (
-    ReadOut,
     added_damping,
     coefficients,
     damping_by_hand,
     effective_damping,
 )
-from ...replication.claim_verdicts import VERDICTS, counts, of_cell, of_text
 from ...replication.claims import evidence as proof
 from ...replication.claims import unprinted
+from ...replication.claims.verdicts import VERDICTS, counts, of_cell, of_text
 from ...replication.printed_tables import TABLE_2, RouteTables
 from ...solver import Pair
 

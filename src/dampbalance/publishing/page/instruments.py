@@ -13,7 +13,7 @@ from ...motion.fixed_step import SCHEMES
 from ...project.case import Case
 from ...project.wording import plain
 from ...replication.as_published import coefficients
-from ...replication.claim_verdicts import PARTS, VERDICTS, of_cell
+from ...replication.claims.verdicts import PARTS, VERDICTS, of_cell
 from ...replication.comparison import RECIPES, WAYS
 from ...replication.printed_tables import TABLE_2, UNKNOWNS
 from ..colours import variable

@@ -30,7 +30,7 @@ from ...project import wording
 from ...project.case import Case
 from ...project.documents import read_yaml
 from ...project.wording import minus, number, percent, signed_percent, unit_of
-from ...replication import claim_verdicts as judged
+from ...replication.claims import verdicts as judged
 from ...replication.comparison import WAY, mends, off_resonance
 from ...replication.printed_tables import SHOWN_ROUTES, TITLES, blocks, claim_of
 from ...studies.settings import Study

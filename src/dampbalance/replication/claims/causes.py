@@ -17,13 +17,14 @@ from ...arrays import Array
 from ...balance import Rows
 from ...features import Features
 from ...project.case import Case
+from ...reading.read_out import ReadOut
 from ...solver import least_squares
-from ..as_published import ReadOut, effective_damping, estimates
-from ..claim_verdicts import of_cell
+from ..as_published import effective_damping, estimates
 from ..printed_tables import COLUMN_OF, TABLE_2, RouteTables
 from .cross_checks import agrees
 from .judging import TIME_UNIT_S, VELOCITY_MARK, Range, shown
 from .published import PAIR_LABELS, PAIRS, Printed, Published, Row
+from .verdicts import of_cell
 
 
 def backward_euler(case: Case, values: Mapping[str, float]) -> str:

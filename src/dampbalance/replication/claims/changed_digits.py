@@ -12,10 +12,10 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from typing import Any, NamedTuple
 
-from ..claim_verdicts import VERDICTS, part_of
 from .judging import Claim, explanation, verdict
 from .published import Printed
 from .rules import Sources, claims
+from .verdicts import VERDICTS, part_of
 
 _JUDGED = {
     "table1": ("table1", "table3", "text"),

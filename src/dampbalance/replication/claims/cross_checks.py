@@ -33,10 +33,10 @@ from ...features import Features, of_numbers
 from ...project.case import Case
 from ...solver import solve
 from ..as_published import APPROACHES_OF_TABLE_3, CORRECTED
-from ..claim_verdicts import of_text, statistic
 from ..printed_tables import HARMONIC, RESIDUAL, TABLE_1, TABLE_2, UNKNOWNS
 from .judging import Range
 from .published import PAIRS, Printed, Published, column_ids, printed_features
+from .verdicts import of_text, statistic
 
 if TYPE_CHECKING:
     from scipy.optimize import OptimizeResult

@@ -14,12 +14,13 @@ import pandas as pd
 
 from ...features import Features
 from ...project.case import Case
-from ..as_published import CORRECTED, ReadOut, estimates
-from ..claim_verdicts import HOLDING, REPRODUCED, ROUTE_NAMES
+from ...reading.read_out import ReadOut
+from ..as_published import CORRECTED, estimates
 from ..printed_tables import COLUMN_OF, RouteTables
 from .judging import HALF
 from .published import PAIRS, Printed
 from .table import SEPARATOR
+from .verdicts import HOLDING, REPRODUCED, ROUTE_NAMES
 
 CLOSE_UNITS = 5.0
 """Units of the last digit within which a number agrees in all digits but the last: ten last digits lie that close."""

@@ -1,4 +1,4 @@
-"""From a printed number and what the routes give for it to the best verdict of `claim_verdicts.VERDICTS` that it earns.
+"""From a printed number and what the routes give for it to the best verdict of `verdicts.VERDICTS` that it earns.
 
 The rule is the same for every number: the best verdict that holds. A route gives the printed digits when it lies
 within half a unit of the last of them, whether or not the column came about by this route; how many may do so by chance
@@ -32,7 +32,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from ...project.case import Case
-from ..claim_verdicts import (
+from .published import Printed, Row
+from .verdicts import (
     DIFFERS,
     LAST_DIGIT,
     PROPAGATED,
@@ -44,7 +45,6 @@ from ..claim_verdicts import (
     VERDICT_BY,
     ClaimVerdict,
 )
-from .published import Printed, Row
 
 Range = tuple[float, float]
 

@@ -25,7 +25,6 @@ from ...estimates import estimate_table
 from ...features import COLUMNS, Features, of_numbers
 from ...project.case import Case
 from ...solver import Pair, pair_label
-from ..claim_verdicts import of_cell, of_text
 from ..printed_tables import (
     HARMONIC,
     PRINTED_APPROACHES,
@@ -34,6 +33,7 @@ from ..printed_tables import (
     UNKNOWNS,
     RouteTables,
 )
+from .verdicts import of_cell, of_text
 
 LONGEST = 25
 """Characters of a number at most."""

@@ -24,14 +24,15 @@ from ...features import Features
 from ...project.case import Case
 from ...project.files import ROUTES, read_csv, read_routes
 from ...project.wording import cut
+from ...reading.read_out import ReadOut
 from .. import printed_tables as paper
-from ..as_published import CORRECTED, SLIPPING_SAMPLE, ReadOut
-from ..claim_verdicts import ROUTE_NAMES, Kind, of_text, statistic
+from ..as_published import CORRECTED, SLIPPING_SAMPLE
 from ..comparison import largest_errors, relative_errors
 from ..printed_tables import COLUMN_OF, HARMONIC, PRINTED_APPROACHES, RESIDUAL, RouteTables
 from . import causes, cross_checks, judging, published, unprinted
 from .judging import Claim
 from .published import FILE, FREQUENCIES, LEVELS, LONGEST, PAIRS, Published, Row, column_ids
+from .verdicts import ROUTE_NAMES, Kind, of_text, statistic
 
 
 def require_paper(case: Case) -> None:

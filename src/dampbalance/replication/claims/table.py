@@ -8,10 +8,10 @@ from pathlib import Path
 import pandas as pd
 
 from ...project.wording import in_markdown, markdown_table
-from ..claim_verdicts import HOLDING, KINDS, PARTS, ROUTE_NAMES, VERDICTS, counts, part_of
 from .judging import explanation, verdict
 from .published import read_texts
 from .rules import Sources, check_printed, claims, require_paper
+from .verdicts import HOLDING, KINDS, PARTS, ROUTE_NAMES, VERDICTS, counts, part_of
 
 COLUMNS = (
     *("id", "where", "quantity", "unit", "printed", *ROUTE_NAMES),
