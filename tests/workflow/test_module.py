@@ -90,11 +90,8 @@ def test_the_manifest_names_files_as_the_project_does(made, built):
     assert here["sources"] == there["sources"]
 
 
-def test_nothing_is_made_twice(made):
+def test_nothing_is_made_twice_and_the_rule_of_the_other_workflow_stays_its_default(made):
     assert made.jobs("mine", "tables", "manifest") == {}
-
-
-def test_the_rule_of_the_other_workflow_stays_its_default(made):
     assert made.jobs() == {}
     assert made.jobs("--force") == {"mine": 1, "total": 1}
 

@@ -43,7 +43,11 @@ _PARAMETER_TYPES = {bool: "Boolean", int: "Integer", float: "Number", str: "Text
 
 # Everything else is text.
 _FILE_TYPES = MimeTypes()
-_FILE_TYPES.add_type("application/vnd.apache.parquet", ".parquet")
+for _suffix, _type in {
+    **{".md": "text/markdown", ".ipynb": "application/x-ipynb+json"},
+    **{".parquet": "application/vnd.apache.parquet", ".yaml": "application/yaml"},
+}.items():  # what Python does not know
+    _FILE_TYPES.add_type(_type, _suffix)
 
 
 def crate(
