@@ -21,9 +21,6 @@ import pandas as pd
 
 from dampbalance.project.files import sha256
 
-CRATE = "ro-crate-metadata.json"
-"""Describes the run, like `run` in the manifest of a case: Python, packages, machine, commit."""
-
 DIGESTED = ("features/exact/*.csv", "estimates/exact/*.csv", "tables/approaches.csv", "tables/*.md")
 """Tables that no processor that was tried changes: those of the exact responses, and those with the paper's digits. Of
 the read-outs of simulations the last digits change, and what follows from them."""
@@ -56,9 +53,7 @@ def furthest(first: Path, second: Path) -> tuple[float, str]:
 
 
 def of_the_run(first: Path, second: Path) -> bool:
-    """Whether two files that differ may: crates, and manifests of a case with the same reproducible part."""
-    if first.name == CRATE:
-        return True
+    """Whether two files that differ may: manifests of a case with the same reproducible part."""
     if first.name != "manifest.json":
         return False
     parts = [json.loads(path.read_text(encoding="utf-8")) for path in (first, second)]

@@ -6,15 +6,11 @@ import json
 import re
 import shutil
 import sys
-from email.message import Message
-from importlib import metadata
 
 import jsonschema
 import pytest
 import yaml
-from packaging.licenses import canonicalize_license_expression
 
-from dampbalance.publishing.provenance.manifest import UNKNOWN, stated_licence
 from folders import ROOT
 from processes import run
 
@@ -85,39 +81,6 @@ def test_every_file_has_a_licence_by_the_rules_of_reuse():
 def test_the_text_of_the_licence_is_that_of_the_project():
     text = (ROOT / "LICENSES/BSD-3-Clause.txt").read_text(encoding="utf-8")
     assert text == (ROOT / "LICENSE").read_text(encoding="utf-8")
-
-
-@pytest.mark.parametrize(
-    ("lines", "expected"),
-    [
-        ({"License-Expression": "MIT AND PSF-2.0", "License": "see the files"}, "MIT AND PSF-2.0"),
-        ({"License": "bsd-3-clause"}, "BSD-3-Clause"),
-        ({"License": "Apache 2.0"}, "Apache-2.0"),
-        ({"License": "Copyright (c) 2015\n\nall of it"}, "unknown (Copyright (c) 2015)"),
-        ({"Classifier": "License :: OSI Approved :: MIT License"}, "MIT"),
-        ({"Classifier": "License :: OSI Approved :: BSD License"}, "unknown (BSD License)"),
-        ({"Classifier": "Topic :: Software Development"}, "unknown"),
-    ],
-)
-def test_the_licence_of_a_package_is_what_its_metadata_say_and_no_guess(lines, expected):
-    stated = Message()
-    for key, value in lines.items():
-        stated[key] = value
-    assert stated_licence(stated) == expected
-
-
-def test_two_licences_in_classifiers_are_not_taken_for_one():
-    stated = Message()
-    for words in ("MIT License", "ISC License (ISCL)"):
-        stated["Classifier"] = f"License :: OSI Approved :: {words}"
-    assert stated_licence(stated) == "unknown (MIT License; ISC License (ISCL))"
-
-
-def test_licences_of_installed_packages_are_expressions_or_said_to_be_unknown():
-    assert stated_licence(metadata.metadata("dampbalance")) == "BSD-3-Clause"
-    for package in ("numpy", "pandas", "scipy", "matplotlib"):
-        found = stated_licence(metadata.metadata(package))
-        assert found.startswith(UNKNOWN) or canonicalize_license_expression(found) == found
 
 
 # --- the workflow catalogue ----------------------------------------------------------------------

@@ -36,35 +36,3 @@ def test_an_identification_loads_what_it_uses(arguments, needed, tmp_path):
     given = ["identify", *records, "--stiffness", "2310", "--output", str(tmp_path), *arguments]
     program = f"from dampbalance.commands.main import main\nmain({given})"
     assert loaded(program) == {"numpy", "scipy"} | needed
-
-
-# Importing a script imports what it needs; it computes when Snakemake runs it. Those that lack the same share a
-# process: what none of them has loaded in the end, no one of them loads.
-@pytest.mark.parametrize(
-    ("scripts", "unneeded"),
-    [
-        (
-            (
-                *("features/features_exact", "features/features_as_published", "claims/check"),
-                *("tables/tables", "studies/study_cases", "studies/study_chunk"),
-            ),
-            {"matplotlib", "numba", "scipy"},
-        ),
-        (
-            ("estimates/estimate_exact", "simulate/simulate_exact"),
-            {"matplotlib", "numba", "scipy", "pandas"},
-        ),
-        (("figures/figures",), {"numba", "pandas", "scipy"}),
-        (("studies/study_summary", "page/page"), {"matplotlib", "numba"}),
-        (("studies/study_figure",), {"numba"}),
-        (("article/article", "provenance/manifest"), HEAVY),
-    ],
-)
-def test_a_script_loads_what_it_uses(scripts, unneeded):
-    program = (
-        "import runpy, sys\n"
-        f"for script in {scripts}:\n"
-        "    runpy.run_path(f'workflow/scripts/{script}.py', run_name='imported')\n"
-        f"    assert not {unneeded} & sys.modules.keys(), script"
-    )
-    assert not loaded(program) & unneeded

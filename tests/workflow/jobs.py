@@ -33,13 +33,13 @@ def run(script: str, **given: Any) -> None:
         sys.excepthook = hook
 
 
-def case_jobs(config: Mapping[str, Any], folder: Path, shown: bool = False) -> None:
+def case_jobs(config: Mapping[str, Any], folder: Path) -> None:
     """What a case without printed numbers has: orbits, records, features, estimates, tables.
 
-    config : a whole configuration that `check` and `check_feasible` have passed.   shown : figures and page as well.
+    config : a whole configuration that `check` and `check_feasible` have passed.
     """
     frequencies = list(Case.from_config(config).frequencies_hz)
-    given = {"params": {"case": config, "folder": str(folder), "config": config}}
+    given = {"params": {"case": config, "folder": str(folder)}}
 
     def files(pattern: str) -> list[Path]:
         return [folder / pattern.format(frequency) for frequency in frequencies]
@@ -59,14 +59,3 @@ def case_jobs(config: Mapping[str, Any], folder: Path, shown: bool = False) -> N
         output = {"estimates": files(f"estimates/{route}/{{}}.csv")}
         run(f"estimates/estimate_{route}.py", input=features, output=output, **given)
     run("tables/tables.py", **given)
-    if shown:
-        names = ("figure1", "figure2", "figure3", "estimation_error")
-        drawn = {
-            f"{n}_{kind}": folder / f"figures/{n}.{kind}" for n in names for kind in ("svg", "png")
-        }
-        run("figures/figures.py", input={"orbits": orbits[0]}, output=drawn, **given)
-        names = ("figure3", "estimation_error")
-        parts = {"figures": [drawn[f"{name}_svg"] for name in names]}
-        parts |= {"study_files": [], "study_figures": []}
-        given["params"] |= {"page": f"{folder}/report.html", "figures": names}
-        run("page/page.py", input=parts, output={"page": folder / "report.html"}, **given)

@@ -66,41 +66,23 @@ def test_a_bad_record_leaves_the_results_as_they_are_and_fails_until_it_is_mende
     assert built.files("example") == before
 
 
-@pytest.mark.parametrize("name", ["identification.csv", "summary.txt", "cycles.png", ".complete"])
-def test_a_result_that_is_missing_is_made(built, name):
-    result = built.folder / "results/example" / SET / name
-    with restored(result):
-        result.unlink()
-        assert built.jobs(*EXAMPLE)["identify"] == 1
-
-
-def test_nothing_is_done_twice_and_a_record_that_changes_is_read_again(built):
+def test_what_is_missing_or_changed_is_made_again_and_nothing_is_done_twice(built):
     assert built.jobs(*EXAMPLE) == {}
-    record = built.folder / "config/records/example/level3.csv"
-    lines = record.read_text(encoding="utf-8").splitlines()
-    record.write_text("\n".join(lines[:-100]) + "\n", encoding="utf-8")
-    assert built.jobs(*EXAMPLE) == {
-        "all": 1,
-        "identify": 1,
-        "measured": 1,
-        "total": 3,
-    }
-
-
-@pytest.mark.parametrize(
-    "part",
-    [
-        "identification/templates/report.html.j2",
-        "identification/templates/report.css",
-        "records/mapping.schema.yaml",
-    ],
-)
-def test_reports_follow_their_templates_and_mappings_their_schema(example, part, tmp_path):
-    copy = copied(example, tmp_path, "results/example", ".snakemake")
-    assert copy.jobs(*EXAMPLE) == {}
-    file = copy.folder / "src/dampbalance" / part
-    file.write_text(file.read_text(encoding="utf-8") + "\n", encoding="utf-8")
-    assert copy.jobs(*EXAMPLE) == {"all": 1, "identify": 1, "measured": 1, "total": 3}
+    again = {"all": 1, "identify": 1, "measured": 1, "total": 3}
+    missing = built.folder / "results/example" / SET / "cycles.png"
+    with restored(missing):
+        missing.unlink()
+        assert built.jobs(*EXAMPLE)["identify"] == 1
+    package = "src/dampbalance"
+    for name in (
+        f"{package}/identification/templates/report.css",
+        f"{package}/records/mapping.schema.yaml",
+        "config/records/example/level3.csv",
+    ):
+        file = built.folder / name
+        with restored(file):
+            file.write_text(file.read_text(encoding="utf-8") + "\n", encoding="utf-8")
+            assert built.jobs(*EXAMPLE) == again
 
 
 def test_a_table_of_a_stepped_sine_is_a_set(checkout, monkeypatch):
@@ -174,50 +156,48 @@ def test_without_the_set_that_failed_nothing_is_left_of_it(rig):
     assert shown in rig.made(*own)
 
 
-def against(copy, change):
-    """What is said against a case of one's own: the example with a change of its set of records."""
+def against(copy, *changes):
+    """What is said against a case of one's own: the example with changes of its set of records, a set for each."""
     document = yaml.safe_load((copy.folder / EXAMPLE[1]).read_text(encoding="utf-8"))
-    document["case"] = "mine"
-    document["measured"][0] |= change
-    (copy.folder / "mine.yaml").write_text(yaml.safe_dump(document), encoding="utf-8")
+    (one,) = document["measured"]
+    sets = [one | {"name": f"set{n}"} | change for n, change in enumerate(changes, 1)]
+    text = yaml.safe_dump(document | {"case": "mine", "measured": sets})
+    (copy.folder / "mine.yaml").write_text(text, encoding="utf-8")
     return copy.refused("--configfile", "mine.yaml")
 
 
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        (
-            {"records": ["data/none*.csv"]},
-            "measured[1].records[1]: no file data/none*.csv: name files",
-        ),
-        ({"stiffness_N_per_m": 0.0}, "measured[1].stiffness_N_per_m"),
-        ({"stiffness": 2310.0}, "stiffness"),
-        ({"approaches": ["best"]}, "measured[1].approaches[1]"),
-        ({"kind": "ring-down"}, "measured[1].frequency_hz: is for forced records"),
-        ({"kind": "stepped-sine"}, "and these are tables of a stepped sine: leave it out"),
-        ({"contact": "gradual"}, "measured[1].contact: is for tables of a stepped sine"),
-        ({"stiffness_N_per_m": None}, "stiffness_N_per_m: is missing: forced records need it"),
-        ({"kind": "decay"}, "measured[1].kind: 'decay' is not allowed. forced records, one per"),
-        ({"name": "two words"}, "measured[1].name"),
-        ({"terms": ["F_k", "c_9"]}, "measured[1].terms[2]: 'c_9' is not a term"),
-        ({"given": {"c_2": 1.0}, "terms": ["F_k", "c"]}, "c_2 is given and no term of the law"),
-        ({"groups": {"F_k": ["a", "b"]}}, "the groups of F_k name 2 records, and there are 5"),
-    ],
-)
-def test_a_wrong_configuration_is_refused_before_anything_runs(built, change, message):
-    said = against(built, change)
-    assert "mine.yaml" in said
-    assert message in said
+def test_what_the_schema_forbids_is_refused_at_once_before_anything_runs(built):
+    wrong = (
+        ({"stiffness_N_per_m": 0.0}, "measured[1].stiffness_N_per_m: 0.0 is not allowed"),
+        ({"stiffness": 2310.0}, "measured[2].stiffness: unknown key"),
+        ({"approaches": ["best"]}, "measured[3].approaches[1]: 'best' is not"),
+        ({"kind": "decay"}, "measured[4].kind: 'decay' is not allowed. forced records, one per"),
+        ({"name": "two words"}, "measured[5].name: 'two words' cannot be a name"),
+        ({"terms": ["F_k", "c_9"]}, "measured[6].terms[2]: 'c_9' is not a term"),
+    )
+    said = against(built, *(change for change, _ in wrong))
+    for _, message in wrong:
+        assert message in said
+    assert said.count("mine.yaml: line ") == len(wrong)
     assert not (built.folder / "results/mine").exists()
 
 
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"frequency_hz": 7.0}, "level1.csv: the excitation oscillates at 3.49999"),
+        ({"records": ["data/none*.csv"]}, "measured[1].records[1]: no file data/none*.csv: name"),
+        ({"kind": "ring-down"}, "measured[1].frequency_hz: is for forced records"),
+        ({"given": {"c_2": 1.0}, "terms": ["F_k", "c"]}, "c_2 is given and no term of the law"),
+        ({"groups": {"F_k": ["a", "b"]}}, "the groups of F_k name 2 records, and there are 5"),
     ],
 )
-def test_a_record_that_cannot_be_used_is_named(built, change, message):
+def test_a_set_that_contradicts_itself_is_refused_before_anything_runs(built, change, message):
     said = against(built, change)
-    assert "error: config/records/example/level1.csv: " in said
+    assert "mine.yaml: line " in said
     assert message in said
+    assert not (built.folder / "results/mine").exists()
+
+
+def test_a_record_that_cannot_be_used_is_named(built):
+    said = against(built, {"frequency_hz": 7.0})
+    assert "error: config/records/example/level1.csv: the excitation oscillates at 3.49999" in said

@@ -8,7 +8,7 @@ from snakemake.io import is_flagged
 
 # A configuration that another workflow hands over stands in no file of its own; as merged it is in the manifest.
 GIVEN_FILES = [os.path.relpath(file) for file in [BASE_CONFIG, *OVERRIDING]]
-MANIFESTS = {f"{RESULTS}/manifest.json", f"{RESULTS}/ro-crate-metadata.json"}
+MANIFEST = f"{RESULTS}/manifest.json"
 ARCHIVE_NAME = f"dampbalance-{VERSION}" + ("" if CASE.name == "paper" else f"-{CASE.name}")
 
 
@@ -27,7 +27,7 @@ def jobs_behind_everything():
     Inputs leave out the package's modules (they are sources), outputs what is temporary.
     """
     waiting = list(rules.all.rule.expand_input({})[0])
-    seen, jobs = set(MANIFESTS), {}
+    seen, jobs = {MANIFEST}, {}
     while waiting:
         file = str(waiting.pop())
         if file in seen or not file.startswith("results/"):

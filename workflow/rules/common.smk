@@ -15,7 +15,7 @@ from snakemake.utils import update_config
 try:
     from dampbalance.balance import checks
     from dampbalance.project.case import Case, check, excerpt, require_own_case
-    from dampbalance.project.documents import ConfigurationError, section_of
+    from dampbalance.project.documents import ConfigurationError
     from dampbalance.project.dependencies import package_modules
     from dampbalance.project.files import ROUTES, remove_unfinished
     from dampbalance.replication.feasibility import check_feasible
@@ -40,8 +40,7 @@ BASE_CONFIG = project_file("config/config.yaml")
 OVERRIDING = list(workflow.overwrite_configfiles)
 CONFIG_FILES = [BASE_CONFIG, *OVERRIDING]
 
-# Another workflow that uses this one as a module hands over what differs from the paper's case, and errors name the place where
-# it sets a value.
+# Another workflow that uses this one as a module hands over what differs from the paper's case; it may stand in no file.
 other = Path(workflow.main_snakefile).resolve()
 if other not in (ROOT / "Snakefile", ROOT / "workflow/Snakefile"):
     # Merged like a file of the command line, whose keys come first.
@@ -49,10 +48,7 @@ if other not in (ROOT / "Snakefile", ROOT / "workflow/Snakefile"):
     update_config(config, load_configfile(BASE_CONFIG))
     update_config(config, given)
     OVERRIDING = []
-    CONFIG_FILES = [
-        BASE_CONFIG,
-        *([section_of(given, workflow.configfiles, os.path.relpath(other))] if given else []),
-    ]
+    CONFIG_FILES = []
 
 if workflow.is_main_process:
     try:

@@ -1,4 +1,4 @@
-# Where the results come from: a manifest, the same as an RO-Crate, and an archive. Included last: it looks at the rules.
+# Where the results come from: a manifest, and an archive with an RO-Crate. Included last: it looks at the rules.
 #
 # The manifest is made again when a result, a source or the commit changes; nothing but the archive depends on it, so that a
 # commit rebuilds no result.
@@ -11,19 +11,12 @@ rule manifest:
     input:
         results=everything_built,
         sources=lambda wildcards: list(sources_of(COMPUTING).values()),
-        citation=project_file("CITATION.cff"),
     output:
         json=report(
             f"{RESULTS}/manifest.json",
             caption="../report/manifest.rst",
             category="Provenance",
             labels={"result": "What made the results: configuration, code, packages"},
-        ),
-        crate=report(
-            f"{RESULTS}/ro-crate-metadata.json",
-            caption="../report/crate.rst",
-            category="Provenance",
-            labels={"result": "The same as an RO-Crate, for repositories of data"},
         ),
     log:
         log_file("manifest"),
@@ -37,9 +30,8 @@ rule manifest:
         jobs=lambda wildcards: jobs_behind_everything(),
         code=lambda wildcards: code_version(ROOT, VERSION),
         lock=project_file("requirements.lock"),
-        folder={"root": RESULTS, "beside_sources": Path.cwd() == ROOT},
     message:
-        "Manifest and RO-Crate: configuration, code, packages, digests"
+        "Manifest: configuration, code, packages, digests"
     script:
         "../scripts/provenance/manifest.py"
 
@@ -50,7 +42,6 @@ if Path.cwd() == ROOT:
     rule archive:
         input:
             manifest=rules.manifest.output.json,
-            crate=rules.manifest.output.crate,
             results=everything_built,
             sources=lambda wildcards: sorted(sources_of(PROJECT)),
         output:

@@ -13,7 +13,6 @@ from ..model import BaseMotion, Oscillator
 from .documents import (
     ConfigurationError,
     Problem,
-    Source,
     against_schema,
     documents_of,
     in_lines,
@@ -126,7 +125,7 @@ _FIELDS: dict[str, tuple[str, str, Callable[[Any], Any]]] = {
 def check(
     config: Mapping[str, Any],
     schema_file: str | Path,
-    files: Iterable[Source],
+    files: Iterable[str | Path],
     approaches: Iterable[str],
 ) -> None:
     """Check a configuration against its schema and for sense.

@@ -128,7 +128,7 @@ def parts_of(record: str | Path, mapping: RecordMapping) -> dict[Path, RecordMap
 
 def read_mapping(file: str | Path) -> RecordMapping:
     """The mapping of a YAML file. Raises RecordError naming file, key and remedy."""
-    library("yaml", "a mapping")
+    library("ruamel.yaml", "a mapping")
     library("jsonschema", "a mapping")
     from ..project.documents import ConfigurationError, read_yaml
 

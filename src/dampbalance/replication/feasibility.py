@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator
+from pathlib import Path
 
 from ..model import BaseMotion, Oscillator
 from ..motion.fixed_step import MIN_STICK_SAMPLES, MOST_STEPS, largest_growth
 from ..motion.jit import interpreted
 from ..motion.orbit import MOST_EVENTS, RANGES, NoSteadyOrbit, Orbit, steady_orbit
 from ..project.case import Case
-from ..project.documents import Problem, Source, refuse
+from ..project.documents import Problem, refuse
 from ..reading.clean import CYCLES_TO_READ
 from .as_published import coefficients
 
@@ -26,7 +27,7 @@ MOST_GROWTH = 10.0
 _BALANCE = 1e-6  # of the energy put in: what an orbit may miss by rounding
 
 
-def check_feasible(case: Case, files: Iterable[Source]) -> list[str]:
+def check_feasible(case: Case, files: Iterable[str | Path]) -> list[str]:
     """Look at what a case asks for, and then at every exact orbit.   files : the configuration's, to say where a key
     stands.
 

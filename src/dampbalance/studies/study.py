@@ -162,7 +162,7 @@ def study(
     >>> studied.responses[["frequency_hz", "level", "Y_m", "X_m"]].round(6).head(2).values.tolist()
     [[3.5, 1.0, 0.004, 0.003387], [3.5, 2.0, 0.006, 0.005411]]
     """
-    for package in ("jsonschema", "yaml"):
+    for package in ("jsonschema", "ruamel.yaml"):
         library(package, "a study")
     from ..project.documents import ConfigurationError, in_lines, read_schema
     from .checking import MOST_NUMBERS, SCHEMA, problems

@@ -147,7 +147,7 @@ def test_mistakes_are_named(document, message):
     ("text", "message"),
     [
         ("channels: [\n", "not readable as YAML"),
-        ("notes: a\nnotes: b\n", "notes: stands twice"),
+        ("notes: a\nnotes: b\n", "duplicate key .notes."),
         ("\xff\xfe", "is not UTF-8"),
         (None, r"run\.yaml"),
     ],

@@ -8,14 +8,13 @@ manifest names it.
 """
 
 from importlib.metadata import metadata, version
-from pathlib import Path
 
 import pandas as pd
-import yaml
 
 from dampbalance.figures.numerics import ALT, GLANCE_ALT, Evidence, glance, numerics
 from dampbalance.figures.style import save
 from dampbalance.project.case import Case
+from dampbalance.project.documents import read_yaml
 from dampbalance.project.files import read_csv, read_routes, write_csv, write_json
 from dampbalance.project.troubles import brief_troubles
 from dampbalance.publishing.article import compiling
@@ -56,7 +55,7 @@ def environment(packages, citation):
         "python": metadata("dampbalance")["Requires-Python"].replace(">=", "≥ "),
         "packages": {name: version(name) for name in packages},
         "typesetter": compiling.version(),
-        "software": software(yaml.safe_load(Path(citation).read_text(encoding="utf-8"))),
+        "software": software(read_yaml(citation)),
     }
 
 

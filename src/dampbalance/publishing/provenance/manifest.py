@@ -17,14 +17,10 @@ import os
 import platform
 import re
 import subprocess
+import sys
 from collections.abc import Iterable, Mapping, Sequence
-from contextlib import suppress
-from importlib import metadata
-from importlib.metadata import PackageMetadata
 from pathlib import Path
 from typing import Any
-
-from packaging.licenses import InvalidLicenseExpression, canonicalize_license_expression
 
 from ...project.files import sha256
 
@@ -98,38 +94,6 @@ def _git(root: Path, *arguments: str) -> str | None:
     return done.stdout.strip()
 
 
-# Names that packages use for exactly one licence. "BSD License" is not among them, as there are several.
-WORDS = {
-    "Apache 2.0": "Apache-2.0",
-    "Apache License, Version 2.0": "Apache-2.0",
-    "BSD 3-Clause License": "BSD-3-Clause",
-    "ISC license": "ISC",
-    "ISC License (ISCL)": "ISC",
-    "MIT License": "MIT",
-    "Mozilla Public License 2.0 (MPL 2.0)": "MPL-2.0",
-}
-UNKNOWN = "unknown"
-
-
-def stated_licence(stated: PackageMetadata) -> str:
-    """The licence of a package as an SPDX expression, or "unknown" with the words that the package uses.
-
-    stated : the metadata of the package, which state it by an expression, a field, or one classifier.
-    """
-    classified = [
-        words.rpartition(" :: ")[2]
-        for words in stated.get_all("Classifier") or []
-        if words.startswith("License ::")
-    ]
-    keys = ("License-Expression", "License")
-    expression, field = ((stated.get_all(key) or [""])[0] for key in keys)
-    for words in (expression, field, *(classified if len(classified) == 1 else [])):
-        with suppress(InvalidLicenseExpression):
-            return str(canonicalize_license_expression(WORDS.get(words, words)))
-    said = classified or [line for line in field.splitlines()[:1] if line]
-    return f"{UNKNOWN} ({'; '.join(said)})" if said else UNKNOWN
-
-
 ABOUT = (
     "Which configuration, code and packages made the results. 'reproducible': the same sources with the packages of "
     "requirements.lock give the same again (another kind of processor may change the last bits of a number, and so "
@@ -194,14 +158,16 @@ def _packages(lock: Path) -> dict[str, Any]:
     pinned: dict[str, set[str]] = {}
     for name, version in re.findall(r"^([A-Za-z0-9._-]+)==([^\s;\\]+)", text, re.MULTILINE):
         pinned.setdefault(name, set()).add(version)
-    installed = {}
-    for name in sorted(pinned):
-        with suppress(metadata.PackageNotFoundError):  # of another system, or of an extra
-            installed[name] = metadata.version(name)
+    command = [sys.executable, "-m", "piplicenses", "--format=json"]
+    listed = json.loads(subprocess.run(command, capture_output=True, check=True).stdout)
+    names = {re.sub("[-_.]+", "-", row["Name"]).lower(): row for row in listed}
+    # a package of another system, or of an extra, is not installed
+    installed = {name: names[name] for name in sorted(pinned.keys() & names)}
+    versions = {name: row["Version"] for name, row in installed.items()}
     return {
-        "packages": installed,
-        "licences": {name: stated_licence(metadata.metadata(name)) for name in installed},
-        "packages_not_as_locked": [n for n, v in installed.items() if v not in pinned[n]],
+        "packages": versions,
+        "licences": {name: row["License"] for name, row in installed.items()},
+        "packages_not_as_locked": [n for n, v in versions.items() if v not in pinned[n]],
     }
 
 
