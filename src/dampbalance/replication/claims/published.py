@@ -234,7 +234,7 @@ def from_print(published: Published, case: Case) -> RouteTables:
     features = printed_features(published, case.omega("omega1"))
     stated = {name: published[of_text(f"{name}_mean")].value for name in ("phi", "t_s")}
     common, k = features.replaced(**stated), case.oscillator.k
-    estimates = estimate_table(features, k, PAIRS, common=common, names=PRINTED_APPROACHES)
+    estimates = estimate_table(features, k, PAIRS, common=common, approaches=PRINTED_APPROACHES)
     return RouteTables({"omega1": features.to_frame()}, {"omega1": estimates})
 
 
