@@ -248,7 +248,7 @@ class Approach(str):
     rows: Callable[[Features, ArrayLike], Rows]
     label: str = ""
     takes_phase: bool = False
-    terms: Sequence[str] | str = tuple(TERMS)
+    terms: Sequence[str] | str = ("F_k", "c")  # of (6)
     integral: Callable[[Features, ArrayLike, str], Array] | None = None
 
     def __new__(cls, name: str, *_: Any, **__: Any) -> Approach:

@@ -132,7 +132,7 @@ def columns_of(study: Study) -> list[Column]:
         columns.append(Column("chosen", "", "law that the records support, or none", words=True))
     true = {*SI_COLUMNS, *of_law(study.parameters).values()}
     for fit in study.fits:
-        how = " ".join(part.replace("_", " ") for part in fit.label.split("__"))
+        how = " ".join(part.replace("_", " ") for part in fit.parts)
         terms = [identified_by(symbol) for symbol in fit.identified]
         for kind in (kind for kind in _OF_TERMS if kind in study.columns):
             for one in (of for of in terms if kind == "estimates" or of.symbol in true):

@@ -326,10 +326,15 @@ class Fit:
     def label(self) -> str:
         """How the names of the columns of this fit end, e.g. X_s__reversal__individual__least_squares; a rigid contact,
         equal weights of noisy records and terms are named: direct__F_k+c+c_2__rigid__equal__least_squares."""
+        return "__".join(self.parts)
+
+    @property
+    def parts(self) -> list[str]:
+        """The parts of the label."""
         contact = "" if self.contact == COMPLIANT else self.contact
         weights = EQUAL if self.weights == EQUAL else ""
         parts = (self.approach, "+".join(self.terms), contact, weights, self.phase, self.sharing)
-        return "__".join(part for part in (*parts, self.kind) if part)
+        return [part for part in (*parts, self.kind) if part]
 
 
 # --- the study ---------------------------------------------------------------------------------------

@@ -11,6 +11,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from dampbalance.replication.claim_verdicts import of_cell
 from dampbalance.replication.claims import causes
 from dampbalance.replication.claims.published import Printed
 from paper.routes import CASE, PRINT
@@ -170,5 +171,8 @@ def test_a_pair_without_a_simulated_b_has_no_other():
         return math.nan if (column, level) == ("b_m2_per_s", 1) else 1e-3 * level
 
     allowed = {f"table2.b.{level}": (1e-3, 2e-3) for level in (1, 2)}
-    simulated, row = SimpleNamespace(feature=feature), SimpleNamespace(line="1-2")
+    simulated, row = (
+        SimpleNamespace(feature=feature),
+        SimpleNamespace(id=of_cell("table2", "c", "1-2")),
+    )
     assert causes.other_b(PRINT, simulated, allowed, row) == ""

@@ -25,7 +25,7 @@ from ...estimates import estimate_table
 from ...features import COLUMNS, Features, of_numbers
 from ...project.case import Case
 from ...solver import Pair, pair_label
-from ..claim_verdicts import of_cell, of_text
+from ..claim_verdicts import ClaimId, of_cell, of_text
 from ..printed_tables import (
     HARMONIC,
     PRINTED_APPROACHES,
@@ -132,7 +132,7 @@ class Row(NamedTuple):
     kind, rule : of KINDS and of `rules.RULES`: what judges the number.
     """
 
-    id: str
+    id: ClaimId
     where: str
     symbol: str
     approach: str
@@ -141,11 +141,6 @@ class Row(NamedTuple):
     printed: str
     kind: str
     rule: str
-
-    @property
-    def line(self) -> str:
-        """The line of a table in which the number stands: a level, counted from 1, or the label of a pair."""
-        return self.id.rpartition(".")[2]
 
     @property
     def number(self) -> Printed:
@@ -193,7 +188,7 @@ def read_published(folder: Path) -> Published:
             )
     if (twice := frame["id"][frame["id"].duplicated()]).any():
         raise ValueError(f"{FILE}: id {twice.iloc[0]} appears twice; each needs its own name")
-    return Published({row.id: row for row in map(Row._make, frame.to_numpy())})
+    return Published({name: Row(ClaimId(name), *of) for name, *of in frame.to_numpy()})
 
 
 def read_texts(path: Path, columns: tuple[str, ...]) -> pd.DataFrame:
