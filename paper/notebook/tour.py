@@ -617,5 +617,5 @@ pd.DataFrame(
 #
 # - `README.md` says how to rebuild the paper's tables and figures, with a verdict on every printed number.
 # - `paper/equations.md` leads from each equation to its function and to its test.
-# - An approach of your own is one function from features to rows: `register_approach` makes it known to `identify`
-#   and to `study`, which compares it with the others over any parameters; `register_term` does so for a damping term.
+# - An approach of your own is one function from features to rows: pass it as an `Approach` to `identify`, or to
+#   `study`, which compares it with the others over any parameters; a damping term of your own is a `Term`.

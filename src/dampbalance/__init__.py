@@ -8,12 +8,12 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from .balance import Rows, register_approach, unregister
+    from .balance import Approach, Rows
     from .features import Features
     from .identification.answer import Answer, Interval, ParameterEstimate, Verdict
     from .identification.identified import Identified
     from .identification.measured import identify
-    from .law.terms import Term, register_term
+    from .law.terms import Term
     from .model import BaseMotion, Oscillator
     from .motion.orbit import NoSteadyOrbit, Orbit, steady_orbit
     from .motion.orbits import Orbits, steady_orbits
@@ -31,6 +31,7 @@ __version__ = "0.1.0"
 
 __all__ = [
     "Answer",
+    "Approach",
     "BaseMotion",
     "Channel",
     "Features",
@@ -56,24 +57,21 @@ __all__ = [
     "measured_orbit",
     "measured_ring_down",
     "read_records",
-    "register_approach",
-    "register_term",
     "sliders_orbit",
     "steady_orbit",
     "steady_orbits",
     "study",
     "transient",
-    "unregister",
 ]
 
 # Loaded when they are asked for: the command line starts without NumPy.
 _MODULES = {
-    "balance": ("Rows", "register_approach", "unregister"),
+    "balance": ("Approach", "Rows"),
     "features": ("Features",),
     "identification.answer": ("Answer", "Interval", "ParameterEstimate", "Verdict"),
     "identification.identified": ("Identified",),
     "identification.measured": ("identify",),
-    "law.terms": ("Term", "register_term"),
+    "law.terms": ("Term",),
     "model": ("BaseMotion", "Oscillator"),
     "motion.orbit": ("NoSteadyOrbit", "Orbit", "steady_orbit"),
     "motion.orbits": ("Orbits", "steady_orbits"),

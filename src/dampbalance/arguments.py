@@ -227,7 +227,7 @@ def names(name: str, value: object, known: Collection[str] = ()) -> tuple[str, .
     for one in several:
         if not isinstance(one, str):
             _refuse(name, "a sequence of names, or a text with commas between them", value)
-        found.append(one.strip())
+        found.append(one.strip() if type(one) is str else one)  # else it is more than a text
     unknown = sorted(set(found) - set(known or found))
     if unknown:
         raise ValueError(f"unknown {name} {shown(unknown)}; known are {', '.join(known)}")

@@ -18,6 +18,7 @@ A row is NaN where its response lacks a feature (nothing slips). The solver of `
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
@@ -28,7 +29,7 @@ from numpy.typing import ArrayLike
 from .arguments import flag, names, shown, text
 from .arrays import Array, Mask
 from .law.law import Law
-from .law.terms import BUILT_IN, KNOWN_TERMS, Term, in_order, of_group, require_free
+from .law.terms import IN_WORDS, KNOWN_TERMS, NAME, Term, in_order, term
 
 if TYPE_CHECKING:
     from .features import Features
@@ -92,15 +93,12 @@ class Rows:
         """The rows with a column for each coefficient of the law: where a term has groups, one for each of them, zero
         in the rows of the others; its given coefficients are known."""
         columns: dict[str, Array] = {}
-        for symbol in law.terms:
-            integral, labels = self.terms[symbol], law.groups.get(symbol)
-            if labels is None:
-                columns[symbol] = integral
-                continue
-            for label in dict.fromkeys(labels):
-                member = np.array([other == label for other in labels])
+        for key in law.keys:
+            columns[key] = integral = self.terms[key.symbol]
+            if key.group is not None:
+                member = np.array([label == key.group for label in law.groups[key.symbol]])
                 member = member.reshape(-1, *[1] * (integral.ndim - 1))
-                columns[of_group(symbol, label)] = np.where(member, integral, 0.0)
+                columns[key] = np.where(member, integral, 0.0)
         return replace(self, terms=columns, given={**self.given, **law.given})
 
     def scatter(self) -> Array:
@@ -209,43 +207,109 @@ def viscous_integral(omega: ArrayLike, harmonics: Mapping[int, Array]) -> Array:
     return integral
 
 
-@dataclass(frozen=True, slots=True)
-class Approach:
+@dataclass(frozen=True, eq=False, repr=False)
+class Approach(str):
     """A way to obtain the rows of the balance, and what figures, tables and reports need to know of it.
 
-    rows : the function from features and the stiffness k, N/m, to rows.   label : its name in words or as a symbol.
-    takes_phase : whether it depends on a choice of the phase φ, and on a φ and a t_s common to all levels.
-    terms : symbols of the coefficients that it identifies unless a law asks for others.
-    integral : the function from features, the stiffness k and the symbol of a term to its g, for those others; None
-    where it has no form of them.
+    An approach is the text of its name and knows more of it. It is the key of answers, fits and tables, where its name
+    alone finds it, too. The built-in ones, `APPROACHES`, are named by their names; pass one of your own as an object to
+    `identify` and `study`, next to those: approaches=[mine, "direct"]. It is judged like the others: its rows are
+    solved, compared with the fit of maximum likelihood, tabulated and drawn. Of a law with a term of which it has no
+    form it gives no estimate.
+
+    name : a name of letters, digits and "_".
+    rows : function of `features.Features` and the stiffness k, N/m, that returns `Rows`. It must work element by
+    element on features of any shape, (levels,) or (levels, cases), and give NaN where a feature does not exist.
+    label : its name in words or as a symbol; default, its name.
+    takes_phase : whether it depends on a choice of the phase φ, and on a φ and a t_s common to all levels; studies then
+    try each definition of the phase, and measured records are not evaluated by it.
+    terms : of the coefficients that it identifies unless a law asks for others; its rows are for these.
+    integral : the function from features, the stiffness k and a term to its g, for those others; None where it has no
+    form of them.
+
+    Raises ValueError for unknown terms; where it is used, for a name that is taken or of another form; when it is
+    called, for a function that fails, and rows without these terms or of another shape.
+
+    >>> import numpy as np
+    >>> from dampbalance import Approach, Rows, study
+    >>> def rectangular(features, k):
+    ...     \"\"\"Friction travel of a rigid contact, 4X; work and viscous integral of the fundamental.\"\"\"
+    ...     b = np.pi * features.omega * features.X_1**2
+    ...     W = np.pi * k * features.Y * features.X_1 * np.sin(features.phi_fundamental)
+    ...     return Rows({"F_k": 4.0 * features.X, "c": b}, W)
+    >>> mine = Approach("rectangular", rectangular, label="4X")
+    >>> studied = study({"frequency_hz": [3.5, 4.92]}, estimation={"approaches": [mine]})
+    >>> errors = studied.to_frame().filter(like="F_k_relative_error")
+    >>> [f"{100 * error:.1f} %" for error in errors.iloc[:, 0]]
+    ['0.9 %', '0.2 %']
     """
 
+    name: str
     rows: Callable[[Features, ArrayLike], Rows]
-    label: str
-    takes_phase: bool = True
-    terms: tuple[str, ...] = tuple(TERMS)
+    label: str = ""
+    takes_phase: bool = False
+    terms: Sequence[str] | str = ("F_k", "c")  # of (6)
     integral: Callable[[Features, ArrayLike, str], Array] | None = None
+
+    def __new__(cls, name: str, *_: Any, **__: Any) -> Approach:
+        """Make the text that an approach is."""
+        return str.__new__(cls, text("name", name))
+
+    def __post_init__(self) -> None:
+        flag("takes_phase", self.takes_phase)
+        of = {"label": text("label", self.label) or self.name}
+        self.__dict__.update(of, terms=in_order(names("terms", self.terms)))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """A copy of a built-in approach is that approach again."""
+        if APPROACHES.get(self) is self:
+            return approach, (self.name,)
+        return Approach, tuple(self.__dict__.values())
 
     def __call__(
         self, features: Features, k: ArrayLike, terms: Sequence[str] | str | None = None
     ) -> Rows:
         """The rows that this approach obtains from `features`, with the stiffness k, N/m.
 
-        terms : symbols of KNOWN_TERMS; default, its own. Where it knows no form of a term, its column is NaN.
+        terms : default, its own. Where it knows no form of a term, its column is NaN.
         """
-        rows = self.rows(features, k)
+        rows, shape = self._rows(features, k), features.X.shape
         if terms is None:
             return rows
-        unknown = np.full(rows.W.shape, np.nan)
         columns = {
             symbol: rows.terms[symbol]
             if symbol in rows.terms
-            else unknown
+            else np.full(shape, np.nan)
             if self.integral is None
             else self.integral(features, k, symbol)
             for symbol in names("terms", terms)
         }
         return replace(rows, terms=columns)
+
+    def _rows(self, features: Features, k: ArrayLike) -> Rows:
+        """The rows that its function returns. Raises ValueError where these are none."""
+        shape = features.X.shape
+        try:
+            rows = self.rows(features, k)
+        except Exception as error:
+            raise ValueError(
+                f"the approach {self} failed for features of shape {shape}: {type(error).__name__}: {error}; it is a "
+                "function of features and k that works element by element"
+            ) from error
+        if not isinstance(rows, Rows):
+            raise ValueError(f"the approach {self} must return Rows, got {shown(rows)}")
+        if set(rows.terms) != set(self.terms):
+            raise ValueError(
+                f"the rows of the approach {self} must have the terms {', '.join(self.terms)}, got "
+                f"{', '.join(rows.terms) or 'none'}: state others by terms="
+            )
+        for what, array in {**rows.terms, "W": rows.W}.items():
+            if np.shape(array) != shape:
+                raise ValueError(
+                    f"{what} of the approach {self} must have the shape of its features, {shape}, got "
+                    f"{np.shape(array)}: combine arrays element by element"
+                )
+        return rows
 
 
 def _integrated(features: Features, k: ArrayLike, symbol: str) -> Array:
@@ -256,7 +320,7 @@ def _integrated(features: Features, k: ArrayLike, symbol: str) -> Array:
 def _of_harmonic_motion(features: Features, k: ArrayLike, symbol: str) -> Array:
     """g of a term for x = X cos(ωt − φ)."""
     f = features
-    return np.asarray(KNOWN_TERMS[symbol].harmonic(f.omega, f.X, f.Y, f.phi, np.asarray(k)))
+    return np.asarray(term(symbol).harmonic(f.omega, f.X, f.Y, f.phi, np.asarray(k)))
 
 
 def _of_three_harmonics(features: Features, k: ArrayLike, symbol: str) -> Array:
@@ -271,136 +335,65 @@ def _of_three_harmonics(features: Features, k: ArrayLike, symbol: str) -> Array:
 
 
 APPROACHES: dict[str, Approach] = {
-    "direct": Approach(direct, "direct integration", takes_phase=False, integral=_integrated),
-    "X_s": Approach(slip_displacement, "X_s", integral=_of_harmonic_motion),
-    "t_s": Approach(slip_time, "t_s", integral=_of_harmonic_motion),
-    "V_s": Approach(slip_velocity, "V_s", integral=_of_harmonic_motion),
-    "fourier": Approach(fourier, "Fourier", takes_phase=False, integral=_of_three_harmonics),
-}
-"""Every approach by the name that configurations and tables know it by: to add one is a function and an entry here, or,
-for a session, a call of `register_approach`."""
-
-_BUILT_IN = frozenset(APPROACHES)
-_TAKEN = ("simpson", "fit", "maximum likelihood")  # what approaches are compared with
-
-
-def register_approach(
-    name: str,
-    rows: Callable[[Features, ArrayLike], Rows],
-    *,
-    label: str = "",
-    terms: Sequence[str] | str = tuple(TERMS),
-    takes_phase: bool = False,
-    overwrite: bool = False,
-) -> Approach:
-    """Make a way to obtain the rows of the balance known to this session, without a change of the package: an entry of
-    `APPROACHES`.
-
-    Use it to try an approach of your own next to those of the paper: `identify` and `study` then take it by its name,
-    and all that have no list of approaches include it. It is judged like the others: its rows are solved, compared with
-    the fit of maximum likelihood, tabulated and drawn. It is asked for the terms that it has; of a law with others it
-    gives no estimate. It lasts as long as the session.
-
-    name : a name of letters, digits and "_".
-    rows : function of `features.Features` and the stiffness k, N/m, that returns `Rows`. It must work element by
-    element on features of any shape, (levels,) or (levels, cases), and give NaN where a feature does not exist.
-    label : what figures and tables call it; default, its name.
-    terms : symbols of the coefficients that its rows are for, in their order.
-    takes_phase : whether the rows use `features.phi`; studies then try each definition of the phase, and measured
-    records are not evaluated by it.
-    overwrite : whether to replace a registered approach of that name, as when a cell is run again.
-
-    Raises ValueError for a name that is taken, a function that fails, and rows without these terms or of another shape.
-
-    >>> import numpy as np
-    >>> from dampbalance import Rows, register_approach, study, unregister
-    >>> def rectangular(features, k):
-    ...     \"\"\"Friction travel of a rigid contact, 4X; work and viscous integral of the fundamental.\"\"\"
-    ...     b = np.pi * features.omega * features.X_1**2
-    ...     W = np.pi * k * features.Y * features.X_1 * np.sin(features.phi_fundamental)
-    ...     return Rows({"F_k": 4.0 * features.X, "c": b}, W)
-    >>> approach = register_approach("rectangular", rectangular, label="4X")
-    >>> studied = study({"frequency_hz": [3.5, 4.92]}, estimation={"approaches": "rectangular"})
-    >>> errors = studied.to_frame().filter(like="F_k_relative_error")
-    >>> [f"{100 * error:.1f} %" for error in errors.iloc[:, 0]]
-    ['0.9 %', '0.2 %']
-    >>> unregister("rectangular")
-    """
-    require_free("name", name, APPROACHES, (*_BUILT_IN, *_TAKEN), overwrite)
-    symbols = in_order(names("terms", terms))
-    approach = Approach(
-        rows, text("label", label) or name, flag("takes_phase", takes_phase), symbols
+    approach.name: approach
+    for approach in (
+        Approach("direct", direct, "direct integration", integral=_integrated),
+        Approach("X_s", slip_displacement, takes_phase=True, integral=_of_harmonic_motion),
+        Approach("t_s", slip_time, takes_phase=True, integral=_of_harmonic_motion),
+        Approach("V_s", slip_velocity, takes_phase=True, integral=_of_harmonic_motion),
+        Approach("fourier", fourier, "Fourier", integral=_of_three_harmonics),
     )
-    trial = _trial()
-    for features in (trial[:, 0], trial):
-        shape = features.X.shape
-        try:
-            made = rows(features, np.full(shape[1:], 2310.0))
-        except Exception as error:
-            raise ValueError(
-                f"the approach {name} failed for features of shape {shape}: {type(error).__name__}: {error}; it is a "
-                "function of features and k that works element by element"
-            ) from error
-        if not isinstance(made, Rows):
-            raise ValueError(f"the approach {name} must return Rows, got {shown(made)}")
-        if set(made.terms) != set(symbols):
-            raise ValueError(
-                f"the rows of the approach {name} must have the terms {', '.join(symbols)}, got "
-                f"{', '.join(made.terms) or 'none'}: state others by terms="
-            )
-        for what, array in {**made.terms, "W": made.W}.items():
-            if np.shape(array) != shape:
-                raise ValueError(
-                    f"{what} of the approach {name} must have the shape of its features, {shape}, got "
-                    f"{np.shape(array)}: combine arrays element by element"
-                )
-    APPROACHES[name] = approach
-    return approach
+}
+"""The built-in approaches by the name that configurations and tables know them by: to add one is a function and an
+entry here."""
+
+_TAKEN = ("simpson", "fit")  # what approaches are compared with
 
 
-def _trial() -> Features:
-    """Features of three levels in two cases."""
-    from .features import of_orbits
-    from .motion.jit import interpreted
-    from .motion.orbits import steady_orbits
+def approach(name: str) -> Approach:
+    """The approach behind a name: the name itself where it is an approach; else a built-in one.
 
-    Y, omega = np.array([[0.004], [0.008], [0.012]]), np.array([22.0, 31.0])
-    with interpreted():
-        orbits = steady_orbits(m=2.42, c=90.0, k=2310.0, K_z=208000.0, F_k=1.28, Y=Y, omega=omega)
-    return of_orbits(orbits, Y, omega)
-
-
-def unregister(name: str) -> None:
-    """Forget the term or the approach that `register_term` or `register_approach` made known under a name.
-
-    Raises ValueError for a name that is not registered, or is one of the package.
-
-    >>> from dampbalance import register_term, unregister
-    >>> term = register_term("c_5", lambda v, w, k, omega: v**5)
-    >>> unregister("c_5")
+    Raises ValueError for a name that is not known, and for another approach by a name that is taken or of another form.
     """
-    registered = [
-        known
-        for known, own in ((KNOWN_TERMS, BUILT_IN), (APPROACHES, _BUILT_IN))
-        if text("name", name) in known and name not in own
-    ]
-    if not registered:
-        raise ValueError(f"{shown(name)} is no term and no approach that was registered")
-    for known in registered:
-        del known[name]
+    if not isinstance(name, Approach):
+        if name not in APPROACHES:
+            raise ValueError(
+                f"unknown approach {shown(name)}; known are {', '.join(APPROACHES)}; pass one of your own as an "
+                "Approach"
+            )
+        return APPROACHES[name]
+    if not re.fullmatch(NAME, name):
+        raise ValueError(f"the name of an approach must be {IN_WORDS}, got {shown(str(name))}")
+    if name in _TAKEN or APPROACHES.get(name, name) is not name:
+        raise ValueError(f"name {str(name)!r} is one of the package: choose another")
+    return name
 
 
-def checks() -> dict[str, Approach]:
-    """Return the approaches that measured records are evaluated by: those whose rows need no choice of a phase.
+def checks(asked: Sequence[str] | str | None = None) -> tuple[Approach, ...]:
+    """Return the approaches, among those that are asked for, by which measured records are evaluated: those whose rows
+    need no choice of a phase.
 
     The others approximate x(t) by its fundamental, which costs more off resonance than the noise of most records.
+
+    asked : names of built-in ones, and objects; default, the built-in ones. Raises ValueError for any other.
     """
-    return {name: approach for name, approach in APPROACHES.items() if not approach.takes_phase}
+    built_in = tuple(one for one in APPROACHES.values() if not one.takes_phase)
+    several = () if asked is None else names("approaches", asked)
+    own = tuple(dict.fromkeys(approach(name) for name in several if isinstance(name, Approach)))
+    unknown = sorted({name for name in several if name not in built_in and takes_phase(name)})
+    if unknown:
+        raise ValueError(
+            f"unknown approaches {shown(list(map(str, unknown)))}; known are {', '.join(built_in)}, and those of your "
+            "own that take no phase"
+        )
+    ways = tuple(one for one in built_in if not several or one in several)
+    return (*ways, *(one for one in own if one not in built_in))
 
 
 def takes_phase(name: str) -> bool:
-    """Whether estimates by the approach of that name depend on a choice of the phase φ."""
-    return name not in APPROACHES or APPROACHES[name].takes_phase
+    """Whether estimates by an approach, or the built-in one of that name, depend on a choice of the phase φ."""
+    known = name if isinstance(name, Approach) else APPROACHES.get(name)
+    return known is None or known.takes_phase
 
 
 def _harmonic(features: Features, k: ArrayLike, a: Array) -> Rows:

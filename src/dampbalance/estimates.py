@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from .arrays import Array
-from .balance import APPROACHES, TERMS, Approach, Rows, takes_phase
+from .balance import APPROACHES, TERMS, Approach, Rows, approach
 from .solver import (
     Estimate,
     Pair,
@@ -50,16 +50,17 @@ def estimate_table(
     chosen: Sequence[Pair],
     *,
     common: Features | None = None,
-    common_approaches: Mapping[str, Approach] = APPROACHES,
-    names: Collection[str] | None = None,
+    approaches: Sequence[str] = (),
+    common_approaches: Sequence[Approach] = (),
 ) -> pd.DataFrame:
     """Everything the balances say of one frequency: each approach, pair-wise and least squares, one tidy row each.
 
     features : of n responses with their individual φ and t_s.   k : stiffness, N/m.   chosen : pairs, counted from 0.
     common : the same responses with one φ and one t_s; default: the means over the responses that slip.
-    common_approaches : the row functions to use with `common`, by name.   names : the approaches to show; default: all.
+    approaches : objects, or names of built-in ones; default: all of these.   common_approaches : those to use with
+    `common`; default: the same.
 
-    Approaches that take no choice of φ and t_s (`balance.takes_phase`) appear as "individual" only. What cannot be
+    Approaches that take no choice of φ and t_s (`Approach.takes_phase`) appear as "individual" only. What cannot be
     estimated, because a level lacks a feature, stays in the table with NaN and the reason as its note: one level
     without slip stops nothing.
     Columns: `estimate_columns()`; the order of the rows is fixed.
@@ -69,12 +70,12 @@ def estimate_table(
     if common is None:
         common = features.with_common("phi", "t_s")
     records: list[dict[str, object]] = []
-    for name, approach in APPROACHES.items():
-        if names is None or name in names:
-            records += _records(name, "individual", approach(features, k), features, chosen)
-    for name, approach in common_approaches.items():
-        if takes_phase(name) and (names is None or name in names):
-            records += _records(name, "common", approach(common, k), common, chosen)
+    ways = tuple(map(approach, approaches or APPROACHES))
+    for way in ways:
+        records += _records(way, "individual", way(features, k), features, chosen)
+    for way in common_approaches or ways:
+        if way.takes_phase:
+            records += _records(way, "common", way(common, k), common, chosen)
     return pd.DataFrame.from_records(records, columns=estimate_columns())
 
 

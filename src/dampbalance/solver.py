@@ -310,5 +310,10 @@ def pair_label(i: int, j: int) -> str:
     return f"{i + 1}-{j + 1}"
 
 
+def levels_of(label: str) -> tuple[int, ...]:
+    """The levels, counted from 1, of a pair by its label."""
+    return tuple(map(int, label.split("-")))
+
+
 def _number(n: int) -> str:
     return {1: "one", 2: "two", 3: "three"}.get(n, str(n))

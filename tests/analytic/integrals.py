@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from dampbalance.law.terms import KNOWN_TERMS
+from dampbalance.law.terms import term
 from dampbalance.motion.events import PHASE_S, PHASE_T
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(12)
@@ -13,7 +13,7 @@ PANEL = 0.1  # rad of the fastest oscillation
 
 def of_motion(symbol, orbit):
     """g = ∮ h ẋ dt of a term; friction's is the travel in slip, a of Eq. (7a)."""
-    force, k, omega = KNOWN_TERMS[symbol].force, orbit.oscillator.k, orbit.motion.omega
+    force, k, omega = term(symbol).force, orbit.oscillator.k, orbit.motion.omega
     return orbit.a if force is None else around(orbit, lambda v, w, y: force(v, w, k, omega) * v)
 
 

@@ -13,18 +13,20 @@ from scipy.integrate import quad
 
 from dampbalance.balance import (
     APPROACHES,
+    Approach,
     Rows,
+    approach,
+    checks,
     direct,
     fourier,
-    register_approach,
     slip_displacement,
     slip_time,
     slip_velocity,
     slip_velocity_as_printed,
     takes_phase,
-    unregister,
     viscous_integral,
 )
+from dampbalance.estimates import estimate_table
 from dampbalance.features import of_numbers, of_orbit, stack
 from dampbalance.law.terms import KNOWN_TERMS
 from dampbalance.model import BaseMotion
@@ -41,10 +43,11 @@ HARMONIC = ("X_s", "t_s", "V_s")
     [
         ("direct", direct, "name 'direct' is one of the package: choose another"),
         ("fit", direct, "name 'fit' is one of the package: choose another"),
+        ("a b", direct, "the name of an approach must be a name of letters, digits and"),
         (
             "mine",
             lambda features: direct(features, K),
-            r"failed for features of shape \(3,\): Type",
+            r"the approach mine failed for features of shape \(5,\): Type",
         ),
         ("mine", lambda features, k: features.a, "must return Rows, got array"),
         (
@@ -55,32 +58,37 @@ HARMONIC = ("X_s", "t_s", "V_s")
         (
             "mine",
             lambda f, k: Rows({"F_k": f.a.mean(), "c": f.b}, f.W),
-            r"F_k of the approach mine must have the shape of its features, \(3,\), got \(\)",
+            r"F_k of the approach mine must have the shape of its features, \(5,\), got \(\)",
         ),
         (
             "mine",
-            lambda f, k: Rows({"F_k": f.a, "c": f.b}, f.W.ravel()),
-            r"W of the approach mine must have the shape of its features, \(3, 2\), got \(6,\)",
+            lambda f, k: Rows({"F_k": f.a, "c": f.b}, f.W[1:]),
+            r"W of the approach mine must have the shape of its features, \(5,\), got \(4,\)",
         ),
     ],
 )
 def test_rows_that_are_no_approach_are_refused(name, rows, message):
     with pytest.raises(ValueError, match=message):
-        register_approach(name, rows)
-    assert "mine" not in APPROACHES
+        approach(Approach(name, rows))(features_at(), K)
 
 
-def test_a_registered_approach_is_one_until_it_is_forgotten():
-    mine = register_approach("mine", direct, label="mine too", terms="F_k,c")
-    assert APPROACHES["mine"] is mine
-    with pytest.raises(ValueError, match="'mine' is registered already: add overwrite=True"):
-        register_approach("mine", fourier)
-    register_approach("mine", fourier, overwrite=True)
-    assert least_squares(APPROACHES["mine"](features_at(), K))["F_k"] == pytest.approx(
-        least_squares(APPROACHES["fourier"](features_at(), K))["F_k"], rel=1e-15
-    )
-    unregister("mine")
-    assert "mine" not in APPROACHES
+def test_an_approach_is_passed_as_an_object_next_to_names():
+    mine = Approach("mine", fourier, label="mine too")
+    assert approach(mine) is mine
+    assert checks() == ("direct", "fourier")
+    assert checks([mine, "direct"]) == ("direct", "mine")
+    assert checks([mine, mine])[0] is mine
+    rows, same = (one(features_at(), K) for one in (mine, APPROACHES["fourier"]))
+    np.testing.assert_array_equal(rows.W, same.W)
+    table = estimate_table(features_at(), K, [], approaches=["direct", mine])
+    assert table["approach"].tolist() == ["direct", "mine"]
+    for asked in (["X_s"], ["mine"], [Approach("mine", fourier, takes_phase=True)]):
+        with pytest.raises(ValueError, match=r"unknown approaches .*known are direct, fourier"):
+            checks(asked)
+    with pytest.raises(ValueError, match="unknown approach 'mine'; known are direct, X_s"):
+        approach("mine")
+    with pytest.raises(ValueError, match="unknown term 'c_9'"):
+        Approach("mine", direct, terms="F_k,c_9")
 
 
 @pytest.mark.parametrize("name", APPROACHES)

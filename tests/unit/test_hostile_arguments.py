@@ -17,6 +17,7 @@ import pandas as pd
 import pytest
 
 from dampbalance import (
+    Approach,
     BaseMotion,
     Channel,
     Measurement,
@@ -24,20 +25,18 @@ from dampbalance import (
     Oscillator,
     RecordError,
     Regime,
+    Term,
     identify,
     measured_orbit,
     measured_ring_down,
     read_records,
-    register_approach,
-    register_term,
     sliders_orbit,
     steady_orbit,
     steady_orbits,
     study,
     transient,
-    unregister,
 )
-from dampbalance.balance import direct
+from dampbalance.balance import approach, direct
 from dampbalance.features import of_orbit
 from dampbalance.law.law import Law, law_of
 from dampbalance.law.response import law_response
@@ -47,7 +46,7 @@ from dampbalance.record import Record
 from dampbalance.records.readers import channels, read
 from dampbalance.records.writers import write
 from dampbalance.solver import contact_stiffness
-from paper_case import PAPER
+from paper_case import PAPER, features_at
 
 NESTED: list[object] = []
 NESTED.append(NESTED)
@@ -214,18 +213,17 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, object], Callable[..., o
         | {"route": "exact", "columns": "errors", "threads": 1},
         repr,
     ),
-    "register_term": (
-        lambda **of: unregister(register_term(**of).symbol),
+    "Term": (
+        Term,
         {"symbol": "p", "force": lambda v, w, k, omega: v, "words": "", "unit": "", "integral": ""}
-        | {"integral_unit": "", "overwrite": False},
+        | {"integral_unit": ""},
         repr,
     ),
-    "register_approach": (
-        lambda name, **of: (register_approach(name, **of), unregister(name)),
-        {"name": "p", "rows": direct, "label": "", "terms": "F_k,c", "takes_phase": False, "overwrite": False},
+    "Approach": (
+        lambda **of: approach(Approach(**of))(features_at(), 2310.0),
+        {"name": "p", "rows": direct, "label": "", "terms": "F_k,c", "takes_phase": False},
         repr,
     ),
-    "unregister": (unregister, {"name": "p"}, repr),
     "identify": (
         identify,
         {"records": STEADY, "stiffness": 2310.0, "mapping": None, "kind": "forced", "frequency": 3.5, "mass": 2.42}

@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 
 from dampbalance.balance import (
     APPROACHES,
+    Approach,
     Rows,
     direct,
     slip_displacement,
@@ -372,9 +373,8 @@ def test_table_common_phase_is_the_mean_unless_given():
 
 
 def test_table_takes_other_row_functions_for_the_common_phase():
-    table = estimate_table(
-        features_at(), PAPER.k, PAIRS, common_approaches={"slipped": slip_velocity_as_printed}
-    )
+    slipped = Approach("slipped", slip_velocity_as_printed, takes_phase=True)
+    table = estimate_table(features_at(), PAPER.k, PAIRS, common_approaches=[slipped])
     common = table[table["phase"] == "common"]
     assert set(common["approach"]) == {"slipped"}
     assert set(common["kind"]) == {"pair", "mean", "std", "least_squares"}

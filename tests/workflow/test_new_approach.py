@@ -1,6 +1,6 @@
 """A new approach is one function and one entry, a new term of a law is one entry: everything else follows.
 
-A copy of the project gets a term in `law/terms.py`, and an approach of its own that has it at the end of `balance.py`.
+A copy of the project gets a term in `law/terms.py`, and in `balance.py` an approach that has it.
 Tables, figures, page, a study, an identification and a simulation then know them, and nothing else was edited.
 """
 
@@ -19,40 +19,47 @@ from processes import output_of
 
 pytestmark = pytest.mark.slow
 
-TERM = """        Term(
-            "c_4",
-            "N s⁴/m⁴",
-            "quartic damping",
-            "b_4",
-            "m⁵/s⁴",
-            4,
-            lambda v, w, k, omega: np.abs(v) ** 3 * v,
-        ),
+TERM = """        Term("c_4", lambda v, w, k, omega: np.abs(v) ** 3 * v, "quartic damping", integral="b_4"),
 """
 # Direct integration with a quartic damper in addition. There is none.
-ADDED = """
-
-TERMS["c_4"] = KNOWN_TERMS["c_4"]
-
-
-def quartic(features: Features, k: ArrayLike) -> Rows:
+TOY = (
+    """def quartic(features: Features, k: ArrayLike) -> Rows:
     rows = direct(features, k)
     return Rows({**rows.terms, "c_4": 32.0 / 15.0 * features.omega**4 * features.X**5}, rows.W)
 
 
-APPROACHES["toy"] = Approach(
-    quartic, "with a toy", takes_phase=False, terms=("F_k", "c", "c_4")
+""",
+    """        Approach("toy", quartic, "with a toy", terms=("F_k", "c", "c_4")),
+""",
 )
-"""
 # As CONTRIBUTING.md has it, without a term.
-ALONE = """
-
-def alone(features: Features, k: ArrayLike) -> Rows:
+ALONE = (
+    """def alone(features: Features, k: ArrayLike) -> Rows:
     return Rows({"F_k": 4.0 * features.X, "c": features.b}, features.W)
 
 
-APPROACHES["alone"] = Approach(alone, "with nothing else", takes_phase=False)
-"""
+""",
+    """        Approach("alone", alone, "with nothing else"),
+""",
+)
+
+
+def edited(file, *insertions):
+    """A source file with texts before the only place that each of other texts has in it."""
+    text = file.read_text(encoding="utf-8")
+    for place, inserted in insertions:
+        before, after = text.split(place)
+        text = f"{before}{inserted}{place}{after}"
+    file.write_text(text, encoding="utf-8")
+
+
+def with_approach(copy, function, entry, *more):
+    """A copy of the project with one function and one entry."""
+    places = ("APPROACHES: dict[str, Approach] = {", '    )\n}\n"""The built-in approaches')
+    file = copy.folder / "src/dampbalance/balance.py"
+    edited(file, *zip(places, (function, entry), strict=True), *more)
+
+
 CASE = {
     "case": "toy",
     "excitation": {
@@ -78,11 +85,8 @@ STUDY = {
 @pytest.fixture(scope="module")
 def extended(checkout):
     copy = checkout()
-    with (copy.folder / "src/dampbalance/balance.py").open("a", encoding="utf-8") as module:
-        module.write(ADDED)
-    terms = copy.folder / "src/dampbalance/law/terms.py"
-    before, last = terms.read_text(encoding="utf-8").split('        Term(\n            "eta"')
-    terms.write_text(f'{before}{TERM}        Term(\n            "eta"{last}', encoding="utf-8")
+    with_approach(copy, *TOY, (')}\n"""The terms of the balance (6)', ', "c_4"'))
+    edited(copy.folder / "src/dampbalance/law/terms.py", ('        Term("eta"', TERM))
     for file, document in (("toy.yaml", CASE), ("config/studies/toy.yaml", STUDY)):
         text = yaml.safe_dump(document, allow_unicode=True)
         (copy.folder / file).write_text(text, encoding="utf-8")
@@ -108,8 +112,7 @@ def test_the_pipeline_shows_it(extended):
 
 def test_the_page_of_the_paper_s_case_is_built_with_an_approach_more(checkout):
     copy = checkout()
-    with (copy.folder / "src/dampbalance/balance.py").open("a", encoding="utf-8") as module:
-        module.write(ALONE)
+    with_approach(copy, *ALONE)
     said = copy.made("results/paper/report.html")
     page = (copy.folder / "results/paper/report.html").read_text(encoding="utf-8")
     assert "with nothing else" in page

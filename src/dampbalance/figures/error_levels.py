@@ -14,6 +14,7 @@ from matplotlib.lines import Line2D
 
 from ..balance import TERMS, takes_phase
 from ..model import Oscillator
+from ..solver import levels_of
 from .grid import Grid, grid, signed_axis
 from .looks import in_maths, label_of, look_of, named
 from .series import COMMON, EXACT, INDIVIDUAL, signed_scale
@@ -63,7 +64,7 @@ def estimation_error(
         for column in ("approach", "pair")
     )
     pairs = [pair for pair in pairs if pair != ALL]
-    names = ["–".join(f"{levels_m[int(i) - 1] * 1e3:g}" for i in pair.split("-")) for pair in pairs]
+    names = ["–".join(f"{levels_m[i - 1] * 1e3:g}" for i in levels_of(pair)) for pair in pairs]
     terms = [term for term in TERMS.values() if hasattr(oscillator, term.symbol)]
     panels = grid(len(terms), len(frequencies_hz), left=17.0, bottom=20.0, height=48.0)
     exact = []  # for each term: approach that is exact to rounding → bound of its error, %
@@ -171,5 +172,4 @@ def _legend(panels: Grid, approaches: Sequence[str], exact: Mapping[str, float])
 
 def _is_step(pair: str) -> bool:
     """Whether a pair "i-j" is one of neighbouring levels."""
-    i, _, j = pair.partition("-")
-    return bool(j) and abs(int(j) - int(i)) == 1
+    return pair != ALL and abs(int(np.diff(levels_of(pair))[0])) == 1

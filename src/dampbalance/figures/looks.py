@@ -8,9 +8,10 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Iterable
 from dataclasses import dataclass
 
-from ..balance import APPROACHES
+from ..balance import APPROACHES, Approach
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,18 +57,22 @@ SCHEME_LOOKS = {
 """Name and look of each fixed-step scheme; no figure shows both schemes and approaches. Orange is for print."""
 
 
-def look_of(approach: str) -> Look:
-    """The look of an approach: its own, or a spare one by its place among the registered approaches that have none."""
+def look_of(approach: str, among: Iterable[str] = ()) -> Look:
+    """The look of an approach: its own, or a spare one by its place among the approaches that have none.
+
+    among : approaches that are drawn, besides the built-in ones.
+    """
     if approach in LOOKS:
         return LOOKS[approach]
-    others = [name for name in APPROACHES if name not in LOOKS]
+    others = [name for name in dict.fromkeys((*APPROACHES, *among)) if name not in LOOKS]
     place = others.index(approach) if approach in others else len(others)
     return SPARE[place % len(SPARE)]
 
 
 def label_of(approach: str) -> str:
-    """What an approach is called: its label in `balance.APPROACHES`, or its name if it is not registered there."""
-    return APPROACHES[approach].label if approach in APPROACHES else approach
+    """What an approach is called: its label, that of the built-in one of the name, or else its name."""
+    known = approach if isinstance(approach, Approach) else APPROACHES.get(approach)
+    return known.label if known else approach
 
 
 def named(approach: str, sharing: str) -> str:

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from operator import itemgetter
 from typing import Any
@@ -28,10 +28,10 @@ from scipy import special
 
 from ..arguments import number, whole
 from ..arrays import Array, Mask
-from ..balance import APPROACHES, Approach, Rows, checks
+from ..balance import Approach, Rows, approach, checks
 from ..features import COLUMNS, Features, stack
 from ..law.law import Law
-from ..law.terms import FRICTION, parted
+from ..law.terms import FRICTION, term
 from ..likelihood.mean_harmonics import Reading
 from ..likelihood.score import Departure
 from ..project.wording import Remark
@@ -145,8 +145,10 @@ class ForcedOutcome(Identified):
 
     def shifts(self, faults: Mapping[str, Fault], name: str) -> dict[str, dict[str, float]]:
         """What faults of all records do to an answer; nothing is known of a fit that is not that of the waveforms."""
-        if name in APPROACHES:
-            rows_of = LawRows(APPROACHES[name], self.law, self.k, self.joint.linear)
+        if name in self.estimates:
+            rows_of = LawRows(
+                approach(self.estimates[name].name), self.law, self.k, self.joint.linear
+            )
             changes = sensitivities(self.readings, rows_of, self.estimates[name], faults)
             # the balance takes nothing else from the fit that has the mass
             of_mass = {what: Fault(what, mass=of.mass) for what, of in faults.items() if of.mass}
@@ -201,7 +203,7 @@ def identify_readings(
     k: float,
     *,
     law: Law | None = None,
-    approaches: Mapping[str, Approach] | None = None,
+    approaches: Iterable[str] | None = None,
     mass: float | None = None,
     mass_error: float = 0.0,
     uncertainty: float = 0.0,
@@ -224,8 +226,9 @@ def identify_readings(
     readings, and too few or too many replicates. An approach whose rows cannot be solved stays in the result with NaN
     and the reason.
     """
-    law, approaches = law or Law(), checks() if approaches is None else approaches
-    _require(readings, k, law, approaches, replicates)
+    law = law or Law()
+    ways = checks() if approaches is None else tuple(map(approach, approaches))
+    _require(readings, k, law, ways, replicates)
     if mass is not None:
         number("mass", mass)
     lines = [reading.lines for reading in readings]
@@ -238,9 +241,9 @@ def identify_readings(
     readings = joined(readings, joint, law)
     samples = read_samples(readings, replicates, np.random.default_rng(seed))
     line = microstick(samples)
-    estimates = {}
-    for name, way in approaches.items():
-        rows_of = LawRows(way, law, k, joint.linear)
+    estimates: dict[str, Answer] = {}
+    for name in ways:
+        rows_of = LawRows(name, law, k, joint.linear)
         one = _answer(name, rows_of, joint, readings, samples, line)
         notes = (*one.notes, *notes_on(one, readings, joint))
         estimates[name] = replace(one, notes=notes)
@@ -282,7 +285,7 @@ def _require(
     readings: Sequence[Reading],
     k: float,
     law: Law,
-    approaches: Mapping[str, Approach],
+    approaches: Sequence[Approach],
     replicates: int,
 ) -> None:
     number("stiffness", k)
@@ -323,12 +326,12 @@ def _answer(
     rows = samples.map(lambda sample: rows_of(sample.features))
     point, usable = rows.point, rows.point.usable
     uncertain = replace(point, covariance=rows.drawn.scatter())
-    nothing = dict.fromkeys(rows_of.law.unknowns, UNKNOWN)
+    nothing: dict[str, ParameterEstimate] = dict.fromkeys(rows_of.law.unknowns, UNKNOWN)
     try:
         estimate = least_squares(uncertain)
     except ValueError as error:
         unshaped = any(
-            np.isnan(g).all() and parted(key)[0] not in rows_of.approach.terms
+            np.isnan(g).all() and term(key).symbol not in rows_of.approach.terms
             for key, g in point.terms.items()
         )
         reason = str(error)

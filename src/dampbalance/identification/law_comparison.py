@@ -26,7 +26,7 @@ from scipy import special
 
 from ..balance import APPROACHES, Rows
 from ..law.law import Law
-from ..law.terms import FRICTION, KNOWN_TERMS, in_order, term
+from ..law.terms import FRICTION, KNOWN_TERMS, Term, in_order, term
 from ..likelihood.base_harmonics import settled
 from ..likelihood.dynamic_stiffness import as_good
 from ..likelihood.mean_harmonics import Means, Reading
@@ -233,7 +233,8 @@ def compare_laws(
     asked = law or Law()
     frequencies = [reading.steady.frequency_hz for reading in readings]
     left_out = ""
-    terms = [s for s in KNOWN_TERMS if s != FRICTION and s not in asked.given]
+    every = in_order((*KNOWN_TERMS, *asked.terms))
+    terms: list[str] = [s for s in every if s not in (FRICTION, *asked.given)]
     if max(frequencies) < _ALIKE * min(frequencies) and {"c", "eta"} <= set(terms):
         terms.remove("eta")
         left_out = "at one frequency structural damping eta acts as viscous damping c does, and is not tried"
@@ -249,7 +250,7 @@ def compare_laws(
         if friction or asked.given or some
     ]
     tests: list[LawTest] = []
-    fits: dict[tuple[str, ...], WaveformFit] = {}
+    fits: dict[tuple[Term, ...], WaveformFit] = {}
     enough: list[set[str]] = []
     size = 0
     for kept in followed(sorted(laws, key=len), len(laws), "laws"):
@@ -260,7 +261,7 @@ def compare_laws(
             continue
         given = asked.given if FRICTION in kept else {**asked.given, **none}
         groups = {s: of for s, of in asked.groups.items() if s in kept}
-        tried = Law((FRICTION, *kept), given, groups)
+        tried = Law(in_order((FRICTION, *kept)), given, groups)
         if len(tried.unknowns) > len(readings):
             continue
         if FRICTION not in kept:

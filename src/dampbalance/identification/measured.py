@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
-from ..arguments import flag, mass_with_error, names, number, one_of, whole, with_error
+from ..arguments import flag, mass_with_error, number, one_of, whole, with_error
 from ..balance import TERMS, checks
 from ..law.law import Law, law_of
 from ..motion.jit import interpreted
@@ -73,7 +73,8 @@ def identify(
     mass : kg, if it is known: it tests the stiffness and the gains, and sharpens K_z where it is known better than the
     records know it. State its standard uncertainty like that of the stiffness, (2.42, 0.01) or "2.42±0.01"; of a mass
     alone it is half a unit of the last digit ("2.420" keeps its zero) or 0.5 %, whichever is more.
-    terms : of the damping law, symbols of `KNOWN_TERMS`; default, F_k, c and those that are given.
+    terms : of the damping law, symbols of `KNOWN_TERMS` and objects of `Term`; default, F_k, c and those that are
+    given.
     given : symbol → known coefficient, SI units.
     groups : symbol → a label for each record, where each group of records has its own coefficient.
     laws : whether to compare all laws of one or two terms, with and without friction, too.
@@ -81,8 +82,8 @@ def identify(
     interface of a bolted joint does, or "both", of which the one that the lines support is the answer.
     hardening : of a stepped sine: whether the spring may stiffen with the amplitude.
     residual : of a stepped sine: whether other modes may move the driven point, too. Use it for a structure.
-    approaches : names of `balance.checks()`; default, all. "direct" assumes no shape of x(t), "fourier" takes three
-    harmonics of it.
+    approaches : names of `balance.checks()`, which are the default, and objects of `Approach` that take no phase.
+    "direct" assumes no shape of x(t), "fourier" takes three harmonics of it.
     skip_cycles : left out at the start of each record, where the motion has not settled.
     replicates, seed : of the bootstrap.
 
@@ -120,7 +121,7 @@ def identify(
     m, m_error = (None, None) if mass is None else mass_with_error(mass)
     skip_cycles, replicates = whole("skip_cycles", skip_cycles), whole("replicates", replicates)
     seed = whole("seed", seed)
-    asked = () if approaches is None else names("approaches", approaches, checks())
+    ways = checks(approaches)
     law = law_of(terms, given, groups)
     of_kind = {"recognised": None, "stepped-sine": True}.get(kind, False)
     free = kind == "ring-down"
@@ -148,7 +149,7 @@ def identify(
         "contact": contact,
         "hardening": hardening,
         "residual": residual,
-        "approaches": [name for name in checks() if not asked or name in asked],
+        "approaches": list(ways),
         "mapping": str(mapping) if isinstance(mapping, str | Path) else None,
         "skip_cycles": skip_cycles,
         "replicates": replicates,
@@ -264,7 +265,7 @@ def _of_steady(
     found = identify_readings(
         readings,
         k,
-        approaches={name: checks()[name] for name in options["approaches"]},
+        approaches=options["approaches"],
         mass=mass,
         mass_error=mass_error or 0.0,
         uncertainty=error / k,

@@ -188,7 +188,7 @@ def balance(answers: Mapping[str, Answer], two: bool) -> Figure:
         assert answer.balance is not None
         rows, off = answer.balance.rows, answer.row_misfit
         usable = rows.usable & [of != SHAPE for of in answer.balance.names]
-        look = look_of(name)
+        look = look_of(name, checks)
         marks: dict[str, Any] = {"color": look.colour, "fillstyle": "none"}
         marks["label"] = in_maths(label_of(name))
         with np.errstate(divide="ignore", invalid="ignore"):

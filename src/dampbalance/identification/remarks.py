@@ -463,7 +463,7 @@ def limits(answers: Mapping[str, Answer], warnings: Sequence[Remark]) -> list[Li
 
     Sentences that differ only in their numbers become one, with the range of each number.
     """
-    notes = [note.about(name) for name, answer in answers.items() for note in answer.notes]
+    notes = [note.about(str(name)) for name, answer in answers.items() for note in answer.notes]
     of_records = [remark for remark in warnings if remark.source]
     gathered = [
         Limit(kind, tuple(dict.fromkeys(one.source for one in group)), merged(group))

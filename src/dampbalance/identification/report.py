@@ -16,7 +16,7 @@ from markupsafe import Markup
 
 from .. import __version__
 from ..figures.style import COOL, DARK, GRID, INK, PAPER, follows_the_screen
-from ..law.terms import parted, term
+from ..law.terms import term
 from ..project.wording import (
     Remark,
     dotted,
@@ -175,9 +175,7 @@ _TEMPLATES.filters |= {
     "interval": interval_of,
     "part": _part,
     "unit": unit_of,
-    "words": lambda symbol: (
-        "contact stiffness" if symbol == "K_z" else term(parted(symbol)[0]).words
-    ),
+    "words": lambda symbol: "contact stiffness" if symbol == "K_z" else term(symbol).words,
     "figures": lambda value: number(_known(value), 4),
     "percent": lambda share: percent(_known(share)),
     "change": lambda change: signed_percent(0.01 * round(_known(change), 3)),

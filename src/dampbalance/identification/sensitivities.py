@@ -16,7 +16,7 @@ from functools import lru_cache
 import numpy as np
 
 from ..arrays import Array
-from ..law.terms import FRICTION, parted
+from ..law.terms import FRICTION
 from ..likelihood.mean_harmonics import Means, Reading
 from ..likelihood.steady_search import with_mass
 from ..likelihood.waveforms import WaveformFit
@@ -107,7 +107,7 @@ def shifts_of_fit(
     lighter = _with_mass(fit, fit.m * (1.0 - _STEP)) if heavy and lightened.any() else None
     shifts: dict[str, Array] = {}
     for key in (*fit.law.unknowns, "rho", "m"):
-        value, follows = fit.value(key), 1.0 if key == "rho" or parted(key)[0] != "eta" else 0.0
+        value, follows = fit.value(key), 0.0 if getattr(key, "symbol", key) == "eta" else 1.0
         scaled = stiffness * (-0.5 if key == "rho" else follows)
         if heavy and key != "m":
             by_mass = 0.0 if lighter is None else (lighter.value(key) / value - 1.0) / _STEP

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 from ..arguments import items, mapping, names, number
-from .terms import FRICTION, KNOWN_TERMS, in_order, listed, of_group, parted, term
+from .terms import FRICTION, Term, in_order, listed
 
 _GIVEN = "a mapping of symbols to coefficients"
 _ALIKE = 1.001  # of two frequencies: nearer ones are one
@@ -15,16 +15,17 @@ _ALIKE = 1.001  # of two frequencies: nearer ones are one
 
 @dataclass(frozen=True)
 class Law:
-    """A damping law that is to be identified: terms of `KNOWN_TERMS`, friction among them.
+    """A damping law that is to be identified: built-in terms and others, friction among them.
 
-    terms : symbols.   given : symbol → coefficient that is known, SI.   groups : symbol → for each record the label of
-    the group that its coefficient belongs to; a term that is not named has one coefficient for all records.
+    terms : symbols of `KNOWN_TERMS`, or objects of `Term`, which these become.   given : term → coefficient that is
+    known, SI.   groups : term → for each record the label of the group that its coefficient belongs to; a term that is
+    not named has one coefficient for all records. A symbol stands for its term in both.
 
     Raises ValueError naming the term: unknown, no friction among them, a given value that no oscillator has, a given
     term with groups.
     """
 
-    terms: tuple[str, ...] = (FRICTION, "c")
+    terms: tuple[Term, ...] = (FRICTION, "c")  # type: ignore[assignment]
     given: Mapping[str, float] = field(default_factory=dict)
     groups: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
@@ -41,14 +42,16 @@ class Law:
             raise ValueError(
                 f"a law needs the friction force {FRICTION}, got the terms {', '.join(self.terms) or 'none'}"
             )
-        for what, named in (("given", self.given), ("grouped", self.groups)):
+        for what, name in (("given", "given"), ("grouped", "groups")):
+            named = getattr(self, name)
             for symbol in named:
-                if term(symbol).symbol not in self.terms:
+                if symbol not in self.terms:
                     raise ValueError(
                         f"{symbol} is {what} and no term of the law: add it to the terms {', '.join(self.terms)}"
                     )
+            object.__setattr__(self, name, {self.term(symbol): of for symbol, of in named.items()})
         for symbol, value in self.given.items():
-            label = f"the given {symbol} ({KNOWN_TERMS[symbol].unit or 'no unit'})"
+            label = f"the given {symbol} ({self.term(symbol).unit or 'no unit'})"
             if number("given", value, label) == 0.0 and symbol == FRICTION:
                 raise ValueError(f"the given {symbol} must be a positive number of N, got {value}")
             if symbol in self.groups:
@@ -62,36 +65,33 @@ class Law:
                 )
 
     @cached_property
-    def keys(self) -> tuple[str, ...]:
-        """Of all coefficients, in order: a symbol, or one for each group of its records, F_k[250 g]."""
-        return tuple(
-            key
-            for symbol in self.terms
-            for key in (
-                [of_group(symbol, label) for label in dict.fromkeys(self.groups[symbol])]
-                if symbol in self.groups
-                else [symbol]
-            )
-        )
+    def keys(self) -> tuple[Term, ...]:
+        """The keys of all coefficients, in order: a term, or one for each group of its records, F_k[250 g]."""
+        return tuple(key for term in self.terms for key in self.keys_of(term))
+
+    def term(self, symbol: str) -> Term:
+        """The term of the law that has a symbol."""
+        return self.terms[self.terms.index(symbol)]
 
     @property
-    def unknowns(self) -> tuple[str, ...]:
+    def unknowns(self) -> tuple[Term, ...]:
         """The keys of the coefficients that are to be identified."""
         return tuple(key for key in self.keys if key not in self.given)
 
     @cached_property
-    def nonlinear(self) -> tuple[str, ...]:
+    def nonlinear(self) -> tuple[Term, ...]:
         """The terms under which the motion between two events has no closed form."""
-        return tuple(s for s in self.terms if s != FRICTION and not KNOWN_TERMS[s].linear)
+        return tuple(term for term in self.terms if term != FRICTION and not term.linear)
 
-    def key(self, symbol: str, record: int) -> str:
+    def key(self, symbol: str, record: int) -> Term:
         """The key of the coefficient that a term has for a record, counted from 0."""
-        labels = self.groups.get(symbol)
-        return symbol if labels is None else of_group(symbol, labels[record])
+        term, labels = self.term(symbol), self.groups.get(symbol)
+        return term if labels is None else term.of_group(labels[record])
 
-    def keys_of(self, symbol: str) -> tuple[str, ...]:
+    def keys_of(self, symbol: str) -> tuple[Term, ...]:
         """The keys of all coefficients of a term."""
-        return tuple(key for key in self.keys if parted(key)[0] == symbol)
+        term, labels = self.term(symbol), self.groups.get(symbol)
+        return (term,) if labels is None else tuple(map(term.of_group, dict.fromkeys(labels)))
 
     def require_labels(self, records: int) -> None:
         """ValueError where the groups of a term have not one label for each of so many records."""

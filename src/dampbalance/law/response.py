@@ -7,13 +7,13 @@ from collections.abc import Mapping
 from ..arguments import instance, mapping, number
 from ..model import BaseMotion, Oscillator
 from .steady import Response, steady_response
-from .terms import FRICTION, parted, term
+from .terms import FRICTION, term
 
 
 def law_response(oscillator: Oscillator, motion: BaseMotion, law: Mapping[str, float]) -> Response:
     """The steady response of an oscillator under a law; use it to sample a motion with `measured_orbit`.
 
-    law : symbol → coefficient of the terms besides friction and c, which are the oscillator's, SI.
+    law : term, or symbol of one, → coefficient of the terms besides friction and c, which are the oscillator's, SI.
 
     Raises NoSteadyOrbit as `steady_response`, ValueError naming the term: unknown, a coefficient that is negative or no
     number, one that the oscillator has already.
@@ -22,8 +22,9 @@ def law_response(oscillator: Oscillator, motion: BaseMotion, law: Mapping[str, f
     instance("motion", motion, BaseMotion)
     coefficients = mapping("law", law, "a mapping of symbols to coefficients")
     for symbol, p in coefficients.items():
-        words = term(symbol).words
-        if parted(symbol)[1] is not None:
+        of = term(symbol)
+        words = of.words
+        if of.group is not None:
             raise ValueError(f"{symbol} is the {words} of a group of records: name the term alone")
         if symbol in (FRICTION, "c"):
             raise ValueError(

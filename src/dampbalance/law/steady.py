@@ -35,7 +35,7 @@ from ..motion.orbit import NoSteadyOrbit, Orbit, steady_orbit
 from ..motion.regime import Regime
 from ..motion.states import State
 from ..motion.steady_slopes import onset_slopes
-from .terms import FRICTION, KNOWN_TERMS
+from .terms import FRICTION, term
 
 HARMONICS = 32
 """Odd harmonics of what other terms add to an orbit."""
@@ -180,10 +180,10 @@ class System:
         n, X, ends, by_ends = of.t.size, q[of.t.size], of.at, of.by_at
         force, slope = self.linear * of.v, np.full(n, self.linear)
         for symbol, p in self.others.items():
-            term = KNOWN_TERMS[symbol]
-            assert term.force is not None
-            force = force + p * term.force(of.v, 0.0, o.k, motion.omega)
-            slope = slope + p * term.slope(of.v, 0.0, o.k, motion.omega)
+            one = term(symbol)
+            assert one.force is not None
+            force = force + p * one.force(of.v, 0.0, o.k, motion.omega)
+            slope = slope + p * one.slope(of.v, 0.0, o.k, motion.omega)
         contact, stiffness, by_X = self._contact(of, X)
         phase = motion.omega * of.t + self.orbit.theta + q[n + 1]
         drive, by_phase = o.k * motion.Y * np.cos(phase), o.k * motion.Y * np.sin(phase)
@@ -264,7 +264,7 @@ class System:
         rest = np.zeros(ends.size)
         by["m"] = np.append(of.a, rest)
         for symbol in symbols:
-            force = KNOWN_TERMS[symbol].force
+            force = term(symbol).force
             if force is not None:
                 by[symbol] = np.append(force(of.v, w, o.k, omega), rest)
         return by
@@ -460,8 +460,7 @@ class Response:
 
     def _closed(self, symbols: Sequence[str]) -> bool:
         """Whether the motion is that of the orbit, and would be with other coefficients of these terms."""
-        terms = [KNOWN_TERMS[s] for s in symbols if s != FRICTION]
-        return self.system is None and all(term.linear for term in terms)
+        return self.system is None and all(term(s).linear for s in symbols if s != FRICTION)
 
     def _by_coefficients(
         self, by: Any, symbols: Sequence[str], degree: Any, by_phase: Any
@@ -478,7 +477,7 @@ class Response:
         slopes = {FRICTION: by_friction, "rho": by_rho, "m": by_m}
         to_base = math.tan(self.advance)  # of ω/k
         for symbol in symbols:
-            force = KNOWN_TERMS[symbol].force
+            force = term(symbol).force
             if force is not None:
                 turned = -float(force(0.0, 1.0, k, omega)) * omega / k / (1.0 + to_base**2)
                 damping = float(force(1.0, 0.0, k, omega))
@@ -511,11 +510,11 @@ def steady_response(
     omega, k = motion.omega, oscillator.k
     linear, to_base, others = oscillator.c, 0.0, {}
     for symbol, p in law.items():
-        force = KNOWN_TERMS[symbol].force
-        if force is not None and KNOWN_TERMS[symbol].linear:
-            linear += p * float(force(1.0, 0.0, k, omega))
-            to_base -= p * float(force(0.0, 1.0, k, omega))
-        elif force is not None and p:
+        one = term(symbol)
+        if one.force is not None and one.linear:
+            linear += p * float(one.force(1.0, 0.0, k, omega))
+            to_base -= p * float(one.force(0.0, 1.0, k, omega))
+        elif one.force is not None and p:
             others[symbol] = p
     base = BaseMotion(motion.Y * math.hypot(1.0, omega * to_base / k), omega)
     advance = math.atan2(omega * to_base, k)
@@ -537,7 +536,7 @@ def _equivalent(oscillator: Oscillator, base: BaseMotion, others: Mapping[str, f
     extra, X = 0.0, base.Y
     for repetition in range(_EQUIVALENCES):
         work = math.fsum(
-            float(p * KNOWN_TERMS[s].harmonic(base.omega, X, 0.0, 0.0, oscillator.k))
+            float(p * term(s).harmonic(base.omega, X, 0.0, 0.0, oscillator.k))
             for s, p in others.items()
         )
         found = work / (math.pi * base.omega * X**2)

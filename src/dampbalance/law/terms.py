@@ -17,13 +17,13 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Container, Iterable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
-from ..arguments import flag, shown, text
+from ..arguments import shown, text
 from ..arrays import Array, Complexes
 from ..model import named_with_unit
 
@@ -31,22 +31,105 @@ Force = Callable[[Any, Any, Any, Any], Any]
 """h of (ẋ, ẏ, k, ω), numbers or arrays; m/s, m/s, N/m, rad/s."""
 
 
-@dataclass(frozen=True, slots=True)
-class Term:
-    """A way to lose energy: one column of the balance, and the coefficient that is identified.
+NAME = "[A-Za-z][A-Za-z0-9_]{0,39}"
+IN_WORDS = 'a name of letters, digits and "_"'
 
-    symbol, unit, words : of the coefficient p, and what it is.   integral, integral_unit : of the factor g.
-    order : power of the velocity that h grows with: 0 for friction; 1 where the motion under it has a closed form.
-    force : h; None for friction, whose force has a memory.
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Term(str):
+    """A way to lose energy: one column of the balance, and the coefficient p that is identified.
+
+    A term is the text of its symbol and knows more of it. It is the key of laws, rows, values and intervals, where the
+    symbol alone finds it, too: values["c_4"]. The built-in terms, `KNOWN_TERMS`, are named by their symbols; one of
+    your own is passed as an object, wherever terms have names:
+
+        quartic = Term("c_4", lambda v, w, k, omega: abs(v) ** 3 * v, words="quartic damping")
+        identify(records, k, terms=["F_k", "c", quartic])
+
+    `laws=True` tries it, too, where it is among the terms; a study takes it as a term of the balance and as a
+    parameter; `law.response.law_response` computes the response under it, {quartic: 20000.0}. Its force is p h, in
+    which h grows with a fixed power n ≥ 1 of the velocity,
+
+        h(ẋ, ẏ, k, ω) = h_1(k, ω) |ẋ|ⁿ⁻¹ ẋ,    for n = 1 also  h_x(k, ω) ẋ + h_y(k, ω) ẏ
+
+    since the fit scales a response with its level; g = ∮ h ẋ dt, ∂h/∂ẋ and n follow from h. A force that saturates, or
+    depends on the displacement or the history, is none. Free decays determine F_k, c, c_2 and c_3 alone, and the
+    Fourier approach, which has three harmonics only, gives no estimate of it.
+
+    symbol : of the coefficient, a name of letters, digits and "_".
+    force : h, a function of arrays or numbers: ẋ, ẏ (m/s), k (N/m), ω (rad/s); None for friction, which has a memory.
+    words : what the term is, for tables; default, its power.
+    unit : of the coefficient, "" for a number; default, by the power, "N s⁴/m⁴"; needed where h depends on k or ω.
+    integral, integral_unit : symbol and unit of g, for the columns of rows; default, b_ and the symbol, by the power.
+    order : n, found from the force; 0 for friction, 1 where the motion under it has a closed form.
+    group : of records, which share the coefficient; None where all do.
+
+    Raises ValueError for a symbol that is no name, a function that fails or returns another shape, and a force that is
+    not of this kind.
+
+    >>> import math
+    >>> from dampbalance import BaseMotion, Oscillator, Term, identify, measured_orbit
+    >>> from dampbalance.law.response import law_response
+    >>> c_4 = Term("c_4", lambda v, w, k, omega: abs(v) ** 3 * v, words="quartic damping")
+    >>> c_4.unit, c_4.integral_column
+    ('N s⁴/m⁴', 'b_c_4_m5_per_s4')
+    >>> osc = Oscillator(m=2.42, c=0.0, k=2310.0, K_z=208000.0, F_k=1.28)
+    >>> records = []
+    >>> for Y in (0.004, 0.012):
+    ...     orbit = law_response(osc, BaseMotion(Y=Y, omega=2 * math.pi * 4.92), {c_4: 20000.0})
+    ...     records.append(measured_orbit(orbit, rate_hz=500.0, cycles=20.0, noise=0.001))
+    >>> found = identify(records, stiffness=2310.0, terms=["F_k", c_4], approaches="direct")
+    >>> low, high = found.intervals["c_4"]
+    >>> bool(low < 20000.0 < high), found.verdicts["c_4"].verdict
+    (True, 'usable')
     """
 
     symbol: str
-    unit: str
-    words: str
-    integral: str
-    integral_unit: str
-    order: float = 0
-    force: Force | None = None
+    force: Force | None
+    words: str = ""
+    unit: str = "N sⁿ/mⁿ"
+    integral: str = ""
+    integral_unit: str = "mⁿ⁺¹/sⁿ"
+    order: float = field(default=0, init=False)
+    group: str | None = field(default=None, init=False)
+
+    def __new__(cls, symbol: str, *_: Any, **__: Any) -> Term:
+        """Make the text that a term is."""
+        if not re.fullmatch(NAME, text("symbol", symbol)):
+            raise ValueError(f"symbol must be {IN_WORDS}, got {shown(symbol)}")
+        return str.__new__(cls, symbol)
+
+    def __post_init__(self) -> None:
+        to_derive = {
+            name
+            for name in ("words", "unit", "integral", "integral_unit")
+            if text(name, getattr(self, name)) == getattr(Term, name)
+        }
+        if self.force is None:
+            return
+        order, plain = _power_of(self.symbol, self.force)
+        if not plain and to_derive & {"unit", "integral_unit"}:
+            raise ValueError(
+                f"the force of {self} depends on k or omega: state unit and integral_unit"
+            )
+        derived = {
+            "unit": f"N {_power('s', order)}/{_power('m', order)}",
+            "words": f"damping by the power {order:g} of the velocity",
+            "integral": f"b_{self}",
+            "integral_unit": f"{_power('m', order + 1)}/{_power('s', order)}",
+        }
+        self.__dict__.update({name: derived[name] for name in to_derive}, order=order)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """A copy of a built-in term is that term again, as its functions cannot be pickled."""
+        if self.symbol in KNOWN_TERMS:
+            return term, (str(self),)
+        return _restored, (str(self), self.__dict__)
+
+    def of_group(self, group: str) -> Term:
+        """The coefficient that the term has for a group of records: F_k[250 g]."""
+        of = {"group": group, "integral": f"{self.integral}[{group}]"}
+        return _restored(f"{self.symbol}[{group}]", self.__dict__ | of)
 
     def slope(self, v: Any, w: Any, k: Any, omega: Any) -> Any:
         """∂h/∂ẋ, as h a function of (ẋ, ẏ, k, ω)."""
@@ -61,10 +144,6 @@ class Term:
         moved = X ** (n + 1) + to_base * X * Y * np.cos(phi)
         return _cycle_integral(n) * (omega**n * of_mass) * moved
 
-    def __reduce__(self) -> tuple[Callable[[str], Term], tuple[str]]:
-        """A copy is the term of that key again, as its functions cannot be pickled."""
-        return term, (self.symbol,)
-
     @property
     def linear(self) -> bool:
         """Whether h is linear in ẋ and ẏ, so that the motion under it has a closed form between events."""
@@ -73,12 +152,12 @@ class Term:
     @property
     def column(self) -> str:
         """Column of tables that holds the coefficient, named with its unit: F_k_N, c_N_s_per_m."""
-        return named_with_unit(self.symbol, self.unit)
+        return named_with_unit(str(self), self.unit)
 
     @property
     def error_column(self) -> str:
         """Column of tables that holds its standard error."""
-        return named_with_unit(f"{self.symbol}_standard_error", self.unit)
+        return named_with_unit(f"{self}_standard_error", self.unit)
 
     @property
     def integral_column(self) -> str:
@@ -86,146 +165,18 @@ class Term:
         return named_with_unit(self.integral, self.integral_unit)
 
 
-def _cycle_integral(order: float) -> float:
-    """∮ |cos θ|ⁿ⁺¹ dθ over a cycle, n : order."""
-    if order >= 2.0:
-        return order / (order + 1.0) * _cycle_integral(order - 2.0)
-    if order in (0.0, 1.0):
-        return math.pi if order else 4.0
-    return 2.0 * math.sqrt(math.pi) * math.gamma(0.5 * order + 1.0) / math.gamma(0.5 * order + 1.5)
+def _restored(key: str, state: Mapping[str, Any]) -> Term:
+    """A term of that text, which knows what another one did; nothing is checked again."""
+    made = str.__new__(Term, key)
+    made.__dict__.update(state)
+    return made
 
 
-_TO_BASE = "viscous damping on the velocity relative to the base"
+def _power_of(symbol: str, force: Force) -> tuple[float, bool]:
+    """The power of the velocity that a force grows with, and whether it depends on nothing else, neither k nor ω.
 
-KNOWN_TERMS: dict[str, Term] = {
-    term.symbol: term
-    for term in (
-        Term("F_k", "N", "friction force", "a", "m"),
-        Term("c", "N s/m", "viscous damping", "b", "m²/s", 1, lambda v, w, k, omega: v),
-        Term("c_r", "N s/m", _TO_BASE, "b_r", "m²/s", 1, lambda v, w, k, omega: v - w),
-        Term(
-            "c_2",
-            "N s²/m²",
-            "quadratic damping",
-            "b_2",
-            "m³/s²",
-            2,
-            lambda v, w, k, omega: abs(v) * v,
-        ),
-        Term(
-            "c_3", "N s³/m³", "cubic damping", "b_3", "m⁴/s³", 3, lambda v, w, k, omega: v * v * v
-        ),
-        Term(
-            "eta", "", "structural damping", "b_eta", "J", 1, lambda v, w, k, omega: k / omega * v
-        ),
-    )
-}
-"""Every term that a law can have, by symbol, in the order of columns in tables: to add one is an entry here, or, for
-a session, a call of `register_term`.
-
-c : force cẋ.   c_r : c_r(ẋ − ẏ).   c_2 : c_2|ẋ|ẋ.   c_3 : c_3ẋ³.   eta : η(k/ω)ẋ, the loss factor of the spring: at
-one frequency it cannot be distinguished from c.
-"""
-
-FRICTION = "F_k"
-
-
-def term(key: str) -> Term:
-    """The term behind a key: a symbol, or a symbol and the group of records that it belongs to, as in F_k[250 g].
-
-    Raises ValueError for a symbol that is not known.
+    Raises ValueError for a force that is none of a term.
     """
-    symbol, group = parted(key)
-    if symbol not in KNOWN_TERMS:
-        raise ValueError(f"unknown term {shown(symbol)}; known are {', '.join(KNOWN_TERMS)}")
-    found = KNOWN_TERMS[symbol]
-    if group is None:
-        return found
-    return replace(found, symbol=key, integral=of_group(found.integral, group))
-
-
-def of_group(symbol: str, group: str) -> str:
-    """The key of the coefficient that a term has for a group of records: F_k[250 g]."""
-    return f"{symbol}[{group}]"
-
-
-def parted(key: str) -> tuple[str, str | None]:
-    """The symbol and the group of a key; None where it belongs to all records."""
-    symbol, bracket, group = key.partition("[")
-    return symbol, group.removesuffix("]") if bracket else None
-
-
-def in_order(symbols: Iterable[str]) -> tuple[str, ...]:
-    """These terms, each once, in the order of `KNOWN_TERMS`. Raises ValueError for one that is not known."""
-    asked = {term(symbol).symbol for symbol in symbols}
-    return tuple(symbol for symbol in KNOWN_TERMS if symbol in asked)
-
-
-def listed(symbols: Sequence[str]) -> str:
-    """Symbols as a sentence names them: "F_k", "F_k and c", "F_k, c and c_2". Texts use `project.wording.listed`, which
-    stands on a higher floor and does without the libraries that this module imports."""
-    return " and ".join([", ".join(symbols[:-1]), symbols[-1]] if len(symbols) > 1 else symbols)
-
-
-BUILT_IN = tuple(KNOWN_TERMS)
-"""The terms of the package."""
-
-
-def register_term(
-    symbol: str,
-    force: Force,
-    *,
-    words: str = "",
-    unit: str = "",
-    integral: str = "",
-    integral_unit: str = "",
-    overwrite: bool = False,
-) -> Term:
-    """Make a dissipation term known to this session, without a change of the package: an entry of `KNOWN_TERMS`.
-
-    Use it to try a damping law of your own: its coefficient p is then identified from forced records like any other,
-    `identify(records, k, terms="F_k,c,c_4")`, `laws=True` tries it, studies take it as a parameter and as a term of the
-    balance, and `law.response.law_response` computes the response under it.
-
-    A term of this kind is a force p h in which h grows with a fixed power n ≥ 1 of the velocity,
-
-        h(ẋ, ẏ, k, ω) = h_1(k, ω) |ẋ|ⁿ⁻¹ ẋ,    for n = 1 also  h_x(k, ω) ẋ + h_y(k, ω) ẏ
-
-    since the fit scales a response with its level; g = ∮ h ẋ dt, ∂h/∂ẋ and n follow from h. A force that saturates, or
-    depends on the displacement or the history, is none. Free decays determine F_k, c, c_2 and c_3 alone, and the
-    Fourier approach, which has three harmonics only, gives no estimate of it. It lasts as long as the session.
-
-    symbol : of the coefficient, a name of letters, digits and "_".
-    force : h, a function of arrays or numbers: ẋ, ẏ (m/s), k (N/m), ω (rad/s).
-    words : what the term is, for tables; default, its power.
-    unit : of the coefficient; needed where h depends on k or ω, else "N s⁴/m⁴" and the like by default.
-    integral, integral_unit : symbol and unit of g, for the columns of rows; default, b_ and the symbol, by the power.
-    overwrite : whether to replace a registered term of that symbol, as when a cell is run again.
-
-    Raises ValueError for a symbol that is taken, a function that fails or returns another shape, and a force that is
-    not of this kind.
-
-    >>> import math
-    >>> from dampbalance import BaseMotion, Oscillator, identify, measured_orbit, register_term, unregister
-    >>> from dampbalance.law.response import law_response
-    >>> term = register_term("c_4", lambda v, w, k, omega: abs(v) ** 3 * v, words="quartic damping")
-    >>> term.unit, term.integral_column
-    ('N s⁴/m⁴', 'b_c_4_m5_per_s4')
-    >>> osc = Oscillator(m=2.42, c=0.0, k=2310.0, K_z=208000.0, F_k=1.28)
-    >>> records = []
-    >>> for Y in (0.004, 0.012):
-    ...     orbit = law_response(osc, BaseMotion(Y=Y, omega=2 * math.pi * 4.92), {"c_4": 20000.0})
-    ...     records.append(measured_orbit(orbit, rate_hz=500.0, cycles=20.0, noise=0.001))
-    >>> found = identify(records, stiffness=2310.0, terms="F_k,c_4", approaches="direct")
-    >>> low, high = found.intervals["c_4"]
-    >>> bool(low < 20000.0 < high), found.verdicts["c_4"].verdict
-    (True, 'usable')
-    >>> unregister("c_4")
-    """
-    require_free("symbol", symbol, KNOWN_TERMS, BUILT_IN, overwrite)
-    texts = {"words": words, "unit": unit, "integral": integral, "integral_unit": integral_unit}
-    for name, value in texts.items():
-        text(name, value)
     v = np.array([[-2.0, -0.5, 0.25], [0.5, 1.0, 2.0]])
 
     def h(v: Array, w: Array | float = 0.0, k: float = 2310.0, omega: float = 31.0) -> Array:
@@ -256,33 +207,7 @@ def register_term(
             "abs(v) * v, or linear in v and w: it takes energy at every speed, and scales with the level"
         )
     plain = all(np.array_equal(h(v, 0.5, *at), h(v, 0.5)) for at in ((1.0, 31.0), (2310.0, 1.0)))
-    if not plain and not (unit and integral_unit):
-        raise ValueError(
-            f"the force of {symbol} depends on k or omega: state unit and integral_unit"
-        )
-    order = int(order) if order.is_integer() else order
-    KNOWN_TERMS[symbol] = Term(
-        symbol,
-        unit or f"N {_power('s', order)}/{_power('m', order)}",
-        words or f"damping by the power {order:g} of the velocity",
-        integral or f"b_{symbol}",
-        integral_unit or f"{_power('m', order + 1)}/{_power('s', order)}",
-        order,
-        force,
-    )
-    return KNOWN_TERMS[symbol]
-
-
-def require_free(
-    what: str, name: object, known: Container[str], built_in: Container[str], overwrite: bool
-) -> None:
-    """ValueError for a name that cannot be registered: no name, or one that is taken."""
-    if not isinstance(name, str) or not re.fullmatch("[A-Za-z][A-Za-z0-9_]{0,39}", name):
-        raise ValueError(f'{what} must be a name of letters, digits and "_", got {shown(name)}')
-    if name in built_in:
-        raise ValueError(f"{what} {name!r} is one of the package: choose another")
-    if name in known and not flag("overwrite", overwrite):
-        raise ValueError(f"{what} {name!r} is registered already: add overwrite=True to replace it")
+    return int(order) if order.is_integer() else order, plain
 
 
 def _power(unit: str, power: float) -> str:
@@ -290,6 +215,75 @@ def _power(unit: str, power: float) -> str:
     if power == 1:
         return unit
     return f"{unit}^{power:g}" if power not in range(10) else unit + "⁰¹²³⁴⁵⁶⁷⁸⁹"[int(power)]
+
+
+def _cycle_integral(order: float) -> float:
+    """∮ |cos θ|ⁿ⁺¹ dθ over a cycle, n : order."""
+    if order >= 2.0:
+        return order / (order + 1.0) * _cycle_integral(order - 2.0)
+    if order in (0.0, 1.0):
+        return math.pi if order else 4.0
+    return 2.0 * math.sqrt(math.pi) * math.gamma(0.5 * order + 1.0) / math.gamma(0.5 * order + 1.5)
+
+
+_TO_BASE = "viscous damping on the velocity relative to the base"
+
+KNOWN_TERMS: dict[str, Term] = {
+    term.symbol: term
+    for term in (
+        Term("F_k", None, "friction force", "N", "a", "m"),
+        Term("c", lambda v, w, k, omega: v, "viscous damping", integral="b"),
+        Term("c_r", lambda v, w, k, omega: v - w, _TO_BASE, integral="b_r"),
+        Term("c_2", lambda v, w, k, omega: abs(v) * v, "quadratic damping", integral="b_2"),
+        Term("c_3", lambda v, w, k, omega: v * v * v, "cubic damping", integral="b_3"),
+        Term("eta", lambda v, w, k, omega: k / omega * v, "structural damping", "", "b_eta", "J"),
+    )
+}
+"""The built-in terms by symbol, in the order of columns in tables: to add one is an entry here.
+
+c : force cẋ.   c_r : c_r(ẋ − ẏ).   c_2 : c_2|ẋ|ẋ.   c_3 : c_3ẋ³.   eta : η(k/ω)ẋ, the loss factor of the spring: at
+one frequency it cannot be distinguished from c.
+"""
+
+FRICTION = "F_k"
+
+
+def term(key: str) -> Term:
+    """The term behind a key: the key itself where it is a term; else a built-in one by its symbol, or by its symbol and
+    the group of records that it belongs to, F_k[250 g].
+
+    Raises ValueError for a symbol that is not known, and for another term by the name of a built-in one.
+    """
+    symbol, bracket, group = key.partition("[")
+    built_in = KNOWN_TERMS.get(symbol)
+    if isinstance(key, Term):
+        if built_in is not None and key.force is not built_in.force:
+            raise ValueError(f"symbol {symbol!r} is one of the package: choose another")
+        if built_in is None and key.force is None:
+            raise ValueError(f"the term {symbol} has no force: give it one")
+        return key
+    if built_in is None:
+        raise ValueError(
+            f"unknown term {shown(symbol)}; known are {', '.join(KNOWN_TERMS)}; pass one of your own as a Term"
+        )
+    return built_in.of_group(group.removesuffix("]")) if bracket else built_in
+
+
+def in_order(symbols: Iterable[str]) -> tuple[Term, ...]:
+    """These terms, each once: the built-in ones in the order of `KNOWN_TERMS`, then others as they come. Raises
+    ValueError for one that is not known, and for two terms of one symbol."""
+    asked: dict[str, Term] = {}
+    for one in map(term, symbols):
+        if asked.setdefault(one.symbol, one).force is not one.force:
+            raise ValueError(f"two terms have the symbol {one.symbol}: choose another for one")
+    own = (one for symbol, one in asked.items() if symbol not in KNOWN_TERMS)
+    return (*(one for symbol, one in KNOWN_TERMS.items() if symbol in asked), *own)
+
+
+def listed(symbols: Sequence[str]) -> str:
+    """Symbols as a sentence names them: "F_k", "F_k and c", "F_k, c and c_2". Texts use `project.wording.listed`, which
+    stands on a higher floor and does without the libraries that this module imports."""
+    return " and ".join([", ".join(symbols[:-1]), symbols[-1]] if len(symbols) > 1 else symbols)
 
 
 _POINTS = 512  # of a cycle, at least; |ẋ|³ has a jump in its third derivative, and the rule an error of 1e-9
@@ -317,7 +311,7 @@ def of_harmonics(
 
     Raises ValueError for friction, whose travel no harmonics tell.
     """
-    of_term = KNOWN_TERMS[symbol]
+    of_term = term(symbol)
     if of_term.force is None:
         raise ValueError(f"{FRICTION} has no integral that harmonics tell")
     variance = np.zeros((1, n.size)) if variance is None else variance

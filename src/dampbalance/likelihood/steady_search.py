@@ -12,7 +12,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..law.law import Law
-from ..law.terms import FRICTION, parted
+from ..law.terms import FRICTION
 from ..model import BaseMotion, Oscillator
 from ..motion.jit import interpreted
 from ..motion.orbit import steady_orbit
@@ -205,9 +205,9 @@ def _best(ends: Sequence[WaveformFit], others: int = 0) -> WaveformFit | None:
 def _as_candidate(fit: WaveformFit) -> Array:
     """(F_k, c, K_z, m) of an oscillator that loses about as much."""
     damping = math.fsum(
-        fit.value(key) / equivalent_coefficient(symbol, fit.lines[0], fit.k)
+        fit.value(key) / equivalent_coefficient(key, fit.lines[0], fit.k)
         for key in fit.law.keys
-        if (symbol := parted(key)[0]) != FRICTION
+        if key.symbol != FRICTION
     )
     rho = max(fit.rho, (STIFFEST * fit.k) ** -0.5)
     return np.array([fit.F_k, damping, rho**-2, fit.m])

@@ -29,7 +29,7 @@ from numpy.typing import NDArray
 from ..arrays import Array, Complexes, Mask
 from ..law.law import Law
 from ..law.steady import Response, steady_response
-from ..law.terms import FRICTION, KNOWN_TERMS
+from ..law.terms import FRICTION, term
 from ..model import BaseMotion, NoOscillator, Oscillator
 from ..motion.orbit import NoSteadyOrbit
 from ..reading.lines import Lines, improbable
@@ -99,7 +99,7 @@ class Unknowns:
     def response(self, point: Array, record: int, near: Response | None = None) -> Response:
         """The motion of a record.   near : a motion from which to start.   Raises NO_MOTION."""
         value = {name: float(point[at]) for name, at in self.at[record].items()}
-        law = {s: value[s] for s in self.law.terms if s not in (FRICTION, "c")}
+        law: dict[str, float] = {s: value[s] for s in self.law.terms if s not in (FRICTION, "c")}
         oscillator = Oscillator(
             value["m"], value.get("c", 0.0), self.k, value["rho"] ** -2, value[FRICTION]
         )
@@ -143,7 +143,7 @@ class Unknowns:
     def _by_base(self, point: Array, record: int, value: Any, slope: Any) -> Any:
         at = self.at[record]
         for symbol in self.law.terms:
-            power = 1 - KNOWN_TERMS[symbol].order
+            power = 1 - term(symbol).order
             if power:
                 value = value - power * point[at[symbol]] * slope[:, at[symbol]]
         return value / point[at["Y"]]
@@ -155,7 +155,9 @@ class Unknowns:
         """
         F_k, c, K_z, m = candidate.tolist()
         law, point = self.law, np.zeros(self.size)
-        equivalents = {s: float(np.median(self.equivalents(s))) for s in law.terms}
+        equivalents: dict[str, float] = {
+            s: float(np.median(self.equivalents(s))) for s in law.terms
+        }
         known = math.fsum(p / equivalents[s] for s, p in law.given.items() if s != FRICTION)
         free = [s for s in law.terms[1:] if s not in law.given]
         for i, one in enumerate(self.lines):
@@ -190,7 +192,7 @@ def equivalent_coefficient(symbol: str, one: Lines, k: float) -> float:
         return 1.0
     X = abs(one.x[0])
     viscous: float = math.pi * one.omega * X**2
-    return viscous / float(KNOWN_TERMS[symbol].harmonic(one.omega, X, 0.0, 0.0, k))
+    return viscous / float(term(symbol).harmonic(one.omega, X, 0.0, 0.0, k))
 
 
 @dataclass(frozen=True, eq=False)

@@ -22,7 +22,8 @@ from ruamel.yaml.error import MarkedYAMLError
 from ruamel.yaml.nodes import MappingNode, Node, SequenceNode
 from ruamel.yaml.reader import ReaderError
 
-from ..law.terms import KNOWN_TERMS
+from ..balance import Approach
+from ..law.terms import KNOWN_TERMS, Term
 from .wording import cut, shortened
 
 Key = tuple[str | int, ...]
@@ -169,7 +170,7 @@ def _validator(schema: Mapping[str, Any], approaches: list[str]) -> Any:
 
     def check(_: Any, kind: str, value: Any, node: Any) -> Iterable[ValidationError]:
         names = (list(KNOWN_TERMS) if kind == "term" else approaches) + node.get("also", [])
-        if value not in names:
+        if not isinstance(value, Approach | Term) and value not in names:
             words = f"{'an' if kind == 'approach' else 'a'} {kind}{_nearest(value, names)}"
             yield ValidationError(f"{shortened(value)} is not {words}; known: {', '.join(names)}")
 

@@ -28,7 +28,7 @@ import numpy as np
 from scipy import special
 
 from ..arrays import Array, Complexes, Integers, Mask
-from ..law.terms import KNOWN_TERMS
+from ..law.terms import term
 from ..motion.jit import interpreted
 from ..motion.orbits import steady_orbits
 from ..motion.regime import Regime
@@ -263,9 +263,9 @@ def linear_misfit(
     z, error = k * (ratio - 1.0), k * np.abs(ratio) * relative
     columns = [np.ones(rate.size), rate**2]
     for symbol in terms:
-        force = KNOWN_TERMS[symbol].force
-        if force is not None and KNOWN_TERMS[symbol].linear:
-            columns.append(1j * rate * force(1.0, ratio, k, omega))
+        of = term(symbol)
+        if of.force is not None and of.linear:
+            columns.append(1j * rate * of.force(1.0, ratio, k, omega))
     matrix = np.column_stack(columns) / error[:, None]
     matrix = np.vstack([matrix.real, matrix.imag])
     matrix /= np.linalg.norm(matrix, axis=0)

@@ -45,8 +45,8 @@ CORRECTED = "V_s with minus"
 APPROACHES_OF_TABLE_3: dict[str, Approach] = {
     "X_s": APPROACHES["X_s"],
     "t_s": APPROACHES["t_s"],
-    "V_s": Approach(slip_velocity_as_printed, "V_s with plus"),
-    CORRECTED: Approach(slip_velocity, CORRECTED),
+    "V_s": Approach("V_s", slip_velocity_as_printed, "V_s with plus", takes_phase=True),
+    CORRECTED: Approach(CORRECTED, slip_velocity, takes_phase=True),
 }
 """The rows behind the printed Table 3: the V_s pairs with their slip of sign, and for comparison those without it."""
 
@@ -146,7 +146,7 @@ def estimates(tabulated: Features, two_point: Features, case: Case) -> pd.DataFr
         case.oscillator.k,
         case.pairs,
         common=two_point,
-        common_approaches=APPROACHES_OF_TABLE_3,
+        common_approaches=tuple(APPROACHES_OF_TABLE_3.values()),
     )
 
 

@@ -133,6 +133,7 @@ UNKNOWNS = tuple(
 RESIDUAL = Quantity("residual", "1", "residual", ".4e")
 COLUMN_OF = {q.symbol: q.column for q in (*TABLE_1, *TABLE_2, *UNKNOWNS, RESIDUAL)}
 _FORMATS = {q.symbol: q.format for q in (*TABLE_1, *TABLE_2, *UNKNOWNS, RESIDUAL)}
+_FORMATS |= {f"{q.symbol} by {a}": q.format for q in UNKNOWNS for a in HARMONIC}
 
 
 def paper_tables(
@@ -252,4 +253,4 @@ def _shown(cell: pd.Series, source: str) -> str:
         mark = VERDICTS[cell["verdict"]].mark if cell["verdict"] else ""
         return f"{cell['printed']} {mark}".strip()
     value = cell[source]
-    return "–" if pd.isna(value) else format(value, _FORMATS[cell["quantity"].split(" by ")[0]])
+    return "–" if pd.isna(value) else format(value, _FORMATS[cell["quantity"]])

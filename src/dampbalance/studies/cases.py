@@ -11,11 +11,11 @@ import numpy as np
 
 from ..arrays import Array, Integers, Words
 from ..features import Features
-from ..law.terms import KNOWN_TERMS, Term
+from ..law.terms import Term, term
 from ..motion.regime import Regime
 from ..project.documents import ConfigurationError
 from ..project.progress import duration_in_words
-from .parameters import MECHANICAL, OF_LAW, PARAMETERS, SI_COLUMNS, in_si
+from .parameters import SI_COLUMNS, in_si, mechanical, of_law, parameter
 from .settings import CONTACT, Sampled, Study, case_values
 
 PART = 131_072
@@ -47,7 +47,7 @@ def cases_between(study: Study, start: int, stop: int) -> Cases:
     """The cases start … stop − 1 of a study."""
     fixed = {name: np.full(stop - start, value) for name, value in study.fixed.items()}
     values: dict[str, Words] = fixed | case_values(study.blocks, start, stop)
-    si = in_si({name: values[name].astype(float) for name in MECHANICAL if name in values})
+    si = in_si({name: values[name].astype(float) for name in mechanical(values)})
     Y = np.array(study.levels)[:, None] * (
         si["Y"] if study.levels_relative else np.ones(stop - start)
     )
@@ -95,13 +95,13 @@ class Column(NamedTuple):
     words: bool = False
 
 
-_CONTACT_STIFFNESS = Term(CONTACT, "N/m", "contact stiffness", "", "")
+_CONTACT_STIFFNESS = Term(CONTACT, None, "contact stiffness", "N/m")
 """What columns say of K_z, which is no term of a damping law."""
 
 
 def identified_by(symbol: str) -> Term:
     """What can be identified: a term of a damping law, or K_z, by its symbol."""
-    return _CONTACT_STIFFNESS if symbol == CONTACT else KNOWN_TERMS[symbol]
+    return _CONTACT_STIFFNESS if symbol == CONTACT else term(symbol)
 
 
 _STANDARD_ERROR = "standard error of {0.symbol} (bootstrap over cycles; of the fit, its covariance)"
@@ -124,20 +124,20 @@ def columns_of(study: Study) -> list[Column]:
     if "parameters" in study.columns:
         known = {*names} if study.levels_relative else {*names, "Y_m"}
         columns += [Column(*of) for of in SI_COLUMNS.values() if of[0] not in known]
-        columns += [_of_parameter(name) for name in OF_LAW if name in study.fixed]
+        columns += map(_of_parameter, of_law(study.fixed))
     kinds = ", ".join(REGIME_NAMES.values())
     regimes = f"kind of response at each level, one word if all are alike: {kinds}"
     columns.append(Column("regime", "", regimes, words=True))
     if "chosen" in study.columns:
         columns.append(Column("chosen", "", "law that the records support, or none", words=True))
-    true = {*SI_COLUMNS, *(OF_LAW[name] for name in OF_LAW if name in study.parameters)}
+    true = {*SI_COLUMNS, *of_law(study.parameters).values()}
     for fit in study.fits:
-        how = " ".join(part.replace("_", " ") for part in fit.label.split("__"))
+        how = " ".join(part.replace("_", " ") for part in fit.parts)
         terms = [identified_by(symbol) for symbol in fit.identified]
         for kind in (kind for kind in _OF_TERMS if kind in study.columns):
-            for term in (of for of in terms if kind == "estimates" or of.symbol in true):
+            for one in (of for of in terms if kind == "estimates" or of.symbol in true):
                 for described in _OF_TERMS[kind]:
-                    name, unit, meaning = (text.format(term) for text in described)
+                    name, unit, meaning = (text.format(one) for text in described)
                     columns.append(Column(f"{name}__{fit.label}", unit, f"{meaning}; {how}"))
         if "residuals" in study.columns:
             columns.append(Column(f"residual__{fit.label}", "1", f"‖A p − W‖/‖W‖; {how}"))
@@ -145,8 +145,8 @@ def columns_of(study: Study) -> list[Column]:
 
 
 def _of_parameter(name: str) -> Column:
-    parameter = PARAMETERS[name]
-    return Column(name, parameter.unit, parameter.meaning, words=parameter.is_word)
+    of = parameter(name)
+    return Column(name, of.unit, of.meaning, words=of.is_word)
 
 
 # --- sizes -------------------------------------------------------------------------------------------

@@ -32,7 +32,7 @@ from ..project.documents import (
 )
 from ..project.wording import listed, shortened
 from .cases import PART, columns_of
-from .parameters import MECHANICAL, OF_LAW, PARAMETERS, in_si, objection, synonyms
+from .parameters import PARAMETERS, in_si, mechanical, objection, of_law, parameter, synonyms
 from .settings import (
     BANDS,
     CHOICES,
@@ -153,8 +153,8 @@ def _wrong_axis(key: Key, name: str, spec: Mapping[str, Any]) -> Iterator[Proble
         if len(set(values)) < len(values):
             text = f"its ends are too close for {len(values):,} different values; take fewer"
             yield key, text
-        elif PARAMETERS[name].whole and any(value != int(value) for value in values):
-            yield key, f"{PARAMETERS[name].meaning} must be whole numbers; list the values"
+        elif parameter(name).whole and any(value != int(value) for value in values):
+            yield key, f"{parameter(name).meaning} must be whole numbers; list the values"
 
 
 def _wrong_values(document: Mapping[str, Any]) -> Iterator[Problem]:
@@ -197,7 +197,7 @@ def _contradictions(document: Mapping[str, Any], study: Study) -> Iterator[Probl
         yield ("estimation", "weights"), text
     if not study.route.any_law:
         text = f"needs the route exact, not {study.route.kind}"
-        yield from ((("route",), f"{name} {text}") for name in OF_LAW if name in study.parameters)
+        yield from ((("route",), f"{name} {text}") for name in of_law(study.parameters))
         if "terms" in estimation:
             yield ("estimation", "terms"), text
     for i, terms in enumerate(estimation.get("terms", [])):
@@ -223,9 +223,9 @@ def _wrong_route(document: Mapping[str, Any], study: Study) -> Iterator[Problem]
             yield ("route",), f"{' and '.join(names)} set the same quantity; keep one"
     taken = {*wanted.optional, *(name for names in wanted.needs for name in names)}
     for name in sorted(used):
-        if PARAMETERS[name].kind == "numerics" and name not in taken:
+        if parameter(name).kind == "numerics" and name not in taken:
             yield ("route",), f"{name} {nothing}"
-        if PARAMETERS[name].kind == "read_out" and wanted.is_noisy:
+        if parameter(name).kind == "read_out" and wanted.is_noisy:
             yield ("read_out", name), f"{nothing}: noise is its limit"
     others = {key for each in ROUTES.values() for key in each.settings} - {*wanted.settings}
     for name in filter(others.__contains__, section):
@@ -241,7 +241,7 @@ def _wrong_route(document: Mapping[str, Any], study: Study) -> Iterator[Problem]
         if not study.levels_relative:
             text = f"missing; the levels of the route {wanted.kind}, in parts of the highest"
             yield ("levels_of_Y",), text
-        for name in filter(MECHANICAL.__contains__, study.axis_names):
+        for name in mechanical(study.axis_names):
             yield ("axes",), f"{name} {nothing}, which draws oscillators"
 
 
@@ -250,7 +250,7 @@ def _wrong_route(document: Mapping[str, Any], study: Study) -> Iterator[Problem]
 
 def _wrong_sizes(_: object, study: Study) -> Iterator[Problem]:
     """What is too much: the numbers at the corners of the box that the axes span, the records, the chunks."""
-    given = [name for name in MECHANICAL if name in study.parameters]
+    given = mechanical(study.parameters)
     corners = np.array(list(product(*map(study.extent, given)))).T
     si = in_si(dict(zip(given, corners, strict=True)))
     omega_n = np.sqrt(si["k"] / si["m"])
@@ -260,7 +260,7 @@ def _wrong_sizes(_: object, study: Study) -> Iterator[Problem]:
         low, high = RANGES[name]
         wrong = values[(values > high) | ((values < low) & (values > 0.0))]
         if wrong.size:
-            text = f"reach to {PARAMETERS[name].meaning} = {wrong[0]:.3g}; the exact solution holds"
+            text = f"reach to {parameter(name).meaning} = {wrong[0]:.3g}; the exact solution holds"
             yield ("axes",), f"{text} from {low:g} to {high:g}"
     events = np.max(np.sqrt(1.0 + stiffer) / faster)
     if events > MOST_EVENTS:
@@ -374,7 +374,7 @@ def _not_drawn(study: Study, name: str) -> str:
     kind = study.figure["kind"]
     if name not in study.axis_names:
         return f"{shortened(name)} is not an axis of this study"
-    if PARAMETERS[name].is_word:
+    if parameter(name).is_word:
         return f"{name} holds words: take an axis of numbers, and {name} for the panels"
     (low, high), values = study.extent(name), study.values_of(name)
     if not low < high:
@@ -405,7 +405,7 @@ def _usual_figures(study: Study) -> Iterator[dict[str, Any]]:
     values = {name: [*dict.fromkeys(study.values_of(name))] for names in blocks for name in names}
     sizes = {name: len(listed) or math.inf for name, listed in values.items() if len(listed) != 1}
     few = [name for name in sizes if sizes[name] <= _USUAL_PANELS]
-    numbers = [name for name in sizes if not PARAMETERS[name].is_word]
+    numbers = [name for name in sizes if not parameter(name).is_word]
     if study.route.has_intervals and "run" in sizes:
         for x in sorted(
             (name for name in numbers if name != "run"), key=lambda name: name != "noise"
@@ -454,7 +454,7 @@ def _wrong_fact(study: Study, key: Key, spec: Mapping[str, Any]) -> Iterator[Pro
         yield (*key, "within"), f"missing; the bound of {take}, as a relative error"
     if take in BANDS:
         along = str(spec.get("along"))
-        if not study.values_of(along) or PARAMETERS[along].is_word:
+        if not study.values_of(along) or parameter(along).is_word:
             yield (*key, "along"), "must be an axis of this study whose values are listed numbers"
         elif "around" in spec and (text := _not_selected(study, along, spec["around"])):
             yield (*key, "around"), text
@@ -493,7 +493,7 @@ def _not_selected(study: Study, name: str, wanted: Any) -> str:
     """Why cases cannot be chosen by a value of an axis, or by two bounds; nothing if they can."""
     if name not in study.axis_names:
         return "not an axis of this study"
-    is_word, values = PARAMETERS[name].is_word, study.values_of(name)
+    is_word, values = parameter(name).is_word, study.values_of(name)
     if isinstance(wanted, list):
         text = f"{shortened(wanted)} are not two bounds of {name}, the lower one first"
         return text if is_word or wanted[0] > wanted[1] else ""

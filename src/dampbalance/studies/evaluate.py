@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 from ..arrays import Array, Integers, Words
-from ..balance import APPROACHES, TERMS, Rows, direct
+from ..balance import TERMS, Rows, approach, direct
 from ..features import Features, of_orbits
 from ..motion.orbits import steady_orbits
 from ..project.progress import followed
@@ -26,7 +26,7 @@ from .cases import (
     columns_of,
     identified_by,
 )
-from .parameters import OF_LAW, PARAMETERS, SI_COLUMNS
+from .parameters import SI_COLUMNS, of_law, parameter
 from .settings import LIKELIHOOD, RIGID, SIMPSON, WEIGHTED, Fit, Study
 
 READ = (
@@ -86,7 +86,7 @@ def _evaluate(cases: Cases, threads: int | None) -> dict[str, Any]:
     study, values, si = cases.study, cases.values, cases.si
     responses, rules = _responses(cases, threads), _read_out_rules(values)
     table: dict[str, Any] = {name: si[key] for key, (name, _, _) in SI_COLUMNS.items()}
-    table |= {name: si[key] for name, key in OF_LAW.items() if key in si}
+    table |= {name: si[key] for name, key in of_law(values).items()}
     table |= {"case": cases.numbers} | {name: values[name] for name in study.axis_names}
     table |= {"regime": _regime_names(responses.features.regime), "chosen": responses.chosen}
     cached: dict[Fit, Rows] = {}
@@ -153,7 +153,7 @@ def _responses(cases: Cases, threads: int | None) -> Responses:
     """The responses of the cases; all except the exact ones are computed one after the other, by `responses`."""
     si, study = cases.si, cases.study
     terms = {symbol for fit in study.fits for symbol in fit.terms} - TERMS.keys()
-    if study.route.kind == "exact" and not terms and si.keys().isdisjoint(OF_LAW.values()):
+    if study.route.kind == "exact" and not terms and not of_law(cases.values):
         of = {name: si[name] for name in ("m", "c", "k", "K_z", "F_k", "omega")}
         return Responses(
             of_orbits(steady_orbits(**of, Y=cases.Y, threads=threads), cases.Y, si["omega"])
@@ -184,18 +184,18 @@ def _rows(
         seen = seen.with_common("phi", "t_s")
     if fit.contact == RIGID:
         seen = seen.rigid()
-    return APPROACHES[fit.approach](seen, k, fit.terms or None)
+    return approach(fit.approach)(seen, k, fit.terms or None)
 
 
 def _read_out_rules(values: Mapping[str, Words]) -> list[tuple[Integers, ReadOut]]:
     """(cases, rules of reading) for each different set of rules among the cases; empty without rules."""
-    names = [name for name in values if PARAMETERS[name].kind == "read_out"]
+    names = [name for name in values if parameter(name).kind == "read_out"]
     rules = []
     if names:
         held = pd.DataFrame({name: values[name].astype(float) for name in names})
         for row, cases in held.groupby(names):
             kept = zip(names, np.array(row).tolist(), strict=True)
-            section = {name: int(x) if PARAMETERS[name].whole else x for name, x in kept}
+            section = {name: int(x) if parameter(name).whole else x for name, x in kept}
             rules.append((cases.index.to_numpy(), ReadOut.from_config(section)))
     return rules
 

@@ -9,7 +9,7 @@ never both. In F_k/(kY), Y is the reference amplitude `Y_m`, of which the excita
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -17,7 +17,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..balance import TERMS
-from ..law.terms import BUILT_IN, KNOWN_TERMS
+from ..law.terms import KNOWN_TERMS, Term
 from ..model import Oscillator
 from ..project.wording import headed, shortened
 
@@ -73,15 +73,12 @@ def in_tex(symbol: str) -> str:
     return symbol.replace("eta", r"\eta")
 
 
-def _of_law(symbol: str) -> Parameter:
-    term = KNOWN_TERMS[symbol]
-    return Parameter(
-        "oscillator", term.unit or "1", f"{term.words} {symbol}", in_tex(symbol), "", True
-    )
+def _of_law(term: Term) -> Parameter:
+    return Parameter("oscillator", term.unit or "1", f"{term.words} {term}", in_tex(term), "", True)
 
 
-OF_LAW = {KNOWN_TERMS[symbol].column: symbol for symbol in BUILT_IN if symbol not in TERMS}
-"""Coefficients of further terms of the damping law, zero where they are not set: parameter → symbol."""
+OF_LAW = {term.column: term for term in KNOWN_TERMS.values() if term not in TERMS}
+"""Coefficients of further terms of the damping law, zero where they are not set: parameter → term."""
 
 _NOISE = "rms of the noise of each channel over that of its signal"
 _RUN = "number of the run: the same but for its noise"
@@ -94,7 +91,7 @@ PARAMETERS: dict[str, Parameter] = {
     "k_N_per_m": Parameter("oscillator", "N/m", "stiffness k of the spring to the base", "k"),
     "K_z_N_per_m": Parameter("oscillator", "N/m", "contact stiffness K_z", "K_z"),
     "F_k_N": Parameter("oscillator", "N", "friction force F_k in slip", "F_k", zero_allowed=True),
-    **{name: _of_law(symbol) for name, symbol in OF_LAW.items()},
+    **{name: _of_law(term) for name, term in OF_LAW.items()},
     "frequency_hz": Parameter("excitation", "Hz", "drive frequency f = ω/2π", "f"),
     "Y_m": Parameter("excitation", "m", "reference amplitude Y of the base", "Y"),
     "omega_over_omega_n": Parameter(
@@ -134,29 +131,46 @@ MECHANICAL = [name for name, p in PARAMETERS.items() if p.kind in ("oscillator",
 """Those that make up the oscillator and its excitation."""
 
 
-def follow_terms() -> list[str]:
-    """Take the terms that are registered now (`register_term`) as parameters, in place of those that were; the names of
-    these parameters."""
-    for name in [name for name, symbol in OF_LAW.items() if symbol not in BUILT_IN]:
-        MECHANICAL.remove(name)
-        del OF_LAW[name], PARAMETERS[name]
-    registered = {t.column: symbol for symbol, t in KNOWN_TERMS.items() if symbol not in BUILT_IN}
-    OF_LAW.update(registered)
-    PARAMETERS.update({name: _of_law(symbol) for name, symbol in registered.items()})
-    MECHANICAL.extend(registered)
-    return list(registered)
+class Coefficient(str):
+    """The coefficient of a term as a parameter of a study: the text of its column, which knows the term."""
+
+    term: Term
+
+    @classmethod
+    def of(cls, term: Term) -> Coefficient:
+        """The coefficient of a term."""
+        made = cls(term.column)
+        made.term = term
+        return made
+
+
+def parameter(name: str) -> Parameter:
+    """The parameter of a name: one of PARAMETERS, or the coefficient of a term of one's own."""
+    return _of_law(name.term) if isinstance(name, Coefficient) else PARAMETERS[name]
+
+
+def of_law(names: Collection[str]) -> dict[str, Term]:
+    """The coefficients of further terms of the damping law among names of parameters: name → term."""
+    own = {name: name.term for name in names if isinstance(name, Coefficient)}
+    return {name: term for name, term in OF_LAW.items() if name in names} | own
+
+
+def mechanical(names: Collection[str]) -> list[str]:
+    """The names that make up the oscillator and its excitation, among names of parameters."""
+    built_in = [name for name in MECHANICAL if name in names]
+    return list(dict.fromkeys([*built_in, *of_law(names)]))
 
 
 def synonyms(name: str) -> list[str]:
     """The names that set the same quantity, this one first, e.g. for zeta: zeta and c_N_s_per_m."""
-    target = PARAMETERS[name].stands_for or name
+    target = parameter(name).stands_for or name
     same = [other for other, p in PARAMETERS.items() if (p.stands_for or other) == target]
-    return sorted(same, key=lambda other: other != name)
+    return [name, *(other for other in same if other != name)]
 
 
 def objection(name: str, value: Any) -> str | None:
     """What is wrong with a value of a parameter; None for a good one."""
-    p = PARAMETERS[name]
+    p = parameter(name)
     if p.is_word:  # the schema checks words
         return None
     if isinstance(value, bool) or not isinstance(value, int | float):
@@ -185,7 +199,7 @@ def in_si(given: Mapping[str, Array]) -> dict[str, Array]:
         omega = given["omega_over_omega_n"] * np.sqrt(k / m)
     else:
         omega = 2.0 * np.pi * given["frequency_hz"]
-    law = {symbol: given[name] for name, symbol in OF_LAW.items() if name in given}
+    law: dict[str, Array] = {term: given[name] for name, term in of_law(given).items()}
     return {"m": m, "c": c, "k": k, "K_z": K_z, "F_k": F_k, "Y": Y, "omega": omega, **law}
 
 

@@ -25,7 +25,7 @@ from ..identification.law_comparison import compare_laws
 from ..identification.oscillator import JointFit, joined, joint_fit, read_samples
 from ..law.response import law_response
 from ..law.steady import Response, steady_response
-from ..law.terms import FRICTION, KNOWN_TERMS, of_harmonics
+from ..law.terms import FRICTION, of_harmonics, term
 from ..likelihood.mean_harmonics import Reading, read_features
 from ..model import BaseMotion, Oscillator
 from ..motion.fixed_step import StepTooCoarse, simulate
@@ -39,7 +39,7 @@ from ..record import Record
 from ..records.measurement import Measurement
 from ..records.synthetic import measured_orbit
 from .cases import NOT_READ, STEP_TOO_COARSE, Cases, Responses
-from .parameters import OF_LAW, oscillator_of
+from .parameters import of_law, oscillator_of
 from .settings import CONTACT, NONE, SIMPSON, law_named, terms_named
 
 _OF_FIT = (*TERMS, CONTACT)  # what the maximum-likelihood oscillator identifies
@@ -65,7 +65,9 @@ def law_responses(cases: Cases, terms: Iterable[str]) -> Responses:
     si, terms = cases.si, list(terms)
 
     def response(osc: Oscillator, motion: BaseMotion, case: int) -> Features:
-        law = {symbol: float(si[symbol][case]) for symbol in OF_LAW.values() if symbol in si}
+        law: dict[str, float] = {
+            symbol: float(si[symbol][case]) for symbol in of_law(cases.values).values()
+        }
         try:
             return of_response(steady_response(osc, motion, law), motion, osc.k, terms)
         except NoSteadyOrbit:
@@ -387,7 +389,7 @@ def _candidate(terms: Sequence[str], levels: Sequence[float], random: np.random.
     friction, *others = parts
     law = {}
     for symbol, share in zip(terms[1:], others, strict=True):
-        of_one = float(KNOWN_TERMS[symbol].harmonic(omega, X, Y, phi, k))
+        of_one = float(term(symbol).harmonic(omega, X, Y, phi, k))
         law[symbol] = float(share) * work / of_one
     return Truth(
         Oscillator(m, law.pop("c", 0.0), k, k * spread(STIFFNESSES), friction * work / (4.0 * X)),

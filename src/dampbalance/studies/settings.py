@@ -18,7 +18,7 @@ from typing import Any, Literal, NamedTuple, Self
 import numpy as np
 
 from ..arrays import Array, Integers, Mask, Words
-from ..balance import APPROACHES, TERMS, takes_phase
+from ..balance import APPROACHES, TERMS, approach
 from ..law.terms import FRICTION, KNOWN_TERMS, in_order
 from ..reading.clean import ReadAt
 from .parameters import PARAMETERS, synonyms
@@ -291,7 +291,7 @@ _SHOWN = ("title", "figure", "facts", "shows", "summary_by")  # keys on which no
 class Fit:
     """One way to identify F_k and c in a case: rows, phase, contact, weights, and the levels that it takes.
 
-    approach : a name in `balance.APPROACHES`, or one of YARDSTICKS.   phase : reversal, zero_crossing or fundamental.
+    approach : an object of `Approach`, or a name of YARDSTICKS.   phase : reversal, zero_crossing or fundamental.
     sharing : φ and t_s individual or common; like the phase, empty for an approach that takes no phase.
     contact : COMPLIANT or RIGID.   weights : WEIGHTED or EQUAL; empty without noise, where all rows weigh alike.
     levels : positions of two levels counted from 0, None for least squares of all.   terms : of the balance, where the
@@ -311,7 +311,7 @@ class Fit:
         """Symbols of the coefficients that it identifies."""
         if self.approach in YARDSTICKS:
             return self.terms or tuple(TERMS)
-        return self.terms or APPROACHES[self.approach].terms
+        return self.terms or tuple(approach(self.approach).terms)
 
     @property
     def kind(self) -> str:
@@ -326,10 +326,15 @@ class Fit:
     def label(self) -> str:
         """How the names of the columns of this fit end, e.g. X_s__reversal__individual__least_squares; a rigid contact,
         equal weights of noisy records and terms are named: direct__F_k+c+c_2__rigid__equal__least_squares."""
+        return "__".join(self.parts)
+
+    @property
+    def parts(self) -> list[str]:
+        """The parts of the label."""
         contact = "" if self.contact == COMPLIANT else self.contact
         weights = EQUAL if self.weights == EQUAL else ""
         parts = (self.approach, "+".join(self.terms), contact, weights, self.phase, self.sharing)
-        return "__".join(part for part in (*parts, self.kind) if part)
+        return [part for part in (*parts, self.kind) if part]
 
 
 # --- the study ---------------------------------------------------------------------------------------
@@ -493,10 +498,10 @@ def _fits(estimation: Mapping[str, Any], way: Route) -> Iterator[Fit]:
     contacts = estimation.get("contact", [COMPLIANT])
     weights = estimation.get("weights", [WEIGHTED]) if way.has_intervals else [""]
     terms = list(dict.fromkeys(map(in_order, estimation.get("terms", [()]))))
-    for approach in estimation.get("approaches", way.approaches):
-        choices = of_phase if takes_phase(approach) else ([""], [""])
+    for one in map(approach, estimation.get("approaches", way.approaches)):
+        choices = of_phase if one.takes_phase else ([""], [""])
         for choice in product(*choices, contacts, weights, levels, terms):
-            yield Fit(approach, *choice)
+            yield Fit(one, *choice)
     of_yardsticks = {SIMPSON: (RIGID, EQUAL), LIKELIHOOD: (COMPLIANT, "")}
     for name in estimation.get("yardsticks", []):
         if name == CONTACT:

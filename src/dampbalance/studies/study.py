@@ -11,11 +11,12 @@ import numpy as np
 import pandas as pd
 
 from ..arguments import names, shown, whole
+from ..law.terms import Term, term
 from ..model import UNITS, Oscillator, named_with_unit
 from ..records.errors import library
 from .cases import columns_of
 from .evaluate import evaluate, responses_of
-from .parameters import follow_terms
+from .parameters import Coefficient
 from .settings import PAPER, Listed, Study
 
 if TYPE_CHECKING:
@@ -133,18 +134,18 @@ def study(
 ) -> StudyResult:
     """How well approaches identify F_k and c, over any parameters of the oscillator, the excitation or the noise.
 
-    Use it to find out how far the method holds for a system like yours, or to try an approach of your own
-    (`register_approach`). The arguments are the keys of a study's YAML file, with the same meaning, defaults and
+    Use it to find out how far the method holds for a system like yours, or to try an approach of your own (`Approach`)
+    or a damping law (`Term`). The arguments are the keys of a study's YAML file, with the same meaning, defaults and
     checks; take a file for a study with a figure and a text, on many cores, or larger than memory. What is left out is
     the paper's.
 
-    axes : name of a parameter → its values, an array or a list, or a range {"from": 0.4, "to": 2.6, "count": 50,
-    "spacing": "log"}; the cases are their product. Or a list of blocks as in the file: axes that are in one block vary
-    together, and {"sample": {...}} is a sample of a box.
+    axes : name of a parameter, or a `Term` whose coefficient it is → its values, an array or a list, or a range
+    {"from": 0.4, "to": 2.6, "count": 50, "spacing": "log"}; the cases are their product. Or a list of blocks as in the
+    file: axes that are in one block vary together, and {"sample": {...}} is a sample of a box.
     base : parameters that no axis sets, or an oscillator.
     levels_m, levels_of_Y : amplitudes of the base at the levels, m, or as multiples of Y_m.
-    estimation : how F_k and c are identified: approaches, phases, sharing, contact, fits, terms, ...; a name alone
-    stands for a list of one.
+    estimation : how F_k and c are identified: approaches (`Approach` or a name), phases, sharing, contact, fits, terms
+    (`Term` or a symbol), ...; a name alone stands for a list of one.
     route : where the responses come from, {"kind": "measured", "sampling_hz": 1000, "noise": 0.01, "seed": 0}; a name
     alone is its kind; default, the exact solution, a million orbits in a second.
     read_out : rules by which features are rounded.
@@ -172,9 +173,9 @@ def study(
         **{"estimation": estimation, "route": route, "read_out": read_out, "columns": columns},
     }
     stated = {key: value for key, value in given.items() if value is not None or key == "axes"}
-    document, schema = {"title": "study()", **_document(stated)}, read_schema(SCHEMA)
-    if registered := follow_terms():
-        schema = _with_terms(schema, registered)
+    own: list[str] = []
+    document = {"title": "study()", **_document(stated, own)}
+    schema = _with_terms(read_schema(SCHEMA), own)
     if wrong := list(problems(document, schema, PAPER)):
         if isinstance(axes, Mapping):  # whose blocks have no number
             wrong = [(key[:1] + key[2:] if key[0] == "axes" else key, text) for key, text in wrong]
@@ -189,19 +190,22 @@ def study(
     return StudyResult(settings, evaluate(settings, 0, settings.cases, cores))
 
 
-def _with_terms(schema: Any, registered: Sequence[str]) -> Any:
-    """The schema with the coefficients of registered terms as parameters, wherever it has that of a known one."""
+def _with_terms(schema: Any, own: Sequence[str]) -> Any:
+    """The schema with the coefficients of other terms as parameters, wherever it has that of a built-in one."""
     if isinstance(schema, list):
-        return [_with_terms(of, registered) for of in schema]
+        return [_with_terms(of, own) for of in schema]
     if not isinstance(schema, dict):
         return schema
-    copy = {key: _with_terms(of, registered) for key, of in schema.items()}
-    return copy | dict.fromkeys(registered, copy["eta"]) if "eta" in copy else copy
+    copy = {key: _with_terms(of, own) for key, of in schema.items()}
+    return copy | dict.fromkeys(own, copy["eta"]) if "eta" in copy else copy
 
 
-def _document(given: Mapping[str, Any]) -> dict[str, Any]:
-    """The arguments as the document of a YAML file: plain values, and lists where a name alone stands for one."""
-    document: dict[str, Any] = _plain(given)
+def _document(given: Mapping[str, Any], own: list[str]) -> dict[str, Any]:
+    """The arguments as the document of a YAML file: plain values, and lists where a name alone stands for one.
+
+    own : takes the coefficients of terms that are keys.
+    """
+    document: dict[str, Any] = _plain(given, own)
     if isinstance(document["axes"], dict):
         document["axes"] = [{name: of} for name, of in document["axes"].items()]
     for block in document["axes"] if isinstance(document["axes"], list) else ():
@@ -219,8 +223,9 @@ def _document(given: Mapping[str, Any]) -> dict[str, Any]:
     return document
 
 
-def _plain(value: Any, depth: int = 0) -> Any:
-    """A value as a YAML file would hold it; what none can hold is text, which the schema refuses."""
+def _plain(value: Any, own: list[str], depth: int = 0) -> Any:
+    """A value as a YAML file would hold it; what none can hold is text, which the schema refuses. Terms and approaches
+    stay what they are, and a term that is a key becomes its coefficient."""
     if depth > _DEEPEST:
         raise ValueError(f"study(): more than {_DEEPEST} lists and mappings inside each other")
     if isinstance(value, Oscillator):
@@ -228,7 +233,11 @@ def _plain(value: Any, depth: int = 0) -> Any:
     if hasattr(value, "tolist") and not isinstance(value, type):
         value = value.tolist()
     if isinstance(value, Mapping):
-        return {str(key): _plain(of, depth + 1) for key, of in value.items()}
+        keys = [Coefficient.of(term(key)) if isinstance(key, Term) else str(key) for key in value]
+        own += [key for key in keys if isinstance(key, Coefficient)]
+        return {
+            key: _plain(of, own, depth + 1) for key, of in zip(keys, value.values(), strict=True)
+        }
     if isinstance(value, list | tuple | range):
-        return [_plain(of, depth + 1) for of in value]
+        return [_plain(of, own, depth + 1) for of in value]
     return value if isinstance(value, str | int | float | None) else shown(value)

@@ -169,13 +169,16 @@ def test_approaches_stay_apart_in_grey():
 def test_an_approach_needs_no_more_than_its_entry_to_have_a_look(monkeypatch):
     assert set(balance.APPROACHES) | {"simpson", "fit"} == set(looks.LOOKS)
     for name in ("new", "newer"):
-        new = balance.Approach(balance.direct, f"{name} t_s")
+        new = balance.Approach(name, balance.direct, f"{name} t_s", takes_phase=True)
         monkeypatch.setitem(balance.APPROACHES, name, new)
     assert [looks.look_of(name) for name in ("new", "newer")] == list(looks.SPARE[:2])
     assert looks.label_of("new") == "new t_s"
     assert looks.in_maths(looks.label_of("new")) == "new $t_s$"
     assert looks.label_of("unregistered") == "unregistered"
     assert looks.look_of("unregistered") == looks.SPARE[2]
+    own = [balance.Approach(name, balance.direct, f"{name} of ours") for name in ("one", "other")]
+    assert [looks.label_of(one) for one in own] == ["one of ours", "other of ours"]
+    assert looks.look_of(own[1], own) != looks.look_of(own[0], own)
     assert looks.in_maths("direct integration") == "direct integration"
 
 
@@ -455,9 +458,11 @@ def test_direct_integration_that_is_not_exact_is_drawn_like_the_others(estimates
 
 
 def test_a_new_approach_and_a_new_term_are_drawn_like_the_others(stand_in, monkeypatch, tmp_path):
-    new = balance.Approach(balance.direct, "new", takes_phase=False)
+    new = balance.Approach("new", balance.direct)
     monkeypatch.setitem(balance.APPROACHES, "new", new)
-    monkeypatch.setitem(balance.TERMS, "d", Term("d", "kg/m", "quadratic damping", "g", "m³/s²"))
+    monkeypatch.setitem(
+        balance.TERMS, "d", Term("d", lambda v, w, k, omega: abs(v) * v, unit="kg/m")
+    )
     both = pd.concat([stand_in, stand_in.replace({"approach": "X_s", "phase": "common"}, "new")])
     both["phase"] = both["phase"].replace("new", "individual")
     oscillator = SimpleNamespace(F_k=1.28, c=90.0, d=2.0)

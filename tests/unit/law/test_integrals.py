@@ -13,31 +13,24 @@ from analytic.cases import SEVERAL_SLIPS, case
 from analytic.integrals import input_work, of_motion
 from analytic.law_response import law_orbit
 from dampbalance import BaseMotion, Oscillator, steady_orbit
-from dampbalance.balance import Rows, unregister
-from dampbalance.law.terms import FRICTION, KNOWN_TERMS, of_harmonics, register_term
+from dampbalance.balance import Rows
+from dampbalance.law.terms import FRICTION, KNOWN_TERMS, Term, of_harmonics
 from dampbalance.solver import solve
 from paper_case import PAPER, motions_at
 
-REGISTERED = {  # force, and units where they do not follow from it
-    "twice_cubed": (lambda v, w, k, omega: 2.0 * v**3, {}),
-    "to_base": (lambda v, w, k, omega: 2.0 * v - 0.5 * w, {}),
-    "of_k": (
+OWN = (
+    Term("twice_cubed", lambda v, w, k, omega: 2.0 * v**3),
+    Term("to_base", lambda v, w, k, omega: 2.0 * v - 0.5 * w),
+    Term(
+        "of_k",
         lambda v, w, k, omega: k / omega * np.abs(v) ** 1.5 * v,
-        {"unit": "s^1.5/m^1.5", "integral_unit": "J m^1.5/s^1.5"},
+        unit="s^1.5/m^1.5",
+        integral_unit="J m^1.5/s^1.5",
     ),
-}
-OTHERS = (*(symbol for symbol in KNOWN_TERMS if symbol != FRICTION), *REGISTERED)
+)
+OTHERS = (*(term for term in KNOWN_TERMS.values() if term != FRICTION), *OWN)
 
 UNSMOOTH = ("c_2", "of_k")
-
-
-@pytest.fixture(scope="module", autouse=True)
-def registered():
-    for symbol, (force, units) in REGISTERED.items():
-        register_term(symbol, force, **units)
-    yield
-    for symbol in REGISTERED:
-        unregister(symbol)
 
 
 @pytest.mark.parametrize(
@@ -77,33 +70,32 @@ def test_powers_of_the_velocity_of_an_exact_orbit_are_those_of_a_fine_sum():
         assert of_motion(symbol, orbit) == pytest.approx(expected, rel=1e-8)
 
 
-@pytest.mark.parametrize("symbol", OTHERS)
-def test_the_harmonic_form_of_a_term_is_its_integral_of_a_harmonic_motion(symbol):
+@pytest.mark.parametrize("term", OTHERS)
+def test_the_harmonic_form_of_a_term_is_its_integral_of_a_harmonic_motion(term):
     omega, k, X, Y, phi = 7.0, 300.0, 0.013, 0.02, 0.8
-    term = KNOWN_TERMS[symbol]
     # equidistant points: exact for trigonometric polynomials, 2e-13 for |cos|³
     theta = np.arange(4096) / 4096.0 * 2.0 * math.pi
     v, w = -omega * X * np.sin(theta - phi), -omega * Y * np.sin(theta)
     expected = 2.0 * math.pi / omega * np.mean(term.force(v, w, k, omega) * v)
     assert term.harmonic(omega, X, Y, phi, k) == pytest.approx(expected, rel=1e-11)
     n, x = np.array([1.0]), np.array([[X * np.exp(-1j * phi)]])
-    found = of_harmonics(symbol, n, x, n, np.array([[Y + 0j]]), omega, k)
+    found = of_harmonics(term, n, x, n, np.array([[Y + 0j]]), omega, k)
     assert found.shape == (1,)
     # of 512 points; |cos|³ loses 1e-9
-    assert found[0] == pytest.approx(expected, rel=2e-9 if symbol in UNSMOOTH else 1e-12)
+    assert found[0] == pytest.approx(expected, rel=2e-9 if term in UNSMOOTH else 1e-12)
 
 
-@pytest.mark.parametrize("symbol", OTHERS)
-def test_the_slope_of_a_term_is_that_of_its_force(symbol):
-    term, v, step = KNOWN_TERMS[symbol], np.array([-1.3, -0.2, 0.4, 2.0]), 1e-6
+@pytest.mark.parametrize("term", OTHERS)
+def test_the_slope_of_a_term_is_that_of_its_force(term):
+    v, step = np.array([-1.3, -0.2, 0.4, 2.0]), 1e-6
     high, low = (term.force(v + side * step, 0.3, 300.0, 7.0) for side in (1.0, -1.0))
     np.testing.assert_allclose(
         term.slope(v, 0.3, 300.0, 7.0), (high - low) / (2.0 * step), rtol=1e-8
     )
 
 
-@pytest.mark.parametrize("symbol", OTHERS)
-def test_harmonics_of_any_motion_give_the_integral_of_its_velocity(symbol):
+@pytest.mark.parametrize("term", OTHERS)
+def test_harmonics_of_any_motion_give_the_integral_of_its_velocity(term):
     # even ones among them, in the response and in the base
     omega, k, rng = 5.0, 90.0, np.random.default_rng(4)
     n, y_n = np.array([1.0, 2.0, 3.0, 6.0]), np.array([1.0, 2.0, 4.0])
@@ -114,26 +106,26 @@ def test_harmonics_of_any_motion_give_the_integral_of_its_velocity(symbol):
         (np.exp(1j * np.outer(theta, orders)) @ (1j * omega * orders * part).T).real.T
         for orders, part in ((n, x), (y_n, y))
     )
-    power = KNOWN_TERMS[symbol].force(v, w, k, omega) * v
+    power = term.force(v, w, k, omega) * v
     expected = 2.0 * math.pi / omega * np.mean(power, axis=1)
-    found = of_harmonics(symbol, n, x, y_n, y, omega, k)
+    found = of_harmonics(term, n, x, y_n, y, omega, k)
     size = 2.0 * math.pi / omega * np.mean(np.abs(power))
     # |ẋ|³ of six harmonics of one size, which no response has, loses 1.8e-7 at 512 points
-    tolerance = 1e-6 if symbol in UNSMOOTH else 1e-12
+    tolerance = 1e-6 if term in UNSMOOTH else 1e-12
     np.testing.assert_allclose(found, expected, rtol=0, atol=tolerance * size)
 
 
-@pytest.mark.parametrize("symbol", OTHERS)
-def test_what_noise_adds_to_an_integral_is_taken_off(symbol):
+@pytest.mark.parametrize("term", OTHERS)
+def test_what_noise_adds_to_an_integral_is_taken_off(term):
     # in the mean over drawings: within four standard errors of the true integral, beyond which the raw ones are
     omega, k, rng, count = 5.0, 90.0, np.random.default_rng(7), 4000
     n, clean = np.array([1.0, 2.0, 3.0]), np.array([1.0 - 0.5j, 0.02j, 0.05])
     deviation = np.array([0.04, 0.03, 0.03])
     noise = rng.normal(size=(count, 3)) + 1j * rng.normal(size=(count, 3))
     x, y = clean + deviation * noise, np.full((count, 1), 1.3 + 0j)
-    (true,) = of_harmonics(symbol, n, clean[None], n[:1], y[:1], omega, k)
-    drawn = of_harmonics(symbol, n, x, n[:1], y, omega, k, 2.0 * deviation**2)
-    raw = of_harmonics(symbol, n, x, n[:1], y, omega, k)
+    (true,) = of_harmonics(term, n, clean[None], n[:1], y[:1], omega, k)
+    drawn = of_harmonics(term, n, x, n[:1], y, omega, k, 2.0 * deviation**2)
+    raw = of_harmonics(term, n, x, n[:1], y, omega, k)
     error = drawn.std() / math.sqrt(count)
     assert abs(drawn.mean() - true) < 4.0 * error
     assert abs(raw.mean() - true) > 8.0 * error
@@ -145,8 +137,8 @@ def test_the_travel_of_friction_is_no_matter_of_harmonics():
         of_harmonics("F_k", n, n[None] + 0j, n, n[None] + 0j, 1.0, 1.0)
 
 
-@pytest.mark.parametrize("symbol", [*KNOWN_TERMS, "twice_cubed"])
-def test_a_coefficient_times_its_integral_is_an_energy(symbol):
+@pytest.mark.parametrize("term", [*KNOWN_TERMS.values(), OWN[0]])
+def test_a_coefficient_times_its_integral_is_an_energy(term):
     # lengths times 2, times times 3, masses times 5: a work becomes 5·2²/3² of itself, and a unit says how p does
     length, time, mass = 2.0, 3.0, 5.0
     of_unit = {"N": mass * length / time**2, "m": length, "s": time, "kg": mass, "": 1.0}
@@ -161,7 +153,6 @@ def test_a_coefficient_times_its_integral_is_an_energy(symbol):
                 factor *= of_unit[base] ** (power if i == 0 else -power)
         return factor
 
-    term = KNOWN_TERMS[symbol]
     assert size(term.unit) * size(term.integral_unit) == pytest.approx(of_unit["J"], rel=1e-14)
     oscillator, motion = case(0.1, 0.8, 20.0, 0.2)
     o, b = oscillator, motion
@@ -170,8 +161,8 @@ def test_a_coefficient_times_its_integral_is_an_energy(symbol):
                    K_z=mass / time**2 * o.K_z, F_k=of_unit["N"] * o.F_k),
         BaseMotion(Y=length * b.Y, omega=b.omega / time),
     )  # fmt: skip
-    expected = size(term.integral_unit) * of_motion(symbol, steady_orbit(oscillator, motion))
-    assert of_motion(symbol, scaled) == pytest.approx(expected, rel=1e-11)
+    expected = size(term.integral_unit) * of_motion(term, steady_orbit(oscillator, motion))
+    assert of_motion(term, scaled) == pytest.approx(expected, rel=1e-11)
 
 
 # Coefficients that take 20 to 60 % of the work at some level each.

@@ -7,9 +7,9 @@ import math
 import numpy as np
 import pytest
 
-from dampbalance.balance import Rows, unregister
+from dampbalance.balance import Rows
 from dampbalance.law.law import Law, law_of
-from dampbalance.law.terms import KNOWN_TERMS, in_order, parted, register_term, term
+from dampbalance.law.terms import KNOWN_TERMS, Term, in_order, term
 from dampbalance.model import named_with_unit
 from dampbalance.solver import solve
 
@@ -59,23 +59,21 @@ def test_a_group_has_a_coefficient_of_its_own():
 )
 def test_a_force_that_is_no_term_is_refused(symbol, force, message):
     with np.errstate(all="ignore"), pytest.raises(ValueError, match=message):
-        register_term(symbol, force)
-    assert symbol not in ("p", "a b") or symbol not in KNOWN_TERMS
+        term(Term(symbol, force))
 
 
-def test_a_registered_term_is_replaced_when_asked_and_forgotten():
-    made = register_term("p", lambda v, w, k, omega: np.abs(v) ** 0.5 * v)
-    assert (made.order, made.unit, made.column) == (1.5, "N s^1.5/m^1.5", "p_N_s1.5_per_m1.5")
-    with pytest.raises(ValueError, match="'p' is registered already: add overwrite=True"):
-        register_term("p", lambda v, w, k, omega: v)
-    assert register_term("p", lambda v, w, k, omega: v, overwrite=True).linear
-    assert Law(("F_k", "p")).terms == ("F_k", "p")
-    unregister("p")
-    with pytest.raises(ValueError, match="'p' is no term and no approach that was registered"):
-        unregister("p")
-    with pytest.raises(ValueError, match="'c' is no term"):
-        unregister("c")
-    with pytest.raises(ValueError, match="unknown term 'p'"):
+def test_a_term_is_passed_as_an_object_and_found_by_its_symbol():
+    p = Term("p", lambda v, w, k, omega: np.abs(v) ** 0.5 * v)
+    assert (p.order, p.unit, p.column) == (1.5, "N s^1.5/m^1.5", "p_N_s1.5_per_m1.5")
+    law = Law([p, "F_k", p], {"p": 3.0})
+    assert law.terms == ("F_k", "p")
+    assert law.term("p") is next(iter(law.given)) is p
+    (key,) = Law(["F_k", p], groups={"p": ("250 g", "250 g")}).keys_of(p)
+    assert (key, key.symbol, key.group, key.force) == ("p[250 g]", "p", "250 g", p.force)
+    assert key.integral_column == "b_p_250_g_m2.5_per_s1.5"
+    with pytest.raises(ValueError, match="two terms have the symbol p: choose another for one"):
+        in_order([p, Term("p", lambda v, w, k, omega: v)])
+    with pytest.raises(ValueError, match=r"unknown term 'p'; .*pass one of your own as a Term"):
         Law(("F_k", "p"))
 
 
@@ -119,8 +117,7 @@ def test_one_record_is_enough_for_one_unknown():
 
 
 def test_a_key_is_a_symbol_and_perhaps_a_group():
-    assert parted("c") == ("c", None)
-    assert parted("F_k[250 g]") == ("F_k", "250 g")
+    assert (term("F_k[250 g]").symbol, term("F_k[250 g]").group) == ("F_k", "250 g")
     assert term("F_k[250 g]").column == "F_k_250_g_N"
     assert term("F_k[250 g]").integral_column == "a_250_g_m"
     assert named_with_unit("eta", "") == "eta"

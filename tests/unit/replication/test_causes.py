@@ -13,6 +13,7 @@ import pytest
 
 from dampbalance.replication.claims import causes
 from dampbalance.replication.claims.published import Printed
+from dampbalance.replication.claims.verdicts import of_cell
 from paper.routes import CASE, PRINT
 
 LABELS = ["1-2", "2-3", "3-4", "4-5", "1-5"]
@@ -170,5 +171,8 @@ def test_a_pair_without_a_simulated_b_has_no_other():
         return math.nan if (column, level) == ("b_m2_per_s", 1) else 1e-3 * level
 
     allowed = {f"table2.b.{level}": (1e-3, 2e-3) for level in (1, 2)}
-    simulated, row = SimpleNamespace(feature=feature), SimpleNamespace(line="1-2")
+    simulated, row = (
+        SimpleNamespace(feature=feature),
+        SimpleNamespace(id=of_cell("table2", "c", "1-2")),
+    )
     assert causes.other_b(PRINT, simulated, allowed, row) == ""

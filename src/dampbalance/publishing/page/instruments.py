@@ -13,9 +13,10 @@ from ...motion.fixed_step import SCHEMES
 from ...project.case import Case
 from ...project.wording import plain
 from ...replication.as_published import coefficients
-from ...replication.claims.verdicts import PARTS, VERDICTS, of_cell
+from ...replication.claims.verdicts import PARTS, VERDICTS, ClaimId, of_cell
 from ...replication.comparison import RECIPES, WAYS
 from ...replication.printed_tables import TABLE_2, UNKNOWNS
+from ...solver import levels_of
 from ..colours import variable
 from ..words import titled
 
@@ -71,7 +72,7 @@ def _integrator(case: Case, claims: pd.DataFrame) -> dict[str, Any]:
     numerics = case.numerics
     symbols = [quantity.symbol for quantity in (*TABLE_2, *UNKNOWNS)]
     rows = {s: claims[claims["id"].str.startswith(of_cell("table2", s))] for s in symbols}
-    pairs = rows["F_k"]["id"].str.rpartition(".")[2].str.split("-")
+    pairs = [levels_of(ClaimId(claim).line) for claim in rows["F_k"]["id"]]
     step = float(f"{1e6 * numerics.step_s:.12g}")
     return {
         "schemes": [
@@ -89,7 +90,7 @@ def _integrator(case: Case, claims: pd.DataFrame) -> dict[str, Any]:
         "stops": sorted({*STOPS_US, step}),
         "omega": case.omega(next(iter(case.frequencies_hz))),
         "printed": {symbol: of["printed"].tolist() for symbol, of in rows.items()},
-        "pairs": [[int(level) - 1 for level in pair] for pair in pairs],
+        "pairs": [[level - 1 for level in pair] for pair in pairs],
     }
 
 

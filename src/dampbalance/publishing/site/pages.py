@@ -59,7 +59,11 @@ EQUATIONS = "paper/equations.md"
 PACKAGE_FOLDER = Path(__file__).parents[3]
 WIDTH = 112  # letters of a line of output that is not a row of a table
 _HELP_WIDTH = 64  # letters of a command's help in a line: what a page shows without scrolling
-_REGISTRIES = {"approach": list(APPROACHES), "check": list(checks()), "term": list(KNOWN_TERMS)}
+_REGISTRIES = {
+    "approach": list(APPROACHES),
+    "check": [*map(str, checks())],
+    "term": list(KNOWN_TERMS),
+}
 _AT_ONCE = 2  # pages that are rendered
 _LARGEST = 4_000_000  # bytes of a file that is copied
 _ONE = 0x2460  # ①

@@ -18,7 +18,7 @@ from ...balance import Rows
 from ...features import Features
 from ...project.case import Case
 from ...reading.read_out import ReadOut
-from ...solver import least_squares
+from ...solver import least_squares, levels_of
 from ..as_published import effective_damping, estimates
 from ..printed_tables import COLUMN_OF, TABLE_2, RouteTables
 from .cross_checks import agrees
@@ -39,7 +39,7 @@ def backward_euler(case: Case, values: Mapping[str, float]) -> str:
     )
 
 
-def implied_b(published: Published, level: str) -> tuple[str, str]:
+def implied_b(published: Published, level: str | int) -> tuple[str, str]:
     """Compare a printed b with b = (W − a F_k)/c of the printed pairs: two contradictions, "" where there is none.
 
     The first refutes b and the pairs with this level alike: they were computed with this b, and the F_k and c of all
@@ -52,7 +52,7 @@ def implied_b(published: Published, level: str) -> tuple[str, str]:
         """The range of b by the pairs with this level or by the others; for each, whether it excludes the printed b."""
         values, excluded = [], []
         for label in PAIR_LABELS:
-            if (level in label.split("-")) is not with_it:
+            if (int(level) in levels_of(label)) is not with_it:
                 continue
             F_k, c = (published[of_cell("table2", symbol, label)] for symbol in ("F_k", "c"))
             values.append((W.value - a.value * F_k.value) / c.value)
@@ -62,7 +62,7 @@ def implied_b(published: Published, level: str) -> tuple[str, str]:
         return shown((min(values), max(values)), b), excluded
 
     (used, not_used), (wanted, not_wanted) = implied(with_it=True), implied(with_it=False)
-    names = " and ".join(label for label in PAIR_LABELS if level in label.split("-"))
+    names = " and ".join(label for label in PAIR_LABELS if int(level) in levels_of(label))
     if any(not_used):
         return "", f"It contradicts Table 2 itself: the printed pairs {names} give b = {used}."
     if all(not_wanted):
@@ -165,7 +165,7 @@ def other_b(
 
     allowed : what the printed tables allow, `Sources.allowed`.   row : of the pair.
     """
-    pair = PAIRS[PAIR_LABELS.index(row.line)]
+    pair = PAIRS[PAIR_LABELS.index(row.id.line)]
     a, b, W = (
         np.array([as_published.feature(q.column, level + 1) for level in pair]) for q in TABLE_2
     )
@@ -231,8 +231,8 @@ class _Read(NamedTuple):
     def shown(self, tables: RouteTables, label: str) -> str:
         """How the feature reads at the levels of a pair; once if it reads the same."""
         sums = (
-            math.fsum(tables.feature(column, int(level)) for column in self.columns)
-            for level in label.split("-")
+            math.fsum(tables.feature(column, level) for column in self.columns)
+            for level in levels_of(label)
         )
         texts = [f"{self.scale * value:{self.digits}} {self.unit}" for value in sums]
         return f"{self.words} {' and '.join(dict.fromkeys(texts))}"
@@ -277,11 +277,11 @@ def rules_at_work(
 
     def sentence(row: Row) -> str:
         def value(tables: RouteTables) -> float:
-            return tables.estimate(COLUMN_OF[row.symbol], row.approach, pair=row.line)
+            return tables.estimate(COLUMN_OF[row.symbol], row.approach, pair=row.id.line)
 
         shifts = {"the simulation": value(unread) - value(exact)}
         for one, tables in read.items():
-            shifts[one.shown(tables, row.line)] = value(tables) - value(unread)
+            shifts[one.shown(tables, row.id.line)] = value(tables) - value(unread)
         if not all(map(math.isfinite, shifts.values())):
             return ""
         first, *others = sorted(shifts, key=lambda what: -abs(shifts[what]))

@@ -20,7 +20,7 @@ from ..printed_tables import COLUMN_OF, RouteTables
 from .judging import HALF
 from .published import PAIRS, Printed
 from .table import SEPARATOR
-from .verdicts import HOLDING, REPRODUCED, ROUTE_NAMES
+from .verdicts import HOLDING, REPRODUCED, ROUTE_NAMES, ClaimId
 
 CLOSE_UNITS = 5.0
 """Units of the last digit within which a number agrees in all digits but the last: ten last digits lie that close."""
@@ -55,7 +55,7 @@ def _made_otherwise(claims: pd.DataFrame) -> pd.Series:
     """
     computed, exact = claims["kind"] == "computed", ROUTE_NAMES["exact"]
     missed = computed & ~claims["agrees"].str.startswith(exact)
-    columns = claims["id"].str.rpartition(".")[0]
+    columns = claims["id"].map(lambda claim: ClaimId(claim).column)
     return computed & ((claims["judged"] != exact) | missed.groupby(columns).transform("any"))
 
 
@@ -136,9 +136,10 @@ def inputs_of_table_3(
         table = estimates(features, features, replace(case, pairs=PAIRS))
         route, count = RouteTables({}, {"omega1": table}), 0
         for name, text in printed.items():
-            _, approach, symbol, pair = str(name).split(".")
-            row = CORRECTED if minus and approach == "V_s" else approach
-            value, number = route.estimate(COLUMN_OF[symbol], row, pair=pair), Printed(text)
+            of = ClaimId(name)
+            row = CORRECTED if minus and of.approach == "V_s" else of.approach
+            value = route.estimate(COLUMN_OF[of.symbol], row, pair=of.line)
+            number = Printed(text)
             count += bool(abs(value - number.value) <= HALF * number.unit)
         return count
 

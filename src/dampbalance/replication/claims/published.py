@@ -33,7 +33,7 @@ from ..printed_tables import (
     UNKNOWNS,
     RouteTables,
 )
-from .verdicts import of_cell, of_text
+from .verdicts import ClaimId, of_cell, of_text
 
 LONGEST = 25
 """Characters of a number at most."""
@@ -132,7 +132,7 @@ class Row(NamedTuple):
     kind, rule : of KINDS and of `rules.RULES`: what judges the number.
     """
 
-    id: str
+    id: ClaimId
     where: str
     symbol: str
     approach: str
@@ -141,11 +141,6 @@ class Row(NamedTuple):
     printed: str
     kind: str
     rule: str
-
-    @property
-    def line(self) -> str:
-        """The line of a table in which the number stands: a level, counted from 1, or the label of a pair."""
-        return self.id.rpartition(".")[2]
 
     @property
     def number(self) -> Printed:
@@ -193,7 +188,7 @@ def read_published(folder: Path) -> Published:
             )
     if (twice := frame["id"][frame["id"].duplicated()]).any():
         raise ValueError(f"{FILE}: id {twice.iloc[0]} appears twice; each needs its own name")
-    return Published({row.id: row for row in map(Row._make, frame.to_numpy())})
+    return Published({name: Row(ClaimId(name), *of) for name, *of in frame.to_numpy()})
 
 
 def read_texts(path: Path, columns: tuple[str, ...]) -> pd.DataFrame:
@@ -234,7 +229,7 @@ def from_print(published: Published, case: Case) -> RouteTables:
     features = printed_features(published, case.omega("omega1"))
     stated = {name: published[of_text(f"{name}_mean")].value for name in ("phi", "t_s")}
     common, k = features.replaced(**stated), case.oscillator.k
-    estimates = estimate_table(features, k, PAIRS, common=common, names=PRINTED_APPROACHES)
+    estimates = estimate_table(features, k, PAIRS, common=common, approaches=PRINTED_APPROACHES)
     return RouteTables({"omega1": features.to_frame()}, {"omega1": estimates})
 
 

@@ -25,6 +25,7 @@ from ...project.case import Case
 from ...project.files import ROUTES, read_csv, read_routes
 from ...project.wording import cut
 from ...reading.read_out import ReadOut
+from ...solver import levels_of
 from .. import printed_tables as paper
 from ..as_published import CORRECTED, SLIPPING_SAMPLE
 from ..comparison import largest_errors, relative_errors
@@ -104,7 +105,7 @@ def read_sources(folder: str | Path, published_in: str | Path, case: Case) -> So
 
 def read_out(sources: Sources, row: Row) -> Claim:
     """Table 1: X, X_s and V_s are rounded, φ is read off a plot, t_s is cut off to whole tenths."""
-    level, column, number = int(row.line), COLUMN_OF[row.symbol], row.number
+    level, column, number = int(row.id.line), COLUMN_OF[row.symbol], row.number
     exact = sources.exact.feature(column, level)
     how: dict[str, Any] = {}
     if row.rule == "time":
@@ -132,10 +133,10 @@ def _uncut(simulated: float) -> dict[str, float]:
 
 def integral(sources: Sources, row: Row) -> Claim:
     """Table 2, upper part: the integrals a, b and W of the five levels."""
-    case, level = sources.case, int(row.line)
+    case, level = sources.case, int(row.id.line)
     values = sources.features(COLUMN_OF[row.symbol], level)
     note = causes.starting_sample(case, level) if row.symbol == "a" else ""
-    of_pairs = causes.implied_b(sources.published, row.line) if row.symbol == "b" else ()
+    of_pairs = causes.implied_b(sources.published, row.id.line) if row.symbol == "b" else ()
     return Claim(
         row,
         values,
@@ -150,10 +151,10 @@ def integral(sources: Sources, row: Row) -> Claim:
 def direct_pair(sources: Sources, row: Row) -> Claim:
     """Table 2, lower part: the pair-wise estimates by direct integration, from more digits than are printed."""
     case, number, allowed = sources.case, row.number, sources.allowed[row.id]
-    values = sources.estimates(row, pair=row.line)
+    values = sources.estimates(row, pair=row.id.line)
     damped = causes.backward_euler(case, values) if row.symbol == "c" else ""
     with_b = causes.other_b(sources.published, sources.as_published, sources.allowed, row)
-    implied = (causes.implied_b(sources.published, level)[0] for level in row.line.split("-"))
+    implied = (causes.implied_b(sources.published, level)[0] for level in levels_of(row.id.line))
     unbalanced = " ".join(filter(None, implied))
     return Claim(
         row,
@@ -169,9 +170,9 @@ def direct_pair(sources: Sources, row: Row) -> Claim:
 
 def harmonic_pair(sources: Sources, row: Row) -> Claim:
     """Table 3: the pair-wise estimates of the three harmonic approaches with common φ and t_s."""
-    values = sources.estimates(row, pair=row.line)
+    values = sources.estimates(row, pair=row.id.line)
     corrected = CORRECTED if row.approach == "V_s" else row.approach
-    correct = sources.as_published.estimate(COLUMN_OF[row.symbol], corrected, pair=row.line)
+    correct = sources.as_published.estimate(COLUMN_OF[row.symbol], corrected, pair=row.id.line)
     slip = causes.sign(values["as_published"], correct, row.unit, sources.misfits)
     return Claim(
         row,
@@ -189,7 +190,7 @@ def held(sources: Sources, row: Row) -> Claim:
     """The inputs, amplitudes of Tables 1 and 2 among them: the configuration must hold what is printed."""
     case = sources.case
     if row.symbol == "Y":
-        value = case.levels_m[int(row.line) - 1]
+        value = case.levels_m[int(row.id.line) - 1]
     else:
         value = case.frequencies_hz.get(row.symbol) or getattr(case.oscillator, row.symbol)
     same = math.isclose(value, row.number.value, rel_tol=1e-12)

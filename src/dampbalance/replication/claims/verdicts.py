@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
 if TYPE_CHECKING:
@@ -123,17 +124,54 @@ def counts(claims: pd.DataFrame) -> list[Count]:
     return counted
 
 
-def of_cell(table: str, symbol: str, line: str | int = "", approach: str = "") -> str:
+class ClaimId(str):
+    """The id of a printed number: a text with dots between its parts, table3.V_s.c.1-2, which it knows."""
+
+    @cached_property
+    def parts(self) -> list[str]:
+        """The table or another part of the paper, the approach where columns repeat, the symbol, and the line."""
+        return self.split(".")
+
+    @property
+    def part(self) -> str:
+        """The part of the paper, a key of PARTS; raises KeyError where there is none."""
+        if self.parts[0] not in PARTS:
+            known = ", ".join(PARTS)
+            raise KeyError(f"{str(self)!r} belongs to no part of the paper; known are {known}")
+        return self.parts[0]
+
+    @property
+    def column(self) -> str:
+        """How the ids of its column begin."""
+        return ".".join(self.parts[:-1])
+
+    @property
+    def approach(self) -> str:
+        """The approach, "" in a column that does not repeat."""
+        return self.parts[1] if len(self.parts) > 3 else ""
+
+    @property
+    def symbol(self) -> str:
+        """The symbol that heads the column."""
+        return self.parts[-2]
+
+    @property
+    def line(self) -> str:
+        """The line of a table in which the number stands: a level, counted from 1, or the label of a pair."""
+        return self.parts[-1]
+
+
+def of_cell(table: str, symbol: str, line: str | int = "", approach: str = "") -> ClaimId:
     """A cell of Tables 1 to 3: table1.X_s.3, table2.F_k.1-5, table3.V_s.c.1-2; without the line, how a column begins.
 
     line : level, counted from 1, or label of a pair.   approach : in Table 3, whose columns repeat.
     """
-    return ".".join([table, *([approach] if approach else []), symbol, str(line)])
+    return ClaimId(".".join([table, *([approach] if approach else []), symbol, str(line)]))
 
 
-def of_text(name: str) -> str:
+def of_text(name: str) -> ClaimId:
     """A number of the running text by its name: text.phi_mean."""
-    return f"text.{name}"
+    return ClaimId(f"text.{name}")
 
 
 def statistic(symbol: str, approach: str, kind: str) -> str:
@@ -143,7 +181,4 @@ def statistic(symbol: str, approach: str, kind: str) -> str:
 
 def part_of(claim: str) -> str:
     """The part of the paper that a claim belongs to, a key of PARTS; raises KeyError where there is none."""
-    part = claim.partition(".")[0]
-    if part not in PARTS:
-        raise KeyError(f"{claim!r} belongs to no part of the paper; known are {', '.join(PARTS)}")
-    return part
+    return ClaimId(claim).part

@@ -292,7 +292,7 @@ def _force(
         for end in ("", "_standard_error", "_interval")
     )
     keys = {symbol: law.key(symbol, i) for symbol in law.terms if symbol != FRICTION}
-    others = {
+    others: dict[str, float] = {
         symbol: float(law.given[of] if of in law.given else estimates[term(of).column])
         for symbol, of in keys.items()
     }
