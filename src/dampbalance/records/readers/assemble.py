@@ -186,6 +186,8 @@ def _in_equal_steps(t: Array, where: str) -> Array:
     middle = float(t.mean())
     step = float(i @ (t - middle)) / float(i @ i)
     line = np.asarray(middle + step * i)
+    if not step > 0.0:  # underflow
+        return t
     bound = 1.5 * q / (step * t.size)
     if np.ptp(t - line) > _WITHIN * q or bound > _ACCURATE:
         return t
