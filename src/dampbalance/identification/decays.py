@@ -33,7 +33,7 @@ from ..likelihood.score import Departure
 from ..likelihood.search import fit_all, minima_of, separate_fits
 from ..project.wording import Remark, listed, times, visible
 from ..reading.bursts import NoDecay, Signal, noise_of, too_few_samples
-from ..reading.conditioning import evenly_sampled
+from ..reading.conditioning import in_equal_steps
 from ..reading.cycles import clipped
 from ..reading.drive import stands_still
 from ..reading.one_thread import one_thread
@@ -295,7 +295,7 @@ def _unclear(record: Measurement) -> str:
 def _signal(record: Measurement, channel: Channel, offset: int, warnings: list[Remark]) -> Signal:
     """A channel of the mass, evenly sampled and with its known gain and delay taken off.   offset : its number."""
     correction = channel.correction
-    channel = evenly_sampled(channel, record.source, warnings)
+    channel = in_equal_steps(channel, warnings)
     t, values = channel.t, channel.values
     if correction is not None:
         if correction.low_pass or correction.high_pass:

@@ -40,8 +40,6 @@ def frame_page(
         upper_um=[1e6 * row["loop"]["given_way_m"][1] for row in rows],
         doubtful=[row for row in rows if row["verdict"] != USABLE],
         drifting=[row for row in rows if row["drift"]["significant"]],
-        left=[row for row in rows if row["clocks"]["drift_left_significant"]],
-        delayed=[row["clocks"]["F_k_as_recorded_N"] / row["F_k_N"] - 1.0 for row in rows],
         conventions=[1.0 - row["F_k_by_series_N"] / row["F_k_N"] for row in rows],
         laws=laws,
         best=best,

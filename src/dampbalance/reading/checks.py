@@ -16,7 +16,7 @@ from scipy import special
 
 from ..arrays import Array, Complexes
 from ..project.wording import Remark, Shown, part, signed
-from .cycles import FEWEST_CYCLES, CycleHarmonics, unwrapped
+from .cycles import FEWEST_CYCLES, CycleHarmonics
 
 FEW_CYCLES = 10
 """Number of cycles below which the scatter between cycles gives no trustworthy interval."""
@@ -33,8 +33,7 @@ _GAIN_MATTERS = 1e-4
 # may be another motion at the end than at the start, and all numbers are doubtful.
 _DRIFT_MATTERS, _DRIFT_DOUBTFUL, _DRIFT_WRONG = 2e-5, 0.05, 0.1
 _DRIFT_CHANCE = 1e-6
-# Two clocks that nothing ties together hardly agree better than that; harmonics that fold back turn by less.
-_CLOCKS_DIFFER = 5e-7
+_TURNS_ALONE = 5.0  # times as much as the amplitude changes: what two clocks do, and a friction force that grows
 _HARMONIC_MATTERS = 1e-3  # of the fundamental
 _BASE_COUNTS = 1e-6  # of the fundamental: what the file or the rounding of a time may leave
 _CLIPPED_CYCLES = 0.5
@@ -45,6 +44,8 @@ _LARGEST_SPEED = 10.0  # m/s, some three times what the fastest shakers do
 _doubtful = partial(Remark, doubts={"": math.inf})
 _BY_HARMONICS = ("direct",)  # the answer that counts harmonics which the others leave out
 
+# A converter of 12 bits; samples that are looked at; part of a step by which a value may be off a whole number of them.
+_FINE, _LOOKED_AT, _LATTICE = 1 << 12, 1 << 12, 0.01
 _EQUAL = 1e-9  # of the largest value: what rounding leaves between two copies of a signal
 
 _UNCONNECTED = "the transducer was not connected, or the wrong column was read"
@@ -150,7 +151,7 @@ def cycles(
         if is_clipped(harmonics):
             yield _doubtful(
                 "{} is clipped: in {:.0f} % of the cycles several samples hold the extreme value; amplitude and "
-                "harmonics are too small; raise the measuring range",
+                "harmonics are too small; raise the measuring range, unless the mass stops there",
                 *(quantity, 100.0 * harmonics.clipped),
             )
 
@@ -250,44 +251,23 @@ def _slow(size: int) -> Array:
     return np.linalg.qr(np.column_stack([np.ones(size), s, s**2, first]))[0][:, 1:]
 
 
-def clock(
-    Y: Complexes, X: Complexes, times: Array, weights: Array, omega: float
-) -> tuple[float, float] | None:
-    """How much faster the clock of the response ran than that of the excitation, as a part of it, and the standard
-    error; None where the record shows no such difference.
+def few_bits(quantity: str, values: Array, noise: float) -> Iterator[Remark]:
+    """A warning where a converter with coarse steps recorded a signal: its rounding errors repeat from cycle to cycle,
+    and no scatter shows them. Noise of half a step and more makes them random.
 
-    A motion that is steady keeps its phase against the drive. Where two clocks sample them, the phase grows in
-    proportion to time, by −ε of a turn per cycle if the clock of the response is faster by ε, and nothing else changes:
-    what is left without that growth must pass the test of `steadiness`.
-
-    Y, X : fundamentals of base and response, (rows,).   times, weights : of the rows.   omega : rad/s.
+    noise : standard deviation, in the unit of the values.
     """
-    size = len(Y)
-    if size < FEW_CYCLES:
-        return None
-    rows = X / (Y / np.abs(Y))
-    phase, at = unwrapped(rows), times - weighted_mean(times, weights)
-    square = float(weights @ at**2)
-    rate = float((weights * at) @ phase) / square
-    straight = rows * np.exp(-1j * rate * at)
-    left = _change(straight, weights, 2.0)
-    error = math.sqrt(left.noise * float(weights.mean()) / square)
-    error /= abs(weighted_mean(straight, weights))
-    least = max(_significant_for(size - 2) * error, _CLOCKS_DIFFER * omega)
-    if abs(rate) < least or left.shows:
-        return None
-    return -rate / omega, error / omega
-
-
-def two_clocks(quantity: str, faster: tuple[float, float]) -> Remark:
-    """A warning that another clock sampled a channel.   faster : of `clock`."""
-    part, error = faster
-    return _doubtful(
-        "{} seems to be sampled by another clock than the excitation, {:.4g} ± {:.1g} ppm {}: its times are corrected "
-        "as if both clocks had started together, which the record cannot tell; if one clock samples all channels, the "
-        "motion itself drifts, as where friction grows, and the correction is wrong",
-        *(quantity, 1e6 * abs(part), 1e6 * error, "fast" if part > 0.0 else "slow"),
-    )
+    span, steps = float(np.ptp(values)), np.diff(np.unique(values[:_LOOKED_AT]))
+    if not steps.size or not (step := float(steps.min())) * _FINE > span or noise > 0.5 * step:
+        return
+    whole = np.round(steps / step)
+    if (np.abs(steps / step - whole) <= _LATTICE * whole).all():
+        yield Remark(
+            "{} has {:.1f} effective bits, below 12, and no noise of the size of a step: rounding repeats in each "
+            "cycle, and standard errors do not show it; lower the measuring range",
+            *(quantity, math.log2(span / step)),
+            doubts={"": step / span},
+        )
 
 
 def steadiness(
@@ -315,6 +295,8 @@ def steadiness(
             "{} is not steady: its amplitude changes by {}, its phasor by up to {} during the record "
             "(chance of that in noise: {})"
         )
+        if found.turn > _TURNS_ALONE * found.size:
+            words += "; its phase alone drifts, as if two clocks had sampled the channels or friction grew"
         chance = Shown(found.chance, "below 1e-6" if found.chance < 1e-6 else f"{found.chance:.1g}")
         sizes: tuple[str | float, ...] = (name, part(found.size), part(found.turn), chance)
         # of a change in proportion to time, from end to end, and to either side of the mean

@@ -1,8 +1,8 @@
 """From a measurement to the harmonics of its steady state, with a warning for every fault of the record.
 
-Each channel is worked on in its own times: nothing is resampled, unless its samples are unevenly spaced. The drive
-frequency comes from the excitation; the harmonics from least squares, cycle by cycle (`cycles.py`); a slow drift of the
-offset is removed with what it adds to the harmonics. Harmonics are then turned into those of displacements,
+Each channel is worked on in its own times: nothing is resampled. The drive frequency comes from the excitation; the
+harmonics from least squares, cycle by cycle (`cycles.py`); a slow drift of the offset is removed with what it adds to
+the harmonics. Harmonics are then turned into those of displacements,
 
     y_n = −a_n/(nω)²   of a base acceleration,      y_n = f_n/k   of a force,
     x_n = v_n/(inω)    of a velocity,               x_n = −a_n/(nω)²   of an acceleration,
@@ -15,17 +15,15 @@ several response channels are averaged, each weighted by its inverse variance.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 
 import numpy as np
 
 from ..arrays import Array, Complexes, Integers
-from ..project.wording import Remark, visible
-from ..records.errors import RecordError
+from ..project.wording import Remark, part, visible
+from ..record import GRID_TOLERANCE
 from ..records.measurement import (
-    EXCITATIONS,
     ORDERS,
     RELATIVE,
     RESPONSES,
@@ -37,18 +35,14 @@ from . import checks
 from .checks import weighted_mean
 from .cycles import (
     CycleHarmonics,
-    Samples,
-    accumulate,
+    cycle_harmonics,
     frequency_offset,
     median,
     powers,
     windows,
 )
-from .drive import LEADING, SampleBlocks, frequency_of, leading_samples, step_of
+from .drive import frequency_of, step_of
 from .one_thread import one_thread
-
-Clock = tuple[float, float]
-"""By how much a clock was faster than that of the excitation, as a part of it, and the standard error."""
 
 _MOST_HARMONICS = (31, 61, 91)
 """Highest harmonic taken of a displacement, a velocity and an acceleration of the mass; a quarter of the samples per
@@ -60,15 +54,7 @@ _FILTERED_OUT = 1e-3  # of a harmonic that passes a filter: below it, the rest i
 # Rounding as a part of the fundamental; smaller noise cannot be distinguished from it.
 _RELATIVE_FLOOR = 1e-9
 _NO_NEIGHBOURS = (math.nan, math.nan)
-_JITTER = 0.05  # of a step: times closer to an even grid than that are on it
-_LATTICE = 0.01  # of a step: how far a value may lie from a whole number of steps
 _FREQUENCY_COUNTS = 0.3  # of the noise of the fundamental: less would widen intervals by 5 %
-_COPIES = 1e-9  # of the range: values closer than that differ by rounding of the numbers
-_FINEST = 1e-6  # of the range: finer steps leave nothing that shows
-# Independent errors in a cycle of A cos θ, over A/q: its rounding error is Σ ±(q/πj) sin(2πj A cos θ/q), whose
-# harmonics n ≪ 2πA/q are (2q/πj) J_n(2πjA/q) with J_n² → q/(2π²jA) in the mean; their variance, ζ(3) q³/(π⁴A), is that
-# of 2π⁴/12ζ(3) A/q independent errors.
-_PHASES = 13.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,15 +67,13 @@ class SteadyRecord:
     Each signal is Re Σ s_n e^{inω(t − start)}.
     weights : usable cycles in each row.   X_error, Y_error : standard deviation of the real and of the imaginary part
     of the mean of each harmonic, m; infinite where no channel reaches.
-    X_hidden, Y_hidden : part of these that no scatter between cycles shows, of the steps of a converter and of a
-    channel that is not steady.
+    X_hidden, Y_hidden : part of these that no scatter between cycles shows, of a channel that is not steady.
     bandwidth : N, the highest odd harmonic that stands out of the noise.   even_bandwidth : the highest even one, 0
     where the response is symmetric.   base_bandwidth : the highest harmonic of the base, 1 where it is harmonic.
     channels : harmonics of each channel, corrected, by quantity.
     noise_rms : of the samples, by quantity, in the unit of the channel.
     skew : by how much each response lags the first, s, as corrected (only where it is significant).
     warnings : what is wrong with the record, one sentence each, which says what it leaves in doubt.
-    gathered : what all this comes from.
     """
 
     source: str
@@ -113,7 +97,6 @@ class SteadyRecord:
     noise_rms: Mapping[str, float]
     skew: Mapping[str, float]
     warnings: tuple[Remark, ...]
-    gathered: Gathered
 
     @property
     def frequency_hz(self) -> float:
@@ -128,25 +111,6 @@ class SteadyRecord:
         """Harmonics x_n of any orders, m, (h,), their phases counted from the peak of the base."""
         base = self.mean(self.Y[:, 1:2])[0]
         return self.mean(self.X)[n] * np.exp(-1j * n * np.angle(base))
-
-
-@dataclass(frozen=True, eq=False)
-class Gathered:
-    """What one pass through the samples of a record leaves of them.
-
-    source, k : as for `SteadyRecord`.   driving : the quantity that drives.   channels : harmonics of each channel, as
-    they were recorded.   warnings : on the samples.
-    clocks : of channels, by quantity, where they differed from that of the excitation and were corrected.
-    skipped : cycles left out at the start, as asked for.
-    """
-
-    source: str
-    k: float
-    driving: str
-    channels: Mapping[str, CycleHarmonics]
-    warnings: tuple[Remark, ...]
-    clocks: Mapping[str, Clock]
-    skipped: int
 
 
 @one_thread
@@ -166,67 +130,47 @@ def condition(
     frequency, signals that contradict each other.
     """
     warnings: list[Remark] = []
-    source, channels = measurement.source, {q: measurement[q] for q in measurement}
-    even = {q: evenly_sampled(channel, source, warnings) for q, channel in channels.items()}
+    source, driving = measurement.source, measurement.excitation.quantity
     if not (math.isfinite(k) and k > 0.0):
         raise ValueError(f"{source}: the stiffness k must be positive, got {k} N/m")
-    samples = {q: partial(iter, [(channel.t, channel.values)]) for q, channel in even.items()}
-    corrections = {q: channel.correction for q, channel in channels.items()}
-    gathered = partial(_gathered, source, samples, k, frequency_hz, skip_cycles, corrections)
+    samples = {q: in_equal_steps(measurement[q], warnings) for q in measurement}
     try:
-        steady = _steady(gathered({}), gathered)
-    except RecordError:  # names the file itself
-        raise
+        channels = _harmonics_of(samples, driving, frequency_hz, skip_cycles, warnings)
+        return _steady(source, k, samples, channels, driving, skip_cycles, warnings)
     except ValueError as error:
         raise ValueError(f"{source}: {error}") from error
-    return replace(steady, warnings=(*warnings, *steady.warnings))
 
 
-def evenly_sampled(channel: Channel, source: str, warnings: list[Remark]) -> Channel:
-    """The channel itself, or resampled by a cubic spline when its samples are unevenly spaced (gaps apart)."""
-    steps = np.diff(channel.t)
-    if np.ptp(steps) <= _JITTER * steps[0]:  # nearly always
+def in_equal_steps(channel: Channel, warnings: list[Remark]) -> Channel:
+    """The channel itself; with times in equal steps and a warning, where they are off these by more than rounding."""
+    t = np.linspace(channel.t[0], channel.t[-1], channel.t.size)
+    off = float(np.abs(channel.t - t).max()) / (t[1] - t[0])
+    if off <= GRID_TOLERANCE:
         return channel
-    dt = float(np.median(steps))
-    odd = np.abs(steps / dt - np.round(steps / dt)) > 2.0 * _JITTER
-    if odd.mean() < 0.01:
-        return channel
-    from scipy.interpolate import CubicSpline  # rarely needed, slow to import
-
-    name = visible(channel.name)
-    if channel.t.size < 8:
-        raise ValueError(f"{source}: {name} has only {channel.t.size} samples")
-    gap = float(steps.max())
-    if gap > 20.0 * dt:
-        raise ValueError(
-            f"{source}: {name} is unevenly sampled and has a gap of {gap:.3g} s after "
-            f"{channel.t[int(np.argmax(steps))]:.6g} s; cut the record there"
-        )
-    spline = CubicSpline(channel.t, channel.values)
-    t = np.arange(channel.t[0], channel.t[-1], dt)
-    coarse = CubicSpline(channel.t[::2], channel.values[::2])(channel.t[1:-1:2])
-    error = float(np.sqrt(np.mean((coarse - channel.values[1:-1:2]) ** 2))) / 16.0
     warnings.append(
         Remark(
-            "{}: unevenly sampled (steps of {:.3g} to {:.3g} s), resampled every {:.3g} s by a cubic spline; error "
-            "about {:.2g} {} in addition to the noise",
-            *(name, steps.min(), gap, dt, error, channel.unit),
+            "{}: times are not uniform, they lie up to {} of a step off equal steps, which are taken",
+            *(visible(channel.name), part(off)),
         )
     )
-    return Channel(channel.quantity, t, spline(t), channel.name)
+    return replace(channel, t=t)
 
 
 def _steady(
-    gathered: Gathered,
-    by_one_clock: Callable[[Mapping[str, Clock]], Gathered] | None = None,
+    source: str,
+    k: float,
+    samples: Mapping[str, Channel],
+    channels: Mapping[str, CycleHarmonics],
+    driving: str,
+    skipped: int,
+    warnings: list[Remark],
 ) -> SteadyRecord:
     """The steady record that harmonics are: in the rows that all channels have, in the time and at the frequency of the
     drive, without drift, as displacements.
 
-    by_one_clock : what is gathered in the times of one clock, where others differ from it by parts of these.
+    skipped : cycles left out at the start, as asked for.   warnings : on the samples; others are added.
     """
-    channels, driving = gathered.channels, gathered.driving
-    base, k = channels[driving], gathered.k
+    base = channels[driving]
     offset, omega_error = frequency_offset(base)  # a longer look corrects that of the leading part
     omega = base.omega + offset
     per_row = {q: h.cycles_per_row for q, h in channels.items()}
@@ -235,26 +179,24 @@ def _steady(
     common = min(len(h.weights) for h in channels.values())
     weights = np.min([h.weights[:common] for h in channels.values()], axis=0)
     passed = {q: _passed(q, h, omega) for q, h in channels.items() if h.correction is not None}
-    warnings = [*gathered.warnings, *checks.cycles(channels, weights, base.omega)]
+    warnings += checks.cycles(channels, weights, base.omega)
     usable = weights > 0.0
     times, weights = base.times[:common][usable] - base.start, weights[usable]
     rows = {q: h.coefficients[:common][usable] for q, h in channels.items()}
     slopes = _drifts([of[:, 0].real for of in rows.values()], times, weights)
     count = max(of.shape[1] for of in rows.values())
     turn = powers(np.exp(1j * (base.omega * base.start - offset * times)), count)
-    noise_rms, rounding, moved = {}, {}, {}
+    noise_rms, moved = {}, {}
     for (q, of), slope in zip(rows.items(), slopes, strict=True):
         channel = channels[q]
         of[:, 1:] -= slope @ channel.drift[:, 1:]
         of *= turn[:, : of.shape[1]]
         # of white noise, from the scatter of the harmonics between rows
         per_cycle = 2.0 * math.pi / (channel.omega * channel.dt)
-        noise = math.sqrt(median(_scatter(of, weights)[1:]) * 0.5 * per_cycle)
-        used = round(float(channel.weights.sum()))
+        noise_rms[q] = math.sqrt(median(_scatter(of, weights)[1:]) * 0.5 * per_cycle)
+        warnings += checks.few_bits(q, samples[q].values, noise_rms[q])
         response = passed.get(q, np.ones(of.shape[1]))
         scale = _of_displacement(q, response.size, omega, k) / response
-        left = rounding_error(channel.step, channel.span, per_cycle, used, noise)
-        noise_rms[q], rounding[q] = noise, left * np.abs(scale)
         moved[q] = of[:, : scale.size] * scale
     Y = moved.pop(driving)
     moved = {q: moved[q] for q in RESPONSES if q in moved}
@@ -262,32 +204,23 @@ def _steady(
         for q in RELATIVE.keys() & moved.keys():
             count = min(Y.shape[1], moved[q].shape[1])
             moved[q][:, 1:count] += Y[:, 1:count]
-    if by_one_clock is not None and (
-        clocks := {
-            q: faster
-            for q, x in moved.items()
-            if (faster := checks.clock(Y[:, 1], x[:, 1], times, weights, omega))
-        }
-    ):
-        return _steady(by_one_clock(clocks))
     skew, inconsistencies = checks.consistency(moved, weights, omega)
-    X, X_error, X_rounding = _combined(moved, rounding, weights)
+    X, X_error = _combined(moved, weights)
     mean_Y, mean_X = weighted_mean(Y, weights), weighted_mean(X, weights)
     warnings += inconsistencies
     warnings += checks.plausible(abs(mean_Y[1]), abs(mean_X[1]), omega, driving)
-    period, skipped = 2.0 * math.pi / base.omega, gathered.skipped
+    period = 2.0 * math.pi / base.omega
     parts, unsteady = checks.steadiness(Y[:, 1], X[:, 1], times, weights, period, skipped)
     warnings += unsteady
     # which motion of those in a record that is not steady its mean stands for is known no better
-    Y_hidden = np.hypot(rounding[driving], parts[0] * np.abs(mean_Y))
+    Y_hidden, X_hidden = parts[0] * np.abs(mean_Y), parts[1] * np.abs(mean_X)
     Y_error = np.hypot(_error(Y, weights), Y_hidden)
-    changing = parts[1] * np.abs(mean_X)
     # nor is that of the frequency: ∂ln x/∂ω = 2mω x/(kY) with mω² = k − Re kY/x, much where the damping is light
     gain = mean_X[1] / mean_Y[1]
     by_frequency = 2.0 * abs(mean_X[1] * gain) * abs(1.0 - (1.0 / gain).real) * omega_error / omega
     if by_frequency > _FREQUENCY_COUNTS * X_error[1]:
-        changing[1] = math.hypot(changing[1], by_frequency)
-    X_error, X_hidden = np.hypot(X_error, changing), np.hypot(X_rounding, changing)
+        X_hidden[1] = math.hypot(X_hidden[1], by_frequency)
+    X_error = np.hypot(X_error, X_hidden)
     warnings += checks.harmonic_drive(mean_Y, Y_error, driving)
     asymmetry = list(checks.symmetry(mean_X, X_error))
     warnings += asymmetry
@@ -297,7 +230,7 @@ def _steady(
         for q, of in passed.items()
     }
     return SteadyRecord(
-        source=gathered.source,
+        source=source,
         k=k,
         omega=omega,
         omega_standard_error=omega_error,
@@ -318,65 +251,43 @@ def _steady(
         noise_rms=noise_rms,
         skew=skew,
         warnings=tuple(warnings),
-        gathered=gathered,
     )
 
 
-def _gathered(
-    source: str,
-    channels: Mapping[str, SampleBlocks],
-    k: float,
+def _harmonics_of(
+    channels: Mapping[str, Channel],
+    driving: str,
     frequency_hz: float | None,
     skip_cycles: int,
-    corrections: Mapping[str, Correction | None],
-    clocks: Mapping[str, Clock],
-) -> Gathered:
-    """The harmonics of every channel at the drive frequency of the leading part."""
-    channels = {q: _by_clock(of, clocks[q][0]) if q in clocks else of for q, of in channels.items()}
-    driving = next(q for q in EXCITATIONS if q in channels)
-    omega, error, cycles, begin = frequency_of(channels[driving], driving)
-    leading = {
-        q: leading_samples(blocks(), LEADING if q == driving else _COMPARED, begin)
-        for q, blocks in channels.items()
-    }
-    steps = {q: step_of(t, q) for q, (t, _) in leading.items()}
-    drive = leading[driving]
-    for q, (_, values) in leading.items():
-        if q != driving:
-            checks.require_distinct(q, values, driving, drive[1])
+    warnings: list[Remark],
+) -> dict[str, CycleHarmonics]:
+    """The harmonics of every channel, by quantity, at the drive frequency of the leading part of the record."""
+    drive = channels[driving]
+    omega, error, cycles, begin = frequency_of(drive.t, drive.values, driving)
     period = 2.0 * math.pi / omega
-    warnings = [checks.two_clocks(q, faster) for q, faster in clocks.items()]
     if begin > -math.inf:
         warnings.append(Remark("{} stands still until {:.4g} s: left out", driving, begin))
     warnings += checks.frequency(omega, error, cycles, frequency_hz)
-    start = max(float(t[0]) for t, _ in leading.values()) + skip_cycles * period
+    first = {q: int(np.searchsorted(channel.t, begin)) for q, channel in channels.items()}
+    start = max(float(channels[q].t[i]) for q, i in first.items()) + skip_cycles * period
     harmonics = {}
-    for q, (_, values) in leading.items():
-        per_cycle = period / steps[q]
+    for q, channel in channels.items():
+        if q != driving:
+            pair = (of.values[first[of.quantity] :][:_COMPARED] for of in (channel, drive))
+            checks.require_distinct(q, next(pair), driving, next(pair))
+        step = step_of(channel.t, q)
+        per_cycle = period / step
         if per_cycle < 12.0:
             raise ValueError(
                 f"{q}: {per_cycle:.1f} samples per cycle are too few; at least 12 are needed for a third harmonic"
             )
         most = _MOST_HARMONICS[ORDERS[q]] if q in RESPONSES else _HARMONICS_OF_BASE
         highest = min(most, math.floor(per_cycle / 4.0))
-        harmonics[q] = replace(
-            accumulate(channels[q](), omega, start=start, dt=steps[q], harmonics=highest),
-            step=converter_step(values[:_COMPARED]),
-            correction=corrections.get(q),
+        of_cycles = cycle_harmonics(
+            channel.t, channel.values, omega, start=start, dt=step, harmonics=highest
         )
-    return Gathered(source, k, driving, harmonics, tuple(warnings), clocks, skip_cycles)
-
-
-def _by_clock(blocks: SampleBlocks, faster: float) -> SampleBlocks:
-    """The blocks of a channel in the time of a clock that is slower by that part, and started with its own."""
-
-    def blocks_in_time() -> Iterator[Samples]:
-        start: float | None = None
-        for t, values in blocks():
-            start = float(t[0]) if start is None and len(t) else start
-            yield (t if start is None else start + (t - start) * (1.0 - faster)), values
-
-    return blocks_in_time
+        harmonics[q] = replace(of_cycles, correction=channel.correction)
+    return harmonics
 
 
 def _passed(quantity: str, harmonics: CycleHarmonics, omega: float) -> Complexes:
@@ -433,22 +344,18 @@ def _scatter(rows: Complexes, weights: Array) -> Array:
     return weights @ off / (2.0 * (len(rows) - 1))
 
 
-def _combined(
-    moved: Mapping[str, Complexes], rounding: Mapping[str, Array], weights: Array
-) -> tuple[Complexes, Array, Array]:
-    """The mean of the harmonics of all responses, weighted by inverse variance, its standard deviations, and what
-    rounding contributes to them."""
+def _combined(moved: Mapping[str, Complexes], weights: Array) -> tuple[Complexes, Array]:
+    """The mean of the harmonics of all responses, weighted by inverse variance, and its standard deviations."""
     count = max(rows.shape[1] for rows in moved.values())
     total = np.zeros((len(weights), count), dtype=np.complex128)
-    precision, rounded = np.zeros(count), np.zeros(count)
-    for q, rows in moved.items():
+    precision = np.zeros(count)
+    for rows in moved.values():
         size = rows.shape[1]
-        weight = 1.0 / (_error(rows, weights) ** 2 + rounding[q][:size] ** 2)
+        weight = 1.0 / _error(rows, weights) ** 2
         total[:, :size] += weight * rows
         precision[:size] += weight
-        rounded[:size] += (weight * rounding[q][:size]) ** 2
     total /= precision
-    return total, 1.0 / np.sqrt(precision), np.sqrt(rounded) / precision
+    return total, 1.0 / np.sqrt(precision)
 
 
 def _bandwidth(mean: Complexes, error: Array, lowest: int = 1) -> int:
@@ -458,41 +365,3 @@ def _bandwidth(mean: Complexes, error: Array, lowest: int = 1) -> int:
     clear = orders[(orders == lowest) | (np.abs(mean[orders]) > 4.0 * error[orders])]
     ends = clear[np.diff(clear, append=math.inf) > 6]
     return int(ends[0])
-
-
-def converter_step(values: Array) -> float:
-    """Step of the converter that some samples come from: the least difference of two values, where all values lie on a
-    lattice of such steps; 0 where they do not, or where the steps are too fine to matter."""
-    span = float(np.ptp(values))
-    steps = np.diff(np.sort(values))
-    steps = steps[steps > _COPIES * span]
-    if not steps.size or not (step := float(steps.min())) > _FINEST * span:
-        return 0.0
-    whole = np.round(steps / step)
-    return step if (np.abs(steps / step - whole) <= _LATTICE * whole).all() else 0.0
-
-
-def rounding_error(
-    step: float, span: float, samples: float, cycles: int, noise_rms: float
-) -> float:
-    """Standard deviation of the real and of the imaginary part of each harmonic that rounding leaves, in the unit of
-    the channel.
-
-    Rounding to steps of size q leaves an error of variance q²/12 in each sample. It is a function of the phase of a
-    periodic signal: it repeats from cycle to cycle, so that the scatter between cycles shows little of it, and
-    averaging reduces it only as far as the samples of a cycle fall on other phases than those of the cycle before.
-    Noise of half a step and more makes it random, by the factor e^{−4π²σ²/q²} of its variance; what is random, the
-    scatter shows.
-
-    step : q.   span : of the signal, highest less lowest value.   samples : of a cycle, not necessarily whole.
-    cycles : of the record.   noise_rms : of the samples, with what is random of their rounding.
-    """
-    if not step:
-        return 0.0
-    # places within a sampling interval at which cycles begin, as far apart as errors are independent
-    places = max(1, math.ceil(_PHASES * 0.5 * span / step / samples))
-    begins = np.modf(np.arange(min(cycles, 10 * places + 1000)) * samples)[0]
-    different = np.unique(np.floor(begins * places)).size
-    random = max(noise_rms**2 / step**2 - 1.0 / 12.0, 0.0)
-    left = math.exp(-4.0 * math.pi**2 * random) / 12.0
-    return step * math.sqrt(left * 2.0 / (samples * different))

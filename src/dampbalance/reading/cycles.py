@@ -1,5 +1,4 @@
-"""Harmonics of a signal and its frequency, cycle by cycle, by least squares: any number of samples per cycle, in
-bounded memory.
+"""Harmonics of a signal and its frequency, cycle by cycle, by least squares: any number of samples per cycle.
 
 Cycle j is the time from start + jT to start + (j + 1)T, T = 2π/ω. Its samples are fitted by
 
@@ -8,18 +7,17 @@ Cycle j is the time from start + jT to start + (j + 1)T, T = 2π/ω. Its samples
 The normal equations of samples in equal steps depend on how many there are in the cycle alone, which is one of two
 numbers: two small systems serve the whole record, and all that is done sample by sample is one matrix product.
 
-Records of any length pass through in blocks. When more than 2,048 rows (cycles) have gathered, neighbours are
-averaged and a row stands for twice as many cycles.
+Where a record has more than 2,048 rows (cycles), neighbours are averaged and a row stands for twice as many cycles.
 """
 
 from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache, lru_cache, partial
-from typing import Any, TypeVar
+from functools import cache, lru_cache
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,7 +26,6 @@ from ..arrays import Array, Complexes, Integers, Mask
 from ..project.wording import Remark
 from ..records.measurement import Correction
 
-Samples = tuple[Array, Array]  # times, values
 Numbers = TypeVar("Numbers", Array, Complexes)
 
 _MOST_ROWS = 2048
@@ -38,11 +35,6 @@ _OUTLYING = 1.5  # mean square of a cycle about its harmonics, relative to that 
 _HELD = 5  # equal samples in a row that may be a drop-out
 # Ratio of a jump to the steps nearby: a signal that was held goes on with a jump of five of them or more.
 _JUMPS = 2.0
-# Steps of a converter: farther from a level, rounding does not hide how a signal approaches it.
-_CLEAR_STEPS = 6.0
-_CLEAR_SAMPLES = 4  # likewise
-_STOPPING = 2.85  # ratio of distances, between the 2.2 to 2.8 of a cut, whose end lies between two samples, and 4
-_SCATTERED = 1.25  # samples at the level over those in a row: noise on a cut scatters them
 _AROUND = 8  # cycles that a cycle is compared with
 # Rms of the residual, as a part of the range, that a signal without noise may leave (because of drift, say).
 _HARMLESS = 1e-3
@@ -64,9 +56,8 @@ class CycleHarmonics:
     drift : what a signal τ, and what τ² adds to c_n, τ in s from the middle of the cycle, shape (2, N + 1).
     bad_cycles : cycles left out and why, (number, time s, reason).
     span : difference between the highest and the lowest value.
-    clipped : part of the usable cycles whose highest or lowest value is held as a clipped signal holds it.
-    step : of the converter, 0 where there is none that matters.   correction : that the harmonics need yet. Both are
-    known where a whole record is read.
+    clipped : part of the usable cycles that are flat at the highest or the lowest value of the signal.
+    correction : that the harmonics need yet, known where a whole record is read.
     """
 
     omega: float
@@ -79,7 +70,6 @@ class CycleHarmonics:
     bad_cycles: tuple[tuple[int, float, Remark], ...]
     span: float
     clipped: float
-    step: float = 0.0
     correction: Correction | None = None
 
     @property
@@ -89,8 +79,9 @@ class CycleHarmonics:
         return self.start + duration * (np.arange(len(self.weights), dtype=np.float64) + 0.5)
 
 
-def accumulate(
-    blocks: Iterable[Samples],
+def cycle_harmonics(
+    t: Array,
+    values: Array,
     omega: float,
     *,
     start: float,
@@ -98,20 +89,48 @@ def accumulate(
     harmonics: int,
     cycles: int = sys.maxsize,
 ) -> CycleHarmonics:
-    """The harmonics of every cycle of a signal that comes in blocks.
+    """The harmonics of every whole cycle of a signal.
 
-    blocks : (t, values), successive; t in steps of dt, gaps apart.   omega : rad/s.   start : of the first cycle, s.
-    dt : sampling interval, s.   harmonics : N.   cycles : how many to take at the most.
+    t : s, in steps of dt.   omega : rad/s.   start : of the first cycle, s.   harmonics : N.   cycles : how many to
+    take at the most.
 
-    A cycle with a gap, or with samples that are held or spike, is left out and listed. Raises ValueError when a cycle
-    has too few samples for N.
+    A cycle with samples that are held or spike is left out and listed. Raises ValueError when a cycle has too few
+    samples for N.
     """
-    work = _Accumulator(omega, start, dt, harmonics, cycles)
-    for t, values in blocks:
-        work.add(t, values)
-        if work.next_cycle >= cycles:
-            break
-    return work.result()
+    work = _Cycles(omega, dt, harmonics)
+    # a cycle is complete when the next sample would lie beyond it
+    complete = math.floor((t[-1] + dt * (1.0 + 1e-6) - start) / work.period)
+    edges = np.searchsorted(
+        t, start + np.arange(min(complete, cycles) + 1) * work.period - 1e-6 * dt
+    )
+    count = max(0, edges.size - 1)
+    at_once = max(1, min(_CYCLES_AT_ONCE, _MOST_AT_ONCE // work.longest))
+    rows, clipped = np.zeros((count, harmonics + 2), dtype=np.complex128), 0
+    bad: list[tuple[int, float, Remark]] = []
+    for first in range(0, count, at_once):
+        chosen = slice(first, first + at_once)
+        rows[chosen], faults, flat = work.rows(t, values, edges[first : first + at_once + 1])
+        clipped += flat
+        bad += [(first + j, start + (first + j) * work.period, why) for j, why in faults.items()]
+    per_row = 1
+    while len(rows) // per_row > _MOST_ROWS:
+        per_row *= 2
+    rows = rows[: len(rows) // per_row * per_row].reshape(-1, per_row, harmonics + 2).sum(axis=1)
+    weights = rows[:, -1].real
+    with np.errstate(invalid="ignore", divide="ignore"):
+        coefficients = rows[:, :-1] / weights[:, None]
+    return CycleHarmonics(
+        omega=omega,
+        start=start,
+        dt=dt,
+        coefficients=coefficients,
+        cycles_per_row=per_row,
+        weights=weights,
+        drift=work.drift / max(1, count),
+        bad_cycles=tuple(bad),
+        span=float(np.ptp(values)) if values.size else 0.0,
+        clipped=clipped / max(1, count - len(bad)),
+    )
 
 
 def drive_frequency(t: Array, values: Array, dt: float) -> tuple[float, float]:
@@ -139,8 +158,8 @@ def drive_frequency(t: Array, values: Array, dt: float) -> tuple[float, float]:
             raise ValueError(
                 f"{per_cycle:.1f} samples per cycle of the {hertz:.4g} Hz found are too few"
             )
-        harmonics = accumulate(
-            [(t, values)], omega, start=float(t[0]), dt=dt, harmonics=highest, cycles=cycles
+        harmonics = cycle_harmonics(
+            t, values, omega, start=float(t[0]), dt=dt, harmonics=highest, cycles=cycles
         )
         correction, error = frequency_offset(harmonics)
         omega += correction
@@ -183,12 +202,11 @@ def _strongest_line(values: Array, dt: float) -> float:
     return 2.0 * math.pi * (line + min(max(shift, -0.5), 0.5)) / (padded * dt)
 
 
-class _Accumulator:
-    """Takes blocks of a signal, keeps the rows of its harmonics and the samples of the cycle that is not complete."""
+class _Cycles:
+    """Fits harmonics to cycles in steps of dt; sums what a drift adds to them (`drift`)."""
 
-    def __init__(self, omega: float, start: float, dt: float, harmonics: int, cycles: int) -> None:
-        self.omega, self.start, self.dt, self.cycles = omega, start, dt, cycles
-        self.period = 2.0 * math.pi / omega
+    def __init__(self, omega: float, dt: float, harmonics: int) -> None:
+        self.omega, self.dt, self.period = omega, dt, 2.0 * math.pi / omega
         self.shortest = math.floor(self.period / dt * (1.0 - 1e-9))
         if self.shortest < 2 * harmonics + 2:
             raise ValueError(
@@ -197,14 +215,7 @@ class _Accumulator:
         if self.shortest > _LONGEST_CYCLE:
             raise ValueError(f"{self.shortest} samples per cycle are more than can be worked on")
         self.longest = self.shortest + 2  # rounding of times may give and take a sample
-        self.next_cycle = self.fitted_cycles = self.held_at_extreme = 0
-        self.carry: Samples = (np.empty(0), np.empty(0))
-        # sums of harmonics, number of usable cycles; and cycles for the next row
-        self.rows = self.waiting = np.zeros((0, harmonics + 2), dtype=np.complex128)
-        self.cycles_per_row = 1
         self.drift = np.zeros((2, harmonics + 1), dtype=np.complex128)
-        self.bad: list[tuple[int, float, Remark]] = []
-        self.highest, self.lowest = -math.inf, math.inf
         self.n, self.last = np.arange(harmonics + 1), np.arange(self.shortest, self.longest)
         # e^{−inωr dt} of sample r, (longest, N + 1)
         self.fourier = powers(np.exp(-1j * omega * dt * np.arange(self.longest)), self.n.size)
@@ -228,70 +239,25 @@ class _Accumulator:
         drift = np.array([1j * (along[0].imag @ sines), along[1].real @ cosines])
         return cosines, sines, lead, drift
 
-    def add(self, t: Array, values: Array) -> None:
-        """Take one block."""
-        t, values = np.asarray(t, dtype=np.float64), np.asarray(values, dtype=np.float64)
-        if values.size:
-            self.highest = max(self.highest, float(values.max()))
-            self.lowest = min(self.lowest, float(values.min()))
-        if self.carry[0].size:
-            t, values = np.concatenate([self.carry[0], t]), np.concatenate([self.carry[1], values])
-        if t.size == 0:
-            return
-        # a cycle is complete when the next sample would lie beyond it
-        complete = math.floor((t[-1] + self.dt * (1.0 + 1e-6) - self.start) / self.period)
-        last = min(complete, self.cycles)
-        at_once = max(1, min(_CYCLES_AT_ONCE, _MOST_AT_ONCE // self.longest))
-        while self.next_cycle < last:
-            number = np.arange(self.next_cycle, min(last, self.next_cycle + at_once) + 1)
-            edges = np.searchsorted(t, self._begin(number))
-            self._cycles(t[edges[0] : edges[-1]], values[edges[0] : edges[-1]], edges - edges[0])
-            self.next_cycle = int(number[-1])
-        first = int(np.searchsorted(t, self._begin(self.next_cycle)))
-        self.carry = (t[first:].copy(), values[first:].copy())
-
-    def _begin(self, number: Any) -> Any:
-        """Time after which cycles begin, s."""
-        return self.start + number * self.period - 1e-6 * self.dt
-
-    def _cycles(self, t: Array, values: Array, edges: NDArray[np.intp]) -> None:
-        """The harmonics of the next cycles, whose samples lie between successive edges."""
-        begin, length = edges[:-1], np.diff(edges)
-        t, values = np.append(t, 0.0), np.append(values, np.zeros(self.longest))
-        lasted = t[edges[1:] - 1] - t[begin]
-        whole = (length >= self.shortest) & (length <= self.longest)
-        whole &= np.abs(lasted - (length - 1) * self.dt) < 0.5 * self.dt
-        gap = partial(Remark, "a gap: {} samples where there should be {:.1f}")
-        due = self.period / self.dt
-        faults = {j: gap(int(length[j]), due) for j in np.flatnonzero(~whole).tolist()}
-        rows = np.zeros((length.size, self.n.size + 1), dtype=np.complex128)
-        if whole.any():
-            places, size = np.flatnonzero(whole), length[whole]
-            s = windows(values, self.longest)[begin[whole]]
-            s[:, self.shortest :][self.last >= size[:, None]] = 0.0
-            # the time of the middle, from all samples: time stamps may be rounded
-            middle = np.add.reduceat(t, begin)[whole] / size
-            turn = powers(np.exp(-1j * self.omega * middle), self.n.size)
-            local, square = self._fitted(s, size, turn)
-            rows[whole, :-1], rows[whole, -1] = local * turn, 1.0
-            held = s[:, 1 : self.shortest] == s[:, : self.shortest - 1]
-            odd = self._faults(s, size, local, square, held)
-            faults |= {int(places[j]): reason for j, reason in odd.items()}
-            if held.any():
-                good = [s[j, : size[j]] for j in range(size.size) if j not in odd]
-                self.held_at_extreme += _clipped_of(good)
-        for j, reason in faults.items():
-            number = self.next_cycle + j
-            self.bad.append((number, self.start + number * self.period, reason))
+    def rows(
+        self, t: Array, values: Array, edges: NDArray[np.intp]
+    ) -> tuple[Complexes, dict[int, Remark], int]:
+        """The harmonics of cycles, whose samples lie between successive edges, and a 1 for each that is usable; which
+        are not, and why; how many of the others are clipped."""
+        size = np.diff(edges)
+        padded = np.append(values[edges[0] : edges[-1]], np.zeros(self.longest))
+        s = windows(padded, self.longest)[edges[:-1] - edges[0]]
+        s[:, self.shortest :][self.last >= size[:, None]] = 0.0
+        # the time of the middle, from all samples: time stamps may be rounded
+        middle = np.add.reduceat(t[edges[0] : edges[-1]], edges[:-1] - edges[0]) / size
+        turn = powers(np.exp(-1j * self.omega * middle), self.n.size)
+        local, square = self._fitted(s, size, turn)
+        held = s[:, 1 : self.shortest] == s[:, : self.shortest - 1]
+        faults = self._faults(s, size, local, square, held)
+        rows = np.column_stack([local * turn, np.ones(size.size)])
         rows[list(faults)] = 0.0
-        # as many cycles to a row as it stands for; rows are joined when there are many
-        waiting = np.concatenate([self.waiting, rows])
-        full = len(waiting) // self.cycles_per_row * self.cycles_per_row
-        joined = _joined(waiting[:full], self.cycles_per_row)
-        self.rows, self.waiting = np.concatenate([self.rows, joined]), waiting[full:]
-        while len(self.rows) > _MOST_ROWS and len(self.rows) % 2 == 0:
-            self.rows = _joined(self.rows, 2)
-            self.cycles_per_row *= 2
+        good = [s[j, : size[j]] for j in range(size.size) if j not in faults] if held.any() else []
+        return rows, faults, _clipped_of(good)
 
     def _fitted(self, s: Array, size: NDArray[np.intp], turn: Complexes) -> tuple[Complexes, Array]:
         """The harmonics of cycles in the time from their middle, and the mean square of their samples about them.
@@ -307,7 +273,6 @@ class _Accumulator:
             local.real[chosen] = sums.real[chosen] @ cosines
             local.imag[chosen] = sums.imag[chosen] @ sines
             self.drift += drift * turn[chosen].sum(axis=0)
-        self.fitted_cycles += size.size
         left = np.einsum("jr,jr->j", s, s) - np.einsum("jn,jn->j", local.conj(), sums).real
         return local, np.maximum(left, 0.0) / np.maximum(size - 2 * self.n.size + 1, 1)
 
@@ -342,24 +307,6 @@ class _Accumulator:
             if reason:
                 faults[j] = reason
         return faults
-
-    def result(self) -> CycleHarmonics:
-        """The rows; cycles that do not fill a row at the end are left out."""
-        weights = self.rows[:, -1].real
-        with np.errstate(invalid="ignore", divide="ignore"):
-            coefficients = self.rows[:, :-1] / weights[:, None]
-        return CycleHarmonics(
-            omega=self.omega,
-            start=self.start,
-            dt=self.dt,
-            coefficients=coefficients,
-            cycles_per_row=self.cycles_per_row,
-            weights=weights,
-            drift=self.drift / max(1, self.fitted_cycles),
-            bad_cycles=tuple(self.bad),
-            span=max(0.0, self.highest - self.lowest),
-            clipped=self.held_at_extreme / max(1, self.next_cycle - len(self.bad)),
-        )
 
 
 def powers(base: Numbers, count: int) -> Numbers:
@@ -403,15 +350,15 @@ def _clipped_of(cycles: Sequence[Array]) -> int:
 
 
 def _cut_off(s: Array) -> bool:
-    """Whether samples of a cycle hold their highest value as a clipped signal does.
+    """Whether samples of a cycle hold their highest value as a clipped signal does, three or more in a row.
 
     A sinusoid in steps of a converter dwells at its top level at most 1/(√2 − 1) = 2.4 times as long as at the next;
-    noise shortens that. A clipped one dwells there alone, and so does a motion that stops.
+    noise shortens that. A clipped one dwells there alone.
     """
     levels, counts = np.unique(s, return_counts=True)
-    if levels.size < 2 or counts[-1] <= 4 * counts[-2] or not _three_in_a_row(s == levels[-1]):
-        return False
-    return not _comes_to_rest(s, levels[-1] - levels[-2])
+    return bool(
+        levels.size > 1 and counts[-1] > 4 * counts[-2] and _three_in_a_row(s == levels[-1])
+    )
 
 
 def clipped(values: Array) -> bool:
@@ -422,11 +369,6 @@ def clipped(values: Array) -> bool:
         if below.size and _cut_off(high[below[0] : below[-1] + 1]):
             return True
     return False
-
-
-def _joined(rows: Complexes, count: int) -> Complexes:
-    """Sums of `count` successive rows."""
-    return rows.reshape(-1, count, rows.shape[1]).sum(axis=1)
 
 
 def _held(s: Array, others: Array, rms: float) -> Remark:
@@ -461,36 +403,6 @@ def _held(s: Array, others: Array, rms: float) -> Remark:
     value = s[starts[longest]]
     size = int(stops[longest] - starts[longest])
     return Remark("a drop-out: {} samples hold the value {:.6g}", size, value)
-
-
-def _comes_to_rest(s: Array, step: float) -> bool:
-    """Whether the longest run of samples at the highest value is a stop, which the signal nears and leaves without
-    speed, and no cut through its peak.
-
-    At q and 2q samples from a stop the signal is lower by amounts in the ratio of 1 to 4, or more; from the ends of a
-    cut of p samples by 1 to 2(p + 2q)/(p + q), 2.2 for q = p/8. q is long enough for four samples and for six steps of
-    the converter, which round the ends away, and p at least 4q: a shorter one is taken for a cut.
-
-    s : samples of a cycle, (n,), not all equal, its first following its last.   step : to the next lower value.
-    """
-    size, drop = s.size, s.max() - s
-    ends = np.flatnonzero(drop == 0.0)
-    gaps = np.diff(ends, append=ends[0] + size)
-    breaks = np.flatnonzero(gaps > 1)
-    lengths = np.diff(breaks, prepend=breaks[-1] - ends.size)
-    last = int(np.argmax(lengths))
-    length, stop = int(lengths[last]), int(ends[breaks[last]])
-    if ends.size > _SCATTERED * length:
-        return False
-    ratios = []
-    for edge, way in ((stop, 1), (stop - length + 1, -1)):
-        along = drop[(edge + way * np.arange(1, size - length + 1)) % size]
-        far = np.flatnonzero(along >= _CLEAR_STEPS * step)
-        q = max(length // 8, _CLEAR_SAMPLES, int(far[0]) + 1 if far.size else size)
-        if 4 * q > length or 2 * q > along.size or not along[q - 1] > 0.0:
-            return False
-        ratios.append(along[2 * q - 1] / along[q - 1])
-    return bool(min(ratios) > _STOPPING)
 
 
 def bootstrap(rows: int, count: int, rng: np.random.Generator) -> tuple[Integers, float]:

@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
 
 import numpy as np
 
 from ..arrays import Array
 from .checks import require_signal
-from .cycles import Samples, drive_frequency
-
-SampleBlocks = Callable[[], Iterable[Samples]]
+from .cycles import drive_frequency
 
 LEADING = 1 << 18  # samples from which the drive frequency is first estimated
 _ENOUGH = 8  # cycles of these; from fewer the spectrum may take one number of cycles for another
@@ -55,31 +52,36 @@ def onset(values: Array) -> int:
     return int(np.argmax(gone > 0.5 * (high - low)))
 
 
-def frequency_of(blocks: SampleBlocks, quantity: str) -> tuple[float, float, int, float]:
+def frequency_of(t: Array, values: Array, quantity: str) -> tuple[float, float, int, float]:
     """ω of a drive, its standard error, rad/s, cycles that they come from, and the time from which on it moves, s; −∞
     where it does from the first sample on.
 
     It is sought in the leading samples, after those in which the drive stands still. Where these hold too few cycles,
     it is sought in averages of more and more of them.
     """
-    every, begin = 1, -math.inf
+    require_signal(quantity, values)
+    every, first, begin = 1, 0, -math.inf
     while True:
-        t, values = leading_samples(blocks(), LEADING, begin, every)
-        step, ended = step_of(t, quantity), t.size < LEADING
-        if ended:
-            require_signal(quantity, values)
-        elif stands_still(values):
-            begin = float(t[-1])
+        leading, s = (averaged(of[first : first + LEADING * every], every) for of in (t, values))
+        ended = leading.size < LEADING
+        if not ended and stands_still(s):
+            first += (leading.size - 1) * every
+            begin = float(leading[-1])
             continue
         try:
-            omega, error, late = _frequency_in(t, values, step)
-            cycles = math.floor((t[-1] - t[late]) / (2.0 * math.pi / omega))
+            omega, error, late = _frequency_in(leading, s, step_of(leading, quantity))
+            cycles = math.floor((leading[-1] - leading[late]) / (2.0 * math.pi / omega))
             if cycles >= _ENOUGH or ended:
-                return omega, error, cycles, float(t[late]) if late else begin
+                return omega, error, cycles, float(leading[late]) if late else begin
         except ValueError as problem:
             if ended:
                 raise ValueError(f"{quantity}: {problem}") from problem
         every *= _COARSER
+
+
+def averaged(values: Array, every: int) -> Array:
+    """The means of each `every` values; the rest at the end is left out."""
+    return values[: values.size // every * every].reshape(-1, every).mean(axis=1)
 
 
 def _frequency_in(t: Array, values: Array, step: float) -> tuple[float, float, int]:
@@ -116,34 +118,8 @@ def _amplitude(t: Array, values: Array, omega: float) -> float:
     return 2.0 * float(np.abs(np.mean((values - line) * np.exp(-1j * omega * t))))
 
 
-def leading_samples(
-    blocks: Iterable[Samples], count: int, begin: float = -math.inf, every: int = 1
-) -> Samples:
-    """The first samples of a channel from a time on, s, or the means of each `every` of them: `count` if there are as
-    many."""
-    parts, size, rest = [], 0, (np.empty(0), np.empty(0))
-    for block in blocks:
-        first = int(np.searchsorted(block[0], begin))
-        t, values = (
-            np.append(old, new[first : first + (count - size) * every])
-            for old, new in zip(rest, block, strict=True)
-        )
-        whole = min(len(t) // every, count - size)
-        rest = t[whole * every :], values[whole * every :]
-        parts.append([of[: whole * every].reshape(-1, every).mean(axis=1) for of in (t, values)])
-        size += whole
-        if size >= count:
-            break
-    t, values = (np.concatenate(of) for of in zip(*parts, strict=True))
-    return t, values
-
-
 def step_of(t: Array, quantity: str) -> float:
-    """Sampling interval, s: the mean over the steps that are no gaps."""
+    """Sampling interval, s. Raises ValueError for fewer than three samples."""
     if t.size < 3:
         raise ValueError(f"{quantity} has only {t.size} samples")
-    steps = np.diff(t)
-    if np.ptp(steps) >= 0.5 * steps.min():
-        median = np.median(steps)
-        steps = steps[np.abs(steps - median) < 0.5 * median]
-    return float(np.mean(steps))
+    return float(t[-1] - t[0]) / (t.size - 1)

@@ -33,6 +33,8 @@ QUANTITIES = EXCITATIONS | RESPONSES
 ORDERS = {q: [*ABSOLUTE.values()].index(unit) for q, unit in QUANTITIES.items() if unit != "N"}
 """How many times a motion is derived by time: 0 for a displacement, 2 for an acceleration."""
 
+_GAP, _JITTER = 1.5, 0.5  # steps: from here on a sample is missing, or in another one's place
+
 
 def sample_times(rate_hz: float, start: float, first: int, count: int) -> Array:
     """Times, s, of `count` samples from number `first` on; the sample number 0 is taken at `start`."""
@@ -87,7 +89,7 @@ class Channel:
     name : what the file calls it, for messages.   correction : that its harmonics need yet; None for none.
 
     Raises ValueError naming the channel: unknown quantity, unequal lengths, a value that is not finite or beyond all
-    bounds (`records/errors.py`), times that do not increase.
+    bounds (`records/errors.py`), times that do not increase, have a gap, or are off equal steps by half a step.
     """
 
     quantity: str
@@ -120,11 +122,8 @@ class Channel:
                 beyond = f", beyond {bound:g}" if np.isfinite(array[i]) else ""
                 what = f"{what} {i} (counted from 0) is {array[i]}{beyond}"
                 raise ValueError(f"{this}: {what}; cut the record before it, or repair it")
-        rising = np.diff(self.t) > 0.0
-        if not rising.all():
-            i = int(np.argmin(rising))
-            stretch = f"from sample {i} to {i + 1} ({self.t[i]:g} s, {self.t[i + 1]:g} s)"
-            raise ValueError(f"{this}: its time does not increase {stretch}")
+        if problem := _uneven(self.t):
+            raise ValueError(f"{this}: its time {problem}")
 
     def __len__(self) -> int:
         return self.values.size
@@ -133,6 +132,30 @@ class Channel:
     def unit(self) -> str:
         """SI unit of the values."""
         return QUANTITIES[self.quantity]
+
+
+def _uneven(t: Array) -> str:
+    """How times, (n,), are none of samples in about equal steps, with the remedy; "" where they are."""
+    steps = np.diff(t)
+    step, least, most = float(np.median(steps)), int(np.argmin(steps)), int(np.argmax(steps))
+    off = np.abs(t - np.linspace(t[0], t[-1], t.size))
+    worst = int(np.argmax(off))
+    if steps[least] <= 0.0:
+        return (
+            f"does not increase from sample {least} to {least + 1} ({t[least]:.12g} s, {t[least + 1]:.12g} s); give "
+            "sample_rate_hz instead if it has too few digits"
+        )
+    if steps[most] > _GAP * step:
+        return (
+            f"has a gap of {steps[most]:g} s after {t[most]:.12g} s (sample {most}), its step is {step:g} s; use the "
+            "part before or after it"
+        )
+    if off[worst] > _JITTER * step:
+        return (
+            f"is not in equal steps: {t[worst]:.12g} s (sample {worst}) is {off[worst]:.2g} s off the grid of "
+            f"{step:g} s; resample the record, or give sample_rate_hz instead if only the digits are too few"
+        )
+    return ""
 
 
 @dataclass(frozen=True, eq=False)

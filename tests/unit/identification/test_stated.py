@@ -21,7 +21,7 @@ from dampbalance.commands.options import mass as mass_on_the_command_line
 from dampbalance.identification.measured import configured, not_taken
 from dampbalance.records.measurement import Correction
 from paper_case import LEVELS, PAPER, orbits_at
-from unit.identification.levels import SYMBOLS, THREE, changed, close, measured
+from unit.identification.levels import SYMBOLS, THREE, changed, measured
 
 DECAYING = replace(PAPER, c=1.5, F_k=0.5)
 
@@ -255,20 +255,6 @@ def test_a_configuration_states_the_uncertainty_of_its_mass():
     assert configured(of | {"mass_standard_error_kg": 0.01})["mass"] == (2.42, 0.01)
     for kind in ("forced", "ring-down", "stepped-sine"):
         assert not not_taken(of | {"kind": kind, "mass_standard_error_kg": 0.01})
-
-
-@pytest.mark.parametrize("bits", [10, 14])
-def test_the_steps_of_a_converter_make_no_other_oscillator(bits):
-    """Records without noise: the error that rounding leaves repeats in each cycle, and is known to a factor only."""
-    step = 0.04 / 2**bits
-    records = measured(noise=0.0, cycles=40.3, rate_hz=997.0)
-    for quantity in THREE[:2]:
-        records = [
-            changed(r, quantity, values=np.round(r[quantity].values / step) * step) for r in records
-        ]
-    found = identify(records, PAPER.k, replicates=20)
-    assert {found.verdicts[s].verdict for s in ("F_k", "c")} == {"usable"}
-    assert close(found.answer, PAPER)
 
 
 def test_a_light_damping_asks_more_of_the_frequency():

@@ -25,10 +25,7 @@ def test_a_slow_drive_is_found_in_a_fast_record(hertz, rate, cycles):
     rng = np.random.default_rng(2)
     y = np.cos(2.0 * math.pi * hertz * t + 0.3) + 0.01 * rng.standard_normal(t.size)
 
-    def blocks():
-        return ((t[i : i + 99_991], y[i : i + 99_991]) for i in range(0, t.size, 99_991))
-
-    omega, error, used, begin = frequency_of(blocks, "y")
+    omega, error, used, begin = frequency_of(t, y, "y")
     # the bound of Rife and Boorstyn, of as much noise; of three cycles the error itself is known to half
     T = t[-1] - t[0]
     bound = math.sqrt(24.0 * 0.01**2 / t.size) / T
@@ -100,7 +97,7 @@ def test_a_drift_is_no_still_start():
     # half of the range is passed after twelve cycles
     drifting = values + 4.0 * MOTION.Y * np.linspace(0.0, 1.0, t.size) ** 3
     assert t[onset(drifting)] > 10.0 * MOTION.period
-    omega, _, cycles, begin = frequency_of(lambda: [(t, drifting)], "y")
+    omega, _, cycles, begin = frequency_of(t, drifting, "y")
     assert (cycles, begin) == (30, -math.inf)
     # the drift turns the phase by less than a tenth of a cycle in 30
     assert omega == pytest.approx(OMEGA, rel=0.1 / 30.0)

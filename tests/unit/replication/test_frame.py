@@ -17,8 +17,6 @@ from dampbalance.records.measurement import Channel, Measurement
 from dampbalance.replication.frame.findings import (
     Findings,
     Prediction,
-    as_recorded,
-    common_clock,
     drift,
     findings,
     friction_of_rows,
@@ -92,8 +90,6 @@ def test_cycles_that_do_not_differ_let_no_scatter_be_expected():
     # JSON has neither ∞ nor NaN
     assert line["scatter"] is None
     assert {**line, "scatter": 0.0} == load_line(load, force, [0.01] * 4)[0] | {"scatter": 0.0}
-    clocks = [{"faster_ppm": [part], "standard_error_ppm": [0.0]} for part in (300.0, 340.0)]
-    assert common_clock(clocks) is None
 
 
 def test_the_loop_of_a_constant_friction_force_is_that_force():
@@ -283,51 +279,10 @@ def test_the_rows_of_a_record_show_a_friction_force_that_grows(grows):
     which = np.minimum((t / period).astype(int), 9)
     x = np.choose(which, [one.x(t) for one in cycles]) + ZERO
     reading = reading_of(t, of.y(t), x, of.k, ("c_r",))
-    # what a friction force does that grows is taken for two clocks, and put back
-    assert bool(reading.steady.gathered.clocks) == (grows > 0.0)
-    line = drift(friction_of_rows(as_recorded(reading, 0.0), {"c_r": of.c_r}), 0.95, 1)
+    line = drift(friction_of_rows(reading, {"c_r": of.c_r}), 0.95, 1)
     # the level of a rest is read to 1e-4 of the range; a cycle begins within a rest or a slip of the one before
     assert line.slope == pytest.approx(np.polyfit(np.arange(10), forces, 1)[0], abs=4e-4)
     assert line.significant == (grows > 0.0)
-
-
-def test_two_clocks_are_put_back_as_they_were_recorded():
-    of, faster = Stopping(base=TWO), 4e-4
-    t, rng = 3.0 + np.arange(10_200) / 1000.0, np.random.default_rng(4)
-    noise = 1e-6 * rng.standard_normal((2, t.size))
-    x = steady(of).x(3.0 + (t - 3.0) * (1.0 - faster)) + noise[1]
-    reading = reading_of(t, of.y(t) + noise[0], x, of.k)
-    ((found, error),) = reading.steady.gathered.clocks.values()
-    assert found == pytest.approx(faster, abs=4.0 * error)
-    for of_rows, part in ((reading, 0.0), (as_recorded(reading, 3.0), found)):
-        turned = np.unwrap(np.angle(of_rows.steady.X[:, 1] / of_rows.steady.Y[:, 1]))
-        per_row = np.polyfit(np.arange(turned.size), turned, 1)[0]
-        # a faster clock turns the response by −ε of a turn in a cycle
-        assert per_row == pytest.approx(-2.0 * math.pi * part, abs=8.0 * math.pi * error)
-    raw = as_recorded(reading, 3.0).steady
-    # at the first sample nothing is turned, in the middle of row i by all that was until then
-    middle = (raw.start - 3.0) * of.omega / (2.0 * math.pi) + 0.5
-    turn = np.angle(raw.X[0, 3] / reading.steady.X[0, 3])
-    assert turn == pytest.approx(-3.0 * 2.0 * math.pi * found * middle, rel=1e-3)
-
-
-def test_a_record_of_one_clock_stays_as_it_is():
-    reading = read(Stopping(base=TWO))
-    assert as_recorded(reading, 0.0) is reading
-
-
-def test_the_clock_of_all_records_is_their_weighted_mean():
-    parts, errors = [300.0, 340.0, 320.0], [10.0, 20.0, 40.0]
-    pairs = zip(parts, errors, strict=True)
-    clocks = [{"faster_ppm": [part], "standard_error_ppm": [error]} for part, error in pairs]
-    found = common_clock(clocks)
-    weights = np.array(errors) ** -2.0
-    mean = np.average(parts, weights=weights)
-    assert found["faster_ppm"] == pytest.approx(mean, rel=1e-12)
-    assert found["standard_error_ppm"] == pytest.approx(weights.sum() ** -0.5, rel=1e-12)
-    square = np.sum(weights * (np.array(parts) - mean) ** 2)
-    assert found["p"] == pytest.approx(stats.chi2.sf(square, 2), rel=1e-10)
-    assert common_clock([*clocks, {"faster_ppm": [], "standard_error_ppm": []}]) is None
 
 
 @pytest.mark.parametrize(

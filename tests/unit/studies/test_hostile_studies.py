@@ -1,7 +1,7 @@
 """A study that cannot be run is refused in a sentence that names the file, the key and the remedy; and however odd a
 study is, it is refused in one line each, or all that its rules make is made; nothing else happens.
 
-The studies are drawn by a seeded generator: a sound one of each kind, with up to three things in it that are not.
+The studies are drawn by Hypothesis: a sound one of each kind, with up to three things in it that are not.
 """
 
 from __future__ import annotations
@@ -12,6 +12,8 @@ import warnings
 
 import pytest
 import yaml
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from dampbalance.figures.style import save
 from dampbalance.project.documents import ConfigurationError
@@ -103,8 +105,7 @@ def of_settings(draw, study):
 EDITS = (of_axes, of_sample, of_figure, of_figure, of_facts, of_facts, of_text, of_settings)
 
 
-def drawn(seed: int) -> dict:
-    draw = random.Random(seed)
+def drawn(draw: random.Random) -> dict:
     study = {"title": "Test"} | copy.deepcopy(SOUND[draw.choice(list(SOUND))])
     for _ in range(draw.choice([0, 1, 1, 2, 3])):
         draw.choice(EDITS)(draw, study)
@@ -128,10 +129,22 @@ def built(study, folder) -> str:
     return summary.summary_markdown(study, table, facts.paragraph(study, file), "figure.png")
 
 
-@pytest.mark.parametrize("seed", range(30))
-def test_it_is_refused_or_made(tmp_path, seed):
+@settings(max_examples=15)
+@given(draw=st.randoms())
+def test_it_is_refused_or_made(tmp_path_factory, draw):
+    refused_or_made(drawn(draw), tmp_path_factory.mktemp("study"))
+
+
+@settings(max_examples=300)
+@given(draw=st.randoms())
+def test_many_are_refused_or_made(tmp_path_factory, draw):
+    refused_or_made(drawn(draw), tmp_path_factory.mktemp("study"))
+
+
+def refused_or_made(document, tmp_path):
     file = tmp_path / "study.yaml"
-    file.write_text(yaml.safe_dump(drawn(seed)), encoding="utf-8")
+    text = yaml.safe_dump(document)
+    file.write_text(text, encoding="utf-8")
     refusal = ""
     try:
         study = checking.read_study(file, STUDY_SCHEMA, PAPER_FILE)
@@ -147,7 +160,7 @@ def test_it_is_refused_or_made(tmp_path, seed):
             warnings.simplefilter("ignore")  # numbers that do not exist, axes without extent
             page = built(study, tmp_path)
         assert "<script" not in page.replace("\\<", "")
-    assert file.read_text(encoding="utf-8") == yaml.safe_dump(drawn(seed))
+    assert file.read_text(encoding="utf-8") == text
 
 
 @pytest.mark.parametrize("kind", SOUND)

@@ -18,7 +18,6 @@ from ..measurement import QUANTITIES, Channel, sample_times
 from .channels import Pick
 from .record_file import RecordFile
 
-_GAP = 1.5  # steps
 _BITS = (8, 16, 24, 32, 64)  # of the integers that converters and files have
 # of their range: no oscillation passes through so much of it from one sample to the next
 _WRAPPED = 0.9
@@ -91,7 +90,7 @@ class _Signal:
             where = f"{self.file.path}: time channel {self.file.channels[pick.time].name!r}"
             t = self._in_si(pick.time, columns[pick.time], pick.time_factor, errors.LATEST, "s")
             t = _in_equal_steps(t, where)
-            self._require_uniform(pick.time, t, where)
+            _require_rate(t, where)
         self._require_moving(values)
         try:
             return Channel(pick.quantity, t, signal, pick.name, pick.correction)
@@ -144,36 +143,14 @@ class _Signal:
             "with a wider range"
         )
 
-    def _require_uniform(self, index: int, t: Array, where: str) -> None:
-        steps = np.diff(t)
-        step = float(np.median(steps))
 
-        def place(i: int) -> str:
-            return self.file.place(index, i)
-
-        if step > 0.0 and not errors.LOWEST_RATE <= 1.0 / step <= errors.HIGHEST_RATE:
-            raise RecordError(
-                f"{where} has steps of {step:g} s, which no recorder has; check its unit, or give sample_rate_hz"
-            )
-        i = int(np.argmin(steps))
-        if steps[i] <= 0.0:
-            raise RecordError(
-                f"{where} does not increase: {t[i]:.12g} s, then {t[i + 1]:.12g} s ({place(i + 1)}); give "
-                "sample_rate_hz instead if it has too few digits"
-            )
-        i = int(np.argmax(steps))
-        if steps[i] > _GAP * step:
-            raise RecordError(
-                f"{where} has a gap of {steps[i]:g} s after {t[i]:.12g} s ({place(i)}), its step is {step:g} s;"
-                " use the part before or after it"
-            )
-        off = np.abs(t - np.linspace(t[0], t[-1], t.size))
-        i = int(np.argmax(off))
-        if off[i] > GRID_TOLERANCE * step:
-            raise RecordError(
-                f"{where} is not in equal steps: {t[i]:.12g} s ({place(i)}) is {off[i]:.2g} s off the grid of "
-                f"{step:g} s; resample the record, or give sample_rate_hz instead if only the digits are too few"
-            )
+def _require_rate(t: Array, where: str) -> None:
+    """RecordError for times in steps that no recorder has.   where : file and channel."""
+    step = float(np.median(np.diff(t)))
+    if step > 0.0 and not errors.LOWEST_RATE <= 1.0 / step <= errors.HIGHEST_RATE:
+        raise RecordError(
+            f"{where} has steps of {step:g} s, which no recorder has; check its unit, or give sample_rate_hz"
+        )
 
 
 def wanted_of(picks: Sequence[Pick]) -> list[int]:
@@ -209,6 +186,8 @@ def _in_equal_steps(t: Array, where: str) -> Array:
     middle = float(t.mean())
     step = float(i @ (t - middle)) / float(i @ i)
     line = np.asarray(middle + step * i)
+    if not step > 0.0:  # underflow
+        return t
     bound = 1.5 * q / (step * t.size)
     if np.ptp(t - line) > _WITHIN * q or bound > _ACCURATE:
         return t

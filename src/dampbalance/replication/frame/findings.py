@@ -5,13 +5,7 @@ The interval of the identification holds for the mean over the cycles of a recor
 
     drift       F_k,i = (W_i − Σ p_j g_j,i)/a_i of the cycles i as recorded follows a straight line whose slope differs
                 from zero (Student's t, Bonferroni's correction for the number of records): both ends count
-    clocks      what the identification reads as a growing delay of the response, and corrects, is part of that drift
     convention  a = 4X with X from the levels of the rests, or from the extremes of the Fourier series, which ring there
-
-A delay between base and response that grows, as between two clocks, looks like a drift, and the other way round: where
-the mass stops at its turns, a friction force that grows delays all harmonics of the response nearly alike, and its
-amplitude hardly changes. The conditioning of records takes such a delay for two clocks and corrects it
-(`reading.checks.clock`); `as_recorded` puts it back. Two clocks differ alike in all records of a rig.
 """
 
 from __future__ import annotations
@@ -67,19 +61,6 @@ class Drift(NamedTuple):
     significant: bool
     reach: float
     over_record: float
-
-
-def as_recorded(reading: Reading, since: float) -> Reading:
-    """The reading without the correction for two clocks, which started together at the time `since`, s."""
-    steady = reading.steady
-    faster = [part for part, _ in steady.gathered.clocks.values()]
-    if not faster:
-        return reading
-    rows, orders = steady.X.shape
-    period = 2.0 * math.pi / steady.omega
-    at = steady.start - since + (np.arange(rows) + 0.5) * steady.cycles_per_row * period
-    turn = steady.omega * float(np.mean(faster)) * np.outer(at, np.arange(orders))
-    return replace(reading, steady=replace(steady, X=steady.X * np.exp(-1j * turn)))
 
 
 def friction_of_rows(reading: Reading, others: Mapping[str, float]) -> Array:
@@ -224,7 +205,6 @@ def findings(
         "files": dict(sorted((Path(name).name, digest) for name, digest in files_of)),
         "line": line,
         "line_by_series": by_series,
-        "clock": common_clock([row["clocks"] for row in rows]),
         "mass_kg": m,
         "loads": rows,
         "speed_laws": {
@@ -284,8 +264,8 @@ def load_line(
 def _force(
     estimates: Mapping[str, Any], law: Law, i: int, reading: Reading, record: Loaded, records: int
 ) -> dict[str, Any]:
-    """F_k of record i by direct integration with its verdict, and how it depends on the time in the record, on its
-    clocks and on the convention of the travel.   records : how many there are."""
+    """F_k of record i by direct integration with its verdict, and how it depends on the time in the record and
+    on the convention of the travel.   records : how many there are."""
     key = law.key(FRICTION, i)
     force, error, (low, high) = (
         estimates[named_with_unit(f"{key}{end}", "N")]
@@ -296,9 +276,8 @@ def _force(
         symbol: float(law.given[of] if of in law.given else estimates[term(of).column])
         for symbol, of in keys.items()
     }
-    began = float(record.record.whole().excitation.t[0])
-    of_rows = [friction_of_rows(r, others) for r in (as_recorded(reading, began), reading)]
-    line, left = (drift(forces, _CONFIDENCE, records) for forces in of_rows)
+    of_rows = friction_of_rows(reading, others)
+    line = drift(of_rows, _CONFIDENCE, records)
     a = estimates["rows"][term(key).integral_column][i]
     at_rests, of_series = (
         float(turning_points(reading.series(reading.mean), rests=rests)[1][0])
@@ -306,9 +285,7 @@ def _force(
     )
     by_series = force * a / (a + 4.0 * (of_series - at_rests))
     reach = line.reach + (0.5 * abs(line.over_record) if line.significant else 0.0)
-    recorded = force + float(of_rows[0].mean() - of_rows[1].mean())
-    clocks = reading.steady.gathered.clocks.values()
-    per_cycle = of_rows[0].size / reading.steady.cycles
+    per_cycle = of_rows.size / reading.steady.cycles
     return {
         "F_k_N": force,
         "standard_error_N": error,
@@ -321,38 +298,11 @@ def _force(
             "significant": line.significant,
             "over_record": line.over_record / force,
         },
-        "clocks": {
-            "faster_ppm": [1e6 * part for part, _ in clocks],
-            "standard_error_ppm": [1e6 * error for _, error in clocks],
-            "F_k_as_recorded_N": recorded,
-            "drift_left_p": left.p,
-            "drift_left_significant": left.significant,
-        },
         "F_k_by_series_N": by_series,
         "robust_interval_N": [
-            min(low, by_series - force + low, recorded - reach),
-            max(high, by_series - force + high, recorded + reach),
+            min(low, by_series - force + low, force - reach),
+            max(high, by_series - force + high, force + reach),
         ],
-    }
-
-
-def common_clock(clocks: Sequence[Mapping[str, Any]]) -> dict[str, float] | None:
-    """The difference of two clocks that the records have in common, ppm, its standard error, and the probability that
-    the records differ as much or more if it is the same in all (χ²); None unless each record shows one, with an error.
-
-    clocks : `faster_ppm` and `standard_error_ppm` of each record.
-    """
-    pairs = [(of["faster_ppm"], of["standard_error_ppm"]) for of in clocks]
-    if not all(len(parts) == 1 and errors[0] > 0.0 for parts, errors in pairs):
-        return None
-    parts, errors = np.array(pairs)[:, :, 0].T
-    weights = errors**-2.0
-    mean = float(weights @ parts / weights.sum())
-    square = float(weights @ (parts - mean) ** 2)
-    return {
-        "faster_ppm": mean,
-        "standard_error_ppm": float(weights.sum() ** -0.5),
-        "p": float(special.chdtrc(parts.size - 1, square)),
     }
 
 

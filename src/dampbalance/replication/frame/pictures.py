@@ -95,7 +95,7 @@ def load(findings: Findings) -> Figure:
     bars: dict[str, Any] = {"fmt": "none", "color": SLIP, "capsize": 2.0}
     for name, width, label in (
         ("interval_N", 2.0, "95 % interval"),
-        ("robust_interval_N", 0.8, "with drift, clocks, travel"),
+        ("robust_interval_N", 0.8, "with drift, travel"),
     ):
         bars["elinewidth"] = width
         reach = np.abs(np.array([row[name] for row in rows]).T - F_k)
