@@ -45,18 +45,16 @@ class ParameterEstimate:
     """One identified number, SI units; NaN where it could not be identified.
 
     doubt : why it is not to be trusted though it has an interval; empty where nothing speaks against it.
-    standard_error : by bootstrap, or of the fit.   propagated_error : the same error by propagation (jackknife); NaN
-    where there is none.   interval : at CONFIDENCE.
+    standard_error : by the jackknife, or of the fit.   interval : at CONFIDENCE.
     """
 
     value: float
     standard_error: float
-    propagated_error: float
     interval: Interval
     doubt: str = ""
 
 
-UNKNOWN = ParameterEstimate(math.nan, math.nan, math.nan, Interval(math.nan, math.nan))
+UNKNOWN = ParameterEstimate(math.nan, math.nan, Interval(math.nan, math.nan))
 """The estimate of a number that the records do not determine."""
 
 
@@ -179,7 +177,7 @@ def answer_of_fit(
     numbers = {key: (fit.value(key), fit.error(key), fit.interval(key), "") for key in keys}
     numbers["K_z"] = fit.K_z, fit.K_z_error, fit.K_z_interval, doubt
     parameters = {
-        key: ParameterEstimate(value, error, math.nan, Interval(*ends), why)
+        key: ParameterEstimate(value, error, Interval(*ends), why)
         for key, (value, error, ends, why) in numbers.items()
     }
     places = [fit.names.index(key) for key in (*keys, "rho")]
@@ -199,7 +197,7 @@ def answer_of_fit(
 def normal(value: float, error: float) -> ParameterEstimate:
     """A number whose error has a normal distribution."""
     reach = NORMAL_95 * error
-    return ParameterEstimate(value, error, math.nan, Interval(value - reach, value + reach))
+    return ParameterEstimate(value, error, Interval(value - reach, value + reach))
 
 
 def covariance_of(

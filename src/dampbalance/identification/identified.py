@@ -488,7 +488,6 @@ def _columns(answer: Answer, *, table: bool = False) -> dict[str, Any]:
         for symbol, p in parameters.items():
             numbers: dict[str, Any] = {"": p.value, "_standard_error": p.standard_error}
             if not (table and beginning):
-                numbers |= {"_propagated_error": p.propagated_error} if answer.equal else {}
                 ends = {"_low": p.interval.low, "_high": p.interval.high}
                 numbers |= ends if table else {"_interval": p.interval}
             columns |= {beginning + column(symbol, what): n for what, n in numbers.items()}

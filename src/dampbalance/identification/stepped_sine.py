@@ -186,8 +186,8 @@ def identify_tables(
 
     k : stiffness, N/m; None where the lines are to tell it, which those of base motions cannot.   law : whose terms
     except the friction are fitted.   contact : "both" compares them, from three levels on.   uncertainty : standard
-    uncertainty of k, N/m; where a force drives, the lines test it.   options : mass, hardening, residual, replicates
-    and seed of `fit_contact`.
+    uncertainty of k, N/m; where a force drives, the lines test it.   options : mass, hardening and residual of
+    `fit_contact`.
 
     Raises ValueError for base motions without a stiffness, fewer than two levels, lines that do not determine the
     unknowns, and a friction force that is given.
@@ -221,8 +221,7 @@ def identify_tables(
         },
         reference=None,
         warnings=(*[_UNCOMPARED] * (not compared and len(contacts) > 1), *_on_stuck(first)),
-        head=f"{lines.X.size} lines at {len(lines.names)} levels; the answer first, with 95 % intervals from "
-        f"{options['replicates']} replicates",
+        head=f"{lines.X.size} lines at {len(lines.names)} levels; the answer first, with 95 % intervals",
         rig=[
             *(words[0].upper() + words[1:] for words in said),
             *_rig(first, lines),
@@ -355,10 +354,10 @@ def _estimate(symbol: str, fit: ContactFit) -> ParameterEstimate:
         return UNKNOWN
     interval = Interval(*fit.intervals[symbol])
     if math.isinf(interval.high):
-        return ParameterEstimate(math.inf, math.nan, math.nan, interval)
+        return ParameterEstimate(math.inf, math.nan, interval)
     value = {"K_z": fit.K_z, FRICTION: fit.F_k}.get(symbol, fit.values.get(symbol, math.nan))
     doubt = "" if value else f"{symbol} is at its bound, zero: these lines show none of it"
-    return ParameterEstimate(value, fit.errors[symbol], math.nan, interval, doubt)
+    return ParameterEstimate(value, fit.errors[symbol], interval, doubt)
 
 
 def _rig(fit: ContactFit, lines: SteppedLines) -> Iterator[str]:

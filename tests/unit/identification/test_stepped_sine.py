@@ -21,7 +21,6 @@ from dampbalance.likelihood.dynamic_stiffness import fit_contact
 from dampbalance.records.synthetic import stepped_sine
 from folders import ROOT
 
-REPLICATES = 60
 OSCILLATOR = {"m": 2.0, "c": 6.0, "k": 180_000.0}
 ONE = Sliders(np.array([7e-5]), np.array([4e4]))
 MANY = Sliders(np.geomspace(2e-5, 2e-4, 16), 1e3 * np.linspace(2.0, 5.0, 16))
@@ -35,7 +34,7 @@ def table(sliders=ONE, amplitudes=AMPLITUDES, noise=0.003):
 
 
 def found_in(records, stiffness=None, **options):
-    return identify(records, stiffness, replicates=REPLICATES, **options)
+    return identify(records, stiffness, **options)
 
 
 @pytest.fixture(scope="module")
@@ -181,7 +180,7 @@ def test_faults_change_an_answer_of_a_stated_stiffness_as_fits_to_such_lines_do(
         lag = sign * (fault.angle + fault.late * lines.omega)
         Z = lines.Z * (1.0 + sign * fault.drive) / X * np.exp(1j * lag)
         other = replace(lines, X=X * lines.X, Z=Z)
-        fit = fit_contact(other, contact=contact, stiffness=stiffer * k, replicates=2)
+        fit = fit_contact(other, contact=contact, stiffness=stiffer * k)
         return {"F_k": fit.F_k, "c": fit.values["c"], "K_z": fit.K_z}
 
     sizes = {"drive": 0.01, "response": 0.01, "stiffness": 0.01}
@@ -346,7 +345,7 @@ def test_the_example_is_what_its_page_says(tmp_path, monkeypatch):
     runpy.run_path(str(ROOT / "paper/site/joint/lab.py"))
     drawn, held = (pd.read_csv(folder / "levels.csv") for folder in (tmp_path, EXAMPLE))
     np.testing.assert_allclose(drawn, held, rtol=1.1e-5)  # the last of six digits
-    found = identify(EXAMPLE / "levels.csv", replicates=200)
+    found = identify(EXAMPLE / "levels.csv")
     page = (EXAMPLE / "README.md").read_text(encoding="utf-8")
     for line in found.text().splitlines()[2:5]:
         assert line in page

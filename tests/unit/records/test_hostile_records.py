@@ -84,7 +84,7 @@ def tried(folder, capsys, *arguments):
     """Exit code and what was said: 0 with results, or 2 with a short error and nothing else."""
     before = listing(folder)
     try:
-        code = main(["identify", *map(str, arguments), "--stiffness", "2310", "--replicates", "2"])
+        code = main(["identify", *map(str, arguments), "--stiffness", "2310"])
     except SystemExit as stopped:
         code = stopped.code
     said = capsys.readouterr()
