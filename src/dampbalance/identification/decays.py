@@ -120,21 +120,6 @@ class DecayOutcome(Identified):
             "turns_standard_error_m": errors,
         }
 
-    def features_table(self) -> list[dict[str, Any]]:
-        """A row for each turn of each decay: when, where, and the standard error."""
-        turns_of_all = zip(self.fit.decays, self.half_cycles.turns, strict=True)
-        return [
-            {
-                "record": one.source,
-                "decay": i + 1,
-                "time_s": float(t),
-                "x_m": float(x),
-                "x_standard_error_m": float(error),
-            }
-            for i, (one, (turns, errors)) in enumerate(turns_of_all)
-            for (t, x), error in zip(turns, errors, strict=True)
-        ]
-
     @property
     def levels(self) -> list[Level]:
         """Swings of each decay, spread over it: what half a cycle between two turns loses, twice. The first, which

@@ -118,19 +118,6 @@ class ForcedOutcome(Identified):
             ],
         }
 
-    def features_table(self) -> list[dict[str, Any]]:
-        """A row for each record: its features, and the standard error of each."""
-        columns = self.features.to_columns()
-        errors = {n: c.replace(n, f"{n}_standard_error", 1) for n, c in COLUMNS.items()}
-        return [
-            {
-                "record": reading.steady.source,
-                **{column: values[i] for column, values in columns.items()},
-                **{column: reading.standard_errors[name] for name, column in errors.items()},
-            }
-            for i, reading in enumerate(self.readings)
-        ]
-
     @property
     def levels(self) -> list[Level]:
         """A cycle of each record that has an input work."""

@@ -155,10 +155,6 @@ class Identified(ABC):
     def findings(self) -> dict[str, Any]:
         """What was read off the records and follows from them, for the document; `records` has an entry for each."""
 
-    @abstractmethod
-    def features_table(self) -> list[dict[str, Any]]:
-        """What was read off the records, in columns named with units."""
-
     @property
     @abstractmethod
     def levels(self) -> list[Level]:
@@ -187,16 +183,6 @@ class Identified(ABC):
         if fit and _worth(answers[REFERENCE]) > _worth(chosen):
             answers = {REFERENCE: answers[REFERENCE], **answers}
         return answers
-
-    @property
-    def answers(self) -> dict[str, Answer]:
-        """The same as `approaches`."""
-        return self.approaches
-
-    @property
-    def result(self) -> Identified:
-        """The identification itself: `result.answers` are its `approaches`."""
-        return self
 
     @property
     def figures(self) -> tuple[str, ...]:
@@ -417,7 +403,6 @@ class Identified(ABC):
         if figures:
             write_text(folder / REPORT, self._report(folder, document))
         write_rows(folder / "identification.csv", self.estimates_table())
-        write_rows(folder / "features.csv", self.features_table())
         write_text(folder / "summary.txt", self.text())
         write_json(folder / "identification.json", document)
         return [folder / name for name in (*TABLES, *pictures)]

@@ -96,23 +96,6 @@ class SteppedOutcome(Identified):
             ],
         }
 
-    def features_table(self) -> list[dict[str, Any]]:
-        """A row for each line: what was measured, its input work and its dynamic stiffness."""
-        of, W = self.lines, math.pi * self.lines.X**2 * self.lines.Z.imag
-        return [
-            {
-                "record": self.sources[self.table_of[i]],
-                "level": of.names[of.level[i]],
-                "frequency_Hz": of.omega[i] / (2.0 * math.pi),
-                "force_N": of.X[i] * abs(of.Z[i]),
-                "X_m": of.X[i],
-                "phi_rad": np.angle(of.Z[i]),
-                "W_J": W[i],
-                "in_phase_stiffness_N_per_m": of.Z[i].real,
-            }
-            for i in range(of.X.size)
-        ]
-
     @property
     def levels(self) -> list[Level]:
         """The line of each level whose phase is nearest to 90°."""

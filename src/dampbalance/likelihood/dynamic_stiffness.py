@@ -21,7 +21,6 @@ from .stepped_lines import LESS, Design, Estimate, Rows, column, estimated
 from .stepped_lines import Contact as Contact
 from .stepped_lines import Misfit as Misfit
 from .stepped_lines import SteppedLines as SteppedLines
-from .stepped_lines import lines_of as lines_of
 
 _REPEATS = 3  # of the errors of changed lines, which start from those of the fit
 _FIRST_ERROR = 0.05  # of Z, where the iteration of errors starts
@@ -142,11 +141,10 @@ class ContactFit:
         Z, X : factors of each Z, (n,), and of all amplitudes.   given : values instead of those that are given.
         """
         own, size, residual = self.design.rows, np.abs(Z), "R" in self.values
-        known, cycle = {**own.given, **given}, own.lines.cycle
-        cycle = None if cycle is None else X * cycle
+        known = {**own.given, **given}
         rows = replace(
             own,
-            lines=replace(own.lines, X=X * own.lines.X, Z=Z * own.lines.Z, cycle=cycle),
+            lines=replace(own.lines, X=X * own.lines.X, Z=Z * own.lines.Z),
             given=known,
             stiffness=own.stiffness and known["k"],
             sigma=size * own.sigma,
@@ -158,7 +156,7 @@ class ContactFit:
             rows = replace(rows, sigma=found.scatter(residual))
             found = replace(found, design=replace(design, rows=rows))
             design = _with_R(found) if residual else found.design
-        point, largest = design.solve(rows.target, self.smoothing), rows.mode.reach.max()
+        point, largest = design.solve(rows.target, self.smoothing), rows.mode.X.max()
         slips = Sliders(*(of[point.r < largest] for of in (point.r, point.kappa)))
         free = dict(zip(rows.free, point.linear.tolist(), strict=True))
         return free | {"K_z": slips.K_z, "F_k": slips.F_k}
@@ -240,7 +238,7 @@ def _asked(
     hardening: bool,
 ) -> Rows:
     """Rows of what was asked for, with the errors to start from. Raises ValueError."""
-    low, high = lines.reach.min(), lines.reach.max()
+    low, high = lines.X.min(), lines.X.max()
     alike = high < _ALIKE * low
     if contact != "none" and alike:
         raise ValueError(
@@ -279,7 +277,7 @@ def _fitted(found: Estimate, terms: tuple[str, ...], residual: bool) -> ContactF
         np.array([one.r for one in points]),
         np.array([one.kappa for one in points]),
     )
-    reach = rows.mode.reach
+    reach = rows.mode.X
     values = dict(rows.given) | dict(zip(rows.free, point.linear.tolist(), strict=True))
     estimates, drawn = {name: values[name] for name in rows.free}, dict(draws.linear)
     if residual:

@@ -170,10 +170,9 @@ def test_tables_and_documents_hold_the_same_numbers():
         for key in ("F_k_N", "c_standard_error_N_s_per_m", "K_z_N_per_m", "misfit"):
             assert row[key] == numbers[key]
         assert [row["F_k_low_N"], row["F_k_high_N"]] == numbers["F_k_interval_N"]
-    features = found.features_table()
-    assert len(features) == 5
-    assert all(row["X_standard_error_m"] > 0.0 for row in features)
-    assert all(row["W_standard_error_J"] > 0.0 for row in features)
+    errors = [record["standard_errors"] for record in told["records"]]
+    assert len(errors) == 5
+    assert all(of["X_m"] > 0.0 and of["W_J"] > 0.0 for of in errors)
     direct = found.estimates["direct"].coefficients["F_k"]
     line = found.text().splitlines()[4]
     assert f"{direct.value:.4f} [{direct.interval.low:.4f}, {direct.interval.high:.4f}]" in line

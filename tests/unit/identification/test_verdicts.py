@@ -174,7 +174,7 @@ def test_what_is_warned_of_is_usable_only_within_its_interval(doubts, doubtful):
 class Both(Identified):
     """The answers of a balance and a fit, and nothing else."""
 
-    findings = features_table = pictures = None
+    findings = pictures = None
 
 
 NOTED = Remark("another oscillator")

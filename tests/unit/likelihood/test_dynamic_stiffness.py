@@ -7,14 +7,11 @@ import math
 import numpy as np
 import pytest
 
-from dampbalance import BaseMotion, Oscillator, measured_orbit, steady_orbit
 from dampbalance.likelihood.dynamic_stiffness import (
     SteppedLines,
     compare_contacts,
     fit_contact,
-    lines_of,
 )
-from dampbalance.likelihood.mean_harmonics import read_features
 
 M, K, C, K_Z, R_SLIP = 1.5, 6.0e4, 3.0, 2.0e4, 4.0e-5
 LEVELS = (1.5e-5, 5e-5, 1.2e-4, 2.5e-4, 4e-4)
@@ -175,24 +172,3 @@ def test_refusals_say_what_to_do():
     for terms, words in (("F_k", "one slider"), ("c_r", "use c"), ("eta", "state stiffness")):
         with pytest.raises(ValueError, match=words):
             fit_contact(table, contact="none", terms=(terms,))
-
-
-def test_records_in_time_become_lines_that_give_the_oscillator_back():
-    osc = Oscillator(m=2.42, c=20.0, k=2310.0, K_z=8000.0, F_k=1.28)
-    readings = []
-    for Y in (0.0006, 0.0012, 0.0025):
-        for f in (4.0, 4.92, 6.0):
-            orbit = steady_orbit(osc, BaseMotion(Y=Y, omega=2.0 * math.pi * f))
-            record = measured_orbit(orbit, rate_hz=1000.0, cycles=30.0, noise=0.003)
-            readings.append(read_features(record, osc.k))
-    table = lines_of(readings, osc.k)
-    assert pytest.approx([osc.k * r.lines.Y / r.lines.x[0] for r in readings]) == table.Z
-    fit = fit_contact(table, contact="one slider", stiffness=osc.k, hardening=False)
-    for name, true in (("F_k", 1.28), ("K_z", 8000.0), ("c", 20.0), ("m", 2.42)):
-        low, high = fit.intervals[name]
-        assert low < true < high, name
-    assert fit.F_k == pytest.approx(1.28, rel=0.02)
-    # as harmonic motions, the same lines are off by their third harmonics
-    harmonic = SteppedLines(table.omega, table.X, table.Z, table.level, table.names)
-    other = fit_contact(harmonic, contact="one slider", stiffness=osc.k, hardening=False)
-    assert other.misfit.loss > 2.0 * fit.misfit.loss
