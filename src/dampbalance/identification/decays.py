@@ -7,7 +7,6 @@ solved.
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
@@ -360,10 +359,6 @@ def _solved(
             estimates[symbol] = replace(p, interval=Interval(min(low, least), max(high, most)))
     reference = answer_of_fit(fit, TERMS, fit_notes, doubt=split)
     parameters = {**dict.fromkeys(TERMS, UNKNOWN), **estimates, "K_z": reference.K_z}
-    correlations = {
-        (one, other): float(covariance[i, j]) / (errors[i] * errors[j])
-        for (i, one), (j, other) in itertools.combinations(enumerate(values), 2)
-    }
     numbers = [i + 1 if i >= 0 else None for i in rows.decay.tolist()]
     balance = Balance(
         Rows({"F_k": rows.columns[:, A], "c": rows.columns[:, B]}, rows.columns[:, W]),
@@ -374,10 +369,9 @@ def _solved(
     answer = Answer(
         BALANCE,
         parameters,
-        covariance_of(parameters, correlations),
+        covariance_of(parameters, [*values], covariance),
         tuple(notes),
         balance,
-        correlations,
         merit={"misfit": misfit, "degrees_of_freedom": freedom},
     )
     conditions, effects = _scatter_of(fit), dict[str, float]()

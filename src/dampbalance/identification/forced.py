@@ -3,7 +3,7 @@
 The answer is the fit of one oscillator to all records (`oscillator.py`) where it holds; the balance checks it, and
 serves where it does not. Each response gives one row a F_k + b c = W of the energy balance (6); rows of different
 frequencies go together, since neither F_k nor c depends on the frequency. Rows are weighted by the inverse variance of
-their misfit; the result of Eq. (9) as published, where all rows are weighted alike, is given next to it.
+their misfit; Eq. (9) as published weights all rows alike.
 
 What a row needs of the onset of slip comes from the waveforms of one oscillator fitted to all records. Where the
 records are not those of such an oscillator, the onset is unknown and K_z is not identified: direct integration then
@@ -319,9 +319,8 @@ def _answer(
             reason = "a balance needs a level for each coefficient: add records at other amplitudes"
         parameters = {**nothing, "K_z": UNKNOWN}
         return Answer(
-            *(name, parameters, covariance_of(parameters, {}), (Remark(reason),)),
+            *(name, parameters, covariance_of(parameters), (Remark(reason),)),
             Balance(point, np.full(len(point.W), math.nan), sources),
-            equal=nothing,
             merit={"residual": math.nan, "misfit": math.nan},
         )
     weights = uncertain.weighted(estimate.values).weights
@@ -335,17 +334,12 @@ def _answer(
 
     estimates = Samples(estimate, tuple(map(weighed, rows.left)))
     K_z, roots = _stiffness(samples, estimates, rows_of.law, line)
-    left = [dict(of.values) for of in estimates.left]
-    if roots is not None:  # K_z falls as its inverse root grows
-        left = [of | {"K_z": -root} for of, root in zip(left, roots, strict=True)]
-    covariance = jackknifed([np.stack([*of.values()]) for of in left])
-    sizes = np.sqrt(np.diag(covariance))
-    with np.errstate(invalid="ignore"):  # exact rows have no errors
-        correlation = covariance / np.outer(sizes, sizes)
-    correlations = {
-        (one, other): float(correlation[i, j])
-        for (i, one), (j, other) in itertools.combinations(enumerate(left[0]), 2)
-    }
+    left = [[*of.values.values()] for of in estimates.left]
+    symbols, slopes = [*estimate.values], [1.0] * len(estimate.values)
+    if roots is not None:  # dK_z = −2ρ^{−3} dρ
+        left = [[*of, root] for of, root in zip(left, roots, strict=True)]
+        symbols, slopes = [*symbols, "K_z"], [*slopes, -2.0 * K_z.value**1.5]
+    covariance = jackknifed([np.stack(of) for of in left]) * np.outer(slopes, slopes)
     parameters = nothing | _parameters(estimates) | {"K_z": K_z}
     off = point.misfit({**point.given, **estimate.values})[usable]
     merit, freedom = {"residual": math.nan, "misfit": math.nan}, estimate.n - len(estimate.values)
@@ -353,10 +347,8 @@ def _answer(
         merit["residual"] = float(np.linalg.norm(off) / np.linalg.norm(point.W[usable]))
         merit["misfit"] = float(weights[usable] @ off**2 / freedom) if weighted else math.nan
     return Answer(
-        *(name, parameters, covariance_of(parameters, correlations)),
+        *(name, parameters, covariance_of(parameters, symbols, covariance)),
         balance=Balance(point, 1.0 / np.sqrt(weights), sources),
-        correlations=correlations,
-        equal=nothing | _parameters(rows.map(solve)),
         shape_bias=_shape_bias(rows_of, joint, readings, shared, usable),
         merit=merit,
     )

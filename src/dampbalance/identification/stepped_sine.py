@@ -322,7 +322,7 @@ def _answer(
             merit[f"{symbol}_{unit}"] = fit.values[symbol]
             merit[f"{symbol}_standard_error_{unit}"] = fit.errors.get(symbol, 0.0)
     return Answer(
-        *(name, parameters, covariance_of(parameters, {}), tuple(notes)),
+        *(name, parameters, covariance_of(parameters), tuple(notes)),
         Balance(rows, fit.misfit.loss * W, names, {"frequency_Hz": hertz}),
         merit=merit,
     )

@@ -16,9 +16,11 @@ from blind.records import records
 from dampbalance.balance import APPROACHES
 from dampbalance.identification.answer import REFERENCE
 from dampbalance.identification.forced import _parameter, identify_readings
-from dampbalance.identification.oscillator import Samples
+from dampbalance.identification.oscillator import LawRows, Samples, jackknifed, read_samples
+from dampbalance.law.law import Law
 from dampbalance.likelihood.mean_harmonics import RESOLVED, read_features
 from dampbalance.records.measurement import Channel, Measurement
+from dampbalance.solver import solve
 from paper_case import FREQUENCIES_HZ, LEVELS, NEAR, PAPER, motions_at, orbits_at
 from unit.identification.levels import SYMBOLS, THREE, close, identified, read
 from unit.likelihood.sampled import covariance, noise_of_rms
@@ -224,19 +226,18 @@ def test_rows_that_weigh_as_they_are_sure_use_what_the_records_hold(hz):
     noise = noise_of_rms(PAPER, motions, 0.01)
     bound = np.sqrt(np.diag(covariance(PAPER, motions, 1000.0, 25.0, noise, ("m",))))
     runs = [
-        identified(readings(hz, 0.01, seed=50 + i, rate_hz=1000.0, channels=two)).estimates[
-            "direct"
-        ]
-        for i in range(4)
+        identified(readings(hz, 0.01, seed=50 + i, rate_hz=1000.0, channels=two)) for i in range(4)
     ]
-    for symbol, least in zip(("F_k", "c"), bound, strict=False):
-        weighted, alike = (
-            least**2 / np.mean([getattr(run, of)[symbol].standard_error ** 2 for run in runs])
-            for of in ("coefficients", "equal")
-        )
-        # 87 to 97 % and 12 to 28 %; four runs of 25 cycles know a variance to 15 %
-        assert 0.8 < weighted < 1.15
-        assert alike < 0.4
+    weighted = [[run.estimates["direct"].standard_errors[s] for s in ("F_k", "c")] for run in runs]
+    rows_of = LawRows(APPROACHES["direct"], Law(), PAPER.k, linear=False)
+    alike = []
+    for run in runs:  # Eq. (9) as published
+        left = read_samples(run.readings).map(lambda of: solve(rows_of(of.features))).left
+        alike.append(np.diag(jackknifed([np.stack([*of.values.values()]) for of in left])))
+    # 87 to 97 % and 12 to 28 %; four runs of 25 cycles know a variance to 15 %
+    efficiency = bound[:2] ** 2 / np.mean(np.square(weighted), axis=0)
+    assert np.all((efficiency > 0.8) & (efficiency < 1.15))
+    assert np.all(bound[:2] ** 2 / np.mean(alike, axis=0) < 0.4)
 
 
 def test_where_no_level_slips_there_is_no_friction_force():
