@@ -19,9 +19,7 @@ from paper_case import PAPER
 from slips import slips
 from unit.identification.levels import changed, measured
 
-QUICK = {
-    "approaches": ["direct"],
-}
+QUICK = {"approaches": ["direct"]}
 FORCED = ("force", "displacement")
 
 
