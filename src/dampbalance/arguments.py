@@ -24,8 +24,6 @@ from .arrays import Array
 Kind = TypeVar("Kind")
 
 SMALLEST, LARGEST = 1e-30, 1e30  # SI units; beyond them, products of a few numbers overflow
-MOST_REPLICATES = 10_000
-"""Of a bootstrap. More tell nothing new: the standard error of a standard error is 0.7 % of it then."""
 
 _UNCERTAIN = r"±|\+/?-"  # between a number and its standard uncertainty
 _AS_WEIGHED = 0.005  # of a mass: what holds and drives it, and half of its springs, move along and are seldom weighed
@@ -70,7 +68,6 @@ NUMBERS: Mapping[str, Bounds] = {
     "k_over_m": Bounds("1/s²"),
     "noise": Bounds(low=0.0, high=1e6, remedy="it is a part of the signal: 0.01 is 1 %"),
     "given": Bounds(low=0.0),
-    "replicates": Bounds("", 2, MOST_REPLICATES),
     "seed": Bounds("", 0, _WORD),
     **dict.fromkeys(("skip_cycles", "stick_samples"), Bounds("", 0, _WORD)),
     "threads": Bounds("", 1, _WORD),

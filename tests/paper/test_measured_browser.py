@@ -16,7 +16,7 @@ pytestmark = pytest.mark.slow
 @pytest.fixture(scope="module")
 def file(tmp_path_factory):
     records = sorted((ROOT / "config/records/example").glob("level*.csv"))[::2]
-    found = identify(records, 2310.0, approaches=["direct"], replicates=20)
+    found = identify(records, 2310.0, approaches=["direct"])
     path = tmp_path_factory.mktemp("report") / "report.html"
     path.write_text(found.report(), encoding="utf-8")
     return path

@@ -34,7 +34,7 @@ def site(tmp_path_factory):
 
 @pytest.mark.parametrize(
     ("words", "leads"),
-    [("steady_orbit", "reference/api.html"), ("F_k", "explain/"), ("bootstrap", "uncertainty")],
+    [("steady_orbit", "reference/api.html"), ("F_k", "explain/"), ("jackknife", "uncertainty")],
 )
 def test_a_search_without_a_network_finds_it(site, visit, words, leads):
     page = visit(f"{(site / 'search.html').as_uri()}?q={words}")

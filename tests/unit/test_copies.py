@@ -72,7 +72,7 @@ THINGS = {
     "measurement": (lambda: made(0.004), lambda m: {q: m[q].values.tobytes() for q in m}),
     "record": (lambda: read_records(made(0.004))[0], lambda r: (repr(r), r.to_frame().to_csv())),
     "forced": (
-        lambda: identify([made(0.004), made(0.012)], PAPER.k, replicates=20, laws=True),
+        lambda: identify([made(0.004), made(0.012)], PAPER.k, laws=True),
         lambda found: (found.document(), found.text(), found.to_frame().to_csv()),
     ),
     "decay": (

@@ -91,7 +91,7 @@ def test_a_table_of_a_stepped_sine_is_a_set(checkout, monkeypatch):
     files = copy.files("stepped")
     assert {f"measured/joint/{name}" for name in outputs_of("stepped-sine")} <= files.keys()
     monkeypatch.chdir(copy.folder)
-    direct = identify("config/records/stepped/levels.csv", kind="stepped-sine", replicates=200)
+    direct = identify("config/records/stepped/levels.csv", kind="stepped-sine")
     assert direct.text().splitlines()[3] in said
     document = json.loads(files["measured/joint/identification.json"])
     assert document == json.loads(json.dumps(direct.document()))

@@ -20,7 +20,7 @@ import pandas as pd
 from dampbalance import BaseMotion, steady_orbit
 from dampbalance.balance import APPROACHES
 from dampbalance.figures.style import FAINT, SLIP, STICK, page, place, save, styled
-from dampbalance.identification.forced import REPLICATES, identify_readings
+from dampbalance.identification.forced import identify_readings
 from dampbalance.likelihood.mean_harmonics import read_features
 from dampbalance.likelihood.steady_search import fit_oscillator
 from dampbalance.project.files import write_csv, write_text
@@ -46,7 +46,7 @@ NOISE = 0.01  # of the rms of each channel
 SEED = 2010
 BOTH = "read and identify, all approaches"
 READING = "… reading the features"
-IDENTIFYING = f"… identifying, {REPLICATES} replicates"
+IDENTIFYING = "… identifying, balance and fit"
 ONE = "… identifying, direct integration alone"
 FIT = "… fitting one oscillator: maximum likelihood"
 PARTS_SHOWN = 8  # packages in the split of the import

@@ -166,7 +166,7 @@ def outcome(run: tuple[str, int, int]) -> list[dict[str, object]]:
     began = time.process_time()
     try:
         readings = [read_features(one, k) for one in measured]
-        result = identify_readings(readings, k, replicates=200)
+        result = identify_readings(readings, k)
     except (ValueError, ArithmeticError) as error:
         return [row | {"refused": str(error)}]
     row["seconds"] = time.process_time() - began

@@ -20,7 +20,7 @@ from dampbalance.project.wording import markdown_table
 from paper_case import FREQUENCIES_HZ, LEVELS, PAPER
 
 from .records import levels, records
-from .score import HELD, PUBLISHED, SYMBOLS, held, numbers
+from .score import HELD, SYMBOLS, held, numbers
 from .truths import NOISE, SEED, Truth
 
 _PER_CYCLE, _CYCLES = 100.37, 100.0
@@ -90,7 +90,7 @@ def table(rows: pd.DataFrame) -> str:
     heads = ["Hz", "noise, %", "of levels", "approach", "efficiency, %: F_k / c / K_z", "bias"]
     heads += ["coverage, %", "without K_z"]
     lines = []
-    chosen = _in_bounds(rows[rows["approach"].isin([*HELD, f"direct, {PUBLISHED}"])])
+    chosen = _in_bounds(rows[rows["approach"].isin(HELD)])
     for (place, approach), group in chosen.groupby(["truth", "approach"]):
         truth = TRUTHS[int(place)]
         hertz, levels = truth.omega / (2 * math.pi), "equal" if truth.equal else "relative"

@@ -35,7 +35,6 @@ _INSIDE = 9  # amplitudes at which the loss is compared
 IWAN, SLIDER = "Iwan", "one slider"
 NOISE = (0.003, 0.01, 0.03)
 _SYMBOLS = ("F_k", "c", "K_z", "k", "m")
-_REPLICATES = 100
 
 
 @dataclass(frozen=True)
@@ -202,7 +201,7 @@ def outcome(run: tuple[int, int]) -> list[dict[str, object]]:
     lines = table_of(truth, seed)
     began = time.process_time()
     try:
-        compared = compare_contacts(lines, replicates=_REPLICATES)
+        compared = compare_contacts(lines)
     except ValueError as error:  # a refusal is an outcome, too
         return [{"set": index, "kind": truth.kind, "refused": str(error)}]
     fit = compared["gradual" if truth.kind == IWAN else "one slider"].fit

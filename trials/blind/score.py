@@ -22,7 +22,6 @@ from .truths import Truth, draw
 FIRST = "first answer"
 # answers that are held against the aims: the first, the balance of energy, and the fit to all records
 HELD = (FIRST, "direct", REFERENCE)
-PUBLISHED = "Eq. (9)"  # name of an approach with all rows weighing alike: "direct, Eq. (9)"
 # words for records that the waveform of no oscillator meets, and for those in which nothing is seen to slip
 MISSED = "the records are not those of one mass"
 NO_ONSET = "those of a linear oscillator within their noise|slips and responds like the records"
@@ -73,7 +72,6 @@ def numbers(result: ForcedOutcome, truth: Truth) -> Iterator[dict[str, object]]:
     first = next(iter(result.approaches.values()))
     found = [(FIRST, first.parameters, first.notes)]
     found += [(name, e.parameters, e.notes) for name, e in result.estimates.items()]
-    found += [(f"{name}, {PUBLISHED}", e.equal, e.notes) for name, e in result.estimates.items()]
     found.append((REFERENCE, _of_fit(result), result.joint.notes))
     for name, parameters, notes in found:
         for symbol, parameter in parameters.items():

@@ -10,9 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from ..arguments import MOST_REPLICATES
 from ..balance import checks
-from ..identification.forced import REPLICATES, SEED
 from ..identification.outputs import ALL_PICTURES, OUTPUTS, REPORT, TABLES, require_room
 from ..law.terms import KNOWN_TERMS
 from ..project.files import json_text, replacing, write_text
@@ -57,8 +55,6 @@ records         a file, one per level; as many as there are coefficients, or mor
 --write-mapping write a mapping to start from to this file, with a reason for each channel, and do nothing else
 --mapping       file or folder that names the channels of the records (default: the file next to each)
 --skip-cycles   cycles left out at the start of each record, where the motion has not settled (default: 0)
---replicates    of the bootstrap (default: %(default)s)
---seed          of the bootstrap (default: %(default)s)
 --output        write {", ".join(OUTPUTS)} there
 --no-figures    write no pictures: they take longer than all the rest
 --json          write {TABLES[0]} to this file, too; - shows it instead of the table
@@ -69,7 +65,7 @@ records         a file, one per level; as many as there are coefficients, or mor
 _SCREEN = Path("-")
 _SETTINGS = (
     *("kind", "mapping", "frequency", "mass", "terms", "laws", "approaches"),
-    *("contact", "hardening", "residual", "skip_cycles", "replicates", "seed"),
+    *("contact", "hardening", "residual", "skip_cycles"),
 )
 """What `identify` takes as it stands in the options."""
 
@@ -196,8 +192,6 @@ _OPTIONS: dict[str, dict[str, Any]] = {
     "--write-mapping": {"type": Path, "metavar": "FILE"},
     "--mapping": {"type": Path, "metavar": "FILE"},
     "--skip-cycles": {"type": whole(), "default": 0, "metavar": "N"},
-    "--replicates": {"type": whole(2, MOST_REPLICATES), "default": REPLICATES},
-    "--seed": {"type": whole(), "default": SEED},
     "--output": {"type": Path, "metavar": "DIR"},
     "--no-figures": {"action": "store_true"},
     "--json": {"type": Path, "metavar": "FILE"},

@@ -45,18 +45,16 @@ class ParameterEstimate:
     """One identified number, SI units; NaN where it could not be identified.
 
     doubt : why it is not to be trusted though it has an interval; empty where nothing speaks against it.
-    standard_error : by bootstrap, or of the fit.   propagated_error : the same error by propagation (jackknife); NaN
-    where there is none.   interval : at CONFIDENCE.
+    standard_error : by the jackknife, or of the fit.   interval : at CONFIDENCE.
     """
 
     value: float
     standard_error: float
-    propagated_error: float
     interval: Interval
     doubt: str = ""
 
 
-UNKNOWN = ParameterEstimate(math.nan, math.nan, math.nan, Interval(math.nan, math.nan))
+UNKNOWN = ParameterEstimate(math.nan, math.nan, Interval(math.nan, math.nan))
 """The estimate of a number that the records do not determine."""
 
 
@@ -91,8 +89,6 @@ class Answer:
     not known.
     notes : what a reader must know before using the numbers, and why something is missing.
     balance : the rows that were solved; None for the fit.
-    correlations : of the errors of two parameters, by their symbols.
-    equal : the coefficients with all rows weighted alike, Eq. (9) as published; empty where there is one weighting.
     shape_bias : relative error that the shape of x(t) which the approach assumes makes in each coefficient, for the
     oscillator of the fit; empty where that does not hold.
     merit : how well the rows or the records are met, and what else the fit identifies, by the keys of the document.
@@ -103,8 +99,6 @@ class Answer:
     covariance: Array
     notes: tuple[Remark, ...] = ()
     balance: Balance | None = None
-    correlations: Mapping[tuple[str, str], float] = field(default_factory=dict)
-    equal: Mapping[str, ParameterEstimate] = field(default_factory=dict)
     shape_bias: Mapping[str, float] = field(default_factory=dict)
     merit: Mapping[str, Any] = field(default_factory=dict)
 
@@ -179,7 +173,7 @@ def answer_of_fit(
     numbers = {key: (fit.value(key), fit.error(key), fit.interval(key), "") for key in keys}
     numbers["K_z"] = fit.K_z, fit.K_z_error, fit.K_z_interval, doubt
     parameters = {
-        key: ParameterEstimate(value, error, math.nan, Interval(*ends), why)
+        key: ParameterEstimate(value, error, Interval(*ends), why)
         for key, (value, error, ends, why) in numbers.items()
     }
     places = [fit.names.index(key) for key in (*keys, "rho")]
@@ -199,20 +193,21 @@ def answer_of_fit(
 def normal(value: float, error: float) -> ParameterEstimate:
     """A number whose error has a normal distribution."""
     reach = NORMAL_95 * error
-    return ParameterEstimate(value, error, math.nan, Interval(value - reach, value + reach))
+    return ParameterEstimate(value, error, Interval(value - reach, value + reach))
+
+
+_NONE = np.empty((0, 0))
 
 
 def covariance_of(
-    parameters: Mapping[str, ParameterEstimate], correlations: Mapping[tuple[str, str], float]
+    parameters: Mapping[str, ParameterEstimate], symbols: Sequence[str] = (), known: Array = _NONE
 ) -> Array:
-    """The covariance that standard errors and correlations make; NaN where a correlation is not given."""
-    errors, symbols = [p.standard_error for p in parameters.values()], list(parameters)
-    matrix = np.full((len(symbols), len(symbols)), np.nan)
-    np.fill_diagonal(matrix, 1.0)
-    for pair, correlation in correlations.items():
-        i, j = map(symbols.index, pair)
-        matrix[i, j] = matrix[j, i] = correlation
-    return matrix * np.outer(errors, errors)
+    """Return the covariance of the errors of all parameters from that of some, by symbol; NaN where it is not known."""
+    matrix = np.full((len(parameters), len(parameters)), np.nan)
+    np.fill_diagonal(matrix, [p.standard_error**2 for p in parameters.values()])
+    at = [[*parameters].index(symbol) for symbol in symbols]
+    matrix[np.ix_(at, at)] = known
+    return matrix
 
 
 def unit_of(key: str) -> str:

@@ -7,7 +7,6 @@ solved.
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
@@ -119,21 +118,6 @@ class DecayOutcome(Identified):
             "turns_m": turns[:, 1],
             "turns_standard_error_m": errors,
         }
-
-    def features_table(self) -> list[dict[str, Any]]:
-        """A row for each turn of each decay: when, where, and the standard error."""
-        turns_of_all = zip(self.fit.decays, self.half_cycles.turns, strict=True)
-        return [
-            {
-                "record": one.source,
-                "decay": i + 1,
-                "time_s": float(t),
-                "x_m": float(x),
-                "x_standard_error_m": float(error),
-            }
-            for i, (one, (turns, errors)) in enumerate(turns_of_all)
-            for (t, x), error in zip(turns, errors, strict=True)
-        ]
 
     @property
     def levels(self) -> list[Level]:
@@ -375,10 +359,6 @@ def _solved(
             estimates[symbol] = replace(p, interval=Interval(min(low, least), max(high, most)))
     reference = answer_of_fit(fit, TERMS, fit_notes, doubt=split)
     parameters = {**dict.fromkeys(TERMS, UNKNOWN), **estimates, "K_z": reference.K_z}
-    correlations = {
-        (one, other): float(covariance[i, j]) / (errors[i] * errors[j])
-        for (i, one), (j, other) in itertools.combinations(enumerate(values), 2)
-    }
     numbers = [i + 1 if i >= 0 else None for i in rows.decay.tolist()]
     balance = Balance(
         Rows({"F_k": rows.columns[:, A], "c": rows.columns[:, B]}, rows.columns[:, W]),
@@ -389,10 +369,9 @@ def _solved(
     answer = Answer(
         BALANCE,
         parameters,
-        covariance_of(parameters, correlations),
+        covariance_of(parameters, [*values], covariance),
         tuple(notes),
         balance,
-        correlations,
         merit={"misfit": misfit, "degrees_of_freedom": freedom},
     )
     conditions, effects = _scatter_of(fit), dict[str, float]()

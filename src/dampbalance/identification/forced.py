@@ -3,15 +3,14 @@
 The answer is the fit of one oscillator to all records (`oscillator.py`) where it holds; the balance checks it, and
 serves where it does not. Each response gives one row a F_k + b c = W of the energy balance (6); rows of different
 frequencies go together, since neither F_k nor c depends on the frequency. Rows are weighted by the inverse variance of
-their misfit; the result of Eq. (9) as published, where all rows are weighted alike, is given next to it.
+their misfit; Eq. (9) as published weights all rows alike.
 
 What a row needs of the onset of slip comes from the waveforms of one oscillator fitted to all records. Where the
 records are not those of such an oscillator, the onset is unknown and K_z is not identified: direct integration then
 takes a = 4X − λ with the λ of the oscillator that comes nearest, a small part of 4X where the contact is stiff. A level
 that does not slip leaves the balance; where none slips, F_k is unknown, and W = b c gives c.
 
-The effect of noise on the estimates is computed twice: by bootstrap (cycles of every record drawn with replacement, the
-balance solved for each drawing) and by propagation (the jackknife: one cycle of one record left out after the other).
+Errors are those of the jackknife: the balance is solved without one group of cycles of one record after the other.
 """
 
 from __future__ import annotations
@@ -26,7 +25,7 @@ from typing import Any
 import numpy as np
 from scipy import special
 
-from ..arguments import number, whole
+from ..arguments import number
 from ..arrays import Array, Mask
 from ..balance import Approach, Rows, approach, checks
 from ..features import COLUMNS, Features, stack
@@ -56,6 +55,8 @@ from .oscillator import (
     Microstick,
     Sample,
     Samples,
+    covariance_of_rows,
+    jackknifed,
     joined,
     joint_fit,
     microstick,
@@ -65,8 +66,6 @@ from .remarks import DIRECT, agreement, notes_on
 from .screen import implied, with_error
 from .sensitivities import Fault, sensitivities, shifts_of_fit
 
-REPLICATES = 1000
-SEED = 2010
 _NORMAL = 1e9  # degrees of freedom with which Student's t is normal, to 1e-9
 
 _COPIED = 1e-9  # of the largest harmonic: what writing a record in another format may change
@@ -118,19 +117,6 @@ class ForcedOutcome(Identified):
                 for i, reading in enumerate(self.readings)
             ],
         }
-
-    def features_table(self) -> list[dict[str, Any]]:
-        """A row for each record: its features, and the standard error of each."""
-        columns = self.features.to_columns()
-        errors = {n: c.replace(n, f"{n}_standard_error", 1) for n, c in COLUMNS.items()}
-        return [
-            {
-                "record": reading.steady.source,
-                **{column: values[i] for column, values in columns.items()},
-                **{column: reading.standard_errors[name] for name, column in errors.items()},
-            }
-            for i, reading in enumerate(self.readings)
-        ]
 
     @property
     def levels(self) -> list[Level]:
@@ -207,8 +193,6 @@ def identify_readings(
     mass: float | None = None,
     mass_error: float = 0.0,
     uncertainty: float = 0.0,
-    replicates: int = REPLICATES,
-    seed: int = SEED,
 ) -> ForcedOutcome:
     """The coefficients of a damping law and K_z from the features of n measured responses, with intervals.
 
@@ -218,17 +202,16 @@ def identify_readings(
     balance. The fit may do with fewer.   k : stiffness of the readings, N/m.   law : default, F_k and c.
     mass_error : standard uncertainty of the mass, kg.   uncertainty : that of k, as a part of it, for the test of the
     mass.
-    replicates, seed : of the bootstrap; 1000 replicates know a standard error to 2 %.
     Others are as for `identify`.
 
     Raises ValueError for fewer readings than unknowns where no fit distinguishes these, terms that act alike in all of
-    them, two of the same signals, a stiffness or a mass that is not positive, a stiffness that is not that of the
-    readings, and too few or too many replicates. An approach whose rows cannot be solved stays in the result with NaN
+    them, two of the same signals, a stiffness or a mass that is not positive, and a stiffness that is not that
+    of the readings. An approach whose rows cannot be solved stays in the result with NaN
     and the reason.
     """
     law = law or Law()
     ways = checks() if approaches is None else tuple(map(approach, approaches))
-    _require(readings, k, law, ways, replicates)
+    _require(readings, k, law, ways)
     if mass is not None:
         number("mass", mass)
     lines = [reading.lines for reading in readings]
@@ -239,7 +222,7 @@ def identify_readings(
     if few and reference is not None:
         reference = replace(reference, notes=(*reference.notes, _UNCHECKED))
     readings = joined(readings, joint, law)
-    samples = read_samples(readings, replicates, np.random.default_rng(seed))
+    samples = read_samples(readings)
     line = microstick(samples)
     estimates: dict[str, Answer] = {}
     for name in ways:
@@ -265,13 +248,11 @@ def identify_readings(
         estimates=estimates,
         reference=reference,
         warnings=(*of_records, *of_all),
-        head=f"{len(readings)} record{'s' * (len(readings) > 1)} at {hz} Hz; the answer first, with 95 % intervals, "
-        f"those of the balance from {replicates} bootstrap replicates",
+        head=f"{len(readings)} record{'s' * (len(readings) > 1)} at {hz} Hz; the answer first, with 95 % intervals",
         rig=rig,
         settings={
             "law": {"terms": law.terms, "given": law.given, "groups": law.groups},
             "confidence": CONFIDENCE,
-            "bootstrap": {"replicates": replicates, "seed": seed},
         },
         law=law,
         readings=tuple(readings),
@@ -286,10 +267,8 @@ def _require(
     k: float,
     law: Law,
     approaches: Sequence[Approach],
-    replicates: int,
 ) -> None:
     number("stiffness", k)
-    whole("replicates", replicates)
     law.require([r.steady.frequency_hz for r in readings], by_balance=False)
     for steady in (reading.steady for reading in readings):
         if steady.k != k:
@@ -325,7 +304,7 @@ def _answer(
     sources = tuple(reading.steady.source for reading in readings)
     rows = samples.map(lambda sample: rows_of(sample.features))
     point, usable = rows.point, rows.point.usable
-    uncertain = replace(point, covariance=rows.drawn.scatter())
+    uncertain = replace(point, covariance=covariance_of_rows(rows.left))
     nothing: dict[str, ParameterEstimate] = dict.fromkeys(rows_of.law.unknowns, UNKNOWN)
     try:
         estimate = least_squares(uncertain)
@@ -343,9 +322,8 @@ def _answer(
             reason = "a balance needs a level for each coefficient: add records at other amplitudes"
         parameters = {**nothing, "K_z": UNKNOWN}
         return Answer(
-            *(name, parameters, covariance_of(parameters, {}), (Remark(reason),)),
+            *(name, parameters, covariance_of(parameters), (Remark(reason),)),
             Balance(point, np.full(len(point.W), math.nan), sources),
-            equal=nothing,
             merit={"residual": math.nan, "misfit": math.nan},
         )
     weights = uncertain.weighted(estimate.values).weights
@@ -354,18 +332,17 @@ def _answer(
     shared = weights if weighted else np.ones(len(weights))
 
     def weighed(of: Rows) -> Estimate:
-        """The estimates from rows of replicates, (n, r), weighted like those of the records, (n,)."""
+        """The estimates from r times rows, (n, r), weighted like those of the records, (n,)."""
         return solve(replace(of, weights=np.broadcast_to(shared[:, None], of.W.shape)))
 
-    estimates = Samples(estimate, weighed(rows.drawn), tuple(map(weighed, rows.left)))
+    estimates = Samples(estimate, tuple(map(weighed, rows.left)))
     K_z, roots = _stiffness(samples, estimates, rows_of.law, line)
-    errors = dict(estimates.drawn.values)
-    if roots is not None:
-        errors["K_z"] = -roots  # K_z falls as its inverse root grows
-    correlations = {
-        (one, other): float(np.corrcoef(errors[one], errors[other])[0, 1])
-        for one, other in itertools.combinations(errors, 2)
-    }
+    left = [[*of.values.values()] for of in estimates.left]
+    symbols, slopes = [*estimate.values], [1.0] * len(estimate.values)
+    if roots is not None:  # dK_z = −2ρ^{−3} dρ
+        left = [[*of, root] for of, root in zip(left, roots, strict=True)]
+        symbols, slopes = [*symbols, "K_z"], [*slopes, -2.0 * K_z.value**1.5]
+    covariance = jackknifed([np.stack(of) for of in left]) * np.outer(slopes, slopes)
     parameters = nothing | _parameters(estimates) | {"K_z": K_z}
     off = point.misfit({**point.given, **estimate.values})[usable]
     merit, freedom = {"residual": math.nan, "misfit": math.nan}, estimate.n - len(estimate.values)
@@ -373,10 +350,8 @@ def _answer(
         merit["residual"] = float(np.linalg.norm(off) / np.linalg.norm(point.W[usable]))
         merit["misfit"] = float(weights[usable] @ off**2 / freedom) if weighted else math.nan
     return Answer(
-        *(name, parameters, covariance_of(parameters, correlations)),
+        *(name, parameters, covariance_of(parameters, symbols, covariance)),
         balance=Balance(point, 1.0 / np.sqrt(weights), sources),
-        correlations=correlations,
-        equal=nothing | _parameters(rows.map(solve)),
         shape_bias=_shape_bias(rows_of, joint, readings, shared, usable),
         merit=merit,
     )
@@ -400,8 +375,8 @@ def _shape_bias(
 
 def _stiffness(
     samples: Samples[Sample], estimates: Samples[Estimate], law: Law, line: Microstick
-) -> tuple[ParameterEstimate, Array | None]:
-    """K_z = 2F_k/L (10), from the root of its inverse, whose errors are nearly normal, and that root of each drawing.
+) -> tuple[ParameterEstimate, tuple[Array, ...] | None]:
+    """K_z = 2F_k/L (10), from the root of its inverse, whose errors are nearly normal, and that root without groups.
 
     Where the microstick line is not resolved, K_z is a lower limit and there are no roots.
     """
@@ -418,22 +393,20 @@ def _stiffness(
         return UNKNOWN, None
     roots = Samples(
         root(samples.point, estimates.point)[0],
-        root(samples.drawn, estimates.drawn),
         tuple(map(root, samples.left, estimates.left)),
     )
     inverse_root = _parameter(roots)
     low, high = inverse_root.interval
     if not line.resolved:
         unbounded = Interval(high**-2, math.inf)
-        return ParameterEstimate(math.inf, math.nan, math.nan, unbounded), None
+        return ParameterEstimate(math.inf, math.nan, unbounded), None
     slope = 2.0 * inverse_root.value**-3
     K_z = ParameterEstimate(
         inverse_root.value**-2,
         slope * inverse_root.standard_error,
-        slope * inverse_root.propagated_error,
         Interval(high**-2, low**-2 if low > 0.0 else math.inf),
     )
-    return K_z, roots.drawn
+    return K_z, roots.left
 
 
 def _parameters(estimates: Samples[Estimate]) -> dict[str, ParameterEstimate]:
@@ -441,15 +414,16 @@ def _parameters(estimates: Samples[Estimate]) -> dict[str, ParameterEstimate]:
 
 
 def _parameter(values: Samples[Array]) -> ParameterEstimate:
-    """Standard errors and interval of one number.
+    """Standard error and interval of one number.
 
     The variances that the records contribute, v_i of g_i groups, give the degrees of freedom of their sum,
     (Σ v_i)²/Σ v_i²/(g_i − 1) (Welch–Satterthwaite), and the degrees of freedom the quantile of Student's t.
     """
-    value, error = float(values.point), float(values.drawn.std(ddof=1))
+    value = float(values.point)
     parts = np.array([(len(p) - 1) / len(p) * np.sum((p - p.mean()) ** 2) for p in values.left])
     groups = np.array([len(p) for p in values.left])
-    total = float(parts.sum())
+    total = math.fsum(parts)
     freedom = total**2 / float(np.sum(parts**2 / (groups - 1))) if total > 0.0 else _NORMAL
+    error = math.sqrt(total)
     reach = float(special.stdtrit(freedom, 0.5 + 0.5 * CONFIDENCE)) * error
-    return ParameterEstimate(value, error, math.sqrt(total), Interval(value - reach, value + reach))
+    return ParameterEstimate(value, error, Interval(value - reach, value + reach))

@@ -155,10 +155,6 @@ class Identified(ABC):
     def findings(self) -> dict[str, Any]:
         """What was read off the records and follows from them, for the document; `records` has an entry for each."""
 
-    @abstractmethod
-    def features_table(self) -> list[dict[str, Any]]:
-        """What was read off the records, in columns named with units."""
-
     @property
     @abstractmethod
     def levels(self) -> list[Level]:
@@ -187,16 +183,6 @@ class Identified(ABC):
         if fit and _worth(answers[REFERENCE]) > _worth(chosen):
             answers = {REFERENCE: answers[REFERENCE], **answers}
         return answers
-
-    @property
-    def answers(self) -> dict[str, Answer]:
-        """The same as `approaches`."""
-        return self.approaches
-
-    @property
-    def result(self) -> Identified:
-        """The identification itself: `result.answers` are its `approaches`."""
-        return self
 
     @property
     def figures(self) -> tuple[str, ...]:
@@ -417,7 +403,6 @@ class Identified(ABC):
         if figures:
             write_text(folder / REPORT, self._report(folder, document))
         write_rows(folder / "identification.csv", self.estimates_table())
-        write_rows(folder / "features.csv", self.features_table())
         write_text(folder / "summary.txt", self.text())
         write_json(folder / "identification.json", document)
         return [folder / name for name in (*TABLES, *pictures)]
@@ -469,9 +454,12 @@ def _entries(answer: Answer) -> dict[str, Any]:
     """An answer for the document."""
     entries = _columns(answer)
     if answer.balance is not None:
+        sizes = np.sqrt(np.diag(answer.covariance))
+        with np.errstate(invalid="ignore"):  # exact rows have no errors
+            correlations = answer.covariance / np.outer(sizes, sizes)
         entries |= {
-            f"correlation_of_{one}_and_{other}": answer.correlations.get((one, other))
-            for one, other in itertools.combinations(answer.coefficients, 2)
+            f"correlation_of_{one}_and_{other}": correlations[i, j]
+            for (i, one), (j, other) in itertools.combinations(enumerate(answer.coefficients), 2)
         }
     entries["verdicts"] = {symbol: v._asdict() for symbol, v in answer.verdicts.items()}
     entries |= answer.merit
@@ -481,15 +469,11 @@ def _entries(answer: Answer) -> dict[str, Any]:
 
 
 def _columns(answer: Answer, *, table: bool = False) -> dict[str, Any]:
-    """The numbers of an answer in columns named with their units, those of equal weights behind the others; in a table
-    each end of an interval has a column, and of equal weights there are values and standard errors alone."""
+    """The numbers of an answer in columns named with their units; in a table each end of an interval has a column."""
     columns: dict[str, Any] = {}
-    for beginning, parameters in (("", answer.parameters), ("equal_weights_", answer.equal)):
-        for symbol, p in parameters.items():
-            numbers: dict[str, Any] = {"": p.value, "_standard_error": p.standard_error}
-            if not (table and beginning):
-                numbers |= {"_propagated_error": p.propagated_error} if answer.equal else {}
-                ends = {"_low": p.interval.low, "_high": p.interval.high}
-                numbers |= ends if table else {"_interval": p.interval}
-            columns |= {beginning + column(symbol, what): n for what, n in numbers.items()}
+    for symbol, p in answer.parameters.items():
+        numbers: dict[str, Any] = {"": p.value, "_standard_error": p.standard_error}
+        ends = {"_low": p.interval.low, "_high": p.interval.high}
+        numbers |= ends if table else {"_interval": p.interval}
+        columns |= {column(symbol, what): n for what, n in numbers.items()}
     return columns

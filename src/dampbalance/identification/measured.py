@@ -16,7 +16,7 @@ from ..project.wording import listed, visible
 from ..records.mapping import MappingLike
 from ..records.measured import MeasuredRecord, read_records
 from .decays import identify_ring_downs
-from .forced import REPLICATES, SEED, identify_readings
+from .forced import identify_readings
 from .identified import QUICK, Identified
 from .law_comparison import compare_laws
 from .loading import Loaded, NotDriven, load
@@ -50,8 +50,6 @@ def identify(
     residual: bool = False,
     approaches: Sequence[str] | str | None = None,
     skip_cycles: int = 0,
-    replicates: int = REPLICATES,
-    seed: int = SEED,
 ) -> Identified:
     """The coefficients of a damping law and the contact stiffness K_z from measured records, each with an interval.
 
@@ -85,10 +83,9 @@ def identify(
     approaches : names of `balance.checks()`, which are the default, and objects of `Approach` that take no phase.
     "direct" assumes no shape of x(t), "fourier" takes three harmonics of it.
     skip_cycles : left out at the start of each record, where the motion has not settled.
-    replicates, seed : of the bootstrap.
 
     Free decays determine F_k, c and K_z only, and take stiffness, mass, laws and mapping; tables of a stepped
-    sine take stiffness, mass, terms, given, contact, hardening, residual, mapping, replicates and seed. Names
+    sine take stiffness, mass, terms, given, contact, hardening, residual and mapping. Names
     and labels in order (terms, approaches, those of groups) may be a text with commas between them, as on the command
     line: terms="F_k,c".
 
@@ -119,8 +116,7 @@ def identify(
     laws = flag("laws", laws)
     frequency = None if frequency is None else number("frequency", frequency)
     m, m_error = (None, None) if mass is None else mass_with_error(mass)
-    skip_cycles, replicates = whole("skip_cycles", skip_cycles), whole("replicates", replicates)
-    seed = whole("seed", seed)
+    skip_cycles = whole("skip_cycles", skip_cycles)
     ways = checks(approaches)
     law = law_of(terms, given, groups)
     of_kind = {"recognised": None, "stepped-sine": True}.get(kind, False)
@@ -152,8 +148,6 @@ def identify(
         "approaches": list(ways),
         "mapping": str(mapping) if isinstance(mapping, str | Path) else None,
         "skip_cycles": skip_cycles,
-        "replicates": replicates,
-        "seed": seed,
     }
     if lines:
         return _of_tables(read, law, _taken("stepped-sine", options))
@@ -170,16 +164,15 @@ _OF_K_AND_M = (
     *("stiffness_N_per_m", "stiffness_standard_error_N_per_m"),
     *("mass_kg", "mass_standard_error_kg"),
 )
-_OF_LAW, _OF_DRAWINGS = ("terms", "given"), ("replicates", "seed")
+_OF_LAW = ("terms", "given")
 _OF_CONTACT = ("contact", "hardening", "residual")
 _OPTIONS = {
     "forced": (
         *(*_OF_K_AND_M, "frequency_hz"),
         *(*_OF_LAW, "groups", "laws", "approaches", "mapping", "skip_cycles"),
-        *_OF_DRAWINGS,
     ),
     "ring-down": (*_OF_K_AND_M, "laws", "mapping"),
-    "stepped-sine": (*_OF_K_AND_M, *_OF_LAW, *_OF_CONTACT, *_OF_DRAWINGS, "mapping"),
+    "stepped-sine": (*_OF_K_AND_M, *_OF_LAW, *_OF_CONTACT, "mapping"),
 }
 """Options that each kind of records takes, in the order of its document."""
 
@@ -261,7 +254,6 @@ def _of_steady(
     loaded = tuple(load(record, k, **of_drive) for record in records)
     _require_possible(loaded, mass, k)
     readings = [one.reading for one in loaded]
-    common = {name: options[name] for name in ("replicates", "seed")} | {"law": law}
     found = identify_readings(
         readings,
         k,
@@ -269,10 +261,10 @@ def _of_steady(
         mass=mass,
         mass_error=mass_error or 0.0,
         uncertainty=error / k,
-        **common,
+        law=law,
     )
     held = mass if found.joint.mass_taken else None
-    laws = compare_laws(readings, k, mass=held, **common) if options["laws"] else None
+    laws = compare_laws(readings, k, mass=held, law=law) if options["laws"] else None
     return carried(replace(found, laws=laws, loaded=loaded, records=records, options=options))
 
 
@@ -293,7 +285,7 @@ def _of_tables(
     tables: tuple[MeasuredRecord, ...], law: Law, options: Mapping[str, Any]
 ) -> Identified:
     k, error, mass, _ = (options[name] for name in _OF_K_AND_M)
-    own = {name: options[name] for name in (*_OF_CONTACT, *_OF_DRAWINGS)}
+    own = {name: options[name] for name in _OF_CONTACT}
     found = identify_tables(tables, k, law, mass=mass, uncertainty=error, **own)
     return carried(replace(found, records=tables, options=options))
 

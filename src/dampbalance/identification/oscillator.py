@@ -1,5 +1,5 @@
 """One oscillator fitted to all records by maximum likelihood, the answer where it holds, which the balance checks; and
-what the rows of the balance take from it: features with the onset of slip, and replicates of these.
+what the rows of the balance take from it: features with the onset of slip, and what their errors follow from.
 
 The microstick line has one length for all records of a contact, L = X + X_s = 2F_k/K_z (10). It comes from the
 waveforms of that fit; the errors of all that the waveforms give follow from the data of every record.
@@ -181,7 +181,7 @@ def joined(readings: Sequence[Reading], joint: JointFit, law: Law | None = None)
     return found
 
 
-# --- rows and replicates --------------------------------------------------------------------------
+# --- rows and their errors ------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, eq=False)
@@ -209,7 +209,7 @@ class LawRows:
 
 @dataclass(frozen=True, eq=False)
 class Sample:
-    """Features of n records, (n,) as read or (n, r) of replicates, and two unknowns of their oscillator, (r,).
+    """Features of n records, (n,) as read or (n, r) of r means, and two unknowns of their oscillator, (r,).
 
     F_k : N, the mean over its groups.   rho : K_z^{−1/2}.   NaN where no oscillator holds.
     """
@@ -223,17 +223,15 @@ class Sample:
 class Samples(Generic[Of]):
     """What n records give, features at first, with what its errors are computed from.
 
-    point : as read.   drawn : of r bootstrap replicates.   left : for each record, without one group of its rows after
-    the other.
+    point : as read.   left : for each record, without one group of its rows after the other.
     """
 
     point: Of
-    drawn: Of
     left: tuple[Of, ...]
 
     def map(self, of: Callable[[Of], To]) -> Samples[To]:
         """What a function makes of each."""
-        return Samples(of(self.point), of(self.drawn), tuple(map(of, self.left)))
+        return Samples(of(self.point), tuple(map(of, self.left)))
 
 
 @dataclass(frozen=True, slots=True)
@@ -250,20 +248,37 @@ class Microstick:
     bound: float
 
 
-def read_samples(
-    readings: Sequence[Reading], count: int, random: np.random.Generator, *, jackknife: bool = True
-) -> Samples[Sample]:
-    """Features of readings that share the waveforms of a joint fit (`oscillator.joined`), as read and resampled.
+def jackknifed(left: Sequence[Array]) -> Array:
+    """Return the covariance of n numbers, which leaving out groups of rows gives:
 
-    count : of replicates.   random : generator of the drawings.   jackknife : whether groups of rows are left out, too;
-    a study that needs no propagated errors saves that time.
+        C = Σ_j (g_j − 1)/g_j Σ_i (p_ji − p̄_j)(p_ji − p̄_j)ᵀ
+
+    left : for each record j, the numbers p_ji without its group i, (n, …, g_j).
     """
-    whole = sample_of(readings, [r.mean.followed_by(r.resampled(count, random)) for r in readings])
-    features = whole.features
-    point = Sample(features[:, 0], whole.F_k[:1], whole.rho[:1])
-    drawn = Sample(features[:, 1:], whole.F_k[1:], whole.rho[1:])
-    parts = range(len(readings) if jackknife else 0)
-    return Samples(point, drawn, tuple(_left_out(readings, point.features, j) for j in parts))
+    parts = []
+    for values in left:
+        off, groups = values - values.mean(axis=-1, keepdims=True), values.shape[-1]
+        parts.append((groups - 1) / groups * np.einsum("i...g,j...g->ij...", off, off))
+    covariance: Array = np.sum(parts, axis=0)
+    return covariance
+
+
+def covariance_of_rows(left: Sequence[Rows]) -> Array:
+    """Return the covariance of (g_1 … g_p, W) of rows by `jackknifed`, (p + 1, p + 1, L)."""
+    return jackknifed([np.stack([*rows.terms.values(), rows.W]) for rows in left])
+
+
+def read_samples(readings: Sequence[Reading]) -> Samples[Sample]:
+    """Features of readings that share the waveforms of a joint fit (`oscillator.joined`), as read and without groups of
+    rows."""
+    whole = sample_of(readings, [reading.mean for reading in readings])
+    point = replace(whole, features=whole.features[:, 0])
+    left = [
+        _left_out(readings, j, means)
+        for j, reading in enumerate(readings)
+        for means in (reading.left_out(), *reading.shaken())
+    ]
+    return Samples(point, tuple(left))
 
 
 def sample_of(readings: Sequence[Reading], means: Sequence[Means]) -> Sample:
@@ -274,46 +289,30 @@ def sample_of(readings: Sequence[Reading], means: Sequence[Means]) -> Sample:
 
 
 def microstick(samples: Samples[Sample]) -> Microstick:
-    """The length of the microstick line, and whether it stands out of the scatter of its replicates."""
-    F_k, rho, drawn = float(samples.point.F_k[0]), float(samples.point.rho[0]), samples.drawn
-    error = float(drawn.rho.std(ddof=1))
+    """The length of the microstick line, and whether it stands out of its noise."""
+    F_k, rho = float(samples.point.F_k[0]), float(samples.point.rho[0])
+    left = samples.left
+    error = _error([one.rho for one in left])
+    of_length = _error([2.0 * one.F_k * one.rho * np.abs(one.rho) for one in left])
     return Microstick(
         length=2.0 * F_k * rho**2,
-        standard_error=float((2.0 * drawn.F_k * drawn.rho * np.abs(drawn.rho)).std(ddof=1)),
+        standard_error=of_length,
         resolved=rho > RESOLVED * error,
         bound=2.0 * F_k * (rho + NORMAL_95 * error) ** 2,
     )
 
 
-def _left_out(readings: Sequence[Reading], point: Features, j: int) -> Sample:
-    """All records as read, except that record j lacks one group of its rows after the other."""
-    means = readings[j].left_out()
-    moved = readings[j].moved(means)
-    parts = [
-        reading.features_of(means, moved)[None]
-        if i == j
-        else _followed(reading, point[[[i] * len(means.Y)]], moved)
-        for i, reading in enumerate(readings)
-    ]
-    return _sample(readings, stack(parts), moved)
+def _error(left: Sequence[Array]) -> float:
+    """Standard error of one number by the jackknife.   left : as for `jackknifed`, (g_j,)."""
+    return math.sqrt(float(jackknifed([values[None] for values in left])[0, 0]))
 
 
-def _followed(reading: Reading, features: Features, moved: Array) -> Features:
-    """The features of a record of which only the waveform follows the unknowns of the fit, (1, r)."""
-    waveform = reading.waveform
-    if waveform is None or not reading.slips:
-        return features
-    V_s, t_s, taken = waveform.onset_slope @ moved
-    length = waveform.length_slope @ moved
-    return features.replaced(
-        X_s=features.X_s + length,
-        X_r=features.X_r - length,
-        V_s=features.V_s + V_s,
-        V_r=features.V_r - V_s,
-        t_s=features.t_s + t_s,
-        t_r=features.t_r + t_s,
-        a=features.a - taken,
-    )
+def _left_out(readings: Sequence[Reading], j: int, means: Means) -> Sample:
+    """All records as read, except that record j has other means: the waveforms of all of them follow."""
+    each = [reading.mean[[0] * len(means.Y)] for reading in readings]
+    moved, each[j] = readings[j].moved(means), means
+    features = [r.features_of(m, moved)[None] for r, m in zip(readings, each, strict=True)]
+    return _sample(readings, stack(features), moved)
 
 
 def _sample(readings: Sequence[Reading], features: Features, moved: Array) -> Sample:

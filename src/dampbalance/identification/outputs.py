@@ -7,14 +7,13 @@ from collections.abc import Iterable
 from itertools import chain
 from pathlib import Path
 
-TABLES = ("identification.json", "identification.csv", "features.csv", "summary.txt")
-"""The document with everything; the estimates; the features; the table of the screen."""
+TABLES = ("identification.json", "identification.csv", "summary.txt")
+"""The document with everything; the estimates; the table of the screen."""
 
 REPORT = "report.html"
 """All of it on a page, for a reader."""
 
-ESTIMATES, SUMMARY = TABLES[1], TABLES[3]
-OVERVIEW = (ESTIMATES, SUMMARY)
+OVERVIEW = ESTIMATES, SUMMARY = TABLES[1:]
 """Names of the files of all sets, and of their like of each set."""
 
 PICTURES = {

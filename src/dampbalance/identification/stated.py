@@ -84,8 +84,6 @@ def widened(answer: Answer, shifts: Mapping[str, Mapping[str, float]]) -> Answer
     off = np.where(np.isfinite(off), off, 0.0)
     sizes = dict(zip(symbols, np.sqrt(np.sum(off**2, axis=0)).tolist(), strict=True))
     covariance = answer.covariance + off.T @ off
-    errors = np.sqrt(np.diag(covariance))
-    at = {symbol: i for i, symbol in enumerate(symbols)}
     merit = dict(answer.merit)
     if "m_kg" in merit:
         of_mass = [of.get("m", 0.0) * merit["m_kg"] for of in shifts.values()]
@@ -94,10 +92,6 @@ def widened(answer: Answer, shifts: Mapping[str, Mapping[str, float]]) -> Answer
         answer,
         parameters={s: _wider(answer.parameters[s], size) for s, size in sizes.items()},
         covariance=covariance,
-        correlations={
-            (a, b): float(covariance[at[a], at[b]] / (errors[at[a]] * errors[at[b]]))
-            for a, b in answer.correlations
-        },
         merit=merit,
     )
 

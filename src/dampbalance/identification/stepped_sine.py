@@ -96,23 +96,6 @@ class SteppedOutcome(Identified):
             ],
         }
 
-    def features_table(self) -> list[dict[str, Any]]:
-        """A row for each line: what was measured, its input work and its dynamic stiffness."""
-        of, W = self.lines, math.pi * self.lines.X**2 * self.lines.Z.imag
-        return [
-            {
-                "record": self.sources[self.table_of[i]],
-                "level": of.names[of.level[i]],
-                "frequency_Hz": of.omega[i] / (2.0 * math.pi),
-                "force_N": of.X[i] * abs(of.Z[i]),
-                "X_m": of.X[i],
-                "phi_rad": np.angle(of.Z[i]),
-                "W_J": W[i],
-                "in_phase_stiffness_N_per_m": of.Z[i].real,
-            }
-            for i in range(of.X.size)
-        ]
-
     @property
     def levels(self) -> list[Level]:
         """The line of each level whose phase is nearest to 90°."""
@@ -186,8 +169,8 @@ def identify_tables(
 
     k : stiffness, N/m; None where the lines are to tell it, which those of base motions cannot.   law : whose terms
     except the friction are fitted.   contact : "both" compares them, from three levels on.   uncertainty : standard
-    uncertainty of k, N/m; where a force drives, the lines test it.   options : mass, hardening, residual, replicates
-    and seed of `fit_contact`.
+    uncertainty of k, N/m; where a force drives, the lines test it.   options : mass, hardening and residual of
+    `fit_contact`.
 
     Raises ValueError for base motions without a stiffness, fewer than two levels, lines that do not determine the
     unknowns, and a friction force that is given.
@@ -221,8 +204,7 @@ def identify_tables(
         },
         reference=None,
         warnings=(*[_UNCOMPARED] * (not compared and len(contacts) > 1), *_on_stuck(first)),
-        head=f"{lines.X.size} lines at {len(lines.names)} levels; the answer first, with 95 % intervals from "
-        f"{options['replicates']} replicates",
+        head=f"{lines.X.size} lines at {len(lines.names)} levels; the answer first, with 95 % intervals",
         rig=[
             *(words[0].upper() + words[1:] for words in said),
             *_rig(first, lines),
@@ -340,7 +322,7 @@ def _answer(
             merit[f"{symbol}_{unit}"] = fit.values[symbol]
             merit[f"{symbol}_standard_error_{unit}"] = fit.errors.get(symbol, 0.0)
     return Answer(
-        *(name, parameters, covariance_of(parameters, {}), tuple(notes)),
+        *(name, parameters, covariance_of(parameters), tuple(notes)),
         Balance(rows, fit.misfit.loss * W, names, {"frequency_Hz": hertz}),
         merit=merit,
     )
@@ -355,10 +337,10 @@ def _estimate(symbol: str, fit: ContactFit) -> ParameterEstimate:
         return UNKNOWN
     interval = Interval(*fit.intervals[symbol])
     if math.isinf(interval.high):
-        return ParameterEstimate(math.inf, math.nan, math.nan, interval)
+        return ParameterEstimate(math.inf, math.nan, interval)
     value = {"K_z": fit.K_z, FRICTION: fit.F_k}.get(symbol, fit.values.get(symbol, math.nan))
     doubt = "" if value else f"{symbol} is at its bound, zero: these lines show none of it"
-    return ParameterEstimate(value, fit.errors[symbol], math.nan, interval, doubt)
+    return ParameterEstimate(value, fit.errors[symbol], interval, doubt)
 
 
 def _rig(fit: ContactFit, lines: SteppedLines) -> Iterator[str]:

@@ -59,4 +59,4 @@ def _parameter(row: Mapping[Any, Any], symbol: str) -> ParameterEstimate:
     )
     if math.isnan(high) and math.isfinite(low):  # an open end is empty in the table
         high = math.inf
-    return ParameterEstimate(value, math.nan, math.nan, Interval(low, high))
+    return ParameterEstimate(value, math.nan, Interval(low, high))

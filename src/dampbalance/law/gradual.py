@@ -13,7 +13,6 @@ and the energy lost per cycle Σ 4κ_j r_j (X − r_j)₊ = πX² Σ κ_j Im D.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -38,42 +37,12 @@ def play(x: Array, r: Array, start: Array | None = None) -> Array:
 
     x : displacement, m, (N,).   r : m, (j,).   start : deflections at the first sample, m, (j,); default, none.
     """
-    first = np.zeros(np.size(r)) if start is None else np.clip(start, -r, r)
-    return np.array([z[0] for z in _deflections(np.atleast_2d(x), r, first[None])])
-
-
-def secant_of_cycles(x: Array, r: Array) -> Complexes:
-    """D of steady motions that are not harmonic: fundamental of each slider's deflection over that of x, (n, j).
-
-    Use it for measured cycles, whose higher harmonics move the instants of slip. A slider that never slips in a cycle
-    is taken to rest at the middle of it.
-
-    x : equidistant samples of one cycle in each row, m, (n, N); 512 give D to 1e-5.   r : m, (j,).
-    """
-    rows, points = np.arange(len(x))[:, None], x.shape[1]
-    order = (np.argmax(x, axis=1)[:, None] + np.arange(points)) % points
-    x = x[rows, order]  # each from its maximum on, where every slider that slips is at r
-    first = np.minimum(r, 0.5 * np.ptp(x, axis=1)[:, None])
-    turn = np.exp(-2j * np.pi * np.arange(points) / points)
-    ends = np.argmin(x, axis=1)[:, None]
-    after, steps = np.arange(points) > ends, np.diff(x, axis=1)
-    if np.all(steps * np.where(after[:, 1:], 1.0, -1.0) >= 0.0):  # down and up again: all at once
-        moved, limit = np.where(after, x - x[rows, ends], x - x[:, :1])[..., None], first[:, None]
-        falling, rising = np.maximum(limit + moved, -limit), np.minimum(moved - limit, limit)
-        total = np.einsum("nps,p->ns", np.where(after[..., None], rising, falling), turn)
-    else:
-        total = np.zeros(first.shape, dtype=np.complex128)
-        for factor, z in zip(turn, _deflections(x, r, first), strict=True):
-            total += factor * z
-    return np.asarray(total / (x @ turn)[:, None])
-
-
-def _deflections(x: Array, r: Array, z: Array) -> Iterator[Array]:
-    """Deflections at each sample, (n, j).   x : (n, N).   z : at the first sample."""
-    yield z
-    for step in np.diff(x, axis=1).T:
-        z = np.clip(z + step[:, None], -r, r)
-        yield z
+    z = np.zeros(np.size(r)) if start is None else np.clip(start, -r, r)
+    deflections = [z]
+    for step in np.diff(x):
+        z = np.clip(z + step, -r, r)
+        deflections.append(z)
+    return np.array(deflections)
 
 
 @dataclass(frozen=True, eq=False)

@@ -21,12 +21,15 @@ from .stepped_lines import LESS, Design, Estimate, Rows, column, estimated
 from .stepped_lines import Contact as Contact
 from .stepped_lines import Misfit as Misfit
 from .stepped_lines import SteppedLines as SteppedLines
-from .stepped_lines import lines_of as lines_of
 
 _REPEATS = 3  # of the errors of changed lines, which start from those of the fit
 _FIRST_ERROR = 0.05  # of Z, where the iteration of errors starts
 _ALIKE = 1.05  # of amplitudes: closer ones count as one
 _SINGULAR = 1e-7  # smallest singular value of columns of length one
+_DRAWS = (
+    200  # of intervals: a standard error of so many is known to 5 %, and costs a tenth of a second
+)
+_SEED = 2010  # of these, so that the same lines give the same bytes
 _NORMAL, _CHI_SQUARE = 1.96, 3.84  # of intervals of 95 %
 _COMPARED = 3  # levels, at least
 _WORDS = {
@@ -138,11 +141,10 @@ class ContactFit:
         Z, X : factors of each Z, (n,), and of all amplitudes.   given : values instead of those that are given.
         """
         own, size, residual = self.design.rows, np.abs(Z), "R" in self.values
-        known, cycle = {**own.given, **given}, own.lines.cycle
-        cycle = None if cycle is None else X * cycle
+        known = {**own.given, **given}
         rows = replace(
             own,
-            lines=replace(own.lines, X=X * own.lines.X, Z=Z * own.lines.Z, cycle=cycle),
+            lines=replace(own.lines, X=X * own.lines.X, Z=Z * own.lines.Z),
             given=known,
             stiffness=own.stiffness and known["k"],
             sigma=size * own.sigma,
@@ -154,7 +156,7 @@ class ContactFit:
             rows = replace(rows, sigma=found.scatter(residual))
             found = replace(found, design=replace(design, rows=rows))
             design = _with_R(found) if residual else found.design
-        point, largest = design.solve(rows.target, self.smoothing), rows.mode.reach.max()
+        point, largest = design.solve(rows.target, self.smoothing), rows.mode.X.max()
         slips = Sliders(*(of[point.r < largest] for of in (point.r, point.kappa)))
         free = dict(zip(rows.free, point.linear.tolist(), strict=True))
         return free | {"K_z": slips.K_z, "F_k": slips.F_k}
@@ -206,8 +208,6 @@ def fit_contact(
     mass: float | None = None,
     hardening: bool = True,
     residual: bool = False,
-    replicates: int = 200,
-    seed: int = 2010,
 ) -> ContactFit:
     """Identify a contact and the damping from steady responses at several amplitudes.
 
@@ -221,12 +221,11 @@ def fit_contact(
     stiffness, mass : k, N/m, and m, kg, where they are known.
     hardening : whether the spring may stiffen, ¾k_3X².
     residual : whether other modes move the driven point, too: R.
-    replicates, seed : of the intervals.
 
     Raises ValueError for lines that do not determine the unknowns.
     """
     rows = _asked(lines, contact, terms, given or {}, stiffness, mass, hardening)
-    return _fitted(estimated(rows, contact, residual), tuple(terms), residual, replicates, seed)
+    return _fitted(estimated(rows, contact, residual), tuple(terms), residual)
 
 
 def _asked(
@@ -239,7 +238,7 @@ def _asked(
     hardening: bool,
 ) -> Rows:
     """Rows of what was asked for, with the errors to start from. Raises ValueError."""
-    low, high = lines.reach.min(), lines.reach.max()
+    low, high = lines.X.min(), lines.X.max()
     alike = high < _ALIKE * low
     if contact != "none" and alike:
         raise ValueError(
@@ -265,22 +264,20 @@ def _asked(
     return rows
 
 
-def _fitted(
-    found: Estimate, terms: tuple[str, ...], residual: bool, replicates: int, seed: int
-) -> ContactFit:
+def _fitted(found: Estimate, terms: tuple[str, ...], residual: bool) -> ContactFit:
     """The estimate with its intervals, from replicates of the lines about a law that is smoothed less still."""
     rows, point, contact = found.rows, found.point, found.design.contact
     design = _with_R(found) if residual else found.design
     about = design.solve(rows.target, LESS * found.smoothing)
     law = rows.weighted(rows.law(about) - rows.known)
-    targets = law + np.random.default_rng(seed).standard_normal((replicates, law.size))
+    targets = law + _noise(law.size)
     points = [about, *(design.solve(target, found.smoothing) for target in targets)]
     draws = _Draws(
         dict(zip(rows.free, np.array([one.linear for one in points]).T, strict=True)),
         np.array([one.r for one in points]),
         np.array([one.kappa for one in points]),
     )
-    reach = rows.mode.reach
+    reach = rows.mode.X
     values = dict(rows.given) | dict(zip(rows.free, point.linear.tolist(), strict=True))
     estimates, drawn = {name: values[name] for name in rows.free}, dict(draws.linear)
     if residual:
@@ -326,6 +323,11 @@ def _fitted(
         design,
         draws,
     )
+
+
+def _noise(size: int) -> Array:
+    """Standard normal errors of the rows of replicates, (_DRAWS, size)."""
+    return np.random.default_rng(_SEED).standard_normal((_DRAWS, size))
 
 
 def _of_k(found: Estimate, residual: bool) -> tuple[float, float] | None:
@@ -442,8 +444,6 @@ def compare_contacts(
     mass: float | None = None,
     hardening: bool = True,
     residual: bool = False,
-    replicates: int = 200,
-    seed: int = 2010,
 ) -> ContactComparison:
     """Compare no contact, with damping up to a cubic one, a single slider and a gradual contact.
 
@@ -479,13 +479,13 @@ def compare_contacts(
     trials = [
         ContactTrial(
             name,
-            _fitted(own[name], laws[name][1], residual, replicates, seed),
+            _fitted(own[name], laws[name][1], residual),
             tuple(found.held_out(found.smoothing)),
             found.extrapolated(),
         )
         for name, found in alike.items()
     ]
-    p = _one_slider_is_enough(alike["one slider"], alike["gradual"], residual, replicates, seed)
+    p = _one_slider_is_enough(alike["one slider"], alike["gradual"], residual)
     best = min(trials, key=lambda trial: float(np.mean(trial.scores())))
     good = [trial for trial in trials if trial.as_good_as(best)]
     supported = good[0].name
@@ -507,15 +507,13 @@ def compare_contacts(
     )
 
 
-def _one_slider_is_enough(
-    one: Estimate, gradual: Estimate, residual: bool, replicates: int, seed: int
-) -> float:
+def _one_slider_is_enough(one: Estimate, gradual: Estimate, residual: bool) -> float:
     """Probability, if one slider is the truth, that a gradual contact fits better by as much as it does."""
     designs = [
         (_with_R(found) if residual else found.design, found.smoothing) for found in (one, gradual)
     ]
     law = one.rows.weighted(one.rows.law(one.point) - one.rows.mode.Z)
-    noise = np.random.default_rng(seed).standard_normal((replicates, law.size))
+    noise = _noise(law.size)
 
     def gain(moved: Array) -> float:
         misfits = [
@@ -526,7 +524,7 @@ def _one_slider_is_enough(
 
     gained = gain(np.zeros(law.size))
     larger = sum(gain(law + of) >= gained for of in noise)
-    return (1.0 + larger) / (replicates + 1.0)
+    return (1.0 + larger) / (_DRAWS + 1.0)
 
 
 def _size(law: tuple[str, tuple[Contact, tuple[str, ...]]]) -> float:

@@ -176,23 +176,46 @@ class Reading:
 
     def resampled(self, count: int, rng: np.random.Generator) -> Means:
         """`count` bootstrap replicates of the means: of rows drawn with replacement, with random errors of the size
-        that a converter leaves in all of them alike."""
-        steady = self.steady
-        drawn, stretch = bootstrap(len(steady.weights), count, rng)
-        means = self._drawn(drawn * steady.weights, stretch, 2.0)
-        if not (steady.X_hidden.any() or steady.Y_hidden.any()):
+        that no scatter between rows shows, as it is the same in all of them."""
+        drawn, stretch = bootstrap(len(self.steady.weights), count, rng)
+        means = self._drawn(drawn * self.steady.weights, stretch, 2.0)
+        hidden = self._hidden
+        if not hidden.any():
             return means
+        of_base = rng.standard_normal((count, 1))
+        sizes = (part.shape[1] for part in (means.x, means.even, means.base))
+        pairs = [rng.standard_normal((2, count, size)) for size in sizes]
+        off = np.hstack([of_base, *(one + 1j * other for one, other in pairs)])
+        return self._with(means, off * hidden)
 
-        def shaken(x: Complexes, error: Array) -> Complexes:
-            noise = rng.standard_normal((2, *x.shape)) * error
-            return x + noise[0] + 1j * noise[1]
+    def shaken(self) -> list[Means]:
+        """Return the mean with each error that no scatter between rows shows, up and down, as one more set of groups of
+        a jackknife; nothing where there are no such errors."""
+        errors = np.diag(self._hidden)[self._hidden > 0.0]
+        if not len(errors):
+            return []
+        groups = 4 * len(errors)
+        # (g − 1)/g of the squares of both, up and down, is the variance
+        errors = errors * math.sqrt(groups / (2.0 * (groups - 1)))
+        ways = np.array([1.0, -1.0, 1j, -1j])[:, None, None]
+        return [self._with(self.mean[[0] * groups], (ways * errors).reshape(groups, -1))]
 
-        return replace(
-            means,
-            Y=means.Y + steady.Y_hidden[1] * rng.standard_normal(means.Y.shape),
-            x=shaken(means.x, steady.X_hidden[self.lines.n]),
-            even=shaken(means.even, steady.X_hidden[2 : steady.even_bandwidth + 1 : 2]),
-            base=shaken(means.base, steady.Y_hidden[2 : steady.base_bandwidth + 1]),
+    @property
+    def _hidden(self) -> Array:
+        """Errors that all rows share, m: of the amplitude of the base, and of `Means.x`, `even` and `base`."""
+        of, even = self.steady, slice(2, self.steady.even_bandwidth + 1, 2)
+        base = of.Y_hidden[2 : of.base_bandwidth + 1]
+        return np.concatenate(
+            [of.Y_hidden[1:2], of.X_hidden[self.lines.n], of.X_hidden[even], base]
+        )
+
+    def _with(self, means: Means, off: Array | Complexes) -> Means:
+        """Means with errors in the order of `_hidden`, (r, e); the phase of the base has none."""
+        Y, x, even, base = np.split(
+            off, np.cumsum([1, means.x.shape[1], means.even.shape[1]]), axis=1
+        )
+        return Means(
+            means.Y + Y[:, 0].real, means.x + x, means.even + even, means.base + base, means.bias
         )
 
     def left_out(self) -> Means:

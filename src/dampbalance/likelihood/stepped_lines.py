@@ -26,9 +26,8 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from ..arrays import Array, Complexes, Integers, Mask
-from ..law.gradual import secant, secant_of_cycles
+from ..law.gradual import secant
 from ..law.terms import FRICTION, term
-from .mean_harmonics import Reading
 
 Contact = Literal["none", "one slider", "gradual"]
 
@@ -44,7 +43,6 @@ _LEVELS = 4  # from which on levels are left out to choose it
 _RECEPTANCES, _LARGEST_RECEPTANCE = 25, 0.6  # values of R that are tried, in 1/|Z|
 _ITERATIONS, _MULTIPLIED = 4, 60
 _FLOOR = 1e-9  # of |Z|: scatter of lines without noise
-_POINTS = 512  # of a recorded cycle
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,7 +52,6 @@ class SteppedLines:
     omega : rad/s, (n,).   X : displacement amplitude, m, (n,).   Z : (F/X)e^{iφ}, N/m, (n,), φ the lag of the
     displacement behind the force.   level : index into `names`, the levels of excitation, (n,).
     error : relative standard error of each |Z|, and of φ, rad, (n,), where it is known.
-    cycle : equidistant samples of one cycle of the motion, m, (n, N), where it was recorded.
     """
 
     omega: Array
@@ -63,13 +60,12 @@ class SteppedLines:
     level: Integers
     names: tuple[str, ...]
     error: Array | None = None
-    cycle: Array | None = None
 
     def __getitem__(self, kept: Mask) -> SteppedLines:
         """Some of the lines."""
         parts = {
             name: values[kept]
-            for name in ("omega", "X", "Z", "level", "error", "cycle")
+            for name in ("omega", "X", "Z", "level", "error")
             if (values := getattr(self, name)) is not None
         }
         return replace(self, **parts)
@@ -77,41 +73,7 @@ class SteppedLines:
     def of_mode(self, R: float) -> SteppedLines:
         """The lines without the residual receptance R, m/N, of the other modes."""
         ratio = 1.0 - R * self.Z
-        cycle = None if self.cycle is None else self.cycle * np.abs(ratio)[:, None]
-        return replace(self, X=self.X * np.abs(ratio), Z=self.Z / ratio, cycle=cycle)
-
-    @cached_property
-    def reach(self) -> Array:
-        """Largest displacement of each line from the middle of its motion, m, (n,)."""
-        return self.X if self.cycle is None else 0.5 * np.ptp(self.cycle, axis=1)
-
-    def secant(self, r: Array) -> Complexes:
-        """D of sliders, (n, j): of the recorded cycles, or of a harmonic motion.   r : m, (j,)."""
-        return secant(self.X, r) if self.cycle is None else secant_of_cycles(self.cycle, r)
-
-
-def lines_of(readings: Sequence[Reading], k: float) -> SteppedLines:
-    """Lines of forced records, one each: Z = kY/x_1, and the cycle as its harmonics give it.
-
-    Use it to look for a gradual contact in records in time; their higher harmonics move the instants of slip, which the
-    sliders follow.   readings : of records on a base that moves.   k : N/m.
-    """
-    means = [reading.mean for reading in readings]
-    x, Y = (
-        np.array([value[0] for value in parts])
-        for parts in ([mean.x[0] for mean in means], [mean.Y for mean in means])
-    )
-    of = [reading.lines for reading in readings]
-    error = [math.hypot(one.x_error[0] / abs(one.x[0]), one.Y_error / one.Y) for one in of]
-    return SteppedLines(
-        omega=np.array([one.omega for one in of]),
-        X=np.abs(x),
-        Z=k * Y / x,
-        level=np.arange(len(of)),
-        names=tuple(reading.steady.source for reading in readings),
-        error=np.array(error),
-        cycle=np.array([reading.averaged_cycle(_POINTS)["x"] for reading in readings]),
-    )
+        return replace(self, X=self.X * np.abs(ratio), Z=self.Z / ratio)
 
 
 class Misfit(NamedTuple):
@@ -220,7 +182,7 @@ class Rows:
     def law(self, point: Point) -> Complexes:
         """Z of the mode by a law."""
         linear = self.columns(self.free) @ point.linear
-        return np.asarray(self.known + linear + self.mode.secant(point.r) @ point.kappa)
+        return np.asarray(self.known + linear + secant(self.mode.X, point.r) @ point.kappa)
 
     def misfit(self, point: Point) -> Misfit:
         """How far the lines lie from a law."""
@@ -256,7 +218,7 @@ class Design:
     @classmethod
     def of(cls, rows: Rows, contact: Contact) -> Design:
         """The design with the grid of r that the amplitudes of the lines ask for."""
-        low, high = rows.mode.reach.min(), rows.mode.reach.max()
+        low, high = rows.mode.X.min(), rows.mode.X.max()
         if contact == "one slider":
             return cls(rows, contact, np.geomspace(_RIGID * low, high, _PROFILE + 1)[:-1])
         nodes = np.geomspace(_LOWEST * low, high, _NODES * (contact == "gradual"))
@@ -292,7 +254,7 @@ class Design:
 
     def sliders(self, r: Array) -> Array:
         """Rows of sliders of unit stiffness, (2n, j).   r : m, (j,)."""
-        return self.without_R(self.rows.weighted(self.rows.mode.secant(r)))
+        return self.without_R(self.rows.weighted(secant(self.rows.mode.X, r)))
 
     @cached_property
     def linear(self) -> Array:
@@ -462,7 +424,7 @@ class Estimate:
     def extrapolated(self) -> Misfit:
         """Misfit of the upper half of the levels, by amplitude, to the law of the lower half."""
         lines = self.rows.mode
-        largest = [lines.reach[lines.level == of].max() for of in range(len(lines.names))]
+        largest = [lines.X[lines.level == of].max() for of in range(len(lines.names))]
         lower = np.isin(lines.level, np.argsort(largest)[: (len(largest) + 1) // 2])
         design = self._part(lower)
         return self.rows[~lower].misfit(design.solve(design.rows.target, self.smoothing))

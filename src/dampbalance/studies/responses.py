@@ -22,7 +22,7 @@ from ..arrays import Array
 from ..balance import TERMS
 from ..features import Features, of_numbers, of_orbit, side_by_side, stack, wrapped
 from ..identification.law_comparison import compare_laws
-from ..identification.oscillator import JointFit, joined, joint_fit, read_samples
+from ..identification.oscillator import JointFit, joined, joint_fit, sample_of
 from ..law.response import law_response
 from ..law.steady import Response, steady_response
 from ..law.terms import FRICTION, of_harmonics, term
@@ -233,8 +233,10 @@ def _with_one_oscillator(
     whole = None
     if readings:
         whole = joint_fit([reading.lines for reading in readings], k, timing=False)
-        samples = read_samples(joined(readings, whole), count, random, jackknife=False)
-        of_all = samples.point.features, samples.drawn.features
+        shared = joined(readings, whole)
+        means = [one.mean.followed_by(one.resampled(count, random)) for one in shared]
+        features = sample_of(shared, means).features
+        of_all = features[:, 0], features[:, 1:]
         if not whole.waveforms_hold:
             of_all = of_all[0].replaced(a=np.nan), of_all[1].replaced(a=np.nan)
         points, replicates = [of_all[0], *points], [of_all[1], *replicates]

@@ -27,7 +27,7 @@ EXAMPLE = ROOT / "config/records/example"
 RECORDS = sorted(str(path) for path in EXAMPLE.glob("level*.csv"))
 SMALL = ["--cycles", "3", "--rate", "1000", "--noise", "0.01", "--seed", "5"]
 WHOLE = ["--mass", "2.42", "--frequency", "3.5"]
-COMMON = ["--stiffness", "2310", "--replicates", "40"]
+COMMON = ["--stiffness", "2310"]
 
 
 def code_of(*arguments):
@@ -117,7 +117,7 @@ def test_the_same_records_give_the_same_bytes(output, tmp_path):
         assert (tmp_path / name).read_bytes() == (output[0] / name).read_bytes(), name
 
 
-QUICK = ["identify", *RECORDS[:2], "--stiffness", "2310", "--replicates", "20"]
+QUICK = ["identify", *RECORDS[:2], "--stiffness", "2310"]
 
 
 def test_the_document_says_from_what_it_was_made(tmp_path):
@@ -125,7 +125,7 @@ def test_the_document_says_from_what_it_was_made(tmp_path):
         (tmp_path / f"run{i}.csv").write_bytes(Path(RECORDS[i]).read_bytes())
     (tmp_path / "run1.yaml").write_text("frequency_hz: 3.5\n", encoding="utf-8")
     records = [str(tmp_path / f"run{i}.csv") for i in (0, 1)]
-    found = identify(records, 2310.0, approaches=["direct"], replicates=20, seed=7)
+    found = identify(records, 2310.0, approaches=["direct"])
     told = json.loads(json.dumps(found.document()))
     assert told["options"] == {
         "stiffness_N_per_m": 2310.0,
@@ -140,8 +140,6 @@ def test_the_document_says_from_what_it_was_made(tmp_path):
         "approaches": ["direct"],
         "mapping": None,
         "skip_cycles": 0,
-        "replicates": 20,
-        "seed": 7,
     }
 
     def digest(name):
@@ -191,7 +189,7 @@ TABLE = str(ROOT / "config/records/stepped/levels.csv")
 
 
 def test_a_table_of_a_stepped_sine_needs_no_stiffness(tmp_path, answer):
-    command = ["identify", TABLE, "--replicates", "20"]  # its columns say what it is
+    command = ["identify", TABLE]  # its columns say what it is
     said = answer(*command, "--contact", "one slider", "--no-hardening", "--output", str(tmp_path))
     assert "75 lines at 5 levels" in said
     document = json.loads((tmp_path / "identification.json").read_text(encoding="utf-8"))
@@ -452,8 +450,7 @@ ONE, TWO = RECORDS[0], [*RECORDS[:2], *COMMON]
         ([*TWO, "--stiffness", "nan"], "must be a positive number"),
         ([*TWO, "--frequency", "-1"], "must be a positive number"),
         ([*TWO, "--approach", "best"], "invalid choice"),
-        ([*TWO, "--replicates", "some"], "must be a whole number, 2 to 10000"),
-        ([*TWO, "--replicates", "10000000"], "a whole number, 2 to 10000"),
+        ([*TWO, "--skip-cycles", "some"], "must be a whole number, 0 to"),
         ([*TWO, "--groups", "F_k"], "must be TERM=LABELS with a label for each record"),
         (RECORDS[:2], "arguments are required: --stiffness"),
         (COMMON, "arguments are required: RECORD"),
@@ -590,8 +587,7 @@ def test_a_mass_that_is_right_sharpens_the_fit(answer):
     assert "has the mass given and a natural frequency of 4.917 Hz" in said
     assert "What limits" not in said
     with_mass, without = (
-        identify(RECORDS, 2310.0, approaches=["direct"], replicates=20, mass=mass)
-        for mass in ("2.42+-0", None)
+        identify(RECORDS, 2310.0, approaches=["direct"], mass=mass) for mass in ("2.42+-0", None)
     )
     given, free = (found.approaches["maximum likelihood"] for found in (with_mass, without))
     assert given.standard_errors["c"] < free.standard_errors["c"]
@@ -608,7 +604,7 @@ def test_the_fit_takes_a_base_acceleration_and_any_answer(response, tmp_path, ca
             "--seed", str(i),
         ) == 0  # fmt: skip
     capsys.readouterr()
-    found = identify(records, 2310.0, approaches=["direct"], replicates=20, mass=2.42)
+    found = identify(records, 2310.0, approaches=["direct"], mass=2.42)
     fit = found.document()["maximum_likelihood"]
     for symbol in ("F_k", "c"):
         unit, true = truth()[symbol]

@@ -32,9 +32,9 @@ def read(orbits, *, noise=0.01, seed=1, rate_hz=1000.0, cycles=25.0, channels=TH
     ]
 
 
-def identified(readings, *, replicates=100, **options):
+def identified(readings, **options):
     """What direct integration finds in readings."""
-    return identify_readings(readings, PAPER.k, approaches=DIRECT, replicates=replicates, **options)
+    return identify_readings(readings, PAPER.k, approaches=DIRECT, **options)
 
 
 def measured(levels=(0.004, 0.008, 0.012), hz=3.5, **options):

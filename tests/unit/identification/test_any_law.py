@@ -58,7 +58,7 @@ def truth(osc, law):
 def test_the_coefficients_of_any_law_are_found(name):
     osc, law = LAWS[name]
     true = {symbol: value for symbol, value in truth(osc, law).items() if value}
-    found = identified(readings(osc, law), law=Law(tuple(true)), replicates=1000)
+    found = identified(readings(osc, law), law=Law(tuple(true)))
     assert found.joint.waveforms_hold
     assert found.warnings == ()
     direct = found.estimates["direct"]
@@ -80,7 +80,7 @@ def test_standard_errors_of_another_law_are_those_of_the_scatter():
     off = []
     for seed in range(12):
         records = readings(osc, law, at=AT[::2], seed=seed, cycles=30.0)
-        found = identified(records, law=Law(("F_k", "c_r")), replicates=200).estimates["direct"]
+        found = identified(records, law=Law(("F_k", "c_r"))).estimates["direct"]
         for symbol in ("F_k", "c_r"):
             error = found.standard_errors[symbol]
             off.append((found.values[symbol] - truth(osc, law)[symbol]) / error)
@@ -91,7 +91,7 @@ def test_standard_errors_of_another_law_are_those_of_the_scatter():
 def test_exact_records_give_the_coefficients_to_what_the_harmonics_hold():
     osc, law = LAWS["c_3"]
     records = readings(osc, law, at=FEW, noise=0.0, rate_hz=2000.0, cycles=12.0)
-    found = identified(records, law=Law(("F_k", "c_3")), replicates=20).estimates["direct"]
+    found = identified(records, law=Law(("F_k", "c_3"))).estimates["direct"]
     # the waveforms hold to 3e-6 of the amplitude, of whose work friction takes less than a hundredth at the top
     assert found.coefficients["F_k"].value == pytest.approx(osc.F_k, rel=3e-3)
     assert found.coefficients["c_3"].value == pytest.approx(3000.0, rel=3e-4)
@@ -124,12 +124,12 @@ def test_each_load_has_its_friction_and_all_have_one_damper(two_loads):
 
 
 def test_without_groups_no_law_fits_records_of_two_loads(two_loads):
-    laws = compare_laws(two_loads, PAPER.k, replicates=100)
+    laws = compare_laws(two_loads, PAPER.k)
     assert laws.chosen is None
     (words,) = [words for words in laws.words() if "no law" in words]
     assert "a coefficient for each group of records may help" in words
     with_groups = Law(groups={"F_k": ("light", "heavy") * 3})
-    assert compare_laws(two_loads, PAPER.k, law=with_groups, replicates=100).chosen == ("F_k", "c")
+    assert compare_laws(two_loads, PAPER.k, law=with_groups).chosen == ("F_k", "c")
 
 
 def test_what_is_given_sharpens_the_rest_and_one_record_is_enough():
@@ -162,7 +162,7 @@ def test_dampers_to_base_and_ground_together_say_what_a_skew_would_do():
 
 def test_an_approach_without_a_form_of_a_term_says_so():
     osc, law = LAWS["c_2"]
-    found = identify_readings(readings(osc, law), osc.k, law=Law(("F_k", "c_2")), replicates=20)
+    found = identify_readings(readings(osc, law), osc.k, law=Law(("F_k", "c_2")))
     fourier = found.estimates["fourier"]
     assert math.isnan(fourier.coefficients["c_2"].value)
     assert fourier.notes == ("this approach has no form of a term of the law",)
@@ -171,7 +171,7 @@ def test_an_approach_without_a_form_of_a_term_says_so():
 @pytest.mark.parametrize("name", ["c_2", "eta", "c and c_2"])
 def test_the_smallest_law_that_is_not_rejected_is_the_true_one(name):
     osc, law = LAWS[name]
-    compared = compare_laws(readings(osc, law, at=FEW), osc.k, replicates=100)
+    compared = compare_laws(readings(osc, law, at=FEW), osc.k)
     assert compared.chosen == tuple(s for s, value in truth(osc, law).items() if value)
     assert not compared.by_balance
     assert compared.alike == ()
@@ -185,7 +185,7 @@ def test_the_smallest_law_that_is_not_rejected_is_the_true_one(name):
 def test_a_law_without_friction_is_the_smallest_where_there_is_none():
     # a contact that sticks all the time and is too soft to be seen
     linear = replace(PAPER, K_z=1e-6 * PAPER.k, F_k=10.0)
-    compared = compare_laws(readings(linear, {}, at=FEW), linear.k, replicates=100)
+    compared = compare_laws(readings(linear, {}, at=FEW), linear.k)
     assert compared.chosen == ("c",)
     assert not compared.by_balance
     (viscous,) = [e for e in compared.tests if e.terms == ("c",)]
@@ -198,7 +198,7 @@ def test_laws_of_the_same_loss_are_told_apart_by_the_stiffness_or_called_alike()
     stiffness that falls with the amplitude; of friction with one damper, nothing says which."""
     soft = replace(PAPER, K_z=4000.0, F_k=5.0, c=5.0)
     levels = [(3.5, Y) for Y in (0.006, 0.008, 0.01)]
-    compared = compare_laws(readings(soft, {}, at=levels, noise=0.1), soft.k, replicates=100)
+    compared = compare_laws(readings(soft, {}, at=levels, noise=0.1), soft.k)
     dampers = ("c", "c_r")
     assert compared.by_stiffness == (dampers,)
     assert {*compared.alike, compared.chosen} == {("F_k", s) for s in ("c", "c_r", "c_2", "c_3")}
@@ -230,7 +230,7 @@ def test_the_stiffness_counts_where_no_law_has_the_waveforms():
 
 
 def test_structural_damping_is_not_tried_at_one_frequency():
-    compared = compare_laws(readings(PAPER, {}, at=AT[:3]), PAPER.k, replicates=100)
+    compared = compare_laws(readings(PAPER, {}, at=AT[:3]), PAPER.k)
     assert compared.chosen == ("F_k", "c")
     assert not any("eta" in e.terms for e in compared.tests)
     assert any("acts as viscous damping c does" in words for words in compared.words())

@@ -87,7 +87,7 @@ def test_a_term_that_the_law_lacks_is_named_as_damping():
     ],
 )
 def test_a_motion_in_the_wrong_frame_is_named(channel, taken_for, hz, base):
-    answer = identify_readings(in_frame(channel, taken_for, hz, base), PAPER.k, replicates=20)
+    answer = identify_readings(in_frame(channel, taken_for, hz, base), PAPER.k)
     said = next(w for w in answer.warnings if "was taken for" in w)
     assert f"name it {channel} in the mapping" in said
     assert ("added to" in said) == channel.startswith("relative")
@@ -98,7 +98,7 @@ def test_a_motion_in_the_wrong_frame_is_named(channel, taken_for, hz, base):
 
 @pytest.mark.parametrize("channel", ["displacement", "relative_displacement"])
 def test_a_motion_in_its_own_frame_is_not_doubted(channel):
-    answer = identify_readings(in_frame(channel, channel), PAPER.k, replicates=20)
+    answer = identify_readings(in_frame(channel, channel), PAPER.k)
     assert not any("taken for" in w for w in answer.warnings)
     assert answer.approaches["direct"].verdicts["F_k"].verdict == "usable"
 
@@ -112,7 +112,7 @@ def test_records_of_the_oscillator_show_no_cause(seed):
 
 
 def test_the_report_names_it_first_and_what_it_changes_is_doubtful():
-    found = identify_readings(of_unequal_friction(), PAPER.k, replicates=20)
+    found = identify_readings(of_unequal_friction(), PAPER.k)
     warning = next(w for w in found.warnings if "a friction force that changes with the level" in w)
     assert warning.index("the likeliest of the causes") < warning.index("a channel may be skewed")
     verdicts = {v.verdict for a in found.approaches.values() for v in a.verdicts.values()}
@@ -129,7 +129,7 @@ def under_gain(gain, levels=LEVELS, noise=0.003, **options):
 @pytest.mark.parametrize("mass", [None, PAPER.m, (PAPER.m, 0.0), (PAPER.m, 0.002)])
 @pytest.mark.parametrize("gain", [0.01, -0.01])
 def test_a_wrong_gain_of_the_drive_is_the_likeliest_cause_and_its_size_is_right(gain, mass):
-    found = identify(under_gain(gain), PAPER.k, mass=mass, replicates=20)
+    found = identify(under_gain(gain), PAPER.k, mass=mass)
     (said,) = (w for w in found.warnings if "a fault of a channel" in w)
     first = said.partition("likeliest, ")[2]
     size, error, much = re.match(r"the drive reads ([\d.]+) ± ([\d.]+) % too (\w+)", first).groups()
@@ -150,9 +150,7 @@ def test_a_wrong_gain_of_the_drive_is_the_likeliest_cause_and_its_size_is_right(
 def test_causes_that_explain_the_records_as_well_are_named_in_the_same_sentence():
     """At so much noise a capacitor explains a wrong gain nearly as well; a mass that is known well tells them apart."""
     records = under_gain(0.01, noise=0.012)
-    free, weighed = (
-        identify(records, PAPER.k, mass=m, replicates=20) for m in (None, (PAPER.m, 1e-3))
-    )
+    free, weighed = (identify(records, PAPER.k, mass=m) for m in (None, (PAPER.m, 1e-3)))
     kinds = {one.kind for one in free.joint.faults}
     assert {"drive", "coupling"} <= kinds
     (said,) = (w for w in free.warnings if "a fault of a channel" in w)
@@ -166,7 +164,7 @@ def test_causes_that_explain_the_records_as_well_are_named_in_the_same_sentence(
 
 @pytest.mark.parametrize("seed", range(3))
 def test_drives_that_read_right_are_not_suspected(seed):
-    found = identify(under_gain(0.0, seed=seed), PAPER.k, replicates=20)
+    found = identify(under_gain(0.0, seed=seed), PAPER.k)
     assert found.joint.faults == ()
     assert {v.verdict for v in found.verdicts.values()} == {"usable"}
 
@@ -200,7 +198,7 @@ def rare(name, noise, factor=1.0):
 @pytest.mark.parametrize("name", RARE)
 def test_a_rare_rig_is_not_asked_for_its_units(name, noise):
     osc, records = rare(name, noise)
-    found = identify(records, osc.k, replicates=20)
+    found = identify(records, osc.k)
     assert not any("unit" in words for words in found.warnings)
     assert found.verdicts["F_k"].verdict == "usable"
     assert found.values["F_k"] == pytest.approx(osc.F_k, rel=max(1e-4, 2.0 * noise))
@@ -209,6 +207,6 @@ def test_a_rare_rig_is_not_asked_for_its_units(name, noise):
 @pytest.mark.parametrize(("name", "factor"), [("Q", 1000.0), ("100 g", 1000.0), ("fast", 1e-3)])
 def test_a_unit_of_one_channel_is_asked_for_where_another_fits(name, factor):
     osc, records = rare(name, 1e-3, factor)
-    found = identify(records, osc.k, replicates=20)
+    found = identify(records, osc.k)
     assert any("of one channel wrong (mm taken for m)?" in words for words in found.warnings)
     assert {v.verdict for v in found.verdicts.values()} <= {"doubtful", "none"}

@@ -16,7 +16,7 @@ from dampbalance.records.measurement import QUANTITIES, RESPONSES
 from dampbalance.records.readers import mapping_to_start_from, read
 from paper_case import PAPER, orbits_at
 
-RIG = {"replicates": 20, "approaches": "direct"}
+RIG = {"approaches": "direct"}
 G = 9.80665
 LOOSE = Oscillator(m=2.42, c=1.0, k=2310.0, K_z=208000.0, F_k=0.5)
 

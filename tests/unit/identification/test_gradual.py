@@ -154,7 +154,7 @@ def records_on(osc, kind, noise, seed):
 
 
 def said_of(records, k):
-    found = identify_readings([read_features(one, k) for one in records], k, replicates=50)
+    found = identify_readings([read_features(one, k) for one in records], k)
     return found, " ".join(found.warnings), " ".join(found.rig)
 
 

@@ -33,7 +33,7 @@ DECAYING = Oscillator(m=2.0, c=1.5, k=2310.0, K_z=208000.0, F_k=0.5)
 
 @pytest.fixture(scope="module")
 def steady():
-    return identify(made(), stiffness=PAPER.k, laws=True, replicates=200)
+    return identify(made(), stiffness=PAPER.k, laws=True)
 
 
 @pytest.fixture(scope="module")
@@ -103,19 +103,14 @@ def test_the_frame_holds_every_number_of_the_document(found):
 def test_the_covariance_has_the_errors_on_its_diagonal_and_is_one(found):
     for name, answer in found.approaches.items():
         diagonal = np.sqrt(np.diag(answer.covariance))
+        # of K_z, too: K_z = 2F_k/L is too large where F_k is; the balance of decays has the K_z of the fit
+        assert np.isfinite(answer.covariance).all() or name == "balance", name
         np.testing.assert_allclose(diagonal, list(answer.standard_errors.values()), rtol=1e-9)
         known = answer.covariance[:2, :2]  # of F_k and c
         assert np.array_equal(known, known.T), name
         assert np.linalg.eigvalsh(known / np.outer(diagonal[:2], diagonal[:2])).min() > 0.0, name
     assert list(found.covariance.columns) == ["F_k", "c", "K_z"]
     assert found.covariance.loc["F_k", "c"] < 0.0  # what one takes of the work, the other lacks
-
-
-def test_K_z_goes_with_F_k(steady):
-    """K_z = 2F_k/L: where F_k is too large, K_z is, if all else is well known. Both answers agree on that."""
-    for name in ("direct", "maximum likelihood"):
-        answer = steady.approaches[name]
-        assert np.isfinite(answer.covariance).all(), name
 
 
 @BOTH
@@ -131,7 +126,7 @@ def test_the_rows_are_those_that_were_solved(found):
 
 def test_each_group_has_a_column_of_its_own(steady):
     groups = {"F_k": ["A", "A", "B", "B"]}
-    grouped = identify(made(), PAPER.k, groups=groups, approaches=["direct"], replicates=20)
+    grouped = identify(made(), PAPER.k, groups=groups, approaches=["direct"])
     assert list(grouped.values) == ["F_k[A]", "F_k[B]", "c", "K_z"]
     a = grouped.rows[["a_A_m", "a_B_m"]].sum(axis=1)
     # of a friction force that is known otherwise, a part in 1e3 of the travel is
@@ -155,7 +150,7 @@ def test_a_name_is_no_markup():
     frames = [record.to_frame() for record in read_records(made()[::3])]
     frames[0]["spare_V"] = frames[0]["displacement_m"]
     frames[0].attrs["name"] = "<script>&"
-    html = identify(frames, PAPER.k, approaches=["direct"], replicates=20)._repr_html_()
+    html = identify(frames, PAPER.k, approaches=["direct"])._repr_html_()
     assert "<script>" not in html
     assert "&lt;script&gt;" in html
 
@@ -180,7 +175,7 @@ def test_every_picture_can_be_drawn(found):
 
 
 def test_the_line_of_the_balance_takes_the_coefficient_that_is_given():
-    given = identify(made(), PAPER.k, given={"c": 90.0}, approaches=["direct"], replicates=20)
+    given = identify(made(), PAPER.k, given={"c": 90.0}, approaches=["direct"])
     *_, line = given.plot("balance")[0].get_lines()
     (_, end), heights = line.get_data()
     np.testing.assert_allclose(heights, [90.0, 90.0 + given.values["F_k"] * end], rtol=1e-12)
@@ -203,7 +198,7 @@ def test_all_of_it_is_saved_and_nothing_is_replaced_unasked(found, tmp_path):
 
 
 def test_files_tables_and_arrays_give_the_same():
-    options = {"replicates": 20, "approaches": ["direct", "fourier"]}
+    options = {"approaches": ["direct", "fourier"]}
     records = read_records(FILES[:3])
     frames = [record.to_frame() for record in records]
     arrays = [
@@ -230,7 +225,7 @@ def test_the_mapping_and_the_options_reach_the_records(tmp_path):
         },
         "time": {"channel": "t", "unit": "s"},
     }
-    options = {"replicates": 20, "approaches": ["direct"]}
+    options = {"approaches": ["direct"]}
     options |= {"mapping": mapping, "frequency": 3.5}
     whole, part = (identify(named, PAPER.k, skip_cycles=n, **options) for n in (0, 5))
     cycles, fewer = ([r["cycles"] for r in one.document()["records"]] for one in (whole, part))
@@ -265,7 +260,7 @@ def test_what_cannot_be_identified_is_refused_in_a_sentence(records, options, me
 
 
 def test_names_in_a_text_are_read_as_on_the_command_line():
-    options = {"replicates": 2, "given": {"c": 90.0}}
+    options = {"given": {"c": 90.0}}
     words = {"terms": "F_k,c", "approaches": "fourier, direct", "groups": {"F_k": "A,A,A,B"}}
     listed = {"terms": ["F_k", "c"], "approaches": ["direct", "fourier"]}
     listed["groups"] = {"F_k": list("AAAB")}
@@ -278,7 +273,7 @@ def test_the_averaged_cycle_lies_on_the_samples_whatever_the_zero_of_the_transdu
     records = made(noise=1e-4)[:2]
     x = records[1]["displacement"].values + 0.02
     records[1] = replace(changed(records[1], "displacement", values=x), source="another zero")
-    found = identify(records, PAPER.k, approaches=["direct"], replicates=20)
+    found = identify(records, PAPER.k, approaches=["direct"])
     for reading, axes in zip(found.readings, found.plot("cycles")[::2], strict=True):
         dots, line = axes.get_lines()[:2]
         on_line = np.interp(dots.get_xdata(), line.get_xdata(), line.get_ydata(), period=360.0)
@@ -308,7 +303,7 @@ def _written(folder, level, record):
 def test_a_file_for_each_channel_gives_the_same_and_all_are_listed(tmp_path):
     records = enumerate(made(noise=1e-3)[:2])
     whole, several = zip(*(_written(tmp_path, i, record) for i, record in records), strict=True)
-    options = {"approaches": ["fourier"], "replicates": 10}
+    options = {"approaches": ["fourier"]}
     one, other = (
         json.loads(json.dumps(identify(files, PAPER.k, **options).document()))
         for files in (whole, several)

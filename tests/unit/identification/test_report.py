@@ -20,7 +20,7 @@ from paper_case import PAPER
 from unit.identification.levels import clipped
 
 FILES = sorted((ROOT / "config/records/example").glob("level*.csv"))
-QUICK = {"approaches": ["direct"], "replicates": 20}
+QUICK = {"approaches": ["direct"]}
 DECAYING = Oscillator(m=2.0, c=1.5, k=2310.0, K_z=208000.0, F_k=0.5)
 OMEGA, X = 2.0 * math.pi * 4.0, 0.003
 

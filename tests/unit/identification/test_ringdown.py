@@ -265,7 +265,7 @@ def test_too_few_samples_a_cycle_are_counted():
 def test_it_agrees_with_the_forced_result_for_the_same_oscillator():
     levels = enumerate((1e-3, 2e-3, 4e-3))
     forced = [read_features(steady(Y=Y, seed=i), PLUCKED.k) for i, Y in levels]
-    driven = identify_readings(forced, PLUCKED.k, replicates=100).estimates["direct"]
+    driven = identify_readings(forced, PLUCKED.k).estimates["direct"]
     free = plucked().estimates["balance"]
     for symbol in ("F_k", "c"):
         off = driven.values[symbol] - free.values[symbol]

@@ -19,7 +19,7 @@ from unit.identification.levels import SYMBOLS, THREE, changed, identified, meas
 def found(request):
     orbits = orbits_at(request.param, (0.004, 0.008, 0.012))
     readings = read(orbits, noise=0.001, seed=7, rate_hz=2000.0, channels=THREE)
-    return readings, identified(readings, replicates=20)
+    return readings, identified(readings)
 
 
 def with_fault(reading, fault, part):
@@ -40,10 +40,10 @@ def with_fault(reading, fault, part):
 @pytest.mark.parametrize("name", FAULTS)
 def test_records_with_the_fault_change_as_is_said(name, found):
     readings, _ = found
-    result = identify_readings(readings, PAPER.k, replicates=20)
+    result = identify_readings(readings, PAPER.k)
     fault, part = FAULTS[name], 0.01
     faulty = [with_fault(reading, fault, part) for reading in readings]
-    again = identify_readings(faulty, PAPER.k * (1.0 + part * fault.stiffness), replicates=20)
+    again = identify_readings(faulty, PAPER.k * (1.0 + part * fault.stiffness))
     for answer in ("direct", REFERENCE):
         told = result.shifts(FAULTS, answer)
         for symbol in SYMBOLS:
@@ -66,7 +66,6 @@ def test_gains_of_a_motion_against_the_base_change_as_is_said(at_fault):
                 for one in records
             ],
             PAPER.k,
-            replicates=20,
         )
         for gain in (1.0, 1.0 + part)
     )

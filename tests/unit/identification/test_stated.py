@@ -52,7 +52,7 @@ def relative(found, name=None):
 
 @pytest.mark.parametrize(("records", "check"), [(forced, "direct"), (free, "balance")])
 def test_all_numbers_are_in_proportion_to_the_stiffness(records, check):
-    found = identify(records(), stiffness=(2310.0, 23.1), replicates=20)
+    found = identify(records(), stiffness=(2310.0, 23.1))
     # noise of 1e-5 leaves errors of less than 0.1 %
     for name in ("maximum likelihood", check):
         assert relative(found, name) == pytest.approx([0.01] * 3, rel=5e-3), name
@@ -65,7 +65,7 @@ def test_all_numbers_are_in_proportion_to_the_stiffness(records, check):
 
 def test_a_force_does_not_ask_for_the_stiffness():
     """m ẍ + c ẋ + k x + F = f: with one frequency k and m are told apart by nothing but harmonics."""
-    found = identify(forced(drive="force"), stiffness=(2310.0, 23.1), replicates=20)
+    found = identify(forced(drive="force"), stiffness=(2310.0, 23.1))
     assert relative(found)[0] < 2e-3
     assert relative(found, "direct")[1] < 2e-3
 
@@ -78,7 +78,7 @@ def test_an_interval_is_what_such_records_scatter_by(fault):
     off = {"delay": 1e-5} if fault == "late" else {"gain": 1.001}
     # so much that the fault does not show
     plain, stated, faulty = (
-        identify(forced(errors, noise=1e-3), stiffness=PAPER.k, replicates=20)
+        identify(forced(errors, noise=1e-3), stiffness=PAPER.k)
         for errors in ({}, {quantity: uncertain}, {quantity: off})
     )
     assert stated.values == pytest.approx(plain.values, rel=1e-9)
@@ -101,9 +101,9 @@ def test_a_gain_of_a_decay_scales_friction_alone():
 
 def test_a_mass_within_the_uncertainty_of_the_stiffness_contradicts_nothing():
     off, mass = 1.004 * PAPER.k, (PAPER.m, 0.0)
-    without = identify(forced(), stiffness=off, mass=mass, replicates=20)
+    without = identify(forced(), stiffness=off, mass=mass)
     assert "you gave 2.42 kg (0.40 % less)" in without.approaches["direct"].verdicts["F_k"].reason
-    found = identify(forced(), stiffness=(off, 0.004 * off), mass=mass, replicates=20)
+    found = identify(forced(), stiffness=(off, 0.004 * off), mass=mass)
     assert not any("you gave" in v.reason for v in found.verdicts.values())
     low, high = found.intervals["F_k"]
     assert low < PAPER.F_k < high
@@ -119,7 +119,7 @@ def test_a_report_says_once_on_what_its_numbers_depend(records):
         ({"stiffness": "2310±10"}, ("--mass",)),
         ({"stiffness": "2310+-10", **known}, ()),
     ):
-        report = identify(records(), **{"stiffness": 2310.0, **given}, replicates=1000).text()
+        report = identify(records(), **{"stiffness": 2310.0, **given}).text()
         assert report.count(words) == bool(asked)
         remedies = report.partition(words)[2].partition("To be sure")[2].partition("\n")[0]
         for one in ("2310±10", "--mass"):
@@ -146,8 +146,7 @@ def of_no_oscillator(errors=None):
 def test_uncertainties_are_stated_for_records_that_no_oscillator_fits(stiffness, errors):
     """The shifts of such a fit are not known; those of the balance are."""
     plain, stated = (
-        identify(of_no_oscillator(of), k, replicates=20)
-        for of, k in (({}, 2310.0), (errors, stiffness))
+        identify(of_no_oscillator(of), k) for of, k in (({}, 2310.0), (errors, stiffness))
     )
     assert not plain.joint.waveforms_hold
     fits = (one.approaches["maximum likelihood"] for one in (plain, stated))
@@ -162,9 +161,9 @@ def test_uncertainties_are_stated_for_records_that_no_oscillator_fits(stiffness,
 
 def test_a_mass_that_the_fit_takes_adds_its_uncertainty():
     """The error of each number is what a mass that is off by one standard uncertainty does to it."""
-    errors = 0.5 * identify(forced(), PAPER.k, replicates=20).reference.merit["m_standard_error_kg"]
+    errors = 0.5 * identify(forced(), PAPER.k).reference.merit["m_standard_error_kg"]
     exact, off, stated = (
-        identify(forced(), PAPER.k, mass=mass, replicates=20)
+        identify(forced(), PAPER.k, mass=mass)
         for mass in ((PAPER.m, 0.0), (PAPER.m + errors, 0.0), (PAPER.m, errors))
     )
     assert stated.values == exact.values
@@ -181,8 +180,8 @@ def test_a_mass_that_the_fit_takes_adds_its_uncertainty():
 def test_a_weighed_mass_doubts_nothing_that_it_does_not_move(noise):
     """3.098 kg on scales for 3.1 kg: half a per cent is what such a mass is known to."""
     records = forced(noise=noise)
-    free = identify(records, PAPER.k, replicates=20)
-    weighed, wrong = (identify(records, PAPER.k, mass=m, replicates=20) for m in (2.418, 2.0))
+    free = identify(records, PAPER.k)
+    weighed, wrong = (identify(records, PAPER.k, mass=m) for m in (2.418, 2.0))
     for found in (free, weighed):
         assert {v.verdict for v in found.verdicts.values()} == {"usable"}
     if not weighed.joint.mass_taken:
@@ -199,10 +198,8 @@ def test_a_drift_is_in_the_intervals_and_doubts_nothing(drift, part):
     records = forced(noise=1e-3)
     t, x = records[0]["displacement"].t, records[0]["displacement"].values
     grown = x * (1.0 + drift * (t / t[-1] - part))
-    plain = identify(records, PAPER.k, replicates=20)
-    found = identify(
-        [changed(records[0], "displacement", values=grown), *records[1:]], PAPER.k, replicates=20
-    )
+    plain = identify(records, PAPER.k)
+    found = identify([changed(records[0], "displacement", values=grown), *records[1:]], PAPER.k)
     assert "the response is not steady" in found.warnings[0]
     assert {found.verdicts[s].verdict for s in ("F_k", "c")} == {"usable"}
     for name in ("maximum likelihood", "direct"):
@@ -266,7 +263,7 @@ def test_a_light_damping_asks_more_of_the_frequency():
     sizes = []
     for seed in range(6):
         records = [measured_orbit(o, seed=10 * seed + i, **options) for i, o in enumerate(orbits)]
-        merit = identify(records, k, approaches="direct", replicates=20).reference.merit
+        merit = identify(records, k, approaches="direct").reference.merit
         sizes.append((merit["m_kg"] - osc.m) / merit["m_standard_error_kg"])
     # rms of six normal numbers: above 1.7 once in 400 times
     assert math.sqrt(np.mean(np.square(sizes))) < 1.7
@@ -274,7 +271,7 @@ def test_a_light_damping_asks_more_of_the_frequency():
 
 def test_the_verdict_on_a_contact_agrees_with_what_is_said_of_it():
     """K_z and its interval are conditional on the model; the sentence says so, and what another contact would be."""
-    found = identify(measured(noise=0.003, cycles=40.0), PAPER.k, replicates=20)
+    found = identify(measured(noise=0.003, cycles=40.0), PAPER.k)
     (said,) = (words for words in found.rig if "yields gradually" in words)
     assert found.verdicts["K_z"].verdict == "usable"
     assert said.startswith("K_z and its interval are conditional on a contact that yields at once")

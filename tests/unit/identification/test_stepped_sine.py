@@ -21,7 +21,6 @@ from dampbalance.likelihood.dynamic_stiffness import fit_contact
 from dampbalance.records.synthetic import stepped_sine
 from folders import ROOT
 
-REPLICATES = 60
 OSCILLATOR = {"m": 2.0, "c": 6.0, "k": 180_000.0}
 ONE = Sliders(np.array([7e-5]), np.array([4e4]))
 MANY = Sliders(np.geomspace(2e-5, 2e-4, 16), 1e3 * np.linspace(2.0, 5.0, 16))
@@ -34,18 +33,14 @@ def table(sliders=ONE, amplitudes=AMPLITUDES, noise=0.003):
     return stepped_sine(OSCILLATOR, sliders, **options)
 
 
-def found_in(records, stiffness=None, **options):
-    return identify(records, stiffness, replicates=REPLICATES, **options)
-
-
 @pytest.fixture(scope="module")
 def one():
-    return found_in(table())
+    return identify(table())
 
 
 @pytest.fixture(scope="module")
 def many():
-    return found_in(table(MANY))
+    return identify(table(MANY))
 
 
 @pytest.fixture(params=["one", "many"])
@@ -122,7 +117,6 @@ def test_everything_of_an_identification_is_there(found, tmp_path):
     assert document["damping"]["damping_ratio"] == pytest.approx(
         found.values["c"] / (2.0 * math.sqrt(found.k * own["m_kg"])), rel=1e-12
     )
-    assert len(pd.read_csv(tmp_path / "features.csv")) == 55
     frame = found.to_frame()
     assert set(frame["approach"]) == {"one slider", "gradual"}
     assert set(frame["symbol"]) == {"F_k", "c", "K_z"}
@@ -157,7 +151,7 @@ def test_the_pictures_show_lines_laws_and_bands(found):
 def test_gains_change_the_answer_as_its_law_of_scales_says(one, column, fault):
     columns = table()
     columns[column] = 1.01 * columns[column]
-    other = found_in(columns, contact="one slider")
+    other = identify(columns, contact="one slider")
     of, effects = one.sensitivities()
     assert of == "one slider"
     for symbol in one.values:
@@ -173,7 +167,7 @@ EXAMPLE = ROOT / "config/records/stepped"
 def test_faults_change_an_answer_of_a_stated_stiffness_as_fits_to_such_lines_do(contact):
     """F_k does not follow an error of k, nor all of a gain: mass and contact take what the stiffness cannot."""
     k = 188_750.0
-    found = found_in(EXAMPLE / "levels.csv", k, contact=contact)
+    found = identify(EXAMPLE / "levels.csv", k, contact=contact)
     lines = found.lines
 
     def fitted(sign, fault):
@@ -181,7 +175,7 @@ def test_faults_change_an_answer_of_a_stated_stiffness_as_fits_to_such_lines_do(
         lag = sign * (fault.angle + fault.late * lines.omega)
         Z = lines.Z * (1.0 + sign * fault.drive) / X * np.exp(1j * lag)
         other = replace(lines, X=X * lines.X, Z=Z)
-        fit = fit_contact(other, contact=contact, stiffness=stiffer * k, replicates=2)
+        fit = fit_contact(other, contact=contact, stiffness=stiffer * k)
         return {"F_k": fit.F_k, "c": fit.values["c"], "K_z": fit.K_z}
 
     sizes = {"drive": 0.01, "response": 0.01, "stiffness": 0.01}
@@ -197,7 +191,7 @@ def test_faults_change_an_answer_of_a_stated_stiffness_as_fits_to_such_lines_do(
             # refits iterate the errors of the lines from their start on
             assert effects[symbol] == pytest.approx(change, rel=0.05, abs=2e-3), (name, symbol)
     # an uncertainty that is stated widens the intervals by as much
-    stated = found_in(EXAMPLE / "levels.csv", (k, 0.001 * k), contact=contact)
+    stated = identify(EXAMPLE / "levels.csv", (k, 0.001 * k), contact=contact)
     less, more = (fitted(sign, Fault("", stiffness=0.001)) for sign in (-1.0, 1.0))
     for symbol, error in stated.standard_errors.items():
         added = math.sqrt(error**2 - found.standard_errors[symbol] ** 2) / found.values[symbol]
@@ -211,22 +205,22 @@ def test_a_base_that_moves_is_a_force_of_the_known_stiffness():
     of_base = {name: of for name, of in columns.items() if name != "force_N"}
     of_base["base_displacement_m"] = columns["force_N"] / k
     asked = {"contact": "one slider", "stiffness": (k, 900.0)}
-    by_base, by_force = found_in(of_base, **asked), found_in(columns, **asked)
+    by_base, by_force = identify(of_base, **asked), identify(columns, **asked)
     for symbol, value in by_force.values.items():
         assert by_base.values[symbol] == pytest.approx(value, rel=1e-6)
     assert by_base.k == k
     # 0.5 % in k is 0.5 % in every number
-    tight = found_in(of_base, k, contact="one slider")
+    tight = identify(of_base, k, contact="one slider")
     for symbol, error in by_base.standard_errors.items():
         own = 0.005 * by_base.values[symbol]
         assert error == pytest.approx(math.hypot(tight.standard_errors[symbol], own), rel=1e-6)
     assert "stiffness and the gains" in tight.text()
     with pytest.raises(ValueError, match=r"the base drives.*give stiffness"):
-        found_in(of_base)
+        identify(of_base)
 
 
 def test_two_levels_do_not_tell_whether_one_slider_is_enough():
-    found = found_in(table(amplitudes=(5e-5, 3e-4)))
+    found = identify(table(amplitudes=(5e-5, 3e-4)))
     assert found.compared is None
     assert set(found.approaches) == {"one slider", "gradual"}
     assert found.verdicts["K_z"].verdict == "doubtful"
@@ -235,7 +229,7 @@ def test_two_levels_do_not_tell_whether_one_slider_is_enough():
 
 def test_no_contact_that_slips_is_an_answer_too():
     nothing = Sliders(np.array([1.0]), np.array([4e4]))
-    found = found_in(table(nothing))
+    found = identify(table(nothing))
     assert next(iter(found.approaches)) == "none (c)"
     assert found.values["c"] == pytest.approx(6.0, rel=0.02)
     assert found.verdicts["K_z"].verdict == "none"
@@ -246,7 +240,7 @@ def test_no_contact_that_slips_is_an_answer_too():
 
 def test_what_is_known_is_held():
     options = {"contact": "one slider", "mass": 2.0, "hardening": False, "terms": "F_k,c,c_2"}
-    found = found_in(table(), 180_000.0, given={"c_2": 0.0}, **options)
+    found = identify(table(), 180_000.0, given={"c_2": 0.0}, **options)
     assert (found.fit.values["k"], found.fit.values["m"]) == (180_000.0, 2.0)
     assert set(found.values) == {"F_k", "c", "K_z"}
     assert "k_3" not in found.fit.values
@@ -260,7 +254,7 @@ def test_a_stiffness_that_is_stated_is_tested_by_the_lines(sliders, answer, by):
     """Too large, none of the answers is usable; too small, a contact that sticks makes up for it, F_k and K_z are what
     they are with k free, and that is said."""
     stated = by * OSCILLATOR["k"]
-    found = found_in(table(sliders), stated)
+    found = identify(table(sliders), stated)
     doubted = {
         name: {v.verdict for v in of.verdicts.values()} == {"doubtful"}
         and all(f"{stated:g} N/m, is not that of these lines" in v.reason for v in of.verdicts.values())
@@ -273,7 +267,7 @@ def test_a_stiffness_that_is_stated_is_tested_by_the_lines(sliders, answer, by):
         assert doubted["one slider"]
         assert len(sticks) == 1
         assert f"{stated:g} N/m are stated" in sticks[0]
-        free = found_in(table(sliders), contact="gradual")
+        free = identify(table(sliders), contact="gradual")
         for symbol, value in free.values.items():
             assert found.values[symbol] == pytest.approx(value, rel=1e-3)
     else:
@@ -286,14 +280,14 @@ def test_a_stiffness_that_is_stated_is_tested_by_the_lines(sliders, answer, by):
 def test_a_stated_uncertainty_of_the_stiffness_counts():
     stated = 1.05 * OSCILLATOR["k"]
     for error, verdict in ((0.001, "doubtful"), (0.05, "usable")):
-        found = found_in(table(), (stated, error * stated), contact="one slider")
+        found = identify(table(), (stated, error * stated), contact="one slider")
         assert found.verdicts["K_z"].verdict == verdict
 
 
 def test_a_contact_that_sticks_is_none_that_slips():
     """A stiffness that is stated as 2,310 N/m, and is 189,000: K_z and F_k are those of the sliders that slip."""
     lines = EXAMPLE / "levels.csv"
-    free, held = (found_in(lines, k, contact="gradual") for k in (None, 2310.0))
+    free, held = (identify(lines, k, contact="gradual") for k in (None, 2310.0))
     for symbol, value in free.values.items():
         assert held.values[symbol] == pytest.approx(value, rel=1e-3)
     assert held.fit.stuck == pytest.approx(free.fit.values["k"] - 2310.0, rel=1e-3)
@@ -308,10 +302,10 @@ def test_tables_of_one_level_each_make_one_identification():
         frame = pd.DataFrame({q: of[own] for q, of in columns.items() if q != "level"})
         frame.attrs["name"] = f"run {number}"
         parts.append(frame)
-    found = found_in(parts, contact="one slider")
+    found = identify(parts, contact="one slider")
     assert found.sources == tuple(f"run {n}" for n in range(1, 6))
     assert [of.name for of in found.levels] == list(found.sources)
-    together = found_in(columns, contact="one slider")
+    together = identify(columns, contact="one slider")
     assert found.values == together.values
 
 
@@ -337,7 +331,7 @@ SWING = measured_ring_down(
 )  # fmt: skip
 def test_what_cannot_be_identified_is_refused(records, options, message):
     with pytest.raises(ValueError, match=message):
-        found_in(records, **options)
+        identify(records, **options)
 
 
 def test_the_example_is_what_its_page_says(tmp_path, monkeypatch):
@@ -346,7 +340,7 @@ def test_the_example_is_what_its_page_says(tmp_path, monkeypatch):
     runpy.run_path(str(ROOT / "paper/site/joint/lab.py"))
     drawn, held = (pd.read_csv(folder / "levels.csv") for folder in (tmp_path, EXAMPLE))
     np.testing.assert_allclose(drawn, held, rtol=1.1e-5)  # the last of six digits
-    found = identify(EXAMPLE / "levels.csv", replicates=200)
+    found = identify(EXAMPLE / "levels.csv")
     page = (EXAMPLE / "README.md").read_text(encoding="utf-8")
     for line in found.text().splitlines()[2:5]:
         assert line in page
@@ -367,7 +361,7 @@ LINES = {
 def test_a_bolted_joint_yields_gradually():
     """Twelve levels of a Brake–Reuß beam (Chen et al., MSSP 166 (2022) 108401): one slider misses their loss, many
     meet it within 5 %."""
-    found = found_in(BEAM, mapping={"table": LINES}, residual=True)
+    found = identify(BEAM, mapping={"table": LINES}, residual=True)
     assert len(found.lines.names) == 12
     assert found.lines.X.size == 492
     assert "by which the displacement leads the force" in found.text()

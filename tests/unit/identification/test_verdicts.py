@@ -36,7 +36,7 @@ from dampbalance.project.wording import Remark, factor, listed, times
 
 
 def parameter(value, half):
-    return ParameterEstimate(value, half / 2.0, half / 2.0, Interval(value - half, value + half))
+    return ParameterEstimate(value, half / 2.0, Interval(value - half, value + half))
 
 
 SOUND = Answer(
@@ -83,7 +83,7 @@ def test_an_interval_wider_than_the_value_is_a_reason(half, verdict):
 
 
 def test_a_lower_limit_is_doubtful_and_says_the_limit():
-    limit = ParameterEstimate(math.inf, math.nan, math.nan, Interval(41234.5, math.inf))
+    limit = ParameterEstimate(math.inf, math.nan, Interval(41234.5, math.inf))
     verdict = with_parameters(K_z=limit).verdicts["K_z"]
     assert verdict.verdict == "doubtful"
     assert "above 41234 N/m" in verdict.reason
@@ -174,7 +174,7 @@ def test_what_is_warned_of_is_usable_only_within_its_interval(doubts, doubtful):
 class Both(Identified):
     """The answers of a balance and a fit, and nothing else."""
 
-    findings = features_table = pictures = None
+    findings = pictures = None
 
 
 NOTED = Remark("another oscillator")
@@ -271,7 +271,7 @@ def test_balance_and_fit_are_apart_from_four_standard_errors_of_their_difference
         value={"F_k": 1.28, "c": 90.0}.get,
         error={"F_k": 0.004, "c": 0.3}.get,
     )
-    off = ParameterEstimate(90.0 + 0.4 * sizes, 0.5, 0.5, Interval(89.0, 93.0))
+    off = ParameterEstimate(90.0 + 0.4 * sizes, 0.5, Interval(89.0, 93.0))
     warnings = agreement(
         [],
         Microstick(1e-5, 1e-7, True, 2e-5),

@@ -19,7 +19,7 @@ from paper_case import PAPER
 from slips import slips
 from unit.identification.levels import changed, measured
 
-QUICK = {"approaches": ["direct"], "replicates": 40}
+QUICK = {"approaches": ["direct"]}
 FORCED = ("force", "displacement")
 
 
@@ -146,4 +146,4 @@ def test_what_is_said_of_a_stepped_sine():
             noise=0.003,
             seed=1,
         )
-        assert slips(texts_of(identify(lines, replicates=30))) == []
+        assert slips(texts_of(identify(lines))) == []

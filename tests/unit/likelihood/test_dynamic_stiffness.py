@@ -7,14 +7,11 @@ import math
 import numpy as np
 import pytest
 
-from dampbalance import BaseMotion, Oscillator, measured_orbit, steady_orbit
 from dampbalance.likelihood.dynamic_stiffness import (
     SteppedLines,
     compare_contacts,
     fit_contact,
-    lines_of,
 )
-from dampbalance.likelihood.mean_harmonics import read_features
 
 M, K, C, K_Z, R_SLIP = 1.5, 6.0e4, 3.0, 2.0e4, 4.0e-5
 LEVELS = (1.5e-5, 5e-5, 1.2e-4, 2.5e-4, 4e-4)
@@ -62,7 +59,7 @@ def lines(joint: object, noise: float = 0.0, seed: int = 1, R: float = 0.0) -> S
 
 
 def test_a_single_slider_is_recovered_exactly_without_noise():
-    fit = fit_contact(lines(corners), contact="one slider", replicates=10)
+    fit = fit_contact(lines(corners), contact="one slider")
     assert fit.K_z == pytest.approx(
         K_Z, rel=1e-3
     )  # the trapezoidal rule errs by 1e-4 at the corners
@@ -96,7 +93,7 @@ def test_a_gradual_contact_gives_loss_and_stiffness_in_range():
 def test_intervals_hold_what_they_say():
     held = []
     for seed in range(20):
-        fit = fit_contact(lines(corners, 0.01, seed), contact="one slider", replicates=60)
+        fit = fit_contact(lines(corners, 0.01, seed), contact="one slider")
         true = {"F_k": K_Z * R_SLIP, "K_z": K_Z, "c": C, "k": K, "m": M}
         held += [low <= true[s] <= high for s in true for low, high in [fit.intervals[s]]]
     # 20 draws of five intervals of 95 %, which depend on each other: 95 ± 5 of 100
@@ -105,11 +102,11 @@ def test_intervals_hold_what_they_say():
 
 
 def test_comparison_finds_one_slider_and_the_gradual_contact():
-    one = compare_contacts(lines(corners, 0.01), replicates=60)
+    one = compare_contacts(lines(corners, 0.01))
     assert one.supported == "one slider"
     assert one.p > 0.05
     assert "one slider is enough" in one.words()
-    many = compare_contacts(lines(power_law, 0.003), replicates=60)
+    many = compare_contacts(lines(power_law, 0.003))
     assert many.supported == "gradual"
     assert many.p < 0.05
     assert many["one slider"].fit.misfit.loss > many["gradual"].fit.misfit.loss
@@ -117,14 +114,12 @@ def test_comparison_finds_one_slider_and_the_gradual_contact():
 
 
 def test_loss_that_grows_by_damping_is_told_from_a_contact_by_the_stiffness():
-    nothing = compare_contacts(lines(lambda X: 1j * 2e6 * X, 0.003), replicates=40)
+    nothing = compare_contacts(lines(lambda X: 1j * 2e6 * X, 0.003))
     assert nothing.supported == "none (c, c_2)"
 
 
 def test_slip_far_below_the_amplitudes_gives_a_lower_limit_of_K_z():
-    rigid = fit_contact(
-        lines(lambda X: 4j * 0.05 / (math.pi * X), 0.01), contact="one slider", replicates=40
-    )
+    rigid = fit_contact(lines(lambda X: 4j * 0.05 / (math.pi * X), 0.01), contact="one slider")
     low, high = rigid.intervals["K_z"]
     assert high == math.inf
     assert low > 0.05 / LEVELS[0]
@@ -138,23 +133,19 @@ def test_a_stated_error_counts_and_grows_where_lines_scatter_more():
         stated = SteppedLines(
             *(noisy.omega, noisy.X, noisy.Z, noisy.level, noisy.names), np.full(noisy.X.size, error)
         )
-        widths.append(fit_contact(stated, contact="one slider", replicates=60).errors["F_k"])
+        widths.append(fit_contact(stated, contact="one slider").errors["F_k"])
     assert widths[0] == pytest.approx(widths[1], rel=0.25)
     assert widths[2] > 3.0 * widths[1]
 
 
 def test_the_same_lines_give_the_same_bytes():
-    first, second = (
-        fit_contact(lines(power_law, 0.01), contact="gradual", replicates=20) for _ in range(2)
-    )
+    first, second = (fit_contact(lines(power_law, 0.01), contact="gradual") for _ in range(2))
     assert first.kappa.tobytes() == second.kappa.tobytes()
     assert first.intervals == second.intervals
 
 
 def test_given_coefficients_and_stiffness_are_kept():
-    fit = fit_contact(
-        lines(corners, 0.003), contact="gradual", given={"c": C}, stiffness=K, mass=M, replicates=10
-    )
+    fit = fit_contact(lines(corners, 0.003), contact="gradual", given={"c": C}, stiffness=K, mass=M)
     assert (fit.values["c"], fit.values["k"], fit.values["m"]) == (C, K, M)
     assert "c" not in fit.intervals
     assert fit.stiffness(5e-5).value == pytest.approx([K + corners(5e-5).real], rel=0.005)
@@ -162,7 +153,7 @@ def test_given_coefficients_and_stiffness_are_kept():
 
 def test_refusals_say_what_to_do():
     table = lines(corners)
-    fit = fit_contact(table, contact="one slider", replicates=10)
+    fit = fit_contact(table, contact="one slider")
     with pytest.raises(ValueError, match=r"amplitudes that were seen.*measure there"):
         fit.loss(2.0 * fit.X_range[1], 200.0)
     with pytest.raises(ValueError, match="amplitudes that were seen"):
@@ -181,26 +172,3 @@ def test_refusals_say_what_to_do():
     for terms, words in (("F_k", "one slider"), ("c_r", "use c"), ("eta", "state stiffness")):
         with pytest.raises(ValueError, match=words):
             fit_contact(table, contact="none", terms=(terms,))
-
-
-def test_records_in_time_become_lines_that_give_the_oscillator_back():
-    osc = Oscillator(m=2.42, c=20.0, k=2310.0, K_z=8000.0, F_k=1.28)
-    readings = []
-    for Y in (0.0006, 0.0012, 0.0025):
-        for f in (4.0, 4.92, 6.0):
-            orbit = steady_orbit(osc, BaseMotion(Y=Y, omega=2.0 * math.pi * f))
-            record = measured_orbit(orbit, rate_hz=1000.0, cycles=30.0, noise=0.003)
-            readings.append(read_features(record, osc.k))
-    table = lines_of(readings, osc.k)
-    assert pytest.approx([osc.k * r.lines.Y / r.lines.x[0] for r in readings]) == table.Z
-    fit = fit_contact(table, contact="one slider", stiffness=osc.k, hardening=False, replicates=60)
-    for name, true in (("F_k", 1.28), ("K_z", 8000.0), ("c", 20.0), ("m", 2.42)):
-        low, high = fit.intervals[name]
-        assert low < true < high, name
-    assert fit.F_k == pytest.approx(1.28, rel=0.02)
-    # as harmonic motions, the same lines are off by their third harmonics
-    harmonic = SteppedLines(table.omega, table.X, table.Z, table.level, table.names)
-    other = fit_contact(
-        harmonic, contact="one slider", stiffness=osc.k, hardening=False, replicates=2
-    )
-    assert other.misfit.loss > 2.0 * fit.misfit.loss

@@ -128,6 +128,24 @@ def test_replicates_depend_on_the_seed_alone():
     assert np.all(a.W != c.W)
 
 
+def test_an_error_that_all_cycles_share_enters_like_a_group_that_is_left_out():
+    """(g − 1)/g of the squares about the mean are the squares of the errors, whatever their number."""
+    reading = _read(_orbit(), 0.01)
+    assert reading.shaken() == []
+    steady = reading.steady
+    hidden = 1e-6 * np.arange(1.0, steady.X_hidden.size + 1.0)
+    base = np.where(np.arange(steady.Y_hidden.size) == 1, 3e-6, 0.0)
+    (means,) = Reading(replace(steady, X_hidden=hidden, Y_hidden=base)).shaken()
+    groups = len(means.Y)
+    for values, expected in (
+        (means.x.real, hidden[reading.lines.n]),
+        (means.x.imag, hidden[reading.lines.n]),
+        (means.Y, 3e-6),
+    ):
+        squares = np.sum((values - values.mean(axis=0)) ** 2, axis=0)
+        np.testing.assert_allclose(np.sqrt((groups - 1) / groups * squares), expected, rtol=1e-9)
+
+
 def test_squares_of_harmonics_are_freed_of_noise():
     reading = _read(_orbit(11.1, 0.012), 0.02, cycles=20.0)
     assert reading.steady.bandwidth >= 3

@@ -316,7 +316,7 @@ def test_groups_are_visited_once(tmp_path):
 def tried(capsys, *arguments):
     """Exit code and what was said: 0 with results, or 2 with a short error and nothing else."""
     try:
-        code = main(["identify", *map(str, arguments), "--stiffness", "2310", "--replicates", "2"])
+        code = main(["identify", *map(str, arguments), "--stiffness", "2310"])
     except SystemExit as stopped:
         code = stopped.code
     out, err = capsys.readouterr()

@@ -68,7 +68,7 @@ def known_blow(folder: Path, X_0: float = 250e-6) -> dict:
 
 def test_a_blow_to_the_same_joint_is_foretold(tmp_path):
     lines = known_lines()
-    comparison = compare_contacts(lines, hardening=False, replicates=40)
+    comparison = compare_contacts(lines, hardening=False)
     found = findings(comparison, lines, {}, known_blow(tmp_path)).document
     assert found["supported"] == "gradual"
     blow = found["blow"]
@@ -88,7 +88,7 @@ def test_a_blow_to_the_same_joint_is_foretold(tmp_path):
 
 def test_a_blow_to_another_joint_is_not(tmp_path):
     lines = known_lines()
-    comparison = compare_contacts(lines, hardening=False, replicates=10)
+    comparison = compare_contacts(lines, hardening=False)
     far = known_blow(tmp_path, X_0=250e-6)
     text = Path(far["record"]).read_text(encoding="utf-8").splitlines()
     halved = [f"{a},{0.5 * float(b)}" for a, b in (row.split(",") for row in text[1:])]
@@ -101,14 +101,14 @@ def test_a_blow_to_another_joint_is_not(tmp_path):
 
 def test_a_decay_without_an_amplitude_of_the_lines_is_refused(tmp_path):
     lines = known_lines()
-    comparison = compare_contacts(lines, hardening=False, replicates=10)
+    comparison = compare_contacts(lines, hardening=False)
     with pytest.raises(ValueError, match="the decay of tip passes no amplitude of the lines"):
         findings(comparison, lines, {}, known_blow(tmp_path, X_0=1e-6))
 
 
 def test_a_window_without_a_sample_is_refused_by_file_and_key(tmp_path):
     lines = known_lines()
-    comparison = compare_contacts(lines, hardening=False, replicates=10)
+    comparison = compare_contacts(lines, hardening=False)
     blow = known_blow(tmp_path) | {"window_s": 1e-6}
     with pytest.raises(
         ValueError, match=r"beam: .*blow\.csv: window_s must be a cycle of the band's"

@@ -34,7 +34,6 @@ from .hammer import ModalDecay, filter_bias, modal_decay
 ADDITIONS = ("residual", "hardening")
 """Options of a fit whose worth is shown by leaving each of them out."""
 
-_UNUSED = 2  # replicates of a fit whose intervals nobody asks for
 _NEAR = 0.8  # sin φ of lines near the resonance
 _SHOWN = 6  # amplitudes of the decay in the table
 
@@ -73,9 +72,7 @@ def findings_of(identified: SteppedOutcome, beam: Mapping[str, Any]) -> Findings
         **{name: options[name] for name in ADDITIONS},
     }
     without = {
-        name: fit_contact(
-            identified.lines, contact="gradual", replicates=_UNUSED, **asked | {name: False}
-        )
+        name: fit_contact(identified.lines, contact="gradual", **asked | {name: False})
         for name in ADDITIONS
         if options[name]
     }

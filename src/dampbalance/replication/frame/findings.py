@@ -101,7 +101,6 @@ def drift(forces: Array, confidence: float, tests: int) -> Drift:
 
 _GRAVITY = 9.80665  # the standard one, m/s²
 _CONFIDENCE = 0.95
-_REPLICATES = 2  # of an identification whose intervals nobody asks for
 _ROUNDING = 1e-12  # of a force
 
 
@@ -343,7 +342,7 @@ def _first_cycles(
             kept.append(Channel(c.quantity, c.t[inside], c.values[inside]))
         parts.append(read_features(Measurement.of(one.record.name, kept), k))
     direct = {DIRECT: APPROACHES[DIRECT]}
-    result = identify_readings(parts, k, law=law, approaches=direct, replicates=_REPLICATES)
+    result = identify_readings(parts, k, law=law, approaches=direct)
     values = result.estimates[DIRECT].coefficients
     return [
         (replace(part, joint=True), values[law.key(FRICTION, i)].value)
