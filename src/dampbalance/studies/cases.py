@@ -58,7 +58,6 @@ class Responses(NamedTuple):
     """The responses of n cases at L levels.
 
     features : (L, n). The rest is for noisy records only.
-    chosen : names of the laws that the records support, (n,), where a study asks for them instead of coefficients.
     drawn : bootstrap replicates of the features, (L, n, r).
     simpson : features and replicates with a, b and W by `reading.simpson`, where a fit asks for them.
     likelihood : values and standard errors of the maximum-likelihood oscillator by symbol, SI units, (n,) each.
@@ -68,7 +67,6 @@ class Responses(NamedTuple):
     drawn: Features | None = None
     simpson: tuple[Features, ...] = ()
     likelihood: tuple[Mapping[str, Array], Mapping[str, Array]] = ({}, {})
-    chosen: Words | None = None
 
 
 NOT_READ = "not_read"
@@ -128,8 +126,6 @@ def columns_of(study: Study) -> list[Column]:
     kinds = ", ".join(REGIME_NAMES.values())
     regimes = f"kind of response at each level, one word if all are alike: {kinds}"
     columns.append(Column("regime", "", regimes, words=True))
-    if "chosen" in study.columns:
-        columns.append(Column("chosen", "", "law that the records support, or none", words=True))
     true = {*SI_COLUMNS, *(OF_LAW[name] for name in OF_LAW if name in study.parameters)}
     for fit in study.fits:
         how = " ".join(part.replace("_", " ") for part in fit.label.split("__"))

@@ -34,7 +34,6 @@ from .cases import PART, columns_of
 from .parameters import MECHANICAL, OF_LAW, PARAMETERS, in_si, objection, synonyms
 from .settings import (
     BANDS,
-    CHOICES,
     COVERAGE_RANGE,
     OF_INTERVALS,
     ROUTES,
@@ -47,7 +46,6 @@ from .settings import (
     paper_defaults,
     selected,
     spread,
-    terms_named,
 )
 
 SCHEMA = Path(__file__).with_name("study.schema.yaml")
@@ -183,11 +181,6 @@ def _contradictions(document: Mapping[str, Any], study: Study) -> Iterator[Probl
     yield from _wrong_route(document, study)
     if {"X_s_mark_m", "X_s_decimals"} <= study.parameters:
         yield ("read_out",), "X_s_mark_m and X_s_decimals both round X_s; keep one"
-    for law in map(str, study.values_of("law")):
-        try:
-            terms_named(law)
-        except ValueError as error:
-            yield ("axes",), str(error)
     for i, fit in enumerate(estimation.get("fits", [])):
         if fit != "least_squares" and max(fit) > len(study.levels):
             yield ("estimation", "fits", i), f"there are only {len(study.levels)} levels"
@@ -229,19 +222,10 @@ def _wrong_route(document: Mapping[str, Any], study: Study) -> Iterator[Problem]
     others = {key for each in ROUTES.values() for key in each.settings} - {*wanted.settings}
     for name in filter(others.__contains__, section):
         yield ("route", name), f"{nothing}; leave it out"
-    for key in wanted.refuses:
-        if key in document:
-            yield (key,), f"{nothing}, which draws oscillators; leave it out"
     if wanted.is_noisy and "seed" not in section:
         yield ("route", "seed"), "missing; the seed of the noise, an integer of at least 0"
     if "intervals" in study.columns and not wanted.has_intervals:
         yield ("columns",), "intervals are those of noisy records: they need the route measured"
-    if "base" in wanted.refuses:
-        if not study.levels_relative:
-            text = f"missing; the levels of the route {wanted.kind}, in parts of the highest"
-            yield ("levels_of_Y",), text
-        for name in filter(MECHANICAL.__contains__, study.axis_names):
-            yield ("axes",), f"{name} {nothing}, which draws oscillators"
 
 
 # --- sizes -------------------------------------------------------------------------------------------
@@ -314,16 +298,8 @@ def _wrong_references(_: object, study: Study) -> Iterator[Problem]:
 
 
 def _wrong_figure(study: Study) -> Iterator[Problem]:
-    figure, route = study.figure, study.route
+    figure = study.figure
     kind, x, y = figure["kind"], figure["x"], figure.get("y")
-    if kind not in route.figures:
-        text = f"{kind} shows nothing of the route {route.kind}; take {listed(route.figures, 'or')}"
-        yield ("figure", "kind"), text
-        return
-    if kind == "confusion":
-        if x != "law":
-            yield ("figure", "x"), f"{shortened(x)} is not what a confusion shows; take law"
-        return
     if kind == "map" and y is None:
         yield ("figure", "y"), "missing; a map has two axes, x and y"
         return
@@ -389,14 +365,11 @@ def _usual_figures(study: Study) -> Iterator[dict[str, Any]]:
     """Figures that suit the axes of a study, the most telling first, as its file would ask for them; some may be
     refused.
 
-    Laws: who is taken for whom. Steps of several schemes: the error of c against the step. Runs that differ by their
+    Steps of several schemes: the error of c against the step. Runs that differ by their
     noise: statistics of their errors along the noise, or another axis. One axis: curves along it. More: a map over the
     two with the most values, but where the others have few, curves along the longest with a panel for each value of the
     next; all further axes are then at the middle of their values.
     """
-    if study.route.figures == ("confusion",):
-        yield {"kind": "confusion", "x": "law"}
-        return
     if {"scheme", "step_s"} <= set(study.axis_names):
         yield {"kind": "steps", "x": "step_s"}
     # paired axes go in step: one of them stands for all
@@ -425,17 +398,9 @@ def _usual_figures(study: Study) -> Iterator[dict[str, Any]]:
 
 
 def _wrong_fact(study: Study, key: Key, spec: Mapping[str, Any]) -> Iterator[Problem]:
-    take, of, route, fits = spec["take"], spec["of"], study.route, study.fits_of(spec)
+    take, of, fits = spec["take"], spec["of"], study.fits_of(spec)
     wrong = list(_wrong_selection(study, key, spec))
     yield from wrong
-    if of not in route.answers:
-        text = f"the route {route.kind} does not answer {of}; take {listed([*route.answers], 'or')}"
-        yield (*key, "of"), text
-        return
-    if of == "law" or take in CHOICES:
-        if of != "law" or take not in CHOICES:
-            yield (*key, "take"), f"of: law, and nothing else, takes {listed(CHOICES, 'or')}"
-        return
     if not fits:
         yield key, "selects no fit of this study: see estimation"
     columns = {column.name for column in columns_of(study)}

@@ -85,7 +85,6 @@ OF_LAW = {KNOWN_TERMS[symbol].column: symbol for symbol in BUILT_IN if symbol no
 
 _NOISE = "rms of the noise of each channel over that of its signal"
 _RUN = "number of the run: the same but for its noise"
-_LAW = "damping law of the oscillator, drawn anew in each run"
 _SLIP_RANGE = "longest over shortest deflection at which a part of the contact slips, r_max/r_min"
 
 PARAMETERS: dict[str, Parameter] = {
@@ -115,7 +114,6 @@ PARAMETERS: dict[str, Parameter] = {
     "sampling_hz": Parameter("numerics", "Hz", "sampling frequency f_s", "f_s", low=1e-6, high=1e9),
     "noise": Parameter("numerics", "1", _NOISE, r"\sigma", zero_allowed=True, high=100.0),
     "run": Parameter("numerics", "1", _RUN, zero_allowed=True, whole=True),
-    "law": Parameter("numerics", "", _LAW, "law"),
     "slip_range": Parameter("numerics", "1", _SLIP_RANGE, r"r_{\max}/r_{\min}", low=1.0, high=1e6),
     "X_decimals": _decimals("X", "m"),
     "X_n_decimals": _decimals("X_1, X_3 and X_5", "m"),

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
@@ -19,7 +19,7 @@ import numpy as np
 
 from ..arrays import Array, Integers, Mask, Words
 from ..balance import APPROACHES, TERMS, takes_phase
-from ..law.terms import FRICTION, KNOWN_TERMS, in_order
+from ..law.terms import in_order
 from ..reading.clean import ReadAt
 from .parameters import PARAMETERS, synonyms
 
@@ -150,9 +150,6 @@ def selected(values: Mapping[str, Words], spec: Mapping[str, Any]) -> Mask:
 
 # --- routes ------------------------------------------------------------------------------------------
 
-NONE = "none"
-"""The name where no law is chosen."""
-
 
 @dataclass(frozen=True, slots=True)
 class Route:
@@ -162,10 +159,7 @@ class Route:
     needs : parameters of the route; of each group one is needed.
     optional : further parameters that it takes.
     settings : other keys of the section `route` that it takes.
-    refuses : sections of the file that mean nothing to it, and why.
     any_law : whether the oscillator may have further damping terms, and the balance too.
-    figures : kinds of figures.
-    columns : kinds of columns in the table of cases, if the file does not say.
     cycles, chunk_cases : if the file does not say; a chunk is a few seconds of work.
     """
 
@@ -173,22 +167,9 @@ class Route:
     needs: tuple[tuple[str, ...], ...] = ()
     optional: tuple[str, ...] = ()
     settings: tuple[str, ...] = ()
-    refuses: tuple[str, ...] = ()
     any_law: bool = False
-    figures: tuple[str, ...] = ("curves", "map", "steps", "scatter")
-    columns: tuple[str, ...] = ("parameters", "errors")
     cycles: int = 4
     chunk_cases: int = 512
-
-    @property
-    def answers(self) -> Collection[str]:
-        """What a case ends in, which facts are about: coefficients by symbol, or the law that its records support."""
-        return (*KNOWN_TERMS, CONTACT) if self.approaches else ("law",)
-
-    @property
-    def approaches(self) -> Collection[str]:
-        """Approaches to the balance, if the file does not say; none where a case ends in a law."""
-        return () if "chosen" in self.columns else APPROACHES
 
     @property
     def is_noisy(self) -> bool:
@@ -221,37 +202,15 @@ ROUTES = {
             cycles=100,
             chunk_cases=60,
         ),
-        Route(
-            "laws",
-            needs=(("law",), ("noise",)),
-            optional=("run",),
-            settings=("cycles", "seed"),
-            refuses=("base", "estimation", "columns", "summary_by"),
-            any_law=True,
-            figures=("confusion",),
-            columns=("chosen",),
-            cycles=100,
-            chunk_cases=2,
-        ),
     )
 }
 
 
+COLUMNS = ("parameters", "errors")
+"""Columns of the table of cases if the file does not say."""
+
 REPLICATES = 200
 """Bootstrap replicates if the file does not say; their standard error is accurate to 5 %."""
-
-
-def law_named(terms: Iterable[str]) -> str:
-    """The name of a law by its terms, friction first: F_k + c + c_2."""
-    return " + ".join(in_order((FRICTION, *terms)))
-
-
-def terms_named(name: str) -> tuple[str, ...]:
-    """The terms of a law by its name. Raises ValueError for an unknown term, or a name of another form."""
-    terms = in_order(name.split(" + "))
-    if law_named(terms) != name:
-        raise ValueError(f"the law {name!r} should be written {law_named(terms)!r}")
-    return terms
 
 
 # --- fits --------------------------------------------------------------------------------------------
@@ -276,9 +235,6 @@ COVERAGE_RANGE = "coverage_range"
 OF_INTERVALS = ("standard_error", "coverage", "coverage_low", "coverage_high", COVERAGE_RANGE)
 SPREADS = ("bias", "bias_error", "rms", "p95_error", *OF_INTERVALS)
 """Facts about a set of runs, each by one fit: see `statistics.spread`."""
-
-CHOICES = ("right", "right_low", "right_high", "extra", "extra_low", "extra_high", "none")
-"""Facts about the laws that are chosen: see `statistics.choices_of`."""
 
 BANDS = ("band", "from")
 """Facts about a stretch of an axis: both its ends, or the lower one."""
@@ -446,7 +402,7 @@ class Study:
         # what is meant where the file does not say
         of_route: dict[str, Any] = {"cycles": way.cycles, "reading": "interpolated"}
         of_route |= {"seed": 0, "replicates": REPLICATES}
-        of_study: dict[str, Any] = {"columns": way.columns, "chunk_cases": way.chunk_cases}
+        of_study: dict[str, Any] = {"columns": COLUMNS, "chunk_cases": way.chunk_cases}
         of_study |= {"summary_by": (), "figure": {}, "facts": {}}
         return cls(
             name=name,
@@ -493,7 +449,7 @@ def _fits(estimation: Mapping[str, Any], way: Route) -> Iterator[Fit]:
     contacts = estimation.get("contact", [COMPLIANT])
     weights = estimation.get("weights", [WEIGHTED]) if way.has_intervals else [""]
     terms = list(dict.fromkeys(map(in_order, estimation.get("terms", [()]))))
-    for approach in estimation.get("approaches", way.approaches):
+    for approach in estimation.get("approaches", APPROACHES):
         choices = of_phase if takes_phase(approach) else ([""], [""])
         for choice in product(*choices, contacts, weights, levels, terms):
             yield Fit(approach, *choice)

@@ -14,8 +14,8 @@ import pandas as pd
 from ...arrays import Array, Integers, Words
 from ...project.wording import minus, number, percent, signed_percent
 from ..case_files import stretches
-from ..settings import BANDS, CHOICES, COVERAGE_RANGE, SPREADS, Fit, Study, is_value, selected
-from .statistics import Sizes, choices_of, groups, share_of, spread_of
+from ..settings import BANDS, COVERAGE_RANGE, SPREADS, Fit, Study, is_value, selected
+from .statistics import Sizes, groups, spread_of
 
 CROSSING, BEGINS, ENDS = "", " (where the axis begins)", " (where the axis ends)"
 UNKNOWN = " (beyond it there are cases that cannot be identified)"
@@ -41,10 +41,6 @@ def fact(study: Study, cases: str | Path, spec: Mapping[str, Any]) -> str:
     """One number in words: a percentage, or for a band the values of the axis between which, or from which on, it
     lies, interpolated between cases."""
     take = spec["take"]
-    if take in CHOICES:
-        table, (kind, *_) = choices_of(cases), take.split("_")
-        held = table[kind][selected({"law": table["law"].to_numpy()}, spec)]
-        return percent(share_of(held)[take.removeprefix(kind)])
     if take in SPREADS:
         (fit,) = study.fits_of(spec)
         kept = np.concatenate([part["case"] for part in _cases_of(cases, spec, ["case"])])

@@ -20,7 +20,7 @@ from ...solver import NORMAL_95
 from ..case_files import column_of
 from ..cases import cases_between
 from ..parameters import oscillator_of
-from ..settings import NONE, Fit, Study, terms_named
+from ..settings import Fit, Study
 
 # Bins of sizes: a quantile is good to 0.06 %, below the three digits that are shown.
 _PER_DECADE = 2000
@@ -187,24 +187,3 @@ def bounds_of(study: Study, cases: Integers) -> dict[str, float]:
     if fit is None:
         return nothing
     return nothing | {s: fit.error(s) / fit.value(s) if fit.value(s) else math.inf for s in TERMS}
-
-
-def choices_of(cases: str | Path) -> pd.DataFrame:
-    """A row per case of a study of laws: its true law and the one that was chosen, by name; whether the choice is
-    right, has all terms of the true law and more (extra), or is none."""
-    table = pd.DataFrame({name: column_of(cases, name) for name in ("law", "chosen")}, dtype=object)
-    true, chosen = (table[name].map(terms_of_choice) for name in table)
-    extra = [fewer < more for fewer, more in zip(true, chosen, strict=True)]
-    right, none = table["law"] == table["chosen"], table["chosen"] == NONE
-    return table.assign(right=right, extra=extra, none=none)
-
-
-def terms_of_choice(name: str) -> frozenset[str]:
-    """The terms of a law that is chosen; NONE has none."""
-    return frozenset() if name == NONE else frozenset(terms_named(name))
-
-
-def share_of(held: pd.Series) -> dict[str, float]:
-    """The share of the cases in which something holds, and the bounds of its 95 % interval (`share_interval`)."""
-    low, high = share_interval(int(held.sum()), len(held))
-    return {"": float(held.mean()), "_low": low, "_high": high}
