@@ -80,10 +80,6 @@ LOGS = f"results/logs/{CASE.name}"
 FIRST = 10  # priority of what leads to the paper's tables and verdicts: they are seen before the studies are computed
 NEXT = 5  # of studies, and of what article and page wait for: jobs that nothing waits for fill the gaps
 ENVIRONMENT = "../envs/dampbalance.yaml"
-STUDY_DEFAULTS = {  # what a script needs to read the file of a study
-    "schema": project_file("src/dampbalance/studies/study.schema.yaml"),
-    "base": BASE_CONFIG,
-}
 
 
 def of_case(*fields):

@@ -1,14 +1,13 @@
 """What can be wrong with the YAML file of a study, found before anything runs; and the figure of a file without one.
 
 The schema (study.schema.yaml) says which keys there are, and what each may hold. This module checks
-what takes more than one key to see: axes that contradict each other, a route that lacks a parameter, a figure or a fact
-about something that the study does not have, numbers that cannot be solved or held in memory.
+what takes more than one key to see: axes that contradict each other, a route that lacks a parameter, a figure
+of something that the study does not have, numbers that cannot be solved or held in memory.
 """
 
 from __future__ import annotations
 
 import math
-import string
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import product
@@ -33,12 +32,8 @@ from ..replication.feasibility import MOST_EVENTS, MOST_STEPS, RANGES
 from .cases import PART, columns_of
 from .parameters import MECHANICAL, OF_LAW, PARAMETERS, in_si, objection, synonyms
 from .settings import (
-    BANDS,
-    COVERAGE_RANGE,
-    OF_INTERVALS,
     ROUTES,
     SOBOL_BITS,
-    SPREADS,
     Listed,
     Sampled,
     Study,
@@ -69,9 +64,9 @@ _FEATURES = 20  # of a replicate
 _USUAL_PANELS = 6  # an axis of more values gets an axis of the usual figure
 
 
-def read_study(path: str | Path, schema_file: str | Path, paper_file: str | Path) -> Study:
+def read_study(path: str | Path, paper_file: str | Path) -> Study:
     """The study of a YAML file, named after the file; without a figure, it gets the first of the usual ones that can be
-    drawn.
+    drawn. Its text is the template next to the file, NAME.md.j2, if there is one.
 
     paper_file : the configuration of the paper's case, whose oscillator, first frequency and levels stand for what the
     study leaves out.
@@ -79,9 +74,10 @@ def read_study(path: str | Path, schema_file: str | Path, paper_file: str | Path
     Raises ConfigurationError listing every problem, a line each: file, key, what is wrong, what would be right.
     """
     document, paper = read_yaml(path), paper_defaults(read_yaml(paper_file))
-    if wrong := problems(document, read_schema(schema_file), paper):
+    if wrong := problems(document, read_schema(SCHEMA), paper):
         raise ConfigurationError(in_lines(wrong, {str(path): document}))
-    study = Study.of(Path(path).stem, document, paper)
+    text = Path(path).with_suffix(".md.j2")
+    study = Study.of(Path(path).stem, document, paper, text if text.exists() else None)
     if "figure" in document:
         return study
     drawn = (replace(study, figure=figure) for figure in _usual_figures(study))
@@ -267,7 +263,7 @@ def _wrong_sizes(_: object, study: Study) -> Iterator[Problem]:
         yield ("chunk_cases",), text
 
 
-# --- what the summary, the figure, the facts and the text refer to ------------------------------------
+# --- what the summary and the figure refer to -----------------------------------------------------------
 
 
 def _wrong_references(_: object, study: Study) -> Iterator[Problem]:
@@ -282,19 +278,6 @@ def _wrong_references(_: object, study: Study) -> Iterator[Problem]:
         yield ("summary_by",), text
     if study.figure:
         yield from _wrong_figure(study)
-    for fact, spec in study.facts.items():
-        yield from _wrong_fact(study, ("facts", fact), spec)
-    try:
-        fields = [field for field in string.Formatter().parse(study.shows) if field[1] is not None]
-    except ValueError as error:
-        yield ("shows",), f"{error}: write {{name}} for a fact, and {{{{ or }}}} for a brace"
-        return
-    for _, name, form, conversion in fields:
-        if name not in (*study.facts, "cases"):
-            known = ", ".join(study.facts) or "none"
-            yield ("shows",), f"{{{name}}} is not among the facts: {known}"
-        elif form or conversion:
-            yield ("shows",), f"write {{{name}}} with nothing else in the braces: facts are words"
 
 
 def _wrong_figure(study: Study) -> Iterator[Problem]:
@@ -302,6 +285,9 @@ def _wrong_figure(study: Study) -> Iterator[Problem]:
     kind, x, y = figure["kind"], figure["x"], figure.get("y")
     if kind == "map" and y is None:
         yield ("figure", "y"), "missing; a map has two axes, x and y"
+        return
+    if kind != "map" and y is not None:
+        yield ("figure", "y"), f"is for a map; a figure of {kind} has one axis, x"
         return
     axes = {"x": x, "y": y} if kind == "map" else {"x": x}
     undrawn = {part: text for part, name in axes.items() if (text := _not_drawn(study, name))}
@@ -322,7 +308,7 @@ def _wrong_figure(study: Study) -> Iterator[Problem]:
             yield ("figure",), "a figure of steps shows the approach direct: see estimation"
     if "at" in figure and kind != "curves":
         yield ("figure", "at"), f"is for curves; a figure of {kind} takes all cases"
-    yield from _wrong_selection(study, ("figure",), {"at": figure.get("at", {})})
+    yield from wrong_selection(study, ("figure",), {"at": figure.get("at", {})})
     if kind == "curves" and study.cases > MOST_POINTS:
         text = f"{study.cases:,} cases are more than curves can show, {MOST_POINTS:,}; take a map"
         yield ("figure", "kind"), text
@@ -397,36 +383,6 @@ def _usual_figures(study: Study) -> Iterator[dict[str, Any]]:
         yield curves
 
 
-def _wrong_fact(study: Study, key: Key, spec: Mapping[str, Any]) -> Iterator[Problem]:
-    take, of, fits = spec["take"], spec["of"], study.fits_of(spec)
-    wrong = list(_wrong_selection(study, key, spec))
-    yield from wrong
-    if not fits:
-        yield key, "selects no fit of this study: see estimation"
-    columns = {column.name for column in columns_of(study)}
-    if any(f"{of}_relative_error__{fit.label}" not in columns for fit in fits):
-        text = f"{of} is not identified, or the oscillator has none: see estimation.terms"
-        yield (*key, "of"), text
-    if take in SPREADS and len(fits) > 1:
-        labels = ", ".join(fit.label for fit in fits)
-        yield key, f"{take} refers to one fit, but selects {labels}"
-    if take in OF_INTERVALS and "intervals" not in study.columns:
-        yield (*key, "take"), "needs the columns of intervals: columns: [errors, intervals]"
-    if take == COVERAGE_RANGE and not study.summary_by:
-        yield (*key, "take"), "needs summary_by, whose axes divide the cases"
-    if take in (*BANDS, "share") and "within" not in spec:
-        yield (*key, "within"), f"missing; the bound of {take}, as a relative error"
-    if take in BANDS:
-        along = str(spec.get("along"))
-        if not study.values_of(along) or PARAMETERS[along].is_word:
-            yield (*key, "along"), "must be an axis of this study whose values are listed numbers"
-        elif "around" in spec and (text := _not_selected(study, along, spec["around"])):
-            yield (*key, "around"), text
-    if take == "signed" and not wrong and (cases := _selected(study, spec)) > 1:
-        text = f"is the error of one case, and {cases:,} are selected"
-        yield (*key, "take"), f"{text}; give a value of each axis in at"
-
-
 def _selected(study: Study, spec: Mapping[str, Any]) -> int:
     """How many cases the conditions on listed axes leave."""
     left = 1
@@ -439,8 +395,8 @@ def _selected(study: Study, spec: Mapping[str, Any]) -> int:
     return left
 
 
-def _wrong_selection(study: Study, key: Key, spec: Mapping[str, Any]) -> Iterator[Problem]:
-    """What is wrong with the cases that a figure or a fact selects by values of axes, or by bounds."""
+def wrong_selection(study: Study, key: Key, spec: Mapping[str, Any]) -> Iterator[Problem]:
+    """What is wrong with the cases that a figure or a number selects by values of axes, or by bounds."""
     wrong = [
         ((*key, where, name), text)
         for where in ("at", "between")

@@ -13,6 +13,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
+from pathlib import Path
 from typing import Any, Literal, NamedTuple, Self
 
 import numpy as np
@@ -135,7 +136,7 @@ def is_value(values: Words, wanted: float) -> Mask:
 
 
 def selected(values: Mapping[str, Words], spec: Mapping[str, Any]) -> Mask:
-    """Which points have the values of axes that a fact or a figure names in `at`, and lie in its bounds, `between`;
+    """Which points have the values of axes that a number or a figure names in `at`, and lie in its bounds, `between`;
     axes that have no values here do not count."""
     kept = np.ones(len(next(iter(values.values()))), dtype=bool)
     for name, wanted in spec.get("at", {}).items():
@@ -229,18 +230,7 @@ rigid contact and equal weights, and the maximum-likelihood oscillator, which ne
 CONTACT = "K_z"
 """Symbol of the contact stiffness; as a yardstick, the maximum-likelihood oscillator with its K_z besides F_k and c."""
 
-COVERAGE_RANGE = "coverage_range"
-"""Fact about the coverage in each combination of values of the axes `summary_by`, where `coverage` pools them."""
-
-OF_INTERVALS = ("standard_error", "coverage", "coverage_low", "coverage_high", COVERAGE_RANGE)
-SPREADS = ("bias", "bias_error", "rms", "p95_error", *OF_INTERVALS)
-"""Facts about a set of runs, each by one fit: see `statistics.spread`."""
-
-BANDS = ("band", "from")
-"""Facts about a stretch of an axis: both its ends, or the lower one."""
-
-
-_SHOWN = ("title", "figure", "facts", "shows", "summary_by")  # keys on which no number depends
+_SHOWN = ("title", "figure", "summary_by")  # keys on which no number depends
 
 
 @dataclass(frozen=True, slots=True)
@@ -297,8 +287,8 @@ class Study:
 
     fixed : value of each parameter that no axis sets, by the names of PARAMETERS.   blocks : the axes.
     levels : amplitudes Y, m, or multiples of Y_m if `levels_relative`.   seed, replicates : of the noise and of the
-    bootstrap of noisy records.   settings : the file as read, without the text and the figure, from which everything
-    that is computed follows.
+    bootstrap of noisy records.   settings : the file as read, without the title and the figure, from which everything
+    that is computed follows.   text : the template of the paragraph that says what the study shows.
     """
 
     name: str
@@ -318,8 +308,7 @@ class Study:
     chunk_cases: int
     summary_by: Sequence[str]
     figure: Mapping[str, Any]
-    facts: Mapping[str, Mapping[str, Any]]
-    shows: str
+    text: Path | None = None
 
     @property
     def cases(self) -> int:
@@ -360,7 +349,7 @@ class Study:
         return [*samples, self.seed] if self.route.is_noisy else samples
 
     def fits_of(self, spec: Mapping[str, Any]) -> list[Fit]:
-        """The fits that a fact or a figure selects by the keys that it sets.
+        """The fits that a number or a figure selects by the keys that it sets.
 
         lines : label → such a selection, each of one fit; none is selected where one of them selects none or several.
         contact : compliant or rigid; if it is missing, compliant, or else all.   weights : weighted or equal; if they
@@ -385,7 +374,13 @@ class Study:
         return [fit for fit in fits if fit.kind == kind or (fit.levels and kind == "pairs")]
 
     @classmethod
-    def of(cls, name: str, document: Mapping[str, Any], paper: Mapping[str, Any]) -> Self:
+    def of(
+        cls,
+        name: str,
+        document: Mapping[str, Any],
+        paper: Mapping[str, Any],
+        text: Path | None = None,
+    ) -> Self:
         """The study of a document in which `checking.problems` finds nothing wrong; paper : see `paper_defaults`."""
         blocks, route = tuple(map(_block, document["axes"])), document.get("route", {})
         way = ROUTES[route.get("kind", "exact")]
@@ -403,7 +398,7 @@ class Study:
         of_route: dict[str, Any] = {"cycles": way.cycles, "reading": "interpolated"}
         of_route |= {"seed": 0, "replicates": REPLICATES}
         of_study: dict[str, Any] = {"columns": COLUMNS, "chunk_cases": way.chunk_cases}
-        of_study |= {"summary_by": (), "figure": {}, "facts": {}}
+        of_study |= {"summary_by": (), "figure": {}}
         return cls(
             name=name,
             title=document["title"],
@@ -414,7 +409,7 @@ class Study:
             levels_relative="levels_of_Y" in document,
             fits=tuple(_fits(document.get("estimation", {}), way)),
             route=way,
-            shows=document.get("shows", "").strip(),
+            text=text,
             **{key: route.get(key, usual) for key, usual in of_route.items()},
             **{key: document.get(key) or usual for key, usual in of_study.items()},
         )

@@ -11,7 +11,7 @@ from dampbalance.studies import case_files, cases, checking, evaluate
 
 
 def main(path, params, chunk, threads):
-    study = checking.read_study(params.file, params.schema, params.base)
+    study = checking.read_study(params.file, params.base)
     parts = evaluate.in_parts(study, *cases.chunk_bounds(study, chunk), threads=threads)
     case_files.write_parts(path, parts, study, __version__)
     return study

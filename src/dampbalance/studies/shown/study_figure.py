@@ -47,9 +47,8 @@ from ...solver import NORMAL_95
 from ..case_files import column_of, terms_of
 from ..parameters import PARAMETERS, SI_COLUMNS
 from ..settings import Fit, Study, selected
-from .facts import worst_errors
 from .maps import error_map
-from .statistics import groups, spread_of
+from .statistics import groups, spread_of, worst_errors
 
 FLOOR, CEILING = 1e-3, 1e3  # %: a smaller error is drawn on a linear axis, a larger one not at all
 FEW = 24  # cases on a curve up to which each is marked
