@@ -25,7 +25,10 @@ from dampbalance.replication.feasibility import RANGES, check_feasible
 from folders import ROOT
 from workflow.jobs import case_jobs
 
-FILE, SCHEMA = ROOT / "config/config.yaml", ROOT / "workflow/schemas/config.schema.yaml"
+FILE, SCHEMA = (
+    ROOT / "config/config.yaml",
+    ROOT / "src/dampbalance/project/schemas/config.schema.yaml",
+)
 PAPER = yaml.safe_load(FILE.read_text(encoding="utf-8"))
 LONGEST = 300  # characters of a line
 FAR = [1e-300, 1e-30, 1e-9, 1e-3, 1e3, 1e9, 1e30, 1e300]

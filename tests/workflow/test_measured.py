@@ -92,7 +92,7 @@ def test_nothing_is_done_twice_and_a_record_that_changes_is_read_again(built):
     [
         "identification/templates/report.html.j2",
         "identification/templates/report.css",
-        "records/mapping.schema.yaml",
+        "project/schemas/mapping.schema.yaml",
     ],
 )
 def test_reports_follow_their_templates_and_mappings_their_schema(example, part, tmp_path):

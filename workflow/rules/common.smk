@@ -58,7 +58,7 @@ if workflow.is_main_process:
     try:
         check(
             config,
-            project_file("workflow/schemas/config.schema.yaml"),
+            project_file("src/dampbalance/project/schemas/config.schema.yaml"),
             CONFIG_FILES,
             checks(),
         )

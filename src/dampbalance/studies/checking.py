@@ -43,7 +43,7 @@ from .settings import (
     spread,
 )
 
-SCHEMA = Path(__file__).with_name("study.schema.yaml")
+SCHEMA = Path(__file__).parents[1] / "project/schemas/study.schema.yaml"
 
 MOST_POINTS = 50_000
 """Cases on the curves of a figure; more are drawn as a map."""

@@ -17,7 +17,7 @@ from folders import ROOT
 from schemas import SCHEMAS, values
 
 FILE = ROOT / "config/config.yaml"
-SCHEMA = ROOT / "workflow/schemas/config.schema.yaml"
+SCHEMA = ROOT / "src/dampbalance/project/schemas/config.schema.yaml"
 NAME = ("excitation", "frequencies", 0, "name")
 
 
