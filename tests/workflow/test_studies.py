@@ -113,7 +113,7 @@ def test_an_interrupted_study_resumes_and_ends_in_the_same_bytes(studied):
     chunks = [f"results/studies/map/chunks/{i:05d}.parquet" for i in (2, 1)]
     studied.made(*chunks, cores=1)
     assert studied.jobs(all_cases) == {"study_chunk": 2, "study_cases": 1, "total": 3}
-    assert "Study map: 4 of 4 chunks" in studied.made(all_cases, cores=1)
+    studied.made(all_cases, cores=1)
     again = studied.files("studies/map")
     assert again == {name: finished[name] for name in ("cases.parquet", "manifest.json")}
     shutil.rmtree(folder)

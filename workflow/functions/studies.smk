@@ -1,9 +1,7 @@
 # Studies: their files, sizes and chunks, checked before anything is computed.
 import functools
-import os
 import re
 import sys
-import time
 from importlib.metadata import version
 
 STUDY_RESULTS = "results/studies"
@@ -71,8 +69,6 @@ def requested_studies():
 
 
 if workflow.is_main_process:
-    # from which chunks estimate the remaining time
-    os.environ.update(DAMPBALANCE_STARTED=str(time.time()))
     for name in requested_studies():
         logger.info(f"Study {name}: {study_plan(name)[1]}")
 

@@ -14,7 +14,6 @@ from ..features import Features
 from ..law.terms import KNOWN_TERMS, Term
 from ..motion.regime import Regime
 from ..project.documents import ConfigurationError
-from ..project.progress import duration_in_words
 from .parameters import MECHANICAL, OF_LAW, PARAMETERS, SI_COLUMNS, in_si
 from .settings import CONTACT, Sampled, Study, case_values
 
@@ -206,17 +205,3 @@ def size_in_words(count: float) -> str:
     """A number of bytes with a unit that suits it, e.g. 1.2 GB."""
     power = next((p for p in range(5) if count < 1000.0 ** (p + 1)), 5)
     return f"{count / 1000.0**power:.3g} {('bytes', 'kB', 'MB', 'GB', 'TB', 'PB')[power]}"
-
-
-def progress(study: Study, folder: str | Path, chunks: int, started: float, now: float) -> str:
-    """How many chunks of a study are done, and how long the rest takes at the rate of this run.
-
-    folder : of the finished chunks.   started, now : s since the epoch, of the run and of this moment; NaN for unknown.
-    """
-    done = list(Path(folder).glob("[0-9]*.parquet"))
-    text = f"Study {study.name}: {len(done)} of {chunks} chunks"
-    recent = sum(path.stat().st_mtime >= started for path in done)
-    if len(done) >= chunks or not recent:
-        return text
-    left = (chunks - len(done)) * (now - started) / recent
-    return f"{text}, about {duration_in_words(left)} left"

@@ -33,7 +33,6 @@ from .cases import PART, columns_of
 from .parameters import MECHANICAL, OF_LAW, PARAMETERS, in_si, objection, synonyms
 from .settings import (
     ROUTES,
-    SOBOL_BITS,
     Listed,
     Sampled,
     Study,
@@ -108,9 +107,6 @@ def _wrong_axes(axes: Sequence[Mapping[str, Any]]) -> Iterator[Problem]:
         over, sizes, sample = block, {}, block.get("sample", {})
         if sample:
             over, key = sample["over"], (*key, "sample", "over")
-        if sample.get("method") == "sobol" and sample["count"] > 2**SOBOL_BITS:
-            text = f"a Sobol sequence has {2**SOBOL_BITS:,} points at most; take fewer, or method: random"
-            yield ("axes", i, "sample", "count"), text
         for name, spec in over.items():
             yield from _wrong_axis((*key, name), name, spec)
             sizes[name] = len(spec.get("values", ())) or spec.get("count")
@@ -169,8 +165,6 @@ def _contradictions(document: Mapping[str, Any], study: Study) -> Iterator[Probl
     """What does not go together: levels, route, rules of reading, laws, fits, weights, terms of the balance."""
     estimation = document.get("estimation", {})
     given = {*document.get("base", {}), *study.axis_names} & {"Y_m", "F_k_over_kY"}
-    if "levels_m" in document and study.levels_relative:
-        yield ("levels_m",), "not together with levels_of_Y; keep one"
     if given and not study.levels_relative:
         text = "with Y_m or F_k_over_kY give the levels as multiples of Y_m: levels_of_Y: [1, 2, 3]"
         yield ("levels_m" if "levels_m" in document else "axes",), text
@@ -180,9 +174,6 @@ def _contradictions(document: Mapping[str, Any], study: Study) -> Iterator[Probl
     for i, fit in enumerate(estimation.get("fits", [])):
         if fit != "least_squares" and max(fit) > len(study.levels):
             yield ("estimation", "fits", i), f"there are only {len(study.levels)} levels"
-    if "weights" in estimation and not study.route.has_intervals:
-        text = f"means nothing to the route {study.route.kind}: without noise all rows weigh alike"
-        yield ("estimation", "weights"), text
     if not study.route.any_law:
         text = f"needs the route exact, not {study.route.kind}"
         yield from ((("route",), f"{name} {text}") for name in OF_LAW if name in study.parameters)
@@ -218,10 +209,6 @@ def _wrong_route(document: Mapping[str, Any], study: Study) -> Iterator[Problem]
     others = {key for each in ROUTES.values() for key in each.settings} - {*wanted.settings}
     for name in filter(others.__contains__, section):
         yield ("route", name), f"{nothing}; leave it out"
-    if wanted.is_noisy and "seed" not in section:
-        yield ("route", "seed"), "missing; the seed of the noise, an integer of at least 0"
-    if "intervals" in study.columns and not wanted.has_intervals:
-        yield ("columns",), "intervals are those of noisy records: they need the route measured"
 
 
 # --- sizes -------------------------------------------------------------------------------------------
@@ -255,7 +242,7 @@ def _wrong_sizes(_: object, study: Study) -> Iterator[Problem]:
             text = f"{name} makes records of {samples * cycles:.3g} samples"
             yield ("route",), f"{text}; take fewer cycles, or samples further apart"
     held = len(columns_of(study))
-    if study.route.has_intervals:
+    if study.route.is_noisy:
         held = max(held, study.replicates * len(study.levels) * _FEATURES)
     part, enough = min(study.chunk_cases, study.cases, PART), max(1, MOST_NUMBERS // held)
     if part * held > MOST_NUMBERS:
@@ -283,12 +270,6 @@ def _wrong_references(_: object, study: Study) -> Iterator[Problem]:
 def _wrong_figure(study: Study) -> Iterator[Problem]:
     figure = study.figure
     kind, x, y = figure["kind"], figure["x"], figure.get("y")
-    if kind == "map" and y is None:
-        yield ("figure", "y"), "missing; a map has two axes, x and y"
-        return
-    if kind != "map" and y is not None:
-        yield ("figure", "y"), f"is for a map; a figure of {kind} has one axis, x"
-        return
     axes = {"x": x, "y": y} if kind == "map" else {"x": x}
     undrawn = {part: text for part, name in axes.items() if (text := _not_drawn(study, name))}
     yield from ((("figure", part), text) for part, text in undrawn.items())
@@ -306,8 +287,6 @@ def _wrong_figure(study: Study) -> Iterator[Problem]:
             yield ("columns",), "a figure of steps needs the columns of parameters"
         if not study.fits_of({"approach": "direct"}):
             yield ("figure",), "a figure of steps shows the approach direct: see estimation"
-    if "at" in figure and kind != "curves":
-        yield ("figure", "at"), f"is for curves; a figure of {kind} takes all cases"
     yield from wrong_selection(study, ("figure",), {"at": figure.get("at", {})})
     if kind == "curves" and study.cases > MOST_POINTS:
         text = f"{study.cases:,} cases are more than curves can show, {MOST_POINTS:,}; take a map"
@@ -364,7 +343,7 @@ def _usual_figures(study: Study) -> Iterator[dict[str, Any]]:
     sizes = {name: len(listed) or math.inf for name, listed in values.items() if len(listed) != 1}
     few = [name for name in sizes if sizes[name] <= _USUAL_PANELS]
     numbers = [name for name in sizes if not PARAMETERS[name].is_word]
-    if study.route.has_intervals and "run" in sizes:
+    if study.route.is_noisy and "run" in sizes:
         for x in sorted(
             (name for name in numbers if name != "run"), key=lambda name: name != "noise"
         ):

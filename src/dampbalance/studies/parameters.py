@@ -19,7 +19,7 @@ from ..arrays import Array
 from ..balance import TERMS
 from ..law.terms import BUILT_IN, KNOWN_TERMS
 from ..model import Oscillator
-from ..project.wording import headed, shortened
+from ..project.wording import headed
 
 Kind = Literal["oscillator", "excitation", "numerics", "read_out"]
 
@@ -153,12 +153,11 @@ def synonyms(name: str) -> list[str]:
 
 
 def objection(name: str, value: Any) -> str | None:
-    """What is wrong with a value of a parameter; None for a good one."""
+    """What is wrong with a value of a parameter, which by its schema is a number or one of some words; None for a good
+    one."""
     p = PARAMETERS[name]
-    if p.is_word:  # the schema checks words
+    if p.is_word:
         return None
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        return f"{shortened(value)} is not a number"
     if value < 0.0 or (value == 0.0 and not p.zero_allowed):
         bound = "not negative" if p.zero_allowed else "positive"
         return f"{value!r} is out of range: {p.meaning} must be finite and {bound}"

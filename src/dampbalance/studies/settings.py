@@ -174,13 +174,9 @@ class Route:
 
     @property
     def is_noisy(self) -> bool:
-        """Whether the records have noise, which needs a seed and makes rules of reading meaningless."""
+        """Whether the records have noise, so that coefficients have standard errors and rows can be weighted; rules of
+        reading mean nothing then."""
         return "seed" in self.settings
-
-    @property
-    def has_intervals(self) -> bool:
-        """Whether coefficients have standard errors, by which their rows can be weighted."""
-        return "replicates" in self.settings
 
 
 ROUTES = {
@@ -442,7 +438,7 @@ def _fits(estimation: Mapping[str, Any], way: Route) -> Iterator[Fit]:
     levels = [None if kind == "least_squares" else (kind[0] - 1, kind[1] - 1) for kind in kinds]
     of_phase = estimation.get("phases", ["reversal"]), estimation.get("sharing", ["individual"])
     contacts = estimation.get("contact", [COMPLIANT])
-    weights = estimation.get("weights", [WEIGHTED]) if way.has_intervals else [""]
+    weights = estimation.get("weights", [WEIGHTED]) if way.is_noisy else [""]
     terms = list(dict.fromkeys(map(in_order, estimation.get("terms", [()]))))
     for approach in estimation.get("approaches", APPROACHES):
         choices = of_phase if takes_phase(approach) else ([""], [""])

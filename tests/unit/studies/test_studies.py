@@ -262,17 +262,6 @@ def test_a_study_too_large_is_refused_with_cases_and_bytes(make, tmp_path):
         cases.check_size(made, cases.size_of(made), tmp_path, "test.yaml")
 
 
-def test_progress_states_what_is_left(make, tmp_path):
-    made = make(SOBOL)
-    for i in range(2):
-        (tmp_path / f"0000{i}.parquet").touch()
-    now = (tmp_path / "00001.parquet").stat().st_mtime
-    text = cases.progress(made, tmp_path, 6, now - 10.0, now)
-    assert text == "Study test: 2 of 6 chunks, about 20 s left"
-    assert cases.progress(made, tmp_path, 6, math.nan, now) == "Study test: 2 of 6 chunks"
-    assert cases.progress(made, tmp_path, 2, now - 10.0, now) == "Study test: 2 of 2 chunks"
-
-
 # --- files -----------------------------------------------------------------------------------------
 
 

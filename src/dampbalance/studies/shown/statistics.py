@@ -181,7 +181,7 @@ def bounds_of(study: Study, cases: Integers) -> dict[str, float]:
     nothing slips, the contact yields gradually, or the likelihood has no such term.
     """
     nothing = dict.fromkeys(TERMS, math.nan)
-    if not study.route.has_intervals or not cases.size:
+    if not study.route.is_noisy or not cases.size:
         return nothing
     first = int(cases.min())
     held = cases_between(study, first, int(cases.max()) + 1)

@@ -64,7 +64,7 @@ def _grouped_records(cases: str | Path, study: Study) -> Iterator[dict[str, Any]
                 record = where | _which(quantity, fit) | counts
                 record |= {f"{name}_percent": 100.0 * share for name, share in errors.items()}
                 record |= {"bias_over_standard_error": ratio}
-                if study.route.has_intervals:
+                if study.route.is_noisy:
                     bound, rms = bounds[quantity], errors["rms"]
                     used = (bound / rms) ** 2 if rms > 0.0 else math.nan
                     record |= {"bound_percent": 100.0 * bound, "information_percent": 100.0 * used}
@@ -133,7 +133,7 @@ def _grouped_markdown(study: Study, summary: pd.DataFrame) -> list[str]:
         "Coverage: share of the 95 % intervals that hold the true value, and between which bounds the number of runs "
         "leaves it (95 %). ±: one standard error from the number of runs, of the 95 % quantile by Maritz and Jarrett."
     ]
-    if study.route.has_intervals:
+    if study.route.is_noisy:
         heads += ["bound", "information"]
         lines[0] += (
             " Information: what the approach uses of that in the records, the square of the Cramér–Rao bound (m, k and "
