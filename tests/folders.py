@@ -12,7 +12,6 @@ from pathlib import Path
 ROOT = Path(__file__).parents[1]
 PUBLISHED = ROOT / "paper/published"
 PAPER_FILE = ROOT / "config/config.yaml"
-STUDY_SCHEMA = ROOT / "src/dampbalance/studies/study.schema.yaml"
 
 
 def contents(folder: Path) -> dict[str, bytes]:

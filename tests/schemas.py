@@ -10,10 +10,10 @@ import yaml
 from folders import ROOT
 
 SCHEMAS = {
-    "config": "workflow/schemas/config.schema.yaml",
-    "study": "src/dampbalance/studies/study.schema.yaml",
-    "mapping": "src/dampbalance/records/mapping.schema.yaml",
-    "codecheck": "workflow/schemas/codecheck.schema.yaml",
+    "config": "src/dampbalance/project/schemas/config.schema.yaml",
+    "study": "src/dampbalance/project/schemas/study.schema.yaml",
+    "mapping": "src/dampbalance/project/schemas/mapping.schema.yaml",
+    "codecheck": "src/dampbalance/project/schemas/codecheck.schema.yaml",
 }
 _INSIDE = {"items": "[]", "additionalProperties": ".*"}
 

@@ -223,7 +223,6 @@ def _numbers(project: Project, cases: list[str], files: list[str]) -> None:
         frequency=FIRST,
         folder=RESULTS,
         studies=OF_ARTICLE,
-        schema="src/dampbalance/studies/study.schema.yaml",
         base="config/config.yaml",
         packages=["dampbalance", "numpy", "typst"],
     )

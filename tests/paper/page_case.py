@@ -14,9 +14,9 @@ from dampbalance.publishing.page.report import PageContent, report_page
 from dampbalance.replication.claims.changed_digits import packed
 from dampbalance.replication.printed_tables import paper_tables
 from dampbalance.studies.checking import read_study
-from dampbalance.studies.shown.facts import fact
+from dampbalance.studies.shown.paragraph import paragraph
 from dampbalance.studies.shown.study_figure import alternative_text, study_figure
-from folders import PAPER_FILE, STUDY_SCHEMA
+from folders import PAPER_FILE
 from paper.article_case import RESULTS, STUDIES
 from paper.routes import CASE, CONFIG, PAPER, as_published, computed, exact, sources_of
 
@@ -37,8 +37,8 @@ def results(folder: Path, article: Path) -> PageContent:
     routes = {"exact": exact(PAPER), "as_published": as_published(PAPER)}
     frequency, cases = computed("frequency", folder, COARSER)
     save_svg(study_figure(frequency, cases), folder / "figure.svg", alternative_text(frequency))
-    steps = read_study(article / f"{STUDIES}/step_size.yaml", STUDY_SCHEMA, PAPER_FILE)
-    facts = {name: fact(frequency, cases, spec) for name, spec in frequency.facts.items()}
+    steps = read_study(article / f"{STUDIES}/step_size.yaml", PAPER_FILE)
+    text, numbers = paragraph(frequency, cases)
     of_studies = json.loads(_text(made / "article/studies.json"))
     return PageContent(
         case=CASE,
@@ -54,7 +54,10 @@ def results(folder: Path, article: Path) -> PageContent:
         approaches=read_csv(made / "tables/approaches.csv"),
         figures={name: _text(made / f"figures/{name}.svg") for name in FIGURES},
         evidence=json.loads(_text(made / "article/evidence.json")),
-        facts={"frequency": facts, "step_size": of_studies["step_size"]["facts"]},
+        shown={
+            "frequency": {"numbers": numbers, "paragraph": text},
+            "step_size": of_studies["step_size"],
+        },
         studies=[
             (frequency, _text(folder / "figure.svg")),
             (steps, _text(article / f"{STUDIES}/step_size/figure.svg")),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from dataclasses import replace
 from decimal import Decimal
 from functools import lru_cache
@@ -26,7 +27,7 @@ from dampbalance.replication.printed_tables import RouteTables
 from dampbalance.studies import case_files, evaluate
 from dampbalance.studies.checking import read_study
 from dampbalance.studies.settings import Study
-from folders import PUBLISHED, ROOT, STUDY_SCHEMA
+from folders import PUBLISHED, ROOT
 
 PRINT = read_published(PUBLISHED)
 CONFIG = yaml.safe_load((ROOT / "config/config.yaml").read_text(encoding="utf-8"))
@@ -127,6 +128,7 @@ def computed(name: str, folder: Path, coarser: tuple[str, str] = ("", "")) -> tu
     file, cases = folder / f"{name}.yaml", folder / f"{name}/cases.parquet"
     cases.parent.mkdir(parents=True)
     file.write_text(text.replace(*coarser) if coarser[0] else text, encoding="utf-8")
-    study = read_study(file, STUDY_SCHEMA, ROOT / "config/config.yaml")
+    shutil.copy(ROOT / f"config/studies/{name}.md.j2", folder)
+    study = read_study(file, ROOT / "config/config.yaml")
     case_files.write_parts(cases, [evaluate.evaluate(study, 0, study.cases, threads=1)], study, "0")
     return study, cases

@@ -256,7 +256,7 @@ def checked(file, text):
     config = dict(CONFIG)
     for key, value in read_yaml(file).items():
         config[key] = {**config[key], **value} if isinstance(value, dict) else value
-    check(config, ROOT / "workflow/schemas/config.schema.yaml", [file], checks())
+    check(config, ROOT / "src/dampbalance/project/schemas/config.schema.yaml", [file], checks())
     return config
 
 

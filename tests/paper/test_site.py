@@ -98,9 +98,9 @@ def test_every_function_of_an_equation_is_documented(site):
 @pytest.mark.parametrize(
     ("page", "schema"),
     [
-        ("case", "workflow/schemas/config.schema.yaml"),
-        ("study", "src/dampbalance/studies/study.schema.yaml"),
-        ("mapping", "src/dampbalance/records/mapping.schema.yaml"),
+        ("case", "src/dampbalance/project/schemas/config.schema.yaml"),
+        ("study", "src/dampbalance/project/schemas/study.schema.yaml"),
+        ("mapping", "src/dampbalance/project/schemas/mapping.schema.yaml"),
     ],
 )
 def test_every_key_is_on_its_page(site, page, schema):

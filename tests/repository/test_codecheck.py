@@ -10,7 +10,10 @@ import yaml
 from dampbalance.project.documents import against_schema, read_schema, read_yaml
 from folders import ROOT
 
-FILE, SCHEMA = ROOT / "codecheck.yml", ROOT / "workflow/schemas/codecheck.schema.yaml"
+FILE, SCHEMA = (
+    ROOT / "codecheck.yml",
+    ROOT / "src/dampbalance/project/schemas/codecheck.schema.yaml",
+)
 PAPER = {"title": "A", "authors": [{"name": "A"}], "reference": "https://doi.org/10.1/a"}
 ORCID = "0000-0002-1825-0097"
 CHECKED = {

@@ -28,7 +28,7 @@ ALLOWED = (
     "workflow/scripts/claims/check.py",
     "workflow/scripts/claims/misprints.py",
     "config/config.yaml",
-    "workflow/schemas/config.schema.yaml",
+    "src/dampbalance/project/schemas/config.schema.yaml",
 )
 
 

@@ -73,7 +73,7 @@ def test_the_wheel_holds_every_file_of_the_package_and_no_other(wheel):
         metadata = opened.read(f"{NAME}.dist-info/METADATA").decode()
     package = {name.removeprefix("src/") for name in files_of(ROOT, ["src"])}
     assert {name for name in held if ".dist-info/" not in name} == package
-    assert {"dampbalance/py.typed", "dampbalance/records/mapping.schema.yaml"} <= package
+    assert {"dampbalance/py.typed", "dampbalance/project/schemas/mapping.schema.yaml"} <= package
     assert f"{NAME}.dist-info/licenses/LICENSE" in held
     assert "License-Expression: BSD-3-Clause" in metadata
 

@@ -28,7 +28,10 @@ from dampbalance.replication.feasibility import check_feasible
 from folders import ROOT
 from workflow.jobs import case_jobs
 
-FILE, SCHEMA = ROOT / "config/config.yaml", ROOT / "workflow/schemas/config.schema.yaml"
+FILE, SCHEMA = (
+    ROOT / "config/config.yaml",
+    ROOT / "src/dampbalance/project/schemas/config.schema.yaml",
+)
 PAPER = yaml.safe_load(FILE.read_text(encoding="utf-8"))
 LONGEST = 300  # characters of a line
 DECIMALS = ["X_decimals", "X_s_decimals", "V_s_decimals", "phi_decimals", "common_phi_decimals"]

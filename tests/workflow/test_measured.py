@@ -76,7 +76,7 @@ def test_what_is_missing_or_changed_is_made_again_and_nothing_is_done_twice(buil
     package = "src/dampbalance"
     for name in (
         f"{package}/identification/templates/report.css",
-        f"{package}/records/mapping.schema.yaml",
+        f"{package}/project/schemas/mapping.schema.yaml",
         "config/records/example/level3.csv",
     ):
         file = built.folder / name

@@ -27,10 +27,8 @@ NAMES_NONE = {
     "config: frame.set",
     *(f"config: beam.{key}" for key in ("set", "time", "channels[]", "unit")),
     "config: measured[].groups.*[]",
-    *(f"study: {key}" for key in ("title", "shows", "summary_by[]", "route.law")),
+    *(f"study: {key}" for key in ("title", "summary_by[]")),
     *(f"study: figure.{key}" for key in ("x", "y", "panels", "at.*")),
-    *(f"study: facts.*.{key}" for key in ("along", "at.*")),
-    "study: axes[].law.values[]",
     *(
         f"mapping: channels.*.{key}"
         for key in ("channel", "unit", "time", "delay", "delay_uncertainty")

@@ -77,9 +77,8 @@ STUDY = {
     "estimation": {"approaches": ["direct", "toy"]},
     "columns": ["parameters", "estimates", "errors", "residuals"],
     "figure": {"kind": "curves", "x": "zeta"},
-    "facts": {"worst": {"of": "F_k", "take": "max", "approach": "toy"}},
-    "shows": "F_k is off by {worst} at most.",
 }
+TEXT = """F_k is off by {{ errors("F_k", "toy").largest | percent }} at most."""
 
 
 @pytest.fixture(scope="module")
@@ -90,6 +89,7 @@ def extended(checkout):
     for file, document in (("toy.yaml", CASE), ("config/studies/toy.yaml", STUDY)):
         text = yaml.safe_dump(document, allow_unicode=True)
         (copy.folder / file).write_text(text, encoding="utf-8")
+    (copy.folder / "config/studies/toy.md.j2").write_text(TEXT, encoding="utf-8")
     return copy
 
 

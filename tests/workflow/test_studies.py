@@ -62,7 +62,7 @@ def test_everything_is_made(studied, name):
         "figure.png",
     }
     page = files["summary.md"].decode()
-    assert "{" not in page  # every fact is filled in
+    assert "{" not in page  # every number is filled in
     assert " nan " not in page
     manifest = json.loads(files["manifest.json"])
     cases = pq.read_table(studied.folder / f"results/studies/{name}/cases.parquet")
@@ -76,9 +76,7 @@ def test_everything_is_made(studied, name):
 @pytest.mark.parametrize("name", ["map", "frequency", "noise"])
 def test_chunks_joined_are_the_study_computed_at_once(studied, name):
     study = checking.read_study(
-        studied.folder / f"config/studies/{name}.yaml",
-        studied.folder / "src/dampbalance/studies/study.schema.yaml",
-        studied.folder / "config/config.yaml",
+        studied.folder / f"config/studies/{name}.yaml", studied.folder / "config/config.yaml"
     )
     cases = pd.read_parquet(studied.folder / f"results/studies/{name}/cases.parquet")
     whole = evaluate.evaluate(study, 0, study.cases)
@@ -115,7 +113,7 @@ def test_an_interrupted_study_resumes_and_ends_in_the_same_bytes(studied):
     chunks = [f"results/studies/map/chunks/{i:05d}.parquet" for i in (2, 1)]
     studied.made(*chunks, cores=1)
     assert studied.jobs(all_cases) == {"study_chunk": 2, "study_cases": 1, "total": 3}
-    assert "Study map: 4 of 4 chunks" in studied.made(all_cases, cores=1)
+    studied.made(all_cases, cores=1)
     again = studied.files("studies/map")
     assert again == {name: finished[name] for name in ("cases.parquet", "manifest.json")}
     shutil.rmtree(folder)

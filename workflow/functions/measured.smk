@@ -15,7 +15,7 @@ if config.get("measured"):  # slow to import
 
 MEASURED = {one["name"]: one for one in config.get("measured") or []}
 MEASURED_FILES = f"{RESULTS}/measured"
-MAPPING_SCHEMA = project_file("src/dampbalance/records/mapping.schema.yaml")
+MAPPING_SCHEMA = project_file("src/dampbalance/project/schemas/mapping.schema.yaml")
 REPORT_PARTS = [
     MAPPING_SCHEMA,
     *map(

@@ -1,9 +1,7 @@
 # Studies: their files, sizes and chunks, checked before anything is computed.
 import functools
-import os
 import re
 import sys
-import time
 from importlib.metadata import version
 
 STUDY_RESULTS = "results/studies"
@@ -28,11 +26,18 @@ def study_files(names):
     return [*map(study_file, names)]
 
 
+def study_texts(names):
+    """The templates of their paragraphs, as far as they have one."""
+    texts = (Path(study_file(name)).with_suffix(".md.j2") for name in names)
+    return [str(path) for path in texts if path.exists()]
+
+
 @functools.cache
 def study_plan(name):
     """(study, its size), checked against the schema and the free disk; one clear error for a file that is wrong."""
     from dampbalance.studies.cases import check_size, size_of
     from dampbalance.studies.checking import read_study
+    from dampbalance.studies.shown.paragraph import template_of
 
     file = Path(study_file(name))
     if not re.fullmatch(r"(?!.*(.{1,3})\1{19}$)[A-Za-z0-9][A-Za-z0-9_-]{0,59}", name):
@@ -44,7 +49,8 @@ def study_plan(name):
         known = ", ".join(STUDIES)
         raise WorkflowError(f"{file}: there is no such study; known are {known}")
     try:
-        study = read_study(file, STUDY_DEFAULTS["schema"], STUDY_DEFAULTS["base"])
+        study = read_study(file, BASE_CONFIG)
+        template_of(study)
         size = size_of(study)
         if workflow.is_main_process and not Path(f"{STUDY_RESULTS}/{name}/cases.parquet").exists():
             check_size(study, size, STUDY_RESULTS, file)
@@ -63,8 +69,6 @@ def requested_studies():
 
 
 if workflow.is_main_process:
-    # from which chunks estimate the remaining time
-    os.environ.update(DAMPBALANCE_STARTED=str(time.time()))
     for name in requested_studies():
         logger.info(f"Study {name}: {study_plan(name)[1]}")
 

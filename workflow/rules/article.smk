@@ -36,6 +36,7 @@ if config["published"]:
             steps=f"{STUDY_RESULTS}/step_size/cases.parquet",
             study_cases=expand(rules.study_cases.output.cases, study=ARTICLE_STUDIES),
             study_files=study_files(ARTICLE_STUDIES),
+            study_texts=study_texts(ARTICLE_STUDIES),
             lock=project_file("requirements.lock"),
             citation=project_file("CITATION.cff"),
             modules=script_modules("article/article_numbers.py"),
@@ -53,7 +54,7 @@ if config["published"]:
         conda:
             ENVIRONMENT
         params:
-            **STUDY_DEFAULTS,
+            base=BASE_CONFIG,
             case=of_case("oscillator", "frequencies_hz", "levels_m", "pairs", "phase", "numerics"),
             frequency=FREQUENCIES[0],
             folder=lambda wildcards: RESULTS,

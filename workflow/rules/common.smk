@@ -54,7 +54,7 @@ if workflow.is_main_process:
     try:
         check(
             config,
-            project_file("workflow/schemas/config.schema.yaml"),
+            project_file("src/dampbalance/project/schemas/config.schema.yaml"),
             CONFIG_FILES,
             checks(),
         )
@@ -76,10 +76,6 @@ LOGS = f"results/logs/{CASE.name}"
 FIRST = 10  # priority of what leads to the paper's tables and verdicts: they are seen before the studies are computed
 NEXT = 5  # of studies, and of what article and page wait for: jobs that nothing waits for fill the gaps
 ENVIRONMENT = "../envs/dampbalance.yaml"
-STUDY_DEFAULTS = {  # what a script needs to read the file of a study
-    "schema": project_file("src/dampbalance/studies/study.schema.yaml"),
-    "base": BASE_CONFIG,
-}
 
 
 def of_case(*fields):

@@ -29,7 +29,7 @@ rule page:
         tables=rules.tables.output.csv,
         figures=list(PAGE_FIGURES.values()),
         evidence=rules.article_numbers.output.evidence if config["published"] else [],
-        facts=rules.article_numbers.output.studies if config["published"] else [],
+        shown=rules.article_numbers.output.studies if config["published"] else [],
         noise=f"{STUDY_RESULTS}/noise/summary.csv" if "noise" in PAGE_STUDIES else [],
         study_files=study_files(PAGE_STUDIES),
         study_figures=expand(f"{STUDY_RESULTS}/{{study}}/figure.svg", study=PAGE_STUDIES),
@@ -49,7 +49,7 @@ rule page:
     conda:
         ENVIRONMENT
     params:
-        **STUDY_DEFAULTS,
+        base=BASE_CONFIG,
         config=config,
         figures=list(PAGE_FIGURES),
         folder=lambda wildcards: RESULTS,

@@ -32,7 +32,7 @@ rule study_chunk:
         mem_mb=chunk_memory_mb,
         runtime=30,
     params:
-        **STUDY_DEFAULTS,
+        base=BASE_CONFIG,
         file=lambda wildcards: study_file(wildcards.study),
         number=lambda wildcards: int(wildcards.chunk) + 1,
         chunks=lambda wildcards: study_plan(wildcards.study)[1].chunks,
@@ -63,7 +63,7 @@ rule study_cases:
         mem_mb=chunk_memory_mb,
         runtime=60,
     params:
-        **STUDY_DEFAULTS,
+        base=BASE_CONFIG,
         file=lambda wildcards: study_file(wildcards.study),
         computed_from=lambda wildcards: study_settings(wildcards.study),
     message:
@@ -89,7 +89,7 @@ rule study_figure:
         mem_mb=1500,
         runtime=30,
     params:
-        **STUDY_DEFAULTS,
+        base=BASE_CONFIG,
     message:
         "Study {wildcards.study}: figure"
     script:
@@ -120,7 +120,7 @@ rule small_studies:
         mem_mb=chunk_memory_mb,
         runtime=60,
     params:
-        **STUDY_DEFAULTS,
+        base=BASE_CONFIG,
     message:
         "Small studies"
     script:
@@ -136,6 +136,7 @@ rule study_summary:
         cases=rules.study_cases.output.cases,
         figure=study_figure_files,
         file=lambda wildcards: study_file(wildcards.study),
+        text=lambda wildcards: study_texts([wildcards.study]),
         modules=script_modules("studies/study_summary.py"),
     output:
         csv=f"{STUDY_RESULTS}/{{study}}/summary.csv",
@@ -149,7 +150,7 @@ rule study_summary:
         mem_mb=1500,
         runtime=30,
     params:
-        **STUDY_DEFAULTS,
+        base=BASE_CONFIG,
     message:
         "Study {wildcards.study}: summary"
     script:

@@ -25,7 +25,7 @@ from .errors import RecordError, library
 from .measurement import EXCITATIONS, RESPONSES, Correction
 from .units import TABLE_DIMENSIONS, UnitError, table_factor, unit_for
 
-SCHEMA = Path(__file__).with_name("mapping.schema.yaml")
+SCHEMA = Path(__file__).parents[1] / "project/schemas/mapping.schema.yaml"
 FOLDER_FILE = "channels.yaml"
 
 _FILTERS = ("low_pass", "high_pass")

@@ -34,7 +34,7 @@ compressing them takes longer than computing them."""
 def stretches(cases: str | Path, names: Sequence[str]) -> Iterator[dict[str, Words]]:
     """The columns named, row group by row group, in the order of the cases: memory does not grow with their number.
 
-    An array is not to be changed: facts and figures, which ask for the same columns again and again, get the same one.
+    An array is not to be changed: paragraphs and figures, which ask for a column again and again, get the same one.
     """
     file, wanted = (str(cases), Path(cases).stat().st_mtime_ns), list(dict.fromkeys(names))
     for group in range(_metadata_of(*file).num_row_groups):

@@ -14,7 +14,6 @@ from ..features import Features
 from ..law.terms import Term, term
 from ..motion.regime import Regime
 from ..project.documents import ConfigurationError
-from ..project.progress import duration_in_words
 from .parameters import SI_COLUMNS, in_si, mechanical, of_law, parameter
 from .settings import CONTACT, Sampled, Study, case_values
 
@@ -58,7 +57,6 @@ class Responses(NamedTuple):
     """The responses of n cases at L levels.
 
     features : (L, n). The rest is for noisy records only.
-    chosen : names of the laws that the records support, (n,), where a study asks for them instead of coefficients.
     drawn : bootstrap replicates of the features, (L, n, r).
     simpson : features and replicates with a, b and W by `reading.simpson`, where a fit asks for them.
     likelihood : values and standard errors of the maximum-likelihood oscillator by symbol, SI units, (n,) each.
@@ -68,7 +66,6 @@ class Responses(NamedTuple):
     drawn: Features | None = None
     simpson: tuple[Features, ...] = ()
     likelihood: tuple[Mapping[str, Array], Mapping[str, Array]] = ({}, {})
-    chosen: Words | None = None
 
 
 NOT_READ = "not_read"
@@ -128,8 +125,6 @@ def columns_of(study: Study) -> list[Column]:
     kinds = ", ".join(REGIME_NAMES.values())
     regimes = f"kind of response at each level, one word if all are alike: {kinds}"
     columns.append(Column("regime", "", regimes, words=True))
-    if "chosen" in study.columns:
-        columns.append(Column("chosen", "", "law that the records support, or none", words=True))
     true = {*SI_COLUMNS, *of_law(study.parameters).values()}
     for fit in study.fits:
         how = " ".join(part.replace("_", " ") for part in fit.parts)
@@ -210,17 +205,3 @@ def size_in_words(count: float) -> str:
     """A number of bytes with a unit that suits it, e.g. 1.2 GB."""
     power = next((p for p in range(5) if count < 1000.0 ** (p + 1)), 5)
     return f"{count / 1000.0**power:.3g} {('bytes', 'kB', 'MB', 'GB', 'TB', 'PB')[power]}"
-
-
-def progress(study: Study, folder: str | Path, chunks: int, started: float, now: float) -> str:
-    """How many chunks of a study are done, and how long the rest takes at the rate of this run.
-
-    folder : of the finished chunks.   started, now : s since the epoch, of the run and of this moment; NaN for unknown.
-    """
-    done = list(Path(folder).glob("[0-9]*.parquet"))
-    text = f"Study {study.name}: {len(done)} of {chunks} chunks"
-    recent = sum(path.stat().st_mtime >= started for path in done)
-    if len(done) >= chunks or not recent:
-        return text
-    left = (chunks - len(done)) * (now - started) / recent
-    return f"{text}, about {duration_in_words(left)} left"

@@ -1,14 +1,13 @@
 """What can be wrong with the YAML file of a study, found before anything runs; and the figure of a file without one.
 
 The schema (study.schema.yaml) says which keys there are, and what each may hold. This module checks
-what takes more than one key to see: axes that contradict each other, a route that lacks a parameter, a figure or a fact
-about something that the study does not have, numbers that cannot be solved or held in memory.
+what takes more than one key to see: axes that contradict each other, a route that lacks a parameter, a figure
+of something that the study does not have, numbers that cannot be solved or held in memory.
 """
 
 from __future__ import annotations
 
 import math
-import string
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import product
@@ -34,13 +33,7 @@ from ..project.wording import listed, shortened
 from .cases import PART, columns_of
 from .parameters import PARAMETERS, in_si, mechanical, objection, of_law, parameter, synonyms
 from .settings import (
-    BANDS,
-    CHOICES,
-    COVERAGE_RANGE,
-    OF_INTERVALS,
     ROUTES,
-    SOBOL_BITS,
-    SPREADS,
     Listed,
     Sampled,
     Study,
@@ -48,10 +41,9 @@ from .settings import (
     paper_defaults,
     selected,
     spread,
-    terms_named,
 )
 
-SCHEMA = Path(__file__).with_name("study.schema.yaml")
+SCHEMA = Path(__file__).parents[1] / "project/schemas/study.schema.yaml"
 
 MOST_POINTS = 50_000
 """Cases on the curves of a figure; more are drawn as a map."""
@@ -72,9 +64,9 @@ _FEATURES = 20  # of a replicate
 _USUAL_PANELS = 6  # an axis of more values gets an axis of the usual figure
 
 
-def read_study(path: str | Path, schema_file: str | Path, paper_file: str | Path) -> Study:
+def read_study(path: str | Path, paper_file: str | Path) -> Study:
     """The study of a YAML file, named after the file; without a figure, it gets the first of the usual ones that can be
-    drawn.
+    drawn. Its text is the template next to the file, NAME.md.j2, if there is one.
 
     paper_file : the configuration of the paper's case, whose oscillator, first frequency and levels stand for what the
     study leaves out.
@@ -82,9 +74,10 @@ def read_study(path: str | Path, schema_file: str | Path, paper_file: str | Path
     Raises ConfigurationError listing every problem, a line each: file, key, what is wrong, what would be right.
     """
     document, paper = read_yaml(path), paper_defaults(read_yaml(paper_file))
-    if wrong := problems(document, read_schema(schema_file), paper):
+    if wrong := problems(document, read_schema(SCHEMA), paper):
         raise ConfigurationError(in_lines(wrong, {str(path): document}))
-    study = Study.of(Path(path).stem, document, paper)
+    text = Path(path).with_suffix(".md.j2")
+    study = Study.of(Path(path).stem, document, paper, text if text.exists() else None)
     if "figure" in document:
         return study
     drawn = (replace(study, figure=figure) for figure in _usual_figures(study))
@@ -115,9 +108,6 @@ def _wrong_axes(axes: Sequence[Mapping[str, Any]]) -> Iterator[Problem]:
         over, sizes, sample = block, {}, block.get("sample", {})
         if sample:
             over, key = sample["over"], (*key, "sample", "over")
-        if sample.get("method") == "sobol" and sample["count"] > 2**SOBOL_BITS:
-            text = f"a Sobol sequence has {2**SOBOL_BITS:,} points at most; take fewer, or method: random"
-            yield ("axes", i, "sample", "count"), text
         for name, spec in over.items():
             yield from _wrong_axis((*key, name), name, spec)
             sizes[name] = len(spec.get("values", ())) or spec.get("count")
@@ -176,25 +166,15 @@ def _contradictions(document: Mapping[str, Any], study: Study) -> Iterator[Probl
     """What does not go together: levels, route, rules of reading, laws, fits, weights, terms of the balance."""
     estimation = document.get("estimation", {})
     given = {*document.get("base", {}), *study.axis_names} & {"Y_m", "F_k_over_kY"}
-    if "levels_m" in document and study.levels_relative:
-        yield ("levels_m",), "not together with levels_of_Y; keep one"
     if given and not study.levels_relative:
         text = "with Y_m or F_k_over_kY give the levels as multiples of Y_m: levels_of_Y: [1, 2, 3]"
         yield ("levels_m" if "levels_m" in document else "axes",), text
     yield from _wrong_route(document, study)
     if {"X_s_mark_m", "X_s_decimals"} <= study.parameters:
         yield ("read_out",), "X_s_mark_m and X_s_decimals both round X_s; keep one"
-    for law in map(str, study.values_of("law")):
-        try:
-            terms_named(law)
-        except ValueError as error:
-            yield ("axes",), str(error)
     for i, fit in enumerate(estimation.get("fits", [])):
         if fit != "least_squares" and max(fit) > len(study.levels):
             yield ("estimation", "fits", i), f"there are only {len(study.levels)} levels"
-    if "weights" in estimation and not study.route.has_intervals:
-        text = f"means nothing to the route {study.route.kind}: without noise all rows weigh alike"
-        yield ("estimation", "weights"), text
     if not study.route.any_law:
         text = f"needs the route exact, not {study.route.kind}"
         yield from ((("route",), f"{name} {text}") for name in of_law(study.parameters))
@@ -230,19 +210,6 @@ def _wrong_route(document: Mapping[str, Any], study: Study) -> Iterator[Problem]
     others = {key for each in ROUTES.values() for key in each.settings} - {*wanted.settings}
     for name in filter(others.__contains__, section):
         yield ("route", name), f"{nothing}; leave it out"
-    for key in wanted.refuses:
-        if key in document:
-            yield (key,), f"{nothing}, which draws oscillators; leave it out"
-    if wanted.is_noisy and "seed" not in section:
-        yield ("route", "seed"), "missing; the seed of the noise, an integer of at least 0"
-    if "intervals" in study.columns and not wanted.has_intervals:
-        yield ("columns",), "intervals are those of noisy records: they need the route measured"
-    if "base" in wanted.refuses:
-        if not study.levels_relative:
-            text = f"missing; the levels of the route {wanted.kind}, in parts of the highest"
-            yield ("levels_of_Y",), text
-        for name in mechanical(study.axis_names):
-            yield ("axes",), f"{name} {nothing}, which draws oscillators"
 
 
 # --- sizes -------------------------------------------------------------------------------------------
@@ -276,7 +243,7 @@ def _wrong_sizes(_: object, study: Study) -> Iterator[Problem]:
             text = f"{name} makes records of {samples * cycles:.3g} samples"
             yield ("route",), f"{text}; take fewer cycles, or samples further apart"
     held = len(columns_of(study))
-    if study.route.has_intervals:
+    if study.route.is_noisy:
         held = max(held, study.replicates * len(study.levels) * _FEATURES)
     part, enough = min(study.chunk_cases, study.cases, PART), max(1, MOST_NUMBERS // held)
     if part * held > MOST_NUMBERS:
@@ -284,7 +251,7 @@ def _wrong_sizes(_: object, study: Study) -> Iterator[Problem]:
         yield ("chunk_cases",), text
 
 
-# --- what the summary, the figure, the facts and the text refer to ------------------------------------
+# --- what the summary and the figure refer to -----------------------------------------------------------
 
 
 def _wrong_references(_: object, study: Study) -> Iterator[Problem]:
@@ -299,35 +266,11 @@ def _wrong_references(_: object, study: Study) -> Iterator[Problem]:
         yield ("summary_by",), text
     if study.figure:
         yield from _wrong_figure(study)
-    for fact, spec in study.facts.items():
-        yield from _wrong_fact(study, ("facts", fact), spec)
-    try:
-        fields = [field for field in string.Formatter().parse(study.shows) if field[1] is not None]
-    except ValueError as error:
-        yield ("shows",), f"{error}: write {{name}} for a fact, and {{{{ or }}}} for a brace"
-        return
-    for _, name, form, conversion in fields:
-        if name not in (*study.facts, "cases"):
-            known = ", ".join(study.facts) or "none"
-            yield ("shows",), f"{{{name}}} is not among the facts: {known}"
-        elif form or conversion:
-            yield ("shows",), f"write {{{name}}} with nothing else in the braces: facts are words"
 
 
 def _wrong_figure(study: Study) -> Iterator[Problem]:
-    figure, route = study.figure, study.route
+    figure = study.figure
     kind, x, y = figure["kind"], figure["x"], figure.get("y")
-    if kind not in route.figures:
-        text = f"{kind} shows nothing of the route {route.kind}; take {listed(route.figures, 'or')}"
-        yield ("figure", "kind"), text
-        return
-    if kind == "confusion":
-        if x != "law":
-            yield ("figure", "x"), f"{shortened(x)} is not what a confusion shows; take law"
-        return
-    if kind == "map" and y is None:
-        yield ("figure", "y"), "missing; a map has two axes, x and y"
-        return
     axes = {"x": x, "y": y} if kind == "map" else {"x": x}
     undrawn = {part: text for part, name in axes.items() if (text := _not_drawn(study, name))}
     yield from ((("figure", part), text) for part, text in undrawn.items())
@@ -345,9 +288,7 @@ def _wrong_figure(study: Study) -> Iterator[Problem]:
             yield ("columns",), "a figure of steps needs the columns of parameters"
         if not study.fits_of({"approach": "direct"}):
             yield ("figure",), "a figure of steps shows the approach direct: see estimation"
-    if "at" in figure and kind != "curves":
-        yield ("figure", "at"), f"is for curves; a figure of {kind} takes all cases"
-    yield from _wrong_selection(study, ("figure",), {"at": figure.get("at", {})})
+    yield from wrong_selection(study, ("figure",), {"at": figure.get("at", {})})
     if kind == "curves" and study.cases > MOST_POINTS:
         text = f"{study.cases:,} cases are more than curves can show, {MOST_POINTS:,}; take a map"
         yield ("figure", "kind"), text
@@ -390,14 +331,11 @@ def _usual_figures(study: Study) -> Iterator[dict[str, Any]]:
     """Figures that suit the axes of a study, the most telling first, as its file would ask for them; some may be
     refused.
 
-    Laws: who is taken for whom. Steps of several schemes: the error of c against the step. Runs that differ by their
+    Steps of several schemes: the error of c against the step. Runs that differ by their
     noise: statistics of their errors along the noise, or another axis. One axis: curves along it. More: a map over the
     two with the most values, but where the others have few, curves along the longest with a panel for each value of the
     next; all further axes are then at the middle of their values.
     """
-    if study.route.figures == ("confusion",):
-        yield {"kind": "confusion", "x": "law"}
-        return
     if {"scheme", "step_s"} <= set(study.axis_names):
         yield {"kind": "steps", "x": "step_s"}
     # paired axes go in step: one of them stands for all
@@ -406,7 +344,7 @@ def _usual_figures(study: Study) -> Iterator[dict[str, Any]]:
     sizes = {name: len(listed) or math.inf for name, listed in values.items() if len(listed) != 1}
     few = [name for name in sizes if sizes[name] <= _USUAL_PANELS]
     numbers = [name for name in sizes if not parameter(name).is_word]
-    if study.route.has_intervals and "run" in sizes:
+    if study.route.is_noisy and "run" in sizes:
         for x in sorted(
             (name for name in numbers if name != "run"), key=lambda name: name != "noise"
         ):
@@ -425,44 +363,6 @@ def _usual_figures(study: Study) -> Iterator[dict[str, Any]]:
         yield curves
 
 
-def _wrong_fact(study: Study, key: Key, spec: Mapping[str, Any]) -> Iterator[Problem]:
-    take, of, route, fits = spec["take"], spec["of"], study.route, study.fits_of(spec)
-    wrong = list(_wrong_selection(study, key, spec))
-    yield from wrong
-    if of not in route.answers:
-        text = f"the route {route.kind} does not answer {of}; take {listed([*route.answers], 'or')}"
-        yield (*key, "of"), text
-        return
-    if of == "law" or take in CHOICES:
-        if of != "law" or take not in CHOICES:
-            yield (*key, "take"), f"of: law, and nothing else, takes {listed(CHOICES, 'or')}"
-        return
-    if not fits:
-        yield key, "selects no fit of this study: see estimation"
-    columns = {column.name for column in columns_of(study)}
-    if any(f"{of}_relative_error__{fit.label}" not in columns for fit in fits):
-        text = f"{of} is not identified, or the oscillator has none: see estimation.terms"
-        yield (*key, "of"), text
-    if take in SPREADS and len(fits) > 1:
-        labels = ", ".join(fit.label for fit in fits)
-        yield key, f"{take} refers to one fit, but selects {labels}"
-    if take in OF_INTERVALS and "intervals" not in study.columns:
-        yield (*key, "take"), "needs the columns of intervals: columns: [errors, intervals]"
-    if take == COVERAGE_RANGE and not study.summary_by:
-        yield (*key, "take"), "needs summary_by, whose axes divide the cases"
-    if take in (*BANDS, "share") and "within" not in spec:
-        yield (*key, "within"), f"missing; the bound of {take}, as a relative error"
-    if take in BANDS:
-        along = str(spec.get("along"))
-        if not study.values_of(along) or parameter(along).is_word:
-            yield (*key, "along"), "must be an axis of this study whose values are listed numbers"
-        elif "around" in spec and (text := _not_selected(study, along, spec["around"])):
-            yield (*key, "around"), text
-    if take == "signed" and not wrong and (cases := _selected(study, spec)) > 1:
-        text = f"is the error of one case, and {cases:,} are selected"
-        yield (*key, "take"), f"{text}; give a value of each axis in at"
-
-
 def _selected(study: Study, spec: Mapping[str, Any]) -> int:
     """How many cases the conditions on listed axes leave."""
     left = 1
@@ -475,8 +375,8 @@ def _selected(study: Study, spec: Mapping[str, Any]) -> int:
     return left
 
 
-def _wrong_selection(study: Study, key: Key, spec: Mapping[str, Any]) -> Iterator[Problem]:
-    """What is wrong with the cases that a figure or a fact selects by values of axes, or by bounds."""
+def wrong_selection(study: Study, key: Key, spec: Mapping[str, Any]) -> Iterator[Problem]:
+    """What is wrong with the cases that a figure or a number selects by values of axes, or by bounds."""
     wrong = [
         ((*key, where, name), text)
         for where in ("at", "between")

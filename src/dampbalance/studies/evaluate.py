@@ -63,11 +63,7 @@ def in_parts(
 def responses_of(study: Study, start: int, stop: int, threads: int | None = None) -> pd.DataFrame:
     """The responses of the cases start … stop − 1, from which `evaluate` identifies: a row for each case and level,
     with the axes, the level counted from 1 and the features, in columns named with their units.
-
-    Raises ValueError for a study of laws, whose cases are records of different oscillators.
     """
-    if not study.route.approaches:
-        raise ValueError(f"a study of the route {study.route.kind} has no responses of one kind")
     parts = []
     for first in range(start, stop, _SLICE):
         cases = cases_between(study, first, min(first + _SLICE, stop))
@@ -88,7 +84,7 @@ def _evaluate(cases: Cases, threads: int | None) -> dict[str, Any]:
     table: dict[str, Any] = {name: si[key] for key, (name, _, _) in SI_COLUMNS.items()}
     table |= {name: si[key] for name, key in of_law(values).items()}
     table |= {"case": cases.numbers} | {name: values[name] for name in study.axis_names}
-    table |= {"regime": _regime_names(responses.features.regime), "chosen": responses.chosen}
+    table["regime"] = _regime_names(responses.features.regime)
     cached: dict[Fit, Rows] = {}
     for fit in study.fits:
         table[f"residual__{fit.label}"] = np.full(len(cases.numbers), np.nan)

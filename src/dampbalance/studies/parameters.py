@@ -19,7 +19,7 @@ from ..arrays import Array
 from ..balance import TERMS
 from ..law.terms import KNOWN_TERMS, Term
 from ..model import Oscillator
-from ..project.wording import headed, shortened
+from ..project.wording import headed
 
 Kind = Literal["oscillator", "excitation", "numerics", "read_out"]
 
@@ -82,7 +82,6 @@ OF_LAW = {term.column: term for term in KNOWN_TERMS.values() if term not in TERM
 
 _NOISE = "rms of the noise of each channel over that of its signal"
 _RUN = "number of the run: the same but for its noise"
-_LAW = "damping law of the oscillator, drawn anew in each run"
 _SLIP_RANGE = "longest over shortest deflection at which a part of the contact slips, r_max/r_min"
 
 PARAMETERS: dict[str, Parameter] = {
@@ -112,7 +111,6 @@ PARAMETERS: dict[str, Parameter] = {
     "sampling_hz": Parameter("numerics", "Hz", "sampling frequency f_s", "f_s", low=1e-6, high=1e9),
     "noise": Parameter("numerics", "1", _NOISE, r"\sigma", zero_allowed=True, high=100.0),
     "run": Parameter("numerics", "1", _RUN, zero_allowed=True, whole=True),
-    "law": Parameter("numerics", "", _LAW, "law"),
     "slip_range": Parameter("numerics", "1", _SLIP_RANGE, r"r_{\max}/r_{\min}", low=1.0, high=1e6),
     "X_decimals": _decimals("X", "m"),
     "X_n_decimals": _decimals("X_1, X_3 and X_5", "m"),
@@ -169,12 +167,11 @@ def synonyms(name: str) -> list[str]:
 
 
 def objection(name: str, value: Any) -> str | None:
-    """What is wrong with a value of a parameter; None for a good one."""
+    """What is wrong with a value of a parameter, which by its schema is a number or one of some words; None for a good
+    one."""
     p = parameter(name)
-    if p.is_word:  # the schema checks words
+    if p.is_word:
         return None
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        return f"{shortened(value)} is not a number"
     if value < 0.0 or (value == 0.0 and not p.zero_allowed):
         bound = "not negative" if p.zero_allowed else "positive"
         return f"{value!r} is out of range: {p.meaning} must be finite and {bound}"

@@ -1,18 +1,18 @@
 """Responses of cases that are computed one after the other, by route.
 
 `exact` under any damping law; `fixed_step` and `sampled`: records of a scheme, or of the exact orbit; `measured`: noisy
-records, as from a measurement; `laws`: records of oscillators that are drawn, and the damping law that they support. An
-exact orbit takes a microsecond, one of these milliseconds: such studies have thousands of responses, not millions.
+records, as from a measurement. An exact orbit takes a microsecond, one of these milliseconds: such studies have
+thousands of responses, not millions.
 
-Noise and bootstrap come from generators seeded by (seed, number of the case, level), oscillators of the route `laws` by
-(seed, law, run): a case does not depend on the chunk in which it is computed.
+Noise and bootstrap come from generators seeded by (seed, number of the case, level): a case does not depend on the
+chunk in which it is computed.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -21,11 +21,9 @@ from scipy.optimize import brentq
 from ..arrays import Array
 from ..balance import TERMS
 from ..features import Features, of_numbers, of_orbit, side_by_side, stack, wrapped
-from ..identification.law_comparison import compare_laws
 from ..identification.oscillator import JointFit, joined, joint_fit, sample_of
-from ..law.response import law_response
 from ..law.steady import Response, steady_response
-from ..law.terms import FRICTION, of_harmonics, term
+from ..law.terms import of_harmonics
 from ..likelihood.mean_harmonics import Reading, read_features
 from ..model import BaseMotion, Oscillator
 from ..motion.fixed_step import StepTooCoarse, simulate
@@ -40,7 +38,7 @@ from ..records.measurement import Measurement
 from ..records.synthetic import measured_orbit
 from .cases import NOT_READ, STEP_TOO_COARSE, Cases, Responses
 from .parameters import of_law, oscillator_of
-from .settings import CONTACT, NONE, SIMPSON, law_named, terms_named
+from .settings import CONTACT, SIMPSON
 
 _OF_FIT = (*TERMS, CONTACT)  # what the maximum-likelihood oscillator identifies
 _HARMONICS = 128  # odd ones: what lies beyond takes 1e-9 of the work or less
@@ -265,146 +263,10 @@ def _by_simpson(
     return values, drawn
 
 
-# --- laws --------------------------------------------------------------------------------------------
-
-SHARE = (0.2, 0.6)
-"""Smallest and largest share of the input work that each term of a law takes at one level at least."""
-
-MASSES, NATURAL_HZ = (0.1, 10.0), (1.0, 50.0)  # kg, Hz
-HIGHEST = (1e-4, 1e-2)  # m, amplitude of the base at the highest level
-ZETA = (0.01, 0.08)  # damping ratio of a viscous damper that takes as much work as all terms
-STIFFNESSES = (10.0, 200.0)  # K_z/k
-BELOW, ABOVE = (0.6, 0.9), (1.1, 1.6)  # ω/ω_n
-
-_SAMPLES = (190.0, 210.0)  # per cycle
-_MOST_DRAWINGS = 1000
-_STICKS = 2.0  # in units of Z_m: the amplitude up to which the contact hardly slips
-
-
-def chosen_laws(cases: Cases, _: Iterable[str]) -> Responses:
-    """The law that is chosen in each case of the route laws.
-
-    An oscillator is drawn for each law and run; its steady motion under its law is computed by `law/steady.py`,
-    sampled with noise at every level and at two frequencies, one below the resonance and one above it, and identified
-    like measured records. Each term of the law takes a significant SHARE of the work at one level at least, and the
-    contact slips once per half cycle at all of them.
-    """
-    study, values, chosen = cases.study, cases.values, []
-    runs = values.get("run", np.zeros(len(cases.numbers)))
-    each = zip(values["law"], values["noise"], runs, strict=True)
-    for law, noise, run in followed(each, len(runs), "cases"):
-        random = np.random.default_rng([study.seed, *str(law).encode(), int(run)])
-        chosen.append(chosen_law(str(law), study.levels, study.cycles, float(noise), random))
-    slipping = of_numbers(cases.si["omega"], str(Regime.ONE_SLIP), Y=cases.Y)
-    return Responses(slipping, chosen=np.array(chosen, dtype=object))
-
-
-def chosen_law(
-    law: str, levels: Sequence[float], cycles: int, noise: float, random: np.random.Generator
-) -> str:
-    """The law that `compare_laws` chooses for the records of an oscillator with `law`, by name; NONE where it rejects
-    all, or cannot read the records."""
-    truth = drawn_oscillator(law, levels, random)
-    readings: list[Reading] = []
-    for motion in truth.motions:
-        try:
-            measurement = measured_orbit(
-                law_response(truth.oscillator, motion, truth.law),
-                rate_hz=random.uniform(*_SAMPLES) / motion.period,
-                cycles=cycles,
-                noise=noise,
-                seed=random,
-                start=random.random() * motion.period,
-            )
-            readings.append(read_features(measurement, truth.oscillator.k))
-        except (ValueError, NoSteadyOrbit):
-            return NONE
-    chosen = compare_laws(readings, truth.oscillator.k).chosen
-    return NONE if chosen is None else law_named(chosen)
-
-
-@dataclass(frozen=True)
-class Truth:
-    """The oscillator, law and base motions from which the records of a case are computed.
-
-    oscillator : with its c.   law : symbol → coefficient of the terms other than friction and c, SI.   motions : of the
-    base, one for each record.
-    """
-
-    oscillator: Oscillator
-    law: Mapping[str, float]
-    motions: tuple[BaseMotion, ...]
-
-    def shares(self) -> dict[str, Array]:
-        """Share of the input work that each term takes, by symbol, each (records,); friction takes the rest. Empty
-        unless each steady response slips once per half cycle."""
-        osc, responses = self.oscillator, []
-        for motion in self.motions:
-            try:
-                response = steady_response(osc, motion, self.law)
-            except NoSteadyOrbit:
-                return {}
-            if response.orbit.regime != Regime.ONE_SLIP or _STICKS * osc.Z_m >= response.X:
-                return {}
-            responses.append((response, motion))
-        seen = stack([of_response(*each, osc.k, self.law) for each in responses])
-        integrals = {"c": seen.b, **seen.integrals}
-        taken = {s: p * integrals[s] / seen.W for s, p in self.coefficients.items()}
-        return {FRICTION: 1.0 - np.sum(list(taken.values()), axis=0), **taken}
-
-    @property
-    def coefficients(self) -> dict[str, float]:
-        """Coefficients of the terms other than friction, by symbol."""
-        c = {"c": self.oscillator.c} if self.oscillator.c else {}
-        return {**c, **self.law}
-
-
-def drawn_oscillator(law: str, levels: Sequence[float], random: np.random.Generator) -> Truth:
-    """A random oscillator as `chosen_laws` wants it.   law : its name.   levels : parts of the highest amplitude."""
-    for _ in range(_MOST_DRAWINGS):
-        truth = _candidate(terms_named(law), levels, random)
-        shares = truth.shares().values()
-        if shares and all(((of >= SHARE[0]) & (of <= SHARE[1])).any() for of in shares):
-            return truth
-    raise ArithmeticError(f"no oscillator with the law {law} slips once per half cycle as wanted")
-
-
-def _candidate(terms: Sequence[str], levels: Sequence[float], random: np.random.Generator) -> Truth:
-    """A random oscillator whose terms would share the work as wanted at one level if its motion were harmonic."""
-
-    def spread(within: tuple[float, float]) -> float:
-        return math.exp(random.uniform(math.log(within[0]), math.log(within[1])))
-
-    m, omega_n = spread(MASSES), 2.0 * math.pi * spread(NATURAL_HZ)
-    k = m * omega_n**2
-    frequencies = [omega_n * random.uniform(*within) for within in (BELOW, ABOVE)]
-    highest, zeta = spread(HIGHEST), spread(ZETA)
-    omega = frequencies[int(random.integers(2))]
-    Y = highest * sorted(levels)[len(levels) // 2]
-    damper = 2.0 * zeta * math.sqrt(k * m)
-    x = k * Y / complex(k - m * omega**2, damper * omega)
-    X, phi = abs(x), -float(np.angle(x))
-    work = math.pi * damper * omega * X**2
-    parts = np.zeros(1)  # random shares of the work, each within SHARE, whose sum is one
-    while parts.min() < SHARE[0] or parts.max() > SHARE[1]:
-        parts = random.dirichlet(np.full(len(terms), 4.0))
-    friction, *others = parts
-    law = {}
-    for symbol, share in zip(terms[1:], others, strict=True):
-        of_one = float(term(symbol).harmonic(omega, X, Y, phi, k))
-        law[symbol] = float(share) * work / of_one
-    return Truth(
-        Oscillator(m, law.pop("c", 0.0), k, k * spread(STIFFNESSES), friction * work / (4.0 * X)),
-        law,
-        tuple(BaseMotion(highest * level, float(f)) for f in frequencies for level in levels),
-    )
-
-
 ROUTES_TO_RESPONSES = {
     "exact": law_responses,
     "fixed_step": record_responses,
     "sampled": record_responses,
     "measured": measured_responses,
-    "laws": chosen_laws,
 }
 """Route → the responses of cases, with the further terms of the balance to integrate."""

@@ -9,17 +9,18 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
+from pathlib import Path
 from typing import Any, Literal, NamedTuple, Self
 
 import numpy as np
 
 from ..arrays import Array, Integers, Mask, Words
 from ..balance import APPROACHES, TERMS, approach
-from ..law.terms import FRICTION, KNOWN_TERMS, in_order
+from ..law.terms import in_order
 from ..reading.clean import ReadAt
 from .parameters import PARAMETERS, synonyms
 
@@ -135,7 +136,7 @@ def is_value(values: Words, wanted: float) -> Mask:
 
 
 def selected(values: Mapping[str, Words], spec: Mapping[str, Any]) -> Mask:
-    """Which points have the values of axes that a fact or a figure names in `at`, and lie in its bounds, `between`;
+    """Which points have the values of axes that a number or a figure names in `at`, and lie in its bounds, `between`;
     axes that have no values here do not count."""
     kept = np.ones(len(next(iter(values.values()))), dtype=bool)
     for name, wanted in spec.get("at", {}).items():
@@ -150,9 +151,6 @@ def selected(values: Mapping[str, Words], spec: Mapping[str, Any]) -> Mask:
 
 # --- routes ------------------------------------------------------------------------------------------
 
-NONE = "none"
-"""The name where no law is chosen."""
-
 
 @dataclass(frozen=True, slots=True)
 class Route:
@@ -162,10 +160,7 @@ class Route:
     needs : parameters of the route; of each group one is needed.
     optional : further parameters that it takes.
     settings : other keys of the section `route` that it takes.
-    refuses : sections of the file that mean nothing to it, and why.
     any_law : whether the oscillator may have further damping terms, and the balance too.
-    figures : kinds of figures.
-    columns : kinds of columns in the table of cases, if the file does not say.
     cycles, chunk_cases : if the file does not say; a chunk is a few seconds of work.
     """
 
@@ -173,32 +168,15 @@ class Route:
     needs: tuple[tuple[str, ...], ...] = ()
     optional: tuple[str, ...] = ()
     settings: tuple[str, ...] = ()
-    refuses: tuple[str, ...] = ()
     any_law: bool = False
-    figures: tuple[str, ...] = ("curves", "map", "steps", "scatter")
-    columns: tuple[str, ...] = ("parameters", "errors")
     cycles: int = 4
     chunk_cases: int = 512
 
     @property
-    def answers(self) -> Collection[str]:
-        """What a case ends in, which facts are about: coefficients by symbol, or the law that its records support."""
-        return (*KNOWN_TERMS, CONTACT) if self.approaches else ("law",)
-
-    @property
-    def approaches(self) -> Collection[str]:
-        """Approaches to the balance, if the file does not say; none where a case ends in a law."""
-        return () if "chosen" in self.columns else APPROACHES
-
-    @property
     def is_noisy(self) -> bool:
-        """Whether the records have noise, which needs a seed and makes rules of reading meaningless."""
+        """Whether the records have noise, so that coefficients have standard errors and rows can be weighted; rules of
+        reading mean nothing then."""
         return "seed" in self.settings
-
-    @property
-    def has_intervals(self) -> bool:
-        """Whether coefficients have standard errors, by which their rows can be weighted."""
-        return "replicates" in self.settings
 
 
 ROUTES = {
@@ -221,37 +199,15 @@ ROUTES = {
             cycles=100,
             chunk_cases=60,
         ),
-        Route(
-            "laws",
-            needs=(("law",), ("noise",)),
-            optional=("run",),
-            settings=("cycles", "seed"),
-            refuses=("base", "estimation", "columns", "summary_by"),
-            any_law=True,
-            figures=("confusion",),
-            columns=("chosen",),
-            cycles=100,
-            chunk_cases=2,
-        ),
     )
 }
 
 
+COLUMNS = ("parameters", "errors")
+"""Columns of the table of cases if the file does not say."""
+
 REPLICATES = 200
 """Bootstrap replicates if the file does not say; their standard error is accurate to 5 %."""
-
-
-def law_named(terms: Iterable[str]) -> str:
-    """The name of a law by its terms, friction first: F_k + c + c_2."""
-    return " + ".join(in_order((FRICTION, *terms)))
-
-
-def terms_named(name: str) -> tuple[str, ...]:
-    """The terms of a law by its name. Raises ValueError for an unknown term, or a name of another form."""
-    terms = in_order(name.split(" + "))
-    if law_named(terms) != name:
-        raise ValueError(f"the law {name!r} should be written {law_named(terms)!r}")
-    return terms
 
 
 # --- fits --------------------------------------------------------------------------------------------
@@ -270,21 +226,7 @@ rigid contact and equal weights, and the maximum-likelihood oscillator, which ne
 CONTACT = "K_z"
 """Symbol of the contact stiffness; as a yardstick, the maximum-likelihood oscillator with its K_z besides F_k and c."""
 
-COVERAGE_RANGE = "coverage_range"
-"""Fact about the coverage in each combination of values of the axes `summary_by`, where `coverage` pools them."""
-
-OF_INTERVALS = ("standard_error", "coverage", "coverage_low", "coverage_high", COVERAGE_RANGE)
-SPREADS = ("bias", "bias_error", "rms", "p95_error", *OF_INTERVALS)
-"""Facts about a set of runs, each by one fit: see `statistics.spread`."""
-
-CHOICES = ("right", "right_low", "right_high", "extra", "extra_low", "extra_high", "none")
-"""Facts about the laws that are chosen: see `statistics.choices_of`."""
-
-BANDS = ("band", "from")
-"""Facts about a stretch of an axis: both its ends, or the lower one."""
-
-
-_SHOWN = ("title", "figure", "facts", "shows", "summary_by")  # keys on which no number depends
+_SHOWN = ("title", "figure", "summary_by")  # keys on which no number depends
 
 
 @dataclass(frozen=True, slots=True)
@@ -346,8 +288,8 @@ class Study:
 
     fixed : value of each parameter that no axis sets, by the names of PARAMETERS.   blocks : the axes.
     levels : amplitudes Y, m, or multiples of Y_m if `levels_relative`.   seed, replicates : of the noise and of the
-    bootstrap of noisy records.   settings : the file as read, without the text and the figure, from which everything
-    that is computed follows.
+    bootstrap of noisy records.   settings : the file as read, without the title and the figure, from which everything
+    that is computed follows.   text : the template of the paragraph that says what the study shows.
     """
 
     name: str
@@ -367,8 +309,7 @@ class Study:
     chunk_cases: int
     summary_by: Sequence[str]
     figure: Mapping[str, Any]
-    facts: Mapping[str, Mapping[str, Any]]
-    shows: str
+    text: Path | None = None
 
     @property
     def cases(self) -> int:
@@ -409,7 +350,7 @@ class Study:
         return [*samples, self.seed] if self.route.is_noisy else samples
 
     def fits_of(self, spec: Mapping[str, Any]) -> list[Fit]:
-        """The fits that a fact or a figure selects by the keys that it sets.
+        """The fits that a number or a figure selects by the keys that it sets.
 
         lines : label → such a selection, each of one fit; none is selected where one of them selects none or several.
         contact : compliant or rigid; if it is missing, compliant, or else all.   weights : weighted or equal; if they
@@ -434,7 +375,13 @@ class Study:
         return [fit for fit in fits if fit.kind == kind or (fit.levels and kind == "pairs")]
 
     @classmethod
-    def of(cls, name: str, document: Mapping[str, Any], paper: Mapping[str, Any]) -> Self:
+    def of(
+        cls,
+        name: str,
+        document: Mapping[str, Any],
+        paper: Mapping[str, Any],
+        text: Path | None = None,
+    ) -> Self:
         """The study of a document in which `checking.problems` finds nothing wrong; paper : see `paper_defaults`."""
         blocks, route = tuple(map(_block, document["axes"])), document.get("route", {})
         way = ROUTES[route.get("kind", "exact")]
@@ -451,8 +398,8 @@ class Study:
         # what is meant where the file does not say
         of_route: dict[str, Any] = {"cycles": way.cycles, "reading": "interpolated"}
         of_route |= {"seed": 0, "replicates": REPLICATES}
-        of_study: dict[str, Any] = {"columns": way.columns, "chunk_cases": way.chunk_cases}
-        of_study |= {"summary_by": (), "figure": {}, "facts": {}}
+        of_study: dict[str, Any] = {"columns": COLUMNS, "chunk_cases": way.chunk_cases}
+        of_study |= {"summary_by": (), "figure": {}}
         return cls(
             name=name,
             title=document["title"],
@@ -463,7 +410,7 @@ class Study:
             levels_relative="levels_of_Y" in document,
             fits=tuple(_fits(document.get("estimation", {}), way)),
             route=way,
-            shows=document.get("shows", "").strip(),
+            text=text,
             **{key: route.get(key, usual) for key, usual in of_route.items()},
             **{key: document.get(key) or usual for key, usual in of_study.items()},
         )
@@ -496,9 +443,9 @@ def _fits(estimation: Mapping[str, Any], way: Route) -> Iterator[Fit]:
     levels = [None if kind == "least_squares" else (kind[0] - 1, kind[1] - 1) for kind in kinds]
     of_phase = estimation.get("phases", ["reversal"]), estimation.get("sharing", ["individual"])
     contacts = estimation.get("contact", [COMPLIANT])
-    weights = estimation.get("weights", [WEIGHTED]) if way.has_intervals else [""]
+    weights = estimation.get("weights", [WEIGHTED]) if way.is_noisy else [""]
     terms = list(dict.fromkeys(map(in_order, estimation.get("terms", [()]))))
-    for one in map(approach, estimation.get("approaches", way.approaches)):
+    for one in map(approach, estimation.get("approaches", APPROACHES)):
         choices = of_phase if one.takes_phase else ([""], [""])
         for choice in product(*choices, contacts, weights, levels, terms):
             yield Fit(one, *choice)

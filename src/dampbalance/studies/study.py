@@ -98,11 +98,10 @@ class StudyResult:
                 of_fits[..., fits.index(label)] = values
             else:
                 data[quantity] = dims, values, about
-        if study.route.approaches:
-            of_levels = self.responses.drop(columns=["case", "level", *study.axis_names])
-            for name in of_levels.columns:
-                values = of_levels[name].to_numpy().reshape(*shape, len(study.levels))
-                data[f"response_{name}" if name in data else name] = (*dims, "level"), values
+        of_levels = self.responses.drop(columns=["case", "level", *study.axis_names])
+        for name in of_levels.columns:
+            values = of_levels[name].to_numpy().reshape(*shape, len(study.levels))
+            data[f"response_{name}" if name in data else name] = (*dims, "level"), values
         return xarray.Dataset(data, coords)
 
     def __repr__(self) -> str:

@@ -17,7 +17,7 @@ from folders import ROOT
 from schemas import SCHEMAS, values
 
 FILE = ROOT / "config/config.yaml"
-SCHEMA = ROOT / "workflow/schemas/config.schema.yaml"
+SCHEMA = ROOT / "src/dampbalance/project/schemas/config.schema.yaml"
 NAME = ("excitation", "frequencies", 0, "name")
 
 
@@ -136,7 +136,7 @@ def test_every_key_is_described(name):
 
 
 # Beside these, what a study sets and draws is bounded in `studies.parameters`, and positions by what there is.
-UNBOUNDED = r"""study: (base|axes|read_out|facts\..*\.(around|at|between)|figure\.(marks|at)|estimation\.fits|levels).*
+UNBOUNDED = r"""study: (base|axes|read_out|figure\.(marks|at)|estimation\.fits|levels).*
 study: route\.(step_s|steps_per_cycle|sampling_hz|noise)
 config: (estimation\.pairs|measured\[\]\.groups).*
 mapping: level"""

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import functools
+from dataclasses import replace
 
 import pytest
 import yaml
 
 from dampbalance import __version__
 from dampbalance.studies import case_files, checking, evaluate
-from folders import PAPER_FILE, STUDY_SCHEMA
+from dampbalance.studies.shown.paragraph import paragraph
+from folders import PAPER_FILE
 from unit.studies.documents import document
 
 
@@ -20,9 +22,21 @@ def make(tmp_path_factory):
     def study(document, name="test"):
         path = tmp_path_factory.mktemp("study") / f"{name}.yaml"
         path.write_text(yaml.safe_dump({"title": "Test"} | document), encoding="utf-8")
-        return checking.read_study(path, STUDY_SCHEMA, PAPER_FILE)
+        return checking.read_study(path, PAPER_FILE)
 
     return study
+
+
+@pytest.fixture
+def says(tmp_path):
+    """Makes the paragraph of a study from a template: says(study, its file of cases, template)."""
+
+    def text(study, cases, template):
+        file = tmp_path / "test.md.j2"
+        file.write_text(template, encoding="utf-8")
+        return paragraph(replace(study, text=file), cases)[0]
+
+    return text
 
 
 @pytest.fixture(scope="session")

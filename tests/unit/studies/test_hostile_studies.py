@@ -18,9 +18,10 @@ from hypothesis import strategies as st
 from dampbalance.figures.style import save
 from dampbalance.project.documents import ConfigurationError
 from dampbalance.studies import case_files, cases, checking, evaluate
-from dampbalance.studies.shown import facts, summary
+from dampbalance.studies.shown import summary
+from dampbalance.studies.shown.paragraph import paragraph
 from dampbalance.studies.shown.study_figure import alternative_text, study_figure
-from folders import PAPER_FILE, STUDY_SCHEMA
+from folders import PAPER_FILE
 from unit.studies.documents import DOCUMENTS, REFUSALS, document
 
 LONGEST = 300  # characters of a line
@@ -29,7 +30,6 @@ TEXTS = ["<script>alert(1)</script>", "a | b", "$x$ $\\frac$", "$", "`c`", "x" *
 NUMBERS = [0, -1, True, None, "x", "", [], {}, 1e-300, 1e300, 2**62, float("nan"), float("inf")]
 PLACES = [0.5, 50.0, -5.0, 1e300]
 NAMES = ["scheme", "phase", "case", "regime", "nowhere", "noise", "zeta", "K_z_over_k", ""]
-SHOWS = ["{", "}", "{}", "{0}", "{f:.3f}", "{f!r}", "{f.real}", "{f[0]}", "{g}", "{{f}}", "{cases}", "{f}"]  # fmt: skip
 
 
 def of_axes(draw, study):
@@ -58,28 +58,8 @@ def of_figure(draw, study):
     study["figure"][key] = draw.choice(keys[key])
 
 
-def of_facts(draw, study):
-    takes = ["max", "p95", "signed", "share", "band", "from", "bias", "coverage"]
-    fact = {"of": draw.choice(["F_k", "c"]), "take": draw.choice(takes)}
-    fact["approach"] = draw.choice(["direct", "X_s"])
-    axes = [name for block in study["axes"] for name in block]
-    for key, values in {
-        "at": [{name: draw.choice([*NUMBERS, 1.0, "rk4"])} for name in (*axes, "nowhere", 1)],
-        "between": [{draw.choice(axes): ends} for ends in ([0, 1e300], [1, 0], [1], ["a", "b"])],
-        "along": [*axes, *axes, "nowhere"],
-        "within": [0.01, 0.5, 1e300],
-        "around": [1.0, -1e300],
-        "fit": ["pairs", "pair_1_2"],
-    }.items():
-        if draw.random() < 0.4:
-            fact[key] = draw.choice(values)
-    name = draw.choice(["f", "f", "f", "a.b", "cases", "0", "f[0]"])
-    study["facts"] = study.get("facts", {}) | {name: fact}
-    study["shows"] = draw.choice(SHOWS)
-
-
 def of_text(draw, study):
-    study[draw.choice(["title", "shows"])] = draw.choice([*TEXTS, *SHOWS])
+    study["title"] = draw.choice(TEXTS)
 
 
 def of_settings(draw, study):
@@ -102,7 +82,7 @@ def of_settings(draw, study):
     study[key] = draw.choice(values[key])
 
 
-EDITS = (of_axes, of_sample, of_figure, of_figure, of_facts, of_facts, of_text, of_settings)
+EDITS = (of_axes, of_sample, of_figure, of_figure, of_text, of_settings)
 
 
 def drawn(draw: random.Random) -> dict:
@@ -126,7 +106,7 @@ def built(study, folder) -> str:
         text = alternative_text(study)
         save(study_figure(study, file), folder / "a.svg", folder / "a.png", text)
     table = summary.summary_of(file, study)
-    return summary.summary_markdown(study, table, facts.paragraph(study, file), "figure.png")
+    return summary.summary_markdown(study, table, paragraph(study, file)[0], "figure.png")
 
 
 @settings(max_examples=15)
@@ -147,7 +127,7 @@ def refused_or_made(document, tmp_path):
     file.write_text(text, encoding="utf-8")
     refusal = ""
     try:
-        study = checking.read_study(file, STUDY_SCHEMA, PAPER_FILE)
+        study = checking.read_study(file, PAPER_FILE)
         cases.check_size(study, cases.size_of(study), tmp_path, file)
     except ConfigurationError as error:
         refusal = str(error)

@@ -20,7 +20,7 @@ from dampbalance.records.synthetic import measured_orbit
 from dampbalance.solver import least_squares
 from dampbalance.studies import evaluate
 from dampbalance.studies.cases import cases_between, columns_of
-from dampbalance.studies.shown import facts, statistics, summary
+from dampbalance.studies.shown import statistics, summary
 from dampbalance.studies.shown.statistics import bounds_of
 from dampbalance.studies.shown.study_figure import alternative_text, study_figure
 from paper_case import FREQUENCIES_HZ, PAPER, motions_at
@@ -246,16 +246,16 @@ def test_no_bound_where_it_would_mean_nothing(computed, make):
         assert np.isnan([*bounds_of(one, numbers).values()]).all()
 
 
-def test_facts_of_many_runs(computed, make):
-    _, table, path = computed("noisy")
-    spec = {"of": "F_k", "approach": "direct", "at": {"frequency_hz": 4.92, "noise": 0.01}}
-    takes = ("bias", "rms", "standard_error", "coverage", "p95", "bias_error")
-    specs = {take: {"take": take, **spec} for take in takes}
-    study = make(SMALL | {"facts": specs, "shows": "; ".join(f"{{{take}}}" for take in takes)})
+def test_numbers_of_many_runs(computed, says):
+    study, table, path = computed("noisy")
+    takes = ("spread.bias | signed", "spread.rms | percent", "spread.standard_error | percent")
+    takes += ("spread.coverage | percent", "p95 | percent", "spread.bias_error | percent")
+    template = '{% set some = errors("F_k", "direct").at(frequency_hz=4.92, noise=0.01) %}'
+    template += "; ".join(f"{{{{ some.{take} }}}}" for take in takes)
     cases = table[(table["frequency_hz"] == 4.92) & (table["noise"] == 0.01)]
     errors = cases[f"F_k_relative_error__{DIRECT}"]
     stated = cases[f"F_k_relative_standard_error__{DIRECT}"]
-    bias, rms, error, coverage, p95, bias_error = facts.paragraph(study, path).split("; ")
+    bias, rms, error, coverage, p95, bias_error = says(study, path, template).split("; ")
     assert bias_error == percent(errors.std(ddof=1) / math.sqrt(3))
     assert bias == ("−" if errors.mean() < 0.0 else "+") + percent(abs(errors.mean()))
     assert rms == percent(math.sqrt((errors**2).mean()))
@@ -265,12 +265,10 @@ def test_facts_of_many_runs(computed, make):
     assert float(p95.split()[0]) == pytest.approx(100.0 * errors.abs().max(), rel=0.01)
 
 
-def test_the_range_of_coverage_is_that_of_the_cells(computed, make):
+def test_the_coverage_of_the_cells(computed, make, says):
     """43 of 50 intervals hold in one cell and all in the others: Wilson's bounds of 0.86 are 0.738 and 0.930, as his
     formula gives by hand."""
-    spec = {"of": "F_k", "take": "coverage_range", "approach": "direct"}
-    above = {**spec, "at": {"noise": 0.01}}
-    changed = document("noisy", facts={"all": spec, "above": above}, shows="{all}; {above}")
+    changed = document("noisy")
     changed["axes"][2] = {"run": {"from": 1, "to": 50, "count": 50}}
     study = make(changed)
     values = cases_between(study, 0, study.cases).values
@@ -281,11 +279,11 @@ def test_the_range_of_coverage_is_that_of_the_cells(computed, make):
     missed = (table["frequency_hz"] == 3.5) & (table["noise"] == 0.001) & (table["run"] <= 7)
     table[f"F_k_covered__{DIRECT}"] = np.where(missed, 0.0, 1.0)
     _, _, path = computed(changed, table)
-    low = "86.0 % (95 % bounds: 73.8 % to 93.0 %) to 100 %"
-    assert facts.paragraph(study, path).split("; ") == [
-        low,
-        "100 % (95 % bounds: 92.9 % to 100 %) to 100 %",
-    ]
+    template = """{% set all = errors("F_k", "direct") %}{% for of in (all, all.at(noise=0.01)) %}
+        {%- set least = of.spreads | min(attribute="coverage") %}
+        {%- for name in ("coverage", "coverage_low", "coverage_high") %} {{ least[name] | percent }} {%- endfor %};
+    {%- endfor %}"""
+    assert says(study, path, template) == "86.0 % 73.8 % 93.0 %; 100 % 92.9 % 100 %;"
 
 
 @pytest.mark.parametrize("hz", FREQUENCIES_HZ.values())

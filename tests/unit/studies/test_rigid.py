@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from dampbalance.balance import APPROACHES
-from dampbalance.studies.shown import facts, statistics, summary
+from dampbalance.studies.shown import statistics, summary
 from paper_case import FREQUENCIES_HZ, LEVELS, PAPER, features_at, orbits_at
 from unit.studies.documents import document
 
@@ -106,26 +106,25 @@ def test_records_without_noise_give_the_same(computed, table):
         assert np.isfinite(read[f"{q}_covered__direct__rigid__equal__least_squares"]).all()
 
 
-def test_facts_and_tables_say_which_contact(computed):
+def test_paragraph_and_table_say_which_contact(computed, says):
     K_z = {"from": 1.0, "to": 1.0e4, "count": 41, "spacing": "log"}
-    band = {"of": "F_k", "within": 0.01, "along": "K_z_over_k", "around": 1.0e4, "contact": "rigid"}
-    worst = {"of": "F_k", "take": "max"}
-    specs = {"without": worst, "with": worst | {"contact": "rigid"}}
-    specs |= {take: band | {"take": take} for take in ("from", "band")}
     estimation = {"approaches": ["direct"], "contact": ["compliant", "rigid"]}
-    changed = {"axes": [{"K_z_over_k": K_z}], "estimation": estimation, "facts": specs}
-    study, frame, path = computed(STUDY | changed)
-    words = {name: facts.fact(study, path, spec) for name, spec in specs.items()}
+    study, frame, path = computed(STUDY | {"axes": [{"K_z_over_k": K_z}], "estimation": estimation})
+    template = """{% set rigid = errors("F_k", contact="rigid") %}
+        {{- errors("F_k").largest | percent }}; {{ rigid.largest | percent }};
+        {{ rigid.start("K_z_over_k", 0.01, around=1.0e4) }};
+        {{ rigid.band("K_z_over_k", 0.01, around=1.0e4) }}"""
+    without, with_it, start, band = says(study, path, template).split("; ")
     error = frame["F_k_relative_error__direct__rigid__least_squares"].abs()
     good = frame["K_z_over_k"][error <= 0.01]
     assert len(frame) > len(good) > 10
     first = good.index[0]  # the error crosses the bound between this case and the one before
     ends = frame["K_z_over_k"][first - 1 : first + 1], error[first - 1 : first + 1]
     at = float(np.interp(0.01, ends[1][::-1], ends[0][::-1]))
-    assert words["from"] == f"{at:.3g}"
-    assert words["band"].startswith(f"{at:.0f} to 10000")
-    assert float(words["with"].split()[0]) == pytest.approx(100.0 * error.max(), rel=0.01)
-    assert "10⁻" in words["without"]  # rounding: direct integration with the compliant contact
+    assert start == f"{at:.3g}"
+    assert band.startswith(f"{at:.0f} to 10000")
+    assert float(with_it.split()[0]) == pytest.approx(100.0 * error.max(), rel=0.01)
+    assert "10⁻" in without  # rounding: direct integration with the compliant contact
     lines = summary.summary_of(path, study)
     assert lines["contact"].tolist() == ["compliant", "compliant", "rigid", "rigid"]
     assert "| F_k | direct, rigid |" in summary.summary_markdown(study, lines, "", "")

@@ -25,13 +25,13 @@ from dampbalance.solver import least_squares, pair
 from dampbalance.studies import case_files, cases, checking, evaluate
 from dampbalance.studies.parameters import MECHANICAL, PARAMETERS, in_si
 from dampbalance.studies.settings import Listed, Range, Sampled, case_values, spread
-from dampbalance.studies.shown import facts, summary
+from dampbalance.studies.shown import paragraph, summary
 from dampbalance.studies.shown.statistics import Sizes
-from folders import PAPER_FILE, ROOT, STUDY_SCHEMA
+from folders import PAPER_FILE, ROOT
 from paper_case import PAPER, features_at
 from unit.studies.documents import document
 
-SCHEMA = yaml.safe_load(STUDY_SCHEMA.read_text(encoding="utf-8"))
+SCHEMA = yaml.safe_load(checking.SCHEMA.read_text(encoding="utf-8"))
 SHIPPED = sorted((ROOT / "config/studies").glob("*.yaml"))
 FIRST = "reversal__individual__least_squares"
 
@@ -206,16 +206,18 @@ def test_dimensionless_groups_are_what_they_say():
 
 @pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
 def test_shipped_studies_are_in_order(path):
-    made = checking.read_study(path, STUDY_SCHEMA, PAPER_FILE)
+    made = checking.read_study(path, PAPER_FILE)
     assert made.figure
-    assert made.shows
+    assert paragraph.template_of(made)
+    text = made.text.read_text(encoding="utf-8")
     assert set(made.fixed) | set(made.axis_names) >= {"m_kg", "k_N_per_m"}
     # no number that comes from the results is written into the text
     settings_named = (
         r"(within|less than) [15] %|(the|than) 70 %|\b5 % of|[0-9.]+ % of noise|the 95 % intervals|with (0\.1|5) %"
         "|(that|the) 95 % of them|95 % (of the direct integrations|intervals|bounds)"
     )
-    assert "%" not in re.sub(settings_named, "", made.shows)
+    text = " ".join(re.sub(r"{%.*?%}|{{.*?}}|{#.*?#}", "", text, flags=re.DOTALL).split())
+    assert "%" not in re.sub(settings_named, "", text)
 
 
 def test_the_schema_knows_every_parameter_where_it_belongs():
@@ -226,8 +228,8 @@ def test_the_schema_knows_every_parameter_where_it_belongs():
     assert set(block["sample"]["properties"]["over"]["properties"]) == set(MECHANICAL)
     rules = {name for name, p in PARAMETERS.items() if p.kind == "read_out"}
     assert set(properties["read_out"]["properties"]) == rules
-    of_fact = properties["facts"]["additionalProperties"]["properties"]["approach"]
-    ways = properties["estimation"]["properties"]["approaches"]["items"], of_fact
+    of_line = properties["figure"]["properties"]["lines"]["additionalProperties"]["properties"]
+    ways = properties["estimation"]["properties"]["approaches"]["items"], of_line["approach"]
     assert all(way["registered"] == "approach" for way in ways)  # whichever are registered
 
 
@@ -258,17 +260,6 @@ def test_a_study_too_large_is_refused_with_cases_and_bytes(make, tmp_path):
     made = make(changed | {"chunk_cases": 1000})
     with pytest.raises(ConfigurationError, match="take chunks of at least 5,000,000,000 cases"):
         cases.check_size(made, cases.size_of(made), tmp_path, "test.yaml")
-
-
-def test_progress_states_what_is_left(make, tmp_path):
-    made = make(SOBOL)
-    for i in range(2):
-        (tmp_path / f"0000{i}.parquet").touch()
-    now = (tmp_path / "00001.parquet").stat().st_mtime
-    text = cases.progress(made, tmp_path, 6, now - 10.0, now)
-    assert text == "Study test: 2 of 6 chunks, about 20 s left"
-    assert cases.progress(made, tmp_path, 6, math.nan, now) == "Study test: 2 of 6 chunks"
-    assert cases.progress(made, tmp_path, 2, now - 10.0, now) == "Study test: 2 of 2 chunks"
 
 
 # --- files -----------------------------------------------------------------------------------------
@@ -319,19 +310,13 @@ def test_sizes_are_counted_as_if_all_were_there():
     assert math.isnan(Sizes(0.01).quantile(0.5))
 
 
-def test_facts_are_taken_from_the_cases_they_name(computed):
-    specs = {
-        "worst": {"take": "max"},
-        "one": {"take": "signed", "at": {"zeta": 0.3}},
-        "part": {"take": "share", "within": 0.002, "between": {"zeta": [0.0, 0.45]}},
-        "band": {"take": "band", "within": 0.01, "along": "zeta", "around": 0.1},
-    }
-    given = {n: {"of": "F_k", "approach": "X_s", **spec} for n, spec in specs.items()}
-    shown = {"facts": given, "shows": "{worst}; {one}; {part}; {band}; {cases}"}
-    axes = [{"zeta": {"from": 0.1, "to": 0.9, "count": 9}}]
-    made, frame, path = computed({"axes": axes} | shown)
+def test_numbers_are_taken_from_the_cases_they_name(computed, says):
+    template = """{% set F = errors("F_k", "X_s") %}{{ F.largest | percent }}; {{ F.at(zeta=0.3).signed | signed }};
+        {{ F.between(zeta=[0.0, 0.45]).within(0.002) | percent }};
+        {{ F.band("zeta", 0.01, around=0.1) }}; {{ cases }}"""
+    made, frame, path = computed({"axes": [{"zeta": {"from": 0.1, "to": 0.9, "count": 9}}]})
     error = frame[f"F_k_relative_error__X_s__{FIRST}"]
-    worst, one, part, band, all_cases = facts.paragraph(made, path).split("; ")
+    worst, one, part, band, all_cases = says(made, path, template).split("; ")
     assert worst == percent(error.abs().max())
     assert one.lstrip("+−") == percent(abs(error[2]))
     assert one.startswith("+" if error[2] > 0.0 else "−")
@@ -340,7 +325,7 @@ def test_facts_are_taken_from_the_cases_they_name(computed):
     beyond = (size <= 0.01).tolist().index(False)
     crossing = np.interp(0.01, size[beyond - 1 : beyond + 1], zeta[beyond - 1 : beyond + 1])
     assert band == f"0.100 (where the axis begins) to {crossing:.3f}"
-    assert all_cases == f"9 {facts.INTERPOLATED}"
+    assert all_cases == "9"
 
 
 PERCENTAGES = {0.1234: "12.3 %", 0.001234: "0.123 %", 1.0: "100 %", 0.99979: "99.98 %", 0.0: "0 %"}

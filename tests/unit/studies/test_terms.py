@@ -14,9 +14,10 @@ from dampbalance.features import of_orbit
 from dampbalance.law.steady import steady_response
 from dampbalance.law.terms import KNOWN_TERMS
 from dampbalance.motion.orbit import steady_orbit
+from dampbalance.project.wording import percent
 from dampbalance.studies.parameters import OF_LAW, PARAMETERS
 from dampbalance.studies.responses import of_response
-from dampbalance.studies.shown import facts, summary
+from dampbalance.studies.shown import summary
 from dampbalance.studies.shown.study_figure import study_figure
 from paper_case import PAPER
 from unit.studies.documents import document
@@ -95,10 +96,7 @@ def test_what_only_sticks_has_no_onset_of_slip():
 @pytest.fixture(scope="module")
 def done(computed):
     """The study of a term left out, its table of cases, and the file that holds it."""
-    every = {"of": "c_2", "take": "max", "terms": ["F_k", "c", "c_2"]}
-    shown = {"figure": {"kind": "curves", "x": "c_2_N_s2_per_m2"}, "shows": "{out} {within}"}
-    shown |= {"facts": {"out": {"of": "F_k", "take": "max"}, "within": every}}
-    return computed(LEFT_OUT | shown)
+    return computed(LEFT_OUT | {"figure": {"kind": "curves", "x": "c_2_N_s2_per_m2"}})
 
 
 def test_a_term_left_out_is_shared_out_and_a_term_taken_in_is_found(done):
@@ -129,15 +127,18 @@ def test_the_error_is_what_the_balance_makes_of_the_work_left_out(done):
     np.testing.assert_allclose(errors, extra / [PAPER.F_k, PAPER.c], rtol=1e-4)
 
 
-def test_the_study_separates_the_lists_of_terms(done):
+def test_the_study_separates_the_lists_of_terms(done, says):
     study, table, path = done
     shown = summary.summary_of(path, study)
     assert sorted(set(shown["terms"])) == ["F_k, c", "F_k, c, c_2"]
     assert len(shown) == 5  # two coefficients by the one, three by the other
-    page = summary.summary_markdown(study, shown, facts.paragraph(study, path), "figure.png")
+    page = summary.summary_markdown(study, shown, "", "figure.png")
     assert "| c_2 | direct, F_k, c, c_2 |" in page
     out = table[f"F_k_relative_error__{WITHOUT}"].abs().max()
-    assert facts.paragraph(study, path).startswith(f"{100 * out:.0f} %")
+    within = np.nanmax(table[f"c_2_relative_error__{WITH}"].abs())
+    template = """{{ errors("F_k").largest | percent }};
+        {{ errors("c_2", terms=["F_k", "c", "c_2"]).largest | percent }}"""
+    assert says(study, path, template) == f"{percent(out)}; {percent(within)}"
     panels = study_figure(study, path).axes  # of the first list, without the term: F_k and c
     assert len(panels) == 2
     np.testing.assert_allclose(np.abs(panels[0].lines[0].get_ydata()).max(), 100.0 * out)

@@ -2,7 +2,7 @@
 at a glance.
 
 Numbers: the integrals of Table 2 by every scheme and way of rounding, and a in each steady cycle, by rivals as well;
-what the article argues with; the facts of the studies that it cites; and the environment: packages, the Python that
+what the article argues with; what the studies that it cites show; and the environment: packages, the Python that
 they need, and what CITATION.cff states of the software. Not the Python that ran, on which no result depends: the
 manifest names it.
 """
@@ -26,7 +26,7 @@ from dampbalance.publishing.article.derived_numbers import (
 from dampbalance.publishing.provenance.manifest import software
 from dampbalance.replication.as_published import scheme_table, trial_table
 from dampbalance.studies import checking
-from dampbalance.studies.shown import facts
+from dampbalance.studies.shown.paragraph import paragraph
 
 
 def evidence(inputs, output, folder, case):
@@ -43,11 +43,11 @@ def evidence(inputs, output, folder, case):
 
 
 def of_study(file, cases, params):
-    study = checking.read_study(file, params.schema, params.base)
-    statements = {name: facts.fact(study, cases, spec) for name, spec in study.facts.items()}
+    study = checking.read_study(file, params.base)
+    text, numbers = paragraph(study, cases)
     axes = pd.read_parquet(cases, columns=list(study.axis_names)).select_dtypes("number")
     ranges = {name: [float(axes[name].min()), float(axes[name].max())] for name in axes}
-    return {"cases": study.cases, "facts": statements, "specs": study.facts, "ranges": ranges}
+    return {"cases": study.cases, "numbers": numbers, "ranges": ranges, "paragraph": text}
 
 
 def environment(packages, citation):

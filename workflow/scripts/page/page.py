@@ -30,8 +30,7 @@ def read_text(file):
 def main(params, inputs):
     config, folder = params.config, params.folder
     case = Case.from_config(config)
-    facts = json.loads(read_text(inputs.facts)) if inputs.facts else {}
-    studies = [read_study(file, params.schema, params.base) for file in inputs.study_files]
+    studies = [read_study(file, params.base) for file in inputs.study_files]
     claims = read_csv(inputs.claims, dtype=str) if inputs.claims else None
     misprints = [json.loads(read_text(file)) for file in inputs.misprints or ()]
     return PageContent(
@@ -43,7 +42,7 @@ def main(params, inputs):
         approaches=read_csv(f"{folder}/tables/approaches.csv"),
         figures=dict(zip(params.figures, map(read_text, inputs.figures), strict=True)),
         evidence=json.loads(read_text(inputs.evidence)) if inputs.evidence else None,
-        facts={name: of["facts"] for name, of in facts.items()},
+        shown=json.loads(read_text(inputs.shown)) if inputs.shown else {},
         noise=read_csv(inputs.noise) if inputs.noise else None,
         studies=list(zip(studies, map(read_text, inputs.study_figures), strict=True)),
     )

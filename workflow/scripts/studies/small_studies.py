@@ -12,7 +12,7 @@ if __name__ == "__main__":
     for file, cases, manifest, svg, png in zip(
         snakemake.input.files, o.cases, o.manifests, o.svg, o.png, strict=True
     ):
-        study = checking.read_study(file, p.schema, p.base)
+        study = checking.read_study(file, p.base)
         parts = evaluate.in_parts(study, 0, study.cases, threads=snakemake.threads)
         case_files.write_parts(cases, parts, study, __version__)
         case_files.write_manifest(manifest, cases, study, __version__)

@@ -7,7 +7,7 @@ from dampbalance.studies import case_files, checking, evaluate
 if __name__ == "__main__":
     brief_troubles(snakemake.log)
     p, output, chunks = snakemake.params, snakemake.output, snakemake.input.get("chunks")
-    study = checking.read_study(p.file, p.schema, p.base)
+    study = checking.read_study(p.file, p.base)
     if chunks:
         case_files.join_chunks(output.cases, chunks, study)
     else:

@@ -34,7 +34,6 @@ from ...replication.claims import verdicts as judged
 from ...replication.comparison import WAY, mends, off_resonance
 from ...replication.printed_tables import SHOWN_ROUTES, TITLES, blocks, claim_of
 from ...studies.settings import Study
-from ...studies.shown.facts import filled
 from ...studies.shown.summary import along_lines
 from .. import words
 from ..colours import css_variables
@@ -63,8 +62,9 @@ class PageContent:
     tables : frequency → name → frame of `printed_tables.COLUMNS`.   approaches : tables/approaches.csv.
     figures : name → SVG by `figures.style.save`: figure3, estimation_error, and where something is printed glance and
     numerics.
-    evidence : `derived_numbers`, which the article argues with.   facts : study → its facts in words, as there.
-    studies : (study, its figure as SVG).   digits : `changed_digits.packed`, if it is on record.
+    evidence : `derived_numbers`, which the article argues with.   shown : study → its numbers and its paragraph, as
+    the article has them.   studies : (study, its figure as SVG).
+    digits : `changed_digits.packed`, if it is on record.
     noise : the summary of the study of noise, if that is among them.
     """
 
@@ -75,7 +75,7 @@ class PageContent:
     approaches: pd.DataFrame
     figures: Mapping[str, str]
     evidence: Mapping[str, Any] | None = None
-    facts: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
+    shown: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     studies: Sequence[tuple[Study, str]] = ()
     digits: Mapping[str, Any] | None = None
     noise: pd.DataFrame | None = None
@@ -133,7 +133,7 @@ def report_page(content: PageContent, page: str) -> str:
         origins=ORIGINS,
         configuration=wording.dotted(content.config),
         evidence=content.evidence,
-        facts=content.facts,
+        numbers={name: of["numbers"] for name, of in content.shown.items()},
         css_variables=css_variables,
         style="".join(map(_static, STYLES)),
         script="\n".join(map(_static, SCRIPTS)),
@@ -197,7 +197,7 @@ def _study(content: PageContent, study: Study, svg: str) -> dict[str, Any]:
     lines, of noise : the errors of F_k as `along_lines` has them.
     """
     name = study.name.replace("_", "-")
-    first, _, more = filled(study, content.facts[study.name]).partition(". ")
+    first, _, more = content.shown[study.name]["paragraph"].partition(". ")
     summary = content.noise if study.name == "noise" else None
     files = (f"results/studies/{study.name}/cases.parquet", f"config/studies/{study.name}.yaml")
     return {

@@ -1,7 +1,7 @@
-"""What a study shows: figures, maps, summary and facts, from its table of cases.
+"""What a study shows: figures, maps, summary and paragraph, from its table of cases.
 
-study_figure.py  the figures along an axis, and of laws      maps.py  the error over two axes
-statistics.py    errors over many runs: bias, scatter, coverage, and the least error that records allow; laws chosen
-facts.py         numbers of the paragraph that says what it shows
-summary.py       the table of errors or of laws, and the page that shows it
+study_figure.py  the figures along an axis                  maps.py  the error over two axes
+statistics.py    errors over many runs: bias, scatter, coverage, and the least error that records allow
+paragraph.py     the text that says what it shows, from a template that asks for its numbers
+summary.py       the table of errors, and the page that shows it
 """

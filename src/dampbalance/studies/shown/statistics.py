@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -11,16 +11,16 @@ import numpy as np
 import pandas as pd
 from scipy import special
 
-from ...arrays import Array, Integers
+from ...arrays import Array, Integers, Words
 from ...balance import TERMS
 from ...likelihood.steady_search import fit_at_truth
 from ...model import BaseMotion
 from ...motion.orbit import NoSteadyOrbit, steady_orbit
 from ...solver import NORMAL_95
-from ..case_files import column_of
+from ..case_files import column_of, stretches
 from ..cases import cases_between
 from ..parameters import oscillator_of
-from ..settings import NONE, Fit, Study, terms_named
+from ..settings import Fit, Study
 
 # Bins of sizes: a quantile is good to 0.06 %, below the three digits that are shown.
 _PER_DECADE = 2000
@@ -64,6 +64,24 @@ class Sizes:
         reached = int(np.searchsorted(np.cumsum(self._counts), max(1.0, share * self.known)))
         middle = 10.0 ** (_LOWEST + (reached + 0.5) / _PER_DECADE)
         return float(min(max(middle, self.smallest), self.largest))
+
+
+def error_columns(study: Study, spec: Mapping[str, Any]) -> list[str]:
+    """The columns of the errors to which a figure or a number refers."""
+    return [f"{spec['of']}_relative_error__{fit.label}" for fit in study.fits_of(spec)]
+
+
+def worst(study: Study, stretch: Mapping[str, Words], spec: Mapping[str, Any]) -> Array:
+    """The error in each case of a stretch; with several fits (all pairs) the largest among them."""
+    errors = np.array([stretch[name] for name in error_columns(study, spec)])
+    sizes = np.where(np.isfinite(errors), np.abs(errors), -1.0)
+    return np.take_along_axis(errors, sizes.argmax(axis=0)[None], axis=0)[0]
+
+
+def worst_errors(study: Study, cases: str | Path, spec: Mapping[str, Any]) -> Array:
+    """`worst` in all cases, held in memory as a whole."""
+    names = error_columns(study, spec)
+    return np.concatenate([worst(study, part, spec) for part in stretches(cases, names)])
 
 
 def spread(
@@ -163,7 +181,7 @@ def bounds_of(study: Study, cases: Integers) -> dict[str, float]:
     nothing slips, the contact yields gradually, or the likelihood has no such term.
     """
     nothing = dict.fromkeys(TERMS, math.nan)
-    if not study.route.has_intervals or not cases.size:
+    if not study.route.is_noisy or not cases.size:
         return nothing
     first = int(cases.min())
     held = cases_between(study, first, int(cases.max()) + 1)
@@ -187,24 +205,3 @@ def bounds_of(study: Study, cases: Integers) -> dict[str, float]:
     if fit is None:
         return nothing
     return nothing | {s: fit.error(s) / fit.value(s) if fit.value(s) else math.inf for s in TERMS}
-
-
-def choices_of(cases: str | Path) -> pd.DataFrame:
-    """A row per case of a study of laws: its true law and the one that was chosen, by name; whether the choice is
-    right, has all terms of the true law and more (extra), or is none."""
-    table = pd.DataFrame({name: column_of(cases, name) for name in ("law", "chosen")}, dtype=object)
-    true, chosen = (table[name].map(terms_of_choice) for name in table)
-    extra = [fewer < more for fewer, more in zip(true, chosen, strict=True)]
-    right, none = table["law"] == table["chosen"], table["chosen"] == NONE
-    return table.assign(right=right, extra=extra, none=none)
-
-
-def terms_of_choice(name: str) -> frozenset[str]:
-    """The terms of a law that is chosen; NONE has none."""
-    return frozenset() if name == NONE else frozenset(terms_named(name))
-
-
-def share_of(held: pd.Series) -> dict[str, float]:
-    """The share of the cases in which something holds, and the bounds of its 95 % interval (`share_interval`)."""
-    low, high = share_interval(int(held.sum()), len(held))
-    return {"": float(held.mean()), "_low": low, "_high": high}

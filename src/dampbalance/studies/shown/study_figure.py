@@ -1,5 +1,5 @@
 """The figure of a study: errors along one axis, the error of c against the step of fixed-step schemes, errors over many
-runs, laws chosen, or what `maps` draws."""
+runs, or what `maps` draws."""
 
 from __future__ import annotations
 
@@ -13,7 +13,6 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.patches import Rectangle
 from matplotlib.ticker import NullFormatter
 
 from ...arrays import Array, Integers
@@ -32,9 +31,7 @@ from ...figures.series import (
 from ...figures.style import (
     DASHED,
     DOTTED,
-    DOUBLE_COLUMN,
     FAINT,
-    INK,
     PAPER,
     SINGLE_COLUMN,
     note,
@@ -48,12 +45,10 @@ from ...motion.fixed_step import SCHEMES
 from ...project.wording import in_figure, listed
 from ...solver import NORMAL_95
 from ..case_files import column_of, terms_of
-from ..parameters import PARAMETERS, SI_COLUMNS, in_tex
-from ..settings import NONE, Fit, Study, selected
-from .facts import worst_errors
+from ..parameters import PARAMETERS, SI_COLUMNS
+from ..settings import Fit, Study, selected
 from .maps import error_map
-from .statistics import groups, spread_of
-from .summary import confusion, laws_in
+from .statistics import groups, spread_of, worst_errors
 
 FLOOR, CEILING = 1e-3, 1e3  # %: a smaller error is drawn on a linear axis, a larger one not at all
 FEW = 24  # cases on a curve up to which each is marked
@@ -63,9 +58,6 @@ PHASES = {
     "fundamental": "phase of the fundamental",
 }
 LEAST_BIAS = 1e-6  # N s/m: a smaller error of c is drawn on a linear axis
-LEFT, BOTTOM, TOP, CELL = 34.0, 4.0, 20.0, 9.0  # mm, around and in the matrix of laws
-_WORDS = 33.0  # mm, of a column of words next to the cells
-_DARK = 0.5  # share of a row from which on its number is white
 _APART = 1.13  # ratio by which neighbouring lines are moved apart along x, so that their bars do not overlap
 _COVERAGE, _GAP, _ERRORS = 24.0, 3.0, 40.0  # heights in a row of panels of many runs, mm
 _CONFIDENCE = 95.0  # %
@@ -75,7 +67,7 @@ _TRAITS = ("phase", "sharing", "contact", "weights", "kind")
 def study_figure(study: Study, cases: str | Path) -> Figure:
     """The figure that the study's file asks for, from its table of cases."""
     kinds = {"curves": error_curves, "steps": error_of_steps}
-    kinds |= {"map": error_map, "scatter": errors_of_runs, "confusion": confusion_matrix}
+    kinds |= {"map": error_map, "scatter": errors_of_runs}
     return kinds[study.figure["kind"]](study, cases)
 
 
@@ -90,7 +82,6 @@ def alternative_text(study: Study) -> str:
         "steps": f"error of {identified} against {x}",
         "map": f"error of {identified} over {x} and {y}, with lines at powers of ten",
         "scatter": f"size that 95 % of the errors of {identified} do not exceed, and coverage, against {x}",
-        "confusion": "how often each law is chosen for records of each true law",
     }
     return f"{study.title}: {shown[figure['kind']]}."
 
@@ -384,50 +375,3 @@ def _between(places: Array) -> float:
     """The least ratio of neighbouring places."""
     ordered = np.unique(places)
     return float(np.min(ordered[1:] / ordered[:-1], initial=10.0))
-
-
-# --- laws that are chosen ----------------------------------------------------------------------------
-
-
-@styled()
-def confusion_matrix(study: Study, cases: str | Path) -> Figure:
-    """Numbers of cases, a row for each true law and a column for each that is chosen; shares in words next to them.
-
-    The shade of a cell is its share of the row. Right choices are framed.
-    """
-    summary = confusion(cases)
-    laws, chosen = list(summary["law"]), laws_in(summary)
-    rows, columns = len(laws), len(chosen)
-    cell = min(CELL, (DOUBLE_COLUMN - LEFT - 2.0 * _WORDS) / columns)
-    figure = page(LEFT + columns * cell + 2.0 * _WORDS, BOTTOM + rows * CELL + TOP)
-    axes = place(figure, LEFT, BOTTOM, columns * cell, rows * CELL)
-    counts = summary[chosen].to_numpy()
-    shares = counts / summary["cases"].to_numpy(dtype=float)[:, None]
-    edges = np.arange(columns + 1), np.arange(rows + 1)
-    axes.pcolormesh(*edges, shares, cmap="Blues", vmin=0.0, vmax=1.2)
-    frame: dict[str, Any] = {"fill": False, "ec": INK, "lw": 0.9, "clip_on": False, "zorder": 3}
-    for i, j in np.ndindex(rows, columns):
-        colour = "white" if shares[i, j] >= _DARK else INK if counts[i, j] else FAINT
-        axes.text(j + 0.5, i + 0.5, f"{counts[i, j]}", ha="center", va="center", color=colour)
-        if chosen[j] == laws[i]:
-            axes.add_patch(Rectangle((j, i), 1.0, 1.0, **frame))
-    # names of the laws at the cells
-    axes.set_ylim(rows, 0.0)
-    texts = [law if law == NONE else f"${in_tex(law).replace(' ', '')}$" for law in chosen]
-    axes.set_yticks(np.arange(rows) + 0.5, texts[:rows])  # the true ones come first
-    axes.set_xticks(np.arange(columns) + 0.5, texts, rotation=50)
-    axes.tick_params(length=0.0, labelbottom=False, labeltop=True)
-    for label in axes.get_xticklabels():
-        label.set(ha="left", rotation_mode="anchor")
-    axes.set_ylabel("true law")
-    note(axes, "law chosen", (0.0, 1.0), (-8.0, 8.0), ha="right", xycoords="axes fraction")
-    for i in range(1, rows):
-        axes.axhline(i, color="white", lw=0.8)
-    for place_at, (name, head) in enumerate((("right", "right"), ("extra", "a term too many"))):
-        left = columns + (0.12 + place_at) * _WORDS / cell
-        axes.text(left, -0.25, head, ha="left", va="bottom", clip_on=False)
-        ends = [f"{name}{end}_percent" for end in ("", "_low", "_high")]
-        for i, held in enumerate(summary[ends].itertuples(index=False)):
-            text = "{:.3g} % ({:.3g} to {:.3g})".format(*held)
-            axes.text(left, i + 0.5, text, va="center", size=7.5)
-    return figure

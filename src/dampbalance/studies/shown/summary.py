@@ -1,4 +1,4 @@
-"""The table that a study asks for, of errors or of laws, and the page that shows it."""
+"""The table of errors of a study, and the page that shows it."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ import pandas as pd
 
 from ...project.wording import in_markdown, listed, markdown_table, percent, signed_percent
 from ..case_files import stretches, terms_of
-from ..settings import EQUAL, LIKELIHOOD, NONE, RIGID, Fit, Study
-from .statistics import Sizes, bounds_of, choices_of, groups, share_of, spread_of, terms_of_choice
+from ..settings import EQUAL, LIKELIHOOD, RIGID, Fit, Study
+from .statistics import Sizes, bounds_of, groups, spread_of
 
 WITHIN = 0.01  # relative error that the summary counts as good
 SHARE = f"within_{100 * WITHIN:g}_percent_share"
@@ -21,9 +21,7 @@ Row = Mapping[Any, Any]
 
 
 def summary_of(cases: str | Path, study: Study) -> pd.DataFrame:
-    """The table that the study asks for: of errors, by the values of some axes or over all cases, or of laws."""
-    if "chosen" in study.columns:
-        return confusion(cases)
+    """The table of errors that the study asks for: by the values of some axes, or over all cases."""
     records = _grouped_records if study.summary_by else _overall_records
     return pd.DataFrame.from_records(list(records(cases, study)))
 
@@ -66,7 +64,7 @@ def _grouped_records(cases: str | Path, study: Study) -> Iterator[dict[str, Any]
                 record = where | _which(quantity, fit) | counts
                 record |= {f"{name}_percent": 100.0 * share for name, share in errors.items()}
                 record |= {"bias_over_standard_error": ratio}
-                if study.route.has_intervals:
+                if study.route.is_noisy:
                     bound, rms = bounds[quantity], errors["rms"]
                     used = (bound / rms) ** 2 if rms > 0.0 else math.nan
                     record |= {"bound_percent": 100.0 * bound, "information_percent": 100.0 * used}
@@ -94,29 +92,6 @@ def along_lines(
     return found
 
 
-def confusion(cases: str | Path) -> pd.DataFrame:
-    """A row per true law, a column per law that is true or chosen somewhere, and for none: numbers of cases; how many
-    are right and have a term too many, as shares with their 95 % intervals, %."""
-    table, records = choices_of(cases), []
-    laws = list(dict.fromkeys(table["law"]))
-    others = set(table["chosen"]) - {*laws, NONE}
-    laws += sorted(others, key=lambda law: (len(terms_of_choice(law)), law))
-    for law, own in table.groupby("law", sort=False):
-        record: dict[str, Any] = {"law": law, "cases": len(own)}
-        record |= {other: int((own["chosen"] == other).sum()) for other in (*laws, NONE)}
-        for kind in ("right", "extra"):
-            shares = share_of(own[kind]).items()
-            record |= {f"{kind}{end}_percent": 100.0 * share for end, share in shares}
-        records.append(record)
-    return pd.DataFrame.from_records(records)
-
-
-def laws_in(summary: pd.DataFrame) -> list[str]:
-    """The columns of `confusion` that hold numbers of cases by the law that is chosen."""
-    names = [str(name) for name in summary]
-    return names[names.index("cases") + 1 : names.index("right_percent")]
-
-
 # --- the page ----------------------------------------------------------------------------------------
 
 
@@ -127,9 +102,7 @@ def summary_markdown(study: Study, summary: pd.DataFrame, paragraph: str, figure
     lines += [f"{study.cases:,} cases; varied: {', '.join(study.axis_names)}.", ""]
     lines += [in_markdown(paragraph), ""] if paragraph else []
     lines += [f"![{title}]({figure})", ""] if figure else []
-    if "chosen" in study.columns:
-        lines += _confusion_markdown(summary)
-    elif study.summary_by:
+    if study.summary_by:
         lines += _grouped_markdown(study, summary)
     else:
         identified = listed(list(summary["quantity"].unique()))
@@ -160,7 +133,7 @@ def _grouped_markdown(study: Study, summary: pd.DataFrame) -> list[str]:
         "Coverage: share of the 95 % intervals that hold the true value, and between which bounds the number of runs "
         "leaves it (95 %). ±: one standard error from the number of runs, of the 95 % quantile by Maritz and Jarrett."
     ]
-    if study.route.has_intervals:
+    if study.route.is_noisy:
         heads += ["bound", "information"]
         lines[0] += (
             " Information: what the approach uses of that in the records, the square of the Cramér–Rao bound (m, k and "
@@ -199,21 +172,6 @@ def _table_of_fits(
         how += ["equal weights"] if row["weights"] == EQUAL else []
         rows.append([row["quantity"], ", ".join(how), phase, row["sharing"], fit, *cells(row)])
     return markdown_table([*which, *heads], rows, "l" * len(which) + "r" * len(heads))
-
-
-def _confusion_markdown(summary: pd.DataFrame) -> list[str]:
-    chosen = laws_in(summary)
-    heads = ["true law", *chosen, "right", "a term too many"]
-    rows = []
-    for row in summary.to_dict("records"):
-        shares = (_with_interval(row, kind) for kind in ("right", "extra"))
-        rows.append([row["law"], *(str(row[name] or "") for name in chosen), *shares])
-    return [
-        "Rows: the true law. Columns: the law that is chosen, in cases. Right, a term too many: shares of the row, "
-        "with the bounds between which the number of cases leaves them (95 %).",
-        "",
-        markdown_table(heads, rows, "l" + "r" * (len(heads) - 1)),
-    ]
 
 
 def _with_interval(row: Row, name: str) -> str:
