@@ -270,61 +270,38 @@ def covariance_of_rows(left: Sequence[Rows]) -> Array:
 
 def read_samples(readings: Sequence[Reading]) -> Samples[Sample]:
     """Features of readings that share the waveforms of a joint fit (`oscillator.joined`), as read and without groups of
-    rows."""
-    whole = sample_of(readings, [reading.mean for reading in readings])
-    point = replace(whole, features=whole.features[:, 0])
-    left = [
-        _left_out(readings, j, means)
-        for j, reading in enumerate(readings)
-        for means in (reading.left_out(), *reading.shaken())
-    ]
-    return Samples(point, tuple(left))
+    rows, the waveforms of all records following."""
+    means, left = [reading.mean for reading in readings], []
+    for j, reading in enumerate(readings):
+        for others in (reading.left_out(), *reading.shaken()):
+            each = [mean[[0] * len(others.Y)] for mean in means]
+            each[j] = others
+            left.append(sample_of(readings, each))
+    whole = sample_of(readings, means)
+    return Samples(replace(whole, features=whole.features[:, 0]), tuple(left))
 
 
 def sample_of(readings: Sequence[Reading], means: Sequence[Means]) -> Sample:
     """Features of n records from r means of each, (n, r)."""
     moved = np.sum([r.moved(m) for r, m in zip(readings, means, strict=True)], axis=0)
-    features = [r.features_of(m, moved)[None] for r, m in zip(readings, means, strict=True)]
-    return _sample(readings, stack(features), moved)
+    features = stack([r.features_of(m, moved)[None] for r, m in zip(readings, means, strict=True)])
+    waveform = readings[0].waveform
+    if waveform is None:
+        unknown = np.full(moved.shape[1], math.nan)
+        return Sample(features.replaced(**dict.fromkeys(_UNKNOWN, math.nan)), unknown, unknown)
+    fit = waveform.fit
+    rho = fit.rho + moved[fit.unknowns.names.index("rho")]
+    return Sample(features, fit.F_k + fit.unknowns.friction(moved), rho)
 
 
 def microstick(samples: Samples[Sample]) -> Microstick:
     """The length of the microstick line, and whether it stands out of its noise."""
     F_k, rho = float(samples.point.F_k[0]), float(samples.point.rho[0])
-    left = samples.left
-    error = _error([one.rho for one in left])
-    of_length = _error([2.0 * one.F_k * one.rho * np.abs(one.rho) for one in left])
+    left = [np.stack([s.rho, 2.0 * s.F_k * s.rho * np.abs(s.rho)]) for s in samples.left]
+    error, of_length = np.sqrt(np.diag(jackknifed(left))).tolist()
     return Microstick(
         length=2.0 * F_k * rho**2,
         standard_error=of_length,
         resolved=rho > RESOLVED * error,
         bound=2.0 * F_k * (rho + NORMAL_95 * error) ** 2,
     )
-
-
-def _error(left: Sequence[Array]) -> float:
-    """Standard error of one number by the jackknife.   left : as for `jackknifed`, (g_j,)."""
-    return math.sqrt(float(jackknifed([values[None] for values in left])[0, 0]))
-
-
-def _left_out(readings: Sequence[Reading], j: int, means: Means) -> Sample:
-    """All records as read, except that record j has other means: the waveforms of all of them follow."""
-    each = [reading.mean[[0] * len(means.Y)] for reading in readings]
-    moved, each[j] = readings[j].moved(means), means
-    features = [r.features_of(m, moved)[None] for r, m in zip(readings, each, strict=True)]
-    return _sample(readings, stack(features), moved)
-
-
-def _sample(readings: Sequence[Reading], features: Features, moved: Array) -> Sample:
-    fit = _fit(readings)
-    if fit is None:
-        unknown = np.full(moved.shape[1], math.nan)
-        return Sample(features.replaced(**dict.fromkeys(_UNKNOWN, math.nan)), unknown, unknown)
-    rho = fit.rho + moved[fit.unknowns.names.index("rho")]
-    return Sample(features, fit.F_k + fit.unknowns.friction(moved), rho)
-
-
-def _fit(readings: Sequence[Reading]) -> WaveformFit | None:
-    """The joint fit whose waveforms the readings share."""
-    waveform = readings[0].waveform
-    return None if waveform is None else waveform.fit

@@ -26,9 +26,7 @@ _REPEATS = 3  # of the errors of changed lines, which start from those of the fi
 _FIRST_ERROR = 0.05  # of Z, where the iteration of errors starts
 _ALIKE = 1.05  # of amplitudes: closer ones count as one
 _SINGULAR = 1e-7  # smallest singular value of columns of length one
-_DRAWS = (
-    200  # of intervals: a standard error of so many is known to 5 %, and costs a tenth of a second
-)
+_DRAWS = 200  # of intervals, which know a standard error to 5 %, in a tenth of a second
 _SEED = 2010  # of these, so that the same lines give the same bytes
 _NORMAL, _CHI_SQUARE = 1.96, 3.84  # of intervals of 95 %
 _COMPARED = 3  # levels, at least

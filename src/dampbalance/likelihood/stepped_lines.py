@@ -24,6 +24,7 @@ from functools import cached_property
 from typing import Literal, NamedTuple
 
 import numpy as np
+from scipy import optimize
 
 from ..arrays import Array, Complexes, Integers, Mask
 from ..law.gradual import secant
@@ -195,8 +196,6 @@ class Rows:
 
 def _nnls(A: Array, y: Array) -> Array:
     """Coefficients ≥ 0 of least squares."""
-    from scipy import optimize  # slow to import
-
     size = np.linalg.norm(A, axis=0)
     size[size == 0.0] = 1.0
     return np.asarray(optimize.nnls(A / size, y, maxiter=100 * A.shape[1])[0] / size)
@@ -310,8 +309,6 @@ class Design:
 
     def _one_slider(self, y: Array) -> Point:
         """The best r of those tried, polished between its neighbours."""
-        from scipy import optimize  # slow to import
-
         tried, free = np.log(self.nodes), np.ones(self.linear.shape[1], dtype=np.bool_)
         for _ in range(2):  # again without the linear unknowns that are at their bound
             q, across, inverse = self._across(tuple(free.tolist()))
@@ -453,8 +450,6 @@ class Estimate:
 
 def estimated(rows: Rows, contact: Contact, residual: bool, steps: int = _ITERATIONS) -> Estimate:
     """The fit of a contact, its errors iterated; with one step, those of the rows are kept."""
-    from scipy import optimize  # slow to import
-
     most = _LARGEST_RECEPTANCE / float(np.abs(rows.lines.Z).max())
     tried = np.linspace(-most, most, _RECEPTANCES) if residual else np.zeros(1)
     smoothing = LESS * float(np.median(_SMOOTHINGS))

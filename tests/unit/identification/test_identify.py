@@ -152,15 +152,6 @@ def test_a_level_that_does_not_belong_is_noticed():
     assert found.document()["approaches"]["direct"]["K_z_N_per_m"] is None
 
 
-def test_an_answer_does_not_depend_on_what_is_asked_beside():
-    only = {"fourier": APPROACHES["fourier"]}
-    one, two = (
-        identify_readings(readings(noise=0.01), PAPER.k, **options)
-        for options in ({}, {"approaches": only})
-    )
-    assert one.estimates["fourier"].parameters == two.estimates["fourier"].parameters
-
-
 def test_tables_and_documents_hold_the_same_numbers():
     found = identify_readings(readings(noise=0.01), PAPER.k)
     table, told = found.estimates_table(), found.document()
@@ -406,16 +397,6 @@ def test_part_of_a_record_is_no_copy_of_it():
     part = readings(levels=(0.004,), cycles=12.0)[0]
     assert len(whole.steady.X) != len(part.steady.X)
     identify_readings([whole, part, *readings(levels=(0.008,), seed=2)], PAPER.k)
-
-
-def test_the_residual_is_what_the_estimates_leave_of_the_works():
-    found = identify_readings(readings(noise=0.01), PAPER.k).estimates["direct"]
-    rows = found.balance.rows
-    values = [found.coefficients[symbol].value for symbol in ("F_k", "c")]
-    left = rows.W - np.stack([rows.terms["F_k"], rows.terms["c"]], axis=1) @ values
-    expected = math.sqrt(np.sum(left**2) / np.sum(rows.W**2))
-    assert expected > 1e-6
-    assert found.merit["residual"] == pytest.approx(expected, rel=1e-9)
 
 
 def test_a_delay_of_the_response_is_reported_in_microseconds():

@@ -54,91 +54,91 @@ def with_parameters(**changed):
     return replace(SOUND, parameters={**SOUND.parameters, **changed})
 
 
-def test_sound_numbers_are_usable_without_a_reason():
-    verdicts = SOUND.verdicts
-    assert list(verdicts) == ["F_k", "c", "K_z"]
-    assert {(v.verdict, v.reason) for v in verdicts.values()} == {("usable", "")}
-    assert in_one(verdicts) == "usable"
+NOTED = Remark("another oscillator")
+LIMIT = ParameterEstimate(math.inf, math.nan, Interval(41234.5, math.inf))
+UNSOLVED = replace(SOUND, parameters=dict.fromkeys(SOUND.parameters, UNKNOWN), notes=(NOTED,))
 
 
-def test_a_note_makes_every_number_of_its_approach_doubtful():
-    noted = replace(SOUND, notes=(Remark("off by 16 %"),)).verdicts
-    assert {(v.verdict, v.reason) for v in noted.values()} == {("doubtful", "off by 16 %")}
-    assert in_one(noted) == "doubtful"
-
-
-def test_a_number_that_is_not_there_has_the_reason():
-    without = with_parameters(K_z=UNKNOWN).verdicts
-    assert in_one(without) == "usable: F_k, c; none: K_z"
-    assert "do not determine K_z" in without["K_z"].reason
-    nothing = dict.fromkeys(SOUND.parameters, UNKNOWN)
-    unsolved = replace(SOUND, parameters=nothing, notes=(Remark("needs two levels"),))
-    assert {tuple(v) for v in unsolved.verdicts.values()} == {("none", "needs two levels")}
-
-
-@pytest.mark.parametrize(("half", "verdict"), [(0.63, "usable"), (0.65, "doubtful")])
-def test_an_interval_wider_than_the_value_is_a_reason(half, verdict):
-    verdicts = with_parameters(F_k=parameter(1.28, half)).verdicts
-    assert [word for word, _ in verdicts.values()] == [verdict, "usable", "usable"]
-
-
-def test_a_lower_limit_is_doubtful_and_says_the_limit():
-    limit = ParameterEstimate(math.inf, math.nan, Interval(41234.5, math.inf))
-    verdict = with_parameters(K_z=limit).verdicts["K_z"]
-    assert verdict.verdict == "doubtful"
-    assert "above 41234 N/m" in verdict.reason
+@pytest.mark.parametrize(
+    ("answer", "verdicts", "reason"),
+    [
+        (SOUND, "usable", ""),
+        (replace(SOUND, notes=(NOTED,)), "doubtful", NOTED),
+        (UNSOLVED, "none", NOTED),
+        (with_parameters(K_z=UNKNOWN), "usable: F_k, c; none: K_z", "do not determine K_z"),
+        (with_parameters(K_z=LIMIT), "usable: F_k, c; doubtful: K_z", "above 41234 N/m"),
+        (with_parameters(K_z=parameter(1.28, 0.63)), "usable", ""),
+        (with_parameters(K_z=parameter(1.28, 0.65)), "usable: F_k, c; doubtful: K_z", "wider than"),
+    ],
+    ids=["sound", "noted", "unsolved", "missing", "a limit", "narrow", "wide"],
+)
+def test_a_number_that_is_not_usable_has_a_reason(answer, verdicts, reason):
+    assert in_one(answer.verdicts) == verdicts
+    for word, said in answer.verdicts.values():
+        assert (said == "") == (word == "usable")
+    assert reason in answer.verdicts["K_z"].reason
 
 
 SOURCES = ["data/a.csv", "data/b.csv", "data/c.csv"]
 
 
-def sentences(warnings, sources=SOURCES):
-    return [in_a_sentence(limit, sources) for limit in limits({}, warnings)]
+def drift(by, i):
+    return Remark("drifts by {:g} % in {} s: let it warm up", by, 20, source=SOURCES[i])
 
 
-def test_the_same_warning_on_several_records_is_one_sentence_with_its_range():
-    drift = partial(Remark, "drifts by {:g} % in {} s: let it warm up")
-    said = [drift(3.5, 20, source=SOURCES[0]), drift(1e-5, 20, source=SOURCES[1])]
-    assert said[0] == "data/a.csv: drifts by 3.5 % in 20 s: let it warm up"
-    assert sentences(said) == ["a.csv and b.csv: drifts by 1·10⁻⁵ to 3.5 % in 20 s: let it warm up"]
-    said.append(drift(-2.0, 20, source=SOURCES[2]))
-    assert sentences(said) == ["all 3 records: drifts by −2 to 3.5 % in 20 s: let it warm up"]
+CLIPS = partial(Remark, "{} is clipped")
+MANY = [f"{i}.csv" for i in range(20)]
+SAME_NAME = ["one/a.csv", "two/a.csv", "three/b.csv"]
+SIZES = zip(SOURCES, (450.2, 3883747.0, 12.4), strict=True)
 
 
-def test_different_warnings_stay_apart_whatever_they_share():
-    clips = partial(Remark, "{} is clipped", source=SOURCES[0])
-    said = [clips("acc1"), clips("acc{2}"), Remark("100 % {alike}")]
-    assert sentences(said) == [
-        "a.csv: acc1 is clipped",
-        "a.csv: acc{2} is clipped",
-        "100 % {alike}",
-    ]
+@pytest.mark.parametrize(
+    ("warnings", "sources", "sentences"),
+    [
+        (
+            [drift(3.5, 0), drift(1e-5, 1)],
+            SOURCES,
+            ["a.csv and b.csv: drifts by 1·10⁻⁵ to 3.5 % in 20 s: let it warm up"],
+        ),
+        (
+            [drift(3.5, 0), drift(1e-5, 1), drift(-2.0, 2)],
+            SOURCES,
+            ["all 3 records: drifts by −2 to 3.5 % in 20 s: let it warm up"],
+        ),
+        (
+            [*(CLIPS(q, source=SOURCES[0]) for q in ("acc1", "acc{2}")), Remark("100 % {alike}")],
+            SOURCES,
+            ["a.csv: acc1 is clipped", "a.csv: acc{2} is clipped", "100 % {alike}"],
+        ),
+        (
+            [Remark("{} times worse", factor(x), source=s) for s, x in SIZES],
+            SOURCES,
+            ["all 3 records: 12 to more than 1000 times worse"],
+        ),
+        (
+            [CLIPS("x", source=s) for s in SAME_NAME[:2]],
+            SAME_NAME,
+            ["one/a.csv and two/a.csv: x is clipped"],
+        ),
+        (
+            [CLIPS("x", source=s) for s in MANY[:9]],
+            MANY,
+            ["9 of 20 records (0.csv, 1.csv, 2.csv, 3.csv, 4.csv …): x is clipped"],
+        ),
+    ],
+    ids=["two", "all", "different", "a factor", "one name", "many"],
+)
+def test_the_same_warning_on_several_records_is_one_sentence_with_its_range(
+    warnings, sources, sentences
+):
+    assert [in_a_sentence(limit, sources) for limit in limits({}, warnings)] == sentences
 
 
-def test_a_remark_survives_a_process_boundary():
+def test_a_warning_names_its_record_and_survives_a_process_boundary():
+    assert drift(3.5, 0) == "data/a.csv: drifts by 3.5 % in 20 s: let it warm up"
     one = Remark("{} {:.1f} %", "off {by}", 2.0, source="a")
     other = pickle.loads(pickle.dumps(one))
     assert (other, other.kind, other.of) == ("a: off {by} 2.0 %", one.kind, one.of)
-
-
-def test_factors_beyond_a_thousand_go_into_the_range():
-    sizes = zip(SOURCES, (450.2, 3883747.0, 12.4), strict=True)
-    said = [Remark("{} times worse", factor(x), source=s) for s, x in sizes]
-    assert sentences(said) == ["all 3 records: 12 to more than 1000 times worse"]
-
-
-def test_records_of_one_name_are_told_apart_by_their_folders():
-    sources = ["one/a.csv", "two/a.csv", "three/b.csv"]
-    said = [Remark("clipped", source=source) for source in sources[:2]]
-    assert sentences(said, sources=sources) == ["one/a.csv and two/a.csv: clipped"]
-
-
-def test_many_records_are_counted():
-    sources = [f"{i}.csv" for i in range(20)]
-    said = [Remark("clipped", source=source) for source in sources[:9]]
-    assert sentences(said, sources=sources) == [
-        "9 of 20 records (0.csv, 1.csv, 2.csv, 3.csv, 4.csv …): clipped"
-    ]
 
 
 def test_notes_of_approaches_go_together():
@@ -177,10 +177,6 @@ class Both(Identified):
     findings = pictures = None
 
 
-NOTED = Remark("another oscillator")
-NOTHING = replace(SOUND, parameters=dict.fromkeys(SOUND.parameters, UNKNOWN), notes=(NOTED,))
-
-
 @pytest.mark.parametrize(
     ("balance", "fit", "warnings", "first"),
     [
@@ -189,7 +185,7 @@ NOTHING = replace(SOUND, parameters=dict.fromkeys(SOUND.parameters, UNKNOWN), no
         (SOUND, replace(NEAR, notes=(NOTED,)), (), "direct"),
         (replace(SOUND, notes=(NOTED,)), replace(NEAR, notes=(NOTED,)), (), "direct"),
         (replace(SOUND, notes=(NOTED,)), NEAR, (), REFERENCE),
-        (NOTHING, replace(NEAR, notes=(NOTED,)), (), REFERENCE),
+        (UNSOLVED, replace(NEAR, notes=(NOTED,)), (), REFERENCE),
         # the warning concerns the fit only, or both
         (SOUND, NEAR, (Remark("asymmetric", doubts={"": 1.0}, spares=("direct",)),), "direct"),
         (SOUND, NEAR, (Remark("clipped", doubts={"": 1.0}),), REFERENCE),
