@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -15,10 +16,10 @@ import pandas as pd
 from ...features import Features
 from ...project.case import Case
 from ..as_published import CORRECTED, ReadOut, estimates
-from ..claim_verdicts import HOLDING, REPRODUCED, ROUTE_NAMES, ClaimId
-from ..printed_tables import COLUMN_OF, RouteTables
+from ..claim_verdicts import HOLDING, REPRODUCED, ROUTE_NAMES, ClaimId, of_cell
+from ..printed_tables import HARMONIC, UNKNOWNS, RouteTables
 from .judging import HALF
-from .published import PAIRS, Printed
+from .published import PAIR_LABELS, PAIRS, Printed
 from .table import SEPARATOR
 
 CLOSE_UNITS = 5.0
@@ -134,11 +135,10 @@ def inputs_of_table_3(
         """How many numbers of Table 3 the features give."""
         table = estimates(features, features, replace(case, pairs=PAIRS))
         route, count = RouteTables({}, {"omega1": table}), 0
-        for name, text in printed.items():
-            of = ClaimId(name)
-            row = CORRECTED if minus and of.approach == "V_s" else of.approach
-            value = route.estimate(COLUMN_OF[of.symbol], row, pair=of.line)
-            number = Printed(text)
+        for approach, q, pair in product(HARMONIC, UNKNOWNS, PAIR_LABELS):
+            row = CORRECTED if minus and approach == "V_s" else approach
+            value = route.estimate(q.column, row, pair=pair)
+            number = Printed(printed[of_cell("table3", q.symbol, pair, approach)])
             count += bool(abs(value - number.value) <= HALF * number.unit)
         return count
 
