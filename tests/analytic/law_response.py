@@ -214,7 +214,6 @@ _MOST_PHASES = 16384  # of half a period
 _MOST_STEPS = 50  # Newton's method takes four or so, and ten from a state far off
 _EQUIVALENCES = 12  # repetitions of the equivalent damper, each of which halves its error or better
 _NOTHING = np.empty((3, 0))
-_MOST_RADIANS = 3e5  # a few minutes of computing
 
 
 @dataclass(frozen=True, eq=False)
@@ -273,11 +272,9 @@ def law_orbit(oscillator: Oscillator, motion: BaseMotion, law: Mapping[str, floa
 
     law : symbol → coefficient, SI, of the terms besides friction and c, which are the oscillator's.
 
-    Raises NoSteadyOrbit where there is none (nothing is lost, at resonance) or none was found, ValueError for a law
-    that makes no sense (see `equation`) and a motion that takes too long to follow.
+    Raises NoSteadyOrbit where there is none (nothing is lost, at resonance) or none was found.
     """
     eq = equation(oscillator, motion, law)
-    _require_followed(eq)
     state = _fixed_point(eq, _nearby(eq))
     if state is None:
         raise NoSteadyOrbit(
@@ -300,19 +297,6 @@ def _until_closed(rows: Sequence[Row], o: Oscillator) -> Sequence[Row]:
     states = np.array(rows)[:, [PHASE_X, PHASE_V, PHASE_Z]] * _weights(o)
     away = np.linalg.norm(states + states[0], axis=1) > ACCEPTED * np.linalg.norm(states[0])
     return rows[: 1 + int(np.flatnonzero(away)[-1])]
-
-
-def _require_followed(eq: Equation) -> None:
-    """ValueError for a motion of which a period takes too long to integrate."""
-    o, motion = eq.oscillator, eq.motion
-    damped = eq.slope(motion.omega * motion.Y, 0.0) / o.m
-    fastest = max(motion.omega, math.sqrt((o.k + o.K_z) / o.m), damped)
-    if motion.period * fastest > _MOST_RADIANS:
-        raise ValueError(
-            f"{motion.period:g} s are {motion.period * fastest:.2g} radians of the fastest motion of this oscillator, "
-            f"and no more than {_MOST_RADIANS:g} are followed under a law: give it more mass, or less damping and "
-            "stiffness"
-        )
 
 
 def _phases(

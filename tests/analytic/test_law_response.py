@@ -9,13 +9,10 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from analytic import law_response as response
 from analytic.cases import SEVERAL_SLIPS, case
-from analytic.law_response import _phases, _until_closed, equation, follow, law_orbit
+from analytic.law_response import _phases, _until_closed, equation, law_orbit
 from dampbalance import BaseMotion, NoSteadyOrbit, Oscillator, Regime, steady_orbit, transient
 from dampbalance.motion.events import PHASE_S, PHASE_T, PHASE_V, PHASE_X, PHASE_Z
-from dampbalance.records.synthetic import measured_orbit
-from paper_case import PAPER, motions_at
 
 # What is asked for is 1e-10 of the motion. Measured: 1e-12 or better.
 TOLERANCE = 1e-10
@@ -208,15 +205,6 @@ def test_a_reversal_within_rounding_of_the_start_of_the_base_s_period_is_not_mis
         assert_same_motion(law_orbit(oscillator, moved, {}), steady_orbit(oscillator, moved))
 
 
-def test_a_phase_without_an_event_lasts_exactly_to_its_limit():
-    # one that is a rounding error shorter would be followed by another, of a rounding error
-    oscillator, motion = case(*LAWS["quadratic"][1])
-    eq = equation(oscillator, motion, LAWS["quadratic"][0])
-    for limit in np.linspace(0.01, 0.02, 40) * motion.period:
-        piece = follow(eq, (0.0, 0.1, oscillator.Z_m), 0.0, limit, np.empty((3, 0)))
-        assert piece.duration == limit
-
-
 def test_turning_points_of_a_quadratic_ring_down():
     # m v dv/dx + k x + c₂v² = 0 from −X_0 to X_1 is linear in v²: e^(aX)(aX − 1) is the same at both, a = 2c₂/m
     m, c_2, start = 2.0, 0.9, -0.5
@@ -252,81 +240,3 @@ def test_a_velocity_that_dips_below_zero_within_a_step_is_a_reversal(before):
     # by the expansion of v to second order, (1 − q) + 3t²/2; the next term is t⁴
     assert first == pytest.approx(-low, rel=1e-3)
     assert second == pytest.approx(low, rel=1e-3)
-
-
-def test_a_reversal_that_follows_another_at_once_is_located():
-    # from rest with an acceleration of 1e-4 that falls by 1 a second, the next reversal is 2e-4 s away
-    motion = BaseMotion(Y=2.0, omega=1.0)
-    oscillator = Oscillator(m=1.0, c=0.0, k=0.5, K_z=0.5, F_k=1.0)
-    begin, x = 0.5 * math.pi, -2e-4
-    found = run(oscillator, motion, {}, 3.0, (x, 0.0, 0.0), begin)
-    assert turns(found[0])[0, PHASE_T] - begin == pytest.approx(2e-4, rel=1e-3)
-    assert_same_run(found, transient(oscillator, motion, 3.0, x=x, start=begin), x=1e-3)
-
-
-@pytest.mark.parametrize("eighth", [-1, 0, 1])
-def test_a_mass_in_balance_moves_on_with_the_base(eighth):
-    # at rest where the base is: nothing moves it but what the base does next
-    oscillator, motion = case(0.1, 0.8, 20.0, 0.2)
-    start = eighth / 8.0 * motion.period
-    x, end = float(motion.y(start)), 2.0 * motion.period
-    found = run(oscillator, motion, {}, end, (x, 0.0, 0.0), start)
-    assert_same_run(found, transient(oscillator, motion, end, x=x, start=start), x=motion.Y)
-
-
-def test_changes_of_the_state_are_carried_along_as_difference_quotients_say():
-    oscillator, motion = case(*LAWS["all, several slips"][1])
-    eq = equation(oscillator, motion, LAWS["all, several slips"][0])
-    units = np.array([motion.Y, motion.omega * motion.Y, oscillator.Z_m])
-
-    def moved(start, periods, carried):
-        """The state so many periods later, and the changes."""
-        t, end, state = 0.0, periods * motion.period, tuple(start)
-        while end - t > 1e-14 * end:
-            piece = follow(eq, state, motion.omega * t, end - t, carried)
-            t, state, carried = t + piece.duration, piece.end, piece.derivative
-        return np.array(state), carried
-
-    kinds = set()
-    for start, periods in (
-        ([0.3, 0.001, 0.2], 0.002),
-        ([-1.0, 0.4, -0.9], 0.25),
-        ([2.0, 0.0, 0.5], 0.4),
-        ([1.0, -2.0, -1.0], 0.3),
-    ):
-        begin = np.array(start) * units
-        state, derivative = moved(begin, periods, np.eye(3))
-        kinds.add(abs(state[2]) == oscillator.Z_m)
-        for j, unit in enumerate(units):
-            step = np.zeros(3)
-            step[j] = 1e-6 * unit * (-1.0 if start[j] > 0.0 else 1.0)  # z stays within its limits
-            difference = (moved(begin + step, periods, np.eye(3))[0] - state) / step[j]
-            # of the first order in the step
-            np.testing.assert_allclose(
-                difference * unit / units, derivative[:, j] * unit / units, rtol=0, atol=1e-4
-            )
-    assert kinds == {True, False}  # some end in slip, some in stick
-
-
-@pytest.mark.parametrize("start", [(0.0, 0.0, 0.0), (5.0, -3.0, 0.5)])
-def test_the_steady_response_is_found_from_anywhere(start, monkeypatch):
-    oscillator, motion = case(0.0213, 1.0154, 20.5, 0.618)
-    law = {"c_2": 5.0}
-    expected = law_orbit(oscillator, motion, law)
-    units = (expected.X, motion.omega * expected.X, oscillator.Z_m)
-    state = tuple(one * unit for one, unit in zip(start, units, strict=True))
-    monkeypatch.setattr(response, "_nearby", lambda eq: state)
-    found = law_orbit(oscillator, motion, law)
-    assert abs(found.X - expected.X) < 1e-12 * expected.X
-
-
-def test_records_are_drawn_from_it_as_from_an_orbit():
-    motion = motions_at()[2]
-    given = {"rate_hz": 997.0, "cycles": 3.5, "start": 0.7, "noise": 0.01, "seed": 3}
-    channels = ("force", "displacement", "velocity", "acceleration")
-    exact = measured_orbit(steady_orbit(PAPER, motion), channels=channels, **given)
-    found = measured_orbit(law_orbit(PAPER, motion, {}), channels=channels, **given)
-    for quantity in channels:
-        one, other = found[quantity].values, exact[quantity].values
-        np.testing.assert_allclose(one, other, rtol=0, atol=1e-10 * np.abs(other).max())
-    assert steady_orbit(PAPER, motion).phases[1, PHASE_V] > 0.0

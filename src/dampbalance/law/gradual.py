@@ -70,10 +70,6 @@ class Sliders:
         """Energy lost per cycle of a harmonic motion, J, (n,)."""
         return 4.0 * np.maximum(np.subtract.outer(X, self.r), 0.0) @ (self.kappa * self.r)
 
-    def backbone(self, x: Array) -> Array:
-        """Force at the first loading from rest, Σ κ_j min(x, r_j), N, (n,).   x : m, not negative."""
-        return np.minimum.outer(x, self.r) @ self.kappa
-
     def force(self, x: Array, start: Array | None = None) -> Array:
         """Force along a sampled motion, N, (N,).   x, start : as for `play`."""
         return play(x, self.r, start) @ self.kappa

@@ -200,9 +200,3 @@ def test_onset_and_velocity_are_those_of_the_motion():
     # the stick phase is located to 1e-11 or better by both
     assert found.t_s == pytest.approx(onset[0] - reversal[0], rel=1e-10)
     assert found.V_s == pytest.approx(onset[3], rel=1e-10)
-
-
-def test_several_onsets_of_slip_under_a_nonlinear_law_are_refused():
-    weak = Oscillator(m=2.42, c=3.0, k=2310.0, K_z=69_300.0, F_k=1.28)
-    with pytest.raises(NoSteadyOrbit, match="only one onset of slip"):
-        steady_response(weak, BaseMotion(0.0014, 2.0 * math.pi * 1.6), {"c_2": 1.0})

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -16,11 +17,11 @@ from ...features import Features
 from ...project.case import Case
 from ...reading.read_out import ReadOut
 from ..as_published import CORRECTED, estimates
-from ..printed_tables import COLUMN_OF, RouteTables
+from ..printed_tables import HARMONIC, UNKNOWNS, RouteTables
 from .judging import HALF
-from .published import PAIRS, Printed
+from .published import PAIR_LABELS, PAIRS, Printed
 from .table import SEPARATOR
-from .verdicts import HOLDING, REPRODUCED, ROUTE_NAMES, ClaimId
+from .verdicts import HOLDING, REPRODUCED, ROUTE_NAMES, ClaimId, of_cell
 
 CLOSE_UNITS = 5.0
 """Units of the last digit within which a number agrees in all digits but the last: ten last digits lie that close."""
@@ -135,11 +136,10 @@ def inputs_of_table_3(
         """How many numbers of Table 3 the features give."""
         table = estimates(features, features, replace(case, pairs=PAIRS))
         route, count = RouteTables({}, {"omega1": table}), 0
-        for name, text in printed.items():
-            of = ClaimId(name)
-            row = CORRECTED if minus and of.approach == "V_s" else of.approach
-            value = route.estimate(COLUMN_OF[of.symbol], row, pair=of.line)
-            number = Printed(text)
+        for approach, q, pair in product(HARMONIC, UNKNOWNS, PAIR_LABELS):
+            row = CORRECTED if minus and approach == "V_s" else approach
+            value = route.estimate(q.column, row, pair=pair)
+            number = Printed(printed[of_cell("table3", q.symbol, pair, approach)])
             count += bool(abs(value - number.value) <= HALF * number.unit)
         return count
 

@@ -133,27 +133,9 @@ class ClaimId(str):
         return self.split(".")
 
     @property
-    def part(self) -> str:
-        """The part of the paper, a key of PARTS; raises KeyError where there is none."""
-        if self.parts[0] not in PARTS:
-            known = ", ".join(PARTS)
-            raise KeyError(f"{str(self)!r} belongs to no part of the paper; known are {known}")
-        return self.parts[0]
-
-    @property
     def column(self) -> str:
         """How the ids of its column begin."""
         return ".".join(self.parts[:-1])
-
-    @property
-    def approach(self) -> str:
-        """The approach, "" in a column that does not repeat."""
-        return self.parts[1] if len(self.parts) > 3 else ""
-
-    @property
-    def symbol(self) -> str:
-        """The symbol that heads the column."""
-        return self.parts[-2]
 
     @property
     def line(self) -> str:
@@ -181,4 +163,7 @@ def statistic(symbol: str, approach: str, kind: str) -> str:
 
 def part_of(claim: str) -> str:
     """The part of the paper that a claim belongs to, a key of PARTS; raises KeyError where there is none."""
-    return ClaimId(claim).part
+    part = ClaimId(claim).parts[0]
+    if part not in PARTS:
+        raise KeyError(f"{claim!r} belongs to no part of the paper; known are {', '.join(PARTS)}")
+    return part
