@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 import traceback
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -15,13 +15,13 @@ import numpy as np
 import pandas as pd
 from jinja2 import meta, sandbox
 
-from ...arrays import Array, Words
+from ...arrays import Array, Integers
 from ...project.documents import ConfigurationError
 from ...project.wording import minus, number, percent, signed_percent
-from ..case_files import stretches
+from ..case_files import column_of
 from ..checking import wrong_selection
 from ..settings import Fit, Study, is_value, selected
-from .statistics import Sizes, error_columns, groups, spread_of, worst
+from .statistics import Sizes, groups, spread_of, worst_errors
 
 CROSSING, BEGINS, ENDS = "", " (where the axis begins)", " (where the axis ends)"
 UNKNOWN = " (beyond it there are cases that cannot be identified)"
@@ -56,26 +56,27 @@ class Errors:
             raise ValueError(f"{': '.join(map(str, (*key[1:], text)))}")
         return replace(self, spec=spec)
 
-    def _parts(self, names: Sequence[str]) -> Iterator[dict[str, Words]]:
-        """The columns named, a stretch at a time, of the cases that are left."""
-        for part in stretches(
-            self.cases, [*names, *self.spec.get("at", ()), *self.spec.get("between", ())]
-        ):
-            kept = selected(part, self.spec)
-            yield {name: column[kept] for name, column in part.items()}
+    @property
+    def _kept(self) -> Integers:
+        """The numbers of the cases that are left."""
+        names = ("case", *self.spec.get("at", ()), *self.spec.get("between", ()))
+        return np.flatnonzero(
+            selected({name: column_of(self.cases, name) for name in names}, self.spec)
+        )
+
+    @property
+    def _errors(self) -> Array:
+        return worst_errors(self.study, self.cases, self.spec)[self._kept]
 
     def _sizes(self, within: float = math.inf) -> Sizes:
         sizes = Sizes(within)
-        for part in self._parts(error_columns(self.study, self.spec)):
-            sizes.add(worst(self.study, part, self.spec))
+        sizes.add(self._errors)
         return sizes
 
     @property
     def signed(self) -> float:
         """The error of the one case that is left, with its sign."""
-        names = error_columns(self.study, self.spec)
-        errors = np.concatenate([worst(self.study, part, self.spec) for part in self._parts(names)])
-        if len(errors) != 1:
+        if len(errors := self._errors) != 1:
             raise ValueError(
                 f"signed is the error of one case, and {len(errors):,} are left: give a value of each axis to at"
             )
@@ -113,8 +114,8 @@ class Errors:
     @property
     def spreads(self) -> list[dict[str, float]]:
         """`spread` of each combination of values of the axes `summary_by` of the study in which a case is left."""
-        kept, by = self._kept, groups(self.cases, self.study.summary_by)
-        parts = (np.intersect1d(numbers, kept) for _, numbers in by)
+        by = groups(self.cases, self.study.summary_by)
+        parts = (np.intersect1d(numbers, self._kept) for _, numbers in by)
         return [
             spread_of(self.study, self.cases, self.spec["of"], self._fit, of)
             for of in parts
@@ -128,10 +129,6 @@ class Errors:
             labels = ", ".join(fit.label for fit in fits)
             raise ValueError(f"spread refers to one fit, but {labels} are selected")
         return fits[0]
-
-    @property
-    def _kept(self) -> Any:
-        return np.concatenate([part["case"] for part in self._parts(["case"])])
 
     def band(self, along: str, within: float, around: float) -> str:
         """The values of an axis, around one of them, between which the errors stay within a bound, to a thousandth of
@@ -154,12 +151,10 @@ class Errors:
         if not self.study.values_of(along):
             raise ValueError(f"{along} is not an axis of this study whose values are listed")
         self.at(**{along: around})
-        parts = []
-        for part in self._parts([along, *error_columns(self.study, self.spec)]):
-            parts.append(
-                pd.DataFrame({along: part[along], "error": worst(self.study, part, self.spec)})
-            )
-        by_place = pd.concat(parts).groupby(along)["error"].agg(["min", "max", "count", "size"])
+        table = pd.DataFrame(
+            {"place": column_of(self.cases, along)[self._kept], "error": self._errors}
+        )
+        by_place = table.groupby("place")["error"].agg(["min", "max", "count", "size"])
         known = (by_place["count"] == by_place["size"]).to_numpy(bool)
         errors = np.where(known, by_place[["min", "max"]].to_numpy().T, np.nan)
         places = by_place.index.to_numpy(float)

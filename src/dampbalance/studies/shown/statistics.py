@@ -11,13 +11,13 @@ import numpy as np
 import pandas as pd
 from scipy import special
 
-from ...arrays import Array, Integers, Words
+from ...arrays import Array, Integers
 from ...balance import TERMS
 from ...likelihood.steady_search import fit_at_truth
 from ...model import BaseMotion
 from ...motion.orbit import NoSteadyOrbit, steady_orbit
 from ...solver import NORMAL_95
-from ..case_files import column_of, stretches
+from ..case_files import column_of
 from ..cases import cases_between
 from ..parameters import oscillator_of
 from ..settings import Fit, Study
@@ -66,22 +66,13 @@ class Sizes:
         return float(min(max(middle, self.smallest), self.largest))
 
 
-def error_columns(study: Study, spec: Mapping[str, Any]) -> list[str]:
-    """The columns of the errors to which a figure or a number refers."""
-    return [f"{spec['of']}_relative_error__{fit.label}" for fit in study.fits_of(spec)]
-
-
-def worst(study: Study, stretch: Mapping[str, Words], spec: Mapping[str, Any]) -> Array:
-    """The error in each case of a stretch; with several fits (all pairs) the largest among them."""
-    errors = np.array([stretch[name] for name in error_columns(study, spec)])
+def worst_errors(study: Study, cases: str | Path, spec: Mapping[str, Any]) -> Array:
+    """The error in each case by the fit that a figure or a number selects; with several fits (all pairs) the largest
+    among them."""
+    names = [f"{spec['of']}_relative_error__{fit.label}" for fit in study.fits_of(spec)]
+    errors = np.array([column_of(cases, name) for name in names])
     sizes = np.where(np.isfinite(errors), np.abs(errors), -1.0)
     return np.take_along_axis(errors, sizes.argmax(axis=0)[None], axis=0)[0]
-
-
-def worst_errors(study: Study, cases: str | Path, spec: Mapping[str, Any]) -> Array:
-    """`worst` in all cases, held in memory as a whole."""
-    names = error_columns(study, spec)
-    return np.concatenate([worst(study, part, spec) for part in stretches(cases, names)])
 
 
 def spread(
