@@ -54,7 +54,7 @@ NAMES = [
 ]
 ODD = {
     ("oscillator", ("m_kg", "c_N_s_per_m", "k_N_per_m", "K_z_N_per_m", "F_k_N")): [1e-300, 0, True, "5", 1e300],
-    ("excitation", ("levels_m",)): [[1e-300, 1.0], [10**30, 2], [1, 2, 3], [0.001] * 2, ["a", 1]]],
+    ("excitation", ("levels_m",)): [[1e-300, 1.0], [10**30, 2], [1, 2, 3], [0.001] * 2, ["a", 1]],
     ("estimation", ("pairs",)): [[[1, 1]], [[1.0, 2.0]], [[1, 2], [1, 2]], [[0, 1]], [[True, 2]], [[1, 2**62]], [1]],
     ("as_published", ("step_s", "cycles", "slip_samples", "c_over_m_decimals", "scheme", "tabulated")): [
         1e-300, 1e300, 10**9, 2**62, [2**62], [0], 400, "rk4", 5.0, None, {"X_decimals": 400}, {"X_decimals": True},
