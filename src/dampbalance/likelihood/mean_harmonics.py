@@ -176,7 +176,7 @@ class Reading:
 
     def resampled(self, count: int, rng: np.random.Generator) -> Means:
         """`count` bootstrap replicates of the means: of rows drawn with replacement, with random errors of the size
-        that a converter leaves in all of them alike."""
+        that a record which is not steady leaves in all of them alike."""
         steady = self.steady
         drawn, stretch = bootstrap(len(steady.weights), count, rng)
         means = self._drawn(drawn * steady.weights, stretch, 2.0)
