@@ -176,7 +176,7 @@ class Reading:
 
     def resampled(self, count: int, rng: np.random.Generator) -> Means:
         """`count` bootstrap replicates of the means: of rows drawn with replacement, with random errors of the size
-        that no scatter between rows shows, as it is the same in all of them."""
+        that a record which is not steady leaves in all of them alike."""
         drawn, stretch = bootstrap(len(self.steady.weights), count, rng)
         means = self._drawn(drawn * self.steady.weights, stretch, 2.0)
         hidden = self._hidden

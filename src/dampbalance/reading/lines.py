@@ -128,7 +128,7 @@ class Lines:
 
 def _rows(steady: SteadyRecord, n: Integers) -> int:
     """Independent rows that know the variances of the harmonics as well as they are known (Welch–Satterthwaite): that
-    of noise from the scatter of the rows, what this does not show, as a converter's steps, to a factor."""
+    of noise from the scatter of the rows, what this does not show, as an unsteady motion, to a factor."""
     rows = len(steady.weights)
     hidden = float(np.mean((steady.X_hidden[n] / steady.X_error[n]) ** 2))
     scatter = (1.0 - hidden) ** 2 / (_NEIGHBOURS * max(1, rows - 1))

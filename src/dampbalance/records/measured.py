@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import closing, contextmanager
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -19,13 +19,13 @@ from .errors import RecordError, RecordWarning
 from .mapping import MappingLike, RecordMapping, mapping_file, mapping_for, parts_of
 from .measurement import EXCITATIONS, Measurement, mean_rate
 from .readers import opened, read, read_signals
-from .readers.record_file import is_table, signals_file
 from .stepped_sine import SteppedTable, is_table_of_lines, read_table
+from .table import Table, is_table, signals_file
 
 if TYPE_CHECKING:
     import pandas as pd
 
-    from .readers.record_file import RecordFile, Signals
+    from .table import Signals
 
     RecordLike: TypeAlias = "str | Path | Signals | Measurement | MeasuredRecord"
 
@@ -176,7 +176,7 @@ def _in_memory(
 
 
 def _of_lines(
-    file: RecordFile,
+    file: Table,
     label: str,
     rules: RecordMapping,
     files: Mapping[str, Any] | None = None,
@@ -190,9 +190,9 @@ def _of_lines(
 def _of_file(path: Path, mapping: MappingLike, tables: bool | None, free: bool) -> MeasuredRecord:
     rules = replace(mapping_for(path, mapping), free=free)
     if tables is not False and not rules.channels:
-        with closing(opened(path, rules)) as file:
-            if tables or is_table_of_lines(file, rules):
-                return _of_lines(file, path.name, rules, _digests(path, rules, mapping))
+        file = opened(path, rules)
+        if tables or is_table_of_lines(file, rules):
+            return _of_lines(file, path.name, rules, _digests(path, rules, mapping))
     with _told(str(path)) as said:
         measurement = replace(read(path, rules), source=str(path))
     label, notes = visible(rules.level or path.name), tuple(said)
@@ -203,8 +203,7 @@ def _of_file(path: Path, mapping: MappingLike, tables: bool | None, free: bool) 
 def recognised_as_table(path: Path, mapping: MappingLike) -> bool:
     """Whether `read_records` takes a file for a table of steady responses to a stepped sine."""
     rules = mapping_for(path, mapping)
-    with closing(opened(path, rules)) as file:
-        return is_table_of_lines(file, rules)
+    return is_table_of_lines(opened(path, rules), rules)
 
 
 def _digests(path: Path, rules: RecordMapping, mapping: MappingLike) -> dict[str, Any]:

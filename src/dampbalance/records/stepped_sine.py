@@ -22,9 +22,8 @@ from ..project.wording import listed, shortened
 from .errors import RecordError
 from .mapping import ChannelRule, RecordMapping, Which
 from .measurement import ABSOLUTE
-from .readers.assemble import columns_of
 from .readers.headings import WORDS, by_unit, full_name, names_time, quantity_of, words_of
-from .readers.record_file import RawChannel, RecordFile
+from .table import RawChannel, Table
 from .units import PER_FORCE, TABLE_DIMENSIONS, UnitError, find_unit, table_factor
 
 if TYPE_CHECKING:
@@ -115,7 +114,7 @@ class SteppedTable:
         return frame
 
 
-def is_table_of_lines(file: RecordFile, rules: RecordMapping) -> bool:
+def is_table_of_lines(file: Table, rules: RecordMapping) -> bool:
     """Whether a file is a table of steady responses: by its mapping, or by columns of frequency and phase, and none of
     times."""
     if rules.table or rules.channels:
@@ -124,7 +123,7 @@ def is_table_of_lines(file: RecordFile, rules: RecordMapping) -> bool:
     return {"frequency", "phase"} <= roles and not any(map(names_time, file.channels))
 
 
-def read_table(file: RecordFile, rules: RecordMapping, label: str) -> SteppedTable:
+def read_table(file: Table, rules: RecordMapping, label: str) -> SteppedTable:
     """The table in an open file, in SI units.
 
     rules : what the file does not say.   label : of a level that has no name of its own.
@@ -139,7 +138,7 @@ def read_table(file: RecordFile, rules: RecordMapping, label: str) -> SteppedTab
 class _Table:
     """The columns of a file, as mapping or headings tell them apart: quantity → place of the level → column."""
 
-    def __init__(self, file: RecordFile, rules: RecordMapping) -> None:
+    def __init__(self, file: Table, rules: RecordMapping) -> None:
         self.file, self.rules = file, rules
         self.where = rules.source or f"{file.path}.yaml"
         self.columns: dict[str, dict[Place, int]] = {}
@@ -171,9 +170,9 @@ class _Table:
         self.drive, self.answer = drives[0], answers[0]
         self.factors = {q: self._factor(q) for q in self.columns if q != "level"}
 
-    def _error(self, words: str, row: tuple[int, int] | None = None) -> RecordError:
+    def _error(self, words: str, row: int | None = None) -> RecordError:
         """An error on the file, or on a row of a column."""
-        line = "" if row is None else f"{self.file.place(*row)}: "
+        line = "" if row is None else f"{self.file.place(row)}: "
         return RecordError(f"{self.file.path}: {line}{words}")
 
     def _named(self) -> Iterator[tuple[str, int]]:
@@ -216,8 +215,7 @@ class _Table:
 
     def read(self, label: str) -> SteppedTable:
         """The table, with the lag φ of the displacement in each line."""
-        phased = [*self._levels(label)]
-        levels = [level for level, _ in phased]
+        levels = [*self._levels(label)]
         phases = np.concatenate([level.phi for level in levels])
         low, high, radians = float(phases.min()), float(phases.max()), self.factors["phase"] == 1.0
         many, few = max(-low, high) > _TURNS, math.radians(1.0) < high - low < _SLIGHT
@@ -228,7 +226,7 @@ class _Table:
                 f"table.phase.unit in {self.where}"
             )
         by_force = self.drive in ("", "force")
-        quarters, sign, phis = self._convention(phased, 3 if by_force else 4)
+        quarters, sign, phis = self._convention(levels, 3 if by_force else 4)
         against = "force" if by_force else "base velocity" if quarters == 3 else "base displacement"
         moved = (*ABSOLUTE, "displacement")[quarters]
         return SteppedTable(
@@ -237,11 +235,11 @@ class _Table:
             f"its phases are those by which the {moved} {'leads' if sign > 0 else 'lags'} the {against}",
         )
 
-    def _levels(self, label: str) -> Iterator[tuple[SteppedLevel, int]]:
-        """Each level, with phases as recorded, rad, and their column: of each group or column of a matrix, or of each
+    def _levels(self, label: str) -> Iterator[SteppedLevel]:
+        """Each level, with phases as recorded, rad: of each group or column of a matrix, or of each
         value of a column of levels."""
         wanted = sorted({i for of in self.columns.values() for i in of.values()})
-        values = columns_of(self.file, wanted)
+        values = self.file.columns(wanted)
         several = {q: of for q, of in self.columns.items() if len(of) > 1}
         places = list(next(iter(several.values()), {("", 0): 0}))
         for place in places:
@@ -262,7 +260,7 @@ class _Table:
                 name = _called(place) if several else label
                 name = f"level {value:g}" if "level" in columns else name
                 those = rows[levels[rows] == value] if value == value else rows
-                yield self._level(name, own, columns, those), own["phase"]
+                yield self._level(name, own, columns, those)
 
     def _level(
         self, name: str, own: Mapping[str, int], columns: Mapping[str, Array], rows: Integers
@@ -278,7 +276,7 @@ class _Table:
             if not holds.all():
                 row = int(rows[np.argmin(holds)])
                 column = shortened(self.file.channels[own[q]].name)
-                raise self._error(f"column {column}, {columns[q][row]:.6g}, {words}", (own[q], row))
+                raise self._error(f"column {column}, {columns[q][row]:.6g}, {words}", row)
         if rows.size < _FEWEST:
             raise self._error(f"{name} has {rows.size} lines; a level needs {_FEWEST} at least")
         drive = si.get(self.drive, np.full(rows.size, self.rules.force_N or 1.0))
@@ -292,7 +290,7 @@ class _Table:
         orders = [_ORDERS[TABLE_DIMENSIONS[q or "force"]] for q in (self.drive, self.answer)]
         Y, X = drive / omega ** orders[0], answer / omega ** orders[1]
         if X.max() > _LARGEST:
-            at = own[self.answer], int(rows[np.argmax(X)])
+            at = int(rows[np.argmax(X)])
             raise self._error(
                 f"a displacement of {X.max():.3g} m: a unit is wrong, that of {self.answer}?", at
             )
@@ -305,14 +303,14 @@ class _Table:
         return SteppedLevel(name, omega, Y, X, si["phase"], error, rows)
 
     def _convention(
-        self, levels: Sequence[tuple[SteppedLevel, int]], most: int
+        self, levels: Sequence[SteppedLevel], most: int
     ) -> tuple[int, int, list[Array]]:
         """How phases p are counted, φ = n π/2 − s p with n < `most` quarters of a turn and the sign s; φ of each level.
 
         Raises RecordError naming the first line of another convention than most have, and where two are left.
         """
         ways = {
-            (n, s): [np.angle(np.exp(1j * (0.5 * math.pi * n - s * of.phi))) for of, _ in levels]
+            (n, s): [np.angle(np.exp(1j * (0.5 * math.pi * n - s * of.phi))) for of in levels]
             for n in range(most)
             for s in (1, -1)
         }
@@ -322,12 +320,10 @@ class _Table:
             way: _off_oscillators(levels, phis) for way, phis in ways.items() if shares[way] == best
         }
         (n, s), *others = sorted(misfits, key=misfits.__getitem__)
-        for (of, column), phi in zip(levels, ways[n, s], strict=True):
+        for of, phi in zip(levels, ways[n, s], strict=True):
             if phi.min() <= 0.0:
                 at = int(np.argmax(phi <= 0.0))
-                raise self._error(
-                    f"the phase {of.phi[at]:.4g} rad {_MIXED}", (column, int(of.rows[at]))
-                )
+                raise self._error(f"the phase {of.phi[at]:.4g} rad {_MIXED}", int(of.rows[at]))
         if others and misfits[others[0]] < _CLEAR * misfits[n, s]:
             raise self._error(
                 "its phases may be a lead or a lag; give lines on both sides of a resonance"
@@ -335,12 +331,12 @@ class _Table:
         return n, s, ways[n, s]
 
 
-def _off_oscillators(levels: Sequence[tuple[SteppedLevel, int]], phis: Sequence[Array]) -> float:
+def _off_oscillators(levels: Sequence[SteppedLevel], phis: Sequence[Array]) -> float:
     """How far the levels are from an oscillator each: Σ |1 − (k − mω² + i(ωc + h))/Z|², Z = (F/X) e^{iφ}."""
     from scipy.optimize import nnls  # slow to import
 
     total = 0.0
-    for (of, _), phi in zip(levels, phis, strict=True):
+    for of, phi in zip(levels, phis, strict=True):
         w, inverse = of.omega / of.omega.max(), of.X / of.drive
         columns = np.array([np.ones(w.size), -(w**2), 1j * w, 1j * np.ones(w.size)]).T
         columns = columns * (inverse / inverse.max() * np.exp(-1j * phi))[:, None]

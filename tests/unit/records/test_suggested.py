@@ -41,6 +41,17 @@ def held(measurement):
     return of
 
 
+def read_twice(path):
+    """The record, once as its names say, once by the mapping to start from: the same."""
+    plain = read(path)
+    mapped = read(path, yaml.safe_load(mapping_to_start_from(path)))
+    assert list(mapped) == list(plain)
+    for q in plain:
+        np.testing.assert_array_equal(mapped[q].values, plain[q].values)
+        np.testing.assert_array_equal(mapped[q].t, plain[q].t)
+    return plain
+
+
 READ = [
     # a unit of force drives, next to a response
     (["Hammer [N]", "Acc [g]"], {FORCE: 0, A: 1}),
@@ -79,13 +90,7 @@ def test_what_names_and_units_say_is_read_and_the_mapping_reads_the_same(
     tmp_path, headings, quantities
 ):
     path = record(tmp_path, headings)
-    plain = read(path)
-    assert held(plain) == quantities
-    mapped = read(path, yaml.safe_load(mapping_to_start_from(path)))
-    assert list(mapped) == list(plain)
-    for q in plain:
-        np.testing.assert_array_equal(mapped[q].values, plain[q].values)
-        np.testing.assert_array_equal(mapped[q].t, plain[q].t)
+    assert held(read_twice(path)) == quantities
 
 
 REFUSED = [
@@ -192,13 +197,7 @@ def test_known_free_decays_need_no_drive():
 def test_in_every_format_the_mapping_reads_the_same(tmp_path, suffix, quantities):
     columns = dict(zip(map(column_name, quantities), SIGNALS, strict=False))
     path = write_columns(tmp_path / f"run{suffix}", {"time_s": T, **columns})
-    plain = read(path)
-    assert set(plain) == {*quantities}
-    mapped = read(path, yaml.safe_load(mapping_to_start_from(path)))
-    assert list(mapped) == list(plain)
-    for q in plain:
-        np.testing.assert_array_equal(mapped[q].values, plain[q].values)
-        np.testing.assert_array_equal(mapped[q].t, plain[q].t)
+    assert set(read_twice(path)) == {*quantities}
 
 
 # Universal files: a channel is what its ID lines, its component and its node say.
@@ -281,45 +280,9 @@ def test_where_nodes_alone_differ_the_first_is_taken_for_the_drive(tmp_path):
 
 PREFIXES = ("", *"TGMkhdcmµnp", "da")
 NAMED = [
-    "m",
-    "g",
-    "s",
-    "A",
-    "K",
-    "mol",
-    "cd",
-    "Hz",
-    "N",
-    "Pa",
-    "J",
-    "W",
-    "C",
-    "V",
-    "F",
-    "Ω",
-    "S",
-    "Wb",
-    "T",
-    "H",
-]
-NAMED += [
-    "lm",
-    "lx",
-    "Bq",
-    "Gy",
-    "Sv",
-    "kat",
-    "rad",
-    "bar",
-    "Nm",
-    "Ns",
-    "min",
-    "h",
-    "d",
-    "kn",
-    "L",
-    "t",
-]
+    "m", "g", "s", "A", "K", "mol", "cd", "Hz", "N", "Pa", "J", "W", "C", "V", "F", "Ω", "S", "Wb", "T", "H",
+    "lm", "lx", "Bq", "Gy", "Sv", "kat", "rad", "bar", "Nm", "Ns", "min", "h", "d", "kn", "L", "t",
+]  # fmt: skip
 # Nobody measures these: megametres, giganewtons, gigaradians, mega-inches.
 OF_NO_RIG = ["Mm", "GN", "Grad", "Min"]
 

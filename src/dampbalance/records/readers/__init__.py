@@ -6,7 +6,6 @@ measurement = read("level1.mat")                    # mapping next to it, or nam
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from contextlib import closing
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,17 +13,17 @@ from ... import arguments
 from ..errors import RecordError, RecordWarning
 from ..mapping import MappingLike, RecordMapping, mapping_for, parts_of
 from ..measurement import QUANTITIES, Channel, Measurement
+from ..table import RawChannel, Table, require_nameable, signals_file
 from .array_files import hdf5_file, matlab_file
 from .assemble import whole
 from .channels import Pick, picks_of, suggested_mapping
-from .containers import ParquetFile, lvm_file, tdms_file, uff_file, wav_file
+from .containers import lvm_file, parquet_file, tdms_file, uff_file, wav_file
 from .formats import FORMATS, checked_format
-from .record_file import RawChannel, RecordFile, require_nameable, signals_file
 from .spreadsheets import spreadsheet_file
-from .text import TextFile
+from .text import text_file
 
 if TYPE_CHECKING:
-    from .record_file import Signals
+    from ..table import Signals
 
 __all__ = [
     "FORMATS",
@@ -75,8 +74,7 @@ def quantities_of(path: str | Path, mapping: MappingLike = None) -> tuple[str, .
 def channels(path: str | Path, mapping: MappingLike = None) -> tuple[RawChannel, ...]:
     """The channels of a file, with names, units and sampling rates as it has them. Raises RecordError."""
     path, rules = _named(path, mapping)
-    with closing(opened(path, rules)) as file:
-        return tuple(file.channels)
+    return tuple(opened(path, rules).channels)
 
 
 def mapping_to_start_from(path: str | Path, mapping: MappingLike = None) -> str:
@@ -90,8 +88,7 @@ def mapping_to_start_from(path: str | Path, mapping: MappingLike = None) -> str:
     Raises RecordError where the mapping names channels already, or nothing in the file can be a response.
     """
     path, rules = _named(path, mapping)
-    with closing(opened(path, rules)) as file:
-        return suggested_mapping(file, rules)
+    return suggested_mapping(opened(path, rules), rules)
 
 
 def _named(path: str | Path, mapping: MappingLike) -> tuple[Path, RecordMapping]:
@@ -99,28 +96,24 @@ def _named(path: str | Path, mapping: MappingLike) -> tuple[Path, RecordMapping]
     return file, mapping_for(file, mapping)
 
 
-def _files(path: Path, rules: RecordMapping) -> Iterator[tuple[RecordFile, tuple[Pick, ...]]]:
-    """Each file of a record, open, with what to read from it."""
+def _files(path: Path, rules: RecordMapping) -> Iterator[tuple[Table, tuple[Pick, ...]]]:
+    """Each file of a record, with what to read from it."""
     parts = parts_of(path, rules)
     for part, of in parts.items():
-        with closing(opened(part, of)) as file:
-            yield file, picks_of(file, of, entire=len(parts) == 1)
+        file = opened(part, of)
+        yield file, picks_of(file, of, entire=len(parts) == 1)
 
 
-def opened(path: Path, rules: RecordMapping) -> RecordFile:
-    """A file, open, as its mapping says how to read it. Raises RecordError as `read`."""
+def opened(path: Path, rules: RecordMapping) -> Table:
+    """The channels of a file, read as its mapping says. Raises RecordError as `read`."""
     content = checked_format(path)
-    file = TextFile(path, rules) if content == "text" else _OPENERS[content](path)
-    try:
-        require_nameable(path, file.channels)
-    except RecordError:
-        file.close()
-        raise
+    file = text_file(path, rules) if content == "text" else _OPENERS[content](path)
+    require_nameable(path, file.channels)
     return file
 
 
-_OPENERS: dict[str, Callable[[Path], RecordFile]] = {  # each imports its library
-    "parquet": ParquetFile,
+_OPENERS: dict[str, Callable[[Path], Table]] = {  # each imports its library
+    "parquet": parquet_file,
     "hdf5": hdf5_file,
     "matlab73": hdf5_file,
     "matlab": matlab_file,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -11,36 +11,35 @@ import numpy as np
 
 from ...project.wording import dotted
 from ..errors import library, require_size
-from .record_file import (
-    TIMING_NAMES,
-    UNIT_NAMES,
-    RecordFile,
-    intact,
-    signals_in,
-    unit_among,
-)
+from ..table import TIMING_NAMES, UNIT_NAMES, Table, intact, signals_in, unit_among
 
 _NO_NUMBERS = (b"char", b"logical", "char", "logical")  # classes of MATLAB
 
 
-def hdf5_file(path: Path) -> RecordFile:
+def hdf5_file(path: Path) -> Table:
     """An HDF5 file, or one of MATLAB 7.3: every array of numbers in it is a channel, by its path.
 
     Unit and sampling rate are attributes of the array, or of the groups that hold it, or scalars next to it.
     """
     h5py = library("h5py", "HDF5")
-    with intact(path, "HDF5"):
-        file = h5py.File(path, "r")
-    with intact(path, "HDF5", file.close):
+    with intact(path, "HDF5"), h5py.File(path, "r") as file:
         datasets = list(_datasets(h5py, file))
         scalars = {
             last: d[()].item()
             for name, d, _ in datasets
             if d.size == 1 and (last := name.rpartition("/")[2]).lower() in TIMING_NAMES
         }
-        owned = [(name, data, above, _attributes(data)) for name, data, above in datasets]
-        arrays = [(n, d, scalars | above | own, unit_among(own)) for n, d, above, own in owned]
-        return signals_in(path, "HDF5", arrays, file.close)
+        owned = [(name, data.shape, above, _attributes(data)) for name, data, above in datasets]
+        arrays = [
+            (n, size, scalars | above | own, unit_among(own)) for n, size, above, own in owned
+        ]
+        channels, signals = signals_in(path, arrays)
+
+    def load(wanted: Sequence[int]) -> list[Any]:
+        with h5py.File(path, "r") as file:
+            return [signals[i](file) for i in wanted]
+
+    return Table(path, channels, load, "HDF5")
 
 
 def _datasets(h5py: Any, file: Any) -> Iterator[tuple[str, Any, dict[str, object]]]:
@@ -73,7 +72,7 @@ def _attributes(item: Any) -> dict[str, object]:
     }
 
 
-def matlab_file(path: Path) -> RecordFile:
+def matlab_file(path: Path) -> Table:
     """A MATLAB 5 file: every real array in it is a channel, a field of a structure by "structure.field", with [1], [2],
     … behind it where there is an array of structures. Raises RecordError for arrays too large for memory."""
     from scipy.io import whosmat  # slow to import
@@ -91,8 +90,9 @@ def matlab_file(path: Path) -> RecordFile:
         if np.isscalar(value) or (isinstance(value, np.ndarray) and value.dtype.kind in "fiu")
     }
     scalars = {n.rpartition(".")[2]: value for n, value in fields.items() if np.size(value) == 1}
-    arrays = [(n, v, scalars, None) for n, v in fields.items() if isinstance(v, np.ndarray)]
-    return signals_in(path, "MATLAB", arrays)
+    arrays = [(n, v.shape, scalars, None) for n, v in fields.items() if isinstance(v, np.ndarray)]
+    channels, signals = signals_in(path, arrays)
+    return Table(path, channels, lambda wanted: [signals[i](fields) for i in wanted], "MATLAB")
 
 
 def _unrolled(fields: Iterable[tuple[str, Any]]) -> Iterator[tuple[str, Any]]:

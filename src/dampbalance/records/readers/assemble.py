@@ -13,10 +13,10 @@ from ...arrays import Array
 from ...project.wording import Remark
 from ...record import GRID_TOLERANCE
 from .. import errors
-from ..errors import RecordError, RecordWarning, require_size
+from ..errors import RecordError, RecordWarning
 from ..measurement import QUANTITIES, Channel, sample_times
+from ..table import Table
 from .channels import Pick
-from .record_file import RecordFile
 
 _BITS = (8, 16, 24, 32, 64)  # of the integers that converters and files have
 # of their range: no oscillation passes through so much of it from one sample to the next
@@ -26,14 +26,14 @@ _WITHIN = 1.5  # resolutions; rounding, and what the line is off by itself
 _ACCURATE = 1e-3  # of the rate, that it may be off by at the most: c is then off by as much
 
 
-def whole(file: RecordFile, picks: Sequence[Pick]) -> list[Channel]:
+def whole(file: Table, picks: Sequence[Pick]) -> list[Channel]:
     """All samples of the picked channels.
 
     Raises RecordError naming channel and line or sample: a value that is missing, not finite or beyond all bounds,
     times that do not increase, have a gap or unequal steps, a constant channel, an integer that ran over, channels of
     unequal lengths.
     """
-    columns = columns_of(file, wanted_of(picks))
+    columns = file.columns(wanted_of(picks))
     first_of: dict[tuple[object, ...], Pick] = {}  # of the channels that share their times
     channels: list[Channel] = []
     for pick in picks:
@@ -56,21 +56,11 @@ def whole(file: RecordFile, picks: Sequence[Pick]) -> list[Channel]:
     return channels
 
 
-def columns_of(file: RecordFile, wanted: Sequence[int]) -> dict[int, Array]:
-    """All samples of channels by their numbers, as recorded. Raises RecordError for more than LARGEST numbers."""
-    require_size(file.path, sum(file.channels[i].size or 0 for i in wanted))
-    blocks = list(file.blocks(wanted, max(file.channels[i].size or errors.LARGEST for i in wanted)))
-    # what is one array already is not copied
-    arrays = [p[0] if len(p) == 1 else np.concatenate(p) for p in zip(*blocks, strict=True)]
-    require_size(file.path, sum(len(array) for array in arrays))
-    return dict(zip(wanted, arrays or [np.empty(0)] * len(wanted), strict=True))
-
-
 @dataclass(frozen=True)
 class _Signal:
     """A picked channel of a file, whose samples are checked."""
 
-    file: RecordFile
+    file: Table
     pick: Pick
 
     def channel(self, columns: Mapping[int, Array]) -> Channel:
@@ -126,7 +116,7 @@ class _Signal:
             what, remedy = f"{values[i]:.6g}, beyond {bound:g} {unit}", "check its unit and scale"
         more = f", and so are {bad.size - 1} more" if bad.size > 1 else ""
         raise RecordError(
-            f"{file.path}: {file.place(index, i)}: channel {file.channels[index].name!r} is {what}{more}; "
+            f"{file.path}: {file.place(i)}: channel {file.channels[index].name!r} is {what}{more}; "
             f"{remedy}, or repair it"
         )
 
@@ -138,7 +128,7 @@ class _Signal:
         if not bits or jumps[i] <= _WRAPPED * 2.0**bits or np.any(values != np.round(values)):
             return
         raise RecordError(
-            f"{self.file.path}: {self.file.place(self.pick.index, i + 1)}: channel {self.pick.name!r} "
+            f"{self.file.path}: {self.file.place(i + 1)}: channel {self.pick.name!r} "
             f"goes from {values[i]:g} to {values[i + 1]:g}: an integer of {bits} bits ran over; record "
             "with a wider range"
         )

@@ -16,9 +16,10 @@ import numpy as np
 
 from ...arrays import Array
 from ...project.wording import shortened
-from ..errors import RecordError, RecordWarning
+from ..errors import RecordError, RecordWarning, require_size
 from ..mapping import ChannelRule, RecordMapping, Which
 from ..measurement import ABSOLUTE, EXCITATIONS, QUANTITIES, RESPONSES, Correction
+from ..table import RawChannel, Table
 from ..units import DIMENSIONS, VOLTAGE, UnitError, find_other, find_unit, unit_for
 from .headings import (
     WORDS,
@@ -32,13 +33,11 @@ from .headings import (
     unusable,
     words_of,
 )
-from .record_file import RawChannel, RecordFile
 
 # words that YAML takes for others
 _YAML_WORDS = ("y", "n", "yes", "no", "on", "off", "true", "false", "null")
 _LISTED = 20  # channels in a message
 _LONGEST = 60  # characters of a name; a channel with a longer one is called by its number
-_NUMBERS = 4_000_000  # that are looked at
 _FEWEST = 4  # samples of which it shows that they rise in equal steps
 _ROUNDED = 0.6  # of a step, by which times with too few digits are off
 _IN_MM = 0.05  # half the range of a displacement: more is in mm, less in m
@@ -69,7 +68,7 @@ class Pick:
     correction: Correction | None = None
 
 
-def picks_of(file: RecordFile, mapping: RecordMapping, *, entire: bool = True) -> tuple[Pick, ...]:
+def picks_of(file: Table, mapping: RecordMapping, *, entire: bool = True) -> tuple[Pick, ...]:
     """What to read from a file, in the order of QUANTITIES.
 
     entire : whether it holds all of the record, a response and an excitation; none of these in a free decay, if no
@@ -106,7 +105,7 @@ def picks_of(file: RecordFile, mapping: RecordMapping, *, entire: bool = True) -
     return picks
 
 
-def suggested_mapping(file: RecordFile, mapping: RecordMapping) -> str:
+def suggested_mapping(file: Table, mapping: RecordMapping) -> str:
     """A mapping in YAML for a file whose mapping, so far, names no channels: each line with its reason. Raises
     RecordError where the mapping names channels already, or the file has no response."""
     plan = _Plan(file, mapping)
@@ -121,7 +120,7 @@ def suggested_mapping(file: RecordFile, mapping: RecordMapping) -> str:
 class _Plan:
     """The channels of a file, as its mapping and their names tell them apart."""
 
-    def __init__(self, file: RecordFile, mapping: RecordMapping) -> None:
+    def __init__(self, file: Table, mapping: RecordMapping) -> None:
         self.file, self.path, self.channels, self.mapping = file, file.path, file.channels, mapping
         self.where = mapping.source or f"{file.path}.yaml"
         self.keys = [key_of(raw.name) for raw in self.channels]
@@ -325,23 +324,25 @@ def _first_of(names: Sequence[str]) -> str:
 
 
 class _Samples:
-    """The first samples of each channel (`values`), or none of one that cannot be read.
+    """The samples of each channel (`values`), or none of one that cannot be read.
 
     aside : channels that are no motion and no force, by name, unit or samples, with what they are instead.
     rising : steps of those that rise in equal steps and are no counters.
     """
 
-    def __init__(self, file: RecordFile) -> None:
+    def __init__(self, file: Table) -> None:
         everything = range(len(file.channels))
-        self.values = _first(file, everything) or []
+        require_size(file.path, sum(raw.size or 0 for raw in file.channels))
         self.aside: dict[int, str] = {}
         self.rising: dict[int, float] = {}
+        self.values = _samples(file, everything) or {}
         if not self.values:  # a text in some column
-            alone = {i: _first(file, [i]) for i in everything[:_LISTED]}
-            self.aside = {i: "it holds what is no number" for i in alone if alone[i] is None}
-            self.values = [(alone.get(i) or [np.empty(0)])[0] for i in everything]
-        for i, (raw, values) in enumerate(zip(file.channels, self.values, strict=True)):
-            known = values[np.isfinite(values)]
+            for i in everything[:_LISTED]:
+                self.values |= _samples(file, [i]) or {i: np.empty(0)}
+                if not self.values[i].size:
+                    self.aside[i] = "it holds what is no number"
+        for i, values in self.values.items():
+            raw, known = file.channels[i], values[np.isfinite(values)]
             if (other := unusable(raw)) is not None:
                 self.aside[i] = other
             elif holds_time(raw) or known.size < _FEWEST:
@@ -356,15 +357,12 @@ class _Samples:
                     self.rising[i] = step
 
 
-def _first(file: RecordFile, wanted: Sequence[int]) -> list[Array] | None:
-    """The first samples of some channels; None where they cannot be read."""
-    if not wanted:
-        return []
+def _samples(file: Table, wanted: Sequence[int]) -> dict[int, Array] | None:
+    """The samples of some channels; None where they cannot be read."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RecordWarning)  # comes where the record is read
         try:
-            blocks = file.blocks(wanted, max(_NUMBERS // len(file.channels), _FEWEST))
-            return next(iter(blocks), [np.empty(0)] * len(wanted))
+            return file.columns(wanted)
         except RecordError:
             return None
 

@@ -14,16 +14,9 @@ import numpy as np
 from ...arrays import Array
 from ...project.wording import shortened
 from ..errors import RecordError, library
+from ..table import RawChannel, Table, described, intact, unit_among
 from ..units import split_label
 from .headings import quantity_of, words_of
-from .record_file import (
-    RawChannel,
-    RecordFile,
-    Sliced,
-    described,
-    intact,
-    unit_among,
-)
 
 # of universal files: the function types of a time response and of a frequency response, what a channel without a name
 # holds, and what a frequency response is of that per force
@@ -35,62 +28,50 @@ _NAMING = ("id1", "id2", "rsp_ent_name", "id4", "id5")
 _NO_SIZE = (0, 0xFFFFFFFF)  # what a program writes that does not know how long a WAV will become
 
 
-class ParquetFile(RecordFile):
-    """A Parquet file; the unit of a column from its field's metadata, else from its name."""
+def parquet_file(path: Path) -> Table:
+    """A Parquet file; the unit of a column from its field's metadata, else from its name. Points in time are read as s
+    from the first on."""
+    types, parquet = (library(f"pyarrow.{name}", "Parquet") for name in ("types", "parquet"))
 
-    def __init__(self, path: Path) -> None:
-        self._types, parquet = (library(f"pyarrow.{n}", "Parquet") for n in ("types", "parquet"))
-        self.path = path
-        with intact(path, "Parquet"):
-            self._file = parquet.ParquetFile(path)
-        self.channels = [self._channel(field) for field in self._file.schema_arrow]
+    def is_time(kind: Any) -> bool:
+        return bool(types.is_timestamp(kind) or types.is_duration(kind))
 
-    def _channel(self, field: Any) -> RawChannel:
-        size = self._file.metadata.num_rows
-        if self._is_time(field.type):
+    def channel(field: Any) -> RawChannel:
+        if is_time(field.type):
             return RawChannel(field.name, "s", size, label=field.name, stamps=True)
         metadata = {k.decode(errors="replace"): v for k, v in (field.metadata or {}).items()}
-        return described(self.path, field.name, size, {}, unit_among(metadata))
+        return described(path, field.name, size, {}, unit_among(metadata))
 
-    def blocks(self, wanted: Sequence[int], size: int) -> Iterator[list[Array]]:
-        """The wanted columns, `size` rows at a time; a missing value is NaN."""
-        fields = [self._file.schema_arrow.field(i) for i in wanted]
-        names = sorted({field.name for field in fields})
-        with intact(self.path, "Parquet"):
-            pending: list[list[Array]] = []
-            origins: dict[str, Any] = {}  # the first point in time of a column
-            for batch in self._file.iter_batches(batch_size=size, columns=names):
-                pending.append([self._numbers(field, batch, origins) for field in fields])
-                if sum(parts[0].size for parts in pending) == size:
-                    yield [np.concatenate(parts) for parts in zip(*pending, strict=True)]
-                    pending = []
-            if pending:
-                yield [np.concatenate(parts) for parts in zip(*pending, strict=True)]
+    with intact(path, "Parquet"), parquet.ParquetFile(path) as file:
+        fields, size = list(file.schema_arrow), file.metadata.num_rows
+        channels = [channel(field) for field in fields]
 
-    def _is_time(self, kind: Any) -> bool:
-        return bool(self._types.is_timestamp(kind) or self._types.is_duration(kind))
+    def numbers(column: Any, kind: Any, name: str) -> Any:
+        held = kind.value_type if types.is_dictionary(kind) else kind
+        if not (
+            types.is_integer(held)
+            or types.is_floating(held)
+            or types.is_decimal(held)
+            or is_time(held)
+        ):
+            what = shortened(str(kind))[1:-1]
+            raise RecordError(f"{path}: column {shortened(name)} holds {what}, not numbers")
+        values = column.to_numpy()
+        if not is_time(kind):
+            return values
+        if types.is_timestamp(kind) and len(values):
+            values = values - values[0]  # exact: 19 digits
+        return values / np.timedelta64(1, "s")
 
-    def _numbers(self, field: Any, batch: Any, origins: dict[str, Any]) -> Array:
-        column, types = batch.column(field.name), self._types
-        if self._is_time(field.type):
-            values = column.to_numpy(zero_copy_only=False)
-            if types.is_timestamp(field.type) and len(values):
-                values = values - origins.setdefault(field.name, values[0])  # exact: 19 digits
-            return np.asarray(values / np.timedelta64(1, "s"))
-        held = column.type.value_type if types.is_dictionary(column.type) else column.type
-        if not (types.is_integer(held) or types.is_floating(held) or types.is_decimal(held)):
-            what = shortened(str(column.type))[1:-1]
-            raise RecordError(
-                f"{self.path}: column {shortened(field.name)} holds {what}, not numbers"
-            )
-        return np.asarray(column.to_numpy(zero_copy_only=False), dtype=np.float64)
+    def load(wanted: Sequence[int]) -> list[Any]:
+        with parquet.ParquetFile(path) as file:
+            table = file.read(columns=sorted({fields[i].name for i in wanted}))
+        return [numbers(table.column(f.name), f.type, f.name) for f in (fields[i] for i in wanted)]
 
-    def close(self) -> None:
-        """Let go of the file."""
-        self._file.close()
+    return Table(path, channels, load, "Parquet")
 
 
-def uff_file(path: Path) -> RecordFile:
+def uff_file(path: Path) -> Table:
     """A universal file: its time responses, data sets 58, with even or uneven abscissa, in text or binary. A channel
     is called by the ID line or the component in which the channels differ and by its ordinate's label, or what the data
     type says; by node and direction as well, where that leaves several alike or says not what moves. Of a file without
@@ -131,7 +112,7 @@ def uff_file(path: Path) -> RecordFile:
         raise RecordError(f"{path}: its last data set has no end; it was cut short")
     if not arrays:
         raise RecordError(f"{path}: holds no time response and no frequency response (data set 58)")
-    return Sliced(path, channels, lambda i, a, b: arrays[i][a:b], "a universal file")
+    return Table(path, channels, lambda wanted: [arrays[i] for i in wanted], "a universal file")
 
 
 def _names(sets: Sequence[dict[str, Any]]) -> list[str]:
@@ -181,16 +162,15 @@ def _frequency_response(item: dict[str, Any]) -> Iterator[tuple[str, str | None,
     yield "phase", "rad", np.angle(H)
 
 
-def tdms_file(path: Path) -> RecordFile:
+def tdms_file(path: Path) -> Table:
     """A TDMS file: its channels, "group/channel" if there are several groups; step and unit are properties."""
     nptdms, log = library("nptdms", "TDMS"), library("nptdms.log", "TDMS").log_manager
     # what the library complains about, and would read nevertheless; nothing of it reaches the screen
     complaints = io.StringIO()
     log.console_handler.setStream(complaints)
     log.console_handler.setFormatter(None)  # the bare messages
-    # the file alone, not an index that may lie next to it; the reader closes it
-    stream = open(path, "rb")  # noqa: SIM115
-    with intact(path, "TDMS", stream.close):
+    # the file alone, not an index that may lie next to it
+    with intact(path, "TDMS"), open(path, "rb") as stream:
         file = nptdms.TdmsFile.open(stream)
         every = (channel for group in file.groups() for channel in group.channels())
         signals = [c for c in every if c.dtype.kind in "fiu" and len(c)]
@@ -211,10 +191,17 @@ def tdms_file(path: Path) -> RecordFile:
             )
             for c in signals
         ]
-    return Sliced(path, channels, lambda i, a, b: signals[i][a:b], "TDMS", stream.close)
+        names = [(c.group_name, c.name) for c in signals]
+
+    def load(wanted: Sequence[int]) -> list[Array]:
+        with open(path, "rb") as stream:
+            file = nptdms.TdmsFile.open(stream)
+            return [file[group][name][:] for group, name in (names[i] for i in wanted)]
+
+    return Table(path, channels, load, "TDMS")
 
 
-def wav_file(path: Path) -> RecordFile:
+def wav_file(path: Path) -> Table:
     """A WAV file: its channels are "channel 1", …, without unit; integers become parts of full scale, −1 to 1."""
     from scipy.io import wavfile
 
@@ -239,10 +226,10 @@ def wav_file(path: Path) -> RecordFile:
     names = [f"channel {i + 1}" for i in range(table.shape[1])]
     channels = [RawChannel(name, size=len(table), rate_hz=float(rate)) for name in names]
 
-    def read(i: int, begin: int, end: int) -> Array:
-        return (np.asarray(table[begin:end, i], dtype=np.float64) - zero) / full
+    def load(wanted: Sequence[int]) -> list[Array]:
+        return [(np.asarray(table[:, i], dtype=np.float64) - zero) / full for i in wanted]
 
-    return Sliced(path, channels, read, "WAV")
+    return Table(path, channels, load, "WAV")
 
 
 def _stated(item: dict[str, str], *keys: str) -> str | None:
@@ -251,7 +238,7 @@ def _stated(item: dict[str, str], *keys: str) -> str | None:
     return next((text for text in texts if text.upper() not in ("", "NONE")), None)
 
 
-def lvm_file(path: Path) -> RecordFile:
+def lvm_file(path: Path) -> Table:
     """A text file of LabVIEW: the channels of its one segment, with names and units, in the steps of its header."""
     reader = library("lvm_read", "a text file of LabVIEW")
     with intact(path, "a text file of LabVIEW"):
@@ -279,4 +266,6 @@ def lvm_file(path: Path) -> RecordFile:
     # the header has the digits that a column of times lacks
     kept = [i for i, raw in enumerate(channels) if not (even and raw.label == "X_Value")]
     channels = [channels[i] for i in kept]
-    return Sliced(path, channels, lambda i, a, b: data[a:b, kept[i]], "a text file of LabVIEW")
+    return Table(
+        path, channels, lambda wanted: [data[:, kept[i]] for i in wanted], "a text file of LabVIEW"
+    )

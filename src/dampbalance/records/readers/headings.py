@@ -10,8 +10,8 @@ import re
 import unicodedata
 
 from ..measurement import ABSOLUTE, EXCITATIONS
+from ..table import RawChannel
 from ..units import DIMENSIONS, VOLTAGE, find_other, find_unit
-from .record_file import RawChannel
 
 WORDS: dict[str, tuple[str, ...]] = {
     "displacement": ("displacement", "disp", "deflection", "x", "weg", "auslenkung", "verschiebung"),

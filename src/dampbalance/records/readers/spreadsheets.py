@@ -17,7 +17,7 @@ import numpy as np
 from ...arrays import Array
 from ...project.wording import shortened
 from ..errors import RecordError, library
-from .record_file import RecordFile, Sliced, intact, require_channels
+from ..table import Table, intact, require_channels
 from .text import columns_of
 
 _DAYS = (datetime.datetime, datetime.date, datetime.time, datetime.timedelta)
@@ -26,7 +26,7 @@ _MOST_CELLS = 12_500_000  # of a sheet, with some 100 bytes of memory for each
 _CELL = re.compile(rb'<c r="([A-Z]{1,3})([0-9]{1,7})"')
 
 
-def spreadsheet_file(path: Path) -> RecordFile:
+def spreadsheet_file(path: Path) -> Table:
     """A spreadsheet: the columns of its first sheet that holds rows of at least two numbers. Names and units stand
     above the first such row, as in a text file; points in time are read as s from the first on."""
     calamine = library("python_calamine", "a spreadsheet")
@@ -58,7 +58,6 @@ def spreadsheet_file(path: Path) -> RecordFile:
         unit = "s" if stamps else raw.unit
         channels[i] = replace(raw, unit=unit, size=len(table), stamps=stamps)
 
-    @functools.cache
     def column(i: int) -> Array:
         cells = [row[i] for row in table]
         if channels[i].stamps:
@@ -71,7 +70,7 @@ def spreadsheet_file(path: Path) -> RecordFile:
                 raise RecordError(f"{path}: {where}: {shortened(str(cell))} is not a number")
         return np.array([math.nan if cell == "" else float(cell) for cell in cells])
 
-    return Sliced(path, channels, lambda i, a, b: column(i)[a:b], "a spreadsheet")
+    return Table(path, channels, lambda wanted: [column(i) for i in wanted], "a spreadsheet")
 
 
 def _require_dense(path: Path) -> None:

@@ -6,15 +6,14 @@ from __future__ import annotations
 
 import codecs
 import csv
-import io
 import itertools
 import re
 import warnings
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -22,8 +21,8 @@ from ...arrays import Array
 from ...project.wording import shortened
 from ..errors import RecordError, RecordWarning
 from ..mapping import RecordMapping
+from ..table import RawChannel, Table
 from ..units import find_other, find_unit, split_label
-from .record_file import RawChannel, RecordFile
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -31,7 +30,6 @@ if TYPE_CHECKING:
 WHITESPACE = "whitespace"
 # characters: room for all channels that a record may have, and no more than the module csv takes
 LONGEST_LINE = 131_072
-_WITHOUT_END = LONGEST_LINE + 262_144  # what pandas reads at once
 _SAMPLE_LINES = 400  # enough for any header and some rows
 _SAMPLE_CHARACTERS = 2_000_000
 _ROWS_TO_AGREE = 20
@@ -184,197 +182,158 @@ def _encoding(path: Path) -> str:
     return "utf-8-sig"
 
 
-def _clock(first: str) -> Callable[[pd.Series[str]], Array]:
-    """What turns the texts of a column, part by part, into seconds from its first one on; NaN for an empty cell."""
+def _seconds(cells: pd.Series[str]) -> Array:
+    """The times of a column in seconds from its first one on; NaN for an empty cell. Raises ValueError for no time."""
     import pandas as pd  # slow to import
 
-    kind, last, passed = _POINT if _POINT.fullmatch(first) else _SPAN, 0.0, 0.0
-
-    def read(cells: pd.Series[str] | list[str]) -> pd.DatetimeIndex | pd.TimedeltaIndex:
-        texts = pd.Index(cells).str.replace(",", ".").str.strip()
-        # pandas takes many a text for a span
-        if not texts.dropna().str.fullmatch(kind.pattern).all():
-            raise ValueError("a cell is no time")
-        if kind is _POINT:
-            return pd.DatetimeIndex(pd.to_datetime(texts, format="ISO8601", utc=True))
-        return pd.TimedeltaIndex(pd.to_timedelta(texts))
-
-    def seconds(cells: pd.Series[str]) -> Array:
-        nonlocal last, passed
-        spans = pd.TimedeltaIndex(read(cells) - origin)
-        t = np.asarray(spans.total_seconds(), dtype=np.float64)
-        if kind is _SPAN and "day" not in first and t.size:  # midnight may pass
-            days = passed + _DAY * np.cumsum(np.diff(t, prepend=last) < -0.5 * _DAY)
-            last, passed, t = float(t[-1]), float(days[-1]), t + days
-        return t
-
-    origin = read([first])[0]
-    return seconds
+    texts = pd.Index(cells).str.replace(",", ".").str.strip()
+    kind = _POINT if _POINT.fullmatch(texts[0]) else _SPAN
+    # pandas takes many a text for a span
+    if not texts.dropna().str.fullmatch(kind.pattern).all():
+        raise ValueError("a cell is no time")
+    times: Any = pd.TimedeltaIndex(pd.to_timedelta(texts)) if kind is _SPAN else None
+    if times is None:
+        times = pd.DatetimeIndex(pd.to_datetime(texts, format="ISO8601", utc=True))
+    t = np.asarray(pd.TimedeltaIndex(times - times[0]).total_seconds(), dtype=np.float64)
+    if kind is _SPAN and "day" not in texts[0]:  # midnight may pass
+        t = t + _DAY * np.cumsum(np.diff(t, prepend=0.0) < -0.5 * _DAY)
+    return t
 
 
-_AT_ONCE = 4_000_000  # cells that are parsed at once, wanted or not
-_SMALL = 4_000_000  # bytes of a file that NumPy parses in less time than pandas takes to import
+class _Layout(NamedTuple):
+    """How a delimited text is laid out: encoding, delimiter, decimal mark, mark of comments, lines of the header."""
 
+    path: Path
+    encoding: str
+    delimiter: str
+    decimal: str
+    comment: str
+    header_lines: int
 
-class TextFile(RecordFile):
-    """A delimited text file: its layout follows from its first lines and from what the mapping says about it. Raises
-    RecordError when there are no rows of numbers, only one column, or a header that does not fit the rows."""
-
-    def __init__(self, path: Path, mapping: RecordMapping) -> None:
-        self.path, self.encoding = path, _encoding(path)
-        lines: list[str] = []
-        left = _SAMPLE_CHARACTERS
-        for line in itertools.islice(self._lines(), _SAMPLE_LINES):
-            lines.append(line)
-            left -= len(line)
-            if left < 0:
-                break
-        begun = (line.lstrip()[:1] for line in lines)
-        self.comment = next((mark for mark in begun if mark in [*_COMMENTS]), "#")
-        possible = [mapping.delimiter] if mapping.delimiter else _DELIMITERS
-        if mapping.sample_rate_hz is None:  # a row has two cells at least
-            text = "".join(lines)
-            possible = [mark for mark in possible if mark in text or mark == WHITESPACE]
-        tables = {mark: [cells_of(line, mark, self.comment) for line in lines] for mark in possible}
-        fits = [
-            (fit, delimiter, decimal)
-            for least in ([2] if mapping.sample_rate_hz is None else [2, 1])  # times may be missing
-            for delimiter, table in tables.items()
-            for decimal in (mapping.decimal or ".,")
-            if decimal != delimiter
-            if (fit := _first_row(table, decimal, mapping.header_lines, least))
-        ]
-        if not fits:
-            raise RecordError(_no_rows(path, lines, self.comment, mapping))
-        (_, header, width, cells), self.delimiter, self.decimal = max(
-            fits, key=lambda fit: (fit[0][2] > 1, fit[0][0])
-        )
-        above = _header_table(lines[:header], self.delimiter, width, cells)
-        self.header_lines, self.channels = header, columns_of(path, above, width)
-        first = next(filter(None, tables[self.delimiter][header:]), [])
-        for i, cell in enumerate(first[:width]):
-            if _STAMP.fullmatch(cell) or (_DATE.fullmatch(cell) and ":" in cell):
-                self.channels[i] = replace(self.channels[i], unit="s", stamps=True)
-        length = sum(map(len, lines[header:])) / max(1, len(lines) - header)
-        self.rows_stated = round(path.stat().st_size / max(1.0, length))
-
-    def _lines(self) -> Iterator[str]:
-        """The lines of the file. Raises RecordError for one that is too long to be a row of a record."""
-        with open(self.path, encoding=self.encoding, errors="replace", newline=None) as stream:
-            every = iter(lambda: stream.readline(LONGEST_LINE + 1), "")
-            for number, line in enumerate(every, start=1):
-                if len(line) > LONGEST_LINE:
-                    raise RecordError(
-                        f"{self.path}: line {number} has more than {LONGEST_LINE:,} characters; it is no row of a "
-                        "record: keep the channels of one record, one row a sample"
-                    )
-                yield line
-
-    def _rows(self) -> Iterator[tuple[int, list[str]]]:
+    def rows(self) -> Iterator[tuple[int, list[str]]]:
         """Line number, counted from 1, and cells of every row of data; slow, for finding what is wrong."""
-        numbered = enumerate(self._lines(), start=1)
+        numbered = enumerate(_lines(self.path, self.encoding), start=1)
         for number, line in itertools.islice(numbered, self.header_lines, None):
             if cells := cells_of(line, self.delimiter, self.comment):
                 yield number, cells
 
-    def blocks(self, wanted: Sequence[int], size: int) -> Iterator[list[Array]]:
-        """The wanted columns, `size` rows at a time or fewer; an empty cell is NaN. Raises RecordError naming line and
-        column for a cell that is no number and a row that has too many or too few."""
-        with open(self.path, "rb") as file:
-            file.seek(max(0, self.path.stat().st_size - 4))
-            ended = file.read().replace(b"\x00", b"").endswith((b"\n", b"\r"))
-        if not ended:
-            cut = "its last line has no end; if the file was cut, its last number is wrong"
-            warnings.warn(RecordWarning(f"{self.path}: {cut}"), stacklevel=2)
-        table = self._of_numbers()
-        if table is not None:
-            for start in range(0, len(table), size):
-                yield [table[start : start + size, i].copy() for i in wanted]
-            return
-        import pandas as pd  # slow to import, and not needed for small files of nothing but numbers
-
-        # No `names` and no `usecols`: with them pandas drops without a word what a row has beyond the others.
-        stamped = [i for i in wanted if self.channels[i].stamps]
-        try:
-            _, first = next(self._rows()) if stamped else (0, [])
-            seconds = {i: _clock(first[i]) for i in stamped}
-            with (
-                _bounded(self.path, self.encoding) as stream,
-                pd.read_csv(
-                    stream,
-                    chunksize=min(size, max(1, _AT_ONCE // len(self.channels))),
-                    header=None,
-                    dtype=dict.fromkeys(wanted, np.float64) | dict.fromkeys(stamped, str),
-                    low_memory=False,
-                    skiprows=self.header_lines,
-                    comment=self.comment,
-                    decimal=self.decimal,
-                    skipinitialspace=True,
-                    sep=r"\s+" if self.delimiter == WHITESPACE else self.delimiter,
-                ) as chunks,
-            ):
-                for chunk in chunks:
-                    yield [seconds.get(i, np.asarray)(chunk[i]) for i in wanted]
-        except (ValueError, OverflowError) as error:  # pandas' own errors are ValueErrors
-            raise RecordError(self._complaint(wanted, str(error))) from None
-
-    def _of_numbers(self) -> Array | None:
-        """All cells of a small file in which every one is a number; None for any other: pandas reads or refuses it."""
-        if self.path.stat().st_size > _SMALL or self.decimal != ".":
-            return None
-        try:
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore", UserWarning)  # no rows
-                table = np.loadtxt(
-                    self.path,
-                    delimiter=None if self.delimiter == WHITESPACE else self.delimiter,
-                    comments=self.comment,
-                    skiprows=self.header_lines,
-                    ndmin=2,
-                    encoding=self.encoding,
-                )
-        except ValueError:
-            return None
-        return table if table.shape[1] == len(self.channels) else None
-
-    def place(self, channel: int, sample: int) -> str:
+    def place(self, sample: int) -> str:
         """The line of a row, counted from 1."""
-        row = next(itertools.islice(self._rows(), sample, None), None)
+        row = next(itertools.islice(self.rows(), sample, None), None)
         return f"line {row[0]}" if row else f"row {sample + 1}"
 
-    def _complaint(self, wanted: Sequence[int], fallback: str) -> str:
-        """What is wrong with the first row that cannot be read."""
-        width = len(self.channels)
-        for number, cells in self._rows():
-            if any(cells[width:]) or len(cells) <= max(wanted):
-                remedy = "mend it, or cut the file before it"
-                return f"{self.path}: line {number} has {len(cells)} cells, the others {width}; {remedy}"
-            for i in wanted:
-                cell, time = cells[i], self.channels[i].stamps
-                number_like = _NUMBER[self.decimal].fullmatch(cell) or cell.lower() in _MISSING
-                if _STAMP.fullmatch(cell) if time else number_like:
-                    continue
-                what = f"is not a {'time' if time else 'number'}"
-                if _DATE.fullmatch(cell):
-                    ways = "write 2026-03-01T12:00:00.5, or give sample_rate_hz instead"
-                    what = f"is a date that can be read in several ways: {ways}"
-                name = shortened(self.channels[i].name)
-                return f"{self.path}: line {number}, column {name}: {shortened(cell)} {what}"
-        return f"{self.path}: cannot be read: {shortened(fallback, 200)[1:-1]}"
+
+def text_file(path: Path, mapping: RecordMapping) -> Table:
+    """A delimited text file: its layout follows from its first lines and from what the mapping says about it.
+
+    Raises RecordError when there are no rows of numbers, only one column, or a header that does not fit the rows; when
+    it is loaded, naming line and column, for a cell that is no number and a row that has too many or too few.
+    """
+    encoding = _encoding(path)
+    lines: list[str] = []
+    left = _SAMPLE_CHARACTERS
+    for line in itertools.islice(_lines(path, encoding), _SAMPLE_LINES):
+        lines.append(line)
+        left -= len(line)
+        if left < 0:
+            break
+    begun = (line.lstrip()[:1] for line in lines)
+    comment = next((mark for mark in begun if mark in [*_COMMENTS]), "#")
+    possible = [mapping.delimiter] if mapping.delimiter else _DELIMITERS
+    if mapping.sample_rate_hz is None:  # a row has two cells at least
+        text = "".join(lines)
+        possible = [mark for mark in possible if mark in text or mark == WHITESPACE]
+    tables = {mark: [cells_of(line, mark, comment) for line in lines] for mark in possible}
+    fits = [
+        (fit, delimiter, decimal)
+        for least in ([2] if mapping.sample_rate_hz is None else [2, 1])  # times may be missing
+        for delimiter, table in tables.items()
+        for decimal in (mapping.decimal or ".,")
+        if decimal != delimiter
+        if (fit := _first_row(table, decimal, mapping.header_lines, least))
+    ]
+    if not fits:
+        raise RecordError(_no_rows(path, lines, comment, mapping))
+    (_, header, width, cells), delimiter, decimal = max(
+        fits, key=lambda fit: (fit[0][2] > 1, fit[0][0])
+    )
+    channels = columns_of(path, _header_table(lines[:header], delimiter, width, cells), width)
+    first = next(filter(None, tables[delimiter][header:]), [])
+    for i, cell in enumerate(first[:width]):
+        if _STAMP.fullmatch(cell) or (_DATE.fullmatch(cell) and ":" in cell):
+            channels[i] = replace(channels[i], unit="s", stamps=True)
+    layout = _Layout(path, encoding, delimiter, decimal, comment, header)
+
+    def load(wanted: Sequence[int]) -> list[Array]:
+        return _load(layout, channels, wanted)
+
+    return Table(path, channels, load, "delimited text", layout.place)
 
 
-class _bounded(io.TextIOWrapper):
-    """The text of a file, up to a line that is too long to be a row, which a parser would gather in memory."""
+def _lines(path: Path, encoding: str) -> Iterator[str]:
+    """The lines of a file. Raises RecordError for one that is too long to be a row of a record."""
+    with open(path, encoding=encoding, errors="replace", newline=None) as stream:
+        every = iter(lambda: stream.readline(LONGEST_LINE + 1), "")
+        for number, line in enumerate(every, start=1):
+            if len(line) > LONGEST_LINE:
+                raise RecordError(
+                    f"{path}: line {number} has more than {LONGEST_LINE:,} characters; it is no row of a record: keep "
+                    "the channels of one record, one row a sample"
+                )
+            yield line
 
-    def __init__(self, path: Path, encoding: str) -> None:
-        super().__init__(path.open("rb"), encoding, errors="replace", newline="")
-        self.without_end = 0
 
-    def read(self, size: int | None = -1, /) -> str:
-        """The next characters."""
-        text = super().read(size)
-        ends = max(text.rfind("\n"), text.rfind("\r"))
-        self.without_end = len(text) + (self.without_end if ends < 0 else -ends)
-        if self.without_end > _WITHOUT_END:
-            raise ValueError("a line has no end")
-        return text
+def _load(layout: _Layout, channels: Sequence[RawChannel], wanted: Sequence[int]) -> list[Array]:
+    """The wanted columns; an empty cell is NaN. Warns where the last line has no end."""
+    import pandas as pd  # slow to import
+
+    path = layout.path
+    with open(path, "rb") as file:
+        file.seek(max(0, path.stat().st_size - 4))
+        ended = file.read().replace(b"\x00", b"").endswith((b"\n", b"\r"))
+    if not ended:
+        cut = "its last line has no end; if the file was cut, its last number is wrong"
+        warnings.warn(RecordWarning(f"{path}: {cut}"), stacklevel=2)
+    types = {i: str if channels[i].stamps else np.float64 for i in wanted}
+    try:
+        # No `names` and no `usecols`: with them pandas drops without a word what a row has beyond the others.
+        table = pd.read_csv(
+            path,
+            header=None,
+            dtype=types,
+            low_memory=False,
+            skiprows=layout.header_lines,
+            comment=layout.comment,
+            decimal=layout.decimal,
+            skipinitialspace=True,
+            sep=r"\s+" if layout.delimiter == WHITESPACE else layout.delimiter,
+            encoding=layout.encoding,
+            encoding_errors="replace",
+            compression=None,
+        )
+        return [_seconds(table[i]) if channels[i].stamps else np.asarray(table[i]) for i in wanted]
+    except (ValueError, OverflowError, KeyError) as error:  # pandas' own errors are ValueErrors
+        raise RecordError(_complaint(layout, channels, wanted, str(error))) from None
+
+
+def _complaint(
+    layout: _Layout, channels: Sequence[RawChannel], wanted: Sequence[int], fallback: str
+) -> str:
+    """What is wrong with the first row that cannot be read."""
+    path, width = layout.path, len(channels)
+    for number, cells in layout.rows():
+        if any(cells[width:]) or len(cells) <= max(wanted):
+            remedy = "mend it, or cut the file before it"
+            return f"{path}: line {number} has {len(cells)} cells, the others {width}; {remedy}"
+        for i in wanted:
+            cell, time = cells[i], channels[i].stamps
+            number_like = _NUMBER[layout.decimal].fullmatch(cell) or cell.lower() in _MISSING
+            if _STAMP.fullmatch(cell) if time else number_like:
+                continue
+            what = f"is not a {'time' if time else 'number'}"
+            if _DATE.fullmatch(cell):
+                ways = "write 2026-03-01T12:00:00.5, or give sample_rate_hz instead"
+                what = f"is a date that can be read in several ways: {ways}"
+            name = shortened(channels[i].name)
+            return f"{path}: line {number}, column {name}: {shortened(cell)} {what}"
+    return f"{path}: cannot be read: {shortened(fallback, 200)[1:-1]}"

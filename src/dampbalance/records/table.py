@@ -1,24 +1,33 @@
-"""What every format looks like to the rest: named channels that are read in blocks; signals in memory, in arrays or a
-table of pandas, as well.
+"""The channels of a record as they stand in a file, in arrays or in a table of pandas: names, units, sampling rates,
+and the samples as recorded. A reader of a format is a function from a path to a `Table`.
 """
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
+import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...arguments import floats
-from ...arrays import Array
-from ...project.wording import shortened
-from ..errors import HIGHEST_RATE, LATEST, LONGEST_NAME, LOWEST_RATE, MOST_CHANNELS, RecordError
-from ..units import split_label
+from ..arguments import floats
+from ..arrays import Array
+from ..project.wording import shortened
+from .errors import (
+    HIGHEST_RATE,
+    LATEST,
+    LONGEST_NAME,
+    LOWEST_RATE,
+    MOST_CHANNELS,
+    RecordError,
+    require_size,
+)
+from .units import split_label
 
 RATE_NAMES = (
     "sample_rate_hz", "sample_rate", "sampling_rate", "samplerate", "sampling_frequency", "fs", "rate_hz",
@@ -54,55 +63,36 @@ class RawChannel:
     fault: str = ""
 
 
-class RecordFile(ABC):
-    """An open file of channels."""
-
-    path: Path
-    channels: Sequence[RawChannel]
-    rows_stated: int = 0  # about, where a channel has no size
-
-    @abstractmethod
-    def blocks(self, wanted: Sequence[int], size: int) -> Iterator[list[Array]]:
-        """The wanted channels, `size` samples of each at a time."""
-
-    def place(self, channel: int, sample: int) -> str:
-        """Where a sample, counted from 0, stands in the file."""
-        return f"sample {sample + 1}"
-
-    def close(self) -> None:  # noqa: B027
-        """Let go of the file."""
-
-
 @dataclass(frozen=True, eq=False)
-class Sliced(RecordFile):
-    """A file whose channels are read from any sample to any other: read(channel, begin, end).
+class Table:
+    """The channels of a file, or of signals in memory.
 
-    what : the format, for messages.   close : lets go of the file.
+    channels : what is known of each.   load : gives all samples of the channels of these numbers, as recorded, NaN for
+    an empty cell.   what : the format, for messages.   place : where a sample, counted from 0, stands in the file.
     """
 
     path: Path
     channels: Sequence[RawChannel]
-    read: Callable[[int, int, int], ArrayLike]
+    load: Callable[[Sequence[int]], Sequence[ArrayLike]]
     what: str
-    close: Callable[[], None] = lambda: None
+    place: Callable[[int], str] = lambda sample: f"sample {sample + 1}"
 
-    def blocks(self, wanted: Sequence[int], size: int) -> Iterator[list[Array]]:
-        """The wanted channels, `size` samples of each at a time."""
-        lengths = [self.channels[i].size or 0 for i in wanted]
-        for start in range(0, max(lengths), size):
-            ends = [(min(start, n), min(start + size, n)) for n in lengths]
-            with intact(self.path, self.what):
-                parts = [self.read(i, *end) for i, end in zip(wanted, ends, strict=True)]
-                yield [np.asarray(part, dtype=np.float64) for part in parts]
+    def columns(self, wanted: Sequence[int]) -> dict[int, Array]:
+        """All samples of channels by their numbers. Raises RecordError for more than fit into memory, for a damaged
+        file, and for what is no number."""
+        require_size(self.path, sum(self.channels[i].size or 0 for i in wanted))
+        with intact(self.path, self.what):
+            arrays = [np.asarray(values, dtype=np.float64) for values in self.load(wanted)]
+        require_size(self.path, sum(map(len, arrays)))
+        return dict(zip(wanted, arrays, strict=True))
 
 
 @contextmanager
-def intact(path: Path, what: str, close: Callable[[], None] = lambda: None) -> Iterator[None]:
-    """What a library raises about a file that it cannot read becomes a RecordError; `close` lets go of the file."""
+def intact(path: Path, what: str) -> Iterator[None]:
+    """Turn what a library raises about a file that it cannot read into a RecordError."""
     try:
         yield
     except Exception as error:  # the libraries have errors of many kinds for a damaged file
-        close()
         if isinstance(error, RecordError):
             raise
         reason = " ".join(str(error).split()) or type(error).__name__
@@ -134,35 +124,29 @@ def require_channels(path: Path, count: int) -> None:
 
 def signals_in(
     path: Path,
-    what: str,
-    arrays: Iterable[tuple[str, Any, dict[str, object], str | None]],
-    close: Callable[[], None] = lambda: None,
-) -> Sliced:
-    """The signals in arrays (name, array, attributes, unit): each array itself, or its rows or columns if it has two.
-    A signal runs along the longer side."""
+    arrays: Iterable[tuple[str, tuple[int, ...], dict[str, object], str | None]],
+) -> tuple[list[RawChannel], list[Callable[[Any], Any]]]:
+    """The channels of arrays (name, shape, attributes, unit), and what gives each out of all arrays by their names: an
+    array itself, or its rows or columns if it has two. A signal runs along the longer side."""
     channels: list[RawChannel] = []
-    signals = []
-    for name, data, attributes, unit in arrays:
-        if data.size < 2 or data.ndim > 2:
+    signals: list[Callable[[Any], Any]] = []
+    for name, shape, attributes, unit in arrays:
+        if math.prod(shape) < 2 or len(shape) > 2:
             continue
-        several = data.ndim == 2 and min(data.shape) > 1
-        count = min(data.shape) if several else 1
+        several = len(shape) == 2 and min(shape) > 1
+        count = min(shape) if several else 1
         require_channels(path, len(channels) + count)
+        folder, slash, last = name.rpartition("/")
         for i in range(count):
-            folder, slash, last = name.rpartition("/")
             label = f"{last}[{i + 1}]" if several else last
-            channels.append(
-                described(path, label, max(data.shape), attributes, unit, folder + slash)
-            )
-            signals.append((data, i))
+            channels.append(described(path, label, max(shape), attributes, unit, folder + slash))
+            at = (i,) if len(shape) == 2 and shape[0] < shape[1] else (..., *[i] * (len(shape) - 1))
+            signals.append(partial(_part, name, at))
+    return channels, signals
 
-    def read(channel: int, begin: int, end: int) -> Any:
-        data, i = signals[channel]
-        if data.ndim == 1:
-            return data[begin:end]
-        return data[begin:end, i] if data.shape[0] >= data.shape[1] else data[i, begin:end]
 
-    return Sliced(path, channels, read, what, close)
+def _part(name: str, at: Any, held: Any) -> Any:
+    return held[name][at]
 
 
 def described(
@@ -221,8 +205,8 @@ if TYPE_CHECKING:
     """Signals by their names, as the columns of a file are called: displacement_mm, time_s."""
 
 
-def signals_file(name: str, signals: Signals) -> Sliced:
-    """Signals in memory as an open file of that name.
+def signals_file(name: str, signals: Signals) -> Table:
+    """Signals in memory as a table of that name.
 
     signals : a table of pandas, whose index is a column as well if it has a name; or arrays by name, (n,), with
     sample_rate_hz, dt or t0 among them as plain numbers. Points in time are read as s from the first on.
@@ -249,15 +233,15 @@ def signals_file(name: str, signals: Signals) -> Sliced:
         arrays.append(array)
     require_nameable(path, channels)
 
-    def read(i: int, begin: int, end: int) -> Array:
+    def read(i: int) -> Array:
         try:
-            return floats(arrays[i][begin:end]).copy()  # the caller's may change
+            return floats(arrays[i]).copy()  # the caller's may change
         except ValueError as error:
             raise RecordError(
                 f"{path}: column {shortened(channels[i].label)} holds {error}"
             ) from None
 
-    return Sliced(path, channels, read, "arrays")
+    return Table(path, channels, lambda wanted: [read(i) for i in wanted], "arrays")
 
 
 def is_table(record: object) -> bool:
