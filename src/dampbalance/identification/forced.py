@@ -139,7 +139,13 @@ class ForcedOutcome(Identified):
         """Return the friction force over the averaged cycle of each record, by its name."""
         import pandas as pd  # slow to import
 
-        values, loops = {**self.answer.values, **self.law.given}, {}
+        return {
+            name: pd.DataFrame(of) for name, of in zip(self.sources, self._loops(mass), strict=True)
+        }
+
+    def _loops(self, mass: float | None = None) -> list[dict[str, Array]]:
+        """The columns of `friction_loops` for each record."""
+        values, loops = {**self.answer.values, **self.law.given}, []
         fit = None if self.joint.linear else self.joint.fit
         for i, reading in enumerate(self.readings):
             cycle, omega = reading.averaged_cycle(), reading.steady.omega
@@ -151,9 +157,7 @@ class ForcedOutcome(Identified):
                 p, force = values.get(self.law.key(symbol, i), math.nan), term(symbol).force
                 if symbol != FRICTION and math.isfinite(p) and force is not None:
                     f = f - p * force(v, w, self.k, omega)
-            loops[reading.steady.source] = pd.DataFrame(
-                {"phase_rad": cycle["phase"], "x_m": x, "v_m_per_s": v, "f_N": f}
-            )
+            loops.append({"phase_rad": cycle["phase"], "x_m": x, "v_m_per_s": v, "f_N": f})
         return loops
 
     @property
@@ -196,7 +200,7 @@ class ForcedOutcome(Identified):
             ),
             "friction": Picture(
                 f"friction force against displacement of {count} records, with the loop of the fitted oscillator",
-                (self.loaded, self.friction_loops(), fit),
+                (self.loaded, self._loops(), fit),
             ),
             "loops": Picture(
                 f"acceleration against displacement of {count} records, with the fitted microstick lines",

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -30,9 +30,6 @@ from ..records.measurement import ORDERS, RELATIVE
 from .answer import SHAPE, Answer
 from .loading import Loaded
 from .oscillator import Microstick
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 DPI = 200  # pictures to look at: in print they are SVG
 
@@ -98,17 +95,16 @@ def cycles(
 
 @styled()
 def friction(
-    loaded: Sequence[Loaded], loops: Mapping[str, pd.DataFrame], fit: WaveformFit | None = None
+    loaded: Sequence[Loaded], loops: Sequence[Mapping[str, Array]], fit: WaveformFit | None = None
 ) -> Figure:
     """Friction force against displacement, a panel per record: what the averaged cycle leaves of the forces (line), the
     loop K_z z of the fitted oscillator (dashes), and where it begins to slip (dots).
 
-    loops : `friction_loops` of the records.
+    loops : columns of `friction_loops` of the records.
     """
     figure, panels = _panels_of_records(loaded, "$x$ (mm)")
-    for i, (loop, (axes, _)) in enumerate(zip(loops.values(), panels, strict=True)):
-        closed = np.append(np.arange(len(loop)), 0)
-        x, f = (loop[name].to_numpy()[closed] for name in ("x_m", "f_N"))
+    for i, (loop, (axes, _)) in enumerate(zip(loops, panels, strict=True)):
+        x, f = (np.append(loop[name], loop[name][0]) for name in ("x_m", "f_N"))
         axes.plot(1e3 * x, f, color=SLIP, label="from the record")
         if fit is not None:
             orbit = fit.responses[i].orbit
