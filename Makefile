@@ -1,5 +1,6 @@
 # Set up the environment and rebuild everything: `make`. What else there is: `make help`.
 # Needed on the machine: Python 3.11 or newer with its venv module, make, git.
+# Measurements of others, as examples: `make -C examples/frame`, `make -C examples/beam`.
 
 PYTHON ?= python3
 CORES ?= all
@@ -79,7 +80,7 @@ lint: setup ## Check style, formatting and types
 	@$(RUN) ruff check .
 	@$(RUN) ruff format --check .
 	@$(RUN) mypy --num-workers auto
-	@$(RUN) snakefmt --check Snakefile workflow
+	@$(RUN) snakefmt --check Snakefile workflow examples
 
 unit: setup ## Run the tests: unit, analytic, paper, workflow (choose with PYTEST_ARGS="-k …")
 	@$(PYTEST) -m "not nightly" $(PYTEST_ARGS)
@@ -135,7 +136,7 @@ blind: setup ## Identify records of other make whose truth is known (choose with
 format: setup ## Format the sources
 	@$(RUN) ruff check --fix .
 	@$(RUN) ruff format .
-	@$(RUN) snakefmt Snakefile workflow
+	@$(RUN) snakefmt Snakefile workflow examples
 
 LOCK := uv pip compile --quiet --universal --python-version 3.11 --generate-hashes --fork-strategy fewest \
 	--no-header --no-annotate --no-emit-index-url --no-emit-find-links
@@ -165,7 +166,7 @@ workflow/envs/dampbalance.yaml: requirements.lock
 
 clean: ## Remove results and caches; the environment stays
 	find results -mindepth 1 -maxdepth 1 ! -name README.md -exec rm -rf {} +
-	find src tests trials workflow paper -name __pycache__ -type d -prune -exec rm -rf {} +
+	find src tests trials examples workflow paper -name __pycache__ -type d -prune -exec rm -rf {} +
 	rm -rf .snakemake .mutants .pytest_cache .mypy_cache .ruff_cache .hypothesis build dist
 
 distclean: clean ## Remove the environment as well

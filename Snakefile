@@ -42,8 +42,6 @@ include: "workflow/rules/figures.smk"
 include: "workflow/rules/claims.smk"
 include: "workflow/rules/studies.smk"
 include: "workflow/rules/measured.smk"
-include: "workflow/rules/frame.smk"
-include: "workflow/rules/beam.smk"
 include: "workflow/rules/article.smk"
 include: "workflow/rules/page.smk"
 include: "workflow/rules/notebook.smk"
@@ -94,6 +92,5 @@ rule all:
         rules.notebook.output if config["published"] else [],
         [*rules.page.output, *rules.manifest.output] if not MEASURED else [],
         [*rules.measured.output, *measured_files()] if MEASURED else [],
-        [*FRAME_FILES.values(), *BEAM_FILES.values()],
     message:
         "Everything is rebuilt"

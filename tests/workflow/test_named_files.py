@@ -19,13 +19,10 @@ NAMES_A_FILE = {
     "config: measured[].records[]",
     "config: measured[].mapping",
     "config: published",
-    "config: beam.record",
     "mapping: channels.*.file",
     "codecheck: manifest[].file",  # results of the paper's case, which rules make
 }
 NAMES_NONE = {
-    "config: frame.set",
-    *(f"config: beam.{key}" for key in ("set", "time", "channels[]", "unit")),
     "config: measured[].groups.*[]",
     *(f"study: {key}" for key in ("title", "summary_by[]")),
     *(f"study: figure.{key}" for key in ("x", "y", "panels", "at.*")),
@@ -114,42 +111,6 @@ def test_a_file_that_is_named_and_missing_is_told_though_all_results_are_there(
     status, said = dry_run(named, CASE | {"measured": [CASE["measured"][0] | change]})
     assert expected in said
     assert (status, "Traceback" in said, "Nothing to be done" in said) == (1, False, False)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("change", "expected"),
-    [
-        ({"set": "other"}, "frame.set: other is no set of records; the configuration has set"),
-        ({}, "frame: loads_kg names 3 loads for 1 records; give one for each"),
-    ],
-)
-def test_a_frame_that_does_not_fit_its_set_is_told_before_anything_runs(named, change, expected):
-    frame = {"set": "set", "loads_kg": [1.0, 2.0, 3.0], "cycles_identified": 3} | change
-    status, said = dry_run(
-        named, CASE | {"measured": [CASE["measured"][0] | {"mass_kg": 1.0}], "frame": frame}
-    )
-    assert re.search(rf"named\.yaml: line \d: {re.escape(expected)}", said)
-    assert (status, "Traceback" in said) == (1, False)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("kind", "change", "expected"),
-    [
-        ("forced", {}, "beam.set: set is no set of kind stepped-sine; the configuration has none"),
-        ("stepped-sine", {"record": "none.mat"}, "beam.record: no file none.mat: name one"),
-    ],
-)
-def test_a_beam_that_does_not_fit_is_told_before_anything_runs(named, kind, change, expected):
-    beam = {
-        **{"set": "set", "record": "data/one.csv", "time": "t", "channels": ["a"], "unit": "m/s^2"},
-        **{"band_hz": [60.0, 110.0], "start_s": 0.2, "window_s": 0.2},
-    }
-    one = CASE["measured"][0] | {"kind": kind}
-    status, said = dry_run(named, CASE | {"measured": [one], "beam": beam | change})
-    assert re.search(rf"named\.yaml: line \d: {re.escape(expected)}", said)
-    assert (status, "Traceback" in said) == (1, False)
 
 
 @pytest.mark.slow

@@ -11,7 +11,7 @@ SITE_SOURCES = (
         "README.md",
         "results/README.md",
     ),
-    *("config", "paper", "src", "workflow"),
+    *("config", "examples", "paper", "src", "workflow"),
     *("tests/analytic/README.md", "trials/benchmarks", "trials/blind"),
 )
 

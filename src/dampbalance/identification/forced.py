@@ -20,7 +20,7 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from operator import itemgetter
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from scipy import special
@@ -65,6 +65,9 @@ from .oscillator import (
 from .remarks import DIRECT, agreement, notes_on
 from .screen import implied, with_error
 from .sensitivities import Fault, sensitivities, shifts_of_fit
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 _NORMAL = 1e9  # degrees of freedom with which Student's t is normal, to 1e-9
 
@@ -118,6 +121,31 @@ class ForcedOutcome(Identified):
             ],
         }
 
+    def friction_loops(self, mass: float | None = None) -> dict[str, pd.DataFrame]:
+        """Return the friction force over the averaged cycle of each record, by its name."""
+        import pandas as pd  # slow to import
+
+        return {
+            name: pd.DataFrame(of) for name, of in zip(self.sources, self._loops(mass), strict=True)
+        }
+
+    def _loops(self, mass: float | None = None) -> list[dict[str, Array]]:
+        """The columns of `friction_loops` for each record."""
+        values, loops = {**self.answer.values, **self.law.given}, []
+        fit = None if self.joint.linear else self.joint.fit
+        for i, reading in enumerate(self.readings):
+            cycle, omega = reading.averaged_cycle(), reading.steady.omega
+            x, v, w, acceleration = (cycle[name] for name in ("x", "v", "w", "acceleration"))
+            f = self.k * (cycle["y"] - x)
+            m = f @ acceleration / (acceleration @ acceleration) if fit is None else fit.m
+            f = f - (m if mass is None else mass) * acceleration
+            for symbol in self.law.terms:
+                p, force = values.get(self.law.key(symbol, i), math.nan), term(symbol).force
+                if symbol != FRICTION and math.isfinite(p) and force is not None:
+                    f = f - p * force(v, w, self.k, omega)
+            loops.append({"phase_rad": cycle["phase"], "x_m": x, "v_m_per_s": v, "f_N": f})
+        return loops
+
     @property
     def levels(self) -> list[Level]:
         """A cycle of each record that has an input work."""
@@ -151,16 +179,6 @@ class ForcedOutcome(Identified):
         acceleration against displacement.   balance : its rows and what they leave."""
         count, two = len(self.readings), set(self.law.keys) == {"F_k", "c"}
         fit = None if self.joint.linear else self.joint.fit
-        values = {**self.answer.values, **self.law.given}
-        damping = [
-            {
-                s: p
-                for s in self.law.terms
-                if s != FRICTION
-                if math.isfinite(p := values.get(self.law.key(s, i), math.nan))
-            }
-            for i in range(count)
-        ]
         line = "on a line of slope F_k" if two else "on the line where the law takes the input work"
         return {
             "cycles": Picture(
@@ -170,7 +188,7 @@ class ForcedOutcome(Identified):
             ),
             "friction": Picture(
                 f"friction force against displacement of {count} records, with the loop of the fitted oscillator",
-                (self.loaded, self.readings, self.k, damping, fit),
+                (self.loaded, self._loops(), fit),
             ),
             "loops": Picture(
                 f"acceleration against displacement of {count} records, with the fitted microstick lines",

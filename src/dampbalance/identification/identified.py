@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from numpy.typing import ArrayLike
 
 QUICK = 200_000
 """Calls of kernels, which take no more time in Python than Numba takes to load."""
@@ -164,6 +165,37 @@ class Identified(ABC):
     @abstractmethod
     def pictures(self) -> dict[str, Picture]:
         """The pictures by name, the most telling first."""
+
+    def friction_loops(self, mass: float | None = None) -> dict[str, pd.DataFrame]:
+        """Return the friction force over the averaged cycle of each forced record, by its name.
+
+            f = k(y − x) − mẍ − Σ p_j h_j(ẋ, ẏ)
+
+        Use it to plot loops, and to fit a law of friction of your own to them. The p_j are the coefficients beyond
+        friction, as identified or given. Columns: phase_rad (0 at the peak of the base), x_m, v_m_per_s and f_N.
+        Displacements are deviations from their mean over the cycle: f holds a constant that no record determines.
+
+        mass : kg; default, that of the fit. Without a fit it is ∮ k(y − x)ẍ dt / ∮ ẍ² dt, exact for a contact that does
+        not yield: neither a force of constant size against ẋ nor one in proportion to ẋ correlates with ẍ over a cycle.
+
+        Raises ValueError for records without a periodic response.
+        """
+        raise ValueError("friction_loops: these records are not forced; free decays have `plot`")
+
+    def damping_at(self, X: ArrayLike, frequency_hz: ArrayLike) -> pd.DataFrame:
+        """Return the equivalent damping ratio that a stepped sine implies at amplitudes, with its interval.
+
+            ζ(X) = W(X)/(2π m ω² X²)
+
+        W(X) is the energy that the identified law loses in a cycle. Use it to predict a decay, or in a linear model of
+        the structure at a known amplitude. Columns: X_m, damping_ratio, low and high; NaN beyond the amplitudes that
+        were measured, where nothing is known of the contact.
+
+        X : amplitudes, m, (n,).   frequency_hz : at which the structure swings, Hz, (n,) or one.
+
+        Raises ValueError for other records than a stepped sine.
+        """
+        raise ValueError("damping_at: these records are no stepped sine; `document` has `damping`")
 
     @abstractmethod
     def shifts(self, faults: Mapping[str, Fault], name: str) -> dict[str, dict[str, float]]:

@@ -20,7 +20,6 @@ from ..arrays import Array
 from ..figures.cycle import branches, whole
 from ..figures.looks import in_maths, label_of, look_of
 from ..figures.style import DASHED, DOUBLE_COLUMN, FAINT, SLIP, STICK, page, place, styled
-from ..law.terms import term
 from ..likelihood.decay import COMMON, RingFit
 from ..likelihood.dynamic_stiffness import Band, ContactFit
 from ..likelihood.mean_harmonics import Reading
@@ -96,37 +95,17 @@ def cycles(
 
 @styled()
 def friction(
-    loaded: Sequence[Loaded],
-    readings: Sequence[Reading],
-    k: float,
-    laws: Sequence[Mapping[str, float]],
-    fit: WaveformFit | None = None,
+    loaded: Sequence[Loaded], loops: Sequence[Mapping[str, Array]], fit: WaveformFit | None = None
 ) -> Figure:
-    """Friction force against displacement, a panel per record: what the averaged cycle leaves of the forces,
+    """Friction force against displacement, a panel per record: what the averaged cycle leaves of the forces (line), the
+    loop K_z z of the fitted oscillator (dashes), and where it begins to slip (dots).
 
-        f = k(y − x) − mẍ − Σ p_j h_j(ẋ, ẏ)
-
-    (line), the loop K_z z of the fitted oscillator (dashes), and where it begins to slip (dots).
-
-    The mass is that of the fit. Without one it is ∮ k(y − x)ẍ dt / ∮ ẍ² dt, exact for a contact that does not yield:
-    neither a force of constant size against ẋ nor one in proportion to ẋ correlates with ẍ over a cycle.
-
-    laws : of each record, symbol → coefficient of the terms other than friction, SI.
+    loops : columns of `friction_loops` of the records.
     """
     figure, panels = _panels_of_records(loaded, "$x$ (mm)")
-    for i, (reading, (axes, _)) in enumerate(zip(readings, panels, strict=True)):
-        cycle = reading.averaged_cycle()
-        spring, acceleration = k * (cycle["y"] - cycle["x"]), cycle["acceleration"]
-        m = spring @ acceleration / (acceleration @ acceleration) if fit is None else fit.m
-        omega = reading.steady.omega
-        forces = [
-            p * force(cycle["v"], cycle["w"], k, omega)
-            for symbol, p in laws[i].items()
-            if (force := term(symbol).force) is not None
-        ]
-        left = spring - m * acceleration - sum(forces, np.zeros_like(spring))
-        x = 1e3 * np.append(cycle["x"], cycle["x"][0])
-        axes.plot(x, np.append(left, left[0]), color=SLIP, label="from the record")
+    for i, (loop, (axes, _)) in enumerate(zip(loops, panels, strict=True)):
+        x, f = (np.append(loop[name], loop[name][0]) for name in ("x_m", "f_N"))
+        axes.plot(1e3 * x, f, color=SLIP, label="from the record")
         if fit is not None:
             orbit = fit.responses[i].orbit
             state = whole(branches(orbit))

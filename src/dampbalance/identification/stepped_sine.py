@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy as np
 
@@ -31,6 +31,10 @@ from .answer import CONFIDENCE, UNKNOWN, Answer, Balance, Interval, ParameterEst
 from .identified import Identified, Level, Picture
 from .screen import with_error
 from .sensitivities import Fault
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from numpy.typing import ArrayLike
 
 _FELT = 0.01  # of k: a part of the contact that sticks, and is worth a sentence
 _FAR = 4.0  # standard errors by which a stiffness that is stated is contradicted
@@ -67,6 +71,20 @@ class SteppedOutcome(Identified):
     def of_mode(self) -> SteppedLines:
         """The lines without what other modes add to them, by the fit of the answer."""
         return self.lines.of_mode(self.fit.values.get("R", 0.0))
+
+    def damping_at(self, X: ArrayLike, frequency_hz: ArrayLike) -> pd.DataFrame:
+        """Return the equivalent damping ratio at amplitudes, with its interval."""
+        import pandas as pd  # slow to import
+
+        X, frequency_hz = np.broadcast_arrays(np.atleast_1d(X).astype(float), frequency_hz)
+        omega, (low, high) = 2.0 * math.pi * frequency_hz, self.fit.X_range
+        measured = (low <= X) & (high >= X)
+        ratios = np.full((3, X.size), math.nan)
+        if measured.any():
+            size = 2.0 * math.pi * self.fit.values["m"] * (omega * X)[measured] ** 2
+            ratios[:, measured] = self.fit.loss(X[measured], omega[measured]) / size
+        columns = dict(zip(("damping_ratio", "low", "high"), ratios, strict=True))
+        return pd.DataFrame({"X_m": X, **columns})
 
     def findings(self) -> dict[str, Any]:
         """Which contact the lines support, by how each predicts levels that are left out; their sliders; the tables."""

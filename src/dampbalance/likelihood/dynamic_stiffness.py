@@ -364,14 +364,12 @@ class ContactTrial:
     """A contact that was compared.
 
     name : "gradual", "one slider" or "none" with its terms.   fit : to all lines.   held_out : misfit of each level to
-    the law of the others, in the standard errors of the gradual contact.   extrapolated : likewise of the upper half of
-    the levels to the law of the lower half.
+    the law of the others, in the standard errors of the gradual contact.
     """
 
     name: str
     fit: ContactFit
     held_out: tuple[Misfit, ...]
-    extrapolated: Misfit
 
     def scores(self, which: str = "score") -> Array:
         """Mean square misfit of each level, in standard errors."""
@@ -479,7 +477,6 @@ def compare_contacts(
             name,
             _fitted(own[name], laws[name][1], residual),
             tuple(found.held_out(found.smoothing)),
-            found.extrapolated(),
         )
         for name, found in alike.items()
     ]

@@ -418,14 +418,6 @@ class Estimate:
             for mask, others in self._levels
         ]
 
-    def extrapolated(self) -> Misfit:
-        """Misfit of the upper half of the levels, by amplitude, to the law of the lower half."""
-        lines = self.rows.mode
-        largest = [lines.X[lines.level == of].max() for of in range(len(lines.names))]
-        lower = np.isin(lines.level, np.argsort(largest)[: (len(largest) + 1) // 2])
-        design = self._part(lower)
-        return self.rows[~lower].misfit(design.solve(design.rows.target, self.smoothing))
-
     def smoothed(self) -> Estimate:
         """With the smoothing that levels, or generalised cross-validation where they are few, ask for."""
         if len(self._levels) >= _LEVELS:

@@ -16,7 +16,6 @@ SYMBOL = re.compile(r"\b(?:(phi|omega|zeta)(?:_(\w))?|([A-Za-zω])_([kszmn]|\d))
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _LOWERED = str.maketrans("0123456789ksmn", "₀₁₂₃₄₅₆₇₈₉ₖₛₘₙ")
 _MANY_TIMES = 1000  # beyond it the very number tells nothing more
-_SMALL = ["no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten"]
 
 
 def ten_to(exponent: int) -> str:
@@ -83,11 +82,6 @@ def signed(value: float, decimals: int = 0) -> str:
     """A number with its sign and so many decimals, +1.4 or −0.3; no sign where only zeros are shown."""
     text = f"{value:+.{decimals}f}"
     return minus(text) if float(text) else text[1:]
-
-
-def in_words(count: int) -> str:
-    """A small count as a word, a larger one in digits."""
-    return _SMALL[count] if 0 <= count < len(_SMALL) else str(count)
 
 
 class Shown(float):

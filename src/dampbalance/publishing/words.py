@@ -8,7 +8,7 @@ from typing import Any
 import jinja2
 from markupsafe import Markup, escape
 
-from ..project.wording import in_html, in_markdown
+from ..project.wording import in_html
 
 _INDEXED = re.compile(r"(\w)([₀-₉]+)")
 _RAISED = str.maketrans("₀₁₂₃₄₅₆₇₈₉", "0123456789")
@@ -23,12 +23,12 @@ _UNIT = re.compile(r"(?<=\d) (?=(?:%|N|Hz|mm|µm|m|ms|µs|s|rad)(?:\W|$))")  # t
 
 
 def templates(loader: jinja2.BaseLoader | None = None, html: bool = False) -> jinja2.Environment:
-    """The templates of this room, or those of another loader, with the filter for text of a user.
+    """The templates of this room, or those of another loader.
 
     An undefined name is an error, and a line with a statement only leaves no trace.   html : whether what they insert
     is escaped; Markdown comes from files of the project and numbers only.
     """
-    environment = jinja2.Environment(
+    return jinja2.Environment(
         loader=loader or jinja2.PackageLoader(__package__),
         autoescape=html,
         undefined=jinja2.StrictUndefined,
@@ -36,8 +36,6 @@ def templates(loader: jinja2.BaseLoader | None = None, html: bool = False) -> ji
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
-    environment.filters["in_markdown"] = in_markdown
-    return environment
 
 
 def rendered(template: str, **values: Any) -> str:

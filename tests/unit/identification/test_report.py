@@ -112,6 +112,13 @@ def test_the_friction_loop_takes_what_friction_takes(steady, fitted):
     result = steady
     if not fitted:
         result = replace(result, joint=replace(result.joint, fit=None), reference=None)
+    for loop in result.friction_loops(PAPER.m).values():
+        v = loop["v_m_per_s"]
+        off = loop["f_N"] / PAPER.F_k - np.sign(v)
+        # away from the stops, about which harmonics ring; noise and fit leave less than a hundredth
+        assert off[v.abs() > 0.3 * v.abs().max()].abs().max() < 0.02
+    with pytest.raises(ValueError, match="damping_at: these records are no stepped sine"):
+        result.damping_at(1e-3, 4.0)
     for axes, a in zip(result.draw("friction").axes, result.features.a, strict=True):
         lines = by_label(axes)
         x, f = lines["from the record"].get_data()

@@ -36,7 +36,7 @@ PROJECT = (
     *(".snakemake-workflow-catalog.yml", "CHANGELOG.md", "CITATION.cff", "CONTRIBUTING.md"),
     *("LICENSE", "LICENSES", "Makefile", "README.md", "REUSE.toml", "results/README.md"),
     *("requirements-build.lock", "requirements-dev.lock", "requirements-engine.lock"),
-    *("tests", "trials"),
+    *("examples", "tests", "trials"),
 )
 """All files and folders of the project, as under version control."""
 

@@ -1,1 +1,0 @@
-"""What stepped-sine tables and a hammer's blow say of a bolted beam: laws of its joint, and a decay predicted."""
