@@ -79,7 +79,7 @@ def test_a_changed_value_reruns_what_depends_on_it(built):
         (
             ["src/dampbalance/motion/flow.py"],
             {"simulate_exact", "features_exact"},
-            {"simulate_as_published"},
+            set(),
         ),
         (
             ["src/dampbalance/balance.py", "src/dampbalance/motion/transient.py"],
