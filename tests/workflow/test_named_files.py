@@ -32,9 +32,8 @@ NAMES_NONE = {
     ),
     *(f"mapping: table.*.{key}" for key in ("channel", "unit", "standard_error")),
     *(f"mapping: {key}" for key in ("time.channel", "time.unit", "level", "notes")),
-    *(f"codecheck: {key}" for key in ("source", "report", "summary", "manifest[].comment")),
+    *(f"codecheck: {key}" for key in ("source", "manifest[].comment")),
     *(f"codecheck: paper.{key}" for key in ("title", "reference", "authors[].name")),
-    "codecheck: codechecker[].name",
 }
 
 

@@ -11,7 +11,8 @@ if PUBLISHED and workflow.is_main_process:
     from dampbalance.replication.claims.rules import check_printed
     from dampbalance.replication.claims.table import read_record
 
-    where = f"{CONFIG_FILES[-1]}: published: {config['published']}"
+    file = CONFIG_FILES[-1] if CONFIG_FILES else "configuration"
+    where = f"{file}: published: {config['published']}"
     other = "use null for a case of your own, with nothing printed to compare with"
     if not Path(PUBLISHED, "verdicts.csv").is_file():
         raise WorkflowError(

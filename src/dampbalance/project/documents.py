@@ -59,8 +59,9 @@ class _Constructor(SafeConstructor):
     def construct_object(self, node: Node, deep: bool = False) -> Any:
         try:
             return super().construct_object(node, deep)
-        except ValueError as error:
-            raise ConstructorError(None, None, str(error), node.start_mark) from None
+        except (ValueError, LookupError) as error:
+            what = f"the value cannot be read ({error}); correct it"
+            raise ConstructorError(None, None, what, node.start_mark) from None
 
     def flatten_mapping(self, node: Any) -> Any:
         super().flatten_mapping(node)
@@ -100,6 +101,8 @@ def read_yaml(file: str | Path) -> Any:
         what = f"line {line}: the byte 0x{byte:02X} is not UTF-8; save it as UTF-8"
     except RecursionError:
         what = _TOO_DEEP
+    except TypeError as error:  # a list with mappings as a key
+        what = f"not readable as YAML: {error}"
     except ReaderError as error:
         what = f"the character U+{error.character:04X} cannot stand in YAML; remove it"
     except MarkedYAMLError as error:

@@ -47,10 +47,22 @@ def bomb(first: str, repeated: str) -> str:
         ("a: &a [*a]", "more than 20 lists and mappings inside each other"),
         ("[" * 30_000, "more than 20 lists and mappings inside each other"),
         ("\n".join(" " * i + "a:" for i in range(400)), "more than 20 lists"),
-        ("a: 1\nb: 2026-13-45", "line 2: not readable as YAML: month must be in 1..12"),
-        ("a: 2026-01-01 25:61:00", "line 1: not readable as YAML: hour must be in 0..23"),
-        ("a: " + "9" * 5000, "line 1: not readable as YAML: Exceeds the limit"),
-        ("a: 0x_", "line 1: not readable as YAML: invalid literal for int"),
+        (
+            "a: 1\nb: 2026-13-45",
+            "line 2: not readable as YAML: the value cannot be read (month must be in 1..12); correct it",
+        ),
+        (
+            "a: 2026-01-01 25:61:00",
+            "line 1: not readable as YAML: the value cannot be read (hour must be in 0..23",
+        ),
+        (
+            "a: " + "9" * 5000,
+            "line 1: not readable as YAML: the value cannot be read (Exceeds the limit",
+        ),
+        (
+            "a: 0x_",
+            "line 1: not readable as YAML: the value cannot be read (invalid literal for int",
+        ),
         ("{a: 1}: 3", "line 1: not readable as YAML, while constructing a mapping: found unhash"),
         (
             "a: 1\nb:\n  a: 2\n  a: 3",
@@ -61,6 +73,9 @@ def bomb(first: str, repeated: str) -> str:
             "a: [1,\n2",
             "line 2: not readable as YAML, while parsing a flow sequence (begun in line 1)",
         ),
+        ("a: !!bool x", "line 1: not readable as YAML: the value cannot be read ('x'); correct it"),
+        ("a: !!int ''", "line 1: not readable as YAML: the value cannot be read (string index"),
+        ("? [a, {b: c}]\n: d", "not readable as YAML: unhashable type: 'dict'"),
         ("a: *nowhere", "line 1: not readable as YAML"),
         ("a: *" + "x" * 50_000, "line 1: not readable as YAML"),
         ("a: 1\n---\nb: 2", "line 2: not readable as YAML"),

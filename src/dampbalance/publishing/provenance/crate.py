@@ -63,18 +63,19 @@ def crate(
     finished, s since 1970; an action without results here has no `endTime`.
     """
     made, run = manifest["reproducible"], manifest["run"]
-    jobs = [job for job in made["jobs"] if not files.keys().isdisjoint(job["outputs"])]
+    jobs = [
+        {**job, "outputs": [file for file in job["outputs"] if file in files]}
+        for job in made["jobs"]
+        if not files.keys().isdisjoint(job["outputs"])
+    ]
+    version = run["packages"].get("snakemake")
     described = ROCrate(version="1.1")
     described.metadata.extra_contexts.append(RUN_TERMS)
-
-    def add(identifier: str, kind: str, /, **properties: Any) -> ContextEntity:
-        given = {key: value for key, value in properties.items() if value not in (None, [])}
-        return described.add(ContextEntity(described, identifier, {"@type": kind, **given}))
-
     spdx = f"https://spdx.org/licenses/{citation['license']}"
-    licence = add(spdx, "CreativeWork", name=citation["license"], identifier=spdx)
+    licence = _add(described, spdx, "CreativeWork", name=citation["license"], identifier=spdx)
     authors = [
-        add(
+        _add(
+            described,
             author.get("orcid") or f"#author-{number}",
             "Organization" if "name" in author else "Person",
             name=author_name(author),
@@ -82,140 +83,160 @@ def crate(
         )
         for number, author in enumerate(citation.get("authors", []), 1)
     ]
-    version = run["packages"].get("snakemake")
-    engine = add(
-        ENGINE, "SoftwareApplication", name="Snakemake", url=ENGINE, softwareVersion=version
-    )
-    keys, settings = [], []
-    for name, value in dotted(made["configuration"]):
-        kind = _PARAMETER_TYPES.get(type(value))
-        text = value if kind else json.dumps(value)
-        key = described.add_formal_parameter(
-            name, kind or "PropertyValue", f"#parameter/{quote(name)}"
-        )
-        setting = add(
-            f"#value/{quote(name)}", "PropertyValue", name=name, value=text, exampleOfWork=key
-        )
-        key["workExample"] = setting
-        keys.append(key)
-        settings.append(setting)
-
-    entities = {}
     scripts = {job["script"] for job in jobs}
-    for name in sorted(files):
-        properties: dict[str, Any] = {
-            "name": name,
-            "encodingFormat": _FILE_TYPES.guess_type(name)[0] or "text/plain",
-            "sha256": sha256(files[name]),
-        }
-        if name in scripts | {WORKFLOW_FILE}:
-            properties |= {"url": {"@id": quote(name)}, "version": made["version"]}
-        if name == WORKFLOW_FILE:
-            entities[name] = described.add_workflow(
-                files[name],
-                name,
-                main=True,
-                lang="snakemake",
-                lang_version=version,
-                record_size=True,
-                properties=properties
-                | {
-                    "@type": ["File", "SoftwareSourceCode", "ComputationalWorkflow", "HowTo"],
-                    "name": "dampbalance",
-                    "description": _code(run["code"]),
-                    "conformsTo": {"@id": f"{BIOSCHEMAS}ComputationalWorkflow/1.0-RELEASE"},
-                    "license": licence,
-                    "author": authors,
-                    "input": keys,
-                },
-            )
-            continue
-        if name in scripts:
-            properties |= {"@type": ["File", "SoftwareSourceCode"], "programmingLanguage": "Python"}
-        if name == "README.md":
-            properties |= {"about": {"@id": "./"}}
-        entities[name] = described.add_file(
-            files[name], name, properties=properties, record_size=True
-        )
-
-    def refer(names: Iterable[str]) -> list[Any]:
-        return [entities[name] for name in sorted(names) if name in entities]
+    entities = _files(described, files, scripts, made["version"], version)
+    keys, settings = _parameters(described, made["configuration"])
 
     def act(
-        identifier: str, tool: str, inputs: set[str], outputs: Sequence[str], **words: Any
+        identifier: str, tool: str, inputs: Iterable[str], outputs: Sequence[str], **words: Any
     ) -> Any:
         """Adds what a tool made of files; every job takes its parameters from the configuration."""
-        times = [ended[file] for file in outputs if file in ended]
-        last = (
-            datetime.fromtimestamp(max(times), UTC).isoformat(timespec="seconds") if times else None
-        )
-        used = refer(inputs.union(made["configuration_files"]))
-        return add(
+        read = {*inputs, *made["configuration_files"]} & entities.keys()
+        times = [datetime.fromtimestamp(ended[file], UTC) for file in outputs if file in ended]
+        return _add(
+            described,
             identifier,
             "CreateAction",
             instrument=entities[tool],
             agent=authors,
-            object=[*used, *(settings if tool == WORKFLOW_FILE else [])],
-            result=refer(outputs),
-            endTime=last,
+            object=[entities[file] for file in sorted(read)]
+            + (settings if tool == WORKFLOW_FILE else []),
+            result=[entities[file] for file in outputs],
+            endTime=max(times).isoformat(timespec="seconds") if times else None,
             **words,
         )
 
-    outputs = [file for job in jobs for file in job["outputs"] if file in files]
+    outputs = [file for job in jobs for file in job["outputs"]]
     inputs = {file for job in jobs for file in job["inputs"]}.difference(outputs)
     count = f"Snakemake ran {len(jobs)} jobs, which made {len(outputs)} files."
-    words = {"name": "The run of the workflow", "description": count}
-    acts = [whole := act("#run", WORKFLOW_FILE, inputs, outputs, **words)]
-    steps, controls = [], []
+    whole = act(
+        "#run", WORKFLOW_FILE, inputs, outputs, name="The run of the workflow", description=count
+    )
+    acts: list[Any] = [whole]
+    steps: list[Any] = []
+    controls: list[Any] = []
     for position, (rule, script) in enumerate(_rules(jobs).items(), start=1):
-        step = add(f"#step/{quote(rule)}", "HowToStep", name=rule, position=str(position))
-        step["workExample"] = entities[script]
-        parts = []
-        for job in (job for job in jobs if job["rule"] == rule):
-            of_job = [file for file in job["outputs"] if file in files]
-            said = f"Rule {rule}: {script} made {', '.join(of_job)}."
-            key = f"#job/{quote(min(of_job))}"
-            parts.append(act(key, script, {*job["inputs"]}, of_job, name=rule, description=said))
-        name = f"Snakemake ran the jobs of rule {rule}"
-        key = f"#control/{quote(rule)}"
-        controls.append(add(key, "ControlAction", name=name, instrument=step, object=parts))
-        steps.append(step)
+        step = _add(described, f"#step/{quote(rule)}", "HowToStep", name=rule)
+        step["position"], step["workExample"] = str(position), entities[script]
+        parts = [
+            act(
+                f"#job/{quote(min(job['outputs']))}",
+                script,
+                job["inputs"],
+                job["outputs"],
+                name=rule,
+                description=f"Rule {rule}: {script} made {', '.join(job['outputs'])}.",
+            )
+            for job in jobs
+            if job["rule"] == rule
+        ]
+        control = _add(described, f"#control/{quote(rule)}", "ControlAction", instrument=step)
+        control["name"], control["object"] = f"Snakemake ran the jobs of rule {rule}", parts
         acts += parts
-    organised = add(
+        steps.append(step)
+        controls.append(control)
+    organised = _add(
+        described,
         "#organisation",
         "OrganizeAction",
         name="Snakemake organised the run",
-        instrument=engine,
+        instrument=_add(
+            described,
+            ENGINE,
+            "SoftwareApplication",
+            name="Snakemake",
+            url=ENGINE,
+            softwareVersion=version,
+        ),
         agent=authors,
         object=controls,
         result=whole,
-        endTime=whole.get("endTime"),
+        endTime=whole["endTime"],
     )
-    entities[WORKFLOW_FILE]["step"] = steps
-    entities[WORKFLOW_FILE]["hasPart"] = refer(scripts)
-
-    top = described.root_dataset
     published = citation.get("date-released") or run["code"].get("committed")
-    for key, value in {
+    common = {"license": licence, "author": authors}
+    workflow = {
+        **common,
+        "name": "dampbalance",
+        "description": _code(run["code"]),
+        "conformsTo": {"@id": f"{BIOSCHEMAS}ComputationalWorkflow/1.0-RELEASE"},
+        "input": keys,
+        "step": steps,
+        "hasPart": [entities[script] for script in sorted(scripts)],
+    }
+    top = {
+        **common,
         "name": f"{citation['title']}: case '{made['case']}'",
         "description": citation["abstract"],
         "keywords": ", ".join(citation.get("keywords", [])),
-        "license": licence,
-        "author": authors,
         "publisher": [author for author in authors if author.type == "Organization"],
         "datePublished": published and str(published),
         "conformsTo": [
-            add(address, "CreativeWork", name=name, version=address.rsplit("/", 1)[-1])
+            _add(described, address, "CreativeWork", name=name, version=address.rpartition("/")[2])
             for address, name in PROFILES.items()
         ],
         "mentions": [*acts, organised],
-    }.items():
-        top[key] = value
-    for entity in described.get_entities():  # a list of one stands as its item
-        for key, value in entity.properties().items():
-            if isinstance(value, list) and len(value) == 1:
-                entity.properties()[key] = value[0]
+    }
+    for entity, properties in ((entities[WORKFLOW_FILE], workflow), (described.root_dataset, top)):
+        for key, value in properties.items():
+            entity[key] = value
+    for properties in (entity.properties() for entity in described.get_entities()):
+        for key, value in list(properties.items()):
+            if value in (None, []):
+                del properties[key]
+            elif isinstance(value, list) and len(value) == 1:  # stands as its item
+                (properties[key],) = value
     return described
+
+
+def _add(described: ROCrate, identifier: str, kind: str, /, **properties: Any) -> Any:
+    return described.add(ContextEntity(described, identifier, {"@type": kind, **properties}))
+
+
+def _files(
+    described: ROCrate, files: Mapping[str, Path], scripts: set[str], version: str, engine: str
+) -> dict[str, Any]:
+    """Adds the files, with their digests; scripts and the workflow are code.   version, engine : of code and engine."""
+    entities = {}
+    for name, path in sorted(files.items()):
+        properties: dict[str, Any] = {
+            "name": name,
+            "encodingFormat": _FILE_TYPES.guess_type(name)[0] or "text/plain",
+            "sha256": sha256(path),
+        }
+        code = {"url": {"@id": quote(name)}, "version": version}
+        given: dict[str, Any] = {"record_size": True, "properties": properties}
+        if name == WORKFLOW_FILE:
+            kinds = ["File", "SoftwareSourceCode", "ComputationalWorkflow", "HowTo"]
+            properties |= {"@type": kinds, **code}
+            language = {"main": True, "lang": "snakemake", "lang_version": engine}
+            entities[name] = described.add_workflow(path, name, **language, **given)
+            continue
+        if name in scripts:
+            kinds = ["File", "SoftwareSourceCode"]
+            properties |= {"@type": kinds, "programmingLanguage": "Python", **code}
+        elif name == "README.md":
+            properties |= {"about": {"@id": "./"}}
+        entities[name] = described.add_file(path, name, **given)
+    return entities
+
+
+def _parameters(
+    described: ROCrate, configuration: Mapping[str, Any]
+) -> tuple[list[Any], list[Any]]:
+    """Adds the keys of a configuration, joined by dots, and their values; what is no number, text or truth value is
+    written as JSON."""
+    keys, settings = [], []
+    for name, value in dotted(configuration):
+        kind = _PARAMETER_TYPES.get(type(value))
+        identifier = f"#parameter/{quote(name)}"
+        key = described.add_formal_parameter(name, kind or "PropertyValue", identifier)
+        setting = _add(described, f"#value/{quote(name)}", "PropertyValue", name=name)
+        setting["value"], setting["exampleOfWork"] = value if kind else json.dumps(value), key
+        key["workExample"] = setting
+        keys.append(key)
+        settings.append(setting)
+    return keys, settings
 
 
 def _code(code: Mapping[str, Any]) -> str:
