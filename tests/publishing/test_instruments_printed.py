@@ -21,10 +21,10 @@ from dampbalance.replication.claims.changed_digits import (
 )
 from dampbalance.replication.claims.judging import explanation, verdict
 from folders import ROOT
-from paper.page_case import CHANGED
 from paper.routes import CASE, PRINT, sources_of
 from paper.routes import judged as judged_afresh
-from paper.test_instruments import GO, checked, plain, printed, texts
+from publishing.page_case import CHANGED
+from publishing.test_instruments import GO, checked, plain, printed, texts
 
 INTEGRATOR = """() => [...document.querySelectorAll('#integrator td')].map(cell => [
   cell.classList[1], cell.querySelector('.digits').textContent, cell.querySelector('small').textContent])"""
