@@ -79,11 +79,8 @@ def parts_of(pages: Path) -> dict[tuple[Path, str], str]:
         for path, options in _INCLUDE.findall(text):
             file, cut = (page.parent / path).resolve(), dict(_OPTION.findall(options))
             first, last = cut.get("start-after", ""), cut.get("end-before")
-            shown = (
-                first + file.read_text(encoding="utf-8").partition(first)[2]
-                if first
-                else file.read_text(encoding="utf-8")
-            )
+            shown = file.read_text(encoding="utf-8")
+            shown = first + shown.partition(first)[2] if first else shown
             shown = shown.partition(last)[0] if last else shown
             for heading in re.findall("^#+ (.+)$", shown, re.MULTILINE):
                 here = heading != first.lstrip("# ") or heading in own[1:]
@@ -154,8 +151,8 @@ _NAMES = {"approach": APPROACHES, "check": checks(), "term": KNOWN_TERMS}
 def keys_of(node: Any, schema: Mapping[str, Any], path: str = "") -> Iterator[tuple[str, str, str]]:
     """The cells of each key of a schema; a key precedes the keys inside it.
 
-    In a path [] stands for each entry of a list and * for a name chosen by the user. Keys in a row that have the same
-    description share one.
+    In a path [] stands for each entry of a list and * for a name chosen by the user. Keys that follow each other and are
+    described alike share a row, with the path before the first of them.
     """
     node = _resolved(node, schema)
     for inner, mark in (("items", "[]"), ("additionalProperties", ".*")):
@@ -167,11 +164,8 @@ def keys_of(node: Any, schema: Mapping[str, Any], path: str = "") -> Iterator[tu
         needed = " *needed*" * (names[0] in node.get("required", ()))
         of_child = _resolved(child, schema)
         words = in_markdown(" ".join(of_child.get("description", "").split()))
-        yield (
-            ", ".join(f"`{below}{name}`" for name in names) + needed,
-            _type(of_child, schema),
-            words,
-        )
+        shown = ", ".join(f"`{name}`" for name in [below + names[0], *names[1:]])
+        yield shown + needed, _type(of_child, schema), words
         yield from keys_of(child, schema, below + (names[0] if len(names) == 1 else "*"))
 
 

@@ -9,6 +9,8 @@ from pathlib import Path
 from typing import NamedTuple
 from urllib.parse import unquote, urlsplit
 
+import yaml
+
 from dampbalance.publishing.provenance.manifest import PROJECT, files_of
 from dampbalance.publishing.site import PAGES, REPORT, TOUR, build
 from folders import ROOT
@@ -17,7 +19,7 @@ from publishing.html import Tree
 RESULTS = {
     ".svg": '<svg xmlns="http://www.w3.org/2000/svg" width="90" height="60"><path d="M9 50 L80 9"/></svg>\n',
     ".csv": "quantity\nF_k\n",
-    ".md": "# The study NAME\n\n441 cases.\n\nIt shows *this*.\n\n![it](figure.png)\n\n| quantity |\n|---|\n| F_k |\n",
+    ".md": "# TITLE\n\n441 cases.\n\nIt shows *this*.\n\n![it](figure.png)\n\n| quantity |\n|---|\n| F_k |\n",
     ".pdf": "%PDF-1.7\n",
     ".ipynb": (ROOT / "tests/publishing/tour.ipynb").read_text(encoding="utf-8"),
     ".html": (
@@ -39,7 +41,9 @@ def project(folder: Path) -> Path:
         file = folder / path
         if not file.exists():
             file.parent.mkdir(parents=True, exist_ok=True)
-            text = RESULTS[file.suffix].replace("NAME", file.parent.name)
+            text, study = RESULTS[file.suffix], folder / f"config/studies/{file.parent.name}.yaml"
+            if study.is_file():
+                text = text.replace("TITLE", yaml.safe_load(study.read_text("utf-8"))["title"])
             file.write_text(text, encoding="utf-8")
     return folder
 

@@ -208,7 +208,7 @@ def test_every_key_of_a_schema_stands_once_below_what_it_is_inside_of():
         ("`hz` *needed*", "number", r"Drive frequency \| f."),
         ("`phase`", "`a`, `b`", ""),
         ("`sets`", "array or null", ""),
-        ("`sets[].m`, `sets[].c`", "integer", "One."),
+        ("`sets[].m`, `c`", "integer", "One."),
         ("`named`", "any value", ""),
     ]
     assert rows[5][:2] == ("`named.*.sign`", "`1`")
