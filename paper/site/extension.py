@@ -151,8 +151,8 @@ _NAMES = {"approach": APPROACHES, "check": checks(), "term": KNOWN_TERMS}
 def keys_of(node: Any, schema: Mapping[str, Any], path: str = "") -> Iterator[tuple[str, str, str]]:
     """The cells of each key of a schema; a key precedes the keys inside it.
 
-    In a path [] stands for each entry of a list and * for a name chosen by the user. Keys that follow each other and are
-    described alike share a row, with the path before the first of them.
+    In a path [] stands for each entry of a list and * for a name chosen by the user. Keys that follow each other and
+    are described alike share a row, with the path before the first of them.
     """
     node = _resolved(node, schema)
     for inner, mark in (("items", "[]"), ("additionalProperties", ".*")):
