@@ -104,12 +104,16 @@ def pytest_collection_modifyitems(items):
         needed = OPTIONAL.keys() & set(item.fixturenames)
         item.user_properties += [("needs", OPTIONAL[name]) for name in needed]
         name = function_of(item.nodeid)
-        if needed or name in NIGHTLY or name.partition("::")[0] in NIGHTLY:
+        dear = needed or DEAR & set(item.fixturenames)
+        if dear or name in NIGHTLY or name.partition("::")[0] in NIGHTLY:
             item.add_marker("nightly")
 
 
 OPTIONAL = {"slurm": "in a real SLURM", "browser": "in a real browser"}
 """Fixture → how a test with it is run. Not every machine has these programs."""
+
+DEAR = {"article"}
+"""Fixtures that take a minute: the article with all that it is made of, of which the page is made, too."""
 
 LONG = 120.0  # s of all tests together
 UNMARKED = 4.0  # s, twice what makes a test slow: a busy machine is no reason to mark it

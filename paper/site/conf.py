@@ -1,4 +1,4 @@
-"""Settings of Sphinx for the site; `dampbalance.publishing.site` makes the pages that stand beside this file then."""
+"""Settings of Sphinx for the site; `dampbalance.publishing.site` copies these pages and runs it."""
 
 import sys
 from pathlib import Path
@@ -13,28 +13,32 @@ version = release = dampbalance.__version__
 
 extensions = [
     "sphinx.ext.autodoc",
-    "myst_parser",
+    "myst_nb",
     "sphinx_design",
     "sphinx_copybutton",
+    "sphinxcontrib.programoutput",
     "extension",
 ]
-exclude_patterns = ["extra"]
+exclude_patterns = ["extra", "made", "trees"]
 templates_path = ["templates"]
-html_extra_path = ["extra"] if Path(__file__).with_name("extra").exists() else []
+html_extra_path = ["extra"]
 html_static_path = ["static"]
-html_css_files = ["site.css"]
+html_css_files = ["formulas.css", "site.css"]
 
 # Markdown as repositories on the web read it, with formulas; links to copied files are taken as they are.
 myst_enable_extensions = ["colon_fence", "dollarmath"]
 myst_heading_anchors = 4
 myst_url_schemes = {"http": None, "https": None, "mailto": None, "copied": "{{path}}"}
 highlight_language = "none"
+nb_execution_mode = "off"  # the notebook has been run
+nb_merge_streams = True
 suppress_warnings = [
     "myst.header",  # a section shown on a page of its own may begin with its third level
     "misc.highlighting_failure",  # code with an ellipsis
 ]
 
-# Docstrings: their style is that of dampbalance.publishing.site.reference.
+# Docstrings: their style is that of docstrings.py.
+autodoc_default_options = {"members": True}
 autodoc_member_order = "bysource"
 autodoc_typehints_format = "short"
 autodoc_class_signature = "mixed"

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import re
 import shutil
 from pathlib import Path
 
@@ -160,21 +159,7 @@ def test_a_study_whose_name_snakemake_cannot_take_is_told(studied):
     assert "PeriodicWildcardError" not in said
 
 
-def test_the_site_shows_them_and_is_made_again_when_a_text_changes(studied):
-    """Of the other pages, which tests/paper/test_site.py waits for, a title and the contents."""
-    for path in (studied.folder / "paper/site").rglob("*.md"):
-        if path.stem != "studies":
-            text = path.read_text(encoding="utf-8")
-            contents = re.findall(r"(?sm:^```\{toctree\}.*?^```$)", text)
-            title = f"# The page {path.stem}"
-            path.write_text("\n\n".join([title, *contents]) + "\n", encoding="utf-8")
-    shutil.copy2(ROOT / "tests/workflow/small.yaml", studied.folder)
-    own = ("--configfile", "small.yaml")  # of the paper's case, the site would need all results
-    studied.made("results/site", *own)
-    page = (studied.folder / "results/site/studies.html").read_text(encoding="utf-8")
-    assert "Not computed yet" not in page
-    assert len(re.findall(r'<img[^>]*src="_images/', page)) == len(NAMES)
-    assert studied.jobs("results/site", *own) == {}
-    readme = studied.folder / "README.md"
-    readme.write_text(readme.read_text(encoding="utf-8") + "\nMore.\n", encoding="utf-8")
-    assert studied.jobs("results/site", *own) == {"site": 1, "total": 1}
+def test_the_site_waits_for_them_all(studied):
+    jobs = studied.jobs("results/site")
+    assert {"site", "article", "page", "notebook"} <= jobs.keys()
+    assert "study_summary" not in jobs  # they are there

@@ -15,18 +15,14 @@ SITE_SOURCES = (
     *("tests/analytic/README.md", "trials/benchmarks", "trials/blind"),
 )
 
-# It is of the project as it lies there, whose folder must be that of the results.
-if Path.cwd() == ROOT:
+# It shows the project as it lies there, whose folder must be that of the results, and the paper's case.
+if Path.cwd() == ROOT and config["published"] and CASE.name == "paper":
 
     rule site:
         input:
             sources=files_of(ROOT, SITE_SOURCES),
             studies=expand(rules.study_summary.output, study=STUDIES),  # and so their figures
-            paper=(
-                [rules.page.output.page, rules.article.output.pdf, rules.notebook.output.ipynb]
-                if config["published"] and CASE.name == "paper"
-                else []
-            ),
+            paper=[rules.page.output.page, rules.article.output.pdf, rules.notebook.output.ipynb],
         output:
             site=directory("results/site"),
         log:

@@ -1,4 +1,4 @@
-"""Runs a notebook that is written as a plain script, and shows its text.
+"""Runs a notebook that is written as a plain script.
 
 The script is in the percent format of jupytext. Everything that would differ between two runs is excluded: the user's
 IPython settings, execution times, random cell ids, dates and software versions in pictures, and output to stderr.
@@ -82,14 +82,6 @@ def write(notebook: NotebookNode) -> str:
     """The notebook as the text of an .ipynb file."""
     nbformat.validate(notebook)
     return str(nbformat.writes(notebook)).rstrip("\n") + "\n"  # type: ignore[no-untyped-call]
-
-
-def as_markdown(source: str | Path) -> str:
-    """The text of a percent script as Markdown, with its code in blocks; nothing is executed."""
-    notebook = jupytext.read(source, fmt="py:percent")
-    every = "notebook_metadata_filter", "cell_metadata_filter"
-    notebook.metadata = {"jupytext": dict.fromkeys(every, "-all")}  # no head of metadata
-    return str(jupytext.writes(notebook, fmt="md"))
 
 
 def _environment(folder: Path) -> dict[str, str]:

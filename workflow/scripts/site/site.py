@@ -1,9 +1,8 @@
 """The site of documentation."""
 
-from dampbalance.commands.main import parser
 from dampbalance.project.troubles import brief_troubles
-from dampbalance.publishing.site.pages import build
+from dampbalance.publishing.site import build
 
 if __name__ == "__main__":
     brief_troubles(snakemake.log)
-    build(".", snakemake.output.site, parser())
+    build(".", snakemake.output.site)

@@ -21,21 +21,13 @@ from dampbalance.replication.claims.changed_digits import (
 from dampbalance.replication.claims.judging import explanation, verdict
 from dampbalance.replication.claims.verdicts import VERDICTS
 from folders import ROOT
-from paper.page_case import CHANGED
 from paper.routes import CASE, PRINT, sources_of
 from paper.routes import judged as judged_afresh
-from paper.test_instruments import GO, checked, plain, printed, texts
+from publishing.page_case import CHANGED
+from publishing.test_instruments import GO, checked, plain, printed, texts
 
 INTEGRATOR = """() => [...document.querySelectorAll('#integrator td')].map(cell => [
   cell.classList[1], cell.querySelector('.digits').textContent, cell.querySelector('small').textContent])"""
-FRAMES = """async slider => {
-  const frame = () => new Promise(requestAnimationFrame);
-  slider.value = slider.min;
-  slider.dispatchEvent(new Event('input', { bubbles: true }));
-  let frames = 0;
-  do { await frame(); frames += 1; } while (slider.closest('.instrument').matches('.busy'));
-  return frames;
-}"""
 
 
 @pytest.fixture
@@ -102,14 +94,6 @@ def test_other_schemes_miss_print_as_in_python(opened, schemes, scheme, coeffici
             off = got[number.text].replace("−", "-").replace("·10", "e")
             off = off.translate(str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹", "0123456789"))
             assert float(off) == pytest.approx(units, rel=0.05, abs=0.06)  # two digits are shown
-
-
-@pytest.mark.slow
-def test_the_page_answers_while_it_simulates(opened):
-    """A level takes 0.1 s and more with the shortest step: the page draws frames all the while."""
-    page = opened("integrator")
-    # a simulation in the thread of the page would leave it one frame a level at most
-    assert page.locator("#integrator-step").evaluate(FRAMES) > 2 * len(CASE.levels_m)
 
 
 @pytest.mark.slow

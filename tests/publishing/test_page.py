@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import colorsys
 import dataclasses
 import itertools
 import math
@@ -24,10 +23,10 @@ from dampbalance.publishing.page.report import LARGEST_PAGE, ORIGINS
 from dampbalance.replication import comparison
 from dampbalance.replication.claims.verdicts import KINDS, VERDICTS, counts
 from dampbalance.replication.printed_tables import claim_of
-from paper.contrast import GRAPHICS_ON, TEXT_ON, contrast
-from paper.html import Tree
-from paper.page_case import PAGE, page_of
 from paper.routes import CASE, ROOT
+from publishing.contrast import GRAPHICS_ON, TEXT_ON, contrast
+from publishing.html import Tree
+from publishing.page_case import PAGE, page_of
 
 
 @pytest.fixture(scope="module")
@@ -181,17 +180,10 @@ def test_a_case_without_a_paper_has_a_page_without_verdicts(made):
 
 
 @pytest.mark.slow
-def test_the_same_results_give_the_same_bytes(made, html):
-    assert page_of(made) == html
-
-
-@pytest.mark.slow
-def test_it_is_small_enough_and_warns_when_it_is_not(made, html, monkeypatch):
+def test_the_same_results_give_the_same_bytes_and_few(made, html, monkeypatch):
     assert len(html.encode()) < LARGEST_PAGE == 3_500_000
     monkeypatch.setattr("dampbalance.publishing.page.report.LARGEST_PAGE", 1000)
-    with pytest.warns(
-        UserWarning, match=r"report\.html has [\d,]+ bytes, more than the 1,000 that"
-    ):
+    with pytest.warns(UserWarning, match=r"report\.html has [\d,]+ bytes, more than the 1,000"):
         assert page_of(made) == html
 
 
@@ -223,48 +215,24 @@ def test_a_source_is_where_it_says(source):
         assert (ROOT / path).is_file()
 
 
-# --- it can be read by everybody -------------------------------------------------------------------
+# --- it can be read by everybody; in a browser axe asks for more ------------------------------------
 
 
 @pytest.mark.parametrize("mode", ["light", "dark"])
-@pytest.mark.parametrize(("text", "ground"), TEXT_ON)
-def test_text_has_the_contrast_that_wcag_aa_asks_for(mode, text, ground):
-    palette = colours.palette(mode)
-    assert contrast(palette[text], palette[ground]) >= 4.5  # WCAG 2.2, 1.4.3
-
-
-@pytest.mark.parametrize("mode", ["light", "dark"])
-@pytest.mark.parametrize(("mark", "ground"), GRAPHICS_ON)
-def test_graphics_have_the_contrast_that_wcag_aa_asks_for(mode, mark, ground):
-    palette = colours.palette(mode)
-    assert contrast(palette[mark], palette[ground]) >= 3.0  # WCAG 2.2, 1.4.11
-
-
-@pytest.mark.parametrize("mode", ["light", "dark"])
-def test_a_spare_look_has_the_contrast_of_the_others(mode):
-    palette = colours.palette(mode)
-    for look in looks.SPARE:
-        for ground in ("paper", "raised"):
-            assert contrast(getattr(look, mode), palette[ground]) >= 3.0
-
-
-def test_every_verdict_has_a_rule_of_style_and_a_hue_of_its_own(html):
-    for verdict in VERDICTS.values():
-        assert f".v-{verdict.css} {{ --fill: var(--{verdict.css});" in html
-    hues = sorted(
-        360.0 * colorsys.rgb_to_hsv(*(int(fill[i : i + 2], 16) for i in (1, 3, 5)))[0]
-        for fill in (colours.palette("dark")[verdict.css] for verdict in VERDICTS.values())
-    )
-    apart = [b - a for a, b in itertools.pairwise([*hues, hues[0] + 360.0])]
-    assert min(apart) > 15.0  # degrees; symbol and word tell verdicts apart in any case
-
-
-def test_contrast_is_that_of_wcag():
-    assert contrast("#000000", "#ffffff") == pytest.approx(21.0)
+def test_contrasts_are_those_that_wcag_aa_asks_for(mode):
     assert contrast("#777777", "#ffffff") == pytest.approx(4.48, abs=0.005)  # the well-known grey
+    palette = colours.palette(mode)
+    for text, ground in TEXT_ON:
+        assert contrast(palette[text], palette[ground]) >= 4.5, (text, ground)  # WCAG 2.2, 1.4.3
+    for mark, ground in GRAPHICS_ON:
+        assert contrast(palette[mark], palette[ground]) >= 3.0, (mark, ground)  # WCAG 2.2, 1.4.11
+    for look, ground in itertools.product(looks.SPARE, ("paper", "raised")):
+        assert contrast(getattr(look, mode), palette[ground]) >= 3.0
 
 
 def test_every_colour_of_the_page_is_one_that_is_checked(html):
+    for verdict in VERDICTS.values():
+        assert f".v-{verdict.css} {{ --fill: var(--{verdict.css});" in html
     palette = colours.palette("light").keys()
     local = {
         "fill",
@@ -279,42 +247,6 @@ def test_every_colour_of_the_page_is_one_that_is_checked(html):
     assert used - checked == {"rule"}  # lines of tables and grids, which only decorate
     style = (ROOT / "src/dampbalance/publishing/page/static/style.css").read_text(encoding="utf-8")
     assert re.findall(r"#[0-9a-fA-F]{3,8}\b", style) == []  # no colour outside the palette
-
-
-def test_the_document_says_its_language_and_its_headings_are_in_order(tree, html):
-    assert html.startswith("<!doctype html>")
-    assert tree.all[0] | {"text": ""} == {"tag": "html", "text": "", "within": (), "lang": "en"}
-    levels = [int(e["tag"][1]) for e in tree.named("h1", "h2", "h3", "h4", "h5", "h6")]
-    assert levels[0] == 1
-    assert levels.count(1) == 1
-    assert all(after <= before + 1 for before, after in itertools.pairwise(levels))
-
-
-def test_names_are_unique_and_references_meet_them(tree):
-    names = set(tree.ids)
-    assert len(tree.ids) == len(names)
-    instruments = {e["id"] for e in tree.named("article") if "instrument" in e["class"].split()}
-    assert len(instruments) == 4
-    template = ROOT / "src/dampbalance/publishing/page/templates/report.html.j2"
-    sections = re.findall(r"m\.section\('(\w+)'", template.read_text(encoding="utf-8"))
-    assert {"instruments", "noise"} <= set(sections)
-    assert instruments.isdisjoint(sections)  # this case has not all of them
-    for element in tree.all:
-        for key in ("aria-labelledby", "popovertarget", "for"):
-            assert set(element.get(key, "").split()) <= names, element
-
-
-def test_tables_have_captions_and_scoped_heads(tree):
-    tables = [table for table in tree.named("table") if table["text"].strip()]  # others by script
-    assert len(tables) >= 4
-    assert len(tree.named("caption")) == len(tables)
-    assert {e.get("scope") for e in tree.named("th")} == {"col", "row", "colgroup", "rowgroup"}
-
-
-def test_the_first_thing_to_reach_skips_to_the_content(tree):
-    first = next(e for e in tree.all if e["tag"] in ("a", "button", "input", "select"))
-    assert first["href"] == "#main"
-    assert tree.one("main")["id"] == "main"
 
 
 # --- figures ---------------------------------------------------------------------------------------
@@ -516,12 +448,3 @@ def test_the_picture_says_its_numbers(made):
         assert [width + match.GAP for width in widths] == pytest.approx(
             [room * share for share in shares], abs=0.06
         )
-
-
-def test_the_legend_of_the_picture_holds_every_verdict_inside_it(made):
-    root = ElementTree.fromstring(match_picture(counts(made.claims)))
-    words = {text.text: text for text in root.iter(f"{SVG}text")}
-    for name in VERDICTS:
-        # 8 px a letter at 14 px, and some room
-        assert float(words[name].get("x")) + 8 * len(name) < match.WIDTH
-        assert float(words[name].get("y")) < float(root.get("height"))

@@ -6,8 +6,8 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from paper.chromium import CHROMIUM
-from paper.chromium import REASON as NO_CHROMIUM
+from publishing.chromium import CHROMIUM
+from publishing.chromium import REASON as NO_CHROMIUM
 
 MISSING = find_spec("axe_playwright_python") is None
 SKIP = MISSING or CHROMIUM is None

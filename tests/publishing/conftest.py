@@ -7,13 +7,13 @@ import pickle
 import pytest
 
 from folders import shared
-from paper.chromium import ARGUMENTS, CHROMIUM, REASON
+from publishing.chromium import ARGUMENTS, CHROMIUM, REASON
 
 
 @pytest.fixture(scope="session")
 def article(tmp_path_factory):
     """The article and all that it is made of, by the scripts of the workflow in a folder of their own."""
-    from paper.article_case import Project, build
+    from publishing.article_case import Project, build
 
     return Project(shared(tmp_path_factory, "article", build))
 
@@ -23,7 +23,7 @@ def report(article, tmp_path_factory):
     """The folder with the page of the paper's case, report.html, and what it shows."""
 
     def make(folder):
-        from paper.page_case import page_of, results
+        from publishing.page_case import page_of, results
 
         (folder / "files").mkdir()
         made = results(folder / "files", article.folder)

@@ -1,6 +1,6 @@
 """The site in a real Chromium without a network: it searches, fits a phone, and hinders nobody.
 
-Skipped where no Chromium is installed; paper/chromium.py says where it looks.
+Skipped where no Chromium is installed; publishing/chromium.py says where it looks.
 """
 
 from __future__ import annotations
@@ -8,9 +8,9 @@ from __future__ import annotations
 import pytest
 
 from folders import shared
-from paper import axe
-from paper.chromium import CHROMIUM, REASON
-from paper.site_case import built
+from publishing import axe
+from publishing.chromium import CHROMIUM, REASON
+from publishing.site_case import built
 
 pytestmark = [pytest.mark.slow, pytest.mark.skipif(CHROMIUM is None, reason=REASON)]
 

@@ -1,6 +1,6 @@
 """The page in a real Chromium without a network: it loads nothing, filters, folds and prints; by keyboard, on a phone.
 
-Skipped where no Chromium is installed; paper/chromium.py says where it looks.
+Skipped where no Chromium is installed; publishing/chromium.py says where it looks.
 """
 
 from __future__ import annotations
@@ -11,10 +11,11 @@ import re
 import pypdf
 import pytest
 
-from dampbalance.publishing import colours
+from dampbalance import identify
 from dampbalance.replication.claims.verdicts import KINDS
-from paper import axe
-from paper.chromium import CHROMIUM, REASON
+from folders import ROOT
+from publishing import axe
+from publishing.chromium import CHROMIUM, REASON
 
 pytestmark = [pytest.mark.slow, pytest.mark.skipif(CHROMIUM is None, reason=REASON)]
 
@@ -156,20 +157,9 @@ def test_a_search_opens_what_is_given_and_clearing_it_closes_it(page):
     assert "1 of 27 given values" in page.inner_text("#found")
     page.click("button[type=reset]")
     assert not page.evaluate("document.getElementById('given').open")
+    assert page.locator("#given :is(a, button, input, [tabindex])").count() == 0  # one stop to Tab
     assert found(page, "no such words") == []
     assert page.locator("#none").is_visible()
-
-
-def test_what_is_given_takes_one_stop_of_the_keyboard(page, made):
-    stops = page.evaluate(
-        """() => {
-            for (const one of document.querySelectorAll('details')) one.open = true;
-            return document.querySelectorAll('#given :is(a, button, summary, input, [tabindex])').length;
-        }"""
-    )
-    assert stops == 1
-    of_claims = page.locator("#numbers .claims summary").count()
-    assert of_claims == int((made.claims["kind"] != "given").sum())
 
 
 def test_the_keyboard_reaches_everything_and_shows_where_it_is(opened):
@@ -195,18 +185,12 @@ def test_the_keyboard_reaches_everything_and_shows_where_it_is(opened):
     assert page.evaluate("document.activeElement.id") == "main"
 
 
-def test_a_table_below_a_drawing_holds_its_values(page):
-    figure = page.locator("figure:has(.drawing)").first
-    figure.locator(".values summary").click()
-    tables = figure.locator("table")
-    assert tables.count() == 2
-    assert tables.nth(1).locator("tbody th").all_inner_texts() == ["4.92 Hz", "3.5 Hz", "11.1 Hz"]
-    assert tables.first.locator("tbody td").first.inner_text() == "90"
-
-
 @pytest.mark.parametrize("viewport", [PHONE, DESK], ids=["phone", "desk"])
 def test_links_lead_to_headings_below_the_bar(opened, viewport):
     page = opened(viewport)
+    folded = page.locator(".fold:not([open])").count()
+    assert (folded > 0) == (viewport is PHONE)
+    assert folded == 0 or page.evaluate("document.documentElement.scrollHeight") < TALLEST
     bar = page.locator("nav").bounding_box()["height"]
     for link in page.locator("nav a").all():
         link.click()
@@ -220,63 +204,10 @@ def test_links_lead_to_headings_below_the_bar(opened, viewport):
         )
         assert section.locator(":is(p, table):not(.values *)").first.is_visible()  # unfolded
         page.emulate_media(reduced_motion="reduce")  # the first one scrolls smoothly
-
-
-def test_a_phone_gets_a_folded_page(opened):
-    page = opened(PHONE)
-    assert page.evaluate("document.documentElement.scrollHeight") < TALLEST
-    assert not page.locator("#claims").is_visible()
-    page.locator("#numbers h2").click()
-    assert page.locator("#claims").is_visible()
-    page.evaluate("location.hash = 'study-frequency'")  # inside a section that is folded
+    page.evaluate("location.hash = 'study-frequency'")  # inside a section that a phone folds
     page.locator("[id='study-frequency']").wait_for(state="visible")
-    desk = opened()
-    assert desk.locator(".fold:not([open])").count() == 0
-
-
-@pytest.mark.parametrize("viewport", [PHONE, DESK], ids=["phone", "desk"])
-def test_nothing_sticks_out_sideways(opened, viewport):
-    page = opened(viewport)
     page.evaluate("document.querySelectorAll('details').forEach(one => { one.open = true; })")
     assert page.evaluate("document.documentElement.scrollWidth") == viewport["width"]
-
-
-CONTRASTS = """() => {
-  const parse = (c) => { const m = c.match(/[\\d.]+/g).map(Number); return m.length < 4 ? [...m, 1] : m; };
-  const lum = ([r, g, b]) => [r, g, b].map(v => v / 255)
-    .map(v => v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4)
-    .reduce((sum, v, i) => sum + v * [0.2126, 0.7152, 0.0722][i], 0);
-  const found = [];
-  const walker = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
-  for (let node = walker.nextNode(); node; node = walker.nextNode()) {
-    const e = node.parentElement;
-    const text = node.textContent.trim();
-    if (!text || !e.getClientRects().length) continue;
-    if (e.closest('script, style, noscript, [popover], .unseen, option')) continue;
-    let ground = e;
-    const fill = element => parse(getComputedStyle(element).backgroundColor);
-    while (ground && fill(ground)[3] === 0) ground = ground.parentElement;
-    const style = getComputedStyle(e);
-    const ink = parse(e.closest('svg') ? style.fill : style.color);
-    const back = ground ? fill(ground) : parse('rgb(255, 255, 255)');
-    const [low, high] = [lum(ink), lum(back)].sort((a, b) => a - b);
-    const name = String(e.className.baseVal ?? e.className);
-    found.push([(high + 0.05) / (low + 0.05), text.slice(0, 40), e.tagName, name]);
-  }
-  return found;
-}"""
-
-
-@pytest.mark.parametrize("dark", [False, True], ids=["light", "dark"])
-def test_all_text_can_be_read_light_and_dark(page, dark):
-    page.emulate_media(color_scheme="dark" if dark else "light")
-    page.click("#reasons")
-    found = page.evaluate(CONTRASTS)
-    assert len(found) > 1500
-    assert [one for one in found if one[0] < 4.5] == []
-    palette = colours.palette("dark" if dark else "light")
-    paper = "rgb({}, {}, {})".format(*(int(palette["paper"][i : i + 2], 16) for i in (1, 3, 5)))
-    assert page.evaluate("getComputedStyle(document.body).backgroundColor") == paper
 
 
 def test_print_shows_every_row_and_reason_on_white(page, made, computed):
@@ -307,12 +238,8 @@ def test_it_prints_on_few_pages(page):
 
 
 @pytest.mark.skipif(axe.SKIP, reason=axe.REASON)
-def test_axe_finds_nothing_to_mend(browser, file):
+def test_axe_finds_nothing_to_mend(browser, file, page):
     assert axe.found(browser, file) == []
-
-
-@pytest.mark.skipif(axe.SKIP, reason=axe.REASON)
-def test_axe_finds_nothing_to_mend_in_a_reason(page):
     page.locator("button.cell").first.click()
     assert page.locator(".why:popover-open").count() == 1
     assert axe.violations(page, ".why:popover-open") == []
@@ -340,3 +267,38 @@ def test_without_a_script_everything_can_be_read(opened, computed):
     page.click('[id="table1.phi.1"] summary')
     assert page.locator('[id="table1.phi.1"] details p').is_visible()
     assert re.search("needs? it", page.inner_text(".noscript"))
+
+
+# --- the report of a measurement ------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def measured(tmp_path_factory):
+    records = sorted((ROOT / "config/records/example").glob("level*.csv"))[::2]
+    path = tmp_path_factory.mktemp("report") / "report.html"
+    path.write_text(identify(records, 2310.0, approaches=["direct"]).report(), encoding="utf-8")
+    return path
+
+
+@pytest.mark.skipif(axe.SKIP, reason=axe.REASON)
+def test_axe_finds_nothing_to_mend_in_a_report(browser, measured):
+    assert axe.found(browser, measured) == []
+
+
+def test_a_report_fits_a_phone_and_shows_its_pictures(browser, measured):
+    view = axe.opened(browser, measured, "phone", "dark")
+    assert view.evaluate("document.documentElement.scrollWidth") <= axe.SIZES["phone"]["width"]
+    drawn = view.evaluate(
+        "Promise.all([...document.images].map(async (one) => { await one.decode(); return one.naturalWidth; }))"
+    )
+    assert len(drawn) == 4
+    assert min(drawn) > 0
+    view.context.close()
+
+
+def test_a_report_prints_on_few_pages_with_the_verdict_on_the_first(browser, measured):
+    view = axe.opened(browser, measured, "desktop", "dark")
+    pages = pypdf.PdfReader(io.BytesIO(view.pdf(format="A4"))).pages
+    assert len(pages) <= 6
+    assert "can be used as they stand" in " ".join(pages[0].extract_text().split())
+    view.context.close()

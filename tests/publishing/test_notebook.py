@@ -18,32 +18,6 @@ from folders import ROOT
 SOURCE = ROOT / "paper/notebook/tour.py"
 
 
-def shown(source):
-    """The executed notebook, and the text of its file."""
-    executed = notebook.run(source)
-    return executed, notebook.write(executed)
-
-
-@pytest.fixture(scope="module")
-def tour():
-    return shown(SOURCE)
-
-
-@pytest.fixture(scope="module")
-def executed(tour):
-    return tour[0]
-
-
-def script(folder, *cells):
-    """A notebook script of these cells, each with what stands on its %% line."""
-    path = folder / "script.py"
-    path.write_text("\n".join(f"# %%{head}\n{body}\n" for head, body in cells), encoding="utf-8")
-    return path
-
-
-TITLE = (" [markdown]", "# # A title")
-
-
 # --- what it says --------------------------------------------------------------------------------
 
 
@@ -211,95 +185,43 @@ def test_only_the_public_interface_is_used():
     assert hidden <= public_of_tuples
 
 
-@pytest.mark.slow
-def test_every_exercise_has_an_outcome(executed):
-    questions = [
-        i for i, cell in enumerate(executed.cells) if re.match(r"\*\*\d\. ", cell.source)
-    ] + [i for i, cell in enumerate(executed.cells) if re.search(r"^\*\*1\. ", cell.source, re.M)]
-    assert len(set(questions)) == 5
-    for i in questions:
-        answer = executed.cells[i + 1]
-        assert answer.metadata.tags == ["outcome"]
-        assert answer.outputs
-
-
-@pytest.mark.slow
-def test_a_notebook_shows_figures_without_being_told_of_pyplot(tmp_path):
-    path = script(
-        tmp_path,
-        TITLE,
-        ("", "from dampbalance.figures.style import page, place\nfigure = page(40.0, 30.0)"),
-        (' alt="A frame."', "place(figure, 5.0, 5.0, 30.0, 20.0)\nfigure"),
-    )
-    assert pictures(notebook.run(path)) == ["A frame."]
-
-
 # --- what it becomes -----------------------------------------------------------------------------
 
 
 @pytest.mark.slow
-def test_the_notebook_is_valid_and_complete(tour):
-    read = nbformat.reads(tour[1], as_version=4)
-    nbformat.validate(read)
+def test_the_notebook_is_complete_described_and_the_same_on_one_core():
+    executed = notebook.run(SOURCE)
+    read = nbformat.reads(notebook.write(executed), as_version=4)
     code = [cell for cell in read.cells if cell.cell_type == "code"]
     assert [cell.execution_count for cell in code] == list(range(1, len(code) + 1))
-    assert len({cell.id for cell in read.cells}) == len(read.cells)
     assert not any("execution" in cell.metadata for cell in read.cells)  # no times
-    streams = [o for cell in code for o in cell.outputs if o.output_type == "stream"]
-    assert {stream.name for stream in streams} == {"stdout"}
-
-
-@pytest.mark.slow
-@pytest.mark.skipif(not hasattr(os, "sched_setaffinity"), reason="cores cannot be chosen here")
-def test_one_core_shows_the_same_bytes(tour):
+    outputs = [(cell, output) for cell in code for output in cell.outputs]
+    assert {output.name for _, output in outputs if "name" in output} == {"stdout"}
+    pictures = [cell for cell, output in outputs if "image/svg+xml" in output.get("data", {})]
+    assert len(pictures) == 6
+    assert all(cell.metadata.get("alt") for cell in pictures)
+    questions = [
+        i for i, cell in enumerate(read.cells) if re.search(r"^\*\*\d\. ", cell.source, re.M)
+    ]
+    assert len(questions) == 5
+    for answer in (read.cells[i + 1] for i in questions):
+        assert answer.metadata.tags == ["outcome"]
+        assert answer.outputs
     allowed = os.sched_getaffinity(0)
     os.sched_setaffinity(0, {min(allowed)})  # inherited by the kernel
     try:
-        _, ipynb = shown(SOURCE)
+        assert notebook.write(notebook.run(SOURCE)) == notebook.write(executed)
     finally:
         os.sched_setaffinity(0, allowed)
-    assert ipynb == tour[1]
 
 
-def pictures(executed):
-    """Return what the cells that show a picture say of it."""
-    return [
-        cell.metadata.get("alt")
-        for cell in executed.cells
-        if any("image/svg+xml" in output.get("data", {}) for output in cell.get("outputs", []))
-    ]
-
-
-@pytest.mark.slow
-def test_pictures_are_described(executed):
-    described = pictures(executed)
-    assert len(described) == 6
-    assert all(described)
-
-
-def test_the_text_has_every_paragraph_and_every_line_of_code(tmp_path):
-    path = script(
-        tmp_path,
-        TITLE,
-        (' alt="A frame."', "x = 1  # metres"),
-        (' [markdown] tags=["outcome"]', "# With $x$."),
-    )
-    expected = "# A title\n\n```python\nx = 1  # metres\n```\n\nWith $x$.\n"
-    assert re.sub(r"```python .*", "```python", notebook.as_markdown(path)) == expected
-
-
-# --- what can go wrong ---------------------------------------------------------------------------
-
-
-def test_a_failing_cell_is_named_with_its_error(tmp_path):
-    source = script(tmp_path, TITLE, ("", "x = 1"), ("", "x / 0"))
+def test_errors_are_named_and_what_goes_to_stderr_stays_out(tmp_path, capsys):
+    source = tmp_path / "script.py"
+    cells = ["import sys\nprint('a warning', file=sys.stderr)\nprint('a result')", "x = 1"]
+    source.write_text("".join(f"# %%\n{cell}\n" for cell in cells), encoding="utf-8")
+    executed = notebook.run(source)
+    assert [output.text for output in executed.cells[0].outputs] == ["a result\n"]
+    assert "a warning" in capsys.readouterr().err
+    source.write_text(source.read_text(encoding="utf-8") + "# %%\nx / 0\n", encoding="utf-8")
     with pytest.raises(notebook.NotebookError, match=r"cell 3 fails with ZeroDivisionError.*\n\nx"):
         notebook.run(source)
-
-
-def test_what_goes_to_stderr_stays_out(tmp_path, capsys):
-    body = "import sys\nprint('a warning', file=sys.stderr)\nprint('a result')"
-    executed = notebook.run(script(tmp_path, TITLE, ("", body)))
-    assert "a warning" not in notebook.write(executed).split('"outputs"', 1)[1].split('"source"')[0]
-    assert [output.text for output in executed.cells[1].outputs] == ["a result\n"]
-    assert "a warning" in capsys.readouterr().err
