@@ -46,8 +46,8 @@ def test_a_case_is_an_experiment_as_one_would_do_it(computed):
     case = 7  # 3.5 Hz, 0.1 %, run 2
     assert table.loc[case, ["frequency_hz", "noise", "run"]].tolist() == [3.5, 0.001, 2]
     readings = [reading for _, reading in experiment(case)]
-    # what `identify` makes of them; its replicates differ, as they are drawn from one generator
-    expected = identify_readings(readings, PAPER.k, replicates=400).estimates
+    # what `identify` makes of them, whose errors are those of the jackknife
+    expected = identify_readings(readings, PAPER.k).estimates
     found = table.loc[case]
     for label in ("fourier__least_squares", DIRECT):
         for name, (column, true) in TRUE.items():
@@ -72,7 +72,7 @@ def test_yardsticks_are_added_and_change_nothing_else(computed, make):
     found, records = with_them.iloc[0], list(experiment(case))
 
     # The fit is what `identify` says of the same records.
-    result = identify_readings([reading for _, reading in records], PAPER.k, replicates=10)
+    result = identify_readings([reading for _, reading in records], PAPER.k)
     answer = result.reference
     for symbol, (column, true) in TRUE.items():
         value, error = answer.values[symbol], answer.standard_errors[symbol]
