@@ -214,8 +214,8 @@ class Approach(str):
     An approach is the text of its name and knows more of it. It is the key of answers, fits and tables, where its name
     alone finds it, too. The built-in ones, `APPROACHES`, are named by their names; pass one of your own as an object to
     `identify` and `study`, next to those: approaches=[mine, "direct"]. It is judged like the others: its rows are
-    solved, compared with the fit of maximum likelihood, tabulated and drawn. Of a law with a term of which it has no
-    form it gives no estimate.
+    solved, compared with the fit of maximum likelihood, tabulated and drawn. It gives no estimate of a law with
+    a term of which it has no form.
 
     name : a name of letters, digits and "_".
     rows : function of `features.Features` and the stiffness k, N/m, that returns `Rows`. It must work element by
