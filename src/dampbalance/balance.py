@@ -379,15 +379,14 @@ def checks(asked: Sequence[str] | str | None = None) -> tuple[Approach, ...]:
     """
     built_in = tuple(one for one in APPROACHES.values() if not one.takes_phase)
     several = () if asked is None else names("approaches", asked)
-    own = tuple(dict.fromkeys(approach(name) for name in several if isinstance(name, Approach)))
-    unknown = sorted({name for name in several if name not in built_in and takes_phase(name)})
-    if unknown:
+    wrong = sorted({str(one) for one in several if one not in built_in and takes_phase(one)})
+    if wrong:
         raise ValueError(
-            f"unknown approaches {shown(list(map(str, unknown)))}; known are {', '.join(built_in)}, and those of your "
-            "own that take no phase"
+            f"unknown approaches {shown(wrong)}; known are {', '.join(built_in)}, and those of your own that take no "
+            "phase"
         )
-    ways = tuple(one for one in built_in if not several or one in several)
-    return (*ways, *(one for one in own if one not in built_in))
+    ways = dict.fromkeys((*built_in, *map(approach, several)))
+    return tuple(one for one in ways if not several or one in several)
 
 
 def takes_phase(name: str) -> bool:
