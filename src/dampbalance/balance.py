@@ -214,8 +214,8 @@ class Approach(str):
     An approach is the text of its name and knows more of it. It is the key of answers, fits and tables, where its name
     alone finds it, too. The built-in ones, `APPROACHES`, are named by their names; pass one of your own as an object to
     `identify` and `study`, next to those: approaches=[mine, "direct"]. It is judged like the others: its rows are
-    solved, compared with the fit of maximum likelihood, tabulated and drawn. Of a law with a term of which it has no
-    form it gives no estimate.
+    solved, compared with the fit of maximum likelihood, tabulated and drawn. It gives no estimate of a law with
+    a term of which it has no form.
 
     name : a name of letters, digits and "_".
     rows : function of `features.Features` and the stiffness k, N/m, that returns `Rows`. It must work element by
@@ -379,15 +379,14 @@ def checks(asked: Sequence[str] | str | None = None) -> tuple[Approach, ...]:
     """
     built_in = tuple(one for one in APPROACHES.values() if not one.takes_phase)
     several = () if asked is None else names("approaches", asked)
-    own = tuple(dict.fromkeys(approach(name) for name in several if isinstance(name, Approach)))
-    unknown = sorted({name for name in several if name not in built_in and takes_phase(name)})
-    if unknown:
+    wrong = sorted({str(one) for one in several if one not in built_in and takes_phase(one)})
+    if wrong:
         raise ValueError(
-            f"unknown approaches {shown(list(map(str, unknown)))}; known are {', '.join(built_in)}, and those of your "
-            "own that take no phase"
+            f"unknown approaches {shown(wrong)}; known are {', '.join(built_in)}, and those of your own that take no "
+            "phase"
         )
-    ways = tuple(one for one in built_in if not several or one in several)
-    return (*ways, *(one for one in own if one not in built_in))
+    ways = dict.fromkeys((*built_in, *map(approach, several)))
+    return tuple(one for one in ways if not several or one in several)
 
 
 def takes_phase(name: str) -> bool:

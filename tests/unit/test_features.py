@@ -68,15 +68,6 @@ def test_an_orbit_that_never_slips_has_no_slip_features_and_says_so():
     assert "no slip" in features.regime[0]
 
 
-def test_stacking_and_taking_keep_the_order():
-    features = stack([of_orbit(orbit(Y)) for Y in LEVELS])
-    assert features.Y.tolist() == list(LEVELS)
-    some = features[[3, 0]]
-    assert some.Y.tolist() == [0.010, 0.004]
-    assert some.W.tolist() == [features.W[3], features.W[0]]
-    assert len(some) == 2
-
-
 def test_frames_keep_every_bit():
     features = stack([of_orbit(orbit(Y)) for Y in (1e-5, *LEVELS)])
     frame = features.to_frame()
@@ -130,12 +121,6 @@ def test_responses_share_the_integrals_that_all_of_them_have():
         expected = [first.integrals["eta"][0], second.integrals["eta"][0]]
         assert levels.integrals["eta"].tolist() == expected
         assert cases.integrals["eta"].tolist() == [expected]
-
-
-def test_responses_of_different_frequencies_go_together():
-    features = stack([of_orbit(orbit()), of_orbit(orbit(omega=20.0))])
-    assert features.omega.tolist() == [OMEGA, 20.0]
-    assert features.to_frame()["omega_rad_per_s"].tolist() == [OMEGA, 20.0]
 
 
 # ---- levels by cases ------------------------------------------------------------------------------------------------

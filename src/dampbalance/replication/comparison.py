@@ -13,7 +13,7 @@ import math
 from collections.abc import Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING, get_args
 
-from ..balance import APPROACHES, TERMS, takes_phase
+from ..balance import APPROACHES, TERMS
 from ..estimates import estimate_table
 from ..features import Features, Phase
 from ..model import Oscillator
@@ -112,8 +112,8 @@ def _errors(features: Features, case: Case) -> Iterator[dict[str, object]]:
     """The lines of one frequency, approach by approach; one that takes no choice of phase has a single line."""
     osc, pairs = case.oscillator, case.pairs
     tables = {phase: estimate_table(features.with_phase(phase), osc.k, pairs) for phase in PHASES}
-    for approach in APPROACHES:
-        chooses = takes_phase(approach)
+    for approach in APPROACHES.values():
+        chooses = approach.takes_phase
         for phase in PHASES if chooses else PHASES[:1]:
             lines = tables[phase][tables[phase]["approach"] == approach]
             for sharing, estimates in lines.groupby("phase", sort=False):
