@@ -75,7 +75,7 @@ def test_a_number_that_does_not_exist_is_refused_with_its_line(computed, says, s
         ("{% if cases %}", "test.md.j2: line 1: "),
         ("{{ errors('F_k', 'fit') }}", "selects no fit of this study: see estimation"),
         ("{{ errors('F_k', 'X_s', fit='pairs') }}", "selects no fit of this study"),
-        ("{{ errors('c_3', 'direct') }}", "c_3 is not identified: see estimation.terms"),
+        ("{{ errors('c_3', 'direct') }}", "c_3 is not identified, or the oscillator has none: see estimation.terms"),
         ("{{ errors('F_k', phases='reversal') }}", "errors takes approach, contact, fit, phase, sharing, terms"),
         ("{{ errors('F_k').spread }}", "spread refers to one fit, but direct__least_squares, X_s"),
         ("{{ 1 / 0 }}", "test.md.j2: line 1: division by zero"),

@@ -19,6 +19,7 @@ from ...arrays import Array, Integers
 from ...project.documents import ConfigurationError
 from ...project.wording import minus, number, percent, signed_percent
 from ..case_files import column_of
+from ..cases import columns_of
 from ..checking import wrong_selection
 from ..settings import Fit, Study, is_value, selected
 from .statistics import Sizes, groups, spread_of, worst_errors
@@ -231,12 +232,15 @@ def paragraph(study: Study, cases: str | Path) -> tuple[str, dict[str, str | flo
             )
         if not (fits := study.fits_of(spec)):
             raise ValueError(f"{spec} selects no fit of this study: see estimation")
-        if any(of not in fit.identified for fit in fits):
-            raise ValueError(f"{of} is not identified: see estimation.terms")
+        if any(f"{of}_relative_error__{fit.label}" not in columns for fit in fits):
+            raise ValueError(
+                f"{of} is not identified, or the oscillator has none: see estimation.terms"
+            )
         return Errors(study, cases, spec)
 
     if (template := template_of(study)) is None:
         return "", {}
+    columns = {column.name for column in columns_of(study)}
     try:
         module = template.make_module({"errors": errors, "cases": f"{study.cases:,}"})
     except Exception as error:  # whatever its expressions raise is a fault of the template
