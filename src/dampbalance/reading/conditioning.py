@@ -19,6 +19,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 from ..arrays import Array, Complexes, Integers
 from ..project.wording import Remark, part, visible
@@ -37,9 +38,7 @@ from .cycles import (
     CycleHarmonics,
     cycle_harmonics,
     frequency_offset,
-    median,
     powers,
-    windows,
 )
 from .drive import frequency_of, step_of
 from .one_thread import one_thread
@@ -193,7 +192,7 @@ def _steady(
         of *= turn[:, : of.shape[1]]
         # of white noise, from the scatter of the harmonics between rows
         per_cycle = 2.0 * math.pi / (channel.omega * channel.dt)
-        noise_rms[q] = math.sqrt(median(_scatter(of, weights)[1:]) * 0.5 * per_cycle)
+        noise_rms[q] = math.sqrt(float(np.median(_scatter(of, weights)[1:])) * 0.5 * per_cycle)
         warnings += checks.few_bits(q, samples[q].values, noise_rms[q])
         response = passed.get(q, np.ones(of.shape[1]))
         scale = _of_displacement(q, response.size, omega, k) / response
@@ -331,7 +330,7 @@ def _error(rows: Complexes, weights: Array) -> Array:
     """
     smooth = _scatter(rows, weights) / weights.sum()
     higher = np.concatenate([_NO_NEIGHBOURS, smooth[2:], _NO_NEIGHBOURS])
-    ordered = np.sort(windows(higher, 5), axis=1)  # NaN last
+    ordered = np.sort(sliding_window_view(higher, 5), axis=1)  # NaN last
     known, place = np.isfinite(ordered).sum(axis=1), np.arange(len(ordered))
     smooth[2:] = 0.5 * (ordered[place, (known - 1) // 2] + ordered[place, known // 2])
     floor = (_RELATIVE_FLOOR * abs(weighted_mean(rows, weights)[1])) ** 2
