@@ -40,7 +40,7 @@ from .cycles import (
     frequency_offset,
     powers,
 )
-from .drive import frequency_of, step_of
+from .drive import LEADING, frequency_of, step_of
 from .one_thread import one_thread
 
 _MOST_HARMONICS = (31, 61, 91)
@@ -271,10 +271,11 @@ def _harmonics_of(
     start = max(float(channels[q].t[i]) for q, i in first.items()) + skip_cycles * period
     harmonics = {}
     for q, channel in channels.items():
+        leading = slice(first[q], first[q] + (LEADING if q == driving else _COMPARED))
+        step = step_of(channel.t[leading], q)
         if q != driving:
-            pair = (of.values[first[of.quantity] :][:_COMPARED] for of in (channel, drive))
-            checks.require_distinct(q, next(pair), driving, next(pair))
-        step = step_of(channel.t, q)
+            of_drive = drive.values[first[driving] :][:_COMPARED]
+            checks.require_distinct(q, channel.values[leading], driving, of_drive)
         per_cycle = period / step
         if per_cycle < 12.0:
             raise ValueError(
