@@ -53,6 +53,7 @@ _FILTERED_OUT = 1e-3  # of a harmonic that passes a filter: below it, the rest i
 # Rounding as a part of the fundamental; smaller noise cannot be distinguished from it.
 _RELATIVE_FLOOR = 1e-9
 _NO_NEIGHBOURS = (math.nan, math.nan)
+_EXACT = 1e-6  # of a step: times that are off by less are those of equal steps
 _FREQUENCY_COUNTS = 0.3  # of the noise of the fundamental: less would widen intervals by 5 %
 
 
@@ -141,17 +142,15 @@ def condition(
 
 
 def in_equal_steps(channel: Channel, warnings: list[Remark]) -> Channel:
-    """The channel itself; with times in equal steps and a warning, where they are off these by more than rounding."""
+    """The channel with times in equal steps: itself where they are; with a warning where they are off by more than the
+    rounding of times to few digits."""
     t = np.linspace(channel.t[0], channel.t[-1], channel.t.size)
     off = float(np.abs(channel.t - t).max()) / (t[1] - t[0])
-    if off <= GRID_TOLERANCE:
+    if off <= _EXACT:
         return channel
-    warnings.append(
-        Remark(
-            "{}: times are not uniform, they lie up to {} of a step off equal steps, which are taken",
-            *(visible(channel.name), part(off)),
-        )
-    )
+    if off > GRID_TOLERANCE:
+        words = "{}: times are not uniform, they lie up to {} of a step off equal steps, which are taken"
+        warnings.append(Remark(words, visible(channel.name), part(off)))
     return replace(channel, t=t)
 
 
