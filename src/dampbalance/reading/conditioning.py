@@ -19,6 +19,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 from ..arrays import Array, Complexes, Integers
 from ..project.wording import Remark, part, visible
@@ -37,11 +38,9 @@ from .cycles import (
     CycleHarmonics,
     cycle_harmonics,
     frequency_offset,
-    median,
     powers,
-    windows,
 )
-from .drive import frequency_of, step_of
+from .drive import LEADING, frequency_of, step_of
 from .one_thread import one_thread
 
 _MOST_HARMONICS = (31, 61, 91)
@@ -54,6 +53,7 @@ _FILTERED_OUT = 1e-3  # of a harmonic that passes a filter: below it, the rest i
 # Rounding as a part of the fundamental; smaller noise cannot be distinguished from it.
 _RELATIVE_FLOOR = 1e-9
 _NO_NEIGHBOURS = (math.nan, math.nan)
+_EXACT = 1e-6  # of a step: times that are off by less are those of equal steps
 _FREQUENCY_COUNTS = 0.3  # of the noise of the fundamental: less would widen intervals by 5 %
 
 
@@ -142,17 +142,15 @@ def condition(
 
 
 def in_equal_steps(channel: Channel, warnings: list[Remark]) -> Channel:
-    """The channel itself; with times in equal steps and a warning, where they are off these by more than rounding."""
+    """The channel with times in equal steps: itself where they are; with a warning where they are off by more than the
+    rounding of times to few digits."""
     t = np.linspace(channel.t[0], channel.t[-1], channel.t.size)
     off = float(np.abs(channel.t - t).max()) / (t[1] - t[0])
-    if off <= GRID_TOLERANCE:
+    if off <= _EXACT:
         return channel
-    warnings.append(
-        Remark(
-            "{}: times are not uniform, they lie up to {} of a step off equal steps, which are taken",
-            *(visible(channel.name), part(off)),
-        )
-    )
+    if off > GRID_TOLERANCE:
+        words = "{}: times are not uniform, they lie up to {} of a step off equal steps, which are taken"
+        warnings.append(Remark(words, visible(channel.name), part(off)))
     return replace(channel, t=t)
 
 
@@ -193,7 +191,7 @@ def _steady(
         of *= turn[:, : of.shape[1]]
         # of white noise, from the scatter of the harmonics between rows
         per_cycle = 2.0 * math.pi / (channel.omega * channel.dt)
-        noise_rms[q] = math.sqrt(median(_scatter(of, weights)[1:]) * 0.5 * per_cycle)
+        noise_rms[q] = math.sqrt(float(np.median(_scatter(of, weights)[1:])) * 0.5 * per_cycle)
         warnings += checks.few_bits(q, samples[q].values, noise_rms[q])
         response = passed.get(q, np.ones(of.shape[1]))
         scale = _of_displacement(q, response.size, omega, k) / response
@@ -272,10 +270,11 @@ def _harmonics_of(
     start = max(float(channels[q].t[i]) for q, i in first.items()) + skip_cycles * period
     harmonics = {}
     for q, channel in channels.items():
+        leading = slice(first[q], first[q] + (LEADING if q == driving else _COMPARED))
+        step = step_of(channel.t[leading], q)
         if q != driving:
-            pair = (of.values[first[of.quantity] :][:_COMPARED] for of in (channel, drive))
-            checks.require_distinct(q, next(pair), driving, next(pair))
-        step = step_of(channel.t, q)
+            of_drive = drive.values[first[driving] :][:_COMPARED]
+            checks.require_distinct(q, channel.values[leading], driving, of_drive)
         per_cycle = period / step
         if per_cycle < 12.0:
             raise ValueError(
@@ -331,7 +330,7 @@ def _error(rows: Complexes, weights: Array) -> Array:
     """
     smooth = _scatter(rows, weights) / weights.sum()
     higher = np.concatenate([_NO_NEIGHBOURS, smooth[2:], _NO_NEIGHBOURS])
-    ordered = np.sort(windows(higher, 5), axis=1)  # NaN last
+    ordered = np.sort(sliding_window_view(higher, 5), axis=1)  # NaN last
     known, place = np.isfinite(ordered).sum(axis=1), np.arange(len(ordered))
     smooth[2:] = 0.5 * (ordered[place, (known - 1) // 2] + ordered[place, known // 2])
     floor = (_RELATIVE_FLOOR * abs(weighted_mean(rows, weights)[1])) ** 2

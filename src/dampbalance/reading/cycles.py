@@ -16,10 +16,11 @@ import math
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache, lru_cache
+from functools import cache
 from typing import TypeVar
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from ..arrays import Array, Complexes, Integers, Mask
@@ -42,8 +43,6 @@ _LONGEST_CYCLE = 1 << 22  # samples; beyond it the drive is not what it seems
 FEWEST_CYCLES = 3
 _LONGEST_SPECTRUM = 1 << 18
 _REFINEMENTS = 4
-# Windows; records of a set have one length.
-_hann = lru_cache(maxsize=2)(np.hanning)
 
 
 @dataclass(frozen=True, eq=False)
@@ -192,7 +191,7 @@ def _strongest_line(values: Array, dt: float) -> float:
     size = values.size
     # a transform of any other length can take ten times as long
     padded = 1 << (size - 1).bit_length()
-    spectrum = np.abs(np.fft.rfft((values - values.mean()) * _hann(size), padded))
+    spectrum = np.abs(np.fft.rfft((values - values.mean()) * np.hanning(size), padded))
     spectrum[0] = 0.0
     line = int(np.argmax(spectrum[:-1])) if size > 4 else 0
     if line == 0 or not spectrum[line] > 0.0:
@@ -246,7 +245,7 @@ class _Cycles:
         are not, and why; how many of the others are clipped."""
         size = np.diff(edges)
         padded = np.append(values[edges[0] : edges[-1]], np.zeros(self.longest))
-        s = windows(padded, self.longest)[edges[:-1] - edges[0]]
+        s = sliding_window_view(padded, self.longest)[edges[:-1] - edges[0]]
         s[:, self.shortest :][self.last >= size[:, None]] = 0.0
         # the time of the middle, from all samples: time stamps may be rounded
         middle = np.add.reduceat(t[edges[0] : edges[-1]], edges[:-1] - edges[0]) / size
@@ -280,7 +279,7 @@ class _Cycles:
         self, s: Array, size: NDArray[np.intp], local: Complexes, square: Array, held: Mask
     ) -> dict[int, Remark]:
         """Which cycles hold samples that stand still while the signal moves on, or that lie far off it."""
-        rms = math.sqrt(median(square))
+        rms = math.sqrt(float(np.median(square)))
         if not held.any() and float(square.max()) <= _OUTLYING * rms**2:
             return {}
         usual = max(rms, _HARMLESS * float(np.ptp(s[:, : self.shortest])))
@@ -312,18 +311,6 @@ class _Cycles:
 def powers(base: Numbers, count: int) -> Numbers:
     """b^0 … b^{count − 1} of each b, (…, count): e^{inθ} of e^{iθ} without further exponentials."""
     return np.vander(base, count, increasing=True)
-
-
-def windows(values: Array, size: int) -> Array:
-    """A view of all successive parts of so many values, (n − size + 1, size)."""
-    shape = values.size - size + 1, size
-    return np.lib.stride_tricks.as_strided(values, shape, 2 * values.strides, writeable=False)
-
-
-def median(values: Array) -> float:
-    """The median of numbers, (n,). NumPy's own takes ten times as long for few."""
-    ordered = np.sort(values)
-    return float(0.5 * (ordered[(values.size - 1) // 2] + ordered[values.size // 2]))
 
 
 def unwrapped(rows: Complexes) -> Array:

@@ -122,4 +122,4 @@ def step_of(t: Array, quantity: str) -> float:
     """Sampling interval, s. Raises ValueError for fewer than three samples."""
     if t.size < 3:
         raise ValueError(f"{quantity} has only {t.size} samples")
-    return float(t[-1] - t[0]) / (t.size - 1)
+    return float(np.mean(np.diff(t)))

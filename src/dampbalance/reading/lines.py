@@ -35,7 +35,6 @@ from ..motion.regime import Regime
 from ..records.measurement import ABSOLUTE, ORDERS, RESPONSES
 from .checks import SIGNIFICANT
 from .conditioning import SteadyRecord
-from .cycles import median
 
 CLEAR = 4.0
 """Standard deviations by which a harmonic stands out of the noise."""
@@ -149,7 +148,7 @@ def _aliased(steady: SteadyRecord, n: Integers) -> Array:
         samples = 2.0 * math.pi / (steady.omega * channel.dt)
         left = abs(float(np.sinc(steady.cycles * (samples - round(samples)))))
         highest = np.arange(1, channel.coefficients.shape[1], 2)[-3:]
-        size = median(np.abs(steady.mean(steady.X)[highest]) * highest**order)
+        size = np.median(np.abs(steady.mean(steady.X)[highest]) * highest**order)
         fallen = size * (float(highest[-1]) / (samples - n)) ** (4 - order)
         total = np.maximum(total, math.sqrt(0.5) * left * fallen / n.astype(np.float64) ** order)
     return total

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -52,86 +51,79 @@ def whole(file: Table, picks: Sequence[Pick]) -> list[Channel]:
         own = {i: columns[i] for i in wanted_of([pick])}
         if pick.time is not None:
             own = _without_empty_end(own)
-        channels.append(_Signal(file, pick).channel(own))
+        channels.append(_checked(file, pick, own))
     return channels
 
 
-@dataclass(frozen=True)
-class _Signal:
-    """A picked channel of a file, whose samples are checked."""
+def _checked(file: Table, pick: Pick, columns: Mapping[int, Array]) -> Channel:
+    """The channel of these columns, checked. Raises RecordError as `whole`."""
+    values = columns[pick.index]
+    if values.size < 3:
+        remedy = "that is no record"
+        raise RecordError(f"{file.path}: channel {pick.name!r} has {values.size} samples; {remedy}")
+    unit = QUANTITIES[pick.quantity]
+    signal = _in_si(file, pick.index, values, pick.factor, errors.LARGEST_VALUE, unit)
+    _require_no_overflow(file, pick, values)
+    if pick.time is None:
+        t = sample_times(pick.rate_hz, pick.start, 0, values.size)
+    else:
+        where = f"{file.path}: time channel {file.channels[pick.time].name!r}"
+        t = _in_si(file, pick.time, columns[pick.time], pick.time_factor, errors.LATEST, "s")
+        t = _in_equal_steps(t, where)
+        _require_rate(t, where)
+    _require_moving(f"{file.path}: channel {pick.name!r}", pick, values)
+    try:
+        return Channel(pick.quantity, t, signal, pick.name, pick.correction)
+    except ValueError as error:
+        raise RecordError(f"{file.path}: {error}") from None
 
-    file: Table
-    pick: Pick
 
-    def channel(self, columns: Mapping[int, Array]) -> Channel:
-        """The channel of these columns, checked. Raises RecordError as `whole`."""
-        pick, values = self.pick, columns[self.pick.index]
-        if values.size < 3:
-            remedy = "that is no record"
-            raise RecordError(
-                f"{self.file.path}: channel {pick.name!r} has {values.size} samples; {remedy}"
-            )
-        unit = QUANTITIES[pick.quantity]
-        signal = self._in_si(pick.index, values, pick.factor, errors.LARGEST_VALUE, unit)
-        self._require_no_overflow(values)
-        if pick.time is None:
-            t = sample_times(pick.rate_hz, pick.start, 0, values.size)
-        else:
-            where = f"{self.file.path}: time channel {self.file.channels[pick.time].name!r}"
-            t = self._in_si(pick.time, columns[pick.time], pick.time_factor, errors.LATEST, "s")
-            t = _in_equal_steps(t, where)
-            _require_rate(t, where)
-        self._require_moving(values)
-        try:
-            return Channel(pick.quantity, t, signal, pick.name, pick.correction)
-        except ValueError as error:
-            raise RecordError(f"{self.file.path}: {error}") from None
-
-    def _require_moving(self, values: Array) -> None:
-        """RecordError for a channel that is constant, or as good as that."""
-        low, high = float(values.min()), float(values.max())
-        channel = f"{self.file.path}: channel {self.pick.name!r}"
-        span, constant = high - low, f"{low:g} in all {values.size} samples"
-        if not span:
-            raise RecordError(f"{channel} is constant, {constant}; check transducer and mapping")
-        if (swing := span * abs(self.pick.factor)) < errors.SMALLEST_RANGE:
-            raise RecordError(
-                f"{channel} moves by {swing:.3g} {QUANTITIES[self.pick.quantity]} in all, too little to mean anything; "
-                "check its unit and scale"
-            )
-        if span < errors.FINEST * max(abs(low), abs(high)):
-            remedy = "check transducer and mapping, or take off its offset"
-            raise RecordError(f"{channel} is constant except for rounding, {constant}; {remedy}")
-
-    def _in_si(self, index: int, values: Array, factor: float, bound: float, unit: str) -> Array:
-        """The values in SI, finite and within the bound either way."""
-        with np.errstate(over="ignore", invalid="ignore"):  # a damaged file has signalling NaN, too
-            signal = values * factor
-        bad = np.flatnonzero(~(np.abs(signal) <= bound))
-        if not bad.size:
-            return signal
-        i, file, remedy = int(bad[0]), self.file, "cut the record before it"
-        what = "empty or not a number (NaN)" if np.isnan(values[i]) else "infinite"
-        if np.isfinite(values[i]):
-            what, remedy = f"{values[i]:.6g}, beyond {bound:g} {unit}", "check its unit and scale"
-        more = f", and so are {bad.size - 1} more" if bad.size > 1 else ""
+def _require_moving(channel: str, pick: Pick, values: Array) -> None:
+    """RecordError for a channel that is constant, or as good as that."""
+    low, high = float(values.min()), float(values.max())
+    span, constant = high - low, f"{low:g} in all {values.size} samples"
+    if not span:
+        raise RecordError(f"{channel} is constant, {constant}; check transducer and mapping")
+    if (swing := span * abs(pick.factor)) < errors.SMALLEST_RANGE:
         raise RecordError(
-            f"{file.path}: {file.place(i)}: channel {file.channels[index].name!r} is {what}{more}; "
-            f"{remedy}, or repair it"
+            f"{channel} moves by {swing:.3g} {QUANTITIES[pick.quantity]} in all, too little to mean anything; "
+            "check its unit and scale"
         )
+    if span < errors.FINEST * max(abs(low), abs(high)):
+        remedy = "check transducer and mapping, or take off its offset"
+        raise RecordError(f"{channel} is constant except for rounding, {constant}; {remedy}")
 
-    def _require_no_overflow(self, values: Array) -> None:
-        """No jump through nearly the whole range of an integer type, from its one end to the other."""
-        jumps = np.abs(np.diff(values))
-        i = int(np.argmax(jumps))
-        bits = next((bits for bits in _BITS if np.ptp(values) < 2.0**bits), 0)
-        if not bits or jumps[i] <= _WRAPPED * 2.0**bits or np.any(values != np.round(values)):
-            return
-        raise RecordError(
-            f"{self.file.path}: {self.file.place(i + 1)}: channel {self.pick.name!r} "
-            f"goes from {values[i]:g} to {values[i + 1]:g}: an integer of {bits} bits ran over; record "
-            "with a wider range"
-        )
+
+def _in_si(file: Table, index: int, values: Array, factor: float, bound: float, unit: str) -> Array:
+    """The values in SI, finite and within the bound either way."""
+    with np.errstate(over="ignore", invalid="ignore"):  # a damaged file has signalling NaN, too
+        signal = values * factor
+    bad = np.flatnonzero(~(np.abs(signal) <= bound))
+    if not bad.size:
+        return signal
+    i, remedy = int(bad[0]), "cut the record before it"
+    what = "empty or not a number (NaN)" if np.isnan(values[i]) else "infinite"
+    if np.isfinite(values[i]):
+        what, remedy = f"{values[i]:.6g}, beyond {bound:g} {unit}", "check its unit and scale"
+    more = f", and so are {bad.size - 1} more" if bad.size > 1 else ""
+    raise RecordError(
+        f"{file.path}: {file.place(i)}: channel {file.channels[index].name!r} is {what}{more}; "
+        f"{remedy}, or repair it"
+    )
+
+
+def _require_no_overflow(file: Table, pick: Pick, values: Array) -> None:
+    """No jump through nearly the whole range of an integer type, from its one end to the other."""
+    jumps = np.abs(np.diff(values))
+    i = int(np.argmax(jumps))
+    bits = next((bits for bits in _BITS if np.ptp(values) < 2.0**bits), 0)
+    if not bits or jumps[i] <= _WRAPPED * 2.0**bits or np.any(values != np.round(values)):
+        return
+    raise RecordError(
+        f"{file.path}: {file.place(i + 1)}: channel {pick.name!r} "
+        f"goes from {values[i]:g} to {values[i + 1]:g}: an integer of {bits} bits ran over; record "
+        "with a wider range"
+    )
 
 
 def _require_rate(t: Array, where: str) -> None:
