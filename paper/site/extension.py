@@ -32,7 +32,7 @@ from dampbalance.law.terms import KNOWN_TERMS
 from dampbalance.project.wording import SYMBOL, in_markdown, markdown_table
 from dampbalance.publishing.words import rich
 
-WIDTH = 112  # letters of a line of output that is not a row of a table
+WIDTH = 120  # letters of a line of output that is not a row of a table: what commands write their help in
 COPIED = "extra"  # the folder next to the pages that Sphinx copies unchanged
 REPORT = (
     "results/paper/report.html"  # whose copy is there: a browser shows it, and does not save it

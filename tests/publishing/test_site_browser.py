@@ -20,7 +20,9 @@ SAMPLE = (
     "index",
     "start/paper",
     "explain/balance",
+    "explain/tour",
     "reference/api",
+    "reference/case",
     "studies",
     "search",
     "start/case",
@@ -64,7 +66,7 @@ def test_a_search_for_a_word_of_practice_shows_its_page_first(site, visit, words
 
 def test_the_first_screen_shows_a_figure_and_a_result(site, visit):
     page = visit((site / "index.html").as_uri(), viewport=LAPTOP)
-    for wanted in ("article img", "article td:has-text('1.28')", "article pre"):
+    for wanted in ("article img", "article pre:has-text('maximum likelihood')"):
         box = page.locator(wanted).first.bounding_box()
         assert box["y"] + box["height"] < LAPTOP["height"]
         assert box["width"] > 60.0

@@ -6,6 +6,7 @@ import html
 import pkgutil
 import re
 import sys
+from importlib import import_module
 from types import SimpleNamespace
 
 import docutils.core
@@ -18,8 +19,7 @@ from folders import ROOT
 
 SITE = ROOT / "paper/site"
 sys.path.append(str(SITE))  # where Sphinx finds them, too
-docstrings = pytest.importorskip("docstrings")
-extension = pytest.importorskip("extension")
+docstrings, extension = map(import_module, ("docstrings", "extension"))
 
 
 def page(name):
