@@ -187,7 +187,7 @@ def test_a_configuration_is_refused_or_gives_sound_results(tmp_path_factory, dra
     outcome(make(draw), tmp_path_factory.mktemp("case"))
 
 
-@settings(max_examples=300)
+@settings(max_examples=60)
 @given(draw=st.randoms(), make=st.sampled_from([far_out, at_the_border]))
 def test_many_configurations_are_refused_or_give_sound_results(tmp_path_factory, draw, make):
     outcome(make(draw), tmp_path_factory.mktemp("case"))
