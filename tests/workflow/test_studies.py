@@ -159,7 +159,5 @@ def test_a_study_whose_name_snakemake_cannot_take_is_told(studied):
     assert "PeriodicWildcardError" not in said
 
 
-def test_the_site_waits_for_them_all(studied):
-    jobs = studied.jobs("results/site")
-    assert {"site", "article", "page", "notebook"} <= jobs.keys()
-    assert "study_summary" not in jobs  # they are there
+def test_the_site_waits_for_article_page_and_notebook(studied):
+    assert {"site", "article", "page", "notebook"} <= studied.jobs("results/site").keys()
