@@ -16,7 +16,7 @@ SITE_SOURCES = (
 )
 
 # It shows the project as it lies there, whose folder must be that of the results, and the paper's case.
-if Path.cwd() == ROOT and config["published"] and CASE.name == "paper":
+if config["published"] and Path.cwd() == ROOT and CASE.name == "paper":
 
     rule site:
         input:
