@@ -44,12 +44,12 @@ PROCESSORS = {
 """Name → the environment in which a process and its children compute as on that processor."""
 
 CLOSE = (
-    "unit/law",
-    "unit/motion",
-    "unit/studies/test_terms.py",
-    "unit/test_balance.py",
-    "unit/test_copies.py",
-    "unit/test_features.py",
+    "law",
+    "motion",
+    "studies/test_terms.py",
+    "method/test_balance.py",
+    "method/test_copies.py",
+    "method/test_features.py",
 )
 """Folders and files of the tests that compare closely and quickly; those that are slow are left out."""
 

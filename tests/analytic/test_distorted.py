@@ -16,7 +16,7 @@ from dampbalance.law.steady import steady_response
 from dampbalance.likelihood.base_harmonics import added, fit_records
 from dampbalance.motion.distorted import distorted_harmonics
 from dampbalance.reading.lines import linear_misfit
-from unit.reading.harmonics import lines_of
+from reading.harmonics import lines_of
 
 # m, c, k, K_z, F_k, Y, ω: near resonance, above it, and below with several slips per half cycle
 CASES = {

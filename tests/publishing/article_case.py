@@ -31,7 +31,7 @@ from dampbalance.studies import case_files
 from dampbalance.studies.shown.study_figure import alternative_text, study_figure
 from dampbalance.studies.shown.summary import summary_of
 from legible import faults
-from paper.routes import (
+from replication.routes import (
     CASE,
     CONFIG,
     PAPER,

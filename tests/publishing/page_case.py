@@ -17,8 +17,8 @@ from dampbalance.studies.checking import read_study
 from dampbalance.studies.shown.paragraph import paragraph
 from dampbalance.studies.shown.study_figure import alternative_text, study_figure
 from folders import PAPER_FILE
-from paper.routes import CASE, CONFIG, PAPER, as_published, computed, exact, sources_of
 from publishing.article_case import RESULTS, STUDIES
+from replication.routes import CASE, CONFIG, PAPER, as_published, computed, exact, sources_of
 
 CHANGED = ("table1.V_s.4", "table2.b.3", "table2.c.2-3", "table3.V_s.F_k.2-3")
 """The numbers whose digits the page changes; in the workflow it is all of Tables 1 to 3."""

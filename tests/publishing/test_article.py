@@ -16,8 +16,8 @@ from pypdf import PdfReader
 
 from dampbalance.figures.style import DARK, follows_the_screen
 from dampbalance.publishing.article import compiling
-from paper.routes import ROOT
 from publishing.article_case import INPUTS, SOURCES
+from replication.routes import ROOT
 
 pytestmark = pytest.mark.slow
 

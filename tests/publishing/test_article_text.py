@@ -13,8 +13,8 @@ import yaml
 import dampbalance
 from dampbalance.publishing.article import compiling
 from dampbalance.publishing.provenance.manifest import software
-from paper.routes import ROOT
-from paper.typed import not_excused, typed_numbers
+from replication.routes import ROOT
+from replication.typed import not_excused, typed_numbers
 
 ARTICLE = ROOT / "paper/article"
 HELPERS = ("template.typ", "values.typ", "numbers.typ")

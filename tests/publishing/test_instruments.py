@@ -23,9 +23,9 @@ from dampbalance.publishing.page.instruments import sliders
 from dampbalance.replication.comparison import PHASES, RECIPES, WAYS, approaches_table
 from dampbalance.solver import solve
 from folders import ROOT
-from paper.routes import CASE, CONFIG, PAPER, exact
 from processes import output_of
 from publishing.page_case import page_of
+from replication.routes import CASE, CONFIG, PAPER, exact
 
 STATIC = files("dampbalance.publishing.page") / "static"
 NODE = shutil.which("node")

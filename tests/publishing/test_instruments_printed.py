@@ -21,10 +21,10 @@ from dampbalance.replication.claims.changed_digits import (
 from dampbalance.replication.claims.judging import explanation, verdict
 from dampbalance.replication.claims.verdicts import VERDICTS
 from folders import ROOT
-from paper.routes import CASE, PRINT, sources_of
-from paper.routes import judged as judged_afresh
 from publishing.page_case import CHANGED
 from publishing.test_instruments import GO, checked, plain, printed, texts
+from replication.routes import CASE, PRINT, sources_of
+from replication.routes import judged as judged_afresh
 
 INTEGRATOR = """() => [...document.querySelectorAll('#integrator td')].map(cell => [
   cell.classList[1], cell.querySelector('.digits').textContent, cell.querySelector('small').textContent])"""

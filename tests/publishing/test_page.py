@@ -23,10 +23,10 @@ from dampbalance.publishing.page.report import LARGEST_PAGE, ORIGINS
 from dampbalance.replication import comparison
 from dampbalance.replication.claims.verdicts import KINDS, VERDICTS, counts
 from dampbalance.replication.printed_tables import claim_of
-from paper.routes import CASE, ROOT
 from publishing.contrast import GRAPHICS_ON, TEXT_ON, contrast
 from publishing.html import Tree
 from publishing.page_case import PAGE, page_of
+from replication.routes import CASE, ROOT
 
 
 @pytest.fixture(scope="module")

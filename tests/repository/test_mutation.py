@@ -173,7 +173,7 @@ def bench(tmp_path, monkeypatch):
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text, encoding="utf-8")
     (tmp_path / "toy/tests/unit").mkdir(parents=True)
-    (tmp_path / "toy/tests/unit/test_law.py").write_text(TESTS, encoding="utf-8")
+    (tmp_path / "toy/tests/method/test_law.py").write_text(TESTS, encoding="utf-8")
     (tmp_path / "toy/pytest.ini").write_text("[pytest]\nmarkers = slow\n", encoding="utf-8")
     monkeypatch.setattr(command, "ROOT", tmp_path / "toy")
     monkeypatch.setattr(command, "SHORTEST", 10.0)  # s: a mutant without an end takes all of them

@@ -17,8 +17,8 @@ from dampbalance.replication.claims.table import claims_table
 from dampbalance.replication.claims.verdicts import VERDICTS, counts
 from dampbalance.replication.printed_tables import RouteTables
 from folders import ROOT
-from paper.routes import CASE, PRINT, exact, judged, unrounded
 from paper_case import FREQUENCIES_HZ, OMEGA, PAIRS, PAPER, features_at, orbits_at
+from replication.routes import CASE, PRINT, exact, judged, unrounded
 
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 

@@ -19,9 +19,9 @@ STARTING = {"built", "checkout", "small", "browser", "visit"}
 
 NEVER_NIGHTLY = (
     "analytic/",
-    "unit/motion/",
-    "paper/test_claims.py",
-    "paper/test_broken_rebuild.py",
+    "motion/",
+    "replication/test_claims.py",
+    "replication/test_broken_rebuild.py",
     "repository/test_house.py",
 )
 """These must hold of every change: claims, the broken rebuild, motion, analytic identities, the order of the house."""

@@ -10,7 +10,7 @@ Two ways to read an event:
     "interpolated"  between samples: the phase that ends at the event is continued, by the cubic through its last four
                     accelerations, up to v = 0, or up to where the next phase, continued backwards, meets it
 
-The interpolated reading of an exact record converges to the exact features: see `tests/unit/test_features.py`. The
+The interpolated reading of an exact record converges to the exact features: see `tests/method/test_features.py`. The
 second difference of a noisy acceleration is useless: `mean_harmonics.py` reads noisy records.
 """
 

@@ -1,0 +1,411 @@
+"""F_k, c and K_z from measured responses: against the truth, with intervals that hold, and by records of other code."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy import stats
+from scipy.integrate import solve_ivp
+
+from blind import truths as blind
+from blind.records import records
+from dampbalance.balance import APPROACHES
+from dampbalance.identification.answer import REFERENCE
+from dampbalance.identification.forced import _parameter, identify_readings
+from dampbalance.identification.oscillator import LawRows, Samples, jackknifed, read_samples
+from dampbalance.law.law import Law
+from dampbalance.likelihood.mean_harmonics import RESOLVED, read_features
+from dampbalance.records.measurement import Channel, Measurement
+from dampbalance.solver import solve
+from identification.levels import SYMBOLS, THREE, close, identified, read
+from likelihood.sampled import covariance, noise_of_rms
+from paper_case import FREQUENCIES_HZ, LEVELS, NEAR, PAPER, motions_at, orbits_at
+
+
+def readings(hz=NEAR, noise=0.0, levels=LEVELS, osc=PAPER, **options):
+    options = {"rate_hz": 2000.0, "channels": THREE} | options
+    return read(orbits_at(hz, levels, osc), noise=noise, **options)
+
+
+def relative(parameter, true):
+    return parameter.value / true - 1.0
+
+
+def holds(answer, osc=PAPER, symbols=SYMBOLS):
+    """Whether the intervals of an answer hold the truth."""
+    return all(low < getattr(osc, s) < high for s in symbols for low, high in [answer.intervals[s]])
+
+
+@pytest.mark.parametrize("hz", FREQUENCIES_HZ.values())
+def test_exact_records_give_the_truth_off_resonance_too(hz):
+    found = identify_readings(readings(hz), PAPER.k)
+    direct, fourier = found.estimates["direct"], found.estimates["fourier"]
+    # of the velocity 1e-6 lies beyond the 128 odd harmonics of a waveform; F_k takes up the small errors of large rows
+    assert relative(direct.coefficients["F_k"], PAPER.F_k) == pytest.approx(0.0, abs=2e-5)
+    assert relative(direct.coefficients["c"], PAPER.c) == pytest.approx(0.0, abs=2e-6)
+    assert relative(direct.K_z, PAPER.K_z) == pytest.approx(0.0, abs=2e-5)
+    assert direct.notes == ()
+    # what a balance of three harmonics cuts off: 1.2e-4 of b or less, five times that of F_k where low levels weigh
+    # as much as high ones, and the note says it
+    off = relative(fourier.coefficients["F_k"], PAPER.F_k)
+    assert off == pytest.approx(0.0, abs=7e-4)
+    assert relative(fourier.coefficients["c"], PAPER.c) == pytest.approx(0.0, abs=5e-5)
+    assert fourier.shape_bias["F_k"] == pytest.approx(off, abs=2e-5)
+    assert found.joint.fit.m == pytest.approx(PAPER.m, rel=1e-6)
+    assert found.warnings == ()
+
+
+def test_records_of_several_frequencies_go_together():
+    mixed = [
+        readings(hz, 0.005, levels=(0.005, 0.011))[i] for i, hz in ((0, 4.92), (1, 3.5), (1, 11.1))
+    ]
+    direct = identify_readings(mixed, PAPER.k).estimates["direct"]
+    assert holds(direct)
+
+
+@pytest.mark.slow
+def test_intervals_tell_the_truth():
+    runs = [
+        identified(
+            readings(
+                3.5, 0.01, seed=100 + i, levels=(0.004, 0.008, 0.012), rate_hz=1000.0, cycles=20.0
+            )
+        ).estimates["direct"]
+        for i in range(40)
+    ]
+    for symbol in ("F_k", "c", "K_z"):
+        true = getattr(PAPER, symbol)
+        parameters = [run.parameters[symbol] for run in runs]
+        values = np.array([p.value for p in parameters])
+        stated = np.mean([p.standard_error for p in parameters])
+        # 40 runs know their scatter to 11 %, twenty cycles the noise to a few: three standard deviations
+        assert stated / values.std(ddof=1) == pytest.approx(1.0, abs=0.35)
+        # the mean of 40 lies within three standard errors of the truth
+        assert abs(values.mean() - true) < 3.0 * stated / math.sqrt(40)
+        covered = np.mean([p.interval.low <= true <= p.interval.high for p in parameters])
+        assert covered >= 0.85  # 95 % of 40, less three standard deviations
+    misfits = [run.misfit for run in runs]
+    assert np.mean(misfits) == pytest.approx(1.0, abs=3.0 * math.sqrt(2.0 / 40))
+
+
+def test_the_records_share_what_no_single_one_resolves():
+    single = readings(4.92, 0.05, rate_hz=1500.0, cycles=20.0, channels=THREE[:2])
+    fits = [reading.waveform.fit for reading in single]
+    assert any(fit.rho < RESOLVED * fit.error("rho") for fit in fits)
+    found = identified(single)
+    assert found.microstick.resolved
+    assert holds(found.estimates["direct"], symbols=("K_z", "F_k"))
+    # one length for all: X + X_s is freed of the square of the error of ρ, L itself is not
+    lengths = found.features.X + found.features.X_s
+    assert lengths == pytest.approx([lengths[0]] * 5, rel=1e-9)
+    off = 2.0 * found.joint.fit.F_k * found.joint.fit.error("rho") ** 2
+    assert lengths[0] == pytest.approx(found.microstick.length - off, rel=1e-9)
+    assert found.warnings == ()
+
+
+def test_an_onset_that_is_not_resolved_enters_with_its_error_and_K_z_has_a_limit():
+    # 20,000 N/mm: a microstick line of 0.13 µm beside 24 µm of noise
+    stiff = replace(PAPER, K_z=2e7)
+    found = identified(readings(noise=0.03, rate_hz=1000.0, channels=THREE[:2], osc=stiff))
+    assert not found.microstick.resolved
+    (warning,) = found.warnings
+    assert "do not resolve the onset of slip: K_z has a lower limit only" in warning
+    direct = found.estimates["direct"]
+    assert math.isinf(direct.K_z.value)
+    assert direct.K_z.interval.high == math.inf
+    assert 0.0 < direct.K_z.interval.low < stiff.K_z
+    # no more than noise in F_k, for the length and its error are in the rows
+    assert not np.array_equal(found.features.X_s, -found.features.X)
+    assert holds(direct, stiff, ["F_k"])
+    assert "> " in found.text().splitlines()[3]
+    told = found.document()["approaches"]["direct"]
+    assert told["K_z_N_per_m"] is None
+    assert told["K_z_interval_N_per_m"][1] is None
+    assert told["verdicts"]["K_z"]["verdict"] == "doubtful"
+
+
+def test_an_approach_whose_shape_does_not_hold_is_named():
+    own = {name: APPROACHES[name] for name in ("direct", "X_s")}
+    found = identify_readings(readings(3.5, 0.005), PAPER.k, approaches=own)
+    assert found.estimates["direct"].notes == ()
+    (note,) = found.estimates["X_s"].notes
+    assert "assumes makes F_k 16 % too small and c 0.0" in note
+    # the rows of the oscillator found lie as far off as those of the records
+    bias = found.estimates["X_s"].shape_bias["F_k"]
+    off = relative(found.estimates["X_s"].coefficients["F_k"], PAPER.F_k)
+    assert bias == pytest.approx(off, abs=0.005)  # half a percent of noise
+
+
+@pytest.mark.slow
+def test_a_level_that_does_not_belong_is_noticed():
+    odd = replace(PAPER, c=1.01 * PAPER.c)
+    mixed = [*readings(noise=0.005)[:4], readings(noise=0.005, osc=odd)[4]]
+    found = identified(mixed)
+    assert "the records are not those of one mass on a spring" in found.warnings[0]
+    direct = found.estimates["direct"]
+    assert all(verdict != "usable" for verdict, _ in direct.verdicts.values())
+    assert math.isnan(direct.K_z.value)
+    assert found.document()["approaches"]["direct"]["K_z_N_per_m"] is None
+
+
+def test_tables_and_documents_hold_the_same_numbers():
+    found = identify_readings(readings(noise=0.01), PAPER.k)
+    table, told = found.estimates_table(), found.document()
+    assert list(told["approaches"]) == ["direct", "fourier"]
+    answers = {told["answer"]: told["maximum_likelihood"], **told["approaches"]}
+    assert [row["approach"] for row in table] == list(answers)
+    for row in table:
+        numbers = answers[row["approach"]]
+        for key in ("F_k_N", "c_standard_error_N_s_per_m", "K_z_N_per_m", "misfit"):
+            assert row[key] == numbers[key]
+        assert [row["F_k_low_N"], row["F_k_high_N"]] == numbers["F_k_interval_N"]
+    errors = [record["standard_errors"] for record in told["records"]]
+    assert len(errors) == 5
+    assert all(of["X_m"] > 0.0 and of["W_J"] > 0.0 for of in errors)
+    direct = found.estimates["direct"].coefficients["F_k"]
+    line = found.text().splitlines()[4]
+    assert f"{direct.value:.4f} [{direct.interval.low:.4f}, {direct.interval.high:.4f}]" in line
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"k": 0.0}, "stiffness must be a positive number"),
+        ({"k": math.nan}, "stiffness must be a positive number"),
+        ({"k": 2400.0}, "level 1 was read with k = 2310 N/m, not with 2400"),
+        ({"approaches": {}}, "no approach is asked for; known are direct"),
+    ],
+)
+def test_what_makes_no_sense_is_refused(change, message):
+    levels = readings(noise=0.01, levels=LEVELS[:2], cycles=12.0)
+    k = change.pop("k", PAPER.k)
+    with pytest.raises(ValueError, match=message):
+        identify_readings(levels, k, **change)
+
+
+def test_one_level_is_identified_by_its_waveform_alone():
+    found = identify_readings(readings(noise=0.01, levels=LEVELS[1:2]), PAPER.k)
+    (first, answer), *others = found.approaches.items()
+    assert first == REFERENCE
+    assert holds(answer)
+    for word, reason in answer.verdicts.values():
+        assert word == "doubtful"
+        assert "no balance checks it" in reason
+    assert {v.verdict for _, a in others for v in a.verdicts.values()} == {"none"}
+    # nothing slips: the fundamental alone tells nothing apart
+    with pytest.raises(ValueError, match="two levels or more, got 1: add records"):
+        identify_readings(readings(noise=0.01, levels=(2e-4,)), PAPER.k)
+
+
+@pytest.mark.parametrize("levels", [LEVELS[1:2] * 2, (0.0100, 0.0101)])
+def test_no_number_of_levels_that_are_alike_is_usable(levels):
+    found = identify_readings(readings(noise=0.01, levels=levels), PAPER.k)
+    for answer in found.approaches.values():
+        for symbol in ("F_k", "c"):
+            verdict = answer.verdicts[symbol]
+            assert verdict.verdict == "doubtful"
+            assert "the levels are so alike" in verdict.reason
+
+
+@pytest.mark.parametrize("hz", FREQUENCIES_HZ.values())
+def test_rows_that_weigh_as_they_are_sure_use_what_the_records_hold(hz):
+    motions, two = motions_at(hz), THREE[:2]
+    noise = noise_of_rms(PAPER, motions, 0.01)
+    bound = np.sqrt(np.diag(covariance(PAPER, motions, 1000.0, 25.0, noise, ("m",))))
+    runs = [
+        identified(readings(hz, 0.01, seed=50 + i, rate_hz=1000.0, channels=two)) for i in range(4)
+    ]
+    weighted = [[run.estimates["direct"].standard_errors[s] for s in ("F_k", "c")] for run in runs]
+    rows_of = LawRows(APPROACHES["direct"], Law(), PAPER.k, linear=False)
+    alike = []
+    for run in runs:  # Eq. (9) as published
+        left = read_samples(run.readings).map(lambda of: solve(rows_of(of.features))).left
+        alike.append(np.diag(jackknifed([np.stack([*of.values.values()]) for of in left])))
+    # 87 to 97 % and 12 to 28 %; four runs of 25 cycles know a variance to 15 %
+    efficiency = bound[:2] ** 2 / np.mean(np.square(weighted), axis=0)
+    assert np.all((efficiency > 0.8) & (efficiency < 1.15))
+    assert np.all(bound[:2] ** 2 / np.mean(alike, axis=0) < 0.4)
+
+
+def test_where_no_level_slips_there_is_no_friction_force():
+    found = identified(readings(noise=0.01, levels=(0.0002, 0.0003, 0.0004)))
+    assert found.joint.linear
+    (warning,) = found.warnings
+    assert "the records are those of a linear oscillator" in warning
+    direct, told = found.estimates["direct"], found.document()
+    numbers = told["approaches"]["direct"]
+    assert [numbers[key] for key in ("F_k_N", "K_z_N_per_m", "F_k_standard_error_N")] == [None] * 3
+    assert [numbers["verdicts"][symbol]["verdict"] for symbol in ("F_k", "K_z")] == ["none", "none"]
+    assert told["maximum_likelihood"] is None
+    assert holds(direct, symbols=["c"])
+    assert np.ptp(direct.intervals["c"]) < 0.05 * PAPER.c
+    line = found.text().splitlines()[3]
+    assert re.match(r"direct \* +– +\d", line)
+
+
+def test_a_level_that_does_not_slip_leaves_the_balance_without_a_star():
+    found = identified(readings(noise=0.01, levels=(0.0003, 0.004, 0.008, 0.012)))
+    assert [reading.slips for reading in found.readings] == [False, True, True, True]
+    (warning,) = found.warnings
+    assert "only sticks in record 1" in warning
+    direct = found.estimates["direct"]
+    assert direct.notes == ()
+    assert direct.balance.rows.usable.tolist() == [False, True, True, True]
+    assert close(direct, PAPER)
+    told = found.document()["records"]
+    assert [record["slips"] for record in told] == [False, True, True, True]
+
+
+# --- records by code that is not ours ------------------------------------------------------------
+
+
+@pytest.mark.parametrize("hz", FREQUENCIES_HZ.values())
+@pytest.mark.parametrize("driven_by", ["base_displacement", "base_acceleration", "force"])
+def test_records_of_an_independent_integrator(hz, driven_by):
+    oscillator = {name: getattr(PAPER, name) for name in ("m", "c", "k", "K_z", "F_k")}
+    truth = replace(
+        blind.draw(0),
+        **oscillator,
+        **{"Y": (0.004, 0.008, 0.012), "omega": 2.0 * math.pi * hz, "drive": driven_by},
+        **{
+            "cycles": (20.0,) * 3,
+            "start": (0.0, 0.3, 0.6),
+            "rate_hz": 1000.0 + 1500.0 * (hz > 10.0),
+        },
+        **{"answers": ("displacement", "acceleration"), "noise": 0.002, "equal": False},
+    )
+    readings = [read_features(record, PAPER.k) for record in records(truth)]
+    found = identify_readings(readings, PAPER.k)
+    for answer in (found.estimates[name] for name in ("direct", "fourier")):
+        for symbol, error in answer.standard_errors.items():
+            true = getattr(PAPER, symbol)
+            # two parameters in a hundred intervals: four standard errors
+            assert abs(answer.values[symbol] - true) < 4.0 * error + 6e-4 * true
+            assert error < 0.01 * true
+
+
+def rounded_contact(Y, osc, cycles=30.0, rate_hz=500.0):
+    """t, y, x of an oscillator whose contact yields gradually, a Bouc–Wen element of the same K_z and F_k."""
+    omega = 2.0 * math.pi * NEAR
+
+    def rate(t, q):
+        x, v, part = q
+        force = osc.k * (Y * math.cos(omega * t) - x) - osc.c * v - osc.F_k * part
+        yielding = 0.5 * (abs(v * part) + v * part) * np.sign(part)
+        return [v, force / osc.m, osc.K_z / osc.F_k * (v - yielding)]
+
+    t = np.arange(round(cycles / NEAR * rate_hz)) / rate_hz
+    solved = solve_ivp(rate, (0.0, t[-1]), [0.0] * 3, "LSODA", t_eval=t, rtol=1e-8, atol=1e-12)
+    return t, Y * np.cos(omega * t), solved.y[0]
+
+
+@pytest.fixture(scope="module")
+def gradual():
+    """Readings of three levels of a contact that yields gradually, with noise that shows it."""
+    osc, rng = replace(PAPER, K_z=20_000.0), np.random.default_rng(3)
+    records = []
+    for Y in (0.004, 0.008, 0.012):
+        t, y, x = rounded_contact(Y, osc)
+        channels = [
+            Channel(name, t, values + 2e-4 * values.std() * rng.standard_normal(t.size))
+            for name, values in (("base_displacement", y), ("displacement", x))
+        ]
+        records.append(read_features(Measurement.of("gradual", channels), osc.k, skip_cycles=10))
+    return records
+
+
+def test_a_contact_of_another_kind_has_no_K_z_and_keeps_F_k_and_c(gradual):
+    found = identified(gradual)
+    assert not found.joint.waveforms_hold
+    assert "are not those of one mass on a spring" in found.warnings[0]
+    direct = found.estimates["direct"]
+    assert math.isnan(direct.K_z.value)
+    assert math.isnan(found.microstick.length)
+    assert np.isnan(found.features.X_s).all()
+    # the nearest oscillator sticks over nearly the same travel; with 4X alone F_k would be 4 % off
+    assert relative(direct.coefficients["F_k"], PAPER.F_k) == pytest.approx(0.0, abs=0.003)
+    assert relative(direct.coefficients["c"], PAPER.c) == pytest.approx(0.0, abs=0.0005)
+    assert "from 4X is that of the oscillator that comes nearest" in direct.notes[0]
+    told = found.document()
+    assert told["approaches"]["direct"]["verdicts"]["K_z"]["verdict"] == "none"
+    assert "nearest" in told["maximum_likelihood"]["notes"][0]
+
+
+def test_two_levels_of_such_a_contact_are_enough(gradual):
+    found = identified(gradual[::2])
+    direct = found.estimates["direct"]
+    assert not found.joint.waveforms_hold
+    assert math.isnan(direct.K_z.value)
+    assert relative(direct.coefficients["F_k"], PAPER.F_k) == pytest.approx(0.0, abs=0.003)
+    assert np.all(direct.balance.rows.terms["F_k"] < 4.0 * found.features.X)
+    assert {verdict for verdict, _ in direct.verdicts.values()} == {"doubtful", "none"}
+
+
+def test_the_fourier_balance_gives_nothing_where_the_onset_of_slip_is_not_known(gradual):
+    found = identify_readings(gradual, PAPER.k)
+    estimated = found.estimates["fourier"]
+    assert math.isnan(estimated.coefficients["F_k"].value)
+    assert "needs the onset of slip" in estimated.notes[0]
+
+
+def test_harmonics_above_half_the_sampling_rate_are_warned_of():
+    # a contact that sticks for a sample or two, accelerations sampled a whole number of times in a cycle
+    osc = replace(PAPER, c=3.0, F_k=1.0)
+    for per_cycle, told in ((250.0, True), (4000.0, False)):
+        sampled = {"rate_hz": 6.9 * per_cycle, "cycles": 60.0, "osc": osc}
+        sampled["channels"] = ("base_acceleration", "acceleration")
+        found = identified(readings(6.9, 2e-4, **sampled))
+        assert any("were not removed from record 1" in words for words in found.warnings) == told
+
+
+def test_the_interval_of_K_z_is_that_of_its_inverse_root():
+    """K_z^{−1/2} has an interval that is symmetric about its estimate, and K_z takes its ends over."""
+    direct = identify_readings(readings(noise=0.003), PAPER.k).estimates["direct"]
+    low, high = direct.K_z.interval
+    assert low < direct.K_z.value < high < math.inf
+    assert 0.5 * (low**-0.5 + high**-0.5) == pytest.approx(direct.K_z.value**-0.5, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("scales", "groups", "freedom"),
+    [((1.0, 0.0), (6, 9), 5.0), ((1.0, 1.0), (9, 9), 16.0), ((1.0, 1.0, 1.0), (5, 5, 5), 12.0)],
+)
+def test_the_degrees_of_freedom_lie_between_those_of_one_record_and_of_all(scales, groups, freedom):
+    """The Welch–Satterthwaite formula gives g − 1 where one record contributes all variance, Σ(g − 1) where each does
+    alike. The values without each group of cycles are such that the variances of the records are equal."""
+    left = [
+        s * np.resize([1.0, -1.0, 0.0], g) * math.sqrt(g / (g - 1))
+        for s, g in zip(scales, groups, strict=True)
+    ]
+    number = _parameter(Samples(np.array(3.0), tuple(left)))
+    low, high = number.interval
+    assert 0.5 * (low + high) == pytest.approx(3.0)
+    # each record with a scale of 1 contributes the same variance: (g − 1)/g Σ p², p as above
+    variances = [(len(p) - 1) / len(p) * np.sum(p**2) for p in left]
+    assert number.standard_error == pytest.approx(math.sqrt(sum(variances)))
+    reach = 0.5 * (high - low) / math.sqrt(sum(variances))
+    assert stats.t.cdf(reach, freedom) == pytest.approx(0.975, abs=1e-9)
+
+
+def test_part_of_a_record_is_no_copy_of_it():
+    """Copies are told by the harmonics of their cycles, of which a shorter record has fewer."""
+    whole = readings(levels=(0.004,), cycles=24.0)[0]
+    part = readings(levels=(0.004,), cycles=12.0)[0]
+    assert len(whole.steady.X) != len(part.steady.X)
+    identify_readings([whole, part, *readings(levels=(0.008,), seed=2)], PAPER.k)
+
+
+def test_a_delay_of_the_response_is_reported_in_microseconds():
+    found = identify_readings(readings(noise=0.01), PAPER.k)
+    sentences = " ".join(found.rig)
+    value, error = re.search(
+        r"delay of the response is (-?[\d.]+) ± ([\d.]+) µs", sentences
+    ).groups()
+    delayed = found.joint.delayed
+    # the error is written with two digits, the delay with as many decimals
+    assert float(error) == pytest.approx(1e6 * delayed.error("delay"), rel=0.06)
+    assert float(value) == pytest.approx(1e6 * delayed.delay, abs=0.06 * float(error))

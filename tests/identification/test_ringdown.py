@@ -1,0 +1,509 @@
+"""Free decays to F_k, c and K_z, on records of an integrator of another make, and against the forced result."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from blind.decays import _pulled, clean, draw, record
+from dampbalance import BaseMotion, Oscillator, identify, steady_orbit
+from dampbalance.commands.main import main
+from dampbalance.identification.answer import USABLE
+from dampbalance.identification.decays import identify_ring_downs
+from dampbalance.identification.forced import identify_readings
+from dampbalance.identification.half_cycles import rows_of
+from dampbalance.likelihood import search
+from dampbalance.likelihood.decay import Decay, fit_decays
+from dampbalance.likelihood.mean_harmonics import read_features
+from dampbalance.reading.bursts import Signal
+from dampbalance.reading.cycles import clipped
+from dampbalance.records.measurement import Channel, Correction, Measurement
+from dampbalance.records.synthetic import measured_orbit, measured_ring_down
+from dampbalance.records.writers import write
+from identification.levels import SYMBOLS, changed
+from identification.levels import clipped as cut
+from identification.releases import FAR, PLUCKED, compiled, struck  # noqa: F401
+
+OSCILLATOR = Oscillator(PLUCKED.m, PLUCKED.c, PLUCKED.k, PLUCKED.K_z, PLUCKED.F_k)
+
+
+def holds(result, decay):
+    """Whether F_k, c and K_z of balance and fit are those of the truth within their errors."""
+    for found in result.approaches.values():
+        for symbol in ("F_k", "c"):
+            off = found.values[symbol] - getattr(decay, symbol)
+            assert abs(off) < FAR * found.standard_errors[symbol], symbol
+    high, low = (1.0 / math.sqrt(end) for end in result.reference.K_z.interval)
+    assert abs(decay.K_z**-0.5 - 0.5 * (low + high)) < FAR / 1.96 * 0.5 * (high - low)
+
+
+def steady(Y=2e-3, seed=0):
+    """A forced record of the oscillator."""
+    orbit = steady_orbit(OSCILLATOR, BaseMotion(Y, 0.7 * OSCILLATOR.omega_n))
+    return measured_orbit(orbit, rate_hz=500.0, cycles=60.0, noise=0.01, seed=seed)
+
+
+def plucked(**options):
+    """What a release of the oscillator gives."""
+    return identify_ring_downs([record(PLUCKED)[0]], PLUCKED.k, **options)
+
+
+@pytest.mark.parametrize("index", [10, 13, 99])
+def test_decays_do_not_overlap_and_none_is_that_of_a_hand(index):
+    """Strikes of another seed, a hand pulling the mass from one to the next, which moves like half a cycle."""
+    seed = 1795443154
+    decay = draw(index, seed)
+    measured, free = record(decay, seed)
+    found = identify_ring_downs([measured], decay.k)
+    period = 2.0 * math.pi / decay.omega_n
+    starts = [one.start for one in found.fit.decays]
+    np.testing.assert_allclose(starts, free, rtol=0, atol=0.1 * period)
+    ends = [one.end for one in found.fit.decays]
+    assert all(end <= start for end, start in zip(ends, starts[1:], strict=False))
+    holds(found, decay)
+
+
+@pytest.mark.parametrize("quantity", ["displacement", "velocity", "acceleration"])
+def test_a_release_tells_friction_damping_and_contact(quantity):
+    decay = replace(PLUCKED, answers=(quantity,))
+    result = identify_ring_downs([record(decay)[0]], decay.k)
+    holds(result, decay)
+    assert result.fit.adequate
+    # what 1 % noise over 12 half cycles leaves
+    assert result.estimates["balance"].standard_errors["F_k"] < 0.02 * decay.F_k
+    assert result.fit.m == pytest.approx(decay.m, abs=FAR * result.fit.error("m"))
+
+
+@pytest.mark.parametrize("quantity", ["displacement", "velocity", "acceleration"])
+def test_a_record_without_noise_gives_the_oscillator_back(quantity):
+    clean = measured_ring_down(
+        OSCILLATOR, x=5e-3, rate_hz=500.0, duration=5.0, held=0.2, channels=(quantity,)
+    )
+    result = identify_ring_downs([clean], OSCILLATOR.k)
+    assert result.fit.adequate
+    for found in result.approaches.values():
+        for symbol in SYMBOLS:
+            # where a climb ends: 1e-4 of the errors that the least noise assumed, 3e-6 of the swing, leaves: 3e-5 of c
+            assert found.values[symbol] == pytest.approx(getattr(OSCILLATOR, symbol), rel=1e-8)
+
+
+def test_the_balance_uses_what_the_samples_hold():
+    result = plucked()
+    balance, bound = result.estimates["balance"], result.reference.standard_errors
+    for symbol in ("F_k", "c"):
+        assert bound[symbol] ** 2 > 0.8 * balance.standard_errors[symbol] ** 2
+    # χ² of rows that share turns: their covariance is full
+    assert 0.1 < balance.misfit < 3.0
+
+
+BLOWS = replace(
+    PLUCKED,
+    starts=(("blow", 0.08), ("pluck", -0.004), ("blow", -0.1)),
+    lead=(0.2, 0.3, 0.1),
+    lasts=(3.0, 3.5, 3.0),
+    pull=(0.4, 0.5, 0.4),
+)
+
+
+@pytest.mark.parametrize("decay", [PLUCKED, BLOWS], ids=["a release", "several"])
+def test_what_held_or_pulled_the_mass_before_is_left_out(decay):
+    measured, free = record(decay)
+    result = identify_ring_downs([measured], decay.k)
+    # from the release on, and within an eighth of a cycle of it
+    after = np.subtract([one.start for one in result.fit.decays], free)
+    assert after.shape == (len(free),)
+    assert (after > -0.5 / decay.rate_hz).all()
+    assert (after < 0.125 * 2.0 * math.pi / decay.omega_n).all()
+    holds(result, decay)
+
+
+def test_records_go_together():
+    records = [record(replace(PLUCKED, index=i))[0] for i in range(3)]
+    one, all_of_them = (identify_ring_downs(some, PLUCKED.k) for some in (records[:1], records))
+    holds(all_of_them, PLUCKED)
+    error, of_one = (each.reference.standard_errors["F_k"] for each in (all_of_them, one))
+    # the starts are found within a tenth of a cycle, the first tenth of the largest of 12 half cycles
+    assert error / of_one == pytest.approx(3.0**-0.5, rel=0.12)
+    assert len(all_of_them.sources) == 3
+
+
+SCATTERING = (1.541, 1.599, 1.540, 1.344, 1.609)  # N, of five releases of one rig
+RIG = replace(
+    PLUCKED,
+    **{"m": 2.42, "c": 4.0, "k": 2310.0, "K_z": 208000.0},
+    **{"starts": (("pluck", 6e-3),), "lasts": (3.0,), "noise": 20e-6 / 6e-3},
+)
+
+
+def released(frictions):
+    """A record of a release for each friction force."""
+    return [record(replace(RIG, index=i, F_k=F_k))[0] for i, F_k in enumerate(frictions)]
+
+
+def test_releases_that_scatter_have_friction_forces_of_their_own():
+    found = identify_ring_downs(released(SCATTERING), RIG.k)
+    assert not found.warnings  # nothing is left out
+    mean, scatter = float(np.mean(SCATTERING)), float(np.std(SCATTERING, ddof=1))
+    for answer in found.approaches.values():
+        assert answer.verdicts["F_k"].verdict == answer.verdicts["c"].verdict == USABLE
+        p = answer.parameters["F_k"]
+        # the forces of all five are known: the mean is theirs, to what the noise leaves
+        assert p.value == pytest.approx(mean, abs=0.01)
+        # Student's t of 4 degrees of freedom at 95 %, of which the noise adds little
+        reach = 2.776 * scatter / math.sqrt(5)
+        assert 0.5 * (p.interval.high - p.interval.low) == pytest.approx(reach, rel=0.1)
+        for symbol in ("c", "K_z"):
+            low, high = answer.intervals[symbol]
+            assert low < getattr(RIG, symbol) < high
+    document = found.document()
+    decays = [decay for entry in document["records"] for decay in entry["decays"]]
+    for decay, F_k in zip(decays, SCATTERING, strict=True):
+        assert abs(decay["F_k_N"] - F_k) < FAR * decay["F_k_standard_error_N"]
+    assert document["F_k_scatter_N"] == pytest.approx(scatter, rel=0.05)
+    words = next(line for line in found.rig if "do not share one friction force" in line)
+    assert f"{scatter:.2g} N" in words
+    assert "1.34" in words
+    assert words in found.report() or "do not share one friction force" in found.report()
+
+
+def test_releases_of_one_record_may_scatter():
+    """A hand pulls the mass to the next release, in which friction is another; the pulls are left out."""
+    frictions, parts = (0.1, 0.112, 0.093), []
+    for F_k, x in zip(frictions, (5e-3, -4e-3, 4.5e-3), strict=True):
+        of_one = replace(PLUCKED, F_k=F_k, starts=(("pluck", x),), lasts=(4.0,))
+        if parts:
+            parts.append(_pulled(float(parts[-1][0, -1]), x, 0.4, 1.0 / PLUCKED.rate_hz))
+        parts.append(clean(of_one)[0])
+    values = np.hstack(parts)[0]
+    values += 2e-5 * np.random.default_rng(0).standard_normal(values.size)
+    channel = Channel("displacement", np.arange(values.size) / PLUCKED.rate_hz, values)
+    fit = identify_ring_downs([Measurement.of("three", [channel])], PLUCKED.k).fit
+    for i, (force, F_k) in enumerate(zip(fit.frictions, frictions, strict=True)):
+        place = fit.friction_places[i]
+        assert abs(force - F_k) < FAR * math.sqrt(fit.covariance[place, place])
+
+
+def test_releases_that_share_a_friction_force_have_one():
+    found = identify_ring_downs(released([1.5] * 4), RIG.k)
+    assert found.fit.frictions.size == 1
+    assert found.document()["F_k_scatter_N"] == 0.0
+    assert not any("do not share" in line for line in found.rig)
+
+
+def test_the_joint_fits_do_not_grow_with_the_number_of_releases(monkeypatch):
+    joined, fits = search._joined, []
+
+    def counted(some, **options):
+        fits.append(len(some))
+        return joined(some, **options)
+
+    monkeypatch.setattr(search, "_joined", counted)
+    frictions = 1.5 + 0.12 * np.random.default_rng(0).standard_normal(12)
+    found = identify_ring_downs(released(frictions), RIG.k)
+    assert fits == [12, 12]  # with one friction force and with one for each
+    assert found.fit.F_k == pytest.approx(frictions.mean(), abs=0.01)
+
+
+def test_derivatives_by_friction_forces_are_those_of_the_samples():
+    fit = identify_ring_downs(released(SCATTERING[:3]), RIG.k).fit
+    for j in fit.friction_places:
+        step = 1e-6 * fit.point[j]
+        either = []
+        for side in (step, -step):
+            point = fit.point.copy()
+            point[j] += side
+            either.append(fit_decays(fit.decays, fit.k, point, most=1).residual)
+        slope = (either[0] - either[1]) / (2.0 * step)
+        # central differences of exact motions
+        np.testing.assert_allclose(fit.jacobian[:, j], slope, atol=1e-5 * np.abs(slope).max())
+
+
+# the middle of the pulse was taken for a turn where it lay within half a window of smoothing of the first sample
+@pytest.mark.parametrize("lasts", [0.02, 0.05])
+@pytest.mark.parametrize("decay", [RIG, replace(PLUCKED, rate_hz=640.0)], ids=["rig", "plucked"])
+def test_a_blow_soon_after_the_first_sample_is_identified(decay, lasts):
+    for instant in (0.0, 0.03, 0.05, 0.06, 0.08, 0.11):
+        found = identify_ring_downs([struck(replace(decay, F_k=0.1), instant, lasts)], decay.k)
+        assert found.fit.adequate, instant
+        off = found.values["F_k"] - 0.1
+        assert abs(off) < FAR * found.standard_errors["F_k"], instant
+
+
+def sampled(spc, kind="pluck", quantity="displacement"):
+    """A decay with so many samples a cycle."""
+    hz = PLUCKED.omega_n / (2.0 * math.pi)
+    start = {"pluck": ("pluck", 5e-3), "blow": ("blow", 0.1)}[kind]
+    return replace(PLUCKED, starts=(start,), answers=(quantity,), rate_hz=spc * hz, noise=3e-3)
+
+
+@pytest.mark.parametrize("quantity", ["displacement", "velocity", "acceleration"])
+@pytest.mark.parametrize("kind", ["pluck", "blow"])
+@pytest.mark.parametrize("spc", [8, 12, 20, 28])
+def test_few_samples_a_cycle_suffice(spc, kind, quantity):
+    decay = sampled(spc, kind, quantity)
+    found = identify_ring_downs([record(decay)[0]], decay.k)
+    assert found.fit.adequate
+    for symbol in ("F_k", "c"):
+        off = found.values[symbol] - getattr(decay, symbol)
+        assert abs(off) < FAR * found.standard_errors[symbol]
+
+
+def test_too_few_samples_a_cycle_are_counted():
+    decay = replace(draw(7, 77), answers=("acceleration",), noise=3e-3)
+    decay = replace(decay, rate_hz=4.0 * decay.omega_n / (2.0 * math.pi))
+    with pytest.raises(
+        ValueError, match=r"it has 3\.8 samples a cycle, 8 are needed: sample faster"
+    ):
+        identify_ring_downs([record(decay)[0]], decay.k)
+
+
+def test_it_agrees_with_the_forced_result_for_the_same_oscillator():
+    levels = enumerate((1e-3, 2e-3, 4e-3))
+    forced = [read_features(steady(Y=Y, seed=i), PLUCKED.k) for i, Y in levels]
+    driven = identify_readings(forced, PLUCKED.k).estimates["direct"]
+    free = plucked().estimates["balance"]
+    for symbol in ("F_k", "c"):
+        off = driven.values[symbol] - free.values[symbol]
+        error = math.hypot(*(one.standard_errors[symbol] for one in (driven, free)))
+        assert abs(off) < FAR * error
+
+
+def test_a_mass_that_is_known_sharpens_and_one_that_is_wrong_is_named():
+    free, given, wrong = (plucked(mass=m) for m in (None, PLUCKED.m, 1.3 * PLUCKED.m))
+    assert given.fit.m == PLUCKED.m
+    assert given.reference.K_z.standard_error < free.reference.K_z.standard_error
+    assert wrong.fit.m == pytest.approx(free.fit.m)
+    assert "the records imply 1.00 kg, you gave 1.3 kg (" in wrong.warnings[0]
+    assert given.estimates["balance"].verdicts["F_k"] == ("usable", "")
+    for answer in wrong.approaches.values():
+        assert answer.verdicts["F_k"] == ("doubtful", wrong.warnings[0])
+    assert "the mass given" in given.rig[0]
+    assert not any("the mass given" in each.rig[0] for each in (free, wrong))
+
+
+def test_a_weighed_mass_changes_no_number_that_the_decay_knows_better():
+    """The decay knows the mass to far less than 0.3 %, and scales do not."""
+    free, weighed = (plucked(mass=m, mass_error=0.005) for m in (None, 1.003 * PLUCKED.m))
+    assert weighed.values == free.values
+    assert weighed.verdicts == free.verdicts
+    assert any("you gave 1.003 kg (0." in words for words in weighed.rig)
+    # known to a millionth, it contradicts, and moves numbers by 0.3 %: some by more than their intervals
+    exact = plucked(mass=1.003 * PLUCKED.m, mass_error=1e-6)
+    assert exact.values == free.values
+    doubted = {s for s, v in exact.verdicts.items() if v != free.verdicts[s]}
+    wide = {s for s, error in free.standard_errors.items() if 1.96 * error > 3e-3 * free.values[s]}
+    assert doubted == set(free.values) - wide
+
+
+def test_a_contact_of_another_kind_is_told():
+    measured, _ = record(replace(PLUCKED, noise=0.001))
+    x = measured["displacement"].values
+    # a friction that grows with the displacement: the decay bends
+    bent = changed(measured, "displacement", values=x + 30.0 * np.abs(x) * x)
+    result = identify_ring_downs([bent], PLUCKED.k)
+    assert not result.fit.adequate
+    notes = " ".join(result.estimates["balance"].notes)
+    assert "not those of one mass on a spring" in notes
+
+
+def test_a_clipped_decay_is_named_and_what_physics_forbids(tmp_path):
+    sound = measured_ring_down(OSCILLATOR, x=0.005, rate_hz=200.0, duration=3.0, noise=0.005)
+    found = identify([replace(cut(sound, "displacement", 0.5), source="decay")], OSCILLATOR.k)
+    assert found.intervals["c"].high < 0.0
+    (words,) = [note for note in found.answer.notes if "physics forbids" in note]
+    cause = r"clipping is the likely cause \(displacement of decay\)"
+    assert re.match(rf"c = −\d.* N s/m is negative, .* {cause}", words)
+    assert words in found.verdicts["c"].reason
+    (warning,) = found.warnings
+    assert warning.startswith("decay: displacement is clipped")
+
+
+@pytest.mark.parametrize("end", [1, -1])
+def test_what_a_decay_begins_or_ends_at_is_not_clipped(end):
+    t = np.arange(800) / 200.0
+    decaying = np.exp(-t) * np.cos(20.0 * t)
+    assert not clipped(decaying)
+    assert not clipped(
+        np.concatenate([np.full(50, 1.0), decaying, np.full(50, decaying[-1])])[::end]
+    )
+    assert not clipped(np.concatenate([decaying[:30], np.full(50, decaying[:30].min())])[::end])
+    for level in (0.9, 0.6, 0.3):
+        assert clipped(np.minimum(decaying, level * decaying[20:].max())[::end])
+        assert clipped(np.maximum(decaying, level * decaying[20:].min())[::end])
+
+
+def test_a_decay_without_a_half_cycle_that_slips_has_its_start():
+    stuck = measured_ring_down(
+        replace(OSCILLATOR, F_k=100.0, c=3.0), x=0.005, rate_hz=400.0, duration=0.8, noise=0.005
+    )["displacement"]
+    signal = Signal("displacement", 0, stuck.t, stuck.values, 2.5e-5)
+    start = np.array([100.0, 3.0, 6000.0**-0.5, 1.0, 0.0, 0.005, 0.0, 1.3])
+    fit = fit_decays([Decay("a", 0.0, 0.8, (signal,), 0.08)], 400.0, start, given={0})
+    rows = rows_of(fit)
+    assert rows.halves == 0
+    ((turns, errors),) = rows.turns
+    assert turns[0].tolist() == pytest.approx([0.0, 0.005], abs=1e-4)
+    assert len(turns) == len(errors) == 1
+
+
+def test_a_climb_may_start_without_friction():
+    """An earlier climb may end there; with no size of its own F_k stopped the next one with a division by zero."""
+    sound = measured_ring_down(
+        replace(OSCILLATOR, c=3.0), x=0.005, rate_hz=400.0, duration=0.8, noise=0.005
+    )["displacement"]
+    signal = Signal("displacement", 0, sound.t, sound.values, 2.5e-5)
+    osc = OSCILLATOR
+    start = np.array([0.0, 3.0, osc.K_z**-0.5, osc.m, 0.0, 0.005, 0.0, 1.0])
+    fit = fit_decays([Decay("a", 0.0, 0.8, (signal,), 0.3)], osc.k, start)
+    assert fit is None or np.isfinite(fit.point).all()
+
+
+def test_gain_and_delay_are_taken_off_and_a_filter_is_refused():
+    measured, _ = record(PLUCKED)
+    measured = replace(measured, source="run")
+    x = measured["displacement"].values
+
+    def corrected(correction, factor=1.0):
+        other = {"values": factor * x, "name": "x", "correction": correction}
+        return identify_ring_downs([changed(measured, "displacement", **other)], PLUCKED.k)
+
+    plain, gained = corrected(None), corrected(Correction(gain=1.25, delay=0.01), 1.25)
+    one, other = (result.reference.parameters["F_k"] for result in (plain, gained))
+    # the start may be found at another sample; without the gain F_k would be 25 % off, 20 standard errors
+    assert abs(one.value - other.value) < 0.5 * one.standard_error
+    with pytest.raises(ValueError, match=r"run: x has a filter .* as it was before the filter"):
+        corrected(Correction(low_pass=(-300.0 + 0j,)))
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        (lambda t, x: 1e-3 * np.sin(14.0 * t), "swings as far at its end as at its start"),
+        (lambda t, x: np.random.default_rng(1).standard_normal(t.size), "stands out of the noise"),
+        (lambda t, x: x[-1] + 1e-6 * np.random.default_rng(1).standard_normal(t.size), "noise"),
+    ],
+)
+def test_a_record_without_a_decay_is_refused_in_a_sentence(values, message):
+    measured = replace(record(PLUCKED)[0], source="run")
+    t, x = measured["displacement"].t, measured["displacement"].values
+    none = changed(measured, "displacement", values=values(t, x))
+    with pytest.raises(
+        ValueError, match=rf"run: the excitation channel is missing .* no free decay .*{message}"
+    ):
+        identify_ring_downs([none], PLUCKED.k)
+
+
+def test_a_forced_record_is_not_taken_for_a_decay(tmp_path):
+    path, free = tmp_path / "level.csv", tmp_path / "decay.csv"
+    write(path, steady())
+    write(free, record(PLUCKED)[0])
+    for names in ([path], [free, path], [path, free]):
+        with pytest.raises(ValueError, match=r"level\.csv: .* moves: .* not identified together"):
+            identify(names, PLUCKED.k, kind="ring-down" if len(names) == 1 else "recognised")
+    with pytest.raises(ValueError, match=r"decay\.csv: the excitation channel is missing"):
+        identify([free], PLUCKED.k, kind="forced")
+
+
+def test_a_drive_that_stands_still_is_none(tmp_path):
+    measured, _ = record(PLUCKED)
+    t = measured["displacement"].t
+    still = 1e-6 * np.random.default_rng(3).standard_normal(t.size)
+    both = [Channel("base_displacement", t, still), measured["displacement"]]
+    write(tmp_path / "run.csv", Measurement.of("run", both))
+    result = identify([tmp_path / "run.csv"], PLUCKED.k)
+    holds(result, PLUCKED)
+
+
+@pytest.mark.parametrize(
+    ("heading", "kinds"),
+    [
+        ("Hammer [N]", ["recognised", "ring-down"]),
+        ("force_N", ["recognised", "ring-down"]),
+        # in no unit of a force: nothing says that it only strikes
+        *(
+            (heading, ["ring-down"])
+            for heading in ("Hammer [V]", "Force [V]", "Hammer", "CH 2 [mm]")
+        ),
+    ],
+)
+def test_a_hammer_is_no_obstacle_to_a_decay(heading, kinds):
+    struck = Oscillator(m=2.42, c=1.0, k=2310.0, K_z=208000.0, F_k=0.5)
+    options = {"rate_hz": 2000.0, "duration": 4.0, "noise": 0.002, "seed": 3}
+    a = measured_ring_down(struck, v=0.3, channels=("acceleration",), **options)["acceleration"]
+    begin = a.t[int(np.argmax(np.abs(a.values) > 1.0))]
+    since = (a.t - begin + 0.005) / 0.005  # a blow of 5 ms
+    blow = np.where((since > 0.0) & (since < 1.0), 200.0 * np.sin(math.pi * since), 0.0)
+    # noise of 1 % and the undershoot of a charge amplifier
+    blow += 2.0 * np.random.default_rng(1).standard_normal(a.t.size)
+    blow -= np.where(a.t > begin, np.exp(begin - a.t), 0.0)
+    record = {"time_s": a.t, heading: blow, "Acc [m/s²]": a.values}
+    for kind in kinds:
+        found = identify(record, struck.k, kind=kind)
+        for symbol, (low, high) in found.intervals.items():
+            assert low < getattr(struck, symbol) < high, symbol
+
+
+@pytest.mark.parametrize(
+    "options", [{"frequency": 3.0}, {"skip_cycles": 2}, {"approaches": ["fourier"]}]
+)
+def test_options_of_forced_records_are_refused(tmp_path, options):
+    write(tmp_path / "decay.csv", record(PLUCKED)[0])
+    with pytest.raises(ValueError, match="is for forced records"):
+        identify([tmp_path / "decay.csv"], PLUCKED.k, **options)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({}, "needs a displacement x or a velocity v"),
+        (
+            {"x": 1e-3, "channels": ("force",)},
+            r"unknown channels \['force'\]; known are displacement, ",
+        ),
+        ({"x": 1e-3, "duration": 0.001}, "ask for 4 to"),
+    ],
+)
+def test_a_release_that_makes_no_sense_is_refused(arguments, message):
+    with pytest.raises(ValueError, match=message):
+        measured_ring_down(OSCILLATOR, **({"rate_hz": 500.0, "duration": 2.0} | arguments))
+
+
+def test_a_written_release_is_identified(tmp_path, capsys):
+    path = tmp_path / "decay.csv"
+    told = "--damping 1 --friction 0.5 --noise 0.01 --rate 1000 --seed 3"
+    blow = ["--velocity", "0.3", "--channel", "velocity", *told.split()]
+    assert main(["release", str(path), *blow]) == 0
+    assert main(["release", str(path), *blow]) == 2
+    assert "exists already" in capsys.readouterr().err
+    assert main(["identify", str(path), "--stiffness", "2310", "--json", "-"]) == 0
+    found = json.loads(capsys.readouterr().out)["maximum_likelihood"]
+    for key, truth in (("F_k{}_N", 0.5), ("c{}_N_s_per_m", 1.0)):
+        error = found[key.format("_standard_error")]
+        assert abs(found[key.format("")] - truth) < FAR * error
+
+
+def test_the_command_writes_everything_and_the_same_bytes(tmp_path, capsys):
+    write(tmp_path / "decay.csv", record(PLUCKED)[0])
+    arguments = ["identify", str(tmp_path / "decay.csv"), "--stiffness", "400", "--output"]
+    for folder in ("one", "other"):
+        assert main([*arguments, str(tmp_path / folder)]) == 0
+    said = capsys.readouterr().out
+    assert "1 record with 1 free decay, " in said
+    assert "maximum likelihood" in said
+    one, other = (
+        {path.name: path.read_bytes() for path in (tmp_path / folder).iterdir()}
+        for folder in ("one", "other")
+    )
+    assert one == other
+    assert {"decays.svg", "decays.png", "identification.json"} <= set(one)
+    found = json.loads(one["identification.json"])
+    balance = found["approaches"]["balance"]
+    low, high = balance["F_k_interval_N"]
+    assert low < PLUCKED.F_k < high
+    assert balance["verdicts"]["F_k"]["verdict"] == "usable"
+    assert len(found["records"][0]["decays"][0]["turns_m"]) > 5

@@ -1,0 +1,278 @@
+"""Stated uncertainties: intervals hold what they do to records, and a report says on what its numbers depend."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from dampbalance import (
+    BaseMotion,
+    Oscillator,
+    identify,
+    measured_orbit,
+    measured_ring_down,
+    steady_orbit,
+)
+from dampbalance.arguments import mass_with_error
+from dampbalance.commands.options import mass as mass_on_the_command_line
+from dampbalance.identification.measured import configured, not_taken
+from dampbalance.records.measurement import Correction
+from identification.levels import SYMBOLS, THREE, changed, measured
+from paper_case import LEVELS, PAPER, orbits_at
+
+DECAYING = replace(PAPER, c=1.5, F_k=0.5)
+
+
+def corrected(records, errors):
+    """The records whose channels of these quantities have gains or delays of these standard uncertainties."""
+    for quantity, of in errors.items():
+        records = [changed(one, quantity, correction=Correction(**of)) for one in records]
+    return records
+
+
+def forced(errors=None, drive="base_displacement", noise=1e-5):
+    """Records of three levels."""
+    records = measured(rate_hz=2000.0, noise=noise, channels=(drive, "displacement"))
+    return corrected(records, errors or {})
+
+
+def free(errors=None):
+    decay = measured_ring_down(DECAYING, x=0.012, rate_hz=1000.0, duration=3.0, noise=1e-5)
+    return corrected([decay], errors or {})
+
+
+def relative(found, name=None):
+    """Standard error of each number over its value."""
+    answer = found.answer if name is None else found.approaches[name]
+    return [answer.standard_errors[s] / answer.values[s] for s in SYMBOLS]
+
+
+@pytest.mark.parametrize(("records", "check"), [(forced, "direct"), (free, "balance")])
+def test_all_numbers_are_in_proportion_to_the_stiffness(records, check):
+    found = identify(records(), stiffness=(2310.0, 23.1))
+    # noise of 1e-5 leaves errors of less than 0.1 %
+    for name in ("maximum likelihood", check):
+        assert relative(found, name) == pytest.approx([0.01] * 3, rel=5e-3), name
+    assert found.covariance.loc["F_k", "c"] == pytest.approx(
+        1e-4 * found.values["F_k"] * found.values["c"], rel=1e-2
+    )
+    merit = found.document()["maximum_likelihood"]
+    assert merit["m_standard_error_kg"] / merit["m_kg"] == pytest.approx(0.01, rel=5e-3)
+
+
+def test_a_force_does_not_ask_for_the_stiffness():
+    """m ẍ + c ẋ + k x + F = f: with one frequency k and m are told apart by nothing but harmonics."""
+    found = identify(forced(drive="force"), stiffness=(2310.0, 23.1))
+    assert relative(found)[0] < 2e-3
+    assert relative(found, "direct")[1] < 2e-3
+
+
+@pytest.mark.parametrize("fault", ["drive", "response", "late"])
+def test_an_interval_is_what_such_records_scatter_by(fault):
+    """Records that are off by one standard uncertainty give numbers off by what the errors say."""
+    quantity = "base_displacement" if fault == "drive" else "displacement"
+    uncertain = {"delay_error": 1e-5} if fault == "late" else {"gain_error": 1e-3}
+    off = {"delay": 1e-5} if fault == "late" else {"gain": 1.001}
+    # so much that the fault does not show
+    plain, stated, faulty = (
+        identify(forced(errors, noise=1e-3), stiffness=PAPER.k)
+        for errors in ({}, {quantity: uncertain}, {quantity: off})
+    )
+    assert stated.values == pytest.approx(plain.values, rel=1e-9)
+    for name in ("maximum likelihood", "direct"):
+        one, two = faulty.approaches[name].values, plain.approaches[name].values
+        for symbol, error in stated.approaches[name].standard_errors.items():
+            noise = plain.approaches[name].standard_errors[symbol]
+            added = math.sqrt(error**2 - noise**2)
+            # to first order, and as far as the weights of the rows stay as they are
+            off_by = abs(one[symbol] - two[symbol])
+            assert added == pytest.approx(off_by, rel=0.05, abs=2e-5 * two[symbol]), (name, symbol)
+
+
+def test_a_gain_of_a_decay_scales_friction_alone():
+    found = identify(free({"displacement": {"gain_error": 0.02}}), stiffness=2310.0)
+    F_k, *others = relative(found)
+    assert F_k == pytest.approx(0.02, rel=1e-2)
+    assert max(others) < 2e-3
+
+
+def test_a_mass_within_the_uncertainty_of_the_stiffness_contradicts_nothing():
+    off, mass = 1.004 * PAPER.k, (PAPER.m, 0.0)
+    without = identify(forced(), stiffness=off, mass=mass)
+    assert "you gave 2.42 kg (0.40 % less)" in without.approaches["direct"].verdicts["F_k"].reason
+    found = identify(forced(), stiffness=(off, 0.004 * off), mass=mass)
+    assert not any("you gave" in v.reason for v in found.verdicts.values())
+    low, high = found.intervals["F_k"]
+    assert low < PAPER.F_k < high
+
+
+@pytest.mark.parametrize("records", [forced, free])
+def test_a_report_says_once_on_what_its_numbers_depend(records):
+    words = "All numbers are conditional on the stiffness and the gains"
+    known = {"mass": (PAPER.m, 0.0)}
+    for given, asked in (
+        ({}, ("--stiffness 2310±10", "--mass")),
+        (known, ("--stiffness 2310±10",)),
+        ({"stiffness": "2310±10"}, ("--mass",)),
+        ({"stiffness": "2310+-10", **known}, ()),
+    ):
+        report = identify(records(), **{"stiffness": 2310.0, **given}).text()
+        assert report.count(words) == bool(asked)
+        remedies = report.partition(words)[2].partition("To be sure")[2].partition("\n")[0]
+        for one in ("2310±10", "--mass"):
+            assert (one in remedies) == any(one in a for a in asked)
+        if asked:
+            assert "1 % in the stiffness changes F_k by +1 %, c by +1 %" in report or known == given
+
+
+def of_no_oscillator(errors=None):
+    """Levels whose friction differs by a factor of five: no oscillator responds like them."""
+    forces = (0.5, 2.5, 1.0)
+    pairs = zip(LEVELS[::2], forces, strict=True)
+    orbits = [orbits_at(3.5, (Y,), replace(PAPER, F_k=F_k))[0] for Y, F_k in pairs]
+    channels = {"rate_hz": 1000.0, "cycles": 20.0, "channels": THREE[:2]}
+    records = [measured_orbit(o, noise=0.01, seed=i, **channels) for i, o in enumerate(orbits)]
+    return corrected(records, errors or {})
+
+
+@pytest.mark.parametrize(
+    ("stiffness", "errors"),
+    [("2310±23.1", {}), (2310.0, {"base_displacement": {"gain_error": 0.01}})],
+    ids=["stiffness", "gain"],
+)
+def test_uncertainties_are_stated_for_records_that_no_oscillator_fits(stiffness, errors):
+    """The shifts of such a fit are not known; those of the balance are."""
+    plain, stated = (
+        identify(of_no_oscillator(of), k) for of, k in (({}, 2310.0), (errors, stiffness))
+    )
+    assert not plain.joint.waveforms_hold
+    fits = (one.approaches["maximum likelihood"] for one in (plain, stated))
+    assert next(fits).standard_errors == next(fits).standard_errors
+    c, (without, with_it) = (
+        plain.approaches["direct"].values["c"],
+        (one.approaches["direct"].standard_errors["c"] for one in (plain, stated)),
+    )
+    # W, and c with it, is in proportion to k and to the drive
+    assert math.sqrt(with_it**2 - without**2) == pytest.approx(0.01 * c, rel=0.02)
+
+
+def test_a_mass_that_the_fit_takes_adds_its_uncertainty():
+    """The error of each number is what a mass that is off by one standard uncertainty does to it."""
+    errors = 0.5 * identify(forced(), PAPER.k).reference.merit["m_standard_error_kg"]
+    exact, off, stated = (
+        identify(forced(), PAPER.k, mass=mass)
+        for mass in ((PAPER.m, 0.0), (PAPER.m + errors, 0.0), (PAPER.m, errors))
+    )
+    assert stated.values == exact.values
+    for symbol, error in stated.standard_errors.items():
+        added = math.sqrt(max(error**2 - exact.standard_errors[symbol] ** 2, 0.0))
+        moved = abs(off.values[symbol] - exact.values[symbol])
+        # to first order; numbers that hardly move drown in rounding
+        assert added == pytest.approx(moved, rel=0.03, abs=1e-3 * error), symbol
+    merit = stated.document()["maximum_likelihood"]
+    assert merit["m_standard_error_kg"] == pytest.approx(errors)
+
+
+@pytest.mark.parametrize("noise", [1e-3, 1e-2])
+def test_a_weighed_mass_doubts_nothing_that_it_does_not_move(noise):
+    """3.098 kg on scales for 3.1 kg: half a per cent is what such a mass is known to."""
+    records = forced(noise=noise)
+    free = identify(records, PAPER.k)
+    weighed, wrong = (identify(records, PAPER.k, mass=m) for m in (2.418, 2.0))
+    for found in (free, weighed):
+        assert {v.verdict for v in found.verdicts.values()} == {"usable"}
+    if not weighed.joint.mass_taken:
+        assert weighed.values == free.values
+        assert "The records imply 2.42" in " ".join(weighed.rig)
+        assert "you gave 2.418 kg (" in " ".join(weighed.rig)
+    assert {v.verdict for v in wrong.verdicts.values()} == {"doubtful"}
+    assert "you gave 2 kg (17" in wrong.verdicts["F_k"].reason
+
+
+@pytest.mark.parametrize(("drift", "part"), [(1e-3, 0.0), (1e-3, 0.5), (0.04, 0.5)])
+def test_a_drift_is_in_the_intervals_and_doubts_nothing(drift, part):
+    """One level's response grows by a thousandth, or by 4 %, with time: its numbers hold within their intervals."""
+    records = forced(noise=1e-3)
+    t, x = records[0]["displacement"].t, records[0]["displacement"].values
+    grown = x * (1.0 + drift * (t / t[-1] - part))
+    plain = identify(records, PAPER.k)
+    found = identify([changed(records[0], "displacement", values=grown), *records[1:]], PAPER.k)
+    assert "the response is not steady" in found.warnings[0]
+    assert {found.verdicts[s].verdict for s in ("F_k", "c")} == {"usable"}
+    for name in ("maximum likelihood", "direct"):
+        answer, before = found.approaches[name], plain.approaches[name].standard_errors
+        for symbol in ("F_k", "c"):
+            low, high = answer.intervals[symbol]
+            assert low < getattr(PAPER, symbol) < high, (name, symbol)
+            assert answer.standard_errors[symbol] > 1.5 * before[symbol]
+
+
+@pytest.mark.parametrize(
+    "wrong", [(2310.0, -1.0), (2310.0, 2310.0), "2310±x", (1.0, 2.0, 3.0), "±1"]
+)
+def test_an_uncertainty_that_is_none_is_refused(wrong):
+    with pytest.raises(ValueError, match="stiffness must be a positive number"):
+        identify(forced(), stiffness=wrong)
+
+
+@pytest.mark.parametrize(
+    ("value", "mass", "error"),
+    [
+        ("3.1", 3.1, 0.05),
+        (3.1, 3.1, 0.05),
+        ("3.100", 3.1, 0.0155),
+        (3.098, 3.098, 0.01549),
+        (np.float64(3.098), 3.098, 0.01549),
+        (24, 24.0, 0.5),
+        ("3.1±0.01", 3.1, 0.01),
+        ("3.1+-0.01", 3.1, 0.01),
+        ((3.1, 0.0), 3.1, 0.0),
+    ],
+)
+def test_a_mass_alone_is_known_to_half_its_last_digit_or_half_a_per_cent(value, mass, error):
+    assert mass_with_error(value) == pytest.approx((mass, error))
+    of_text = mass_on_the_command_line(value) if isinstance(value, str) else (mass, error)
+    assert of_text == pytest.approx((mass, error))
+
+
+@pytest.mark.parametrize(
+    "wrong", [(3.1, 3.1), "3.1±x", "x", "-3", True, (3.1, -0.1), [1.0, 0.1, 0.1]]
+)
+def test_a_mass_that_is_none_is_refused(wrong):
+    with pytest.raises(ValueError, match="mass must be a positive number"):
+        mass_with_error(wrong)
+
+
+def test_a_configuration_states_the_uncertainty_of_its_mass():
+    of = {"stiffness_N_per_m": 2310.0, "mass_kg": 2.42}
+    assert configured(of)["mass"] == 2.42
+    assert configured(of | {"mass_standard_error_kg": 0.01})["mass"] == (2.42, 0.01)
+    for kind in ("forced", "ring-down", "stepped-sine"):
+        assert not not_taken(of | {"kind": kind, "mass_standard_error_kg": 0.01})
+
+
+def test_a_light_damping_asks_more_of_the_frequency():
+    """Q = 220 at resonance: a frequency that is off by 4e-7 turns the response by more than the noise does."""
+    k = 2.0 * (20.0 * math.pi) ** 2
+    osc = Oscillator(2.0, 0.5, k, 20.0 * k, 0.05)
+    orbits = [steady_orbit(osc, BaseMotion(Y, 20.0 * math.pi)) for Y in (2e-5, 4e-5, 6e-5)]
+    options = {"rate_hz": 1000.0, "cycles": 40.0, "noise": 3e-3, "channels": THREE[:2]}
+    sizes = []
+    for seed in range(6):
+        records = [measured_orbit(o, seed=10 * seed + i, **options) for i, o in enumerate(orbits)]
+        merit = identify(records, k, approaches="direct").reference.merit
+        sizes.append((merit["m_kg"] - osc.m) / merit["m_standard_error_kg"])
+    # rms of six normal numbers: above 1.7 once in 400 times
+    assert math.sqrt(np.mean(np.square(sizes))) < 1.7
+
+
+def test_the_verdict_on_a_contact_agrees_with_what_is_said_of_it():
+    """K_z and its interval are conditional on the model; the sentence says so, and what another contact would be."""
+    found = identify(measured(noise=0.003, cycles=40.0), PAPER.k)
+    (said,) = (words for words in found.rig if "yields gradually" in words)
+    assert found.verdicts["K_z"].verdict == "usable"
+    assert said.startswith("K_z and its interval are conditional on a contact that yields at once")
+    assert "is stiffer by up to" in said

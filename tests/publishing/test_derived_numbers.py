@@ -1,0 +1,237 @@
+"""Numbers that the article argues with and computes itself, against cases whose answer is known."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from dampbalance.features import Features
+from dampbalance.figures.numerics import Damping, Evidence, glance
+from dampbalance.publishing.article.derived_numbers import (
+    agreement_of_instants,
+    at_a_glance,
+    integral_deviations,
+    lock_in_errors,
+    sampling_instants,
+    step_from_work,
+)
+from dampbalance.replication.as_published import (
+    cycle_table,
+    features_of,
+    scheme_table,
+    simulate_levels,
+    trial_table,
+)
+from replication.routes import CASE, PAPER, PRINT, approaches, as_published, exact
+
+STEP_US = 1e6 * CASE.numerics.step_s
+
+
+@pytest.fixture(scope="module")
+def coarse():
+    """A case with a step of 50 µs: the same motion in a tenth of the time."""
+    numerics = replace(CASE.numerics, step_s=5e-5, slip_samples=(1, 1, 1, 1, 1))
+    return replace(CASE, numerics=numerics)
+
+
+def claims_of(name: str, values) -> pd.DataFrame:
+    """Claims with the printed a or W of Table 2."""
+    ids = [f"table2.{name}.{level}" for level in range(1, len(values) + 1)]
+    return pd.DataFrame({"id": ids, "printed": [repr(float(value)) for value in values]})
+
+
+def test_the_last_cycle_is_the_one_that_features_are_read_from(coarse):
+    table = cycle_table(coarse, "omega1")
+    last = table[table["cycle"] == table["cycle"].max()]
+    records = simulate_levels(coarse, "omega1")
+    read = features_of(records, coarse, "omega1", "sample")
+    # the same samples; their times are divided by another length of record
+    np.testing.assert_allclose(last["a_m"], read.a, rtol=1e-14)
+    assert table["cycle"].nunique() == 12
+    assert not table["a_m"].isna().any()
+
+
+def test_a_period_of_whole_steps_samples_each_cycle_alike(coarse):
+    """Then a is the same in all of them, to what is left of the transient; otherwise it moves by fractions of V_s h."""
+    period = 2.0 * math.pi / coarse.omega("omega1")
+    whole = replace(coarse, numerics=replace(coarse.numerics, step_s=period / 4096))
+
+    def moved(case):
+        table = cycle_table(case, "omega1")
+        per_step = 2.0 * table["V_s_m_per_s"] * case.numerics.step_s
+        first = table["a_m"].groupby(table["level"]).transform("first")
+        return float(((table["a_m"] - first) / per_step).abs().max())
+
+    assert moved(whole) < 1e-6  # ζ = 0.6: a transient loses a factor of 100 in a cycle
+    assert 0.1 < moved(coarse) < 1.5
+
+
+@pytest.mark.parametrize("factor", [0.5, 1.0, 1.002])
+def test_the_step_is_found_from_the_work_that_it_gave(factor):
+    """W is linear in h: W printed for another step is on the line through h = 0 and the simulated one."""
+    limit = np.array([0.08, 0.2])
+    euler = limit * (1.0 - np.array([1.2e-4, 1.3e-4]))
+    table = pd.DataFrame({"scheme": ["rk4", "rk4", "backward-euler", "backward-euler"]})
+    ways = {"rounded": 1.0, "c_over_m": 1.0 + 1e-6, "exact": 1.0 - 1e-6}
+    tables = [
+        table.assign(coefficients=way, W_J=by * np.array([*limit, *euler]))
+        for way, by in ways.items()
+    ]
+    printed = claims_of("W", limit + factor * (euler - limit))
+    steps = step_from_work(printed, pd.concat(tables), CASE)
+    assert steps["rounded"]["min"] == pytest.approx(factor * STEP_US, rel=1e-9)
+    assert steps["rounded"]["max"] == pytest.approx(factor * STEP_US, rel=1e-9)
+    # W larger by 1e-6 of itself needs a longer step to come down to print
+    longer = 1e-6 / np.array([1.2e-4, 1.3e-4]) * STEP_US
+    for way, sign in (("c_over_m", 1.0), ("exact", -1.0)):
+        moved = np.sort([steps[way]["min"], steps[way]["max"]])
+        np.testing.assert_allclose(moved, np.sort(factor * STEP_US + sign * longer), rtol=2e-6)
+
+
+def trial_of(trial: str, a: np.ndarray, V_s: np.ndarray, **columns) -> pd.DataFrame:
+    """Two cycles of two levels of a trial."""
+    setting = {"trial": trial, "scheme": "rk4", "step_s": CASE.numerics.step_s, "c_N_s_per_m": 90.0}
+    numbers = {
+        "cycle": [0, 0, -1, -1],
+        "level": [1, 2, 1, 2],
+        "a_m": a,
+        "V_s_m_per_s": [*V_s, *V_s],
+    }
+    return pd.DataFrame(setting | numbers | {"W_J": 1.0} | columns)
+
+
+def test_instants_agree_to_what_they_were_moved_by():
+    """Whole steps do not count; of a part of a step, what differs between the levels of a cycle."""
+    V_s = np.array([0.01, 0.02])
+    a = np.array([0.0109, 0.0175])
+    per_step = 2.0 * V_s * CASE.numerics.step_s
+    moved = np.array([*(a - per_step * [0.3, 2.34]), *(a - per_step * [1.7, -0.32])])
+    further = np.array([*(a - per_step * [0.3, 0.5]), *(a - per_step * [0.3, 0.4])])
+    cycles = pd.concat(
+        [
+            trial_of("as_published", moved, V_s),
+            trial_of("other_steps", further, V_s, step_s=CASE.numerics.step_s),
+            trial_of("other_damping", further, V_s, c_N_s_per_m=90.2),
+            trial_of("other_damping", moved, V_s, c_N_s_per_m=90.1, W_J=[1.01, 1.0, 1.0, 0.98]),
+        ],
+        ignore_index=True,
+    )
+    claims = pd.concat([claims_of("a", a), claims_of("W", [1.0, 1.0])])
+    instants = sampling_instants(cycles, claims)
+    assert instants["instant"][:2].tolist() == pytest.approx([-0.02, 0.02], rel=1e-6)
+    agreement = agreement_of_instants(instants, claims)
+    assert (agreement["count"], agreement["steps"]) == (2, 1)
+    # half of 0.34 − 0.30 and of 0.70 − 0.68
+    assert agreement["spread"]["as_published"] == pytest.approx(
+        {"min": 0.01, "max": 0.02}, rel=1e-6
+    )
+    assert agreement["spread"]["other_steps"] == pytest.approx({"min": 0.05, "max": 0.1}, rel=1e-6)
+    best = {"c": 90.1, "spread": 0.02, "W": 0.02}
+    assert agreement["other_damping"] == pytest.approx(best, rel=1e-6)
+
+
+@pytest.fixture(scope="module")
+def printed():
+    """The claims that the numbers on Tables 2 and 3 are computed from."""
+    rows = {
+        id: row.printed for id, row in PRINT.rows.items() if id.startswith(("table2", "table3"))
+    }
+    return pd.DataFrame({"id": rows.keys(), "printed": rows.values()})
+
+
+@pytest.fixture(scope="module")
+def schemes():
+    return scheme_table(CASE, "omega1")
+
+
+@pytest.mark.parametrize(
+    ("rounding", "low", "high"),
+    [("rounded", 4.987, 5.003), ("c_over_m", 5.008, 5.023), ("exact", 4.922, 4.937)],
+)
+def test_the_steps_of_W_are_those_of_an_independent_computation(
+    schemes, printed, rounding, low, high
+):
+    """W scatters by 2e-8 of itself with where the grid of samples falls, which is 0.001 µs."""
+    steps = step_from_work(printed, schemes, CASE)[rounding]
+    assert steps["min"] == pytest.approx(low, abs=1e-3)
+    assert steps["max"] == pytest.approx(high, abs=1e-3)
+
+
+def test_W_fits_the_exact_solver_with_the_damping_put_in_by_hand(schemes, printed):
+    """Better than the simulation: numbers of an independent computation, to half a unit of their last digit."""
+    rebuilt = as_published(PAPER).features["omega1"]
+    W = integral_deviations(exact().features["omega1"], rebuilt, printed, schemes)["W"]
+    assert W["printed_from_by_hand"]["max"] == pytest.approx(2.3e-7, abs=0.05e-7)
+    assert W["printed_from_rebuilt"]["max"] == pytest.approx(3.4e-7, abs=0.05e-7)
+    assert W["printed_from_c_over_m"]["max"] == pytest.approx(5.9e-7, abs=0.05e-7)
+
+
+@pytest.fixture(scope="module")
+def trials():
+    return trial_table(CASE, "omega1")
+
+
+def test_the_samples_of_a_tell_backward_euler(trials, printed):
+    """Against an independent computation: backward Euler 0.020–0.023 of a step, without dissipation 0.26–0.27."""
+    agreement = agreement_of_instants(sampling_instants(trials, printed), printed)
+    spread = agreement["spread"]
+    # which read a as a displacement, and not by Simpson's rule: an instant moves by up to 0.005 of a step
+    assert spread["as_published"]["min"] > 0.020 - 0.0055
+    assert spread["as_published"]["max"] < 0.0235
+    assert 0.255 < spread["by_hand"]["min"] < spread["by_hand"]["max"] < 0.275
+    # 0.23–0.49 there, at nine other steps that were not stated: any pair of levels may be half a step apart
+    assert 0.225 < spread["other_steps"]["min"] < spread["other_steps"]["max"] <= 0.5
+    assert (agreement["count"], agreement["steps"]) == (12, 9)
+    # no damping makes up for it: the best for the instants is off in W by 3.0e-6, against 3.4e-7 of backward Euler
+    assert agreement["other_damping"]["spread"] > 2.0 * spread["as_published"]["max"]
+    assert agreement["other_damping"]["W"] > 8.0 * 3.4e-7
+
+
+def test_the_steps_of_other_roundings_are_those_that_W_asks_for(trials, schemes, printed):
+    steps = step_from_work(printed, schemes, CASE)
+    for rounding in ("c_over_m", "exact"):
+        rows = trials[trials["trial"] == f"step_of_W_{rounding}"]
+        (tried,) = 1e6 * rows["step_s"].unique()
+        assert steps[rounding]["min"] < tried < steps[rounding]["max"]
+
+
+def test_the_errors_of_a_fit_have_their_sign():
+    """b from the fundamental alone is too small, so that F_k by least squares comes out too large."""
+    features = exact(PAPER).features["omega2"]
+    errors = lock_in_errors(Features.from_frame(features), PAPER, CASE.pairs)
+    assert errors["least_squares"]["F_k"] > 0.0 > errors["least_squares"]["c"]
+    assert errors["pair"]["F_k"] >= errors["least_squares"]["F_k"]
+
+
+def test_the_figure_shows_what_it_is_given():
+    features = exact(PAPER).features
+    claims = pd.DataFrame({"id": ["text.c_direct_ls"], "printed": ["90.0115"]})
+    none = pd.DataFrame()
+    evidence = Evidence(
+        claims, features["omega1"], as_published(PAPER).estimates["omega1"], none, none, none
+    )
+    damping, errors, hz = at_a_glance(evidence, approaches(), CASE)
+    assert damping.true == 90.0
+    assert damping.rebuilt == pytest.approx(90.0114, abs=5e-5)
+    assert damping.added == pytest.approx(PAPER.m * CASE.omega("omega1") ** 2 * 5e-6, rel=1e-12)
+    # from independent computations, half a unit of their last digit: least squares by X_s, which the paper does with
+    # each level's phase of the reversal, and never with the mean phase of its pairs
+    assert errors["paper’s fit"] == pytest.approx([0.68, -16.2, 11.8], abs=0.05)
+    assert errors["paper’s fit"][0] == pytest.approx(0.68, abs=0.005)
+    assert errors["mean $\\varphi$ (ours)"] == pytest.approx([1.37, -19.5, -65.8], abs=0.05)
+    figure = glance(damping, errors, hz)
+    shown = {text.get_text() for axes in figure.axes for text in axes.texts}
+    assert {"90.0000", "90.0115", "−66", "+4.0"} <= shown
+
+
+def test_a_scheme_without_damping_is_drawn_at_the_truth():
+    figure = glance(Damping(90.0, 0.01, 90.0, 90.005), {"a": [1.0]}, [4.92])
+    left = figure.axes[0]
+    places = {
+        round(float(line.get_xdata()[0]), 4) for line in left.lines if len(line.get_xdata()) == 1
+    }
+    assert places == {90.0, 90.01, 90.005}

@@ -1,0 +1,372 @@
+"""Whatever a file holds: no code runs from it, nothing of the user's is lost; it is read, or refused in one sentence.
+
+Sound files of every format are damaged and absurd ones written by one strategy; a table names what must be refused.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import pickle
+import re
+import struct
+import tracemalloc
+import warnings
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+import scipy.io
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from dampbalance.commands.main import main
+from dampbalance.model import BaseMotion
+from dampbalance.motion.orbit import steady_orbit
+from dampbalance.records.errors import LARGEST_FILE, LARGEST_VALUE, RecordError, RecordWarning
+from dampbalance.records.mapping import read_mapping
+from dampbalance.records.readers import FORMATS as SUFFIXES
+from dampbalance.records.readers import channels, read
+from dampbalance.records.synthetic import measured_orbit
+from paper_case import PAPER
+from processes import in_time
+from records.formats import write_columns
+from records.workbooks import row, xlsx
+
+pytestmark = pytest.mark.usefixtures("coarse")
+
+NAMES = ("time_s", "base_displacement_m", "displacement_m")
+RULES = {"base_displacement": {"channel": 1, "unit": "m"}, "displacement": {"channel": 2, "unit": "m"}}  # fmt: skip
+LONGEST = 2000  # characters of an error on a screen
+UNSHOWABLE = re.compile(r"[\x00-\x09\x0b-\x1f\x7f-\x9f\u2028-\u202e]")
+FORMATS = ("csv", "parquet", "mat", "mat73", "h5", "tdms", "wav", "uff", "xlsx")
+
+ORBIT = steady_orbit(PAPER, BaseMotion(Y=0.004, omega=2.0 * np.pi * 3.5))
+MADE = measured_orbit(ORBIT, rate_hz=500.0, cycles=14, noise=0.005, seed=1)
+T, Y, X = (np.array(a) for a in (MADE.excitation.t, MADE.excitation.values, MADE["displacement"].values))  # fmt: skip
+
+
+def write(path, t=T, y=Y, x=X, names=NAMES):
+    """Write columns by their names, in the format of the suffix; give the path."""
+    if path.suffix == ".xlsx":
+        xlsx(path, map(row, [names, *np.transpose([t, y, x]).tolist()]))
+        return path
+    columns = dict(zip(names, (t, y, x), strict=True))
+    return write_columns(path, columns, matlab_73=path.stem == "mat73")
+
+
+def said_of(path, mapping=None):
+    """What is said against a file, one sentence that names it; "" where its record is read, with finite values."""
+    before = {p: p.read_bytes() for p in path.parent.iterdir() if p.is_file()}
+    said = ""
+    with in_time(120), warnings.catch_warnings():  # nothing here takes a tenth of that
+        for kind in (RecordWarning, ResourceWarning):  # libraries leave open what they cannot read
+            warnings.simplefilter("ignore", kind)
+        try:
+            record = read(path, mapping)
+            assert all(np.abs(record[q].values).max() <= LARGEST_VALUE for q in record)
+        except RecordError as error:
+            said = str(error)
+            assert str(path) in said
+    assert len(said) < LONGEST
+    assert not UNSHOWABLE.search(said)
+    assert before == {p: p.read_bytes() for p in path.parent.iterdir() if p.is_file()}
+    return said
+
+
+# The property
+
+
+@pytest.fixture(scope="module")
+def sound_files(tmp_path_factory):
+    """A folder with a sound record in each format."""
+    folder = tmp_path_factory.mktemp("formats")
+    for kind in FORMATS:
+        write(folder / f"{kind}.{kind.removesuffix('73')}")
+    return folder
+
+
+few = st.sampled_from(["csv", "h5"])
+numbers = st.floats() | st.sampled_from([1e308, -1e308, 1e160, 5e-324, 1e-150, 1e15, -0.0])
+names = st.text(st.characters(exclude_categories=["Cs"]), max_size=40)
+three = st.lists(names, min_size=3, max_size=3, unique=True)
+damages = st.one_of(
+    st.tuples(st.sampled_from(["cut", "doubled", "zeros"]), st.floats(0.0, 1.0)),
+    st.lists(st.tuples(st.floats(-0.1, 1.0), st.integers(0, 255)), min_size=1, max_size=20),
+)
+hostile = st.one_of(
+    st.tuples(st.just("damaged"), st.sampled_from(FORMATS), damages),
+    st.tuples(st.just("values"), few, st.tuples(st.integers(0, 2), numbers, numbers, st.booleans())),
+    st.tuples(st.just("names"), st.sampled_from(["csv", "parquet"]), three),
+    st.tuples(st.just("text"), st.just("csv"), st.text("0123456789.,;-+eE\t\n \"'#aµ\u202e", max_size=300)),
+)  # fmt: skip
+
+
+def damaged(data, damage):
+    """The bytes, cut, changed, with a part twice, or ending in zeros; below 0 a change is in the first 200 bytes."""
+    if isinstance(damage, list):
+        changed = bytearray(data)
+        for at, value in damage:
+            span = 200 if at < 0.0 else len(data) - 1
+            changed[int(abs(at) * (10.0 if at < 0.0 else 1.0) * min(span, len(data) - 1))] = value
+        return bytes(changed)
+    kind, of = damage
+    at = int(of * len(data))
+    rest = {"cut": b"", "doubled": data[at // 2 :], "zeros": bytes(len(data) - at)}[kind]
+    return data[:at] + rest
+
+
+def holds(folder, sound_files, file):
+    way, kind, what = file
+    path = folder / f"{kind}.{kind.removesuffix('73')}"
+    if way == "damaged":
+        path.write_bytes(damaged((sound_files / path.name).read_bytes(), what))
+    elif way == "text":
+        path.write_text(what, encoding="utf-8")
+    elif way == "names":
+        write(path, names=what)
+    else:
+        which, factor, offset, one = what
+        columns = [T.copy(), Y.copy(), X.copy()]
+        with np.errstate(all="ignore"):
+            changed = factor * columns[which] + offset
+        columns[which] = (
+            np.where(np.arange(T.size) == 77, changed, columns[which]) if one else changed
+        )
+        write(path, *columns)
+    said_of(path, {"channels": RULES} if kind == "wav" else None)
+
+
+@settings(max_examples=60)
+@given(file=hostile)
+def test_a_hostile_file_is_read_or_refused_in_one_sentence(tmp_path_factory, sound_files, file):
+    holds(tmp_path_factory.mktemp("hostile"), sound_files, file)
+
+
+@settings(max_examples=2000)
+@given(file=hostile)
+def test_many_hostile_files_are_read_or_refused(tmp_path_factory, sound_files, file):
+    holds(tmp_path_factory.mktemp("hostile"), sound_files, file)
+
+
+# What must be refused, and in which words
+
+ALTERNATING = np.where(np.arange(X.size) % 2, 1e308, -1e308)
+COLUMNS = {
+    "huge": ({"y": 1e150 * Y, "x": 1e150 * X}, r"beyond 1e\+15 m, and so are"),
+    "the largest": ({"x": ALTERNATING}, r"1e\+308, beyond 1e\+15 m"),
+    "one value": ({"x": np.where(np.arange(X.size) == 77, 1e160, X)}, r"(line 79|sample 78): .*1e\+160"),
+    "tiny": ({"y": 1e-150 * Y, "x": 1e-150 * X}, "too little to mean anything"),
+    "subnormal": ({"x": 5e-322 * X}, "constant|too little"),
+    "constant except for rounding": ({"x": 1.0 + 1e-13 * (X > 0)}, "constant except for rounding"),
+    "infinite": ({"y": np.where(Y > 0, Y, -np.inf)}, "is infinite"),
+    "late": ({"t": T + 1e17}, r"beyond 1e\+12 s"),
+    "fast": ({"t": 1e-300 * T}, "which no recorder has"),
+    "backwards": ({"t": T[::-1]}, "does not increase"),
+    "of 8 bits": ({"x": (6e4 * X).astype("i8").astype("i1") * 1.0}, "an integer of 8 bits ran over"),
+    "of 16 bits": ({"x": (3e7 * X).astype("i8").astype("i2") * 1.0}, "an integer of 16 bits ran over"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("suffix", ["csv", "h5"])
+@pytest.mark.parametrize("name", COLUMNS)
+def test_values_and_times_that_no_rig_gives(name, suffix, tmp_path):
+    changed, message = COLUMNS[name]
+    assert re.search(message, said_of(write(tmp_path / f"bad.{suffix}", **changed)))
+
+
+@pytest.mark.parametrize("step", [0.0, -1e-3, 1e-300, 1e300, np.nan, np.inf, "often", 1 + 2j, True])
+def test_steps_that_no_recorder_has(step, tmp_path):
+    path = write(tmp_path / "bad.h5", names=("other", *NAMES[1:]))
+    with h5py.File(path, "a") as file:
+        file.attrs["dt"] = step
+    assert "dt of channel 'base_displacement_m' is" in said_of(path)
+
+
+def far_cell(path):
+    far = '<row r="{}"><c r="{}"><v>1</v></c></row>'
+    xlsx(path, [far.format(1, "A1"), far.format(1048576, "XFD1048576")])
+
+
+def packed_zeros(path):
+    with h5py.File(path, "w") as file:
+        for name in NAMES:
+            file.create_dataset(name, (10**9,), "f8", chunks=(10**5,), compression="gzip")
+
+
+def rows_of_zeros(path):
+    path.write_text("time_s,y_m,x_m\n")
+    os.truncate(path, LARGEST_FILE + 1)  # takes no room on the disk
+
+
+def many_arrays(path):
+    """A head alone: what it says is looked at, not what follows."""
+    scipy.io.savemat(path, {"displacement_m": np.zeros((2, 3))})
+    small = struct.pack("<ii", 2, 3)
+    path.write_bytes(path.read_bytes().replace(small, struct.pack("<ii", 2**15, 2**15)))
+
+
+@pytest.mark.parametrize(
+    ("name", "fill", "message"),
+    [
+        ("far.xlsx", far_cell, "XFD1048576, makes a sheet of 1,048,576 × 16,384 cells"),
+        ("bad.h5", packed_zeros, "would be 3,000,000,000 numbers, more than 200,000,000; give a part"),
+        ("bad.csv", rows_of_zeros, "has 4 GB, more than the 4 GB that are read; give a part"),
+        ("bad.mat", many_arrays, "would be 1,073,741,824 numbers, more than"),
+    ],
+)  # fmt: skip
+def test_a_file_too_large_for_memory_says_so(name, fill, message, tmp_path):
+    path = tmp_path / name
+    fill(path)
+    tracemalloc.start()
+    with pytest.raises(RecordError, match=re.escape(message)):
+        read(path)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak < 10e6  # bytes
+
+
+def test_no_code_runs_from_a_file(tmp_path):
+    trace = tmp_path / "trace"
+    trap = pickle.dumps(Trap(trace))
+    pickle.loads(trap)
+    assert trace.exists()  # the trap works
+    trace.unlink()
+    for suffix in [suffix for kind in SUFFIXES.values() for suffix in kind.suffixes]:
+        path = tmp_path / f"run{suffix}"
+        for name in (path, *(tmp_path / f"run{end}" for end in (".pickle", ".pkl", f"{suffix}.pkl"))):  # fmt: skip
+            name.write_bytes(trap)
+        assert said_of(path)
+    (tmp_path / "bad.yaml").write_text("!!python/name:os.system ''\n")
+    with pytest.raises(RecordError):
+        read_mapping(tmp_path / "bad.yaml")
+    assert not trace.exists()
+
+
+class Trap:
+    """An object that, unpickled, leaves a file."""
+
+    def __init__(self, path):
+        self.path = path
+
+    def __reduce__(self):
+        return Path.touch, (self.path,)
+
+
+ALIASES = "".join(
+    f"{b}: &{b} [{', '.join([f'*{a}'] * 9)}]\n" for a, b in zip("abcdefgh", "bcdefghi", strict=True)
+)
+MAPPINGS = [
+    "? [1, 2]\n: 3\n", "- a\n", "a: b: c\n", "\ta\n", "&a {level: *a}\n", "channels: &a {force: *a}\n",
+    "a: &a [1, 1, 1, 1, 1, 1, 1, 1, 1]\n" + ALIASES, "a: " + "[" * 2000 + "]" * 2000, "level: 2020-13-45\n",
+    "level: " + "9" * 5000, "level: .nan\n", "level: " + "L" * 2_000_000, "level: a\nlevel: b\n", "x" * 5000 + ": 1\n",
+    "".join(f"k{i}: 1\n" for i in range(1000)), "sample_rate_hz: 1.0e-300", "header_lines: " + "9" * 400,
+    "delimiter: ''\n", "frequency_hz: 1.0e+308\n", "channels: {force: {channel: " + "c" * 1001 + "}}",
+    "channels: {velocity: {channel: 1, unit: '" + "[" * 5000 + "'}}", "channels: {velocity: {channel: 1, scale: 0.0}}",
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("text", MAPPINGS, ids=range(len(MAPPINGS)))
+def test_mappings_that_are_none(text, tmp_path):
+    file = tmp_path / "bad.yaml"
+    file.write_text(text, encoding="utf-8")
+    with pytest.raises(RecordError) as error:
+        read_mapping(file)
+    lines = str(error.value).splitlines()
+    assert lines[0].startswith(f"{file}: ")
+    assert len(lines) <= 21
+    assert max(map(len, lines)) < 400
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (os.mkfifo, "is a pipe or a device"),
+        (lambda path: path.symlink_to("/dev/zero"), "is a pipe or a device"),
+        (lambda path: path.symlink_to(path.name), "cannot be opened"),
+    ],
+)
+def test_only_regular_files_are_opened(make, message, tmp_path):
+    path = tmp_path / "bad.h5"
+    make(path)
+    with pytest.raises(RecordError, match=message):
+        read(path)
+
+
+def test_groups_are_visited_once(tmp_path):
+    path = write(tmp_path / "run.h5")
+    with h5py.File(path, "a") as file:
+        group = file.create_group("g")
+        for _ in range(16):
+            below = group.create_group("left")
+            group["right"] = below
+            group = below
+        group["value"] = np.arange(5.0)
+        file["g/left/up"] = file["/"]
+        file["loop"] = h5py.SoftLink("/loop")
+        file["nowhere"] = h5py.SoftLink("/g/none/at/all")
+    assert len(channels(path)) == 4
+    assert not said_of(path)
+
+
+# Through the command line
+
+
+def tried(capsys, *arguments):
+    """Exit code and what was said: 0 with results, or 2 with a short error and nothing else."""
+    try:
+        code = main(["identify", *map(str, arguments), "--stiffness", "2310"])
+    except SystemExit as stopped:
+        code = stopped.code
+    out, err = capsys.readouterr()
+    assert code == 0 or (code == 2 and not out and len(err) < LONGEST)
+    assert not UNSHOWABLE.search(out + err)
+    return code, out + err
+
+
+SHOWN = ["<script>alert(1)<", r"a|b *c* $x_{$ \n %s {0}", "é漢🎲 &amp; '"]
+ACTING = ["\x1b[31mred", "a\nb", "a\u202eb"]
+
+
+@pytest.mark.parametrize("name", SHOWN + ACTING)
+def test_names_show_as_they_are_and_characters_that_act_are_spelt(name, tmp_path, capsys):
+    orbit = steady_orbit(PAPER, BaseMotion(Y=0.009, omega=ORBIT.motion.omega))
+    more = measured_orbit(orbit, rate_hz=500.0, cycles=14, noise=0.005, seed=2)
+    other = write(tmp_path / "a.csv", T, more.excitation.values, more["displacement"].values)
+    path, output = write(tmp_path / "run.csv", names=("t", "base", "x")), tmp_path / "out"
+    columns = {"base_displacement": {"channel": 2, "unit": "m"}}
+    columns["displacement"] = {"channel": 3, "unit": "m"}
+    document = {"channels": columns, "time": {"unit": "s"}}
+    for level in ({"level": name}, {})[name in ACTING :]:
+        path.with_name("run.yaml").write_text(json.dumps(document | level))
+    code, said = tried(capsys, path, other, "--output", output, "--approach", "fourier")
+    assert code == 0, said
+    texts = {f.name: f.read_text(encoding="utf-8") for f in output.iterdir() if f.suffix != ".png"}
+    assert not any(map(UNSHOWABLE.search, texts.values()))
+    bad = write(tmp_path / f"{name}.csv")
+    code, said = tried(capsys, bad, other)
+    assert ("characters that cannot be shown" in said) == (name in ACTING)
+
+
+@pytest.mark.parametrize("way", ["twice", "hard link", "copy", "other format"])
+def test_one_record_is_one_level(way, tmp_path, capsys):
+    path, other = write(tmp_path / "a.csv"), tmp_path / "b.csv"
+    if way == "hard link":
+        os.link(path, other)
+    elif way == "copy":
+        other.write_bytes(path.read_bytes())
+    else:
+        other = path if way == "twice" else write(tmp_path / "b.mat")
+    code, said = tried(capsys, path, other)
+    assert code == 2
+    assert "each record is one level" in said
+
+
+def test_results_that_could_not_be_written_are_not_computed_and_nothing_is_lost(tmp_path, capsys):
+    path, mine = write(tmp_path / "run.csv"), tmp_path / "mine"
+    mine.write_text("mine")
+    for folder in (mine, mine / "deeper", "a\0b", tmp_path / ("o" * 300)):
+        assert tried(capsys, path, "--output", folder)[0] == 2
+    assert mine.read_text() == "mine"
+    assert sorted(os.listdir(tmp_path)) == ["mine", "run.csv"]

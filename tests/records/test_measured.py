@@ -1,0 +1,189 @@
+"""Records in memory are read as files are: the same numbers, the same errors."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from dampbalance import BaseMotion, RecordError, measured_orbit, read_records, steady_orbit
+from paper_case import PAPER
+from records.formats import write_columns
+
+MOTION = BaseMotion(Y=0.004, omega=2.0 * math.pi * 3.5)
+BOTH = ("base_displacement", "acceleration")
+ORBIT = steady_orbit(PAPER, MOTION)
+MADE = measured_orbit(ORBIT, rate_hz=1000.0, cycles=4.0, noise=0.01, channels=BOTH)
+T, Y, A = MADE["acceleration"].t, MADE["base_displacement"].values, MADE["acceleration"].values
+COLUMNS = {"time_s": T, "base_displacement_m": Y, "acceleration_m_per_s2": A}
+ARRAYS = {"time_s": T, "base_displacement_mm": 1e3 * Y, "acceleration_g": A / 9.80665}
+
+
+def same(record, exact=0.0):
+    """Whether a record holds the signals made: to rounding of a change of units, unless exact."""
+    measurement = record.measurement
+    assert record.quantities == BOTH
+    for quantity, values in zip(BOTH, (Y, A), strict=True):
+        np.testing.assert_allclose(measurement[quantity].values, values, rtol=1e-15, atol=0.0)
+        np.testing.assert_allclose(measurement[quantity].t - T, 0.0, atol=exact)
+    return True
+
+
+FRAMES = {
+    "arrays": ARRAYS,
+    "frame": pd.DataFrame(ARRAYS),
+    "index": pd.DataFrame(ARRAYS).set_index("time_s"),
+    "rate": {k: v for k, v in ARRAYS.items() if k != "time_s"} | {"sample_rate_hz": 1000.0},
+    "series": {name: pd.Series(values) for name, values in ARRAYS.items()},
+    "measurement": MADE,
+}
+
+
+@pytest.mark.parametrize("form", FRAMES)
+def test_signals_in_memory_are_those_of_a_file(form, tmp_path):
+    assert same(read_records(FRAMES[form])[0], exact=1e-15)
+    write_columns(tmp_path / "run.parquet", COLUMNS)
+    assert same(read_records(tmp_path / "run.parquet")[0], exact=1e-15)
+
+
+SIGNALS = {name: ARRAYS[name] for name in ("base_displacement_mm", "acceleration_g")}
+HIDDEN = np.arange(T.size) == 7
+MISSING = {
+    "masked": np.ma.array(A, mask=HIDDEN),
+    "masked list": [np.ma.masked if hidden else a for a, hidden in zip(A, HIDDEN, strict=True)],
+    "NA": pd.array(A, dtype="Float64"),
+    "whole NA": pd.array(np.round(1e6 * A).astype(int), dtype="Int64"),
+    "Arrow": pd.array(A, dtype="float64[pyarrow]"),
+    "objects": A.astype(object),
+}
+for _name in ("NA", "whole NA", "Arrow", "objects"):
+    MISSING[_name][7] = pd.NA
+
+
+@pytest.mark.parametrize("form", MISSING)
+@pytest.mark.parametrize("table", [dict, pd.DataFrame], ids=["arrays", "table"])
+def test_a_masked_sample_is_missing(form, table):
+    """100 masked samples were once read as data."""
+    if table is pd.DataFrame and form.startswith("masked"):
+        pytest.skip("pandas makes NaN of a mask itself")
+    given = table(ARRAYS | {"acceleration_g": MISSING[form]})
+    with pytest.raises(RecordError, match="sample 8: channel 'acceleration' is empty or not a"):
+        read_records(given)
+
+
+@pytest.mark.parametrize("form", ["NA", "Arrow", "objects", "masked"])
+def test_without_a_gap_such_a_signal_is_like_any_other(form):
+    whole = MISSING[form].copy()
+    whole[7] = A[7]
+    (record,) = read_records(ARRAYS | {"acceleration_g": whole / 9.80665})
+    assert same(record)
+
+
+def test_masked_times_are_missing_too():
+    stamps = np.datetime64("2026-01-01") + (1e9 * T).astype("timedelta64[ns]")
+    for times in (T, stamps):
+        hidden = np.ma.array(times, mask=HIDDEN)
+        with pytest.raises(RecordError, match="sample 8: channel 'time' is empty"):
+            read_records({"time" + "_s" * (times is T): hidden} | SIGNALS)
+
+
+def test_an_array_with_named_fields_is_a_table():
+    fields = np.rec.fromarrays(list(ARRAYS.values()), names=list(ARRAYS))
+    assert same(read_records(fields)[0], exact=1e-15)
+    assert same(read_records([np.ma.array(fields)])[0], exact=1e-15)
+
+
+def test_points_in_time_are_seconds_from_the_first():
+    zones = pd.to_datetime("2026-03-29T01:59:59+01:00") + pd.to_timedelta(T, unit="s")
+    for stamps in (zones, zones.tz_convert(None), pd.to_timedelta(T, unit="s")):
+        frame = pd.DataFrame(ARRAYS | {"time_s": 0.0}, index=stamps).drop(columns="time_s")
+        assert same(read_records(frame.rename_axis("time"))[0], exact=1e-9)  # stamps are in ns
+
+
+def test_a_mapping_says_what_names_do_not():
+    raw = {"t": T, "laser": 1e3 * Y, "sensor": -A}
+    mapping = {
+        "channels": {
+            "base_displacement": {"channel": "laser", "unit": "mm"},
+            "acceleration": {"channel": "sensor", "unit": "m/s²", "sign": -1},
+        },
+        "time": {"channel": "t", "unit": "s"},
+        "frequency_hz": 3.5,
+        "level": "4 mm",
+    }
+    (record,) = read_records(raw, mapping=mapping)
+    assert same(record)
+    assert (record.label, record.rules.frequency_hz) == ("4 mm", 3.5)
+
+
+def test_what_the_caller_does_later_to_an_array_changes_no_record():
+    own = ARRAYS | {"base_displacement_m": Y.copy()}
+    del own["base_displacement_mm"]
+    (record,) = read_records(own)
+    own["base_displacement_m"][:] = 0.0
+    assert same(record)
+
+
+def test_names_tell_records_apart():
+    named = pd.DataFrame(ARRAYS)
+    named.attrs["name"] = "4 mm"
+    read = read_records([named, ARRAYS, named, MADE, MADE])
+    made = "simulated, Y = 0.004 m"
+    assert [record.name for record in read] == ["4 mm", "record 2", "4 mm (2)", made, f"{made} (2)"]
+    assert read_records(read) == read
+
+
+def test_a_record_goes_back_to_a_table():
+    frame = read_records(ARRAYS)[0].to_frame()
+    assert list(frame.columns) == ["base_displacement_m", "acceleration_m_per_s2"]
+    assert frame.index.name == "time_s"
+    assert same(read_records(frame)[0], exact=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"acceleration_g": None}, "record 1: finds no response"),
+        ({"acceleration_g": np.where(T[7] == T, np.nan, A)}, "record 1: sample 8: .*acceleration"),
+        ({"acceleration_g": np.ones(T.size)}, "record 1: .*acceleration.* constant"),
+        ({"acceleration_g": A[:-3]}, "has .* samples"),
+        ({"acceleration_g": np.stack([A, A])}, r"'acceleration_g' has the shape \(2, "),
+        ({"acceleration_g": A + 1j}, "'acceleration_g' holds complex numbers"),
+        ({"acceleration_g": ["1.0"] * T.size}, "'acceleration_g' holds texts"),
+        ({"acceleration_g": [{}] * T.size}, "'acceleration_g' holds what are not numbers"),
+        ({"acceleration_g": 9.81}, "'acceleration_g' is a single value"),
+        ({"acceleration_g": None, "acceleration_kg": A}, "'?acceleration'?.*kg"),
+        ({"acceleration_g": None, "acceleration": A}, "has no unit. Give it in mapping, for exam"),
+        ({"time_s": [*np.delete(T, 5).tolist(), 9.0]}, "has a gap"),
+        ({"time_s": None}, "(?s)has no times.* in mapping, for.*sample_rate_hz: 1000"),
+    ],
+)
+def test_what_is_wrong_is_said_as_of_a_file(change, message):
+    given = {name: values for name, values in (ARRAYS | change).items() if values is not None}
+    with pytest.raises(RecordError, match=message):
+        read_records(given)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        ([3.0], "record 1 is a float; give the path"),
+        ([ARRAYS, np.zeros((9, 3))], "record 2 is a ndarray"),
+        (pd.DataFrame(np.zeros((4, 2)), columns=["x", "x"]), "two columns 'x'"),
+        ("nowhere.csv", "nowhere.csv"),
+    ],
+)
+def test_what_is_no_record_is_refused(wrong, message):
+    with pytest.raises(RecordError, match=message):
+        read_records(wrong)
+
+
+def test_it_shows_what_it_holds(tmp_path):
+    assert repr(read_records(ARRAYS)[0]) == (
+        "<record record 1: base_displacement and acceleration; 1,143 samples from 0 s to 1.142 s at 1000 Hz>"
+    )
+    path = tmp_path / "run.csv"
+    pd.DataFrame(ARRAYS | {"other_V": A}).to_csv(path, index=False)
+    assert "channels not used: 'other" in repr(read_records(path)[0])
