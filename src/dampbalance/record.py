@@ -1,7 +1,7 @@
 """Sampled signals of one response: what an experiment, or a fixed-step simulation, hands to whoever reads features.
 
 A record holds the base motion y and the response x on a uniform time grid, and the velocity and acceleration where
-they are known. It knows nothing of the oscillator: `reading/clean.py` reads features off it.
+they are known. It knows nothing of the oscillator: `signals/clean.py` reads features off it.
 """
 
 from __future__ import annotations

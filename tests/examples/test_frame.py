@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 
 from examples.running import DATA, script_of
-from reading.stopping import Stopping, steady
+from signals.stopping import Stopping, steady
 
 frame = script_of("frame")
 RECORDS = DATA / "frame"

@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 
 from dampbalance.balance import APPROACHES
+from dampbalance.fit.mean_harmonics import read_features
 from dampbalance.identification.forced import identify_readings
-from dampbalance.likelihood.mean_harmonics import read_features
 from dampbalance.records.measurement import Measurement
 from dampbalance.records.synthetic import measured_orbit
 from paper_case import PAPER, orbits_at

@@ -10,12 +10,12 @@ import pytest
 
 from blind.decays import departing, draw, falling, record
 from dampbalance import identify
+from dampbalance.fit.decay import fit_decays
+from dampbalance.fit.law_fit import departures, fit_law
 from dampbalance.identification.answer import DOUBTFUL, USABLE
 from dampbalance.identification.decays import identify_ring_downs
-from dampbalance.likelihood.decay import fit_decays
-from dampbalance.likelihood.law_fit import departures, fit_law
+from fit.exact import decay_of
 from identification.releases import FAR, PLUCKED, compiled  # noqa: F401
-from likelihood.exact import decay_of
 
 SOUND = replace(PLUCKED, lasts=(3.5,), rate_hz=250.0, noise=0.003)
 

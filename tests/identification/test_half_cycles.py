@@ -7,12 +7,12 @@ import math
 import numpy as np
 import pytest
 
+from dampbalance.fit.decay import Decay, numbers_of
 from dampbalance.identification.half_cycles import _basis, _columns, _course
-from dampbalance.likelihood.decay import Decay, numbers_of
 from dampbalance.motion.events import PHASE_X
 from dampbalance.motion.jit import interpreted
 from dampbalance.motion.states import states_in_phases
-from likelihood.exact import decay_of
+from fit.exact import decay_of
 
 M, K, F_K, START = 2.0, 800.0, 0.2, 5e-3
 HALF = math.pi * math.sqrt(M / K)  # between two turns, s

@@ -14,15 +14,15 @@ from scipy.integrate import solve_ivp
 from blind import truths as blind
 from blind.records import records
 from dampbalance.balance import APPROACHES
+from dampbalance.fit.mean_harmonics import RESOLVED, read_features
 from dampbalance.identification.answer import REFERENCE
 from dampbalance.identification.forced import _parameter, identify_readings
 from dampbalance.identification.oscillator import LawRows, Samples, jackknifed, read_samples
 from dampbalance.law.law import Law
-from dampbalance.likelihood.mean_harmonics import RESOLVED, read_features
 from dampbalance.records.measurement import Channel, Measurement
 from dampbalance.solver import solve
+from fit.sampled import covariance, noise_of_rms
 from identification.levels import SYMBOLS, THREE, close, identified, read
-from likelihood.sampled import covariance, noise_of_rms
 from paper_case import FREQUENCIES_HZ, LEVELS, NEAR, PAPER, motions_at, orbits_at
 
 

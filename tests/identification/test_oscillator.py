@@ -10,7 +10,7 @@ import pytest
 from dampbalance.identification.oscillator import NOT_CONVERGED, joined, joint_fit
 from identification.levels import read
 from paper_case import NEAR, PAPER, orbits_at
-from reading.harmonics import lines_of
+from signals.harmonics import lines_of
 
 LEVELS = (0.004, 0.012)
 SIGMA = 1e-6  # m

@@ -13,10 +13,10 @@ import pytest
 from matplotlib import pyplot
 
 from dampbalance import Oscillator, identify, measured_ring_down, read_records
+from dampbalance.fit.dynamic_stiffness import fit_contact
 from dampbalance.identification.outputs import REPORT, TABLES, outputs_of
 from dampbalance.identification.sensitivities import FAULTS, Fault
 from dampbalance.law.gradual import Sliders
-from dampbalance.likelihood.dynamic_stiffness import fit_contact
 from dampbalance.records.synthetic import stepped_sine
 from folders import ROOT
 

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from dampbalance import BaseMotion, Oscillator, identify, measured_ring_down, steady_orbit
+from dampbalance.fit.score import Departure
 from dampbalance.identification.decay_laws import condition_of
 from dampbalance.law.gradual import Sliders
-from dampbalance.likelihood.score import Departure
 from dampbalance.motion.jit import interpreted
 from dampbalance.project.wording import sentence
 from dampbalance.records.synthetic import measured_orbit, stepped_sine

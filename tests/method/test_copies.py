@@ -22,7 +22,7 @@ from dampbalance import (
 from dampbalance.balance import APPROACHES
 from dampbalance.features import of_orbit
 from dampbalance.law.law import law_of
-from dampbalance.law.response import law_response
+from dampbalance.motion.law_response import law_response
 from dampbalance.solver import solve
 from paper_case import PAPER
 

@@ -21,9 +21,9 @@ from dampbalance.model import BaseMotion, Oscillator
 from dampbalance.motion.orbit import steady_orbit
 from dampbalance.motion.orbits import steady_orbits
 from dampbalance.motion.sampled import _first_reversal, integral
-from dampbalance.reading.clean import of_record
-from dampbalance.reading.read_out import ReadOut
 from dampbalance.record import Record
+from dampbalance.signals.clean import of_record
+from dampbalance.signals.read_out import ReadOut
 from paper_case import FREQUENCIES_HZ, LEVELS, OMEGA, PAPER
 
 

@@ -39,8 +39,8 @@ from dampbalance import (
 from dampbalance.balance import approach, direct
 from dampbalance.features import of_orbit
 from dampbalance.law.law import Law, law_of
-from dampbalance.law.response import law_response
 from dampbalance.motion.fixed_step import simulate
+from dampbalance.motion.law_response import law_response
 from dampbalance.project.documents import ConfigurationError
 from dampbalance.record import Record
 from dampbalance.records.readers import channels, read

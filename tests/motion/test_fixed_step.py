@@ -18,7 +18,7 @@ from dampbalance.motion.fixed_step import (
     simulate,
 )
 from dampbalance.motion.orbit import steady_orbit
-from dampbalance.reading.clean import of_record
+from dampbalance.signals.clean import of_record
 from paper_case import OMEGA, PAPER
 
 RESONANCE = BaseMotion(Y=0.008, omega=OMEGA)

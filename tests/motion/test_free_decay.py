@@ -11,7 +11,7 @@ from scipy.optimize import least_squares
 
 from blind.decays import clean, draw
 from dampbalance import Oscillator, transient
-from dampbalance.likelihood.climb import Bounds, climb
+from dampbalance.fit.climb import Bounds, climb
 from dampbalance.model import Parameters
 from dampbalance.motion.events import PHASE_S, PHASE_T, PHASE_V, PHASE_X, run
 from dampbalance.motion.free_decay import (

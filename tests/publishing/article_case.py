@@ -26,7 +26,7 @@ from dampbalance import figures, steady_orbit
 from dampbalance.figures import style
 from dampbalance.project.files import write_csv, write_json
 from dampbalance.publishing.article import compiling
-from dampbalance.replication.printed_tables import paper_tables
+from dampbalance.replication.rebuilt_tables import paper_tables
 from dampbalance.studies import case_files
 from dampbalance.studies.shown.study_figure import alternative_text, study_figure
 from dampbalance.studies.shown.summary import summary_of

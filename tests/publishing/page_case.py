@@ -12,8 +12,8 @@ from dampbalance.figures.style import save_svg
 from dampbalance.project.files import read_csv, write_csv
 from dampbalance.publishing.page.report import PageContent, report_page
 from dampbalance.replication.claims.changed_digits import packed
-from dampbalance.replication.printed_tables import paper_tables
-from dampbalance.studies.checking import read_study
+from dampbalance.replication.rebuilt_tables import paper_tables
+from dampbalance.studies.reading_study import read_study
 from dampbalance.studies.shown.paragraph import paragraph
 from dampbalance.studies.shown.study_figure import alternative_text, study_figure
 from folders import PAPER_FILE

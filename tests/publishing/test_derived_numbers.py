@@ -19,7 +19,7 @@ from dampbalance.publishing.article.derived_numbers import (
     sampling_instants,
     step_from_work,
 )
-from dampbalance.replication.as_published import (
+from dampbalance.replication.authors_route import (
     cycle_table,
     features_of,
     scheme_table,

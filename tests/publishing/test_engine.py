@@ -20,7 +20,7 @@ from dampbalance import BaseMotion, Regime, steady_orbit, steady_orbits
 from dampbalance.motion.fixed_step import SCHEMES, simulate
 from dampbalance.motion.integrals import Measures
 from dampbalance.publishing import engine as builder
-from dampbalance.reading.clean import of_record
+from dampbalance.signals.clean import of_record
 from paper_case import FREQUENCIES_HZ, LEVELS, PAPER
 from processes import output_of
 

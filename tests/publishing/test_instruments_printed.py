@@ -11,7 +11,7 @@ import pytest
 
 from dampbalance.project.case import Case
 from dampbalance.publishing.page.instruments import of_run
-from dampbalance.replication.as_published import scheme_table
+from dampbalance.replication.authors_route import scheme_table
 from dampbalance.replication.claims.changed_digits import (
     cells,
     judged,

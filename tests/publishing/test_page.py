@@ -22,7 +22,7 @@ from dampbalance.publishing.match import match_picture
 from dampbalance.publishing.page.report import LARGEST_PAGE, ORIGINS
 from dampbalance.replication import comparison
 from dampbalance.replication.claims.verdicts import KINDS, VERDICTS, counts
-from dampbalance.replication.printed_tables import claim_of
+from dampbalance.replication.rebuilt_tables import claim_of
 from publishing.contrast import GRAPHICS_ON, TEXT_ON, contrast
 from publishing.html import Tree
 from publishing.page_case import PAGE, page_of

@@ -18,15 +18,15 @@ from dampbalance.motion.orbit import steady_orbit
 from dampbalance.project.case import Case
 from dampbalance.replication import as_published as authors
 from dampbalance.replication.claims.judging import Claim
-from dampbalance.replication.claims.published import Published, Row, read_published
+from dampbalance.replication.claims.print import Published, Row, read_published
 from dampbalance.replication.claims.rules import Sources
 from dampbalance.replication.claims.table import claims_table
 from dampbalance.replication.claims.verdicts import ROUTE_NAMES
 from dampbalance.replication.comparison import approaches_table
-from dampbalance.replication.printed_tables import RouteTables
+from dampbalance.replication.rebuilt_tables import RouteTables
 from dampbalance.studies import case_files, evaluate
-from dampbalance.studies.checking import read_study
-from dampbalance.studies.settings import Study
+from dampbalance.studies.reading_study import read_study
+from dampbalance.studies.study_file import Study
 from folders import PUBLISHED, ROOT
 
 PRINT = read_published(PUBLISHED)

@@ -16,8 +16,8 @@ from dampbalance.features import of_orbit, stack
 from dampbalance.model import BaseMotion
 from dampbalance.motion.fixed_step import simulate
 from dampbalance.motion.orbit import steady_orbit
-from dampbalance.reading.clean import of_record
-from dampbalance.reading.read_out import ReadOut
+from dampbalance.signals.clean import of_record
+from dampbalance.signals.read_out import ReadOut
 from dampbalance.solver import pair
 from paper_case import LEVELS, OMEGA, PAIRS, PAPER
 from replication.routes import PRINT, with_digits_of

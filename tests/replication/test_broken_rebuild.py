@@ -21,7 +21,7 @@ from dampbalance.replication.claims.verdicts import (
     ROUTE_NAMES,
     UNEXPLAINED,
 )
-from dampbalance.replication.printed_tables import RouteTables
+from dampbalance.replication.rebuilt_tables import RouteTables
 from replication.mutants import of_rebuild
 from replication.routes import CASE, PRINT, as_published, exact, unrounded
 

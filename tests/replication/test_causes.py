@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from dampbalance.replication.claims import causes
-from dampbalance.replication.claims.published import Printed
+from dampbalance.replication.claims.print import Printed
 from dampbalance.replication.claims.verdicts import of_cell
 from replication.routes import CASE, PRINT
 

@@ -12,7 +12,7 @@ import pytest
 from dampbalance import balance
 from dampbalance.project.files import write_csv
 from dampbalance.replication import as_published as authors
-from dampbalance.replication.claims.published import Printed, read_texts
+from dampbalance.replication.claims.print import Printed, read_texts
 from dampbalance.replication.claims.rules import Sources
 from dampbalance.replication.claims.table import (
     COLUMNS,
@@ -27,7 +27,7 @@ from dampbalance.replication.claims.verdicts import (
     ROUTE_NAMES,
     VERDICTS,
 )
-from dampbalance.replication.printed_tables import HARMONIC, RouteTables
+from dampbalance.replication.rebuilt_tables import HARMONIC, RouteTables
 from folders import PUBLISHED
 from replication.routes import (
     CASE,

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from dampbalance.replication.claims import evidence, unprinted
-from dampbalance.replication.claims.published import Printed
+from dampbalance.replication.claims.print import Printed
 from paper_case import LEVELS, PAIRS, PAPER, features_at
 from replication.routes import CASE, CONFIG, PRINT, exact, judged, unrounded
 

@@ -8,8 +8,8 @@ import re
 import pytest
 
 from dampbalance.motion.orbit import steady_orbit
-from dampbalance.replication.as_published import CORRECTED, SLIPPING_SAMPLE
-from dampbalance.replication.claims.published import Printed
+from dampbalance.replication.authors_route import CORRECTED, SLIPPING_SAMPLE
+from dampbalance.replication.claims.print import Printed
 from replication.routes import CASE, PAPER, as_published, judged, unrounded
 
 ROUTES = {"exact": "exact", "as published": "as_published", "from print": "from_print"}

@@ -8,7 +8,7 @@ from decimal import Decimal
 import pytest
 
 from dampbalance.balance import APPROACHES, slip_velocity_as_printed
-from dampbalance.replication.claims.published import (
+from dampbalance.replication.claims.print import (
     Printed,
     from_print,
     printed_estimates,

@@ -15,7 +15,7 @@ from dampbalance.replication.claims import evidence, unprinted
 from dampbalance.replication.claims.rules import Sources
 from dampbalance.replication.claims.table import claims_table
 from dampbalance.replication.claims.verdicts import VERDICTS, counts
-from dampbalance.replication.printed_tables import RouteTables
+from dampbalance.replication.rebuilt_tables import RouteTables
 from folders import ROOT
 from paper_case import FREQUENCIES_HZ, OMEGA, PAIRS, PAPER, features_at, orbits_at
 from replication.routes import CASE, PRINT, exact, judged, unrounded

@@ -12,18 +12,18 @@ import pytest
 
 from dampbalance import steady_orbit
 from dampbalance.balance import Rows
+from dampbalance.fit.mean_harmonics import read_features
 from dampbalance.identification.forced import identify_readings
-from dampbalance.likelihood.mean_harmonics import read_features
 from dampbalance.project.wording import percent
-from dampbalance.reading.simpson import cycle_integrals
 from dampbalance.records.synthetic import measured_orbit
+from dampbalance.signals.simpson import cycle_integrals
 from dampbalance.solver import least_squares
 from dampbalance.studies import evaluate
 from dampbalance.studies.cases import cases_between, columns_of
 from dampbalance.studies.shown import statistics, summary
 from dampbalance.studies.shown.statistics import bounds_of
 from dampbalance.studies.shown.study_figure import alternative_text, study_figure
-from likelihood.sampled import covariance, noise_of_rms
+from fit.sampled import covariance, noise_of_rms
 from paper_case import FREQUENCIES_HZ, PAPER, motions_at
 from studies.documents import document
 

@@ -19,14 +19,14 @@ from dampbalance.figures.series import is_logarithmic
 from dampbalance.motion.fixed_step import simulate
 from dampbalance.project.documents import ConfigurationError
 from dampbalance.project.wording import percent
-from dampbalance.reading.clean import of_record
-from dampbalance.reading.read_out import ReadOut
+from dampbalance.signals.clean import of_record
+from dampbalance.signals.read_out import ReadOut
 from dampbalance.solver import least_squares, pair
 from dampbalance.studies import case_files, cases, checking, evaluate
 from dampbalance.studies.parameters import MECHANICAL, PARAMETERS, in_si
-from dampbalance.studies.settings import Listed, Range, Sampled, case_values, spread
 from dampbalance.studies.shown import paragraph, summary
 from dampbalance.studies.shown.statistics import Sizes
+from dampbalance.studies.study_file import Listed, Range, Sampled, case_values, spread
 from folders import PAPER_FILE, ROOT
 from paper_case import PAPER, features_at
 from studies.documents import document

@@ -18,7 +18,7 @@ from dampbalance.features import Features
 from dampbalance.model import BaseMotion
 from dampbalance.project.documents import ConfigurationError, read_yaml
 from dampbalance.solver import solve
-from dampbalance.studies.settings import PAPER, paper_defaults
+from dampbalance.studies.study_file import PAPER, paper_defaults
 from folders import PAPER_FILE
 from paper_case import PAPER as OSCILLATOR
 from studies.documents import REFUSALS, document

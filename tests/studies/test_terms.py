@@ -11,8 +11,8 @@ from analytic.integrals import input_work, of_motion
 from analytic.law_response import law_orbit
 from dampbalance import BaseMotion, Oscillator
 from dampbalance.features import of_orbit
-from dampbalance.law.steady import steady_response
 from dampbalance.law.terms import KNOWN_TERMS
+from dampbalance.motion.law_steady import steady_response
 from dampbalance.motion.orbit import steady_orbit
 from dampbalance.project.wording import percent
 from dampbalance.studies.parameters import OF_LAW, PARAMETERS

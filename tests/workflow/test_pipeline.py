@@ -89,7 +89,7 @@ def test_a_changed_value_reruns_what_depends_on_it(built):
         (
             [
                 "src/dampbalance/motion/fixed_step.py",
-                "src/dampbalance/replication/printed_tables.py",
+                "src/dampbalance/replication/rebuilt_tables.py",
                 "workflow/scripts/estimates/estimate_as_published.py",
             ],
             {"simulate_as_published", "estimate_as_published", "tables"},

@@ -20,9 +20,9 @@ import pandas as pd
 from dampbalance import BaseMotion, steady_orbit
 from dampbalance.balance import APPROACHES
 from dampbalance.figures.style import FAINT, SLIP, STICK, page, place, save, styled
+from dampbalance.fit.mean_harmonics import read_features
+from dampbalance.fit.steady_search import fit_oscillator
 from dampbalance.identification.forced import identify_readings
-from dampbalance.likelihood.mean_harmonics import read_features
-from dampbalance.likelihood.steady_search import fit_oscillator
 from dampbalance.project.files import write_csv, write_text
 from dampbalance.record import Record
 from dampbalance.records.measurement import Measurement
@@ -57,8 +57,8 @@ clocks = lambda: (time.perf_counter(), time.process_time())
 start = clocks()
 from dampbalance.identification.forced import identify_readings
 from dampbalance.records.measurement import Channel, Measurement
-from dampbalance.likelihood.mean_harmonics import read_features
-from dampbalance.likelihood.steady_search import fit_oscillator
+from dampbalance.fit.mean_harmonics import read_features
+from dampbalance.fit.steady_search import fit_oscillator
 loaded = clocks()
 import numpy as np
 readings = []

@@ -21,9 +21,9 @@ import pandas as pd
 from scipy.optimize import curve_fit
 from scipy.signal import find_peaks, savgol_filter
 
+from dampbalance.fit.decay import STATE, RingFit, fit_decays
 from dampbalance.identification.answer import USABLE
 from dampbalance.identification.decays import identify_ring_downs
-from dampbalance.likelihood.decay import STATE, RingFit, fit_decays
 from dampbalance.motion.jit import interpreted
 from dampbalance.records.measurement import Measurement
 

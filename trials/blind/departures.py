@@ -19,9 +19,9 @@ import numpy as np
 import pandas as pd
 from scipy.interpolate import CubicSpline
 
+from dampbalance.fit.mean_harmonics import read_features
 from dampbalance.identification.answer import USABLE
 from dampbalance.identification.forced import identify_readings
-from dampbalance.likelihood.mean_harmonics import read_features
 from dampbalance.project.wording import markdown_table
 
 from .gradual import CONTACTS, steady_on

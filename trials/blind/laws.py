@@ -17,8 +17,8 @@ import numpy as np
 import pandas as pd
 from scipy.stats import binomtest
 
+from dampbalance.fit.mean_harmonics import read_features
 from dampbalance.identification.law_comparison import compare_laws
-from dampbalance.likelihood.mean_harmonics import read_features
 from dampbalance.project.wording import markdown_table
 from dampbalance.records.measurement import Channel, Measurement
 

@@ -26,8 +26,8 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import least_squares
 from scipy.signal import find_peaks, savgol_filter
 
+from dampbalance.fit.mean_harmonics import read_features
 from dampbalance.identification.forced import identify_readings
-from dampbalance.likelihood.mean_harmonics import read_features
 from dampbalance.project.wording import markdown_table
 from dampbalance.records.measurement import Measurement
 

@@ -11,9 +11,9 @@ import numpy as np
 import pandas as pd
 from scipy.stats import binomtest
 
+from dampbalance.fit.mean_harmonics import read_features
 from dampbalance.identification.answer import REFERENCE, ParameterEstimate, normal
 from dampbalance.identification.forced import ForcedOutcome, identify_readings
-from dampbalance.likelihood.mean_harmonics import read_features
 from dampbalance.project.wording import markdown_table
 
 from .records import levels, records

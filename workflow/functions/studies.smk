@@ -36,7 +36,7 @@ def study_texts(names):
 def study_plan(name):
     """(study, its size), checked against the schema and the free disk; one clear error for a file that is wrong."""
     from dampbalance.studies.cases import check_size, size_of
-    from dampbalance.studies.checking import read_study
+    from dampbalance.studies.reading_study import read_study
     from dampbalance.studies.shown.paragraph import template_of
 
     file = Path(study_file(name))

@@ -14,7 +14,7 @@ def reported_table(file):
     def title(wildcards):
         # Needed for a report only.
         from dampbalance.project.wording import plain
-        from dampbalance.replication.printed_tables import TITLES
+        from dampbalance.replication.rebuilt_tables import TITLES
 
         name, _, frequency = Path(file).stem.partition("_")
         hz = CASE.frequencies_hz[frequency or FREQUENCIES[0]]

@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from ..law.response import law_response
-from ..law.steady import Response
 from ..model import BaseMotion, Oscillator
+from ..motion.law_response import law_response
+from ..motion.law_steady import Response
 from ..motion.orbit import Orbit, steady_orbit
 from ..motion.sliders import SlidersOrbit, sliders_orbit
 from ..records.errors import HIGHEST_RATE, LATEST, LOWEST_RATE, RecordError

@@ -59,8 +59,8 @@ class Evidence(NamedTuple):
     """What the figure is drawn from, all at the first frequency.
 
     claims : the table of claims, as text (id, printed).   exact : features.   estimates : as published.
-    schemes : of `replication.as_published.scheme_table`.   steps : cases of the study of the step, with columns scheme,
-    step_s, c_N_s_per_m and c_relative_error__direct__least_squares.
+    schemes : of `replication.authors_route.scheme_table`.   steps : cases of the study of the step, with columns
+    scheme, step_s, c_N_s_per_m and c_relative_error__direct__least_squares.
     instants : of `publishing.article.derived_numbers.sampling_instants`.
     """
 

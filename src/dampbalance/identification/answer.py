@@ -16,8 +16,8 @@ import numpy as np
 
 from ..arrays import Array
 from ..balance import Rows
+from ..fit.oscillator_fit import OscillatorFit
 from ..law.terms import term
-from ..likelihood.oscillator_fit import OscillatorFit
 from ..model import named_with_unit
 from ..project.wording import Remark, number, with_unit
 from ..solver import NORMAL_95

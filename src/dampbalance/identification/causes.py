@@ -1,7 +1,7 @@
 """What the fit of one oscillator to all records leaves, tested against the likeliest causes, one at a time.
 
 A cause changes the harmonics of the model by a direction, in units of their errors, times an unknown amount: a score
-test (`likelihood/score.py`) says what amount the records show, and what it does to F_k, c and K_z. A force δF that the
+test (`fit/score.py`) says what amount the records show, and what it does to F_k, c and K_z. A force δF that the
 model lacks moves the mass by what the equations of its steady motion, linear in δF, give (`Response.moved_by`).
 
 One cause is special. A contact that yields gradually has nearly the harmonics of one that yields at once, with another
@@ -23,15 +23,15 @@ import numpy as np
 from scipy import special
 
 from ..arrays import Array, Complexes, Integers
+from ..fit.base_harmonics import fit_records
+from ..fit.mean_harmonics import Reading
+from ..fit.oscillator_fit import OscillatorFit
+from ..fit.score import Departure, departures_from
+from ..fit.waveforms import WaveformFit
 from ..law.law import Law
-from ..law.steady import HARMONICS
 from ..law.terms import FRICTION
-from ..likelihood.base_harmonics import fit_records
-from ..likelihood.mean_harmonics import Reading
-from ..likelihood.oscillator_fit import OscillatorFit
-from ..likelihood.score import Departure, departures_from
-from ..likelihood.waveforms import WaveformFit
 from ..motion.law_decays import ADDED, rounding
+from ..motion.law_steady import HARMONICS
 from ..project.wording import Remark, larger_by, listed
 from ..records.measurement import ABSOLUTE, RELATIVE
 from ..solver import NORMAL_95

@@ -2,7 +2,7 @@
 compared.
 
 The quick test belongs to every identification: it asks which one further coefficient the residual speaks for
-(`likelihood.law_fit.departures`). The comparison tests every law by the likelihood of all samples: χ² of the best
+(`fit.law_fit.departures`). The comparison tests every law by the likelihood of all samples: χ² of the best
 oscillator with it, above that of the law with all terms, against the F distribution. The rows of the balance are read
 with a motion of friction and viscous damping, and so they do not test other laws.
 """
@@ -15,13 +15,13 @@ from collections.abc import Iterable, Mapping, Sequence
 
 from scipy import special
 
+from ..fit.decay import RingFit
+from ..fit.law_fit import TERMS, LawFit, fit_law
+from ..fit.score import Departure
 from ..law.terms import FRICTION, KNOWN_TERMS
-from ..likelihood.decay import RingFit
-from ..likelihood.law_fit import TERMS, LawFit, fit_law
-from ..likelihood.score import Departure
 from ..project.progress import followed
 from ..project.wording import change, listed, number
-from ..reading.one_thread import one_thread
+from ..signals.one_thread import one_thread
 from ..solver import NORMAL_95
 from .answer import Answer, unit_of
 from .causes import GRADUAL

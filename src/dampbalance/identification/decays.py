@@ -18,7 +18,7 @@ from scipy import special
 from ..arguments import number
 from ..arrays import Array
 from ..balance import TERMS, Rows
-from ..likelihood.decay import (
+from ..fit.decay import (
     COMMON,
     RingFit,
     fit_decays,
@@ -26,17 +26,17 @@ from ..likelihood.decay import (
     with_intervals,
     with_noise_of,
 )
-from ..likelihood.law_fit import departures
-from ..likelihood.scattering_mean import ScatteringMean
-from ..likelihood.score import Departure
-from ..likelihood.search import fit_all, minima_of, separate_fits
+from ..fit.law_fit import departures
+from ..fit.scattering_mean import ScatteringMean
+from ..fit.score import Departure
+from ..fit.search import fit_all, minima_of, separate_fits
 from ..project.wording import Remark, listed, times, visible
-from ..reading.bursts import NoDecay, Signal, noise_of, too_few_samples
-from ..reading.conditioning import in_equal_steps
-from ..reading.cycles import clipped
-from ..reading.drive import stands_still
-from ..reading.one_thread import one_thread
 from ..records.measurement import EXCITATIONS, ORDERS, Channel, Measurement
+from ..signals.bursts import NoDecay, Signal, noise_of, too_few_samples
+from ..signals.conditioning import in_equal_steps
+from ..signals.cycles import clipped
+from ..signals.drive import stands_still
+from ..signals.one_thread import one_thread
 from ..solver import NORMAL_95, solve
 from .answer import (
     CONFIDENCE,

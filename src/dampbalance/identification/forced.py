@@ -29,12 +29,12 @@ from ..arguments import number
 from ..arrays import Array, Mask
 from ..balance import Approach, Rows, approach, checks
 from ..features import COLUMNS, Features, stack
+from ..fit.mean_harmonics import Reading
+from ..fit.score import Departure
 from ..law.law import Law
 from ..law.terms import FRICTION, term
-from ..likelihood.mean_harmonics import Reading
-from ..likelihood.score import Departure
 from ..project.wording import Remark
-from ..reading.one_thread import one_thread
+from ..signals.one_thread import one_thread
 from ..solver import Estimate, least_squares, solve
 from .answer import (
     CONFIDENCE,

@@ -24,7 +24,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arrays import Array, Integers, Mask
-from ..likelihood.decay import (
+from ..fit.decay import (
     COMMON,
     STATE,
     Decay,

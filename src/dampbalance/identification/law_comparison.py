@@ -25,17 +25,17 @@ import numpy as np
 from scipy import special
 
 from ..balance import APPROACHES, Rows
+from ..fit.base_harmonics import settled
+from ..fit.dynamic_stiffness import as_good
+from ..fit.mean_harmonics import Reading
+from ..fit.steady_search import fit_quickly, with_mass
+from ..fit.waveforms import WaveformFit
 from ..law.law import Law
 from ..law.terms import FRICTION, KNOWN_TERMS, Term, in_order, term
-from ..likelihood.base_harmonics import settled
-from ..likelihood.dynamic_stiffness import as_good
-from ..likelihood.mean_harmonics import Reading
-from ..likelihood.steady_search import fit_quickly, with_mass
-from ..likelihood.waveforms import WaveformFit
 from ..project.progress import followed
 from ..project.wording import listed, times
-from ..reading.lines import probability
-from ..reading.one_thread import one_thread
+from ..signals.lines import probability
+from ..signals.one_thread import one_thread
 from ..solver import solve
 from .answer import column
 from .oscillator import (

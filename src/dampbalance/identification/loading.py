@@ -8,10 +8,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..arrays import Array
-from ..likelihood.mean_harmonics import Reading, read_features
-from ..reading.drive import stands_still
+from ..fit.mean_harmonics import Reading, read_features
 from ..records.measured import MeasuredRecord
 from ..records.measurement import EXCITATIONS, Correction
+from ..signals.drive import stands_still
 
 EXCERPT = 16_384  # leading samples of each channel that are kept for plots, or three cycles of a slow drive
 

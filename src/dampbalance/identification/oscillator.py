@@ -17,15 +17,15 @@ import numpy as np
 from ..arrays import Array
 from ..balance import Approach, Rows
 from ..features import Features, stack
+from ..fit.base_harmonics import fit_records
+from ..fit.channel_faults import ChannelFault, ac_coupling, drive_gain
+from ..fit.mean_harmonics import RESOLVED, Means, Reading
+from ..fit.steady_search import with_delay, with_mass
+from ..fit.waveforms import WaveformFit
 from ..law.law import Law
 from ..law.terms import FRICTION
-from ..likelihood.base_harmonics import fit_records
-from ..likelihood.channel_faults import ChannelFault, ac_coupling, drive_gain
-from ..likelihood.mean_harmonics import RESOLVED, Means, Reading
-from ..likelihood.steady_search import with_delay, with_mass
-from ..likelihood.waveforms import WaveformFit
 from ..project.wording import Remark
-from ..reading.lines import Lines, improbable, linear_misfit
+from ..signals.lines import Lines, improbable, linear_misfit
 from ..solver import NORMAL_95
 from .answer import Answer, answer_of_fit
 

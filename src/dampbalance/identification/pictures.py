@@ -20,11 +20,11 @@ from ..arrays import Array
 from ..figures.cycle import branches, whole
 from ..figures.looks import in_maths, label_of, look_of
 from ..figures.style import DASHED, DOUBLE_COLUMN, FAINT, SLIP, STICK, page, place, styled
-from ..likelihood.decay import COMMON, RingFit
-from ..likelihood.dynamic_stiffness import Band, ContactFit
-from ..likelihood.mean_harmonics import Reading
-from ..likelihood.stepped_lines import SteppedLines
-from ..likelihood.waveforms import WaveformFit
+from ..fit.decay import COMMON, RingFit
+from ..fit.dynamic_stiffness import Band, ContactFit
+from ..fit.mean_harmonics import Reading
+from ..fit.stepped_lines import SteppedLines
+from ..fit.waveforms import WaveformFit
 from ..project.wording import cut
 from ..records.measurement import ORDERS, RELATIVE
 from .answer import SHAPE, Answer

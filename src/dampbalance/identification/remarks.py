@@ -16,13 +16,13 @@ from typing import Any
 import numpy as np
 
 from ..balance import Rows
+from ..fit.base_harmonics import fit_records
+from ..fit.channel_faults import ChannelFault, with_response
+from ..fit.mean_harmonics import Reading
+from ..fit.oscillator_fit import OscillatorFit
+from ..fit.score import Departure
+from ..fit.waveforms import WaveformFit
 from ..law.terms import term
-from ..likelihood.base_harmonics import fit_records
-from ..likelihood.channel_faults import ChannelFault, with_response
-from ..likelihood.mean_harmonics import Reading
-from ..likelihood.oscillator_fit import OscillatorFit
-from ..likelihood.score import Departure
-from ..likelihood.waveforms import WaveformFit
 from ..project.wording import (
     Remark,
     Shown,
@@ -37,7 +37,7 @@ from ..project.wording import (
     times,
     with_unit,
 )
-from ..reading.checks import is_clipped
+from ..signals.checks import is_clipped
 from ..solver import NORMAL_95
 from .answer import Answer, ParameterEstimate
 from .causes import (

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
-from ..likelihood.oscillator_fit import OscillatorFit
+from ..fit.oscillator_fit import OscillatorFit
 from ..project import wording
 from ..project.wording import minus, number, written
 from .answer import Answer, ParameterEstimate, Verdict, unit_of

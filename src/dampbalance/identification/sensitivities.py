@@ -16,12 +16,12 @@ from functools import lru_cache
 import numpy as np
 
 from ..arrays import Array
+from ..fit.mean_harmonics import Means, Reading
+from ..fit.steady_search import with_mass
+from ..fit.waveforms import WaveformFit
 from ..law.terms import FRICTION
-from ..likelihood.mean_harmonics import Means, Reading
-from ..likelihood.steady_search import with_mass
-from ..likelihood.waveforms import WaveformFit
-from ..reading.one_thread import one_thread
 from ..records.measurement import ABSOLUTE
+from ..signals.one_thread import one_thread
 from ..solver import solve
 from .answer import Answer
 from .oscillator import LawRows, sample_of

@@ -1,7 +1,7 @@
 """The contact and the damping from tables of steady responses to a stepped sine, line by line.
 
 A line is a row of the balance, W = πFX sin φ, and its in-phase part says how stiff the contact still is at that
-amplitude. Both are rows of the dynamic stiffness (`likelihood/dynamic_stiffness.py`), to which two contacts are fitted:
+amplitude. Both are rows of the dynamic stiffness (`fit/dynamic_stiffness.py`), to which two contacts are fitted:
 one slider, that of the paper, and many that slip one after the other, as the interface of a bolted joint does.
 """
 
@@ -16,15 +16,15 @@ import numpy as np
 
 from ..arrays import Integers, Mask
 from ..balance import Rows
-from ..law.law import Law
-from ..law.terms import FRICTION, term
-from ..likelihood.dynamic_stiffness import (
+from ..fit.dynamic_stiffness import (
     ContactComparison,
     ContactFit,
     compare_contacts,
     fit_contact,
 )
-from ..likelihood.stepped_lines import Contact, SteppedLines
+from ..fit.stepped_lines import Contact, SteppedLines
+from ..law.law import Law
+from ..law.terms import FRICTION, term
 from ..project.wording import Remark, listed, number
 from ..records.measured import MeasuredRecord
 from .answer import CONFIDENCE, UNKNOWN, Answer, Balance, Interval, ParameterEstimate, covariance_of

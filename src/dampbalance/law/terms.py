@@ -47,8 +47,8 @@ class Term(str):
         identify(records, k, terms=["F_k", "c", quartic])
 
     `laws=True` tries it, too, where it is among the terms; a study takes it as a term of the balance and as a
-    parameter; `law.response.law_response` computes the response under it, {quartic: 20000.0}. Its force is p h, in
-    which h grows with a fixed power n ≥ 1 of the velocity,
+    parameter; `motion.law_response.law_response` computes the response under it, {quartic: 20000.0}. Its force is p h,
+    in which h grows with a fixed power n ≥ 1 of the velocity,
 
         h(ẋ, ẏ, k, ω) = h_1(k, ω) |ẋ|ⁿ⁻¹ ẋ,    for n = 1 also  h_x(k, ω) ẋ + h_y(k, ω) ẏ
 
@@ -69,7 +69,7 @@ class Term(str):
 
     >>> import math
     >>> from dampbalance import BaseMotion, Oscillator, Term, identify, measured_orbit
-    >>> from dampbalance.law.response import law_response
+    >>> from dampbalance.motion.law_response import law_response
     >>> c_4 = Term("c_4", lambda v, w, k, omega: abs(v) ** 3 * v, words="quartic damping")
     >>> c_4.unit, c_4.integral_column
     ('N s⁴/m⁴', 'b_c_4_m5_per_s4')

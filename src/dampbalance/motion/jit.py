@@ -30,7 +30,7 @@ _left = 0.0  # calls of kernels that are still to be interpreted
 def _sources() -> list[Path]:
     """The modules that kernels are made of: this room, what it imports from the root, and the climb."""
     root = ("arguments", "arrays", "model", "record")
-    rooms = (*sorted(_PACKAGE.glob("motion/*.py")), *_PACKAGE.glob("likelihood/climb.py"))
+    rooms = (*sorted(_PACKAGE.glob("motion/*.py")), *_PACKAGE.glob("fit/climb.py"))
     return [*(_PACKAGE / f"{name}.py" for name in root), *rooms]
 
 

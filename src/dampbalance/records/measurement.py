@@ -1,7 +1,7 @@
 """Signals of one response as a laboratory hands them over: channels by quantity, each with its own times.
 
 A measurement is not yet a `Record`: its channels may have different time bases, offsets and noise, and the base may
-have been measured as displacement, acceleration or force. `reading/conditioning.py` makes the one out of the other.
+have been measured as displacement, acceleration or force. `signals/conditioning.py` makes the one out of the other.
 """
 
 from __future__ import annotations

@@ -30,7 +30,7 @@ from .measurement import (
 )
 
 if TYPE_CHECKING:
-    from ..law.steady import Response
+    from ..motion.law_steady import Response
 
 
 def measured_orbit(

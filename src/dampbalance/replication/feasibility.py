@@ -12,8 +12,8 @@ from ..motion.jit import interpreted
 from ..motion.orbit import MOST_EVENTS, RANGES, NoSteadyOrbit, Orbit, steady_orbit
 from ..project.case import Case
 from ..project.documents import Problem, refuse
-from ..reading.clean import CYCLES_TO_READ
-from .as_published import coefficients
+from ..signals.clean import CYCLES_TO_READ
+from .authors_route import coefficients
 
 MOST_SAMPLES = 5_000_000
 """Samples kept of all levels at one frequency, 0.5 GB of memory; the paper's case has 0.9 million at its lowest."""

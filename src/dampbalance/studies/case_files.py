@@ -24,7 +24,7 @@ from ..arrays import Words
 from ..law.terms import KNOWN_TERMS
 from ..project.files import replacing, write_json
 from .cases import REGIME_NAMES, columns_of
-from .settings import CONTACT, Listed, Study
+from .study_file import CONTACT, Listed, Study
 
 MANY = 100_000
 """A table of so many cases or more is written uncompressed: numbers of which no two are alike hardly compress, and

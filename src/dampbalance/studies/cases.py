@@ -15,7 +15,7 @@ from ..law.terms import Term, term
 from ..motion.regime import Regime
 from ..project.documents import ConfigurationError
 from .parameters import SI_COLUMNS, in_si, mechanical, of_law, parameter
-from .settings import CONTACT, Sampled, Study, case_values
+from .study_file import CONTACT, Sampled, Study, case_values
 
 PART = 131_072
 """Cases that are in memory at a time, and a row group of the file: 0.8 kB each while they are worked on."""
@@ -58,7 +58,7 @@ class Responses(NamedTuple):
 
     features : (L, n). The rest is for noisy records only.
     drawn : bootstrap replicates of the features, (L, n, r).
-    simpson : features and replicates with a, b and W by `reading.simpson`, where a fit asks for them.
+    simpson : features and replicates with a, b and W by `signals.simpson`, where a fit asks for them.
     likelihood : values and standard errors of the maximum-likelihood oscillator by symbol, SI units, (n,) each.
     """
 

@@ -14,7 +14,7 @@ from ..balance import TERMS, Rows, approach, direct
 from ..features import Features, of_orbits
 from ..motion.orbits import steady_orbits
 from ..project.progress import followed
-from ..reading.read_out import ReadOut
+from ..signals.read_out import ReadOut
 from ..solver import NORMAL_95, Estimate, solve
 from .cases import (
     NOT_READ,
@@ -27,7 +27,7 @@ from .cases import (
     identified_by,
 )
 from .parameters import SI_COLUMNS, of_law, parameter
-from .settings import LIKELIHOOD, RIGID, SIMPSON, WEIGHTED, Fit, Study
+from .study_file import LIKELIHOOD, RIGID, SIMPSON, WEIGHTED, Fit, Study
 
 READ = (
     *("X", "X_s", "X_r", "V_s", "V_r", "t_s", "t_r", "phi"),

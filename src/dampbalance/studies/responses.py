@@ -21,24 +21,24 @@ from scipy.optimize import brentq
 from ..arrays import Array
 from ..balance import TERMS
 from ..features import Features, of_numbers, of_orbit, side_by_side, stack, wrapped
+from ..fit.mean_harmonics import Reading, read_features
 from ..identification.oscillator import JointFit, joined, joint_fit, sample_of
-from ..law.steady import Response, steady_response
 from ..law.terms import of_harmonics
-from ..likelihood.mean_harmonics import Reading, read_features
 from ..model import BaseMotion, Oscillator
 from ..motion.fixed_step import StepTooCoarse, simulate
+from ..motion.law_steady import Response, steady_response
 from ..motion.orbit import NoSteadyOrbit, Orbit, steady_orbit
 from ..motion.regime import Regime
 from ..motion.sliders import SlidersOrbit, sliders_orbit, spread_contact
 from ..project.progress import followed
-from ..reading.clean import CYCLES_TO_READ, of_record
-from ..reading.simpson import cycle_integrals, replicates_of
 from ..record import Record
 from ..records.measurement import Measurement
 from ..records.synthetic import measured_orbit
+from ..signals.clean import CYCLES_TO_READ, of_record
+from ..signals.simpson import cycle_integrals, replicates_of
 from .cases import NOT_READ, STEP_TOO_COARSE, Cases, Responses
 from .parameters import of_law, oscillator_of
-from .settings import CONTACT, SIMPSON
+from .study_file import CONTACT, SIMPSON
 
 _OF_FIT = (*TERMS, CONTACT)  # what the maximum-likelihood oscillator identifies
 _HARMONICS = 128  # odd ones: what lies beyond takes 1e-9 of the work or less
@@ -249,7 +249,7 @@ def _by_simpson(
     count: int,
     random: np.random.Generator,
 ) -> tuple[Array, Array]:
-    """a, b and W of the levels of a case by `reading.simpson`, (3, L), and replicates, (3, L, count); NaN where the
+    """a, b and W of the levels of a case by `signals.simpson`, (3, L), and replicates, (3, L, count); NaN where the
     record was not read."""
     values, drawn = np.full((3, len(records)), np.nan), np.full((3, len(records), count), np.nan)
     for level, record in enumerate(records):

@@ -17,7 +17,7 @@ from ..records.errors import library
 from .cases import columns_of
 from .evaluate import evaluate, responses_of
 from .parameters import Coefficient
-from .settings import PAPER, Listed, Study
+from .study_file import PAPER, Listed, Study
 
 if TYPE_CHECKING:
     import xarray
@@ -165,7 +165,7 @@ def study(
     for package in ("jsonschema", "ruamel.yaml"):
         library(package, "a study")
     from ..project.documents import ConfigurationError, in_lines, read_schema
-    from .checking import MOST_NUMBERS, SCHEMA, problems
+    from .reading_study import MOST_NUMBERS, SCHEMA, problems
 
     given = {
         **{"axes": axes, "base": base, "levels_m": levels_m, "levels_of_Y": levels_of_Y},

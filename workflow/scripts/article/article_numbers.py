@@ -24,7 +24,7 @@ from dampbalance.publishing.article.derived_numbers import (
     sampling_instants,
 )
 from dampbalance.publishing.provenance.manifest import software
-from dampbalance.replication.as_published import scheme_table, trial_table
+from dampbalance.replication.authors_route import scheme_table, trial_table
 from dampbalance.studies import checking
 from dampbalance.studies.shown.paragraph import paragraph
 

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from dampbalance.project.files import write_text
 from dampbalance.project.troubles import brief_troubles
-from dampbalance.replication.claims.published import read_texts
+from dampbalance.replication.claims.print import read_texts
 from dampbalance.replication.claims.table import COLUMNS, check, read_record, summary
 
 if __name__ == "__main__":

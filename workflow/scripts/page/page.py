@@ -8,7 +8,7 @@ from dampbalance.project.files import read_csv, write_text
 from dampbalance.project.troubles import brief_troubles
 from dampbalance.publishing.page.instruments import of_run
 from dampbalance.publishing.page.report import PageContent, report_page
-from dampbalance.studies.checking import read_study
+from dampbalance.studies.reading_study import read_study
 
 TABLES = ("table1", "table2", "table3", "statistics")
 

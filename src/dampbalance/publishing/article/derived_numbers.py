@@ -20,10 +20,8 @@ from ...figures.numerics import Damping, Evidence
 from ...model import Oscillator
 from ...project.case import Case
 from ...project.files import plain
-from ...reading.clean import CYCLES_TO_READ
-from ...reading.read_out import ReadOut
 from ...replication import comparison
-from ...replication.as_published import (
+from ...replication.authors_route import (
     added_damping,
     coefficients,
     damping_by_hand,
@@ -32,7 +30,9 @@ from ...replication.as_published import (
 from ...replication.claims import evidence as proof
 from ...replication.claims import unprinted
 from ...replication.claims.verdicts import VERDICTS, counts, of_cell, of_text
-from ...replication.printed_tables import TABLE_2, RouteTables
+from ...replication.rebuilt_tables import TABLE_2, RouteTables
+from ...signals.clean import CYCLES_TO_READ
+from ...signals.read_out import ReadOut
 from ...solver import Pair
 
 Json = dict[str, Any]
@@ -60,7 +60,7 @@ def derived_numbers(
     """All numbers of evidence.json, each group under the name of what it describes.
 
     features, estimates : route (exact, as_published) → frequency → table.   claims : the table of verdicts, as text.
-    approaches, schemes, cycles : by `comparison.approaches_table`, `as_published.scheme_table` and `trial_table`.
+    approaches, schemes, cycles : by `comparison.approaches_table`, `authors_route.scheme_table` and `trial_table`.
     unrounded : features of the as-published simulation at the first frequency, before they are read.
 
     None stands for a number that does not exist, such as the relative error of a true value of zero.
@@ -261,7 +261,7 @@ def step_from_work(claims: pd.DataFrame, schemes: pd.DataFrame, case: Case) -> J
 
     Its error is proportional to h, and Runge–Kutta with the same coefficients gives W for h → 0.
 
-    schemes : the table of `as_published.scheme_table`.
+    schemes : the table of `authors_route.scheme_table`.
     """
     W = schemes.set_index("scheme")
     steps: Json = {}
@@ -274,7 +274,7 @@ def step_from_work(claims: pd.DataFrame, schemes: pd.DataFrame, case: Case) -> J
 
 
 SIMULATION = ["trial", "scheme", "step_s", "c_N_s_per_m"]
-"""The columns of `as_published.trial_table` that name one simulation."""
+"""The columns of `authors_route.trial_table` that name one simulation."""
 
 
 def sampling_instants(cycles: pd.DataFrame, claims: pd.DataFrame) -> pd.DataFrame:
@@ -284,7 +284,7 @@ def sampling_instants(cycles: pd.DataFrame, claims: pd.DataFrame) -> pd.DataFram
     1/2. If the simulation is the one behind the printed a, all levels agree on one instant, and it is zero. Whole steps
     do not count, because a may begin a sample earlier or later.
 
-    cycles : the table of `as_published.trial_table`.
+    cycles : the table of `authors_route.trial_table`.
     """
     per_step = 2.0 * cycles["V_s_m_per_s"] * cycles["step_s"]
     printed = _printed(claims, "a")[cycles["level"].to_numpy() - 1]

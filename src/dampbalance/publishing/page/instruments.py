@@ -12,10 +12,10 @@ from ...figures.looks import SCHEME_LOOKS, label_of, look_of
 from ...motion.fixed_step import SCHEMES
 from ...project.case import Case
 from ...project.wording import plain
-from ...replication.as_published import coefficients
+from ...replication.authors_route import coefficients
 from ...replication.claims.verdicts import PARTS, VERDICTS, ClaimId, of_cell
 from ...replication.comparison import RECIPES, WAYS
-from ...replication.printed_tables import TABLE_2, UNKNOWNS
+from ...replication.rebuilt_tables import TABLE_2, UNKNOWNS
 from ...solver import levels_of
 from ..colours import variable
 from ..words import titled

@@ -32,9 +32,9 @@ from ...project.documents import read_yaml
 from ...project.wording import minus, number, percent, signed_percent, unit_of
 from ...replication.claims import verdicts as judged
 from ...replication.comparison import WAY, mends, off_resonance
-from ...replication.printed_tables import SHOWN_ROUTES, TITLES, blocks, claim_of
-from ...studies.settings import Study
+from ...replication.rebuilt_tables import SHOWN_ROUTES, TITLES, blocks, claim_of
 from ...studies.shown.summary import along_lines
+from ...studies.study_file import Study
 from .. import words
 from ..colours import css_variables
 from .instruments import instruments_data, sliders

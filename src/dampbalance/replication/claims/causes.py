@@ -17,13 +17,13 @@ from ...arrays import Array
 from ...balance import Rows
 from ...features import Features
 from ...project.case import Case
-from ...reading.read_out import ReadOut
+from ...signals.read_out import ReadOut
 from ...solver import least_squares, levels_of
-from ..as_published import effective_damping, estimates
-from ..printed_tables import COLUMN_OF, TABLE_2, RouteTables
+from ..authors_route import effective_damping, estimates
+from ..rebuilt_tables import COLUMN_OF, TABLE_2, RouteTables
 from .cross_checks import agrees
 from .judging import TIME_UNIT_S, VELOCITY_MARK, Range, shown
-from .published import PAIR_LABELS, PAIRS, Printed, Published, Row
+from .print import PAIR_LABELS, PAIRS, Printed, Published, Row
 from .verdicts import of_cell
 
 

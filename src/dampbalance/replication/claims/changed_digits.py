@@ -13,7 +13,7 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 from .judging import Claim, explanation, verdict
-from .published import Printed
+from .print import Printed
 from .rules import Sources, claims
 from .verdicts import VERDICTS, part_of
 

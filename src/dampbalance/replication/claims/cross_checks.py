@@ -32,10 +32,10 @@ from ...balance import APPROACHES, Rows
 from ...features import Features, of_numbers
 from ...project.case import Case
 from ...solver import solve
-from ..as_published import APPROACHES_OF_TABLE_3, CORRECTED
-from ..printed_tables import HARMONIC, RESIDUAL, TABLE_1, TABLE_2, UNKNOWNS
+from ..authors_route import APPROACHES_OF_TABLE_3, CORRECTED
+from ..rebuilt_tables import HARMONIC, RESIDUAL, TABLE_1, TABLE_2, UNKNOWNS
 from .judging import Range
-from .published import PAIRS, Printed, Published, column_ids, printed_features
+from .print import PAIRS, Printed, Published, column_ids, printed_features
 from .verdicts import of_text, statistic
 
 if TYPE_CHECKING:

@@ -15,11 +15,11 @@ import pandas as pd
 
 from ...features import Features
 from ...project.case import Case
-from ...reading.read_out import ReadOut
-from ..as_published import CORRECTED, estimates
-from ..printed_tables import HARMONIC, UNKNOWNS, RouteTables
+from ...signals.read_out import ReadOut
+from ..authors_route import CORRECTED, estimates
+from ..rebuilt_tables import HARMONIC, UNKNOWNS, RouteTables
 from .judging import HALF
-from .published import PAIR_LABELS, PAIRS, Printed
+from .print import PAIR_LABELS, PAIRS, Printed
 from .table import SEPARATOR
 from .verdicts import HOLDING, REPRODUCED, ROUTE_NAMES, ClaimId, of_cell
 

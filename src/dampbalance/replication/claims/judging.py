@@ -32,7 +32,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from ...project.case import Case
-from .published import Printed, Row
+from .print import Printed, Row
 from .verdicts import (
     DIFFERS,
     LAST_DIGIT,

@@ -24,15 +24,15 @@ from ...features import Features
 from ...project.case import Case
 from ...project.files import ROUTES, read_csv, read_routes
 from ...project.wording import cut
-from ...reading.read_out import ReadOut
+from ...signals.read_out import ReadOut
 from ...solver import levels_of
 from .. import printed_tables as paper
-from ..as_published import CORRECTED, SLIPPING_SAMPLE
+from ..authors_route import CORRECTED, SLIPPING_SAMPLE
 from ..comparison import largest_errors, relative_errors
-from ..printed_tables import COLUMN_OF, HARMONIC, PRINTED_APPROACHES, RESIDUAL, RouteTables
+from ..rebuilt_tables import COLUMN_OF, HARMONIC, PRINTED_APPROACHES, RESIDUAL, RouteTables
 from . import causes, cross_checks, judging, published, unprinted
 from .judging import Claim
-from .published import FILE, FREQUENCIES, LEVELS, LONGEST, PAIRS, Published, Row, column_ids
+from .print import FILE, FREQUENCIES, LEVELS, LONGEST, PAIRS, Published, Row, column_ids
 from .verdicts import ROUTE_NAMES, Kind, of_text, statistic
 
 

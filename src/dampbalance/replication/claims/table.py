@@ -9,7 +9,7 @@ import pandas as pd
 
 from ...project.wording import in_markdown, markdown_table
 from .judging import explanation, verdict
-from .published import read_texts
+from .print import read_texts
 from .rules import Sources, check_printed, claims, require_paper
 from .verdicts import HOLDING, KINDS, PARTS, ROUTE_NAMES, VERDICTS, counts, part_of
 

@@ -18,9 +18,9 @@ from ...balance import TERMS
 from ...features import Features
 from ...project.case import Case
 from ...solver import solve
-from ..as_published import APPROACHES_OF_TABLE_3
-from ..printed_tables import HARMONIC
-from .published import PAIRS
+from ..authors_route import APPROACHES_OF_TABLE_3
+from ..rebuilt_tables import HARMONIC
+from .print import PAIRS
 
 DRAWS = 10_000
 """Draws of the read-outs: a share is known to half a per cent."""

@@ -21,7 +21,7 @@ from ...figures.style import DOUBLE_COLUMN, GREY, INK, note, place, styled
 from ...project.wording import listed, minus, percent
 from ..case_files import stretches, terms_of
 from ..parameters import PARAMETERS
-from ..settings import Fit, Sampled, Study
+from ..study_file import Fit, Sampled, Study
 from .statistics import Sizes
 
 MOST_BINS = 72  # along each axis

@@ -20,8 +20,8 @@ from ...project.documents import ConfigurationError
 from ...project.wording import minus, number, percent, signed_percent
 from ..case_files import column_of
 from ..cases import columns_of
-from ..checking import wrong_selection
-from ..settings import Fit, Study, is_value, selected
+from ..reading_study import wrong_selection
+from ..study_file import Fit, Study, is_value, selected
 from .statistics import Sizes, groups, spread_of, worst_errors
 
 CROSSING, BEGINS, ENDS = "", " (where the axis begins)", " (where the axis ends)"

@@ -13,14 +13,14 @@ from scipy import special
 
 from ...arrays import Array, Integers
 from ...balance import TERMS
-from ...likelihood.steady_search import fit_at_truth
+from ...fit.steady_search import fit_at_truth
 from ...model import BaseMotion
 from ...motion.orbit import NoSteadyOrbit, steady_orbit
 from ...solver import NORMAL_95
 from ..case_files import column_of
 from ..cases import cases_between
 from ..parameters import oscillator_of
-from ..settings import Fit, Study
+from ..study_file import Fit, Study
 
 # Bins of sizes: a quantile is good to 0.06 %, below the three digits that are shown.
 _PER_DECADE = 2000

@@ -46,7 +46,7 @@ from ...project.wording import in_figure, listed
 from ...solver import NORMAL_95
 from ..case_files import column_of, terms_of
 from ..parameters import PARAMETERS, SI_COLUMNS
-from ..settings import Fit, Study, selected
+from ..study_file import Fit, Study, selected
 from .maps import error_map
 from .statistics import groups, spread_of, worst_errors
 

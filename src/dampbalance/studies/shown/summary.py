@@ -11,7 +11,7 @@ import pandas as pd
 
 from ...project.wording import in_markdown, listed, markdown_table, percent, signed_percent
 from ..case_files import stretches, terms_of
-from ..settings import EQUAL, LIKELIHOOD, RIGID, Fit, Study
+from ..study_file import EQUAL, LIKELIHOOD, RIGID, Fit, Study
 from .statistics import Sizes, bounds_of, groups, spread_of
 
 WITHIN = 0.01  # relative error that the summary counts as good

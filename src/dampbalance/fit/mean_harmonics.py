@@ -1,0 +1,416 @@
+"""Features of one noisy record, with standard errors and bootstrap replicates.
+
+All features are functions of the mean harmonics of base and response, relative to the phase of the base:
+
+    X_n² = |x_n|² − var x_n              freed of the bias that noise gives a square
+    W = −πk Σ n Im(y_n* x_n)             exact by orthogonality, and free of bias as it is: linear in x_n
+    b = πω Σ n²X_n²                      likewise
+    2X = x_max − x_min                   of Σ x_n e^{inωt}; of the levels of its rests, where it has such (`turning.py`)
+    X_s, V_s, t_s, a = 4X − λ            from the exact waveform that fits (`waveforms.py`)
+
+A waveform that fits stands for the odd harmonics beyond the fifth, too: those of the record hold little there but
+noise. Where none fits, all harmonics up to the bandwidth are the record's own, and the onset of slip is not known:
+a = 4X. Even harmonics of the response, and higher ones of the base, are taken where they stand out of the noise. What
+needs a symmetric motion (the onset, the zero crossing) is that of its symmetric part.
+
+Standard errors are those of the jackknife over cycles; replicates draw cycles with replacement. Both evaluate the same
+functions on many means at once, what comes from the waveform to first order.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, fields, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from ..arrays import Array, Complexes
+from ..features import COLUMNS, Features, of_numbers, wrapped
+from ..law.terms import of_harmonics
+from ..project.wording import Remark
+from ..records.measurement import Measurement
+from ..signals.conditioning import SteadyRecord, condition
+from ..signals.cycles import bootstrap, powers
+from ..signals.lines import Lines
+from ..signals.one_thread import one_thread
+from ..signals.turning import Series, turning_points, upward_zero
+from .base_harmonics import added, fit_records
+from .waveforms import Waveform
+
+RESOLVED = 2.0
+"""Standard errors by which the root of the microstick line's length must exceed zero to count as resolved."""
+
+UNKNOWN = "slip onset not known"
+
+_READ = 5  # the highest harmonic taken from a record that an exact waveform fits
+_JACKKNIFE_GROUPS = 400
+_OF_ONSET = ("X_s", "V_s", "t_s", "X_r", "V_r", "t_r")
+
+
+@dataclass(frozen=True, eq=False)
+class Means:
+    """Means of r drawings of the rows of a record.
+
+    Y : amplitude of the base, m, (r,).   x : x_n, m, relative to its phase, (r, h), n as in `Lines`.
+    even : x_n, n = 2, 4 …, and base : y_n, n = 2, 3 …, m, likewise, up to those that stand out of the noise.
+    bias : noise bias of |x_n|², in variances of x_n, (r,): 1 for the mean, 2 for bootstrap replicates.
+    """
+
+    Y: Array
+    x: Complexes
+    even: Complexes
+    base: Complexes
+    bias: Array
+
+    def __getitem__(self, kept: Any) -> Means:
+        """Those of some drawings, by a list or a mask."""
+        return Means(*(getattr(self, part.name)[kept] for part in fields(self)))
+
+    def followed_by(self, other: Means) -> Means:
+        """These means and, after them, others of the same record."""
+        names = [part.name for part in fields(self)]
+        return Means(*(np.concatenate([getattr(of, n) for of in (self, other)]) for n in names))
+
+    def changed(
+        self, drive: Array, response: Array, turn: Array, *, relative: bool = False
+    ) -> Means:
+        """One mean as r: base and response grown by the factors 1 + drive and 1 + response, the response turned by
+        `turn`, rad at the drive frequency, n times that at harmonic n; each (r,).
+
+        relative : whether the response was measured against the base, to whose fundamental it was added.
+        """
+        of_base = np.zeros_like(self.x)
+        of_base[:, 0] = self.Y * relative
+        driven = 1.0 + drive[:, None]
+
+        def turned(x: Complexes, lowest: int) -> Complexes:
+            n = lowest + 2 * np.arange(x.shape[1])
+            return x * (1.0 + response)[:, None] * np.exp(-1j * np.outer(turn, n))
+
+        x = turned(self.x - of_base, 1) + of_base * driven
+        of_all = self.Y * driven[:, 0], x, turned(self.even, 2), self.base * driven
+        return Means(*of_all, np.broadcast_to(self.bias, turn.shape))
+
+
+@dataclass(frozen=True, eq=False)
+class Reading:
+    """Features of one response read off a record, with their standard errors.
+
+    steady : the conditioned record.   joint : whether it was fitted together with others; else its waveform is fitted
+    to this record alone.   shared : the waveform of that fit, None where none fits.   taken : λ = 4X − a, m, the travel
+    by which sticking reduces 4X where no waveform fits.   terms : of a law, beyond friction and a linear damper, whose
+    integrals are wanted.
+    """
+
+    steady: SteadyRecord
+    joint: bool = False
+    shared: Waveform | None = None
+    taken: float = 0.0
+    terms: tuple[str, ...] = ()
+
+    @cached_property
+    def lines(self) -> Lines:
+        """The harmonics that waveforms are fitted to."""
+        return Lines.of(self.steady)
+
+    @cached_property
+    @one_thread
+    def waveform(self) -> Waveform | None:
+        """The exact waveform that fits; None where there is none."""
+        if self.joint:
+            return self.shared
+        fit = fit_records([self.lines], self.steady.k)
+        return fit.waveforms[0] if fit is not None and fit.adequate else None
+
+    @property
+    def slips(self) -> bool | None:
+        """Whether the contact slips; None where no waveform fits."""
+        return None if self.waveform is None else self.waveform.response.slips
+
+    @cached_property
+    def features(self) -> Features:
+        """Features of the one response; where no waveform fits, X_s = −X (the rigid limit) and a = 4X − λ."""
+        return self.features_of(self.mean)
+
+    @cached_property
+    @one_thread
+    def exact_features(self) -> Features:
+        """Features of the waveform itself. Raises ValueError where none fits."""
+        waveform = self.waveform
+        if waveform is None:
+            raise ValueError(f"{self.steady.source}: no waveform fits")
+        at = waveform.fit.unknowns.at[waveform.index]
+        x = waveform.response.harmonics(max(self.lines.n.size, waveform.tail.size))
+        none = np.zeros((1, 0), dtype=np.complex128)
+        means = Means(
+            waveform.fit.point[[at["Y"]]], x[None, : self.lines.n.size], none, none, np.zeros(1)
+        )
+        # with the phase of its own base
+        alone = replace(self, joint=True, shared=replace(waveform, tail=x))
+        return alone.features_of(means, np.zeros((self._unknowns, 1)))
+
+    @property
+    def warnings(self) -> tuple[Remark, ...]:
+        """Faults of the record, one sentence each."""
+        return self.steady.warnings
+
+    @cached_property
+    def standard_errors(self) -> Mapping[str, float]:
+        """Standard errors by leaving out one group of rows after the other; NaN for what is not read."""
+        left, errors = self.features_of(self.left_out()), {}
+        for name in COLUMNS:
+            values = getattr(left, name)
+            if name.startswith("phi"):  # phases near the ends of the interval
+                values = np.unwrap(values)
+            errors[name] = math.sqrt((len(left) - 1) * float(np.var(values)))
+        return errors if self.slips else errors | dict.fromkeys(_OF_ONSET, math.nan)
+
+    @cached_property
+    def mean(self) -> Means:
+        """The means over all rows."""
+        means = self._drawn(self.steady.weights[None], 0.0, 1.0)
+        return replace(means, Y=np.array([self.lines.Y]), x=self.lines.x[None])
+
+    def resampled(self, count: int, rng: np.random.Generator) -> Means:
+        """`count` bootstrap replicates of the means: of rows drawn with replacement, with random errors of the size
+        that a record which is not steady leaves in all of them alike."""
+        drawn, stretch = bootstrap(len(self.steady.weights), count, rng)
+        means = self._drawn(drawn * self.steady.weights, stretch, 2.0)
+        hidden = self._hidden
+        if not hidden.any():
+            return means
+        of_base = rng.standard_normal((count, 1))
+        sizes = (part.shape[1] for part in (means.x, means.even, means.base))
+        pairs = [rng.standard_normal((2, count, size)) for size in sizes]
+        off = np.hstack([of_base, *(one + 1j * other for one, other in pairs)])
+        return self._with(means, off * hidden)
+
+    def shaken(self) -> list[Means]:
+        """Return the mean with each error that no scatter between rows shows, up and down, as one more set of groups of
+        a jackknife; nothing where there are no such errors."""
+        errors = np.diag(self._hidden)[self._hidden > 0.0]
+        if not len(errors):
+            return []
+        groups = 4 * len(errors)
+        # (g − 1)/g of the squares of both, up and down, is the variance
+        errors = errors * math.sqrt(groups / (2.0 * (groups - 1)))
+        ways = np.array([1.0, -1.0, 1j, -1j])[:, None, None]
+        return [self._with(self.mean[[0] * groups], (ways * errors).reshape(groups, -1))]
+
+    @property
+    def _hidden(self) -> Array:
+        """Errors that all rows share, m: of the amplitude of the base, and of `Means.x`, `even` and `base`."""
+        of, even = self.steady, slice(2, self.steady.even_bandwidth + 1, 2)
+        base = of.Y_hidden[2 : of.base_bandwidth + 1]
+        return np.concatenate(
+            [of.Y_hidden[1:2], of.X_hidden[self.lines.n], of.X_hidden[even], base]
+        )
+
+    def _with(self, means: Means, off: Array | Complexes) -> Means:
+        """Means with errors in the order of `_hidden`, (r, e); the phase of the base has none."""
+        Y, x, even, base = np.split(
+            off, np.cumsum([1, means.x.shape[1], means.even.shape[1]]), axis=1
+        )
+        return Means(
+            means.Y + Y[:, 0].real, means.x + x, means.even + even, means.base + base, means.bias
+        )
+
+    def left_out(self) -> Means:
+        """Jackknife replicates of the means: without one group of rows after the other.
+
+        g groups (all rows, or 400): (g − 1)/g Σ (p_j − p̄)² over the replicates is the variance of any p.
+        """
+        weights = self.steady.weights
+        rows = len(weights)
+        groups = min(rows, _JACKKNIFE_GROUPS)
+        member = np.arange(rows) * groups // rows
+        return self._drawn(np.where(member == np.arange(groups)[:, None], 0.0, weights), 1.0, 1.0)
+
+    def moved(self, means: Means) -> Array:
+        """Changes of the unknowns of the fit with these means of the record, (p, r), to first order."""
+        waveform = self.waveform
+        if waveform is None:
+            return np.zeros((0, len(means.Y)))
+        lines, off = self.lines, (means.x - self.lines.x).T
+        error = lines.x_error[:, None]
+        Y = (means.Y - lines.Y) / lines.Y_error
+        data = np.vstack([Y, np.zeros(Y.size), off.real / error, off.imag / error])
+        return waveform.fit.response[:, waveform.fit.places[waveform.index]] @ data
+
+    @one_thread
+    def features_of(self, means: Means, moved: Array | None = None) -> Features:
+        """The features of means of the record.
+
+        moved : changes of the unknowns of the fit with them, (p, r); default, those by this record alone.
+        """
+        moved = self.moved(means) if moved is None else moved
+        steady, series = self.steady, self.series(means, moved)
+        squares = series.squares
+        amplitudes = np.zeros((3, len(means.Y)))  # as far as the sampling reaches
+        first = squares[:, series.n % 2.0 > 0.0][:, :3]
+        amplitudes[: first.shape[1]] = np.sqrt(np.maximum(first, 0.0)).T
+        lag = -np.angle(series.x[:, 0])
+        theta_peak, X = turning_points(series, rests=self.waveform is None)
+        reversal = wrapped(theta_peak)
+        regime, length, (V_s, t_s, taken) = self._onset(means, moved)
+        base = np.hstack([means.Y[:, None], means.base])
+        orders = np.arange(1.0, base.shape[1] + 1.0)
+        # Σ n Im(y_n* x_n) over the harmonics n = 2, 3 … of the base
+        x = np.zeros((len(base), orders.size + 1), dtype=np.complex128)
+        shared = series.n <= orders.size
+        x[:, series.n[shared].astype(np.intp)] = series.x[:, shared]
+        beyond = (means.base.conj() * x[:, 2:]).imag @ orders[1:]
+        return of_numbers(
+            steady.omega,
+            regime,
+            Y=means.Y,
+            X=X,
+            X_s=length - X,
+            V_s=V_s,
+            t_s=t_s,
+            phi=reversal,
+            phi_reversal=reversal,
+            phi_zero_crossing=wrapped(upward_zero(series, lag) + 0.5 * math.pi),
+            phi_fundamental=wrapped(lag),
+            X_r=X - length,
+            V_r=-V_s,
+            t_r=t_s,
+            X_1=amplitudes[0],
+            X_3=amplitudes[1],
+            X_5=amplitudes[2],
+            a=4.0 * X - taken,
+            b=math.pi * steady.omega * (squares @ series.n**2),
+            W=-math.pi * steady.k * (means.Y * series.x[:, 0].imag + beyond),
+            integrals={
+                symbol: of_harmonics(
+                    *(symbol, series.n, series.x, orders, base),
+                    *(steady.omega, steady.k, series.variance),
+                )
+                for symbol in self.terms
+            },
+        )
+
+    @one_thread
+    def averaged_cycle(self, points: int = 720) -> dict[str, Array]:
+        """One cycle as the harmonics of the record and, beyond them, the waveform give it, for plots.
+
+        phase : ωt, the peak of the base at 0, rad.   x, v, acceleration : m, m/s, m/s².   y, w : of the base and its
+        velocity, m, m/s.
+        """
+        series = self.series(self.mean, np.zeros((self._unknowns, 1)))
+        cycle = self._cycle(series.n, series.x[0], points)
+        y = np.append(np.abs(self.steady.mean(self.steady.Y[:, 1:2])), self.lines.base)
+        of_base = self._cycle(np.arange(1.0, y.size + 1.0), y, points)
+        return cycle | {"y": of_base["x"], "w": of_base["v"]}
+
+    def fitted_cycle(self, waveform: Waveform, points: int = 720) -> dict[str, Array]:
+        """One cycle of a waveform fitted to this record, in the columns of `averaged_cycle` without the base."""
+        x = waveform.tail + added(self.lines.base, waveform.response, waveform.tail.size)
+        return self._cycle(np.arange(1.0, 2.0 * x.size, 2.0), x, points)
+
+    def _cycle(self, n: Array, x: Complexes, points: int) -> dict[str, Array]:
+        """Re Σ x_n e^{inθ} with its first two derivatives by time."""
+        theta = np.linspace(0.0, 2.0 * math.pi, points, endpoint=False)
+        # at these phases e^{inθ} is that of n mod points
+        rate, places = 1j * n * self.steady.omega, n.astype(np.intp) % points
+        cycle = {"phase": theta}
+        for order, name in enumerate(("x", "v", "acceleration")):
+            lines = np.zeros(points, dtype=np.complex128)
+            np.add.at(lines, places, rate**order * x)
+            cycle[name] = np.fft.ifft(lines, norm="forward").real
+        return cycle
+
+    @property
+    def _unknowns(self) -> int:
+        return 0 if self.waveform is None else self.waveform.fit.point.size
+
+    @cached_property
+    def _of_base(self) -> Complexes:
+        """What the harmonics of the base add to those of the waveform, m, as many as its tail has."""
+        assert self.waveform is not None
+        return added(self.lines.base, self.waveform.response, self.waveform.tail.size)
+
+    def series(self, means: Means, moved: Array | None = None) -> Series:
+        """The harmonics of r means of the response: the record's own, odd ones beyond them those of the waveform.
+
+        moved : as for `features_of`.
+        """
+        moved = self.moved(means) if moved is None else moved
+        waveform, lines = self.waveform, self.lines
+        if waveform is None:
+            # the third and fifth are taken as they are, whether they stand out of the noise or not
+            own = lines.n <= max(self.steady.bandwidth, _READ)
+            tail = np.zeros((len(means.Y), 0), dtype=np.complex128)
+        else:
+            own = lines.n <= min(max(self.steady.bandwidth, 1), _READ)
+            beyond = slice(np.count_nonzero(own), None)
+            tail = waveform.tail[beyond] + (waveform.tail_slope[beyond] @ moved).T
+            if means.base.any():
+                tail = tail + self._of_base[beyond]
+        x = np.hstack([means.x[:, own], tail, means.even])
+        odd, even = np.arange(x.shape[1] - means.even.shape[1]), np.arange(means.even.shape[1])
+        n = np.concatenate([2.0 * odd + 1.0, 2.0 * even + 2.0])
+        of_even = self.steady.X_error[2::2][: even.size]
+        error = np.concatenate([lines.x_error[own], np.zeros(tail.shape[1]), of_even])
+        return Series(n, x, np.outer(means.bias, 2.0 * error**2))
+
+    @one_thread
+    def _drawn(self, drawn: Array, stretch: float, bias: float) -> Means:
+        """Means with the weights `drawn` of the rows, (r, rows), their deviations stretched."""
+        steady, lines = self.steady, self.lines
+        drawn = drawn / drawn.sum(axis=1, keepdims=True)
+
+        def stretched(rows: Complexes) -> Complexes:
+            mean = steady.mean(rows)
+            return mean + stretch * (drawn @ rows - mean)
+
+        even = np.arange(2, steady.even_bandwidth + 1, 2)
+        higher = np.arange(2, steady.base_bandwidth + 1)
+        Y = stretched(steady.Y[:, 1:2])
+        last = max(int(lines.n[-1]), steady.even_bandwidth, steady.base_bandwidth)
+        turn = powers((np.abs(Y) / Y)[:, 0], 1 + last)
+        return Means(
+            np.abs(Y[:, 0]),
+            stretched(steady.X[:, lines.n]) * turn[:, lines.n],
+            stretched(steady.X[:, even]) * turn[:, even],
+            stretched(steady.Y[:, higher]) * turn[:, higher],
+            np.full(len(drawn), bias),
+        )
+
+    def _onset(self, means: Means, moved: Array) -> tuple[str, Array, Array]:
+        """Regime, L, (V_s, t_s, λ) of each mean, (r,) and (3, r); NaN where nothing slips.
+
+        L and λ grow with ρ²: the square of its error is taken off, twice where replicates have it twice.
+        """
+        count, waveform = len(means.Y), self.waveform
+        if waveform is None:
+            onset = np.repeat([[0.0], [0.0], [self.taken]], count, axis=1)
+            return UNKNOWN, np.zeros(count), onset
+        regime = str(waveform.response.orbit.regime)
+        if not self.slips:
+            return regime, np.full(count, math.nan), np.full((3, count), math.nan)
+        fit = waveform.fit
+        error = moved[fit.unknowns.at[waveform.index]["rho"]]
+        square = error**2 - means.bias * fit.error("rho") ** 2
+        length = 2.0 * waveform.F_k * (fit.rho**2 + square) + waveform.length_slope @ moved
+        onset = waveform.onset[:, None] + waveform.onset_slope @ moved
+        onset[2] += 4.0 * waveform.F_k * square
+        return regime, length, onset
+
+
+def read_features(
+    measurement: Measurement,
+    k: float,
+    *,
+    frequency_hz: float | None = None,
+    skip_cycles: int = 0,
+) -> Reading:
+    """Features of the response of one measurement.
+
+    k : stiffness, N/m.   frequency_hz : the nominal drive frequency, to compare with that of the excitation.
+    skip_cycles : cycles left out at the start.   Raises ValueError naming the source when the record cannot be used.
+    """
+    return Reading(condition(measurement, k, frequency_hz=frequency_hz, skip_cycles=skip_cycles))

@@ -1,0 +1,307 @@
+"""The search for the oscillator of largest likelihood in steady records, by climbs from several starts."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Iterable, Sequence
+from contextlib import nullcontext
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+
+from ..arrays import Array
+from ..law.law import Law
+from ..law.terms import FRICTION
+from ..model import BaseMotion, Oscillator
+from ..motion.jit import interpreted
+from ..motion.orbit import steady_orbit
+from ..signals.lines import Lines, Shares, starts
+from ..signals.one_thread import one_thread
+from .climb import MOST, climb
+from .waveforms import STIFFEST, HarmonicResiduals, Unknowns, WaveformFit, equivalent_coefficient
+
+_STARTS = (4, 12)  # of the candidates, the closest first, and of those of more masses
+_SOFTENING = (1e-2, 1e-3, 0.0)  # parts of the amplitudes added to their errors: a smooth way down
+_HOPELESS = 4.0  # χ² per datum, softened
+_EFFORT = 600.0  # evaluations after which no other start is tried: to end where the records are takes about 40
+_FEWER = 12  # evaluations at each softening under a law that is compared with others
+_SAME = 1e-3  # relative: two ends whose χ² differ by less are taken for one
+_REFINED = 3  # of the climbs that ended far from the records, those whose ends are nearest to them
+_TO_THE_END = 300  # for the nearest of all, so that its place hangs on no other start
+_REACH = math.log(5.0)  # of ln K_z to either side, where others are tried
+_MOST_STEPS = 64
+_SCANS = 3  # along K_z, each from the best end of the one before
+_RINGS = 1.0  # swings in a stick, from which on a fit that holds is not the only one
+_CLOSER = (1.0 / 16.0, 1.0 / 8.0, 1.0 / 4.0, 1.0 / 2.0)  # of a step: kinks of χ² lie close together
+_FOLLOWING, _TRIED = 4, 6  # evaluations at each K_z, and minima that are climbed to
+_HARMONICS = 64  # odd ones: the derivatives of the response by ρ fall as n⁻³
+_LOWER = 0.05  # of χ²: what another minimum must be lower by to be scanned around
+
+
+def fit_oscillator(
+    lines: Sequence[Lines], k: float, law: Law | None = None, *, thorough: bool = True
+) -> WaveformFit | None:
+    """The oscillator of largest likelihood; None where no oscillator that slips responds like the records.
+
+    lines : of n ≥ 1 records.   k : stiffness, N/m.   law : whose coefficients are fitted; default, F_k and c.
+    thorough : whether more and more starts are tried until one leads to an oscillator that the records may be of, or so
+    many evaluations were made that there hardly is one. Of those that end far from the records the three nearest are
+    refined, for which of them is the best shows only then. The ringing of the stuck mass makes χ² oscillate along K_z:
+    the best is searched for among all K_z (`of_all_stiffnesses`), and climbs on to its optimum.
+    """
+    unknowns = Unknowns(law or Law(), tuple(lines), k)
+    shares = _shares_of(unknowns)
+    wide = (True,) if thorough and not unknowns.law.nonlinear else ()  # else each climb takes long
+    points = (
+        unknowns.start(candidate, shares.friction)
+        for search in (False, *wide)
+        for candidate in starts(lines, k, shares, wide=search)[: _STARTS[search]]
+    )
+    ends = _ends(unknowns, points, MOST)
+    if ends and not ends[0].adequate:
+        different = [b for a, b in pairwise(ends) if b.chi_square > a.chi_square * (1.0 + _SAME)]
+        refined = [
+            _climbed(unknowns, end.point, softenings=_SOFTENING[1:])
+            for end in (ends[0], *different)[:_REFINED]
+        ]
+        ends += filter(None, refined)
+    best = _best(ends)
+    if best is None:
+        return None
+    if wide:
+        best = of_all_stiffnesses(best)
+    if thorough and not (best.adequate and best.converged):
+        last = _climbed(unknowns, best.point, softenings=(0.0,), last=_TO_THE_END)
+        best = _best([best, *filter(None, [last])])
+    return best
+
+
+@one_thread
+def fit_at_truth(
+    osc: Oscillator,
+    motions: Sequence[BaseMotion],
+    errors: Sequence[tuple[float, float]],
+    given: Collection[str] = ("m",),
+) -> WaveformFit | None:
+    """The fit to the exact harmonics of an oscillator, at its own values; None where nothing slips.
+
+    Use its standard errors to judge how much an estimate makes of records of base displacement and displacement: no
+    unbiased estimate has a smaller covariance (the Cramér–Rao bound; Kay, *Fundamentals of Statistical Signal
+    Processing: Estimation Theory*, 1993, chapter 3), as harmonics hold all the information on a steady motion. Unknown
+    offsets and an unknown noise cost nothing: their information is orthogonal.
+
+    motions : one per record; frequencies may differ.
+    errors : standard errors of |Y| and of the real and the imaginary part of each harmonic of x, m, for each record:
+    σ√(2/n) of n samples with white noise σ, over whole cycles or many.
+    given : names of common unknowns that are known, besides the delay.
+    """
+    n = np.arange(1, 2 * _HARMONICS, 2)
+    lines = []
+    for motion, (Y_error, x_error) in zip(motions, errors, strict=True):
+        x = steady_orbit(osc, motion).harmonics(_HARMONICS)
+        lines.append(Lines(motion.omega, motion.Y, Y_error, n, x, np.full(n.size, x_error), 1))
+    unknowns = Unknowns(Law(), tuple(lines), osc.k)
+    truth = unknowns.start(np.array([osc.F_k, osc.c, osc.K_z, osc.m]), np.ones(len(lines)))
+    return _climbed(unknowns, truth, {"delay", *given}, softenings=(0.0,), last=1)
+
+
+def of_all_stiffnesses(fit: WaveformFit) -> WaveformFit:
+    """The best fit that is found along K_z, from a fifth to five times that of a fit: in steps that miss no minimum,
+    and from a better one again; the fit itself where none is better, or the mass hardly swings while it sticks."""
+    left = np.array([_EFFORT])
+    for _ in range(_SCANS):
+        others, count = _other_stiffnesses(fit, left)
+        ends = [_climbed(fit.unknowns, at, softenings=(0.0,)) for at in others]
+        best = _best([fit, *filter(None, ends)], count) or fit
+        if best.chi_square > fit.chi_square - _LOWER * max(1.0, fit.misfit):
+            return replace(fit, evaluations=best.evaluations)
+        fit = best
+    return fit
+
+
+def climb_on(fit: WaveformFit, lines: Sequence[Lines]) -> WaveformFit | None:
+    """The fit to other harmonics of the same records, from there on; what was given keeps its value."""
+    given = {name for name in ("m", "delay") if not fit.error(name)}
+    reached = _climbed(replace(fit.unknowns, lines=tuple(lines)), fit.point, given, (0.0,))
+    return reached and replace(reached, evaluations=fit.evaluations + reached.evaluations)
+
+
+def fit_quickly(
+    lines: Sequence[Lines], k: float, law: Law, near: Sequence[WaveformFit]
+) -> WaveformFit | None:
+    """Like `fit_oscillator`, but from two candidates of `lines.starts` and from fits with other laws only; not refined
+    where it ends far from the records. Use it to compare many laws."""
+    unknowns = Unknowns(law, tuple(lines), k)
+    shares = _shares_of(unknowns)
+    candidates = starts(lines, k, shares)
+    known = [*candidates[:1], *(_as_candidate(fit) for fit in near), *candidates[1:2]]
+    points = (unknowns.start(candidate, shares.friction) for candidate in known)
+    return _best(_ends(unknowns, points, _FEWER))
+
+
+def _ends(unknowns: Unknowns, points: Iterable[Array], most: int) -> list[WaveformFit]:
+    """The fits that climbs from these points end in, up to one that is adequate, that with the smallest χ² first.
+
+    most : evaluations at each softening.
+    """
+    ends: list[WaveformFit] = []
+    left = np.array([_EFFORT])
+    with interpreted(False) if unknowns.law.nonlinear else nullcontext():
+        for point in points:
+            reached = _climbed(unknowns, point, hopeless=_HOPELESS, most=most, left=left)
+            if reached is not None:
+                ends.append(reached)
+            if left[0] <= 0.0 or (ends and ends[-1].adequate):
+                break
+    return sorted(ends, key=lambda end: end.chi_square)
+
+
+def _other_stiffnesses(end: WaveformFit, left: Array) -> tuple[list[Array], int]:
+    """Where χ² has other local minima along K_z, from a fifth to five times that of a fit, while the other unknowns
+    follow; none where the mass hardly swings while it sticks; and the evaluations that it took to see.
+
+    A contact that sticks for N swings rings in step with the records at every K_z that changes N by one,
+    Δ ln K_z = 2/N: four steps lead from one of them to the next.
+
+    left : as for `HarmonicResiduals`.
+    """
+    swings = max(one.swings for one in end.responses)
+    if swings < _RINGS and end.adequate:
+        return [], 0
+    step = max(0.5 / max(swings, 1.0), 2.0 * _REACH / _MOST_STEPS)
+    rho, unknowns = end.names.index("rho"), end.unknowns
+    free = np.any(end.response != 0.0, axis=1)
+    free[rho] = False
+    evaluate = HarmonicResiduals(unknowns, 0.0, left).products
+    minima, count = [], 0
+    for side in (0.5, -0.5):
+        start, levels = end.point, [(end.chi_square, end.point)]
+        for distance in (*_CLOSER, *range(1, 1 + int(_REACH / step))):
+            reached = []
+            for near in (end.point, start) if start is not end.point else (start,):
+                at = near.copy()
+                at[rho] = end.point[rho] * math.exp(side * distance * step)
+                bounds = unknowns.bounds(at, free)
+                reached.append(climb(evaluate, at, bounds, gain=0.5, most=_FOLLOWING))
+            count += sum(one.evaluations for one in reached if one is not None)
+            best = min(filter(None, reached), key=lambda one: one.chi_square, default=None)
+            if best is not None:
+                start = best.point
+                levels.append((best.chi_square, start))
+        triples = zip(levels, levels[1:], levels[2:], strict=False)
+        minima += [here for a, here, b in triples if a[0] > here[0] <= b[0]]
+        minima += levels[-1:] if len(levels) > 1 and levels[-1][0] < levels[-2][0] else []
+    minima.sort(key=lambda one: one[0])
+    return [point for _, point in minima[:_TRIED]], count
+
+
+def _best(ends: Sequence[WaveformFit], others: int = 0) -> WaveformFit | None:
+    """The fit with the smallest χ², with the evaluations of all, and others."""
+    best = min(ends, key=lambda end: end.chi_square, default=None)
+    return best and replace(best, evaluations=sum((end.evaluations for end in ends), others))
+
+
+def _as_candidate(fit: WaveformFit) -> Array:
+    """(F_k, c, K_z, m) of an oscillator that loses about as much."""
+    damping = math.fsum(
+        fit.value(key) / equivalent_coefficient(key, fit.lines[0], fit.k)
+        for key in fit.law.keys
+        if key.symbol != FRICTION
+    )
+    rho = max(fit.rho, (STIFFEST * fit.k) ** -0.5)
+    return np.array([fit.F_k, damping, rho**-2, fit.m])
+
+
+def _shares_of(unknowns: Unknowns) -> Shares:
+    """Shares of F_k and c in each record: the friction of its group over the mean of all groups, if all work went into
+    friction; the work of the terms that are not given, over the median of the records."""
+    law, lines = unknowns.law, unknowns.lines
+    labels = law.groups.get(FRICTION, ("",) * len(lines))
+    alone = np.array([max(-one.Y * one.x[0].imag / abs(one.x[0]), 1e-9 * one.Y) for one in lines])
+    means = {label: alone[[other == label for other in labels]].mean() for label in labels}
+    force = np.array([means[label] for label in labels])
+    free = [s for s in law.terms[1:] if s not in law.given]
+    equivalents = np.array([unknowns.equivalents(symbol) for symbol in free])
+    damping = np.ones(len(lines))
+    if free:
+        damping = np.mean(np.median(equivalents, axis=1, keepdims=True) / equivalents, axis=0)
+    return Shares(force / np.mean(list(means.values())), damping)
+
+
+def with_delay(fit: WaveformFit) -> WaveformFit | None:
+    """The fit with the delay between base and response left free, from there on."""
+    given = set() if fit.error("m") else {"m"}
+    return _climbed(fit.unknowns, fit.point, given, (0.0,))
+
+
+def with_mass(fit: WaveformFit, m: float) -> WaveformFit | None:
+    """The fit with the mass given, kg, from there on; None where nothing slips with that mass."""
+    start = fit.point.copy()
+    start[fit.unknowns.names.index("m")] = m
+    reached = _climbed(fit.unknowns, start, {"m", "delay"})
+    return reached and replace(reached, evaluations=fit.evaluations + reached.evaluations)
+
+
+def _climbed(
+    unknowns: Unknowns,
+    start: Array,
+    given: Collection[str] = ("delay",),
+    softenings: Sequence[float] = _SOFTENING,
+    hopeless: float = math.inf,
+    most: int = MOST,
+    last: int = MOST,
+    left: Array | None = None,
+) -> WaveformFit | None:
+    """The fit that a climb from there ends in; Y and ψ start as they were read.
+
+    given : names of common unknowns that keep their values, in addition to those of the law.
+    hopeless : χ² per datum from which on it is not refined.
+    most : evaluations at each softening.   last : evaluations without any.
+    left : as for `HarmonicResiduals`; default, as many as it may make at most.
+    """
+    names, law, lines = unknowns.names, unknowns.law, unknowns.lines
+    point = start.copy()
+    point[len(names) :] = np.ravel([(one.Y, 0.0) for one in lines])
+    fixed = {*given, *law.given}
+    free = np.array([not fixed & set(names[i : i + 1]) for i in range(point.size)])
+    bounds = unknowns.bounds(point, free)
+    sizes = [2 + 2 * one.n.size for one in lines]
+    evaluations, promise = 0, math.inf
+    if left is None:
+        left = np.array([float(most * (len(softenings) - 1) + last)])
+    for softening in softenings:
+        softened = HarmonicResiduals(unknowns, softening, left)
+        reached = climb(softened.products, point, bounds, most=most if softening else last)
+        if reached is None:
+            break
+        point, promise = reached.point, reached.promise
+        evaluations += reached.evaluations
+        if reached.chi_square > hopeless * sum(sizes):
+            break
+    if not evaluations:
+        return None
+    # the errors as they are, and derivatives that hold to 1e-6
+    here = HarmonicResiduals(unknowns, 0.0).evaluate(point)
+    if here is None:
+        return None
+    residual, jacobian, size = here[:, -1], here[:, :-1], point.size
+    covariance, response = np.zeros((size, size)), np.zeros((size, residual.size))
+    response[free] = np.linalg.pinv(jacobian[:, free])
+    covariance = response @ response.T
+    ends = np.cumsum(sizes).tolist()
+    return WaveformFit(
+        k=unknowns.k,
+        point=point,
+        covariance=covariance,
+        chi_square=float(residual @ residual),
+        rigid=bool(point[names.index("rho")] <= bounds.lower[names.index("rho")]),
+        unknowns=unknowns,
+        residual=residual,
+        response=response,
+        places=tuple(slice(end - n, end) for end, n in zip(ends, sizes, strict=True)),
+        freedom=residual.size - int(np.count_nonzero(free)),
+        promise=promise,
+        undamped=tuple(key for key in law.unknowns if point[names.index(key)] <= 0.0),
+        evaluations=evaluations,
+    )

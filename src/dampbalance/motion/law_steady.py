@@ -1,0 +1,587 @@
+"""The steady response to harmonic base motion under any law: an exact orbit, or a motion by collocation.
+
+Terms that are linear in ẋ and ẏ only change the numbers of an oscillator that has an exact orbit:
+
+    c ẋ + c_r(ẋ − ẏ) + η(k/ω)ẋ + …  :   damper c + c_r + ηk/ω,   base Re (1 + iωc_r/k) Y e^{iωt}
+
+With others, N(ẋ) = Σ p_j h_j(ẋ), the half cycle from the reversal at −X on solves
+
+    m ẍ + c_l ẋ + N(ẋ) + k x + f = kY cos(ωt + θ),   x = −X, ẋ = 0 at t = 0,   x = X, ẋ = 0 at t = π/ω,
+
+c_l of the linear terms; f = −F_k + K_z(x + X) until it reaches F_k at t_s, and F_k from there. Unknown are X, θ, t_s
+and ẍ at Gauss's points of both phases, whose integrals are ẋ and x (collocation: Hairer, Nørsett & Wanner, Solving
+Ordinary Differential Equations I, II.7). No kink is inside a phase. Newton's method starts from the orbit with a linear
+damper of nearly the same work, c_l + c_e; its matrix also gives what any parameter, or a small further force, changes.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cache, cached_property
+from typing import Any, NamedTuple, Self
+
+import numpy as np
+from numpy.polynomial import legendre
+from numpy.typing import ArrayLike, NDArray
+
+from ..arguments import numbers
+from ..arrays import Array, Complexes
+from ..law.terms import FRICTION, term
+from ..model import BaseMotion, Oscillator
+from .events import MOST_RADIANS
+from .nearby import steady_orbit_near
+from .orbit import NoSteadyOrbit, Orbit, steady_orbit
+from .regime import Regime
+from .states import State
+from .steady_slopes import onset_slopes
+
+HARMONICS = 32
+"""Odd harmonics of what other terms add to an orbit."""
+
+# Points of a phase: exact for the 63rd harmonic over half a cycle and more.
+_POINTS, _MOST_POINTS = 40, 400
+_RIGID = 1e-11  # of X: microstick lines below it are rounding
+_ODD = np.arange(1.0, 2.0 * HARMONICS, 2.0)
+
+
+@cache
+def _rule(points: int) -> tuple[Array, Array, Array]:
+    """Gauss's points and weights on (0, 1), and the integrals from 0 to each point by the values at all of them."""
+    nodes, weights, coefficients = _polynomials(points)
+    integrals = legendre.legval(nodes, legendre.legint(coefficients, lbnd=-1)).T
+    return 0.5 * (1.0 + nodes), 0.5 * weights, np.asarray(0.5 * integrals, dtype=np.float64)
+
+
+@cache
+def _integrals(points: int) -> tuple[Array, Array, Array]:
+    """Gauss's points and the end, 1, and the first and second integrals from 0 to each by the values at the points."""
+    nodes, weights, integral = _rule(points)
+    once = np.vstack([integral, weights])
+    return np.append(nodes, 1.0), once, once @ integral
+
+
+@cache
+def _finer(points: int, more: int) -> tuple[Array, Array, Array]:
+    """Points and weights of a finer rule, and the values at its points by those at the points of a coarse one."""
+    nodes, weights, _ = _polynomials(more)
+    values = legendre.legval(nodes, _polynomials(points)[2])
+    return 0.5 * (1.0 + nodes), 0.5 * weights, np.asarray(values.T)
+
+
+@cache
+def _polynomials(points: int) -> tuple[Array, Array, Array]:
+    """Gauss's points and weights on (−1, 1), and the coefficients of Legendre's polynomials by values at the points."""
+    nodes, weights = (np.asarray(of, dtype=np.float64) for of in legendre.leggauss(points))
+    n = np.arange(points)
+    values = np.asarray(legendre.legvander(nodes, points - 1).T, dtype=np.float64)
+    return nodes, weights, (n[:, None] + 0.5) * values * weights
+
+
+class HalfCycle(NamedTuple):
+    """A half cycle from the reversal at −X on: t, x + X, ẋ, ẍ at all points, and their derivatives by the unknowns.
+
+    t, u, v, a : (n,).   by_t, by_u, by_v : (n, q).   at : (t, x + X, ẋ) at the onset of slip and at the end, (2, 3).
+    by_at : their derivatives, (2, 3, q).
+    """
+
+    t: Array
+    u: Array
+    v: Array
+    a: Array
+    by_t: Array
+    by_u: Array
+    by_v: Array
+    at: Array
+    by_at: Array
+
+
+@dataclass(frozen=True, eq=False)
+class System:
+    """The equations of a half cycle with one onset of slip, or with none.
+
+    orbit : a motion near, whose phases count from its own base.   linear : c_l, N s/m.   others : the other terms.
+    lengths : number of points of each phase: in stick and slip, or of the only one.
+
+    The unknowns q are ẍ at the points, m/s², X, m, β = θ less that of the orbit, rad, and t_s, s, with two phases.
+    """
+
+    orbit: Orbit
+    linear: float
+    others: Mapping[str, float]
+    lengths: tuple[int, ...]
+
+    @classmethod
+    def of(cls, orbit: Orbit, linear: float, others: Mapping[str, float]) -> Self:
+        """The equations of the response near an orbit. Raises NoSteadyOrbit for one of a kind that is not followed."""
+        o, half = orbit.oscillator, 0.5 * orbit.motion.period
+        if orbit.regime not in (Regime.ONE_SLIP, Regime.NO_SLIP, Regime.NO_FRICTION):
+            raise NoSteadyOrbit(
+                "under quadratic or cubic damping only one onset of slip per half cycle can be followed, not: "
+                f"{orbit.regime}; raise the excitation, or give linear terms only"
+            )
+        stiff, soft = math.sqrt((o.k + o.K_z) / o.m), math.sqrt(o.k / o.m)
+        phases = [(half, stiff if orbit.regime == Regime.NO_SLIP else soft)]
+        if orbit.regime == Regime.ONE_SLIP and o.Z_m >= _RIGID * orbit.X:
+            phases.insert(0, (orbit.t_s, stiff))
+        swings = (length * (rate + o.c / o.m) / (2.0 * math.pi) for length, rate in phases)
+        points = (_POINTS + 20 * int(min(s, 1e3) / 3.0) for s in swings)
+        return cls(orbit, linear, others, tuple(min(n, _MOST_POINTS) for n in points))
+
+    @property
+    def slips(self) -> bool:
+        """Whether the contact slips."""
+        return self.orbit.regime != Regime.NO_SLIP
+
+    def start(self) -> Array:
+        """The unknowns in the motion of the orbit."""
+        omega, ends = self.orbit.motion.omega, [0.0, 0.5 * self.orbit.motion.period]
+        if len(self.lengths) == 2:
+            ends.insert(1, self.orbit.t_s)
+        t = [ends[i] + (ends[i + 1] - ends[i]) * _rule(n)[0] for i, n in enumerate(self.lengths)]
+        a = self.orbit.states(np.concatenate(t) + self.orbit.theta / omega)[2]
+        return np.concatenate([a, [self.orbit.X, 0.0], ends[1:-1]])
+
+    def half_cycle(self, q: Array) -> HalfCycle:
+        """The motion that the unknowns describe, from rest."""
+        half, size, first = 0.5 * self.orbit.motion.period, q.size, 0
+        two = len(self.lengths) == 2
+        ends = [0.0, q[-1], half] if two else [0.0, half]
+        begun, by = np.zeros(3), np.zeros((3, size))
+        rows, at, by_at = [], [], []
+        for i, n in enumerate(self.lengths):
+            tau, once, twice = _integrals(n)
+            own, h = slice(first, first + n), ends[i + 1] - ends[i]
+            a, by_h = q[own], (1.0 - 2.0 * i) * two
+            gained, moved = once @ a, twice @ a
+            v, u = begun[2] + h * gained, begun[1] + h * tau * begun[2] + h**2 * moved
+            by_t, by_v = np.empty((2, n + 1, size))
+            by_t[:], by_v[:] = by[0], by[2]
+            by_u = by[1] + (h * tau)[:, None] * by[2]
+            by_v[:, own] += h * once
+            by_u[:, own] += h**2 * twice
+            by_v[:, -1] += by_h * gained
+            by_u[:, -1] += by_h * (tau * begun[2] + 2.0 * h * moved)
+            by_t[:, -1] += by_h * tau
+            t = ends[i] + h * tau
+            whole = (t, u, v, by_t, by_u, by_v)
+            rows.append([*(of[:-1] for of in whole), a])
+            begun, by = np.array([t[-1], u[-1], v[-1]]), np.stack([by_t[-1], by_u[-1], by_v[-1]])
+            at.append(begun)
+            by_at.append(by)
+            first += n
+        t, u, v, by_t, by_u, by_v, a = (np.concatenate(of) for of in zip(*rows, strict=True))
+        return HalfCycle(t, u, v, a, by_t, by_u, by_v, np.array(at), np.array(by_at))
+
+    def equations(self, q: Array) -> tuple[Array, Array]:
+        """What is left of the equations, N, and their derivatives."""
+        o, motion, of = self.orbit.oscillator, self.orbit.motion, self.half_cycle(q)
+        n, X, ends, by_ends = of.t.size, q[of.t.size], of.at, of.by_at
+        force, slope = self.linear * of.v, np.full(n, self.linear)
+        for symbol, p in self.others.items():
+            one = term(symbol)
+            assert one.force is not None
+            force = force + p * one.force(of.v, 0.0, o.k, motion.omega)
+            slope = slope + p * one.slope(of.v, 0.0, o.k, motion.omega)
+        contact, stiffness, by_X = self._contact(of, X)
+        phase = motion.omega * of.t + self.orbit.theta + q[n + 1]
+        drive, by_phase = o.k * motion.Y * np.cos(phase), o.k * motion.Y * np.sin(phase)
+        matrix = (o.k + stiffness)[:, None] * of.by_u + slope[:, None] * of.by_v
+        matrix += (motion.omega * by_phase)[:, None] * of.by_t
+        matrix[:, :n] += o.m * np.eye(n)
+        matrix[:, n] += by_X - o.k
+        matrix[:, n + 1] += by_phase
+        left = o.m * of.a + force + o.k * (of.u - X) + contact - drive
+        last = [o.k * (ends[-1, 1] - 2.0 * X), o.k / motion.omega * ends[-1, 2]]
+        by_last = [o.k * by_ends[-1, 1], o.k / motion.omega * by_ends[-1, 2]]
+        by_last[0][n] -= 2.0 * o.k
+        if len(self.lengths) == 2:
+            last.append(o.k * (ends[0, 1] - 2.0 * o.Z_m))
+            by_last.append(o.k * by_ends[0, 1])
+        return np.append(left, last), np.vstack([matrix, *by_last])
+
+    def harmonics(self, q: Array, count: int) -> tuple[Complexes, Complexes]:
+        """x_n, n = 1, 3 … 2 count − 1, in the phases of the orbit, m, (count,), and derivatives, (count, q)."""
+        omega, half, first = self.orbit.motion.omega, 0.5 * self.orbit.motion.period, 0
+        n, two = np.arange(1.0, 2.0 * count, 2.0), len(self.lengths) == 2
+        ends = [0.0, q[-1], half] if two else [0.0, half]
+        x, by = np.zeros(count, complex), np.zeros((count, q.size), complex)
+        for i, points in enumerate(self.lengths):
+            # e^{iκs} over (−1, 1) takes κ/2 points and a few, κ < πn/2
+            tau, weights, values = _finer(points, points + int(1.7 * count))
+            own, h = slice(first, first + points), ends[i + 1] - ends[i]
+            turns = np.exp(-1j * np.outer(n, omega * (ends[i] + h * tau) + self.orbit.theta))
+            turns *= -2.0 / (math.pi * omega) / n[:, None] ** 2 * weights
+            a = values @ q[own]
+            x += h * turns @ a
+            by[:, own] += h * turns @ values
+            if two:
+                later = tau if i == 0 else 1.0 - tau
+                by[:, -1] += (1.0 - 2.0 * i) * turns @ a
+                by[:, -1] += -1j * omega * n * h * (turns @ (a * later))
+            first += points
+        return x, by
+
+    def state(self, q: Array, t: Array) -> tuple[Array, Array, Array, Array]:
+        """(x, ẋ, ẍ, z) at times t after the reversal at −X, 0 to π/ω, s, (n,)."""
+        o, at, first = self.orbit.oscillator, self.half_cycle(q).at, 0
+        X, begun = q[sum(self.lengths)], np.vstack([np.zeros(3), at])
+        x, v, a, z = np.empty((4, t.size))
+        phase = np.searchsorted(at[:-1, 0], t, side="right")
+        for i, points in enumerate(self.lengths):
+            here, h, (start, u_0, v_0) = phase == i, at[i, 0] - begun[i, 0], begun[i]
+            tau = (t[here] - start) / h
+            series = _polynomials(points)[2] @ q[first : first + points]
+            once, twice = (legendre.legint(series, times, lbnd=-1) for times in (1, 2))
+            a[here] = legendre.legval(2.0 * tau - 1.0, series)
+            v[here] = v_0 + h / 2.0 * legendre.legval(2.0 * tau - 1.0, once)
+            gained = h * tau * v_0 + h**2 / 4.0 * legendre.legval(2.0 * tau - 1.0, twice)
+            x[here] = u_0 - X + gained
+            z[here] = x[here] if not self.slips else o.Z_m
+            if i == 0 and len(self.lengths) == 2:
+                z[here] = gained - o.Z_m
+            first += points
+        return x, v, a, z
+
+    def moved(self, q: Array, forces: Array) -> Array:
+        """Derivatives of the unknowns, (q, any), by further forces: their values in the equations, (q, any), N."""
+        return np.asarray(-np.linalg.solve(self.equations(q)[1], forces))
+
+    def forces(self, q: Array, lag: float, Y: float, symbols: Sequence[str]) -> dict[str, Array]:
+        """Derivatives of the equations, (q,), by the coefficients of terms, K_z and m.
+
+        lag : phase by which the base follows that of the orbit, rad.   Y : of the base, m.
+        """
+        o, omega, of = self.orbit.oscillator, self.orbit.motion.omega, self.half_cycle(q)
+        ends, slid = np.zeros(q.size - of.t.size), np.full(of.t.size, float(self.slips))
+        by_ends, stuck = ends.copy(), np.zeros(of.t.size) if self.slips else of.u - q[of.t.size]
+        if len(self.lengths) == 2:
+            slid[: self.lengths[0]], stuck[: self.lengths[0]] = -1.0, of.u[: self.lengths[0]]
+            ends[-1], by_ends[-1] = -2.0 * o.k / o.K_z, 2.0 * o.k * o.Z_m / o.K_z
+        by = {FRICTION: np.append(slid, ends), "K_z": np.append(stuck, by_ends)}
+        w = -omega * Y * np.sin(omega * of.t + self.orbit.theta + lag)
+        rest = np.zeros(ends.size)
+        by["m"] = np.append(of.a, rest)
+        for symbol in symbols:
+            force = term(symbol).force
+            if force is not None:
+                by[symbol] = np.append(force(of.v, w, o.k, omega), rest)
+        return by
+
+    def _contact(self, of: HalfCycle, X: float) -> tuple[Array, Array, Array | float]:
+        """The force of the contact at the points, N, and its derivatives by x + X and X, N/m."""
+        o, n = self.orbit.oscillator, of.t.size
+        if not self.slips:
+            return o.K_z * (of.u - X), np.full(n, o.K_z), -o.K_z
+        sticks = np.arange(n) < (self.lengths[0] if len(self.lengths) == 2 else 0)
+        force = np.where(sticks, o.K_z * of.u - o.F_k, o.F_k)
+        return force, np.asarray(o.K_z * sticks, dtype=np.float64), 0.0
+
+
+_MOST = 40  # steps
+_REACHED = 1e-8  # of the unknowns: what a step as short leaves, its square, is rounding
+_FAR = 0.3  # of the unknowns: a step as long may lead away
+_SHORTEST = 1.0 / 256.0  # part of such a step
+_EQUIVALENCES = 3  # repetitions that bring c_e near that of the response
+
+
+@dataclass(frozen=True, eq=False)
+class Response:
+    """The steady response of an oscillator with a law.
+
+    orbit : exact, of the oscillator with the equivalent linear damper.   advance : phase by which the base of that
+    orbit is before the real one, rad.   system, unknowns : the equations of the response, where it is no orbit, and
+    what solves them.
+    """
+
+    orbit: Orbit
+    advance: float
+    system: System | None = field(default=None, repr=False)
+    unknowns: Array | None = field(default=None, repr=False)
+
+    @cached_property
+    def change(self) -> Complexes | None:
+        """x_n less that of the orbit, n = 1, 3 … 63, with the phases of the orbit, m; None where there is none."""
+        if self.system is None or self.unknowns is None:
+            return None
+        return self.system.harmonics(self.unknowns, HARMONICS)[0] - self.orbit.harmonics(HARMONICS)
+
+    @property
+    def turned(self) -> float:
+        """Phase of the base at the reversal less that of the orbit, β, rad."""
+        return 0.0 if self._at is None else self._at[1]
+
+    @cached_property
+    def _at(self) -> tuple[float, float, float, float] | None:
+        """X, β, V_s and t_s of a response that is no orbit."""
+        if self.system is None or self.unknowns is None:
+            return None
+        X, beta, *onset = self.unknowns[sum(self.system.lengths) :].tolist()
+        V_s = self.system.half_cycle(self.unknowns).at[0, 2] if onset else 0.0
+        t_s = onset[0] if onset else 0.0
+        return (X, beta, float(V_s), t_s) if self.slips else (X, beta, math.nan, math.nan)
+
+    @property
+    def slips(self) -> bool:
+        """Whether the contact slips."""
+        return self.orbit.regime in (Regime.ONE_SLIP, Regime.SEVERAL_SLIPS)
+
+    @property
+    def X(self) -> float:
+        """Peak displacement, m."""
+        return self.orbit.X if self._at is None else self._at[0]
+
+    @property
+    def V_s(self) -> float:
+        """Velocity at the first onset of slip after the reversal at −X, m/s; NaN without slip."""
+        return self.orbit.V_s if self._at is None else self._at[2]
+
+    @property
+    def t_s(self) -> float:
+        """Time from that reversal to the onset, s; NaN without slip."""
+        return self.orbit.t_s if self._at is None else self._at[3]
+
+    @property
+    def taken(self) -> float:
+        """λ = 4X − a, m: what sticking takes from the travel of a cycle."""
+        if self.system is None:
+            return 4.0 * self.orbit.X - self.orbit.a
+        return 4.0 * self.orbit.oscillator.Z_m
+
+    def harmonics(self, count: int) -> Complexes:
+        """x_n of x = Re Σ x_n e^{inωt}, n = 1, 3 … 2 count − 1, m, shape (count,); y = Y cos ωt."""
+        turn = np.exp(1j * np.arange(1, 2 * count, 2) * self.advance)
+        if self.system is not None and self.unknowns is not None:
+            return self.system.harmonics(self.unknowns, count)[0] * turn
+        x = self.orbit.harmonics(count)
+        return x * turn if self.advance else x
+
+    @property
+    def oscillator(self) -> Oscillator:
+        """The oscillator with the equivalent linear damper."""
+        return self.orbit.oscillator
+
+    @property
+    def motion(self) -> BaseMotion:
+        """The motion of the base."""
+        base = self.orbit.motion
+        return BaseMotion(base.Y * math.cos(self.advance + self.turned), base.omega)
+
+    def state(self, t: ArrayLike) -> State:
+        """(x, ẋ, ẍ, z) at the times t, s, any shape; y = Y cos ωt."""
+        times, omega = numbers("t", t), self.orbit.motion.omega
+        if self.system is None or self.unknowns is None:
+            return self.orbit.state(times + self.advance / omega)
+        half = math.pi / omega
+        since = np.mod(times.ravel() + (self.advance - self.orbit.theta) / omega, 2.0 * half)
+        mirrored = since >= half
+        state = self.system.state(self.unknowns, np.clip(since - half * mirrored, 0.0, half))
+        return State(*(np.where(mirrored, -of, of).reshape(times.shape) for of in state))
+
+    @property
+    def swings(self) -> float:
+        """How often the mass swings on contact and spring in half a cycle, while it sticks."""
+        (t, s), par = self.orbit.phases.T[:2].tolist(), self.orbit.parameters
+        ends = zip(t, [*t[1:], math.pi / par.omega], s, strict=True)
+        stuck = math.fsum(end - start for start, end, slips in ends if not slips)
+        return stuck * math.sqrt((par.k + par.K_z) / par.m) / (2.0 * math.pi)
+
+    def with_slopes(
+        self, count: int, symbols: Sequence[str]
+    ) -> tuple[Complexes, dict[str, Complexes]]:
+        """`harmonics` and their derivatives by the coefficients of these terms, rho = K_z^{−1/2} and m, (count,)."""
+        n = np.arange(1, 2 * count, 2)
+        turn = np.exp(1j * n * self.advance)
+        if self._closed(symbols):
+            by = self.orbit.harmonics_with_slopes(count) * turn
+            return by[0], self._by_coefficients(by, symbols, 1.0, 1j * n * by[0])
+        x = self.harmonics(count)
+        moved, (system, unknowns) = self._moved(symbols), self._equations()
+        by_unknowns = system.harmonics(unknowns, count)[1]
+        beta = sum(system.lengths) + 1
+        return x, {
+            name: (by_unknowns @ step) * turn - 1j * n * step[beta] * x
+            for name, step in moved.items()
+        }
+
+    def onset_slopes(self, symbols: Sequence[str]) -> dict[str, Array]:
+        """Derivatives of (V_s, t_s, λ), SI, by the coefficients of these terms, rho and m, (3,)."""
+        if self._closed(symbols):
+            by = onset_slopes(self.orbit.phases, self.orbit.theta, self.orbit.parameters)
+            onset = np.array([self.V_s, self.t_s, self.taken])
+            return self._by_coefficients([onset, *by.T], symbols, np.array([1.0, 0.0, 1.0]), 0.0)
+        moved, (system, unknowns) = self._moved(symbols), self._equations()
+        by = np.zeros((2, unknowns.size))
+        if len(system.lengths) == 2:
+            by = system.half_cycle(unknowns).by_at[0, [2, 0]]
+        o = self.orbit.oscillator
+        taken = {FRICTION: 4.0 / o.K_z, "rho": 8.0 * o.F_k / math.sqrt(o.K_z)}
+        return {name: np.append(by @ step, taken.get(name, 0.0)) for name, step in moved.items()}
+
+    def moved_by(self, force: Array) -> Complexes | None:
+        """Change of the harmonics, m, (32,), by a small further force against the motion, which moves the onsets of
+        slip as well; None where the orbit is of a kind that is not followed.
+
+        force : at evenly spaced phases of a cycle from the peak of the base of the orbit on, N, an even number. Only
+        what changes its sign half a cycle later has an effect on odd harmonics.
+        """
+        try:
+            system, unknowns = self._equations()
+        except NoSteadyOrbit:
+            return None
+        phase = self.orbit.motion.omega * system.half_cycle(unknowns).t + self.orbit.theta
+        forces = np.zeros(unknowns.size)
+        odd = 0.5 * (force - np.roll(force, force.size // 2))
+        at = 2.0 * math.pi * np.arange(force.size) / force.size
+        forces[: phase.size] = np.interp(phase, at, odd, period=2.0 * math.pi)
+        step = system.moved(unknowns, forces)
+        turned = 1j * _ODD * step[phase.size + 1] * self.harmonics(HARMONICS)
+        return (
+            system.harmonics(unknowns, HARMONICS)[1] @ step * np.exp(1j * _ODD * self.advance)
+            - turned
+        )
+
+    def _equations(self) -> tuple[System, Array]:
+        """The equations of the motion, which an orbit solves as well, and the unknowns that do."""
+        if self.system is not None and self.unknowns is not None:
+            return self.system, self.unknowns
+        system = System.of(self.orbit, self.orbit.oscillator.c, {})
+        return system, system.start()
+
+    def _moved(self, symbols: Sequence[str]) -> dict[str, Array]:
+        """Derivatives of the unknowns by the coefficients of terms, rho and m."""
+        system, unknowns = self._equations()
+        Y = self.orbit.motion.Y * math.cos(self.advance + self.turned)  # of the real base
+        forces = system.forces(unknowns, -self.advance, Y, symbols)
+        forces["rho"] = -2.0 * self.orbit.oscillator.K_z**1.5 * forces.pop("K_z")
+        moved = system.moved(unknowns, np.array([*forces.values()]).T)
+        return dict(zip(forces, moved.T, strict=True))
+
+    def _closed(self, symbols: Sequence[str]) -> bool:
+        """Whether the motion is that of the orbit, and would be with other coefficients of these terms."""
+        return self.system is None and all(term(s).linear for s in symbols if s != FRICTION)
+
+    def _by_coefficients(
+        self, by: Any, symbols: Sequence[str], degree: Any, by_phase: Any
+    ) -> dict[str, NDArray[Any]]:
+        """Derivatives of what has the value and the derivatives `by`, (5, …), under the law of the orbit.
+
+        degree : in (Y, F_k).   by_phase : derivative by the phase of the base.
+
+        Terms that are linear in ẋ and ẏ change c, ln Y and the phase of the base that drives the orbit.
+        """
+        value, by_friction, by_c, by_rho, by_m = by
+        omega, k = self.orbit.motion.omega, self.orbit.oscillator.k
+        by_base = degree * value - self.orbit.oscillator.F_k * by_friction
+        slopes = {FRICTION: by_friction, "rho": by_rho, "m": by_m}
+        to_base = math.tan(self.advance)  # of ω/k
+        for symbol in symbols:
+            force = term(symbol).force
+            if force is not None:
+                turned = -float(force(0.0, 1.0, k, omega)) * omega / k / (1.0 + to_base**2)
+                damping = float(force(1.0, 0.0, k, omega))
+                slopes[symbol] = damping * by_c + turned * (to_base * by_base + by_phase)
+        return slopes
+
+
+def steady_response(
+    oscillator: Oscillator,
+    motion: BaseMotion,
+    law: Mapping[str, float],
+    near: Response | None = None,
+    *,
+    most_radians: float = MOST_RADIANS,
+) -> Response:
+    """The steady response of an oscillator under a law.
+
+    law : symbol → coefficient of the terms besides friction and c, which are the oscillator's, SI.
+    near : a response from which to start.
+    most_radians : as for `steady_orbit`, of a law with linear terms only.
+
+    Raises NoSteadyOrbit where there is none, or none with one onset of slip per half cycle under quadratic or cubic
+    damping.
+    """
+    start = None if near is None else near.orbit
+    if not law:
+        return Response(
+            steady_orbit_near(oscillator, motion, start, most_radians=most_radians), 0.0
+        )
+    omega, k = motion.omega, oscillator.k
+    linear, to_base, others = oscillator.c, 0.0, {}
+    for symbol, p in law.items():
+        one = term(symbol)
+        if one.force is not None and one.linear:
+            linear += p * float(one.force(1.0, 0.0, k, omega))
+            to_base -= p * float(one.force(0.0, 1.0, k, omega))
+        elif one.force is not None and p:
+            others[symbol] = p
+    base = BaseMotion(motion.Y * math.hypot(1.0, omega * to_base / k), omega)
+    advance = math.atan2(omega * to_base, k)
+    if not others:
+        own = replace(oscillator, c=linear)
+        return Response(steady_orbit_near(own, base, start, most_radians=most_radians), advance)
+    if near is not None and near.system is not None:
+        extra = near.orbit.oscillator.c - linear
+        orbit = steady_orbit(replace(oscillator, c=linear + max(extra, 0.0)), base)
+    else:
+        orbit, near = _equivalent(replace(oscillator, c=linear), base, others), None
+    system = System.of(orbit, linear, others)
+    unknowns = _solved(system, near)
+    return Response(orbit, advance - unknowns[sum(system.lengths) + 1], system, unknowns)
+
+
+def _equivalent(oscillator: Oscillator, base: BaseMotion, others: Mapping[str, float]) -> Orbit:
+    """The orbit with the linear damper that takes nearly the work of the other terms."""
+    extra, X = 0.0, base.Y
+    for repetition in range(_EQUIVALENCES):
+        work = math.fsum(
+            float(p * term(s).harmonic(base.omega, X, 0.0, 0.0, oscillator.k))
+            for s, p in others.items()
+        )
+        found = work / (math.pi * base.omega * X**2)
+        extra = 0.5 * (extra + found) if repetition else found
+        orbit = steady_orbit(replace(oscillator, c=oscillator.c + extra), base)
+        X = orbit.X
+    return orbit
+
+
+def _solved(system: System, near: Response | None) -> Array:
+    """The unknowns of the response, by Newton's method from the orbit, or from a response near."""
+    orbit, q, n = system.orbit, system.start(), sum(system.lengths)
+    if near is not None and near.unknowns is not None and near.unknowns.size == q.size:
+        q = near.unknowns.copy()
+        q[n + 1] -= math.remainder(orbit.theta - near.orbit.theta, 2.0 * math.pi)
+    left, matrix = system.equations(q)
+    for _ in range(_MOST):
+        step, before, part = -np.linalg.solve(matrix, left), np.linalg.norm(left), 1.0
+        scale = np.append(np.full(n, np.abs(q[:n]).max()), [q[n], 1.0, *q[n + 2 :]])
+        size = float(np.abs(step / scale).max())
+        if not size < 1e3:
+            break
+        if size < _REACHED:
+            q = q + step
+            _require_kind(system, q)
+            return q
+        left, matrix = system.equations(q + step)
+        # a step as long is halved until it brings the equations nearer to balance
+        while size > _FAR and part > _SHORTEST:
+            if np.linalg.norm(left) < (1.0 - 0.1 * part) * before and (q + part * step)[n] > 0.0:
+                break
+            part *= 0.5
+            left, matrix = system.equations(q + part * step)
+        q = q + part * step
+    raise NoSteadyOrbit(
+        f"the response under {dict(system.others)} was not found from {orbit.oscillator}"
+    )
+
+
+def _require_kind(system: System, q: Array) -> None:
+    """Raise NoSteadyOrbit if a response is not of the kind that was assumed."""
+    of, n = system.half_cycle(q), sum(system.lengths)
+    if not system.slips and q[n] > system.orbit.oscillator.Z_m:
+        raise NoSteadyOrbit("the contact begins to slip under quadratic or cubic damping")
+    if not (np.diff(of.t) > 0.0).all():
+        raise NoSteadyOrbit("the contact does not slip in every half cycle")
+    if not (of.v > 0.0).all():
+        raise NoSteadyOrbit("the velocity changes its sign inside a half cycle")

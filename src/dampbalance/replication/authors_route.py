@@ -1,0 +1,306 @@
+"""How the authors obtained their numbers, as far as the printed digits show.
+
+    simulate_levels   the equation of motion divided by m, its coefficients rounded, by a scheme of fixed step
+    read_levels       a, b and W at the samples, all else between them, then as it was written down (`ReadOut`)
+    estimates         Table 3 with the slip of sign in its V_s columns
+    scheme_table      the integrals of Table 2 by every other scheme and way of rounding, and by the exact solver with
+                      the damping of the simulation put in by hand: W and b follow from it, whatever causes it
+    trial_table       a in many cycles, by the simulation and its rivals: what decides between them is whether the
+                      printed a of all levels belong to one sampling instant
+
+Scheme, step, cycle, decimals and rules of reading come from the configuration. They were chosen with the printed digits
+in view (`config/README.md` says which by which); no printed number itself is read here. The printed features are not
+all rounded values of their simulation; some carry the mark of how they were read. Each rule of reading is stated
+without reference to any printed number, and each can be left out.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, NamedTuple, cast
+
+import numpy as np
+
+from ..arrays import Array
+from ..balance import APPROACHES, TERMS, Approach, direct, slip_velocity, slip_velocity_as_printed
+from ..estimates import estimate_table
+from ..features import Features, Phase, of_numbers, of_orbit, stack
+from ..motion.fixed_step import SCHEMES, simulate
+from ..motion.orbit import steady_orbit
+from ..motion.sampled import read_cycle
+from ..project.case import Case
+from ..record import Record
+from ..signals.clean import CYCLES_TO_READ, ReadAt, of_record
+from ..signals.read_out import ReadOut
+from ..solver import least_squares
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+CORRECTED = "V_s with minus"
+"""The V_s pairs as (19) states them."""
+
+APPROACHES_OF_TABLE_3: dict[str, Approach] = {
+    "X_s": APPROACHES["X_s"],
+    "t_s": APPROACHES["t_s"],
+    "V_s": Approach("V_s", slip_velocity_as_printed, "V_s with plus", takes_phase=True),
+    CORRECTED: Approach(CORRECTED, slip_velocity, takes_phase=True),
+}
+"""The rows behind the printed Table 3: the V_s pairs with their slip of sign, and for comparison those without it."""
+
+
+SLIPPING_SAMPLE = "V_s_at_sample_m_per_s"
+"""The column of the velocity of the first slipping sample, at which V_s was read."""
+
+
+class ReadFeatures(NamedTuple):
+    """Features as the authors wrote them down.
+
+    tabulated : for Table 1 and the least squares.   two_point : with one φ and one t_s, for the formulas of Table 3.
+    unrounded : what both were read from, in full digits.
+    slipping_sample : the velocity of the first sample that slips, m/s.
+    """
+
+    tabulated: Features
+    two_point: Features
+    unrounded: Features
+    slipping_sample: Array
+
+    def to_frame(self) -> pd.DataFrame:
+        """The unrounded features, a row per level: the columns of `Features.to_frame` and SLIPPING_SAMPLE."""
+        return self.unrounded.to_frame().assign(**{SLIPPING_SAMPLE: self.slipping_sample})
+
+
+def coefficients(case: Case) -> dict[str, float]:
+    """c_over_m (1/s) and k_over_m (1/s²) with the decimals that the authors' program kept, as `simulate` takes them."""
+    osc, numerics = case.oscillator, case.numerics
+    ratios = {
+        "c_over_m": (osc.c / osc.m, numerics.c_over_m_decimals),
+        "k_over_m": (osc.k / osc.m, numerics.k_over_m_decimals),
+    }
+    return {name: v if kept is None else round(v, kept) for name, (v, kept) in ratios.items()}
+
+
+def added_damping(case: Case, omega: float) -> float:
+    """The damping mω²h, N s/m, that backward Euler adds to c near resonance.   omega : rad/s."""
+    return case.oscillator.m * omega**2 * case.numerics.step_s
+
+
+def effective_damping(case: Case, omega: float) -> float:
+    """The damping that the simulated motion shows near resonance, N s/m: m (c/m) as rounded, and d mω²h of the scheme.
+
+    d : `Scheme.dissipation`, 1 for backward Euler.   omega : rad/s.
+    """
+    added = SCHEMES[case.numerics.scheme].dissipation * added_damping(case, omega)
+    return case.oscillator.m * coefficients(case)["c_over_m"] + added
+
+
+def simulate_levels(case: Case, frequency: str, keep_cycles: int = CYCLES_TO_READ) -> list[Record]:
+    """The last cycles of the simulated response to each level."""
+    return [
+        simulate(
+            case.oscillator,
+            motion,
+            scheme=case.numerics.scheme,
+            step=case.numerics.step_s,
+            cycles=case.numerics.cycles,
+            keep_cycles=keep_cycles,
+            stick_samples=0,  # of the steady stick phases, `check_feasible` has seen to it
+            **coefficients(case),
+        )
+        for motion in case.motions(frequency)
+    ]
+
+
+def features_of(records: Sequence[Record], case: Case, frequency: str, reading: ReadAt) -> Features:
+    """Features read off the records of all levels, in full digits; a record that cannot be read says why."""
+    omega, k = case.omega(frequency), case.oscillator.k
+    features = []
+    for level, record in enumerate(records):
+        try:
+            features.append(of_record(record, omega, k, reading, case.numerics.after_slip(level)))
+        except ValueError as error:
+            Y = float(np.max(np.abs(record.y)))
+            features.append(of_numbers(omega, f"not read: {error}", Y=Y))
+    return stack(features)
+
+
+def read_levels(records: Sequence[Record], case: Case, frequency: str) -> ReadFeatures:
+    """Features off the records of all levels by the rules `tabulated` and `two_point`; a, b and W at the samples."""
+    sampled = features_of(records, case, frequency, "sample")
+    integrals = {name: getattr(sampled, name) for name in ("a", "b", "W")}
+    between = features_of(records, case, frequency, "interpolated")
+    between = between.with_phase(cast(Phase, case.phase)).replaced(**integrals)
+    tabulated, two_point = (
+        ReadOut.from_config(rules) for rules in (case.numerics.tabulated, case.numerics.two_point)
+    )
+    return ReadFeatures(tabulated.apply(between), two_point.common(between), between, sampled.V_s)
+
+
+def estimates(tabulated: Features, two_point: Features, case: Case) -> pd.DataFrame:
+    """The table of estimates: `tabulated` by every approach, `two_point` by those of Table 3."""
+    return estimate_table(
+        tabulated,
+        case.oscillator.k,
+        case.pairs,
+        common=two_point,
+        common_approaches=tuple(APPROACHES_OF_TABLE_3.values()),
+    )
+
+
+_CYCLES = 12
+"""Steady cycles in which a is read: a period is no whole number of steps, so that each samples the motion elsewhere."""
+
+_C_DECIMALS = 4
+"""Decimals, N s/m, of a damping put in by hand: those with which c is printed, so that a reader can put in the same."""
+
+_UNROUNDED: dict[str, tuple[str, ...]] = {
+    "rounded": (),
+    "c_over_m": ("k_over_m_decimals",),
+    "exact": ("c_over_m_decimals", "k_over_m_decimals"),
+}
+"""Way of rounding → the coefficients that keep all their digits: both are rounded, c/m alone is, or neither is."""
+
+
+def _with_coefficients(case: Case, rounding: str, **numerics: Any) -> Case:
+    """The case with its coefficients rounded in another way, and with these fields of its numerics."""
+    changed = numerics | dict.fromkeys(_UNROUNDED[rounding])
+    return replace(case, numerics=replace(case.numerics, **changed))
+
+
+def damping_by_hand(case: Case, frequency: str) -> float:
+    """The `effective_damping`, N s/m, with the decimals that a reader would type."""
+    return round(effective_damping(case, case.omega(frequency)), _C_DECIMALS)
+
+
+def _at_samples(records: Sequence[Record], case: Case, frequency: str, cycle: int = 0) -> Features:
+    """V_s, a, b and W at the samples, without the harmonics, which take most of the time of `features_of`.
+
+    cycle : how many periods before the last whole cycle of the records.
+    """
+    omega, k = case.omega(frequency), case.oscillator.k
+    read = []
+    for level, record in enumerate(records):
+        period = 2.0 * math.pi / (omega * case.numerics.step_s)  # in steps
+        end = len(record) - round(cycle * period)
+        kept = slice(max(end - math.ceil(CYCLES_TO_READ * period) - 1, 0), end)
+        time, *signals = record.signals().values()
+        cut = np.stack([signal[kept] for signal in signals])
+        after = case.numerics.after_slip(level)
+        of = read_cycle(cut, float(time[kept.start]), record.dt, omega, k, False, after)
+        read.append(of_numbers(omega, "", V_s=of.V_s, a=of.a, b=of.b, W=of.W))
+    return stack(read)
+
+
+def scheme_table(case: Case, frequency: str) -> pd.DataFrame:
+    """a, b, W of every scheme and of the exact solver, and the F_k, c that they give together.
+
+    One row per scheme, coefficients and level. Coefficients c/m and k/m are "rounded", "exact" (neither is rounded)
+    or, by the configured scheme and by Runge–Kutta, "c_over_m" (c/m alone is). The scheme "exact" is the exact solver
+    with c `by_hand`. F_k_N and c_N_s_per_m (least squares of the levels) are the same in the rows of one simulation.
+    """
+    k = case.oscillator.k
+    tables: list[dict[str, Any]] = []
+
+    def add(scheme: str, coefficients: str, read: Features) -> None:
+        estimate = least_squares(direct(read, k))
+        which = {"scheme": scheme, "coefficients": coefficients, "level": _levels(read)}
+        numbers = {"a_m": read.a, "b_m2_per_s": read.b, "W_J": read.W}
+        tables.append(which | numbers | {t.column: float(estimate[s]) for s, t in TERMS.items()})
+
+    for scheme in SCHEMES:
+        for rounding in _UNROUNDED:
+            if rounding != "c_over_m" or scheme in (case.numerics.scheme, "rk4"):
+                tried = _with_coefficients(case, rounding, scheme=scheme)
+                add(
+                    scheme,
+                    rounding,
+                    _at_samples(simulate_levels(tried, frequency), case, frequency),
+                )
+    damped = replace(case.oscillator, c=damping_by_hand(case, frequency))
+    orbits = [steady_orbit(damped, motion) for motion in case.motions(frequency)]
+    add("exact", "by_hand", stack([of_orbit(orbit) for orbit in orbits]))
+    return _stacked(tables)
+
+
+def cycle_table(case: Case, frequency: str, count: int = _CYCLES) -> pd.DataFrame:
+    """a (m), V_s (m/s) and W (J) of the as-published simulation in each of its last steady cycles.
+
+    One row per cycle, the last one first, and level. Which cycle the authors integrated decides where the samples fall;
+    what the printed a say of the step must therefore hold in all of them.
+
+    count : the number of cycles to read, less if fewer are simulated.
+    """
+    kept = min(count + CYCLES_TO_READ - 1, case.numerics.cycles)
+    records = simulate_levels(case, frequency, keep_cycles=kept)
+    tables: list[dict[str, Any]] = []
+    for cycle in range(kept - CYCLES_TO_READ + 1):
+        read = _at_samples(records, case, frequency, cycle)
+        which = {"cycle": -cycle, "level": _levels(read)}
+        tables.append(which | {"a_m": read.a, "V_s_m_per_s": read.V_s, "W_J": read.W})
+    return _stacked(tables)
+
+
+_TRIAL_CYCLES = 3
+"""Cycles read of each rival: enough to see that their instants do not hang on the cycle."""
+_TRIAL_PERIODS = 13
+"""Periods simulated of each rival. A transient loses a factor of 40 in each (ζ = 0.6): the first one read is steady."""
+_OTHER_STEPS = (0.4, 0.6, 0.8, 1.2, 1.4, 1.6, 1.8, 2.0, 2.4)
+"""Other steps of the trapezoidal rule, multiples of the configured one (Runge–Kutta gives the same to 1e-4 steps)."""
+_OTHER_DAMPING = (-5e-4, -4e-4, -3e-4, -2e-4, -1e-4, 1e-4)
+"""Other damping put in by hand, less `damping_by_hand`, N s/m: around that with which the instants agree best."""
+_STEPS_OF_W = {"c_over_m": 1.003, "exact": 0.986}
+"""Way of rounding → the step at which W agrees as well (`step_from_W` of the article), a multiple of the configured."""
+
+
+def trials(case: Case, frequency: str) -> Iterator[tuple[str, Case]]:
+    """Every rival of the as-published simulation, as (name of the trial, case).
+
+    rounding_c_over_m, rounding_exact : the coefficients rounded in another way.
+    step_of_W_c_over_m, step_of_W_exact : likewise, with the step that makes up for it in W.
+    by_hand : schemes that add no damping, with c `damping_by_hand`.
+    other_steps, other_damping : the trapezoidal rule with other steps, and with other c.
+    """
+    numerics, c = case.numerics, damping_by_hand(case, frequency)
+    few = {"cycles": min(numerics.cycles, _TRIAL_PERIODS)}
+    for rounding, factor in _STEPS_OF_W.items():
+        yield f"rounding_{rounding}", _with_coefficients(case, rounding, **few)
+        other = {"step_s": factor * numerics.step_s}
+        yield f"step_of_W_{rounding}", _with_coefficients(case, rounding, **few | other)
+
+    def by_hand(scheme: str, factor: float = 1.0, more: float = 0.0) -> Case:
+        changed: dict[str, Any] = {"scheme": scheme, "step_s": factor * numerics.step_s}
+        changed |= few | {"c_over_m_decimals": None}
+        damped = replace(case.oscillator, c=round(c + more, _C_DECIMALS))
+        return replace(case, oscillator=damped, numerics=replace(numerics, **changed))
+
+    for scheme in ("trapezoidal", "rk4"):
+        yield "by_hand", by_hand(scheme)
+    yield from (("other_steps", by_hand("trapezoidal", factor)) for factor in _OTHER_STEPS)
+    yield from (("other_damping", by_hand("trapezoidal", more=more)) for more in _OTHER_DAMPING)
+
+
+def trial_table(case: Case, frequency: str) -> pd.DataFrame:
+    """The `cycle_table` of the as-published simulation (trial "as_published") and of each of its rivals.
+
+    Columns trial, scheme, step_s (s), c_N_s_per_m say which one a row belongs to.
+    """
+    tables: list[dict[Any, Any]] = []
+    for trial, of in (("as_published", case), *trials(case, frequency)):
+        count = _CYCLES if trial == "as_published" else _TRIAL_CYCLES
+        setting = {"scheme": of.numerics.scheme, "step_s": of.numerics.step_s}
+        which = {"trial": trial, **setting, "c_N_s_per_m": of.oscillator.c}
+        tables.append(which | dict(cycle_table(of, frequency, count).items()))
+    return _stacked(tables)
+
+
+def _levels(features: Features) -> range:
+    return range(1, len(features) + 1)
+
+
+def _stacked(tables: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
+    import pandas as pd  # slow to import, and needed for tables only
+
+    return pd.concat(map(pd.DataFrame, tables), ignore_index=True)

@@ -1,0 +1,151 @@
+"""The climb on sums of squares whose minimum is known: limits, kinks, and where it ends."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from dampbalance.fit.climb import Bounds, climb
+from dampbalance.motion.jit import interpreted
+
+H = np.array([[4.0, 1.0], [1.0, 2.0]])  # of a parabola
+J = np.linalg.cholesky(H).T
+
+
+def bounds(lower=-math.inf, upper=math.inf, free=True, scale=1.0, size=2):
+    """Bounds of the unknowns, each given for all or one by one."""
+    limits = (np.broadcast_to(part, size).astype(float) for part in (lower, upper, scale))
+    return Bounds(np.broadcast_to(free, size).copy(), *limits)
+
+
+def products_of(read):
+    """The products of derivatives and residuals, as `climb` takes them, of a function that gives both or None."""
+
+    def evaluate(p, out):
+        here = read(p)
+        if here is not None:
+            both = np.column_stack([here[1], here[0]])
+            out[:] = both.T @ both
+        return here is not None
+
+    return evaluate
+
+
+def parabola(best, seen=None):
+    """Residuals of ½ (p − best)ᵀ H (p − best); the points where it was asked for go to `seen`."""
+
+    def read(p):
+        if seen is not None:
+            seen.append(p.copy())
+        return J @ (p - best), J
+
+    return products_of(read)
+
+
+@pytest.mark.parametrize("best", [(3.0, -2.0), (1.0, 5.0), (-4.0, 1.0), (1.0, 1.0)])
+def test_it_finds_the_least_value_of_a_parabola(best):
+    # one unknown may be right from the start
+    end = climb(parabola(np.array(best)), np.ones(2), bounds())
+    # a full step gains less than 5e-8: within 3e-4 of a standard error, of which the larger is 0.8
+    assert end.point == pytest.approx(best, abs=3e-4)
+
+
+@pytest.mark.parametrize(
+    ("best", "start", "lower", "upper", "expected"),
+    [
+        # with p₀ at 2 the other unknown follows: H₁₁ (p₁ − 5) = −H₁₀ (2 − best₀)
+        ((1.0, 5.0), (4.0, 0.0), 2.0, math.inf, (2.0, 4.5)),
+        # a start below the limit begins at it, and one that is held there is let go again
+        ((3.0, 5.0), (0.0, 0.0), 2.0, math.inf, (3.0, 5.0)),
+        ((3.0, 5.0), (1.0, 1.0), -math.inf, 2.0, (2.0, 5.5)),
+    ],
+    ids=["lower", "released", "upper"],
+)
+def test_limits_hold(best, start, lower, upper, expected):
+    limits = bounds((lower, -math.inf), (upper, math.inf))
+    end = climb(parabola(np.array(best)), np.array(start), limits)
+    assert end.point == pytest.approx(expected, abs=1e-4)
+
+
+def test_an_unknown_that_is_not_free_keeps_its_value_beyond_its_limits():
+    start = np.array([0.0, 1.0])
+    limits = bounds((2.0, -math.inf), free=(False, True))
+    end = climb(parabola(np.array([1.0, 5.0])), start, limits)
+    assert end.point[0] == 0.0
+    # H₁₁ (p₁ − 5) = −H₁₀ (0 − 1)
+    assert end.point[1] == pytest.approx(5.5, abs=1e-4)
+    assert start.tolist() == [0.0, 1.0]
+
+
+def test_a_positive_unknown_falls_to_a_fifth_in_a_step_and_one_that_may_be_zero_at_once():
+    for least, lowest in ((1e-6, 0.2), (0.0, 0.0)):
+        seen: list[np.ndarray] = []
+        limits = bounds((least, -math.inf), scale=1e-9)
+        climb(parabola(np.array([-50.0, 0.0]), seen), np.array([1.0, 12.0]), limits)
+        assert seen[1][0] == pytest.approx(lowest, abs=1e-12)
+
+
+def test_it_gives_chi_square_and_the_products_where_it_ended():
+    best = np.array([3.0, -2.0])
+    end = climb(parabola(best), np.zeros(2), bounds(), most=1)
+    assert end.chi_square == pytest.approx(best @ H @ best)
+    assert end.products[:-1, :-1] == pytest.approx(H)
+    assert end.products[:-1, -1] == pytest.approx(-H @ best)
+
+
+def test_columns_that_hardly_differ_are_told_apart():
+    columns, best = np.array([[1.0, 1.0], [1.0, 1.001], [1.0, 0.999]]), np.array([0.5, 2.0])
+    end = climb(products_of(lambda p: (columns @ (p - best), columns)), np.zeros(2), bounds())
+    # standard errors, by the columns' difference of 1e-3: 700
+    assert end.point == pytest.approx(best, abs=3e-4 * 700.0)
+
+
+def test_a_climb_ends_where_no_step_helps_and_after_so_many_evaluations():
+    """|p| + ½, with a gradient that promises a way down on either side of the kink at 0."""
+    made = []
+
+    def read(p):
+        made.append(p[0])
+        towards = 0.2 if p[0] <= 0.0 else -0.2
+        rest = math.sqrt(1.0 + 2.0 * abs(p[0]) - towards**2)
+        return np.array([-towards, rest]), np.array([[1.0], [0.0]])
+
+    kink = products_of(read)
+    assert climb(kink, np.array([0.0]), bounds(size=1)).point[0] == 0.0
+    assert len(made) < 30
+    # from afar: the best point on the way, before the last of the evaluations
+    made.clear()
+    end = climb(kink, np.array([9.0]), bounds(size=1), most=4)
+    assert end.evaluations == 4
+    assert len(made) == 4
+    assert end.point[0] in made
+
+
+def test_places_where_the_model_does_not_apply_are_stepped_back_from():
+    inner = parabola(np.array([3.0, -2.0]))
+
+    def evaluate(p, out):
+        return p[0] < 3.2 and p[1] > -2.5 and inner(p, out)
+
+    end = climb(evaluate, np.array([-9.0, 3.0]), bounds())
+    assert end.point == pytest.approx([3.0, -2.0], abs=1e-4)
+    assert climb(evaluate, np.array([4.0, 0.0]), bounds()) is None
+
+
+def test_it_says_what_a_further_step_promises():
+    best, start = np.array([3.0, -2.0]), np.zeros(2)
+    one = climb(parabola(best), start, bounds(), most=1)
+    # of a parabola a full step gains all that there is
+    assert one.promise == pytest.approx(0.5 * best @ H @ best)
+    assert climb(parabola(best), start, bounds()).promise < 5e-8
+
+
+def test_interpreted_it_takes_the_same_steps():
+    best, start = np.array([3.0, -2.0]), np.zeros(2)
+    compiled = climb(parabola(best), start, bounds(), most=3)
+    with interpreted():
+        again = climb(parabola(best), start, bounds(), most=3)
+    # fused products may round otherwise
+    assert again.point == pytest.approx(compiled.point, rel=1e-14)
