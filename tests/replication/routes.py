@@ -16,7 +16,7 @@ from dampbalance.features import Features, of_orbit, stack
 from dampbalance.model import Oscillator
 from dampbalance.motion.orbit import steady_orbit
 from dampbalance.project.case import Case
-from dampbalance.replication import as_published as authors
+from dampbalance.replication import authors_route as authors
 from dampbalance.replication.claims.judging import Claim
 from dampbalance.replication.claims.print import Published, Row, read_published
 from dampbalance.replication.claims.rules import Sources

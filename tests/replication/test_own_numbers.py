@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from dampbalance.balance import Rows
-from dampbalance.replication import as_published as authors
+from dampbalance.replication import authors_route as authors
 from dampbalance.replication.claims.cross_checks import (
     agrees,
     by_table_2,

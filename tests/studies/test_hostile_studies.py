@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 
 from dampbalance.figures.style import save
 from dampbalance.project.documents import ConfigurationError
-from dampbalance.studies import case_files, cases, checking, evaluate
+from dampbalance.studies import case_files, cases, evaluate, reading_study
 from dampbalance.studies.shown import summary
 from dampbalance.studies.shown.paragraph import paragraph
 from dampbalance.studies.shown.study_figure import alternative_text, study_figure
@@ -127,7 +127,7 @@ def refused_or_made(document, tmp_path):
     file.write_text(text, encoding="utf-8")
     refusal = ""
     try:
-        study = checking.read_study(file, PAPER_FILE)
+        study = reading_study.read_study(file, PAPER_FILE)
         cases.check_size(study, cases.size_of(study), tmp_path, file)
     except ConfigurationError as error:
         refusal = str(error)

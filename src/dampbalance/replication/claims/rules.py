@@ -26,11 +26,12 @@ from ...project.files import ROUTES, read_csv, read_routes
 from ...project.wording import cut
 from ...signals.read_out import ReadOut
 from ...solver import levels_of
-from .. import printed_tables as paper
+from .. import rebuilt_tables as paper
 from ..authors_route import CORRECTED, SLIPPING_SAMPLE
 from ..comparison import largest_errors, relative_errors
 from ..rebuilt_tables import COLUMN_OF, HARMONIC, PRINTED_APPROACHES, RESIDUAL, RouteTables
-from . import causes, cross_checks, judging, published, unprinted
+from . import causes, cross_checks, judging, unprinted
+from . import print as paper_print
 from .judging import Claim
 from .print import FILE, FREQUENCIES, LEVELS, LONGEST, PAIRS, Published, Row, column_ids
 from .verdicts import ROUTE_NAMES, Kind, of_text, statistic
@@ -66,10 +67,10 @@ class Sources:
     as_published: RouteTables
     unrounded: pd.DataFrame
 
-    from_print = cached_property(lambda self: published.from_print(self.published, self.case))
+    from_print = cached_property(lambda self: paper_print.from_print(self.published, self.case))
     routes = cached_property(lambda self: {name: getattr(self, name) for name in ROUTE_NAMES})
     pairs = cached_property(
-        lambda self: self.routes | {"from_print": published.printed_estimates(self.published)}
+        lambda self: self.routes | {"from_print": paper_print.printed_estimates(self.published)}
     )
     unread = cached_property(lambda self: RouteTables({"omega1": self.unrounded}, {}))
     refuted = cached_property(lambda self: cross_checks.refuted(self.published, self.case))
@@ -99,7 +100,7 @@ def read_sources(folder: str | Path, published_in: str | Path, case: Case) -> So
     exact, as_published = (RouteTables(features[route], estimates[route]) for route in ROUTES)
     first = next(iter(case.frequencies_hz))
     unrounded = read_csv(Path(folder, f"features/as_published/unrounded/{first}.csv"))
-    printed = published.read_published(Path(published_in))
+    printed = paper_print.read_published(Path(published_in))
     return Sources(printed, case, exact, as_published, unrounded)
 
 
