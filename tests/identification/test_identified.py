@@ -151,7 +151,7 @@ def test_a_term_and_an_approach_of_one_s_own_are_in_all_of_it(tmp_path):
         terms=["F_k", d],
     )
     asked = {"terms": ["F_k", d], "groups": {"d": "A,A,B,B"}, "approaches": [mine, "direct"]}
-    found = identify(made(), PAPER.k, replicates=20, **asked)
+    found = identify(made(), PAPER.k, **asked)
     assert list(found.approaches) == ["maximum likelihood", "direct", "mine"]
     for answer in found.approaches.values():
         for key in ("d[A]", "d[B]"):

@@ -67,7 +67,7 @@ def coefficients(text: str) -> dict[str, float]:
                 f"must be symbols with their coefficients, as in c_2=40,eta=0.02, got {shortened(part)}"
             )
         try:
-            symbol = term(symbol).symbol
+            term(symbol)  # one of a group is refused where the response is computed
             if symbol in values:
                 raise ValueError(f"{symbol} stands there twice: give it once")
             values[symbol] = float(number(0.0)(value))

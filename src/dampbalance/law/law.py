@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 from ..arguments import items, mapping, names, number
-from .terms import FRICTION, Term, in_order, listed
+from .terms import FRICTION, Term, in_order, listed, term
 
 _GIVEN = "a mapping of symbols to coefficients"
 _ALIKE = 1.001  # of two frequencies: nearer ones are one
@@ -46,6 +46,7 @@ class Law:
             named = getattr(self, name)
             for symbol in named:
                 if symbol not in self.terms:
+                    term(symbol)  # which says what is known
                     raise ValueError(
                         f"{symbol} is {what} and no term of the law: add it to the terms {', '.join(self.terms)}"
                     )

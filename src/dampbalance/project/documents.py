@@ -22,8 +22,7 @@ from ruamel.yaml.error import MarkedYAMLError
 from ruamel.yaml.nodes import MappingNode, Node, SequenceNode
 from ruamel.yaml.reader import ReaderError
 
-from ..balance import Approach
-from ..law.terms import KNOWN_TERMS, Term
+from ..law.terms import KNOWN_TERMS
 from .wording import cut, shortened
 
 Key = tuple[str | int, ...]
@@ -173,7 +172,10 @@ def _validator(schema: Mapping[str, Any], approaches: list[str]) -> Any:
 
     def check(_: Any, kind: str, value: Any, node: Any) -> Iterable[ValidationError]:
         names = (list(KNOWN_TERMS) if kind == "term" else approaches) + node.get("also", [])
-        if not isinstance(value, Approach | Term) and value not in names:
+        an_object = (
+            isinstance(value, str) and type(value) is not str
+        )  # a user's own Term or Approach
+        if not an_object and value not in names:
             words = f"{'an' if kind == 'approach' else 'a'} {kind}{_nearest(value, names)}"
             yield ValidationError(f"{shortened(value)} is not {words}; known: {', '.join(names)}")
 
