@@ -11,8 +11,11 @@ if TYPE_CHECKING:
     from .balance import Approach, Rows
     from .features import Features
     from .identification.answer import Answer, Interval, ParameterEstimate, Verdict
+    from .identification.decays import identify_decays
+    from .identification.forced import identify_forced
     from .identification.identified import Identified
     from .identification.measured import identify
+    from .identification.stepped_sine import identify_joint
     from .law.terms import Term
     from .model import BaseMotion, Oscillator
     from .motion.orbit import NoSteadyOrbit, Orbit, steady_orbit
@@ -54,6 +57,9 @@ __all__ = [
     "Trajectory",
     "Verdict",
     "identify",
+    "identify_decays",
+    "identify_forced",
+    "identify_joint",
     "measured_orbit",
     "measured_ring_down",
     "read_records",
@@ -69,8 +75,11 @@ _MODULES = {
     "balance": ("Approach", "Rows"),
     "features": ("Features",),
     "identification.answer": ("Answer", "Interval", "ParameterEstimate", "Verdict"),
+    "identification.decays": ("identify_decays",),
+    "identification.forced": ("identify_forced",),
     "identification.identified": ("Identified",),
     "identification.measured": ("identify",),
+    "identification.stepped_sine": ("identify_joint",),
     "law.terms": ("Term",),
     "model": ("BaseMotion", "Oscillator"),
     "motion.orbit": ("NoSteadyOrbit", "Orbit", "steady_orbit"),

@@ -9,11 +9,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, get_args
 
 import numpy as np
 
+from ..arguments import flag, one_of
 from ..arrays import Integers, Mask
 from ..balance import Rows
 from ..fit.dynamic_stiffness import (
@@ -23,18 +24,23 @@ from ..fit.dynamic_stiffness import (
     fit_contact,
 )
 from ..fit.stepped_lines import Contact, SteppedLines
-from ..law.law import Law
+from ..law.law import Law, law_of
 from ..law.terms import FRICTION, term
 from ..project.wording import Remark, listed, number
+from ..records.mapping import MappingLike
 from ..records.measured import MeasuredRecord
 from .answer import CONFIDENCE, UNKNOWN, Answer, Balance, Interval, ParameterEstimate, covariance_of
 from .identified import Identified, Level, Picture
+from .request import Stated, mapping_option, records_of, rig_options
 from .screen import with_error
 from .sensitivities import Fault
+from .stated import carried
 
 if TYPE_CHECKING:
     import pandas as pd
     from numpy.typing import ArrayLike
+
+    from ..records.measured import RecordLike
 
 _FELT = 0.01  # of k: a part of the contact that sticks, and is worth a sentence
 _FAR = 4.0  # standard errors by which a stiffness that is stated is contradicted
@@ -174,20 +180,68 @@ class SteppedOutcome(Identified):
         }
 
 
+def identify_joint(
+    records: RecordLike | Sequence[RecordLike],
+    stiffness: Stated | None = None,
+    *,
+    mapping: MappingLike = None,
+    mass: Stated | None = None,
+    terms: Sequence[str] | str | None = None,
+    given: Mapping[str, float] | None = None,
+    contact: Asked = "both",
+    hardening: bool = True,
+    residual: bool = False,
+) -> SteppedOutcome:
+    """Identify the contact and the damping of a joint from tables of a stepped sine: a line for each steady response,
+    with its frequency, amplitudes and phase, at two levels of excitation at least, in one table or several.
+
+    records : as `read_records` returns or takes them.
+    stiffness : k of the spring, N/m, as for `identify_forced`; tables of responses to a force do without.
+    mapping : what the tables do not say of their columns, where they are read here.
+    mass : kg, if it is known, as for `identify_forced`.
+    terms : of the damping law, symbols of `KNOWN_TERMS`; default, F_k, c and those that are given.
+    given : symbol → known coefficient, SI units; not F_k.
+    contact : "one slider", that of the paper, "gradual", many that slip one after the other as the interface of a
+    bolted joint does, or "both", of which the one that the lines support is the answer.
+    hardening : whether the spring may stiffen with the amplitude.
+    residual : whether other modes may move the driven point, too. Use it for a structure.
+
+    Raises ValueError (for a record, `RecordError`) naming argument or record, what is wrong and the remedy: an argument
+    that is outside its range, records that are no such tables, fewer than two levels, lines that do not determine the
+    unknowns.
+    """
+    rig, law = rig_options(stiffness, mass), law_of(terms, given, None)
+    own: dict[str, Any] = {
+        "contact": one_of("contact", contact, get_args(Asked)),
+        "hardening": flag("hardening", hardening),
+        "residual": flag("residual", residual),
+    }
+    tables = records_of("stepped-sine", records, mapping)
+    outcome = identify_tables(
+        *(tables, rig["stiffness_N_per_m"], law),
+        mass=rig["mass_kg"],
+        stiffness_error=rig["stiffness_standard_error_N_per_m"],
+        **own,
+    )
+    of_law = {"terms": list(law.terms), "given": dict(law.given)}
+    options = {"kind": "stepped-sine", **rig, **of_law, **own, "mapping": mapping_option(mapping)}
+    return carried(replace(outcome, records=tables, options=options))
+
+
 def identify_tables(
     tables: Sequence[MeasuredRecord],
     k: float | None,
     law: Law,
     *,
     contact: Asked = "both",
-    uncertainty: float = 0.0,
+    stiffness_error: float = 0.0,
     **options: Any,
 ) -> SteppedOutcome:
     """The contact and the damping from tables of steady responses at two levels of excitation or more.
 
     k : stiffness, N/m; None where the lines are to tell it, which those of base motions cannot.   law : whose terms
-    except the friction are fitted.   contact : "both" compares them, from three levels on.   uncertainty : standard
-    uncertainty of k, N/m; where a force drives, the lines test it.   options : mass, hardening and residual of
+    except the friction are fitted.   contact : "both" compares them, from three levels on.   stiffness_error :
+    standard uncertainty of k, N/m; where a force drives, the lines test it.   options : mass, hardening and residual of
     `fit_contact`.
 
     Raises ValueError for base motions without a stiffness, fewer than two levels, lines that do not determine the
@@ -209,7 +263,7 @@ def identify_tables(
     first = next(iter(fits.values()))
     by_force = all(of.table.by_force for of in tables if of.table)
     tested = {
-        name: list(_on_stiffness(fit, uncertainty)) if by_force else []
+        name: list(_on_stiffness(fit, stiffness_error)) if by_force else []
         for name, fit in fits.items()
     }
     said = [] if compared is None else [f"{compared.words()}."]
@@ -275,13 +329,13 @@ def _lines(tables: Sequence[MeasuredRecord], k: float | None) -> tuple[SteppedLi
     return lines, np.repeat([i for i, _, _ in levels], sizes)
 
 
-def _on_stiffness(fit: ContactFit, uncertainty: float) -> Iterator[Remark]:
+def _on_stiffness(fit: ContactFit, stiffness_error: float) -> Iterator[Remark]:
     """What contradicts a stiffness that is stated: the ratio of likelihoods of the same contact with k free."""
     k, (shown, gain) = fit.values["k"], fit.shown or (0.0, 0.0)
     if gain <= 0.0:
         return
     error = abs(k - shown) / math.sqrt(gain)
-    if abs(k - shown) > _FAR * math.hypot(error, uncertainty):
+    if abs(k - shown) > _FAR * math.hypot(error, stiffness_error):
         sticks = ", a part of the contact may stick in every line" * (k < shown)
         yield Remark(
             f"the stiffness stated, {k:g} N/m, is not that of these lines, {with_error(shown, error)} N/m: a unit or a "
