@@ -204,6 +204,13 @@ def identify_decays(
 
     Raises ValueError (for a record, `RecordError`) naming argument or record, what is wrong and the remedy: an argument
     that is outside its range, a record whose excitation channel keeps moving or that holds no free decay.
+
+    >>> from dampbalance import Oscillator, identify_decays, measured_ring_down
+    >>> osc = Oscillator(m=2.42, c=1.0, k=2310.0, K_z=20800.0, F_k=0.5)
+    >>> decay = measured_ring_down(osc, x=0.01, rate_hz=500.0, duration=2.0, noise=0.001)
+    >>> found = identify_decays(decay, stiffness=2310.0)
+    >>> {symbol: round(found.values[symbol], 1) for symbol in ("F_k", "c")}
+    {'F_k': 0.5, 'c': 1.0}
     """
     rig = rig_options(stiffness, mass, "ring-down")
     own = {"laws": flag("laws", laws), "mapping": mapping_option(mapping)}
@@ -357,7 +364,7 @@ def _solved(
     warnings: Sequence[Remark],
 ) -> DecayOutcome:
     """The rows solved, with notes, and warnings and sentences on the rig in addition to these."""
-    values, covariance, misfit, freedom, interval = _least_squares(fit, rows)
+    values, covariance, misfit, freedom, interval = _least_squares(rows)
     fit_notes = [*map(Remark, fit.shortcomings)]
     further = departures(fit)
     scale = 1.0 if fit.adequate else math.sqrt(fit.misfit)
@@ -461,7 +468,7 @@ def _scatter_of(fit: RingFit) -> list[str]:
 
 
 def _least_squares(
-    fit: RingFit, rows: RingRows
+    rows: RingRows,
 ) -> tuple[dict[str, float], Array, float, int, Interval | None]:
     """(F_k and c by symbol, their covariance, χ² per degree of freedom, degrees of freedom, interval of F_k where it is
     the mean of several friction forces)."""

@@ -255,6 +255,23 @@ def identify_forced(
 
     Raises ValueError (for a record, `RecordError`) naming argument or record, what is wrong and the remedy: an argument
     that is outside its range or of another kind, a record that cannot be used, fewer of them than unknowns.
+
+    >>> import math
+    >>> from dampbalance import BaseMotion, Oscillator, identify_forced, measured_orbit, steady_orbit
+    >>> osc = Oscillator(m=2.42, c=90.0, k=2310.0, K_z=208000.0, F_k=1.28)
+    >>> motions = [BaseMotion(Y=Y, omega=2 * math.pi * 3.5) for Y in (0.004, 0.008, 0.012)]
+    >>> records = [
+    ...     measured_orbit(steady_orbit(osc, motion), rate_hz=1000.0, cycles=20.0, noise=0.01, seed=i)
+    ...     for i, motion in enumerate(motions)
+    ... ]
+    >>> found = identify_forced(records, stiffness=2310.0)
+    >>> {symbol: round(value, 1) for symbol, value in found.values.items() if symbol != "K_z"}
+    {'F_k': 1.3, 'c': 90.0}
+    >>> low, high = found.intervals["c"]
+    >>> bool(low < osc.c < high)
+    True
+    >>> found.verdicts["F_k"].verdict
+    'usable'
     """
     rig = rig_options(stiffness, mass, "forced")
     law = law_of(terms, given, groups)

@@ -58,22 +58,15 @@ def identify(
     Raises ValueError (for a record, `RecordError`) naming argument or record, what is wrong and the remedy: an option
     that does not apply to the kind, records of several kinds, and what the function for the kind refuses.
 
-    >>> import math
-    >>> from dampbalance import BaseMotion, Oscillator, identify, measured_orbit, steady_orbit
-    >>> osc = Oscillator(m=2.42, c=90.0, k=2310.0, K_z=208000.0, F_k=1.28)
-    >>> motions = [BaseMotion(Y=Y, omega=2 * math.pi * 3.5) for Y in (0.004, 0.008, 0.012)]
-    >>> records = [
-    ...     measured_orbit(steady_orbit(osc, motion), rate_hz=1000.0, cycles=20.0, noise=0.01, seed=i)
-    ...     for i, motion in enumerate(motions)
-    ... ]
-    >>> found = identify(records, stiffness=2310.0)
-    >>> {symbol: round(value, 1) for symbol, value in found.values.items() if symbol != "K_z"}
-    {'F_k': 1.3, 'c': 90.0}
-    >>> low, high = found.intervals["c"]
-    >>> bool(low < osc.c < high)
-    True
-    >>> found.verdicts["F_k"].verdict
-    'usable'
+    >>> from dampbalance import Oscillator, identify, measured_ring_down
+    >>> osc = Oscillator(m=2.42, c=1.0, k=2310.0, K_z=20800.0, F_k=0.5)
+    >>> decay = measured_ring_down(osc, x=0.01, rate_hz=500.0, duration=2.0, noise=0.001)
+    >>> found = identify(decay, stiffness=2310.0)  # as `identify_decays` does
+    >>> round(found.values["F_k"], 2), round(found.mass, 2), round(found.natural_frequency, 2)
+    (0.5, 2.42, 4.92)
+    >>> identify(decay, stiffness=2310.0, frequency=3.5)
+    Traceback (most recent call last):
+    ValueError: frequency = 3.5 is for forced records, and these are free decays: leave it out
     """
     one_of("kind", kind, get_args(Kind))
     defaults = {name: of.default for each in OPTIONS.values() for name, of in each.items()}

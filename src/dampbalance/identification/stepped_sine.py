@@ -209,6 +209,23 @@ def identify_joint(
     Raises ValueError (for a record, `RecordError`) naming argument or record, what is wrong and the remedy: an argument
     that is outside its range, records that are no such tables, fewer than two levels, lines that do not determine the
     unknowns.
+
+    >>> import math
+    >>> import numpy as np
+    >>> from dampbalance import Oscillator, identify_joint, steady_orbits
+    >>> osc = Oscillator(m=2.42, c=9.0, k=2310.0, K_z=2310.0, F_k=1.28)
+    >>> hertz, Y = np.linspace(4.0, 8.0, 17), np.array([[2e-4], [5e-4], [1e-3]])
+    >>> orbits = steady_orbits(osc, Y=Y, omega=2 * math.pi * hertz)
+    >>> table = {
+    ...     "frequency_hz": orbits.given["omega"].ravel() / (2 * math.pi),
+    ...     "base_displacement_m": orbits.given["Y"].ravel(),
+    ...     "displacement_m": orbits.X_1.ravel(),
+    ...     "phase_rad": -orbits.phi_1.ravel(),
+    ...     "level": orbits.given["Y"].ravel(),
+    ... }
+    >>> found = identify_joint(table, stiffness=2310.0, contact="one slider", hardening=False)
+    >>> {symbol: f"{value:.3g}" for symbol, value in found.values.items()}
+    {'F_k': '1.29', 'c': '9', 'K_z': '2.31e+03'}
     """
     rig, law = rig_options(stiffness, mass), law_of(terms, given, None)
     own: dict[str, Any] = {
