@@ -22,6 +22,7 @@ from dampbalance import (
     steady_orbit,
     steady_orbits,
 )
+from dampbalance.arguments import with_error
 from dampbalance.identification.measured import OPTIONS, WAYS, configured, not_taken
 from folders import ROOT
 from paper_case import PAPER
@@ -85,6 +86,11 @@ def test_only_a_stepped_sine_does_without_a_stiffness():
     for kind in WAYS:
         lacks = not_taken({"kind": kind})
         assert [*lacks] == ([] if kind == "stepped-sine" else ["stiffness_N_per_m"])
+
+
+def test_a_stiffness_may_be_text_as_a_mass_may():
+    assert with_error("stiffness", "2310") == with_error("stiffness", 2310.0) == (2310.0, 0.0)
+    assert with_error("stiffness", "2310±10") == (2310.0, 10.0)
 
 
 def test_an_unknown_option_is_that_of_a_call():
