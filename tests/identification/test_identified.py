@@ -280,7 +280,11 @@ def test_the_mapping_and_the_options_reach_the_records(tmp_path):
         ([], {}, "no records are given"),
         ([FILES[0], FILES[0]], {}, "is named twice"),
         (TWO, {"stiffness": -1.0}, "stiffness"),
-        (TWO, {"stiffness": "2310 N"}, "stiffness must be a positive number of N/m, .*, got '2310 N'"),
+        (
+            TWO,
+            {"stiffness": "2310 N"},
+            "stiffness must be a positive number of N/m, .*, got '2310 N'",
+        ),
         (TWO, {"mass": 0.0}, "mass must be a positive number of kg"),
         (TWO, {"mass": 2.42e9}, "swings .* times in a cycle"),
         (TWO, {"approaches": ["X"]}, r"unknown approaches \['X'\]"),
