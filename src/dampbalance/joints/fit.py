@@ -1,6 +1,6 @@
 """Contact, damping, stiffness and mass from steady responses to a harmonic force, with intervals; which contact it is.
 
-The equations and the fit are those of `stepped_lines.py`. Intervals come from replicates of the lines about the law.
+The equations and the fit are those of `lines.py`. Intervals come from replicates of the lines about the law.
 """
 
 from __future__ import annotations
@@ -13,14 +13,12 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arrays import Array, Complexes
-from ..law.gradual import Sliders, secant
+from ..identification.law_comparison import as_good
 from ..law.terms import listed
 from ..project.wording import number, part
 from ..signals.one_thread import one_thread
-from .stepped_lines import LESS, Design, Estimate, Rows, column, estimated
-from .stepped_lines import Contact as Contact
-from .stepped_lines import Misfit as Misfit
-from .stepped_lines import SteppedLines as SteppedLines
+from .contact import Sliders, secant
+from .lines import LESS, Contact, Design, Estimate, Misfit, Rows, SteppedLines, column, estimated
 
 _REPEATS = 3  # of the errors of changed lines, which start from those of the fit
 _FIRST_ERROR = 0.05  # of Z, where the iteration of errors starts
@@ -378,13 +376,6 @@ class ContactTrial:
     def as_good_as(self, other: ContactTrial, which: str = "score") -> bool:
         """Whether levels are predicted as well, within one standard error of the difference."""
         return as_good(self.scores(which), other.scores(which))
-
-
-def as_good(scores: Array, others: Array) -> bool:
-    """Whether the misfits of a law to levels are no larger than another's, within one standard error of the difference
-    over levels."""
-    worse = scores - others
-    return float(np.mean(worse)) <= float(np.std(worse, ddof=1)) / math.sqrt(worse.size)
 
 
 @dataclass(frozen=True, eq=False)
