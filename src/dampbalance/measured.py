@@ -13,8 +13,9 @@ from .identification.forced import identify_forced
 from .identification.identified import Identified
 from .identification.loading import keeps_moving
 from .identification.request import IN_WORDS, Stated
-from .joints.answer import identify_joint
+from .joints.answer import identify_joint as identify_joint
 from .joints.records import read_lines
+from .joints.records import recognised_as_table as recognised_as_table
 from .project.wording import listed
 from .records.mapping import MappingLike
 from .records.measured import MeasuredRecord, as_records

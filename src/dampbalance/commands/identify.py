@@ -109,7 +109,7 @@ def run(options: argparse.Namespace) -> None:
 
 def _write_mapping(options: argparse.Namespace) -> None:
     """Write a mapping for the first record that the others can be read with, show it, and say how it is used."""
-    from ..joints.records import recognised_as_table
+    from ..measured import recognised_as_table
     from ..records.mapping import find_mapping, read_mapping  # slow to import
     from ..records.readers import mapping_to_start_from, quantities_of
 
