@@ -15,6 +15,7 @@ import numpy as np
 from ..arguments import items, path
 from ..project.files import sha256
 from ..project.wording import Remark, listed, visible
+from .coordinate import TRANSLATION, Coordinate
 from .errors import RecordError, RecordWarning
 from .mapping import MappingLike, RecordMapping, mapping_file, mapping_for, parts_of
 from .measurement import EXCITATIONS, Measurement, mean_rate
@@ -56,6 +57,11 @@ class MeasuredRecord:
         """Whether it has a channel that drives; without one it is of free decays."""
         return any(quantity in EXCITATIONS for quantity in self.quantities)
 
+    @property
+    def coordinate(self) -> Coordinate:
+        """Whether it moves along a line or rotates; a table of steady responses moves along a line."""
+        return TRANSLATION if self.measurement is None else self.measurement.coordinate
+
     def to_frame(self) -> pd.DataFrame:
         """The samples: a column for each channel, named with its SI unit, and their times, time_s, as index; of a table
         of steady responses its lines.
@@ -73,7 +79,7 @@ class MeasuredRecord:
         if not all(np.array_equal(c.t, t) for c in channels):
             remedy = "take each from its measurement"
             raise ValueError(f"{self.name}: its channels have times of their own; {remedy}")
-        columns = {column_name(c.quantity): c.values for c in channels}
+        columns = {column_name(c.quantity, c.coordinate): c.values for c in channels}
         return pd.DataFrame(columns, index=pd.Index(t, name="time_s"))
 
     def whole(self) -> Measurement:
@@ -86,7 +92,7 @@ class MeasuredRecord:
 
     def __repr__(self) -> str:
         """What it holds, in a line."""
-        held = listed(self.quantities)
+        held = listed([self.coordinate.text(quantity) for quantity in self.quantities])
         if self.table is not None:
             sizes = [of.X.size for of in self.table.levels]
             levels = f"{sum(sizes)} lines at {len(sizes)} level{'s' * (len(sizes) > 1)}"
