@@ -126,7 +126,8 @@ class ForcedOutcome(Identified):
         import pandas as pd  # slow to import
 
         return {
-            name: pd.DataFrame(of) for name, of in zip(self.sources, self._loops(mass), strict=True)
+            name: pd.DataFrame(self.coordinate.document(of))
+            for name, of in zip(self.sources, self._loops(mass), strict=True)
         }
 
     def _loops(self, mass: float | None = None) -> list[dict[str, Array]]:

@@ -14,7 +14,7 @@ from ..law.law import Law, law_of
 from ..motion.jit import interpreted
 from ..project.wording import listed, visible
 from ..records.mapping import MappingLike
-from ..records.measured import MeasuredRecord, read_records
+from ..records.measured import MeasuredRecord, in_words_of_records, read_records
 from .decays import identify_ring_downs
 from .forced import identify_readings
 from .identified import QUICK, Identified
@@ -61,16 +61,17 @@ def identify(
     records : as `read_records` returns or takes them: files, tables of pandas, arrays. Forced records: one for each
     level of excitation, at least as many as there are coefficients; more levels, far apart, sharpen all of them. Free
     decays: one is enough. Tables of a stepped sine: two levels at least, in one or several.
-    stiffness : k of the spring, N/m; it scales F_k and c. Tables of responses to a force do without. With its standard
-    uncertainty, (2310.0, 10.0) or "2310±10", which the intervals then hold, as they do those of gains and delays that a
-    mapping states. Without, they are conditional on k.
+    stiffness : k of the spring, N/m, or N m/rad of records that rotate; it scales F_k and c. Tables of responses to a
+    force do without. With its standard uncertainty, (2310.0, 10.0) or "2310±10", which the intervals then hold, as they
+    do those of gains and delays that a mapping states. Without, they are conditional on k.
     mapping : what the records do not say of their channels, where they are read here.
     kind : "forced", "ring-down" or "stepped-sine" (tables of frequency, amplitudes and phase, a line for each steady
     response), where it is not to be recognised.
     frequency : of the drive as known, Hz; compared with that found in each record.
-    mass : kg, if it is known: it tests the stiffness and the gains, and sharpens K_z where it is known better than the
-    records know it. State its standard uncertainty like that of the stiffness, (2.42, 0.01) or "2.42±0.01"; of a mass
-    alone it is half a unit of the last digit ("2.420" keeps its zero) or 0.5 %, whichever is more.
+    mass : kg, or the moment of inertia in kg m² of records that rotate, if it is known: it tests the stiffness and the
+    gains, and sharpens K_z where it is known better than the records know it. State its standard uncertainty like that
+    of the stiffness, (2.42, 0.01) or "2.42±0.01"; of a mass alone it is half a unit of the last digit ("2.420" keeps
+    its zero) or 0.5 %, whichever is more.
     terms : of the damping law, symbols of `KNOWN_TERMS` and objects of `Term`; default, F_k, c and those that are
     given.
     given : symbol → known coefficient, SI units.
@@ -245,6 +246,7 @@ def configured(settings: Mapping[str, Any]) -> dict[str, Any]:
     return {"kind": "forced"} | arguments
 
 
+@in_words_of_records
 @interpreted(calls=QUICK)  # whatever was compiled before: the last bits may differ
 def _of_steady(
     records: tuple[MeasuredRecord, ...], law: Law, options: Mapping[str, Any]
@@ -268,6 +270,7 @@ def _of_steady(
     return carried(replace(found, laws=laws, loaded=loaded, records=records, options=options))
 
 
+@in_words_of_records
 @interpreted(False)  # a motion of thousands of samples, hundreds of times
 def _of_decays(records: tuple[MeasuredRecord, ...], options: Mapping[str, Any]) -> Identified:
     measurements = [record.whole() for record in records]

@@ -18,7 +18,7 @@ from ..project.wording import Remark
 
 # a unit behind a number, within brackets, or behind "in"; not one that is exchanged already
 _UNIT_IN_TEXT = re.compile(
-    r"(?:(?<=[\d)\]∞–][ \u00a0])|(?<=\()|(?<=\bin ))"
+    r"(?:(?<=[\d⁰¹²³⁴⁵⁶⁷⁸⁹)\]∞–][ \u00a0])|(?<=\()|(?<=\bin ))"
     r"(k?N(?: s[²³]?)?(?:/m?m[²³]?)?|kg|[µmn]?m[²³]?(?:/(?:s[²³]?|N))?|s/m)"
     r"(?=[\s.,;:)\]<?]|$)(?!\s[ms](?![a-z]))"
 )

@@ -4,18 +4,19 @@ from __future__ import annotations
 
 import itertools
 import warnings
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from functools import wraps
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec, TypeAlias, TypeVar
 
 import numpy as np
 
 from ..arguments import items, path
 from ..project.files import sha256
 from ..project.wording import Remark, listed, visible
-from .coordinate import TRANSLATION, Coordinate
+from .coordinate import ROTATION, TRANSLATION, Coordinate
 from .errors import RecordError, RecordWarning
 from .mapping import MappingLike, RecordMapping, mapping_file, mapping_for, parts_of
 from .measurement import EXCITATIONS, Measurement, mean_rate
@@ -29,6 +30,10 @@ if TYPE_CHECKING:
     from .table import Signals
 
     RecordLike: TypeAlias = "str | Path | Signals | Measurement | MeasuredRecord"
+
+
+Given = ParamSpec("Given")
+Result = TypeVar("Result")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -100,6 +105,35 @@ class MeasuredRecord:
         t = max((self.whole()[q].t for q in self.quantities), key=len)
         sampled = f"{t.size:,} samples from {t[0]:.4g} s to {t[-1]:.4g} s at {mean_rate(t):.6g} Hz"
         return f"<record {self.name}: {'; '.join([held, sampled, *self.warnings])}>"
+
+
+def in_words_of_records(
+    identified: Callable[Concatenate[tuple[MeasuredRecord, ...], Given], Result],
+) -> Callable[Concatenate[tuple[MeasuredRecord, ...], Given], Result]:
+    """Return a function of records whose errors are in the words and units of their coordinate, and which refuses
+    records of both coordinates with RecordError."""
+
+    @wraps(identified)
+    def worded(
+        records: tuple[MeasuredRecord, ...], *args: Given.args, **more: Given.kwargs
+    ) -> Result:
+        first: dict[Coordinate, str] = {}
+        for record in records:
+            first.setdefault(record.coordinate, record.name)
+        if len(first) > 1:
+            rotating, other = first[ROTATION], first[TRANSLATION]
+            raise RecordError(
+                f"{rotating} is of a rotation and {other} of a translation: identify them separately"
+            )
+        try:
+            return identified(records, *args, **more)
+        except ValueError as error:
+            if TRANSLATION in first:
+                raise
+            names = [record.name for record in records]
+            raise type(error)(ROTATION.text(str(error), names)) from error
+
+    return worded
 
 
 def read_records(
