@@ -66,8 +66,8 @@ class Coordinate:
         """The name of a column or key: T_k_N_m for F_k_N, angular_velocity_rad_per_s for velocity_m_per_s."""
         if self is TRANSLATION:
             return name
-        if name == "m_kg":
-            return "J_kg_m2"
+        if name in ("m", "m_kg"):
+            return "J" if name == "m" else "J_kg_m2"
         if name.startswith(("m_standard_error", "m_percent")):
             name = f"J{name[1:]}"
         ended = _UNIT_IN_KEY.search(name)
