@@ -31,6 +31,11 @@ several after releases or blows:
 
   dampbalance identify decay.csv --stiffness 2310
 
+Records of an angle, an angular velocity (rpm, °/s) or a torque are those of an oscillator that rotates: give its
+stiffness in N m/rad, and as its mass the moment of inertia in kg m²; the friction torque is called T_k:
+
+  dampbalance identify pendulum.csv --stiffness 1.18 --mass 0.019
+
 A table of a stepped sine has a line for each steady response, with columns of frequency, amplitude of force or base,
 amplitude of the response, phase, and level; with a force it needs no stiffness:
 
@@ -41,7 +46,7 @@ amplitude of the response, phase, and level; with a force it needs no stiffness:
 _HELP = f"""\
 records         a file, one per level; as many as there are coefficients, or more; of a free decay one is enough
 --kind          forced records, free decays, or tables of a stepped sine (default: as the first record is recognised)
---stiffness     stiffness k, N/m, or with its standard uncertainty, 2310±10; it scales F_k and c; --mass tests it
+--stiffness     k, N/m (of a rotation N m/rad), or with its uncertainty, 2310±10; it scales F_k and c; --mass tests it
 --contact       of a stepped sine: one slider, many that slip one after the other, or the one that the lines support
 --no-hardening  of a stepped sine: the spring does not stiffen with the amplitude
 --residual      of a stepped sine: other modes of the structure move the driven point, too
@@ -51,7 +56,7 @@ records         a file, one per level; as many as there are coefficients, or mor
 --groups        a coefficient for each group of records: F_k=A,A,B, a label per record; may be repeated
 --laws          compare laws of one or two terms, with and without friction, and name the one that the records support
 --approach      an approach; may be repeated (default: all)
---mass          mass, kg, or with its standard uncertainty, 2.42±0.01; alone, half its last digit or 0.5 %%, the larger
+--mass          kg (of a rotation inertia, kg m²), or with its uncertainty, 2.42±0.01; alone, half a digit or 0.5 %%
 --write-mapping write a mapping to start from to this file, with a reason for each channel, and do nothing else
 --mapping       file or folder that names the channels of the records (default: the file next to each)
 --skip-cycles   cycles left out at the start of each record, where the motion has not settled (default: 0)

@@ -23,7 +23,7 @@ from ..arguments import flag, one_of, path
 from ..motion.jit import interpreted
 from ..project.files import plain, write_json, write_rows, write_text
 from ..project.wording import Remark, visible
-from ..records.coordinate import TRANSLATION, Coordinate
+from ..records.coordinate import ROTATION, TRANSLATION, Coordinate
 from ..records.measured import MeasuredRecord
 from .answer import REFERENCE, USABLE, Answer, Interval, Verdict, column, unit_of
 from .law_comparison import LawComparison
@@ -419,12 +419,15 @@ class Identified(ABC):
 
     def draw(self, name: str) -> Figure:
         """One of the pictures, on a page of its own; `plot` draws in axes that are given."""
-        from . import pictures  # slow to import
+        from matplotlib.text import Text  # slow to import
+
+        from . import pictures
 
         with _lacking_glyphs():
             drawn: Figure = getattr(pictures, name)(*self.pictures[name].of)
-        for artist in drawn.findobj(lambda of: hasattr(of, "set_text") and of.get_text()):
-            artist.set_text(self.coordinate.drawn(artist.get_text(), self._names))
+        for text in drawn.findobj(Text) if self.coordinate is ROTATION else ():
+            assert isinstance(text, Text)
+            text.set_text(self.coordinate.drawn(text.get_text(), self._names))
         return drawn
 
     def plot(

@@ -115,7 +115,7 @@ def in_words_of_records(
 
     @wraps(identified)
     def worded(
-        records: tuple[MeasuredRecord, ...], *args: Given.args, **more: Given.kwargs
+        records: tuple[MeasuredRecord, ...], /, *args: Given.args, **more: Given.kwargs
     ) -> Result:
         first: dict[Coordinate, str] = {}
         for record in records:
