@@ -207,6 +207,8 @@ def test_an_angle_and_a_displacement_are_no_record(release, orbits):
         identify(both, 1.0)
     with pytest.raises(ValueError, match="'angle' is of a rotation and 'force' of a translation"):
         Measurement.of("run", [Channel("angle", t, angles), Channel("force", t, np.sin(t))])
+    with pytest.raises(ValueError, match="'angle' is of a rotation and 'displacement' of a tran"):
+        Measurement.of("run", [Channel(q, t, angles) for q in ("angle", "displacement")])
     rules = {"channels": {"angle": {"channel": "angle"}, "force": {"channel": "force"}}}
     with pytest.raises(RecordError, match="holds angle and force: a record rotates or moves along"):
         read_records(both, mapping=rules)
@@ -262,7 +264,7 @@ def test_sets_of_both_kinds_have_a_table_each(forced, tmp_path):
 OF_ROTATION = {
     **{"kg": "kg m²", "N": "N m", "N/m": "N m/rad", "N s/m": "N m s/rad", "N/m³": "N m/rad³"},
     **{"m": "rad", "m/s": "rad/s", "m/s²": "rad/s²", "m²/s": "rad²/s", "J": "J", "s": "s"},
-    **{"rad": "rad", "rad/s": "rad/s", "mm": "mrad", "N/mm": "N m/mrad", "µm/N": "µrad/(N m)"},
+    **{"rad": "rad", "rad/s": "rad/s", "mm": "mrad", "N/mm": "N m/mrad", "µm": "µrad"},
 }
 
 
@@ -282,5 +284,7 @@ def test_words_are_exchanged_once():
     )
     assert ROTATION.text(exchanged) == exchanged
     assert TRANSLATION.text(sentence) == sentence
+    assert ROTATION.text("wrong (mm taken for m)") == "wrong (mrad taken for rad)"
+    assert ROTATION.text("--mass=3 and mass=3") == "--mass=3 and mass=3"  # as they are given
     assert ROTATION.text("F_k.csv: F_k is 3 N", ["F_k.csv"]) == "F_k.csv: T_k is 3 N m"
     assert json.dumps(ROTATION.document({"F_k_N": 1.0})) == '{"T_k_N_m": 1.0}'

@@ -337,7 +337,7 @@ class Identified(ABC):
         everything = {
             "dampbalance": __version__,
             **self.kind,
-            **({} if self.coordinate is TRANSLATION else {"coordinate": self.coordinate.name}),
+            **({} if self.coordinate == TRANSLATION else {"coordinate": self.coordinate.name}),
             "options": dict(self.options),
             "k_N_per_m": self.k,
             **self.settings,
@@ -425,7 +425,7 @@ class Identified(ABC):
 
         with _lacking_glyphs():
             drawn: Figure = getattr(pictures, name)(*self.pictures[name].of)
-        for text in drawn.findobj(Text) if self.coordinate is ROTATION else ():
+        for text in drawn.findobj(Text) if self.coordinate == ROTATION else ():
             assert isinstance(text, Text)
             text.set_text(self.coordinate.drawn(text.get_text(), self._names))
         return drawn

@@ -9,7 +9,7 @@ where units are read and where results are shown.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -19,12 +19,12 @@ from ..project.wording import Remark
 # a unit behind a number, within brackets, or behind "in"; not one that is exchanged already
 _UNIT_IN_TEXT = re.compile(
     r"(?:(?<=[\d⁰¹²³⁴⁵⁶⁷⁸⁹)\]∞–][ \u00a0])|(?<=\()|(?<=\bin ))"
-    r"(k?N(?: s[²³]?)?(?:/m?m[²³]?)?|kg|[µmn]?m[²³]?(?:/(?:s[²³]?|N))?|s/m)"
+    r"(k?N(?: s[²³]?)?(?:/m?m[²³]?)?|kg|[µmn]?m[²³]?(?:/s[²³]?)?|s/m)"
     r"(?=[\s.,;:)\]<?]|$)(?!\s[ms](?![a-z]))"
 )
 _TOKEN = re.compile(r"kg|(?<![a-zµ])k?N|(?<![a-zµ])([µmn]?)m(?=[²³/ ]|$)")
 _UNIT_IN_KEY = re.compile(
-    r"_(N_s_per_m|N_s2_per_m2|N_s3_per_m3|N_per_m[23]?|N|kg|m_per_s2?|m2_per_s|m3_per_s2|m4_per_s3|m_per_N|m)$"
+    r"_(N_s_per_m|N_s2_per_m2|N_s3_per_m3|N_per_m[23]?|N|kg|m_per_s2?|m2_per_s|m3_per_s2|m4_per_s3|m)$"
 )
 _SYMBOL = re.compile(r"(?<![A-Za-z])F_k(?![A-Za-z])|(?<![\w/°])m(?= = [\d−-])")
 _IN_HTML = re.compile(r"<i>F</i><sub>k</sub>")
@@ -38,6 +38,9 @@ _WORDS = {
     "a mass": "an inertia",
     "mass": "inertia",
     "mm taken for m": "mrad taken for rad",
+    **dict.fromkeys(
+        ("cm taken for m", "mm taken for inches", "mm taken for cm"), "degrees taken for rad"
+    ),
 }
 _WORD = re.compile(
     rf"(?<![A-Za-z-])(?<!angular[ _])({'|'.join(sorted(_WORDS, key=len, reverse=True))})(?![A-Za-z])(?!=)",
@@ -57,14 +60,13 @@ class Coordinate:
 
     def unit(self, unit: str) -> str:
         """The unit that belongs to a unit of a translation: N m for N, N m/rad for N/m, kg m² for kg, mrad for mm."""
-        if self is TRANSLATION or "rad" in unit or unit in ("N m", "kN m", "kg m²"):
+        if self == TRANSLATION or "rad" in unit or unit in ("N m", "kN m", "kg m²"):
             return unit
-        unit = re.sub(r"/N$", "/(N)", unit)
         return _TOKEN.sub(_rotating, unit)
 
     def key(self, name: str) -> str:
         """The name of a column or key: T_k_N_m for F_k_N, angular_velocity_rad_per_s for velocity_m_per_s."""
-        if self is TRANSLATION:
+        if self == TRANSLATION:
             return name
         if name in ("m", "m_kg"):
             return "J" if name == "m" else "J_kg_m2"
@@ -73,11 +75,7 @@ class Coordinate:
         ended = _UNIT_IN_KEY.search(name)
         if ended and not re.search(r"_(N_m|rad)", name):
             unit = next(unit for unit in _KEYED if named_with_unit("", unit) == ended[0])
-            name = (
-                named_with_unit(name[: ended.start()], self.unit(unit))
-                .replace("(", "")
-                .replace(")", "")
-            )
+            name = named_with_unit(name[: ended.start()], self.unit(unit))
         return _SYMBOL.sub("T_k", _WORD.sub(lambda of: _of_word(of[1]).replace(" ", "_"), name))
 
     def text(self, text: str, names: Iterable[str] = ()) -> str:
@@ -85,46 +83,44 @@ class Coordinate:
 
         names : of records and the like, which stay.
         """
-        if self is TRANSLATION:
+        if self == TRANSLATION:
             return text
-        kept = sorted(filter(None, {*names}), key=len, reverse=True)
+        kept = sorted({n for n in names if self._exchanged(n) != n}, key=len, reverse=True)
         pieces = re.split(f"({'|'.join(map(re.escape, kept))})", text) if kept else [text]
         return "".join(self._exchanged(p) if i % 2 == 0 else p for i, p in enumerate(pieces))
 
     def _exchanged(self, text: str) -> str:
+        text = _WORD.sub(_in_place, text)  # "mm taken for m" before its units
         text = _UNIT_IN_TEXT.sub(lambda of: self.unit(of[1]), text)
         text = _SYMBOL.sub(lambda of: "T_k" if of[0] == "F_k" else "J", text)
-        text = _IN_HTML.sub("<i>T</i><sub>k</sub>", text)
-        return _WORD.sub(_in_place, text)
+        return _IN_HTML.sub("<i>T</i><sub>k</sub>", text)
 
     def drawn(self, text: str, names: Iterable[str] = ()) -> str:
         """A text of a figure: like `text`, with θ for x."""
-        if self is ROTATION:
+        if self == ROTATION:
             for x, theta in _DRAWN.items():
                 text = text.replace(x, theta)
         return self.text(text, names)
 
     def remark(self, remark: Remark, names: Iterable[str] = ()) -> Remark:
         """A remark in the words of the coordinate; it keeps its numbers, and what it doubts."""
-        if self is TRANSLATION:
+        if self == TRANSLATION:
             return remark
         parts = [self.text(of, names) if isinstance(of, str) else of for of in remark.of]
-        template = self.text(remark.template, names)
-        if Remark(template, *parts).words != (words := self.text(remark.words, names)):
-            template, parts = (
-                words,
-                [],
-            )  # a number stands between a unit and what tells that it is one
+        template, words = (self.text(of, names) for of in (remark.template, remark.words))
+        if Remark(template, *parts).words != words:  # a unit shows only behind its number
+            template, parts = words, []
         return Remark(
             template, *parts, source=remark.source, doubts=remark.doubts, spares=remark.spares
         )
 
-    def document(self, value: Any, names: Iterable[str] = ()) -> Any:
+    def document(self, value: Any, names: Collection[str] = ()) -> Any:
         """Plain data with the keys and the sentences of the coordinate."""
-        if self is TRANSLATION:
+        if self == TRANSLATION:
             return value
         if isinstance(value, Mapping):
-            return {self.key(str(k)): self.document(v, names) for k, v in value.items()}
+            keys = [key if key in names else self.key(str(key)) for key in value]
+            return dict(zip(keys, (self.document(v, names) for v in value.values()), strict=True))
         if isinstance(value, list | tuple):
             return [self.document(v, names) for v in value]
         return self.text(value, names) if isinstance(value, str) else value
@@ -138,7 +134,7 @@ ROTATION = Coordinate("rotation")
 
 _KEYED = (
     *("N", "N/m", "N/m²", "N/m³", "N s/m", "N s²/m²", "N s³/m³", "kg", "m", "m/s", "m/s²"),
-    *("m²/s", "m³/s²", "m⁴/s³", "m/N"),
+    *("m²/s", "m³/s²", "m⁴/s³"),
 )
 """Units that columns and keys are named with."""
 

@@ -220,6 +220,8 @@ class Measurement:
             instance("each of the channels", channel, Channel)
             other = by_quantity.setdefault(channel.quantity, channel)
             if other is not channel:
+                one, two = ((of.name, of.coordinate) for of in (other, channel))
+                require_one_coordinate(source, dict([one, two]))
                 both = f"the channels {other.name!r} and {channel.name!r}"
                 raise ValueError(f"{source}: {both} both hold {channel.quantity}")
         return cls(source, by_quantity)

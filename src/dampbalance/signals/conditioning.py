@@ -207,7 +207,7 @@ def _steady(
     X, X_error = _combined(moved, weights)
     mean_Y, mean_X = weighted_mean(Y, weights), weighted_mean(X, weights)
     warnings += inconsistencies
-    if samples[driving].coordinate is TRANSLATION:  # nothing bounds an angle
+    if samples[driving].coordinate == TRANSLATION:  # nothing bounds an angle
         warnings += checks.plausible(abs(mean_Y[1]), abs(mean_X[1]), omega, driving)
     period = 2.0 * math.pi / base.omega
     parts, unsteady = checks.steadiness(Y[:, 1], X[:, 1], times, weights, period, skipped)
