@@ -36,7 +36,7 @@ from ..law.terms import FRICTION, term
 from ..motion.jit import interpreted
 from ..project.wording import Remark
 from ..records.mapping import MappingLike
-from ..records.measured import MeasuredRecord
+from ..records.measured import MeasuredRecord, in_words_of_records
 from ..signals.one_thread import one_thread
 from ..solver import Estimate, least_squares, solve
 from .answer import (
@@ -136,7 +136,8 @@ class ForcedOutcome(Identified):
         import pandas as pd  # slow to import
 
         return {
-            name: pd.DataFrame(of) for name, of in zip(self.sources, self._loops(mass), strict=True)
+            name: pd.DataFrame(self.coordinate.document(of))
+            for name, of in zip(self.sources, self._loops(mass), strict=True)
         }
 
     def _loops(self, mass: float | None = None) -> list[dict[str, Array]]:
@@ -288,6 +289,7 @@ def identify_forced(
     return _of_records(records_of("forced", records, mapping), law, options)
 
 
+@in_words_of_records
 @interpreted(calls=QUICK)  # whatever was compiled before: the last bits may differ
 def _of_records(
     records: tuple[MeasuredRecord, ...], law: Law, options: Mapping[str, Any]
