@@ -17,11 +17,11 @@ import pytest
 from analytic.integrator import integrate
 from dampbalance import BaseMotion, Oscillator, identify, measured_orbit, steady_orbit
 from dampbalance.identification.table_of_sets import summarise
+from dampbalance.measured import read_records
 from dampbalance.model import UNITS as OF_TRANSLATION
 from dampbalance.motion.jit import interpreted
 from dampbalance.records.coordinate import ROTATION, TRANSLATION
 from dampbalance.records.errors import RecordError
-from dampbalance.records.measured import read_records
 from dampbalance.records.measurement import Channel, Measurement
 from dampbalance.records.writers import write
 
