@@ -239,9 +239,10 @@ def identify_forced(
     conditional on k.
     mapping : what the records do not say of their channels, where they are read here.
     frequency : of the drive as known, Hz; compared with that found in each record.
-    mass : kg (kg m² of a rotation), if it is known: it tests the stiffness and the gains, and sharpens K_z where it is known better than the
-    records know it. State its standard uncertainty like that of the stiffness, (2.42, 0.01) or "2.42±0.01"; of a mass
-    alone it is half a unit of the last digit ("2.420" keeps its zero) or 0.5 %, whichever is more.
+    mass : kg (kg m² of a rotation), if it is known: it tests the stiffness and the gains, and sharpens K_z where it
+    is known better than the records know it. State its standard uncertainty like that of the stiffness, (2.42,
+    0.01) or "2.42±0.01"; of a mass alone it is half a unit of the last digit ("2.420" keeps its zero) or 0.5 %,
+    whichever is more.
     terms : of the damping law, symbols of `KNOWN_TERMS` and objects of `Term`; default, F_k, c and those that are
     given.
     given : symbol → known coefficient, SI units.
