@@ -22,7 +22,7 @@ from dampbalance.records.mapping import (
 )
 from dampbalance.records.measurement import QUANTITIES
 from dampbalance.records.readers import FORMATS, read
-from dampbalance.records.readers.headings import TEMPERATURE, WORDS
+from dampbalance.records.readers.headings import TEMPERATURE, TORQUE, WORDS
 from dampbalance.records.units import UNITS
 from folders import ROOT
 
@@ -198,7 +198,7 @@ def test_the_page_names_every_quantity_suffix_name_and_unit():
     text = README.read_text(encoding="utf-8")
     schema = yaml.safe_load(SCHEMA.read_text(encoding="utf-8"))
     assert list(schema["properties"]["channels"]["properties"]) == list(QUANTITIES)
-    words = (word for words in (*WORDS.values(), TEMPERATURE) for word in words)
+    words = (word for words in (*WORDS.values(), TEMPERATURE, TORQUE) for word in words)
     for name in [*QUANTITIES, *words]:
         assert f"`{name}`" in text
     for suffix in (suffix for known in FORMATS.values() for suffix in known.suffixes):

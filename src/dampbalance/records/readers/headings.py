@@ -15,7 +15,7 @@ from ..units import DIMENSIONS, VOLTAGE, find_other, find_unit
 
 WORDS: dict[str, tuple[str, ...]] = {
     "displacement": ("displacement", "disp", "deflection", "x", "weg", "auslenkung", "verschiebung"),
-    "velocity": ("velocity", "vel", "v", "geschwindigkeit"),
+    "velocity": ("velocity", "vel", "v", "speed", "geschwindigkeit"),
     "acceleration": ("acceleration", "accel", "acc", "beschleunigung"),
     "force": ("force", "kraft"),
     "base_displacement": ("y",),
@@ -34,11 +34,14 @@ WORDS: dict[str, tuple[str, ...]] = {
 the end of a heading alone."""
 
 TEMPERATURE = ("temp", "temperature", "temperatur", "thermocouple")
-"""Words of a heading that make a channel a temperature, which is left aside."""
+TORQUE = ("torque", "moment", "drehmoment")
+"""Words of a heading that make a channel a temperature or a torque, which is left aside."""
 
 _MEANINGS = {word: meaning for meaning, words in WORDS.items() for word in words}
 # words that suffice for a guess alone
-_HINTS = {"reference": "base", "hammer": "force", "load": "force"}
+_HINTS = {"reference": "base"} | dict.fromkeys(
+    ("hammer", "load", "friction", "reibung", "reibkraft"), "force"
+)
 _BODIES = ("base", "mass", "relative")
 _SHORTEST = 3  # letters of a word that may be part of another
 _TIME = re.compile(
@@ -78,8 +81,9 @@ def unit_of(raw: RawChannel) -> str | None:
 
 def unusable(raw: RawChannel) -> str | None:
     """Say what a channel is instead of a motion or a force, by its name or unit; None where they do not."""
-    if set(words_of(raw.name)) & {*TEMPERATURE}:
-        return "a temperature"
+    for words, what in ((TEMPERATURE, "a temperature"), (TORQUE, "a torque")):
+        if set(words_of(raw.name)) & {*words}:
+            return what
     other = find_other(raw.unit or "")
     return None if other == VOLTAGE else other
 
