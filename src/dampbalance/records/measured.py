@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
     from .table import Signals
 
-    RecordLike: TypeAlias = "str | Path | Signals | Measurement | MeasuredRecord"
+    RecordLike: TypeAlias = "str | Path | Signals | Table | Measurement | MeasuredRecord"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -106,8 +106,8 @@ def read_records(
     """Measured records, ready for `identify`: from files, tables of pandas, or arrays.
 
     records : one, or several. Each is the path of a file in any format (`config/records/README.md`); a pandas
-    DataFrame; a mapping of names to arrays, (n,), or an array with named fields; a `Measurement`; or a record already
-    read. Columns and arrays are named like those of a file, displacement_mm or force_N, with time_s among them, or
+    DataFrame; a mapping of names to arrays; an array with named fields, or a plain one of columns; a `Table`, as
+    `records.readers.table` makes it; a `Measurement`; or a record already read. Columns and arrays are named like those of a file, displacement_mm or force_N, with time_s among them, or
     sample_rate_hz as a number. A masked sample is missing, as an empty cell of a file is.
     mapping : what the names do not say, for all records: a document as in the YAML file of a record, or the path of
     one; default, for a file, the one next to it.
@@ -145,7 +145,7 @@ def read_records(
 
 
 def _in_memory(
-    record: Signals | Measurement,
+    record: Signals | Table | Measurement,
     number: int,
     taken: set[str],
     mapping: MappingLike,
@@ -157,6 +157,7 @@ def _in_memory(
         remedy = "give the path of a file, a pandas DataFrame, or a mapping of names to arrays"
         raise RecordError(f"record {number} is a {type(record).__name__}; {remedy}")
     stated = getattr(record, "attrs", {}).get("name") or getattr(record, "source", None)
+    stated = record.path if isinstance(record, Table) else stated
     own = visible(str(stated or f"record {number}"))
     names = itertools.chain([own], (f"{own} ({count})" for count in itertools.count(2)))
     name = next(name for name in names if name not in taken)

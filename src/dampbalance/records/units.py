@@ -83,7 +83,7 @@ _OTHERS = {
     VOLTAGE: ("V", "mV", "Volt", "volt", "VOLT", "Volts", "VDC"),
     "a current": ("A", "mA", "Ampere"),
     "a pressure": ("bar", "mbar", "Pa", "kPa", "MPa"),
-    "an angle or its rate": ("°", "deg", "rad", "rad/s", "°/s", "deg/s", "rpm", "1/min", "U/min"),
+    "an angle or its rate": ("°", "deg", "rad", "rad/s", "°/s", "deg/s", "rpm", "r/min", "1/min", "U/min"),
     "a part": ("%", "dB", "ppm", "µm/m"),
     "a torque": ("Nm", "N·m", "mNm", "kNm"),
     "a power": ("W", "mW", "kW", "Nm/s"),

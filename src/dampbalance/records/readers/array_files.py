@@ -1,18 +1,33 @@
-"""Files of named arrays: HDF5, also as MATLAB 7.3 has it; MATLAB 5, arrays and structures of them."""
+"""Files of named arrays: HDF5, also as MATLAB 7.3 has it; MATLAB 5, arrays and structures of them; NumPy; JSON."""
 
 from __future__ import annotations
 
+import json
 import math
-from collections.abc import Iterable, Iterator, Sequence
+import zipfile
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from ...project.wording import dotted
-from ..errors import library, require_size
-from ..table import TIMING_NAMES, UNIT_NAMES, Table, intact, signals_in, unit_among
+from ..errors import RecordError, library, require_size
+from ..table import (
+    TIMING_NAMES,
+    UNIT_NAMES,
+    Table,
+    intact,
+    signals_file,
+    signals_in,
+    unit_among,
+)
 
+_LARGEST_JSON = 400_000_000  # bytes, of which the numbers take ten times as many in memory
+_BYTES = 8  # of a number
 _NO_NUMBERS = (b"char", b"logical", "char", "logical")  # classes of MATLAB
 
 
@@ -102,3 +117,73 @@ def _unrolled(fields: Iterable[tuple[str, Any]]) -> Iterator[tuple[str, Any]]:
             yield from ((f"{name}[{i}]", one) for i, one in enumerate(value, start=1))
         else:
             yield name, value
+
+
+def numpy_file(path: Path) -> Table:
+    """An array of NumPy, or an archive of several: each is a channel, and so is each field or column of one that has
+    them; single numbers are rate, step or first time. Pickles are not loaded: arrays of objects are passed over."""
+    with intact(path, "NumPy"):
+        if zipfile.is_zipfile(path):
+            with zipfile.ZipFile(path) as packed:
+                require_size(path, sum(part.file_size for part in packed.infolist()) // _BYTES)
+            with np.load(path) as archive:
+                loads = {name: partial(archive.__getitem__, name) for name in archive.files}
+                held = {name: array for name in loads if (array := _plain(loads[name])) is not None}
+        else:
+            array = _plain(partial(np.load, path, mmap_mode="r"))
+            held = {} if array is None else {"": np.array(array)}
+        if not held:
+            remedy = "save its signals as arrays of numbers"
+            raise RecordError(
+                f"{path}: holds Python objects alone, pickled, which are not loaded; {remedy}"
+            )
+        return _table(path, held.popitem()[1] if len(held) == 1 else held, "NumPy")
+
+
+def _plain(load: Callable[[], Any]) -> Any:
+    """The array that a function loads; None for one of objects."""
+    try:
+        return load()
+    except ValueError as error:
+        if "bject" in str(error):  # arrays of objects cannot be loaded, nor mapped into memory
+            return None
+        raise
+
+
+def json_file(path: Path) -> Table:
+    """Columns by name, as lists or as pandas writes them, or rows: mappings of names to cells, or lists of cells. Points
+    in time are texts, 2026-03-01T12:00:00.5; other texts and single values, except a rate, are passed over."""
+    import pandas as pd  # slow to import
+
+    if (size := path.stat().st_size) > _LARGEST_JSON:
+        much = f"{size / 1e6:.3g} MB, more than {_LARGEST_JSON / 1e6:g}"
+        raise RecordError(f"{path}: has {much} MB, which JSON may have; save it as CSV or HDF5")
+    with intact(path, "JSON"):
+        held = json.loads(path.read_bytes())
+        if isinstance(held, dict) and {"columns", "data"} <= held.keys():
+            held = dict(zip(held["columns"], zip(*held["data"], strict=True), strict=True))
+        elif isinstance(held, list) and all(isinstance(row, dict) for row in held):
+            names = dict.fromkeys(name for row in held for name in row)
+            held = {name: [row.get(name) for row in held] for name in names}
+        elif isinstance(held, list):
+            held = np.array(held, dtype=np.float64)
+        if not isinstance(held, dict | np.ndarray):
+            raise RecordError(f"{path}: holds neither columns nor rows; save names and lists")
+        for name, values in held.items() if isinstance(held, dict) else ():
+            cells = [*values.values()] if isinstance(values, dict) else values
+            if isinstance(cells, list | tuple) and cells and isinstance(cells[0], str):
+                with suppress(ValueError):  # any other text is no number, where it is needed
+                    cells = pd.to_datetime(cells, format="ISO8601", utc=True)
+            held[name] = cells
+        return _table(path, held, "JSON")
+
+
+def _table(path: Path, held: Any, what: str) -> Table:
+    """The table of arrays in a file, without what is no signal and no rate."""
+    if isinstance(held, Mapping):
+        held = {
+            str(name): values
+            for name, values in held.items()
+            if (np.size(values) > 1 and np.ndim(values) < 3) or str(name).lower() in TIMING_NAMES
+        }
+    return replace(signals_file(str(path), held), what=what)

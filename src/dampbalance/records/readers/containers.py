@@ -134,7 +134,7 @@ def _tidied(raw: bytes) -> bytes:
             return head[0].decode("cp1252", "replace").encode()
         return head[0]
 
-    raw = re.sub(rb"(?m)^    -1 +(?=\r?$)", b"    -1", _UFF_HEAD.sub(in_utf8, raw))
+    raw = _UFF_HEAD.sub(in_utf8, raw)
     return raw if re.search(rb"(?m)^    58b", raw) else re.sub(rb"[ \t]*\r?\n", b"\n", raw)
 
 
