@@ -121,7 +121,9 @@ def servo(folder, names, units, columns, interval="Sampling time interval(ms),0.
 
 def test_a_servo_amplifier_is_refused_with_a_mapping_that_reads_it(tmp_path):
     path = servo(tmp_path, ["Motor speed", "Torque"], ["r/min", "%"], [Y, A])
-    same(proposed(path, r"(?s)finds no excitation.*left aside: 'Torque \[%\]': a torque"), velocity=Y)
+    same(
+        proposed(path, r"(?s)finds no excitation.*left aside: 'Torque \[%\]': a torque"), velocity=Y
+    )
 
 
 def test_what_stands_above_the_columns_gives_their_rate(tmp_path):
@@ -155,7 +157,17 @@ def test_a_matlab_struct_that_names_its_channels(tmp_path, names, units):
         units: np.array(["mm", "g"], dtype=object),
     }
     scipy.io.savemat(path, {"data": {"t": T, "y": np.column_stack([Y, A])} | cells})
-    same(read(path), base_displacement=1e-3 * Y, acceleration=G * A)
+    same(proposed(path, "'data.t' has no unit"), base_displacement=1e-3 * Y, acceleration=G * A)
+
+
+def test_signals_of_simulink_are_called_by_their_labels(tmp_path):
+    signals = [
+        {"values": values[:, None], "dimensions": 1.0, "label": label, "blockName": "model/Scope"}
+        for label, values in (("base displacement (mm)", Y), ("acceleration [g]", A))
+    ]
+    path = tmp_path / "run.mat"
+    scipy.io.savemat(path, {"out": {"time": T[:, None], "signals": signals}})
+    same(proposed(path, "'out.time' has no unit"), base_displacement=1e-3 * Y, acceleration=G * A)
 
 
 def blanks(text):
@@ -334,9 +346,7 @@ def test_json_of_rows_without_names_and_of_points_in_time(tmp_path):
     rows = np.column_stack([T, Y, A]).tolist()
     path = tmp_path / "run.json"
     path.write_text(json.dumps(rows), encoding="utf-8")
-    same(
-        proposed(path, "finds no excitation"), base_displacement=1e-3 * Y, displacement=1e-3 * A
-    )
+    same(proposed(path, "finds no excitation"), base_displacement=1e-3 * Y, displacement=1e-3 * A)
     points = pd.Timestamp("2026-03-01T12:00:00Z") + pd.to_timedelta(np.round(T * 1e9), unit="ns")
     stamped = lists() | {"time_s": [point.isoformat() for point in points], "notes": "rig 3"}
     path.write_text(json.dumps(stamped), encoding="utf-8")

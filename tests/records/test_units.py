@@ -10,7 +10,16 @@ from dampbalance.model import named_with_unit
 from dampbalance.records.units import DIMENSIONS, UNITS, UnitError, find_unit, split_label, unit_for
 
 # The definitions: the inch is 25.4 mm, standard gravity 9.80665 m/s², the pound-force 0.45359237 kg under it.
-_LENGTHS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "µm": 1e-6, "nm": 1e-9, "in": 0.0254, "ft": 0.3048, "mil": 25.4e-6}
+_LENGTHS = {
+    "m": 1.0,
+    "cm": 0.01,
+    "mm": 0.001,
+    "µm": 1e-6,
+    "nm": 1e-9,
+    "in": 0.0254,
+    "ft": 0.3048,
+    "mil": 25.4e-6,
+}
 IN_SI = {
     **_LENGTHS,
     **{f"{name}/s": factor for name, factor in _LENGTHS.items()},

@@ -73,8 +73,8 @@ def quantities_of(path: str | Path, mapping: MappingLike = None) -> tuple[str, .
 
 
 def table(path: str | Path, mapping: MappingLike = None) -> Table:
-    """The table of a file: names, units and rates of its channels, and their samples as recorded, which are loaded where
-    they are asked for. Raises RecordError as `read`."""
+    """The table of a file: names, units and rates of its channels, and their samples as recorded, which are loaded
+    where they are asked for. Raises RecordError as `read`."""
     return opened(*_named(path, mapping))
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 import zipfile
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from functools import partial
@@ -14,7 +14,6 @@ from typing import Any
 
 import numpy as np
 
-from ...project.wording import dotted
 from ..errors import RecordError, library, require_size
 from ..table import (
     TIMING_NAMES,
@@ -25,9 +24,22 @@ from ..table import (
     signals_in,
     unit_among,
 )
+from ..units import split_label
 
 _LARGEST_JSON = 400_000_000  # bytes, of which the numbers take ten times as many in memory
 _BYTES = 8  # of a number
+# fields of MATLAB that name the signals next to them, and those that hold their times
+_LABELS = (
+    "names",
+    "name",
+    "labels",
+    "label",
+    "channels",
+    "channelnames",
+    "channel_names",
+    "signalnames",
+)
+_TIMES = ("t", "time", "times", "timestamp", "timestamps", "zeit")
 _NO_NUMBERS = (b"char", b"logical", "char", "logical")  # classes of MATLAB
 
 
@@ -89,7 +101,8 @@ def _attributes(item: Any) -> dict[str, object]:
 
 def matlab_file(path: Path) -> Table:
     """A MATLAB 5 file: every real array in it is a channel, a field of a structure by "structure.field", with [1], [2],
-    … behind it where there is an array of structures. Raises RecordError for arrays too large for memory."""
+    … behind it where there is an array of structures. Where texts next to a matrix name its signals, they are called
+    by them. Raises RecordError for arrays too large for memory."""
     from scipy.io import whosmat  # slow to import
 
     reader = library("pymatreader", "MATLAB")
@@ -99,24 +112,65 @@ def matlab_file(path: Path) -> Table:
         truths = {name for name, _, kind in stated if kind == "logical"}
         document = reader.read_mat(str(path))
     held = {n: v for n, v in document.items() if not n.startswith("__") and n not in truths}
-    fields: dict[str, Any] = {
-        name: value
-        for name, value in _unrolled(dotted(held))
-        if np.isscalar(value) or (isinstance(value, np.ndarray) and value.dtype.kind in "fiu")
-    }
+    units, fields = dict[str, str](), dict[str, Any]()
+    for name, value, unit in _unrolled(held):
+        if np.isscalar(value) or (isinstance(value, np.ndarray) and value.dtype.kind in "fiu"):
+            fields[name] = value
+            units[name] = unit
     scalars = {n.rpartition(".")[2]: value for n, value in fields.items() if np.size(value) == 1}
-    arrays = [(n, v.shape, scalars, None) for n, v in fields.items() if isinstance(v, np.ndarray)]
+    arrays = [
+        (n, v.shape, scalars, units[n] or None)
+        for n, v in fields.items()
+        if isinstance(v, np.ndarray)
+    ]
     channels, signals = signals_in(path, arrays)
     return Table(path, channels, lambda wanted: [signals[i](fields) for i in wanted], "MATLAB")
 
 
-def _unrolled(fields: Iterable[tuple[str, Any]]) -> Iterator[tuple[str, Any]]:
-    """Fields by name; those of an array of structures are lists, of which each array is field[1], field[2], …"""
-    for name, value in fields:
-        if isinstance(value, list) and all(isinstance(one, np.ndarray) for one in value):
-            yield from ((f"{name}[{i}]", one) for i, one in enumerate(value, start=1))
+def _unrolled(held: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any, str]]:
+    """Fields by their paths, with their units or "". Arrays of structures or of arrays have [1], [2], … behind them;
+    the signals of a matrix, and of the structure of one signal, the names that stand next to them."""
+    labels, units = (
+        next(
+            (one for key, value in held.items() if key.lower() in keys and (one := _texts(value))),
+            [],
+        )
+        for keys in (_LABELS, UNIT_NAMES)
+    )
+    for name, value in held.items():
+        if isinstance(value, Mapping):
+            yield from _unrolled(value, f"{above}{name}.")
+        elif isinstance(value, list) and all(
+            isinstance(one, np.ndarray | Mapping) for one in value
+        ):
+            for i, one in enumerate(value, start=1):
+                of = one if isinstance(one, Mapping) else {"": one}
+                inner = f"{above}{name}[{i}]" + "." * (of is one)
+                yield from _unrolled(of, inner)
+        elif (
+            isinstance(value, np.ndarray)
+            and value.ndim in (1, 2)
+            and value.dtype.kind in "fiu"
+            and len(labels) == len({*labels}) == (1 if value.ndim == 1 else min(value.shape))
+            and name.lower() not in _TIMES
+        ):
+            rows = np.atleast_2d(value if value.shape[0] < value.shape[-1] else value.T)
+            for i, (label, row) in enumerate(zip(labels, rows, strict=True)):
+                bare, own = split_label(label)
+                unit = units[i] if len(units) == len(labels) else own or ""
+                yield f"{above}{bare.replace('/', '_')}", row, unit
         else:
-            yield name, value
+            yield f"{above}{name}", value, ""
+
+
+def _texts(value: Any) -> list[str]:
+    """The texts of a field of MATLAB, one or several; none where it holds something else."""
+    several = [value] if isinstance(value, str) else value
+    if not isinstance(several, list | np.ndarray) or not all(
+        isinstance(one, str) for one in several
+    ):
+        return []
+    return [str(one).strip() for one in several]
 
 
 def numpy_file(path: Path) -> Table:
@@ -151,8 +205,8 @@ def _plain(load: Callable[[], Any]) -> Any:
 
 
 def json_file(path: Path) -> Table:
-    """Columns by name, as lists or as pandas writes them, or rows: mappings of names to cells, or lists of cells. Points
-    in time are texts, 2026-03-01T12:00:00.5; other texts and single values, except a rate, are passed over."""
+    """Columns by name, as lists or as pandas writes them, or rows: mappings of names to cells, or lists of cells.
+    Points in time are texts, 2026-03-01T12:00:00.5; other texts and single values, except a rate, are passed over."""
     import pandas as pd  # slow to import
 
     if (size := path.stat().st_size) > _LARGEST_JSON:

@@ -47,7 +47,16 @@ _BY_NAME, _BY_UNIT = "by its name", "by its unit"
 _RESPONSE_OF = {"base_displacement": "displacement", "base_acceleration": "acceleration"}
 _MOTIONS = {word for quantity in ABSOLUTE for word in WORDS[quantity]}
 # words of the absolute value of three axes, and by what part of itself that is rounded
-_OF_AXES = ("absolute", "abs", "absolut", "total", "magnitude", "norm", "resultant", "resultierende")
+_OF_AXES = (
+    "absolute",
+    "abs",
+    "absolut",
+    "total",
+    "magnitude",
+    "norm",
+    "resultant",
+    "resultierende",
+)
 _ABSOLUTE = 1e-3
 _KEPT = ("delimiter", "decimal", "header_lines", "sample_rate_hz", "frequency_hz", "level", "notes")
 """Keys of a mapping that stay in the one suggested."""
@@ -146,14 +155,12 @@ class _Plan:
             for i, raw in enumerate(self.channels)
             if by_unit(raw) == "acceleration"
         }
-        threes = [
-            three
-            for name, unit in names
-            for at, letter in enumerate(name)
-            if letter == "x"
-            and len(three := [names.get((name[:at] + a + name[at + 1 :], unit)) for a in "xyz"]) == 3
-            and None not in three
-        ]
+        threes = []
+        for name, unit in names:
+            for x in re.finditer("x", name):
+                alike = [f"{name[: x.start()]}{axis}{name[x.end() :]}" for axis in "xyz"]
+                three = [names[key, unit] for key in alike if (key, unit) in names]
+                threes += [three] if len(three) == len("xyz") else []
         if len(threes) != 1 or any(not self.samples.values[i].size for i in threes[0]):
             return {}
         values = {i: self.samples.values[i] for i in threes[0]}
@@ -264,7 +271,9 @@ class _Plan:
         """Warn of the axis that was taken of three."""
         if axis := [i for i, why in self.axes.items() if not why]:
             name = shortened(full_name(self.channels[axis[0]]))
-            said = f"{name} is taken for the acceleration of the mass, the axis with the most motion"
+            said = (
+                f"{name} is taken for the acceleration of the mass, the axis with the most motion"
+            )
             remedy = f"name another in {self.where} if the mass moves along it"
             warnings.warn(RecordWarning(f"{self.path}: {said}; {remedy}"), stacklevel=2)
 
@@ -304,8 +313,9 @@ class _Plan:
 
     def may_move(self, i: int) -> bool:
         """Whether a channel may hold a motion or a force: no time, no temperature, no counter, nothing constant."""
-        aside = i in self.samples.aside or bool(self.axes.get(i))
-        return not holds_time(self.channels[i]) and not aside
+        if holds_time(self.channels[i]):
+            return False
+        return i not in self.samples.aside and not self.axes.get(i)
 
     def find(self, which: Which, key: str) -> int:
         """The channel of that name or number."""
@@ -437,6 +447,8 @@ class _Suggestion:
         self.channels, self.mapping, self.keys = plan.channels, plan.mapping, plan.keys
         self.samples, self.chosen = plan.samples, dict[str, int]()
         self.why = dict(self.samples.aside) | {i: why for i, why in plan.axes.items() if why}
+        ways = (names_time, holds_time)
+        self.is_time = next((way for way in ways if any(map(way, self.channels))), None)
         # what names say goes first, then units
         names = {i: plan.named(i) for i in range(len(self.channels)) if plan.may_move(i)}
         chosen, twice = plan.told_apart
@@ -449,10 +461,10 @@ class _Suggestion:
         for i in sorted(names, key=lambda i: (names[i] is None, by_unit(self.channels[i]) is None)):
             self._take(i, names[i])
         for i, raw in enumerate(self.channels):  # at the last, what names say against their units
-            quantity = quantity_of(raw) or quantity_of(raw, all_words=False)
+            quantity = quantity_of(raw) or quantity_of(raw, all_words=False) or ""
             other = find_other(raw.unit or "") and not unusable(replace(raw, unit=None))
             moves = {*words_of(raw.name)} & _MOTIONS and quantity in RESPONSES
-            if quantity and moves and other and not self.complete:
+            if moves and other and not self.complete:
                 self.chosen[quantity], self.why[i] = i, _BY_NAME
         if len(self.chosen) == 1:
             ((quantity, i),) = self.chosen.items()
@@ -560,10 +572,9 @@ class _Suggestion:
         """Whether a channel is taken for the times: by the mapping, name or unit, or as the only one that rises."""
         if self.mapping.time is not None:
             return self.mapping.time in (i + 1, self.channels[i].name)
-        for is_time in (names_time, holds_time):
-            if any(map(is_time, self.channels)):
-                return is_time(self.channels[i])
-        return i in self.samples.rising
+        if self.is_time is None:
+            return i in self.samples.rising
+        return self.is_time(self.channels[i])
 
     def _which(self, i: int) -> str:
         """A channel as a mapping names it: by its name, or by its number where that is long or not its alone."""

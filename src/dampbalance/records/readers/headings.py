@@ -48,7 +48,9 @@ _TIME = re.compile(
     r"((elapsed|relative|rel|running|test|record|recording|measurement|date|abs|absolute|sample)_?)?"
     r"(time|zeit|t|messzeit|zeitstempel|uhrzeit|timestamps?)(_?(stamps?|axis|value|achse|\d+))?"
 )
-_SECONDS = re.compile(r"x_values?|(elapsed_)?seconds?(_elapsed)?|sekunden?")  # LabVIEW and oscilloscopes
+_SECONDS = re.compile(
+    r"x_values?|(elapsed_)?seconds?(_elapsed)?|sekunden?"
+)  # LabVIEW and oscilloscopes
 _NAMED_TIME = re.compile(r"x_axis|date_?times?(_?\d+)?")
 
 

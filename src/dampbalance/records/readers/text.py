@@ -132,7 +132,9 @@ def columns_of(path: Path, table: Sequence[list[str]], width: int) -> list[RawCh
     units = fitting.pop() if len(fitting) > 1 and _are_units(fitting[-1]) else [""] * width
     labels, keyed = fitting[-1] if fitting else [""] * width, _keyed(table)
     named, measured = (next(filter(None, map(keyed.get, keys)), []) for keys in (_NAMES, _UNITS))
-    if len(named) == len(measured) == width:  # a column below the key, or one of each pair, holds the times
+    if (
+        len(named) == len(measured) == width
+    ):  # a column below the key, or one of each pair, holds the times
         labels = ["time" if cell == named[0] else cell for cell in named]
         units = ["s" if cell == measured[0] else cell for cell in measured]
     columns = []
