@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import warnings
 
 import numpy as np
@@ -12,6 +13,7 @@ import scipy.io
 import yaml
 
 from dampbalance import read_records
+from dampbalance.records.coordinate import ROTATION
 from dampbalance.records.errors import RecordError, RecordWarning
 from dampbalance.records.readers import mapping_to_start_from, read, table
 from records.formats import uff_set, write_uff
@@ -119,11 +121,12 @@ def servo(folder, names, units, columns, interval="Sampling time interval(ms),0.
     return write(folder / "run.csv", head, columns)
 
 
-def test_a_servo_amplifier_is_refused_with_a_mapping_that_reads_it(tmp_path):
+def test_of_a_servo_amplifier_the_speed_is_read_and_a_torque_in_percent_named(tmp_path):
     path = servo(tmp_path, ["Motor speed", "Torque"], ["r/min", "%"], [Y, A])
-    same(
-        proposed(path, r"(?s)finds no excitation.*left aside: 'Torque \[%\]': a torque"), velocity=Y
-    )
+    with pytest.warns(RecordWarning, match=r"not used: 'Torque \[%\]' \(a part\)"):
+        measurement = read(path)
+    assert measurement.coordinate == ROTATION
+    same(measurement, velocity=math.pi / 30.0 * Y)
 
 
 def test_what_stands_above_the_columns_gives_their_rate(tmp_path):
