@@ -14,8 +14,7 @@ import numpy as np
 
 from ..arrays import Array, Complexes
 from ..identification.law_comparison import as_good
-from ..law.terms import listed
-from ..project.wording import number, part
+from ..project.wording import listed, number, part
 from ..signals.one_thread import one_thread
 from .contact import Sliders, secant
 from .lines import LESS, Contact, Design, Estimate, Misfit, Rows, SteppedLines, column, estimated
@@ -508,6 +507,6 @@ def _one_slider_is_enough(one: Estimate, gradual: Estimate, residual: bool) -> f
 
 
 def _size(law: tuple[str, tuple[Contact, tuple[str, ...]]]) -> float:
-    """How many unknowns a law has; one slider comes before a damping with as many."""
+    """Return the number of unknowns of a law; one slider comes before a damping with as many."""
     contact, terms = law[1]
     return len(terms) + 1.5 * (contact == "one slider")
