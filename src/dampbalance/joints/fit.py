@@ -503,7 +503,7 @@ def _one_slider_is_enough(one: Estimate, gradual: Estimate, residual: bool) -> f
         for design, smoothing in designs
     )
     gain = of_one - of_many
-    return (1.0 + np.count_nonzero(gain[1:] >= gain[0])) / (_DRAWS + 1.0)
+    return float(1.0 + np.count_nonzero(gain[1:] >= gain[0])) / (_DRAWS + 1.0)
 
 
 def _size(law: tuple[str, tuple[Contact, tuple[str, ...]]]) -> float:
