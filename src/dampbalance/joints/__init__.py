@@ -1,3 +1,3 @@
-"""What has no oscillator of its own, or no single slider: tables of a stepped sine, contacts that yield gradually."""
+"""Joints without an oscillator of their own, or of many sliders: tables of a stepped sine, gradual contacts."""
 
 from .answer import identify_joint as identify_joint

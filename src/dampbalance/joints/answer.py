@@ -75,7 +75,7 @@ class SteppedOutcome(Identified):
 
     @property
     def fit(self) -> ContactFit:
-        """That of the answer."""
+        """The fit of the answer."""
         return self.fits[next(iter(self.approaches))]
 
     @property
@@ -138,8 +138,8 @@ class SteppedOutcome(Identified):
         return levels
 
     def shifts(self, faults: Mapping[str, Fault], name: str) -> dict[str, dict[str, float]]:
-        """What faults do to an answer: half the difference of the fits to lines with the fault and with its opposite,
-        whatever is given staying as it is. The force of a base that moves follows the stiffness."""
+        """Return the changes of an answer with faults: half the difference of the fits to lines with the fault and with
+        its opposite, whatever is given staying as it is. The force of a base that moves follows the stiffness."""
         fit, omega = self.fits[name], self.lines.omega
         given = fit.design.rows.given
 
@@ -346,7 +346,7 @@ def _lines(tables: Sequence[SteppedRecord], k: float | None) -> tuple[SteppedLin
 
 
 def _on_stiffness(fit: ContactFit, stiffness_error: float) -> Iterator[Remark]:
-    """What contradicts a stiffness that is stated: the ratio of likelihoods of the same contact with k free."""
+    """Yield a remark where the lines contradict the stiffness stated, by the likelihood of the contact with k free."""
     k, (shown, gain) = fit.values["k"], fit.shown or (0.0, 0.0)
     if gain <= 0.0:
         return
@@ -360,7 +360,7 @@ def _on_stiffness(fit: ContactFit, stiffness_error: float) -> Iterator[Remark]:
 
 
 def _on_stuck(fit: ContactFit) -> Iterator[Remark]:
-    """What sticks in every line, where a stiffness is stated that is less than the lines show."""
+    """Yield a remark where a contact that sticks in every line makes up for a stiffness stated too small."""
     k = fit.values["k"]
     if fit.stuck > _FELT * k:
         yield Remark(
@@ -432,7 +432,7 @@ def _estimate(symbol: str, fit: ContactFit) -> ParameterEstimate:
 
 
 def _rig(fit: ContactFit, lines: SteppedLines) -> Iterator[str]:
-    """What the fit implies about the rig, in sentences."""
+    """Yield sentences on the rig that the fit implies."""
     k, m = fit.values["k"], fit.values["m"]
     own = {s: with_error(fit.values[s], fit.errors.get(s, 0.0)) for s in fit.values}
     if fit.F_k:
@@ -454,7 +454,7 @@ def _rig(fit: ContactFit, lines: SteppedLines) -> Iterator[str]:
 
 
 def _counted(tables: Sequence[SteppedRecord]) -> list[str]:
-    """How the phases of the tables are counted, a sentence for each way."""
+    """Return a sentence for each way in which the tables count their phases."""
     ways: dict[str, list[str]] = {}
     for table in tables:
         ways.setdefault(table.table.convention, []).append(table.label)

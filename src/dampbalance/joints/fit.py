@@ -14,8 +14,7 @@ import numpy as np
 
 from ..arrays import Array, Complexes
 from ..identification.law_comparison import as_good
-from ..law.terms import listed
-from ..project.wording import number, part
+from ..project.wording import listed, number, part
 from ..signals.one_thread import one_thread
 from .contact import Sliders, secant
 from .lines import LESS, Contact, Design, Estimate, Misfit, Rows, SteppedLines, column, estimated
@@ -504,10 +503,10 @@ def _one_slider_is_enough(one: Estimate, gradual: Estimate, residual: bool) -> f
         for design, smoothing in designs
     )
     gain = of_one - of_many
-    return (1.0 + np.count_nonzero(gain[1:] >= gain[0])) / (_DRAWS + 1.0)
+    return float(1.0 + np.count_nonzero(gain[1:] >= gain[0])) / (_DRAWS + 1.0)
 
 
 def _size(law: tuple[str, tuple[Contact, tuple[str, ...]]]) -> float:
-    """How many unknowns a law has; one slider comes before a damping with as many."""
+    """Return the number of unknowns of a law; one slider comes before a damping with as many."""
     contact, terms = law[1]
     return len(terms) + 1.5 * (contact == "one slider")

@@ -38,7 +38,7 @@ _RIGID, _PROFILE = 1e-3, 120  # smallest r of one slider, likewise; how many are
 # Differences of κ r^{−1/2} are penalised: κ of bolted joints grows with a power of r between 0.2 and 1.2.
 _GROWTH = 0.5
 _SMOOTHINGS = np.geomspace(1e-3, 10.0, 5)
-# Of the smoothing that predicts best: its bias is then below the noise, and intervals hold what they say.
+# A part of the smoothing that predicts best: its bias is then below the noise, and intervals hold what they say.
 LESS = 0.1
 _LEVELS = 4  # from which on levels are left out to choose it
 _RECEPTANCES, _LARGEST_RECEPTANCE = 25, 0.6  # values of R that are tried, in 1/|Z|
@@ -78,7 +78,7 @@ class SteppedLines:
 
 
 class Misfit(NamedTuple):
-    """How far lines lie from a law.
+    """The distance of lines from a law.
 
     loss, in_phase : root mean squares of (loss of the law)/W − 1 and of the in-phase difference, N/m.
     loss_score, in_phase_score : mean squares of the same in standard errors.
@@ -96,8 +96,8 @@ class Misfit(NamedTuple):
 
 
 Column: TypeAlias = "tuple[Complexes, float]"
-"""What an unknown of unit size adds to Z at an amplitude of 1 m and the frequency of each line, (n,), and the power of
-the amplitude with which that grows."""
+"""Part of Z by an unknown of unit size: its value at an amplitude of 1 m and the frequency of each line, (n,), and the
+power of the amplitude with which it grows."""
 
 _OF_SPRING: Mapping[str, tuple[Callable[[Array], Array], float]] = {
     "k": (np.ones_like, 0.0),
@@ -107,7 +107,7 @@ _OF_SPRING: Mapping[str, tuple[Callable[[Array], Array], float]] = {
 
 
 def column(name: str, omega: Array, stiffness: float | None) -> Column:
-    """Return what an unknown of unit size adds to Z. Raises ValueError for a term that lines do not tell."""
+    """Return the part of Z by an unknown of unit size. Raises ValueError for a term that lines do not tell."""
     if name in _OF_SPRING:
         size, power = _OF_SPRING[name]
         return np.asarray(size(omega) + 0j), power
@@ -138,7 +138,7 @@ class Rows:
     """Rows of the real and the imaginary part of each line in standard errors, for one residual receptance.
 
     lines : as measured.   free, given : unknowns that are linear, and those whose value is given.
-    parts : what each of them adds to Z.
+    parts : of Z, by each of them.
     sigma : standard errors of the real and the imaginary part of each measured Z, N/m, (2, n).
     """
 
@@ -169,14 +169,14 @@ class Rows:
         return np.concatenate([(Z.real.T / self.sigma[0]).T, (Z.imag.T / self.sigma[1]).T])
 
     def columns(self, names: Sequence[str]) -> Complexes:
-        """What unknowns of unit size add to Z, (n, p)."""
+        """Return the parts of Z by unknowns of unit size, (n, p)."""
         X = self.mode.X
         columns = [size * X**power for size, power in map(self.parts.__getitem__, names)]
         return np.array(columns).reshape(len(names), X.size).T
 
     @cached_property
     def known(self) -> Complexes:
-        """What the given unknowns add to Z, (n,)."""
+        """The part of Z by the given unknowns, (n,)."""
         return self.columns(tuple(self.given)) @ np.array(list(self.given.values()))
 
     @cached_property
@@ -195,7 +195,7 @@ class Rows:
         return np.asarray(self.known + linear + secant(self.mode.X, point.r) @ point.kappa)
 
     def misfit(self, point: Point) -> Misfit:
-        """How far the lines lie from a law."""
+        """Return the distance of the lines from a law."""
         Z, law = self.mode.Z, self.law(point)
         both = law.imag / Z.imag - 1.0, law.real - Z.real
         in_phase, quadrature = np.split(self.weighted(law - Z), 2)
@@ -369,7 +369,7 @@ class Design:
 
     @cached_property
     def kept(self) -> dict[tuple[bool, ...], tuple[Array, Array, Array]]:
-        """What `_across` has computed, by the columns that are free."""
+        """Results of `_across`, by the columns that are free."""
         return {}
 
 

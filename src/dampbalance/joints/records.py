@@ -144,7 +144,7 @@ class SteppedRecord(MeasuredRecord):
         )
 
     def __repr__(self) -> str:
-        """What it holds, in a line."""
+        """Lines, levels and convention, in a line."""
         sizes = [of.X.size for of in self.table.levels]
         levels = f"{sum(sizes)} lines at {len(sizes)} level{'s' * (len(sizes) > 1)}"
         return f"<table {self.name}: {levels}; {self.table.convention}>"
@@ -361,7 +361,7 @@ class _Table:
     def _convention(
         self, levels: Sequence[SteppedLevel], most: int
     ) -> tuple[int, int, list[Array]]:
-        """How phases p are counted, φ = n π/2 − s p with n < `most` quarters of a turn and the sign s; φ of each level.
+        """Return how phases p are counted, φ = n π/2 − s p with n < `most` quarters of a turn and the sign s; and φ.
 
         Raises RecordError naming the first line of another convention than most have, and where two are left.
         """
@@ -388,7 +388,7 @@ class _Table:
 
 
 def _off_oscillators(levels: Sequence[SteppedLevel], phis: Sequence[Array]) -> float:
-    """How far the levels are from an oscillator each: Σ |1 − (k − mω² + i(ωc + h))/Z|², Z = (F/X) e^{iφ}."""
+    """Return the distance of the levels from an oscillator each, Σ |1 − (k − mω² + i(ωc + h))/Z|², Z = (F/X) e^{iφ}."""
     from scipy.optimize import nnls  # slow to import
 
     total = 0.0
@@ -402,7 +402,7 @@ def _off_oscillators(levels: Sequence[SteppedLevel], phis: Sequence[Array]) -> f
 
 
 def _role(raw: RawChannel) -> str | None:
-    """What a column of a table holds, by heading and unit; None where neither says it."""
+    """Return the quantity of a column of a table, by heading and unit; None where neither says it."""
     words = [word for word in words_of(raw.name) if not word.isdigit()]
     ending = _ERROR if {*words} & {"error", "std", "uncertainty"} else ""
     words = [word for word in words if word not in _PASSED_OVER | _OF_ERRORS]
