@@ -8,6 +8,7 @@ import re
 import sys
 from importlib import import_module
 from pathlib import Path
+from typing import get_args
 from urllib.parse import urlsplit
 from urllib.request import url2pathname
 
@@ -20,6 +21,7 @@ from dampbalance.balance import checks
 from dampbalance.commands.identify import ARGUMENTS
 from dampbalance.commands.main import COMMANDS, main, parser
 from dampbalance.identification.outputs import OUTPUTS, TABLES, outputs_of
+from dampbalance.joints.answer import Asked
 from dampbalance.measured import OPTIONS
 from dampbalance.records.readers import read
 from folders import ROOT
@@ -512,6 +514,8 @@ def test_help_groups_the_options_by_the_kinds_that_take_them(capsys):
             kinds = [IN_HELP[kind] for kind, parameters in OPTIONS.items() if dest in parameters]
             wanted = "all records" if len(kinds) == len(OPTIONS) else " or ".join(kinds)
             assert group_of[option] == wanted, option
+    assert ARGUMENTS["--contact"]["choices"] == get_args(Asked)
+    assert ARGUMENTS["--kind"]["choices"] == tuple(OPTIONS)
     assert code_of("identify", "--help") == 0
     shown = capsys.readouterr().out
     for group in {*group_of.values()} - {""}:
