@@ -16,6 +16,7 @@ import pytest
 
 from analytic.integrator import integrate
 from dampbalance import BaseMotion, Oscillator, identify, measured_orbit, steady_orbit
+from dampbalance.commands.main import main
 from dampbalance.identification.table_of_sets import summarise
 from dampbalance.measured import read_records
 from dampbalance.model import UNITS as OF_TRANSLATION
@@ -225,6 +226,26 @@ def test_an_angle_and_a_displacement_are_no_record(release, orbits):
             ],
             1.0,
         )
+
+
+@pytest.mark.parametrize(
+    ("command", "columns"),
+    [
+        ("release --channel angle --displacement 0.1", ["angle_rad"]),
+        (
+            "simulate --channel base_angle --channel angular_velocity --frequency 1 --amplitude 0.1",
+            ["base_angle_rad", "angular_velocity_rad_per_s"],
+        ),
+    ],
+)
+def test_commands_write_records_that_rotate(tmp_path, command, columns):
+    path = tmp_path / "run.csv"
+    rig = "--mass 0.02 --stiffness 1.2 --contact-stiffness 60 --friction 0.01 --damping 0.002"
+    assert main([*command.split(), str(path), *rig.split(), "--rate", "200"]) == 0
+    (record,) = read_records(path)
+    assert record.coordinate == ROTATION
+    assert [*record.to_frame()] == columns
+    assert "rad" in record.whole().responses[0].unit
 
 
 def test_a_mapping_names_the_quantities_of_a_rotation(release):
