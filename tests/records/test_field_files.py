@@ -384,9 +384,12 @@ def test_a_logger_that_counts_samples(tmp_path):
 
 
 def test_a_table_is_a_record(tmp_path):
-    """A file opened once gives its record as often as wanted."""
+    """A file is loaded once, also where names do not suffice."""
     path = tmp_path / "run.csv"
-    FRAME.to_csv(path, index=False)
-    (record,) = read_records(table(path))
+    FRAME.rename(columns={"acceleration_g": "payload [g]"}).to_csv(path, index=False)
+    opened = table(path)
+    (record,) = read_records(opened)
+    path.unlink()  # nothing is left to be read
+    (record,) = read_records(opened)
     same(record.measurement, base_displacement=1e-3 * Y, acceleration=G * A)
     assert record.name == str(path)

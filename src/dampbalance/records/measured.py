@@ -190,13 +190,13 @@ def _of_lines(
 
 
 def _of_file(path: Path, mapping: MappingLike, tables: bool | None, free: bool) -> MeasuredRecord:
-    rules = replace(mapping_for(path, mapping), free=free)
+    rules, file = replace(mapping_for(path, mapping), free=free), None
     if tables is not False and not rules.channels:
         file = opened(path, rules)
         if tables or is_table_of_lines(file, rules):
             return _of_lines(file, path.name, rules, _digests(path, rules, mapping))
     with _told(str(path)) as said:
-        measurement = replace(read(path, rules), source=str(path))
+        measurement = replace(read(path, rules, file), source=str(path))
     label, notes = visible(rules.level or path.name), tuple(said)
     files = _digests(path, rules, mapping)
     return MeasuredRecord(str(path), label, tuple(measurement), measurement, rules, notes, files)

@@ -8,7 +8,6 @@ import codecs
 import csv
 import itertools
 import re
-import warnings
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -19,7 +18,7 @@ import numpy as np
 
 from ...arrays import Array
 from ...project.wording import shortened
-from ..errors import HIGHEST_RATE, LOWEST_RATE, RecordError, RecordWarning
+from ..errors import HIGHEST_RATE, LOWEST_RATE, RecordError
 from ..mapping import RecordMapping
 from ..table import RATE_NAMES, STEP_NAMES, RawChannel, Table
 from ..units import find_other, find_unit, split_label
@@ -312,7 +311,12 @@ def text_file(path: Path, mapping: RecordMapping) -> Table:
     def load(wanted: Sequence[int]) -> list[Array]:
         return _load(layout, channels, wanted)
 
-    return Table(path, channels, load, "delimited text", layout.place)
+    with open(path, "rb") as file:
+        file.seek(max(0, path.stat().st_size - 4))
+        ended = file.read().replace(b"\x00", b"").endswith((b"\n", b"\r"))
+    cut = "its last line has no end; if the file was cut, its last number is wrong"
+    oddity = "" if ended else f"{path}: {cut}"
+    return Table(path, channels, load, "delimited text", layout.place, oddity)
 
 
 def _lines(path: Path, encoding: str) -> Iterator[str]:
@@ -329,16 +333,10 @@ def _lines(path: Path, encoding: str) -> Iterator[str]:
 
 
 def _load(layout: _Layout, channels: Sequence[RawChannel], wanted: Sequence[int]) -> list[Array]:
-    """The wanted columns; an empty cell is NaN. Warns where the last line has no end."""
+    """The wanted columns; an empty cell is NaN."""
     import pandas as pd  # slow to import
 
     path = layout.path
-    with open(path, "rb") as file:
-        file.seek(max(0, path.stat().st_size - 4))
-        ended = file.read().replace(b"\x00", b"").endswith((b"\n", b"\r"))
-    if not ended:
-        cut = "its last line has no end; if the file was cut, its last number is wrong"
-        warnings.warn(RecordWarning(f"{path}: {cut}"), stacklevel=2)
     types = {i: str if channels[i].stamps else np.float64 for i in wanted}
     try:
         # No `names` and no `usecols`: with them pandas drops without a word what a row has beyond the others.
