@@ -15,6 +15,7 @@ from dampbalance import read_records
 from dampbalance.records.errors import RecordError, RecordWarning
 from dampbalance.records.readers import mapping_to_start_from, read, table
 from records.formats import uff_set, write_uff
+from records.workbooks import row, xlsx
 
 RATE = 1024.0
 T = np.arange(1500) / RATE
@@ -381,6 +382,31 @@ def test_a_logger_that_counts_samples(tmp_path):
     with pytest.warns(RecordWarning, match="not used: 'sample 1'"):
         measurement = read(path)
     same(measurement, base_displacement=1e-3 * Y, acceleration=G * A)
+
+
+def test_a_column_that_counts_below_the_word_channel_is_no_time(tmp_path):
+    head = ["Channel,Base displacement,Acceleration", "Unit,mm,g"]
+    path = write(tmp_path / "run.csv", head, [np.arange(1500.0), Y, A])
+    measurement = proposed(path, r"'Base displacement' has no times")
+    np.testing.assert_allclose(
+        np.diff(measurement["acceleration"].t), 1e-3
+    )  # a rate to be replaced
+    path = write(tmp_path / "run.csv", ["Interval,0.9765625", *head], [np.arange(1500.0), Y, A])
+    proposed(path, r"'Base displacement' has no times")  # of no unit: it may be in ms
+
+
+def test_a_sheet_of_a_logger(tmp_path):
+    head = [
+        ["Interval", 1 / RATE],
+        ["Channel name", "Base displacement", "Acceleration"],
+        ["Unit", "mm", "g"],
+    ]
+    for times in (T, np.arange(1500.0)):
+        rows = [row(cells) for cells in (*head, *np.column_stack([times, Y, A]).tolist())]
+        xlsx(tmp_path / "run.xlsx", rows)
+        with warnings.catch_warnings():
+            warnings.filterwarnings("ignore", ".*channels not used: 'sample 1'")
+            same(read(tmp_path / "run.xlsx"), base_displacement=1e-3 * Y, acceleration=G * A)
 
 
 def test_a_table_is_a_record(tmp_path):
