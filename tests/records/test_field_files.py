@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import warnings
 
@@ -419,3 +420,23 @@ def test_a_table_is_a_record(tmp_path):
     (record,) = read_records(opened)
     same(record.measurement, base_displacement=1e-3 * Y, acceleration=G * A)
     assert record.name == str(path)
+
+
+@pytest.mark.parametrize("name", PYTHON)
+def test_damaged_files_of_python_are_read_or_refused(tmp_path, name):
+    path = tmp_path / name
+    PYTHON[name](path)
+    whole = path.read_bytes()
+    for part in (0.02, 0.3, 0.6, 0.9, 0.99):
+        path.write_bytes(whole[: int(part * len(whole))])
+        with pytest.raises(RecordError):
+            read(path)
+    random = np.random.default_rng(5)
+    for _ in range(30):
+        damaged = bytearray(whole)
+        for at in random.integers(0, min(len(whole), 400), 3):
+            damaged[at] = random.integers(256)
+        path.write_bytes(damaged)
+        with warnings.catch_warnings(), contextlib.suppress(RecordError):
+            warnings.simplefilter("ignore", RecordWarning)
+            read(path)
