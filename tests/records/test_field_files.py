@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import math
 import warnings
@@ -17,6 +18,7 @@ from dampbalance.records.coordinate import ROTATION
 from dampbalance.records.errors import RecordError, RecordWarning
 from dampbalance.records.readers import mapping_to_start_from, read, table
 from records.formats import uff_set, write_uff
+from records.workbooks import row, xlsx
 
 RATE = 1024.0
 T = np.arange(1500) / RATE
@@ -386,10 +388,58 @@ def test_a_logger_that_counts_samples(tmp_path):
     same(measurement, base_displacement=1e-3 * Y, acceleration=G * A)
 
 
+def test_a_column_that_counts_below_the_word_channel_is_no_time(tmp_path):
+    head = ["Channel,Base displacement,Acceleration", "Unit,mm,g"]
+    path = write(tmp_path / "run.csv", head, [np.arange(1500.0), Y, A])
+    measurement = proposed(path, r"'Base displacement' has no times")
+    np.testing.assert_allclose(
+        np.diff(measurement["acceleration"].t), 1e-3
+    )  # a rate to be replaced
+    path = write(tmp_path / "run.csv", ["Interval,0.9765625", *head], [np.arange(1500.0), Y, A])
+    proposed(path, r"'Base displacement' has no times")  # of no unit: it may be in ms
+
+
+def test_a_sheet_of_a_logger(tmp_path):
+    head = [
+        ["Interval", 1 / RATE],
+        ["Channel name", "Base displacement", "Acceleration"],
+        ["Unit", "mm", "g"],
+    ]
+    for times in (T, np.arange(1500.0)):
+        rows = [row(cells) for cells in (*head, *np.column_stack([times, Y, A]).tolist())]
+        xlsx(tmp_path / "run.xlsx", rows)
+        with warnings.catch_warnings():
+            warnings.filterwarnings("ignore", ".*channels not used: 'sample 1'")
+            same(read(tmp_path / "run.xlsx"), base_displacement=1e-3 * Y, acceleration=G * A)
+
+
 def test_a_table_is_a_record(tmp_path):
-    """A file opened once gives its record as often as wanted."""
+    """A file is loaded once, also where names do not suffice."""
     path = tmp_path / "run.csv"
-    FRAME.to_csv(path, index=False)
-    (record,) = read_records(table(path))
+    FRAME.rename(columns={"acceleration_g": "payload [g]"}).to_csv(path, index=False)
+    opened = table(path)
+    (record,) = read_records(opened)
+    path.unlink()  # nothing is left to be read
+    (record,) = read_records(opened)
     same(record.measurement, base_displacement=1e-3 * Y, acceleration=G * A)
     assert record.name == str(path)
+
+
+@pytest.mark.parametrize("name", PYTHON)
+def test_damaged_files_of_python_are_read_or_refused(tmp_path, name):
+    path = tmp_path / name
+    PYTHON[name](path)
+    whole = path.read_bytes()
+    for part in (0.02, 0.3, 0.6, 0.9, 0.99):
+        path.write_bytes(whole[: int(part * len(whole))])
+        with pytest.raises(RecordError):
+            read(path)
+    random = np.random.default_rng(5)
+    for _ in range(30):
+        damaged = bytearray(whole)
+        for at in random.integers(0, min(len(whole), 400), 3):
+            damaged[at] = random.integers(256)
+        path.write_bytes(damaged)
+        with warnings.catch_warnings(), contextlib.suppress(RecordError):
+            warnings.simplefilter("ignore", RecordWarning)
+            read(path)

@@ -189,13 +189,14 @@ def _in_memory(
 def _of_file(
     path: Path, mapping: MappingLike, free: bool, reader: ReaderOfTables | None
 ) -> MeasuredRecord:
-    rules = replace(mapping_for(path, mapping), free=free)
+    rules, file = replace(mapping_for(path, mapping), free=free), None
     if reader is not None and not rules.channels:
-        table = reader(opened(path, rules), rules, path.name)
+        file = opened(path, rules)
+        table = reader(file, rules, path.name)
         if table is not None:
             return replace(table, files=_digests(path, rules, mapping))
     with _told(str(path)) as said:
-        measurement = replace(read(path, rules), source=str(path))
+        measurement = replace(read(path, rules, file), source=str(path))
     label, notes = visible(rules.level or path.name), tuple(said)
     files = _digests(path, rules, mapping)
     return MeasuredRecord(str(path), label, tuple(measurement), measurement, rules, notes, files)

@@ -5,9 +5,10 @@ and the samples as recorded. A reader of a format is a function from a path to a
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -25,6 +26,7 @@ from .errors import (
     LOWEST_RATE,
     MOST_CHANNELS,
     RecordError,
+    RecordWarning,
     require_size,
 )
 from .units import split_label
@@ -70,6 +72,7 @@ class Table:
 
     channels : what is known of each.   load : gives all samples of the channels of these numbers, as recorded, NaN for
     an empty cell.   what : the format, for messages.   place : where a sample, counted from 0, stands in the file.
+    oddity : what is odd about the file, warned of when it is read; "" for nothing.   loaded : channels loaded already.
     """
 
     path: Path
@@ -77,15 +80,23 @@ class Table:
     load: Callable[[Sequence[int]], Sequence[ArrayLike]]
     what: str
     place: Callable[[int], str] = lambda sample: f"sample {sample + 1}"
+    oddity: str = ""
+    loaded: dict[int, Array] = field(default_factory=dict)
 
     def columns(self, wanted: Sequence[int]) -> dict[int, Array]:
         """All samples of channels by their numbers. Raises RecordError for more than fit into memory, for a damaged
-        file, and for what is no number."""
+        file, and for what is no number; warns of what is odd about the file."""
         require_size(self.path, sum(self.channels[i].size or 0 for i in wanted))
+        if self.oddity:
+            warnings.warn(RecordWarning(self.oddity), stacklevel=2)
+        missing = [i for i in wanted if i not in self.loaded]
         with intact(self.path, self.what):
-            arrays = [np.asarray(values, dtype=np.float64) for values in self.load(wanted)]
+            arrays = (
+                [np.asarray(v, dtype=np.float64) for v in self.load(missing)] if missing else []
+            )
         require_size(self.path, sum(map(len, arrays)))
-        return dict(zip(wanted, arrays, strict=True))
+        self.loaded.update(zip(missing, arrays, strict=True))
+        return {i: self.loaded[i] for i in wanted}
 
 
 @contextmanager

@@ -39,16 +39,19 @@ __all__ = [
 ]
 
 
-def read(path: str | Path, mapping: MappingLike = None) -> Measurement:
+def read(
+    path: str | Path, mapping: MappingLike = None, opened_as: Table | None = None
+) -> Measurement:
     """The measurement in a file, in SI units.
 
-    path : its suffix names the format, its content must agree.   mapping : what the file does not say.
+    path : its suffix names the format, its content must agree.   mapping : what the file does not say.   opened_as :
+    its table, where it has been opened.
 
     Raises RecordError naming the file, what is wrong with it, and the remedy; warns of what looks odd (RecordWarning).
     """
     path, rules = _named(path, mapping)
     channels: list[Channel] = []
-    for file, picks in _files(path, rules):
+    for file, picks in _files(path, rules, opened_as):
         channels += whole(file, picks)
     order = list(QUANTITIES)
     return Measurement.of(str(path), sorted(channels, key=lambda one: order.index(one.quantity)))
@@ -102,11 +105,13 @@ def _named(path: str | Path, mapping: MappingLike) -> tuple[Path, RecordMapping]
     return file, mapping_for(file, mapping)
 
 
-def _files(path: Path, rules: RecordMapping) -> Iterator[tuple[Table, tuple[Pick, ...]]]:
+def _files(
+    path: Path, rules: RecordMapping, opened_as: Table | None = None
+) -> Iterator[tuple[Table, tuple[Pick, ...]]]:
     """Each file of a record, with what to read from it."""
     parts = parts_of(path, rules)
     for part, of in parts.items():
-        file = opened(part, of)
+        file = opened_as if opened_as and part == path else opened(part, of)
         yield file, picks_of(file, of, entire=len(parts) == 1)
 
 

@@ -176,15 +176,17 @@ def _texts(value: Any) -> list[str]:
 def numpy_file(path: Path) -> Table:
     """An array of NumPy, or an archive of several: each is a channel, and so is each field or column of one that has
     them; single numbers are rate, step or first time. Pickles are not loaded: arrays of objects are passed over."""
-    with intact(path, "NumPy"):
-        if zipfile.is_zipfile(path):
-            with zipfile.ZipFile(path) as packed:
+    with intact(path, "NumPy"), open(path, "rb") as stream:
+        if stream.read(2) == b"PK":
+            with zipfile.ZipFile(stream) as packed:
                 require_size(path, sum(part.file_size for part in packed.infolist()) // _BYTES)
-            with np.load(path) as archive:
+            stream.seek(0)
+            with np.load(stream) as archive:
                 loads = {name: partial(archive.__getitem__, name) for name in archive.files}
                 held = {name: array for name in loads if (array := _plain(loads[name])) is not None}
         else:
             array = _plain(partial(np.load, path, mmap_mode="r"))
+            require_size(path, np.size(array))
             held = {} if array is None else {"": np.array(array)}
         if not held:
             remedy = "save its signals as arrays of numbers"
