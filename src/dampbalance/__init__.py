@@ -14,9 +14,8 @@ if TYPE_CHECKING:
     from .identification.decays import identify_decays
     from .identification.forced import identify_forced
     from .identification.identified import Identified
-    from .identification.measured import identify
-    from .identification.stepped_sine import identify_joint
     from .law.terms import Term
+    from .measured import identify, identify_joint, read_records
     from .model import BaseMotion, Oscillator
     from .motion.orbit import NoSteadyOrbit, Orbit, steady_orbit
     from .motion.orbits import Orbits, steady_orbits
@@ -25,7 +24,7 @@ if TYPE_CHECKING:
     from .motion.states import State
     from .motion.transient import Trajectory, transient
     from .records.errors import RecordError
-    from .records.measured import MeasuredRecord, read_records
+    from .records.measured import MeasuredRecord
     from .records.measurement import Channel, Measurement
     from .records.synthetic import measured_orbit, measured_ring_down
     from .studies.study import StudyResult, study
@@ -78,9 +77,8 @@ _MODULES = {
     "identification.decays": ("identify_decays",),
     "identification.forced": ("identify_forced",),
     "identification.identified": ("Identified",),
-    "identification.measured": ("identify",),
-    "identification.stepped_sine": ("identify_joint",),
     "law.terms": ("Term",),
+    "measured": ("identify", "identify_joint", "read_records"),
     "model": ("BaseMotion", "Oscillator"),
     "motion.orbit": ("NoSteadyOrbit", "Orbit", "steady_orbit"),
     "motion.orbits": ("Orbits", "steady_orbits"),
@@ -89,7 +87,7 @@ _MODULES = {
     "motion.states": ("State",),
     "motion.transient": ("Trajectory", "transient"),
     "records.errors": ("RecordError",),
-    "records.measured": ("MeasuredRecord", "read_records"),
+    "records.measured": ("MeasuredRecord",),
     "records.measurement": ("Channel", "Measurement"),
     "records.synthetic": ("measured_orbit", "measured_ring_down"),
     "studies.study": ("StudyResult", "study"),

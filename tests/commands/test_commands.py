@@ -20,9 +20,9 @@ from dampbalance import identify, read_records
 from dampbalance.balance import checks
 from dampbalance.commands.identify import ARGUMENTS
 from dampbalance.commands.main import COMMANDS, main, parser
-from dampbalance.identification.measured import OPTIONS
 from dampbalance.identification.outputs import OUTPUTS, TABLES, outputs_of
-from dampbalance.identification.stepped_sine import Asked
+from dampbalance.joints.answer import Asked
+from dampbalance.measured import OPTIONS
 from dampbalance.records.readers import read
 from folders import ROOT
 from paper_case import PAPER

@@ -23,7 +23,7 @@ from dampbalance import (
     steady_orbits,
 )
 from dampbalance.arguments import with_error
-from dampbalance.identification.measured import OPTIONS, WAYS, configured, not_taken
+from dampbalance.measured import OPTIONS, WAYS, configured, not_taken
 from folders import ROOT
 from paper_case import PAPER
 from schemas import SCHEMAS

@@ -7,12 +7,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from ..arguments import mass_with_error, with_error
-from ..project.wording import visible
 from ..records.mapping import MappingLike
-from ..records.measured import MeasuredRecord, read_records
+from ..records.measured import MeasuredRecord, as_records, require_different
 
 if TYPE_CHECKING:
-    from ..records.measured import RecordLike
+    from ..records.measured import ReaderOfTables, RecordLike
 
 Stated: TypeAlias = float | tuple[float, float] | str
 """A number, alone or with its standard uncertainty: 2310.0, (2310.0, 10.0) or "2310±10"."""
@@ -50,33 +49,25 @@ def rig_options(
 
 
 def records_of(
-    kind: str, records: RecordLike | Sequence[RecordLike], mapping: MappingLike
+    kind: str,
+    records: RecordLike | Sequence[RecordLike],
+    mapping: MappingLike,
+    reader: ReaderOfTables | None = None,
 ) -> tuple[MeasuredRecord, ...]:
-    """Read the records of one kind, by `read_records`.
+    """Read the records of one kind.   reader : of tables of a stepped sine, as for `as_records`.
 
-    Raises ValueError for no records, for a file named twice, also by a link or another spelling of its path, and for a
-    table of a stepped sine among others or the other way round.
+    Raises ValueError as `require_different`, and for a table of a stepped sine among others or the other way round.
     """
+    read = as_records(records, mapping=mapping, free=kind == "ring-down", reader=reader)
+    require_different(read)
     tables = kind == "stepped-sine"
-    read = read_records(records, mapping=mapping, tables=tables, free=kind == "ring-down")
-    if not read:
-        raise ValueError("no records are given; name one for each level, or one of a free decay")
-    first_name: dict[tuple[int, int], str] = {}
     for record in read:
-        if (record.table is not None) != tables:
+        if (record.measurement is None) != tables:
             is_it = "no" if tables else "a"
             others = "forced records or free decays" if tables else IN_WORDS["stepped-sine"]
             raise ValueError(
                 f"{record.name} is {is_it} table of a stepped sine: identify it separately, as {others}"
             )
-        if record.files is None:
-            continue
-        place = Path(record.name).stat()
-        other = first_name.setdefault((place.st_dev, place.st_ino), record.name)
-        if other is not record.name:
-            twice = f"{other} is named twice"
-            named = twice if other == record.name else f"{other} and {record.name} are one file"
-            raise ValueError(f"{visible(named)}: each record is one level")
     return read
 
 

@@ -1,1 +1,1 @@
-"""Damping laws that are linear in their coefficients: their terms, and how an oscillator moves under them."""
+"""Damping laws that are linear in their coefficients: their terms, and which of them are known or grouped."""

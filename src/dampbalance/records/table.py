@@ -5,9 +5,10 @@ and the samples as recorded. A reader of a format is a function from a path to a
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -25,6 +26,7 @@ from .errors import (
     LOWEST_RATE,
     MOST_CHANNELS,
     RecordError,
+    RecordWarning,
     require_size,
 )
 from .units import split_label
@@ -34,6 +36,7 @@ RATE_NAMES = (
 )  # fmt: skip
 STEP_NAMES = (
     "wf_increment", "dt", "dt_s", "delta_t", "time_step", "sample_interval", "increment", "t_increment",
+    "sampling_interval", "sampling_time_interval", "sampling_period", "sample_period",
 )  # fmt: skip
 START_NAMES = ("wf_start_offset", "t0", "t_start", "start_time_s")
 UNIT_NAMES = ("unit", "units", "unit_string", "ni_unitdescription")
@@ -69,6 +72,7 @@ class Table:
 
     channels : what is known of each.   load : gives all samples of the channels of these numbers, as recorded, NaN for
     an empty cell.   what : the format, for messages.   place : where a sample, counted from 0, stands in the file.
+    oddity : what is odd about the file, warned of when it is read; "" for nothing.   loaded : channels loaded already.
     """
 
     path: Path
@@ -76,15 +80,23 @@ class Table:
     load: Callable[[Sequence[int]], Sequence[ArrayLike]]
     what: str
     place: Callable[[int], str] = lambda sample: f"sample {sample + 1}"
+    oddity: str = ""
+    loaded: dict[int, Array] = field(default_factory=dict)
 
     def columns(self, wanted: Sequence[int]) -> dict[int, Array]:
         """All samples of channels by their numbers. Raises RecordError for more than fit into memory, for a damaged
-        file, and for what is no number."""
+        file, and for what is no number; warns of what is odd about the file."""
         require_size(self.path, sum(self.channels[i].size or 0 for i in wanted))
+        if self.oddity:
+            warnings.warn(RecordWarning(self.oddity), stacklevel=2)
+        missing = [i for i in wanted if i not in self.loaded]
         with intact(self.path, self.what):
-            arrays = [np.asarray(values, dtype=np.float64) for values in self.load(wanted)]
+            arrays = (
+                [np.asarray(v, dtype=np.float64) for v in self.load(missing)] if missing else []
+            )
         require_size(self.path, sum(map(len, arrays)))
-        return dict(zip(wanted, arrays, strict=True))
+        self.loaded.update(zip(missing, arrays, strict=True))
+        return {i: self.loaded[i] for i in wanted}
 
 
 @contextmanager
@@ -201,33 +213,36 @@ def unit_among(attributes: dict[str, object]) -> str | None:
 if TYPE_CHECKING:
     import pandas as pd
 
-    Signals: TypeAlias = pd.DataFrame | Mapping[str, Any]
-    """Signals by their names, as the columns of a file are called: displacement_mm, time_s."""
+    Signals: TypeAlias = pd.DataFrame | Mapping[str, Any] | np.ndarray[Any, Any]
+    """Signals by their names, as the columns of a file are called: displacement_mm, time_s; or a plain array."""
 
 
-def signals_file(name: str, signals: Signals) -> Table:
+def signals_file(name: str, signals: Signals | Table) -> Table:
     """Signals in memory as a table of that name.
 
-    signals : a table of pandas, whose index is a column as well if it has a name; or arrays by name, (n,), with
-    sample_rate_hz, dt or t0 among them as plain numbers. Points in time are read as s from the first on.
+    signals : a table of pandas, whose index is a column as well if it has a name; an array with named fields, or one of
+    columns, (n, k) or (k, n); or arrays by name, with sample_rate_hz, dt or t0 among them as plain numbers. An array
+    of several signals is as many channels, y[1], y[2], …, along its longer side. Points in time are read as s from the
+    first on. Or a table already made.
 
-    Raises RecordError for an array that is not one signal.
+    Raises RecordError for an array that holds no signals.
     """
     path = Path(name)
+    if isinstance(signals, Table):
+        return replace(signals, path=path)
     stated: dict[str, Any] = {}
-    several: dict[str, Any] = {}
+    several: list[tuple[str, Any]] = []
     for label, values in _columns(signals).items():
-        single = not isinstance(values, list | tuple) and not np.ndim(values)
-        (stated if single else several)[label] = values
-        if single and label.lower() not in TIMING_NAMES:
+        listed = isinstance(values, list | tuple)
+        if not listed and label.lower() in TIMING_NAMES and np.size(values) == 1:
+            stated[label] = np.asarray(values).reshape(-1)[0]
+        elif not listed and not np.ndim(values):
             remedy = "a signal is an array of its samples"
             raise RecordError(f"{path}: {shortened(label)} is a single value; {remedy}")
+        else:
+            several.append((label, values))
     channels, arrays = [], []
-    for label, values in several.items():
-        array, stamps = _samples(values)
-        if array.ndim != 1:
-            remedy = "give each signal a name of its own"
-            raise RecordError(f"{path}: {shortened(label)} has the shape {array.shape}; {remedy}")
+    for label, array, stamps in (part for one in several for part in _signals_of(path, *one)):
         time = RawChannel(label, "s", array.size, label=label, stamps=True)
         channels.append(time if stamps else described(path, label, array.size, stated))
         arrays.append(array)
@@ -244,22 +259,48 @@ def signals_file(name: str, signals: Signals) -> Table:
     return Table(path, channels, lambda wanted: [read(i) for i in wanted], "arrays")
 
 
+def _signals_of(path: Path, label: str, values: Any) -> Iterator[tuple[str, Any, bool]]:
+    """The signals of an array: name, samples, and whether they are points in time."""
+    array, stamps = _samples(values)
+    if array.ndim == 2 and min(array.shape) == 1:
+        array = array.reshape(-1)
+    if array.ndim == 1:
+        yield label, array, stamps
+        return
+    if array.ndim != 2:
+        remedy = "give each signal a name of its own"
+        raise RecordError(f"{path}: {shortened(label)} has the shape {array.shape}; {remedy}")
+    rows = array.T if array.shape[0] > array.shape[1] else array
+    require_channels(path, len(rows))
+    for i, row in enumerate(rows, start=1):
+        yield f"{label}[{i}]", row, stamps
+
+
 def is_table(record: object) -> bool:
-    """Whether something is signals by their names: a mapping, a table of pandas, an array with named fields."""
+    """Whether something is the signals of a record: a mapping, a table of pandas, an array of numbers or one with named
+    fields, a `Table`."""
     of_pandas = all(hasattr(record, name) for name in ("columns", "index", "attrs"))
-    named = isinstance(record, Mapping) or of_pandas or bool(_fields(record))
+    array = isinstance(record, np.ndarray) and (record.dtype.kind in "fiu" or _fields(record))
+    named = isinstance(record, Mapping | Table) or of_pandas or bool(array)
     return named and not isinstance(record, type)
 
 
 def _fields(signals: Any) -> tuple[str, ...]:
+    """The names of the fields of an array; none for anything else."""
     return getattr(getattr(signals, "dtype", None), "names", None) or ()
 
 
 def _columns(signals: Signals) -> dict[str, Any]:
     if isinstance(signals, Mapping):
-        return {str(name): values for name, values in signals.items()}
+        return {
+            f"{name}.{field}" if field else str(name): values[field] if field else values
+            for name, values in signals.items()
+            for field in _fields(values) or ("",)
+        }
     if fields := _fields(signals):
         return {name: signals[name] for name in fields}
+    if isinstance(signals, np.ndarray):
+        return {"column": signals}
     stated = {str(k): v for k, v in signals.attrs.items() if str(k).lower() in TIMING_NAMES}
     index = {} if signals.index.name is None else {str(signals.index.name): signals.index}
     names = [str(name) for name in signals.columns]

@@ -14,7 +14,7 @@ from ..errors import RecordError, RecordWarning
 from ..mapping import MappingLike, RecordMapping, mapping_for, parts_of
 from ..measurement import QUANTITIES, Channel, Measurement
 from ..table import RawChannel, Table, require_nameable, signals_file
-from .array_files import hdf5_file, matlab_file
+from .array_files import hdf5_file, json_file, matlab_file, numpy_file
 from .assemble import whole
 from .channels import Pick, picks_of, suggested_mapping
 from .containers import lvm_file, parquet_file, tdms_file, uff_file, wav_file
@@ -35,25 +35,29 @@ __all__ = [
     "quantities_of",
     "read",
     "read_signals",
+    "table",
 ]
 
 
-def read(path: str | Path, mapping: MappingLike = None) -> Measurement:
+def read(
+    path: str | Path, mapping: MappingLike = None, opened_as: Table | None = None
+) -> Measurement:
     """The measurement in a file, in SI units.
 
-    path : its suffix names the format, its content must agree.   mapping : what the file does not say.
+    path : its suffix names the format, its content must agree.   mapping : what the file does not say.   opened_as :
+    its table, where it has been opened.
 
     Raises RecordError naming the file, what is wrong with it, and the remedy; warns of what looks odd (RecordWarning).
     """
     path, rules = _named(path, mapping)
     channels: list[Channel] = []
-    for file, picks in _files(path, rules):
+    for file, picks in _files(path, rules, opened_as):
         channels += whole(file, picks)
     order = list(QUANTITIES)
     return Measurement.of(str(path), sorted(channels, key=lambda one: order.index(one.quantity)))
 
 
-def read_signals(name: str, signals: Signals, rules: RecordMapping) -> Measurement:
+def read_signals(name: str, signals: Signals | Table, rules: RecordMapping) -> Measurement:
     """The measurement in arrays or a table of pandas (`signals_file`), in SI units.
 
     name : of the record, for messages.   rules : what the names of the signals do not say.
@@ -71,10 +75,15 @@ def quantities_of(path: str | Path, mapping: MappingLike = None) -> tuple[str, .
     return tuple(q for q in QUANTITIES if q in picked)
 
 
+def table(path: str | Path, mapping: MappingLike = None) -> Table:
+    """The table of a file: names, units and rates of its channels, and their samples as recorded, which are loaded
+    where they are asked for. Raises RecordError as `read`."""
+    return opened(*_named(path, mapping))
+
+
 def channels(path: str | Path, mapping: MappingLike = None) -> tuple[RawChannel, ...]:
     """The channels of a file, with names, units and sampling rates as it has them. Raises RecordError."""
-    path, rules = _named(path, mapping)
-    return tuple(opened(path, rules).channels)
+    return tuple(table(path, mapping).channels)
 
 
 def mapping_to_start_from(path: str | Path, mapping: MappingLike = None) -> str:
@@ -96,11 +105,13 @@ def _named(path: str | Path, mapping: MappingLike) -> tuple[Path, RecordMapping]
     return file, mapping_for(file, mapping)
 
 
-def _files(path: Path, rules: RecordMapping) -> Iterator[tuple[Table, tuple[Pick, ...]]]:
+def _files(
+    path: Path, rules: RecordMapping, opened_as: Table | None = None
+) -> Iterator[tuple[Table, tuple[Pick, ...]]]:
     """Each file of a record, with what to read from it."""
     parts = parts_of(path, rules)
     for part, of in parts.items():
-        file = opened(part, of)
+        file = opened_as if opened_as and part == path else opened(part, of)
         yield file, picks_of(file, of, entire=len(parts) == 1)
 
 
@@ -122,4 +133,7 @@ _OPENERS: dict[str, Callable[[Path], Table]] = {  # each imports its library
     "wav": wav_file,
     "lvm": lvm_file,
     "spreadsheet": spreadsheet_file,
+    "npy": numpy_file,
+    "npz": numpy_file,
+    "json": json_file,
 }

@@ -18,11 +18,12 @@ from ...arrays import Array
 from ...project.wording import shortened
 from ..errors import RecordError, library
 from ..table import Table, intact, require_channels
-from .text import columns_of
+from .text import columns_of, timed
 
 _DAYS = (datetime.datetime, datetime.date, datetime.time, datetime.timedelta)
 _EPOCH = datetime.datetime(1900, 1, 1)
 _MOST_CELLS = 12_500_000  # of a sheet, with some 100 bytes of memory for each
+_ROWS_THAT_COUNT = 20  # of a sheet, by which a column of times is told from one that counts samples
 _CELL = re.compile(rb'<c r="([A-Z]{1,3})([0-9]{1,7})"')
 
 
@@ -52,7 +53,8 @@ def spreadsheet_file(path: Path) -> Table:
     header = [[" ".join(str(cell).split()) for cell in row[:width]] for row in rows[:first]]
     for names in header:
         names[0] = names[0].lstrip("#% ")
-    channels = columns_of(path, header, width)
+    rows_of_text = [[str(cell) for cell in row] for row in table[:_ROWS_THAT_COUNT]]
+    channels = timed(columns_of(path, header, width), header, rows_of_text, ".")
     for i, (raw, cell) in enumerate(zip(channels, table[0], strict=True)):
         stamps = isinstance(cell, _DAYS)
         unit = "s" if stamps else raw.unit

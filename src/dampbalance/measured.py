@@ -4,21 +4,24 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
-from ..arguments import one_of, shown
-from ..project.wording import listed
-from ..records.mapping import MappingLike
-from ..records.measured import read_records
-from .decays import identify_decays
-from .forced import identify_forced
-from .identified import Identified
-from .loading import keeps_moving
-from .request import IN_WORDS, Stated
-from .stepped_sine import identify_joint
+from .arguments import one_of, shown
+from .identification.decays import identify_decays
+from .identification.forced import identify_forced
+from .identification.identified import Identified
+from .identification.loading import keeps_moving
+from .identification.request import IN_WORDS, Stated
+from .joints.answer import identify_joint as identify_joint
+from .joints.records import read_lines
+from .joints.records import recognised_as_table as recognised_as_table
+from .project.wording import listed
+from .records.mapping import MappingLike
+from .records.measured import MeasuredRecord, as_records
 
 if TYPE_CHECKING:
-    from ..records.measured import RecordLike
+    from .records.measured import RecordLike
 
 Kind = Literal["recognised", "forced", "ring-down", "stepped-sine"]
 """Kind of records: as they are recognised, forced, free decays, or tables of steady responses to a stepped sine."""
@@ -32,6 +35,45 @@ WAYS: Mapping[str, Callable[..., Identified]] = {
 
 OPTIONS = {kind: inspect.signature(way).parameters for kind, way in WAYS.items()}
 """Kind of records → name of an argument → its parameter."""
+
+
+def read_records(
+    records: RecordLike | Sequence[RecordLike],
+    *,
+    mapping: MappingLike = None,
+    tables: bool | None = None,
+    free: bool = False,
+) -> tuple[MeasuredRecord, ...]:
+    """Measured records, ready for `identify`: from files, tables of pandas, or arrays.
+
+    records : one, or several. Each is the path of a file in any format (`config/records/README.md`); a pandas
+    DataFrame; a mapping of names to arrays; an array with named fields, or a plain one of columns; a `Table`, as
+    `records.readers.table` makes it; a `Measurement`; or a record already read. Columns and arrays are named like
+    those of a file, displacement_mm or force_N, with time_s among them, or sample_rate_hz as a number. A masked sample
+    is missing, as an empty cell of a file is.
+    mapping : what the names do not say, for all records: a document as in the YAML file of a record, or the path of
+    one; default, for a file, the one next to it.
+    tables : whether they are tables of steady responses to a stepped sine (frequency, amplitudes, phase); default,
+    those that have columns of frequency and phase and none of times.   free : whether they are known to be free decays,
+    so that no channel that nothing names, and no unit of a drive, is in the way.
+
+    A record in memory is called "record 1" by its place, or as `name` in the `attrs` of its table says.
+
+    Raises RecordError (a ValueError) naming record, key and remedy: a channel that is missing or unclear, a wrong unit,
+    times that do not increase or have a gap, a value that is not finite, a constant channel.
+
+    >>> import numpy as np
+    >>> from dampbalance import read_records
+    >>> t = np.arange(0.0, 2.0, 1e-3)
+    >>> base, mass = 4.0 * np.cos(22.0 * t), 2.0 * np.sin(22.0 * t)
+    >>> (record,) = read_records({"time_s": t, "base_displacement_mm": base, "displacement_mm": mass})
+    >>> record
+    <record record 1: base_displacement and displacement; 2,000 samples from 0 s to 1.999 s at 1000 Hz>
+    >>> float(record.measurement["base_displacement"].values[0])  # m
+    0.004
+    """
+    reader = None if tables is False else partial(read_lines, stated=bool(tables))
+    return as_records(records, mapping=mapping, free=free, reader=reader)
 
 
 def identify(
@@ -48,7 +90,7 @@ def identify(
     tables of a stepped sine to `identify_joint`. Their signatures are the options that apply.
 
     records : as `read_records` returns or takes them: files, tables of pandas, arrays; all of one kind.
-    stiffness : k of the spring, N/m, alone or with its standard uncertainty, (2310.0, 10.0) or "2310±10"; it scales F_k
+    stiffness : k, N/m (N m/rad of a rotation), alone or with its standard uncertainty, (2310.0, 10.0); it scales F_k
     and c. Only tables of responses to a force do without.
     mapping : what the records do not say of their channels, where they are read here.
     kind : "forced", "ring-down" or "stepped-sine", where it is not to be recognised: tables by their columns of
@@ -74,7 +116,7 @@ def identify(
         raise TypeError(f"identify() got an unexpected keyword argument {unknown[0]!r}")
     if kind == "recognised":
         records = read_records(records, mapping=mapping)
-        if any(record.table is not None for record in records):
+        if any(record.measurement is None for record in records):
             kind = "stepped-sine"
         else:
             kind = "forced" if all(map(keeps_moving, records)) else "ring-down"

@@ -1,7 +1,7 @@
 """The contact and the damping from tables of steady responses to a stepped sine, line by line.
 
 A line is a row of the balance, W = πFX sin φ, and its in-phase part says how stiff the contact still is at that
-amplitude. Both are rows of the dynamic stiffness (`fit/dynamic_stiffness.py`), to which two contacts are fitted:
+amplitude. Both are rows of the dynamic stiffness (`lines.py`), to which two contacts are fitted:
 one slider, that of the paper, and many that slip one after the other, as the interface of a bolted joint does.
 """
 
@@ -9,7 +9,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from functools import partial
+from types import ModuleType
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, get_args
 
 import numpy as np
@@ -17,24 +19,27 @@ import numpy as np
 from ..arguments import flag, one_of
 from ..arrays import Integers, Mask
 from ..balance import Rows
-from ..fit.dynamic_stiffness import (
-    ContactComparison,
-    ContactFit,
-    compare_contacts,
-    fit_contact,
+from ..identification.answer import (
+    CONFIDENCE,
+    UNKNOWN,
+    Answer,
+    Balance,
+    Interval,
+    ParameterEstimate,
+    covariance_of,
 )
-from ..fit.stepped_lines import Contact, SteppedLines
+from ..identification.identified import Identified, Level, Picture
+from ..identification.request import Stated, mapping_option, records_of, rig_options
+from ..identification.screen import with_error
+from ..identification.sensitivities import Fault
+from ..identification.stated import carried
 from ..law.law import Law, law_of
 from ..law.terms import FRICTION, term
 from ..project.wording import Remark, listed, number
 from ..records.mapping import MappingLike
-from ..records.measured import MeasuredRecord
-from .answer import CONFIDENCE, UNKNOWN, Answer, Balance, Interval, ParameterEstimate, covariance_of
-from .identified import Identified, Level, Picture
-from .request import Stated, mapping_option, records_of, rig_options
-from .screen import with_error
-from .sensitivities import Fault
-from .stated import carried
+from .fit import ContactComparison, ContactFit, compare_contacts, fit_contact
+from .lines import Contact, SteppedLines
+from .records import SteppedRecord, read_lines
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -70,7 +75,7 @@ class SteppedOutcome(Identified):
 
     @property
     def fit(self) -> ContactFit:
-        """That of the answer."""
+        """The fit of the answer."""
         return self.fits[next(iter(self.approaches))]
 
     @property
@@ -133,8 +138,8 @@ class SteppedOutcome(Identified):
         return levels
 
     def shifts(self, faults: Mapping[str, Fault], name: str) -> dict[str, dict[str, float]]:
-        """What faults do to an answer: half the difference of the fits to lines with the fault and with its opposite,
-        whatever is given staying as it is. The force of a base that moves follows the stiffness."""
+        """Return the changes of an answer with faults: half the difference of the fits to lines with the fault and with
+        its opposite, whatever is given staying as it is. The force of a base that moves follows the stiffness."""
         fit, omega = self.fits[name], self.lines.omega
         given = fit.design.rows.given
 
@@ -178,6 +183,13 @@ class SteppedOutcome(Identified):
                 (fits,),
             ),
         }
+
+    @property
+    def drawings(self) -> ModuleType:
+        """The module of these pictures."""
+        from . import pictures  # slow to import
+
+        return pictures
 
 
 def identify_joint(
@@ -228,49 +240,24 @@ def identify_joint(
     {'F_k': '1.29', 'c': '9', 'K_z': '2.31e+03'}
     """
     rig, law = rig_options(stiffness, mass), law_of(terms, given, None)
-    own: dict[str, Any] = {
-        "contact": one_of("contact", contact, get_args(Asked)),
-        "hardening": flag("hardening", hardening),
-        "residual": flag("residual", residual),
-    }
-    tables = records_of("stepped-sine", records, mapping)
-    outcome = identify_tables(
-        *(tables, rig["stiffness_N_per_m"], law),
-        mass=rig["mass_kg"],
-        stiffness_error=rig["stiffness_standard_error_N_per_m"],
-        **own,
-    )
-    of_law = {"terms": list(law.terms), "given": dict(law.given)}
-    options = {"kind": "stepped-sine", **rig, **of_law, **own, "mapping": mapping_option(mapping)}
-    return carried(replace(outcome, records=tables, options=options))
-
-
-def identify_tables(
-    tables: Sequence[MeasuredRecord],
-    k: float | None,
-    law: Law,
-    *,
-    contact: Asked = "both",
-    stiffness_error: float = 0.0,
-    **options: Any,
-) -> SteppedOutcome:
-    """The contact and the damping from tables of steady responses at two levels of excitation or more.
-
-    k : stiffness, N/m; None where the lines are to tell it, which those of base motions cannot.   law : whose terms
-    except the friction are fitted.   contact : "both" compares them, from three levels on.   stiffness_error :
-    standard uncertainty of k, N/m; where a force drives, the lines test it.   options : mass, hardening and residual of
-    `fit_contact`.
-
-    Raises ValueError for base motions without a stiffness, fewer than two levels, lines that do not determine the
-    unknowns, and a friction force that is given.
-    """
+    one_of("contact", contact, get_args(Asked))
+    own = {"hardening": flag("hardening", hardening), "residual": flag("residual", residual)}
+    reader = partial(read_lines, stated=True)
+    read = records_of("stepped-sine", records, mapping, reader)
+    tables = [record for record in read if isinstance(record, SteppedRecord)]
     if FRICTION in law.given:
         raise ValueError(
             f"{FRICTION} is what slips at the amplitudes seen: it cannot be given for a stepped sine"
         )
+    k = rig["stiffness_N_per_m"]
     lines, table_of = _lines(tables, k)
-    terms = tuple(symbol for symbol in law.terms if symbol != FRICTION)
-    asked = {"terms": terms, "given": dict(law.given), "stiffness": k, **options}
+    asked: dict[str, Any] = {
+        "terms": tuple(symbol for symbol in law.terms if symbol != FRICTION),
+        "given": dict(law.given),
+        "stiffness": k,
+        "mass": rig["mass_kg"],
+        **own,
+    }
     contacts, compared = _CONTACTS if contact == "both" else (contact,), None
     if contact == "both" and len(lines.names) > 2:
         compared = compare_contacts(lines, **asked)
@@ -278,13 +265,22 @@ def identify_tables(
     else:
         fits = {name: fit_contact(lines, contact=name, **asked) for name in contacts}
     first = next(iter(fits.values()))
-    by_force = all(of.table.by_force for of in tables if of.table)
+    by_force = all(of.table.by_force for of in tables)
     tested = {
-        name: list(_on_stiffness(fit, stiffness_error)) if by_force else []
+        name: list(_on_stiffness(fit, rig["stiffness_standard_error_N_per_m"])) if by_force else []
         for name, fit in fits.items()
     }
     said = [] if compared is None else [f"{compared.words()}."]
-    return SteppedOutcome(
+    options = {
+        "kind": SteppedOutcome.kind["kind"],
+        **rig,
+        "terms": list(law.terms),
+        "given": dict(law.given),
+        "contact": contact,
+        **own,
+        "mapping": mapping_option(mapping),
+    }
+    found = SteppedOutcome(
         k=first.values["k"],
         sources=tuple(table.name for table in tables),
         estimates={
@@ -304,8 +300,11 @@ def identify_tables(
         table_of=table_of,
         fits=fits,
         compared=compared,
-        by_base=~np.array([of.table is not None and of.table.by_force for of in tables])[table_of],
+        by_base=~np.array([of.table.by_force for of in tables])[table_of],
+        records=tuple(tables),
+        options=options,
     )
+    return carried(found)
 
 
 _UNCOMPARED = Remark(
@@ -314,10 +313,10 @@ _UNCOMPARED = Remark(
 )
 
 
-def _lines(tables: Sequence[MeasuredRecord], k: float | None) -> tuple[SteppedLines, Integers]:
+def _lines(tables: Sequence[SteppedRecord], k: float | None) -> tuple[SteppedLines, Integers]:
     """All lines of the tables, and the table of each."""
     levels = [
-        (i, t.table.by_force, of) for i, t in enumerate(tables) if t.table for of in t.table.levels
+        (i, one.table.by_force, of) for i, one in enumerate(tables) for of in one.table.levels
     ]
     by_base = next((tables[i].name for i, by_force, _ in levels if not by_force), None)
     if by_base and k is None:
@@ -347,7 +346,7 @@ def _lines(tables: Sequence[MeasuredRecord], k: float | None) -> tuple[SteppedLi
 
 
 def _on_stiffness(fit: ContactFit, stiffness_error: float) -> Iterator[Remark]:
-    """What contradicts a stiffness that is stated: the ratio of likelihoods of the same contact with k free."""
+    """Yield a remark where the lines contradict the stiffness stated, by the likelihood of the contact with k free."""
     k, (shown, gain) = fit.values["k"], fit.shown or (0.0, 0.0)
     if gain <= 0.0:
         return
@@ -361,7 +360,7 @@ def _on_stiffness(fit: ContactFit, stiffness_error: float) -> Iterator[Remark]:
 
 
 def _on_stuck(fit: ContactFit) -> Iterator[Remark]:
-    """What sticks in every line, where a stiffness is stated that is less than the lines show."""
+    """Yield a remark where a contact that sticks in every line makes up for a stiffness stated too small."""
     k = fit.values["k"]
     if fit.stuck > _FELT * k:
         yield Remark(
@@ -401,7 +400,7 @@ def _answer(
     )
     parameters = {symbol: _estimate(symbol, fit) for symbol in unknowns}
     merit: dict[str, Any] = {
-        "residual": float(np.linalg.norm(fit.residuals.imag * W) / np.linalg.norm(W)),
+        "residual": float(np.linalg.norm(fit.residuals * W) / np.linalg.norm(W)),
         "misfit": fit.misfit.score,
         "loss_rms": fit.misfit.loss,
         "in_phase_rms_N_per_m": fit.misfit.in_phase,
@@ -433,7 +432,7 @@ def _estimate(symbol: str, fit: ContactFit) -> ParameterEstimate:
 
 
 def _rig(fit: ContactFit, lines: SteppedLines) -> Iterator[str]:
-    """What the fit implies about the rig, in sentences."""
+    """Yield sentences on the rig that the fit implies."""
     k, m = fit.values["k"], fit.values["m"]
     own = {s: with_error(fit.values[s], fit.errors.get(s, 0.0)) for s in fit.values}
     if fit.F_k:
@@ -454,10 +453,9 @@ def _rig(fit: ContactFit, lines: SteppedLines) -> Iterator[str]:
         yield f"Other modes of the structure move the driven point by R = {1e6 * R:.3g} µm/N, {like}."
 
 
-def _counted(tables: Sequence[MeasuredRecord]) -> list[str]:
-    """How the phases of the tables are counted, a sentence for each way."""
+def _counted(tables: Sequence[SteppedRecord]) -> list[str]:
+    """Return a sentence for each way in which the tables count their phases."""
     ways: dict[str, list[str]] = {}
     for table in tables:
-        if table.table is not None:
-            ways.setdefault(table.table.convention, []).append(table.label)
+        ways.setdefault(table.table.convention, []).append(table.label)
     return [f"The lines of {listed(of)} show that {way}." for way, of in ways.items()]
