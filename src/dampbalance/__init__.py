@@ -11,9 +11,11 @@ if TYPE_CHECKING:
     from .balance import Approach, Rows
     from .features import Features
     from .identification.answer import Answer, Interval, ParameterEstimate, Verdict
+    from .identification.decays import identify_decays
+    from .identification.forced import identify_forced
     from .identification.identified import Identified
     from .law.terms import Term
-    from .measured import identify, read_records
+    from .measured import identify, identify_joint, read_records
     from .model import BaseMotion, Oscillator
     from .motion.orbit import NoSteadyOrbit, Orbit, steady_orbit
     from .motion.orbits import Orbits, steady_orbits
@@ -54,6 +56,9 @@ __all__ = [
     "Trajectory",
     "Verdict",
     "identify",
+    "identify_decays",
+    "identify_forced",
+    "identify_joint",
     "measured_orbit",
     "measured_ring_down",
     "read_records",
@@ -69,9 +74,11 @@ _MODULES = {
     "balance": ("Approach", "Rows"),
     "features": ("Features",),
     "identification.answer": ("Answer", "Interval", "ParameterEstimate", "Verdict"),
+    "identification.decays": ("identify_decays",),
+    "identification.forced": ("identify_forced",),
     "identification.identified": ("Identified",),
     "law.terms": ("Term",),
-    "measured": ("identify", "read_records"),
+    "measured": ("identify", "identify_joint", "read_records"),
     "model": ("BaseMotion", "Oscillator"),
     "motion.orbit": ("NoSteadyOrbit", "Orbit", "steady_orbit"),
     "motion.orbits": ("Orbits", "steady_orbits"),

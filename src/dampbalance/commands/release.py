@@ -6,10 +6,9 @@ import argparse
 from typing import Any
 
 from ..motion.jit import interpreted
-from ..records.errors import LATEST
-from ..records.measurement import ABSOLUTE
+from ..records.measurement import ABSOLUTE, ROTATING
 from ..records.synthetic import measured_ring_down
-from .options import LARGEST, quantity
+from .options import quantity
 from .simulate import ARGUMENTS as OF_FORCED
 from .simulate import DAMPING, oscillator, require_brief, require_new, save
 
@@ -19,23 +18,26 @@ paper unless options say otherwise; it damps so much that it hardly swings.
 
   dampbalance release decay.csv --displacement 0.01 --damping 1 --friction 0.5 --noise 0.01
   dampbalance identify decay.csv --stiffness 2310
+
+With --channel angle it rotates, a pendulum for example: displacement, velocity, mass, damping, stiffnesses and friction
+are then in rad, rad/s, kg m², N m s/rad, N m/rad and N m.
 """
 
 _ALIKE = ("--mass", "--stiffness", "--contact-stiffness", "--friction", "--rate")
 ARGUMENTS: dict[str, dict[str, Any]] = {
     "record": OF_FORCED["record"],
-    "--displacement": quantity(0.0, "to which the mass was pulled, m", -LARGEST, metavar="X"),
-    "--velocity": quantity(0.0, "that a blow gives it, m/s", -LARGEST, metavar="V"),
-    "--duration": quantity(3.0, "of the decay, s", 0.0, LATEST),
-    "--held": quantity(0.2, "time for which the mass is held before, s", 0.0, LATEST),
+    "--displacement": quantity("x", 0.0, "to which the mass was pulled, m", metavar="X"),
+    "--velocity": quantity("v", 0.0, "that a blow gives it, m/s", metavar="V"),
+    "--duration": quantity("duration", 3.0, "of the decay, s"),
+    "--held": quantity("held", 0.2, "time for which the mass is held before, s"),
     **{name: OF_FORCED[name] for name in _ALIKE},
-    "--damping": quantity(DAMPING, "c, N s/m", 0.0),
+    "--damping": quantity("c", DAMPING, "c, N s/m"),
     "--noise": OF_FORCED["--noise"]
     | {"help": "rms over the largest value of the channel (default: %(default)s)"},
     "--seed": OF_FORCED["--seed"],
     "--channel": {
         "action": "append",
-        "choices": list(ABSOLUTE),
+        "choices": [*ABSOLUTE, *(q for q, of in ROTATING.items() if of in ABSOLUTE)],
         "help": "a quantity; may be repeated (default: displacement)",
     },
     "--overwrite": OF_FORCED["--overwrite"],

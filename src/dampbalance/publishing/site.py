@@ -19,7 +19,7 @@ from ..project.files import UNFINISHED
 
 PAGES = "paper/site"
 REPORT, TOUR = "results/paper/report.html", "results/paper/notebook/tour.ipynb"
-PREPARED = ("case", "joint", "decay", "example")
+PREPARED = ("case", "joint", "decay", "pendulum", "example")
 """Folders in which pages run commands. What paper/site has of them is there; its lab.py writes the records."""
 
 _LOCAL_LINK = re.compile(r"""(?<=<a)([^>]*?)\shref="(?![a-z]+:|#)[^"]*"(?=[^>]*>)""")

@@ -25,7 +25,7 @@ from dampbalance.publishing.article.derived_numbers import (
 )
 from dampbalance.publishing.provenance.manifest import software
 from dampbalance.replication.authors_route import scheme_table, trial_table
-from dampbalance.studies import checking
+from dampbalance.studies import reading_study
 from dampbalance.studies.shown.paragraph import paragraph
 
 
@@ -43,7 +43,7 @@ def evidence(inputs, output, folder, case):
 
 
 def of_study(file, cases, params):
-    study = checking.read_study(file, params.base)
+    study = reading_study.read_study(file, params.base)
     text, numbers = paragraph(study, cases)
     axes = pd.read_parquet(cases, columns=list(study.axis_names)).select_dtypes("number")
     ranges = {name: [float(axes[name].min()), float(axes[name].max())] for name in axes}
