@@ -405,7 +405,7 @@ def _answer(
         "loss_rms": fit.misfit.loss,
         "in_phase_rms_N_per_m": fit.misfit.in_phase,
     }
-    for symbol, unit in _OF_SPRING.items():
+    for symbol, unit in _SPRING_UNITS.items():
         if symbol in fit.values:
             merit[f"{symbol}_{unit}"] = fit.values[symbol]
             merit[f"{symbol}_standard_error_{unit}"] = fit.errors.get(symbol, 0.0)
@@ -416,7 +416,7 @@ def _answer(
     )
 
 
-_OF_SPRING = {"k": "N_per_m", "m": "kg", "k_3": "N_per_m3", "R": "m_per_N"}
+_SPRING_UNITS = {"k": "N_per_m", "m": "kg", "k_3": "N_per_m3", "R": "m_per_N"}
 
 
 def _estimate(symbol: str, fit: ContactFit) -> ParameterEstimate:

@@ -17,7 +17,17 @@ from ..identification.law_comparison import as_good
 from ..project.wording import listed, number, part
 from ..signals.one_thread import one_thread
 from .contact import Sliders, secant
-from .lines import LESS, Contact, Design, Estimate, Misfit, Rows, SteppedLines, column, estimated
+from .lines import (
+    LESS,
+    Contact,
+    ContactEstimate,
+    Design,
+    Misfit,
+    SteppedLines,
+    StiffnessRows,
+    estimated,
+    stiffness_part,
+)
 
 _REPEATS = 3  # of the errors of changed lines, which start from those of the fit
 _FIRST_ERROR = 0.05  # of Z, where the iteration of errors starts
@@ -140,13 +150,15 @@ class ContactFit:
             lines=replace(own.lines, X=X * own.lines.X, Z=Z * own.lines.Z),
             given=known,
             stiffness=stiffness,
-            parts={name: column(name, own.lines.omega, stiffness) for name in own.parts},
+            parts={name: stiffness_part(name, own.lines.omega, stiffness) for name in own.parts},
             sigma=size * own.sigma,
             R=own.R / float(np.mean(size)),
         )
         design = replace(self.design, rows=rows, nodes=X * self.design.nodes)
         for _ in range(_REPEATS):
-            found = Estimate(design, design.solve(rows.target, self.smoothing), self.smoothing)
+            found = ContactEstimate(
+                design, design.solve(rows.target, self.smoothing), self.smoothing
+            )
             rows = replace(rows, sigma=found.scatter(residual))
             found = replace(found, design=replace(design, rows=rows))
             design = _with_R(found) if residual else found.design
@@ -170,7 +182,7 @@ class ContactFit:
         self, X: Array, omega: Array, names: Sequence[str], of: Callable[[Complexes], Array]
     ) -> Band:
         names = [name for name in names if name in self.values]
-        columns = [column(name, omega, self.design.rows.stiffness) for name in names]
+        columns = [stiffness_part(name, omega, self.design.rows.stiffness) for name in names]
         parts = np.array([size * X**power for size, power in columns])
         drawn = self.draws
         given = {name: np.full(len(drawn.r), self.values[name]) for name in names}
@@ -231,7 +243,7 @@ def _asked(
     stiffness: float | None,
     mass: float | None,
     hardening: bool,
-) -> Rows:
+) -> StiffnessRows:
     """Rows of what was asked for, with the errors to start from. Raises ValueError."""
     low, high = lines.X.min(), lines.X.max()
     alike = high < _ALIKE * low
@@ -244,9 +256,9 @@ def _asked(
     free = [name for name, value in own.items() if value is None]
     free += ["k_3"] * (hardening and not alike)
     known = {name: value for name, value in own.items() if value is not None}
-    parts = {name: column(name, lines.omega, stiffness) for name in (*own, "k_3")}
+    parts = {name: stiffness_part(name, lines.omega, stiffness) for name in (*own, "k_3")}
     first = _FIRST_ERROR * np.abs([lines.Z] * 2)
-    rows = Rows(lines, tuple(free), known, stiffness, parts, first)
+    rows = StiffnessRows(lines, tuple(free), known, stiffness, parts, first)
     unknowns = len(free) + {"none": 0, "one slider": 2, "gradual": 6}[contact]
     if 2 * lines.X.size < unknowns + 2:
         raise ValueError(
@@ -261,7 +273,7 @@ def _asked(
     return rows
 
 
-def _fitted(found: Estimate, terms: tuple[str, ...], residual: bool) -> ContactFit:
+def _fitted(found: ContactEstimate, terms: tuple[str, ...], residual: bool) -> ContactFit:
     """The estimate with its intervals, from replicates of the lines about a law that is smoothed less still."""
     rows, point, contact = found.rows, found.point, found.design.contact
     design = _with_R(found) if residual else found.design
@@ -322,7 +334,7 @@ def _noise(size: int) -> Array:
     return np.random.default_rng(_SEED).standard_normal((_DRAWS, size))
 
 
-def _of_k(found: Estimate, residual: bool) -> tuple[float, float] | None:
+def _of_k(found: ContactEstimate, residual: bool) -> tuple[float, float] | None:
     """Where k is given, that of the same contact with k free and the χ² that it saves, with the errors of that fit.
 
     A gradual contact holds a slider that sticks: with it, only a k that is too large is contradicted.
@@ -339,13 +351,13 @@ def _of_k(found: Estimate, residual: bool) -> tuple[float, float] | None:
     return float(more.linear[0]), less.chi_square - more.chi_square
 
 
-def _with_R(found: Estimate) -> Design:
+def _with_R(found: ContactEstimate) -> Design:
     """The design with R among its unknowns."""
     change = _of_receptance(found)
     return replace(found.design, direction=change / np.linalg.norm(change))
 
 
-def _of_receptance(found: Estimate) -> Array:
+def _of_receptance(found: ContactEstimate) -> Array:
     """Change of the rows of the law, less those measured, with R, (2n,)."""
     step = 1e-4 / float(np.abs(found.rows.lines.Z).max())
     sides = [replace(found.rows, R=found.rows.R + sign * step) for sign in (-1.0, 1.0)]
@@ -489,7 +501,7 @@ def compare_contacts(
     )
 
 
-def _one_slider_is_enough(one: Estimate, gradual: Estimate, residual: bool) -> float:
+def _one_slider_is_enough(one: ContactEstimate, gradual: ContactEstimate, residual: bool) -> float:
     """Probability, if one slider is the truth, that a gradual contact fits better by as much as it does."""
     designs = [
         (_with_R(found) if residual else found.design, found.smoothing) for found in (one, gradual)

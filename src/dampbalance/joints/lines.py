@@ -95,21 +95,21 @@ class Misfit(NamedTuple):
         return 0.5 * (self.loss_score + self.in_phase_score)
 
 
-Column: TypeAlias = "tuple[Complexes, float]"
+StiffnessPart: TypeAlias = "tuple[Complexes, float]"
 """Part of Z by an unknown of unit size: its value at an amplitude of 1 m and the frequency of each line, (n,), and the
 power of the amplitude with which it grows."""
 
-_OF_SPRING: Mapping[str, tuple[Callable[[Array], Array], float]] = {
+_SPRING_PARTS: Mapping[str, tuple[Callable[[Array], Array], float]] = {
     "k": (np.ones_like, 0.0),
     "m": (lambda omega: -(omega**2), 0.0),
     "k_3": (lambda omega: np.full_like(omega, 0.75), 2.0),
 }
 
 
-def column(name: str, omega: Array, stiffness: float | None) -> Column:
+def stiffness_part(name: str, omega: Array, stiffness: float | None) -> StiffnessPart:
     """Return the part of Z by an unknown of unit size. Raises ValueError for a term that lines do not tell."""
-    if name in _OF_SPRING:
-        size, power = _OF_SPRING[name]
+    if name in _SPRING_PARTS:
+        size, power = _SPRING_PARTS[name]
         return np.asarray(size(omega) + 0j), power
     of = term(name)
     if of.force is None:
@@ -134,7 +134,7 @@ class Point:
 
 
 @dataclass(frozen=True, eq=False)
-class Rows:
+class StiffnessRows:
     """Rows of the real and the imaginary part of each line in standard errors, for one residual receptance.
 
     lines : as measured.   free, given : unknowns that are linear, and those whose value is given.
@@ -146,11 +146,11 @@ class Rows:
     free: tuple[str, ...]
     given: Mapping[str, float]
     stiffness: float | None
-    parts: Mapping[str, Column]
+    parts: Mapping[str, StiffnessPart]
     sigma: Array
     R: float = 0.0
 
-    def __getitem__(self, kept: Mask) -> Rows:
+    def __getitem__(self, kept: Mask) -> StiffnessRows:
         parts = {name: (size[kept], power) for name, (size, power) in self.parts.items()}
         return replace(self, lines=self.lines[kept], parts=parts, sigma=self.sigma[:, kept])
 
@@ -218,13 +218,13 @@ class Design:
     direction : change of the rows with R, of length one, (2n,); all rows lose their part along it where R is free.
     """
 
-    rows: Rows
+    rows: StiffnessRows
     contact: Contact
     nodes: Array
     direction: Array | None = None
 
     @classmethod
-    def of(cls, rows: Rows, contact: Contact) -> Design:
+    def of(cls, rows: StiffnessRows, contact: Contact) -> Design:
         """The design with the grid of r that the amplitudes of the lines ask for."""
         low, high = rows.mode.X.min(), rows.mode.X.max()
         if contact == "one slider":
@@ -373,7 +373,7 @@ class Design:
         return {}
 
 
-def _scatter(rows: Rows, left: Complexes, unknowns: int) -> Array:
+def _scatter(rows: StiffnessRows, left: Complexes, unknowns: int) -> Array:
     """Standard errors of the real and the imaginary part of each Z, (2, n), from what the law leaves of them.
 
     Var Re = α + β|Z|², Var Im = γ(Im Z)² + δ|Z|²: an error of the law in N/m or as a part of the loss, and one of
@@ -403,7 +403,7 @@ def _scatter(rows: Rows, left: Complexes, unknowns: int) -> Array:
 
 
 @dataclass(frozen=True, eq=False)
-class Estimate:
+class ContactEstimate:
     """A fit: its rows with their errors and its design, the unknowns, and the smoothing."""
 
     design: Design
@@ -411,7 +411,7 @@ class Estimate:
     smoothing: float
 
     @property
-    def rows(self) -> Rows:
+    def rows(self) -> StiffnessRows:
         """The rows of the fit."""
         return self.design.rows
 
@@ -438,14 +438,16 @@ class Estimate:
             for mask, others in self._levels
         ]
 
-    def smoothed(self) -> Estimate:
+    def smoothed(self) -> ContactEstimate:
         """With the smoothing that levels, or generalised cross-validation where they are few, ask for."""
         if len(self._levels) >= _LEVELS:
             scores = [np.mean([one.score for one in self.held_out(s)]) for s in _SMOOTHINGS]
         else:
             scores = [self._generalised(s) for s in _SMOOTHINGS]
         smoothing = LESS * float(_SMOOTHINGS[int(np.argmin(scores))])
-        return Estimate(self.design, self.design.solve(self.rows.target, smoothing), smoothing)
+        return ContactEstimate(
+            self.design, self.design.solve(self.rows.target, smoothing), smoothing
+        )
 
     def _generalised(self, smoothing: float) -> np.floating:
         """χ² over the square of the degrees of freedom that are left."""
@@ -458,15 +460,17 @@ class Estimate:
         return np.float64(point.chi_square / max(len(A) - float(used), 1e-9) ** 2)
 
 
-def estimated(rows: Rows, contact: Contact, residual: bool, steps: int = _ITERATIONS) -> Estimate:
+def estimated(
+    rows: StiffnessRows, contact: Contact, residual: bool, steps: int = _ITERATIONS
+) -> ContactEstimate:
     """The fit of a contact, its errors iterated; with one step, those of the rows are kept."""
     most = _LARGEST_RECEPTANCE / float(np.abs(rows.lines.Z).max())
     tried = np.linspace(-most, most, _RECEPTANCES) if residual else np.zeros(1)
     smoothing = LESS * float(np.median(_SMOOTHINGS))
 
-    def at(R: float) -> Estimate:
+    def at(R: float) -> ContactEstimate:
         design = Design.of(replace(rows, R=float(R)), contact)
-        return Estimate(design, design.solve(design.rows.target, smoothing), smoothing)
+        return ContactEstimate(design, design.solve(design.rows.target, smoothing), smoothing)
 
     for step in range(steps):
         found = min(map(at, tried), key=lambda one: one.point.chi_square)
