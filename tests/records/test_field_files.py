@@ -212,6 +212,21 @@ def test_universal_files_as_programs_write_them(tmp_path, change, even, binary):
     np.testing.assert_allclose(measurement["acceleration"].values, A, rtol=1e-5, atol=1e-9)
 
 
+@pytest.mark.parametrize("binary", [0, 1])
+def test_units_and_names_in_latin_1_of_a_universal_file(tmp_path, binary):
+    sets = [
+        uff_set(T, "base_displacement_m", 4.0 * Y) | {"ordinate_axis_units_lab": "?m"},
+        uff_set(T, "acceleration_m_per_s2", A) | {"id1": "acceleration Pr?fstand"},
+    ]
+    path = tmp_path / "run.uff"
+    write_uff(path, [one | {"binary": binary, "abscissa_spacing": 1} for one in sets])
+    text = path.read_bytes().replace(b"?m", b"\xb5m").replace(b"Pr?f", b"Pr\xfcf")
+    path.write_bytes(text)
+    opened = table(path)
+    assert [raw.unit for raw in opened.channels] == ["µm", "m/s2"]
+    assert "Prüfstand" in opened.channels[1].name
+
+
 SMALL = [
     *(("base [in]", "base_displacement", 0.0254), ("base [ft]", "base_displacement", 0.3048)),
     *(("base [mil]", "base_displacement", 25.4e-6), ("force [µN]", "force", 1e-6)),
