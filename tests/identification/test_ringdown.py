@@ -15,7 +15,6 @@ from dampbalance import BaseMotion, Oscillator, identify, steady_orbit
 from dampbalance.commands.main import main
 from dampbalance.fit import search
 from dampbalance.fit.decay import Decay, fit_decays
-from dampbalance.fit.mean_harmonics import read_features
 from dampbalance.identification.answer import USABLE
 from dampbalance.identification.decays import identify_ring_downs
 from dampbalance.identification.forced import identify_readings
@@ -25,6 +24,7 @@ from dampbalance.records.synthetic import measured_orbit, measured_ring_down
 from dampbalance.records.writers import write
 from dampbalance.signals.bursts import Signal
 from dampbalance.signals.cycles import clipped
+from dampbalance.signals.mean_harmonics import read_features
 from identification.levels import SYMBOLS, changed
 from identification.levels import clipped as cut
 from identification.releases import FAR, PLUCKED, compiled, struck  # noqa: F401

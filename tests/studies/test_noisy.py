@@ -12,10 +12,10 @@ import pytest
 
 from dampbalance import steady_orbit
 from dampbalance.balance import Rows
-from dampbalance.fit.mean_harmonics import read_features
 from dampbalance.identification.forced import identify_readings
 from dampbalance.project.wording import percent
 from dampbalance.records.synthetic import measured_orbit
+from dampbalance.signals.mean_harmonics import read_features
 from dampbalance.signals.simpson import cycle_integrals
 from dampbalance.solver import least_squares
 from dampbalance.studies import evaluate

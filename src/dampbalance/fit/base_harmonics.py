@@ -10,17 +10,15 @@ that fit are exact, its derivatives are those under the harmonic base.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from ..arrays import Array, Complexes, Integers
+from ..arrays import Array, Integers
 from ..law.law import Law
-from ..motion.distorted import distorted_harmonics
+from ..motion.distorted import added_by_base
 from ..motion.law_steady import Response
-from ..motion.orbit import NoSteadyOrbit
 from ..signals.lines import Lines
 from .steady_search import climb_on, fit_oscillator, of_all_stiffnesses
 from .waveforms import NO_MOTION, WaveformFit
@@ -80,7 +78,9 @@ def settled(fit: WaveformFit, lines: Sequence[Lines], patience: int = MOST) -> W
 def of_harmonic_base(lines: Sequence[Lines], responses: Sequence[Response]) -> list[Lines]:
     """The harmonics without what those of the base add to the motion of an oscillator, one response for each record."""
     return [
-        replace(one, x=one.x - added(one.base, response, one.n.size)) if one.base.any() else one
+        replace(one, x=one.x - added_by_base(one.base, response, one.n.size))
+        if one.base.any()
+        else one
         for one, response in zip(lines, responses, strict=True)
     ]
 
@@ -144,27 +144,3 @@ def _fed_back(
     change = np.outer(error * answered, moved @ (response[free] / error[:, None]))
     response[free] += change / (size - along)
     return replace(fit, response=response, covariance=response @ response.T)
-
-
-def added(base: Complexes, response: Response, count: int) -> Complexes:
-    """Δ_n, n = 1, 3 … 2 count − 1, m: what harmonics of the base add to those of a motion, (count,).
-
-    base : y_n, n = 2, 3 …, m, phases counted from the peak of the fundamental.   response : the motion under the
-    fundamental alone.
-    """
-    n = np.arange(1, 2 * count, 2)
-    if not base.any():
-        return np.zeros(count, dtype=np.complex128)
-    orbit, order = response.orbit, np.arange(2, base.size + 2)
-    # a damper to the base moves the mass as well: the base of the orbit is (1 + inω c_r/k) y_n
-    to_base = 1.0 + 1j * order * math.tan(response.advance + response.turned)
-    y = np.append(orbit.motion.Y, base * to_base * np.exp(-1j * order * response.advance))
-    try:
-        change = distorted_harmonics(orbit, y, 2 * count)[::2] - orbit.harmonics(count)
-    except NoSteadyOrbit:
-        # as if it slipped on
-        own, rates = orbit.oscillator, n * orbit.motion.omega
-        forced = np.zeros(2 * count, dtype=np.complex128)
-        forced[1 : y.size] = own.k * y[1 : forced.size]
-        change = forced[::2] / (own.k - rates**2 * own.m + 1j * rates * own.c)
-    return change * np.exp(1j * n * response.advance)

@@ -16,9 +16,10 @@ from ..law.terms import FRICTION
 from ..model import BaseMotion, Oscillator
 from ..motion.jit import interpreted
 from ..motion.orbit import steady_orbit
-from ..signals.lines import Lines, Shares, starts
+from ..signals.lines import Lines
 from ..signals.one_thread import one_thread
 from .climb import MOST, climb
+from .starts import Shares, starts
 from .waveforms import STIFFEST, HarmonicResiduals, Unknowns, WaveformFit, equivalent_coefficient
 
 _STARTS = (4, 12)  # of the candidates, the closest first, and of those of more masses
@@ -130,7 +131,7 @@ def climb_on(fit: WaveformFit, lines: Sequence[Lines]) -> WaveformFit | None:
 def fit_quickly(
     lines: Sequence[Lines], k: float, law: Law, near: Sequence[WaveformFit]
 ) -> WaveformFit | None:
-    """Like `fit_oscillator`, but from two candidates of `lines.starts` and from fits with other laws only; not refined
+    """Like `fit_oscillator`, but from two candidates of `starts` and from fits with other laws only; not refined
     where it ends far from the records. Use it to compare many laws."""
     unknowns = Unknowns(law, tuple(lines), k)
     shares = _shares_of(unknowns)

@@ -32,8 +32,10 @@ from ..law.terms import FRICTION, term
 from ..model import BaseMotion, NoOscillator, Oscillator
 from ..motion.law_steady import Response, steady_response
 from ..motion.orbit import NoSteadyOrbit
-from ..signals.lines import Lines, improbable
+from ..signals.lines import Lines
+from ..signals.mean_harmonics import Waveform
 from .climb import Bounds
+from .goodness import improbable
 from .oscillator_fit import OscillatorFit
 
 _OTHERS = ("rho", "m", "delay")  # common unknowns in addition to the coefficients of the law
@@ -125,7 +127,7 @@ class Unknowns:
 
     def onset(self, point: Array, record: int, response: Response) -> tuple[Array, Array]:
         """(V_s, t_s, λ), SI, λ = 4X − a, and their derivatives, (3, unknowns)."""
-        onset = np.array([response.V_s, response.t_s, response.taken])
+        onset = np.array([response.V_s, response.t_s, response.stick_travel])
         slope = self._slopes(record, onset, response.onset_slopes(self.law.terms))
         of_degree_one = np.array([1.0, 0.0, 1.0]) * onset
         slope[:, self.at[record]["Y"]] = self._by_base(point, record, of_degree_one, slope)
@@ -149,7 +151,7 @@ class Unknowns:
         return value / point[at["Y"]]
 
     def start(self, candidate: Array, relative: Array) -> Array:
-        """The point of an oscillator (F_k, c, K_z, m) of `lines.starts`.
+        """The point of an oscillator (F_k, c, K_z, m) of `starts`.
 
         relative : friction of each record over F_k.   The work of c is shared out among the terms that are not given.
         """
@@ -368,42 +370,18 @@ class WaveformFit(OscillatorFit):
             of_record = (self.point, i, response)
             onset = self.unknowns.onset(*of_record)
             tail = self.unknowns.harmonics(*of_record, _HARMONICS)
-            waveforms.append(Waveform(self, i, response, *onset, *tail))
+            at = self.unknowns.at[i]
+            waveforms.append(
+                Waveform(
+                    response,
+                    *onset,
+                    *tail,
+                    at=at,
+                    F_k=float(self.point[at[FRICTION]]),
+                    rho=self.rho,
+                    rho_error=self.error("rho"),
+                    Y=float(self.point[at["Y"]]),
+                    by_data=self.response[:, self.places[i]],
+                )
+            )
         return tuple(waveforms)
-
-
-@dataclass(frozen=True, eq=False)
-class Waveform:
-    """The waveform of one record as features use it, with derivatives by the unknowns of the fit.
-
-    fit : that it belongs to.   index : of the record.   response : its motion.
-    onset : (V_s, t_s, λ), SI, λ = 4X − a the travel that sticking takes from 4X: 2L for one slip onset per half cycle.
-    onset_slope : (3, p).   tail : harmonics x_n, n = 1, 3, 5 …, phases counted from the peak of y, m; tail_slope :
-    their derivatives, (harmonics, p).
-    """
-
-    fit: WaveformFit
-    index: int
-    response: Response
-    onset: Array
-    onset_slope: Array
-    tail: Complexes
-    tail_slope: Complexes
-
-    @property
-    def F_k(self) -> float:
-        """Friction force of the record, N."""
-        return float(self.fit.point[self.fit.unknowns.at[self.index][FRICTION]])
-
-    @property
-    def length(self) -> float:
-        """L = 2F_k/K_z, m, freed of its bias of second order."""
-        return 2.0 * self.F_k * (self.fit.rho**2 - self.fit.error("rho") ** 2)
-
-    @property
-    def length_slope(self) -> Array:
-        """Derivatives of L by the unknowns, (p,)."""
-        slope, at = np.zeros(self.fit.point.size), self.fit.unknowns.at[self.index]
-        slope[at[FRICTION]] = 2.0 * self.fit.rho**2
-        slope[at["rho"]] = 4.0 * self.F_k * self.fit.rho
-        return slope

@@ -24,7 +24,6 @@ from scipy import special
 
 from ..arrays import Array, Complexes, Integers
 from ..fit.base_harmonics import fit_records
-from ..fit.mean_harmonics import Reading
 from ..fit.oscillator_fit import OscillatorFit
 from ..fit.score import Departure, departures_from
 from ..fit.waveforms import WaveformFit
@@ -34,6 +33,7 @@ from ..motion.law_decays import ADDED, rounding
 from ..motion.law_steady import HARMONICS
 from ..project.wording import Remark, larger_by, listed
 from ..records.measurement import ABSOLUTE, RELATIVE
+from ..signals.mean_harmonics import Reading
 from ..solver import NORMAL_95
 from .oscillator import AS_WELL
 

@@ -29,11 +29,11 @@ from ..arguments import number
 from ..arrays import Array, Mask
 from ..balance import Approach, Rows, approach, checks
 from ..features import COLUMNS, Features, stack
-from ..fit.mean_harmonics import Reading
 from ..fit.score import Departure
 from ..law.law import Law
 from ..law.terms import FRICTION, term
 from ..project.wording import Remark
+from ..signals.mean_harmonics import Reading
 from ..signals.one_thread import one_thread
 from ..solver import Estimate, least_squares, solve
 from .answer import (
@@ -57,10 +57,10 @@ from .oscillator import (
     Samples,
     covariance_of_rows,
     jackknifed,
-    joined,
     joint_fit,
     microstick,
     read_samples,
+    with_common_fit,
 )
 from .remarks import DIRECT, agreement, notes_on
 from .screen import implied, with_error
@@ -239,7 +239,7 @@ def identify_readings(
         law.require([reading.steady.frequency_hz for reading in readings])
     if few and reference is not None:
         reference = replace(reference, notes=(*reference.notes, _UNCHECKED))
-    readings = joined(readings, joint, law)
+    readings = with_common_fit(readings, joint, law)
     samples = read_samples(readings)
     line = microstick(samples)
     estimates: dict[str, Answer] = {}

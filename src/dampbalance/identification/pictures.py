@@ -22,11 +22,11 @@ from ..figures.looks import in_maths, label_of, look_of
 from ..figures.style import DASHED, DOUBLE_COLUMN, FAINT, SLIP, STICK, page, place, styled
 from ..fit.decay import COMMON, RingFit
 from ..fit.dynamic_stiffness import Band, ContactFit
-from ..fit.mean_harmonics import Reading
 from ..fit.stepped_lines import SteppedLines
 from ..fit.waveforms import WaveformFit
 from ..project.wording import cut
 from ..records.measurement import ORDERS, RELATIVE
+from ..signals.mean_harmonics import Reading
 from .answer import SHAPE, Answer
 from .loading import Loaded
 from .oscillator import Microstick

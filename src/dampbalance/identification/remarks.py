@@ -18,7 +18,6 @@ import numpy as np
 from ..balance import Rows
 from ..fit.base_harmonics import fit_records
 from ..fit.channel_faults import ChannelFault, with_response
-from ..fit.mean_harmonics import Reading
 from ..fit.oscillator_fit import OscillatorFit
 from ..fit.score import Departure
 from ..fit.waveforms import WaveformFit
@@ -38,6 +37,7 @@ from ..project.wording import (
     with_unit,
 )
 from ..signals.checks import is_clipped
+from ..signals.mean_harmonics import Reading
 from ..solver import NORMAL_95
 from .answer import Answer, ParameterEstimate
 from .causes import (

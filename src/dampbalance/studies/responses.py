@@ -21,8 +21,7 @@ from scipy.optimize import brentq
 from ..arrays import Array
 from ..balance import TERMS
 from ..features import Features, of_numbers, of_orbit, side_by_side, stack, wrapped
-from ..fit.mean_harmonics import Reading, read_features
-from ..identification.oscillator import JointFit, joined, joint_fit, sample_of
+from ..identification.oscillator import JointFit, joint_fit, sample_of, with_common_fit
 from ..law.terms import of_harmonics
 from ..model import BaseMotion, Oscillator
 from ..motion.fixed_step import StepTooCoarse, simulate
@@ -35,6 +34,7 @@ from ..record import Record
 from ..records.measurement import Measurement
 from ..records.synthetic import measured_orbit
 from ..signals.clean import CYCLES_TO_READ, of_record
+from ..signals.mean_harmonics import Reading, read_features
 from ..signals.simpson import cycle_integrals, replicates_of
 from .cases import NOT_READ, STEP_TOO_COARSE, Cases, Responses
 from .parameters import of_law, oscillator_of
@@ -108,7 +108,7 @@ def of_response(
         X_s = 2.0 * response.orbit.oscillator.Z_m - response.X
         changed |= {"X_s": X_s, "V_s": response.V_s, "t_s": response.t_s}
         changed |= {"X_r": -X_s, "V_r": -response.V_s, "t_r": response.t_s}
-        changed |= {"a": 4.0 * response.X - response.taken}
+        changed |= {"a": 4.0 * response.X - response.stick_travel}
     return replace(of_orbit(response.orbit), **changed, integrals=integrals)
 
 
@@ -231,7 +231,7 @@ def _with_one_oscillator(
     whole = None
     if readings:
         whole = joint_fit([reading.lines for reading in readings], k, timing=False)
-        shared = joined(readings, whole)
+        shared = with_common_fit(readings, whole)
         means = [one.mean.followed_by(one.resampled(count, random)) for one in shared]
         features = sample_of(shared, means).features
         of_all = features[:, 0], features[:, 1:]
