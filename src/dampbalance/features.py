@@ -241,17 +241,17 @@ def wrapped(angle: ArrayLike) -> Array:
 
 def side_by_side(parts: Sequence[Features]) -> Features:
     """The responses of all parts, each of shape (n,), as cases: shape (n, number of parts)."""
-    return _joined(parts, partial(np.stack, axis=1))
+    return _stacked(parts, partial(np.stack, axis=1))
 
 
 def stack(parts: Sequence[Features]) -> Features:
     """The responses of all parts, in order, as levels. Raises ValueError when there is none."""
     if not parts:
         raise ValueError("there are no responses: give at least one")
-    return _joined(parts, np.concatenate)
+    return _stacked(parts, np.concatenate)
 
 
-def _joined(parts: Sequence[Features], join: Callable[..., Any]) -> Features:
+def _stacked(parts: Sequence[Features], join: Callable[..., Any]) -> Features:
     """The arrays of all parts joined, with the integrals that all parts have."""
     shared = [s for s in parts[0].integrals if all(s in part.integrals for part in parts)]
     return Features(

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from dampbalance.fit.goodness import CHANCE, improbable, linear_misfit
+from dampbalance.fit.goodness import P_OF_THE_MODEL, improbable, linear_misfit
 from dampbalance.motion.regime import Regime
 from paper_case import LEVELS, NEAR, PAPER, orbits_at
 from signals.harmonics import lines_of
@@ -53,7 +53,7 @@ def test_a_misfit_is_improbable_where_an_F_distribution_says_so(freedom, rows):
     (orbit,) = orbits_at(NEAR, (0.008,))
     lines = [lines_of(orbit, 1e-6, rows=rows)] * 2
     # six degrees of freedom of the errors a row: that of a harmonic has two, and its neighbours share it
-    border = freedom * stats.f.isf(CHANCE, freedom, 2 * 6 * (rows - 1))
+    border = freedom * stats.f.isf(P_OF_THE_MODEL, freedom, 2 * 6 * (rows - 1))
     assert improbable(1.001 * border, freedom, lines)
     assert not improbable(0.999 * border, freedom, lines)
     assert not improbable(1e9, 0, lines)

@@ -196,13 +196,13 @@ def test_releases_that_share_a_friction_force_have_one():
 
 
 def test_the_joint_fits_do_not_grow_with_the_number_of_releases(monkeypatch):
-    joined, fits = search._joined, []
+    joined, fits = search._fitted_together, []
 
     def counted(some, **options):
         fits.append(len(some))
         return joined(some, **options)
 
-    monkeypatch.setattr(search, "_joined", counted)
+    monkeypatch.setattr(search, "_fitted_together", counted)
     frictions = 1.5 + 0.12 * np.random.default_rng(0).standard_normal(12)
     found = identify_ring_downs(released(frictions), RIG.k)
     assert fits == [12, 12]  # with one friction force and with one for each

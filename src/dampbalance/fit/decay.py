@@ -45,20 +45,20 @@ COMMON = ("F_k", "c", "rho", "m")
 """Unknowns common to all decays; the offsets, further friction forces and the start states follow."""
 
 STATE = 3
-"""Number of unknowns of a start state: x, ẋ, w."""
+"""Number of unknowns of a start state: x, ẋ and the preload w."""
 
 _RHO = COMMON.index("rho")
 _LOOSEST, _STIFFEST = 1e-4, 1e8  # of K_z/k: contacts that stand for none and for a rigid one
 # Bounds for a motion that oscillates: c over √(km), and the mass over that of the start, either way.
 _DAMPED, _MASSES = 2.0, 10.0
 _UNNOTICED = 1e-9  # of the force of the spring: a friction that no motion shows
-_CHANCE = 1e-4  # probability in white noise of a residual so much like a motion
-_W_ERROR = 1.0  # of w, which lies between 0 and 2
+P_MOTION_LEFT = 1e-4  # probability in white noise of a residual so much like a motion
+_PRELOAD_ERROR = 1.0  # it lies between 0 and 2
 # That probability, and standard deviations of the correlation of neighbouring residuals.
 _DOUBTFUL, _ALIKE = 0.02, 3.0
 _BINS = 12  # of a cycle, in which the residual is averaged
 _LEVEL = NORMAL_95**2  # of χ² above the least, at the ends of an interval
-_REST = 0.025  # of the likelihood, that minima left out may have
+NEGLECTED_LIKELIHOOD = 0.025  # of the likelihood, that minima left out may have
 _PROFILES, _COARSE = 8, 1e-2  # climbs to an end of an interval, and where they end, in half of χ²
 _NEAR = 0.1  # of its distance: where an end is close enough
 
@@ -267,7 +267,7 @@ class RingFit(OscillatorFit):
     @property
     def adequate(self) -> bool:
         """Whether the residual is white, so that such an oscillator may have made the records."""
-        return self.chance >= _CHANCE
+        return self.chance >= P_MOTION_LEFT
 
     @property
     def doubtful(self) -> bool:
@@ -282,7 +282,7 @@ class RingFit(OscillatorFit):
         """In which ways the decays are not those of such an oscillator with white noise, in words; empty where they may
         be."""
         words = []
-        if self.slow_chance < _CHANCE:
+        if self.slow_chance < P_MOTION_LEFT:
             words.append(
                 "the decays are not those of one mass on a spring, a damper and one friction contact within white "
                 f"noise: what is left is {times(self.misfit)} as large as noise would leave it over a twelfth of a "
@@ -355,7 +355,7 @@ def fit_decays(
         k=k,
         point=end.point,
         covariance=inverse_information(
-            end.products[:-1, :-1] * np.outer(free, free), w_errors(start.size, len(decays))
+            end.products[:-1, :-1] * np.outer(free, free), preload_errors(start.size, len(decays))
         ),
         chi_square=end.chi_square,
         rigid=bool(end.point[_RHO] <= samples.rigid),
@@ -456,7 +456,9 @@ def with_intervals(fits: Sequence[RingFit]) -> RingFit:
     """
     best = fits[0]
     others = [
-        one for one, share in zip(fits[1:], _shares_above(fits), strict=True) if share > _REST
+        one
+        for one, share in zip(fits[1:], _shares_above(fits), strict=True)
+        if share > NEGLECTED_LIKELIHOOD
     ]
     ranges = {}
     for j, name in enumerate(COMMON[:-1]):
@@ -535,10 +537,10 @@ def inverse_information(information: Array, errors: Array) -> Array:
     return covariance
 
 
-def w_errors(size: int, decays: int) -> Array:
+def preload_errors(size: int, decays: int) -> Array:
     """Prior standard errors of the unknowns, (p,): w lies between 0 and 2; the others have no prior."""
     errors = np.full(size, math.inf)
-    errors[size - STATE * decays + 2 :: STATE] = _W_ERROR
+    errors[size - STATE * decays + 2 :: STATE] = _PRELOAD_ERROR
     return errors
 
 
@@ -587,10 +589,10 @@ def phases_of(point: Array, state: Array, k: float, until: float) -> Array:
     Raises ValueError where the contact rattles on.
     """
     par = numbers_of(point, k)
-    x, v, w = state.tolist()
+    x, v, preload = state.tolist()
     rows = np.empty((MOST_PHASES, 5))
     Z_m = par.F_k / par.K_z
-    z = min(max((w - 1.0) * Z_m, -Z_m), Z_m)
+    z = min(max((preload - 1.0) * Z_m, -Z_m), Z_m)
     count, t, *_ = run(x, v, z, 0.0, until, 0.0, par, rows)
     if t < until:
         raise ValueError("the contact slips on and on")

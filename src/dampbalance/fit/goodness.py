@@ -12,7 +12,7 @@ from ..arrays import Complexes
 from ..law.terms import term
 from ..signals.lines import Lines
 
-CHANCE = 1e-4
+P_OF_THE_MODEL = 1e-4
 """Probability in noise of a χ² so large that the records are not those of a model."""
 
 
@@ -56,8 +56,8 @@ def linear_misfit(
 
 
 def improbable(chi_square: float, freedom: int, lines: Sequence[Lines]) -> bool:
-    """Whether noise makes a χ² as large as this hardly ever (`CHANCE`)."""
-    return probability(chi_square, freedom, lines) < CHANCE
+    """Whether noise makes a χ² as large as this hardly ever (`P_OF_THE_MODEL`)."""
+    return probability(chi_square, freedom, lines) < P_OF_THE_MODEL
 
 
 def probability(chi_square: float, freedom: int, lines: Sequence[Lines]) -> float:

@@ -29,7 +29,7 @@ from .decay import (
     friction_places,
     inverse_information,
     numbers_of,
-    w_errors,
+    preload_errors,
 )
 from .score import Departure, departures_from
 
@@ -149,7 +149,7 @@ def fit_law(fit: RingFit, terms: Sequence[str], starts: Iterable[Array] = ()) ->
     best = min(filter(None, ends), key=lambda end: end.chi_square, default=None)
     if best is None:
         return None
-    information, priors = best.products[:-1, :-1], w_errors(free.size, len(fit.decays))
+    information, priors = best.products[:-1, :-1], preload_errors(free.size, len(fit.decays))
     return LawFit(
         k=fit.k,
         point=best.point,
@@ -173,8 +173,8 @@ def _losses(fit: RingFit) -> dict[str, float]:
     for i, one in enumerate(fit.decays):
         par = numbers_of(fit.point_of(i), fit.k)
         times = np.arange(0.0, one.end - one.start, one.period / _DENSE)
-        x, v, w = fit.point[fit.places(i)].tolist()
-        speed = np.abs(law_decay(times, 1, x, v, w, par, np.zeros(len(ADDED)))[:, 0])
+        x, v, preload = fit.point[fit.places(i)].tolist()
+        speed = np.abs(law_decay(times, 1, x, v, preload, par, np.zeros(len(ADDED)))[:, 0])
         for order, symbol in enumerate(TERMS):
             powers[symbol] += float(np.nansum(speed ** (order + 1)))
     loss = fit.F_k * powers[FRICTION] + fit.c * powers["c"]
@@ -199,9 +199,9 @@ def _columns(decays: Sequence[Decay], k: float, point: Array) -> Array | None:
     states = point[point.size - STATE * len(decays) :].reshape(-1, STATE).tolist()
 
     def samples(i: int, signal: Signal) -> Array:
-        x, v, w = states[i]
+        x, v, preload = states[i]
         par = numbers_of(np.concatenate([point[[places[i]]], point[1:]]), k)
-        return law_decay(signal.t - decays[i].start, signal.order, x, v, w, par, p)
+        return law_decay(signal.t - decays[i].start, signal.order, x, v, preload, par, p)
 
     whole = columns_of(decays, point, len(_NAMES), samples)
     return whole if np.isfinite(whole).all() else None

@@ -42,19 +42,27 @@ _GROWTH = 2.0  # of the fitted part from one climb to the next
 _COARSE = 1e-2  # of half of χ², where a climb on the way ends
 _PIECES = 12  # of a cycle, in which the mass is looked at for rest
 _BACK = 24  # steps of a cycle in which the start moves back
-_LEFT = 3e-4  # probability of what new samples add to χ²
-_LOADS = (0.0, 0.5, 1.0, 1.5, 2.0)  # of w, where the contact may be loaded otherwise
+P_STEP_BACK = 3e-4  # that new samples add as much to χ² by chance
+_PRELOADS = (
+    0.0,
+    0.5,
+    1.0,
+    1.5,
+    2.0,
+)  # of the contact spring, tried where it may be loaded otherwise
 _SEVERAL = 3  # steps back that are looked at together
-_AGREES = 4.0  # standard deviations of the scatter of a mass at rest
-_CHANCE = 1e-4  # probability of a line of the spectrum in noise
+_DEVIATIONS_AT_REST = 4.0  # standard deviations of the scatter of a mass at rest
+P_LINE_IN_NOISE = 1e-4  # probability of a line of the spectrum in noise
 _AFTER = 0.02  # of a cycle, that is kept where the mass sticks and does not ring
 _FEW = 16  # samples of a mass at rest, at the least
 _GRASPED = 4.0  # of χ², beyond what the choice of an instant makes
 _SWINGS = 0.25  # of a cycle, for which a decay goes on after its turn
 _LEAST = 4 * (len(COMMON) + STATE)  # samples of a decay
 _PART = 0.1  # of the swing of a burst, that its motion has at least
-_DISTURBED = 0.02  # probability of a residual after which a burst ends before the next one
-_ONE = 1e-3  # probability of what one oscillator, or friction force, for all decays adds to χ²
+P_DISTURBED = 0.02  # probability of a residual after which a burst ends before the next one
+P_ONE_OSCILLATOR = (
+    1e-3  # that one oscillator, or friction force, for all decays adds as much to χ² by chance
+)
 _MOST_TURNS = 4  # half cycles that slip, of a burst that may be the work of a hand
 
 # of the search for all minima
@@ -65,8 +73,8 @@ _STIFFER = (3.0, 8.0, 20.0, 50.0, 120.0, 300.0, 1000.0)  # of K_z/k
 _FRICTIONS = np.geomspace(0.75, 1.33, 30)  # relative to that of the fit
 _OTHER_MASSES = (0.82, 0.9, 0.95, 1.05, 1.1, 1.2)  # relative, where the fit is not adequate
 _SCANNED = tuple(np.geomspace(0.5, 1e5, 45).tolist())  # of K_z/k, the last as good as rigid
-_OTHER = 0.2  # of w: how far off another start is
-_ASIDE = 1.5  # standard errors
+_PRELOAD_APART = 0.2  # how far off another start is
+_ERRORS_ASIDE = 1.5  # standard errors
 _LINES = 24  # of the spectrum of the ringing
 _BELOW = 10.0  # of the likelihood's logarithm: lines that fall so far behind the first are left out
 _THINNED = 1500  # samples, about, of a thinned record
@@ -169,7 +177,7 @@ def _of_all(fits: Sequence[RingFit]) -> RingFit | None:
     """The fit of all decays, with a friction force for each where the likelihood asks for it."""
 
     def fitted(own_frictions: bool) -> RingFit | None:
-        whole = _joined(fits, own_frictions=own_frictions)
+        whole = _fitted_together(fits, own_frictions=own_frictions)
         if whole is None or (whole.adequate and _same(whole, fits)):
             return whole
         return minima_of(whole, wide=len(fits) == 1)[0]
@@ -187,7 +195,7 @@ def _same(whole: RingFit, parts: Sequence[RingFit]) -> bool:
     fewer = sum(np.count_nonzero(fit.free) for fit in parts) - np.count_nonzero(whole.free)
     excess = whole.chi_square - math.fsum(fit.chi_square for fit in parts)
     noise = max((fit.misfit for fit in parts if not fit.adequate), default=1.0)
-    return bool(fewer <= 0 or special.chdtrc(fewer, max(excess, 0.0) / noise) > _ONE)
+    return bool(fewer <= 0 or special.chdtrc(fewer, max(excess, 0.0) / noise) > P_ONE_OSCILLATOR)
 
 
 def _turns(fit: RingFit) -> int:
@@ -195,7 +203,7 @@ def _turns(fit: RingFit) -> int:
     return int(np.count_nonzero(fit.phases(0)[:, PHASE_S]))
 
 
-def _joined(fits: Sequence[RingFit], *, own_frictions: bool = False) -> RingFit | None:
+def _fitted_together(fits: Sequence[RingFit], *, own_frictions: bool = False) -> RingFit | None:
     """The fit of all decays, with one friction force or one for each: from the oscillator of each in turn, that of most
     samples first, until one is adequate."""
     size = len(COMMON)
@@ -264,7 +272,7 @@ def _grown(
         end = min(end, 0.5 * (good + bad))
         longer = _longer(fit, whole.cut(burst.turn, end))
         # something else may move the mass before the next burst
-        if longer is None or (not burst.last and longer.chance < _DISTURBED <= fit.chance):
+        if longer is None or (not burst.last and longer.chance < P_DISTURBED <= fit.chance):
             bad = end
         else:
             fit, good = longer, end
@@ -298,15 +306,15 @@ def _starts(part: Decay, burst: Burst, lead: Signal, k: float) -> Array:
 def _longer(fit: RingFit, part: Decay) -> RingFit | None:
     """The fit of a longer part, from a shorter one on, or from the contact on which it rings; None where the mass comes
     to rest after too few samples."""
-    w = {fit.point.size - 1}
+    preload = {fit.point.size - 1}
     part = _without_ringing(fit, part)
     if part.samples < _LEAST:
         return None
-    best = _refit(fit, part, given=w)
+    best = _refit(fit, part, given=preload)
     for K_z in _rings(best or fit, part):
         start = (best or fit).point.copy()
         start[_RHO] = K_z**-0.5
-        best = _lowest((best, _refit(fit, part, start, w)))
+        best = _lowest((best, _refit(fit, part, start, preload)))
     return best
 
 
@@ -314,7 +322,7 @@ def _rings(fit: RingFit, part: Decay) -> Iterator[float]:
     """K_z of the contact on which the mass at rest rings, where that shows."""
     # of white noise, the gain of a line is distributed as e^{−P}
     lines = ringing(fit, [part], 0.25 * part.period)[:1]
-    return (K_z for K_z, gain in lines if gain > math.log(part.samples / _CHANCE))
+    return (K_z for K_z, gain in lines if gain > math.log(part.samples / P_LINE_IN_NOISE))
 
 
 def _without_ringing(fit: RingFit, part: Decay) -> Decay:
@@ -335,7 +343,7 @@ def _rests(signal: Signal, since: float, part: Decay) -> bool:
         return True
     means = values[: n * width].reshape(n, width).mean(axis=1)
     excess = width * float(np.var(means)) / signal.noise**2
-    return excess < 1.0 + _AGREES * math.sqrt(2.0 / n)
+    return excess < 1.0 + _DEVIATIONS_AT_REST * math.sqrt(2.0 / n)
 
 
 def _until_grasped(fit: RingFit) -> RingFit:
@@ -371,8 +379,8 @@ def _from_earlier(fit: RingFit, whole: Decay, earliest: float) -> RingFit:
         before = _before(here.point, fit.k, step)
         longer = _refit(here, part, before)
         # the climb may have stopped in a side minimum
-        for w in _LOADS if _doubted(fits, longer) else ():
-            before[-1] = w
+        for preload in _PRELOADS if _doubted(fits, longer) else ():
+            before[-1] = preload
             longer = _lowest((longer, _refit(here, part, before)))
         if doubted := _doubted(fits, longer):
             # what stopped it may have begun within the steps that are in doubt
@@ -390,7 +398,7 @@ def _doubted(fits: Sequence[RingFit], longer: RingFit | None) -> int:
     for count in (1, _SEVERAL):
         here = fits[-count:][0]
         new, excess = longer.samples - here.samples, longer.chi_square - here.chi_square
-        if new and special.chdtrc(new, max(excess, 0.0)) < _LEFT:
+        if new and special.chdtrc(new, max(excess, 0.0)) < P_STEP_BACK:
             return count
     return 0
 
@@ -398,18 +406,18 @@ def _doubted(fits: Sequence[RingFit], longer: RingFit | None) -> int:
 def _before(point: Array, k: float, step: float) -> Array:
     """The point with about the start state a step earlier: slipping backwards, and from the other side at a turn."""
     F_k, c, _, m = point[: len(COMMON)].tolist()
-    x, v, w = point[-STATE:].tolist()
-    side = math.copysign(1.0, v if v != 0.0 else w - 1.0)
+    x, v, preload = point[-STATE:].tolist()
+    side = math.copysign(1.0, v if v != 0.0 else preload - 1.0)
     n = 16
     h = step / n
     for _ in range(n):
         v_half = v + 0.5 * h * (k * x + side * F_k + c * v) / m
         if v_half * side < 0.0:  # it turned there, or was let go
             side, v, v_half = -side, 0.0, 0.0
-            w = 1.0 + side
+            preload = 1.0 + side
         x -= h * v_half
         v = v_half + 0.5 * h * (k * x + side * F_k + c * v_half) / m
-    return np.concatenate([point[:-STATE], [x, v, w]])
+    return np.concatenate([point[:-STATE], [x, v, preload]])
 
 
 def minima_of(fit: RingFit, *, wide: bool = True) -> list[RingFit]:
@@ -451,7 +459,7 @@ def _promising(thin: Sequence[Decay], fit: RingFit, grid: Sequence[Array]) -> li
     if fit.F_k > 0.0 and fit.free[_F_K]:
         tried += _along(samples, fit, _F_K, fit.F_k * _FRICTIONS)
     ends = samples.climbs((end.point for end in tried), gain=_COARSE, most=12)
-    near = [*(end.point for end in _distinct(ends, fit)[:_POLISHED]), *_aside(fit)]
+    near = [*(end.point for end in _distinct(ends, fit)[:_POLISHED]), *_beyond_kinks(fit)]
     ends = _distinct(whole.climbs(near, gain=_COARSE, most=12), fit)
     return [end.point for end in ends[:_POLISHED]]
 
@@ -541,19 +549,19 @@ def loss_of(fit: RingFit) -> tuple[float, float]:
     return fit.F_k + ratio * fit.c, max(ratio, 1e-300)
 
 
-def _aside(fit: RingFit) -> Iterator[Array]:
+def _beyond_kinks(fit: RingFit) -> Iterator[Array]:
     """Points on the other side of kinks next to a fit: with the contact spring of a decay loaded differently at its
     start, and some standard errors away along each common unknown."""
-    for j, side in itertools.product((_F_K, _C, _RHO), (-_ASIDE, _ASIDE)):
+    for j, side in itertools.product((_F_K, _C, _RHO), (-_ERRORS_ASIDE, _ERRORS_ASIDE)):
         if fit.errors[j] > 0.0:
             start = fit.point + side * fit.covariance[:, j] / fit.errors[j]
             if (start[: len(COMMON)] > 0.0).all():
                 yield start
-    for i, w in itertools.product(range(len(fit.decays)), _LOADS):
+    for i, preload in itertools.product(range(len(fit.decays)), _PRELOADS):
         place = fit.places(i).stop - 1
-        if abs(fit.point[place] - w) > _OTHER:
+        if abs(fit.point[place] - preload) > _PRELOAD_APART:
             start = fit.point.copy()
-            start[place] = w
+            start[place] = preload
             yield start
 
 

@@ -110,9 +110,9 @@ def fit_at_truth(
 def of_all_stiffnesses(fit: WaveformFit) -> WaveformFit:
     """The best fit that is found along K_z, from a fifth to five times that of a fit: in steps that miss no minimum,
     and from a better one again; the fit itself where none is better, or the mass hardly swings while it sticks."""
-    left = np.array([_EFFORT])
+    budget = np.array([_EFFORT])
     for _ in range(_SCANS):
-        others, count = _other_stiffnesses(fit, left)
+        others, count = _other_stiffnesses(fit, budget)
         ends = [_climbed(fit.unknowns, at, softenings=(0.0,)) for at in others]
         best = _best([fit, *filter(None, ends)], count) or fit
         if best.chi_square > fit.chi_square - _LOWER * max(1.0, fit.misfit):
@@ -147,25 +147,25 @@ def _ends(unknowns: Unknowns, points: Iterable[Array], most: int) -> list[Wavefo
     most : evaluations at each softening.
     """
     ends: list[WaveformFit] = []
-    left = np.array([_EFFORT])
+    budget = np.array([_EFFORT])
     with interpreted(False) if unknowns.law.nonlinear else nullcontext():
         for point in points:
-            reached = _climbed(unknowns, point, hopeless=_HOPELESS, most=most, left=left)
+            reached = _climbed(unknowns, point, hopeless=_HOPELESS, most=most, budget=budget)
             if reached is not None:
                 ends.append(reached)
-            if left[0] <= 0.0 or (ends and ends[-1].adequate):
+            if budget[0] <= 0.0 or (ends and ends[-1].adequate):
                 break
     return sorted(ends, key=lambda end: end.chi_square)
 
 
-def _other_stiffnesses(end: WaveformFit, left: Array) -> tuple[list[Array], int]:
+def _other_stiffnesses(end: WaveformFit, budget: Array) -> tuple[list[Array], int]:
     """Where χ² has other local minima along K_z, from a fifth to five times that of a fit, while the other unknowns
     follow; none where the mass hardly swings while it sticks; and the evaluations that it took to see.
 
     A contact that sticks for N swings rings in step with the records at every K_z that changes N by one,
     Δ ln K_z = 2/N: four steps lead from one of them to the next.
 
-    left : as for `HarmonicResiduals`.
+    budget : as for `HarmonicResiduals`.
     """
     swings = max(one.swings for one in end.responses)
     if swings < _RINGS and end.adequate:
@@ -174,7 +174,7 @@ def _other_stiffnesses(end: WaveformFit, left: Array) -> tuple[list[Array], int]
     rho, unknowns = end.names.index("rho"), end.unknowns
     free = np.any(end.response != 0.0, axis=1)
     free[rho] = False
-    evaluate = HarmonicResiduals(unknowns, 0.0, left).products
+    evaluate = HarmonicResiduals(unknowns, 0.0, budget).products
     minima, count = [], 0
     for side in (0.5, -0.5):
         start, levels = end.point, [(end.chi_square, end.point)]
@@ -252,14 +252,14 @@ def _climbed(
     hopeless: float = math.inf,
     most: int = MOST,
     last: int = MOST,
-    left: Array | None = None,
+    budget: Array | None = None,
 ) -> WaveformFit | None:
     """The fit that a climb from there ends in; Y and ψ start as they were read.
 
     given : names of common unknowns that keep their values, in addition to those of the law.
     hopeless : χ² per datum from which on it is not refined.
     most : evaluations at each softening.   last : evaluations without any.
-    left : as for `HarmonicResiduals`; default, as many as it may make at most.
+    budget : as for `HarmonicResiduals`; default, as many as it may make at most.
     """
     names, law, lines = unknowns.names, unknowns.law, unknowns.lines
     point = start.copy()
@@ -269,10 +269,10 @@ def _climbed(
     bounds = unknowns.bounds(point, free)
     sizes = [2 + 2 * one.n.size for one in lines]
     evaluations, promise = 0, math.inf
-    if left is None:
-        left = np.array([float(most * (len(softenings) - 1) + last)])
+    if budget is None:
+        budget = np.array([float(most * (len(softenings) - 1) + last)])
     for softening in softenings:
-        softened = HarmonicResiduals(unknowns, softening, left)
+        softened = HarmonicResiduals(unknowns, softening, budget)
         reached = climb(softened.products, point, bounds, most=most if softening else last)
         if reached is None:
             break

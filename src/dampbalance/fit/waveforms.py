@@ -49,7 +49,9 @@ MOST_RADIANS = 5e5
 # Of K_z/k: the contact that stands for a rigid one. It sticks for 10⁻⁵ rad of the cycle or so, by which friction comes
 # late: to tell that from nothing takes noise below 10⁻⁶ of the motion.
 STIFFEST = 1e10
-_DEAR = 200.0  # turns of the fastest motion, which cost as much as the rest of an evaluation
+TURNS_PER_EVALUATION = (
+    200.0  # turns of the fastest motion, which cost as much as the rest of an evaluation
+)
 _MOST_TURNS = 2e4  # of an orbit whose derivatives are computed: 0.1 s
 _MOST_PHASES = 64  # of half a cycle: to follow a contact that rattles on takes long
 _CONVERGED = 5e-3  # in −log L: half the square of a tenth of a standard error
@@ -202,14 +204,14 @@ class HarmonicResiduals:
     """Residuals (model − data)/σ of the harmonics of all records as functions of the unknowns.
 
     softening : part of the amplitudes added to the errors.
-    left : evaluations that may still be made, (1,), changed by each: a light mass that swings on while it sticks takes
-    as long as many others, and ends the climb early.
+    budget : evaluations that may still be made, (1,), changed by each: a light mass that swings on while it sticks
+    takes as long as many others, and ends the climb early.
     near : the last motion of each record, from which the next starts.
     """
 
     unknowns: Unknowns
     softening: float
-    left: Array = field(default_factory=lambda: np.array([math.inf]))
+    budget: Array = field(default_factory=lambda: np.array([math.inf]))
     near: dict[int, Response] = field(default_factory=dict)
 
     def products(self, point: Array, out: Array) -> bool:
@@ -222,7 +224,7 @@ class HarmonicResiduals:
     def evaluate(self, point: Array) -> Array | None:
         """Derivatives of the residuals and, in the last column, the residuals themselves, (n, p + 1); None where
         nothing slips, there is no orbit, the contact rattles, or no evaluation is left."""
-        if self.left[0] <= 0.0:
+        if self.budget[0] <= 0.0:
             return None
         blocks = []
         slips = False
@@ -240,7 +242,7 @@ class HarmonicResiduals:
         try:
             response = self.unknowns.response(point, i, self.near.get(i))
         except NoSteadyOrbit:
-            self._charge(MOST_RADIANS / (2.0 * math.pi * _DEAR))
+            self._spend(MOST_RADIANS / (2.0 * math.pi * TURNS_PER_EVALUATION))
             raise
         self.near[i] = response
         par = response.orbit.parameters
@@ -248,11 +250,11 @@ class HarmonicResiduals:
         turns = max(response.swings, 0.5 * par.c / par.m / par.omega)
         if len(response.orbit.phases) > _MOST_PHASES or turns > _MOST_TURNS:
             raise NoSteadyOrbit("the contact rattles")
-        self._charge(1.0 + turns / _DEAR)
+        self._spend(1.0 + turns / TURNS_PER_EVALUATION)
         return response
 
-    def _charge(self, cost: float) -> None:
-        self.left[0] -= cost / len(self.unknowns.lines)
+    def _spend(self, cost: float) -> None:
+        self.budget[0] -= cost / len(self.unknowns.lines)
 
     def _block(self, point: Array, i: int, response: Response) -> Array:
         """The rows of a record: |Y|, its phase, Re x_n, Im x_n."""

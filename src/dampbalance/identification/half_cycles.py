@@ -32,7 +32,7 @@ from ..fit.decay import (
     linear_solution,
     numbers_of,
     phases_of,
-    w_errors,
+    preload_errors,
 )
 from ..model import Parameters
 from ..motion.events import PHASE_S, PHASE_T, PHASE_V, PHASE_X
@@ -123,7 +123,7 @@ def rows_of(fit: RingFit) -> RingRows:
     total = ends[-1]
     # estimates: the turns of all decays, then the unknowns of the fit
     design, rest = np.zeros((fit.samples, total + p)), -fit.residual
-    errors = np.concatenate([np.full(total, math.inf), w_errors(p, len(fit.decays))])
+    errors = np.concatenate([np.full(total, math.inf), preload_errors(p, len(fit.decays))])
     rows = []
     at = 0
     for i, (one, course, own) in enumerate(zip(fit.decays, courses, points, strict=True)):

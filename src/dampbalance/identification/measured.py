@@ -20,7 +20,7 @@ from .forced import identify_readings
 from .identified import QUICK, Identified
 from .law_comparison import compare_laws
 from .loading import Loaded, NotDriven, load
-from .stated import carried
+from .stated import with_stated_uncertainties
 from .stepped_sine import Asked, identify_tables
 
 if TYPE_CHECKING:
@@ -265,7 +265,9 @@ def _of_steady(
     )
     held = mass if found.joint.mass_taken else None
     laws = compare_laws(readings, k, mass=held, law=law) if options["laws"] else None
-    return carried(replace(found, laws=laws, loaded=loaded, records=records, options=options))
+    return with_stated_uncertainties(
+        replace(found, laws=laws, loaded=loaded, records=records, options=options)
+    )
 
 
 @interpreted(False)  # a motion of thousands of samples, hundreds of times
@@ -278,7 +280,9 @@ def _of_decays(records: tuple[MeasuredRecord, ...], options: Mapping[str, Any]) 
     )
     odd = [words.about(record.name) for record in records for words in record.warnings]
     warnings = (*odd, *found.warnings)
-    return carried(replace(found, warnings=warnings, records=records, options=options))
+    return with_stated_uncertainties(
+        replace(found, warnings=warnings, records=records, options=options)
+    )
 
 
 def _of_tables(
@@ -287,7 +291,7 @@ def _of_tables(
     k, error, mass, _ = (options[name] for name in _OF_K_AND_M)
     own = {name: options[name] for name in _OF_CONTACT}
     found = identify_tables(tables, k, law, mass=mass, uncertainty=error, **own)
-    return carried(replace(found, records=tables, options=options))
+    return with_stated_uncertainties(replace(found, records=tables, options=options))
 
 
 def _require_different(records: Sequence[MeasuredRecord]) -> None:

@@ -35,7 +35,7 @@ _UNTESTED = {
 }
 
 
-def carried(found: Identified) -> Identified:
+def with_stated_uncertainties(found: Identified) -> Identified:
     """An identification whose errors, intervals and covariances hold what its options and the mappings of its records
     state, and which says on what it depends."""
     stiffness = found.options["stiffness_standard_error_N_per_m"] / found.k

@@ -110,11 +110,11 @@ def read_out(sources: Sources, row: Row) -> Claim:
     exact = sources.exact.feature(column, level)
     how: dict[str, Any] = {}
     if row.rule == "time":
-        how = {"route": "as_published", "reach": judging.WRITTEN}
-        how["nearby"] = _uncut(sources.unread.feature(column, level))
+        how = {"route": "as_published", "half_unit": judging.WRITTEN}
+        how["expected"] = _uncut(sources.unread.feature(column, level))
         how["cause"] = causes.slip_time(exact, sources.case.numerics.step_s, number)
     elif row.rule == "phase":
-        how = {"route": "as_published", "reach": math.nan}
+        how = {"route": "as_published", "half_unit": math.nan}
         how["tolerances"] = judging.phase_read(number, sources.case.omega("omega1"))
         crossing = sources.exact.feature("phi_zero_crossing_rad", level)
         how["cause"] = causes.phase(exact, crossing, number)
@@ -180,14 +180,14 @@ def harmonic_pair(sources: Sources, row: Row) -> Claim:
         values,
         "as_published",
         # The read-outs of Table 1 have fewer digits than those behind Table 3; without the slip exact is elsewhere.
-        apart=("from_print",),
-        nearby={"exact": correct} if slip else {},
+        shown_only=("from_print",),
+        expected={"exact": correct} if slip else {},
         cause=f"{slip} {sources.rules_at_work(row)}".strip(),
         contradiction=causes.outside(sources.allowed.get(row.id), row.number, "Table 3"),
     )
 
 
-def held(sources: Sources, row: Row) -> Claim:
+def input_is_configured(sources: Sources, row: Row) -> Claim:
     """The inputs, amplitudes of Tables 1 and 2 among them: the configuration must hold what is printed."""
     case = sources.case
     if row.symbol == "Y":
@@ -200,7 +200,7 @@ def held(sources: Sources, row: Row) -> Claim:
     return Claim(row, {"exact": value}, holds=same, cause=cause)
 
 
-def follows(sources: Sources, row: Row) -> Claim:
+def follows_from_others(sources: Sources, row: Row) -> Claim:
     """The stated parameters ζ and ω_n, which follow from the others."""
     osc = sources.case.oscillator
     value = osc.zeta if row.symbol == "zeta" else osc.omega_n / (2.0 * math.pi)
@@ -214,8 +214,8 @@ def least_squares(sources: Sources, row: Row) -> Claim:
     moved = causes.printed_inputs(values, inputs, row.number)
     cause = f"{moved} {causes.cut_off(values['from_print'], row.number)}".strip()
     # The residual comes from the rounding of the printed tables; without it, its size is another.
-    apart = ROUTES if row.symbol == RESIDUAL.symbol else ()
-    return _from_print(row, values, cause, apart=apart)
+    shown_only = ROUTES if row.symbol == RESIDUAL.symbol else ()
+    return _from_print(row, values, cause, shown_only=shown_only)
 
 
 def moment_of_pairs(sources: Sources, row: Row) -> Claim:
@@ -224,8 +224,10 @@ def moment_of_pairs(sources: Sources, row: Row) -> Claim:
     pairs = sources.published.column("table2", row.symbol)
     values = sources.estimates(row, kind="mean" if mean else "std")
     values["from_print"] = float(pairs.mean() if mean else pairs.std(ddof=1))
-    apart = () if mean else ROUTES  # the printed b_1 makes nearly all of the deviation
-    return _from_print(row, values, "Over the five pairs that Table 2 prints.", apart=apart)
+    shown_only = () if mean else ROUTES  # the printed b_1 makes nearly all of the deviation
+    return _from_print(
+        row, values, "Over the five pairs that Table 2 prints.", shown_only=shown_only
+    )
 
 
 def mean_of_levels(sources: Sources, row: Row) -> Claim:
@@ -235,7 +237,10 @@ def mean_of_levels(sources: Sources, row: Row) -> Claim:
     how: dict[str, Any] = {}
     if row.symbol == "t_s":
         # The mean of five times in whole tenths has no more digits than print.
-        how = {"reach": judging.WRITTEN, "nearby": _uncut(sources.unread.mean_feature(column))}
+        how = {
+            "half_unit": judging.WRITTEN,
+            "expected": _uncut(sources.unread.mean_feature(column)),
+        }
     return _from_print(row, values, "Over the five values that Table 1 prints.", **how)
 
 
@@ -399,8 +404,8 @@ _ESTIMATES = tuple(q.symbol for q in paper.UNKNOWNS)
 _OF_FIT = (*_ESTIMATES, RESIDUAL.symbol)
 _INPUTS = ("m", "c", "k", "K_z", "F_k", "Y", *FREQUENCIES)
 RULES = {
-    "held": Rule(held, _INPUTS, kind="given"),
-    "follows": Rule(follows, ("zeta", "omega_n")),
+    "input_is_configured": Rule(input_is_configured, _INPUTS, kind="given"),
+    "follows_from_others": Rule(follows_from_others, ("zeta", "omega_n")),
     "rounded": Rule(read_out, ("X", "X_s")),
     "velocity": Rule(read_out, ("V_s",)),
     "phase": Rule(read_out, ("phi",)),
