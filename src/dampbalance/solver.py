@@ -25,7 +25,7 @@ from numpy.typing import ArrayLike
 from .arguments import numbers
 from .arrays import Array, Integers
 from .balance import Rows
-from .law.terms import listed
+from .law.terms import symbols_in_words
 
 Pair = tuple[int, int]
 
@@ -239,13 +239,13 @@ def least_squares(rows: Rows) -> Estimate:
     unknowns, usable = list(estimate.values), int(np.count_nonzero(rows.usable))
     if usable < len(unknowns):
         raise ValueError(
-            f"{listed(unknowns)} need at least {_number(len(unknowns))} usable responses, got {usable} of "
+            f"{symbols_in_words(unknowns)} need at least {_number(len(unknowns))} usable responses, got {usable} of "
             f"{rows.usable.size}: the others lack a feature (nothing slips); raise their excitation or add levels"
         )
     if math.isnan(estimate.residual):
         raise ValueError(
             f"the {usable} usable responses are one and the same, or nothing slides in any of them: "
-            f"{listed(unknowns)} cannot be told apart; use levels that differ and slip"
+            f"{symbols_in_words(unknowns)} cannot be told apart; use levels that differ and slip"
         )
     return estimate
 
@@ -268,11 +268,12 @@ def pair(rows: Rows, i: int, j: int) -> Estimate:
         unknowns = list(estimate.values)
         if len(unknowns) > 2:
             raise ValueError(
-                f"pair {pair_label(i, j)}: two levels do not tell {listed(unknowns)} apart; give all but two of them"
+                f"pair {pair_label(i, j)}: two levels do not tell {symbols_in_words(unknowns)} apart; "
+                "give all but two of them"
             )
         raise ValueError(
             f"pair {pair_label(i, j)}: levels {i + 1} and {j + 1} give the same response, or nothing slides in either: "
-            f"{listed(unknowns)} cannot be told apart; use two levels that differ and slip"
+            f"{symbols_in_words(unknowns)} cannot be told apart; use two levels that differ and slip"
         )
     return estimate
 

@@ -9,7 +9,7 @@ import pytest
 
 from dampbalance.records.synthetic import measured_orbit
 from dampbalance.signals.conditioning import condition
-from dampbalance.signals.lines import CLEAR, Lines
+from dampbalance.signals.lines import CLEAR_HARMONIC, Lines
 from paper_case import NEAR, PAPER, orbits_at
 
 
@@ -47,6 +47,6 @@ def test_their_errors_are_those_of_the_scatter():
 
 
 def test_what_stands_out_of_the_noise_is_clear_and_the_fundamental_always_is():
-    x = np.array([0.5, CLEAR * 1.01, CLEAR * 0.99, 30.0])
+    x = np.array([0.5, CLEAR_HARMONIC * 1.01, CLEAR_HARMONIC * 0.99, 30.0])
     lines = Lines(1.0, 1.0, 0.1, np.arange(1, 8, 2), x.astype(complex), np.ones(4), 10)
     assert lines.clear.tolist() == [True, True, False, True]

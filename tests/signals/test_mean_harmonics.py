@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from dampbalance.features import COLUMNS, of_orbit
+from dampbalance.features import FEATURE_COLUMNS, of_orbit
 from dampbalance.fit.base_harmonics import fit_records
 from dampbalance.records.measurement import Measurement
 from dampbalance.records.synthetic import measured_orbit
@@ -51,7 +51,7 @@ def test_without_noise_the_features_are_exact(frequency_hz, channels):
     exact = of_orbit(orbit)
     assert reading.warnings == ()
     assert onset_resolved(reading)
-    for name in COLUMNS:
+    for name in FEATURE_COLUMNS:
         # waveform sampled at 1,024 points of half a cycle, harmonics beyond those fitted: parts in a million
         expected = getattr(exact, name)[0]
         assert getattr(reading.features, name)[0] == pytest.approx(expected, rel=3e-6), name

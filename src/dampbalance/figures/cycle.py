@@ -62,7 +62,7 @@ def branches(orbit: Orbit) -> list[Branch]:
     return cycle
 
 
-def whole(cycle: Sequence[Branch]) -> State:
+def whole_cycle(cycle: Sequence[Branch]) -> State:
     """The states of all phases, one after the other."""
     return State(*map(np.concatenate, zip(*(branch.state for branch in cycle), strict=True)))
 
@@ -210,7 +210,7 @@ def _mark(axes: Axes, x: float, y: float, text: str, label: str, side: str) -> N
 
 def _name_loop(a: Axes, c: Axes, orbit: Orbit, cycle: Sequence[Branch], first: bool) -> None:
     """The level of a loop: in (a) above its right end, in (c) inside it where ẍ = 0."""
-    level, states = f"{orbit.motion.Y * 1e3:g}", whole(cycle)
+    level, states = f"{orbit.motion.Y * 1e3:g}", whole_cycle(cycle)
     text, x, ha = (f"$Y$ = {level} mm", -6, "left") if first else (level, 0, "center")
     end = orbit.X * 1e3, float(np.max(states.acceleration[states.x > 0.98 * orbit.X]))
     note(a, text, end, (x, 2), ha=ha, size=8)

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-ALT = (
+ALT_OF_NUMERICS = (
     "Six panels. The sampling instants that the printed friction travels imply agree at all levels for backward Euler "
     "with rounded coefficients, and disagree by tenths of a step for schemes without damping, whose damping was put in "
     "by hand, and without rounding; integrals of Table 2 lie on the curves of backward Euler and off those of other "
@@ -51,8 +51,8 @@ _MARKS: Sequence[Mapping[str, Any]] = (
     {"marker": "^", "color": OTHER},
     {"marker": "s", "color": REBUILT},
 )
-LEFTS, WIDTH = (15.0, 74.0, 133.0), 42.0  # mm: of the panels
-BOTTOMS, HEIGHT = (69.0, 11.0), 38.0
+LEFTS, COLUMN_WIDTHS = (15.0, 74.0, 133.0), 42.0  # mm: of the panels
+BOTTOMS, ROW_HEIGHTS = (69.0, 11.0), 38.0
 
 
 class Evidence(NamedTuple):
@@ -88,8 +88,8 @@ def numerics(
 
     step_s : of the rebuilt simulation, s.   t_s_unit_s : the unit in which t_s was read, s.
     """
-    figure = page(DOUBLE_COLUMN, BOTTOMS[0] + HEIGHT + 6.0)
-    axes = [place(figure, x, y, WIDTH, HEIGHT) for y in BOTTOMS for x in LEFTS]
+    figure = page(DOUBLE_COLUMN, BOTTOMS[0] + ROW_HEIGHTS + 6.0)
+    axes = [place(figure, x, y, COLUMN_WIDTHS, ROW_HEIGHTS) for y in BOTTOMS for x in LEFTS]
     _instants(axes[0], evidence)
     _integrals(axes[1], evidence)
     _steps(axes[2], evidence, oscillator, step_s)

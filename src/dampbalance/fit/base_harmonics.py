@@ -23,7 +23,7 @@ from ..signals.lines import Lines
 from .steady_search import climb_on, fit_oscillator, of_all_stiffnesses
 from .waveforms import NO_MOTION, WaveformFit
 
-MOST = 20
+MOST_REPETITIONS = 20
 """Repetitions: three or four do, but where a contact rings while it sticks."""
 
 PATIENCE = 4
@@ -64,7 +64,9 @@ def fit_records(
     return fit
 
 
-def settled(fit: WaveformFit, lines: Sequence[Lines], patience: int = MOST) -> WaveformFit:
+def settled(
+    fit: WaveformFit, lines: Sequence[Lines], patience: int = MOST_REPETITIONS
+) -> WaveformFit:
     """The fit to these harmonics without what the base of the fit's own oscillator adds to them; the fit itself where
     the base is harmonic. Use it after a fit that took the harmonics as they are, or those of another fit.
 
@@ -88,7 +90,7 @@ def of_harmonic_base(lines: Sequence[Lines], responses: Sequence[Response]) -> l
 def repeated(
     fit: WaveformFit,
     freed: Callable[[Sequence[Response]], Sequence[Lines]],
-    patience: int = MOST,
+    patience: int = MOST_REPETITIONS,
 ) -> WaveformFit | None:
     """The fit to harmonics that are freed of something which depends on the oscillator itself, again and again until it
     stays as it is; None where a climb fails.
@@ -101,7 +103,7 @@ def repeated(
     """
     at = fit.point
     steps: list[tuple[Array, Array]] = []
-    for count in range(1, MOST + 1):
+    for count in range(1, MOST_REPETITIONS + 1):
         try:
             responses = [fit.unknowns.response(at, i) for i in range(len(fit.lines))]
         except NO_MOTION:

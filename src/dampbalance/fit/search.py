@@ -29,9 +29,17 @@ from scipy import special
 
 from ..arrays import Array
 from ..motion.events import PHASE_S, PHASE_V, PHASE_X
+from ..motion.unknowns import F_K, OSCILLATOR_UNKNOWNS, RHO, C, M
 from ..signals.bursts import Burst, Signal, bursts_of
 from .climb import Climb
-from .decay import COMMON, STATE, Decay, RingFit, Samples, fit_decays, with_noise_of
+from .decay import (
+    STATE,
+    Decay,
+    DecaySamples,
+    RingFit,
+    fit_decays,
+    with_noise_of,
+)
 
 _SHARES = (0.05, 0.35, 0.65, 0.95)  # of friction in what the swing, or the motion, loses
 _STIFFNESSES = (4.0, 30.0, 300.0)  # of K_z/k
@@ -57,7 +65,7 @@ _AFTER = 0.02  # of a cycle, that is kept where the mass sticks and does not rin
 _FEW = 16  # samples of a mass at rest, at the least
 _GRASPED = 4.0  # of χ², beyond what the choice of an instant makes
 _SWINGS = 0.25  # of a cycle, for which a decay goes on after its turn
-_LEAST = 4 * (len(COMMON) + STATE)  # samples of a decay
+_LEAST = 4 * (len(OSCILLATOR_UNKNOWNS) + STATE)  # samples of a decay
 _PART = 0.1  # of the swing of a burst, that its motion has at least
 P_DISTURBED = 0.02  # probability of a residual after which a burst ends before the next one
 P_ONE_OSCILLATOR = (
@@ -66,7 +74,6 @@ P_ONE_OSCILLATOR = (
 _MOST_TURNS = 4  # half cycles that slip, of a burst that may be the work of a hand
 
 # of the search for all minima
-_F_K, _C, _RHO, _M = range(4)
 _LOSSES = tuple(np.geomspace(0.75, 1.4, 12).tolist())  # relative to that of the fit
 _FINER = tuple(np.linspace(0.1, 1.0, 16).tolist())  # shares of friction next to these
 _STIFFER = (3.0, 8.0, 20.0, 50.0, 120.0, 300.0, 1000.0)  # of K_z/k
@@ -206,7 +213,7 @@ def _turns(fit: RingFit) -> int:
 def _fitted_together(fits: Sequence[RingFit], *, own_frictions: bool = False) -> RingFit | None:
     """The fit of all decays, with one friction force or one for each: from the oscillator of each in turn, that of most
     samples first, until one is adequate."""
-    size = len(COMMON)
+    size = len(OSCILLATOR_UNKNOWNS)
     decays = [replace(fit.decays[0], friction=i * own_frictions) for i, fit in enumerate(fits)]
     offsets = np.zeros(1 + max(signal.offset for one in decays for signal in one.signals))
     for fit, one in zip(fits, decays, strict=True):
@@ -218,7 +225,7 @@ def _fitted_together(fits: Sequence[RingFit], *, own_frictions: bool = False) ->
     for fit in sorted(fits, key=lambda fit: -fit.samples):
         start = np.concatenate([fit.point[:size], rest])
         if own_frictions:
-            start[_F_K] = fits[0].F_k
+            start[F_K] = fits[0].F_k
         end = fit_decays(decays, fit.k, start)
         if end is not None and end.adequate:
             return end
@@ -255,11 +262,11 @@ def _grown(
         return None
     starts = _starts(part, burst, lead, k)
     if surest is not None:
-        starts[:, : len(COMMON)] = surest.point[: len(COMMON)]
-    samples, p = Samples.of([part], k, starts.shape[1]), starts.shape[1]
-    but_offsets = {*range(len(COMMON)), *range(p - STATE, p)}
+        starts[:, : len(OSCILLATOR_UNKNOWNS)] = surest.point[: len(OSCILLATOR_UNKNOWNS)]
+    samples, p = DecaySamples.of([part], k, starts.shape[1]), starts.shape[1]
+    oscillator_and_state = {*range(len(OSCILLATOR_UNKNOWNS)), *range(p - STATE, p)}
     fit = None
-    for one in samples.climbs(starts, but_offsets, gain=0.0, most=2)[:_CLIMBED]:
+    for one in samples.climbs(starts, oscillator_and_state, gain=0.0, most=2)[:_CLIMBED]:
         other = fit_decays([part], k, one.point, given={p - 1}, gain=_COARSE)
         fit = _lowest((fit, other))
         if fit is not None and fit.chi_square < _ALIKE * part.samples:
@@ -313,7 +320,7 @@ def _longer(fit: RingFit, part: Decay) -> RingFit | None:
     best = _refit(fit, part, given=preload)
     for K_z in _rings(best or fit, part):
         start = (best or fit).point.copy()
-        start[_RHO] = K_z**-0.5
+        start[RHO] = K_z**-0.5
         best = _lowest((best, _refit(fit, part, start, preload)))
     return best
 
@@ -405,7 +412,7 @@ def _doubted(fits: Sequence[RingFit], longer: RingFit | None) -> int:
 
 def _before(point: Array, k: float, step: float) -> Array:
     """The point with about the start state a step earlier: slipping backwards, and from the other side at a turn."""
-    F_k, c, _, m = point[: len(COMMON)].tolist()
+    F_k, c, _, m = point[: len(OSCILLATOR_UNKNOWNS)].tolist()
     x, v, preload = point[-STATE:].tolist()
     side = math.copysign(1.0, v if v != 0.0 else preload - 1.0)
     n = 16
@@ -443,7 +450,7 @@ def _distinct(ends: Sequence[End], fit: RingFit) -> list[End]:
     for end in sorted(ends, key=lambda end: end.chi_square):
         if kept and end.chi_square > kept[0].chi_square + _WITHIN:
             break
-        apart = (np.abs(end.point - other.point)[: len(COMMON)] for other in kept)
+        apart = (np.abs(end.point - other.point)[: len(OSCILLATOR_UNKNOWNS)] for other in kept)
         if all((distance > _SAME * fit.errors).any() for distance in apart):
             kept.append(end)
     return kept
@@ -452,19 +459,19 @@ def _distinct(ends: Sequence[End], fit: RingFit) -> list[End]:
 def _promising(thin: Sequence[Decay], fit: RingFit, grid: Sequence[Array]) -> list[Array]:
     """Where climbs on all samples nearly end, apart from each other: from the points of a grid that are best on thinned
     samples, from other contacts and frictions, and from the other side of kinks."""
-    samples, whole = (Samples.of(of, fit.k, fit.point.size) for of in (thin, fit.decays))
-    rough = samples.climbs(grid, range(len(COMMON)), gain=1.0, most=3)
+    samples, whole = (DecaySamples.of(of, fit.k, fit.point.size) for of in (thin, fit.decays))
+    rough = samples.climbs(grid, range(len(OSCILLATOR_UNKNOWNS)), gain=1.0, most=3)
     stiffnesses = np.array([*_SCANNED, *(K_z / fit.k for K_z, _ in ringing(fit, fit.decays))])
-    tried = [*rough[:_TRIED], *_along(samples, fit, _RHO, 1.0 / np.sqrt(stiffnesses * fit.k))]
-    if fit.F_k > 0.0 and fit.free[_F_K]:
-        tried += _along(samples, fit, _F_K, fit.F_k * _FRICTIONS)
+    tried = [*rough[:_TRIED], *_along(samples, fit, RHO, 1.0 / np.sqrt(stiffnesses * fit.k))]
+    if fit.F_k > 0.0 and fit.free[F_K]:
+        tried += _along(samples, fit, F_K, fit.F_k * _FRICTIONS)
     ends = samples.climbs((end.point for end in tried), gain=_COARSE, most=12)
     near = [*(end.point for end in _distinct(ends, fit)[:_POLISHED]), *_beyond_kinks(fit)]
     ends = _distinct(whole.climbs(near, gain=_COARSE, most=12), fit)
     return [end.point for end in ends[:_POLISHED]]
 
 
-def _along(samples: Samples, fit: RingFit, j: int, values: Array) -> list[Climb]:
+def _along(samples: DecaySamples, fit: RingFit, j: int, values: Array) -> list[Climb]:
     """The local minima of χ² along values of unknown j, up to 30 above the least; the others follow from that of the
     fit on, either way."""
     given = {*np.flatnonzero(~fit.free).tolist(), j}
@@ -526,7 +533,7 @@ def _grid(fit: RingFit, wide: bool) -> Iterator[Array]:
     fit.
     """
     loss, ratio = loss_of(fit)
-    own, stiffnesses = fit.point[_RHO] ** -2, [fit.k * by for by in _STIFFER]
+    own, stiffnesses = fit.point[RHO] ** -2, [fit.k * by for by in _STIFFER]
     shares = (fit.F_k / loss, *_SHARES) if loss > 0.0 else _SHARES
     grids: list[tuple[Sequence[float], ...]] = [((1.0,), shares, (own, *stiffnesses), (1.0,))]
     if wide:
@@ -537,8 +544,8 @@ def _grid(fit: RingFit, wide: bool) -> Iterator[Array]:
         together = mass * (fit.k + stiffness) - fit.k
         start = fit.point.copy()
         start[fit.friction_places] *= of_loss * share * loss / fit.F_k if fit.F_k > 0.0 else 1.0
-        start[_C] = of_loss * (1.0 - share) * loss / ratio
-        start[_RHO], start[_M] = max(together, 0.1 * fit.k) ** -0.5, mass * fit.m
+        start[C] = of_loss * (1.0 - share) * loss / ratio
+        start[RHO], start[M] = max(together, 0.1 * fit.k) ** -0.5, mass * fit.m
         yield start
 
 
@@ -552,10 +559,10 @@ def loss_of(fit: RingFit) -> tuple[float, float]:
 def _beyond_kinks(fit: RingFit) -> Iterator[Array]:
     """Points on the other side of kinks next to a fit: with the contact spring of a decay loaded differently at its
     start, and some standard errors away along each common unknown."""
-    for j, side in itertools.product((_F_K, _C, _RHO), (-_ERRORS_ASIDE, _ERRORS_ASIDE)):
+    for j, side in itertools.product((F_K, C, RHO), (-_ERRORS_ASIDE, _ERRORS_ASIDE)):
         if fit.errors[j] > 0.0:
             start = fit.point + side * fit.covariance[:, j] / fit.errors[j]
-            if (start[: len(COMMON)] > 0.0).all():
+            if (start[: len(OSCILLATOR_UNKNOWNS)] > 0.0).all():
                 yield start
     for i, preload in itertools.product(range(len(fit.decays)), _PRELOADS):
         place = fit.places(i).stop - 1

@@ -18,7 +18,7 @@ from ..motion.jit import interpreted
 from ..motion.orbit import steady_orbit
 from ..signals.lines import Lines
 from ..signals.one_thread import one_thread
-from .climb import MOST, climb
+from .climb import MOST_EVALUATIONS, climb
 from .starts import Shares, starts
 from .waveforms import STIFFEST, HarmonicResiduals, Unknowns, WaveformFit, equivalent_coefficient
 
@@ -59,7 +59,7 @@ def fit_oscillator(
         for search in (False, *wide)
         for candidate in starts(lines, k, shares, wide=search)[: _STARTS[search]]
     )
-    ends = _ends(unknowns, points, MOST)
+    ends = _ends(unknowns, points, MOST_EVALUATIONS)
     if ends and not ends[0].adequate:
         different = [b for a, b in pairwise(ends) if b.chi_square > a.chi_square * (1.0 + _SAME)]
         refined = [
@@ -250,8 +250,8 @@ def _climbed(
     given: Collection[str] = ("delay",),
     softenings: Sequence[float] = _SOFTENING,
     hopeless: float = math.inf,
-    most: int = MOST,
-    last: int = MOST,
+    most: int = MOST_EVALUATIONS,
+    last: int = MOST_EVALUATIONS,
     budget: Array | None = None,
 ) -> WaveformFit | None:
     """The fit that a climb from there ends in; Y and ψ start as they were read.

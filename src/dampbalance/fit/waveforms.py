@@ -34,7 +34,7 @@ from ..motion.law_steady import Response, steady_response
 from ..motion.orbit import NoSteadyOrbit
 from ..signals.lines import Lines
 from ..signals.mean_harmonics import Waveform
-from .climb import Bounds
+from .climb import ClimbBounds
 from .goodness import improbable
 from .oscillator_fit import OscillatorFit
 
@@ -43,7 +43,7 @@ NO_MOTION = (ArithmeticError, NoOscillator, np.linalg.LinAlgError)
 """Errors of a point that has no motion to fit: no steady orbit, which is an ArithmeticError like a division by zero on
 the way to one, a number out of range, or equations without a solution. Any other error is a defect, and shows."""
 
-MOST_RADIANS = 5e5
+MOST_RADIANS_SEARCHED = 5e5
 """Of the fastest motion that are followed in search of one orbit: a quarter of a second."""
 
 # Of K_z/k: the contact that stands for a rigid one. It sticks for 10⁻⁵ rad of the cycle or so, by which friction comes
@@ -108,7 +108,7 @@ class Unknowns:
             value["m"], value.get("c", 0.0), self.k, value["rho"] ** -2, value[FRICTION]
         )
         motion = BaseMotion(value["Y"], self.lines[record].omega)
-        return steady_response(oscillator, motion, law, near, most_radians=MOST_RADIANS)
+        return steady_response(oscillator, motion, law, near, most_radians=MOST_RADIANS_SEARCHED)
 
     def harmonics(
         self, point: Array, record: int, response: Response, count: int
@@ -173,7 +173,7 @@ class Unknowns:
             point[at["rho"]], point[at["m"]], point[at["Y"]] = K_z**-0.5, m, one.Y
         return point
 
-    def bounds(self, point: Array, free: Mask) -> Bounds:
+    def bounds(self, point: Array, free: Mask) -> ClimbBounds:
         """The bounds of a climb from a point; the least ρ stands for a rigid contact."""
         least, scale = np.zeros(self.size), np.ones(self.size)
         for i, one in enumerate(self.lines):
@@ -187,7 +187,7 @@ class Unknowns:
             least[at["psi"]] = least[at["delay"]] = -math.inf
             least[at["Y"]], scale[at["Y"]] = 1e-3 * one.Y, one.Y
         scale[self.names.index("delay")] = 1e-3 / max(one.omega for one in self.lines)
-        return Bounds(free, least, np.full(self.size, math.inf), scale)
+        return ClimbBounds(free, least, np.full(self.size, math.inf), scale)
 
 
 def equivalent_coefficient(symbol: str, one: Lines, k: float) -> float:
@@ -242,7 +242,7 @@ class HarmonicResiduals:
         try:
             response = self.unknowns.response(point, i, self.near.get(i))
         except NoSteadyOrbit:
-            self._spend(MOST_RADIANS / (2.0 * math.pi * TURNS_PER_EVALUATION))
+            self._spend(MOST_RADIANS_SEARCHED / (2.0 * math.pi * TURNS_PER_EVALUATION))
             raise
         self.near[i] = response
         par = response.orbit.parameters

@@ -28,7 +28,7 @@ from scipy import special
 from ..arguments import number
 from ..arrays import Array, Mask
 from ..balance import Approach, Rows, approach, checks
-from ..features import COLUMNS, Features, stack
+from ..features import FEATURE_COLUMNS, Features, stack
 from ..fit.score import Departure
 from ..law.law import Law
 from ..law.terms import FRICTION, term
@@ -113,8 +113,12 @@ class ForcedOutcome(Identified):
                     "highest_harmonic": reading.steady.bandwidth,
                     "noise_rms": reading.steady.noise_rms,
                     "slips": reading.slips,
-                    "features": {c: getattr(self.features, n)[i] for n, c in COLUMNS.items()},
-                    "standard_errors": {c: reading.standard_errors[n] for n, c in COLUMNS.items()},
+                    "features": {
+                        c: getattr(self.features, n)[i] for n, c in FEATURE_COLUMNS.items()
+                    },
+                    "standard_errors": {
+                        c: reading.standard_errors[n] for n, c in FEATURE_COLUMNS.items()
+                    },
                     "warnings": reading.warnings,
                 }
                 for i, reading in enumerate(self.readings)

@@ -449,7 +449,10 @@ class Identified(ABC):
     @interpreted(calls=QUICK)
     def _report(self, folder: Path, document: dict[str, Any], png: bool = True) -> str:
         """The report, and the pictures in a folder."""
-        from ..figures.style import save, save_svg  # slow to import, and needed for pictures only
+        from ..figures.style import (
+            save,
+            save_svg,
+        )  # slow to import, and needed for pictures only
         from .pictures import DPI
         from .report import page_of
 

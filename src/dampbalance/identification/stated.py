@@ -19,7 +19,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..project.wording import change, listed
+from ..project.wording import change_text, listed
 from ..records.measurement import EXCITATIONS
 from ..solver import NORMAL_95
 from .answer import REFERENCE, Answer, Interval, ParameterEstimate, unit_of
@@ -119,7 +119,7 @@ def _conditional(found: Identified, stiffness: bool, mass: bool) -> list[str]:
     effects = []
     for what, changes in found.shifts(_UNTESTED, name).items():
         parts = [
-            f"{symbol} by {change(p.value, share * p.value, unit_of(symbol))}"
+            f"{symbol} by {change_text(p.value, share * p.value, unit_of(symbol))}"
             for symbol, p in answer.parameters.items()
             if math.isfinite(share := changes.get(symbol, 0.0)) and abs(share) > 0.01 * _FELT
         ]

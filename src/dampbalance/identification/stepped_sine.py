@@ -25,7 +25,7 @@ from ..fit.dynamic_stiffness import (
 from ..fit.stepped_lines import Contact, SteppedLines
 from ..law.law import Law
 from ..law.terms import FRICTION, term
-from ..project.wording import Remark, listed, number
+from ..project.wording import Remark, listed, number_text
 from ..records.measured import MeasuredRecord
 from .answer import CONFIDENCE, UNKNOWN, Answer, Balance, Interval, ParameterEstimate, covariance_of
 from .identified import Identified, Level, Picture
@@ -295,9 +295,9 @@ def _on_stuck(fit: ContactFit) -> Iterator[Remark]:
     if fit.stuck > _FELT * k:
         yield Remark(
             "with the part of the contact that slips loose the lines show a stiffness of "
-            f"{number(k + fit.stuck, 6)} N/m, and {k:g} N/m are stated: a contact of {number(fit.stuck, 4)} N/m that "
-            "sticks in every line makes up for it, or the stiffness stated is too small; F_k, K_z and c are the same "
-            "for either"
+            f"{number_text(k + fit.stuck, 6)} N/m, and {k:g} N/m are stated: a contact of "
+            f"{number_text(fit.stuck, 4)} N/m that sticks in every line makes up for it, "
+            "or the stiffness stated is too small; F_k, K_z and c are the same for either"
         )
 
 
@@ -372,7 +372,7 @@ def _rig(fit: ContactFit, lines: SteppedLines) -> Iterator[str]:
         )
     yield (
         f"The oscillator has m = {own['m']} kg, k = {own['k']} N/m and a natural frequency of "
-        f"{number(math.sqrt((k + fit.stuck) / m) / (2.0 * math.pi), 4)} Hz with that part of the contact loose."
+        f"{number_text(math.sqrt((k + fit.stuck) / m) / (2.0 * math.pi), 4)} Hz with that part of the contact loose."
     )
     if fit.values.get("k_3"):
         k_3 = with_error(1e-9 * fit.values["k_3"], 1e-9 * fit.errors["k_3"])

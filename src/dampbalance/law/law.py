@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 from ..arguments import items, mapping, names, number
-from .terms import FRICTION, Term, in_order, listed, term
+from .terms import FRICTION, Term, in_order, symbols_in_words, term
 
 _GIVEN = "a mapping of symbols to coefficients"
 _ALIKE = 1.001  # of two frequencies: nearer ones are one
@@ -122,7 +122,7 @@ class Law:
                 len(self.unknowns), f"{len(self.unknowns)} levels"
             )
             raise ValueError(
-                f"{listed(self.unknowns)} need responses at {needed} or "
+                f"{symbols_in_words(self.unknowns)} need responses at {needed} or "
                 f"more, got {count}: add records at other amplitudes"
             )
 

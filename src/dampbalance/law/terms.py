@@ -280,7 +280,7 @@ def in_order(symbols: Iterable[str]) -> tuple[Term, ...]:
     return (*(one for symbol, one in KNOWN_TERMS.items() if symbol in asked), *own)
 
 
-def listed(symbols: Sequence[str]) -> str:
+def symbols_in_words(symbols: Sequence[str]) -> str:
     """Symbols as a sentence names them: "F_k", "F_k and c", "F_k, c and c_2". Texts use `project.wording.listed`, which
     stands on a higher floor and does without the libraries that this module imports."""
     return " and ".join([", ".join(symbols[:-1]), symbols[-1]] if len(symbols) > 1 else symbols)

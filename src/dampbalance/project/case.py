@@ -70,7 +70,7 @@ class Case:
 
     @classmethod
     def from_config(cls, config: Mapping[str, Any]) -> Self:
-        """The case of a configuration that `check` has passed, or of an `excerpt` of one."""
+        """The case of a configuration that `check_case` has passed, or of an `excerpt` of one."""
         fields = {}
         for field, (section, name, make) in _FIELDS.items():
             part = config.get(section, {}) if section else config
@@ -122,7 +122,7 @@ _FIELDS: dict[str, tuple[str, str, Callable[[Any], Any]]] = {
 }
 
 
-def check(
+def check_case(
     config: Mapping[str, Any],
     schema_file: str | Path,
     files: Iterable[str | Path],

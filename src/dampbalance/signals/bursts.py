@@ -98,10 +98,10 @@ def noise_of(values: Array) -> float:
     third = np.abs(np.diff(values, 3))
     parts = np.array_split(third, max(1, min(QUIET_PARTS, third.size // _QUIET_SAMPLES)))
     quiet = 1.4826 * min(float(np.median(part)) for part in parts) / _THIRD
-    return max(quiet, digits, rounding(values))
+    return max(quiet, digits, least_noise(values))
 
 
-def rounding(values: Array) -> float:
+def least_noise(values: Array) -> float:
     """Least standard deviation that the noise of a signal is taken to have."""
     return 3e-6 * float(np.ptp(values))
 

@@ -177,7 +177,7 @@ def _steady(
     common = min(len(h.weights) for h in channels.values())
     weights = np.min([h.weights[:common] for h in channels.values()], axis=0)
     passed = {q: _passed(q, h, omega) for q, h in channels.items() if h.correction is not None}
-    warnings += checks.cycles(channels, weights, base.omega)
+    warnings += checks.checked_cycles(channels, weights, base.omega)
     usable = weights > 0.0
     times, weights = base.times[:common][usable] - base.start, weights[usable]
     rows = {q: h.coefficients[:common][usable] for q, h in channels.items()}

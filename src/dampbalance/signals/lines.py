@@ -15,7 +15,7 @@ from ..records.measurement import ABSOLUTE, ORDERS, RESPONSES
 from .checks import SIGNIFICANT
 from .conditioning import SteadyRecord
 
-CLEAR = 4.0
+CLEAR_HARMONIC = 4.0
 """Standard deviations by which a harmonic stands out of the noise."""
 
 # Degrees of freedom that a row adds to an error, which is smoothed over five harmonics.
@@ -54,7 +54,7 @@ class Lines:
     @property
     def clear(self) -> Mask:
         """Which harmonics stand out of the noise; the fundamental always."""
-        return (np.abs(self.x) > CLEAR * self.x_error) | (self.n == 1)
+        return (np.abs(self.x) > CLEAR_HARMONIC * self.x_error) | (self.n == 1)
 
     @property
     def error_freedom(self) -> int:

@@ -28,7 +28,7 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array, Complexes
-from ..features import COLUMNS, Features, of_numbers, wrapped
+from ..features import FEATURE_COLUMNS, Features, of_numbers, wrapped_phase
 from ..law.terms import FRICTION, of_harmonics
 from ..motion.distorted import added_by_base
 from ..motion.law_steady import Response
@@ -43,7 +43,7 @@ from .turning import Series, turning_points, upward_zero
 RESOLVED = 2.0
 """Standard errors by which the root of the microstick line's length must exceed zero to count as resolved."""
 
-UNKNOWN = "slip onset not known"
+ONSET_UNKNOWN = "slip onset not known"
 
 _READ = 5  # the highest harmonic taken from a record that an exact waveform fits
 _JACKKNIFE_GROUPS = 400
@@ -191,7 +191,7 @@ class Reading:
     def standard_errors(self) -> Mapping[str, float]:
         """Standard errors by leaving out one group of rows after the other; NaN for what is not read."""
         left, errors = self.features_of(self.left_out()), {}
-        for name in COLUMNS:
+        for name in FEATURE_COLUMNS:
             values = getattr(left, name)
             if name.startswith("phi"):  # phases near the ends of the interval
                 values = np.unwrap(values)
@@ -284,7 +284,7 @@ class Reading:
         amplitudes[: first.shape[1]] = np.sqrt(np.maximum(first, 0.0)).T
         lag = -np.angle(series.x[:, 0])
         theta_peak, X = turning_points(series, rests=self.waveform is None)
-        reversal = wrapped(theta_peak)
+        reversal = wrapped_phase(theta_peak)
         regime, length, (V_s, t_s, stick_travel) = self._onset(means, moved)
         base = np.hstack([means.Y[:, None], means.base])
         orders = np.arange(1.0, base.shape[1] + 1.0)
@@ -303,8 +303,8 @@ class Reading:
             t_s=t_s,
             phi=reversal,
             phi_reversal=reversal,
-            phi_zero_crossing=wrapped(upward_zero(series, lag) + 0.5 * math.pi),
-            phi_fundamental=wrapped(lag),
+            phi_zero_crossing=wrapped_phase(upward_zero(series, lag) + 0.5 * math.pi),
+            phi_fundamental=wrapped_phase(lag),
             X_r=X - length,
             V_r=-V_s,
             t_r=t_s,
@@ -418,7 +418,7 @@ class Reading:
         count, waveform = len(means.Y), self.waveform
         if waveform is None:
             onset = np.repeat([[0.0], [0.0], [self.stick_travel]], count, axis=1)
-            return UNKNOWN, np.zeros(count), onset
+            return ONSET_UNKNOWN, np.zeros(count), onset
         regime = str(waveform.response.orbit.regime)
         if not self.slips:
             return regime, np.full(count, math.nan), np.full((3, count), math.nan)

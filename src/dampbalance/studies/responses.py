@@ -20,7 +20,7 @@ from scipy.optimize import brentq
 
 from ..arrays import Array
 from ..balance import TERMS
-from ..features import Features, of_numbers, of_orbit, side_by_side, stack, wrapped
+from ..features import Features, of_numbers, of_orbit, side_by_side, stack, wrapped_phase
 from ..identification.oscillator import JointFit, joint_fit, sample_of, with_common_fit
 from ..law.terms import of_harmonics
 from ..model import BaseMotion, Oscillator
@@ -86,7 +86,7 @@ def of_response(
     x = response.harmonics(_HARMONICS)
     base = np.ones(1), np.full((1, 1), complex(motion.Y))
     integrals = {s: of_harmonics(s, n, x[None], *base, omega, k) for s in ("c", *terms)}
-    reversal = float(wrapped(response.orbit.theta - response.advance - math.pi))
+    reversal = float(wrapped_phase(response.orbit.theta - response.advance - math.pi))
 
     def displacement(theta: float) -> float:
         return float((x * np.exp(1j * n * theta)).real.sum())
@@ -98,8 +98,8 @@ def of_response(
         "X": response.X,
         "phi": reversal,
         "phi_reversal": reversal,
-        "phi_zero_crossing": float(wrapped(upward + 0.5 * math.pi)),
-        "phi_fundamental": float(wrapped(-np.angle(x[0]))),
+        "phi_zero_crossing": float(wrapped_phase(upward + 0.5 * math.pi)),
+        "phi_fundamental": float(wrapped_phase(-np.angle(x[0]))),
         "b": integrals.pop("c"),
         "W": -math.pi * k * motion.Y * x[0].imag,
         **{f"X_{order}": abs(x[i]) for i, order in enumerate((1, 3, 5))},

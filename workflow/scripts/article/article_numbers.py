@@ -11,7 +11,7 @@ from importlib.metadata import metadata, version
 
 import pandas as pd
 
-from dampbalance.figures.numerics import ALT, GLANCE_ALT, Evidence, glance, numerics
+from dampbalance.figures.numerics import ALT_OF_NUMERICS, GLANCE_ALT, Evidence, glance, numerics
 from dampbalance.figures.style import save
 from dampbalance.project.case import Case
 from dampbalance.project.documents import read_yaml
@@ -25,7 +25,7 @@ from dampbalance.publishing.article.derived_numbers import (
 )
 from dampbalance.publishing.provenance.manifest import software
 from dampbalance.replication.authors_route import scheme_table, trial_table
-from dampbalance.studies import checking
+from dampbalance.studies import reading_study
 from dampbalance.studies.shown.paragraph import paragraph
 
 
@@ -43,7 +43,7 @@ def evidence(inputs, output, folder, case):
 
 
 def of_study(file, cases, params):
-    study = checking.read_study(file, params.base)
+    study = reading_study.read_study(file, params.base)
     text, numbers = paragraph(study, cases)
     axes = pd.read_parquet(cases, columns=list(study.axis_names)).select_dtypes("number")
     ranges = {name: [float(axes[name].min()), float(axes[name].max())] for name in axes}
@@ -71,7 +71,7 @@ def figures(inputs, output, case):
     )
     unit = case.numerics.tabulated["t_s_unit_s"]
     figure = numerics(seen, case.oscillator, case.numerics.step_s, unit)
-    save(figure, output.numerics_svg, output.numerics_png, ALT)
+    save(figure, output.numerics_svg, output.numerics_png, ALT_OF_NUMERICS)
     findings = at_a_glance(seen, read_csv(inputs.approaches), case)
     save(glance(*findings), output.glance_svg, output.glance_png, GLANCE_ALT)
 

@@ -4,7 +4,7 @@ from dampbalance.features import Features
 from dampbalance.project.case import Case
 from dampbalance.project.files import read_csv, write_csv
 from dampbalance.project.troubles import brief_troubles
-from dampbalance.replication import as_published
+from dampbalance.replication import authors_route
 
 if __name__ == "__main__":
     brief_troubles(snakemake.log)
@@ -13,4 +13,4 @@ if __name__ == "__main__":
         files.tabulated, files.two_point, snakemake.output.estimates, strict=True
     ):
         tabulated, two_point = (Features.from_frame(read_csv(file)) for file in read)
-        write_csv(output, as_published.estimates(tabulated, two_point, case))
+        write_csv(output, authors_route.estimates(tabulated, two_point, case))

@@ -6,7 +6,7 @@ from dampbalance.project.case import Case
 from dampbalance.project.files import READ_OUT_DIGITS, write_csv
 from dampbalance.project.troubles import brief_troubles
 from dampbalance.record import Record
-from dampbalance.replication import as_published
+from dampbalance.replication import authors_route
 
 if __name__ == "__main__":
     brief_troubles(snakemake.log)
@@ -16,7 +16,7 @@ if __name__ == "__main__":
     ):
         levels = pd.read_parquet(file).groupby("level")
         records = [Record.from_frame(frame.drop(columns="level")) for _, frame in levels]
-        read = as_published.read_levels(records, case, frequency)
+        read = authors_route.read_levels(records, case, frequency)
         write_csv(output.tabulated[i], read.tabulated.to_frame(), READ_OUT_DIGITS)
         write_csv(output.two_point[i], read.two_point.to_frame(), READ_OUT_DIGITS)
         write_csv(output.unrounded[i], read.to_frame(), READ_OUT_DIGITS)

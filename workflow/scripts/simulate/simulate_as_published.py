@@ -5,12 +5,12 @@ import pandas as pd
 from dampbalance.project.case import Case
 from dampbalance.project.files import write_parquet
 from dampbalance.project.troubles import brief_troubles
-from dampbalance.replication import as_published
+from dampbalance.replication import authors_route
 
 if __name__ == "__main__":
     brief_troubles(snakemake.log)
     case = Case.from_config(snakemake.params.case)
     for frequency, file in zip(case.frequencies_hz, snakemake.output.records, strict=True):
-        records = as_published.simulate_levels(case, frequency)
+        records = authors_route.simulate_levels(case, frequency)
         frames = [record.to_frame().assign(level=i) for i, record in enumerate(records, start=1)]
         write_parquet(file, pd.concat(frames, ignore_index=True))

@@ -2,12 +2,12 @@
 
 from dampbalance import __version__
 from dampbalance.project.troubles import brief_troubles
-from dampbalance.studies import case_files, checking, evaluate
+from dampbalance.studies import case_files, evaluate, reading_study
 
 if __name__ == "__main__":
     brief_troubles(snakemake.log)
     p, output, chunks = snakemake.params, snakemake.output, snakemake.input.get("chunks")
-    study = checking.read_study(p.file, p.base)
+    study = reading_study.read_study(p.file, p.base)
     if chunks:
         case_files.join_chunks(output.cases, chunks, study)
     else:

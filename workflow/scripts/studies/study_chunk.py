@@ -2,11 +2,11 @@
 
 from dampbalance import __version__
 from dampbalance.project.troubles import brief_troubles
-from dampbalance.studies import case_files, cases, checking, evaluate
+from dampbalance.studies import case_files, cases, evaluate, reading_study
 
 if __name__ == "__main__":
     brief_troubles(snakemake.log)
-    study = checking.read_study(snakemake.params.file, snakemake.params.base)
+    study = reading_study.read_study(snakemake.params.file, snakemake.params.base)
     start, stop = cases.chunk_bounds(study, int(snakemake.wildcards.chunk))
     parts = evaluate.in_parts(study, start, stop, threads=snakemake.threads)
     case_files.write_parts(snakemake.output.chunk, parts, study, __version__)

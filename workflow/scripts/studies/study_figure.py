@@ -2,11 +2,11 @@
 
 from dampbalance.figures.style import save
 from dampbalance.project.troubles import brief_troubles
-from dampbalance.studies import checking
+from dampbalance.studies import reading_study
 from dampbalance.studies.shown.study_figure import alternative_text, study_figure
 
 if __name__ == "__main__":
     brief_troubles(snakemake.log)
     i, o, p = (getattr(snakemake, name) for name in ("input", "output", "params"))
-    study = checking.read_study(i.file, p.base)
+    study = reading_study.read_study(i.file, p.base)
     save(study_figure(study, i.cases), o.svg, o.png, alternative_text(study))

@@ -4,14 +4,14 @@ from pathlib import Path
 
 from dampbalance.project.files import STATISTICAL_DIGITS, write_csv, write_text
 from dampbalance.project.troubles import brief_troubles
-from dampbalance.studies import checking
+from dampbalance.studies import reading_study
 from dampbalance.studies.shown import summary
 from dampbalance.studies.shown.paragraph import paragraph
 
 if __name__ == "__main__":
     brief_troubles(snakemake.log)
     i, o, p = (getattr(snakemake, name) for name in ("input", "output", "params"))
-    study, cases = checking.read_study(i.file, p.base), i.cases
+    study, cases = reading_study.read_study(i.file, p.base), i.cases
     table = summary.summary_of(cases, study)
     figure = next((Path(file).name for file in i.figure if file.endswith(".png")), "")
     text, _ = paragraph(study, cases)

@@ -46,7 +46,7 @@ from .verdicts import (
     ClaimVerdict,
 )
 
-Range = tuple[float, float]
+NumberRange = tuple[float, float]
 
 HALF = 0.5 * (1.0 + 1e-9)
 """Units of the last digit within which a number gives the printed one, with the rounding of binary fractions."""
@@ -95,7 +95,7 @@ class Claim:
     holds: bool | None = None
     undecided: bool = False
     half_unit: float = HALF
-    allowed: Range | None = None
+    allowed: NumberRange | None = None
     tolerances: tuple[Tolerance, ...] = ()
     shown_only: tuple[str, ...] = ()
     expected: Mapping[str, float] = field(default_factory=dict)
@@ -266,11 +266,11 @@ def phase_read(number: Printed, omega: float) -> tuple[Tolerance, ...]:
     )
 
 
-def propagated(allowed: Range | None, number: Printed) -> tuple[Tolerance, ...]:
+def propagated(allowed: NumberRange | None, number: Printed) -> tuple[Tolerance, ...]:
     """F_k or c of a pair in the range that the rest of Table 2 allows, if any."""
     if allowed is None:
         return ()
-    reason = f"digits that are not printed leave {shown(allowed, number)}"
+    reason = f"digits that are not printed leave {range_text(allowed, number)}"
     return (Tolerance(*allowed, reason, PROPAGATED),)
 
 
@@ -282,6 +282,6 @@ def simulated(number: Printed, case: Case) -> tuple[Tolerance, ...]:
     return (Tolerance(value - far, value + far, f"{near}; {NOTHING}", UNEXPLAINED),)
 
 
-def shown(ends: Range, number: Printed) -> str:
+def range_text(ends: NumberRange, number: Printed) -> str:
     """A range as text, with two digits more than are printed."""
     return " to ".join(number.show(end, 2) for end in ends)

@@ -34,7 +34,7 @@ from . import causes, cross_checks, judging, unprinted
 from . import print as paper_print
 from .judging import Claim
 from .print import FILE, FREQUENCIES, LEVELS, LONGEST, PAIRS, Published, Row, column_ids
-from .verdicts import ROUTE_NAMES, Kind, of_text, statistic
+from .verdicts import ROUTE_NAMES, ClaimKind, of_text, statistic
 
 
 def require_paper(case: Case) -> None:
@@ -112,7 +112,7 @@ def read_out(sources: Sources, row: Row) -> Claim:
     if row.rule == "time":
         how = {"route": "as_published", "half_unit": judging.WRITTEN}
         how["expected"] = _uncut(sources.unread.feature(column, level))
-        how["cause"] = causes.slip_time(exact, sources.case.numerics.step_s, number)
+        how["cause"] = causes.slip_time_as_read(exact, sources.case.numerics.step_s, number)
     elif row.rule == "phase":
         how = {"route": "as_published", "half_unit": math.nan}
         how["tolerances"] = judging.phase_read(number, sources.case.omega("omega1"))
@@ -120,7 +120,7 @@ def read_out(sources: Sources, row: Row) -> Claim:
         how["cause"] = causes.phase(exact, crossing, number)
     elif row.rule == "velocity":
         sample = sources.unread.feature(SLIPPING_SAMPLE, level)
-        how["cause"] = causes.slip_velocity(
+        how["cause"] = causes.slip_velocity_as_read(
             sample, number, sources.published.column("table1", row.symbol)
         )
     contradiction = sources.refuted.get(row.id, "")
@@ -132,7 +132,7 @@ def _uncut(simulated: float) -> dict[str, float]:
     return {} if math.isnan(simulated) else {"exact": simulated}
 
 
-def integral(sources: Sources, row: Row) -> Claim:
+def printed_integral(sources: Sources, row: Row) -> Claim:
     """Table 2, upper part: the integrals a, b and W of the five levels."""
     case, level = sources.case, int(row.id.line)
     values = sources.features(COLUMN_OF[row.symbol], level)
@@ -207,7 +207,7 @@ def follows_from_others(sources: Sources, row: Row) -> Claim:
     return Claim(row, {"exact": value})
 
 
-def least_squares(sources: Sources, row: Row) -> Claim:
+def printed_least_squares(sources: Sources, row: Row) -> Claim:
     """Least squares of (9) from the printed tables, with the individual φ and t_s: F_k, c and residual."""
     values = sources.estimates(row, kind="least_squares")
     inputs = "Table 2's integrals" if row.approach == "direct" else "Table 1's read-outs"
@@ -254,7 +254,7 @@ ROUTE = "as_published"
 """The route that judges every statement."""
 
 _BOUNDS = {"less than": +1.0, "more than": -1.0}
-WORDS: dict[str, dict[str, Callable[[float, float], bool]]] = {
+COMPARISONS: dict[str, dict[str, Callable[[float, float], bool]]] = {
     "change": {
         "degraded": lambda one, other: one > other,
         "improved": lambda one, other: one < other,
@@ -287,7 +287,7 @@ def word_holds(row: Row, one: float, other: float) -> tuple[bool, str]:
     one, other : the error off and near resonance, or that of direct integration and the least of the other approaches.
     Raises ValueError for a word that the rule of the row does not know.
     """
-    words = WORDS[row.rule]
+    words = COMPARISONS[row.rule]
     if row.printed not in words:
         raise ValueError(
             f"{FILE}: {row.id}: cannot judge the word {row.printed!r}; known are {', '.join(words)}"
@@ -310,11 +310,11 @@ def bound(sources: Sources, row: Row) -> Claim:
     drawn = [] if exact is None else unprinted.drawn(exact, sources.case, row.number.value)
     if not unprinted.open_to(drawn):
         return claim
-    shares = unprinted.in_words(drawn, row.printed)
+    shares = unprinted.exceedances_in_words(drawn, row.printed)
     return replace(claim, undecided=True, cause=f"The print does not decide. {shares} {cause}")
 
 
-def change(sources: Sources, row: Row) -> Claim:
+def off_resonance(sources: Sources, row: Row) -> Claim:
     """Words for how accurate the two-point formulas are off resonance."""
     hz = sources.case.frequencies_hz
     values = _worst(sources, sources.routes, frequency=row.symbol)
@@ -397,10 +397,10 @@ class Rule(NamedTuple):
     claim: Callable[[Sources, Row], Claim]
     symbols: tuple[str, ...]
     approaches: tuple[str, ...] = ("",)
-    kind: Kind = "computed"
+    kind: ClaimKind = "computed"
 
 
-_ESTIMATES = tuple(q.symbol for q in paper.UNKNOWNS)
+_ESTIMATES = tuple(q.symbol for q in paper.IDENTIFIED_QUANTITIES)
 _OF_FIT = (*_ESTIMATES, RESIDUAL.symbol)
 _INPUTS = ("m", "c", "k", "K_z", "F_k", "Y", *FREQUENCIES)
 RULES = {
@@ -410,22 +410,26 @@ RULES = {
     "velocity": Rule(read_out, ("V_s",)),
     "phase": Rule(read_out, ("phi",)),
     "time": Rule(read_out, ("t_s",)),
-    "integral": Rule(integral, tuple(q.symbol for q in paper.TABLE_2)),
+    "integral": Rule(printed_integral, tuple(q.symbol for q in paper.TABLE_2)),
     "direct pair": Rule(direct_pair, _ESTIMATES, ("direct",)),
     "harmonic pair": Rule(harmonic_pair, _ESTIMATES, HARMONIC),
-    "least squares": Rule(least_squares, _OF_FIT, PRINTED_APPROACHES),
+    "least squares": Rule(printed_least_squares, _OF_FIT, PRINTED_APPROACHES),
     "mean of pairs": Rule(moment_of_pairs, _ESTIMATES, ("direct",)),
     "deviation of pairs": Rule(moment_of_pairs, _ESTIMATES, ("direct",)),
     "mean of levels": Rule(mean_of_levels, ("t_s", "phi")),
     "bound": Rule(bound, (*_ESTIMATES, *FREQUENCIES), kind="statement"),
-    "change": Rule(change, FREQUENCIES, kind="statement"),
+    "change": Rule(off_resonance, FREQUENCIES, kind="statement"),
     "truth": Rule(truth, ("",), kind="statement"),
 }
 """Every rule by its name in the column `rule` of the printed numbers."""
 
 _CELLS = {
     *(claim for q in paper.TABLE_1 for claim in column_ids("table1", q.symbol)),
-    *(claim for q in (*paper.TABLE_2, *paper.UNKNOWNS) for claim in column_ids("table2", q.symbol)),
+    *(
+        claim
+        for q in (*paper.TABLE_2, *paper.IDENTIFIED_QUANTITIES)
+        for claim in column_ids("table2", q.symbol)
+    ),
     *(claim for table in ("table1", "table2") for claim in column_ids(table, "Y")),
     *(claim for a in HARMONIC for s in _ESTIMATES for claim in column_ids("table3", s, a)),
 }
@@ -459,7 +463,7 @@ def check_printed(printed: Published) -> None:
             raise ValueError(f"{FILE}: row {row.id}, column {problem}")
         if row.rule == "bound":
             bound_holds(row, math.nan)
-        elif row.rule in WORDS:
+        elif row.rule in COMPARISONS:
             word_holds(row, math.nan, math.nan)
 
 
@@ -472,6 +476,6 @@ def _problem(row: Row) -> str:
         if (text := getattr(row, column)) not in words:
             listed = ", ".join(word or "none" for word in words)
             return f"{column}: {cut(text, LONGEST)!r} is not known to its rule; known are {listed}"
-    if row.rule not in WORDS and not row.number.is_number:
+    if row.rule not in COMPARISONS and not row.number.is_number:
         return f"printed: {cut(row.printed, LONGEST)!r} is not a number such as 90.0402 or 2.9E-3"
     return ""
