@@ -12,8 +12,8 @@ if TYPE_CHECKING:
     from .features import Features
     from .identification.answer import Answer, Interval, ParameterEstimate, Verdict
     from .identification.identified import Identified
-    from .identification.measured import identify
     from .law.terms import Term
+    from .measured import identify, read_records
     from .model import BaseMotion, Oscillator
     from .motion.orbit import NoSteadyOrbit, Orbit, steady_orbit
     from .motion.orbits import Orbits, steady_orbits
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from .motion.states import State
     from .motion.transient import Trajectory, transient
     from .records.errors import RecordError
-    from .records.measured import MeasuredRecord, read_records
+    from .records.measured import MeasuredRecord
     from .records.measurement import Channel, Measurement
     from .records.synthetic import measured_orbit, measured_ring_down
     from .studies.study import StudyResult, study
@@ -70,8 +70,8 @@ _MODULES = {
     "features": ("Features",),
     "identification.answer": ("Answer", "Interval", "ParameterEstimate", "Verdict"),
     "identification.identified": ("Identified",),
-    "identification.measured": ("identify",),
     "law.terms": ("Term",),
+    "measured": ("identify", "read_records"),
     "model": ("BaseMotion", "Oscillator"),
     "motion.orbit": ("NoSteadyOrbit", "Orbit", "steady_orbit"),
     "motion.orbits": ("Orbits", "steady_orbits"),
@@ -80,7 +80,7 @@ _MODULES = {
     "motion.states": ("State",),
     "motion.transient": ("Trajectory", "transient"),
     "records.errors": ("RecordError",),
-    "records.measured": ("MeasuredRecord", "read_records"),
+    "records.measured": ("MeasuredRecord",),
     "records.measurement": ("Channel", "Measurement"),
     "records.synthetic": ("measured_orbit", "measured_ring_down"),
     "studies.study": ("StudyResult", "study"),

@@ -18,7 +18,7 @@ from dampbalance import (
 )
 from dampbalance.arguments import mass_with_error
 from dampbalance.commands.options import mass as mass_on_the_command_line
-from dampbalance.identification.measured import configured, not_taken
+from dampbalance.measured import configured, not_taken
 from dampbalance.records.measurement import Correction
 from identification.levels import SYMBOLS, THREE, changed, measured
 from paper_case import LEVELS, PAPER, orbits_at

@@ -33,6 +33,8 @@ FLOORS = (
     "fit",
     "figures",
     "identification",
+    "joints",
+    "measured",
     "replication",
     "studies",
     "publishing",
@@ -88,10 +90,17 @@ def test_nothing_is_imported_from_a_higher_floor():
 
 
 def test_an_import_from_a_higher_floor_would_be_seen():
-    text = "def late():\n    from .identification.measured import identify\n"
+    text = "def late():\n    from .measured import identify\n"
     found = imported("dampbalance.solver", PACKAGE / "solver.py", text)
-    assert found == {"dampbalance.identification.measured"}
+    assert found == {"dampbalance.measured"}
     assert floor(found.pop()) > floor("dampbalance.solver")
+
+
+def test_joints_are_known_to_the_module_that_hands_records_over_and_to_no_other():
+    inside = {module for module in MODULES if module.split(".")[1:2] == ["joints"]}
+    assert {m for m, others in graph().items() if others & inside} - inside == {
+        "dampbalance.measured"
+    }
 
 
 def test_no_import_runs_in_a_circle():

@@ -172,7 +172,7 @@ def bench(tmp_path, monkeypatch):
         path = tmp_path / "toy" / PACKAGE / name
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text, encoding="utf-8")
-    (tmp_path / "toy/tests/unit").mkdir(parents=True)
+    (tmp_path / "toy/tests/method").mkdir(parents=True)
     (tmp_path / "toy/tests/method/test_law.py").write_text(TESTS, encoding="utf-8")
     (tmp_path / "toy/pytest.ini").write_text("[pytest]\nmarkers = slow\n", encoding="utf-8")
     monkeypatch.setattr(command, "ROOT", tmp_path / "toy")

@@ -8,11 +8,10 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from dampbalance import BaseMotion, steady_orbit
+from dampbalance import BaseMotion, read_records, steady_orbit
 from dampbalance.identification.loading import load
 from dampbalance.records.errors import RecordError
 from dampbalance.records.mapping import mapping_from
-from dampbalance.records.measured import read_records
 from dampbalance.records.measurement import Channel, Measurement
 from dampbalance.records.readers import read
 from dampbalance.records.writers import write

@@ -23,7 +23,7 @@ import pandas as pd
 from scipy.optimize import brentq
 from scipy.stats import binomtest
 
-from dampbalance.fit.dynamic_stiffness import ContactFit, SteppedLines, compare_contacts
+from dampbalance.joints.fit import ContactFit, SteppedLines, compare_contacts
 from dampbalance.project.wording import markdown_table
 
 from .truths import log_uniform

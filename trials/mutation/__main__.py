@@ -33,7 +33,10 @@ from .mutants import Mutant, mutants
 
 ROOT = Path(__file__).parents[2]
 PACKAGE = "src/dampbalance"
-ROOMS = ("motion", "law", "reading", "likelihood", "identification", "records", "records/readers")
+ROOMS = (
+    *("motion", "law", "signals", "fit", "identification", "joints"),
+    *("records", "records/readers"),
+)
 METHOD = ("*.py", *(f"{room}/*.py" for room in ROOMS), "replication/claims/*.py")
 METHOD += ("replication/*verdicts.py", "studies/evaluate.py")
 # words in the paths of tests that say nothing about the method

@@ -7,7 +7,7 @@ if PUBLISHED:  # slow to import
     from dampbalance.replication.claims.table import WORSE
 
 if PUBLISHED and workflow.is_main_process:
-    from dampbalance.replication.claims import published as printed
+    from dampbalance.replication.claims import print as printed
     from dampbalance.replication.claims.rules import check_printed
     from dampbalance.replication.claims.table import read_record
 

@@ -8,7 +8,7 @@ from dampbalance.identification.outputs import OVERVIEW, SUMMARY as SET_SUMMARY,
 
 if config.get("measured"):  # slow to import
     from dampbalance.identification.table_of_sets import summarise
-    from dampbalance.identification.measured import not_taken
+    from dampbalance.measured import not_taken
     from dampbalance.law.law import law_of
     from dampbalance.records.errors import RecordError
     from dampbalance.records.mapping import mapping_file, mapping_for, parts_of

@@ -85,7 +85,7 @@ def run(options: argparse.Namespace) -> None:
     if options.write_mapping is not None:
         _write_mapping(options)
         return
-    from ..identification.measured import identify  # slow to import, not needed for help
+    from ..measured import identify  # slow to import, not needed for help
 
     folder: Path | None = options.output
     document: Path | None = None if options.json == _SCREEN else options.json
@@ -122,7 +122,7 @@ def run(options: argparse.Namespace) -> None:
 
 def _of_tables(options: argparse.Namespace) -> bool:
     """Whether the records are tables of a stepped sine: as stated, or as the first is recognised."""
-    from ..records.measured import recognised_as_table  # slow to import
+    from ..measured import recognised_as_table  # slow to import
 
     if options.kind != "recognised":
         return bool(options.kind == "stepped-sine")

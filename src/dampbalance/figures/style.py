@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from pathlib import Path
@@ -126,6 +126,18 @@ def note(
     """Words next to a place in the axes, shifted from it by points."""
     look |= {"ha": ha, "va": va}
     return axes.annotate(text, xy=at, xytext=shift, textcoords="offset points", **look)
+
+
+def explained(figure: Figure, panels: Sequence[tuple[Axes, Axes]], scale: float = 2.0) -> Figure:
+    """The figure with a legend at its foot of all that its panels show, marks so many times as large."""
+    named = {
+        label: handle
+        for axes, _ in panels
+        for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)
+    }
+    look: dict[str, Any] = {"loc": "lower center", "borderaxespad": 0.3, "markerscale": scale}
+    figure.legend([*named.values()], [*named], ncols=len(named), **look)
+    return figure
 
 
 def arrow(

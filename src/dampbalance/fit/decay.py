@@ -102,8 +102,8 @@ class Decay:
 class RingFit(OscillatorFit):
     """The oscillator whose free decays fit the samples of n decays best.
 
-    The unknowns are COMMON, the offsets, the friction forces after the first, and x, ẋ, w of each decay; the residuals
-    run decay by decay, channel by channel.
+    The unknowns are those of the oscillator, the offsets, the friction forces after the first, and x, ẋ, w of
+    each decay; the residuals run decay by decay, channel by channel.
 
     free : which unknowns were not given, (p,).
     ranges : 95 % intervals of common unknowns that a search has profiled, by name.

@@ -49,7 +49,7 @@ _DENSE = 64  # instants of a period, of which a loss of energy is summed
 class LawFit(RingFit):
     """The oscillator with a law whose decays fit the samples best.
 
-    The unknowns are COMMON, `ADDED`, the offsets, and the start state of each decay.
+    The unknowns are those of the oscillator, `ADDED`, the offsets, and the start state of each decay.
 
     terms : of its damping.
     """

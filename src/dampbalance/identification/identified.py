@@ -12,6 +12,7 @@ from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from types import ModuleType
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -44,7 +45,7 @@ _IN_TABLE = ("residual", "misfit")  # of the merit of an answer
 class Picture(NamedTuple):
     """A picture of an identification.
 
-    words : what it shows, for those who cannot see it.   of : what the function of its name in `pictures` draws.
+    words : what it shows, for those who cannot see it.   of : what the function of its name in `drawings` draws.
     """
 
     words: str
@@ -165,6 +166,13 @@ class Identified(ABC):
     @abstractmethod
     def pictures(self) -> dict[str, Picture]:
         """The pictures by name, the most telling first."""
+
+    @property
+    def drawings(self) -> ModuleType:
+        """The module with a function for each of the pictures, by its name."""
+        from . import pictures  # slow to import
+
+        return pictures
 
     def friction_loops(self, mass: float | None = None) -> dict[str, pd.DataFrame]:
         """Return the friction force over the averaged cycle of each forced record, by its name.
@@ -375,10 +383,8 @@ class Identified(ABC):
 
     def draw(self, name: str) -> Figure:
         """One of the pictures, on a page of its own; `plot` draws in axes that are given."""
-        from . import pictures  # slow to import
-
         with _lacking_glyphs():
-            return getattr(pictures, name)(*self.pictures[name].of)
+            return getattr(self.drawings, name)(*self.pictures[name].of)
 
     def plot(
         self,

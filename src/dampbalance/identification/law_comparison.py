@@ -24,9 +24,9 @@ from typing import Any
 import numpy as np
 from scipy import special
 
+from ..arrays import Array
 from ..balance import APPROACHES, Rows
 from ..fit.base_harmonics import settled
-from ..fit.dynamic_stiffness import as_good
 from ..fit.goodness import probability
 from ..fit.steady_search import fit_quickly, with_mass
 from ..fit.waveforms import WaveformFit
@@ -384,3 +384,10 @@ def _rejected(p: Sequence[float]) -> list[bool]:
             break
         rejected[i] = True
     return rejected
+
+
+def as_good(scores: Array, others: Array) -> bool:
+    """Whether the misfits of a law to levels are no larger than another's, within one standard error of the difference
+    over levels."""
+    worse = scores - others
+    return float(np.mean(worse)) <= float(np.std(worse, ddof=1)) / math.sqrt(worse.size)

@@ -1,28 +1,34 @@
 """Pictures of an identification: of forced records the averaged cycles with the fit, the friction loops, the loops of
 the acceleration with the microstick lines, and the rows of the balance; of free decays each decay with the motion
-fitted to it, and the rows; of a stepped sine loss and stiffness against the amplitude, and the sliders. One panel
-takes the whole width, more of them share it.
+fitted to it, and the rows. One panel takes the whole width, more of them share it.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
-from functools import partial
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter
+from matplotlib.ticker import MaxNLocator
 
 from ..arrays import Array
 from ..figures.cycle import branches, whole_cycle
 from ..figures.looks import in_maths, label_of, look_of
-from ..figures.style import DASHED, DOUBLE_COLUMN, FAINT, SLIP, STICK, page, place, styled
+from ..figures.style import (
+    DASHED,
+    DOUBLE_COLUMN,
+    FAINT,
+    SLIP,
+    STICK,
+    explained,
+    page,
+    place,
+    styled,
+)
 from ..fit.decay import RingFit
-from ..fit.dynamic_stiffness import Band, ContactFit
-from ..fit.stepped_lines import SteppedLines
 from ..fit.waveforms import WaveformFit
 from ..motion.unknowns import OSCILLATOR_UNKNOWNS
 from ..project.wording import cut
@@ -91,7 +97,7 @@ def cycles(
         _with_residual(axes, below, np.degrees(theta), left, (0.0, 360.0), symbol, unit)
         for frame in (axes, below):
             frame.set_xticks([0, 90, 180, 270, 360])
-    return _explained(figure, panels)
+    return explained(figure, panels)
 
 
 @styled()
@@ -117,7 +123,7 @@ def friction(
             axes.plot(ends, [F_k, -F_k], "o", color=STICK, markersize=3.0, label="onset of slip")
         axes.set_ylabel("$f$ (N)", labelpad=1.0)
         axes.margins(0.08)
-    return _explained(figure, panels)
+    return explained(figure, panels)
 
 
 @styled()
@@ -147,7 +153,7 @@ def loops(loaded: Sequence[Loaded], readings: Sequence[Reading], shared: Microst
             axes.plot(*ends, "o", color=STICK, markersize=2.5, label="onset of slip")
         axes.set_ylabel(r"$\ddot x$ (m/s²)", labelpad=1.0)
         axes.margins(0.08)
-    return _explained(figure, panels)
+    return explained(figure, panels)
 
 
 @styled()
@@ -232,76 +238,7 @@ def decays(fit: RingFit, turns: Sequence[tuple[Array, Array]]) -> Figure:
             axes.plot(t_turn, x, "o", color=STICK, **rings)
         _with_residual(axes, below, t, residual, (one.start, end), symbol, unit)
         below.set_xlabel("$t$ (s)", labelpad=1.0)
-    return _explained(figure, panels)
-
-
-@styled()
-def loss(lines: SteppedLines, fits: Mapping[str, ContactFit]) -> Figure:
-    """Energy lost per cycle against the amplitude: each line of a table (dots, darker at higher levels), and the law of
-    each contact with its band of 95 %, at the median frequency."""
-    omega = float(np.median(lines.omega))
-    laws = {name: partial(fit.loss, omega=omega) for name, fit in fits.items()}
-    look = {"yscale": "log", "ylabel": "energy lost per cycle, $W$ (mJ)"}
-    return _against_amplitude(lines, math.pi * lines.X**2 * lines.Z.imag, fits, laws, 1e3, look)
-
-
-@styled()
-def stiffness(lines: SteppedLines, fits: Mapping[str, ContactFit]) -> Figure:
-    """Stiffness against the amplitude: (F/X) cos φ + mω² of each line (dots, darker at higher levels), with the mass m
-    of the first contact, and the law of each contact at the median frequency, with its band of 95 %."""
-    m, omega = next(iter(fits.values())).values["m"], float(np.median(lines.omega))
-
-    def law(fit: ContactFit, X: Array) -> Band:
-        return Band(*(of + m * omega**2 for of in fit.stiffness(X, omega)))
-
-    laws = {name: partial(law, fit) for name, fit in fits.items()}
-    of_lines = lines.Z.real + m * lines.omega**2
-    return _against_amplitude(lines, of_lines, fits, laws, 1e-3, {"ylabel": "stiffness (N/mm)"})
-
-
-@styled()
-def distribution(fits: Mapping[str, ContactFit]) -> Figure:
-    """Stiffness of the sliders of each contact against the amplitude at which each begins to slip."""
-    figure = page(DOUBLE_COLUMN, 82.0)
-    axes = place(figure, 22.0, 20.0, 150.0, 56.0)
-    for (name, fit), colour in zip(fits.items(), (SLIP, STICK), strict=False):
-        r, kappa = 1e3 * fit.r, 1e-3 * fit.kappa
-        axes.vlines(r, 0.0, kappa, color=colour, linewidth=0.8)
-        axes.plot(r, kappa, "o", color=colour, markersize=3.0, label=name)
-    axes.set(xscale="log", xlabel="begins to slip at $r$ (mm)", ylabel=r"stiffness $\kappa$ (N/mm)")
-    axes.set_ylim(bottom=0.0)
-    return _explained(figure, [(axes, axes)], scale=1.0)
-
-
-def _against_amplitude(
-    lines: SteppedLines,
-    values: Array,
-    fits: Mapping[str, ContactFit],
-    laws: Mapping[str, Callable[[Array], Band]],
-    factor: float,
-    look: Mapping[str, str],
-) -> Figure:
-    """Values of the lines, and laws with their bands, all a factor times as large.   look : of the axes."""
-    figure = page(DOUBLE_COLUMN, 92.0)
-    axes = place(figure, 22.0, 20.0, 150.0, 66.0)
-    largest = [lines.X[lines.level == i].max() for i in range(len(lines.names))]
-    shades = np.linspace(0.75, 0.15, len(largest))
-    for shade, i in zip(shades, np.argsort(largest), strict=True):
-        own = lines.level == i
-        axes.plot(1e3 * lines.X[own], factor * values[own], ".", color=str(shade), markersize=2.5)
-    for (name, law), colour in zip(laws.items(), (SLIP, STICK), strict=False):
-        low, high = fits[name].X_range
-        X = np.geomspace(low, high, 200)
-        of = law(X)
-        axes.fill_between(
-            1e3 * X, factor * of.low, factor * of.high, color=colour, alpha=0.25, lw=0
-        )
-        axes.plot(1e3 * X, factor * of.value, color=colour, label=name)
-    axes.set(xscale="log", xlabel="amplitude, $X$ (mm)", **look)
-    axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-    axes.xaxis.set_major_formatter("{x:g}")
-    axes.xaxis.set_minor_formatter(NullFormatter())
-    return _explained(figure, [(axes, axes)], scale=1.0)
+    return explained(figure, panels)
 
 
 def _with_residual(
@@ -322,18 +259,6 @@ def _with_residual(
         frame.set_xlim(*ends)
     axes.tick_params(labelbottom=False)
     axes.set_ylabel(f"${symbol}$ ({unit})", labelpad=1.0)
-
-
-def _explained(figure: Figure, panels: Sequence[tuple[Axes, Axes]], scale: float = 2.0) -> Figure:
-    """The figure with a legend at its foot of all that its panels show, marks so many times as large."""
-    named = {
-        label: handle
-        for axes, _ in panels
-        for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)
-    }
-    look: dict[str, Any] = {"loc": "lower center", "borderaxespad": 0.3, "markerscale": scale}
-    figure.legend([*named.values()], [*named], ncols=len(named), **look)
-    return figure
 
 
 def _panels_of_records(

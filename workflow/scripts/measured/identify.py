@@ -2,7 +2,7 @@
 
 import sys
 
-from dampbalance.identification.measured import configured, identify
+from dampbalance.measured import configured, identify
 from dampbalance.project.troubles import brief_troubles
 
 if __name__ == "__main__":

@@ -12,19 +12,29 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..arrays import Array, Integers
-from ..project.wording import listed, shortened
-from .errors import RecordError
-from .mapping import ChannelRule, RecordMapping, Which
-from .measurement import ABSOLUTE
-from .readers.headings import WORDS, by_unit, full_name, names_time, quantity_of, words_of
-from .table import RawChannel, Table
-from .units import PER_FORCE, TABLE_DIMENSIONS, UnitError, find_unit, table_factor
+from ..project.wording import listed, shortened, visible
+from ..records.errors import RecordError
+from ..records.mapping import ChannelRule, MappingLike, RecordMapping, Which, mapping_for
+from ..records.measured import MeasuredRecord
+from ..records.measurement import ABSOLUTE, Measurement
+from ..records.readers import opened
+from ..records.readers.headings import (
+    WORDS,
+    by_unit,
+    full_name,
+    names_time,
+    quantity_of,
+    words_of,
+)
+from ..records.table import RawChannel, Table
+from ..records.units import PER_FORCE, TABLE_DIMENSIONS, UnitError, find_unit, table_factor
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -112,6 +122,52 @@ class SteppedTable:
         sizes = [of.X.size for of in self.levels]
         frame.insert(0, "level", np.repeat([of.name for of in self.levels], sizes))
         return frame
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class SteppedRecord(MeasuredRecord):
+    """A table of steady responses to a stepped sine as one of the records of `read_records`; it has no samples.
+
+    table : its lines.
+    """
+
+    table: SteppedTable = field(kw_only=True)
+
+    def to_frame(self) -> pd.DataFrame:
+        """Its lines: see `SteppedTable`."""
+        return self.table.to_frame()
+
+    def whole(self) -> Measurement:
+        """Raise RecordError: it has no channels."""
+        raise RecordError(
+            f"{self.name}: is a table of steady responses, without samples; take its lines, `table`"
+        )
+
+    def __repr__(self) -> str:
+        """What it holds, in a line."""
+        sizes = [of.X.size for of in self.table.levels]
+        levels = f"{sum(sizes)} lines at {len(sizes)} level{'s' * (len(sizes) > 1)}"
+        return f"<table {self.name}: {levels}; {self.table.convention}>"
+
+
+def read_lines(
+    file: Table, rules: RecordMapping, label: str, stated: bool = False
+) -> SteppedRecord | None:
+    """The record of an open file that is a table of steady responses, as stated or by its columns; None for another.
+
+    Raises RecordError as `read_table`.
+    """
+    if not (stated or is_table_of_lines(file, rules)):
+        return None
+    label = visible(rules.level or label)
+    table = read_table(file, rules, label)
+    return SteppedRecord(str(file.path), label, table.quantities, None, rules, table=table)
+
+
+def recognised_as_table(path: Path, mapping: MappingLike) -> bool:
+    """Whether `read_records` takes a file for a table of steady responses to a stepped sine."""
+    rules = mapping_for(path, mapping)
+    return is_table_of_lines(opened(path, rules), rules)
 
 
 def is_table_of_lines(file: Table, rules: RecordMapping) -> bool:

@@ -1,7 +1,7 @@
 """The contact and the damping from tables of steady responses to a stepped sine, line by line.
 
 A line is a row of the balance, W = πFX sin φ, and its in-phase part says how stiff the contact still is at that
-amplitude. Both are rows of the dynamic stiffness (`fit/dynamic_stiffness.py`), to which two contacts are fitted:
+amplitude. Both are rows of the dynamic stiffness (`lines.py`), to which two contacts are fitted:
 one slider, that of the paper, and many that slip one after the other, as the interface of a bolted joint does.
 """
 
@@ -10,31 +10,43 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from functools import partial
+from pathlib import Path
+from types import ModuleType
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, get_args
 
 import numpy as np
 
+from .. import arguments
 from ..arrays import Integers, Mask
 from ..balance import Rows
-from ..fit.dynamic_stiffness import (
-    ContactComparison,
-    ContactFit,
-    compare_contacts,
-    fit_contact,
+from ..identification.answer import (
+    CONFIDENCE,
+    UNKNOWN,
+    Answer,
+    Balance,
+    Interval,
+    ParameterEstimate,
+    covariance_of,
 )
-from ..fit.stepped_lines import Contact, SteppedLines
-from ..law.law import Law
+from ..identification.identified import Identified, Level, Picture
+from ..identification.screen import with_error
+from ..identification.sensitivities import Fault
+from ..identification.stated import with_stated_uncertainties
+from ..law.law import Law, law_of
 from ..law.terms import FRICTION, term
 from ..project.wording import Remark, listed, number_text
-from ..records.measured import MeasuredRecord
-from .answer import CONFIDENCE, UNKNOWN, Answer, Balance, Interval, ParameterEstimate, covariance_of
-from .identified import Identified, Level, Picture
-from .screen import with_error
-from .sensitivities import Fault
+from ..records.mapping import MappingLike
+from ..records.measured import as_records, require_different
+from .fit import ContactComparison, ContactFit, compare_contacts, fit_contact
+from .lines import Contact, SteppedLines
+from .records import SteppedRecord, read_lines
 
 if TYPE_CHECKING:
     import pandas as pd
     from numpy.typing import ArrayLike
+
+    from ..records.measured import RecordLike
 
 _FELT = 0.01  # of k: a part of the contact that sticks, and is worth a sentence
 _FAR = 4.0  # standard errors by which a stiffness that is stated is contradicted
@@ -173,33 +185,75 @@ class SteppedOutcome(Identified):
             ),
         }
 
+    @property
+    def drawings(self) -> ModuleType:
+        """The module of these pictures."""
+        from . import pictures  # slow to import
 
-def identify_tables(
-    tables: Sequence[MeasuredRecord],
-    k: float | None,
-    law: Law,
+        return pictures
+
+
+def identify_joint(
+    records: RecordLike | Sequence[RecordLike],
+    stiffness: float | tuple[float, float] | str | None = None,
     *,
+    mapping: MappingLike = None,
+    mass: float | tuple[float, float] | str | None = None,
+    terms: Sequence[str] | str | None = None,
+    given: Mapping[str, float] | None = None,
     contact: Asked = "both",
-    uncertainty: float = 0.0,
-    **options: Any,
-) -> SteppedOutcome:
-    """The contact and the damping from tables of steady responses at two levels of excitation or more.
+    hardening: bool = True,
+    residual: bool = False,
+) -> Identified:
+    """Identify the contact and the damping from tables of steady responses to a stepped sine.
 
-    k : stiffness, N/m; None where the lines are to tell it, which those of base motions cannot.   law : whose terms
-    except the friction are fitted.   contact : "both" compares them, from three levels on.   uncertainty : standard
-    uncertainty of k, N/m; where a force drives, the lines test it.   options : mass, hardening and residual of
-    `fit_contact`.
+    Use it for a joint that is driven at two levels of excitation or more: each line of a table gives a row of the
+    balance, W = πFX sin φ, and how stiff the contact still is at that amplitude.
 
-    Raises ValueError for base motions without a stiffness, fewer than two levels, lines that do not determine the
-    unknowns, and a friction force that is given.
+    records : files, tables of pandas, arrays, or what `read_records` returns; two levels at least, in one or several.
+    stiffness : k of the spring, N/m, with its standard uncertainty as (2310.0, 10.0) or "2310±10"; None where the lines
+    are to tell it, which those of base motions cannot. Where a force drives, the lines test it.
+    mapping : what the tables do not say of their columns.
+    mass : kg, if it is known.
+    terms : of the damping law, as for `identify`.
+    given : symbol → known coefficient, SI units; not of the friction.
+    contact : "one slider", that of the paper, "gradual", many that slip one after the other as the interface of a
+    bolted joint does, or "both", of which the one that the lines support is the answer; it takes three levels to tell.
+    hardening : whether the spring may stiffen with the amplitude.
+    residual : whether other modes may move the driven point, too. Use it for a structure.
+
+    Raises ValueError naming argument or record: base motions without a stiffness, fewer than two levels, lines that do
+    not determine the unknowns, a friction force that is given, a record that is no table of a stepped sine.
     """
+    arguments.one_of("contact", contact, get_args(Asked))
+    k, error = (None, 0.0) if stiffness is None else arguments.with_error("stiffness", stiffness)
+    m, m_error = (None, None) if mass is None else arguments.mass_with_error(mass)
+    law = law_of(terms, given, None)
+    own = {
+        "hardening": arguments.flag("hardening", hardening),
+        "residual": arguments.flag("residual", residual),
+    }
+    read = as_records(records, mapping=mapping, reader=partial(read_lines, stated=True))
+    require_different(read)
+    tables = [record for record in read if isinstance(record, SteppedRecord)]
+    other = next((record.name for record in read if record not in tables), None)
+    if other is not None:
+        raise ValueError(
+            f"{other} is no table of a stepped sine: identify it separately, as forced records or free decays"
+        )
     if FRICTION in law.given:
         raise ValueError(
             f"{FRICTION} is what slips at the amplitudes seen: it cannot be given for a stepped sine"
         )
     lines, table_of = _lines(tables, k)
     terms = tuple(symbol for symbol in law.terms if symbol != FRICTION)
-    asked = {"terms": terms, "given": dict(law.given), "stiffness": k, **options}
+    asked: dict[str, Any] = {
+        "terms": terms,
+        "given": dict(law.given),
+        "stiffness": k,
+        "mass": m,
+        **own,
+    }
     contacts, compared = _CONTACTS if contact == "both" else (contact,), None
     if contact == "both" and len(lines.names) > 2:
         compared = compare_contacts(lines, **asked)
@@ -207,13 +261,24 @@ def identify_tables(
     else:
         fits = {name: fit_contact(lines, contact=name, **asked) for name in contacts}
     first = next(iter(fits.values()))
-    by_force = all(of.table.by_force for of in tables if of.table)
+    by_force = all(of.table.by_force for of in tables)
     tested = {
-        name: list(_on_stiffness(fit, uncertainty)) if by_force else []
-        for name, fit in fits.items()
+        name: list(_on_stiffness(fit, error)) if by_force else [] for name, fit in fits.items()
     }
     said = [] if compared is None else [f"{compared.words()}."]
-    return SteppedOutcome(
+    options = {
+        "kind": SteppedOutcome.kind["kind"],
+        "stiffness_N_per_m": k,
+        "stiffness_standard_error_N_per_m": error,
+        "mass_kg": m,
+        "mass_standard_error_kg": m_error,
+        "terms": list(law.terms),
+        "given": dict(law.given),
+        "contact": contact,
+        **own,
+        "mapping": str(mapping) if isinstance(mapping, str | Path) else None,
+    }
+    found = SteppedOutcome(
         k=first.values["k"],
         sources=tuple(table.name for table in tables),
         estimates={
@@ -233,8 +298,11 @@ def identify_tables(
         table_of=table_of,
         fits=fits,
         compared=compared,
-        by_base=~np.array([of.table is not None and of.table.by_force for of in tables])[table_of],
+        by_base=~np.array([of.table.by_force for of in tables])[table_of],
+        records=tuple(tables),
+        options=options,
     )
+    return with_stated_uncertainties(found)
 
 
 _UNCOMPARED = Remark(
@@ -243,10 +311,10 @@ _UNCOMPARED = Remark(
 )
 
 
-def _lines(tables: Sequence[MeasuredRecord], k: float | None) -> tuple[SteppedLines, Integers]:
+def _lines(tables: Sequence[SteppedRecord], k: float | None) -> tuple[SteppedLines, Integers]:
     """All lines of the tables, and the table of each."""
     levels = [
-        (i, t.table.by_force, of) for i, t in enumerate(tables) if t.table for of in t.table.levels
+        (i, one.table.by_force, of) for i, one in enumerate(tables) for of in one.table.levels
     ]
     by_base = next((tables[i].name for i, by_force, _ in levels if not by_force), None)
     if by_base and k is None:
@@ -383,10 +451,9 @@ def _rig(fit: ContactFit, lines: SteppedLines) -> Iterator[str]:
         yield f"Other modes of the structure move the driven point by R = {1e6 * R:.3g} µm/N, {like}."
 
 
-def _counted(tables: Sequence[MeasuredRecord]) -> list[str]:
+def _counted(tables: Sequence[SteppedRecord]) -> list[str]:
     """How the phases of the tables are counted, a sentence for each way."""
     ways: dict[str, list[str]] = {}
     for table in tables:
-        if table.table is not None:
-            ways.setdefault(table.table.convention, []).append(table.label)
+        ways.setdefault(table.table.convention, []).append(table.label)
     return [f"The lines of {listed(of)} show that {way}." for way, of in ways.items()]

@@ -1,6 +1,6 @@
 """Contact, damping, stiffness and mass from steady responses to a harmonic force, with intervals; which contact it is.
 
-The equations and the fit are those of `stepped_lines.py`. Intervals come from replicates of the lines about the law.
+The equations and the fit are those of `lines.py`. Intervals come from replicates of the lines about the law.
 """
 
 from __future__ import annotations
@@ -13,14 +13,12 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arrays import Array, Complexes
-from ..law.gradual import Sliders, secant
+from ..identification.law_comparison import as_good
 from ..law.terms import symbols_in_words
 from ..project.wording import number_text, part
 from ..signals.one_thread import one_thread
-from .stepped_lines import LESS, Design, Estimate, Rows, column, estimated
-from .stepped_lines import Contact as Contact
-from .stepped_lines import Misfit as Misfit
-from .stepped_lines import SteppedLines as SteppedLines
+from .contact import Sliders, secant
+from .lines import LESS, Contact, Design, Estimate, Misfit, Rows, SteppedLines, column, estimated
 
 _REPEATS = 3  # of the errors of changed lines, which start from those of the fit
 _FIRST_ERROR = 0.05  # of Z, where the iteration of errors starts
@@ -140,11 +138,13 @@ class ContactFit:
         """
         own, size, residual = self.design.rows, np.abs(Z), "R" in self.values
         known = {**own.given, **given}
+        stiffness = own.stiffness and known["k"]
         rows = replace(
             own,
             lines=replace(own.lines, X=X * own.lines.X, Z=Z * own.lines.Z),
             given=known,
-            stiffness=own.stiffness and known["k"],
+            stiffness=stiffness,
+            parts={name: column(name, own.lines.omega, stiffness) for name in own.parts},
             sigma=size * own.sigma,
             R=own.R / float(np.mean(size)),
         )
@@ -174,7 +174,8 @@ class ContactFit:
         self, X: Array, omega: Array, names: Sequence[str], of: Callable[[Complexes], Array]
     ) -> Band:
         names = [name for name in names if name in self.values]
-        parts = np.array([column(name, omega, X, self.design.rows.stiffness) for name in names])
+        columns = [column(name, omega, self.design.rows.stiffness) for name in names]
+        parts = np.array([size * X**power for size, power in columns])
         drawn = self.draws
         given = {name: np.full(len(drawn.r), self.values[name]) for name in names}
         values = np.array(
@@ -247,7 +248,9 @@ def _asked(
     free = [name for name, value in own.items() if value is None]
     free += ["k_3"] * (hardening and not alike)
     known = {name: value for name, value in own.items() if value is not None}
-    rows = Rows(lines, tuple(free), known, stiffness, _FIRST_ERROR * np.abs([lines.Z] * 2))
+    parts = {name: column(name, lines.omega, stiffness) for name in (*own, "k_3")}
+    first = _FIRST_ERROR * np.abs([lines.Z] * 2)
+    rows = Rows(lines, tuple(free), known, stiffness, parts, first)
     unknowns = len(free) + {"none": 0, "one slider": 2, "gradual": 6}[contact]
     if 2 * lines.X.size < unknowns + 2:
         raise ValueError(
@@ -269,7 +272,7 @@ def _fitted(found: Estimate, terms: tuple[str, ...], residual: bool) -> ContactF
     about = design.solve(rows.target, LESS * found.smoothing)
     law = rows.weighted(rows.law(about) - rows.known)
     targets = law + _noise(law.size)
-    points = [about, *(design.solve(target, found.smoothing) for target in targets)]
+    points = [about, *design.solve_each(targets, found.smoothing)]
     draws = _Draws(
         dict(zip(rows.free, np.array([one.linear for one in points]).T, strict=True)),
         np.array([one.r for one in points]),
@@ -294,7 +297,7 @@ def _fitted(found: Estimate, terms: tuple[str, ...], residual: bool) -> ContactF
         low, high = (float(end) for end in _interval(np.array(estimates[name]), of))
         intervals[name] = (low if name == "R" else max(low, 0.0), high)
     if contact == "one slider":
-        near = [design.with_slider(ln_r, rows.target) for ln_r in np.log(design.nodes)]
+        near = design.with_each_slider(rows.target)
         best = min(one.chi_square for one in (*near, design.solve(rows.target)))
         allowed = [one.chi_square < best + _CHI_SQUARE for one in near]
         if allowed[0]:
@@ -378,13 +381,6 @@ class ContactTrial:
     def as_good_as(self, other: ContactTrial, which: str = "score") -> bool:
         """Whether levels are predicted as well, within one standard error of the difference."""
         return as_good(self.scores(which), other.scores(which))
-
-
-def as_good(scores: Array, others: Array) -> bool:
-    """Whether the misfits of a law to levels are no larger than another's, within one standard error of the difference
-    over levels."""
-    worse = scores - others
-    return float(np.mean(worse)) <= float(np.std(worse, ddof=1)) / math.sqrt(worse.size)
 
 
 @dataclass(frozen=True, eq=False)
@@ -508,18 +504,15 @@ def _one_slider_is_enough(one: Estimate, gradual: Estimate, residual: bool) -> f
         (_with_R(found) if residual else found.design, found.smoothing) for found in (one, gradual)
     ]
     law = one.rows.weighted(one.rows.law(one.point) - one.rows.mode.Z)
-    noise = _noise(law.size)
-
-    def gain(moved: Array) -> float:
-        misfits = [
-            design.solve(design.rows.target + moved, smoothing).chi_square
-            for design, smoothing in designs
-        ]
-        return misfits[0] - misfits[1]
-
-    gained = gain(np.zeros(law.size))
-    larger = sum(gain(law + of) >= gained for of in noise)
-    return (1.0 + larger) / (_DRAWS + 1.0)
+    moved = np.vstack([np.zeros(law.size), law + _noise(law.size)])
+    of_one, of_many = (
+        np.array(
+            [point.chi_square for point in design.solve_each(design.rows.target + moved, smoothing)]
+        )
+        for design, smoothing in designs
+    )
+    gain = of_one - of_many
+    return (1.0 + np.count_nonzero(gain[1:] >= gain[0])) / (_DRAWS + 1.0)
 
 
 def _size(law: tuple[str, tuple[Contact, tuple[str, ...]]]) -> float:

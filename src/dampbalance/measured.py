@@ -5,32 +5,73 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
-from ..arguments import flag, mass_with_error, number, one_of, whole, with_error
-from ..balance import TERMS, checks
-from ..law.law import Law, law_of
-from ..motion.jit import interpreted
-from ..project.wording import listed, visible
-from ..records.mapping import MappingLike
-from ..records.measured import MeasuredRecord, read_records
-from .decays import identify_ring_downs
-from .forced import identify_readings
-from .identified import QUICK, Identified
-from .law_comparison import compare_laws
-from .loading import Loaded, NotDriven, load
-from .stated import with_stated_uncertainties
-from .stepped_sine import Asked, identify_tables
+from .arguments import flag, mass_with_error, number, one_of, whole, with_error
+from .balance import TERMS, checks
+from .identification.decays import identify_ring_downs
+from .identification.forced import identify_readings
+from .identification.identified import QUICK, Identified
+from .identification.law_comparison import compare_laws
+from .identification.loading import Loaded, NotDriven, load
+from .identification.stated import with_stated_uncertainties
+from .joints.answer import Asked, identify_joint
+from .joints.records import SteppedRecord, read_lines
+from .joints.records import recognised_as_table as recognised_as_table
+from .law.law import Law, law_of
+from .motion.jit import interpreted
+from .project.wording import listed
+from .records.mapping import MappingLike
+from .records.measured import MeasuredRecord, as_records, require_different
 
 if TYPE_CHECKING:
-    from ..records.measured import RecordLike
+    from .records.measured import RecordLike
 
 Kind = Literal["recognised", "forced", "ring-down", "stepped-sine"]
 """Kind of records: as the first of them is recognised, forced, free decays, or tables of steady responses."""
 
 # of the free oscillator in a cycle of the drive, or cycles in a swing; beyond that a unit is wrong
 _MOST_SWINGS = 1000.0
+
+
+def read_records(
+    records: RecordLike | Sequence[RecordLike],
+    *,
+    mapping: MappingLike = None,
+    tables: bool | None = None,
+    free: bool = False,
+) -> tuple[MeasuredRecord, ...]:
+    """Measured records, ready for `identify`: from files, tables of pandas, or arrays.
+
+    records : one, or several. Each is the path of a file in any format (`config/records/README.md`); a pandas
+    DataFrame; a mapping of names to arrays, (n,), or an array with named fields; a `Measurement`; or a record already
+    read. Columns and arrays are named like those of a file, displacement_mm or force_N, with time_s among them, or
+    sample_rate_hz as a number. A masked sample is missing, as an empty cell of a file is.
+    mapping : what the names do not say, for all records: a document as in the YAML file of a record, or the path of
+    one; default, for a file, the one next to it.
+    tables : whether they are tables of steady responses to a stepped sine (frequency, amplitudes, phase); default,
+    those that have columns of frequency and phase and none of times.   free : whether they are known to be free decays,
+    so that no channel that nothing names, and no unit of a drive, is in the way.
+
+    A record in memory is called "record 1" by its place, or as `name` in the `attrs` of its table says.
+
+    Raises RecordError (a ValueError) naming record, key and remedy: a channel that is missing or unclear, a wrong unit,
+    times that do not increase or have a gap, a value that is not finite, a constant channel.
+
+    >>> import numpy as np
+    >>> from dampbalance import read_records
+    >>> t = np.arange(0.0, 2.0, 1e-3)
+    >>> base, mass = 4.0 * np.cos(22.0 * t), 2.0 * np.sin(22.0 * t)
+    >>> (record,) = read_records({"time_s": t, "base_displacement_mm": base, "displacement_mm": mass})
+    >>> record
+    <record record 1: base_displacement and displacement; 2,000 samples from 0 s to 1.999 s at 1000 Hz>
+    >>> float(record.measurement["base_displacement"].values[0])  # m
+    0.004
+    """
+    reader = None if tables is False else partial(read_lines, stated=bool(tables))
+    return as_records(records, mapping=mapping, free=free, reader=reader)
 
 
 def identify(
@@ -122,16 +163,12 @@ def identify(
     of_kind = {"recognised": None, "stepped-sine": True}.get(kind, False)
     free = kind == "ring-down"
     read = read_records(records, mapping=mapping, tables=of_kind, free=free)
-    _require_different(read)
-    lines = [record.name for record in read if record.table is not None]
-    others = [record.name for record in read if record.table is None]
-    if others and (lines or kind == "stepped-sine"):
-        raise ValueError(
-            f"{others[0]} is no table of a stepped sine: identify it separately, as forced records or free decays"
-        )
+    require_different(read)
+    lines = [one.name for one in read if isinstance(one, SteppedRecord)]
     if lines and kind not in ("recognised", "stepped-sine"):
         raise ValueError(f"{lines[0]} is a table of a stepped sine: leave out kind = {kind!r}")
-    k, error = (None, 0.0) if lines and stiffness is None else with_error("stiffness", stiffness)
+    of_joint = bool(lines) or kind == "stepped-sine"
+    k, error = (None, 0.0) if of_joint and stiffness is None else with_error("stiffness", stiffness)
     options: dict[str, Any] = {
         "stiffness_N_per_m": k,
         "stiffness_standard_error_N_per_m": error,
@@ -149,8 +186,19 @@ def identify(
         "mapping": str(mapping) if isinstance(mapping, str | Path) else None,
         "skip_cycles": skip_cycles,
     }
-    if lines:
-        return _of_tables(read, law, _taken("stepped-sine", options))
+    if of_joint:
+        _taken("stepped-sine", options)
+        return identify_joint(
+            read,
+            stiffness,
+            mapping=mapping,
+            mass=mass,
+            terms=terms,
+            given=given,
+            contact=contact,
+            hardening=hardening,
+            residual=residual,
+        )
     try:
         if kind != "ring-down":
             return _of_steady(read, law, _taken("forced", options))
@@ -283,31 +331,6 @@ def _of_decays(records: tuple[MeasuredRecord, ...], options: Mapping[str, Any]) 
     return with_stated_uncertainties(
         replace(found, warnings=warnings, records=records, options=options)
     )
-
-
-def _of_tables(
-    tables: tuple[MeasuredRecord, ...], law: Law, options: Mapping[str, Any]
-) -> Identified:
-    k, error, mass, _ = (options[name] for name in _OF_K_AND_M)
-    own = {name: options[name] for name in _OF_CONTACT}
-    found = identify_tables(tables, k, law, mass=mass, uncertainty=error, **own)
-    return with_stated_uncertainties(replace(found, records=tables, options=options))
-
-
-def _require_different(records: Sequence[MeasuredRecord]) -> None:
-    """Raise ValueError for no records, and for a file named twice, also by a link or another spelling of its path."""
-    if not records:
-        raise ValueError("no records are given; name one for each level, or one of a free decay")
-    known: dict[tuple[int, int], str] = {}
-    for record in records:
-        if record.files is None:
-            continue
-        found = Path(record.name).stat()
-        other = known.setdefault((found.st_dev, found.st_ino), record.name)
-        if other is not record.name:
-            twice = f"{other} is named twice"
-            named = twice if other == record.name else f"{other} and {record.name} are one file"
-            raise ValueError(f"{visible(named)}: each record is one level")
 
 
 def _require_possible(loaded: Sequence[Loaded], mass: float | None, k: float) -> None:

@@ -13,11 +13,11 @@ import pytest
 from matplotlib import pyplot
 
 from dampbalance import Oscillator, identify, measured_ring_down, read_records
-from dampbalance.fit.dynamic_stiffness import fit_contact
 from dampbalance.identification.outputs import REPORT, TABLES, outputs_of
 from dampbalance.identification.sensitivities import FAULTS, Fault
-from dampbalance.law.gradual import Sliders
-from dampbalance.records.synthetic import stepped_sine
+from dampbalance.joints.contact import Sliders
+from dampbalance.joints.fit import fit_contact
+from dampbalance.joints.synthetic import stepped_sine
 from folders import ROOT
 
 OSCILLATOR = {"m": 2.0, "c": 6.0, "k": 180_000.0}

@@ -32,19 +32,6 @@ def secant(X: Array, r: Array) -> Complexes:
     return np.asarray((in_phase + 4j * ratio * (1.0 - ratio)) / np.pi)
 
 
-def play(x: Array, r: Array, start: Array | None = None) -> Array:
-    """Deflections z of sliders that follow a sampled motion, m, (N, j): exact where x is monotone between samples.
-
-    x : displacement, m, (N,).   r : m, (j,).   start : deflections at the first sample, m, (j,); default, none.
-    """
-    z = np.zeros(np.size(r)) if start is None else np.clip(start, -r, r)
-    deflections = [z]
-    for step in np.diff(x):
-        z = np.clip(z + step, -r, r)
-        deflections.append(z)
-    return np.array(deflections)
-
-
 @dataclass(frozen=True, eq=False)
 class Sliders:
     """Sliders in parallel.   r : deflections at which they slip, m, (j,).   kappa : stiffnesses, N/m, (j,)."""
@@ -69,7 +56,3 @@ class Sliders:
     def loss(self, X: Array) -> Array:
         """Energy lost per cycle of a harmonic motion, J, (n,)."""
         return 4.0 * np.maximum(np.subtract.outer(X, self.r), 0.0) @ (self.kappa * self.r)
-
-    def force(self, x: Array, start: Array | None = None) -> Array:
-        """Force along a sampled motion, N, (N,).   x, start : as for `play`."""
-        return play(x, self.r, start) @ self.kappa

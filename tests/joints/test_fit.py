@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from dampbalance.fit.dynamic_stiffness import (
+from dampbalance.joints.fit import (
     SteppedLines,
     compare_contacts,
     fit_contact,

@@ -325,7 +325,7 @@ def test_a_record_in_time_is_no_table():
     columns = {"time_s": t, "base_displacement_mm": np.cos(22.0 * t), "x_mm": np.sin(22.0 * t)}
     more = {"frequency (Hz)": np.full(t.size, 3.5), "phase (rad)": np.sin(t)}
     (record,) = read_records(columns | more)
-    assert record.table is None
+    assert record.measurement is not None
 
 
 def test_columns_of_levels_stand_in_the_same_groups(tmp_path):

@@ -4,7 +4,7 @@ Each line is a complex number, the dynamic stiffness Z = (F/X)e^{iφ}, φ the la
 
     Z = k + ¾k_3X² − mω² + i Σ p g_p/(πX²) + Σ κ_j D(X/r_j)
 
-with the integrals g_p of the terms (`law/terms.py`) and the secant D of a slider (`law/gradual.py`). The imaginary part
+with the integrals g_p of the terms (`law/terms.py`) and the secant D of a slider (`contact.py`). The imaginary part
 is the energy balance πX² Im Z = πFX sin φ, Eq. (14) of Liang & Feeny (2010), the real part the in-phase row, which a
 contact lowers with the amplitude. Where the driven point moves with other modes, too, their residual receptance R
 changes what is measured:
@@ -18,17 +18,17 @@ contact is piecewise linear over ln r, and as smooth as the prediction of levels
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Literal, NamedTuple
+from typing import Literal, NamedTuple, TypeAlias
 
 import numpy as np
 from scipy import optimize
 
 from ..arrays import Array, Complexes, Integers, Mask
-from ..law.gradual import secant
 from ..law.terms import FRICTION, term
+from .contact import secant
 
 Contact = Literal["none", "one slider", "gradual"]
 
@@ -95,17 +95,22 @@ class Misfit(NamedTuple):
         return 0.5 * (self.loss_score + self.in_phase_score)
 
 
-_OF_SPRING: Mapping[str, Callable[[Array, Array], Array]] = {
-    "k": lambda omega, X: np.ones_like(X),
-    "m": lambda omega, X: -(omega**2),
-    "k_3": lambda omega, X: 0.75 * X**2,
+Column: TypeAlias = "tuple[Complexes, float]"
+"""What an unknown of unit size adds to Z at an amplitude of 1 m and the frequency of each line, (n,), and the power of
+the amplitude with which that grows."""
+
+_OF_SPRING: Mapping[str, tuple[Callable[[Array], Array], float]] = {
+    "k": (np.ones_like, 0.0),
+    "m": (lambda omega: -(omega**2), 0.0),
+    "k_3": (lambda omega: np.full_like(omega, 0.75), 2.0),
 }
 
 
-def column(name: str, omega: Array, X: Array, stiffness: float | None) -> Complexes:
-    """What an unknown of unit size adds to Z, (n,). Raises ValueError for a term that lines do not tell."""
+def column(name: str, omega: Array, stiffness: float | None) -> Column:
+    """Return what an unknown of unit size adds to Z. Raises ValueError for a term that lines do not tell."""
     if name in _OF_SPRING:
-        return np.asarray(_OF_SPRING[name](omega, X) + 0j)
+        size, power = _OF_SPRING[name]
+        return np.asarray(size(omega) + 0j), power
     of = term(name)
     if of.force is None:
         raise ValueError(f'{FRICTION} belongs to the contact: ask for contact="one slider"')
@@ -113,7 +118,8 @@ def column(name: str, omega: Array, X: Array, stiffness: float | None) -> Comple
         raise ValueError(f"{name} acts against the base, whose motion the lines do not hold: use c")
     if stiffness is None and of.force(1.0, 0.0, 2.0, 1.0) != of.force(1.0, 0.0, 1.0, 1.0):
         raise ValueError(f"the force of {name} depends on the spring: state stiffness")
-    return np.asarray(1j * of.harmonic(omega, X, 0.0, 0.0, stiffness or 1.0) / (math.pi * X**2))
+    loss = of.harmonic(omega, 1.0, 0.0, 0.0, stiffness or 1.0)
+    return np.asarray(1j * loss / math.pi), of.order - 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,6 +138,7 @@ class Rows:
     """Rows of the real and the imaginary part of each line in standard errors, for one residual receptance.
 
     lines : as measured.   free, given : unknowns that are linear, and those whose value is given.
+    parts : what each of them adds to Z.
     sigma : standard errors of the real and the imaginary part of each measured Z, N/m, (2, n).
     """
 
@@ -139,11 +146,13 @@ class Rows:
     free: tuple[str, ...]
     given: Mapping[str, float]
     stiffness: float | None
+    parts: Mapping[str, Column]
     sigma: Array
     R: float = 0.0
 
     def __getitem__(self, kept: Mask) -> Rows:
-        return replace(self, lines=self.lines[kept], sigma=self.sigma[:, kept])
+        parts = {name: (size[kept], power) for name, (size, power) in self.parts.items()}
+        return replace(self, lines=self.lines[kept], parts=parts, sigma=self.sigma[:, kept])
 
     @cached_property
     def mode(self) -> SteppedLines:
@@ -161,8 +170,8 @@ class Rows:
 
     def columns(self, names: Sequence[str]) -> Complexes:
         """What unknowns of unit size add to Z, (n, p)."""
-        omega, X = self.mode.omega, self.mode.X
-        columns = [column(name, omega, X, self.stiffness) for name in names]
+        X = self.mode.X
+        columns = [size * X**power for size, power in map(self.parts.__getitem__, names)]
         return np.array(columns).reshape(len(names), X.size).T
 
     @cached_property
@@ -300,10 +309,22 @@ class Design:
         chi_square = float(np.sum((self.joined @ p - y) ** 2))
         return Point(p[:own], p[own:], self.r, kappa, chi_square)
 
+    def solve_each(self, targets: Iterable[Array], smoothing: float = 0.0) -> list[Point]:
+        """The unknowns of largest likelihood for each of several right sides."""
+        return [self.solve(target, smoothing) for target in targets]
+
     def with_slider(self, ln_r: float, target: Array) -> Point:
         """The unknowns of largest likelihood with one slider of this r, m."""
-        r, y = np.exp([ln_r]), self.without_R(target)
-        A = np.hstack([self.linear, self.sliders(r)])
+        r = np.exp([ln_r])
+        return self._with_slider(r, self.sliders(r), self.without_R(target))
+
+    def with_each_slider(self, target: Array) -> list[Point]:
+        """The unknowns of largest likelihood with each of the sliders that are tried."""
+        y, each = self.without_R(target), np.arange(self.nodes.size)[:, None]
+        return [self._with_slider(self.nodes[i], self.tried[:, i], y) for i in each]
+
+    def _with_slider(self, r: Array, column: Array, y: Array) -> Point:
+        A = np.hstack([self.linear, column])
         p = _nnls(A, y)
         return Point(p[:-1], p[-1:], r, p[-1:], float(np.sum((A @ p - y) ** 2)))
 
@@ -314,7 +335,7 @@ class Design:
             q, across, inverse = self._across(tuple(free.tolist()))
             along = across.T @ (y - q @ (q.T @ y))
             best = int(np.argmax(np.maximum(along, 0.0) ** 2 * inverse))
-            found = self.with_slider(tried[best], y)
+            found = self._with_slider(self.nodes[[best]], self.tried[:, [best]], y)
             if found.linear.all():
                 break
             free = found.linear > 0.0
