@@ -11,7 +11,10 @@ if TYPE_CHECKING:
     from .balance import Approach, Rows
     from .features import Features
     from .identification.answer import Answer, Interval, ParameterEstimate, Verdict
+    from .identification.decays import identify_decays
+    from .identification.forced import identify_forced
     from .identification.identified import Identified
+    from .joints.answer import identify_joint
     from .law.terms import Term
     from .measured import identify, read_records
     from .model import BaseMotion, Oscillator
@@ -54,6 +57,9 @@ __all__ = [
     "Trajectory",
     "Verdict",
     "identify",
+    "identify_decays",
+    "identify_forced",
+    "identify_joint",
     "measured_orbit",
     "measured_ring_down",
     "read_records",
@@ -69,7 +75,10 @@ _MODULES = {
     "balance": ("Approach", "Rows"),
     "features": ("Features",),
     "identification.answer": ("Answer", "Interval", "ParameterEstimate", "Verdict"),
+    "identification.decays": ("identify_decays",),
+    "identification.forced": ("identify_forced",),
     "identification.identified": ("Identified",),
+    "joints.answer": ("identify_joint",),
     "law.terms": ("Term",),
     "measured": ("identify", "read_records"),
     "model": ("BaseMotion", "Oscillator"),

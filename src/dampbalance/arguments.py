@@ -73,6 +73,7 @@ NUMBERS: Mapping[str, Bounds] = {
     "threads": Bounds("", 1, _WORD),
     "count": Bounds("harmonics", 1, 10_000),
     "n": Bounds("", 1, 5),
+    "decimals": Bounds("", -15, 30),
     "block": Bounds("samples", 3, _WORD),
 }
 """Each number that a public function takes, by the name of its argument; bounds that are integers: whole numbers."""
@@ -95,11 +96,12 @@ def number(name: str, value: object, label: str = "") -> float:
 
 
 def with_error(name: str, value: object) -> tuple[float, float]:
-    """A number of the table and its standard uncertainty: 2310.0, (2310.0, 10.0), "2310±10" or "2310+-10"."""
+    """A number of the table and its standard uncertainty: 2310.0, "2310", (2310.0, 10.0), "2310±10" or "2310+-10"."""
     pair: Any = value
     if isinstance(value, str):
         with suppress(ValueError):
             pair = [float(part) for part in re.split(_UNCERTAIN, value)]
+            value = pair[0] if len(pair) == 1 else value
     if not isinstance(pair, list | tuple) or len(pair) != 2:
         return number(name, value), 0.0
     plain, error = number(name, pair[0]), pair[1]

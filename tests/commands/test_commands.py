@@ -6,6 +6,7 @@ import hashlib
 import json
 import re
 import sys
+from importlib import import_module
 from pathlib import Path
 from urllib.parse import urlsplit
 from urllib.request import url2pathname
@@ -16,8 +17,10 @@ import pytest
 
 from dampbalance import identify, read_records
 from dampbalance.balance import checks
+from dampbalance.commands.identify import ARGUMENTS
 from dampbalance.commands.main import COMMANDS, main, parser
 from dampbalance.identification.outputs import OUTPUTS, TABLES, outputs_of
+from dampbalance.measured import OPTIONS
 from dampbalance.records.readers import read
 from folders import ROOT
 from paper_case import PAPER
@@ -325,12 +328,12 @@ TERMS = "symbols with their coefficients, as in c_2=40,eta=0.02"
 @pytest.mark.parametrize(
     ("option", "value", "wanted"),
     [
-        ("--frequency", "0", "must be a positive number, 1e-09 to 1e+09"),
-        ("--amplitude", "-1", "must be a positive number"),
-        ("--mass", "1e300", "must be a positive number, 1e-15 to 1e+15"),
-        ("--damping", "nan", "must be a number, 0 to 1e+15"),
-        ("--rate", "0", "must be a positive number"),
-        ("--start", "inf", "must be a number, -1e+12 to 1e+12"),
+        ("--frequency", "0", "must be a positive number of Hz, 1e-30 to 1e+30, got 0"),
+        ("--amplitude", "-1", "must be a positive number of m"),
+        ("--mass", "1e300", "must be a positive number of kg, 1e-30 to 1e+30"),
+        ("--damping", "nan", "must be a number of N s/m, 0 to 1e+30"),
+        ("--rate", "0", "must be a positive number of samples per second"),
+        ("--start", "inf", "must be a number of s, -1e+30 to 1e+30"),
         ("--noise", "-0.1", "must be a number, 0 to 1e+06"),
         ("--seed", "-1", "must be a whole number, 0 to"),
         ("--seed", "9" * 5000, "must be a whole number, 0 to"),
@@ -339,7 +342,7 @@ TERMS = "symbols with their coefficients, as in c_2=40,eta=0.02"
         ("--law", "c_2=40,", f"must be {TERMS}"),
         ("--law", "", f"must be {TERMS}"),
         ("--law", "c_7=1", "unknown term 'c_7'; known are F_k, c, c_r, c_2, c_3, eta"),
-        ("--law", "c_2=-1", "c_2 must be a number, 0 to 1e+15, got '-1'"),
+        ("--law", "c_2=-1", "c_2 must be a number, 0 to 1e+30, got -1"),
         ("--law", "c_2=nan", "c_2 must be a number"),
         ("--law", "eta=", "eta must be a number"),
         ("--law", "c_2=1,c_2=3", "c_2 stands there twice"),
@@ -426,7 +429,7 @@ ONE, TWO = RECORDS[0], [*RECORDS[:2], *COMMON]
         ([*TWO, "--approach", "best"], "invalid choice"),
         ([*TWO, "--skip-cycles", "some"], "must be a whole number, 0 to"),
         ([*TWO, "--groups", "F_k"], "must be TERM=LABELS with a label for each record"),
-        (RECORDS[:2], "arguments are required: --stiffness"),
+        (RECORDS[:2], "stiffness (--stiffness) is missing: forced records need it"),
         (COMMON, "arguments are required: RECORD"),
         ([ONE, *TWO], "is named twice"),
         ([ONE, "none.csv", *COMMON], "none.csv: no such file"),
@@ -435,8 +438,8 @@ ONE, TWO = RECORDS[0], [*RECORDS[:2], *COMMON]
         ([*TWO, "--terms", "F_k,d"], "unknown term 'd'; known are F_k, c, "),
         ([*TWO, "--groups", "d=A,B"], "unknown term 'd'"),
         ([*TWO, "--groups", "F_k=A,"], "the groups of F_k must be names"),
-        ([*TWO, *["--given", "c=1"] * 2], "--given names c twice: leave out one"),
-        ([*TWO, *["--groups", "c=A,B"] * 2], "--groups names c twice: leave out one"),
+        ([*TWO, *["--given", "c=1"] * 2], "argument --given: c is named twice: leave out one"),
+        ([*TWO, *["--groups", "c=A,B"] * 2], "argument --groups: c is named twice: leave out one"),
     ],
 )
 def test_wrong_options_records_and_contradictions_are_refused(arguments, message, answer):
@@ -483,10 +486,46 @@ def test_a_mapping_to_start_from_is_saved_and_used(tmp_path, capsys, answer):
 def test_help_names_no_option_that_the_command_lacks(command, capsys):
     with pytest.raises(SystemExit):
         parser([command]).parse_args([command, "--help"])
-    arguments = capsys.readouterr().out.partition("\noptions:\n")[2].partition("\n\n")[0]
+    arguments = capsys.readouterr().out.partition("\noptions:\n")[2]
+    arguments = arguments.split("\n\n" + import_module(f"dampbalance.commands.{command}").EPILOG)[0]
     options = set(re.findall(r"^  (?:-\w, )?(--[\w-]+)", arguments, re.MULTILINE))
     assert "--help" in options
     assert set(re.findall(r"--[a-z][\w-]*", arguments)) == options
+
+
+IN_HELP = {
+    "forced": "forced records",
+    "ring-down": "free decays",
+    "stepped-sine": "tables of a stepped sine",
+}
+
+
+def test_help_groups_the_options_by_the_kinds_that_take_them(capsys):
+    """Every option of a signature is there, under the kinds whose signatures have it."""
+    group_of = {option: own["group"] for option, own in ARGUMENTS.items()}
+    arguments = parser(["identify"])._subparsers._group_actions[0].choices["identify"]._actions
+    dests = {action.option_strings[0]: action.dest for action in arguments if action.option_strings}
+    named = {name for each in OPTIONS.values() for name in each} - {"records"}
+    assert named <= set(dests.values())
+    for option, dest in dests.items():
+        if dest in named:
+            kinds = [IN_HELP[kind] for kind, parameters in OPTIONS.items() if dest in parameters]
+            wanted = "all records" if len(kinds) == len(OPTIONS) else " or ".join(kinds)
+            assert group_of[option] == wanted, option
+    assert code_of("identify", "--help") == 0
+    shown = capsys.readouterr().out
+    for group in {*group_of.values()} - {""}:
+        assert f"\n\n{group}:\n  --" in shown
+
+
+@pytest.mark.parametrize(
+    ("records", "option"),
+    [(RECORDS[:2], "--residual"), ([str(ROOT / "config/records/stepped/levels.csv")], "--laws")],
+)
+def test_an_option_of_another_kind_of_records_is_refused(records, option, answer):
+    said = answer("identify", *records, *COMMON, option, code=2)
+    assert f"{option[2:]} = True is for " in said
+    assert said.endswith(": leave it out\n")
 
 
 def test_a_mapping_to_start_from_needs_no_stiffness(tmp_path, answer):
@@ -496,7 +535,7 @@ def test_a_mapping_to_start_from_needs_no_stiffness(tmp_path, answer):
     )
     said = answer("identify", "--write-mapping", mapping, code=2)
     assert "arguments are required: RECORD" in said
-    assert "--stiffness" not in said
+    assert "stiffness" not in said.splitlines()[-1]
     (tmp_path / "stepped").mkdir()
     table = tmp_path / "stepped" / "levels.csv"
     table.write_text("frequency [Hz],force [N],x [mm],phase [rad]\n49,1,2,3\n", encoding="utf-8")

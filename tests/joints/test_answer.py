@@ -323,9 +323,9 @@ SWING = measured_ring_down(
         (table(), {"contact": "two"}, "contact must be one of both, one slider, gradual"),
         ([table(), SWING], {}, "is no table of a stepped sine: identify it separately"),
         (SWING, {"kind": "stepped-sine"}, "is no table of a stepped sine: identify it separately"),
-        (read_records(table()), {"kind": "forced"}, "is a table of a stepped sine: leave out kind"),
+        (read_records(table()), {"kind": "forced", "stiffness": 1.0}, "is a table of a stepped sine: identify it"),
         (SWING, {"stiffness": 2310.0, "residual": True}, "residual = True is for tables of a stepped sine"),
-        (SWING, {}, "stiffness must be a positive number of N/m"),
+        (SWING, {}, "stiffness .* is missing: free decays need it"),
     ],
 )  # fmt: skip
 def test_what_cannot_be_identified_is_refused(records, options, message):

@@ -248,8 +248,8 @@ def test_a_hostile_value_gives_a_right_result_or_one_clear_error(
 ):
     monkeypatch.chdir(tmp_path)
     if name == "identify":  # once its arguments are read
-        monkeypatch.setattr("dampbalance.measured._of_steady", lambda *_: None)
-        monkeypatch.setattr("dampbalance.measured._of_decays", lambda *_: None)
+        monkeypatch.setattr("dampbalance.identification.forced._of_records", lambda *_: None)
+        monkeypatch.setattr("dampbalance.identification.decays._of_records", lambda *_: None)
     function, right, holds = CALLS[name]
     wrong = []
     for shown, value in VALUES.items():

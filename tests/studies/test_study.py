@@ -10,6 +10,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import yaml
+from matplotlib import pyplot
 
 from analytic.law_response import law_orbit
 from dampbalance import Approach, Term, steady_orbits, study
@@ -96,6 +97,44 @@ def test_it_shows_its_errors_first():
     assert studied.summary.loc[X_S, "F_k median"] == errors.median()
     assert f"{errors.max():.3g}" in repr(studied)
     assert f"{errors.max():.3g}" in studied._repr_html_()
+
+
+def test_its_plot_draws_the_errors_in_axes_of_pyplot_or_given_ones():
+    f_n = np.linspace(3.5, 11.1, 30)
+    studied = study({"frequency_hz": f_n}, estimation={"approaches": "X_s"})
+    axes = studied.plot()
+    assert [one.get_ylabel() for one in axes] == ["error of $F_k$ (%)", "error of $c$ (%)"]
+    line = max(axes[0].lines, key=lambda one: len(one.get_xdata()))
+    np.testing.assert_array_equal(line.get_xdata(), f_n)
+    errors = studied.to_frame()[f"F_k_relative_error__{X_S}"]
+    np.testing.assert_allclose(line.get_ydata(), 100.0 * errors)
+    own = pyplot.figure().add_subplot()
+    assert studied.plot("curves", ax=own) is own
+    assert len(own.lines) == len(axes[0].lines)
+    with pytest.raises(
+        ValueError, match="no figure of the kind map suits a study over frequency_hz: leave"
+    ):
+        studied.plot("map")
+    with pytest.raises(
+        ValueError, match="figure must be one of curves, steps, map, scatter, got 'x'"
+    ):
+        studied.plot("x")
+    words = study({"scheme": ["rk4"]}, route={"kind": "fixed_step", "step_s": 1e-4})
+    with pytest.raises(ValueError, match="no figure suits a study over scheme: vary a number"):
+        words.plot()
+    pyplot.close("all")
+
+
+def test_its_plot_of_two_long_axes_is_a_map():
+    long = {"from": 0.1, "to": 1.0, "count": 12}
+    studied = study(
+        {"zeta": long, "K_z_over_k": long | {"to": 90.0}}, estimation={"approaches": "X_s"}
+    )
+    *panels, scale = studied.plot()
+    sizes = [np.size(one.get_array()) for panel in panels for one in panel.collections]
+    assert sizes.count(12 * 12) == len(panels) == 2  # F_k and c, a colour for each case
+    assert scale.get_ylabel() == "error (%)"
+    pyplot.close("all")
 
 
 def test_a_data_set_has_a_dimension_for_each_axis(monkeypatch):

@@ -48,8 +48,12 @@ def parser(named: Collection[str] = tuple(COMMANDS)) -> argparse.ArgumentParser:
         if name in named:
             command = import_module(f".{name}", __package__)
             command_parser.description, command_parser.epilog = command.__doc__, command.EPILOG
+            groups: dict[str, argparse._ActionsContainer] = {"": command_parser}
             for argument, options_of in command.ARGUMENTS.items():
-                command_parser.add_argument(argument, **options_of)
+                own = dict(options_of)
+                if (title := own.pop("group", "")) not in groups:
+                    groups[title] = command_parser.add_argument_group(title)
+                groups[title].add_argument(argument, **own)
             command_parser.set_defaults(run=command.run)
     return top
 

@@ -1,60 +1,52 @@
-"""What a number on the command line may be: within bounds, or an error that says which."""
+"""Types of arguments of the command line: what the readers of `arguments` take, and lists of numbers with names."""
 
 from __future__ import annotations
 
 import argparse
-import re
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Any
 
-from ..arguments import mass_with_error
+from .. import arguments
 from ..law.terms import term
 from ..project.wording import shortened
 
-SMALLEST, LARGEST = 1e-15, 1e15
-"""Bounds of a quantity in SI units: no oscillator goes beyond them, and their squares and cubes are numbers yet."""
+
+def read_by(reader: Callable[[str, Any], Any], name: str) -> Callable[[str], Any]:
+    """Return a type of argument: a reader of `arguments`, for a name of its table."""
+
+    def read(text: str) -> Any:
+        try:
+            return reader(name, text)
+        except ValueError as error:
+            raise argparse.ArgumentTypeError(str(error).removeprefix(f"{name} ")) from None
+
+    return read
 
 
-def number(low: float = SMALLEST, high: float = LARGEST) -> Callable[[str], float]:
-    """A type of argument: a number within bounds."""
-    return _within(float, low, high, f"a {'positive ' * (low > 0)}number, {low:g} to {high:g}")
+def number(name: str) -> Callable[[str], float]:
+    """Return a type of argument: a number of the table of `arguments`."""
+    return read_by(lambda name, text: arguments.number(name, _plain(text)), name)
 
 
-def quantity(
-    default: float | None, words: str, low: float = SMALLEST, high: float = LARGEST, **more: Any
-) -> dict[str, Any]:
-    """An option with a number; without a default, the words say what stands for it."""
+def whole(name: str) -> Callable[[str], int]:
+    """Return a type of argument: a whole number of the table of `arguments`."""
+    return read_by(lambda name, text: arguments.whole(name, _plain(text)), name)
+
+
+def _plain(text: str) -> float | str:
+    """The number that a text holds, or the text."""
+    for kind in (int, float):
+        with suppress(ValueError):
+            return kind(text)
+    return text
+
+
+def quantity(name: str, default: float | None, words: str, **more: Any) -> dict[str, Any]:
+    """Return an option with a number of the table; without a default, the words say what stands for it."""
     if default is not None:
         words, more["default"] = f"{words} (default: %(default)s)", default
-    return {"type": number(low, high), "help": words, **more}
-
-
-def with_error(text: str) -> tuple[float, float]:
-    """A type of argument: a positive number, alone or with its standard uncertainty, 2310±10 or 2310+-10."""
-    value, *error = re.split(r"±|\+/?-", text, maxsplit=1)
-    one = number()(value)
-    uncertainty = number(0.0)(error[0]) if error else 0.0
-    if not uncertainty < one:
-        raise argparse.ArgumentTypeError(
-            f"must have an uncertainty below the number itself, got {shortened(text)}"
-        )
-    return one, uncertainty
-
-
-def mass(text: str) -> tuple[float, float]:
-    """A type of argument: a mass like `with_error`; alone, with the uncertainty that its digits state."""
-    with_error(text)
-    return mass_with_error(text)
-
-
-def whole(low: int = 0, high: int = 2**63 - 1) -> Callable[[str], int]:
-    """A type of argument: a whole number within bounds."""
-    return _within(int, low, high, f"a whole number, {low} to {high}")
-
-
-def count(text: str) -> int:
-    """A type of argument: a positive whole number that may be written as 5e8."""
-    return int(number(1.0, 1e12)(text))
+    return {"type": number(name), "help": words, **more}
 
 
 def coefficients(text: str) -> dict[str, float]:
@@ -70,7 +62,7 @@ def coefficients(text: str) -> dict[str, float]:
             term(symbol)  # one of a group is refused where the response is computed
             if symbol in values:
                 raise ValueError(f"{symbol} stands there twice: give it once")
-            values[symbol] = float(number(0.0)(value))
+            values[symbol] = number("given")(value)
         except argparse.ArgumentTypeError as error:
             raise argparse.ArgumentTypeError(f"{symbol} {error}") from None
         except ValueError as error:
@@ -80,27 +72,12 @@ def coefficients(text: str) -> dict[str, float]:
 
 def sliders(text: str) -> list[tuple[float, float]]:
     """A type of argument: (r, κ) of Jenkins elements, m and N/m, as in 1e-5:40000,5e-5:8000."""
-    read, pairs = number(), list[tuple[float, float]]()
+    pairs: list[tuple[float, float]] = []
     for part in text.split(","):
         r, colon, kappa = part.partition(":")
         if not colon:
             raise argparse.ArgumentTypeError(
                 f"must be pairs r:kappa, m and N/m, as in 1e-5:40000,5e-5:8000, got {shortened(part)}"
             )
-        pairs.append((read(r), read(kappa)))
+        pairs.append((number("r")(r), number("kappa")(kappa)))
     return pairs
-
-
-def _within(
-    kind: Callable[[str], Any], low: float, high: float, wanted: str
-) -> Callable[[str], Any]:
-    def read(text: str) -> Any:
-        try:
-            value = kind(text)
-        except ValueError:
-            value = None
-        if value is None or not low <= value <= high:
-            raise argparse.ArgumentTypeError(f"must be {wanted}, got {shortened(text)}")
-        return value
-
-    return read

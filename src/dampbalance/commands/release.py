@@ -6,10 +6,9 @@ import argparse
 from typing import Any
 
 from ..motion.jit import interpreted
-from ..records.errors import LATEST
 from ..records.measurement import ABSOLUTE
 from ..records.synthetic import measured_ring_down
-from .options import LARGEST, quantity
+from .options import quantity
 from .simulate import ARGUMENTS as OF_FORCED
 from .simulate import DAMPING, oscillator, require_brief, require_new, save
 
@@ -24,12 +23,12 @@ paper unless options say otherwise; it damps so much that it hardly swings.
 _ALIKE = ("--mass", "--stiffness", "--contact-stiffness", "--friction", "--rate")
 ARGUMENTS: dict[str, dict[str, Any]] = {
     "record": OF_FORCED["record"],
-    "--displacement": quantity(0.0, "to which the mass was pulled, m", -LARGEST, metavar="X"),
-    "--velocity": quantity(0.0, "that a blow gives it, m/s", -LARGEST, metavar="V"),
-    "--duration": quantity(3.0, "of the decay, s", 0.0, LATEST),
-    "--held": quantity(0.2, "time for which the mass is held before, s", 0.0, LATEST),
+    "--displacement": quantity("x", 0.0, "to which the mass was pulled, m", metavar="X"),
+    "--velocity": quantity("v", 0.0, "that a blow gives it, m/s", metavar="V"),
+    "--duration": quantity("duration", 3.0, "of the decay, s"),
+    "--held": quantity("held", 0.2, "time for which the mass is held before, s"),
     **{name: OF_FORCED[name] for name in _ALIKE},
-    "--damping": quantity(DAMPING, "c, N s/m", 0.0),
+    "--damping": quantity("c", DAMPING, "c, N s/m"),
     "--noise": OF_FORCED["--noise"]
     | {"help": "rms over the largest value of the channel (default: %(default)s)"},
     "--seed": OF_FORCED["--seed"],

@@ -14,7 +14,7 @@ from ..motion.law_response import law_response
 from ..motion.law_steady import Response
 from ..motion.orbit import Orbit, steady_orbit
 from ..motion.sliders import SlidersOrbit, sliders_orbit
-from ..records.errors import HIGHEST_RATE, LATEST, LOWEST_RATE, RecordError
+from ..records.errors import RecordError
 from ..records.measurement import QUANTITIES, Channel, Measurement
 from ..records.synthetic import measured_orbit
 from ..records.writers import write
@@ -43,13 +43,13 @@ _CHANNELS = ("base_displacement", "displacement")
 
 ARGUMENTS: dict[str, dict[str, Any]] = {
     "record": {"type": Path, "metavar": "FILE", "help": ".csv or other text, or .mat"},
-    "--frequency": quantity(None, "of the drive, Hz", 1e-9, 1e9, required=True, metavar="HZ"),
-    "--amplitude": quantity(None, "of the base, m", required=True, metavar="Y"),
-    "--mass": quantity(2.42, "m, kg"),
-    "--damping": quantity(None, f"c, N s/m (default: {DAMPING:g}; with --law 0)", 0.0),
-    "--stiffness": quantity(2310.0, "k, N/m"),
-    "--contact-stiffness": quantity(208000.0, "K_z, N/m"),
-    "--friction": quantity(None, f"F_k, N (default: {FRICTION:g})", 0.0),
+    "--frequency": quantity("frequency", None, "of the drive, Hz", required=True, metavar="HZ"),
+    "--amplitude": quantity("Y", None, "of the base, m", required=True, metavar="Y"),
+    "--mass": quantity("m", 2.42, "m, kg"),
+    "--damping": quantity("c", None, f"c, N s/m (default: {DAMPING:g}; with --law 0)"),
+    "--stiffness": quantity("k", 2310.0, "k, N/m"),
+    "--contact-stiffness": quantity("K_z", 208000.0, "K_z, N/m"),
+    "--friction": quantity("F_k", None, f"F_k, N (default: {FRICTION:g})"),
     "--law": {
         "type": coefficients,
         "metavar": "SYMBOL=VALUE,…",
@@ -60,18 +60,18 @@ ARGUMENTS: dict[str, dict[str, Any]] = {
         "metavar": "R:KAPPA,…",
         "help": "Jenkins elements, m:N/m, see below; not with --law",
     },
-    "--rate": quantity(5000.0, "samples per second", LOWEST_RATE, HIGHEST_RATE),
-    "--cycles": quantity(100.0, "of the drive"),
-    "--start": quantity(0.0, "time of the first sample, s", -LATEST, LATEST),
-    "--noise": quantity(0.0, "rms over that of the channel", 0.0, 1e6),
-    "--seed": {"type": whole(), "default": 0, "help": "of the noise (default: %(default)s)"},
+    "--rate": quantity("rate_hz", 5000.0, "samples per second"),
+    "--cycles": quantity("cycles", 100.0, "of the drive"),
+    "--start": quantity("start", 0.0, "time of the first sample, s"),
+    "--noise": quantity("noise", 0.0, "rms over that of the channel"),
+    "--seed": {"type": whole("seed"), "default": 0, "help": "of the noise (default: %(default)s)"},
     "--channel": {
         "action": "append",
         "choices": list(QUANTITIES),
         "help": f"a quantity; may be repeated (default: {', '.join(_CHANNELS)})",
     },
     "--decimals": {
-        "type": whole(-15, 30),
+        "type": whole("decimals"),
         "metavar": "N",
         "help": "round the values, in SI units, to N decimals",
     },

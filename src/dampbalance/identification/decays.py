@@ -10,12 +10,12 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from scipy import special
 
-from ..arguments import number
+from ..arguments import flag, number
 from ..arrays import Array
 from ..balance import TERMS, Rows
 from ..fit.decay import (
@@ -29,8 +29,11 @@ from ..fit.law_fit import law_departures
 from ..fit.scattering_mean import ScatteringMean
 from ..fit.score import Departure
 from ..fit.search import fit_all, minima_of, separate_fits
+from ..motion.jit import interpreted
 from ..motion.unknowns import OSCILLATOR_UNKNOWNS
 from ..project.wording import Remark, listed, times, visible
+from ..records.mapping import MappingLike
+from ..records.measured import MeasuredRecord
 from ..records.measurement import EXCITATIONS, ORDERS, Channel, Measurement
 from ..signals.bursts import NoDecay, Signal, noise_of, too_few_samples
 from ..signals.conditioning import in_equal_steps
@@ -59,8 +62,13 @@ from .decay_laws import (
 from .half_cycles import A, B, RingRows, W, rows_of
 from .identified import Identified, Level, Picture
 from .remarks import forbidden, on_mass
+from .request import Stated, mapping_option, records_of, rig_options
 from .screen import implied, with_error
 from .sensitivities import Fault
+from .stated import with_stated_uncertainties
+
+if TYPE_CHECKING:
+    from ..records.measured import RecordLike
 
 BALANCE = "balance"
 """Name of the one approach to free decays."""
@@ -177,6 +185,57 @@ def _slipping(halves: int) -> str:
     return f"{_counted(halves, 'half cycle')} that slip{'s' * (halves == 1)}"
 
 
+def identify_decays(
+    records: RecordLike | Sequence[RecordLike],
+    stiffness: Stated,
+    *,
+    mapping: MappingLike = None,
+    mass: Stated | None = None,
+    laws: bool = False,
+) -> DecayOutcome:
+    """Identify F_k, c and K_z from records of free decays, one or several after releases or blows; one is enough.
+
+    Each half cycle gives a row a F_k + b c = W of the energy balance. The answer is the maximum-likelihood fit of one
+    oscillator to all samples, with the balance as its check.
+
+    records : as `read_records` returns or takes them.
+    stiffness, mapping, mass : as for `identify_forced`.
+    laws : whether to compare the damping laws that the decays may have.
+
+    Raises ValueError (for a record, `RecordError`) naming argument or record, what is wrong and the remedy: an argument
+    that is outside its range, a record whose excitation channel keeps moving or that holds no free decay.
+
+    >>> from dampbalance import Oscillator, identify_decays, measured_ring_down
+    >>> osc = Oscillator(m=2.42, c=1.0, k=2310.0, K_z=20800.0, F_k=0.5)
+    >>> decay = measured_ring_down(osc, x=0.01, rate_hz=500.0, duration=2.0, noise=0.001)
+    >>> found = identify_decays(decay, stiffness=2310.0)
+    >>> {symbol: round(found.values[symbol], 1) for symbol in ("F_k", "c")}
+    {'F_k': 0.5, 'c': 1.0}
+    """
+    rig = rig_options(stiffness, mass, "ring-down")
+    own = {"laws": flag("laws", laws), "mapping": mapping_option(mapping)}
+    options = {"kind": "ring-down", **rig, **own}
+    return _of_records(records_of("ring-down", records, mapping), options)
+
+
+@interpreted(False)  # a motion of thousands of samples, hundreds of times
+def _of_records(records: tuple[MeasuredRecord, ...], options: Mapping[str, Any]) -> DecayOutcome:
+    """The answers to records that are read.   options : by the keys of a configuration."""
+    outcome = identify_ring_downs(
+        [record.whole() for record in records],
+        options["stiffness_N_per_m"],
+        mass=options["mass_kg"],
+        mass_error=options["mass_standard_error_kg"] or 0.0,
+        stiffness_error=options["stiffness_standard_error_N_per_m"],
+        laws=options["laws"],
+    )
+    odd = [words.about(record.name) for record in records for words in record.warnings]
+    warnings = (*odd, *outcome.warnings)
+    return with_stated_uncertainties(
+        replace(outcome, warnings=warnings, records=records, options=options)
+    )
+
+
 @one_thread
 def identify_ring_downs(
     records: Sequence[Measurement],
@@ -184,14 +243,15 @@ def identify_ring_downs(
     *,
     mass: float | None = None,
     mass_error: float = 0.0,
-    uncertainty: float = 0.0,
+    stiffness_error: float = 0.0,
     laws: bool = False,
 ) -> DecayOutcome:
     """F_k, c and K_z from records of free decays, one or more.
 
-    k : stiffness, N/m.   mass : kg, if it is known; the fit takes it where it is known better than the decays know it,
-    and they agree.   mass_error : its standard uncertainty, kg.   uncertainty : that of k, as a part of it.   laws :
-    whether to compare the laws that the decays may have.
+    k : stiffness, N/m.
+    mass : kg, if it is known; the fit takes it where it is known better than the decays know it, and they agree.
+    mass_error, stiffness_error : standard uncertainties of the mass, kg, and of k, N/m.
+    laws : whether to compare the laws that the decays may have.
 
     Raises ValueError for a stiffness or a mass that is not positive, a record whose excitation channel moves, one
     without a decay that slips, and a channel with a filter.
@@ -247,7 +307,7 @@ def identify_ring_downs(
     fit, agrees = with_intervals(ends), True
     if mass is not None:
         own, off = ends[0].error("m"), abs(ends[0].m - mass)
-        errors = fit.error("m"), uncertainty * fit.m, mass_error
+        errors = fit.error("m"), stiffness_error / k * fit.m, mass_error
         agrees = abs(fit.m - mass) < _MASS_OFF * math.hypot(*errors)
         if mass_error < own and off < _MASS_OFF * math.hypot(own, mass_error):
             given = [one for end in ends if (one := _with_mass(end, mass)) is not None]
@@ -306,7 +366,7 @@ def _solved(
     warnings: Sequence[Remark],
 ) -> DecayOutcome:
     """The rows solved, with notes, and warnings and sentences on the rig in addition to these."""
-    values, covariance, misfit, freedom, interval = _least_squares(fit, rows)
+    values, covariance, misfit, freedom, interval = _least_squares(rows)
     fit_notes = [*map(Remark, fit.shortcomings)]
     further = law_departures(fit)
     scale = 1.0 if fit.adequate else math.sqrt(fit.misfit)
@@ -410,7 +470,7 @@ def _scatter_of(fit: RingFit) -> list[str]:
 
 
 def _least_squares(
-    fit: RingFit, rows: RingRows
+    rows: RingRows,
 ) -> tuple[dict[str, float], Array, float, int, Interval | None]:
     """(F_k and c by symbol, their covariance, χ² per degree of freedom, degrees of freedom, interval of F_k where it is
     the mean of several friction forces)."""

@@ -25,14 +25,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from scipy import special
 
-from ..arguments import number
+from ..arguments import flag, number, whole
 from ..arrays import Array, Mask
 from ..balance import Approach, Rows, approach, checks
 from ..features import FEATURE_COLUMNS, Features, stack
 from ..fit.score import Departure
-from ..law.law import Law
+from ..law.law import Law, law_of
 from ..law.terms import FRICTION, term
+from ..motion.jit import interpreted
 from ..project.wording import Remark
+from ..records.mapping import MappingLike
+from ..records.measured import MeasuredRecord
 from ..signals.mean_harmonics import Reading
 from ..signals.one_thread import one_thread
 from ..solver import Estimate, least_squares, solve
@@ -47,8 +50,9 @@ from .answer import (
     covariance_of,
 )
 from .causes import condition_on_contact, departures, likeliest
-from .identified import Identified, Level, Picture
-from .loading import Loaded
+from .identified import QUICK, Identified, Level, Picture
+from .law_comparison import compare_laws
+from .loading import Loaded, load
 from .oscillator import (
     JointFit,
     LawRows,
@@ -63,14 +67,20 @@ from .oscillator import (
     with_common_fit,
 )
 from .remarks import DIRECT, agreement, notes_on
+from .request import Stated, mapping_option, records_of, rig_options
 from .screen import implied, with_error
 from .sensitivities import Fault, sensitivities, shifts_of_fit
+from .stated import with_stated_uncertainties
 
 if TYPE_CHECKING:
     import pandas as pd
 
+    from ..records.measured import RecordLike
+
 _NORMAL = 1e9  # degrees of freedom with which Student's t is normal, to 1e-9
 
+# of the free oscillator in a cycle of the drive, or cycles in a swing; beyond that a unit is wrong
+_MOST_SWINGS = 1000.0
 _COPIED = 1e-9  # of the largest harmonic: what writing a record in another format may change
 
 
@@ -205,6 +215,122 @@ class ForcedOutcome(Identified):
         }
 
 
+def identify_forced(
+    records: RecordLike | Sequence[RecordLike],
+    stiffness: Stated,
+    *,
+    mapping: MappingLike = None,
+    frequency: float | None = None,
+    mass: Stated | None = None,
+    terms: Sequence[str] | str | None = None,
+    given: Mapping[str, float] | None = None,
+    groups: Mapping[str, Sequence[str] | str] | None = None,
+    laws: bool = False,
+    approaches: Sequence[str] | str | None = None,
+    skip_cycles: int = 0,
+) -> ForcedOutcome:
+    """Identify the coefficients of a damping law and K_z from forced records, one for each level of excitation.
+
+    Each steady response gives a row a F_k + b c = W of the energy balance (Eq. 6 of the paper), weighted by inverse
+    variance. The answer is the maximum-likelihood fit of one oscillator to all records, with the balance as its check,
+    and the balance itself where the records are not those of such an oscillator.
+
+    records : as `read_records` returns or takes them, at least as many as there are coefficients; more levels, far
+    apart, sharpen all of them.
+    stiffness : k of the spring, N/m; it scales F_k and c. With its standard uncertainty, (2310.0, 10.0) or "2310±10",
+    which the intervals then hold, as they do those of gains and delays that a mapping states. Without, they are
+    conditional on k.
+    mapping : what the records do not say of their channels, where they are read here.
+    frequency : of the drive as known, Hz; compared with that found in each record.
+    mass : kg, if it is known: it tests the stiffness and the gains, and sharpens K_z where it is known better than the
+    records know it. State its standard uncertainty like that of the stiffness, (2.42, 0.01) or "2.42±0.01"; of a mass
+    alone it is half a unit of the last digit ("2.420" keeps its zero) or 0.5 %, whichever is more.
+    terms : of the damping law, symbols of `KNOWN_TERMS` and objects of `Term`; default, F_k, c and those that are
+    given.
+    given : symbol → known coefficient, SI units.
+    groups : symbol → a label for each record, where each group of records has its own coefficient.
+    laws : whether to compare all laws of one or two terms, with and without friction, too.
+    approaches : names of `balance.checks()`, which are the default, and objects of `Approach` that take no phase.
+    "direct" assumes no shape of x(t), "fourier" takes three harmonics of it.
+    skip_cycles : left out at the start of each record, where the motion has not settled.
+
+    Names and labels in order (terms, approaches, those of groups) may be a text with commas between them:
+    terms="F_k,c".
+
+    Raises ValueError (for a record, `RecordError`) naming argument or record, what is wrong and the remedy: an argument
+    that is outside its range or of another kind, a record that cannot be used, fewer of them than unknowns.
+
+    >>> import math
+    >>> from dampbalance import BaseMotion, Oscillator, identify_forced, measured_orbit, steady_orbit
+    >>> osc = Oscillator(m=2.42, c=90.0, k=2310.0, K_z=208000.0, F_k=1.28)
+    >>> motions = [BaseMotion(Y=Y, omega=2 * math.pi * 3.5) for Y in (0.004, 0.008, 0.012)]
+    >>> records = [
+    ...     measured_orbit(steady_orbit(osc, motion), rate_hz=1000.0, cycles=20.0, noise=0.01, seed=i)
+    ...     for i, motion in enumerate(motions)
+    ... ]
+    >>> found = identify_forced(records, stiffness=2310.0)
+    >>> {symbol: round(value, 1) for symbol, value in found.values.items() if symbol != "K_z"}
+    {'F_k': 1.3, 'c': 90.0}
+    >>> low, high = found.intervals["c"]
+    >>> bool(low < osc.c < high)
+    True
+    >>> found.verdicts["F_k"].verdict
+    'usable'
+    """
+    rig = rig_options(stiffness, mass, "forced")
+    law = law_of(terms, given, groups)
+    options = rig | {
+        "frequency_hz": None if frequency is None else number("frequency", frequency),
+        "terms": list(law.terms),
+        "given": dict(law.given),
+        "groups": {symbol: list(labels) for symbol, labels in law.groups.items()},
+        "laws": flag("laws", laws),
+        "approaches": list(checks(approaches)),
+        "mapping": mapping_option(mapping),
+        "skip_cycles": whole("skip_cycles", skip_cycles),
+    }
+    return _of_records(records_of("forced", records, mapping), law, options)
+
+
+@interpreted(calls=QUICK)  # whatever was compiled before: the last bits may differ
+def _of_records(
+    records: tuple[MeasuredRecord, ...], law: Law, options: Mapping[str, Any]
+) -> ForcedOutcome:
+    """The answers to records that are read.   options : by the keys of a configuration."""
+    k, mass = options["stiffness_N_per_m"], options["mass_kg"]
+    of_drive = {name: options[name] for name in ("frequency_hz", "skip_cycles")}
+    loaded = tuple(load(record, k, **of_drive) for record in records)
+    _require_possible(loaded, mass, k)
+    readings = [one.reading for one in loaded]
+    outcome = identify_readings(
+        readings,
+        k,
+        approaches=options["approaches"],
+        mass=mass,
+        mass_error=options["mass_standard_error_kg"] or 0.0,
+        stiffness_error=options["stiffness_standard_error_N_per_m"],
+        law=law,
+    )
+    held = mass if outcome.joint.mass_taken else None
+    laws = compare_laws(readings, k, mass=held, law=law) if options["laws"] else None
+    return with_stated_uncertainties(
+        replace(outcome, laws=laws, loaded=loaded, records=records, options=options)
+    )
+
+
+def _require_possible(loaded: Sequence[Loaded], mass: float | None, k: float) -> None:
+    """Raise ValueError for a mass with which the oscillator is a thousand times faster or slower than the drive."""
+    if mass is None:
+        return
+    for one in loaded:
+        swings = math.sqrt(k / mass) / one.reading.steady.omega
+        if not 1.0 / _MOST_SWINGS < swings < _MOST_SWINGS:
+            raise ValueError(
+                f"with k = {k:g} N/m and m = {mass:g} kg the oscillator swings {swings:.2g} times in a cycle of "
+                f"{one.record.name}: give the mass in kg and the stiffness in N/m, or leave out the mass"
+            )
+
+
 @one_thread
 def identify_readings(
     readings: Sequence[Reading],
@@ -214,16 +340,15 @@ def identify_readings(
     approaches: Iterable[str] | None = None,
     mass: float | None = None,
     mass_error: float = 0.0,
-    uncertainty: float = 0.0,
+    stiffness_error: float = 0.0,
 ) -> ForcedOutcome:
     """The coefficients of a damping law and K_z from the features of n measured responses, with intervals.
 
-    Use `identify` for records; this function is for readings that are at hand, as in studies.
+    Use `identify_forced` for records; this function is for readings that are at hand, as in studies.
 
     readings : of `read_features`, one per level; levels that differ, at least as many as there are unknowns for a
     balance. The fit may do with fewer.   k : stiffness of the readings, N/m.   law : default, F_k and c.
-    mass_error : standard uncertainty of the mass, kg.   uncertainty : that of k, as a part of it, for the test of the
-    mass.
+    mass_error, stiffness_error : standard uncertainties of the mass, kg, and of k, N/m, for the test of the mass.
     Others are as for `identify`.
 
     Raises ValueError for fewer readings than unknowns where no fit distinguishes these, terms that act alike in all of
@@ -237,7 +362,7 @@ def identify_readings(
     if mass is not None:
         number("mass", mass)
     lines = [reading.lines for reading in readings]
-    joint = joint_fit(lines, k, mass, law, mass_error=mass_error, uncertainty=uncertainty)
+    joint = joint_fit(lines, k, mass, law, mass_error=mass_error, stiffness_error=stiffness_error)
     few, reference = len(readings) < len(law.unknowns), joint.answer
     if few and not (joint.waveforms_hold and joint.fit is not None and joint.fit.freedom > 0):
         law.require([reading.steady.frequency_hz for reading in readings])

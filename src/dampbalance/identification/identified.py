@@ -243,6 +243,24 @@ class Identified(ABC):
         return self.answer.values
 
     @property
+    def mass(self) -> float:
+        """The mass m of the fit, kg, or the one given where the fit takes it; NaN where no fit determines it."""
+        return float((self.reference or self.answer).merit.get("m_kg", math.nan))
+
+    @property
+    def natural_frequency(self) -> float:
+        """The undamped natural frequency of this mass on the spring k, with the contact loose, √(k/m)/2π, Hz; NaN where
+        the mass is not known."""
+        return math.sqrt(self.k / self.mass) / (2.0 * math.pi)
+
+    @property
+    def damping_ratio(self) -> float:
+        """The fraction of critical damping of c alone, ζ = c/(2√(km)), a pure number; NaN where mass or c are not
+        known. Friction adds to it: `document` lists the damping ratio of each level, and of a stepped sine
+        `damping_at` gives it at any amplitude."""
+        return damping_ratio(self.values.get("c", math.nan), self.k, self.mass)
+
+    @property
     def standard_errors(self) -> dict[str, float]:
         """The standard error of each."""
         return self.answer.standard_errors
@@ -307,7 +325,6 @@ class Identified(ABC):
         answers, findings = {n: _entries(a) for n, a in self.approaches.items()}, self.findings()
         for entry, record in zip(findings["records"], self.records, strict=bool(self.records)):
             entry |= record.files or {}
-        m = (self.reference or self.answer).merit.get("m_kg", math.nan)
         of, effects = self.sensitivities()
         everything = {
             "dampbalance": __version__,
@@ -321,10 +338,8 @@ class Identified(ABC):
             **({} if self.laws is None else {"laws": self.laws.document()}),
             **findings,
             "damping": {
-                "damping_ratio": damping_ratio(
-                    next(iter(self.approaches.values())).values.get("c", math.nan), self.k, m
-                ),
-                "levels": [level.document(self.k, m) for level in self.levels],
+                "damping_ratio": self.damping_ratio,
+                "levels": [level.document(self.k, self.mass) for level in self.levels],
             },
             "sensitivities_of": of,
             "sensitivities": {

@@ -16,10 +16,6 @@ from ..signals.mean_harmonics import Reading, read_features
 EXCERPT = 16_384  # leading samples of each channel that are kept for plots, or three cycles of a slow drive
 
 
-class NotDriven(ValueError):
-    """A record whose excitation channel is missing, constant or only strikes: a free decay."""
-
-
 @dataclass(frozen=True, eq=False)
 class Loaded:
     """A record, its features, and its leading steady samples (t, values) by quantity, s and SI units, with known
@@ -28,6 +24,11 @@ class Loaded:
     record: MeasuredRecord
     reading: Reading
     excerpt: Mapping[str, tuple[Array, Array]]
+
+
+def keeps_moving(record: MeasuredRecord) -> bool:
+    """Whether the excitation channel of a record keeps moving; in a free decay it is missing, constant or strikes."""
+    return record.driven and not stands_still(record.whole().excitation.values)
 
 
 def load(
@@ -40,10 +41,10 @@ def load(
 
     What the reader of the file found odd is among the warnings of the reading.
 
-    Raises NotDriven for a free decay, ValueError naming the record for one that cannot be used.
+    Raises ValueError naming the record for a free decay, and for one that cannot be used.
     """
-    if not record.driven or stands_still(record.whole().excitation.values):
-        raise NotDriven(
+    if not keeps_moving(record):
+        raise ValueError(
             f"{record.name}: the excitation channel is missing or constant, or only strikes: a forced record needs one "
             f"that keeps moving ({', '.join(EXCITATIONS)}); a free decay is identified by itself (--kind ring-down)"
         )

@@ -113,7 +113,7 @@ def joint_fit(
     law: Law | None = None,
     *,
     mass_error: float = 0.0,
-    uncertainty: float = 0.0,
+    stiffness_error: float = 0.0,
     timing: bool = True,
 ) -> JointFit:
     """The oscillator behind the records.
@@ -121,10 +121,11 @@ def joint_fit(
     The records determine the mass by themselves, often better than scales do: the fit takes a mass that is given only
     where it is known better than that, and the records agree with it.
 
-    k : N/m.   m : kg, if it is known.   law : of its damping; default, F_k and c.   mass_error : standard
-    uncertainty of m, kg.   uncertainty : standard uncertainty of k, as a part of it: a mass that differs by no more
-    contradicts nothing.   timing : whether faults of channels are looked for, which change nothing in the fit; a study
-    that does not read them saves that time.
+    k : N/m.   m : kg, if it is known.   law : of its damping; default, F_k and c.
+    mass_error, stiffness_error : standard uncertainties of m, kg, and of k, N/m: a mass that differs by no more
+    contradicts nothing.
+    timing : whether faults of channels are looked for, which change nothing in the fit; a study that does not read them
+    saves that time.
     """
     law = law or Law()
     chi_square, freedom = linear_misfit(lines, k, law.terms)
@@ -139,7 +140,7 @@ def joint_fit(
     # χ² rises by the square of the difference over the error of the records alone
     most = _SHOWS * (1.0 + (mass_error / error) ** 2) if error else _SHOWS
     fits = given is not None and given.chi_square - fit.chi_square < most
-    off = math.hypot(error, uncertainty * fit.m, mass_error)
+    off = math.hypot(error, stiffness_error / k * fit.m, mass_error)
     agrees = m is None or fits or abs(fit.m - m) < math.sqrt(_SHOWS) * off
     fit = given if given is not None and fits else fit
     if not timing:
@@ -154,7 +155,7 @@ def joint_fit(
     def misfit(fault: ChannelFault) -> float:
         """χ², to which a mass that is given adds unless the fit has it already."""
         own = fault.fit
-        apart = math.hypot(own.error("m"), mass_error, uncertainty * own.m)
+        apart = math.hypot(own.error("m"), mass_error, stiffness_error / k * own.m)
         return own.chi_square + (0.0 if m is None or own.m == m else ((own.m - m) / apart) ** 2)
 
     least = min(map(misfit, faults), default=math.inf)

@@ -16,6 +16,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import replace
+from typing import TypeVar
 
 import numpy as np
 
@@ -27,6 +28,8 @@ from .identified import Identified
 from .loading import correction_of
 from .sensitivities import FAULTS, Fault
 
+Outcome = TypeVar("Outcome", bound=Identified)
+
 _FELT = 1e-3  # of an effect of a part of the same size: what is said of less is that it is nothing
 _UNTESTED = {
     "the stiffness": FAULTS["stiffness_1_percent"],
@@ -35,7 +38,7 @@ _UNTESTED = {
 }
 
 
-def with_stated_uncertainties(found: Identified) -> Identified:
+def with_stated_uncertainties(found: Outcome) -> Outcome:
     """An identification whose errors, intervals and covariances hold what its options and the mappings of its records
     state, and which says on what it depends."""
     stiffness = found.options["stiffness_standard_error_N_per_m"] / found.k

@@ -11,13 +11,12 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, get_args
 
 import numpy as np
 
-from .. import arguments
+from ..arguments import flag, one_of
 from ..arrays import Integers, Mask
 from ..balance import Rows
 from ..identification.answer import (
@@ -30,6 +29,7 @@ from ..identification.answer import (
     covariance_of,
 )
 from ..identification.identified import Identified, Level, Picture
+from ..identification.request import Stated, mapping_option, records_of, rig_options
 from ..identification.screen import with_error
 from ..identification.sensitivities import Fault
 from ..identification.stated import with_stated_uncertainties
@@ -37,7 +37,6 @@ from ..law.law import Law, law_of
 from ..law.terms import FRICTION, term
 from ..project.wording import Remark, listed, number_text
 from ..records.mapping import MappingLike
-from ..records.measured import as_records, require_different
 from .fit import ContactComparison, ContactFit, compare_contacts, fit_contact
 from .lines import Contact, SteppedLines
 from .records import SteppedRecord, read_lines
@@ -195,63 +194,68 @@ class SteppedOutcome(Identified):
 
 def identify_joint(
     records: RecordLike | Sequence[RecordLike],
-    stiffness: float | tuple[float, float] | str | None = None,
+    stiffness: Stated | None = None,
     *,
     mapping: MappingLike = None,
-    mass: float | tuple[float, float] | str | None = None,
+    mass: Stated | None = None,
     terms: Sequence[str] | str | None = None,
     given: Mapping[str, float] | None = None,
     contact: Asked = "both",
     hardening: bool = True,
     residual: bool = False,
-) -> Identified:
-    """Identify the contact and the damping from tables of steady responses to a stepped sine.
+) -> SteppedOutcome:
+    """Identify the contact and the damping of a joint from tables of a stepped sine: a line for each steady response,
+    with its frequency, amplitudes and phase, at two levels of excitation at least, in one table or several.
 
-    Use it for a joint that is driven at two levels of excitation or more: each line of a table gives a row of the
-    balance, W = πFX sin φ, and how stiff the contact still is at that amplitude.
-
-    records : files, tables of pandas, arrays, or what `read_records` returns; two levels at least, in one or several.
-    stiffness : k of the spring, N/m, with its standard uncertainty as (2310.0, 10.0) or "2310±10"; None where the lines
-    are to tell it, which those of base motions cannot. Where a force drives, the lines test it.
-    mapping : what the tables do not say of their columns.
-    mass : kg, if it is known.
-    terms : of the damping law, as for `identify`.
-    given : symbol → known coefficient, SI units; not of the friction.
+    records : as `read_records` returns or takes them.
+    stiffness : k of the spring, N/m, as for `identify_forced`; tables of responses to a force do without.
+    mapping : what the tables do not say of their columns, where they are read here.
+    mass : kg, if it is known, as for `identify_forced`.
+    terms : of the damping law, symbols of `KNOWN_TERMS`; default, F_k, c and those that are given.
+    given : symbol → known coefficient, SI units; not F_k.
     contact : "one slider", that of the paper, "gradual", many that slip one after the other as the interface of a
-    bolted joint does, or "both", of which the one that the lines support is the answer; it takes three levels to tell.
+    bolted joint does, or "both", of which the one that the lines support is the answer.
     hardening : whether the spring may stiffen with the amplitude.
     residual : whether other modes may move the driven point, too. Use it for a structure.
 
-    Raises ValueError naming argument or record: base motions without a stiffness, fewer than two levels, lines that do
-    not determine the unknowns, a friction force that is given, a record that is no table of a stepped sine.
+    Raises ValueError (for a record, `RecordError`) naming argument or record, what is wrong and the remedy: an argument
+    that is outside its range, records that are no such tables, fewer than two levels, lines that do not determine the
+    unknowns.
+
+    >>> import math
+    >>> import numpy as np
+    >>> from dampbalance import Oscillator, identify_joint, steady_orbits
+    >>> osc = Oscillator(m=2.42, c=9.0, k=2310.0, K_z=2310.0, F_k=1.28)
+    >>> hertz, Y = np.linspace(4.0, 8.0, 17), np.array([[2e-4], [5e-4], [1e-3]])
+    >>> orbits = steady_orbits(osc, Y=Y, omega=2 * math.pi * hertz)
+    >>> table = {
+    ...     "frequency_hz": orbits.given["omega"].ravel() / (2 * math.pi),
+    ...     "base_displacement_m": orbits.given["Y"].ravel(),
+    ...     "displacement_m": orbits.X_1.ravel(),
+    ...     "phase_rad": -orbits.phi_1.ravel(),
+    ...     "level": orbits.given["Y"].ravel(),
+    ... }
+    >>> found = identify_joint(table, stiffness=2310.0, contact="one slider", hardening=False)
+    >>> {symbol: f"{value:.3g}" for symbol, value in found.values.items()}
+    {'F_k': '1.29', 'c': '9', 'K_z': '2.31e+03'}
     """
-    arguments.one_of("contact", contact, get_args(Asked))
-    k, error = (None, 0.0) if stiffness is None else arguments.with_error("stiffness", stiffness)
-    m, m_error = (None, None) if mass is None else arguments.mass_with_error(mass)
-    law = law_of(terms, given, None)
-    own = {
-        "hardening": arguments.flag("hardening", hardening),
-        "residual": arguments.flag("residual", residual),
-    }
-    read = as_records(records, mapping=mapping, reader=partial(read_lines, stated=True))
-    require_different(read)
+    rig, law = rig_options(stiffness, mass), law_of(terms, given, None)
+    one_of("contact", contact, get_args(Asked))
+    own = {"hardening": flag("hardening", hardening), "residual": flag("residual", residual)}
+    reader = partial(read_lines, stated=True)
+    read = records_of("stepped-sine", records, mapping, reader)
     tables = [record for record in read if isinstance(record, SteppedRecord)]
-    other = next((record.name for record in read if record not in tables), None)
-    if other is not None:
-        raise ValueError(
-            f"{other} is no table of a stepped sine: identify it separately, as forced records or free decays"
-        )
     if FRICTION in law.given:
         raise ValueError(
             f"{FRICTION} is what slips at the amplitudes seen: it cannot be given for a stepped sine"
         )
+    k = rig["stiffness_N_per_m"]
     lines, table_of = _lines(tables, k)
-    terms = tuple(symbol for symbol in law.terms if symbol != FRICTION)
     asked: dict[str, Any] = {
-        "terms": terms,
+        "terms": tuple(symbol for symbol in law.terms if symbol != FRICTION),
         "given": dict(law.given),
         "stiffness": k,
-        "mass": m,
+        "mass": rig["mass_kg"],
         **own,
     }
     contacts, compared = _CONTACTS if contact == "both" else (contact,), None
@@ -263,20 +267,18 @@ def identify_joint(
     first = next(iter(fits.values()))
     by_force = all(of.table.by_force for of in tables)
     tested = {
-        name: list(_on_stiffness(fit, error)) if by_force else [] for name, fit in fits.items()
+        name: list(_on_stiffness(fit, rig["stiffness_standard_error_N_per_m"])) if by_force else []
+        for name, fit in fits.items()
     }
     said = [] if compared is None else [f"{compared.words()}."]
     options = {
         "kind": SteppedOutcome.kind["kind"],
-        "stiffness_N_per_m": k,
-        "stiffness_standard_error_N_per_m": error,
-        "mass_kg": m,
-        "mass_standard_error_kg": m_error,
+        **rig,
         "terms": list(law.terms),
         "given": dict(law.given),
         "contact": contact,
         **own,
-        "mapping": str(mapping) if isinstance(mapping, str | Path) else None,
+        "mapping": mapping_option(mapping),
     }
     found = SteppedOutcome(
         k=first.values["k"],
@@ -343,13 +345,13 @@ def _lines(tables: Sequence[SteppedRecord], k: float | None) -> tuple[SteppedLin
     return lines, np.repeat([i for i, _, _ in levels], sizes)
 
 
-def _on_stiffness(fit: ContactFit, uncertainty: float) -> Iterator[Remark]:
+def _on_stiffness(fit: ContactFit, stiffness_error: float) -> Iterator[Remark]:
     """What contradicts a stiffness that is stated: the ratio of likelihoods of the same contact with k free."""
     k, (shown, gain) = fit.values["k"], fit.shown or (0.0, 0.0)
     if gain <= 0.0:
         return
     error = abs(k - shown) / math.sqrt(gain)
-    if abs(k - shown) > _FAR * math.hypot(error, uncertainty):
+    if abs(k - shown) > _FAR * math.hypot(error, stiffness_error):
         sticks = ", a part of the contact may stick in every line" * (k < shown)
         yield Remark(
             f"the stiffness stated, {k:g} N/m, is not that of these lines, {with_error(shown, error)} N/m: a unit or a "

@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arguments import numbers, one_of, whole
+from ..arguments import instance, numbers, one_of, whole
 from ..arrays import Array, Codes
-from ..model import UNITS, Parameters, named_with_unit
+from ..model import UNITS, Oscillator, Parameters, named_with_unit
 from .events import MOST_RADIANS
 from .integrals import Measures, measure
 from .jit import jit
@@ -133,38 +133,47 @@ class Orbits:
 
 
 def steady_orbits(
+    oscillator: Oscillator | None = None,
+    /,
     *,
-    m: ArrayLike,
-    c: ArrayLike,
-    k: ArrayLike,
-    K_z: ArrayLike,
-    F_k: ArrayLike,
     Y: ArrayLike,
     omega: ArrayLike,
+    m: ArrayLike | None = None,
+    c: ArrayLike | None = None,
+    k: ArrayLike | None = None,
+    K_z: ArrayLike | None = None,
+    F_k: ArrayLike | None = None,
     threads: int | None = None,
 ) -> Orbits:
-    """Exact steady responses of all combinations that the arguments broadcast to, in any regime.
+    """Compute the exact steady responses of all combinations that the arguments broadcast to, in any regime.
 
-    m : kg.   c : N s/m.   k, K_z : N/m.   F_k : N.   Y : m.   omega : rad/s.   threads : default, the cores this
-    process may use. The result does not depend on the number of threads.
+    oscillator : where only the excitation varies, as for `steady_orbit`; numbers of it that vary, too, are given by
+    name and replace its own. Without one, all of them are given.
+    Y : amplitude of the base, m.   omega : of the drive, rad/s.   m : kg.   c : N s/m.   k, K_z : N/m.   F_k : N.
+    threads : default, the cores this process may use. The result does not depend on the number of threads.
 
     Raises ValueError (naming the argument and the first offending value) for a value that `Oscillator` refuses, masked
     or missing ones among them, for anything but numbers, and for shapes that do not broadcast.
 
     >>> import math
-    >>> from dampbalance import Regime, steady_orbits
-    >>> levels = [0.0002, 0.004, 0.012]
-    >>> orbits = steady_orbits(
-    ...     m=2.42, c=90.0, k=2310.0, K_z=208000.0, F_k=1.28, Y=levels, omega=2 * math.pi * 4.92
-    ... )
+    >>> from dampbalance import Oscillator, Regime, steady_orbits
+    >>> osc = Oscillator(m=2.42, c=90.0, k=2310.0, K_z=208000.0, F_k=1.28)
+    >>> orbits = steady_orbits(osc, Y=[0.0002, 0.004, 0.012], omega=2 * math.pi * 4.92)
     >>> [f"{1000 * X:.3f}" for X in orbits.X]
     ['0.002', '2.728', '9.369']
     >>> str(Regime(orbits.regime[0]))
     'no slip: the contact only sticks'
     >>> list(orbits.to_frame()["X_m"].round(6))
     [2e-06, 0.002728, 0.009369]
+    >>> softer = steady_orbits(osc, K_z=[208000.0, 20800.0], Y=0.004, omega=2 * math.pi * 4.92)
+    >>> [f"{1000 * X:.3f}" for X in softer.X]
+    ['2.728', '2.752']
     """
-    given = {"m": m, "c": c, "k": k, "K_z": K_z, "F_k": F_k, "Y": Y, "omega": omega}
+    own = {"m": m, "c": c, "k": k, "K_z": K_z, "F_k": F_k}
+    if oscillator is not None:
+        o = instance("oscillator", oscillator, Oscillator)
+        own = {name: getattr(o, name) if of is None else of for name, of in own.items()}
+    given: dict[str, Any] = {**own, "Y": Y, "omega": omega}
     arrays = [numbers(name, value) for name, value in given.items()]
     shape = _common_shape(arrays)
     size = int(np.prod(shape))

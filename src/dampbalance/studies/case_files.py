@@ -13,7 +13,7 @@ import shutil
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 import pandas as pd
@@ -26,16 +26,22 @@ from ..project.files import replacing, write_json
 from .cases import REGIME_NAMES, case_columns
 from .study_file import CONTACT, Listed, Study
 
+Cases: TypeAlias = str | Path | pd.DataFrame
+"""The table of cases: its file, or the table itself."""
+
 MANY = 100_000
 """A table of so many cases or more is written uncompressed: numbers of which no two are alike hardly compress, and
 compressing them takes longer than computing them."""
 
 
-def stretches(cases: str | Path, names: Sequence[str]) -> Iterator[dict[str, Words]]:
+def stretches(cases: Cases, names: Sequence[str]) -> Iterator[dict[str, Words]]:
     """The columns named, row group by row group, in the order of the cases: memory does not grow with their number.
 
     An array is not to be changed: paragraphs and figures, which ask for a column again and again, get the same one.
     """
+    if isinstance(cases, pd.DataFrame):
+        yield {name: cases[name].to_numpy() for name in names}
+        return
     file, wanted = (str(cases), Path(cases).stat().st_mtime_ns), list(dict.fromkeys(names))
     for group in range(_metadata_of(*file).num_row_groups):
         yield {name: _column(*file, group, name) for name in wanted}
@@ -56,14 +62,15 @@ def _column(cases: str, changed: int, group: int, name: str) -> Words:
     return column
 
 
-def column_of(cases: str | Path, name: str) -> Words:
+def column_of(cases: Cases, name: str) -> Words:
     """One whole column of the table of cases."""
     return np.concatenate([stretch[name] for stretch in stretches(cases, [name])])
 
 
-def terms_of(cases: str | Path) -> list[str]:
+def terms_of(cases: Cases) -> list[str]:
     """Symbols of the coefficients, K_z among them, whose errors the table of cases holds."""
-    held = {column.partition("_relative_error__")[0] for column in pq.read_schema(cases).names}
+    columns = cases.columns if isinstance(cases, pd.DataFrame) else pq.read_schema(cases).names
+    held = {column.partition("_relative_error__")[0] for column in columns}
     return [symbol for symbol in (*KNOWN_TERMS, CONTACT) if symbol in held]
 
 

@@ -78,9 +78,14 @@ def read_study(path: str | Path, paper_file: str | Path) -> Study:
         raise ConfigurationError(in_lines(wrong, {str(path): document}))
     text = Path(path).with_suffix(".md.j2")
     study = Study.of(Path(path).stem, document, paper, text if text.exists() else None)
-    if "figure" in document:
-        return study
-    drawn = (replace(study, figure=figure) for figure in _usual_figures(study))
+    return study if "figure" in document else with_usual_figure(study)
+
+
+def with_usual_figure(study: Study, kind: str = "") -> Study:
+    """Return the study with the first of the usual figures that can be drawn, of a kind where it is named; without a
+    figure where there is none."""
+    figures = (of for of in _usual_figures(study) if kind in ("", of["kind"]))
+    drawn = (replace(study, figure=figure) for figure in figures)
     return next((one for one in drawn if not any(_wrong_figure(one))), study)
 
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pandas as pd
 
-from ..arguments import names, shown, whole
+from ..arguments import names, one_of, shown, whole
 from ..law.terms import Term, term
 from ..model import UNITS, Oscillator, named_with_unit
 from ..records.errors import library
@@ -21,6 +21,7 @@ from .study_file import PAPER_CASE, Listed, Study
 
 if TYPE_CHECKING:
     import xarray
+    from matplotlib.axes import Axes
 
 _DEEPEST = 20  # as in a file
 _OF_NAMES = ("approaches", "phases", "sharing", "contact", "weights", "yardsticks", "fits")
@@ -103,6 +104,32 @@ class StudyResult:
             values = of_levels[name].to_numpy().reshape(*shape, len(study.levels))
             data[f"response_{name}" if name in data else name] = (*dims, "level"), values
         return xarray.Dataset(data, coords)
+
+    def plot(self, figure: str | None = None, *, ax: Axes | None = None) -> Any:
+        """Draw a figure of the errors, and return its axes: the one that a study's file without a figure gets.
+
+        figure : "curves" (errors along an axis), "map" (over two axes), "steps" (error of c against the step of
+        fixed-step schemes) or "scatter" (errors over many runs of noise); default, the one that suits the axes best.
+        ax : where to draw the first panel, which is returned; default, a new figure of pyplot, whose axes are returned
+        as an array.
+
+        Raises ValueError for another name, and for a figure that the axes of the study do not suit.
+        """
+        from ..figures.style import drawn_in  # slow to import, and needed for pictures only
+        from .reading_study import with_usual_figure
+        from .shown.study_figure import FIGURES
+
+        kind = "" if figure is None else one_of("figure", figure, FIGURES)
+        drawn = with_usual_figure(self.settings, kind)
+        if not drawn.figure:
+            axes = ", ".join(drawn.axis_names)
+            raise ValueError(
+                f"no figure{f' of the kind {kind}' * bool(kind)} suits a study over {axes}: "
+                f"{'leave out its name' if kind else 'vary a number'}, or draw columns of to_frame"
+            )
+        with drawn_in(None if ax is None else [ax]):
+            page = FIGURES[drawn.figure["kind"]](drawn, self.cases)
+        return np.array(page.axes) if ax is None else ax
 
     def __repr__(self) -> str:
         """What was studied, and the summary."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,8 +18,8 @@ from ...figures.looks import bounded_label, in_maths, label_of
 from ...figures.series import EXACT, SignedScale, decades, is_even, signed_scale
 from ...figures.style import DOUBLE_COLUMN, GREY, INK, note, place, styled
 from ...project.wording import listed, minus, percent
-from ..case_files import stretches, terms_of
-from ..parameters import PARAMETERS
+from ..case_files import Cases, stretches, terms_of
+from ..parameters import parameter
 from ..study_file import Fit, Sampled, Study
 from .statistics import Sizes
 
@@ -72,7 +71,7 @@ def _axis(study: Study, name: str) -> _Axis:
 
 
 @styled()
-def error_map(study: Study, cases: str | Path) -> Figure:
+def error_map(study: Study, cases: Cases) -> Figure:
     """Relative error, %, over two axes, by colour, with a line at each power of ten and a thick one at the bound.
 
     Where each place is one case, its error with the sign. Where it stands for several (a sample, further axes), the
@@ -115,7 +114,7 @@ def error_map(study: Study, cases: str | Path) -> Figure:
         if covered[0] == 0:
             axes.set_title(in_maths(label_of(fit.approach)), pad=14.0)  # above what the panel shows
         if column == 0:
-            panels.name_row(axes, PARAMETERS[names[1]].label)
+            panels.name_row(axes, parameter(names[1]).label)
         # what the panel shows, as far as others of its column show something else
         words = [f"${symbol}$"]
         if len(kinds) > 1 and fit.phase:
@@ -124,7 +123,7 @@ def error_map(study: Study, cases: str | Path) -> Figure:
         text = f"{', '.join(words)}: {percent(sizes[fit, symbol].share)}"
         note(axes, text, (0.0, 1.0), (0.0, 2.0), size=7.5, xycoords="axes fraction")
     clear_labels([lowest[column] for column in sorted(lowest)])
-    panels.text_below(PARAMETERS[names[0]].label)
+    panels.text_below(parameter(names[0]).label)
     words = [f"In each panel: share of the cases within {within:g} %."]
     if any(np.isnan(values).any() for values in shown.values()):
         words.append("Grey: not identified.")
@@ -143,7 +142,7 @@ def error_map(study: Study, cases: str | Path) -> Figure:
 
 
 def _errors(
-    cases: str | Path,
+    cases: Cases,
     axes: Mapping[str, _Axis],
     sizes: Mapping[tuple[Fit, str], Sizes],
     single: bool,

@@ -4,8 +4,7 @@ runs, or what `maps` draws."""
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
-from pathlib import Path
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -44,8 +43,8 @@ from ...model import Oscillator
 from ...motion.fixed_step import SCHEMES
 from ...project.wording import in_figure, listed
 from ...solver import NORMAL_95
-from ..case_files import column_of, terms_of
-from ..parameters import PARAMETERS, SI_COLUMNS
+from ..case_files import Cases, column_of, terms_of
+from ..parameters import SI_COLUMNS, parameter
 from ..study_file import Fit, Study, selected
 from .maps import error_map
 from .statistics import groups, spread_of, worst_errors
@@ -67,11 +66,9 @@ _CONFIDENCE = 95.0  # %
 _TRAITS = ("phase", "sharing", "contact", "weights", "kind")
 
 
-def study_figure(study: Study, cases: str | Path) -> Figure:
+def study_figure(study: Study, cases: Cases) -> Figure:
     """The figure that the study's file asks for, from its table of cases."""
-    kinds = {"curves": error_curves, "steps": error_of_steps}
-    kinds |= {"map": error_map, "scatter": errors_of_runs}
-    return kinds[study.figure["kind"]](study, cases)
+    return FIGURES[study.figure["kind"]](study, cases)
 
 
 def alternative_text(study: Study) -> str:
@@ -79,7 +76,7 @@ def alternative_text(study: Study) -> str:
     figure = study.figure
     symbols = dict.fromkeys(s for fit in study.fits_of(figure) for s in fit.identified)
     identified = f"the identified {listed([*symbols])}"
-    x, y = (PARAMETERS[figure.get(axis, figure["x"])].meaning for axis in ("x", "y"))
+    x, y = (parameter(figure.get(axis, figure["x"])).meaning for axis in ("x", "y"))
     shown = {
         "curves": f"error of {identified} against {x}",
         "steps": f"error of {identified} against {x}",
@@ -93,7 +90,7 @@ def alternative_text(study: Study) -> str:
 
 
 @styled()
-def error_curves(study: Study, cases: str | Path) -> Figure:
+def error_curves(study: Study, cases: Cases) -> Figure:
     """Relative error, %, with its sign, along the axis x; a row of panels per term, a curve per approach.
 
     Columns of panels: phase definitions, or the values of another axis. Solid: φ and t_s common to the levels, where
@@ -142,7 +139,7 @@ def error_curves(study: Study, cases: str | Path) -> Figure:
             _marks(axes, study, label=row == 0)
         panels.name_row(here[0], f"error of ${symbol}$ (%)")
     clear_labels(here)
-    panels.text_below(PARAMETERS[figure["x"]].label)
+    panels.text_below(parameter(figure["x"]).label)
     # the approaches by colour, those that are not drawn by the bound of their error; φ and t_s by the line
     handles = []
     for key in identified:
@@ -158,7 +155,7 @@ def error_curves(study: Study, cases: str | Path) -> Figure:
     return panels.figure
 
 
-def _panels(study: Study, cases: str | Path) -> Iterator[tuple[str, str, Integers]]:
+def _panels(study: Study, cases: Cases) -> Iterator[tuple[str, str, Integers]]:
     """The panels that the figure asks for: title, phase of all its errors ("" for any), and cases by ascending x."""
     at, by = study.figure.get("at", {}), study.figure.get("panels")
     order = np.argsort(column_of(cases, study.figure["x"]), kind="stable")
@@ -171,7 +168,7 @@ def _panels(study: Study, cases: str | Path) -> Iterator[tuple[str, str, Integer
         for name in dict.fromkeys(fit.phase for fit in study.fits if fit.phase):
             yield PHASE_WORDS[name], name, order
     else:
-        values, of = column_of(cases, by), PARAMETERS[by]
+        values, of = column_of(cases, by), parameter(by)
         for value in dict.fromkeys(values.tolist()):
             title = (
                 f"{of.name} = {of.shown(value)}" if of.symbol else f"{of.name}: {of.shown(value)}"
@@ -199,11 +196,11 @@ def _curve_style(approach: str, number: int, second: bool, few: bool) -> dict[st
 
 def _x_axis(axes: Axes, name: str, places: Array, last: bool) -> None:
     (low, high), few = places[[0, -1]], len(places) <= FEW  # marks at the ends are shown whole
-    if PARAMETERS[name].whole and few:
+    if parameter(name).whole and few:
         axes.set_xticks(places)
         axes.minorticks_off()
         low, high = low - 0.4, high + 0.4
-    elif not PARAMETERS[name].whole and is_logarithmic(places):
+    elif not parameter(name).whole and is_logarithmic(places):
         logarithmic_ticks(axes, "x", low, high, ends=last)
         room = (high / low) ** 0.03 if few else 1.0
         low, high = low / room, high * room
@@ -222,7 +219,7 @@ def _marks(axes: Axes, study: Study, label: bool, factor: float = 1.0) -> None:
 
 
 @styled()
-def error_of_steps(study: Study, cases: str | Path) -> Figure:
+def error_of_steps(study: Study, cases: Cases) -> Figure:
     """Error of c, N s/m, with its sign, by direct integration against the step of each fixed-step scheme, and the line
     ± m ω² h: the damping that backward Euler adds to c and explicit Euler takes from it."""
     h, schemes = column_of(cases, "step_s"), column_of(cases, "scheme")
@@ -267,7 +264,7 @@ def error_of_steps(study: Study, cases: str | Path) -> Figure:
 
 
 @styled()
-def errors_of_runs(study: Study, cases: str | Path) -> Figure:
+def errors_of_runs(study: Study, cases: Cases) -> Figure:
     """Over the runs, along the axis x: the size that 95 % of the errors do not exceed, %, and below it, where the study
     has intervals, the share of the 95 % intervals that hold the true value, %.
 
@@ -315,12 +312,12 @@ def errors_of_runs(study: Study, cases: str | Path) -> Figure:
                 for axes in below:
                     panels.name_row(axes, "coverage (%)")
             if row == 0 and by:
-                of_panel = PARAMETERS[by]
+                of_panel = parameter(by)
                 errors.set_title(f"{of_panel.name} = {of_panel.shown(value, 6)}", pad=4.0)
         sizes = [np.asarray(line.get_ydata(), float) for axes in drawn for line in axes.lines]
         for axes in drawn:
             decades_axis(axes, decades(sizes))
-    along = PARAMETERS[name]
+    along = parameter(name)
     panels.text_below(f"{along.meaning} (%)" if name == "noise" else along.label)
     handles = []
     for label, (_, style) in zip(lines, _line_styles(lines), strict=True):
@@ -378,3 +375,12 @@ def _between(places: Array) -> float:
     """The least ratio of neighbouring places."""
     ordered = np.unique(places)
     return float(np.min(ordered[1:] / ordered[:-1], initial=10.0))
+
+
+FIGURES: Mapping[str, Callable[[Study, Cases], Figure]] = {
+    "curves": error_curves,
+    "steps": error_of_steps,
+    "map": error_map,
+    "scatter": errors_of_runs,
+}
+"""What draws each kind of figure that a study's file can ask for."""

@@ -1,0 +1,76 @@
+"""The arguments that every kind of records shares: the records, the stiffness and the mass."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from ..arguments import mass_with_error, with_error
+from ..records.mapping import MappingLike
+from ..records.measured import MeasuredRecord, as_records, require_different
+
+if TYPE_CHECKING:
+    from ..records.measured import ReaderOfTables, RecordLike
+
+Stated: TypeAlias = float | tuple[float, float] | str
+"""A number, alone or with its standard uncertainty: 2310.0, (2310.0, 10.0) or "2310±10"."""
+
+IN_WORDS = {
+    "forced": "forced records",
+    "ring-down": "free decays",
+    "stepped-sine": "tables of a stepped sine",
+}
+"""Kinds of records, as messages call them."""
+
+
+def rig_options(
+    stiffness: Stated | None, mass: Stated | None, needed_by: str = ""
+) -> dict[str, Any]:
+    """Return the stiffness and the mass with their standard uncertainties, by the keys of a configuration.
+
+    needed_by : kind of records that needs the stiffness; none may do without it where this is empty.
+
+    Raises ValueError for a stiffness that is missing, and for a number that is none.
+    """
+    if stiffness is None and needed_by:
+        raise ValueError(
+            f"stiffness (--stiffness) is missing: {IN_WORDS[needed_by]} need it, N/m; only a table of a stepped sine "
+            "with a force does without (kind stepped-sine)"
+        )
+    k, k_error = (None, 0.0) if stiffness is None else with_error("stiffness", stiffness)
+    m, m_error = (None, None) if mass is None else mass_with_error(mass)
+    return {
+        "stiffness_N_per_m": k,
+        "stiffness_standard_error_N_per_m": k_error,
+        "mass_kg": m,
+        "mass_standard_error_kg": m_error,
+    }
+
+
+def records_of(
+    kind: str,
+    records: RecordLike | Sequence[RecordLike],
+    mapping: MappingLike,
+    reader: ReaderOfTables | None = None,
+) -> tuple[MeasuredRecord, ...]:
+    """Read the records of one kind.   reader : of tables of a stepped sine, as for `as_records`.
+
+    Raises ValueError as `require_different`, and for a table of a stepped sine among others or the other way round.
+    """
+    read = as_records(records, mapping=mapping, free=kind == "ring-down", reader=reader)
+    require_different(read)
+    tables = kind == "stepped-sine"
+    for record in read:
+        if (record.measurement is None) != tables:
+            is_it = "no" if tables else "a"
+            others = "forced records or free decays" if tables else IN_WORDS["stepped-sine"]
+            raise ValueError(
+                f"{record.name} is {is_it} table of a stepped sine: identify it separately, as {others}"
+            )
+    return read
+
+
+def mapping_option(mapping: MappingLike) -> str | None:
+    """Return the path of a mapping for the document; None where it is none."""
+    return str(mapping) if isinstance(mapping, str | Path) else None

@@ -1,0 +1,174 @@
+"""The interface of identification: signatures are the documentation, and each kind refuses the options of others."""
+
+from __future__ import annotations
+
+import inspect
+import math
+import re
+
+import numpy as np
+import pytest
+import yaml
+
+from dampbalance import (
+    BaseMotion,
+    Oscillator,
+    identify,
+    identify_decays,
+    identify_forced,
+    identify_joint,
+    measured_orbit,
+    measured_ring_down,
+    steady_orbit,
+    steady_orbits,
+)
+from dampbalance.measured import OPTIONS, WAYS, configured, not_taken
+from folders import ROOT
+from paper_case import PAPER
+from schemas import SCHEMAS
+
+K = 2310.0
+TABLE = str(ROOT / "config/records/stepped/levels.csv")
+SOFT = Oscillator(m=2.42, c=1.0, k=K, K_z=20800.0, F_k=0.5)
+DECAY = measured_ring_down(SOFT, x=0.01, rate_hz=500.0, duration=2.0, noise=0.001)
+FORCED = [
+    measured_orbit(
+        steady_orbit(PAPER, BaseMotion(Y, 7.0 * math.pi)),
+        rate_hz=500.0,
+        cycles=20.0,
+        noise=0.01,
+        seed=i,
+    )
+    for i, Y in enumerate((0.004, 0.008, 0.012))
+]
+RECORDS = {"forced": FORCED, "ring-down": DECAY, "stepped-sine": TABLE}
+# a value of each option that is not its default
+VALUES = {
+    "frequency": 3.5,
+    "terms": "F_k,c",
+    "given": {"c": 90.0},
+    "groups": {"F_k": "A,A,B"},
+    "laws": True,
+    "approaches": "direct",
+    "skip_cycles": 1,
+    "contact": "gradual",
+    "hardening": False,
+    "residual": True,
+}
+MISPLACED = [
+    (kind, name)
+    for kind, parameters in OPTIONS.items()
+    for name in VALUES
+    if name not in parameters
+]
+
+
+@pytest.mark.parametrize(("kind", "name"), MISPLACED)
+@pytest.mark.parametrize("stated", [False, True], ids=["recognised", "stated"])
+def test_an_option_of_another_kind_is_refused_in_one_sentence(kind, name, stated):
+    options = {name: VALUES[name]} | ({"kind": kind} if stated else {})
+    with pytest.raises(
+        ValueError, match=f"^{name} = .* is for .*, and these are .*: leave it out$"
+    ):
+        identify(RECORDS[kind], K, **options)
+
+
+@pytest.mark.parametrize(("kind", "name"), MISPLACED)
+def test_a_configuration_is_refused_for_the_same_options(kind, name):
+    key = "frequency_hz" if name == "frequency" else name
+    wrong = not_taken({"kind": kind, "stiffness_N_per_m": K, key: VALUES[name]})
+    assert [*wrong] == [key]
+    assert re.fullmatch("is for .*, and these are .*: leave it out", wrong[key])
+
+
+def test_only_a_stepped_sine_does_without_a_stiffness():
+    for kind in WAYS:
+        lacks = not_taken({"kind": kind})
+        assert [*lacks] == ([] if kind == "stepped-sine" else ["stiffness_N_per_m"])
+
+
+def test_an_unknown_option_is_that_of_a_call():
+    with pytest.raises(TypeError, match="unexpected keyword argument 'frequncy'"):
+        identify(FORCED, K, frequncy=3.5)
+
+
+def test_an_option_at_its_default_may_be_given_for_any_kind():
+    named = {
+        name: of.default for each in OPTIONS.values() for name, of in each.items() if name in VALUES
+    }
+    assert named.keys() == VALUES.keys()
+    assert identify(DECAY, K, **named).values == identify_decays(DECAY, K).values
+
+
+@pytest.mark.parametrize(
+    ("kind", "options"),
+    [
+        ("forced", {"frequency": 3.5, "mass": "2.42", "approaches": "direct"}),
+        ("ring-down", {"mass": "2.42"}),
+        ("stepped-sine", {"contact": "one slider"}),
+    ],
+)
+def test_it_hands_over_to_the_function_of_the_kind(kind, options):
+    k = None if kind == "stepped-sine" else (K, 10.0)
+    own = WAYS[kind](RECORDS[kind], k, **options)
+    assert own is not identify(RECORDS[kind], k, **options)
+    for stated in ("recognised", kind):
+        found = identify(RECORDS[kind], k, kind=stated, **options)
+        assert found.document() == own.document()
+
+
+@pytest.mark.parametrize("function", [identify_forced, identify_decays, identify_joint])
+def test_the_docstring_has_every_argument_of_the_signature(function):
+    words = inspect.getdoc(function)
+    for name in inspect.signature(function).parameters:
+        assert re.search(rf"^(\w+, )*{name}(, \w+)* : ", words, re.MULTILINE), name
+
+
+def test_the_keys_of_a_configuration_are_the_arguments():
+    schema = yaml.safe_load((ROOT / SCHEMAS["config"]).read_text(encoding="utf-8"))
+    keys = schema["properties"]["measured"]["items"]["properties"].keys()
+    stated = dict.fromkeys(keys, 1.0) | {"kind": "forced"}
+    arguments = configured(stated).keys() - {"kind"}
+    assert arguments == {name for each in OPTIONS.values() for name in each} - {"records"}
+    assert identify.__kwdefaults__["kind"] == "recognised"
+
+
+def test_mass_frequency_and_damping_ratio_are_those_of_the_oscillator():
+    found = identify_decays(DECAY, K)
+    assert found.mass == pytest.approx(2.42, rel=1e-3)  # noise of 0.1 %
+    assert found.natural_frequency == pytest.approx(math.sqrt(K / 2.42) / (2 * math.pi), rel=1e-3)
+    assert found.damping_ratio == pytest.approx(1.0 / (2 * math.sqrt(K * 2.42)), rel=0.1)
+    document = found.document()
+    assert document["damping"]["damping_ratio"] == pytest.approx(found.damping_ratio, rel=1e-12)
+    fit = document["maximum_likelihood"]
+    assert fit["m_kg"] == pytest.approx(found.mass, rel=1e-12)
+    assert fit["natural_frequency_Hz"] == pytest.approx(found.natural_frequency, rel=1e-12)
+
+
+def test_what_no_fit_determines_is_nan():
+    still = [  # nothing slips: a linear oscillator, whose mass no fit of a slider determines
+        measured_orbit(
+            steady_orbit(stuck, BaseMotion(Y, 8.0 * math.pi)), rate_hz=500.0, cycles=20.0
+        )
+        for stuck in [Oscillator(2.42, 90.0, K, 208000.0, 0.0)]
+        for Y in (0.002, 0.004)
+    ]
+    found = identify_forced(still, K, approaches="direct")
+    assert found.values["c"] == pytest.approx(90.0, rel=1e-6)
+    assert all(map(math.isnan, (found.mass, found.natural_frequency, found.damping_ratio)))
+
+
+def test_an_oscillator_stands_for_its_numbers_in_steady_orbits():
+    numbers = {name: getattr(PAPER, name) for name in ("m", "c", "k", "K_z", "F_k")}
+    Y, omega = [0.004, 0.008], 22.0
+    of = steady_orbits(PAPER, Y=Y, omega=omega)
+    np.testing.assert_array_equal(of.X, steady_orbits(**numbers, Y=Y, omega=omega).X)
+    assert of.X[0] == steady_orbit(PAPER, BaseMotion(0.004, omega)).X
+    softer = steady_orbits(PAPER, K_z=[208000.0, 2080.0], Y=0.004, omega=omega)
+    one = Oscillator(**numbers | {"K_z": 2080.0})
+    assert softer.X[1] == steady_orbit(one, BaseMotion(0.004, omega)).X
+    assert softer.varied == ("K_z",)
+    with pytest.raises(ValueError, match="oscillator must be an Oscillator, got 5"):
+        steady_orbits(5, Y=Y, omega=omega)
+    with pytest.raises(ValueError, match=r"m must be a positive number of kg, .*got None"):
+        steady_orbits(Y=Y, omega=omega)
