@@ -14,9 +14,8 @@ if TYPE_CHECKING:
     from .identification.decays import identify_decays
     from .identification.forced import identify_forced
     from .identification.identified import Identified
-    from .joints.answer import identify_joint
     from .law.terms import Term
-    from .measured import identify, read_records
+    from .measured import identify, identify_joint, read_records
     from .model import BaseMotion, Oscillator
     from .motion.orbit import NoSteadyOrbit, Orbit, steady_orbit
     from .motion.orbits import Orbits, steady_orbits
@@ -78,9 +77,8 @@ _MODULES = {
     "identification.decays": ("identify_decays",),
     "identification.forced": ("identify_forced",),
     "identification.identified": ("Identified",),
-    "joints.answer": ("identify_joint",),
     "law.terms": ("Term",),
-    "measured": ("identify", "read_records"),
+    "measured": ("identify", "identify_joint", "read_records"),
     "model": ("BaseMotion", "Oscillator"),
     "motion.orbit": ("NoSteadyOrbit", "Orbit", "steady_orbit"),
     "motion.orbits": ("Orbits", "steady_orbits"),

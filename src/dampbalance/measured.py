@@ -13,8 +13,9 @@ from .identification.forced import identify_forced
 from .identification.identified import Identified
 from .identification.loading import keeps_moving
 from .identification.request import IN_WORDS, Stated
-from .joints.answer import identify_joint
+from .joints.answer import identify_joint as identify_joint
 from .joints.records import read_lines
+from .joints.records import recognised_as_table as recognised_as_table
 from .project.wording import listed
 from .records.mapping import MappingLike
 from .records.measured import MeasuredRecord, as_records
@@ -88,7 +89,7 @@ def identify(
     tables of a stepped sine to `identify_joint`. Their signatures are the options that apply.
 
     records : as `read_records` returns or takes them: files, tables of pandas, arrays; all of one kind.
-    stiffness : k of the spring, N/m, alone or with its standard uncertainty, (2310.0, 10.0) or "2310±10"; it scales F_k
+    stiffness : k, N/m (N m/rad of a rotation), alone or with its standard uncertainty, (2310.0, 10.0); it scales F_k
     and c. Only tables of responses to a force do without.
     mapping : what the records do not say of their channels, where they are read here.
     kind : "forced", "ring-down" or "stepped-sine", where it is not to be recognised: tables by their columns of

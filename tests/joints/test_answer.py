@@ -15,6 +15,7 @@ from matplotlib import pyplot
 from dampbalance import Oscillator, identify, measured_ring_down, read_records
 from dampbalance.identification.outputs import REPORT, TABLES, outputs_of
 from dampbalance.identification.sensitivities import FAULTS, Fault
+from dampbalance.joints import identify_joint
 from dampbalance.joints.contact import Sliders
 from dampbalance.joints.fit import fit_contact
 from dampbalance.joints.synthetic import stepped_sine
@@ -45,6 +46,16 @@ def many():
 @pytest.fixture(params=["one", "many"])
 def found(request):
     return request.getfixturevalue(request.param)
+
+
+def test_the_room_identifies_its_tables_by_itself(one):
+    """As when `identify` recognises them, from the same signals or from records already read."""
+    for records in (table(), read_records(table())):
+        assert identify_joint(records).document() == one.document()
+    with pytest.raises(ValueError, match="is no table of a stepped sine: identify it separately"):
+        identify_joint([table(), SWING])
+    with pytest.raises(ValueError, match="no records are given"):
+        identify_joint([])
 
 
 def test_one_slider_is_found_where_it_is_enough(one):

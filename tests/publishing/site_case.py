@@ -12,7 +12,7 @@ from urllib.parse import unquote, urlsplit
 import yaml
 
 from dampbalance.publishing.provenance.manifest import PROJECT, files_of
-from dampbalance.publishing.site import PAGES, REPORT_PAGES, TOUR, build_site
+from dampbalance.publishing.site import PAGES, REPORT_PAGE, TOUR, build_site
 from folders import ROOT
 from publishing.html import Tree
 
@@ -37,7 +37,7 @@ def project(folder: Path) -> Path:
         (folder / path).parent.mkdir(parents=True, exist_ok=True)
         shutil.copyfile(ROOT / path, folder / path)
     pages = "".join(page.read_text(encoding="utf-8") for page in (folder / PAGES).rglob("*.md"))
-    for path in {REPORT_PAGES, TOUR, *re.findall(r"(?<=\.\./)results/[\w/]+\.\w+", pages)}:
+    for path in {REPORT_PAGE, TOUR, *re.findall(r"(?<=\.\./)results/[\w/]+\.\w+", pages)}:
         file = folder / path
         if not file.exists():
             file.parent.mkdir(parents=True, exist_ok=True)

@@ -92,8 +92,10 @@ def test_times(heading, unit):
         *((text, "a temperature") for text in ("Temperatur/°C", "T [K]", "TEMP1", "room (degC)")),
         ("I/A", "a current"),
         ("oil (bar)", "a pressure"),
-        ("n/1/min", "an angle or its rate"),
-        *((text, None) for text in ("CH1 [V]", "template", "K [mm]", "acceleration/g")),
+        *(
+            (text, None)
+            for text in ("n/1/min", "T [Nm]", "CH1 [V]", "template", "K [mm]", "acceleration/g")
+        ),
     ],
 )
 def test_what_is_no_motion(heading, other):

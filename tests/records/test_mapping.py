@@ -20,7 +20,7 @@ from dampbalance.records.mapping import (
     parts_of,
     read_mapping,
 )
-from dampbalance.records.measurement import QUANTITIES
+from dampbalance.records.measurement import QUANTITIES, ROTATING
 from dampbalance.records.readers import FORMATS, read
 from dampbalance.records.readers.headings import TEMPERATURE, WORDS
 from dampbalance.records.units import UNITS
@@ -197,12 +197,15 @@ def test_the_examples_read_as_they_say(tmp_path):
 def test_the_page_names_every_quantity_suffix_name_and_unit():
     text = README.read_text(encoding="utf-8")
     schema = yaml.safe_load(SCHEMA.read_text(encoding="utf-8"))
-    assert list(schema["properties"]["channels"]["properties"]) == list(QUANTITIES)
+    assert list(schema["properties"]["channels"]["properties"]) == [
+        *QUANTITIES,
+        *ROTATING,
+    ]
     words = (word for words in (*WORDS.values(), TEMPERATURE) for word in words)
-    for name in [*QUANTITIES, *words]:
+    for name in [*QUANTITIES, *ROTATING, *words]:
         assert f"`{name}`" in text
     for suffix in (suffix for known in FORMATS.values() for suffix in known.suffixes):
         assert re.search(rf"(?<!\w){re.escape(suffix)} ", text), suffix
     listed = re.search(r"^Units: (.*?)\. `um`", text, re.MULTILINE)
     units = re.split(r"[,;] ", listed[1])
-    assert units == [u.name for u in UNITS if u.dimension not in ("frequency", "angle")]
+    assert units == [u.name for u in UNITS if u.dimension != "frequency"]

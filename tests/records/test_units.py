@@ -32,13 +32,28 @@ IN_SI = {
     "MHz": 1e6,
     "rad/s": 0.5 / math.pi,  # Hz
     "rad": 1.0,
+    "mrad": 0.001,
     "deg": math.pi / 180.0,
+    "deg/s": math.pi / 180.0,
+    "rpm": math.pi / 30.0,
+    "rad/s²": 1.0,
+    "deg/s²": math.pi / 180.0,
+    "N m": 1.0,
+    "N cm": 0.01,
+    "N mm": 0.001,
+    "mN m": 0.001,
+    "kN m": 1000.0,
+    "ozf in": 0.45359237 * 9.80665 / 16.0 * 0.0254,
+    "lbf in": 0.45359237 * 9.80665 * 0.0254,
+    "lbf ft": 0.45359237 * 9.80665 * 0.3048,
 }
 
 
 def test_units_in_si():
-    # a product of decimals, rounded once
-    assert {unit.name: unit.factor for unit in UNITS} == pytest.approx(IN_SI, rel=1e-15)
+    # a product of decimals, rounded up to three times
+    factors = {unit.name: find_unit(unit.name).factor for unit in UNITS}
+    assert factors == pytest.approx(IN_SI, rel=1e-15)
+    assert unit_for("rad/s", "angular_velocity").factor == 1.0
 
 
 @pytest.mark.parametrize(
@@ -49,6 +64,10 @@ def test_units_in_si():
         *((text, "m/s²") for text in ("m/s^2", "m/s2", "m/s**2", "m s-2", "m·s⁻²", "m_per_s2")),
         *(("m/s/s", "m/s²"), ("m/sec^2", "m/s²"), ("m s^-1", "m/s"), ("um/s", "µm/s")),
         ("1/s", "Hz"),
+        *(("°", "deg"), ("°/s", "deg/s"), ("deg/s^2", "deg/s²"), ("1/min", "rpm"), ("RPM", "rpm")),
+        *((text, "N m") for text in ("Nm", "N·m", "N*m", "N_m", "N.m", "N-m")),
+        *((text, "ozf in") for text in ("ozf·in", "oz-in", "oz in", "ozf_in", "in-ozf")),
+        *(("Nmm", "N mm"), ("mNm", "mN m"), ("lb-in", "lbf in"), ("ft-lb", "lbf ft")),
     ],
 )
 def test_spellings(spelling, name):
@@ -63,8 +82,9 @@ def test_what_is_no_unit(text):
 
 def test_every_unit_is_found_by_its_name_and_its_header_suffix():
     for unit in UNITS:
-        assert find_unit(unit.name) is unit
-        assert find_unit(named_with_unit("", unit.name)[1:].replace("µ", "u")) is unit
+        assert find_unit(unit.name, unit.dimension) is unit
+        suffix = named_with_unit("", unit.name)[1:].replace("µ", "u")
+        assert find_unit(suffix, unit.dimension) is unit
 
 
 @pytest.mark.parametrize("quantity", DIMENSIONS)
@@ -73,7 +93,10 @@ def test_only_units_of_the_dimension_fit(quantity):
         if unit.dimension == DIMENSIONS[quantity]:
             assert unit_for(unit.name, quantity) is unit
         else:
-            with pytest.raises(UnitError, match=f"is a unit of {unit.dimension}, but"):
+            dimension = find_unit(unit.name, DIMENSIONS[quantity]).dimension  # rad/s has two
+            if dimension == DIMENSIONS[quantity]:
+                continue
+            with pytest.raises(UnitError, match=f"is a unit of {dimension}, but"):
                 unit_for(unit.name, quantity)
 
 

@@ -32,6 +32,11 @@ several after releases or blows:
 
   dampbalance identify decay.csv --stiffness 2310
 
+Records of an angle, an angular velocity (rpm, °/s) or a torque are those of an oscillator that rotates: give its
+stiffness in N m/rad, and as its mass the moment of inertia in kg m²; the friction torque is called T_k:
+
+  dampbalance identify pendulum.csv --stiffness 1.18 --mass 0.019
+
 A table of a stepped sine has a line for each steady response, with columns of frequency, amplitude of force or base,
 amplitude of the response, phase, and level; with a force it needs no stiffness:
 
@@ -43,8 +48,8 @@ _HELP = f"""\
 records         a file, one per level; as many as there are coefficients, or more; of a free decay one is enough
 all records:
 --kind          forced records, free decays, or tables of a stepped sine (default: as they are recognised)
---stiffness     stiffness k, N/m, or with its standard uncertainty, 2310±10; it scales F_k and c; --mass tests it
---mass          mass, kg, or with its standard uncertainty, 2.42±0.01; alone, half its last digit or 0.5 %%, the larger
+--stiffness     k, N/m (of a rotation N m/rad), or with its uncertainty, 2310±10; it scales F_k and c; --mass tests it
+--mass          kg (of a rotation inertia, kg m²), or with its uncertainty, 2.42±0.01; alone, half a digit or 0.5 %%
 --mapping       file or folder that names the channels of the records (default: the file next to each)
 --write-mapping write a mapping to start from to this file, with a reason for each channel, and do nothing else
 forced records:
@@ -109,7 +114,7 @@ def run(options: argparse.Namespace) -> None:
 
 def _write_mapping(options: argparse.Namespace) -> None:
     """Write a mapping for the first record that the others can be read with, show it, and say how it is used."""
-    from ..joints.records import recognised_as_table
+    from ..measured import recognised_as_table
     from ..records.mapping import find_mapping, read_mapping  # slow to import
     from ..records.readers import mapping_to_start_from, quantities_of
 

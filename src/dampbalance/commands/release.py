@@ -6,7 +6,7 @@ import argparse
 from typing import Any
 
 from ..motion.jit import interpreted
-from ..records.measurement import ABSOLUTE
+from ..records.measurement import ABSOLUTE, ROTATING
 from ..records.synthetic import measured_ring_down
 from .options import quantity
 from .simulate import ARGUMENTS as OF_FORCED
@@ -18,6 +18,9 @@ paper unless options say otherwise; it damps so much that it hardly swings.
 
   dampbalance release decay.csv --displacement 0.01 --damping 1 --friction 0.5 --noise 0.01
   dampbalance identify decay.csv --stiffness 2310
+
+With --channel angle it rotates, a pendulum for example: displacement, velocity, mass, damping, stiffnesses and friction
+are then in rad, rad/s, kg m², N m s/rad, N m/rad and N m.
 """
 
 _ALIKE = ("--mass", "--stiffness", "--contact-stiffness", "--friction", "--rate")
@@ -34,7 +37,7 @@ ARGUMENTS: dict[str, dict[str, Any]] = {
     "--seed": OF_FORCED["--seed"],
     "--channel": {
         "action": "append",
-        "choices": list(ABSOLUTE),
+        "choices": [*ABSOLUTE, *(q for q, of in ROTATING.items() if of in ABSOLUTE)],
         "help": "a quantity; may be repeated (default: displacement)",
     },
     "--overwrite": OF_FORCED["--overwrite"],

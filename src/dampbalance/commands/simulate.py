@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -15,14 +16,15 @@ from ..motion.law_steady import Response
 from ..motion.orbit import Orbit, steady_orbit
 from ..motion.sliders import SlidersOrbit, sliders_orbit
 from ..records.errors import RecordError
-from ..records.measurement import QUANTITIES, Channel, Measurement
+from ..records.measurement import QUANTITIES, ROTATING, Measurement
 from ..records.synthetic import measured_orbit
 from ..records.writers import write
 from .options import coefficients, quantity, sliders, whole
 
 EPILOG = """\
 Each record is exact except for its noise, which is white, of every channel by itself. The oscillator is that of the
-paper unless options say otherwise.
+paper unless options say otherwise. With a --channel such as base_angle and angle it rotates: kg m², N m s/rad, N m/rad,
+N m and rad then stand for kg, N s/m, N/m, N and m.
 
 With --law the damping is that of its terms, c among them (c is 0 unless the law or --damping gives it); the contact
 keeps its --friction unless the law gives F_k. The terms, their coefficients in SI units: c on the velocity of the mass,
@@ -67,7 +69,7 @@ ARGUMENTS: dict[str, dict[str, Any]] = {
     "--seed": {"type": whole("seed"), "default": 0, "help": "of the noise (default: %(default)s)"},
     "--channel": {
         "action": "append",
-        "choices": list(QUANTITIES),
+        "choices": [*QUANTITIES, *ROTATING],
         "help": f"a quantity; may be repeated (default: {', '.join(_CHANNELS)})",
     },
     "--decimals": {
@@ -163,9 +165,9 @@ def _steady(
 
 def _rounded(measurement: Measurement, decimals: int) -> Measurement:
     each = measurement.channels.values()
-    channels = [Channel(c.quantity, c.t, np.round(c.values, decimals)) for c in each]
+    channels = [replace(c, values=np.round(c.values, decimals)) for c in each]
     for channel in channels:
         if not np.ptp(channel.values) > 0.0:
             rounded = f"constant when rounded to {decimals} decimals"
-            raise RecordError(f"{channel.quantity} is {rounded}: keep more of them")
+            raise RecordError(f"{channel.name} is {rounded}: keep more of them")
     return Measurement.of(measurement.source, channels)

@@ -33,7 +33,7 @@ from ..motion.jit import interpreted
 from ..motion.unknowns import OSCILLATOR_UNKNOWNS
 from ..project.wording import Remark, listed, times, visible
 from ..records.mapping import MappingLike
-from ..records.measured import MeasuredRecord
+from ..records.measured import MeasuredRecord, in_words_of_records
 from ..records.measurement import EXCITATIONS, ORDERS, Channel, Measurement
 from ..signals.bursts import NoDecay, Signal, noise_of, too_few_samples
 from ..signals.conditioning import in_equal_steps
@@ -218,6 +218,7 @@ def identify_decays(
     return _of_records(records_of("ring-down", records, mapping), options)
 
 
+@in_words_of_records
 @interpreted(False)  # a motion of thousands of samples, hundreds of times
 def _of_records(records: tuple[MeasuredRecord, ...], options: Mapping[str, Any]) -> DecayOutcome:
     """The answers to records that are read.   options : by the keys of a configuration."""

@@ -35,7 +35,7 @@ from ..law.terms import FRICTION, term
 from ..motion.jit import interpreted
 from ..project.wording import Remark
 from ..records.mapping import MappingLike
-from ..records.measured import MeasuredRecord
+from ..records.measured import MeasuredRecord, in_words_of_records
 from ..signals.mean_harmonics import Reading
 from ..signals.one_thread import one_thread
 from ..solver import Estimate, least_squares, solve
@@ -140,7 +140,8 @@ class ForcedOutcome(Identified):
         import pandas as pd  # slow to import
 
         return {
-            name: pd.DataFrame(of) for name, of in zip(self.sources, self._loops(mass), strict=True)
+            name: pd.DataFrame(self.coordinate.document(of))
+            for name, of in zip(self.sources, self._loops(mass), strict=True)
         }
 
     def _loops(self, mass: float | None = None) -> list[dict[str, Array]]:
@@ -242,9 +243,10 @@ def identify_forced(
     conditional on k.
     mapping : what the records do not say of their channels, where they are read here.
     frequency : of the drive as known, Hz; compared with that found in each record.
-    mass : kg, if it is known: it tests the stiffness and the gains, and sharpens K_z where it is known better than the
-    records know it. State its standard uncertainty like that of the stiffness, (2.42, 0.01) or "2.42±0.01"; of a mass
-    alone it is half a unit of the last digit ("2.420" keeps its zero) or 0.5 %, whichever is more.
+    mass : kg (kg m² of a rotation), if it is known: it tests the stiffness and the gains, and sharpens K_z where it
+    is known better than the records know it. State its standard uncertainty like that of the stiffness, (2.42,
+    0.01) or "2.42±0.01"; of a mass alone it is half a unit of the last digit ("2.420" keeps its zero) or 0.5 %,
+    whichever is more.
     terms : of the damping law, symbols of `KNOWN_TERMS` and objects of `Term`; default, F_k, c and those that are
     given.
     given : symbol → known coefficient, SI units.
@@ -292,6 +294,7 @@ def identify_forced(
     return _of_records(records_of("forced", records, mapping), law, options)
 
 
+@in_words_of_records
 @interpreted(calls=QUICK)  # whatever was compiled before: the last bits may differ
 def _of_records(
     records: tuple[MeasuredRecord, ...], law: Law, options: Mapping[str, Any]

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import itertools
 import math
+import re
 import warnings
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field
 from functools import cached_property
-from pathlib import Path
+from html import escape
+from pathlib import Path, PurePath
 from tempfile import TemporaryDirectory
 from types import ModuleType
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
@@ -21,7 +23,8 @@ from .. import __version__
 from ..arguments import flag, one_of, path
 from ..motion.jit import interpreted
 from ..project.files import plain, write_json, write_rows, write_text
-from ..project.wording import Remark
+from ..project.wording import Remark, visible
+from ..records.coordinate import ROTATION, TRANSLATION, Coordinate
 from ..records.measured import MeasuredRecord
 from .answer import REFERENCE, USABLE, Answer, Interval, Verdict, column, unit_of
 from .law_comparison import LawComparison
@@ -128,6 +131,10 @@ class Identified(ABC):
     records : that they come from.
     options : as given, by the keys of a configuration.
 
+    Records that rotate have the same numbers in units of a rotation (`coordinate` is `ROTATION` then): k and K_z in
+    N m/rad, c in N m s/rad, masses as moments of inertia in kg m², and F_k in N m. F_k keeps its key in Python; what is
+    shown or written calls it T_k, and J the inertia.
+
     `values`, `intervals`, `covariance` and the like are those of the first of `approaches`. That is the fit of maximum
     likelihood where the records are those of an oscillator with one friction contact, and the balance of energy
     otherwise: direct integration, unless other approaches were chosen. Those of any other are in `approaches[name]`. SI
@@ -152,6 +159,22 @@ class Identified(ABC):
 
     mass_tests: ClassVar[bool] = True
     """Whether a mass that is given tests stiffness and gains; else it is taken as it is."""
+
+    @property
+    def coordinate(self) -> Coordinate:
+        """Whether the records are of a translation or of a rotation, which decides on units and words."""
+        return self.records[0].coordinate if self.records else TRANSLATION
+
+    def in_words(self, text: str) -> str:
+        """A sentence in the words and units of the coordinate; names of records stay."""
+        return self.coordinate.text(text, self._names)
+
+    @cached_property
+    def _names(self) -> frozenset[str]:
+        """Names of records and levels, as they stand in texts."""
+        names = {*self.sources, *(record.label for record in self.records)}
+        names |= {visible(PurePath(name).name) for name in names} | {visible(n) for n in names}
+        return frozenset(names | {escape(name) for name in names})
 
     @abstractmethod
     def findings(self) -> dict[str, Any]:
@@ -273,7 +296,10 @@ class Identified(ABC):
     @property
     def verdicts(self) -> dict[str, Verdict]:
         """The verdict on each: usable, doubtful or none, and why."""
-        return self.answer.verdicts
+        return {
+            symbol: Verdict(word, self.in_words(reason))
+            for symbol, (word, reason) in self.answer.verdicts.items()
+        }
 
     @property
     def covariance(self) -> pd.DataFrame:
@@ -292,7 +318,8 @@ class Identified(ABC):
 
         answer = next(a for a in self.approaches.values() if a.balance is not None)
         names = [] if answer.balance is None else answer.balance.names
-        return pd.DataFrame(dict(answer.rows), index=pd.Index(names, name="row"))
+        columns = self.coordinate.document(answer.rows)
+        return pd.DataFrame(columns, index=pd.Index(names, name="row"))
 
     def to_frame(self) -> pd.DataFrame:
         """A line for each approach and each number: approach, symbol, unit, value, standard_error, low and high (the
@@ -301,7 +328,8 @@ class Identified(ABC):
 
         return pd.DataFrame(
             {
-                **{"approach": name, "symbol": symbol, "unit": unit_of(symbol)},
+                **{"approach": name, "symbol": symbol},
+                "unit": self.coordinate.unit(unit_of(symbol)),
                 **{"value": p.value, "standard_error": p.standard_error},
                 **p.interval._asdict(),
                 **answer.verdicts[symbol]._asdict(),
@@ -318,10 +346,15 @@ class Identified(ABC):
                 return name, {fault: of for fault, of in changes.items() if any(of.values())}
         return None, {}
 
-    @interpreted(calls=QUICK)
     def document(self) -> dict[str, Any]:
         """Everything, as plain data for JSON, what `identification.json` holds; SI units, named in the keys; what is
         not known is null."""
+        shown: dict[str, Any] = self.coordinate.document(self._document(), self._names)
+        return shown
+
+    @interpreted(calls=QUICK)
+    def _document(self) -> dict[str, Any]:
+        """The document with the names of a translation."""
         answers, findings = {n: _entries(a) for n, a in self.approaches.items()}, self.findings()
         for entry, record in zip(findings["records"], self.records, strict=bool(self.records)):
             entry |= record.files or {}
@@ -329,6 +362,7 @@ class Identified(ABC):
         everything = {
             "dampbalance": __version__,
             **self.kind,
+            **({} if self.coordinate == TRANSLATION else {"coordinate": self.coordinate.name}),
             "options": dict(self.options),
             "k_N_per_m": self.k,
             **self.settings,
@@ -362,7 +396,8 @@ class Identified(ABC):
             row |= {f"{symbol}_verdict": v.verdict for symbol, v in answer.verdicts.items()}
             rows.append(row | {"note": "; ".join(answer.notes)})
         columns = dict.fromkeys(name for row in sorted(rows, key=len, reverse=True) for name in row)
-        return [{name: row.get(name) for name in columns} for row in rows]
+        table = [{name: row.get(name) for name in columns} for row in rows]
+        return [self.coordinate.document(row, self._names) for row in table]
 
     @property
     def limits(self) -> list[Limit]:
@@ -373,15 +408,17 @@ class Identified(ABC):
     def limiting(self) -> list[str]:
         """What limits the answers, in sentences: "*" begins a note on answers, "warning:" all else."""
         return [
-            f"{'* ' if of.kind == 'approaches' else 'warning: '}{in_a_sentence(of, self.sources)}"
+            ("* " if of.kind == "approaches" else "warning: ")
+            + self.in_words(in_a_sentence(of, self.sources))
             for of in self.limits
         ]
 
     def text(self) -> str:
         """The table for a screen: the answers with their 95 % intervals and verdicts, a line each, then what limits
         them."""
-        tests, sentences = comparison(self.laws), self.limiting
-        lines = [self.head, "", *aligned(answers_table(self.approaches)), "", *self.rig]
+        tests, sentences = [*map(self.in_words, comparison(self.laws))], self.limiting
+        table = [[*map(self.coordinate.text, line)] for line in answers_table(self.approaches)]
+        lines = [self.head, "", *aligned(table), "", *self.rig]
         lines += ["", *tests] if tests else []
         lines += ["", "What limits the answer:", *sentences] if sentences else []
         return "\n".join(lines) + "\n"
@@ -392,14 +429,27 @@ class Identified(ABC):
 
     def _repr_html_(self) -> str:
         """The table for a notebook."""
+        return self._page("notebook")
+
+    def _page(self, template: str, **content: Any) -> str:
+        """A page in the words and units of the coordinate; drawings stay as they are."""
         from .report import page_of  # slow to import
 
-        return page_of("notebook", found=self)
+        pieces = re.split(r"(data:[^\"]*)", page_of(template, found=self, **content))
+        return "".join(
+            piece if piece.startswith("data:") else self.in_words(piece) for piece in pieces
+        )
 
     def draw(self, name: str) -> Figure:
         """One of the pictures, on a page of its own; `plot` draws in axes that are given."""
+        from matplotlib.text import Text  # slow to import
+
         with _lacking_glyphs():
-            return getattr(self.drawings, name)(*self.pictures[name].of)
+            drawn: Figure = getattr(self.drawings, name)(*self.pictures[name].of)
+        for text in drawn.findobj(Text) if self.coordinate == ROTATION else ():
+            assert isinstance(text, Text)
+            text.set_text(self.coordinate.drawn(text.get_text(), self._names))
+        return drawn
 
     def plot(
         self,
@@ -452,12 +502,11 @@ class Identified(ABC):
         pictures = (*pictures_of(self.figures), REPORT) if flag("figures", figures) else ()
         for name in set(ALL_PICTURES) - set(pictures):
             (folder / name).unlink(missing_ok=True)
-        document = self.document()
         if figures:
-            write_text(folder / REPORT, self._report(folder, document))
+            write_text(folder / REPORT, self._report(folder))
         write_rows(folder / "identification.csv", self.estimates_table())
         write_text(folder / "summary.txt", self.text())
-        write_json(folder / "identification.json", document)
+        write_json(folder / "identification.json", self.document())
         return [folder / name for name in (*TABLES, *pictures)]
 
     def report(self) -> str:
@@ -465,28 +514,28 @@ class Identified(ABC):
         and what to do next, damping of each level, effect of faults, settings. Use it to hand a result to others;
         `save` writes it as report.html."""
         with TemporaryDirectory() as folder:
-            return self._report(Path(folder), self.document(), png=False)
+            return self._report(Path(folder), png=False)
 
     @interpreted(calls=QUICK)
-    def _report(self, folder: Path, document: dict[str, Any], png: bool = True) -> str:
+    def _report(self, folder: Path, png: bool = True) -> str:
         """The report, and the pictures in a folder."""
         from ..figures.style import (
             save,
             save_svg,
         )  # slow to import, and needed for pictures only
         from .pictures import DPI
-        from .report import page_of
 
         drawings = {}
         for name, picture in self.pictures.items():
+            words = self.in_words(picture.words)
             svg, other = (folder / file for file in pictures_of([name]))
             with _lacking_glyphs():
                 if png:
-                    save(self.draw(name), svg, other, picture.words, DPI)
+                    save(self.draw(name), svg, other, words, DPI)
                 else:
-                    save_svg(self.draw(name), svg, picture.words, DPI)
+                    save_svg(self.draw(name), svg, words, DPI)
             drawings[name] = svg.read_text(encoding="utf-8")
-        return page_of("report", found=self, document=document, drawings=drawings)
+        return self._page("report", document=self._document(), drawings=drawings)
 
 
 @contextmanager

@@ -56,7 +56,12 @@ def with_stated_uncertainties(found: Outcome) -> Outcome:
         found,
         estimates=estimates,
         reference=reference,
-        rig=[*found.rig, *_conditional(found, stiffness > 0.0, mass)],
+        head=found.in_words(found.head),
+        rig=[
+            found.in_words(said)
+            for said in (*found.rig, *_conditional(found, stiffness > 0.0, mass))
+        ],
+        warnings=tuple(found.coordinate.remark(one, found.sources) for one in found.warnings),
         settings={**found.settings, **settings},
     )
 

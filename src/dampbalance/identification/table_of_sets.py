@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
 
+from ..law.terms import FRICTION
 from ..project.files import read_csv, write_csv, write_text
+from ..records.coordinate import ROTATION, TRANSLATION, Coordinate
 from .answer import Interval, ParameterEstimate, Verdict, column
 from .outputs import ESTIMATES, SUMMARY
 from .screen import aligned, headed, in_one, with_interval
@@ -24,27 +26,22 @@ def summarise(folder: Path, errors: Mapping[str, str]) -> str:
     empty where it was.
     """
     failed = {name: error for name, error in errors.items() if error}
-    parts = []
+    parts, coordinates = [], dict[str, Coordinate]()
     for name, error in errors.items():
         one = pd.DataFrame({"error": [error]}) if error else read_csv(folder / name / ESTIMATES)
         one.insert(0, "set", name)
+        rotates = ROTATION.key(column("K_z")) in one
+        coordinates[name] = ROTATION if rotates else TRANSLATION
         parts.append(one)
     every = pd.concat(parts, ignore_index=True)
     every["error"] = every.pop("error") if failed else ""
-    symbols = [str(head).removesuffix(_VERDICT) for head in every if str(head).endswith(_VERDICT)]
-    symbols.sort(key=lambda symbol: symbol == "K_z")  # the contact last
-    table = [["set", "answer", *map(headed, symbols), "verdict"]]
-    for row in every.groupby("set", sort=False).head(1).to_dict("records"):
-        name, verdicts, cells = row["set"], {}, []
-        for symbol in symbols:
-            word = row[symbol + _VERDICT]
-            if isinstance(word, str) and word:
-                verdicts[symbol] = Verdict(word)
-            cells.append("–" if name in failed else with_interval(_parameter(row, symbol)))
-        words = "not identified" if name in failed else in_one(verdicts)
-        table.append([name, "–" if name in failed else row["approach"], *cells, words])
+    rows = every.groupby("set", sort=False).head(1).to_dict("records")
+    tables = []
+    for coordinate in dict.fromkeys(coordinates.values()):
+        own = [row for row in rows if coordinates[row["set"]] is coordinate]
+        tables += ["", *aligned(_table(own, failed, coordinate))]
     head = f"{len(errors) - len(failed)} of {len(errors)} sets of records identified"
-    lines = [f"{head} in {folder}; the answer to use of each:", "", *aligned(table)]
+    lines = [f"{head} in {folder}; the answer to use of each:", *tables]
     lines += ["", *(f"{name}: {error}" for name, error in failed.items())] if failed else []
     text = "\n".join(lines) + "\n"
     write_csv(folder / ESTIMATES, every)
@@ -52,10 +49,35 @@ def summarise(folder: Path, errors: Mapping[str, str]) -> str:
     return text
 
 
-def _parameter(row: Mapping[Any, Any], symbol: str) -> ParameterEstimate:
+def _table(
+    rows: Sequence[Mapping[Any, Any]], failed: Collection[str], coordinate: Coordinate
+) -> list[list[str]]:
+    """The lines of sets of one coordinate, from the rows of the answers to use.   failed : sets without an answer."""
+    keys = [str(head).removesuffix(_VERDICT) for head in rows[0] if str(head).endswith(_VERDICT)]
+    # a column that another set alone has is empty in all rows
+    shown = [key for key in keys if any(isinstance(row[key + _VERDICT], str) for row in rows)]
+    shown.sort(key=lambda key: key == "K_z")  # the contact last
+    symbols = {key: FRICTION if key == coordinate.key(FRICTION) else key for key in shown}
+    heads = (coordinate.text(headed(symbol)) for symbol in symbols.values())
+    table = [["set", "answer", *heads, "verdict"]]
+    for row in rows:
+        name, verdicts, cells = row["set"], {}, []
+        for key, symbol in symbols.items():
+            word = row[key + _VERDICT]
+            if isinstance(word, str) and word:
+                verdicts[key] = Verdict(word)
+            parameter = _parameter(row, symbol, coordinate)
+            cells.append("–" if name in failed else with_interval(parameter))
+        words = "not identified" if name in failed else in_one(verdicts)
+        table.append([name, "–" if name in failed else row["approach"], *cells, words])
+    return table
+
+
+def _parameter(row: Mapping[Any, Any], symbol: str, coordinate: Coordinate) -> ParameterEstimate:
     """A number of a row of the table of estimates."""
     value, low, high = (
-        float(row.get(column(symbol, end), math.nan)) for end in ("", "_low", "_high")
+        float(row.get(coordinate.key(column(symbol, end)), math.nan))
+        for end in ("", "_low", "_high")
     )
     if math.isnan(high) and math.isfinite(low):  # an open end is empty in the table
         high = math.inf

@@ -400,7 +400,7 @@ def _answer(
     )
     parameters = {symbol: _estimate(symbol, fit) for symbol in unknowns}
     merit: dict[str, Any] = {
-        "residual": float(np.linalg.norm(fit.residuals.imag * W) / np.linalg.norm(W)),
+        "residual": float(np.linalg.norm(fit.residuals * W) / np.linalg.norm(W)),
         "misfit": fit.misfit.score,
         "loss_rms": fit.misfit.loss,
         "in_phase_rms_N_per_m": fit.misfit.in_phase,

@@ -61,10 +61,9 @@ class ContactFit:
     r, kappa : sliders, m and N/m, (j,).
     errors, intervals : standard errors and intervals of 95 % of what is not given, of F_k and K_z, and of the r of one
     slider. The upper end of K_z is infinite where the amplitudes are so large that lines tell only a lower limit.
-    residuals : in-phase difference as a part of |Z|, the real part; (loss of the law)/W − 1, the imaginary part, (n,).
-    misfit : root mean squares.   held_out : the same of each level, predicted from the others.
+    residuals : (loss of the law)/W − 1, (n,).   misfit : root mean squares.
     X_range : amplitudes that were seen, m.
-    smoothing, chosen_by : weight of the smoothness of κ, and what chose it.
+    smoothing : weight of the smoothness of κ.
     shown : where k is given, that of the lines if it is free and the χ² that it saves.
     """
 
@@ -75,12 +74,10 @@ class ContactFit:
     kappa: Array
     errors: Mapping[str, float]
     intervals: Mapping[str, tuple[float, float]]
-    residuals: Complexes
+    residuals: Array
     misfit: Misfit
-    held_out: Mapping[str, Misfit]
     X_range: tuple[float, float]
     smoothing: float
-    chosen_by: str
     shown: tuple[float, float] | None
     design: Design = field(repr=False)
     draws: _Draws = field(repr=False)
@@ -303,9 +300,6 @@ def _fitted(found: Estimate, terms: tuple[str, ...], residual: bool) -> ContactF
         if allowed[0]:
             lowest = min(float(one.kappa[0]) for one, may in zip(near, allowed, strict=True) if may)
             intervals["K_z"] = (lowest, math.inf)
-    Z, measured = rows.law(point), rows.mode.Z
-    left = (Z.real - measured.real) / np.abs(measured) + 1j * (Z.imag / measured.imag - 1.0)
-    held_out = found.held_out(found.smoothing)
     return ContactFit(
         contact,
         terms,
@@ -314,12 +308,10 @@ def _fitted(found: Estimate, terms: tuple[str, ...], residual: bool) -> ContactF
         point.kappa,
         {name: float(np.std(of[1:], ddof=1)) for name, of in drawn.items()},
         intervals,
-        left,
+        rows.law(point).imag / rows.mode.Z.imag - 1.0,
         rows.misfit(point),
-        dict(zip(rows.lines.names, held_out, strict=bool(held_out))),
         (float(reach.min()), float(reach.max())),
         found.smoothing,
-        found.chosen_by,
         _of_k(found, residual),
         design,
         draws,

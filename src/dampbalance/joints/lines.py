@@ -404,12 +404,11 @@ def _scatter(rows: Rows, left: Complexes, unknowns: int) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class Estimate:
-    """A fit: its rows with their errors and its design, the unknowns, the smoothing and what chose it."""
+    """A fit: its rows with their errors and its design, the unknowns, and the smoothing."""
 
     design: Design
     point: Point
     smoothing: float
-    chosen_by: str = ""
 
     @property
     def rows(self) -> Rows:
@@ -442,13 +441,11 @@ class Estimate:
     def smoothed(self) -> Estimate:
         """With the smoothing that levels, or generalised cross-validation where they are few, ask for."""
         if len(self._levels) >= _LEVELS:
-            by = "levels that are left out"
             scores = [np.mean([one.score for one in self.held_out(s)]) for s in _SMOOTHINGS]
         else:
-            by = f"generalised cross-validation, as there are fewer than {_LEVELS} levels"
             scores = [self._generalised(s) for s in _SMOOTHINGS]
         smoothing = LESS * float(_SMOOTHINGS[int(np.argmin(scores))])
-        return Estimate(self.design, self.design.solve(self.rows.target, smoothing), smoothing, by)
+        return Estimate(self.design, self.design.solve(self.rows.target, smoothing), smoothing)
 
     def _generalised(self, smoothing: float) -> np.floating:
         """χ² over the square of the degrees of freedom that are left."""

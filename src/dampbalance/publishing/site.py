@@ -18,8 +18,8 @@ from pathlib import Path
 from ..project.files import UNFINISHED
 
 PAGES = "paper/site"
-REPORT_PAGES, TOUR = "results/paper/report.html", "results/paper/notebook/tour.ipynb"
-PREPARED = ("case", "joint", "decay", "example")
+REPORT_PAGE, TOUR = "results/paper/report.html", "results/paper/notebook/tour.ipynb"
+PREPARED = ("case", "joint", "decay", "pendulum", "example")
 """Folders in which pages run commands. What paper/site has of them is there; its lab.py writes the records."""
 
 _LOCAL_LINK = re.compile(r"""(?<=<a)([^>]*?)\shref="(?![a-z]+:|#)[^"]*"(?=[^>]*>)""")
@@ -40,7 +40,7 @@ def build_site(root: str | Path, target: str | Path) -> None:
         stage = Path(folder)
         shutil.copytree(root / PAGES, stage, dirs_exist_ok=True)
         shutil.copy(root / TOUR, stage / "explain")
-        report = (root / REPORT_PAGES).read_text(encoding="utf-8")
+        report = (root / REPORT_PAGE).read_text(encoding="utf-8")
         (stage / "extra/files").mkdir(parents=True)
         # The copy stands alone: of links to files next to the original their text stays.
         (stage / "extra/files/report.html").write_text(_LOCAL_LINK.sub(r"\1", report), "utf-8")

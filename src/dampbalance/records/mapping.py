@@ -21,8 +21,9 @@ from typing import Any
 
 from ..arguments import path
 from ..arrays import ReadOnly
+from .coordinate import ROTATION, TRANSLATION, Coordinate
 from .errors import RecordError, library
-from .measurement import EXCITATIONS, RESPONSES, Correction
+from .measurement import EXCITATIONS, RESPONSES, ROTATING, Correction
 from .units import TABLE_DIMENSIONS, UnitError, table_factor, unit_for
 
 SCHEMA = Path(__file__).parents[1] / "project/schemas/mapping.schema.yaml"
@@ -51,6 +52,7 @@ class ChannelRule:
     correction: Correction | None = None
     file: str | None = None
     standard_error: Which | None = None
+    coordinate: Coordinate = TRANSLATION
 
 
 @dataclass(frozen=True)
@@ -156,7 +158,10 @@ def mapping_from(document: Any, source: str = "mapping") -> RecordMapping:
         keys["level"] = str(keys["level"])
     if "table" in keys:
         keys["table"] = ReadOnly({q: ChannelRule(**rule) for q, rule in keys["table"].items()})
-    rules = {quantity: _rule(rule) for quantity, rule in channels.items()}
+    rules = {ROTATING.get(quantity, quantity): _rule(rule) for quantity, rule in channels.items()}
+    for quantity in ROTATING.keys() & channels.keys():
+        canonical = ROTATING[quantity]
+        rules[canonical] = replace(rules[canonical], coordinate=ROTATION)
     return RecordMapping(source, ReadOnly(rules), time.get("channel"), time.get("unit"), **keys)
 
 
@@ -206,7 +211,12 @@ def _contradictions(document: Mapping[str, Any]) -> Iterable[tuple[tuple[str | i
             elif "order" in stated and "corner_hz" not in stated:
                 problem = "order goes with corner_hz; poles_rad_per_s are as many as they are"
                 yield (*key, part), problem
-    driving, answering = ([q for q in of if q in channels] for of in (EXCITATIONS, RESPONSES))
+    rotating = [q for q in channels if q in ROTATING]
+    if rotating and (others := [q for q in channels if q not in ROTATING]):
+        problem = f"holds {rotating[0]} and {others[0]}: a record rotates or moves along a line; keep one kind"
+        yield ("channels",), problem
+    stated = {ROTATING.get(q, q) for q in channels}
+    driving, answering = ([q for q in of if q in stated] for of in (EXCITATIONS, RESPONSES))
     several = any("file" in rule for rule in channels.values())
     if channels and (not answering or (several and len(driving) > 1)):
         needed = f"one of {', '.join(EXCITATIONS)}, or none for a free decay"

@@ -7,14 +7,16 @@ import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from functools import wraps
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec, TypeAlias, TypeVar
 
 import numpy as np
 
 from ..arguments import items, path
 from ..project.files import sha256
 from ..project.wording import Remark, listed, visible
+from .coordinate import ROTATION, TRANSLATION, Coordinate
 from .errors import RecordError, RecordWarning
 from .mapping import MappingLike, RecordMapping, mapping_file, mapping_for, parts_of
 from .measurement import EXCITATIONS, Measurement, mean_rate
@@ -27,6 +29,10 @@ if TYPE_CHECKING:
     from .table import Signals
 
     RecordLike: TypeAlias = "str | Path | Signals | Measurement | MeasuredRecord"
+
+
+Given = ParamSpec("Given")
+Result = TypeVar("Result")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -54,6 +60,11 @@ class MeasuredRecord:
         """Whether it has a channel that drives; without one it is of free decays."""
         return any(quantity in EXCITATIONS for quantity in self.quantities)
 
+    @property
+    def coordinate(self) -> Coordinate:
+        """Whether it moves along a line or rotates; a table of steady responses moves along a line."""
+        return TRANSLATION if self.measurement is None else self.measurement.coordinate
+
     def to_frame(self) -> pd.DataFrame:
         """The samples: a column for each channel, named with its SI unit, and their times, time_s, as index.
 
@@ -68,7 +79,7 @@ class MeasuredRecord:
         if not all(np.array_equal(c.t, t) for c in channels):
             remedy = "take each from its measurement"
             raise ValueError(f"{self.name}: its channels have times of their own; {remedy}")
-        columns = {column_name(c.quantity): c.values for c in channels}
+        columns = {column_name(c.quantity, c.coordinate): c.values for c in channels}
         return pd.DataFrame(columns, index=pd.Index(t, name="time_s"))
 
     def whole(self) -> Measurement:
@@ -78,7 +89,7 @@ class MeasuredRecord:
 
     def __repr__(self) -> str:
         """What it holds, in a line."""
-        held = listed(self.quantities)
+        held = listed([self.coordinate.text(quantity) for quantity in self.quantities])
         t = max((self.whole()[q].t for q in self.quantities), key=len)
         sampled = f"{t.size:,} samples from {t[0]:.4g} s to {t[-1]:.4g} s at {mean_rate(t):.6g} Hz"
         return f"<record {self.name}: {'; '.join([held, sampled, *self.warnings])}>"
@@ -86,6 +97,35 @@ class MeasuredRecord:
 
 ReaderOfTables: TypeAlias = Callable[[Table, RecordMapping, str], MeasuredRecord | None]
 """Reader of the record in an open table, with what its mapping says and the label of a level without a name."""
+
+
+def in_words_of_records(
+    identified: Callable[Concatenate[tuple[MeasuredRecord, ...], Given], Result],
+) -> Callable[Concatenate[tuple[MeasuredRecord, ...], Given], Result]:
+    """Return a function of records whose errors are in the words and units of their coordinate, and which refuses
+    records of both coordinates with RecordError."""
+
+    @wraps(identified)
+    def worded(
+        records: tuple[MeasuredRecord, ...], /, *args: Given.args, **more: Given.kwargs
+    ) -> Result:
+        first: dict[Coordinate, str] = {}
+        for record in records:
+            first.setdefault(record.coordinate, record.name)
+        if len(first) > 1:
+            rotating, other = first[ROTATION], first[TRANSLATION]
+            raise RecordError(
+                f"{rotating} is of a rotation and {other} of a translation: identify them separately"
+            )
+        try:
+            return identified(records, *args, **more)
+        except ValueError as error:
+            if TRANSLATION in first:
+                raise
+            names = [record.name for record in records]
+            raise type(error)(ROTATION.text(str(error), names)) from error
+
+    return worded
 
 
 def as_records(

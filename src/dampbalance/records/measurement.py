@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 
 from ..arguments import floats, instance, items, mapping, one_of, text
 from ..arrays import Array, Complexes, ReadOnly
+from .coordinate import ROTATION, TRANSLATION, Coordinate
 from .errors import LARGEST_VALUE, LATEST
 
 EXCITATIONS = {"base_displacement": "m", "base_acceleration": "m/s²", "force": "N"}
@@ -29,6 +30,9 @@ relative motion is an absolute one."""
 
 QUANTITIES = EXCITATIONS | RESPONSES
 """Every quantity that a channel may hold, with the SI unit of its values."""
+
+ROTATING = {ROTATION.key(quantity): quantity for quantity in QUANTITIES}
+"""Quantities of a record that rotates, angle, torque, …, and what each stands for in the equations of a translation."""
 
 ORDERS = {q: [*ABSOLUTE.values()].index(unit) for q, unit in QUANTITIES.items() if unit != "N"}
 """How many times a motion is derived by time: 0 for a displacement, 2 for an acceleration."""
@@ -86,7 +90,9 @@ class Correction:
 class Channel:
     """One signal: read-only arrays t (s) and values (SI unit of its quantity), shape (n,), n ≥ 2.
 
+    quantity : one of `QUANTITIES`; one of `ROTATING` becomes the one that it stands for, of a channel that rotates.
     name : what the file calls it, for messages.   correction : that its harmonics need yet; None for none.
+    coordinate : whether it rotates; its values are in rad or N m then.
 
     Raises ValueError naming the channel: unknown quantity, unequal lengths, a value that is not finite or beyond all
     bounds (`records/errors.py`), times that do not increase, have a gap, or are off equal steps by half a step.
@@ -97,9 +103,14 @@ class Channel:
     values: Array
     name: str = ""
     correction: Correction | None = None
+    coordinate: Coordinate = TRANSLATION
 
     def __post_init__(self) -> None:
         text("the name of a channel", self.name)
+        if self.quantity in ROTATING:
+            object.__setattr__(self, "name", self.name or self.quantity)
+            object.__setattr__(self, "coordinate", ROTATION)
+            object.__setattr__(self, "quantity", ROTATING[self.quantity])
         one_of(f"channel {self.name!r}: its quantity", self.quantity, QUANTITIES)
         object.__setattr__(self, "name", self.name or self.quantity)
         this = f"channel {self.name!r}"
@@ -131,7 +142,7 @@ class Channel:
     @property
     def unit(self) -> str:
         """SI unit of the values."""
-        return QUANTITIES[self.quantity]
+        return self.coordinate.unit(QUANTITIES[self.quantity])
 
 
 def _uneven(t: Array) -> str:
@@ -158,6 +169,18 @@ def _uneven(t: Array) -> str:
     return ""
 
 
+def require_one_coordinate(source: str, coordinates: Mapping[str, Coordinate]) -> None:
+    """Raise ValueError where some channels rotate and others do not.   coordinates : by the names of the channels."""
+    first: dict[Coordinate, str] = {}
+    for name, coordinate in coordinates.items():
+        first.setdefault(coordinate, name)
+    if len(first) > 1:
+        raise ValueError(
+            f"{source}: {first[ROTATION]!r} is of a rotation and {first[TRANSLATION]!r} of a translation, and one "
+            "record has one of them: name the channels to read in its mapping"
+        )
+
+
 @dataclass(frozen=True, eq=False)
 class Measurement:
     """The channels of one response: an excitation, unless it is a free decay, and at least one response.
@@ -178,6 +201,9 @@ class Measurement:
             if quantity != instance(quantity, channel, Channel).quantity:
                 held = f"the channel under {quantity!r} holds {channel.quantity!r}"
                 raise ValueError(f"{self.source}: {held}")
+        require_one_coordinate(
+            self.source, {channel.name: channel.coordinate for channel in self.channels.values()}
+        )
         driving = [q for q in EXCITATIONS if q in self.channels]
         if len(driving) > 1:
             needed = f"one excitation ({', '.join(EXCITATIONS)}), or none for a free decay"
@@ -194,9 +220,16 @@ class Measurement:
             instance("each of the channels", channel, Channel)
             other = by_quantity.setdefault(channel.quantity, channel)
             if other is not channel:
+                one, two = ((of.name, of.coordinate) for of in (other, channel))
+                require_one_coordinate(source, dict([one, two]))
                 both = f"the channels {other.name!r} and {channel.name!r}"
                 raise ValueError(f"{source}: {both} both hold {channel.quantity}")
         return cls(source, by_quantity)
+
+    @property
+    def coordinate(self) -> Coordinate:
+        """Whether it moves along a line or rotates."""
+        return next(iter(self.channels.values())).coordinate
 
     def __getitem__(self, quantity: str) -> Channel:
         return self.channels[quantity]

@@ -23,6 +23,7 @@ from .measurement import (
     EXCITATIONS,
     QUANTITIES,
     RELATIVE,
+    ROTATING,
     Channel,
     Measurement,
     sample_times,
@@ -48,7 +49,8 @@ def measured_orbit(
     noise : standard deviation of the white noise of each channel, as a part of the rms of its clean signal (0.01: 1 %);
     one number for all channels or one by quantity (those not named have none).
     seed : of the noise, channel by channel in the order of `channels`, or a generator to draw from.
-    channels : quantities to measure.
+    channels : quantities to measure, all of a translation or all of a rotation, "angle" and the like: m, c, k, K_z, F_k
+    and Y of the orbit are then in kg m², N m s/rad, N m/rad, N m/rad, N m and rad.
 
     Raises ValueError for an unknown quantity, a rate, a duration or a noise that makes no sense.
 
@@ -65,7 +67,7 @@ def measured_orbit(
     motion = orbit.motion
     rate_hz, cycles = number("rate_hz", rate_hz), number("cycles", cycles)
     start = number("start", start)
-    channels = names("channels", channels, QUANTITIES)
+    channels = names("channels", channels, (*QUANTITIES, *ROTATING))
     parts, random = _parts(noise, channels), _random(seed)
     samples = cycles * motion.period * rate_hz
     if not samples * (1 + len(channels)) <= LARGEST:
@@ -78,14 +80,15 @@ def measured_orbit(
         sampled = f"{cycles} cycles at {rate_hz:g} samples per second"
         raise ValueError(f"{sampled} are {count} samples; at least 2 are needed")
     t = sample_times(rate_hz, start, 0, count)
-    clean, measured = _clean(orbit, t, channels), []
+    clean, measured = _clean(orbit, t, [ROTATING.get(q, q) for q in channels]), []
     for quantity in channels:
-        values, part = clean[quantity], parts.get(quantity, 0.0)
+        values, part = clean[ROTATING.get(quantity, quantity)], parts.get(quantity, 0.0)
         if part > 0.0:
             rms = math.sqrt(float(np.mean(values**2)))
             values = values + part * rms * random.standard_normal(count)
         measured.append(Channel(quantity, t, values))
-    return Measurement.of(source or f"simulated, Y = {motion.Y:g} m", measured)
+    unit = measured[0].coordinate.unit("m")
+    return Measurement.of(source or f"simulated, Y = {motion.Y:g} {unit}", measured)
 
 
 def _clean(
@@ -121,6 +124,8 @@ def measured_ring_down(
 
     held : time for which the mass stands at x before, s.   noise : standard deviation of the white noise of each
     channel, as a part of the largest value of its clean signal.   seed : of the noise, channel by channel.
+    channels : displacement, velocity and acceleration, or angle, angular_velocity and angular_acceleration of an
+    oscillator that rotates, whose x and v are in rad and rad/s.
 
     Raises ValueError for a number outside its range, a channel that is none of the mass, and where the mass does not
     start or no sample is left.
@@ -134,7 +139,8 @@ def measured_ring_down(
     instance("oscillator", oscillator, Oscillator)
     x, v, held, noise = number("x", x), number("v", v), number("held", held), number("noise", noise)
     rate_hz, duration = number("rate_hz", rate_hz), number("duration", duration)
-    channels = names("channels", channels, ABSOLUTE)
+    absolute = (*ABSOLUTE, *(q for q, of in ROTATING.items() if of in ABSOLUTE))
+    channels = names("channels", channels, absolute)
     random = _random(seed)
     if x == 0.0 and v == 0.0:
         raise ValueError("a free decay needs a displacement x or a velocity v to start with")
@@ -151,20 +157,23 @@ def measured_ring_down(
     state = transient(oscillator, None, float(t[-1]) + 1.0 / rate_hz, x=x, v=v, z=z, start=held)
     moved = state.state(t[free])
     measured = []
-    for quantity, signal in zip(ABSOLUTE, (moved.x, moved.v, moved.acceleration), strict=True):
-        if quantity in channels:
-            values = np.full(t.size, x if quantity == "displacement" else 0.0)
-            values[free] = signal
-            spread = noise * float(np.abs(values).max())
-            measured.append(Channel(quantity, t, values + spread * random.standard_normal(t.size)))
-    return Measurement.of(f"simulated, x = {x:g} m, v = {v:g} m/s", measured)
+    signals = dict(zip(ABSOLUTE, (moved.x, moved.v, moved.acceleration), strict=True))
+    for quantity in sorted(channels, key=absolute.index):
+        own = ROTATING.get(quantity, quantity)
+        values = np.full(t.size, x if own == "displacement" else 0.0)
+        values[free] = signals[own]
+        spread = noise * float(np.abs(values).max())
+        measured.append(Channel(quantity, t, values + spread * random.standard_normal(t.size)))
+    unit = measured[0].coordinate.unit
+    source = f"simulated, x = {x:g} {unit('m')}, v = {v:g} {unit('m/s')}"
+    return Measurement.of(source, measured)
 
 
 def _parts(noise: object, channels: Sequence[str]) -> dict[str, float]:
     if not isinstance(noise, Mapping):
         return dict.fromkeys(channels, number("noise", noise))
     parts = mapping("noise", noise, "a mapping of quantities to numbers")
-    names("quantities", list(parts), QUANTITIES)
+    names("quantities", list(parts), (*QUANTITIES, *ROTATING))
     return {q: number("noise", part, f"noise of {q}") for q, part in parts.items()}
 
 

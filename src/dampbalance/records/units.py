@@ -14,12 +14,16 @@ from dataclasses import dataclass
 
 from ..model import named_with_unit
 from ..project.wording import shortened
+from .coordinate import ROTATION, TRANSLATION, Coordinate
 from .errors import LONGEST_NAME
-from .measurement import ABSOLUTE, QUANTITIES
+from .measurement import ABSOLUTE, QUANTITIES, ROTATING
 
 _LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "µm": 1e-6, "nm": 1e-9, "in": 0.0254}  # m, exactly
 _STANDARD_GRAVITY = 9.80665  # m/s², exactly
 _POUND_FORCE = 4.4482216152605  # N, exactly
+_INCH, _FOOT = 0.0254, 0.3048  # m, exactly
+_ANGLES = {"rad": 1.0, "mrad": 1e-3, "deg": math.pi / 180.0}  # rad
+_TURN = 2.0 * math.pi  # rad
 _LONGEST = 40  # characters of a unit
 
 
@@ -27,12 +31,31 @@ _LONGEST = 40  # characters of a unit
 class Unit:
     """A unit: a number in it times `factor` is the number in SI.
 
-    name : as written here.   dimension : length, velocity, acceleration, force, time or frequency.
+    name : as written here.   dimension : length, velocity, acceleration, force, time or frequency; of a rotation angle,
+    angular velocity, angular acceleration or torque.
     """
 
     name: str
     dimension: str
     factor: float
+
+    @property
+    def coordinate(self) -> Coordinate:
+        """Whether it is a unit of a rotation."""
+        return ROTATION if self.dimension in _COUNTERPARTS else TRANSLATION
+
+    @property
+    def counterpart(self) -> str:
+        """The dimension in whose place it stands in the equations: length for an angle, its own for others."""
+        return _COUNTERPARTS.get(self.dimension, self.dimension)
+
+
+_COUNTERPARTS = {
+    "angle": "length",
+    "angular velocity": "velocity",
+    "angular acceleration": "acceleration",
+    "torque": "force",
+}
 
 
 UNITS = tuple(
@@ -44,8 +67,16 @@ UNITS = tuple(
         | {"g": _STANDARD_GRAVITY, "mg": 1e-3 * _STANDARD_GRAVITY},
         "force": {"N": 1.0, "mN": 1e-3, "kN": 1e3, "lbf": _POUND_FORCE},
         "time": {"s": 1.0, "ms": 1e-3, "µs": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0},
-        "frequency": {"Hz": 1.0, "kHz": 1e3, "MHz": 1e6, "rad/s": 0.5 / math.pi},
-        "angle": {"rad": 1.0, "deg": math.pi / 180.0},
+        "angle": _ANGLES,
+        "angular velocity": {"rad/s": 1.0, "deg/s": _ANGLES["deg"], "rpm": _TURN / 60.0},
+        "angular acceleration": {"rad/s²": 1.0, "deg/s²": _ANGLES["deg"]},
+        "torque": {
+            **{"N m": 1.0, "N cm": 1e-2, "N mm": 1e-3, "mN m": 1e-3, "kN m": 1e3},
+            "ozf in": _POUND_FORCE / 16.0 * _INCH,
+            "lbf in": _POUND_FORCE * _INCH,
+            "lbf ft": _POUND_FORCE * _FOOT,
+        },
+        "frequency": {"Hz": 1.0, "kHz": 1e3, "MHz": 1e6, "rad/s": 1.0 / _TURN},
     }.items()
     for name, factor in units.items()
 )
@@ -66,6 +97,12 @@ _OTHER_SPELLINGS = {
     "Hz": ["hertz", "1/s", "samples/s", "Sa/s", "S/s"],
     "rad": ["radian", "radians"],
     "deg": ["°", "degree", "degrees", "grad"],
+    "deg/s": ["°/s", "degrees/s", "dps"],
+    "deg/s²": ["°/s2"],
+    "rpm": ["1/min", "U/min", "r/min", "rev/min", "min-1"],
+    "ozf in": ["oz in", "in ozf", "in oz"],
+    "lbf in": ["lb in", "in lbf", "in lb"],
+    "lbf ft": ["lb ft", "ft lbf", "ft lb"],
 }
 
 
@@ -76,9 +113,7 @@ _OTHERS = {
     VOLTAGE: ("V", "mV", "Volt", "volt", "VOLT", "Volts", "VDC"),
     "a current": ("A", "mA", "Ampere"),
     "a pressure": ("bar", "mbar", "Pa", "kPa", "MPa"),
-    "an angle or its rate": ("°", "deg", "rad", "rad/s", "°/s", "deg/s", "rpm", "1/min", "U/min"),
     "a part": ("%", "dB", "ppm", "µm/m"),
-    "a torque": ("Nm", "N·m", "mNm", "kNm"),
     "a power": ("W", "mW", "kW", "Nm/s"),
     "an impulse": ("Ns", "N·s"),
     "a speed in knots": ("kn",),
@@ -91,16 +126,23 @@ class UnitError(ValueError):
     """A unit that is not known, or that does not fit what the channel holds."""
 
 
-def find_unit(text: str) -> Unit | None:
-    """The unit that a text spells, or None."""
+def find_unit(text: str, dimension: str | None = None) -> Unit | None:
+    """The unit that a text spells, or None.   dimension : of rad/s, which is a frequency unless it is asked for as an
+    angular velocity."""
     plain = _plain(text) if len(text.strip()) <= _LONGEST else ""
-    return _EXACT.get(plain) or _FOLDED.get(plain.casefold())
+    unit = _EXACT.get(plain) or _FOLDED.get(plain.casefold())
+    return _RATE if unit and unit.name == _RATE.name and dimension == _RATE.dimension else unit
+
+
+def find_motion(text: str) -> Unit | None:
+    """The unit that a text spells, or None; rad/s is one of an angular velocity."""
+    return find_unit(text, _RATE.dimension)
 
 
 def find_other(text: str) -> str | None:
     """Name what is measured in a unit, if that is no motion, force or time: "a temperature"; or None.
 
-    Upper and lower case count here: Nm is a torque, nm a length.
+    Upper and lower case count here: mS is a conductance, ms a time.
     """
     return _OTHER_UNITS.get(_plain(text)) if len(text.strip()) <= _LONGEST else None
 
@@ -112,7 +154,7 @@ def unit_for(text: str, quantity: str, dimension: str | None = None) -> Unit:
     """
     wanted = dimension or DIMENSIONS[quantity]
     fitting = [unit.name for unit in UNITS if unit.dimension == wanted]
-    unit = find_unit(text)
+    unit = find_unit(text, wanted)
     if unit is None:
         names = [unit.name for unit in UNITS]
         alike = [name for name in names if name.casefold() == text.strip().casefold()]
@@ -154,9 +196,9 @@ def split_label(label: str) -> tuple[str, str | None]:
     return label, None
 
 
-def column_name(quantity: str) -> str:
-    """The column of a quantity in SI units, acceleration_m_per_s2."""
-    return named_with_unit(quantity, QUANTITIES[quantity])
+def column_name(quantity: str, coordinate: Coordinate = TRANSLATION) -> str:
+    """The column of a quantity in SI units, acceleration_m_per_s2 or angular_acceleration_rad_per_s2."""
+    return coordinate.key(named_with_unit(quantity, QUANTITIES[quantity]))
 
 
 def _plain(text: str) -> str:
@@ -166,6 +208,7 @@ def _plain(text: str) -> str:
     text = text.replace("_per_", "/").replace(" per ", "/").replace("⁻¹", "-1").replace("⁻2", "-2")
     text = re.sub(r"[ ·*._]?(s|sec)-([12])$", r"/s\2", text)
     text = re.sub(r"^u(?=(m|s)\b)", "µ", text)
+    text = re.sub(r"^([mk]?N|ozf?|lbf?|in|ft)[·*._-](m|cm|mm|in|ft|ozf?|lbf?)$", r"\1\2", text)
     text = re.sub(r"/(s|sec)1$", r"/s", text).replace("/sec", "/s")
     return text.replace("/s/s", "/s2").replace(" ", "")
 
@@ -176,11 +219,18 @@ _EXACT = {_plain(unit.name): unit for unit in UNITS} | {
 
 _OTHER_UNITS = {_plain(unit): what for what, units in _OTHERS.items() for unit in units}
 
+_RATE = next(unit for unit in UNITS if unit.dimension == "angular velocity")
+
 # Without regard to case where no other unit differs in case alone: MM, Sec and G, but mN is not MN, nor nm Nm.
-_FOLDS = Counter(map(str.casefold, {*_EXACT, *_OTHER_UNITS})) + Counter(("mn", "mhz", "mg"))
+_ALIKE = "mn", "mhz", "mg", "mnm", "mrad"
+_FOLDS = Counter(map(str.casefold, {*_EXACT, *_OTHER_UNITS})) + Counter(_ALIKE)
 _FOLDED = {key.casefold(): unit for key, unit in _EXACT.items() if _FOLDS[key.casefold()] == 1}
 
 DIMENSIONS = {q: _EXACT[_plain(unit)].dimension for q, unit in (QUANTITIES | {"time": "s"}).items()}
+DIMENSIONS |= {
+    q: next(own for own, other in _COUNTERPARTS.items() if other == DIMENSIONS[of])
+    for q, of in ROTATING.items()
+}
 """Dimension of what a channel may hold."""
 
 PER_FORCE = {"receptance": "length", "mobility": "velocity", "accelerance": "acceleration"}

@@ -63,8 +63,8 @@ def _columns_of(measurement: Measurement) -> dict[str, Array]:
     shared = all(np.array_equal(channel.t, channels[0].t) for channel in channels)
     columns: dict[str, Array] = {}
     for c in channels:
-        times = "time_s" if shared else f"{c.quantity}_time_s"
-        columns |= {times: c.t, column_name(c.quantity): c.values}
+        times = "time_s" if shared else f"{c.coordinate.key(c.quantity)}_time_s"
+        columns |= {times: c.t, column_name(c.quantity, c.coordinate): c.values}
     return columns
 
 

@@ -24,6 +24,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from ..arrays import Array, Complexes, Integers
 from ..project.wording import Remark, part, visible
 from ..record import GRID_TOLERANCE
+from ..records.coordinate import TRANSLATION
 from ..records.measurement import (
     ORDERS,
     RELATIVE,
@@ -206,7 +207,8 @@ def _steady(
     X, X_error = _combined(moved, weights)
     mean_Y, mean_X = weighted_mean(Y, weights), weighted_mean(X, weights)
     warnings += inconsistencies
-    warnings += checks.plausible(abs(mean_Y[1]), abs(mean_X[1]), omega, driving)
+    if samples[driving].coordinate == TRANSLATION:  # nothing bounds an angle
+        warnings += checks.plausible(abs(mean_Y[1]), abs(mean_X[1]), omega, driving)
     period = 2.0 * math.pi / base.omega
     parts, unsteady = checks.steadiness(Y[:, 1], X[:, 1], times, weights, period, skipped)
     warnings += unsteady

@@ -61,7 +61,7 @@ def _checked(file: Table, pick: Pick, columns: Mapping[int, Array]) -> Channel:
     if values.size < 3:
         remedy = "that is no record"
         raise RecordError(f"{file.path}: channel {pick.name!r} has {values.size} samples; {remedy}")
-    unit = QUANTITIES[pick.quantity]
+    unit = pick.coordinate.unit(QUANTITIES[pick.quantity])
     signal = _in_si(file, pick.index, values, pick.factor, errors.LARGEST_VALUE, unit)
     _require_no_overflow(file, pick, values)
     if pick.time is None:
@@ -71,14 +71,15 @@ def _checked(file: Table, pick: Pick, columns: Mapping[int, Array]) -> Channel:
         t = _in_si(file, pick.time, columns[pick.time], pick.time_factor, errors.LATEST, "s")
         t = _in_equal_steps(t, where)
         _require_rate(t, where)
-    _require_moving(f"{file.path}: channel {pick.name!r}", pick, values)
+    _require_moving(f"{file.path}: channel {pick.name!r}", pick, values, unit)
     try:
-        return Channel(pick.quantity, t, signal, pick.name, pick.correction)
+        of = pick.name, pick.correction, pick.coordinate
+        return Channel(pick.quantity, t, signal, *of)
     except ValueError as error:
         raise RecordError(f"{file.path}: {error}") from None
 
 
-def _require_moving(channel: str, pick: Pick, values: Array) -> None:
+def _require_moving(channel: str, pick: Pick, values: Array, unit: str) -> None:
     """RecordError for a channel that is constant, or as good as that."""
     low, high = float(values.min()), float(values.max())
     span, constant = high - low, f"{low:g} in all {values.size} samples"
@@ -86,8 +87,7 @@ def _require_moving(channel: str, pick: Pick, values: Array) -> None:
         raise RecordError(f"{channel} is constant, {constant}; check transducer and mapping")
     if (swing := span * abs(pick.factor)) < errors.SMALLEST_RANGE:
         raise RecordError(
-            f"{channel} moves by {swing:.3g} {QUANTITIES[pick.quantity]} in all, too little to mean anything; "
-            "check its unit and scale"
+            f"{channel} moves by {swing:.3g} {unit} in all, too little to mean anything; check its unit and scale"
         )
     if span < errors.FINEST * max(abs(low), abs(high)):
         remedy = "check transducer and mapping, or take off its offset"

@@ -16,14 +16,32 @@ import numpy as np
 
 from ...arrays import Array
 from ...project.wording import shortened
+from ..coordinate import TRANSLATION, Coordinate
 from ..errors import RecordError, RecordWarning, require_size
 from ..mapping import ChannelRule, RecordMapping, Which
-from ..measurement import ABSOLUTE, EXCITATIONS, QUANTITIES, RESPONSES, Correction
+from ..measurement import (
+    ABSOLUTE,
+    EXCITATIONS,
+    QUANTITIES,
+    RESPONSES,
+    Correction,
+    require_one_coordinate,
+)
 from ..table import RawChannel, Table
-from ..units import DIMENSIONS, VOLTAGE, UnitError, find_other, find_unit, unit_for
+from ..units import (
+    DIMENSIONS,
+    UNITS,
+    VOLTAGE,
+    UnitError,
+    find_motion,
+    find_other,
+    find_unit,
+    unit_for,
+)
 from .headings import (
     WORDS,
     by_unit,
+    coordinate_of,
     full_name,
     holds_time,
     key_of,
@@ -55,6 +73,7 @@ class Pick:
 
     time : index of its time channel, None for equal steps at `rate_hz` from `start` (s) on; time_factor : seconds per
     unit of that channel.   correction : that its harmonics need.
+    coordinate : whether it rotates.
     """
 
     quantity: str
@@ -66,6 +85,7 @@ class Pick:
     rate_hz: float = 0.0
     start: float = 0.0
     correction: Correction | None = None
+    coordinate: Coordinate = TRANSLATION
 
 
 def picks_of(file: Table, mapping: RecordMapping, *, entire: bool = True) -> tuple[Pick, ...]:
@@ -100,6 +120,7 @@ def picks_of(file: Table, mapping: RecordMapping, *, entire: bool = True) -> tup
         raise plan.unclear("finds no response")
     picks = tuple(plan.pick(q, chosen[q], rules[q]) for q in QUANTITIES if q in chosen)
     if not mapping.channels:
+        plan.require_one_coordinate([*chosen.values()])
         plan.warn_of_unused(picks)
         plan.warn_of_guess(chosen)
     return picks
@@ -139,8 +160,11 @@ class _Plan:
             raise RecordError(
                 f"{self.path}: channel {shortened(raw.name)} holds points in time, no {quantity}; give another"
             )
-        factor = rule.sign * rule.scale * self.unit(raw, rule.unit, quantity)
-        pick = Pick(quantity, index, raw.name, factor, correction=rule.correction)
+        coordinate = rule.coordinate if self.mapping.channels else coordinate_of(raw)
+        factor = rule.sign * rule.scale * self.unit(raw, rule.unit, coordinate.key(quantity))
+        pick = Pick(
+            *(quantity, index, raw.name, factor), correction=rule.correction, coordinate=coordinate
+        )
         if self.mapping.sample_rate_hz is not None:
             return replace(pick, rate_hz=self.mapping.sample_rate_hz)
         which, key = rule.time, f"channels.{quantity}.time"
@@ -181,6 +205,7 @@ class _Plan:
         for i, raw in enumerate(self.channels):
             quantity = None if holds_time(raw) or unusable(raw) else quantity_of(raw)
             if quantity in chosen:
+                self.require_one_coordinate([chosen[quantity], i])
                 both = [shortened(self.channels[at].name) for at in (chosen[quantity], i)]
                 return chosen, f"takes both {' and '.join(both)} for {quantity}"
             if quantity:
@@ -189,6 +214,11 @@ class _Plan:
         if answering and driving:
             return chosen, ""
         left = [i for i in self.unused(chosen.values()) if self.may_move(i)]
+        kinds = {coordinate_of(self.channels[i]) for i in chosen.values()}
+        alike = [i for i in left if not kinds or coordinate_of(self.channels[i]) in kinds]
+        if left and not alike:
+            self.require_one_coordinate([*chosen.values(), *left])
+        left = alike
         forces = [i for i in left if by_unit(self.channels[i]) == "force"]
         if not driving and len(forces) == 1 and len(left) == 2 - bool(answering):
             chosen["force"] = forces[0]
@@ -201,6 +231,14 @@ class _Plan:
         if single and (self.mapping.free or (chosen and nothing_else)):
             chosen |= answers
         return chosen, ""
+
+    def require_one_coordinate(self, channels: Collection[int]) -> None:
+        """Raise RecordError where some channels rotate and others move along a line."""
+        coordinates = {self.channels[i].name: coordinate_of(self.channels[i]) for i in channels}
+        try:
+            require_one_coordinate(str(self.path), coordinates)
+        except ValueError as error:
+            raise RecordError(str(error)) from None
 
     def named(self, i: int) -> str | None:
         """The quantity that a heading names, also in other words, if its unit is not of another one."""
@@ -283,9 +321,8 @@ class _Plan:
         text = given or unit_of(raw)
         channel = f"{self.path}: channel {shortened(raw.name)}"
         key = "time" if quantity == "time" else f"channels.{quantity}"
-        stated = (
-            f": say unit: {QUANTITIES.get(quantity, 's')}, or as recorded, at {key} in {self.where}"
-        )
+        si = next((u.name for u in UNITS if u.dimension == DIMENSIONS[quantity]), "s")
+        stated = f": say unit: {si}, or as recorded, at {key} in {self.where}"
         if text is None:
             shown = stated if self.mapping.channels else f". {self.suggested('Give it')}"
             raise RecordError(f"{channel} has no unit{shown}")
@@ -415,9 +452,10 @@ class _Suggestion:
         for quantity in (q for q in QUANTITIES if q in self.chosen):
             i = self.chosen[quantity]
             unit, scale, remark = self._in_unit(i, quantity)
-            entry = f"{quantity}: {{channel: {self._which(i)}, unit: {unit}{scale}}}"
+            name = coordinate_of(self.channels[i]).key(quantity)
+            entry = f"{name}: {{channel: {self._which(i)}, unit: {unit}{scale}}}"
             if quantity in ABSOLUTE and driving not in ([], ["force"]) and self.why[i] != _BY_NAME:
-                remark = f"; relative_{quantity} if measured against the base{remark}"
+                remark = f"; relative_{name} if measured against the base{remark}"
             lines.append(f"  {entry}  # {self.why[i]}{remark}")
         for key in _KEPT:
             if (value := getattr(self.mapping, key)) not in (None, ""):
@@ -472,8 +510,8 @@ class _Suggestion:
     def _in_unit(self, i: int, quantity: str) -> tuple[str, str, str]:
         """Unit, scale and remark of a channel in the mapping."""
         raw, unit, values = self.channels[i], QUANTITIES[quantity], self.samples.values[i]
-        own = find_unit(raw.unit or "")
-        if own and own.dimension == DIMENSIONS[quantity]:
+        own = find_motion(raw.unit or "")
+        if own and own.counterpart == DIMENSIONS[quantity]:
             return own.name, "", ""
         if raw.unit:
             unit = "mm" if unit == "m" else unit

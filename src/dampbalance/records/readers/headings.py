@@ -9,15 +9,19 @@ from __future__ import annotations
 import re
 import unicodedata
 
+from ..coordinate import TRANSLATION, Coordinate
 from ..measurement import ABSOLUTE, EXCITATIONS
 from ..table import RawChannel
-from ..units import DIMENSIONS, VOLTAGE, find_other, find_unit
+from ..units import DIMENSIONS, VOLTAGE, find_motion, find_other, find_unit
 
 WORDS: dict[str, tuple[str, ...]] = {
-    "displacement": ("displacement", "disp", "deflection", "x", "weg", "auslenkung", "verschiebung"),
-    "velocity": ("velocity", "vel", "v", "geschwindigkeit"),
+    "displacement": (
+        *("displacement", "disp", "deflection", "x", "weg", "auslenkung", "verschiebung"),
+        *("angle", "rotation", "theta", "winkel"),
+    ),
+    "velocity": ("velocity", "vel", "v", "geschwindigkeit", "speed", "drehzahl"),
     "acceleration": ("acceleration", "accel", "acc", "beschleunigung"),
-    "force": ("force", "kraft"),
+    "force": ("force", "kraft", "torque", "moment", "drehmoment"),
     "base_displacement": ("y",),
     "base": (
         *("base", "ground", "table", "shaker", "foundation", "support", "excitation", "input"),
@@ -39,6 +43,7 @@ TEMPERATURE = ("temp", "temperature", "temperatur", "thermocouple")
 _MEANINGS = {word: meaning for meaning, words in WORDS.items() for word in words}
 # words that suffice for a guess alone
 _HINTS = {"reference": "base", "hammer": "force", "load": "force"}
+_PASSED_OVER = "angular"  # of an angular velocity: the unit says so
 _BODIES = ("base", "mass", "relative")
 _SHORTEST = 3  # letters of a word that may be part of another
 _TIME = re.compile(
@@ -92,6 +97,7 @@ def quantity_of(raw: RawChannel, *, all_words: bool = True) -> str | None:
     a displacement.
     """
     words, meanings = words_of(raw.name), _MEANINGS if all_words else _HINTS | _MEANINGS
+    words = [word for word in words if word != _PASSED_OVER] or words
     words = ["" if word == "in" else word for word in words[:-1]] + words[-1:]  # a preposition
     if not (all_words or len(words) == 1):
         words = [word for word in words if word in meanings and len(word) > 1]
@@ -111,10 +117,17 @@ def quantity_of(raw: RawChannel, *, all_words: bool = True) -> str | None:
 
 
 def by_unit(raw: RawChannel) -> str | None:
-    """The first quantity that has the unit of a channel; None where it has none, or one of no motion and no force."""
-    unit = find_unit(raw.unit or "")
+    """The first quantity that has the unit of a channel, an angle standing for a displacement; None where it has none,
+    or one of no motion and no force."""
+    unit = find_motion(raw.unit or "")
     fitting = (*ABSOLUTE, *EXCITATIONS)
-    return next((q for q in fitting if unit and DIMENSIONS[q] == unit.dimension), None)
+    return next((q for q in fitting if unit and DIMENSIONS[q] == unit.counterpart), None)
+
+
+def coordinate_of(raw: RawChannel) -> Coordinate:
+    """Whether a channel moves along a line or rotates, by its unit."""
+    unit = find_motion(raw.unit or "")
+    return unit.coordinate if unit else TRANSLATION
 
 
 def words_of(name: str) -> list[str]:
