@@ -149,7 +149,7 @@ def test_a_record_goes_back_to_a_table():
         ({"acceleration_g": np.where(T[7] == T, np.nan, A)}, "record 1: sample 8: .*acceleration"),
         ({"acceleration_g": np.ones(T.size)}, "record 1: .*acceleration.* constant"),
         ({"acceleration_g": A[:-3]}, "has .* samples"),
-        ({"acceleration_g": np.stack([A, A])}, r"'acceleration_g' has the shape \(2, "),
+        ({"acceleration_g": np.stack([[A, A]])}, r"'acceleration_g' has the shape \(1, 2, "),
         ({"acceleration_g": A + 1j}, "'acceleration_g' holds complex numbers"),
         ({"acceleration_g": ["1.0"] * T.size}, "'acceleration_g' holds texts"),
         ({"acceleration_g": [{}] * T.size}, "'acceleration_g' holds what are not numbers"),
@@ -170,7 +170,7 @@ def test_what_is_wrong_is_said_as_of_a_file(change, message):
     ("wrong", "message"),
     [
         ([3.0], "record 1 is a float; give the path"),
-        ([ARRAYS, np.zeros((9, 3))], "record 2 is a ndarray"),
+        ([ARRAYS, np.zeros((9, 3))], "(?s)record 2: .*'column.3.'"),
         (pd.DataFrame(np.zeros((4, 2)), columns=["x", "x"]), "two columns 'x'"),
         ("nowhere.csv", "nowhere.csv"),
     ],

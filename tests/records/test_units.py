@@ -10,17 +10,30 @@ from dampbalance.model import named_with_unit
 from dampbalance.records.units import DIMENSIONS, UNITS, UnitError, find_unit, split_label, unit_for
 
 # The definitions: the inch is 25.4 mm, standard gravity 9.80665 m/s², the pound-force 0.45359237 kg under it.
-_LENGTHS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "µm": 1e-6, "nm": 1e-9, "in": 0.0254}
+_LENGTHS = {
+    "m": 1.0,
+    "cm": 0.01,
+    "mm": 0.001,
+    "µm": 1e-6,
+    "nm": 1e-9,
+    "in": 0.0254,
+    "ft": 0.3048,
+    "mil": 25.4e-6,
+}
 IN_SI = {
     **_LENGTHS,
     **{f"{name}/s": factor for name, factor in _LENGTHS.items()},
-    **{f"{name}/s²": _LENGTHS[name] for name in ("m", "cm", "mm", "in")},
+    **{f"{name}/s²": _LENGTHS[name] for name in ("m", "cm", "mm", "in", "ft")},
     "g": 9.80665,
     "mg": 0.00980665,
     "N": 1.0,
     "mN": 0.001,
+    "µN": 1e-6,
     "kN": 1000.0,
+    "kgf": 9.80665,
     "lbf": 0.45359237 * 9.80665,
+    "ozf": 0.45359237 * 9.80665 / 16,
+    "kip": 453.59237 * 9.80665,
     "s": 1.0,
     "ms": 0.001,
     "µs": 1e-6,
@@ -64,6 +77,7 @@ def test_units_in_si():
         *((text, "m/s²") for text in ("m/s^2", "m/s2", "m/s**2", "m s-2", "m·s⁻²", "m_per_s2")),
         *(("m/s/s", "m/s²"), ("m/sec^2", "m/s²"), ("m s^-1", "m/s"), ("um/s", "µm/s")),
         ("1/s", "Hz"),
+        *(("uN", "µN"), ("KIPS", "kip"), ("feet", "ft"), ("thou", "mil")),
         *(("°", "deg"), ("°/s", "deg/s"), ("deg/s^2", "deg/s²"), ("1/min", "rpm"), ("RPM", "rpm")),
         *((text, "N m") for text in ("Nm", "N·m", "N*m", "N_m", "N.m", "N-m")),
         *((text, "ozf in") for text in ("ozf·in", "oz-in", "oz in", "ozf_in", "in-ozf")),

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
     from .table import Signals
 
-    RecordLike: TypeAlias = "str | Path | Signals | Measurement | MeasuredRecord"
+    RecordLike: TypeAlias = "str | Path | Signals | Table | Measurement | MeasuredRecord"
 
 
 Given = ParamSpec("Given")
@@ -155,7 +155,7 @@ def as_records(
 
 
 def _in_memory(
-    record: Signals | Measurement,
+    record: Signals | Table | Measurement,
     number: int,
     taken: set[str],
     mapping: MappingLike,
@@ -167,6 +167,7 @@ def _in_memory(
         remedy = "give the path of a file, a pandas DataFrame, or a mapping of names to arrays"
         raise RecordError(f"record {number} is a {type(record).__name__}; {remedy}")
     stated = getattr(record, "attrs", {}).get("name") or getattr(record, "source", None)
+    stated = record.path if isinstance(record, Table) else stated
     own = visible(str(stated or f"record {number}"))
     names = itertools.chain([own], (f"{own} ({count})" for count in itertools.count(2)))
     name = next(name for name in names if name not in taken)

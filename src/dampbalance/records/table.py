@@ -34,6 +34,7 @@ RATE_NAMES = (
 )  # fmt: skip
 STEP_NAMES = (
     "wf_increment", "dt", "dt_s", "delta_t", "time_step", "sample_interval", "increment", "t_increment",
+    "sampling_interval", "sampling_time_interval", "sampling_period", "sample_period",
 )  # fmt: skip
 START_NAMES = ("wf_start_offset", "t0", "t_start", "start_time_s")
 UNIT_NAMES = ("unit", "units", "unit_string", "ni_unitdescription")
@@ -201,33 +202,36 @@ def unit_among(attributes: dict[str, object]) -> str | None:
 if TYPE_CHECKING:
     import pandas as pd
 
-    Signals: TypeAlias = pd.DataFrame | Mapping[str, Any]
-    """Signals by their names, as the columns of a file are called: displacement_mm, time_s."""
+    Signals: TypeAlias = pd.DataFrame | Mapping[str, Any] | np.ndarray[Any, Any]
+    """Signals by their names, as the columns of a file are called: displacement_mm, time_s; or a plain array."""
 
 
-def signals_file(name: str, signals: Signals) -> Table:
+def signals_file(name: str, signals: Signals | Table) -> Table:
     """Signals in memory as a table of that name.
 
-    signals : a table of pandas, whose index is a column as well if it has a name; or arrays by name, (n,), with
-    sample_rate_hz, dt or t0 among them as plain numbers. Points in time are read as s from the first on.
+    signals : a table of pandas, whose index is a column as well if it has a name; an array with named fields, or one of
+    columns, (n, k) or (k, n); or arrays by name, with sample_rate_hz, dt or t0 among them as plain numbers. An array
+    of several signals is as many channels, y[1], y[2], …, along its longer side. Points in time are read as s from the
+    first on. Or a table already made.
 
-    Raises RecordError for an array that is not one signal.
+    Raises RecordError for an array that holds no signals.
     """
     path = Path(name)
+    if isinstance(signals, Table):
+        return replace(signals, path=path)
     stated: dict[str, Any] = {}
-    several: dict[str, Any] = {}
+    several: list[tuple[str, Any]] = []
     for label, values in _columns(signals).items():
-        single = not isinstance(values, list | tuple) and not np.ndim(values)
-        (stated if single else several)[label] = values
-        if single and label.lower() not in TIMING_NAMES:
+        listed = isinstance(values, list | tuple)
+        if not listed and label.lower() in TIMING_NAMES and np.size(values) == 1:
+            stated[label] = np.asarray(values).reshape(-1)[0]
+        elif not listed and not np.ndim(values):
             remedy = "a signal is an array of its samples"
             raise RecordError(f"{path}: {shortened(label)} is a single value; {remedy}")
+        else:
+            several.append((label, values))
     channels, arrays = [], []
-    for label, values in several.items():
-        array, stamps = _samples(values)
-        if array.ndim != 1:
-            remedy = "give each signal a name of its own"
-            raise RecordError(f"{path}: {shortened(label)} has the shape {array.shape}; {remedy}")
+    for label, array, stamps in (part for one in several for part in _signals_of(path, *one)):
         time = RawChannel(label, "s", array.size, label=label, stamps=True)
         channels.append(time if stamps else described(path, label, array.size, stated))
         arrays.append(array)
@@ -244,22 +248,48 @@ def signals_file(name: str, signals: Signals) -> Table:
     return Table(path, channels, lambda wanted: [read(i) for i in wanted], "arrays")
 
 
+def _signals_of(path: Path, label: str, values: Any) -> Iterator[tuple[str, Any, bool]]:
+    """The signals of an array: name, samples, and whether they are points in time."""
+    array, stamps = _samples(values)
+    if array.ndim == 2 and min(array.shape) == 1:
+        array = array.reshape(-1)
+    if array.ndim == 1:
+        yield label, array, stamps
+        return
+    if array.ndim != 2:
+        remedy = "give each signal a name of its own"
+        raise RecordError(f"{path}: {shortened(label)} has the shape {array.shape}; {remedy}")
+    rows = array.T if array.shape[0] > array.shape[1] else array
+    require_channels(path, len(rows))
+    for i, row in enumerate(rows, start=1):
+        yield f"{label}[{i}]", row, stamps
+
+
 def is_table(record: object) -> bool:
-    """Whether something is signals by their names: a mapping, a table of pandas, an array with named fields."""
+    """Whether something is the signals of a record: a mapping, a table of pandas, an array of numbers or one with named
+    fields, a `Table`."""
     of_pandas = all(hasattr(record, name) for name in ("columns", "index", "attrs"))
-    named = isinstance(record, Mapping) or of_pandas or bool(_fields(record))
+    array = isinstance(record, np.ndarray) and (record.dtype.kind in "fiu" or _fields(record))
+    named = isinstance(record, Mapping | Table) or of_pandas or bool(array)
     return named and not isinstance(record, type)
 
 
 def _fields(signals: Any) -> tuple[str, ...]:
+    """The names of the fields of an array; none for anything else."""
     return getattr(getattr(signals, "dtype", None), "names", None) or ()
 
 
 def _columns(signals: Signals) -> dict[str, Any]:
     if isinstance(signals, Mapping):
-        return {str(name): values for name, values in signals.items()}
+        return {
+            f"{name}.{field}" if field else str(name): values[field] if field else values
+            for name, values in signals.items()
+            for field in _fields(values) or ("",)
+        }
     if fields := _fields(signals):
         return {name: signals[name] for name in fields}
+    if isinstance(signals, np.ndarray):
+        return {"column": signals}
     stated = {str(k): v for k, v in signals.attrs.items() if str(k).lower() in TIMING_NAMES}
     index = {} if signals.index.name is None else {str(signals.index.name): signals.index}
     names = [str(name) for name in signals.columns]

@@ -18,7 +18,10 @@ from .coordinate import ROTATION, TRANSLATION, Coordinate
 from .errors import LONGEST_NAME
 from .measurement import ABSOLUTE, QUANTITIES, ROTATING
 
-_LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "µm": 1e-6, "nm": 1e-9, "in": 0.0254}  # m, exactly
+_LENGTHS = {  # m, exactly
+    **{"m": 1.0, "cm": 1e-2, "mm": 1e-3, "µm": 1e-6, "nm": 1e-9},
+    **{"in": 0.0254, "ft": 0.3048, "mil": 25.4e-6},
+}
 _STANDARD_GRAVITY = 9.80665  # m/s², exactly
 _POUND_FORCE = 4.4482216152605  # N, exactly
 _INCH, _FOOT = 0.0254, 0.3048  # m, exactly
@@ -63,9 +66,10 @@ UNITS = tuple(
     for dimension, units in {
         "length": _LENGTHS,
         "velocity": {f"{name}/s": factor for name, factor in _LENGTHS.items()},
-        "acceleration": {f"{name}/s²": _LENGTHS[name] for name in ("m", "cm", "mm", "in")}
+        "acceleration": {f"{name}/s²": _LENGTHS[name] for name in ("m", "cm", "mm", "in", "ft")}
         | {"g": _STANDARD_GRAVITY, "mg": 1e-3 * _STANDARD_GRAVITY},
-        "force": {"N": 1.0, "mN": 1e-3, "kN": 1e3, "lbf": _POUND_FORCE},
+        "force": {"N": 1.0, "µN": 1e-6, "mN": 1e-3, "kN": 1e3, "kgf": _STANDARD_GRAVITY}
+        | {"lbf": _POUND_FORCE, "ozf": _POUND_FORCE / 16.0, "kip": 1e3 * _POUND_FORCE},
         "time": {"s": 1.0, "ms": 1e-3, "µs": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0},
         "angle": _ANGLES,
         "angular velocity": {"rad/s": 1.0, "deg/s": _ANGLES["deg"], "rpm": _TURN / 60.0},
@@ -88,9 +92,12 @@ _OTHER_SPELLINGS = {
     "m": ["meter", "metre", "meters", "metres"],
     "in": ["inch", "inches", '"'],
     "in/s": ["ips"],
+    "ft": ["foot", "feet"],
+    "mil": ["mils", "thou"],
     "g": ["g_n", "gn", "g0", "grav"],
     "N": ["newton", "newtons"],
     "lbf": ["lb", "lbs", "pound-force"],
+    "kip": ["kips", "klbf"],
     "s": ["sec", "second", "seconds"],
     "ms": ["msec", "millisecond", "milliseconds"],
     "µs": ["usec", "microsecond", "microseconds"],
@@ -207,7 +214,7 @@ def _plain(text: str) -> str:
     text = text.replace("μ", "µ").replace("²", "2").replace("^", "").replace("**", "")
     text = text.replace("_per_", "/").replace(" per ", "/").replace("⁻¹", "-1").replace("⁻2", "-2")
     text = re.sub(r"[ ·*._]?(s|sec)-([12])$", r"/s\2", text)
-    text = re.sub(r"^u(?=(m|s)\b)", "µ", text)
+    text = re.sub(r"^u(?=(m|s|N)\b)", "µ", text)
     text = re.sub(r"^([mk]?N|ozf?|lbf?|in|ft)[·*._-](m|cm|mm|in|ft|ozf?|lbf?)$", r"\1\2", text)
     text = re.sub(r"/(s|sec)1$", r"/s", text).replace("/sec", "/s")
     return text.replace("/s/s", "/s2").replace(" ", "")

@@ -14,7 +14,7 @@ from ..errors import RecordError, RecordWarning
 from ..mapping import MappingLike, RecordMapping, mapping_for, parts_of
 from ..measurement import QUANTITIES, Channel, Measurement
 from ..table import RawChannel, Table, require_nameable, signals_file
-from .array_files import hdf5_file, matlab_file
+from .array_files import hdf5_file, json_file, matlab_file, numpy_file
 from .assemble import whole
 from .channels import Pick, picks_of, suggested_mapping
 from .containers import lvm_file, parquet_file, tdms_file, uff_file, wav_file
@@ -35,6 +35,7 @@ __all__ = [
     "quantities_of",
     "read",
     "read_signals",
+    "table",
 ]
 
 
@@ -53,7 +54,7 @@ def read(path: str | Path, mapping: MappingLike = None) -> Measurement:
     return Measurement.of(str(path), sorted(channels, key=lambda one: order.index(one.quantity)))
 
 
-def read_signals(name: str, signals: Signals, rules: RecordMapping) -> Measurement:
+def read_signals(name: str, signals: Signals | Table, rules: RecordMapping) -> Measurement:
     """The measurement in arrays or a table of pandas (`signals_file`), in SI units.
 
     name : of the record, for messages.   rules : what the names of the signals do not say.
@@ -71,10 +72,15 @@ def quantities_of(path: str | Path, mapping: MappingLike = None) -> tuple[str, .
     return tuple(q for q in QUANTITIES if q in picked)
 
 
+def table(path: str | Path, mapping: MappingLike = None) -> Table:
+    """The table of a file: names, units and rates of its channels, and their samples as recorded, which are loaded
+    where they are asked for. Raises RecordError as `read`."""
+    return opened(*_named(path, mapping))
+
+
 def channels(path: str | Path, mapping: MappingLike = None) -> tuple[RawChannel, ...]:
     """The channels of a file, with names, units and sampling rates as it has them. Raises RecordError."""
-    path, rules = _named(path, mapping)
-    return tuple(opened(path, rules).channels)
+    return tuple(table(path, mapping).channels)
 
 
 def mapping_to_start_from(path: str | Path, mapping: MappingLike = None) -> str:
@@ -122,4 +128,7 @@ _OPENERS: dict[str, Callable[[Path], Table]] = {  # each imports its library
     "wav": wav_file,
     "lvm": lvm_file,
     "spreadsheet": spreadsheet_file,
+    "npy": numpy_file,
+    "npz": numpy_file,
+    "json": json_file,
 }

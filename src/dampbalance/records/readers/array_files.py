@@ -1,18 +1,45 @@
-"""Files of named arrays: HDF5, also as MATLAB 7.3 has it; MATLAB 5, arrays and structures of them."""
+"""Files of named arrays: HDF5, also as MATLAB 7.3 has it; MATLAB 5, arrays and structures of them; NumPy; JSON."""
 
 from __future__ import annotations
 
+import json
 import math
-from collections.abc import Iterable, Iterator, Sequence
+import zipfile
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ...project.wording import dotted
-from ..errors import library, require_size
-from ..table import TIMING_NAMES, UNIT_NAMES, Table, intact, signals_in, unit_among
+from ..errors import RecordError, library, require_size
+from ..table import (
+    TIMING_NAMES,
+    UNIT_NAMES,
+    Table,
+    intact,
+    signals_file,
+    signals_in,
+    unit_among,
+)
+from ..units import split_label
 
+_LARGEST_JSON = 400_000_000  # bytes, of which the numbers take ten times as many in memory
+_BYTES = 8  # of a number
+# fields of MATLAB that name the signals next to them, and those that hold their times
+_LABELS = (
+    "names",
+    "name",
+    "labels",
+    "label",
+    "channels",
+    "channelnames",
+    "channel_names",
+    "signalnames",
+)
+_TIMES = ("t", "time", "times", "timestamp", "timestamps", "zeit")
 _NO_NUMBERS = (b"char", b"logical", "char", "logical")  # classes of MATLAB
 
 
@@ -74,7 +101,8 @@ def _attributes(item: Any) -> dict[str, object]:
 
 def matlab_file(path: Path) -> Table:
     """A MATLAB 5 file: every real array in it is a channel, a field of a structure by "structure.field", with [1], [2],
-    … behind it where there is an array of structures. Raises RecordError for arrays too large for memory."""
+    … behind it where there is an array of structures. Where texts next to a matrix name its signals, they are called
+    by them. Raises RecordError for arrays too large for memory."""
     from scipy.io import whosmat  # slow to import
 
     reader = library("pymatreader", "MATLAB")
@@ -84,21 +112,132 @@ def matlab_file(path: Path) -> Table:
         truths = {name for name, _, kind in stated if kind == "logical"}
         document = reader.read_mat(str(path))
     held = {n: v for n, v in document.items() if not n.startswith("__") and n not in truths}
-    fields: dict[str, Any] = {
-        name: value
-        for name, value in _unrolled(dotted(held))
-        if np.isscalar(value) or (isinstance(value, np.ndarray) and value.dtype.kind in "fiu")
-    }
+    units, fields = dict[str, str](), dict[str, Any]()
+    for name, value, unit in _unrolled(held):
+        if np.isscalar(value) or (isinstance(value, np.ndarray) and value.dtype.kind in "fiu"):
+            fields[name] = value
+            units[name] = unit
     scalars = {n.rpartition(".")[2]: value for n, value in fields.items() if np.size(value) == 1}
-    arrays = [(n, v.shape, scalars, None) for n, v in fields.items() if isinstance(v, np.ndarray)]
+    arrays = [
+        (n, v.shape, scalars, units[n] or None)
+        for n, v in fields.items()
+        if isinstance(v, np.ndarray)
+    ]
     channels, signals = signals_in(path, arrays)
     return Table(path, channels, lambda wanted: [signals[i](fields) for i in wanted], "MATLAB")
 
 
-def _unrolled(fields: Iterable[tuple[str, Any]]) -> Iterator[tuple[str, Any]]:
-    """Fields by name; those of an array of structures are lists, of which each array is field[1], field[2], …"""
-    for name, value in fields:
-        if isinstance(value, list) and all(isinstance(one, np.ndarray) for one in value):
-            yield from ((f"{name}[{i}]", one) for i, one in enumerate(value, start=1))
+def _unrolled(held: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any, str]]:
+    """Fields by their paths, with their units or "". Arrays of structures or of arrays have [1], [2], … behind them;
+    the signals of a matrix, and of the structure of one signal, the names that stand next to them."""
+    labels, units = (
+        next(
+            (one for key, value in held.items() if key.lower() in keys and (one := _texts(value))),
+            [],
+        )
+        for keys in (_LABELS, UNIT_NAMES)
+    )
+    for name, value in held.items():
+        if isinstance(value, Mapping):
+            yield from _unrolled(value, f"{above}{name}.")
+        elif isinstance(value, list) and all(
+            isinstance(one, np.ndarray | Mapping) for one in value
+        ):
+            for i, one in enumerate(value, start=1):
+                of = one if isinstance(one, Mapping) else {"": one}
+                inner = f"{above}{name}[{i}]" + "." * (of is one)
+                yield from _unrolled(of, inner)
+        elif (
+            isinstance(value, np.ndarray)
+            and value.ndim in (1, 2)
+            and value.dtype.kind in "fiu"
+            and len(labels) == len({*labels}) == (1 if value.ndim == 1 else min(value.shape))
+            and name.lower() not in _TIMES
+        ):
+            rows = np.atleast_2d(value if value.shape[0] < value.shape[-1] else value.T)
+            for i, (label, row) in enumerate(zip(labels, rows, strict=True)):
+                bare, own = split_label(label)
+                unit = units[i] if len(units) == len(labels) else own or ""
+                yield f"{above}{bare.replace('/', '_')}", row, unit
         else:
-            yield name, value
+            yield f"{above}{name}", value, ""
+
+
+def _texts(value: Any) -> list[str]:
+    """The texts of a field of MATLAB, one or several; none where it holds something else."""
+    several = [value] if isinstance(value, str) else value
+    if not isinstance(several, list | np.ndarray) or not all(
+        isinstance(one, str) for one in several
+    ):
+        return []
+    return [str(one).strip() for one in several]
+
+
+def numpy_file(path: Path) -> Table:
+    """An array of NumPy, or an archive of several: each is a channel, and so is each field or column of one that has
+    them; single numbers are rate, step or first time. Pickles are not loaded: arrays of objects are passed over."""
+    with intact(path, "NumPy"):
+        if zipfile.is_zipfile(path):
+            with zipfile.ZipFile(path) as packed:
+                require_size(path, sum(part.file_size for part in packed.infolist()) // _BYTES)
+            with np.load(path) as archive:
+                loads = {name: partial(archive.__getitem__, name) for name in archive.files}
+                held = {name: array for name in loads if (array := _plain(loads[name])) is not None}
+        else:
+            array = _plain(partial(np.load, path, mmap_mode="r"))
+            held = {} if array is None else {"": np.array(array)}
+        if not held:
+            remedy = "save its signals as arrays of numbers"
+            raise RecordError(
+                f"{path}: holds Python objects alone, pickled, which are not loaded; {remedy}"
+            )
+        return _table(path, held.popitem()[1] if len(held) == 1 else held, "NumPy")
+
+
+def _plain(load: Callable[[], Any]) -> Any:
+    """The array that a function loads; None for one of objects."""
+    try:
+        return load()
+    except ValueError as error:
+        if "bject" in str(error):  # arrays of objects cannot be loaded, nor mapped into memory
+            return None
+        raise
+
+
+def json_file(path: Path) -> Table:
+    """Columns by name, as lists or as pandas writes them, or rows: mappings of names to cells, or lists of cells.
+    Points in time are texts, 2026-03-01T12:00:00.5; other texts and single values, except a rate, are passed over."""
+    import pandas as pd  # slow to import
+
+    if (size := path.stat().st_size) > _LARGEST_JSON:
+        much = f"{size / 1e6:.3g} MB, more than {_LARGEST_JSON / 1e6:g}"
+        raise RecordError(f"{path}: has {much} MB, which JSON may have; save it as CSV or HDF5")
+    with intact(path, "JSON"):
+        held = json.loads(path.read_bytes())
+        if isinstance(held, dict) and {"columns", "data"} <= held.keys():
+            held = dict(zip(held["columns"], zip(*held["data"], strict=True), strict=True))
+        elif isinstance(held, list) and all(isinstance(row, dict) for row in held):
+            names = dict.fromkeys(name for row in held for name in row)
+            held = {name: [row.get(name) for row in held] for name in names}
+        elif isinstance(held, list):
+            held = np.array(held, dtype=np.float64)
+        if not isinstance(held, dict | np.ndarray):
+            raise RecordError(f"{path}: holds neither columns nor rows; save names and lists")
+        for name, values in held.items() if isinstance(held, dict) else ():
+            cells = [*values.values()] if isinstance(values, dict) else values
+            if isinstance(cells, list | tuple) and cells and isinstance(cells[0], str):
+                with suppress(ValueError):  # any other text is no number, where it is needed
+                    cells = pd.to_datetime(cells, format="ISO8601", utc=True)
+            held[name] = cells
+        return _table(path, held, "JSON")
+
+
+def _table(path: Path, held: Any, what: str) -> Table:
+    """The table of arrays in a file, without what is no signal and no rate."""
+    if isinstance(held, Mapping):
+        held = {
+            str(name): values
+            for name, values in held.items()
+            if (np.size(values) > 1 and np.ndim(values) < 3) or str(name).lower() in TIMING_NAMES
+        }
+    return replace(signals_file(str(path), held), what=what)

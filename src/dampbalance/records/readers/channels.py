@@ -63,6 +63,19 @@ _IN_MM = 0.05  # half the range of a displacement: more is in mm, less in m
 _TIME_UNITS = {"µs": 50.0, "ms": 0.05, "s": 0.0}
 _BY_NAME, _BY_UNIT = "by its name", "by its unit"
 _RESPONSE_OF = {"base_displacement": "displacement", "base_acceleration": "acceleration"}
+_MOTIONS = {word for quantity in ABSOLUTE for word in WORDS[quantity]}
+# words of the absolute value of three axes, and by what part of itself that is rounded
+_OF_AXES = (
+    "absolute",
+    "abs",
+    "absolut",
+    "total",
+    "magnitude",
+    "norm",
+    "resultant",
+    "resultierende",
+)
+_ABSOLUTE = 1e-3
 _KEPT = ("delimiter", "decimal", "header_lines", "sample_rate_hz", "frequency_hz", "level", "notes")
 """Keys of a mapping that stay in the one suggested."""
 
@@ -121,6 +134,7 @@ def picks_of(file: Table, mapping: RecordMapping, *, entire: bool = True) -> tup
     picks = tuple(plan.pick(q, chosen[q], rules[q]) for q in QUANTITIES if q in chosen)
     if not mapping.channels:
         plan.require_one_coordinate([*chosen.values()])
+        plan.warn_of_axes()
         plan.warn_of_unused(picks)
         plan.warn_of_guess(chosen)
     return picks
@@ -152,6 +166,36 @@ class _Plan:
     def samples(self) -> _Samples:
         """The first samples of the channels: needed where their names do not suffice."""
         return _Samples(self.file)
+
+    @cached_property
+    def axes(self) -> dict[int, str]:
+        """The channels of the one accelerometer of three axes, x, y and z, and their absolute value: why each is not
+        read, or "" for the axis with the most motion, by its standard deviation. Nothing where there is none."""
+        names = {
+            (raw.name.lower(), raw.unit): i
+            for i, raw in enumerate(self.channels)
+            if by_unit(raw) == "acceleration"
+        }
+        threes = []
+        for name, unit in names:
+            for x in re.finditer("x", name):
+                alike = [f"{name[: x.start()]}{axis}{name[x.end() :]}" for axis in "xyz"]
+                three = [names[key, unit] for key in alike if (key, unit) in names]
+                threes += [three] if len(three) == len("xyz") else []
+        if len(threes) != 1 or any(not self.samples.values[i].size for i in threes[0]):
+            return {}
+        values = {i: self.samples.values[i] for i in threes[0]}
+        moved = {i: float(np.nanstd(v)) for i, v in values.items()}
+        most = max(moved, key=lambda i: moved[i])
+        why = {i: f"it moves less than {shortened(self.channels[most].name)}" for i in moved}
+        absolute = np.sqrt(np.sum(np.square([*values.values()]), axis=0))
+        for i in names.values():
+            other = self.samples.values[i]
+            words = {*words_of(self.channels[i].name)}
+            near = other.size and np.allclose(other, absolute, rtol=_ABSOLUTE, equal_nan=True)
+            if i not in moved and (near or words & {*_OF_AXES}):
+                why[i] = "the absolute value of three axes"
+        return why | {most: ""}
 
     def pick(self, quantity: str, index: int, rule: ChannelRule) -> Pick:
         """The pick of a channel with the times that the mapping or the file gives it."""
@@ -204,6 +248,8 @@ class _Plan:
         chosen: dict[str, int] = {}
         for i, raw in enumerate(self.channels):
             quantity = None if holds_time(raw) or unusable(raw) else quantity_of(raw)
+            if i in self.axes:
+                quantity = None if self.axes[i] else "acceleration"
             if quantity in chosen:
                 self.require_one_coordinate([chosen[quantity], i])
                 both = [shortened(self.channels[at].name) for at in (chosen[quantity], i)]
@@ -243,6 +289,8 @@ class _Plan:
     def named(self, i: int) -> str | None:
         """The quantity that a heading names, also in other words, if its unit is not of another one."""
         raw, unit = self.channels[i], by_unit(self.channels[i])
+        if i in self.axes:
+            return "acceleration"
         quantity = quantity_of(raw) or quantity_of(raw, all_words=False)
         fits = quantity and (unit is None or DIMENSIONS[unit] == DIMENSIONS[quantity])
         return quantity if fits else None
@@ -257,6 +305,16 @@ class _Plan:
         before = [i for i in times if i < index]
         return next(iter(named or before[-1:] or times), None)
 
+    def warn_of_axes(self) -> None:
+        """Warn of the axis that was taken of three."""
+        if axis := [i for i, why in self.axes.items() if not why]:
+            name = shortened(full_name(self.channels[axis[0]]))
+            said = (
+                f"{name} is taken for the acceleration of the mass, the axis with the most motion"
+            )
+            remedy = f"name another in {self.where} if the mass moves along it"
+            warnings.warn(RecordWarning(f"{self.path}: {said}; {remedy}"), stacklevel=2)
+
     def warn_of_unused(self, picks: Sequence[Pick]) -> None:
         """Warn of signals as long as those read that no name distinguished. A mapping that names channels leaves the
         others out on purpose."""
@@ -265,7 +323,7 @@ class _Plan:
         if names := [
             shortened(full_name(raw)) + f" ({unusable(raw)})" * (unusable(raw) is not None)
             for i, raw in enumerate(self.channels)
-            if i not in used and raw.size in sizes and not holds_time(raw)
+            if i not in used and i not in self.axes and raw.size in sizes and not holds_time(raw)
         ]:
             said = f"{_first_of(names)}; say in {self.where} what they hold, if it is needed"
             unused = RecordWarning(f"{self.path}: channels not used: {said}")
@@ -293,7 +351,9 @@ class _Plan:
 
     def may_move(self, i: int) -> bool:
         """Whether a channel may hold a motion or a force: no time, no temperature, no counter, nothing constant."""
-        return not holds_time(self.channels[i]) and i not in self.samples.aside
+        if holds_time(self.channels[i]):
+            return False
+        return i not in self.samples.aside and not self.axes.get(i)
 
     def find(self, which: Which, key: str) -> int:
         """The channel of that name or number."""
@@ -423,7 +483,9 @@ class _Suggestion:
     def __init__(self, plan: _Plan) -> None:
         self.channels, self.mapping, self.keys = plan.channels, plan.mapping, plan.keys
         self.samples, self.chosen = plan.samples, dict[str, int]()
-        self.why = dict(self.samples.aside)
+        self.why = dict(self.samples.aside) | {i: why for i, why in plan.axes.items() if why}
+        ways = (names_time, holds_time)
+        self.is_time = next((way for way in ways if any(map(way, self.channels))), None)
         # what names say goes first, then units
         names = {i: plan.named(i) for i in range(len(self.channels)) if plan.may_move(i)}
         chosen, twice = plan.told_apart
@@ -435,6 +497,12 @@ class _Suggestion:
         names |= self._first_drives(names)
         for i in sorted(names, key=lambda i: (names[i] is None, by_unit(self.channels[i]) is None)):
             self._take(i, names[i])
+        for i, raw in enumerate(self.channels):  # at the last, what names say against their units
+            quantity = quantity_of(raw) or quantity_of(raw, all_words=False) or ""
+            other = find_other(raw.unit or "") and not unusable(replace(raw, unit=None))
+            moves = {*words_of(raw.name)} & _MOTIONS and quantity in RESPONSES
+            if moves and other and not self.complete:
+                self.chosen[quantity], self.why[i] = i, _BY_NAME
         if len(self.chosen) == 1:
             ((quantity, i),) = self.chosen.items()
             if quantity in _RESPONSE_OF and names[i] is None:
@@ -542,10 +610,9 @@ class _Suggestion:
         """Whether a channel is taken for the times: by the mapping, name or unit, or as the only one that rises."""
         if self.mapping.time is not None:
             return self.mapping.time in (i + 1, self.channels[i].name)
-        for is_time in (names_time, holds_time):
-            if any(map(is_time, self.channels)):
-                return is_time(self.channels[i])
-        return i in self.samples.rising
+        if self.is_time is None:
+            return i in self.samples.rising
+        return self.is_time(self.channels[i])
 
     def _which(self, i: int) -> str:
         """A channel as a mapping names it: by its name, or by its number where that is long or not its alone."""

@@ -4,6 +4,8 @@ text of LabVIEW."""
 from __future__ import annotations
 
 import io
+import re
+import tempfile
 import warnings
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -25,6 +27,7 @@ _SPECIFIC_TYPES = {8: "displacement", 9: "force", 11: "velocity", 12: "accelerat
 _RESPONSE_TYPES = {8: "receptance", 11: "mobility", 12: "accelerance"}
 # where it says what a time response is, besides the label of its ordinate
 _NAMING = ("id1", "id2", "rsp_ent_name", "id4", "id5")
+_UFF_HEAD = re.compile(rb"(?m)^    58.*\n(?:.*\n){11}")
 _NO_SIZE = (0, 0xFFFFFFFF)  # what a program writes that does not know how long a WAV will become
 
 
@@ -80,9 +83,14 @@ def uff_file(path: Path) -> Table:
     pyuff = library("pyuff", "a universal file")
     channels, arrays = [], []
     with intact(path, "a universal file"):
-        file = pyuff.UFF(str(path))
-        marks = path.read_bytes().count(b"    -1\n") + path.read_bytes().count(b"    -1\r")
-        sets = [file.read_sets(i) for i, kind in enumerate(file.get_set_types()) if int(kind) == 58]
+        tidy = _tidied(path.read_bytes())
+        marks = tidy.count(b"    -1\n") + tidy.count(b"    -1\r")
+        with tempfile.TemporaryDirectory() as folder:
+            copy = Path(folder) / "tidy.uff"
+            copy.write_bytes(tidy)
+            file = pyuff.UFF(str(copy))
+            kinds = map(int, file.get_set_types())
+            sets = [file.read_sets(i) for i, kind in enumerate(kinds) if kind == 58]
         responses = [item for item in sets if item["func_type"] == _FREQUENCY_RESPONSE]
         sets = [item for item in sets if item["func_type"] == _TIME_RESPONSE]
         for number, item in enumerate([] if sets else responses, start=1):
@@ -113,6 +121,21 @@ def uff_file(path: Path) -> Table:
     if not arrays:
         raise RecordError(f"{path}: holds no time response and no frequency response (data set 58)")
     return Table(path, channels, lambda wanted: [arrays[i] for i in wanted], "a universal file")
+
+
+def _tidied(raw: bytes) -> bytes:
+    """The bytes of a universal file as the library reads them: heads in UTF-8; where no data set is binary, lines
+    without blanks at their ends, which it would take for numbers, and ended by a line feed alone."""
+
+    def in_utf8(head: re.Match[bytes]) -> bytes:
+        try:
+            head[0].decode()
+        except UnicodeDecodeError:
+            return head[0].decode("cp1252", "replace").encode()
+        return head[0]
+
+    raw = _UFF_HEAD.sub(in_utf8, raw)
+    return raw if re.search(rb"(?m)^    58b", raw) else re.sub(rb"[ \t]*\r?\n", b"\n", raw)
 
 
 def _names(sets: Sequence[dict[str, Any]]) -> list[str]:

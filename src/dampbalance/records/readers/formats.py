@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import NamedTuple
 
@@ -15,6 +16,7 @@ _BEGINNINGS: dict[str, bytes | tuple[bytes, ...]] = {
     "tdms": (b"TDSm", b"TDSh"),
     "spreadsheet": (b"PK\x03\x04", b"\xd0\xcf\x11\xe0"),
     "lvm": (b"LabVIEW Measurement", b"\xef\xbb\xbfLabVIEW Measurement"),
+    "npy": b"\x93NUMPY",
 }
 _HEAD = 4096  # bytes that tell: a user block of a few kB may precede HDF5
 
@@ -39,6 +41,9 @@ FORMATS = {
     "spreadsheet": Format(
         "a spreadsheet", (".xlsx", ".xlsm", ".xlsb", ".xls", ".ods"), ("spreadsheet",)
     ),
+    "npy": Format("an array of NumPy", (".npy",), ("npy",)),
+    "npz": Format("arrays of NumPy", (".npz",), ("npz",)),
+    "json": Format("JSON", (".json",), ("text",)),
 }
 """The formats read, by short name."""
 
@@ -56,6 +61,8 @@ def content_of(path: Path) -> str | None:
     """What the first bytes of a file say it is, matlab73 or a key of FORMATS; None for another format."""
     with open(path, "rb") as stream:
         head = stream.read(_HEAD)
+    if re.match(rb"PK\x03\x04.{26}[^\x00]*?\.npy", head, re.DOTALL):
+        return "npz"  # by the name of the first file in it
     for content, beginnings in _BEGINNINGS.items():
         if head.startswith(beginnings):
             return content
@@ -110,4 +117,4 @@ def checked_format(path: Path) -> str:
             f"{path}: is not {kind.title}, as its name says, but {known.title}{version}; rename it to "
             f"{path.with_suffix(known.suffixes[0]).name}"
         )
-    return content
+    return "json" if kind is FORMATS["json"] else content

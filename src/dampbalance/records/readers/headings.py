@@ -42,7 +42,9 @@ TEMPERATURE = ("temp", "temperature", "temperatur", "thermocouple")
 
 _MEANINGS = {word: meaning for meaning, words in WORDS.items() for word in words}
 # words that suffice for a guess alone
-_HINTS = {"reference": "base", "hammer": "force", "load": "force"}
+_HINTS = {"reference": "base"} | dict.fromkeys(
+    ("hammer", "load", "friction", "reibung", "reibkraft"), "force"
+)
 _PASSED_OVER = "angular"  # of an angular velocity: the unit says so
 _BODIES = ("base", "mass", "relative")
 _SHORTEST = 3  # letters of a word that may be part of another
@@ -50,7 +52,9 @@ _TIME = re.compile(
     r"((elapsed|relative|rel|running|test|record|recording|measurement|date|abs|absolute|sample)_?)?"
     r"(time|zeit|t|messzeit|zeitstempel|uhrzeit|timestamps?)(_?(stamps?|axis|value|achse|\d+))?"
 )
-_SECONDS = re.compile(r"x_values?|seconds?|sekunden?")  # LabVIEW and oscilloscopes
+_SECONDS = re.compile(
+    r"x_values?|(elapsed_)?seconds?(_elapsed)?|sekunden?"
+)  # LabVIEW and oscilloscopes
 _NAMED_TIME = re.compile(r"x_axis|date_?times?(_?\d+)?")
 
 

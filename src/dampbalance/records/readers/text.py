@@ -19,10 +19,11 @@ import numpy as np
 
 from ...arrays import Array
 from ...project.wording import shortened
-from ..errors import RecordError, RecordWarning
+from ..errors import HIGHEST_RATE, LOWEST_RATE, RecordError, RecordWarning
 from ..mapping import RecordMapping
-from ..table import RawChannel, Table
+from ..table import RATE_NAMES, STEP_NAMES, RawChannel, Table
 from ..units import find_other, find_unit, split_label
+from .headings import key_of, names_time
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -35,6 +36,8 @@ _SAMPLE_CHARACTERS = 2_000_000
 _ROWS_TO_AGREE = 20
 _COMMENTS = "#%"
 _BRACKETS = "[](){} "
+# first cells of the lines of names and of units in the header of a logger
+_NAMES, _UNITS = ("channel_name", "channel_names", "channel", "name"), ("unit", "units")
 _MISSING = {"", "na", "n/a", "null", "none"} | {
     sign + word for sign in ("", "+", "-") for word in ("nan", "inf", "infinity")
 }
@@ -127,12 +130,47 @@ def columns_of(path: Path, table: Sequence[list[str]], width: int) -> list[RawCh
             "it has 0,5 for 0.5 and commas between the columns, export it with another delimiter, such as ;"
         )
     units = fitting.pop() if len(fitting) > 1 and _are_units(fitting[-1]) else [""] * width
+    labels, keyed = fitting[-1] if fitting else [""] * width, _keyed(table)
+    named, measured = (next(filter(None, map(keyed.get, keys)), []) for keys in (_NAMES, _UNITS))
+    if (
+        len(named) == len(measured) == width
+    ):  # a column below the key, or one of each pair, holds the times
+        labels = ["time" if cell == named[0] else cell for cell in named]
+        units = ["s" if cell == measured[0] else cell for cell in measured]
     columns = []
-    for i, label in enumerate(fitting[-1] if fitting else [""] * width):
+    for i, label in enumerate(labels):
         name, own = split_label(label)
         unit = units[i].strip(_BRACKETS) or own
         columns.append(RawChannel(name or f"column {i + 1}", unit, label=label))
+    for key, timed in (("horizontal_units", True), ("vertical_units", False)):  # of an oscilloscope
+        places = [i for i, raw in enumerate(columns) if names_time(raw) == timed and not raw.unit]
+        for i, unit in zip(places, keyed.get(key, [])[1:], strict=False):
+            columns[i] = replace(columns[i], unit=unit or None)
     return columns
+
+
+def _keyed(table: Sequence[list[str]]) -> dict[str, list[str]]:
+    """The lines of a header by their first cells, without the unit, as `key_of` spells them."""
+    return {key_of(split_label(cells[0])[0]): cells for cells in table if len(cells) > 1}
+
+
+def _stated_rate(table: Sequence[list[str]], decimal: str) -> float | None:
+    """Samples per second as a line of a header gives them, or the interval between them; None where none does."""
+    for key, cells in _keyed(table).items():
+        number, _, unit = cells[1].partition(" ")
+        step = key in (*STEP_NAMES, "interval")
+        if (step or key in RATE_NAMES) and _NUMBER[decimal].fullmatch(number):
+            known = find_unit(unit or split_label(cells[0])[1] or ("s" if step else "Hz"))
+            value = float(number.replace(decimal, ".")) * (known.factor if known else 0.0)
+            rate = 1.0 / value if step and value else value
+            if LOWEST_RATE <= rate <= HIGHEST_RATE:
+                return rate
+    return None
+
+
+def _counts(cells: Sequence[str]) -> bool:
+    """Whether the first cells of a column are whole numbers one after the other."""
+    return all(map(str.isdecimal, cells)) and {*np.diff([int(cell) for cell in cells])} == {1}
 
 
 def _header_cells(line: str, delimiter: str, width: int) -> list[str]:
@@ -149,7 +187,7 @@ def _header_cells(line: str, delimiter: str, width: int) -> list[str]:
 def _are_units(cells: Sequence[str]) -> bool:
     """Whether a line gives units: each cell is one, or empty, "-" or in brackets, and at least one is known."""
     bare = [cell.strip(_BRACKETS) for cell in cells]
-    return any(find_unit(text) for text in bare) and all(
+    return any(find_unit(text) or find_other(text) for text in bare) and all(
         text in ("", "-", "1") or text != cell or find_unit(text) or find_other(text)
         for text, cell in zip(bare, cells, strict=True)
     )
@@ -257,9 +295,16 @@ def text_file(path: Path, mapping: RecordMapping) -> Table:
     (_, header, width, cells), delimiter, decimal = max(
         fits, key=lambda fit: (fit[0][2] > 1, fit[0][0])
     )
-    channels = columns_of(path, _header_table(lines[:header], delimiter, width, cells), width)
-    first = next(filter(None, tables[delimiter][header:]), [])
-    for i, cell in enumerate(first[:width]):
+    head = _header_table(lines[:header], delimiter, width, cells)
+    channels, rate = columns_of(path, head, width), _stated_rate(head, decimal)
+    rows = [*filter(None, tables[delimiter][header:])][:_ROWS_TO_AGREE]
+    if rate is not None:
+        channels = [replace(raw, rate_hz=rate) for raw in channels]
+        for i, raw in enumerate(channels):
+            whole = [row[i].partition(decimal)[0] for row in rows]
+            if rate != 1.0 and names_time(raw) and raw.unit in (None, "s") and _counts(whole):
+                channels[i] = replace(raw, name=f"sample {i + 1}", unit=None)
+    for i, cell in enumerate(rows[0][:width] if rows else []):
         if _STAMP.fullmatch(cell) or (_DATE.fullmatch(cell) and ":" in cell):
             channels[i] = replace(channels[i], unit="s", stamps=True)
     layout = _Layout(path, encoding, delimiter, decimal, comment, header)
