@@ -39,7 +39,7 @@ _SETTLED = 1e-9  # relative change of the weights
 # this: what tells them apart is rounding. Two levels that differ by one part in a million enclose 5e-7.
 SINGULAR = 1e-12
 
-_BLOCK = 16384  # cases at once: enough of them for arrays to be quick, few enough for the processor's cache
+_CASES_AT_ONCE = 16384  # cases at once: enough of them for arrays to be quick, few enough for the processor's cache
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -149,8 +149,8 @@ def _solve_cases(
     p, _, cases = columns.shape
     values, residual = np.empty((p, cases)), np.empty(cases)
     covariance = np.empty((p, p, cases))
-    for start in range(0, cases, _BLOCK):
-        some = slice(start, start + _BLOCK)
+    for start in range(0, cases, _CASES_AT_ONCE):
+        some = slice(start, start + _CASES_AT_ONCE)
         values[:, some], residual[some], covariance[:, :, some] = _solve_block(
             columns[:, :, some], right[:, some], full[:, some], n[some]
         )

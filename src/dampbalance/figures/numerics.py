@@ -45,7 +45,7 @@ _OF_SCHEME = {
     "trapezoidal": (FAINT, "v"),
     "rk4": (FAINT, "^"),
 }
-_MARKS: Sequence[Mapping[str, Any]] = (
+_MARKERS: Sequence[Mapping[str, Any]] = (
     {"marker": "o", "color": PRINTED["color"]},
     {"marker": "D", "color": FAINT},
     {"marker": "^", "color": OTHER},
@@ -294,13 +294,13 @@ def glance(
     left.tick_params(axis="y", length=0)
     left.set_xlabel("$c$ by direct integration, all levels (N s/m)")
     # (b) on an axis that is linear about zero, so that the sign shows
-    for n, ((label, values), look) in enumerate(zip(errors.items(), _MARKS, strict=False)):
+    for n, ((label, values), look) in enumerate(zip(errors.items(), _MARKERS, strict=False)):
         places = [f + 0.24 * (n - 1.5) for f in range(len(frequencies))]
         right.vlines(places, 0.0, values, color=look["color"], lw=1.2)
         right.plot(places, values, ls="none", ms=4.5, label=label, gid=label, **look)
         for at in zip(places, values, strict=True):
             text = f"{at[1]:+#.2g}".rstrip(".").replace("-", "−")
-            if at[1] > 0.0 and n < len(_MARKS) - 1:
+            if at[1] > 0.0 and n < len(_MARKERS) - 1:
                 note(right, text, at, (0.0, 4.0), "center", "bottom", size=7.0)
             else:  # also of the last mark, clear of the stems of the others
                 note(right, text, at, (0.0, -4.0), "center", "top", size=7.0)

@@ -69,7 +69,7 @@ def styled() -> Iterator[None]:
 
 
 _PANELS: ContextVar[Iterator[Axes | None] | None] = ContextVar("panels", default=None)
-_SHOWN: ContextVar[bool] = ContextVar("shown by pyplot", default=False)
+_SHOWN_BY_PYPLOT: ContextVar[bool] = ContextVar("shown by pyplot", default=False)
 
 
 @contextmanager
@@ -77,17 +77,17 @@ def drawn_in(axes: Iterable[Axes | None] | None) -> Iterator[None]:
     """While this holds, a picture is drawn where a caller wants it: in these axes, one for each panel in order, or on a
     figure of pyplot where there are None. A panel for which there are no axes is drawn on a page that is not kept."""
     token = _PANELS.set(None if axes is None else iter(axes))
-    shown = _SHOWN.set(axes is None)
+    shown = _SHOWN_BY_PYPLOT.set(axes is None)
     try:
         yield
     finally:
         _PANELS.reset(token)
-        _SHOWN.reset(shown)
+        _SHOWN_BY_PYPLOT.reset(shown)
 
 
 def page(width: float, height: float) -> Figure:
     """An empty figure of the given size, mm. A notebook shows it as it shows those of pyplot."""
-    if _SHOWN.get():
+    if _SHOWN_BY_PYPLOT.get():
         from matplotlib import pyplot  # slow to import
 
         return pyplot.figure(figsize=(width * MM, height * MM))

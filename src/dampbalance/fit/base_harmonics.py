@@ -29,7 +29,7 @@ MOST_REPETITIONS = 20
 PATIENCE = 4
 """Repetitions with the end of first climbs that is not adequate, before a search elsewhere."""
 
-_LEAST = 0.2  # of 1 − R: less, and the last step does not show it
+_LEAST_FEEDBACK = 0.2  # of 1 − R: less, and the last step does not show it
 _SEARCHES = 4  # along K_z
 _STAYS = 0.02  # standard errors: a change that does not matter
 
@@ -140,7 +140,7 @@ def _fed_back(
     error = np.sqrt(np.diag(fit.covariance))[free]
     moved, answered = ((steps[-1][i] - steps[-2][i]) / error for i in (0, 1))
     size, along = float(moved @ moved), float(moved @ answered)
-    if not 0.0 < along < (1.0 - _LEAST) * size:
+    if not 0.0 < along < (1.0 - _LEAST_FEEDBACK) * size:
         return fit
     response = fit.response.copy()
     change = np.outer(error * answered, moved @ (response[free] / error[:, None]))

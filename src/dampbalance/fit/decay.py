@@ -47,17 +47,17 @@ STATE = 3
 
 _LOOSEST, _STIFFEST = 1e-4, 1e8  # of K_z/k: contacts that stand for none and for a rigid one
 # Bounds for a motion that oscillates: c over √(km), and the mass over that of the start, either way.
-_DAMPED, _MASSES = 2.0, 10.0
+_DAMPED, _MASS_RANGE = 2.0, 10.0
 _UNNOTICED = 1e-9  # of the force of the spring: a friction that no motion shows
 P_MOTION_LEFT = 1e-4  # probability in white noise of a residual so much like a motion
 _PRELOAD_ERROR = 1.0  # it lies between 0 and 2
 # That probability, and standard deviations of the correlation of neighbouring residuals.
-_DOUBTFUL, _ALIKE = 0.02, 3.0
-_BINS = 12  # of a cycle, in which the residual is averaged
+_DOUBTFUL, _CORRELATED = 0.02, 3.0
+_BINS_OF_A_CYCLE = 12  # of a cycle, in which the residual is averaged
 _LEVEL = NORMAL_95**2  # of χ² above the least, at the ends of an interval
 NEGLECTED_LIKELIHOOD = 0.025  # of the likelihood, that minima left out may have
 _PROFILES, _COARSE = 8, 1e-2  # climbs to an end of an interval, and where they end, in half of χ²
-_NEAR = 0.1  # of its distance: where an end is close enough
+_CLOSE_END = 0.1  # of its distance: where an end is close enough
 
 
 @dataclass(frozen=True, eq=False)
@@ -241,7 +241,8 @@ class RingFit(OscillatorFit):
         """Residuals of the channels, samples in a part of a cycle there, and what the fit takes of their freedom."""
         channels = self.residuals()
         widths = [
-            max(2, round(self.decays[i].period / (_BINS * signal.dt))) for i, signal, _ in channels
+            max(2, round(self.decays[i].period / (_BINS_OF_A_CYCLE * signal.dt)))
+            for i, signal, _ in channels
         ]
         fitted = self.point.size - len(self.names) + len(OSCILLATOR_UNKNOWNS)
         return [residual for *_, residual in channels], widths, fitted
@@ -272,7 +273,7 @@ class RingFit(OscillatorFit):
         large. Coloured noise has the same effect."""
         products = math.fsum(float(one[1:] @ one[:-1]) for one in self._parts[0])
         alike = products / max(self.chi_square, 1e-300) * math.sqrt(self.samples)
-        return self.chance < _DOUBTFUL or alike > _ALIKE
+        return self.chance < _DOUBTFUL or alike > _CORRELATED
 
     @cached_property
     def shortcomings(self) -> tuple[str, ...]:
@@ -406,8 +407,8 @@ class DecaySamples(NamedTuple):
         scale = np.ones(start.size)
         # with no contact at all, a mass this light is critically damped, even if the period is that of two turns
         light = self.k * (min(one.period for one in self.decays) / (8.0 * math.pi)) ** 2
-        lower[:4] = 1e-9 * F_k, 0.0, self.rigid, max(m / _MASSES, min(light, m))
-        upper[1:4] = _DAMPED * critical, 1.0 / math.sqrt(_LOOSEST * self.k), m * _MASSES
+        lower[:4] = 1e-9 * F_k, 0.0, self.rigid, max(m / _MASS_RANGE, min(light, m))
+        upper[1:4] = _DAMPED * critical, 1.0 / math.sqrt(_LOOSEST * self.k), m * _MASS_RANGE
         states = start[first_state:].reshape(-1, STATE)
         size = np.maximum(np.maximum(np.abs(states[:, 0]), np.abs(states[:, 1]) / omega), 1e-300)
         scale[first_state::STATE], scale[first_state + 1 :: STATE] = size, size * omega
@@ -516,7 +517,7 @@ def _end(fit: RingFit, j: int, side: float) -> float:
         # where χ² does not rise, the end is farther away
         factor = min(max(NORMAL_95 / math.sqrt(max(rise, 1e-3)), 0.4), 2.5)
         distance *= factor
-        if abs(factor - 1.0) < _NEAR:
+        if abs(factor - 1.0) < _CLOSE_END:
             break
     return float(fit.point[j]) + distance
 

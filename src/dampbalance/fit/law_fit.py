@@ -36,11 +36,14 @@ from .score import Departure, departures_from
 DECAY_TERMS = (FRICTION, "c", "c_2", "c_3")
 """Terms that free decays distinguish: base at rest and at one frequency, c_r and eta act as c does."""
 
-_NAMES = (*OSCILLATOR_UNKNOWNS, *ADDED)
-_MASSES = 2.0  # of the mass over that of the fit, either way
-_MOST, _GAIN = 40, 1e-4  # of a climb: evaluations, and what the last step would gain in half of χ²
+_LAW_UNKNOWNS = (*OSCILLATOR_UNKNOWNS, *ADDED)
+_MASS_FACTOR = 2.0  # of the mass over that of the fit, either way
+_MOST_EVALUATIONS, _LAST_GAIN = (
+    40,
+    1e-4,
+)  # of a climb: evaluations, and what the last step would gain in half of χ²
 # Of what a law leaves out, and of a climb on the way: the end in half of χ², and evaluations.
-_PARTS, _COARSE, _FEW = (0.25, 0.5, 0.75, 1.0), 1e-2, 10
+_PARTS, _COARSE_GAIN, _FEW_EVALUATIONS = (0.25, 0.5, 0.75, 1.0), 1e-2, 10
 _SMALL = 1e-3  # of the damping of the fit: a coefficient below that counts as zero
 _DENSE = 64  # instants of a period, of which a loss of energy is summed
 
@@ -59,7 +62,7 @@ class LawFit(RingFit):
     @property
     def names(self) -> tuple[str, ...]:
         """F_k, c, rho, m, and the symbols of `ADDED`."""
-        return _NAMES
+        return _LAW_UNKNOWNS
 
     @cached_property
     def _columns(self) -> Array:
@@ -74,7 +77,7 @@ class LawFit(RingFit):
 
     def without(self, symbols: Sequence[str]) -> float:
         """What χ² rises by without the coefficients of some terms, to first order: pᵀ C⁻¹ p (Wald's test)."""
-        places = [_NAMES.index(symbol) for symbol in symbols]
+        places = [_LAW_UNKNOWNS.index(symbol) for symbol in symbols]
         covariance = self.covariance[np.ix_(places, places)]
         errors = np.sqrt(np.diag(covariance))
         z = self.point[places] / errors
@@ -111,12 +114,14 @@ def fit_law(fit: RingFit, terms: Sequence[str], starts: Iterable[Array] = ()) ->
     """
     losses = _losses(fit)
     others = [
-        at for at, symbol in enumerate(_NAMES) if symbol in DECAY_TERMS and symbol not in terms
+        at
+        for at, symbol in enumerate(_LAW_UNKNOWNS)
+        if symbol in DECAY_TERMS and symbol not in terms
     ]
     if FRICTION not in terms:
         others += friction_places(fit.decays, fit.point.size + len(ADDED))
     free = _with_added(fit.free, 0.0).astype(np.bool_)
-    free[[_NAMES.index(s) for s in terms]] = True
+    free[[_LAW_UNKNOWNS.index(s) for s in terms]] = True
     free[others] = False
     if FRICTION not in terms:
         free[[RHO, *range(free.size - STATE * len(fit.decays) + 2, free.size, STATE)]] = False
@@ -130,21 +135,23 @@ def fit_law(fit: RingFit, terms: Sequence[str], starts: Iterable[Array] = ()) ->
 
     def towards(start: Array) -> Array:
         """The start without what the law leaves out, which its terms make up for."""
-        lost = math.fsum(start[_NAMES.index(s)] / losses[s] for s in DECAY_TERMS if s not in terms)
+        lost = math.fsum(
+            start[_LAW_UNKNOWNS.index(s)] / losses[s] for s in DECAY_TERMS if s not in terms
+        )
         point = start
         for part in _PARTS if lost > 0.0 else ():
             point = point.copy()
             for s in terms:
-                point[_NAMES.index(s)] += losses[s] * lost / len(_PARTS) / len(terms)
+                point[_LAW_UNKNOWNS.index(s)] += losses[s] * lost / len(_PARTS) / len(terms)
             point[others] = (1.0 - part) * start[others]
-            reached = climb(evaluate, point, bounds, gain=_COARSE, most=_FEW)
+            reached = climb(evaluate, point, bounds, gain=_COARSE_GAIN, most=_FEW_EVALUATIONS)
             point = point if reached is None else reached.point
         point = point.copy()
         point[others] = 0.0
         return point
 
     ends = (
-        climb(evaluate, towards(start), bounds, gain=_GAIN, most=_MOST)
+        climb(evaluate, towards(start), bounds, gain=_LAST_GAIN, most=_MOST_EVALUATIONS)
         for start in (_with_added(fit.point, 0.0), *starts)
     )
     best = min(filter(None, ends), key=lambda end: end.chi_square, default=None)
@@ -187,16 +194,19 @@ def _bounds(fit: RingFit, free: Mask, losses: Mapping[str, float]) -> ClimbBound
     of_fit = DecaySamples.of(fit.decays, fit.k, fit.point.size).bounds(fit.point)
     lower, upper, scale = map(_with_added, of_fit[1:], (0.0, math.inf, 0.0))
     lower[friction_places(fit.decays, free.size)] = 0.0
-    lower[M], upper[M] = fit.m / _MASSES, fit.m * _MASSES
+    lower[M], upper[M] = fit.m / _MASS_FACTOR, fit.m * _MASS_FACTOR
     for symbol, alone in losses.items():
-        scale[_NAMES.index(symbol)] = _SMALL * alone
+        scale[_LAW_UNKNOWNS.index(symbol)] = _SMALL * alone
     return ClimbBounds(free, lower, upper, scale)
 
 
 def _columns(decays: Sequence[Decay], k: float, point: Array) -> Array | None:
     """Derivatives of the residuals (model − sample)/σ by all unknowns of a law, and these residuals, (samples, p + 1);
     None where the contact rattles."""
-    p, places = point[len(OSCILLATOR_UNKNOWNS) : len(_NAMES)], friction_places(decays, point.size)
+    p, places = (
+        point[len(OSCILLATOR_UNKNOWNS) : len(_LAW_UNKNOWNS)],
+        friction_places(decays, point.size),
+    )
     states = point[point.size - STATE * len(decays) :].reshape(-1, STATE).tolist()
 
     def samples(i: int, signal: Signal) -> Array:
@@ -204,5 +214,5 @@ def _columns(decays: Sequence[Decay], k: float, point: Array) -> Array | None:
         par = numbers_of(np.concatenate([point[[places[i]]], point[1:]]), k)
         return law_decay(signal.t - decays[i].start, signal.order, x, v, preload, par, p)
 
-    whole = residual_columns(decays, point, len(_NAMES), samples)
+    whole = residual_columns(decays, point, len(_LAW_UNKNOWNS), samples)
     return whole if np.isfinite(whole).all() else None

@@ -41,13 +41,13 @@ from .decay import (
     with_noise_of,
 )
 
-_SHARES = (0.05, 0.35, 0.65, 0.95)  # of friction in what the swing, or the motion, loses
-_STIFFNESSES = (4.0, 30.0, 300.0)  # of K_z/k
+_SHARES_OF_LOSS = (0.05, 0.35, 0.65, 0.95)  # of friction in what the swing, or the motion, loses
+_FIRST_STIFFNESSES = (4.0, 30.0, 300.0)  # of K_z/k
 _MASSES = (0.85, 1.0, 1.15)  # relative to that of the period
-_CLIMBED, _ALIKE = 4, 1.5  # starts, until χ² per sample is below that
+_CLIMBED, _GOOD_START = 4, 1.5  # starts, until χ² per sample is below that
 _FIRST = 1.0  # cycles that are fitted first, or more where these have too few samples
 _GROWTH = 2.0  # of the fitted part from one climb to the next
-_COARSE = 1e-2  # of half of χ², where a climb on the way ends
+_GAIN_ON_THE_WAY = 1e-2  # of half of χ², where a climb on the way ends
 _PIECES = 12  # of a cycle, in which the mass is looked at for rest
 _BACK = 24  # steps of a cycle in which the start moves back
 P_STEP_BACK = 3e-4  # that new samples add as much to χ² by chance
@@ -62,16 +62,16 @@ _SEVERAL = 3  # steps back that are looked at together
 _DEVIATIONS_AT_REST = 4.0  # standard deviations of the scatter of a mass at rest
 P_LINE_IN_NOISE = 1e-4  # probability of a line of the spectrum in noise
 _AFTER = 0.02  # of a cycle, that is kept where the mass sticks and does not ring
-_FEW = 16  # samples of a mass at rest, at the least
+_FEWEST_AT_REST = 16  # samples of a mass at rest, at the least
 _GRASPED = 4.0  # of χ², beyond what the choice of an instant makes
-_SWINGS = 0.25  # of a cycle, for which a decay goes on after its turn
-_LEAST = 4 * (len(OSCILLATOR_UNKNOWNS) + STATE)  # samples of a decay
-_PART = 0.1  # of the swing of a burst, that its motion has at least
+_DECAY_AFTER_TURN = 0.25  # of a cycle, for which a decay goes on after its turn
+_FEWEST_SAMPLES = 4 * (len(OSCILLATOR_UNKNOWNS) + STATE)  # samples of a decay
+_LEAST_SWING = 0.1  # of the swing of a burst, that its motion has at least
 P_DISTURBED = 0.02  # probability of a residual after which a burst ends before the next one
 P_ONE_OSCILLATOR = (
     1e-3  # that one oscillator, or friction force, for all decays adds as much to χ² by chance
 )
-_MOST_TURNS = 4  # half cycles that slip, of a burst that may be the work of a hand
+_MOST_HALF_CYCLES = 4  # half cycles that slip, of a burst that may be the work of a hand
 
 # of the search for all minima
 _LOSSES = tuple(np.geomspace(0.75, 1.4, 12).tolist())  # relative to that of the fit
@@ -83,12 +83,14 @@ _SCANNED = tuple(np.geomspace(0.5, 1e5, 45).tolist())  # of K_z/k, the last as g
 _PRELOAD_APART = 0.2  # how far off another start is
 _ERRORS_ASIDE = 1.5  # standard errors
 _LINES = 24  # of the spectrum of the ringing
-_BELOW = 10.0  # of the likelihood's logarithm: lines that fall so far behind the first are left out
+_LESS_LIKELY = (
+    10.0  # of the likelihood's logarithm: lines that fall so far behind the first are left out
+)
 _THINNED = 1500  # samples, about, of a thinned record
-_TRIED, _POLISHED = 20, 12  # starts that are climbed from, on thinned samples and on all
-_WITHIN = 30.0  # of χ²: minima that are kept
-_SAME = 1.0  # standard errors: two climbs that end so close ended in one minimum
-_LOWER = 0.05  # of χ²: what another minimum must be lower by to be searched around again
+_THIN_STARTS, _POLISHED = 20, 12  # starts that are climbed from, on thinned samples and on all
+_KEPT_ABOVE = 30.0  # of χ²: minima that are kept
+_SAME_MINIMUM = 1.0  # standard errors: two climbs that end so close ended in one minimum
+_LOWER_MINIMUM = 0.05  # of χ²: what another minimum must be lower by to be searched around again
 _ROUNDS = 6
 
 End = TypeVar("End", RingFit, Climb)
@@ -151,10 +153,13 @@ def _of_burst(
     if not burst.last:
         fit = _until_grasped(fit)
     # what ends right after the turn, or before it, is the rest of the burst ahead
-    if fit.samples < _LEAST or fit.decays[0].end < burst.turn + _SWINGS * burst.period:
+    if (
+        fit.samples < _FEWEST_SAMPLES
+        or fit.decays[0].end < burst.turn + _DECAY_AFTER_TURN * burst.period
+    ):
         return None
     # else the swing was not that of a free motion
-    return fit if float(np.ptp(fit.phases(0)[:, PHASE_X])) > _PART * burst.swing else None
+    return fit if float(np.ptp(fit.phases(0)[:, PHASE_X])) > _LEAST_SWING * burst.swing else None
 
 
 def fit_all(fits: Sequence[RingFit]) -> tuple[RingFit | None, list[Decay]]:
@@ -168,7 +173,7 @@ def fit_all(fits: Sequence[RingFit]) -> tuple[RingFit | None, list[Decay]]:
     if whole is None or len(fits) == 1 or _same(whole, fits):
         return whole, []
     order = sorted(fits, key=lambda fit: (-_turns(fit), -fit.samples))
-    kept = [fit for fit in order if _turns(fit) > _MOST_TURNS] or order[:1]
+    kept = [fit for fit in order if _turns(fit) > _MOST_HALF_CYCLES] or order[:1]
     here = _of_all(kept)
     for fit in order[len(kept) :]:
         more = _of_all([*kept, fit])
@@ -248,17 +253,17 @@ def _refit(
 ) -> RingFit | None:
     """The fit of a part of a decay, from the point of a fit or from another start, as close as is needed on the way."""
     point = fit.point if start is None else start
-    return fit_decays([part], fit.k, point, given=given, gain=_COARSE)
+    return fit_decays([part], fit.k, point, given=given, gain=_GAIN_ON_THE_WAY)
 
 
 def _grown(
     whole: Decay, burst: Burst, lead: Signal, k: float, surest: RingFit | None
 ) -> RingFit | None:
     """The fit of a burst from its turn on."""
-    enough = (_LEAST + 1) / math.fsum(1.0 / signal.dt for signal in whole.signals)
+    enough = (_FEWEST_SAMPLES + 1) / math.fsum(1.0 / signal.dt for signal in whole.signals)
     end = min(burst.turn + max(_FIRST * burst.period, enough), burst.end)
     part = whole.cut(burst.turn, end)
-    if part.samples < _LEAST:
+    if part.samples < _FEWEST_SAMPLES:
         return None
     starts = _starts(part, burst, lead, k)
     if surest is not None:
@@ -267,9 +272,9 @@ def _grown(
     oscillator_and_state = {*range(len(OSCILLATOR_UNKNOWNS)), *range(p - STATE, p)}
     fit = None
     for one in samples.climbs(starts, oscillator_and_state, gain=0.0, most=2)[:_CLIMBED]:
-        other = fit_decays([part], k, one.point, given={p - 1}, gain=_COARSE)
+        other = fit_decays([part], k, one.point, given={p - 1}, gain=_GAIN_ON_THE_WAY)
         fit = _lowest((fit, other))
-        if fit is not None and fit.chi_square < _ALIKE * part.samples:
+        if fit is not None and fit.chi_square < _GOOD_START * part.samples:
             break
     good, bad = end, math.inf  # until where the samples follow the motion, and from where on not
     while fit is not None and good < burst.end and bad - good > 0.1 * burst.period:
@@ -299,7 +304,7 @@ def _starts(part: Decay, burst: Burst, lead: Signal, k: float) -> Array:
     for signal in part.signals:
         offsets[signal.offset] = signal.values.mean()
     starts = []
-    for share, mass, stiffness in itertools.product(_SHARES, _MASSES, _STIFFNESSES):
+    for share, mass, stiffness in itertools.product(_SHARES_OF_LOSS, _MASSES, _FIRST_STIFFNESSES):
         ratio = min(max(1.0 - (1.0 - share) * lost / burst.swing, 0.5), 0.9999)
         zeta = -math.log(ratio) / math.hypot(math.pi, math.log(ratio))
         friction = share * lost / 4.0
@@ -315,7 +320,7 @@ def _longer(fit: RingFit, part: Decay) -> RingFit | None:
     to rest after too few samples."""
     preload = {fit.point.size - 1}
     part = _without_ringing(fit, part)
-    if part.samples < _LEAST:
+    if part.samples < _FEWEST_SAMPLES:
         return None
     best = _refit(fit, part, given=preload)
     for K_z in _rings(best or fit, part):
@@ -361,7 +366,7 @@ def _until_grasped(fit: RingFit) -> RingFit:
     for _, signal, residual in fit.residuals():
         first = int(np.searchsorted(signal.t, still))
         tail, off = signal.values[first:], residual[first:]
-        if tail.size < _FEW:
+        if tail.size < _FEWEST_AT_REST:
             continue
         level = tail[-(tail.size // 4) :].mean()
         # evidence of the samples from each one on for a level, against the motion
@@ -439,7 +444,7 @@ def minima_of(fit: RingFit, *, wide: bool = True) -> list[RingFit]:
         grid = [] if turn and best.adequate else [*_grid(best, wide)]
         ends = (fit_decays(fit.decays, fit.k, start) for start in _promising(thin, best, grid))
         minima = _distinct([*minima, *filter(None, ends)], best)
-        if best.chi_square - minima[0].chi_square < _LOWER:
+        if best.chi_square - minima[0].chi_square < _LOWER_MINIMUM:
             break
     return minima
 
@@ -448,10 +453,10 @@ def _distinct(ends: Sequence[End], fit: RingFit) -> list[End]:
     """The lowest ends of climbs that differ from each other by more than standard errors of a fit, the lowest first."""
     kept: list[End] = []
     for end in sorted(ends, key=lambda end: end.chi_square):
-        if kept and end.chi_square > kept[0].chi_square + _WITHIN:
+        if kept and end.chi_square > kept[0].chi_square + _KEPT_ABOVE:
             break
         apart = (np.abs(end.point - other.point)[: len(OSCILLATOR_UNKNOWNS)] for other in kept)
-        if all((distance > _SAME * fit.errors).any() for distance in apart):
+        if all((distance > _SAME_MINIMUM * fit.errors).any() for distance in apart):
             kept.append(end)
     return kept
 
@@ -462,12 +467,12 @@ def _promising(thin: Sequence[Decay], fit: RingFit, grid: Sequence[Array]) -> li
     samples, whole = (DecaySamples.of(of, fit.k, fit.point.size) for of in (thin, fit.decays))
     rough = samples.climbs(grid, range(len(OSCILLATOR_UNKNOWNS)), gain=1.0, most=3)
     stiffnesses = np.array([*_SCANNED, *(K_z / fit.k for K_z, _ in ringing(fit, fit.decays))])
-    tried = [*rough[:_TRIED], *_along(samples, fit, RHO, 1.0 / np.sqrt(stiffnesses * fit.k))]
+    tried = [*rough[:_THIN_STARTS], *_along(samples, fit, RHO, 1.0 / np.sqrt(stiffnesses * fit.k))]
     if fit.F_k > 0.0 and fit.free[F_K]:
         tried += _along(samples, fit, F_K, fit.F_k * _FRICTIONS)
-    ends = samples.climbs((end.point for end in tried), gain=_COARSE, most=12)
+    ends = samples.climbs((end.point for end in tried), gain=_GAIN_ON_THE_WAY, most=12)
     near = [*(end.point for end in _distinct(ends, fit)[:_POLISHED]), *_beyond_kinks(fit)]
-    ends = _distinct(whole.climbs(near, gain=_COARSE, most=12), fit)
+    ends = _distinct(whole.climbs(near, gain=_GAIN_ON_THE_WAY, most=12), fit)
     return [end.point for end in ends[:_POLISHED]]
 
 
@@ -489,7 +494,7 @@ def _along(samples: DecaySamples, fit: RingFit, j: int, values: Array) -> list[C
     ends.sort(key=lambda end: float(end.point[j]))
     level = np.array([math.inf, *(end.chi_square for end in ends), math.inf])
     lowest = (level[1:-1] <= level[:-2]) & (level[1:-1] <= level[2:])
-    lowest &= level[1:-1] < level.min() + _WITHIN
+    lowest &= level[1:-1] < level.min() + _KEPT_ABOVE
     some = [ends[i] for i in np.flatnonzero(lowest)]
     return sorted(some, key=lambda end: end.chi_square)[:_LINES]
 
@@ -505,7 +510,7 @@ def ringing(fit: RingFit, decays: Sequence[Decay], wait: float = 0.0) -> list[tu
         since = one.start + fit.sticks_from(i, one.end) + wait
         for signal in one.signals if since < one.end else ():
             tail = signal.between(since, one.end)
-            if tail.t.size >= _FEW:
+            if tail.t.size >= _FEWEST_AT_REST:
                 tails.append(((tail.values - tail.values.mean()) / tail.noise, tail.dt))
     if not tails:
         return []
@@ -520,7 +525,7 @@ def ringing(fit: RingFit, decays: Sequence[Decay], wait: float = 0.0) -> list[tu
     around = np.concatenate([[0.0], gain, [0.0]])
     peaks = np.flatnonzero((gain >= around[:-2]) & (gain >= around[2:]))
     peaks = peaks[np.argsort(-gain[peaks], kind="stable")][:_LINES]
-    peaks = peaks[gain[peaks] > gain[peaks[:1]].sum() - _BELOW]
+    peaks = peaks[gain[peaks] > gain[peaks[:1]].sum() - _LESS_LIKELY]
     lines = zip(fit.m * Omega[peaks] ** 2 - fit.k, gain[peaks], strict=True)
     return [(float(K_z), float(by)) for K_z, by in lines if K_z > 0.1 * fit.k]
 
@@ -534,12 +539,12 @@ def _grid(fit: RingFit, wide: bool) -> Iterator[Array]:
     """
     loss, ratio = loss_of(fit)
     own, stiffnesses = fit.point[RHO] ** -2, [fit.k * by for by in _STIFFER]
-    shares = (fit.F_k / loss, *_SHARES) if loss > 0.0 else _SHARES
+    shares = (fit.F_k / loss, *_SHARES_OF_LOSS) if loss > 0.0 else _SHARES_OF_LOSS
     grids: list[tuple[Sequence[float], ...]] = [((1.0,), shares, (own, *stiffnesses), (1.0,))]
     if wide:
         grids.append((_LOSSES, _FINER, (own,), (1.0,)))
     if wide and not fit.adequate:
-        grids.append((_LOSSES[::2], _SHARES, (own,), _OTHER_MASSES))
+        grids.append((_LOSSES[::2], _SHARES_OF_LOSS, (own,), _OTHER_MASSES))
     for of_loss, share, stiffness, mass in itertools.chain(*(itertools.product(*g) for g in grids)):
         together = mass * (fit.k + stiffness) - fit.k
         start = fit.point.copy()

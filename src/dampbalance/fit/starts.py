@@ -35,10 +35,10 @@ _STIFFNESSES = np.geomspace(0.1, 1e5, 19)  # of K_z/k
 _SOFTEST = 13
 _SHARES = (0.03, 0.2, 0.5, 0.8, 0.97)  # of friction in the work
 _RATIOS = np.geomspace(0.25, 8.0, 21)  # of the natural frequency to that of the drive
-_COMPARED = (1, 3, 5)
-_POINTS = 256  # of a cycle, for the force of a contact
+_COMPARED_HARMONICS = (1, 3, 5)
+_POINTS_OF_CONTACT = 256  # of a cycle, for the force of a contact
 _MORE = 1.0 + 1e-13  # of the diagonal of normal equations: they are then not singular
-_NEAR = 0.03  # of the fundamental: what a candidate may be off by
+_NEAR_FUNDAMENTAL = 0.03  # of the fundamental: what a candidate may be off by
 
 
 class Shares(NamedTuple):
@@ -66,8 +66,10 @@ def starts(
     harmonics, slips = respond(candidates, lines, k, shares)
     misfit = np.zeros(len(candidates))
     for i, one in enumerate(lines):
-        near = _NEAR * abs(one.x[0])
-        for j, (n, x, error) in enumerate(zip(_COMPARED, one.x, one.x_error, strict=False)):
+        near = _NEAR_FUNDAMENTAL * abs(one.x[0])
+        for j, (n, x, error) in enumerate(
+            zip(_COMPARED_HARMONICS, one.x, one.x_error, strict=False)
+        ):
             off = np.abs(harmonics[:, i, j] - x) ** 2
             misfit += off / (error**2 + (near / n) ** 2)
     order = np.argsort(misfit, kind="stable")
@@ -86,8 +88,8 @@ def _all_responses(
     omega, Y = np.array([(one.omega, one.Y) for one in lines]).T
     with interpreted(False):  # thousands
         orbits = steady_orbits(m=m, c=c, k=k, K_z=K_z, F_k=F_k, Y=Y, omega=omega)
-    X = np.stack([getattr(orbits, f"X_{n}") for n in _COMPARED], axis=-1)
-    lag = np.stack([getattr(orbits, f"phi_{n}") for n in _COMPARED], axis=-1)
+    X = np.stack([getattr(orbits, f"X_{n}") for n in _COMPARED_HARMONICS], axis=-1)
+    lag = np.stack([getattr(orbits, f"phi_{n}") for n in _COMPARED_HARMONICS], axis=-1)
     return X * np.exp(-1j * lag), np.any(np.isin(orbits.regime, _SLIPPING), axis=1)
 
 
@@ -97,24 +99,26 @@ def _responses_to_contact(
     """Like `_all_responses`, without an orbit: x_n = (kY δ_n1 − f_n)/(k − n²ω²m + inωc) with the harmonics f_n of the
     force K_z z that the contact has in the motion as it was read."""
     F_k, c, K_z, m = candidates.T
-    n = np.array(_COMPARED)
-    turn = np.exp((-2j * math.pi / _POINTS) * np.outer(n, np.arange(_POINTS)))
+    n = np.array(_COMPARED_HARMONICS)
+    turn = np.exp((-2j * math.pi / _POINTS_OF_CONTACT) * np.outer(n, np.arange(_POINTS_OF_CONTACT)))
     harmonics, slips = [], []
     for one, rubbed, damped in zip(lines, *shares, strict=True):
         Z_m = rubbed * F_k / K_z
         cycle = _waveform(one)
         wave = np.concatenate([cycle, cycle, cycle[:1]])  # the second cycle is steady
-        z, now = np.zeros((_POINTS + 1, m.size)), np.zeros(m.size)
+        z, now = np.zeros((_POINTS_OF_CONTACT + 1, m.size)), np.zeros(m.size)
         forward = np.diff(wave) >= 0.0
         turns = [0, *(1 + np.flatnonzero(forward[1:] != forward[:-1])), wave.size - 1]
         # between two turns the deflection is that of the travel, within ±Z_m
         for begin, end in pairwise(turns):
-            since = max(begin, _POINTS)
-            if end >= _POINTS:
+            since = max(begin, _POINTS_OF_CONTACT)
+            if end >= _POINTS_OF_CONTACT:
                 travel = wave[since : end + 1, None] - wave[begin]
-                z[since - _POINTS : end + 1 - _POINTS] = np.clip(now + travel, -Z_m, Z_m)
+                z[since - _POINTS_OF_CONTACT : end + 1 - _POINTS_OF_CONTACT] = np.clip(
+                    now + travel, -Z_m, Z_m
+                )
             now = np.clip(now + (wave[end] - wave[begin]), -Z_m, Z_m)
-        force = (2.0 / _POINTS) * K_z * (turn.real @ z[:-1] + 1j * (turn.imag @ z[:-1]))
+        force = (2.0 / _POINTS_OF_CONTACT) * K_z * (turn.real @ z[:-1] + 1j * (turn.imag @ z[:-1]))
         drive = np.where(n == 1, k * one.Y, 0.0)
         impedance = k - np.outer((n * one.omega) ** 2, m) + 1j * np.outer(n * one.omega, damped * c)
         harmonics.append(((drive[:, None] - force) / impedance).T)
@@ -124,10 +128,10 @@ def _responses_to_contact(
 
 def _waveform(one: Lines) -> Array:
     """The displacement over a cycle from the peak of the base, by the harmonics that stand out of the noise, m."""
-    spectrum, taken = np.zeros(_POINTS // 2 + 1, dtype=np.complex128), one.clear
+    spectrum, taken = np.zeros(_POINTS_OF_CONTACT // 2 + 1, dtype=np.complex128), one.clear
     taken &= one.n < spectrum.size - 1
-    spectrum[one.n[taken]] = 0.5 * _POINTS * one.x[taken]
-    return np.fft.irfft(spectrum, _POINTS)
+    spectrum[one.n[taken]] = 0.5 * _POINTS_OF_CONTACT * one.x[taken]
+    return np.fft.irfft(spectrum, _POINTS_OF_CONTACT)
 
 
 def _candidates(lines: Sequence[Lines], k: float, shares: Shares, wide: bool) -> Array:

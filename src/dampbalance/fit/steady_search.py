@@ -31,12 +31,12 @@ _SAME = 1e-3  # relative: two ends whose χ² differ by less are taken for one
 _REFINED = 3  # of the climbs that ended far from the records, those whose ends are nearest to them
 _TO_THE_END = 300  # for the nearest of all, so that its place hangs on no other start
 _REACH = math.log(5.0)  # of ln K_z to either side, where others are tried
-_MOST_STEPS = 64
+_MOST_STIFFNESS_STEPS = 64
 _SCANS = 3  # along K_z, each from the best end of the one before
-_RINGS = 1.0  # swings in a stick, from which on a fit that holds is not the only one
+_RINGING_SWINGS = 1.0  # swings in a stick, from which on a fit that holds is not the only one
 _CLOSER = (1.0 / 16.0, 1.0 / 8.0, 1.0 / 4.0, 1.0 / 2.0)  # of a step: kinks of χ² lie close together
 _FOLLOWING, _TRIED = 4, 6  # evaluations at each K_z, and minima that are climbed to
-_HARMONICS = 64  # odd ones: the derivatives of the response by ρ fall as n⁻³
+_HARMONICS_OF_TRUTH = 64  # odd ones: the derivatives of the response by ρ fall as n⁻³
 _LOWER = 0.05  # of χ²: what another minimum must be lower by to be scanned around
 
 
@@ -97,10 +97,10 @@ def fit_at_truth(
     σ√(2/n) of n samples with white noise σ, over whole cycles or many.
     given : names of common unknowns that are known, besides the delay.
     """
-    n = np.arange(1, 2 * _HARMONICS, 2)
+    n = np.arange(1, 2 * _HARMONICS_OF_TRUTH, 2)
     lines = []
     for motion, (Y_error, x_error) in zip(motions, errors, strict=True):
-        x = steady_orbit(osc, motion).harmonics(_HARMONICS)
+        x = steady_orbit(osc, motion).harmonics(_HARMONICS_OF_TRUTH)
         lines.append(Lines(motion.omega, motion.Y, Y_error, n, x, np.full(n.size, x_error), 1))
     unknowns = Unknowns(Law(), tuple(lines), osc.k)
     truth = unknowns.start(np.array([osc.F_k, osc.c, osc.K_z, osc.m]), np.ones(len(lines)))
@@ -168,9 +168,9 @@ def _other_stiffnesses(end: WaveformFit, budget: Array) -> tuple[list[Array], in
     budget : as for `HarmonicResiduals`.
     """
     swings = max(one.swings for one in end.responses)
-    if swings < _RINGS and end.adequate:
+    if swings < _RINGING_SWINGS and end.adequate:
         return [], 0
-    step = max(0.5 / max(swings, 1.0), 2.0 * _REACH / _MOST_STEPS)
+    step = max(0.5 / max(swings, 1.0), 2.0 * _REACH / _MOST_STIFFNESS_STEPS)
     rho, unknowns = end.names.index("rho"), end.unknowns
     free = np.any(end.response != 0.0, axis=1)
     free[rho] = False

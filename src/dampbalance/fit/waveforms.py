@@ -38,7 +38,11 @@ from .climb import ClimbBounds
 from .goodness import improbable
 from .oscillator_fit import OscillatorFit
 
-_OTHERS = ("rho", "m", "delay")  # common unknowns in addition to the coefficients of the law
+_BEYOND_THE_LAW = (
+    "rho",
+    "m",
+    "delay",
+)  # common unknowns in addition to the coefficients of the law
 NO_MOTION = (ArithmeticError, NoOscillator, np.linalg.LinAlgError)
 """Errors of a point that has no motion to fit: no steady orbit, which is an ArithmeticError like a division by zero on
 the way to one, a number out of range, or equations without a solution. Any other error is a defect, and shows."""
@@ -53,9 +57,11 @@ TURNS_PER_EVALUATION = (
     200.0  # turns of the fastest motion, which cost as much as the rest of an evaluation
 )
 _MOST_TURNS = 2e4  # of an orbit whose derivatives are computed: 0.1 s
-_MOST_PHASES = 64  # of half a cycle: to follow a contact that rattles on takes long
-_CONVERGED = 5e-3  # in −log L: half the square of a tenth of a standard error
-_HARMONICS = 128  # odd ones of the waveform: beyond them lies less than 1e-6 of its velocity
+_MOST_PHASES_FITTED = 64  # of half a cycle: to follow a contact that rattles on takes long
+_GAIN_WHEN_CONVERGED = 5e-3  # in −log L: half the square of a tenth of a standard error
+_HARMONICS_OF_WAVEFORM = (
+    128  # odd ones of the waveform: beyond them lies less than 1e-6 of its velocity
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,7 +79,7 @@ class Unknowns:
     @cached_property
     def names(self) -> tuple[str, ...]:
         """Names of the common unknowns: the keys of the coefficients, rho, m and delay."""
-        return (*self.law.keys, *_OTHERS)
+        return (*self.law.keys, *_BEYOND_THE_LAW)
 
     @property
     def size(self) -> int:
@@ -86,7 +92,7 @@ class Unknowns:
         places = []
         for i in range(len(self.lines)):
             common = {s: self.names.index(self.law.key(s, i)) for s in self.law.terms}
-            others = {name: self.names.index(name) for name in _OTHERS}
+            others = {name: self.names.index(name) for name in _BEYOND_THE_LAW}
             own = len(self.names) + 2 * i
             places.append(common | others | {"Y": own, "psi": own + 1})
         return places
@@ -248,7 +254,7 @@ class HarmonicResiduals:
         par = response.orbit.parameters
         # or the decay of a velocity by e^{2π} where a light mass creeps in a strong damper
         turns = max(response.swings, 0.5 * par.c / par.m / par.omega)
-        if len(response.orbit.phases) > _MOST_PHASES or turns > _MOST_TURNS:
+        if len(response.orbit.phases) > _MOST_PHASES_FITTED or turns > _MOST_TURNS:
             raise NoSteadyOrbit("the contact rattles")
         self._spend(1.0 + turns / TURNS_PER_EVALUATION)
         return response
@@ -334,7 +340,7 @@ class WaveformFit(OscillatorFit):
     @property
     def converged(self) -> bool:
         """Whether the climb ended in an optimum: a step would move no unknown by a tenth of its standard error."""
-        return self.promise < _CONVERGED
+        return self.promise < _GAIN_WHEN_CONVERGED
 
     @property
     def misfits(self) -> Array:
@@ -371,7 +377,7 @@ class WaveformFit(OscillatorFit):
         for i, response in enumerate(self.responses):
             of_record = (self.point, i, response)
             onset = self.unknowns.onset(*of_record)
-            tail = self.unknowns.harmonics(*of_record, _HARMONICS)
+            tail = self.unknowns.harmonics(*of_record, _HARMONICS_OF_WAVEFORM)
             at = self.unknowns.at[i]
             waveforms.append(
                 Waveform(

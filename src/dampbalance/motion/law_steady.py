@@ -280,7 +280,7 @@ class System:
 
 
 _MOST = 40  # steps
-_REACHED = 1e-8  # of the unknowns: what a step as short leaves, its square, is rounding
+_CONVERGED_STATE = 1e-8  # of the unknowns: what a step as short leaves, its square, is rounding
 _FAR = 0.3  # of the unknowns: a step as long may lead away
 _SHORTEST = 1.0 / 256.0  # part of such a step
 _EQUIVALENCES = 3  # repetitions that bring c_e near that of the response
@@ -559,7 +559,7 @@ def _solved(system: System, near: Response | None) -> Array:
         size = float(np.abs(step / scale).max())
         if not size < 1e3:
             break
-        if size < _REACHED:
+        if size < _CONVERGED_STATE:
             q = q + step
             _require_kind(system, q)
             return q

@@ -32,7 +32,7 @@ from .regime import Regime
 
 # Columns of all that is followed: the motion, its derivatives by OSCILLATOR_UNKNOWNS, and by x and ẋ at the start.
 _BY_F_K, _BY_C, _BY_RHO, _BY_M, _BY_X, _BY_V = range(1, 7)
-_COLUMNS = 7
+_COLUMN_COUNT = 7
 _AT_X, _AT_V, _GAIN = range(3)  # rows of a phase: x and ẋ at its start, and what x gains in it
 
 _RADIANS = 4.0  # of the fastest of Ω, 2δ and ω: a series so long loses two digits at most
@@ -166,22 +166,22 @@ def _follow(
             number += panels[i]
             if i + 1 < longest and phases[i + 1, PHASE_S] != 0.0:
                 onsets += 1
-    states = np.zeros((longest, 3, _COLUMNS))
-    series, places = np.zeros((number, _TERMS, _COLUMNS)), np.empty((number, 2))
-    shifts, scratch = np.zeros((onsets, _COLUMNS)), np.zeros((_TERMS, _COLUMNS))
-    ends = np.zeros((2, _COLUMNS))
+    states = np.zeros((longest, 3, _COLUMN_COUNT))
+    series, places = np.zeros((number, _TERMS, _COLUMN_COUNT)), np.empty((number, 2))
+    shifts, scratch = np.zeros((onsets, _COLUMN_COUNT)), np.zeros((_TERMS, _COLUMN_COUNT))
+    ends = np.zeros((2, _COLUMN_COUNT))
     ends[0, _BY_X] = ends[1, _BY_V] = 1.0
     at = onset = 0
     for i in range(longest):
         t, s, x, v, z = read_phase(phases, i)
         last = i + 1 == longest
         h = ((half if last else phases[i + 1, PHASE_T]) - t) / panels[i]
-        for j in range(1, _COLUMNS):
+        for j in range(1, _COLUMN_COUNT):
             states[i, _AT_X, j], states[i, _AT_V, j] = ends[0, j], ends[1, j]
         states[i, _AT_X, 0], states[i, _AT_V, 0] = x, v
         phase = _equation(s, z, states[i], par)
-        gained = np.zeros((2, _COLUMNS))
-        for j in range(_COLUMNS):
+        gained = np.zeros((2, _COLUMN_COUNT))
+        for j in range(_COLUMN_COUNT):
             gained[1, j] = states[i, _AT_V, j]
         for panel in range(panels[i]):
             psi = theta + par.omega * (t + panel * h)
@@ -191,7 +191,7 @@ def _follow(
                 places[at, 0], places[at, 1] = psi, par.omega * h
                 at += 1
         states[i, _GAIN, 0] = gained[0, 0]
-        for j in range(1, _COLUMNS):
+        for j in range(1, _COLUMN_COUNT):
             states[i, _GAIN, j] = gained[0, j]
             ends[0, j], ends[1, j] = states[i, _AT_X, j] + gained[0, j], gained[1, j]
         if s == 0.0 and not last and phases[i + 1, PHASE_S] != 0.0:
@@ -215,10 +215,10 @@ def _equation(s: float, z: float, state: Array, par: Parameters) -> Array:
     sticks = s == 0.0
     m, x = par.m, state[_AT_X, 0]
     contact, stiff = (par.K_z * z, par.k + par.K_z) if sticks else (s * par.F_k, par.k)
-    rows = np.zeros((4, _COLUMNS))
+    rows = np.zeros((4, _COLUMN_COUNT))
     rows[0, 0], rows[1, 0] = -(par.k * x + contact) / m, par.k * par.Y / m
     rows[2, 0], rows[3, 0] = par.c / m, stiff / m
-    for j in range(1, _COLUMNS):
+    for j in range(1, _COLUMN_COUNT):
         rows[0, j] = -par.k / m * state[_AT_X, j]
     for row in range(4):
         rows[row, _BY_M] -= rows[row, 0] / m
@@ -253,14 +253,14 @@ def _taylor(
     terms = min(_TERMS, 12 + int(6.0 * radians))
     turn, advance = unit(psi), par.omega * h
     force = h * h
-    for j in range(_COLUMNS):
+    for j in range(_COLUMN_COUNT):
         series[0, j], series[1, j] = gained[0, j], h * gained[1, j]
         gained[0, j], gained[1, j] = series[0, j] + series[1, j], series[1, j]
     # number by number: rows take Numba three times as long to compile, and to compute
     for n in range(2, terms):
         drive, damped, part = force * turn.real, damping * (n - 1), 1.0 / (n * (n - 1))
         slower, softer = h * (n - 1) * series[n - 1, 0], h * h * series[n - 2, 0]
-        for j in range(_COLUMNS):
+        for j in range(_COLUMN_COUNT):
             u = drive * phase[1, j] - damped * series[n - 1, j] - square * series[n - 2, j]
             if j > 0:
                 u -= slower * phase[2, j] + softer * phase[3, j]
@@ -272,7 +272,7 @@ def _taylor(
             gained[1, j] += n * u
         force *= advance / (n - 1)
         turn = complex(-turn.imag, turn.real)
-    for j in range(_COLUMNS):
+    for j in range(_COLUMN_COUNT):
         gained[1, j] /= h
 
 
@@ -283,7 +283,7 @@ def _set_shift(i: int, phases: Array, gained: Array, par: Parameters, shift: Arr
     z = ±Z_m there: δx + ẋ δt = δx_r + (s − side) δZ_m, side Z_m the deflection at the turn x_r where the phase began.
     """
     swing = phases[i + 1, PHASE_S] - _side(0.0, phases[i, PHASE_Z])
-    for j in range(_COLUMNS):
+    for j in range(_COLUMN_COUNT):
         shift[j] = -gained[j]
     shift[_BY_F_K] += swing / par.K_z
     shift[_BY_RHO] += swing * 2.0 * par.F_k / math.sqrt(par.K_z)

@@ -31,7 +31,7 @@ MOST_BYTES = 100_000  # of a file that is read; the longest one of the project h
 MOST_VALUES = 20_000  # keys and values in a file, those that aliases repeat counted each time
 DEEPEST = 20  # lists and mappings inside each other; the schemas go down to seven
 _LARGEST = 2**63 - 1  # what an integer of the arrays holds
-_LINE, _KEY = 300, 40  # characters of a message, and of a key in it
+_LINE_LENGTHS, _KEY = 300, 40  # characters of a message, and of a key in it
 _MESSAGES = 20  # of a file that is wrong all over
 _NAMES = 'Use letters, digits, "-" and "_".'
 _UNSEEN = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\ud800-\udfff\ufffe\uffff]")
@@ -142,7 +142,7 @@ def read_schema(file: str | Path) -> Any:
 
 def _one_line(text: str) -> str:
     """Text in a line that fits a screen."""
-    return cut(_UNSEEN.sub("\N{REPLACEMENT CHARACTER}", " ".join(text.split())), _LINE)
+    return cut(_UNSEEN.sub("\N{REPLACEMENT CHARACTER}", " ".join(text.split())), _LINE_LENGTHS)
 
 
 def against_schema(

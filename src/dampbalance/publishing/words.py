@@ -11,11 +11,11 @@ from markupsafe import Markup, escape
 from ..project.wording import in_html
 
 _INDEXED = re.compile(r"(\w)([₀-₉]+)")
-_RAISED = str.maketrans("₀₁₂₃₄₅₆₇₈₉", "0123456789")
+_FROM_LOWERED = str.maketrans("₀₁₂₃₄₅₆₇₈₉", "0123456789")
 # Single letters that are symbols: in the name of a quantity all but the article, in a reason those that are no unit.
 _OF_QUANTITY = re.compile(r"(?<![\w’'])([b-zB-Z]|a(?=:))(?![\w’'])")
 _OF_REASON = re.compile(r"(?<![\w’'.])([bcWXYk])(?![\w’'])")
-_SIGNS = {
+_SIGNS_IN_WORDS = {
     **{r"\ddot{x}": "ẍ", r"\dot{x}": "ẋ", r"\varphi": "φ", r"\omega": "ω", r"\zeta": "ζ"},
     **{r"\pi": "π", r"\mathrm": "", "-": "−"},
 }
@@ -56,7 +56,7 @@ def from_tex(text: str) -> Markup:
 
 def _maths(tex: str) -> str:
     """Mathematics as HTML: letters italic, indices and exponents upright."""
-    for command, sign in _SIGNS.items():
+    for command, sign in _SIGNS_IN_WORDS.items():
         tex = tex.replace(command, sign)
 
     def token(match: re.Match[str]) -> str:
@@ -87,5 +87,5 @@ def titled(text: str) -> Markup:
     """`rich_markup`, with symbols between asterisks as well, *c*, *x*, and indices in plain characters lowered: ω₁."""
     html = re.sub(r"\*(.+?)\*", r"<i>\1</i>", str(rich_markup(text)))
     return Markup(
-        _INDEXED.sub(lambda m: f"<i>{m[1]}</i><sub>{m[2].translate(_RAISED)}</sub>", html)
+        _INDEXED.sub(lambda m: f"<i>{m[1]}</i><sub>{m[2].translate(_FROM_LOWERED)}</sub>", html)
     )

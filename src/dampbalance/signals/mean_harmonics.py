@@ -45,7 +45,7 @@ RESOLVED = 2.0
 
 ONSET_UNKNOWN = "slip onset not known"
 
-_READ = 5  # the highest harmonic taken from a record that an exact waveform fits
+_HIGHEST_READ = 5  # the highest harmonic taken from a record that an exact waveform fits
 _JACKKNIFE_GROUPS = 400
 _OF_ONSET = ("X_s", "V_s", "t_s", "X_r", "V_r", "t_r")
 
@@ -372,10 +372,10 @@ class Reading:
         waveform, lines = self.waveform, self.lines
         if waveform is None:
             # the third and fifth are taken as they are, whether they stand out of the noise or not
-            own = lines.n <= max(self.steady.bandwidth, _READ)
+            own = lines.n <= max(self.steady.bandwidth, _HIGHEST_READ)
             tail = np.zeros((len(means.Y), 0), dtype=np.complex128)
         else:
-            own = lines.n <= min(max(self.steady.bandwidth, 1), _READ)
+            own = lines.n <= min(max(self.steady.bandwidth, 1), _HIGHEST_READ)
             beyond = slice(np.count_nonzero(own), None)
             tail = waveform.tail[beyond] + (waveform.tail_slope[beyond] @ moved).T
             if means.base.any():

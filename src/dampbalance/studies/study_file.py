@@ -228,7 +228,7 @@ rigid contact and equal weights, and the maximum-likelihood oscillator, which ne
 CONTACT = "K_z"
 """Symbol of the contact stiffness; as a yardstick, the maximum-likelihood oscillator with its K_z besides F_k and c."""
 
-_SHOWN = ("title", "figure", "summary_by")  # keys on which no number depends
+_KEYS_SHOWN = ("title", "figure", "summary_by")  # keys on which no number depends
 
 
 @dataclass(frozen=True, slots=True)
@@ -405,7 +405,7 @@ class Study:
         return cls(
             name=name,
             title=document["title"],
-            settings={key: value for key, value in document.items() if key not in _SHOWN},
+            settings={key: value for key, value in document.items() if key not in _KEYS_SHOWN},
             blocks=blocks,
             fixed=fixed,
             levels=tuple(levels),

@@ -401,7 +401,7 @@ class Rule(NamedTuple):
 
 
 _ESTIMATES = tuple(q.symbol for q in paper.IDENTIFIED_QUANTITIES)
-_OF_FIT = (*_ESTIMATES, RESIDUAL.symbol)
+_FITTED_NUMBERS = (*_ESTIMATES, RESIDUAL.symbol)
 _INPUTS = ("m", "c", "k", "K_z", "F_k", "Y", *FREQUENCIES)
 RULES = {
     "input_is_configured": Rule(input_is_configured, _INPUTS, kind="given"),
@@ -413,7 +413,7 @@ RULES = {
     "integral": Rule(printed_integral, tuple(q.symbol for q in paper.TABLE_2)),
     "direct pair": Rule(direct_pair, _ESTIMATES, ("direct",)),
     "harmonic pair": Rule(harmonic_pair, _ESTIMATES, HARMONIC),
-    "least squares": Rule(printed_least_squares, _OF_FIT, PRINTED_APPROACHES),
+    "least squares": Rule(printed_least_squares, _FITTED_NUMBERS, PRINTED_APPROACHES),
     "mean of pairs": Rule(moment_of_pairs, _ESTIMATES, ("direct",)),
     "deviation of pairs": Rule(moment_of_pairs, _ESTIMATES, ("direct",)),
     "mean of levels": Rule(mean_of_levels, ("t_s", "phi")),
@@ -434,7 +434,7 @@ _CELLS = {
     *(claim for a in HARMONIC for s in _ESTIMATES for claim in column_ids("table3", s, a)),
 }
 _OF_TEXT = {
-    *(statistic(s, a, "least_squares") for a in PRINTED_APPROACHES for s in _OF_FIT),
+    *(statistic(s, a, "least_squares") for a in PRINTED_APPROACHES for s in _FITTED_NUMBERS),
     *(statistic(s, "direct", kind) for s in _ESTIMATES for kind in ("mean", "std")),
     *("t_s_mean", "phi_mean", "max_error_F_k", "max_error_c", "max_error_omega3"),
     *("accuracy_omega2", "accuracy_omega3", "direct_best"),

@@ -47,7 +47,7 @@ class ClaimVerdict:
         return self.name.replace(" ", "-")
 
 
-_MEANINGS = {
+_MEANING_OF_VERDICTS = {
     "reproduced": ("✓", "The equations, solved exactly, give the printed digits."),
     "simulated": (
         "≈",
@@ -61,7 +61,7 @@ _MEANINGS = {
     "undecided": ("≷", "A statement that holds or not within what the print leaves open."),
     "differs": ("✗", "None of these, or against the paper’s own numbers; see the evidence."),
 }
-VERDICTS = {name: ClaimVerdict(name, *of) for name, of in _MEANINGS.items()}
+VERDICTS = {name: ClaimVerdict(name, *of) for name, of in _MEANING_OF_VERDICTS.items()}
 """Every verdict by its name, best first."""
 REPRODUCED, SIMULATED, FROM_PRINT, LAST_DIGIT, READING, *_WORSE = VERDICTS.values()
 PROPAGATED, UNEXPLAINED, UNDECIDED, DIFFERS = _WORSE

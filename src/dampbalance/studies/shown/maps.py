@@ -37,7 +37,7 @@ SIGNED, SIZES = "coolwarm", "viridis_r"
 both change evenly to the eye, and for colour-blind readers."""
 
 # Of a histogram of errors from 1e-8 on: a quantile is good to 5 %. Its last place is for what is not identified.
-_LOWEST, _PER_DECADE, _BINS = -8, 24, 288
+_LOWEST_BIN, _BINS_PER_DECADE, _BINS = -8, 24, 288
 _HALO: list[AbstractPathEffect] = [withStroke(linewidth=1.6, foreground="white", alpha=0.7)]
 
 
@@ -167,7 +167,7 @@ def _errors(
                 counts[key][bins] = 100.0 * values[name]
                 continue
             with np.errstate(divide="ignore"):  # an error of zero: the first place
-                place_of = (np.log10(np.abs(values[name])) - _LOWEST) * _PER_DECADE
+                place_of = (np.log10(np.abs(values[name])) - _LOWEST_BIN) * _BINS_PER_DECADE
             place_of = np.clip(np.nan_to_num(place_of, nan=np.inf), 0, _BINS - 1).astype(int)
             counts[key] += np.bincount(bins * _BINS + place_of, minlength=counts[key].size)
     if single:
@@ -180,7 +180,7 @@ def _quantiles(counts: Array) -> Array:
     reached = np.cumsum(counts, axis=-1)
     total = reached[..., -1]
     at = np.argmax(reached >= REGION * total[..., None], axis=-1)
-    sizes = 10.0 ** (2.0 + _LOWEST + (at + 0.5) / _PER_DECADE)
+    sizes = 10.0 ** (2.0 + _LOWEST_BIN + (at + 0.5) / _BINS_PER_DECADE)
     return np.where((total > 0) & (at < _BINS - 1), sizes, np.nan)
 
 
