@@ -330,7 +330,7 @@ def test_a_contact_of_another_kind_has_no_K_z_and_keeps_F_k_and_c(gradual):
     # the nearest oscillator sticks over nearly the same travel; with 4X alone F_k would be 4 % off
     assert relative(direct.coefficients["F_k"], PAPER.F_k) == pytest.approx(0.0, abs=0.003)
     assert relative(direct.coefficients["c"], PAPER.c) == pytest.approx(0.0, abs=0.0005)
-    assert "from 4X is that of the oscillator that comes nearest" in direct.notes[0]
+    assert "the stick distance is taken from the closest fit" in direct.notes[0]
     told = found.document()
     assert told["approaches"]["direct"]["verdicts"]["K_z"]["verdict"] == "none"
     assert "nearest" in told["maximum_likelihood"]["notes"][0]

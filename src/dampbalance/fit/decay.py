@@ -55,7 +55,7 @@ _PRELOAD_ERROR = 1.0  # it lies between 0 and 2
 _DOUBTFUL, _CORRELATED = 0.02, 3.0
 _BINS_OF_A_CYCLE = 12  # of a cycle, in which the residual is averaged
 _LEVEL = NORMAL_95**2  # of χ² above the least, at the ends of an interval
-NEGLECTED_LIKELIHOOD = 0.025  # of the likelihood, that minima left out may have
+NEGLECTED_LIKELIHOOD = 0.025  # share of the integrated likelihood that neglected minima may hold
 _PROFILES, _COARSE = 8, 1e-2  # climbs to an end of an interval, and where they end, in half of χ²
 _CLOSE_END = 0.1  # of its distance: where an end is close enough
 

@@ -169,7 +169,7 @@ def condition_on_contact(fit: OscillatorFit, tested: Iterable[Departure]) -> lis
 
 
 def _changes(one: Departure, fit: OscillatorFit, value: float) -> dict[str, float]:
-    """By which part of themselves the numbers of a fit change with a coefficient of this value, by symbol."""
+    """Return the relative change of the numbers of a fit with a coefficient of this value, by symbol."""
     parts = {s: by * value / (fit.value(s) or 1.0) for s, by in one.slopes.items()}
     if "rho" in parts:
         # after a reversal the contact is as much stiffer as its corner is rounded

@@ -230,7 +230,7 @@ class Identified(ABC):
 
     @abstractmethod
     def shifts(self, faults: Mapping[str, Fault], name: str) -> dict[str, dict[str, float]]:
-        """By which part of themselves faults change the numbers of the answer of that name, to first order: fault →
+        """Return the relative change of the numbers of the answer of that name with faults, to first order: fault →
         symbol, "m" for the mass; empty where that is not known."""
 
     @cached_property

@@ -88,7 +88,7 @@ def notes_on(answer: Answer, readings: Sequence[Reading], joint: JointFit) -> It
         yield Remark("F_k and K_z leave no trace in the records: c comes from W = b c")
     elif not joint.waveforms_hold and not answer.notes:
         yield Remark(
-            "the onset of slip is not known: what sticking takes from 4X is that of the oscillator that comes nearest"
+            "slip onset could not be detected: the stick distance is taken from the closest fit"
             if joint.fit is not None
             else "the onset of slip is not known: the contact is taken as rigid, and F_k is too small"
         )

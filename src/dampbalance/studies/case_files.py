@@ -49,7 +49,7 @@ def stretches(cases: Cases, names: Sequence[str]) -> Iterator[dict[str, Words]]:
 
 @functools.lru_cache(maxsize=16)
 def _metadata_of(cases: str, changed: int) -> pq.FileMetaData:
-    """What a file says of itself, as it was when it changed last: to read this takes longer than to read a column."""
+    """Parquet metadata, cached because parsing it is slower than reading a column."""
     return pq.read_metadata(cases)
 
 

@@ -58,7 +58,7 @@ FEWEST_DIGITS = 3
 """Significant digits below which one unit off is no near miss: of two digits, the last one counts per cents."""
 
 MAX_DEVIATION_OF_OTHER_ROUTES = 5e-3
-"""How far from print, of itself, a route may lie that does not judge: half of the 1 % that must always be seen."""
+"""Largest relative deviation of a route that does not judge: half of the 1 % that must always be seen."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -29,7 +29,7 @@ def summary_of(cases: str | Path, study: Study) -> pd.DataFrame:
 def _overall_records(cases: str | Path, study: Study) -> Iterator[dict[str, Any]]:
     """One row per fit and quantity: how many cases it could be identified in, and how large its error is, in %.
 
-    Median and 95 % quantile of the error's size (to 0.06 % of themselves), its maximum, and the share of all cases
+    Median and 95 % quantile of the error's size (to a relative 0.06 %), its maximum, and the share of all cases
     with an error of at most WITHIN.
     """
     terms = terms_of(cases)
