@@ -52,7 +52,7 @@ def sum_of_no_floats():
 @pytest.fixture
 def coarse(monkeypatch):
     """Pictures of few dots, for tests of their texts, or of whether they are there."""
-    monkeypatch.setattr("dampbalance.figures.style.DPI", 30)
+    monkeypatch.setattr("dampbalance.figures.style.EXPORT_DPI", 30)
 
 
 SLOW = (Path(__file__).parent / "slow.txt").read_text(encoding="utf-8").split()

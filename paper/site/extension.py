@@ -30,7 +30,7 @@ import dampbalance
 from dampbalance.balance import APPROACHES, checks
 from dampbalance.law.terms import KNOWN_TERMS
 from dampbalance.project.wording import SYMBOL, in_markdown, markdown_table
-from dampbalance.publishing.words import rich
+from dampbalance.publishing.words import rich_markup
 
 WIDTH = 120  # letters of a line of output that is not a row of a table: what commands write their help in
 COPIED = "extra"  # the folder next to the pages that Sphinx copies unchanged
@@ -275,7 +275,7 @@ def _set_symbols(app: Sphinx, tree: nodes.document, page: str) -> None:
 
 
 def _symbol(translator: HTML5Translator, node: Symbol) -> None:
-    translator.body.append(str(rich(node.astext())))
+    translator.body.append(str(rich_markup(node.astext())))
     raise nodes.SkipNode
 
 

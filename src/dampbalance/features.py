@@ -24,7 +24,7 @@ from .motion.regime import Regime
 if TYPE_CHECKING:
     import pandas as pd
 
-Phase = Literal["reversal", "zero_crossing", "fundamental"]
+PhaseKind = Literal["reversal", "zero_crossing", "fundamental"]
 
 Metres = Annotated[Array, "m"]
 Radians = Annotated[Array, "rad"]
@@ -94,14 +94,16 @@ class Features:
 
     def replaced(self, **values: ArrayLike) -> Self:
         """These features, except those given by name; they are broadcast as everywhere."""
-        unknown = sorted(set(values) - set(COLUMNS))
+        unknown = sorted(set(values) - set(FEATURE_COLUMNS))
         if unknown:
-            raise ValueError(f"unknown features {unknown}; known are {list(COLUMNS)}")
+            raise ValueError(f"unknown features {unknown}; known are {list(FEATURE_COLUMNS)}")
         return replace(self, **values)  # type: ignore[arg-type]
 
     def with_phase(self, phase: str) -> Self:
         """These features with `phi` the phase named: "reversal", "zero_crossing" or "fundamental"."""
-        return self.replaced(phi=getattr(self, f"phi_{one_of('phase', phase, get_args(Phase))}"))
+        return self.replaced(
+            phi=getattr(self, f"phi_{one_of('phase', phase, get_args(PhaseKind))}")
+        )
 
     def with_common(self, *names: str) -> Self:
         """These features, each of those named replaced by its mean over the levels that have it, case by case.
@@ -110,7 +112,7 @@ class Features:
         the feature goes on lacking it.
         """
         common = {}
-        for name in names_of("features", names, COLUMNS):
+        for name in names_of("features", names, FEATURE_COLUMNS):
             values = getattr(self, name)
             exists = np.isfinite(values)
             with np.errstate(invalid="ignore"):  # no level has it: NaN
@@ -136,7 +138,7 @@ class Features:
         )
 
     def to_columns(self) -> dict[str, Any]:
-        """The features by column, named with their units (`COLUMNS`), ω first and the regime last."""
+        """The features by column, named with their units (`FEATURE_COLUMNS`), ω first and the regime last."""
         columns = {column: getattr(self, name) for name, column in _COLUMNS.items()}
         return {**columns, _REGIME: list(self.regime)}
 
@@ -163,7 +165,7 @@ _COLUMNS = {
     for name, kind in get_type_hints(Features, include_extras=True).items()
     if hasattr(kind, "__metadata__")
 }
-COLUMNS = {name: column for name, column in _COLUMNS.items() if name != "omega"}
+FEATURE_COLUMNS = {name: column for name, column in _COLUMNS.items() if name != "omega"}
 """Column of a data frame that holds each feature, named with its unit."""
 
 _FIELDS = (*_COLUMNS, _REGIME)
@@ -222,36 +224,36 @@ def _of_either(
         V_r=-orbit.V_s,
         t_r=orbit.t_s,
         phi_reversal=orbit.phi,
-        phi_fundamental=wrapped(lag),
+        phi_fundamental=wrapped_phase(lag),
         **dict(zip(("X_1", "X_3", "X_5"), amplitudes, strict=True)),
     )
 
 
 def of_numbers(omega: ArrayLike, regime: ArrayLike, **numbers: Any) -> Features:
     """Features from their numbers by name, of one response or of arrays; one that is not given does not exist (NaN)."""
-    values: dict[str, Any] = dict.fromkeys(COLUMNS, np.nan) | numbers
+    values: dict[str, Any] = dict.fromkeys(FEATURE_COLUMNS, np.nan) | numbers
     values["Y"] = np.atleast_1d(np.asarray(values["Y"], dtype=np.float64))
     return Features(omega=omega, regime=regime, **values)  # type: ignore[arg-type]
 
 
-def wrapped(angle: ArrayLike) -> Array:
+def wrapped_phase(angle: ArrayLike) -> Array:
     """The angles plus multiples of 2π, in [−π/2, 3π/2): lags near 0 and near π both lie well inside."""
     return np.asarray((np.asarray(angle) + 0.5 * np.pi) % (2.0 * np.pi) - 0.5 * np.pi)
 
 
 def side_by_side(parts: Sequence[Features]) -> Features:
     """The responses of all parts, each of shape (n,), as cases: shape (n, number of parts)."""
-    return _joined(parts, partial(np.stack, axis=1))
+    return _stacked(parts, partial(np.stack, axis=1))
 
 
 def stack(parts: Sequence[Features]) -> Features:
     """The responses of all parts, in order, as levels. Raises ValueError when there is none."""
     if not parts:
         raise ValueError("there are no responses: give at least one")
-    return _joined(parts, np.concatenate)
+    return _stacked(parts, np.concatenate)
 
 
-def _joined(parts: Sequence[Features], join: Callable[..., Any]) -> Features:
+def _stacked(parts: Sequence[Features], join: Callable[..., Any]) -> Features:
     """The arrays of all parts joined, with the integrals that all parts have."""
     shared = [s for s in parts[0].integrals if all(s in part.integrals for part in parts)]
     return Features(

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 
-COLUMNS = {
+RECORD_COLUMNS = {
     "t": "time_s",
     "y": "y_m",
     "x": "x_m",
@@ -77,21 +77,29 @@ class Record:
         return type(self)(**{name: signal[start:stop] for name, signal in self.signals().items()})
 
     def to_frame(self) -> pd.DataFrame:
-        """The record as a data frame, one row per sample, columns named with their units (`COLUMNS`)."""
+        """The record as a data frame, one row per sample, columns named with their units (`RECORD_COLUMNS`)."""
         import pandas as pd  # slow to import, and needed for tables only
 
-        return pd.DataFrame({COLUMNS[name]: signal for name, signal in self.signals().items()})
+        return pd.DataFrame(
+            {RECORD_COLUMNS[name]: signal for name, signal in self.signals().items()}
+        )
 
     @classmethod
     def from_frame(cls, frame: pd.DataFrame) -> Self:
         """The record that `to_frame` described. Raises ValueError naming a column that is missing or not known."""
-        known = list(COLUMNS.values())
+        known = list(RECORD_COLUMNS.values())
         if unknown := [str(name) for name in frame.columns if name not in known]:
             raise ValueError(f"unknown record columns {unknown}; known are {known}")
-        missing = [COLUMNS[name] for name in ("t", "y", "x") if COLUMNS[name] not in frame.columns]
+        missing = [
+            RECORD_COLUMNS[name]
+            for name in ("t", "y", "x")
+            if RECORD_COLUMNS[name] not in frame.columns
+        ]
         if missing:
             raise ValueError(f"a record needs the columns {missing}, found {list(frame.columns)}")
-        signals: Any = {name: frame[col] for name, col in COLUMNS.items() if col in frame.columns}
+        signals: Any = {
+            name: frame[col] for name, col in RECORD_COLUMNS.items() if col in frame.columns
+        }
         return cls(**signals)
 
 

@@ -25,7 +25,7 @@ from numpy.typing import ArrayLike
 from .arguments import numbers
 from .arrays import Array, Integers
 from .balance import Rows
-from .law.terms import listed
+from .law.terms import symbols_in_words
 
 Pair = tuple[int, int]
 
@@ -39,7 +39,7 @@ _SETTLED = 1e-9  # relative change of the weights
 # this: what tells them apart is rounding. Two levels that differ by one part in a million enclose 5e-7.
 SINGULAR = 1e-12
 
-_BLOCK = 16384  # cases at once: enough of them for arrays to be quick, few enough for the processor's cache
+_CASES_AT_ONCE = 16384  # cases at once: enough of them for arrays to be quick, few enough for the processor's cache
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -149,8 +149,8 @@ def _solve_cases(
     p, _, cases = columns.shape
     values, residual = np.empty((p, cases)), np.empty(cases)
     covariance = np.empty((p, p, cases))
-    for start in range(0, cases, _BLOCK):
-        some = slice(start, start + _BLOCK)
+    for start in range(0, cases, _CASES_AT_ONCE):
+        some = slice(start, start + _CASES_AT_ONCE)
         values[:, some], residual[some], covariance[:, :, some] = _solve_block(
             columns[:, :, some], right[:, some], full[:, some], n[some]
         )
@@ -239,13 +239,13 @@ def least_squares(rows: Rows) -> Estimate:
     unknowns, usable = list(estimate.values), int(np.count_nonzero(rows.usable))
     if usable < len(unknowns):
         raise ValueError(
-            f"{listed(unknowns)} need at least {_number(len(unknowns))} usable responses, got {usable} of "
+            f"{symbols_in_words(unknowns)} need at least {_number(len(unknowns))} usable responses, got {usable} of "
             f"{rows.usable.size}: the others lack a feature (nothing slips); raise their excitation or add levels"
         )
     if math.isnan(estimate.residual):
         raise ValueError(
             f"the {usable} usable responses are one and the same, or nothing slides in any of them: "
-            f"{listed(unknowns)} cannot be told apart; use levels that differ and slip"
+            f"{symbols_in_words(unknowns)} cannot be told apart; use levels that differ and slip"
         )
     return estimate
 
@@ -268,11 +268,12 @@ def pair(rows: Rows, i: int, j: int) -> Estimate:
         unknowns = list(estimate.values)
         if len(unknowns) > 2:
             raise ValueError(
-                f"pair {pair_label(i, j)}: two levels do not tell {listed(unknowns)} apart; give all but two of them"
+                f"pair {pair_label(i, j)}: two levels do not tell {symbols_in_words(unknowns)} apart; "
+                "give all but two of them"
             )
         raise ValueError(
             f"pair {pair_label(i, j)}: levels {i + 1} and {j + 1} give the same response, or nothing slides in either: "
-            f"{listed(unknowns)} cannot be told apart; use two levels that differ and slip"
+            f"{symbols_in_words(unknowns)} cannot be told apart; use two levels that differ and slip"
         )
     return estimate
 

@@ -11,11 +11,11 @@ import pytest
 
 from blind.other_motion import STEPS, Departure, steady
 from dampbalance import BaseMotion, Oscillator, steady_orbit
-from dampbalance.fit.base_harmonics import added, fit_records
+from dampbalance.fit.base_harmonics import fit_records
+from dampbalance.fit.goodness import linear_misfit
 from dampbalance.law.law import Law
-from dampbalance.motion.distorted import distorted_harmonics
+from dampbalance.motion.distorted import added_by_base, distorted_harmonics
 from dampbalance.motion.law_steady import steady_response
-from dampbalance.signals.lines import linear_misfit
 from signals.harmonics import lines_of
 
 # m, c, k, K_z, F_k, Y, ω: near resonance, above it, and below with several slips per half cycle
@@ -80,7 +80,7 @@ def test_a_damper_to_the_base_passes_its_harmonics_on():
     departure = Departure(third=0.05, relative=0.5 * c)
     motion = BaseMotion(Y, omega)
     response = steady_response(Oscillator(m, c, k, K_z, F_k), motion, {"c_r": 0.5 * c})
-    x = response.harmonics(5) + added(base_of(Y, departure)[1:], response, 5)
+    x = response.harmonics(5) + added_by_base(base_of(Y, departure)[1:], response, 5)
     expected = harmonics_of(numbers, departure, 9)[::2]
     assert np.abs(x - expected).max() < BOUNDS["above"] * abs(expected[0])
 

@@ -9,7 +9,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from dampbalance.figures.style import save_svg
-from dampbalance.figures.values import MOST, read_values
+from dampbalance.figures.values import MOST_PLACES, read_values
 
 
 @pytest.fixture
@@ -63,7 +63,7 @@ def test_a_long_line_is_thinned_and_a_loop_keeps_what_the_panel_shows(axes, tmp_
         (block := saved(axes, tmp_path / "a.svg")["blocks"][0])["places"],
         block["lines"][0],
     )
-    assert MOST / 2 < len(places) <= MOST + 1
+    assert MOST_PLACES / 2 < len(places) <= MOST_PLACES + 1
     np.testing.assert_allclose(np.hypot(places, heights), 1.0, rtol=1e-5)
 
 

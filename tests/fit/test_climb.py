@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from dampbalance.fit.climb import Bounds, climb
+from dampbalance.fit.climb import ClimbBounds, climb
 from dampbalance.motion.jit import interpreted
 
 H = np.array([[4.0, 1.0], [1.0, 2.0]])  # of a parabola
@@ -17,7 +17,7 @@ J = np.linalg.cholesky(H).T
 def bounds(lower=-math.inf, upper=math.inf, free=True, scale=1.0, size=2):
     """Bounds of the unknowns, each given for all or one by one."""
     limits = (np.broadcast_to(part, size).astype(float) for part in (lower, upper, scale))
-    return Bounds(np.broadcast_to(free, size).copy(), *limits)
+    return ClimbBounds(np.broadcast_to(free, size).copy(), *limits)
 
 
 def products_of(read):

@@ -12,10 +12,11 @@ import pytest
 from scipy.linalg import expm
 
 from blind.decays import draw, record
-from dampbalance.fit.decay import COMMON, Decay, RingFit, fit_decays, with_intervals
+from dampbalance.fit.decay import Decay, RingFit, fit_decays, with_intervals
 from dampbalance.fit.search import _before, _grown, _until_grasped, minima_of
 from dampbalance.identification.decays import identify_ring_downs
 from dampbalance.motion.jit import interpreted
+from dampbalance.motion.unknowns import OSCILLATOR_UNKNOWNS
 from dampbalance.signals.bursts import Burst
 from fit.exact import changed, decay_of
 
@@ -116,7 +117,7 @@ def test_an_interval_of_a_rigid_contact_reaches_as_far_as_the_samples_allow():
 
 def held(fit: RingFit, name: str, value: float) -> float:
     """χ² with one unknown held and the others fitted, relative to that of the fit."""
-    j = COMMON.index(name)
+    j = OSCILLATOR_UNKNOWNS.index(name)
     start = fit.point + fit.covariance[:, j] * ((value - fit.point[j]) / fit.covariance[j, j])
     start[j] = value
     return fit_decays(fit.decays, K, start, given={j}).chi_square - fit.chi_square

@@ -90,7 +90,7 @@ def test_a_fit_holds_from_starts_that_need_no_orbits(osc, hz, regime, monkeypatc
     orbits = orbits_at(hz, (0.004, 0.008, 0.012), osc)
     assert orbits[-1].regime == regime
     monkeypatch.setattr(
-        "dampbalance.signals.lines._all_responses", None
+        "dampbalance.fit.starts._all_responses", None
     )  # the orbits of many candidates
     fit = fit_oscillator([lines_of(orbit, EXACT) for orbit in orbits], osc.k)
     assert fit.adequate

@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 
 from dampbalance.balance import APPROACHES
-from dampbalance.fit.mean_harmonics import read_features
 from dampbalance.identification.forced import identify_readings
 from dampbalance.records.measurement import Measurement
 from dampbalance.records.synthetic import measured_orbit
+from dampbalance.signals.mean_harmonics import read_features
 from paper_case import PAPER, orbits_at
 
 DIRECT = {"direct": APPROACHES["direct"]}

@@ -11,12 +11,12 @@ import pytest
 
 from analytic.law_response import law_orbit
 from dampbalance import BaseMotion, Oscillator, identify, measured_orbit, steady_orbit
-from dampbalance.fit.mean_harmonics import Reading, read_features
 from dampbalance.identification.causes import departures, words_of
 from dampbalance.identification.causes import likeliest as likeliest_of
 from dampbalance.identification.forced import identify_readings
 from dampbalance.identification.oscillator import joint_fit
 from dampbalance.law.law import Law
+from dampbalance.signals.mean_harmonics import Reading, read_features
 from identification.levels import THREE, changed, measured, read
 from paper_case import LEVELS, PAPER, orbits_at
 

@@ -11,7 +11,7 @@ import pytest
 from blind.decays import departing, draw, falling, record
 from dampbalance import identify
 from dampbalance.fit.decay import fit_decays
-from dampbalance.fit.law_fit import departures, fit_law
+from dampbalance.fit.law_fit import fit_law, law_departures
 from dampbalance.identification.answer import DOUBTFUL, USABLE
 from dampbalance.identification.decays import identify_ring_downs
 from fit.exact import decay_of
@@ -139,7 +139,7 @@ def test_in_noise_the_coefficients_that_are_missing_have_the_errors_that_they_st
     for seed in range(60):
         fit = fit_decays([decay_of(point, 400.0, times, 1e-5, seed=seed)], 400.0, point)
         assert fit is not None
-        drawn.append([other.value / other.error for other in departures(fit)[:3]])
+        drawn.append([other.value / other.error for other in law_departures(fit)[:3]])
     scatter = np.std(drawn, axis=0)
     assert np.all(np.abs(scatter - 1.0) < 0.3)
 

@@ -13,7 +13,6 @@ import pytest
 from blind.decays import Decay
 from blind.gradual import CONTACTS, ring_down_on, steady_on
 from dampbalance import BaseMotion, Oscillator, steady_orbit
-from dampbalance.fit.mean_harmonics import read_features
 from dampbalance.identification.causes import GRADUAL, departures, likeliest, remark_on
 from dampbalance.identification.decays import identify_ring_downs
 from dampbalance.identification.forced import identify_readings
@@ -23,6 +22,7 @@ from dampbalance.motion.law_decays import ADDED, law_decay, rounding
 from dampbalance.motion.law_steady import steady_response
 from dampbalance.records.measurement import Channel, Measurement
 from dampbalance.signals.lines import Lines
+from dampbalance.signals.mean_harmonics import read_features
 from paper_case import LEVELS, PAPER
 
 OMEGA = 2.0 * math.pi * 3.5

@@ -14,12 +14,13 @@ from scipy.integrate import solve_ivp
 from blind import truths as blind
 from blind.records import records
 from dampbalance.balance import APPROACHES
-from dampbalance.fit.mean_harmonics import RESOLVED, read_features
+from dampbalance.fit.base_harmonics import fit_records
 from dampbalance.identification.answer import REFERENCE
 from dampbalance.identification.forced import _parameter, identify_readings
 from dampbalance.identification.oscillator import LawRows, Samples, jackknifed, read_samples
 from dampbalance.law.law import Law
 from dampbalance.records.measurement import Channel, Measurement
+from dampbalance.signals.mean_harmonics import RESOLVED, read_features
 from dampbalance.solver import solve
 from fit.sampled import covariance, noise_of_rms
 from identification.levels import SYMBOLS, THREE, close, identified, read
@@ -94,7 +95,7 @@ def test_intervals_tell_the_truth():
 
 def test_the_records_share_what_no_single_one_resolves():
     single = readings(4.92, 0.05, rate_hz=1500.0, cycles=20.0, channels=THREE[:2])
-    fits = [reading.waveform.fit for reading in single]
+    fits = [fit_records([reading.lines], PAPER.k) for reading in single]
     assert any(fit.rho < RESOLVED * fit.error("rho") for fit in fits)
     found = identified(single)
     assert found.microstick.resolved
@@ -329,7 +330,7 @@ def test_a_contact_of_another_kind_has_no_K_z_and_keeps_F_k_and_c(gradual):
     # the nearest oscillator sticks over nearly the same travel; with 4X alone F_k would be 4 % off
     assert relative(direct.coefficients["F_k"], PAPER.F_k) == pytest.approx(0.0, abs=0.003)
     assert relative(direct.coefficients["c"], PAPER.c) == pytest.approx(0.0, abs=0.0005)
-    assert "from 4X is that of the oscillator that comes nearest" in direct.notes[0]
+    assert "the stick distance is taken from the closest fit" in direct.notes[0]
     told = found.document()
     assert told["approaches"]["direct"]["verdicts"]["K_z"]["verdict"] == "none"
     assert "nearest" in told["maximum_likelihood"]["notes"][0]

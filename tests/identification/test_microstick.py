@@ -10,11 +10,11 @@ import pytest
 from dampbalance.identification.oscillator import (
     JointFit,
     jackknifed,
-    joined,
     joint_fit,
     microstick,
     read_samples,
     sample_of,
+    with_common_fit,
 )
 from identification.levels import read
 from paper_case import PAPER, orbits_at
@@ -28,7 +28,7 @@ def readings():
 @pytest.fixture(scope="module")
 def shared(readings):
     whole = joint_fit([reading.lines for reading in readings], PAPER.k)
-    return joined(readings, whole)
+    return with_common_fit(readings, whole)
 
 
 @pytest.fixture(scope="module")
@@ -78,7 +78,7 @@ def test_the_length_of_the_line_and_its_errors(samples, drawn):
 
 
 def test_without_an_oscillator_there_is_no_line(readings):
-    samples = read_samples(joined(readings, JointFit(None, False, None)))
+    samples = read_samples(with_common_fit(readings, JointFit(None, False, None)))
     line = microstick(samples)
     assert not line.resolved
     assert math.isnan(line.length)

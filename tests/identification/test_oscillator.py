@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from dampbalance.identification.oscillator import NOT_CONVERGED, joined, joint_fit
+from dampbalance.identification.oscillator import NOT_CONVERGED, joint_fit, with_common_fit
 from identification.levels import read
 from paper_case import NEAR, PAPER, orbits_at
 from signals.harmonics import lines_of
@@ -94,10 +94,10 @@ def test_a_delay_is_said_where_it_explains_more_than_noise_would(mass):
 def test_readings_share_the_waveforms_that_hold_and_have_none_where_none_do():
     readings = read(orbits_at(NEAR, LEVELS))
     whole = joint_fit([reading.lines for reading in readings], PAPER.k)
-    shared = joined(readings, whole)
+    shared = with_common_fit(readings, whole)
     assert [reading.waveform for reading in shared] == list(whole.fit.waveforms)
     assert all(reading.slips for reading in shared)
-    without = joined(readings, replace(whole, linear=True))
+    without = with_common_fit(readings, replace(whole, linear=True))
     assert [reading.waveform for reading in without] == [None, None]
     assert [reading.slips for reading in without] == [None, None]
 

@@ -15,7 +15,6 @@ from dampbalance import BaseMotion, Oscillator, identify, steady_orbit
 from dampbalance.commands.main import main
 from dampbalance.fit import search
 from dampbalance.fit.decay import Decay, fit_decays
-from dampbalance.fit.mean_harmonics import read_features
 from dampbalance.identification.answer import USABLE
 from dampbalance.identification.decays import identify_ring_downs
 from dampbalance.identification.forced import identify_readings
@@ -25,6 +24,7 @@ from dampbalance.records.synthetic import measured_orbit, measured_ring_down
 from dampbalance.records.writers import write
 from dampbalance.signals.bursts import Signal
 from dampbalance.signals.cycles import clipped
+from dampbalance.signals.mean_harmonics import read_features
 from identification.levels import SYMBOLS, changed
 from identification.levels import clipped as cut
 from identification.releases import FAR, PLUCKED, compiled, struck  # noqa: F401
@@ -196,13 +196,13 @@ def test_releases_that_share_a_friction_force_have_one():
 
 
 def test_the_joint_fits_do_not_grow_with_the_number_of_releases(monkeypatch):
-    joined, fits = search._joined, []
+    joined, fits = search._fitted_together, []
 
     def counted(some, **options):
         fits.append(len(some))
         return joined(some, **options)
 
-    monkeypatch.setattr(search, "_joined", counted)
+    monkeypatch.setattr(search, "_fitted_together", counted)
     frictions = 1.5 + 0.12 * np.random.default_rng(0).standard_normal(12)
     found = identify_ring_downs(released(frictions), RIG.k)
     assert fits == [12, 12]  # with one friction force and with one for each

@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from dampbalance.fit.mean_harmonics import Reading, read_features
 from dampbalance.identification.answer import REFERENCE
 from dampbalance.identification.forced import identify_readings
 from dampbalance.identification.sensitivities import FAULTS
+from dampbalance.signals.mean_harmonics import Reading, read_features
 from identification.levels import SYMBOLS, THREE, changed, identified, measured, read
 from paper_case import PAPER, orbits_at
 

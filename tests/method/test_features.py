@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from dampbalance.features import (
-    COLUMNS,
+    FEATURE_COLUMNS,
     Features,
     of_numbers,
     of_orbit,
@@ -41,7 +41,8 @@ def sampled(orbit, per_cycle, cycles=2.3, start=0.03):
 def worst(read, exact, *names):
     """Largest relative difference of the features named (all, if none is)."""
     return max(
-        abs(getattr(read, name)[0] / getattr(exact, name)[0] - 1.0) for name in names or COLUMNS
+        abs(getattr(read, name)[0] / getattr(exact, name)[0] - 1.0)
+        for name in names or FEATURE_COLUMNS
     )
 
 
@@ -75,7 +76,7 @@ def test_frames_keep_every_bit():
     assert units <= set(frame.columns)
     again = Features.from_frame(frame)
     assert again.regime.tolist() == features.regime.tolist()
-    for name in ("omega", *COLUMNS):
+    for name in ("omega", *FEATURE_COLUMNS):
         np.testing.assert_array_equal(getattr(again, name), getattr(features, name), name)
 
 
@@ -143,7 +144,7 @@ def test_features_of_many_orbits_are_those_of_each(by_case):
     for level, case in np.ndindex(3, 4):
         osc, omega = replace(PAPER, F_k=float(F_k[case])), float(features.omega[level, case])
         alone = of_orbit(orbit(features.Y[level, case], osc, omega))
-        for name in ("omega", *COLUMNS):
+        for name in ("omega", *FEATURE_COLUMNS):
             found, expected = getattr(features, name)[level, case], getattr(alone, name)[0]
             assert found == pytest.approx(expected, rel=1e-15, nan_ok=True), name
         assert features.regime[level, case] == alone.regime[0]
@@ -180,7 +181,7 @@ def test_an_index_is_that_of_arrays(by_case):
     assert features[:, None].Y.shape == (3, 1, 4)
     cases = side_by_side([features[:, case] for case in range(4)])
     levels = stack([features[[level]] for level in range(3)])
-    for name in ("omega", *COLUMNS, "regime"):
+    for name in ("omega", *FEATURE_COLUMNS, "regime"):
         for again in (cases, levels):
             np.testing.assert_array_equal(getattr(again, name), getattr(features, name), name)
 
@@ -190,7 +191,7 @@ def test_common_values_are_taken_case_by_case(by_case):
     common = features.with_common("phi", "t_s")
     for case in range(4):
         alone = features[:, case].with_common("phi", "t_s")
-        for name in COLUMNS:
+        for name in FEATURE_COLUMNS:
             np.testing.assert_array_equal(getattr(common, name)[:, case], getattr(alone, name))
     assert np.isnan(common.t_s).tolist() == np.isnan(features.t_s).tolist()
     assert common.t_s[1].tolist() == common.t_s[2].tolist()
@@ -398,7 +399,7 @@ def test_each_rule_reads_its_feature(rules, name, read):
 def test_features_without_a_rule_are_left_alone():
     readout, features = read_off()
     applied = readout.apply(features)
-    for name in COLUMNS:
+    for name in FEATURE_COLUMNS:
         np.testing.assert_array_equal(getattr(applied, name), getattr(features, name), name)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dampbalance.record import COLUMNS, Record
+from dampbalance.record import RECORD_COLUMNS, Record
 
 I = np.arange(101)
 T = 0.01 * I
@@ -61,7 +61,7 @@ def test_times_written_with_few_digits_are_uniform_enough():
 def test_frames_keep_every_bit_and_say_their_units():
     made = record()
     frame = made.to_frame()
-    assert list(frame.columns) == list(COLUMNS.values())
+    assert list(frame.columns) == list(RECORD_COLUMNS.values())
     again = Record.from_frame(frame)
     for name, signal in made.signals().items():
         assert np.array_equal(signal, again.signals()[name]), name

@@ -11,11 +11,11 @@ from scipy.optimize import least_squares
 
 from blind.decays import clean, draw
 from dampbalance import Oscillator, transient
-from dampbalance.fit.climb import Bounds, climb
+from dampbalance.fit.climb import ClimbBounds, climb
 from dampbalance.model import Parameters
 from dampbalance.motion.events import PHASE_S, PHASE_T, PHASE_V, PHASE_X, run
 from dampbalance.motion.free_decay import (
-    UNKNOWNS,
+    DECAY_UNKNOWNS,
     contact_chord,
     decay_products,
     decay_samples,
@@ -113,7 +113,7 @@ def test_derivatives_are_those_of_differences(order, F_k, c, stiffness, x, v, w,
         near |= np.abs(times - t) < 2e-4 * PERIOD
     assert near.mean() < 0.2
     sizes = np.array([F_k, max(c, 1.0), point[2], M, 5e-3, 0.1, 1.0])
-    for j, name in enumerate(UNKNOWNS):
+    for j, name in enumerate(DECAY_UNKNOWNS):
         step = 1e-5 * sizes[j]
         sides = []
         for sign in (1.0, -1.0):
@@ -182,13 +182,13 @@ def evaluation(table: np.ndarray, values: np.ndarray):
     return lambda point, out: decay_products(point, K, OFFSETS, table, values, rows, out)
 
 
-def open_bounds(size: int) -> Bounds:
+def open_bounds(size: int) -> ClimbBounds:
     """Bounds that only keep positive what is positive, and w between 0 and 2."""
     lower, upper = np.full(size, -np.inf), np.full(size, np.inf)
     lower[:4] = 1e-9, 0.0, 1e-6, 0.1
     lower[8::3], upper[8::3] = 0.0, 2.0
     scale = np.array([0.1, 0.1, 1e-4, M, 1e-3, 1e-2, *2 * [5e-3, 0.1, 1.0]])
-    return Bounds(np.ones(size, dtype=bool), lower, upper, scale)
+    return ClimbBounds(np.ones(size, dtype=bool), lower, upper, scale)
 
 
 # slip phases above the critical damping, 80 N s/m, take the responses without a rotation

@@ -46,7 +46,7 @@ def test_it_is_that_of_the_integrator(law, K_z):
     assert abs(abs(expected[1] / expected[0]) - third) > 1e-5
     exact = law_orbit(osc, MOTION, LAWS[law])
     assert pytest.approx(exact.X, rel=tolerance) == found.X
-    assert pytest.approx(4.0 * exact.X - exact.a, rel=1e-9) == found.taken
+    assert pytest.approx(4.0 * exact.X - exact.a, rel=1e-9) == found.stick_travel
 
 
 STATES = {

@@ -12,7 +12,8 @@ from analytic.law_response import law_orbit
 from dampbalance import BaseMotion, Oscillator, Regime, steady_orbit
 from dampbalance.motion.jit import interpreted
 from dampbalance.motion.orbit import NoSteadyOrbit
-from dampbalance.motion.steady_slopes import UNKNOWNS, onset_slopes
+from dampbalance.motion.steady_slopes import onset_slopes
+from dampbalance.motion.unknowns import OSCILLATOR_UNKNOWNS
 
 COUNT = 9
 STEP = 1e-5  # rounding leaves 1e-13/h of an orbit; extrapolated, curvature leaves h⁴ or so
@@ -54,7 +55,7 @@ def test_derivatives_are_those_of_orbits_beside_in_every_regime():
         orbit = steady_orbit(osc, motion)
         by = orbit.harmonics_with_slopes(COUNT)[1:]
         of_onset = onset_slopes(orbit.phases, orbit.theta, orbit.parameters)
-        for name, slope, of_one in zip(UNKNOWNS, by, of_onset.T, strict=True):
+        for name, slope, of_one in zip(OSCILLATOR_UNKNOWNS, by, of_onset.T, strict=True):
             beside = {n: steady_orbit(moved(osc, name, n * STEP), motion) for n in (-2, -1, 1, 2)}
             if any(len(one.phases) != len(orbit.phases) for one in beside.values()):
                 continue  # an event appears within the step
@@ -87,7 +88,7 @@ def test_derivatives_are_those_of_motions_by_another_integrator(osc, motion):
         x = law_orbit(oscillator, motion, {}).state(times).x
         return 2.0 * np.fft.rfft(x)[1:8:2] / x.size
 
-    for name, slope in zip(UNKNOWNS, by, strict=True):
+    for name, slope in zip(OSCILLATOR_UNKNOWNS, by, strict=True):
         h = 1e-4  # closed to 1e-12: 1e-8 of the motion is left, and curvature of h²
         difference = harmonics(moved(osc, name, h)) - harmonics(moved(osc, name, -h))
         expected = difference / (2.0 * h * value(osc, name))

@@ -17,25 +17,25 @@ from matplotlib.figure import Figure
 
 from dampbalance.figures.style import save
 from dampbalance.project.wording import (
-    change,
+    change_text,
     factor,
-    headed,
     in_figure,
     in_markdown,
+    label_with_unit,
     larger_by,
     markdown_table,
     minus,
-    number,
+    number_text,
     part,
     percent,
     sentence,
     signed,
     signed_percent,
     times,
-    unit_of,
+    unit_text,
     with_unit,
 )
-from dampbalance.publishing.words import rich
+from dampbalance.publishing.words import rich_markup
 from slips import KINDS, slips
 
 TEXTS = [
@@ -88,7 +88,9 @@ def test_a_figure_shows_the_text(tmp_path, text):
 
 @pytest.mark.parametrize("text", TEXTS)
 def test_the_page_shows_the_text(text):
-    shown = re.sub(r"</?i>|</sub>", "", str(rich(text)).replace("<sub>", "_"))  # X_s has its index
+    shown = re.sub(
+        r"</?i>|</sub>", "", str(rich_markup(text)).replace("<sub>", "_")
+    )  # X_s has its index
     assert html.unescape(shown).replace("\xa0", " ") == text
     script = str(htmlsafe_json_dumps({"text": text}))
     assert "</" not in script
@@ -133,11 +135,11 @@ WORDS = [
     (signed_percent, (-0.5, ""), "−50.0 %"),
     (signed_percent, (-0.0,), "0 %"),
     (signed_percent, (-math.inf,), "–"),
-    (number, (9.9999, 2), "10"),
-    (number, (-0.0,), "0"),
-    (number, (-2.5, 3), "−2.50"),
-    (number, (9.97e-7, 2), "1.0·10⁻⁶"),
-    (number, (math.nan,), "–"),
+    (number_text, (9.9999, 2), "10"),
+    (number_text, (-0.0,), "0"),
+    (number_text, (-2.5, 3), "−2.50"),
+    (number_text, (9.97e-7, 2), "1.0·10⁻⁶"),
+    (number_text, (math.nan,), "–"),
     (signed, (1.36, 1), "+1.4"),
     (signed, (-0.3, 1), "−0.3"),
     (signed, (-0.04, 1), "0.0"),
@@ -151,27 +153,27 @@ WORDS = [
     (larger_by, (6.14,), "a factor of 7.1"),
     (larger_by, (119.2,), "a factor of 120"),
     (larger_by, (4.1e83,), "a factor of more than 1000"),
-    (change, (2.0, 0.1), "+5 %"),
-    (change, (2.0, -0.62, "N"), "−31 %"),
-    (change, (2.0, 12.28, "N"), "a factor of 7.1"),
-    (change, (2.0, math.inf, "N"), "a factor of more than 1000"),
-    (change, (1e-84, 0.0413, "N"), "+0.041 N"),
-    (change, (0.0, -0.0413), "−0.041"),
-    (change, (0.1, -0.3, "N"), "−0.30 N"),  # less than nothing is no share
-    (change, (2.0, 0.0, "N"), "0 %"),
-    (change, (math.nan, 1.0, "N"), "–"),
+    (change_text, (2.0, 0.1), "+5 %"),
+    (change_text, (2.0, -0.62, "N"), "−31 %"),
+    (change_text, (2.0, 12.28, "N"), "a factor of 7.1"),
+    (change_text, (2.0, math.inf, "N"), "a factor of more than 1000"),
+    (change_text, (1e-84, 0.0413, "N"), "+0.041 N"),
+    (change_text, (0.0, -0.0413), "−0.041"),
+    (change_text, (0.1, -0.3, "N"), "−0.30 N"),  # less than nothing is no share
+    (change_text, (2.0, 0.0, "N"), "0 %"),
+    (change_text, (math.nan, 1.0, "N"), "–"),
     (factor, (3.21,), "3.2"),
     (factor, (450.2,), "450"),
     (factor, (1e9,), "more than 1000"),
     (times, (3.21,), "3.2 times"),
-    (unit_of, ("m^2/s",), "m²/s"),
-    (unit_of, ("1",), ""),
+    (unit_text, ("m^2/s",), "m²/s"),
+    (unit_text, ("1",), ""),
     (with_unit, ("0.5", "N"), "0.5 N"),
     (with_unit, ("0.02", ""), "0.02"),
     (with_unit, ("0.02", "1"), "0.02"),
-    (headed, ("F_k", "N"), "F_k (N)"),
-    (headed, ("eta", ""), "eta"),
-    (headed, ("residual", "1"), "residual"),
+    (label_with_unit, ("F_k", "N"), "F_k (N)"),
+    (label_with_unit, ("eta", ""), "eta"),
+    (label_with_unit, ("residual", "1"), "residual"),
     (sentence, ("are two channels exchanged?",), "Are two channels exchanged?"),
     (sentence, ("a gap",), "A gap."),
     (sentence, ("a gap.",), "A gap."),
@@ -196,7 +198,7 @@ NUMBERS = st.floats(allow_nan=True, allow_infinity=True, allow_subnormal=True)
 def test_no_share_or_change_slips_out(one, other):
     """Four significant digits at the most, powers of ten apart, and none of the words that slip out of a program."""
     shares = [percent(one), percent(one, 2), signed_percent(one), part(one), larger_by(abs(one))]
-    for text in map("{}".format, [*shares, change(one, other, "N"), change(one, other)]):
+    for text in map("{}".format, [*shares, change_text(one, other, "N"), change_text(one, other)]):
         assert slips(text) == []
         digits = re.sub(r"·?10[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+|\D", "", text).lstrip("0")
         assert len(digits) <= 4, text

@@ -96,7 +96,9 @@ class Project:
     def query(self, selector: str, field: str) -> list[Any]:
         """A field of every element of the compiled article that a selector matches, as the rule `article` compiles it:
         what typst has laid out in this process it does not lay out again."""
-        with compiling.placed(self.source.parent, self.folder / "results") as source:
+        with compiling.article_next_to_results(
+            self.source.parent, self.folder / "results"
+        ) as source:
             return compiling.query(source, source.parents[1], INPUTS, selector, field)
 
     def copy(self, folder: Path) -> Project:

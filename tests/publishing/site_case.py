@@ -12,7 +12,7 @@ from urllib.parse import unquote, urlsplit
 import yaml
 
 from dampbalance.publishing.provenance.manifest import PROJECT, files_of
-from dampbalance.publishing.site import PAGES, REPORT, TOUR, build
+from dampbalance.publishing.site import PAGES, REPORT_PAGE, TOUR, build_site
 from folders import ROOT
 from publishing.html import Tree
 
@@ -37,7 +37,7 @@ def project(folder: Path) -> Path:
         (folder / path).parent.mkdir(parents=True, exist_ok=True)
         shutil.copyfile(ROOT / path, folder / path)
     pages = "".join(page.read_text(encoding="utf-8") for page in (folder / PAGES).rglob("*.md"))
-    for path in {REPORT, TOUR, *re.findall(r"(?<=\.\./)results/[\w/]+\.\w+", pages)}:
+    for path in {REPORT_PAGE, TOUR, *re.findall(r"(?<=\.\./)results/[\w/]+\.\w+", pages)}:
         file = folder / path
         if not file.exists():
             file.parent.mkdir(parents=True, exist_ok=True)
@@ -50,7 +50,7 @@ def project(folder: Path) -> Path:
 
 def built(folder: Path) -> Path:
     """The site of a copy of the project in that folder."""
-    build(project(folder / "project"), folder / "site")
+    build_site(project(folder / "project"), folder / "site")
     return folder / "site"
 
 

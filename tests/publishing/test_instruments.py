@@ -17,9 +17,9 @@ from dampbalance import BaseMotion, Oscillator, steady_orbit
 from dampbalance.balance import APPROACHES, TERMS, checks, takes_phase
 from dampbalance.features import Features, of_orbit, stack
 from dampbalance.project import wording
-from dampbalance.project.case import check, require_own_case
+from dampbalance.project.case import check_case, require_own_case
 from dampbalance.project.documents import read_yaml
-from dampbalance.publishing.page.instruments import sliders
+from dampbalance.publishing.page.instruments import slider_controls
 from dampbalance.replication.comparison import PHASES, RECIPES, WAYS, approaches_table
 from dampbalance.solver import solve
 from folders import ROOT
@@ -99,7 +99,7 @@ OWN = replace(  # stiffer and lighter; the lowest level does not slip
     ids=["paper", "own", "bare"],
 )
 def test_sliders_hold_the_case(case):
-    made = sliders(case)
+    made = slider_controls(case)
     held = {"Y": [1e3 * Y for Y in case.levels_m], "f": case.frequencies_hz.values()}
     held |= {name: [getattr(case.oscillator, name)] for name in ("c", "F_k", "K_z")}
     for name, values in held.items():
@@ -154,7 +154,7 @@ def led(opened, visit):
 
 
 def number(value, digits=5):
-    return wording.number(value, digits)
+    return wording.number_text(value, digits)
 
 
 def plain(text):
@@ -246,7 +246,9 @@ def checked(file, text):
     config = dict(CONFIG)
     for key, value in read_yaml(file).items():
         config[key] = {**config[key], **value} if isinstance(value, dict) else value
-    check(config, ROOT / "src/dampbalance/project/schemas/config.schema.yaml", [file], checks())
+    check_case(
+        config, ROOT / "src/dampbalance/project/schemas/config.schema.yaml", [file], checks()
+    )
     return config
 
 
@@ -303,7 +305,7 @@ def test_the_address_holds_the_state_and_other_anchors_work(opened):
     assert readings(page) == shown
     page.evaluate(GO, "oscillator?f=1e9&Y=none&step=&unknown=1")  # held to what the sliders reach
     assert page.input_value("#oscillator-Y") == "4"
-    assert float(page.input_value("#oscillator-f")) == sliders(CASE)["f"]["max"]
+    assert float(page.input_value("#oscillator-f")) == slider_controls(CASE)["f"]["max"]
     page.click("#off_resonance .steps button[value=fourier]")
     page.wait_for_function("() => location.hash === '#off_resonance?step=fourier'")
     page.click("#off_resonance .stops button:last-child")

@@ -16,7 +16,7 @@ from dampbalance.replication.claims.changed_digits import (
     cells,
     judged,
     other_digits,
-    verdicts,
+    verdicts_of_changes,
 )
 from dampbalance.replication.claims.judging import explanation, verdict
 from dampbalance.replication.claims.verdicts import VERDICTS
@@ -116,7 +116,7 @@ def test_the_program_and_the_configuration_of_the_integrator_compute_the_same(
 
 def test_misprints_are_judged_as_a_fresh_run_judges_them():
     """Drawn at random from all changes of a digit by one."""
-    draw, was = random.Random(27), verdicts(sources_of())
+    draw, was = random.Random(27), verdicts_of_changes(sources_of())
     every = [(name, text) for name in cells(sources_of()) for text in other_digits(PRINT[name])]
     assert len(every) == len(set(every)) > 700
     drawn = [
@@ -165,7 +165,7 @@ def test_the_misprints_on_record_are_those_of_this_run(made):
 @pytest.mark.slow
 @pytest.mark.parametrize("name", CHANGED)
 def test_the_page_shows_which_verdicts_change(opened, name):
-    page, was = opened("misprint", f"number={name}"), verdicts(sources_of())
+    page, was = opened("misprint", f"number={name}"), verdicts_of_changes(sources_of())
     assert PRINT[name].text in page.inner_text("#misprint .words")
     assert page.locator("#misprint .digit button").count() == 2 * PRINT[name].significant
     ranks = list(VERDICTS)

@@ -190,8 +190,8 @@ def test_only_the_public_interface_is_used():
 
 @pytest.mark.slow
 def test_the_notebook_is_complete_described_and_the_same_on_one_core():
-    executed = notebook.run(SOURCE)
-    read = nbformat.reads(notebook.write(executed), as_version=4)
+    executed = notebook.run_notebook(SOURCE)
+    read = nbformat.reads(notebook.write_notebook(executed), as_version=4)
     code = [cell for cell in read.cells if cell.cell_type == "code"]
     assert [cell.execution_count for cell in code] == list(range(1, len(code) + 1))
     assert not any("execution" in cell.metadata for cell in read.cells)  # no times
@@ -210,7 +210,9 @@ def test_the_notebook_is_complete_described_and_the_same_on_one_core():
     allowed = os.sched_getaffinity(0)
     os.sched_setaffinity(0, {min(allowed)})  # inherited by the kernel
     try:
-        assert notebook.write(notebook.run(SOURCE)) == notebook.write(executed)
+        assert notebook.write_notebook(notebook.run_notebook(SOURCE)) == notebook.write_notebook(
+            executed
+        )
     finally:
         os.sched_setaffinity(0, allowed)
 
@@ -219,9 +221,9 @@ def test_errors_are_named_and_what_goes_to_stderr_stays_out(tmp_path, capsys):
     source = tmp_path / "script.py"
     cells = ["import sys\nprint('a warning', file=sys.stderr)\nprint('a result')", "x = 1"]
     source.write_text("".join(f"# %%\n{cell}\n" for cell in cells), encoding="utf-8")
-    executed = notebook.run(source)
+    executed = notebook.run_notebook(source)
     assert [output.text for output in executed.cells[0].outputs] == ["a result\n"]
     assert "a warning" in capsys.readouterr().err
     source.write_text(source.read_text(encoding="utf-8") + "# %%\nx / 0\n", encoding="utf-8")
     with pytest.raises(notebook.NotebookError, match=r"cell 3 fails with ZeroDivisionError.*\n\nx"):
-        notebook.run(source)
+        notebook.run_notebook(source)

@@ -375,29 +375,29 @@ def test_what_stands_in_a_script_cannot_end_it(made):
 @pytest.mark.parametrize(
     ("function", "text", "shown"),
     [
-        (words.rich, "X_s of 1 < 2", "<i>X</i><sub>s</sub> of 1 &lt; 2"),
-        (words.rich, "phi: phase", "<i>φ</i>: phase"),
-        (words.rich, "ω/ω_n and omega_1", "ω/<i>ω</i><sub>n</sub> and <i>ω</i><sub>1</sub>"),
-        (words.rich, "least_squares", "least_squares"),
-        (words.rich, "F_k is 5 % off at 4 mm", "<i>F</i><sub>k</sub> is 5~% off at 4~mm"),
+        (words.rich_markup, "X_s of 1 < 2", "<i>X</i><sub>s</sub> of 1 &lt; 2"),
+        (words.rich_markup, "phi: phase", "<i>φ</i>: phase"),
+        (words.rich_markup, "ω/ω_n and omega_1", "ω/<i>ω</i><sub>n</sub> and <i>ω</i><sub>1</sub>"),
+        (words.rich_markup, "least_squares", "least_squares"),
+        (words.rich_markup, "F_k is 5 % off at 4 mm", "<i>F</i><sub>k</sub> is 5~% off at 4~mm"),
         (words.titled, "error of *c* by X_s < 1", "error of <i>c</i> by <i>X</i><sub>s</sub> &lt; 1"),
         (words.titled, "at ω₁, 4.92 Hz", "at <i>ω</i><sub>1</sub>, 4.92~Hz"),
-        (words.quantity, "a: norm of w", "<i>a</i>: norm of <i>w</i>"),
-        (words.quantity, "share of a bound", "share of a bound"),
+        (words.quantity_markup, "a: norm of w", "<i>a</i>: norm of <i>w</i>"),
+        (words.quantity_markup, "share of a bound", "share of a bound"),
         (words.reason, "c acts as c + mω²h = 90.01 N s/m, not as the author’s c",
          "<i>c</i> acts as <i>c</i> + <i>m</i>ω²<i>h</i> = 90.01~N s/m, not as the author’s <i>c</i>"),
         (words.from_tex, r"$X_s$, common $\varphi$ < 1", "<i>X</i><sub>s</sub>, common <i>φ</i> &lt; 1"),
         (words.from_tex, r"$|c_\mathrm{identified} - c|$", "|<i>c</i><sub>identified</sub> − <i>c</i>|"),
-        (wording.plain, "F_k by X_s, K_z", "Fₖ by Xₛ, K_z"),
-        (wording.unit_of, "m^2/s", "m²/s"),
+        (wording.plain_text, "F_k by X_s, K_z", "Fₖ by Xₛ, K_z"),
+        (wording.unit_text, "m^2/s", "m²/s"),
         (wording.minus, "-0.5 and 1e-5, x-1", "−0.5 and 1e-5, x-1"),
         (wording.frequency_name, "omega2", "ω₂"),
         (wording.frequency_name, "resonance", "resonance"),
-        (wording.number, 90.0, "90.00000"),
-        (wording.number, -0.00271563541, "−0.002715635"),
-        (wording.number, 4.2915e-16, "4.291500·10⁻¹⁶"),
-        (wording.number, 0.0, "0"),
-        (wording.number, math.nan, "–"),
+        (wording.number_text, 90.0, "90.00000"),
+        (wording.number_text, -0.00271563541, "−0.002715635"),
+        (wording.number_text, 4.2915e-16, "4.291500·10⁻¹⁶"),
+        (wording.number_text, 0.0, "0"),
+        (wording.number_text, math.nan, "–"),
         (wording.power_of_ten, 3e-12, "10⁻¹¹"),  # a bound is not below what it bounds
         (wording.power_of_ten, 1e-11, "10⁻¹¹"),
     ],
@@ -439,7 +439,7 @@ def test_the_picture_says_its_numbers(made):
         for rect in root.iter(f"{SVG}rect")
         if rect.find(f"{SVG}title") is not None
     ]
-    room = match.WIDTH - match.LEFT - match.RIGHT
+    room = match.PICTURE_WIDTH - match.LEFT - match.RIGHT_MARGIN
     ends = itertools.accumulate(sum(map(bool, count.of_verdict.values())) for count in found)
     for count, end in zip(found, ends, strict=True):
         shares = [n / count.computed for n in count.of_verdict.values() if n]

@@ -11,7 +11,7 @@ import pytest
 import yaml
 
 from dampbalance.commands.main import parser
-from dampbalance.publishing.site import SiteError, build
+from dampbalance.publishing.site import SiteError, build_site
 from folders import ROOT, contents, shared
 from publishing.site_case import built, local, project, read_page
 
@@ -142,7 +142,7 @@ def test_the_tour_is_a_page_with_its_outputs(site):
 
 
 def test_the_same_project_gives_the_same_bytes_elsewhere(site, tmp_path):
-    build(project(tmp_path / "elsewhere"), tmp_path / "site")
+    build_site(project(tmp_path / "elsewhere"), tmp_path / "site")
     one, other = contents(site), contents(tmp_path / "site")
     assert one.keys() == other.keys()
     assert [name for name in one if one[name] != other[name]] == []
@@ -167,5 +167,5 @@ def test_a_warning_fails_the_build_and_leaves_the_last_site(tmp_path, line, mess
     (tmp_path / "site").mkdir()
     (tmp_path / "site/index.html").write_text("the last one", encoding="utf-8")
     with pytest.raises(SiteError, match=message):
-        build(root, tmp_path / "site")
+        build_site(root, tmp_path / "site")
     assert (tmp_path / "site/index.html").read_text(encoding="utf-8") == "the last one"

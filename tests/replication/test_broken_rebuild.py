@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import pytest
 
-from dampbalance.replication.claims.judging import LEASH
+from dampbalance.replication.claims.judging import MAX_DEVIATION_OF_OTHER_ROUTES
 from dampbalance.replication.claims.rules import Sources
 from dampbalance.replication.claims.table import claims_table
 from dampbalance.replication.claims.verdicts import (
@@ -92,9 +92,9 @@ def test_ten_units_of_the_last_digit_have_survivors_with_reasons(units):
         (was, now), claim = mutant.verdicts, mutant.after
         if mutant.route == claim.route and now != DIFFERS.name:
             survivors[claim.row.id, sign] = now
-        elif mutant.route not in (claim.route, mutant.before.deciding, *claim.apart):
-            near = claim.nearby.get(mutant.route, claim.row.number.value)
-            far = abs(claim.value(mutant.route) / near - 1.0) > LEASH
+        elif mutant.route not in (claim.route, mutant.before.deciding, *claim.shown_only):
+            near = claim.expected.get(mutant.route, claim.row.number.value)
+            far = abs(claim.value(mutant.route) / near - 1.0) > MAX_DEVIATION_OF_OTHER_ROUTES
             assert now == (DIFFERS.name if far else was)
     assert set(survivors) == {key for key in SURVIVORS if key[1] == sign}
     for key, now in survivors.items():
@@ -142,9 +142,9 @@ def test_pairs_of_quite_another_oscillator_differ():
 def test_a_broken_rule_would_be_seen():
     """What this test rests on: with the leash let go, a wrong route next to the judging one passes."""
     mutants = [
-        m for m in of_rebuild(share=0.01) if m.route not in (m.before.route, *m.before.apart)
+        m for m in of_rebuild(share=0.01) if m.route not in (m.before.route, *m.before.shown_only)
     ]
-    free = [replace(m.after, apart=tuple(ROUTE_NAMES)) for m in mutants]
+    free = [replace(m.after, shown_only=tuple(ROUTE_NAMES)) for m in mutants]
     for mutant, claim in itertools.islice(zip(mutants, free, strict=True), 20):
         assert not claim.strays
         assert mutant.after.strays == [mutant.route]

@@ -49,32 +49,32 @@ NOT_ALLOWED = "The rest of Table 2, within its rounding, allows 1.27400 to 1.286
             "It contradicts the paper's own inputs, which give 90.05000000.",
         ),
         (
-            causes.slip_time(2.984e-3, 5e-6, T),
+            causes.slip_time_as_read(2.984e-3, 5e-6, T),
             "The microstick phase lasts 2.984 ms, without a step of 5 µs at each end 2.974 ms; the print keeps whole "
             "tenths.",
         ),
-        (causes.slip_time(2.904e-3, 5e-6, T), ""),  # 2.894 ms: tenths would be 2.8
+        (causes.slip_time_as_read(2.904e-3, 5e-6, T), ""),  # 2.894 ms: tenths would be 2.8
         (
-            causes.slip_time(3.004e-3, 5e-6, T),  # whole tenths of it would be 3.0
+            causes.slip_time_as_read(3.004e-3, 5e-6, T),  # whole tenths of it would be 3.0
             "The microstick phase lasts 3.004 ms, without a step of 5 µs at each end 2.994 ms; the print keeps whole "
             "tenths. This number chose that these steps are taken off; its agreement is no evidence.",
         ),
-        (causes.slip_time(3.011e-3, 5e-6, T), ""),  # 3.001 ms
-        (causes.slip_time(math.nan, 5e-6, T), ""),
+        (causes.slip_time_as_read(3.011e-3, 5e-6, T), ""),  # 3.001 ms
+        (causes.slip_time_as_read(math.nan, 5e-6, T), ""),
         (
-            causes.slip_velocity(0.0113, V, MARKS),
+            causes.slip_velocity_as_read(0.0113, V, MARKS),
             f"{CORNER} 11.300 mm/s, to the nearest 0.05 mm/s 11.30, not as printed.",
         ),
         (
-            causes.slip_velocity(0.01134, V, MARKS),
+            causes.slip_velocity_as_read(0.01134, V, MARKS),
             f"{CORNER} 11.340 mm/s, to the nearest 0.05 mm/s 11.35, as printed.",
         ),
         (
-            causes.slip_velocity(0.01134, V, np.array([0.01130, 0.01134, 0.01135])),
+            causes.slip_velocity_as_read(0.01134, V, np.array([0.01130, 0.01134, 0.01135])),
             f"{CORNER} 11.340 mm/s, to the nearest 0.05 mm/s 11.35, as printed; at level 2 the print is no multiple of "
             "this.",
         ),
-        (causes.slip_velocity(math.nan, V, MARKS), ""),
+        (causes.slip_velocity_as_read(math.nan, V, MARKS), ""),
         (
             causes.phase(1.54, 1.57, PHI),
             "It is the phase of the velocity reversal (+0.0010 rad), not of the zero crossing that the text names "

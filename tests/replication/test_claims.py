@@ -15,8 +15,8 @@ from dampbalance.replication import authors_route as authors
 from dampbalance.replication.claims.print import Printed, read_texts
 from dampbalance.replication.claims.rules import Sources
 from dampbalance.replication.claims.table import (
-    COLUMNS,
-    check,
+    CLAIM_COLUMNS,
+    check_claims,
     claims_markdown,
     claims_table,
     read_record,
@@ -61,7 +61,7 @@ def test_every_printed_number_has_exactly_one_claim_explained_and_on_record(clai
     assert claims["printed"].tolist() == [row.printed for row in PRINT.rows.values()]
     assert len(claims) == 133
     assert claims["id"].is_unique
-    assert tuple(claims.columns) == COLUMNS
+    assert tuple(claims.columns) == CLAIM_COLUMNS
     assert recorded["id"].tolist() == claims["id"].tolist()
     assert (claims["explanation"].str.len() > 10).all()
     assert not claims["explanation"].str.contains(r"\bnan\b").any()
@@ -233,7 +233,7 @@ def test_markdown_has_a_line_per_claim(claims):
 
 
 def test_summary_counts_and_lists_what_is_left_open(claims, recorded):
-    text = summary(claims, check(claims, recorded))
+    text = summary(claims, check_claims(claims, recorded))
     total = next(line for line in text.splitlines() if line.startswith("all"))
     computed = claims[claims["kind"] == "computed"]
     counts = [int((computed["verdict"] == name).sum()) for name in VERDICTS]
@@ -252,7 +252,7 @@ def test_summary_counts_and_lists_what_is_left_open(claims, recorded):
 
 def test_a_changed_parameter_is_found(recorded):
     """c 90 → 91 in the configuration: parameters, features, integrals, estimates."""
-    found = check(judged(oscillator=replace(PAPER, c=91.0)), recorded)
+    found = check_claims(judged(oscillator=replace(PAPER, c=91.0)), recorded)
     assert {"parameter.c", "parameter.c_table3", "parameter.zeta"} <= set(found["id"])
     assert {f"table1.{s}.{i}" for s in ("X", "X_s", "V_s") for i in range(1, 6)} <= set(found["id"])
     integrals = {f"table2.{s}.{i}" for s in "abW" for i in range(1, 6)}
@@ -267,13 +267,13 @@ def test_a_changed_parameter_is_found(recorded):
 @pytest.mark.parametrize("name", ["m", "k", "K_z", "F_k"])
 def test_every_parameter_matters(recorded, name):
     changed = replace(PAPER, **{name: 1.02 * getattr(PAPER, name)})
-    found = check(judged(oscillator=changed), recorded)
+    found = check_claims(judged(oscillator=changed), recorded)
     assert f"parameter.{name}" in set(found["id"])
     assert found["id"].str.startswith("table").sum() > 5
 
 
 def test_a_parameter_that_only_rounds_to_the_printed_one_is_found(recorded):
-    found = check(judged(claimed=replace(PAPER, F_k=1.2801)), recorded)
+    found = check_claims(judged(claimed=replace(PAPER, F_k=1.2801)), recorded)
     assert set(found["id"]) == {"parameter.F_k", "parameter.F_k_table3"}
     words = "The configuration holds 1.2801, the paper states 1.28."
     assert found["message"].str.endswith(words).all()
@@ -302,7 +302,7 @@ def test_a_parameter_that_only_rounds_to_the_printed_one_is_found(recorded):
     ],
 )
 def test_a_changed_printed_digit_is_found(recorded, id_, new, now):
-    offences = check(judged(PRINT.changed({id_: new})), recorded).set_index("id")
+    offences = check_claims(judged(PRINT.changed({id_: new})), recorded).set_index("id")
     assert id_ in offences.index
     assert offences.loc[id_, "now"] == now
     assert "on record, now read as" in offences.loc[id_, "message"]
@@ -325,7 +325,7 @@ def test_a_flipped_sign_in_a_row_is_found(monkeypatch, recorded, approach):
     try:
         for route in computed:
             route.cache_clear()
-        found = check(judged(), recorded)
+        found = check_claims(judged(), recorded)
     finally:
         for route in computed:
             route.cache_clear()
@@ -347,31 +347,35 @@ def test_the_plus_sign_of_table_3_is_needed(recorded):
     correct = frame[frame["approach"] == authors.CORRECTED]
     estimates = pd.concat([frame[~slipped], correct, correct.assign(approach="V_s")])
     changed = RouteTables(route.features, route.estimates | {"omega1": estimates})
-    found = check(claims_table(Sources(PRINT, CASE, exact(), changed, unrounded())), recorded)
+    found = check_claims(
+        claims_table(Sources(PRINT, CASE, exact(), changed, unrounded())), recorded
+    )
     assert found["id"].str.startswith("table3.V_s").sum() == 10
     assert len(found) == 10
 
 
 def test_missing_and_new_claims_are_found(claims, recorded):
     lost = claims[claims["id"] != "table1.X.1"]
-    found = check(lost, recorded)
+    found = check_claims(lost, recorded)
     assert found["id"].tolist() == ["table1.X.1"]
     assert "no claim any more" in found["message"].iloc[0]
 
-    found = check(claims, recorded[recorded["id"] != "text.phi_mean"])
+    found = check_claims(claims, recorded[recorded["id"] != "text.phi_mean"])
     assert found["id"].tolist() == ["text.phi_mean"]
     assert "not on record" in found["message"].iloc[0]
 
 
 def test_the_verdicts_on_record_are_no_offence_and_better_ones_neither(claims, recorded):
     for on_record in (recorded, recorded.assign(verdict="differs")):
-        assert check(claims, on_record).empty
+        assert check_claims(claims, on_record).empty
 
 
 def test_a_claim_without_routes_is_found(recorded):
     """No result tables at all: nothing is obtained but what stands in print."""
     nothing = RouteTables({}, {})
-    found = check(claims_table(Sources(PRINT, CASE, nothing, nothing, pd.DataFrame())), recorded)
+    found = check_claims(
+        claims_table(Sources(PRINT, CASE, nothing, nothing, pd.DataFrame())), recorded
+    )
     assert found["id"].str.startswith("table").sum() > 50
 
 
@@ -379,7 +383,7 @@ def test_a_configuration_in_which_nothing_slips_is_judged_too(recorded):
     stuck = replace(PAPER, F_k=60.0)
     table = claims_table(Sources(PRINT, case_of(stuck), exact(stuck), as_published(), unrounded()))
     assert (table.set_index("id").loc["table1.X_s.1", ["exact"]] == "").all()
-    found = check(table, recorded).set_index("id")["now"]
+    found = check_claims(table, recorded).set_index("id")["now"]
     assert found["parameter.F_k"] == "differs"
     assert found["table1.X.1"] == "differs"
     assert "table1.t_s.1" not in found.index  # as published it is still obtained
@@ -390,9 +394,11 @@ def test_a_configuration_in_which_nothing_slips_is_judged_too(recorded):
 
 def test_claims_survive_their_file(claims, tmp_path):
     write_csv(tmp_path / "claims.csv", claims)
-    again = read_texts(tmp_path / "claims.csv", COLUMNS)
+    again = read_texts(tmp_path / "claims.csv", CLAIM_COLUMNS)
     assert (again == claims).all(axis=None)
-    assert summary(again, check(again, claims)) == summary(claims, check(claims, claims))
+    assert summary(again, check_claims(again, claims)) == summary(
+        claims, check_claims(claims, claims)
+    )
 
 
 def test_unknown_verdict_in_the_record_is_refused(tmp_path):

@@ -144,7 +144,11 @@ def test_of_many_missing_rows_eight_are_named(error_of, lost, more):
     [
         (",zeta,,", ",eta,,", "row parameter.zeta, column symbol: 'eta' is not known to its rule"),
         ("computed,phase", "computed,faze", "row table1.phi.1, column rule: 'faze'"),
-        ("given,held", "computed,held", "row parameter.m, column kind: 'computed'"),
+        (
+            "given,input_is_configured",
+            "computed,input_is_configured",
+            "row parameter.m, column kind: 'computed'",
+        ),
         (",F_k,direct,", ",F_k,rough,", "row table2.F_k.1-2, column approach: 'rough'"),
         (",0.00605,", ",,", "column printed has an empty cell"),
         (

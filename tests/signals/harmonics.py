@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from dampbalance import Orbit
+from dampbalance.fit.base_harmonics import fit_records
 from dampbalance.signals.lines import Lines
+from dampbalance.signals.mean_harmonics import Reading
 
 
 def lines_of(
@@ -29,3 +33,11 @@ def lines_of(
         turned = error / Y * rng.standard_normal()
         Y = Y + error * rng.standard_normal()
     return Lines(omega, Y, error, n, x * np.exp(-1j * n * turned), np.full(count, error), rows)
+
+
+def with_own_fit(reading: Reading) -> Reading:
+    """The reading with the waveform that is fitted to its record alone; without one where none fits."""
+    fit = fit_records([reading.lines], reading.steady.k)
+    return (
+        reading if fit is None or not fit.adequate else replace(reading, waveform=fit.waveforms[0])
+    )

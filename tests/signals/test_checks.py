@@ -27,7 +27,7 @@ def channel(fundamental, *, weights=None, span=1.0, clipped=0.0, bad=()):
 def on_cycles(harmonics, weights=None):
     """The warnings about a record of one channel."""
     weights = harmonics.weights if weights is None else np.array(weights)
-    return list(checks.cycles({"x": harmonics}, weights, OMEGA))
+    return list(checks.checked_cycles({"x": harmonics}, weights, OMEGA))
 
 
 # ±1 about the mean: its standard error is 1/√16, five of them 1.25

@@ -11,9 +11,9 @@ from functools import cache
 import numpy as np
 import pytest
 
-from dampbalance.fit.mean_harmonics import Reading
 from dampbalance.records.measurement import Channel, Measurement
 from dampbalance.signals.conditioning import condition
+from dampbalance.signals.mean_harmonics import Reading
 from signals.stopping import Steady, Stopping, steady
 
 TWO = {1: 1.82e-3, 2: 2e-5j, 3: 2e-4}
@@ -44,7 +44,7 @@ def record(of: Steady, noise=0.0, seed=0, step=0.0, rate=250.0, cycles=10.2) -> 
 
 def reading(of: Steady, *args, **more) -> Reading:
     """Read without a waveform: no oscillator of the package moves like that."""
-    return Reading(condition(record(of, *args, **more), of.of.k), joint=True, terms=("c_r",))
+    return Reading(condition(record(of, *args, **more), of.of.k), terms=("c_r",))
 
 
 def true(of: Steady) -> dict[str, float]:

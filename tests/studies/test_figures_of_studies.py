@@ -84,7 +84,7 @@ def test_a_map_of_single_cases_shows_their_errors_with_zero_in_the_middle(single
 def test_a_map_of_many_cases_shows_what_nine_of_ten_do_not_exceed():
     random = np.random.default_rng(5)
     errors = 10.0 ** random.uniform(-6.0, 1.0, 1000)
-    places = (np.log10(errors) - maps._LOWEST) * maps._PER_DECADE
+    places = (np.log10(errors) - maps._LOWEST_BIN) * maps._BINS_PER_DECADE
     counts = np.bincount(places.astype(int), minlength=maps._BINS)[None]
     shown = maps._quantiles(np.array([counts[0], 0 * counts[0]]).astype(float))
     true = 100.0 * np.quantile(errors, 0.9, method="inverted_cdf")

@@ -12,14 +12,14 @@ import pytest
 
 from dampbalance import steady_orbit
 from dampbalance.balance import Rows
-from dampbalance.fit.mean_harmonics import read_features
 from dampbalance.identification.forced import identify_readings
 from dampbalance.project.wording import percent
 from dampbalance.records.synthetic import measured_orbit
+from dampbalance.signals.mean_harmonics import read_features
 from dampbalance.signals.simpson import cycle_integrals
 from dampbalance.solver import least_squares
 from dampbalance.studies import evaluate
-from dampbalance.studies.cases import cases_between, columns_of
+from dampbalance.studies.cases import case_columns, cases_between
 from dampbalance.studies.shown import statistics, summary
 from dampbalance.studies.shown.statistics import bounds_of
 from dampbalance.studies.shown.study_figure import alternative_text, study_figure
@@ -273,7 +273,7 @@ def test_the_coverage_of_the_cells(computed, make, says):
     study = make(changed)
     values = cases_between(study, 0, study.cases).values
     table = pd.DataFrame(
-        {column.name: values.get(column.name, 0.0) for column in columns_of(study)}
+        {column.name: values.get(column.name, 0.0) for column in case_columns(study)}
     )
     table["case"], table["regime"] = np.arange(study.cases), "one_slip"
     missed = (table["frequency_hz"] == 3.5) & (table["noise"] == 0.001) & (table["run"] <= 7)
@@ -315,7 +315,7 @@ def test_the_figure_shows_95_percent_of_the_errors_and_the_coverage_of_each_line
     study = make(changed)
     rng, n = np.random.default_rng(8), study.cases
     values = cases_between(study, 0, n).values | {"case": np.arange(n), "regime": "one_slip"}
-    table = pd.DataFrame({c.name: values.get(c.name, 0.0) for c in columns_of(study)})
+    table = pd.DataFrame({c.name: values.get(c.name, 0.0) for c in case_columns(study)})
     for name in table:
         if "relative" in name:
             table[name] = rng.standard_normal(n) * table["noise"]

@@ -12,7 +12,7 @@ from scipy.optimize import brentq
 
 from dampbalance.balance import APPROACHES
 from dampbalance.project.documents import ConfigurationError, read_yaml
-from dampbalance.project.wording import number, signed_percent
+from dampbalance.project.wording import number_text, signed_percent
 from dampbalance.solver import least_squares
 from dampbalance.studies import reading_study
 from dampbalance.studies.shown.paragraph import paragraph
@@ -223,5 +223,5 @@ def test_thresholds_of_a_rigid_model_are_where_its_error_is_one_per_cent(shipped
     def excess(K):
         return abs(error_of_F_k(hz, "direct", rigid=True, K_z=K * PAPER.k)) - 0.01
 
-    expected = number(brentq(excess, 5.0, 200.0, rtol=1e-6), 3)
+    expected = number_text(brentq(excess, 5.0, 200.0, rtol=1e-6), 3)
     assert shipped("rigid_contact")[f"from_omega{number_of}"] == expected

@@ -22,16 +22,16 @@ from dampbalance.project.wording import percent
 from dampbalance.signals.clean import of_record
 from dampbalance.signals.read_out import ReadOut
 from dampbalance.solver import least_squares, pair
-from dampbalance.studies import case_files, cases, checking, evaluate
+from dampbalance.studies import case_files, cases, evaluate, reading_study
 from dampbalance.studies.parameters import MECHANICAL, PARAMETERS, in_si
 from dampbalance.studies.shown import paragraph, summary
 from dampbalance.studies.shown.statistics import Sizes
-from dampbalance.studies.study_file import Listed, Range, Sampled, case_values, spread
+from dampbalance.studies.study_file import Listed, Range, Sampled, case_values, spread_values
 from folders import PAPER_FILE, ROOT
 from paper_case import PAPER, features_at
 from studies.documents import document
 
-SCHEMA = yaml.safe_load(checking.SCHEMA.read_text(encoding="utf-8"))
+SCHEMA = yaml.safe_load(reading_study.STUDY_SCHEMA.read_text(encoding="utf-8"))
 SHIPPED = sorted((ROOT / "config/studies").glob("*.yaml"))
 FIRST = "reversal__individual__least_squares"
 
@@ -184,10 +184,10 @@ def test_any_stretch_of_a_sample_is_part_of_the_whole(method):
 
 def test_ranges_hold_both_ends():
     decades = {"from": 1.0, "to": 100.0, "count": 3, "spacing": "log"}
-    assert spread({"from": 1.0, "to": 3.0, "count": 3}) == [1.0, 2.0, 3.0]
-    assert spread(decades) == pytest.approx([1.0, 10.0, 100.0], rel=1e-15)
-    assert is_logarithmic(spread(decades | {"count": 30}))
-    assert not is_logarithmic(spread(decades | {"count": 30, "spacing": "linear"}))
+    assert spread_values({"from": 1.0, "to": 3.0, "count": 3}) == [1.0, 2.0, 3.0]
+    assert spread_values(decades) == pytest.approx([1.0, 10.0, 100.0], rel=1e-15)
+    assert is_logarithmic(spread_values(decades | {"count": 30}))
+    assert not is_logarithmic(spread_values(decades | {"count": 30, "spacing": "linear"}))
 
 
 def test_dimensionless_groups_are_what_they_say():
@@ -206,7 +206,7 @@ def test_dimensionless_groups_are_what_they_say():
 
 @pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
 def test_shipped_studies_are_in_order(path):
-    made = checking.read_study(path, PAPER_FILE)
+    made = reading_study.read_study(path, PAPER_FILE)
     assert made.figure
     assert paragraph.template_of(made)
     text = made.text.read_text(encoding="utf-8")

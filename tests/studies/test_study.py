@@ -19,7 +19,7 @@ from dampbalance.features import Features
 from dampbalance.model import BaseMotion
 from dampbalance.project.documents import ConfigurationError, read_yaml
 from dampbalance.solver import solve
-from dampbalance.studies.study_file import PAPER, paper_defaults
+from dampbalance.studies.study_file import PAPER_CASE, paper_defaults
 from folders import PAPER_FILE
 from paper_case import PAPER as OSCILLATOR
 from studies.documents import REFUSALS, document
@@ -41,7 +41,7 @@ def test_its_numbers_are_those_of_a_file(name, computed):
 
 
 def test_what_is_left_out_is_the_paper_s():
-    assert paper_defaults(read_yaml(PAPER_FILE)) == PAPER
+    assert paper_defaults(read_yaml(PAPER_FILE)) == PAPER_CASE
 
 
 @pytest.mark.parametrize(

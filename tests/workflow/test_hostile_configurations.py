@@ -21,7 +21,7 @@ from hypothesis import strategies as st
 
 from dampbalance.balance import checks
 from dampbalance.motion.orbit import RANGES
-from dampbalance.project.case import Case, check
+from dampbalance.project.case import Case, check_case
 from dampbalance.project.documents import ConfigurationError
 from dampbalance.project.files import read_csv
 from dampbalance.replication.feasibility import check_feasible
@@ -156,7 +156,7 @@ def assert_sound(folder) -> None:
 def refused(config: dict, file) -> str:
     """What is said against a configuration, as the workflow looks at it; "" if it is accepted."""
     try:
-        check(config, SCHEMA, [file], checks())
+        check_case(config, SCHEMA, [file], checks())
         check_feasible(Case.from_config(config), [file])
     except ConfigurationError as error:
         return str(error)
@@ -198,7 +198,7 @@ def test_frequencies_may_be_called_like_numbers_and_like_no_value(tmp_path):
     config = base() | {"case": "nan"}
     drives = [{"name": name, "hz": 3.0 + i} for i, name in enumerate(names)]
     config["excitation"]["frequencies"] = drives
-    check(config, SCHEMA, [FILE], checks())
+    check_case(config, SCHEMA, [FILE], checks())
     case_jobs(config, tmp_path)
     table = read_csv(tmp_path / "tables/approaches.csv")
     assert list(dict.fromkeys(table["frequency"])) == names

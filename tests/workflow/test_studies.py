@@ -12,7 +12,7 @@ import pyarrow.parquet as pq
 import pytest
 import yaml
 
-from dampbalance.studies import checking, evaluate
+from dampbalance.studies import evaluate, reading_study
 from folders import ROOT, restored
 
 pytestmark = pytest.mark.slow
@@ -74,7 +74,7 @@ def test_everything_is_made(studied, name):
 
 @pytest.mark.parametrize("name", ["map", "frequency", "noise"])
 def test_chunks_joined_are_the_study_computed_at_once(studied, name):
-    study = checking.read_study(
+    study = reading_study.read_study(
         studied.folder / f"config/studies/{name}.yaml", studied.folder / "config/config.yaml"
     )
     cases = pd.read_parquet(studied.folder / f"results/studies/{name}/cases.parquet")

@@ -20,13 +20,13 @@ import pandas as pd
 from dampbalance import BaseMotion, steady_orbit
 from dampbalance.balance import APPROACHES
 from dampbalance.figures.style import FAINT, SLIP, STICK, page, place, save, styled
-from dampbalance.fit.mean_harmonics import read_features
 from dampbalance.fit.steady_search import fit_oscillator
 from dampbalance.identification.forced import identify_readings
 from dampbalance.project.files import write_csv, write_text
 from dampbalance.record import Record
 from dampbalance.records.measurement import Measurement
 from dampbalance.records.synthetic import measured_orbit
+from dampbalance.signals.mean_harmonics import read_features
 from paper_case import LEVELS, OMEGA
 
 from .cases import PAPER
@@ -57,7 +57,7 @@ clocks = lambda: (time.perf_counter(), time.process_time())
 start = clocks()
 from dampbalance.identification.forced import identify_readings
 from dampbalance.records.measurement import Channel, Measurement
-from dampbalance.fit.mean_harmonics import read_features
+from dampbalance.signals.mean_harmonics import read_features
 from dampbalance.fit.steady_search import fit_oscillator
 loaded = clocks()
 import numpy as np

@@ -19,10 +19,10 @@ import numpy as np
 import pandas as pd
 from scipy.interpolate import CubicSpline
 
-from dampbalance.fit.mean_harmonics import read_features
 from dampbalance.identification.answer import USABLE
 from dampbalance.identification.forced import identify_readings
 from dampbalance.project.wording import markdown_table
+from dampbalance.signals.mean_harmonics import read_features
 
 from .gradual import CONTACTS, steady_on
 from .other_motion import Departure, steady

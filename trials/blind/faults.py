@@ -19,11 +19,11 @@ import pandas as pd
 from scipy import signal
 from scipy.interpolate import CubicSpline
 
-from dampbalance.fit.mean_harmonics import read_features
 from dampbalance.identification.answer import REFERENCE
 from dampbalance.identification.forced import identify_readings
 from dampbalance.project.wording import markdown_table
 from dampbalance.records.measurement import Channel, Measurement
+from dampbalance.signals.mean_harmonics import read_features
 
 from . import efficiency
 from .other_motion import Departure, from_rest, steady_signals

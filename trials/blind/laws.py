@@ -17,10 +17,10 @@ import numpy as np
 import pandas as pd
 from scipy.stats import binomtest
 
-from dampbalance.fit.mean_harmonics import read_features
 from dampbalance.identification.law_comparison import compare_laws
 from dampbalance.project.wording import markdown_table
 from dampbalance.records.measurement import Channel, Measurement
+from dampbalance.signals.mean_harmonics import read_features
 
 from .other_motion import Departure, steady
 from .truths import SEED, log_uniform

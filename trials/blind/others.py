@@ -26,10 +26,10 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import least_squares
 from scipy.signal import find_peaks, savgol_filter
 
-from dampbalance.fit.mean_harmonics import read_features
 from dampbalance.identification.forced import identify_readings
 from dampbalance.project.wording import markdown_table
 from dampbalance.records.measurement import Measurement
+from dampbalance.signals.mean_harmonics import read_features
 
 from .other_motion import ring_down
 from .records import levels, records

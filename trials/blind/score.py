@@ -11,10 +11,10 @@ import numpy as np
 import pandas as pd
 from scipy.stats import binomtest
 
-from dampbalance.fit.mean_harmonics import read_features
 from dampbalance.identification.answer import REFERENCE, ParameterEstimate, normal
 from dampbalance.identification.forced import ForcedOutcome, identify_readings
 from dampbalance.project.wording import markdown_table
+from dampbalance.signals.mean_harmonics import read_features
 
 from .records import levels, records
 from .truths import Truth, draw

@@ -51,7 +51,7 @@ def compared_at():
 COMPARED_BEFORE = compared_at()
 
 
-def unless_held(wildcards):
-    """Nothing where the summary on file finds no verdict worse; else something new each time, so that it is made again."""
+def rerun_while_worse(wildcards):
+    """None if the last comparison passed; otherwise the time, so that `check` runs again."""
     worse = SUMMARY.is_file() and WORSE in SUMMARY.read_text(encoding="utf-8")
     return time.time_ns() if worse else None

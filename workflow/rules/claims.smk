@@ -78,7 +78,7 @@ rule check:
     conda:
         ENVIRONMENT
     params:
-        again=unless_held,
+        again=rerun_while_worse,
     message:
         "Comparison with the verdicts on record"
     script:

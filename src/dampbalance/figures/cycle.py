@@ -31,7 +31,7 @@ from .style import (
 )
 
 POINTS = {False: 240, True: 90}  # instants drawn per slip phase, per microstick phase
-_LEFT, _RIGHT, _WIDTH = 15.0, 104.0, 72.0  # mm: the two columns of panels
+_LEFT_COLUMN, _RIGHT_COLUMN, _WIDTH = 15.0, 104.0, 72.0  # mm: the two columns of panels
 _RING: dict[str, Any] = {"marker": "o", "ms": 4.0, "mfc": "white", "mec": INK, "mew": 0.9}
 _RING |= {"ls": "none", "zorder": 5}
 _VELOCITY = r"velocity $\dot{x}$ (m/s)"
@@ -62,7 +62,7 @@ def branches(orbit: Orbit) -> list[Branch]:
     return cycle
 
 
-def whole(cycle: Sequence[Branch]) -> State:
+def whole_cycle(cycle: Sequence[Branch]) -> State:
     """The states of all phases, one after the other."""
     return State(*map(np.concatenate, zip(*(branch.state for branch in cycle), strict=True)))
 
@@ -76,7 +76,7 @@ def friction_velocity_loop(orbit: Orbit) -> Figure:
     as it is, and the regime named.
     """
     figure = page(DOUBLE_COLUMN, 72.0)
-    full, zoom = (place(figure, left, 12.0, _WIDTH, 53.0) for left in (_LEFT, _RIGHT))
+    full, zoom = (place(figure, left, 12.0, _WIDTH, 53.0) for left in (_LEFT_COLUMN, _RIGHT_COLUMN))
     cycle, (F_k, K_z) = branches(orbit), (orbit.oscillator.F_k, orbit.oscillator.K_z)
     f_max = F_k or 1.0  # without friction f is zero; any scale will do
     v_max = max(float(np.max(branch.state.v)) for branch in cycle)
@@ -144,8 +144,8 @@ def figure3(orbits: Sequence[Orbit]) -> Figure:
     if not orbits:
         raise ValueError("Figure 3 needs at least one orbit: give the responses of one frequency")
     figure = page(DOUBLE_COLUMN, 146.0)
-    a, b = (place(figure, left, 87.0, _WIDTH, 53.0) for left in (_LEFT, _RIGHT))
-    c, d = (place(figure, left, 12.0, _WIDTH, 56.0) for left in (_LEFT, _RIGHT))
+    a, b = (place(figure, left, 87.0, _WIDTH, 53.0) for left in (_LEFT_COLUMN, _RIGHT_COLUMN))
+    c, d = (place(figure, left, 12.0, _WIDTH, 56.0) for left in (_LEFT_COLUMN, _RIGHT_COLUMN))
     for axes, letter in zip((a, b, c, d), "abcd", strict=True):
         panel_letter(axes, letter)
         axes.set_xlabel("displacement $x$ (mm)" if axes in (a, b) else _VELOCITY)
@@ -210,7 +210,7 @@ def _mark(axes: Axes, x: float, y: float, text: str, label: str, side: str) -> N
 
 def _name_loop(a: Axes, c: Axes, orbit: Orbit, cycle: Sequence[Branch], first: bool) -> None:
     """The level of a loop: in (a) above its right end, in (c) inside it where ẍ = 0."""
-    level, states = f"{orbit.motion.Y * 1e3:g}", whole(cycle)
+    level, states = f"{orbit.motion.Y * 1e3:g}", whole_cycle(cycle)
     text, x, ha = (f"$Y$ = {level} mm", -6, "left") if first else (level, 0, "center")
     end = orbit.X * 1e3, float(np.max(states.acceleration[states.x > 0.98 * orbit.X]))
     note(a, text, end, (x, 2), ha=ha, size=8)

@@ -28,7 +28,7 @@ ROUNDING = 1e-11  # %: the least bound stated for rounding; below it the errors 
 FLOOR = 1e-4  # %: a smaller error is drawn on the linear part of an axis
 _BELOW = "excitation levels $Y_i$–$Y_j$ of the pair (mm); all: least squares over all levels"
 
-Errors = dict[tuple[str, str, str], float]
+ErrorsOfPairs = dict[tuple[str, str, str], float]
 """(approach, phase, pair or ALL) → relative error, %, with its sign."""
 
 
@@ -102,9 +102,9 @@ def estimation_error(
     return panels.figure
 
 
-def _relative(table: pd.DataFrame, column: str, true: float) -> Errors:
+def _relative(table: pd.DataFrame, column: str, true: float) -> ErrorsOfPairs:
     """estimate/true − 1 in %, of the pairs and of the least squares, those that exist."""
-    errors: Errors = {}
+    errors: ErrorsOfPairs = {}
     for row in table[table["kind"].isin(["pair", "least_squares"])].to_dict("records"):
         error = 100.0 * (float(row[column]) / true - 1.0)
         if math.isfinite(error):
@@ -113,7 +113,7 @@ def _relative(table: pd.DataFrame, column: str, true: float) -> Errors:
 
 
 def _draw(
-    axes: Axes, errors: Errors, key: str, approaches: Sequence[str], pairs: Sequence[str]
+    axes: Axes, errors: ErrorsOfPairs, key: str, approaches: Sequence[str], pairs: Sequence[str]
 ) -> None:
     """One approach: pairs of neighbouring levels joined by a line, all else by itself."""
     others = [name for name in approaches if name != "direct"]

@@ -81,7 +81,10 @@ def named(approach: str, sharing: str) -> str:
 
 
 def in_maths(text: str) -> str:
-    """Text with its symbols set as matplotlib's mathematics, X_s as $X_s$; the page has `words.rich` and `plain`."""
+    """Text with its symbols set as matplotlib's mathematics, X_s as $X_s$.
+
+    The page has `words.rich_markup` and `wording.plain_text`.
+    """
     return re.sub(r"\b([A-Za-z]_\w)\b", r"$\1$", text)
 
 

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-ALT = (
+ALT_OF_NUMERICS = (
     "Six panels. The sampling instants that the printed friction travels imply agree at all levels for backward Euler "
     "with rounded coefficients, and disagree by tenths of a step for schemes without damping, whose damping was put in "
     "by hand, and without rounding; integrals of Table 2 lie on the curves of backward Euler and off those of other "
@@ -45,14 +45,14 @@ _OF_SCHEME = {
     "trapezoidal": (FAINT, "v"),
     "rk4": (FAINT, "^"),
 }
-_MARKS: Sequence[Mapping[str, Any]] = (
+_MARKERS: Sequence[Mapping[str, Any]] = (
     {"marker": "o", "color": PRINTED["color"]},
     {"marker": "D", "color": FAINT},
     {"marker": "^", "color": OTHER},
     {"marker": "s", "color": REBUILT},
 )
-LEFTS, WIDTH = (15.0, 74.0, 133.0), 42.0  # mm: of the panels
-BOTTOMS, HEIGHT = (69.0, 11.0), 38.0
+LEFTS, COLUMN_WIDTHS = (15.0, 74.0, 133.0), 42.0  # mm: of the panels
+BOTTOMS, ROW_HEIGHTS = (69.0, 11.0), 38.0
 
 
 class Evidence(NamedTuple):
@@ -88,8 +88,8 @@ def numerics(
 
     step_s : of the rebuilt simulation, s.   t_s_unit_s : the unit in which t_s was read, s.
     """
-    figure = page(DOUBLE_COLUMN, BOTTOMS[0] + HEIGHT + 6.0)
-    axes = [place(figure, x, y, WIDTH, HEIGHT) for y in BOTTOMS for x in LEFTS]
+    figure = page(DOUBLE_COLUMN, BOTTOMS[0] + ROW_HEIGHTS + 6.0)
+    axes = [place(figure, x, y, COLUMN_WIDTHS, ROW_HEIGHTS) for y in BOTTOMS for x in LEFTS]
     _instants(axes[0], evidence)
     _integrals(axes[1], evidence)
     _steps(axes[2], evidence, oscillator, step_s)
@@ -294,13 +294,13 @@ def glance(
     left.tick_params(axis="y", length=0)
     left.set_xlabel("$c$ by direct integration, all levels (N s/m)")
     # (b) on an axis that is linear about zero, so that the sign shows
-    for n, ((label, values), look) in enumerate(zip(errors.items(), _MARKS, strict=False)):
+    for n, ((label, values), look) in enumerate(zip(errors.items(), _MARKERS, strict=False)):
         places = [f + 0.24 * (n - 1.5) for f in range(len(frequencies))]
         right.vlines(places, 0.0, values, color=look["color"], lw=1.2)
         right.plot(places, values, ls="none", ms=4.5, label=label, gid=label, **look)
         for at in zip(places, values, strict=True):
             text = f"{at[1]:+#.2g}".rstrip(".").replace("-", "−")
-            if at[1] > 0.0 and n < len(_MARKS) - 1:
+            if at[1] > 0.0 and n < len(_MARKERS) - 1:
                 note(right, text, at, (0.0, 4.0), "center", "bottom", size=7.0)
             else:  # also of the last mark, clear of the stems of the others
                 note(right, text, at, (0.0, -4.0), "center", "top", size=7.0)

@@ -10,7 +10,7 @@ from matplotlib.patches import Circle, Rectangle
 
 from .style import COOL, FAINT, GREY, INK, SINGLE_COLUMN, STICK, WARM, arrow, page, place, styled
 
-HEIGHT = 46.5  # mm
+SCHEMATIC_HEIGHT = 46.5  # mm
 LINE = 1.0  # points, outlines of the parts
 
 # Places on the page, mm. The ground carries everything; parts stand left to right.
@@ -32,9 +32,11 @@ def schematic() -> Figure:
     spring K_z, of deflection z, joins it to a slider that the ground holds back by a friction force f of at most
     F_k:  m ẍ + c ẋ + k x + f = k y, f = K_z z, |f| ≤ F_k, Eqs. (1)–(3).
     """
-    figure = page(SINGLE_COLUMN, HEIGHT)
-    axes = place(figure, 0.0, 0.0, SINGLE_COLUMN, HEIGHT)
-    axes.set(xlim=(0.0, SINGLE_COLUMN), ylim=(0.0, HEIGHT))  # the unit of the drawing is the mm
+    figure = page(SINGLE_COLUMN, SCHEMATIC_HEIGHT)
+    axes = place(figure, 0.0, 0.0, SINGLE_COLUMN, SCHEMATIC_HEIGHT)
+    axes.set(
+        xlim=(0.0, SINGLE_COLUMN), ylim=(0.0, SCHEMATIC_HEIGHT)
+    )  # the unit of the drawing is the mm
     axes.set_axis_off()
     text = partial(axes.text, ha="center", va="center")
 

@@ -26,12 +26,12 @@ if TYPE_CHECKING:
 
 SINGLE_COLUMN, DOUBLE_COLUMN = 90.0, 180.0  # mm
 MM = 1.0 / 25.4  # inches
-DPI = 300
+EXPORT_DPI = 300
 COMPRESSION = 4  # of a PNG: at 6, the usual one, packing takes half as long again and saves one byte in a hundred
 
 SLIP, STICK = "#16324F", "#D55E00"  # the two phases of the motion
 INK, FAINT = "#000000", "#6E6E6E"  # text and axes; what only guides the eye
-PAPER, GRID = "#FFFFFF", "#E4E4E4"
+PAPER_COLOUR, GRID = "#FFFFFF", "#E4E4E4"
 GREY, COOL, WARM = "#D9D9D9", "#EDF1F5", "#FBE9DD"  # surfaces
 DASHED, DOTTED = (0, (4, 2)), (0, (1, 1.5))
 
@@ -48,8 +48,8 @@ STYLE: dict[str, Any] = {
     "xtick.top": True,
     "ytick.right": True,
     "legend.frameon": False,
-    "figure.dpi": DPI,
-    "savefig.dpi": DPI,
+    "figure.dpi": EXPORT_DPI,
+    "savefig.dpi": EXPORT_DPI,
     "svg.fonttype": "path",  # the letters are in the file: it looks the same where the font is not installed
     "svg.hashsalt": "dampbalance",  # names inside the file follow from its content, not from chance
 }
@@ -69,7 +69,7 @@ def styled() -> Iterator[None]:
 
 
 _PANELS: ContextVar[Iterator[Axes | None] | None] = ContextVar("panels", default=None)
-_SHOWN: ContextVar[bool] = ContextVar("shown by pyplot", default=False)
+_SHOWN_BY_PYPLOT: ContextVar[bool] = ContextVar("shown by pyplot", default=False)
 
 
 @contextmanager
@@ -77,17 +77,17 @@ def drawn_in(axes: Iterable[Axes | None] | None) -> Iterator[None]:
     """While this holds, a picture is drawn where a caller wants it: in these axes, one for each panel in order, or on a
     figure of pyplot where there are None. A panel for which there are no axes is drawn on a page that is not kept."""
     token = _PANELS.set(None if axes is None else iter(axes))
-    shown = _SHOWN.set(axes is None)
+    shown = _SHOWN_BY_PYPLOT.set(axes is None)
     try:
         yield
     finally:
         _PANELS.reset(token)
-        _SHOWN.reset(shown)
+        _SHOWN_BY_PYPLOT.reset(shown)
 
 
 def page(width: float, height: float) -> Figure:
     """An empty figure of the given size, mm. A notebook shows it as it shows those of pyplot."""
-    if _SHOWN.get():
+    if _SHOWN_BY_PYPLOT.get():
         from matplotlib import pyplot  # slow to import
 
         return pyplot.figure(figsize=(width * MM, height * MM))
@@ -158,7 +158,9 @@ def omega_of(frequency: str) -> str:
     return rf"\omega_{{{number}}}" if frequency.startswith("omega") and number.isdigit() else ""
 
 
-def save(figure: Figure, svg: str | Path, png: str | Path, alt: str = "", dpi: int = DPI) -> None:
+def save(
+    figure: Figure, svg: str | Path, png: str | Path, alt: str = "", dpi: int = EXPORT_DPI
+) -> None:
     """Write the figure as SVG and as PNG: complete or not at all, the same bytes each time.
 
     alt : what the figure shows, in one sentence; it becomes the description inside both files.
@@ -169,7 +171,7 @@ def save(figure: Figure, svg: str | Path, png: str | Path, alt: str = "", dpi: i
         _write(figure, temporary, "png", alt, dpi)
 
 
-def save_svg(figure: Figure, svg: str | Path, alt: str = "", dpi: int = DPI) -> None:
+def save_svg(figure: Figure, svg: str | Path, alt: str = "", dpi: int = EXPORT_DPI) -> None:
     """Write the figure as SVG alone, with the values of all lines that have a name (`figures.values`)."""
     lines = [line for axes in figure.axes for line in axes.get_lines()]
     names = [line.get_gid() for line in lines]
@@ -197,7 +199,7 @@ def _write(figure: Figure, path: Path, kind: str, alt: str, dpi: int) -> None:
 
 DARK: dict[str, str] = {
     INK: "#E7EBF0",
-    PAPER: "#14181D",
+    PAPER_COLOUR: "#14181D",
     FAINT: "#AAB4C0",
     GRID: "#353E49",
     SLIP: "#8FBCEC",

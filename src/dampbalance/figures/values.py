@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from matplotlib.lines import Line2D
 
 DIGITS = 6  # significant, of a value
-MOST = 90  # places of a line at which values are kept; a line of more is thinned evenly
+MOST_PLACES = 90  # places of a line at which values are kept; a line of more is thinned evenly
 _ELEMENT = '<metadata id="values">{}</metadata>'
 
 
@@ -80,7 +80,7 @@ def _blocks(axes: Axes, lines: list[Line2D], up: bool) -> Iterator[dict[str, Any
     for name, parts in joined.items():
         x, y = np.hstack(parts)
         if x.size:  # thinned, the last place among those that are kept
-            kept = np.unique([*range(0, x.size, math.ceil(x.size / MOST)), x.size - 1])
+            kept = np.unique([*range(0, x.size, math.ceil(x.size / MOST_PLACES)), x.size - 1])
             known.append((_places(axes, x[kept], up), name, y[kept]))
     for places, group in itertools.groupby(known, lambda line: line[0]):
         columns = [[name, [_short(one) for one in y]] for _, name, y in group]

@@ -10,28 +10,26 @@ that fit are exact, its derivatives are those under the harmonic base.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from ..arrays import Array, Complexes, Integers
+from ..arrays import Array, Integers
 from ..law.law import Law
-from ..motion.distorted import distorted_harmonics
+from ..motion.distorted import added_by_base
 from ..motion.law_steady import Response
-from ..motion.orbit import NoSteadyOrbit
 from ..signals.lines import Lines
 from .steady_search import climb_on, fit_oscillator, of_all_stiffnesses
 from .waveforms import NO_MOTION, WaveformFit
 
-MOST = 20
+MOST_REPETITIONS = 20
 """Repetitions: three or four do, but where a contact rings while it sticks."""
 
 PATIENCE = 4
 """Repetitions with the end of first climbs that is not adequate, before a search elsewhere."""
 
-_LEAST = 0.2  # of 1 − R: less, and the last step does not show it
+_LEAST_FEEDBACK = 0.2  # of 1 − R: less, and the last step does not show it
 _SEARCHES = 4  # along K_z
 _STAYS = 0.02  # standard errors: a change that does not matter
 
@@ -66,7 +64,9 @@ def fit_records(
     return fit
 
 
-def settled(fit: WaveformFit, lines: Sequence[Lines], patience: int = MOST) -> WaveformFit:
+def settled(
+    fit: WaveformFit, lines: Sequence[Lines], patience: int = MOST_REPETITIONS
+) -> WaveformFit:
     """The fit to these harmonics without what the base of the fit's own oscillator adds to them; the fit itself where
     the base is harmonic. Use it after a fit that took the harmonics as they are, or those of another fit.
 
@@ -80,7 +80,9 @@ def settled(fit: WaveformFit, lines: Sequence[Lines], patience: int = MOST) -> W
 def of_harmonic_base(lines: Sequence[Lines], responses: Sequence[Response]) -> list[Lines]:
     """The harmonics without what those of the base add to the motion of an oscillator, one response for each record."""
     return [
-        replace(one, x=one.x - added(one.base, response, one.n.size)) if one.base.any() else one
+        replace(one, x=one.x - added_by_base(one.base, response, one.n.size))
+        if one.base.any()
+        else one
         for one, response in zip(lines, responses, strict=True)
     ]
 
@@ -88,7 +90,7 @@ def of_harmonic_base(lines: Sequence[Lines], responses: Sequence[Response]) -> l
 def repeated(
     fit: WaveformFit,
     freed: Callable[[Sequence[Response]], Sequence[Lines]],
-    patience: int = MOST,
+    patience: int = MOST_REPETITIONS,
 ) -> WaveformFit | None:
     """The fit to harmonics that are freed of something which depends on the oscillator itself, again and again until it
     stays as it is; None where a climb fails.
@@ -101,7 +103,7 @@ def repeated(
     """
     at = fit.point
     steps: list[tuple[Array, Array]] = []
-    for count in range(1, MOST + 1):
+    for count in range(1, MOST_REPETITIONS + 1):
         try:
             responses = [fit.unknowns.response(at, i) for i in range(len(fit.lines))]
         except NO_MOTION:
@@ -138,33 +140,9 @@ def _fed_back(
     error = np.sqrt(np.diag(fit.covariance))[free]
     moved, answered = ((steps[-1][i] - steps[-2][i]) / error for i in (0, 1))
     size, along = float(moved @ moved), float(moved @ answered)
-    if not 0.0 < along < (1.0 - _LEAST) * size:
+    if not 0.0 < along < (1.0 - _LEAST_FEEDBACK) * size:
         return fit
     response = fit.response.copy()
     change = np.outer(error * answered, moved @ (response[free] / error[:, None]))
     response[free] += change / (size - along)
     return replace(fit, response=response, covariance=response @ response.T)
-
-
-def added(base: Complexes, response: Response, count: int) -> Complexes:
-    """Δ_n, n = 1, 3 … 2 count − 1, m: what harmonics of the base add to those of a motion, (count,).
-
-    base : y_n, n = 2, 3 …, m, phases counted from the peak of the fundamental.   response : the motion under the
-    fundamental alone.
-    """
-    n = np.arange(1, 2 * count, 2)
-    if not base.any():
-        return np.zeros(count, dtype=np.complex128)
-    orbit, order = response.orbit, np.arange(2, base.size + 2)
-    # a damper to the base moves the mass as well: the base of the orbit is (1 + inω c_r/k) y_n
-    to_base = 1.0 + 1j * order * math.tan(response.advance + response.turned)
-    y = np.append(orbit.motion.Y, base * to_base * np.exp(-1j * order * response.advance))
-    try:
-        change = distorted_harmonics(orbit, y, 2 * count)[::2] - orbit.harmonics(count)
-    except NoSteadyOrbit:
-        # as if it slipped on
-        own, rates = orbit.oscillator, n * orbit.motion.omega
-        forced = np.zeros(2 * count, dtype=np.complex128)
-        forced[1 : y.size] = own.k * y[1 : forced.size]
-        change = forced[::2] / (own.k - rates**2 * own.m + 1j * rates * own.c)
-    return change * np.exp(1j * n * response.advance)

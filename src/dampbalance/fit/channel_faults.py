@@ -22,7 +22,7 @@ from .steady_search import climb_on
 from .waveforms import WaveformFit
 
 _STEPS = 5  # of Newton's method: χ² is nearly a parabola in the size of the fault
-_SMALL = 0.01  # standard errors of the size: a step that does not matter
+_SMALL_FAULT = 0.01  # standard errors of the size: a step that does not matter
 _DIFFERENCE = 1e-4  # of the unit of a size: derivatives to 1e-4, far above rounding
 _LARGEST_GAIN = 0.5  # of a gain: beyond it, a channel has another unit and no fault of calibration
 
@@ -78,7 +78,7 @@ def _fault(
         if following is None:
             return None
         last = following
-        if abs(step) * math.sqrt(information) < _SMALL:
+        if abs(step) * math.sqrt(information) < _SMALL_FAULT:
             break
     inside = size not in bounds
     shown = fit.chi_square - last.chi_square > shows

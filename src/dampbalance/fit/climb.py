@@ -27,7 +27,7 @@ import numpy as np
 from ..arrays import Array, Integers, Mask
 from ..motion.jit import jit
 
-MOST = 30
+MOST_EVALUATIONS = 30
 """Default limit on the evaluations of a climb: one to where the records are takes about ten."""
 
 GAIN = 5e-8
@@ -41,7 +41,7 @@ _STEEPEST = 1e10  # damping at which no step has helped
 _SHRINK = 0.2
 
 
-class Bounds(NamedTuple):
+class ClimbBounds(NamedTuple):
     """What a climb may do with the unknowns, (p,) each.
 
     free : which of them move; the others keep their values.   lower, upper : least and greatest values; −∞ for one
@@ -76,10 +76,10 @@ class Climb:
 def climb(
     evaluate: Callable[[Array, Array], bool],
     start: Array,
-    bounds: Bounds,
+    bounds: ClimbBounds,
     *,
     gain: float = GAIN,
-    most: int = MOST,
+    most: int = MOST_EVALUATIONS,
 ) -> Climb | None:
     """Maximise the likelihood from `start`; None where the model does not apply there.
 
@@ -110,7 +110,7 @@ def climb(
 
 @jit
 def _step(
-    point: Array, products: Array, damping: float, bounds: Bounds, trial: Array
+    point: Array, products: Array, damping: float, bounds: ClimbBounds, trial: Array
 ) -> tuple[float, float]:
     """What a full step promises in −log L, and its largest change of an unknown relative to it; `trial` receives the
     point after a damped step."""

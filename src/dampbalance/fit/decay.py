@@ -33,34 +33,31 @@ from ..motion.free_decay import (
     decay_samples,
     phase_slopes,
 )
+from ..motion.unknowns import OSCILLATOR_UNKNOWNS, RHO
 from ..project.wording import times
-from ..signals.bursts import Signal, rounding
+from ..signals.bursts import Signal, least_noise
 from ..signals.whiteness import averages, chance_of_averages, chance_of_lines, louder
 from ..solver import NORMAL_95
-from .climb import GAIN, MOST, Bounds, Climb, climb
+from .climb import GAIN, MOST_EVALUATIONS, Climb, ClimbBounds, climb
 from .oscillator_fit import OscillatorFit
 from .scattering_mean import ScatteringMean
 
-COMMON = ("F_k", "c", "rho", "m")
-"""Unknowns common to all decays; the offsets, further friction forces and the start states follow."""
-
 STATE = 3
-"""Number of unknowns of a start state: x, ẋ, w."""
+"""Number of unknowns of a start state: x, ẋ and the preload w."""
 
-_RHO = COMMON.index("rho")
 _LOOSEST, _STIFFEST = 1e-4, 1e8  # of K_z/k: contacts that stand for none and for a rigid one
 # Bounds for a motion that oscillates: c over √(km), and the mass over that of the start, either way.
-_DAMPED, _MASSES = 2.0, 10.0
+_DAMPED, _MASS_RANGE = 2.0, 10.0
 _UNNOTICED = 1e-9  # of the force of the spring: a friction that no motion shows
-_CHANCE = 1e-4  # probability in white noise of a residual so much like a motion
-_W_ERROR = 1.0  # of w, which lies between 0 and 2
+P_MOTION_LEFT = 1e-4  # probability in white noise of a residual so much like a motion
+_PRELOAD_ERROR = 1.0  # it lies between 0 and 2
 # That probability, and standard deviations of the correlation of neighbouring residuals.
-_DOUBTFUL, _ALIKE = 0.02, 3.0
-_BINS = 12  # of a cycle, in which the residual is averaged
+_DOUBTFUL, _CORRELATED = 0.02, 3.0
+_BINS_OF_A_CYCLE = 12  # of a cycle, in which the residual is averaged
 _LEVEL = NORMAL_95**2  # of χ² above the least, at the ends of an interval
-_REST = 0.025  # of the likelihood, that minima left out may have
+NEGLECTED_LIKELIHOOD = 0.025  # share of the integrated likelihood that neglected minima may hold
 _PROFILES, _COARSE = 8, 1e-2  # climbs to an end of an interval, and where they end, in half of χ²
-_NEAR = 0.1  # of its distance: where an end is close enough
+_CLOSE_END = 0.1  # of its distance: where an end is close enough
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,8 +102,8 @@ class Decay:
 class RingFit(OscillatorFit):
     """The oscillator whose free decays fit the samples of n decays best.
 
-    The unknowns are COMMON, the offsets, the friction forces after the first, and x, ẋ, w of each decay; the residuals
-    run decay by decay, channel by channel.
+    The unknowns are those of the oscillator, the offsets, the friction forces after the first, and x, ẋ, w of
+    each decay; the residuals run decay by decay, channel by channel.
 
     free : which unknowns were not given, (p,).
     ranges : 95 % intervals of common unknowns that a search has profiled, by name.
@@ -120,7 +117,7 @@ class RingFit(OscillatorFit):
 
     @cached_property
     def _columns(self) -> Array:
-        K_z = self.point[_RHO] ** -2
+        K_z = self.point[RHO] ** -2
 
         def samples(i: int, signal: Signal) -> Array:
             one, par = self.decays[i], numbers_of(self.point_of(i), self.k)
@@ -128,8 +125,8 @@ class RingFit(OscillatorFit):
             slopes = phase_slopes(phases, float(self.point[self.places(i)][2]), par)
             return decay_samples(one.grid(signal), signal.order, phases, slopes, par)[:, :-1]
 
-        whole = columns_of(self.decays, self.point, len(COMMON), samples)
-        whole[:, _RHO] *= 1.0 + 0.5 * contact_chord(K_z**-0.5, self.k) / self.point[_RHO]
+        whole = residual_columns(self.decays, self.point, len(OSCILLATOR_UNKNOWNS), samples)
+        whole[:, RHO] *= 1.0 + 0.5 * contact_chord(K_z**-0.5, self.k) / self.point[RHO]
         whole[:, :-1] *= self.free
         return whole
 
@@ -151,13 +148,13 @@ class RingFit(OscillatorFit):
     @property
     def names(self) -> tuple[str, ...]:
         """F_k, c, rho, m."""
-        return COMMON
+        return OSCILLATOR_UNKNOWNS
 
     @property
     def errors(self) -> Array:
         """Standard errors of the common unknowns at this minimum, (4,); NaN of those that it does not determine."""
         with np.errstate(invalid="ignore"):
-            return np.sqrt(np.diag(self.covariance)[: len(COMMON)])
+            return np.sqrt(np.diag(self.covariance)[: len(OSCILLATOR_UNKNOWNS)])
 
     @property
     def freedom(self) -> int:
@@ -244,9 +241,10 @@ class RingFit(OscillatorFit):
         """Residuals of the channels, samples in a part of a cycle there, and what the fit takes of their freedom."""
         channels = self.residuals()
         widths = [
-            max(2, round(self.decays[i].period / (_BINS * signal.dt))) for i, signal, _ in channels
+            max(2, round(self.decays[i].period / (_BINS_OF_A_CYCLE * signal.dt)))
+            for i, signal, _ in channels
         ]
-        fitted = self.point.size - len(self.names) + len(COMMON)
+        fitted = self.point.size - len(self.names) + len(OSCILLATOR_UNKNOWNS)
         return [residual for *_, residual in channels], widths, fitted
 
     @cached_property
@@ -267,7 +265,7 @@ class RingFit(OscillatorFit):
     @property
     def adequate(self) -> bool:
         """Whether the residual is white, so that such an oscillator may have made the records."""
-        return self.chance >= _CHANCE
+        return self.chance >= P_MOTION_LEFT
 
     @property
     def doubtful(self) -> bool:
@@ -275,14 +273,14 @@ class RingFit(OscillatorFit):
         large. Coloured noise has the same effect."""
         products = math.fsum(float(one[1:] @ one[:-1]) for one in self._parts[0])
         alike = products / max(self.chi_square, 1e-300) * math.sqrt(self.samples)
-        return self.chance < _DOUBTFUL or alike > _ALIKE
+        return self.chance < _DOUBTFUL or alike > _CORRELATED
 
     @cached_property
     def shortcomings(self) -> tuple[str, ...]:
         """In which ways the decays are not those of such an oscillator with white noise, in words; empty where they may
         be."""
         words = []
-        if self.slow_chance < _CHANCE:
+        if self.slow_chance < P_MOTION_LEFT:
             words.append(
                 "the decays are not those of one mass on a spring, a damper and one friction contact within white "
                 f"noise: what is left is {times(self.misfit)} as large as noise would leave it over a twelfth of a "
@@ -300,7 +298,7 @@ class RingFit(OscillatorFit):
         return tuple(words)
 
 
-def columns_of(
+def residual_columns(
     decays: Sequence[Decay], point: Array, common: int, samples: Callable[[int, Signal], Array]
 ) -> Array:
     """Derivatives of the residuals (model − sample)/σ by the unknowns of a point, and these residuals,
@@ -338,14 +336,14 @@ def fit_decays(
     *,
     given: Collection[int] = (),
     gain: float = GAIN,
-    most: int = MOST,
+    most: int = MOST_EVALUATIONS,
 ) -> RingFit | None:
     """The fit in which a climb from a start point ends; None where the model has no motion there.
 
     given : numbers of the unknowns that keep their values.   gain : of half of χ², where the climb ends.
     most : evaluations.
     """
-    samples = Samples.of(decays, k, start.size)
+    samples = DecaySamples.of(decays, k, start.size)
     end = samples.climb(start, given, gain=gain, most=most)
     if end is None:
         return None
@@ -355,16 +353,16 @@ def fit_decays(
         k=k,
         point=end.point,
         covariance=inverse_information(
-            end.products[:-1, :-1] * np.outer(free, free), w_errors(start.size, len(decays))
+            end.products[:-1, :-1] * np.outer(free, free), preload_errors(start.size, len(decays))
         ),
         chi_square=end.chi_square,
-        rigid=bool(end.point[_RHO] <= samples.rigid),
+        rigid=bool(end.point[RHO] <= samples.rigid),
         decays=tuple(decays),
         free=free,
     )
 
 
-class Samples(NamedTuple):
+class DecaySamples(NamedTuple):
     """The samples of decays as kernels take them, and climbs on them.
 
     offsets : number of offsets and friction forces after the first.   channels : table, decay by decay.   values : of
@@ -378,7 +376,7 @@ class Samples(NamedTuple):
     values: Array
 
     @classmethod
-    def of(cls, decays: Sequence[Decay], k: float, unknowns: int) -> Samples:
+    def of(cls, decays: Sequence[Decay], k: float, unknowns: int) -> DecaySamples:
         """Pack the samples of decays for a fit with so many unknowns."""
         rows, end = [], 0
         for i, (one, friction) in enumerate(
@@ -390,7 +388,7 @@ class Samples(NamedTuple):
                 until = one.last_sample - one.start
                 rows.append((*of, first, step, signal.noise, begin, end, until, friction))
         values = np.concatenate([signal.values for one in decays for signal in one.signals])
-        offsets = unknowns - len(COMMON) - STATE * len(decays)
+        offsets = unknowns - len(OSCILLATOR_UNKNOWNS) - STATE * len(decays)
         return cls(decays, k, offsets, np.array(rows, dtype=float), values)
 
     @property
@@ -398,19 +396,19 @@ class Samples(NamedTuple):
         """The ρ that stands for a rigid contact."""
         return 1.0 / math.sqrt(_STIFFEST * self.k)
 
-    def bounds(self, start: Array, given: Collection[int] = ()) -> Bounds:
+    def bounds(self, start: Array, given: Collection[int] = ()) -> ClimbBounds:
         """The bounds of a climb from a start; `given` are the numbers of the unknowns that keep their values."""
         free = np.ones(start.size, dtype=np.bool_)
         free[[*given]] = False
-        first_state = len(COMMON) + self.offsets
-        F_k, _, rho, m = start[: len(COMMON)].tolist()
+        first_state = len(OSCILLATOR_UNKNOWNS) + self.offsets
+        F_k, _, rho, m = start[: len(OSCILLATOR_UNKNOWNS)].tolist()
         critical, omega = math.sqrt(self.k * m), math.sqrt(self.k / m)
         lower, upper = np.full(start.size, -math.inf), np.full(start.size, math.inf)
         scale = np.ones(start.size)
         # with no contact at all, a mass this light is critically damped, even if the period is that of two turns
         light = self.k * (min(one.period for one in self.decays) / (8.0 * math.pi)) ** 2
-        lower[:4] = 1e-9 * F_k, 0.0, self.rigid, max(m / _MASSES, min(light, m))
-        upper[1:4] = _DAMPED * critical, 1.0 / math.sqrt(_LOOSEST * self.k), m * _MASSES
+        lower[:4] = 1e-9 * F_k, 0.0, self.rigid, max(m / _MASS_RANGE, min(light, m))
+        upper[1:4] = _DAMPED * critical, 1.0 / math.sqrt(_LOOSEST * self.k), m * _MASS_RANGE
         states = start[first_state:].reshape(-1, STATE)
         size = np.maximum(np.maximum(np.abs(states[:, 0]), np.abs(states[:, 1]) / omega), 1e-300)
         scale[first_state::STATE], scale[first_state + 1 :: STATE] = size, size * omega
@@ -421,8 +419,8 @@ class Samples(NamedTuple):
         lower[frictions], scale[frictions] = lower[0], scale[0]
         lower[first_state + 2 :: STATE], upper[first_state + 2 :: STATE] = 0.0, 2.0
         for offset, noise in self.channels[:, (OFFSET, NOISE)].tolist():
-            scale[len(COMMON) + int(offset)] = noise
-        return Bounds(free, lower, upper, scale)
+            scale[len(OSCILLATOR_UNKNOWNS) + int(offset)] = noise
+        return ClimbBounds(free, lower, upper, scale)
 
     def climb(
         self, start: Array, given: Collection[int] = (), *, gain: float, most: int
@@ -456,10 +454,12 @@ def with_intervals(fits: Sequence[RingFit]) -> RingFit:
     """
     best = fits[0]
     others = [
-        one for one, share in zip(fits[1:], _shares_above(fits), strict=True) if share > _REST
+        one
+        for one, share in zip(fits[1:], _shares_above(fits), strict=True)
+        if share > NEGLECTED_LIKELIHOOD
     ]
     ranges = {}
-    for j, name in enumerate(COMMON[:-1]):
+    for j, name in enumerate(OSCILLATOR_UNKNOWNS[:-1]):
         if not best.error(name) > 0.0:
             continue
         if name == "F_k" and best.frictions.size > 1:
@@ -479,7 +479,9 @@ def _shares_above(fits: Sequence[RingFit]) -> Array:
     sizes = []
     for one in fits:
         errors, free = one.errors, one.errors > 0.0
-        common = one.covariance[: len(COMMON), : len(COMMON)][np.ix_(free, free)]
+        common = one.covariance[: len(OSCILLATOR_UNKNOWNS), : len(OSCILLATOR_UNKNOWNS)][
+            np.ix_(free, free)
+        ]
         _, logarithm = np.linalg.slogdet(common / np.outer(errors[free], errors[free]))
         volume = float(np.log(errors[free]).sum()) + 0.5 * logarithm
         sizes.append(volume - 0.5 * (one.chi_square - fits[0].chi_square))
@@ -493,7 +495,7 @@ def _end(fit: RingFit, j: int, side: float) -> float:
     The root of the rise is nearly proportional to the distance: each trial gives the next one. The first starts along
     the covariance, the next ones where the others have followed before.
     """
-    samples, size = Samples.of(fit.decays, fit.k, fit.point.size), len(COMMON)
+    samples, size = DecaySamples.of(fit.decays, fit.k, fit.point.size), len(OSCILLATOR_UNKNOWNS)
     distance = side * NORMAL_95 * math.sqrt(fit.covariance[j, j])
     given = {*np.flatnonzero(np.diag(fit.covariance) == 0.0).tolist(), j}
     near = fit.point + fit.covariance[:, j] * (distance / fit.covariance[j, j])
@@ -515,7 +517,7 @@ def _end(fit: RingFit, j: int, side: float) -> float:
         # where χ² does not rise, the end is farther away
         factor = min(max(NORMAL_95 / math.sqrt(max(rise, 1e-3)), 0.4), 2.5)
         distance *= factor
-        if abs(factor - 1.0) < _NEAR:
+        if abs(factor - 1.0) < _CLOSE_END:
             break
     return float(fit.point[j]) + distance
 
@@ -535,10 +537,10 @@ def inverse_information(information: Array, errors: Array) -> Array:
     return covariance
 
 
-def w_errors(size: int, decays: int) -> Array:
+def preload_errors(size: int, decays: int) -> Array:
     """Prior standard errors of the unknowns, (p,): w lies between 0 and 2; the others have no prior."""
     errors = np.full(size, math.inf)
-    errors[size - STATE * decays + 2 :: STATE] = _W_ERROR
+    errors[size - STATE * decays + 2 :: STATE] = _PRELOAD_ERROR
     return errors
 
 
@@ -569,7 +571,7 @@ def with_noise_of(fit: RingFit) -> RingFit:
     noise = {offset: math.sqrt(square / n * share) for offset, (square, n) in sums.items()}
 
     def with_noise(signal: Signal) -> Signal:
-        return replace(signal, noise=max(noise[signal.offset], rounding(signal.values)))
+        return replace(signal, noise=max(noise[signal.offset], least_noise(signal.values)))
 
     decays = [replace(one, signals=tuple(map(with_noise, one.signals))) for one in fit.decays]
     return fit_decays(decays, fit.k, fit.point) or fit
@@ -577,7 +579,7 @@ def with_noise_of(fit: RingFit) -> RingFit:
 
 def numbers_of(point: Array, k: float) -> Parameters:
     """The oscillator of a point."""
-    F_k, c, rho, m = point[: len(COMMON)].tolist()
+    F_k, c, rho, m = point[: len(OSCILLATOR_UNKNOWNS)].tolist()
     return Parameters(m, c, k, rho**-2, F_k, 0.0, 0.0)
 
 
@@ -587,10 +589,10 @@ def phases_of(point: Array, state: Array, k: float, until: float) -> Array:
     Raises ValueError where the contact rattles on.
     """
     par = numbers_of(point, k)
-    x, v, w = state.tolist()
+    x, v, preload = state.tolist()
     rows = np.empty((MOST_PHASES, 5))
     Z_m = par.F_k / par.K_z
-    z = min(max((w - 1.0) * Z_m, -Z_m), Z_m)
+    z = min(max((preload - 1.0) * Z_m, -Z_m), Z_m)
     count, t, *_ = run(x, v, z, 0.0, until, 0.0, par, rows)
     if t < until:
         raise ValueError("the contact slips on and on")

@@ -29,51 +29,68 @@ from scipy import special
 
 from ..arrays import Array
 from ..motion.events import PHASE_S, PHASE_V, PHASE_X
+from ..motion.unknowns import F_K, OSCILLATOR_UNKNOWNS, RHO, C, M
 from ..signals.bursts import Burst, Signal, bursts_of
 from .climb import Climb
-from .decay import COMMON, STATE, Decay, RingFit, Samples, fit_decays, with_noise_of
+from .decay import (
+    STATE,
+    Decay,
+    DecaySamples,
+    RingFit,
+    fit_decays,
+    with_noise_of,
+)
 
-_SHARES = (0.05, 0.35, 0.65, 0.95)  # of friction in what the swing, or the motion, loses
-_STIFFNESSES = (4.0, 30.0, 300.0)  # of K_z/k
+_SHARES_OF_LOSS = (0.05, 0.35, 0.65, 0.95)  # of friction in what the swing, or the motion, loses
+_FIRST_STIFFNESSES = (4.0, 30.0, 300.0)  # of K_z/k
 _MASSES = (0.85, 1.0, 1.15)  # relative to that of the period
-_CLIMBED, _ALIKE = 4, 1.5  # starts, until χ² per sample is below that
+_CLIMBED, _GOOD_START = 4, 1.5  # starts, until χ² per sample is below that
 _FIRST = 1.0  # cycles that are fitted first, or more where these have too few samples
 _GROWTH = 2.0  # of the fitted part from one climb to the next
-_COARSE = 1e-2  # of half of χ², where a climb on the way ends
+_GAIN_ON_THE_WAY = 1e-2  # of half of χ², where a climb on the way ends
 _PIECES = 12  # of a cycle, in which the mass is looked at for rest
 _BACK = 24  # steps of a cycle in which the start moves back
-_LEFT = 3e-4  # probability of what new samples add to χ²
-_LOADS = (0.0, 0.5, 1.0, 1.5, 2.0)  # of w, where the contact may be loaded otherwise
+P_STEP_BACK = 3e-4  # that new samples add as much to χ² by chance
+_PRELOADS = (
+    0.0,
+    0.5,
+    1.0,
+    1.5,
+    2.0,
+)  # of the contact spring, tried where it may be loaded otherwise
 _SEVERAL = 3  # steps back that are looked at together
-_AGREES = 4.0  # standard deviations of the scatter of a mass at rest
-_CHANCE = 1e-4  # probability of a line of the spectrum in noise
+_DEVIATIONS_AT_REST = 4.0  # standard deviations of the scatter of a mass at rest
+P_LINE_IN_NOISE = 1e-4  # probability of a line of the spectrum in noise
 _AFTER = 0.02  # of a cycle, that is kept where the mass sticks and does not ring
-_FEW = 16  # samples of a mass at rest, at the least
+_FEWEST_AT_REST = 16  # samples of a mass at rest, at the least
 _GRASPED = 4.0  # of χ², beyond what the choice of an instant makes
-_SWINGS = 0.25  # of a cycle, for which a decay goes on after its turn
-_LEAST = 4 * (len(COMMON) + STATE)  # samples of a decay
-_PART = 0.1  # of the swing of a burst, that its motion has at least
-_DISTURBED = 0.02  # probability of a residual after which a burst ends before the next one
-_ONE = 1e-3  # probability of what one oscillator, or friction force, for all decays adds to χ²
-_MOST_TURNS = 4  # half cycles that slip, of a burst that may be the work of a hand
+_DECAY_AFTER_TURN = 0.25  # of a cycle, for which a decay goes on after its turn
+_FEWEST_SAMPLES = 4 * (len(OSCILLATOR_UNKNOWNS) + STATE)  # samples of a decay
+_LEAST_SWING = 0.1  # of the swing of a burst, that its motion has at least
+P_DISTURBED = 0.02  # probability of a residual after which a burst ends before the next one
+P_ONE_OSCILLATOR = (
+    1e-3  # that one oscillator, or friction force, for all decays adds as much to χ² by chance
+)
+_MOST_HALF_CYCLES = 4  # half cycles that slip, of a burst that may be the work of a hand
 
 # of the search for all minima
-_F_K, _C, _RHO, _M = range(4)
 _LOSSES = tuple(np.geomspace(0.75, 1.4, 12).tolist())  # relative to that of the fit
 _FINER = tuple(np.linspace(0.1, 1.0, 16).tolist())  # shares of friction next to these
 _STIFFER = (3.0, 8.0, 20.0, 50.0, 120.0, 300.0, 1000.0)  # of K_z/k
 _FRICTIONS = np.geomspace(0.75, 1.33, 30)  # relative to that of the fit
 _OTHER_MASSES = (0.82, 0.9, 0.95, 1.05, 1.1, 1.2)  # relative, where the fit is not adequate
 _SCANNED = tuple(np.geomspace(0.5, 1e5, 45).tolist())  # of K_z/k, the last as good as rigid
-_OTHER = 0.2  # of w: how far off another start is
-_ASIDE = 1.5  # standard errors
+_PRELOAD_APART = 0.2  # how far off another start is
+_ERRORS_ASIDE = 1.5  # standard errors
 _LINES = 24  # of the spectrum of the ringing
-_BELOW = 10.0  # of the likelihood's logarithm: lines that fall so far behind the first are left out
+_LESS_LIKELY = (
+    10.0  # of the likelihood's logarithm: lines that fall so far behind the first are left out
+)
 _THINNED = 1500  # samples, about, of a thinned record
-_TRIED, _POLISHED = 20, 12  # starts that are climbed from, on thinned samples and on all
-_WITHIN = 30.0  # of χ²: minima that are kept
-_SAME = 1.0  # standard errors: two climbs that end so close ended in one minimum
-_LOWER = 0.05  # of χ²: what another minimum must be lower by to be searched around again
+_THIN_STARTS, _POLISHED = 20, 12  # starts that are climbed from, on thinned samples and on all
+_KEPT_ABOVE = 30.0  # of χ²: minima that are kept
+_SAME_MINIMUM = 1.0  # standard errors: two climbs that end so close ended in one minimum
+_LOWER_MINIMUM = 0.05  # of χ²: what another minimum must be lower by to be searched around again
 _ROUNDS = 6
 
 End = TypeVar("End", RingFit, Climb)
@@ -136,10 +153,13 @@ def _of_burst(
     if not burst.last:
         fit = _until_grasped(fit)
     # what ends right after the turn, or before it, is the rest of the burst ahead
-    if fit.samples < _LEAST or fit.decays[0].end < burst.turn + _SWINGS * burst.period:
+    if (
+        fit.samples < _FEWEST_SAMPLES
+        or fit.decays[0].end < burst.turn + _DECAY_AFTER_TURN * burst.period
+    ):
         return None
     # else the swing was not that of a free motion
-    return fit if float(np.ptp(fit.phases(0)[:, PHASE_X])) > _PART * burst.swing else None
+    return fit if float(np.ptp(fit.phases(0)[:, PHASE_X])) > _LEAST_SWING * burst.swing else None
 
 
 def fit_all(fits: Sequence[RingFit]) -> tuple[RingFit | None, list[Decay]]:
@@ -153,7 +173,7 @@ def fit_all(fits: Sequence[RingFit]) -> tuple[RingFit | None, list[Decay]]:
     if whole is None or len(fits) == 1 or _same(whole, fits):
         return whole, []
     order = sorted(fits, key=lambda fit: (-_turns(fit), -fit.samples))
-    kept = [fit for fit in order if _turns(fit) > _MOST_TURNS] or order[:1]
+    kept = [fit for fit in order if _turns(fit) > _MOST_HALF_CYCLES] or order[:1]
     here = _of_all(kept)
     for fit in order[len(kept) :]:
         more = _of_all([*kept, fit])
@@ -169,7 +189,7 @@ def _of_all(fits: Sequence[RingFit]) -> RingFit | None:
     """The fit of all decays, with a friction force for each where the likelihood asks for it."""
 
     def fitted(own_frictions: bool) -> RingFit | None:
-        whole = _joined(fits, own_frictions=own_frictions)
+        whole = _fitted_together(fits, own_frictions=own_frictions)
         if whole is None or (whole.adequate and _same(whole, fits)):
             return whole
         return minima_of(whole, wide=len(fits) == 1)[0]
@@ -187,7 +207,7 @@ def _same(whole: RingFit, parts: Sequence[RingFit]) -> bool:
     fewer = sum(np.count_nonzero(fit.free) for fit in parts) - np.count_nonzero(whole.free)
     excess = whole.chi_square - math.fsum(fit.chi_square for fit in parts)
     noise = max((fit.misfit for fit in parts if not fit.adequate), default=1.0)
-    return bool(fewer <= 0 or special.chdtrc(fewer, max(excess, 0.0) / noise) > _ONE)
+    return bool(fewer <= 0 or special.chdtrc(fewer, max(excess, 0.0) / noise) > P_ONE_OSCILLATOR)
 
 
 def _turns(fit: RingFit) -> int:
@@ -195,10 +215,10 @@ def _turns(fit: RingFit) -> int:
     return int(np.count_nonzero(fit.phases(0)[:, PHASE_S]))
 
 
-def _joined(fits: Sequence[RingFit], *, own_frictions: bool = False) -> RingFit | None:
+def _fitted_together(fits: Sequence[RingFit], *, own_frictions: bool = False) -> RingFit | None:
     """The fit of all decays, with one friction force or one for each: from the oscillator of each in turn, that of most
     samples first, until one is adequate."""
-    size = len(COMMON)
+    size = len(OSCILLATOR_UNKNOWNS)
     decays = [replace(fit.decays[0], friction=i * own_frictions) for i, fit in enumerate(fits)]
     offsets = np.zeros(1 + max(signal.offset for one in decays for signal in one.signals))
     for fit, one in zip(fits, decays, strict=True):
@@ -210,7 +230,7 @@ def _joined(fits: Sequence[RingFit], *, own_frictions: bool = False) -> RingFit 
     for fit in sorted(fits, key=lambda fit: -fit.samples):
         start = np.concatenate([fit.point[:size], rest])
         if own_frictions:
-            start[_F_K] = fits[0].F_k
+            start[F_K] = fits[0].F_k
         end = fit_decays(decays, fit.k, start)
         if end is not None and end.adequate:
             return end
@@ -233,28 +253,28 @@ def _refit(
 ) -> RingFit | None:
     """The fit of a part of a decay, from the point of a fit or from another start, as close as is needed on the way."""
     point = fit.point if start is None else start
-    return fit_decays([part], fit.k, point, given=given, gain=_COARSE)
+    return fit_decays([part], fit.k, point, given=given, gain=_GAIN_ON_THE_WAY)
 
 
 def _grown(
     whole: Decay, burst: Burst, lead: Signal, k: float, surest: RingFit | None
 ) -> RingFit | None:
     """The fit of a burst from its turn on."""
-    enough = (_LEAST + 1) / math.fsum(1.0 / signal.dt for signal in whole.signals)
+    enough = (_FEWEST_SAMPLES + 1) / math.fsum(1.0 / signal.dt for signal in whole.signals)
     end = min(burst.turn + max(_FIRST * burst.period, enough), burst.end)
     part = whole.cut(burst.turn, end)
-    if part.samples < _LEAST:
+    if part.samples < _FEWEST_SAMPLES:
         return None
     starts = _starts(part, burst, lead, k)
     if surest is not None:
-        starts[:, : len(COMMON)] = surest.point[: len(COMMON)]
-    samples, p = Samples.of([part], k, starts.shape[1]), starts.shape[1]
-    but_offsets = {*range(len(COMMON)), *range(p - STATE, p)}
+        starts[:, : len(OSCILLATOR_UNKNOWNS)] = surest.point[: len(OSCILLATOR_UNKNOWNS)]
+    samples, p = DecaySamples.of([part], k, starts.shape[1]), starts.shape[1]
+    oscillator_and_state = {*range(len(OSCILLATOR_UNKNOWNS)), *range(p - STATE, p)}
     fit = None
-    for one in samples.climbs(starts, but_offsets, gain=0.0, most=2)[:_CLIMBED]:
-        other = fit_decays([part], k, one.point, given={p - 1}, gain=_COARSE)
+    for one in samples.climbs(starts, oscillator_and_state, gain=0.0, most=2)[:_CLIMBED]:
+        other = fit_decays([part], k, one.point, given={p - 1}, gain=_GAIN_ON_THE_WAY)
         fit = _lowest((fit, other))
-        if fit is not None and fit.chi_square < _ALIKE * part.samples:
+        if fit is not None and fit.chi_square < _GOOD_START * part.samples:
             break
     good, bad = end, math.inf  # until where the samples follow the motion, and from where on not
     while fit is not None and good < burst.end and bad - good > 0.1 * burst.period:
@@ -264,7 +284,7 @@ def _grown(
         end = min(end, 0.5 * (good + bad))
         longer = _longer(fit, whole.cut(burst.turn, end))
         # something else may move the mass before the next burst
-        if longer is None or (not burst.last and longer.chance < _DISTURBED <= fit.chance):
+        if longer is None or (not burst.last and longer.chance < P_DISTURBED <= fit.chance):
             bad = end
         else:
             fit, good = longer, end
@@ -284,7 +304,7 @@ def _starts(part: Decay, burst: Burst, lead: Signal, k: float) -> Array:
     for signal in part.signals:
         offsets[signal.offset] = signal.values.mean()
     starts = []
-    for share, mass, stiffness in itertools.product(_SHARES, _MASSES, _STIFFNESSES):
+    for share, mass, stiffness in itertools.product(_SHARES_OF_LOSS, _MASSES, _FIRST_STIFFNESSES):
         ratio = min(max(1.0 - (1.0 - share) * lost / burst.swing, 0.5), 0.9999)
         zeta = -math.log(ratio) / math.hypot(math.pi, math.log(ratio))
         friction = share * lost / 4.0
@@ -298,15 +318,15 @@ def _starts(part: Decay, burst: Burst, lead: Signal, k: float) -> Array:
 def _longer(fit: RingFit, part: Decay) -> RingFit | None:
     """The fit of a longer part, from a shorter one on, or from the contact on which it rings; None where the mass comes
     to rest after too few samples."""
-    w = {fit.point.size - 1}
+    preload = {fit.point.size - 1}
     part = _without_ringing(fit, part)
-    if part.samples < _LEAST:
+    if part.samples < _FEWEST_SAMPLES:
         return None
-    best = _refit(fit, part, given=w)
+    best = _refit(fit, part, given=preload)
     for K_z in _rings(best or fit, part):
         start = (best or fit).point.copy()
-        start[_RHO] = K_z**-0.5
-        best = _lowest((best, _refit(fit, part, start, w)))
+        start[RHO] = K_z**-0.5
+        best = _lowest((best, _refit(fit, part, start, preload)))
     return best
 
 
@@ -314,7 +334,7 @@ def _rings(fit: RingFit, part: Decay) -> Iterator[float]:
     """K_z of the contact on which the mass at rest rings, where that shows."""
     # of white noise, the gain of a line is distributed as e^{−P}
     lines = ringing(fit, [part], 0.25 * part.period)[:1]
-    return (K_z for K_z, gain in lines if gain > math.log(part.samples / _CHANCE))
+    return (K_z for K_z, gain in lines if gain > math.log(part.samples / P_LINE_IN_NOISE))
 
 
 def _without_ringing(fit: RingFit, part: Decay) -> Decay:
@@ -335,7 +355,7 @@ def _rests(signal: Signal, since: float, part: Decay) -> bool:
         return True
     means = values[: n * width].reshape(n, width).mean(axis=1)
     excess = width * float(np.var(means)) / signal.noise**2
-    return excess < 1.0 + _AGREES * math.sqrt(2.0 / n)
+    return excess < 1.0 + _DEVIATIONS_AT_REST * math.sqrt(2.0 / n)
 
 
 def _until_grasped(fit: RingFit) -> RingFit:
@@ -346,7 +366,7 @@ def _until_grasped(fit: RingFit) -> RingFit:
     for _, signal, residual in fit.residuals():
         first = int(np.searchsorted(signal.t, still))
         tail, off = signal.values[first:], residual[first:]
-        if tail.size < _FEW:
+        if tail.size < _FEWEST_AT_REST:
             continue
         level = tail[-(tail.size // 4) :].mean()
         # evidence of the samples from each one on for a level, against the motion
@@ -371,8 +391,8 @@ def _from_earlier(fit: RingFit, whole: Decay, earliest: float) -> RingFit:
         before = _before(here.point, fit.k, step)
         longer = _refit(here, part, before)
         # the climb may have stopped in a side minimum
-        for w in _LOADS if _doubted(fits, longer) else ():
-            before[-1] = w
+        for preload in _PRELOADS if _doubted(fits, longer) else ():
+            before[-1] = preload
             longer = _lowest((longer, _refit(here, part, before)))
         if doubted := _doubted(fits, longer):
             # what stopped it may have begun within the steps that are in doubt
@@ -390,26 +410,26 @@ def _doubted(fits: Sequence[RingFit], longer: RingFit | None) -> int:
     for count in (1, _SEVERAL):
         here = fits[-count:][0]
         new, excess = longer.samples - here.samples, longer.chi_square - here.chi_square
-        if new and special.chdtrc(new, max(excess, 0.0)) < _LEFT:
+        if new and special.chdtrc(new, max(excess, 0.0)) < P_STEP_BACK:
             return count
     return 0
 
 
 def _before(point: Array, k: float, step: float) -> Array:
     """The point with about the start state a step earlier: slipping backwards, and from the other side at a turn."""
-    F_k, c, _, m = point[: len(COMMON)].tolist()
-    x, v, w = point[-STATE:].tolist()
-    side = math.copysign(1.0, v if v != 0.0 else w - 1.0)
+    F_k, c, _, m = point[: len(OSCILLATOR_UNKNOWNS)].tolist()
+    x, v, preload = point[-STATE:].tolist()
+    side = math.copysign(1.0, v if v != 0.0 else preload - 1.0)
     n = 16
     h = step / n
     for _ in range(n):
         v_half = v + 0.5 * h * (k * x + side * F_k + c * v) / m
         if v_half * side < 0.0:  # it turned there, or was let go
             side, v, v_half = -side, 0.0, 0.0
-            w = 1.0 + side
+            preload = 1.0 + side
         x -= h * v_half
         v = v_half + 0.5 * h * (k * x + side * F_k + c * v_half) / m
-    return np.concatenate([point[:-STATE], [x, v, w]])
+    return np.concatenate([point[:-STATE], [x, v, preload]])
 
 
 def minima_of(fit: RingFit, *, wide: bool = True) -> list[RingFit]:
@@ -424,7 +444,7 @@ def minima_of(fit: RingFit, *, wide: bool = True) -> list[RingFit]:
         grid = [] if turn and best.adequate else [*_grid(best, wide)]
         ends = (fit_decays(fit.decays, fit.k, start) for start in _promising(thin, best, grid))
         minima = _distinct([*minima, *filter(None, ends)], best)
-        if best.chi_square - minima[0].chi_square < _LOWER:
+        if best.chi_square - minima[0].chi_square < _LOWER_MINIMUM:
             break
     return minima
 
@@ -433,10 +453,10 @@ def _distinct(ends: Sequence[End], fit: RingFit) -> list[End]:
     """The lowest ends of climbs that differ from each other by more than standard errors of a fit, the lowest first."""
     kept: list[End] = []
     for end in sorted(ends, key=lambda end: end.chi_square):
-        if kept and end.chi_square > kept[0].chi_square + _WITHIN:
+        if kept and end.chi_square > kept[0].chi_square + _KEPT_ABOVE:
             break
-        apart = (np.abs(end.point - other.point)[: len(COMMON)] for other in kept)
-        if all((distance > _SAME * fit.errors).any() for distance in apart):
+        apart = (np.abs(end.point - other.point)[: len(OSCILLATOR_UNKNOWNS)] for other in kept)
+        if all((distance > _SAME_MINIMUM * fit.errors).any() for distance in apart):
             kept.append(end)
     return kept
 
@@ -444,19 +464,19 @@ def _distinct(ends: Sequence[End], fit: RingFit) -> list[End]:
 def _promising(thin: Sequence[Decay], fit: RingFit, grid: Sequence[Array]) -> list[Array]:
     """Where climbs on all samples nearly end, apart from each other: from the points of a grid that are best on thinned
     samples, from other contacts and frictions, and from the other side of kinks."""
-    samples, whole = (Samples.of(of, fit.k, fit.point.size) for of in (thin, fit.decays))
-    rough = samples.climbs(grid, range(len(COMMON)), gain=1.0, most=3)
+    samples, whole = (DecaySamples.of(of, fit.k, fit.point.size) for of in (thin, fit.decays))
+    rough = samples.climbs(grid, range(len(OSCILLATOR_UNKNOWNS)), gain=1.0, most=3)
     stiffnesses = np.array([*_SCANNED, *(K_z / fit.k for K_z, _ in ringing(fit, fit.decays))])
-    tried = [*rough[:_TRIED], *_along(samples, fit, _RHO, 1.0 / np.sqrt(stiffnesses * fit.k))]
-    if fit.F_k > 0.0 and fit.free[_F_K]:
-        tried += _along(samples, fit, _F_K, fit.F_k * _FRICTIONS)
-    ends = samples.climbs((end.point for end in tried), gain=_COARSE, most=12)
-    near = [*(end.point for end in _distinct(ends, fit)[:_POLISHED]), *_aside(fit)]
-    ends = _distinct(whole.climbs(near, gain=_COARSE, most=12), fit)
+    tried = [*rough[:_THIN_STARTS], *_along(samples, fit, RHO, 1.0 / np.sqrt(stiffnesses * fit.k))]
+    if fit.F_k > 0.0 and fit.free[F_K]:
+        tried += _along(samples, fit, F_K, fit.F_k * _FRICTIONS)
+    ends = samples.climbs((end.point for end in tried), gain=_GAIN_ON_THE_WAY, most=12)
+    near = [*(end.point for end in _distinct(ends, fit)[:_POLISHED]), *_beyond_kinks(fit)]
+    ends = _distinct(whole.climbs(near, gain=_GAIN_ON_THE_WAY, most=12), fit)
     return [end.point for end in ends[:_POLISHED]]
 
 
-def _along(samples: Samples, fit: RingFit, j: int, values: Array) -> list[Climb]:
+def _along(samples: DecaySamples, fit: RingFit, j: int, values: Array) -> list[Climb]:
     """The local minima of χ² along values of unknown j, up to 30 above the least; the others follow from that of the
     fit on, either way."""
     given = {*np.flatnonzero(~fit.free).tolist(), j}
@@ -474,7 +494,7 @@ def _along(samples: Samples, fit: RingFit, j: int, values: Array) -> list[Climb]
     ends.sort(key=lambda end: float(end.point[j]))
     level = np.array([math.inf, *(end.chi_square for end in ends), math.inf])
     lowest = (level[1:-1] <= level[:-2]) & (level[1:-1] <= level[2:])
-    lowest &= level[1:-1] < level.min() + _WITHIN
+    lowest &= level[1:-1] < level.min() + _KEPT_ABOVE
     some = [ends[i] for i in np.flatnonzero(lowest)]
     return sorted(some, key=lambda end: end.chi_square)[:_LINES]
 
@@ -490,7 +510,7 @@ def ringing(fit: RingFit, decays: Sequence[Decay], wait: float = 0.0) -> list[tu
         since = one.start + fit.sticks_from(i, one.end) + wait
         for signal in one.signals if since < one.end else ():
             tail = signal.between(since, one.end)
-            if tail.t.size >= _FEW:
+            if tail.t.size >= _FEWEST_AT_REST:
                 tails.append(((tail.values - tail.values.mean()) / tail.noise, tail.dt))
     if not tails:
         return []
@@ -505,7 +525,7 @@ def ringing(fit: RingFit, decays: Sequence[Decay], wait: float = 0.0) -> list[tu
     around = np.concatenate([[0.0], gain, [0.0]])
     peaks = np.flatnonzero((gain >= around[:-2]) & (gain >= around[2:]))
     peaks = peaks[np.argsort(-gain[peaks], kind="stable")][:_LINES]
-    peaks = peaks[gain[peaks] > gain[peaks[:1]].sum() - _BELOW]
+    peaks = peaks[gain[peaks] > gain[peaks[:1]].sum() - _LESS_LIKELY]
     lines = zip(fit.m * Omega[peaks] ** 2 - fit.k, gain[peaks], strict=True)
     return [(float(K_z), float(by)) for K_z, by in lines if K_z > 0.1 * fit.k]
 
@@ -518,19 +538,19 @@ def _grid(fit: RingFit, wide: bool) -> Iterator[Array]:
     fit.
     """
     loss, ratio = loss_of(fit)
-    own, stiffnesses = fit.point[_RHO] ** -2, [fit.k * by for by in _STIFFER]
-    shares = (fit.F_k / loss, *_SHARES) if loss > 0.0 else _SHARES
+    own, stiffnesses = fit.point[RHO] ** -2, [fit.k * by for by in _STIFFER]
+    shares = (fit.F_k / loss, *_SHARES_OF_LOSS) if loss > 0.0 else _SHARES_OF_LOSS
     grids: list[tuple[Sequence[float], ...]] = [((1.0,), shares, (own, *stiffnesses), (1.0,))]
     if wide:
         grids.append((_LOSSES, _FINER, (own,), (1.0,)))
     if wide and not fit.adequate:
-        grids.append((_LOSSES[::2], _SHARES, (own,), _OTHER_MASSES))
+        grids.append((_LOSSES[::2], _SHARES_OF_LOSS, (own,), _OTHER_MASSES))
     for of_loss, share, stiffness, mass in itertools.chain(*(itertools.product(*g) for g in grids)):
         together = mass * (fit.k + stiffness) - fit.k
         start = fit.point.copy()
         start[fit.friction_places] *= of_loss * share * loss / fit.F_k if fit.F_k > 0.0 else 1.0
-        start[_C] = of_loss * (1.0 - share) * loss / ratio
-        start[_RHO], start[_M] = max(together, 0.1 * fit.k) ** -0.5, mass * fit.m
+        start[C] = of_loss * (1.0 - share) * loss / ratio
+        start[RHO], start[M] = max(together, 0.1 * fit.k) ** -0.5, mass * fit.m
         yield start
 
 
@@ -541,19 +561,19 @@ def loss_of(fit: RingFit) -> tuple[float, float]:
     return fit.F_k + ratio * fit.c, max(ratio, 1e-300)
 
 
-def _aside(fit: RingFit) -> Iterator[Array]:
+def _beyond_kinks(fit: RingFit) -> Iterator[Array]:
     """Points on the other side of kinks next to a fit: with the contact spring of a decay loaded differently at its
     start, and some standard errors away along each common unknown."""
-    for j, side in itertools.product((_F_K, _C, _RHO), (-_ASIDE, _ASIDE)):
+    for j, side in itertools.product((F_K, C, RHO), (-_ERRORS_ASIDE, _ERRORS_ASIDE)):
         if fit.errors[j] > 0.0:
             start = fit.point + side * fit.covariance[:, j] / fit.errors[j]
-            if (start[: len(COMMON)] > 0.0).all():
+            if (start[: len(OSCILLATOR_UNKNOWNS)] > 0.0).all():
                 yield start
-    for i, w in itertools.product(range(len(fit.decays)), _LOADS):
+    for i, preload in itertools.product(range(len(fit.decays)), _PRELOADS):
         place = fit.places(i).stop - 1
-        if abs(fit.point[place] - w) > _OTHER:
+        if abs(fit.point[place] - preload) > _PRELOAD_APART:
             start = fit.point.copy()
-            start[place] = w
+            start[place] = preload
             yield start
 
 

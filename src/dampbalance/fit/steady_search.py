@@ -16,9 +16,10 @@ from ..law.terms import FRICTION
 from ..model import BaseMotion, Oscillator
 from ..motion.jit import interpreted
 from ..motion.orbit import steady_orbit
-from ..signals.lines import Lines, Shares, starts
+from ..signals.lines import Lines
 from ..signals.one_thread import one_thread
-from .climb import MOST, climb
+from .climb import MOST_EVALUATIONS, climb
+from .starts import Shares, starts
 from .waveforms import STIFFEST, HarmonicResiduals, Unknowns, WaveformFit, equivalent_coefficient
 
 _STARTS = (4, 12)  # of the candidates, the closest first, and of those of more masses
@@ -30,12 +31,12 @@ _SAME = 1e-3  # relative: two ends whose χ² differ by less are taken for one
 _REFINED = 3  # of the climbs that ended far from the records, those whose ends are nearest to them
 _TO_THE_END = 300  # for the nearest of all, so that its place hangs on no other start
 _REACH = math.log(5.0)  # of ln K_z to either side, where others are tried
-_MOST_STEPS = 64
+_MOST_STIFFNESS_STEPS = 64
 _SCANS = 3  # along K_z, each from the best end of the one before
-_RINGS = 1.0  # swings in a stick, from which on a fit that holds is not the only one
+_RINGING_SWINGS = 1.0  # swings in a stick, from which on a fit that holds is not the only one
 _CLOSER = (1.0 / 16.0, 1.0 / 8.0, 1.0 / 4.0, 1.0 / 2.0)  # of a step: kinks of χ² lie close together
 _FOLLOWING, _TRIED = 4, 6  # evaluations at each K_z, and minima that are climbed to
-_HARMONICS = 64  # odd ones: the derivatives of the response by ρ fall as n⁻³
+_HARMONICS_OF_TRUTH = 64  # odd ones: the derivatives of the response by ρ fall as n⁻³
 _LOWER = 0.05  # of χ²: what another minimum must be lower by to be scanned around
 
 
@@ -58,7 +59,7 @@ def fit_oscillator(
         for search in (False, *wide)
         for candidate in starts(lines, k, shares, wide=search)[: _STARTS[search]]
     )
-    ends = _ends(unknowns, points, MOST)
+    ends = _ends(unknowns, points, MOST_EVALUATIONS)
     if ends and not ends[0].adequate:
         different = [b for a, b in pairwise(ends) if b.chi_square > a.chi_square * (1.0 + _SAME)]
         refined = [
@@ -96,10 +97,10 @@ def fit_at_truth(
     σ√(2/n) of n samples with white noise σ, over whole cycles or many.
     given : names of common unknowns that are known, besides the delay.
     """
-    n = np.arange(1, 2 * _HARMONICS, 2)
+    n = np.arange(1, 2 * _HARMONICS_OF_TRUTH, 2)
     lines = []
     for motion, (Y_error, x_error) in zip(motions, errors, strict=True):
-        x = steady_orbit(osc, motion).harmonics(_HARMONICS)
+        x = steady_orbit(osc, motion).harmonics(_HARMONICS_OF_TRUTH)
         lines.append(Lines(motion.omega, motion.Y, Y_error, n, x, np.full(n.size, x_error), 1))
     unknowns = Unknowns(Law(), tuple(lines), osc.k)
     truth = unknowns.start(np.array([osc.F_k, osc.c, osc.K_z, osc.m]), np.ones(len(lines)))
@@ -109,9 +110,9 @@ def fit_at_truth(
 def of_all_stiffnesses(fit: WaveformFit) -> WaveformFit:
     """The best fit that is found along K_z, from a fifth to five times that of a fit: in steps that miss no minimum,
     and from a better one again; the fit itself where none is better, or the mass hardly swings while it sticks."""
-    left = np.array([_EFFORT])
+    budget = np.array([_EFFORT])
     for _ in range(_SCANS):
-        others, count = _other_stiffnesses(fit, left)
+        others, count = _other_stiffnesses(fit, budget)
         ends = [_climbed(fit.unknowns, at, softenings=(0.0,)) for at in others]
         best = _best([fit, *filter(None, ends)], count) or fit
         if best.chi_square > fit.chi_square - _LOWER * max(1.0, fit.misfit):
@@ -130,7 +131,7 @@ def climb_on(fit: WaveformFit, lines: Sequence[Lines]) -> WaveformFit | None:
 def fit_quickly(
     lines: Sequence[Lines], k: float, law: Law, near: Sequence[WaveformFit]
 ) -> WaveformFit | None:
-    """Like `fit_oscillator`, but from two candidates of `lines.starts` and from fits with other laws only; not refined
+    """Like `fit_oscillator`, but from two candidates of `starts` and from fits with other laws only; not refined
     where it ends far from the records. Use it to compare many laws."""
     unknowns = Unknowns(law, tuple(lines), k)
     shares = _shares_of(unknowns)
@@ -146,34 +147,34 @@ def _ends(unknowns: Unknowns, points: Iterable[Array], most: int) -> list[Wavefo
     most : evaluations at each softening.
     """
     ends: list[WaveformFit] = []
-    left = np.array([_EFFORT])
+    budget = np.array([_EFFORT])
     with interpreted(False) if unknowns.law.nonlinear else nullcontext():
         for point in points:
-            reached = _climbed(unknowns, point, hopeless=_HOPELESS, most=most, left=left)
+            reached = _climbed(unknowns, point, hopeless=_HOPELESS, most=most, budget=budget)
             if reached is not None:
                 ends.append(reached)
-            if left[0] <= 0.0 or (ends and ends[-1].adequate):
+            if budget[0] <= 0.0 or (ends and ends[-1].adequate):
                 break
     return sorted(ends, key=lambda end: end.chi_square)
 
 
-def _other_stiffnesses(end: WaveformFit, left: Array) -> tuple[list[Array], int]:
+def _other_stiffnesses(end: WaveformFit, budget: Array) -> tuple[list[Array], int]:
     """Where χ² has other local minima along K_z, from a fifth to five times that of a fit, while the other unknowns
     follow; none where the mass hardly swings while it sticks; and the evaluations that it took to see.
 
     A contact that sticks for N swings rings in step with the records at every K_z that changes N by one,
     Δ ln K_z = 2/N: four steps lead from one of them to the next.
 
-    left : as for `HarmonicResiduals`.
+    budget : as for `HarmonicResiduals`.
     """
     swings = max(one.swings for one in end.responses)
-    if swings < _RINGS and end.adequate:
+    if swings < _RINGING_SWINGS and end.adequate:
         return [], 0
-    step = max(0.5 / max(swings, 1.0), 2.0 * _REACH / _MOST_STEPS)
+    step = max(0.5 / max(swings, 1.0), 2.0 * _REACH / _MOST_STIFFNESS_STEPS)
     rho, unknowns = end.names.index("rho"), end.unknowns
     free = np.any(end.response != 0.0, axis=1)
     free[rho] = False
-    evaluate = HarmonicResiduals(unknowns, 0.0, left).products
+    evaluate = HarmonicResiduals(unknowns, 0.0, budget).products
     minima, count = [], 0
     for side in (0.5, -0.5):
         start, levels = end.point, [(end.chi_square, end.point)]
@@ -249,16 +250,16 @@ def _climbed(
     given: Collection[str] = ("delay",),
     softenings: Sequence[float] = _SOFTENING,
     hopeless: float = math.inf,
-    most: int = MOST,
-    last: int = MOST,
-    left: Array | None = None,
+    most: int = MOST_EVALUATIONS,
+    last: int = MOST_EVALUATIONS,
+    budget: Array | None = None,
 ) -> WaveformFit | None:
     """The fit that a climb from there ends in; Y and ψ start as they were read.
 
     given : names of common unknowns that keep their values, in addition to those of the law.
     hopeless : χ² per datum from which on it is not refined.
     most : evaluations at each softening.   last : evaluations without any.
-    left : as for `HarmonicResiduals`; default, as many as it may make at most.
+    budget : as for `HarmonicResiduals`; default, as many as it may make at most.
     """
     names, law, lines = unknowns.names, unknowns.law, unknowns.lines
     point = start.copy()
@@ -268,10 +269,10 @@ def _climbed(
     bounds = unknowns.bounds(point, free)
     sizes = [2 + 2 * one.n.size for one in lines]
     evaluations, promise = 0, math.inf
-    if left is None:
-        left = np.array([float(most * (len(softenings) - 1) + last)])
+    if budget is None:
+        budget = np.array([float(most * (len(softenings) - 1) + last)])
     for softening in softenings:
-        softened = HarmonicResiduals(unknowns, softening, left)
+        softened = HarmonicResiduals(unknowns, softening, budget)
         reached = climb(softened.products, point, bounds, most=most if softening else last)
         if reached is None:
             break

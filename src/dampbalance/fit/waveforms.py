@@ -32,26 +32,36 @@ from ..law.terms import FRICTION, term
 from ..model import BaseMotion, NoOscillator, Oscillator
 from ..motion.law_steady import Response, steady_response
 from ..motion.orbit import NoSteadyOrbit
-from ..signals.lines import Lines, improbable
-from .climb import Bounds
+from ..signals.lines import Lines
+from ..signals.mean_harmonics import Waveform
+from .climb import ClimbBounds
+from .goodness import improbable
 from .oscillator_fit import OscillatorFit
 
-_OTHERS = ("rho", "m", "delay")  # common unknowns in addition to the coefficients of the law
+_BEYOND_THE_LAW = (
+    "rho",
+    "m",
+    "delay",
+)  # common unknowns in addition to the coefficients of the law
 NO_MOTION = (ArithmeticError, NoOscillator, np.linalg.LinAlgError)
 """Errors of a point that has no motion to fit: no steady orbit, which is an ArithmeticError like a division by zero on
 the way to one, a number out of range, or equations without a solution. Any other error is a defect, and shows."""
 
-MOST_RADIANS = 5e5
+MOST_RADIANS_SEARCHED = 5e5
 """Of the fastest motion that are followed in search of one orbit: a quarter of a second."""
 
 # Of K_z/k: the contact that stands for a rigid one. It sticks for 10⁻⁵ rad of the cycle or so, by which friction comes
 # late: to tell that from nothing takes noise below 10⁻⁶ of the motion.
 STIFFEST = 1e10
-_DEAR = 200.0  # turns of the fastest motion, which cost as much as the rest of an evaluation
+TURNS_PER_EVALUATION = (
+    200.0  # turns of the fastest motion, which cost as much as the rest of an evaluation
+)
 _MOST_TURNS = 2e4  # of an orbit whose derivatives are computed: 0.1 s
-_MOST_PHASES = 64  # of half a cycle: to follow a contact that rattles on takes long
-_CONVERGED = 5e-3  # in −log L: half the square of a tenth of a standard error
-_HARMONICS = 128  # odd ones of the waveform: beyond them lies less than 1e-6 of its velocity
+_MOST_PHASES_FITTED = 64  # of half a cycle: to follow a contact that rattles on takes long
+_GAIN_WHEN_CONVERGED = 5e-3  # in −log L: half the square of a tenth of a standard error
+_HARMONICS_OF_WAVEFORM = (
+    128  # odd ones of the waveform: beyond them lies less than 1e-6 of its velocity
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,7 +79,7 @@ class Unknowns:
     @cached_property
     def names(self) -> tuple[str, ...]:
         """Names of the common unknowns: the keys of the coefficients, rho, m and delay."""
-        return (*self.law.keys, *_OTHERS)
+        return (*self.law.keys, *_BEYOND_THE_LAW)
 
     @property
     def size(self) -> int:
@@ -82,7 +92,7 @@ class Unknowns:
         places = []
         for i in range(len(self.lines)):
             common = {s: self.names.index(self.law.key(s, i)) for s in self.law.terms}
-            others = {name: self.names.index(name) for name in _OTHERS}
+            others = {name: self.names.index(name) for name in _BEYOND_THE_LAW}
             own = len(self.names) + 2 * i
             places.append(common | others | {"Y": own, "psi": own + 1})
         return places
@@ -104,7 +114,7 @@ class Unknowns:
             value["m"], value.get("c", 0.0), self.k, value["rho"] ** -2, value[FRICTION]
         )
         motion = BaseMotion(value["Y"], self.lines[record].omega)
-        return steady_response(oscillator, motion, law, near, most_radians=MOST_RADIANS)
+        return steady_response(oscillator, motion, law, near, most_radians=MOST_RADIANS_SEARCHED)
 
     def harmonics(
         self, point: Array, record: int, response: Response, count: int
@@ -125,7 +135,7 @@ class Unknowns:
 
     def onset(self, point: Array, record: int, response: Response) -> tuple[Array, Array]:
         """(V_s, t_s, λ), SI, λ = 4X − a, and their derivatives, (3, unknowns)."""
-        onset = np.array([response.V_s, response.t_s, response.taken])
+        onset = np.array([response.V_s, response.t_s, response.stick_travel])
         slope = self._slopes(record, onset, response.onset_slopes(self.law.terms))
         of_degree_one = np.array([1.0, 0.0, 1.0]) * onset
         slope[:, self.at[record]["Y"]] = self._by_base(point, record, of_degree_one, slope)
@@ -149,7 +159,7 @@ class Unknowns:
         return value / point[at["Y"]]
 
     def start(self, candidate: Array, relative: Array) -> Array:
-        """The point of an oscillator (F_k, c, K_z, m) of `lines.starts`.
+        """The point of an oscillator (F_k, c, K_z, m) of `starts`.
 
         relative : friction of each record over F_k.   The work of c is shared out among the terms that are not given.
         """
@@ -169,7 +179,7 @@ class Unknowns:
             point[at["rho"]], point[at["m"]], point[at["Y"]] = K_z**-0.5, m, one.Y
         return point
 
-    def bounds(self, point: Array, free: Mask) -> Bounds:
+    def bounds(self, point: Array, free: Mask) -> ClimbBounds:
         """The bounds of a climb from a point; the least ρ stands for a rigid contact."""
         least, scale = np.zeros(self.size), np.ones(self.size)
         for i, one in enumerate(self.lines):
@@ -183,7 +193,7 @@ class Unknowns:
             least[at["psi"]] = least[at["delay"]] = -math.inf
             least[at["Y"]], scale[at["Y"]] = 1e-3 * one.Y, one.Y
         scale[self.names.index("delay")] = 1e-3 / max(one.omega for one in self.lines)
-        return Bounds(free, least, np.full(self.size, math.inf), scale)
+        return ClimbBounds(free, least, np.full(self.size, math.inf), scale)
 
 
 def equivalent_coefficient(symbol: str, one: Lines, k: float) -> float:
@@ -200,14 +210,14 @@ class HarmonicResiduals:
     """Residuals (model − data)/σ of the harmonics of all records as functions of the unknowns.
 
     softening : part of the amplitudes added to the errors.
-    left : evaluations that may still be made, (1,), changed by each: a light mass that swings on while it sticks takes
-    as long as many others, and ends the climb early.
+    budget : evaluations that may still be made, (1,), changed by each: a light mass that swings on while it sticks
+    takes as long as many others, and ends the climb early.
     near : the last motion of each record, from which the next starts.
     """
 
     unknowns: Unknowns
     softening: float
-    left: Array = field(default_factory=lambda: np.array([math.inf]))
+    budget: Array = field(default_factory=lambda: np.array([math.inf]))
     near: dict[int, Response] = field(default_factory=dict)
 
     def products(self, point: Array, out: Array) -> bool:
@@ -220,7 +230,7 @@ class HarmonicResiduals:
     def evaluate(self, point: Array) -> Array | None:
         """Derivatives of the residuals and, in the last column, the residuals themselves, (n, p + 1); None where
         nothing slips, there is no orbit, the contact rattles, or no evaluation is left."""
-        if self.left[0] <= 0.0:
+        if self.budget[0] <= 0.0:
             return None
         blocks = []
         slips = False
@@ -238,19 +248,19 @@ class HarmonicResiduals:
         try:
             response = self.unknowns.response(point, i, self.near.get(i))
         except NoSteadyOrbit:
-            self._charge(MOST_RADIANS / (2.0 * math.pi * _DEAR))
+            self._spend(MOST_RADIANS_SEARCHED / (2.0 * math.pi * TURNS_PER_EVALUATION))
             raise
         self.near[i] = response
         par = response.orbit.parameters
         # or the decay of a velocity by e^{2π} where a light mass creeps in a strong damper
         turns = max(response.swings, 0.5 * par.c / par.m / par.omega)
-        if len(response.orbit.phases) > _MOST_PHASES or turns > _MOST_TURNS:
+        if len(response.orbit.phases) > _MOST_PHASES_FITTED or turns > _MOST_TURNS:
             raise NoSteadyOrbit("the contact rattles")
-        self._charge(1.0 + turns / _DEAR)
+        self._spend(1.0 + turns / TURNS_PER_EVALUATION)
         return response
 
-    def _charge(self, cost: float) -> None:
-        self.left[0] -= cost / len(self.unknowns.lines)
+    def _spend(self, cost: float) -> None:
+        self.budget[0] -= cost / len(self.unknowns.lines)
 
     def _block(self, point: Array, i: int, response: Response) -> Array:
         """The rows of a record: |Y|, its phase, Re x_n, Im x_n."""
@@ -330,7 +340,7 @@ class WaveformFit(OscillatorFit):
     @property
     def converged(self) -> bool:
         """Whether the climb ended in an optimum: a step would move no unknown by a tenth of its standard error."""
-        return self.promise < _CONVERGED
+        return self.promise < _GAIN_WHEN_CONVERGED
 
     @property
     def misfits(self) -> Array:
@@ -367,43 +377,19 @@ class WaveformFit(OscillatorFit):
         for i, response in enumerate(self.responses):
             of_record = (self.point, i, response)
             onset = self.unknowns.onset(*of_record)
-            tail = self.unknowns.harmonics(*of_record, _HARMONICS)
-            waveforms.append(Waveform(self, i, response, *onset, *tail))
+            tail = self.unknowns.harmonics(*of_record, _HARMONICS_OF_WAVEFORM)
+            at = self.unknowns.at[i]
+            waveforms.append(
+                Waveform(
+                    response,
+                    *onset,
+                    *tail,
+                    at=at,
+                    F_k=float(self.point[at[FRICTION]]),
+                    rho=self.rho,
+                    rho_error=self.error("rho"),
+                    Y=float(self.point[at["Y"]]),
+                    by_data=self.response[:, self.places[i]],
+                )
+            )
         return tuple(waveforms)
-
-
-@dataclass(frozen=True, eq=False)
-class Waveform:
-    """The waveform of one record as features use it, with derivatives by the unknowns of the fit.
-
-    fit : that it belongs to.   index : of the record.   response : its motion.
-    onset : (V_s, t_s, λ), SI, λ = 4X − a the travel that sticking takes from 4X: 2L for one slip onset per half cycle.
-    onset_slope : (3, p).   tail : harmonics x_n, n = 1, 3, 5 …, phases counted from the peak of y, m; tail_slope :
-    their derivatives, (harmonics, p).
-    """
-
-    fit: WaveformFit
-    index: int
-    response: Response
-    onset: Array
-    onset_slope: Array
-    tail: Complexes
-    tail_slope: Complexes
-
-    @property
-    def F_k(self) -> float:
-        """Friction force of the record, N."""
-        return float(self.fit.point[self.fit.unknowns.at[self.index][FRICTION]])
-
-    @property
-    def length(self) -> float:
-        """L = 2F_k/K_z, m, freed of its bias of second order."""
-        return 2.0 * self.F_k * (self.fit.rho**2 - self.fit.error("rho") ** 2)
-
-    @property
-    def length_slope(self) -> Array:
-        """Derivatives of L by the unknowns, (p,)."""
-        slope, at = np.zeros(self.fit.point.size), self.fit.unknowns.at[self.index]
-        slope[at[FRICTION]] = 2.0 * self.fit.rho**2
-        slope[at["rho"]] = 4.0 * self.F_k * self.fit.rho
-        return slope

@@ -19,7 +19,7 @@ from ..balance import Rows
 from ..fit.oscillator_fit import OscillatorFit
 from ..law.terms import term
 from ..model import named_with_unit
-from ..project.wording import Remark, number, with_unit
+from ..project.wording import Remark, number_text, with_unit
 from ..solver import NORMAL_95
 
 CONFIDENCE = 0.95
@@ -228,7 +228,7 @@ def _judged(symbol: str, parameter: ParameterEstimate, notes: Sequence[str]) -> 
     reasons = [*notes, *filter(None, [parameter.doubt])]
     if math.isinf(parameter.value) or math.isinf(high):
         reasons.append(
-            f"a lower limit only: {symbol} is above {with_unit(number(low, 4), unit_of(symbol))}"
+            f"a lower limit only: {symbol} is above {with_unit(number_text(low, 4), unit_of(symbol))}"
         )
     elif not high - low <= abs(parameter.value):
         reasons.append("its interval is wider than its value")

@@ -24,7 +24,6 @@ from scipy import special
 
 from ..arrays import Array, Complexes, Integers
 from ..fit.base_harmonics import fit_records
-from ..fit.mean_harmonics import Reading
 from ..fit.oscillator_fit import OscillatorFit
 from ..fit.score import Departure, departures_from
 from ..fit.waveforms import WaveformFit
@@ -34,6 +33,7 @@ from ..motion.law_decays import ADDED, rounding
 from ..motion.law_steady import HARMONICS
 from ..project.wording import Remark, larger_by, listed
 from ..records.measurement import ABSOLUTE, RELATIVE
+from ..signals.mean_harmonics import Reading
 from ..solver import NORMAL_95
 from .oscillator import AS_WELL
 
@@ -169,7 +169,7 @@ def condition_on_contact(fit: OscillatorFit, tested: Iterable[Departure]) -> lis
 
 
 def _changes(one: Departure, fit: OscillatorFit, value: float) -> dict[str, float]:
-    """By which part of themselves the numbers of a fit change with a coefficient of this value, by symbol."""
+    """Return the relative change of the numbers of a fit with a coefficient of this value, by symbol."""
     parts = {s: by * value / (fit.value(s) or 1.0) for s, by in one.slopes.items()}
     if "rho" in parts:
         # after a reversal the contact is as much stiffer as its corner is rounded

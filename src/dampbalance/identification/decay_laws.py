@@ -2,7 +2,7 @@
 compared.
 
 The quick test belongs to every identification: it asks which one further coefficient the residual speaks for
-(`fit.law_fit.departures`). The comparison tests every law by the likelihood of all samples: χ² of the best
+(`fit.law_fit.law_departures`). The comparison tests every law by the likelihood of all samples: χ² of the best
 oscillator with it, above that of the law with all terms, against the F distribution. The rows of the balance are read
 with a motion of friction and viscous damping, and so they do not test other laws.
 """
@@ -16,11 +16,11 @@ from collections.abc import Iterable, Mapping, Sequence
 from scipy import special
 
 from ..fit.decay import RingFit
-from ..fit.law_fit import TERMS, LawFit, fit_law
+from ..fit.law_fit import DECAY_TERMS, LawFit, fit_law
 from ..fit.score import Departure
 from ..law.terms import FRICTION, KNOWN_TERMS
 from ..project.progress import followed
-from ..project.wording import change, listed, number
+from ..project.wording import change_text, listed, number_text
 from ..signals.one_thread import one_thread
 from ..solver import NORMAL_95
 from .answer import Answer, unit_of
@@ -67,8 +67,8 @@ def doubt_of(fit: RingFit, further: Sequence[Departure]) -> str:
     if likely.symbol in _OTHERS:
         words, unit = _OTHERS[likely.symbol]
         return (
-            f"{begin}{words} would explain most of it ({likely.symbol} = {number(likely.value, 3)} ± "
-            f"{number(likely.error, 1)} {unit}); F_k and c may carry its effect"
+            f"{begin}{words} would explain most of it ({likely.symbol} = {number_text(likely.value, 3)} ± "
+            f"{number_text(likely.error, 1)} {unit}); F_k and c may carry its effect"
         )
     if likely.value < 0.0:
         return (
@@ -76,7 +76,7 @@ def doubt_of(fit: RingFit, further: Sequence[Departure]) -> str:
             "F_k and c are not those of the rig"
         )
     # their powers of the velocity are so close that only the motions under them tell which it is
-    symbols = [one.symbol for one in further if one.symbol in TERMS and one.value > 0.0]
+    symbols = [one.symbol for one in further if one.symbol in DECAY_TERMS and one.value > 0.0]
     fits = [law for s in symbols if (law := fit_law(fit, (FRICTION, "c", s))) is not None]
     law = min(fits, key=lambda one: one.chi_square, default=None)
     symbol, values = (likely.symbol, "") if law is None else (law.terms[-1], _values_of(law))
@@ -88,7 +88,7 @@ def doubt_of(fit: RingFit, further: Sequence[Departure]) -> str:
 
 def _values_of(law: LawFit) -> str:
     coefficients = ((s, *law.coefficient(s)) for s in law.terms)
-    return f" ({', '.join(f'{s} = {number(x, 4)} ± {number(error, 2)}' for s, x, error in coefficients)})"
+    return f" ({', '.join(f'{s} = {number_text(x, 4)} ± {number_text(error, 2)}' for s, x, error in coefficients)})"
 
 
 def condition_of(fit: RingFit, further: Iterable[Departure]) -> tuple[str, dict[str, float]]:
@@ -100,7 +100,7 @@ def condition_of(fit: RingFit, further: Iterable[Departure]) -> tuple[str, dict[
     """
     worst, sentence, effects = _MATTERS, "", {}
     for one in further:
-        if one.symbol not in TERMS:
+        if one.symbol not in DECAY_TERMS:
             continue
         most = abs(one.value) + NORMAL_95 * one.error
         by_c = one.slopes.get("c", 0.0)
@@ -141,7 +141,7 @@ def _changed(fit: RingFit, name: str, by: float) -> str:
     if name == "rho":  # K_z = ρ^{−2}
         name, value, moved = "K_z", value**-2, moved**-2 if moved else math.inf
     unit = "kg" if name == "m" else unit_of(name)
-    return f"{name} by up to {change(value, moved - value, unit)}"
+    return f"{name} by up to {change_text(value, moved - value, unit)}"
 
 
 @one_thread
@@ -154,7 +154,7 @@ def compare_decay_laws(fit: RingFit) -> LawComparison:
 
     fit : of the oscillator with friction and viscous damping to all decays.
     """
-    damping = [s for s in TERMS if s != FRICTION]
+    damping = [s for s in DECAY_TERMS if s != FRICTION]
     laws = [
         (*friction, *some)
         for friction in ((), (FRICTION,))
@@ -162,7 +162,7 @@ def compare_decay_laws(fit: RingFit) -> LawComparison:
         for some in itertools.combinations(damping, size)
         if friction or some
     ]
-    every = fit_law(fit, TERMS)
+    every = fit_law(fit, DECAY_TERMS)
     if every is None:
         raise ValueError("no law can be tested: the motion of the decays cannot be followed")
     fits: dict[tuple[str, ...], LawFit] = {}
@@ -173,7 +173,7 @@ def compare_decay_laws(fit: RingFit) -> LawComparison:
         for terms in alike:
             if enough and not any(smaller < set(terms) for smaller in enough):
                 continue
-            rise = every.without([s for s in TERMS if s not in terms])
+            rise = every.without([s for s in DECAY_TERMS if s not in terms])
             if rise > _SURE * _noise(every):
                 hopeless[terms] = rise
                 continue
@@ -184,7 +184,7 @@ def compare_decay_laws(fit: RingFit) -> LawComparison:
                 continue
             fits[terms] = of_law
             if of_law.chi_square < every.chi_square:
-                every = fit_law(fit, TERMS, [of_law.point]) or every
+                every = fit_law(fit, DECAY_TERMS, [of_law.point]) or every
     tests = [_tested(every, terms, rise) for terms, rise in hopeless.items()]
     tests += [_tested(every, terms, one) for terms, one in fits.items()]
     caution = "" if every.adequate else _CAUTION
@@ -203,7 +203,7 @@ def _tested(every: LawFit, terms: tuple[str, ...], law: LawFit | float) -> LawTe
     law : its fit, or what χ² rises by where it needs no fit.
     """
     rise = law.chi_square - every.chi_square if isinstance(law, LawFit) else law
-    freedom, above = len(TERMS) - len(terms), max(rise, 0.0) / _noise(every)
+    freedom, above = len(DECAY_TERMS) - len(terms), max(rise, 0.0) / _noise(every)
     p = float(special.fdtrc(freedom, every.freedom, above / freedom))
     coefficients = {s: law.coefficient(s) for s in terms} if isinstance(law, LawFit) else {}
     return LawTest(terms, coefficients, {"waveforms": Probability(above, freedom, p)})

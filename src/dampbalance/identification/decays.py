@@ -19,18 +19,18 @@ from ..arguments import flag, number
 from ..arrays import Array
 from ..balance import TERMS, Rows
 from ..fit.decay import (
-    COMMON,
     RingFit,
     fit_decays,
     linear_solution,
     with_intervals,
     with_noise_of,
 )
-from ..fit.law_fit import departures
+from ..fit.law_fit import law_departures
 from ..fit.scattering_mean import ScatteringMean
 from ..fit.score import Departure
 from ..fit.search import fit_all, minima_of, separate_fits
 from ..motion.jit import interpreted
+from ..motion.unknowns import OSCILLATOR_UNKNOWNS
 from ..project.wording import Remark, listed, times, visible
 from ..records.mapping import MappingLike
 from ..records.measured import MeasuredRecord, in_words_of_records
@@ -65,7 +65,7 @@ from .remarks import forbidden, on_mass
 from .request import Stated, mapping_option, records_of, rig_options
 from .screen import implied, with_error
 from .sensitivities import Fault
-from .stated import carried
+from .stated import with_stated_uncertainties
 
 if TYPE_CHECKING:
     from ..records.measured import RecordLike
@@ -120,7 +120,7 @@ class DecayOutcome(Identified):
             "F_k_N": self.fit.point_of(i)[0],
             "F_k_standard_error_N": math.sqrt(self.fit.covariance[place, place]),
             "sticks_from_s": one.start + still if math.isfinite(still) else None,
-            "rest_m": None if rest is None else self.fit.point[len(COMMON) + rest],
+            "rest_m": None if rest is None else self.fit.point[len(OSCILLATOR_UNKNOWNS) + rest],
             "noise_rms": {signal.quantity: signal.noise for signal in one.signals},
             "turns_s": turns[:, 0],
             "turns_m": turns[:, 1],
@@ -232,7 +232,9 @@ def _of_records(records: tuple[MeasuredRecord, ...], options: Mapping[str, Any])
     )
     odd = [words.about(record.name) for record in records for words in record.warnings]
     warnings = (*odd, *outcome.warnings)
-    return carried(replace(outcome, warnings=warnings, records=records, options=options))
+    return with_stated_uncertainties(
+        replace(outcome, warnings=warnings, records=records, options=options)
+    )
 
 
 @one_thread
@@ -367,7 +369,7 @@ def _solved(
     """The rows solved, with notes, and warnings and sentences on the rig in addition to these."""
     values, covariance, misfit, freedom, interval = _least_squares(rows)
     fit_notes = [*map(Remark, fit.shortcomings)]
-    further = departures(fit)
+    further = law_departures(fit)
     scale = 1.0 if fit.adequate else math.sqrt(fit.misfit)
     gradual, doubt = gradual_contact(further, scale), ""
     if gradual is not None:

@@ -28,8 +28,7 @@ from scipy import special
 from ..arguments import flag, number, whole
 from ..arrays import Array, Mask
 from ..balance import Approach, Rows, approach, checks
-from ..features import COLUMNS, Features, stack
-from ..fit.mean_harmonics import Reading
+from ..features import FEATURE_COLUMNS, Features, stack
 from ..fit.score import Departure
 from ..law.law import Law, law_of
 from ..law.terms import FRICTION, term
@@ -37,6 +36,7 @@ from ..motion.jit import interpreted
 from ..project.wording import Remark
 from ..records.mapping import MappingLike
 from ..records.measured import MeasuredRecord, in_words_of_records
+from ..signals.mean_harmonics import Reading
 from ..signals.one_thread import one_thread
 from ..solver import Estimate, least_squares, solve
 from .answer import (
@@ -61,16 +61,16 @@ from .oscillator import (
     Samples,
     covariance_of_rows,
     jackknifed,
-    joined,
     joint_fit,
     microstick,
     read_samples,
+    with_common_fit,
 )
 from .remarks import DIRECT, agreement, notes_on
 from .request import Stated, mapping_option, records_of, rig_options
 from .screen import implied, with_error
 from .sensitivities import Fault, sensitivities, shifts_of_fit
-from .stated import carried
+from .stated import with_stated_uncertainties
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -123,8 +123,12 @@ class ForcedOutcome(Identified):
                     "highest_harmonic": reading.steady.bandwidth,
                     "noise_rms": reading.steady.noise_rms,
                     "slips": reading.slips,
-                    "features": {c: getattr(self.features, n)[i] for n, c in COLUMNS.items()},
-                    "standard_errors": {c: reading.standard_errors[n] for n, c in COLUMNS.items()},
+                    "features": {
+                        c: getattr(self.features, n)[i] for n, c in FEATURE_COLUMNS.items()
+                    },
+                    "standard_errors": {
+                        c: reading.standard_errors[n] for n, c in FEATURE_COLUMNS.items()
+                    },
                     "warnings": reading.warnings,
                 }
                 for i, reading in enumerate(self.readings)
@@ -312,7 +316,9 @@ def _of_records(
     )
     held = mass if outcome.joint.mass_taken else None
     laws = compare_laws(readings, k, mass=held, law=law) if options["laws"] else None
-    return carried(replace(outcome, laws=laws, loaded=loaded, records=records, options=options))
+    return with_stated_uncertainties(
+        replace(outcome, laws=laws, loaded=loaded, records=records, options=options)
+    )
 
 
 def _require_possible(loaded: Sequence[Loaded], mass: float | None, k: float) -> None:
@@ -365,7 +371,7 @@ def identify_readings(
         law.require([reading.steady.frequency_hz for reading in readings])
     if few and reference is not None:
         reference = replace(reference, notes=(*reference.notes, _UNCHECKED))
-    readings = joined(readings, joint, law)
+    readings = with_common_fit(readings, joint, law)
     samples = read_samples(readings)
     line = microstick(samples)
     estimates: dict[str, Answer] = {}

@@ -25,19 +25,19 @@ import numpy as np
 
 from ..arrays import Array, Integers, Mask
 from ..fit.decay import (
-    COMMON,
     STATE,
     Decay,
     RingFit,
     linear_solution,
     numbers_of,
     phases_of,
-    w_errors,
+    preload_errors,
 )
 from ..model import Parameters
 from ..motion.events import PHASE_S, PHASE_T, PHASE_V, PHASE_X
 from ..motion.free_decay import contact_chord
 from ..motion.states import states_in_phases
+from ..motion.unknowns import OSCILLATOR_UNKNOWNS
 
 W, A, B = range(3)
 """Columns of a row: W (J), a (m), b (m²/s)."""
@@ -123,7 +123,7 @@ def rows_of(fit: RingFit) -> RingRows:
     total = ends[-1]
     # estimates: the turns of all decays, then the unknowns of the fit
     design, rest = np.zeros((fit.samples, total + p)), -fit.residual
-    errors = np.concatenate([np.full(total, math.inf), w_errors(p, len(fit.decays))])
+    errors = np.concatenate([np.full(total, math.inf), preload_errors(p, len(fit.decays))])
     rows = []
     at = 0
     for i, (one, course, own) in enumerate(zip(fit.decays, courses, points, strict=True)):
@@ -145,7 +145,7 @@ def rows_of(fit: RingFit) -> RingRows:
             turns = nodes[i].copy()
             turns[j] += span
             slope[..., begin + j] = (_columns(own, fit.k, course, turns) - columns) / span
-        for j in (*range(len(COMMON)), *range(start, start + STATE)):
+        for j in (*range(len(OSCILLATOR_UNKNOWNS)), *range(start, start + STATE)):
             place = j or fit.friction_places[i]
             seen_there = fit.jacobian[:, place].any()
             nearby = _nearby(fit, i, j, len(course.halves)) if seen_there else None
@@ -206,13 +206,13 @@ def _nearby(fit: RingFit, i: int, j: int, halves: int) -> tuple[Array, Course, f
     step = _PART * math.sqrt(fit.covariance[place, place])
     if j == own.start + 2:
         step = _PART
-    elif j == COMMON.index("rho"):
+    elif j == OSCILLATOR_UNKNOWNS.index("rho"):
         # close to a rigid contact the motion depends on ρ²: a chord replaces the slope
         step = contact_chord(float(fit.point[j]), fit.k) or _STEP * float(fit.point[j])
     for way in (-step, step) if j == own.start + 2 and fit.point[j] > 1.0 else (step, -step):
         point = fit.point_of(i)
         point[j] += way
-        if (j < len(COMMON) and point[j] <= 0.0) or step == 0.0:
+        if (j < len(OSCILLATOR_UNKNOWNS) and point[j] <= 0.0) or step == 0.0:
             continue
         course = _course(point, point[own], fit.k, fit.decays[i], halves)
         if len(course.halves) == halves:
@@ -289,7 +289,7 @@ def _basis(point: Array, k: float, one: Decay, course: Course) -> tuple[Array, M
 
 def _columns(point: Array, k: float, course: Course, turns: Array) -> Array:
     """The rows (W, a, b) with these turns, (n, 3)."""
-    m, rows = point[COMMON.index("m")], []
+    m, rows = point[OSCILLATOR_UNKNOWNS.index("m")], []
     for half, x_a, x_b in zip(course.halves, turns[:-1], turns[1:], strict=True):
         stretched = ((x_b - x_a) / (half.x_b - half.x_a)) ** 2
         work = 0.5 * k * (x_a - x_b) * (x_a + x_b) + 0.5 * m * half.v_a**2 * stretched

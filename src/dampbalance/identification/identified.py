@@ -230,7 +230,7 @@ class Identified(ABC):
 
     @abstractmethod
     def shifts(self, faults: Mapping[str, Fault], name: str) -> dict[str, dict[str, float]]:
-        """By which part of themselves faults change the numbers of the answer of that name, to first order: fault →
+        """Return the relative change of the numbers of the answer of that name with faults, to first order: fault →
         symbol, "m" for the mass; empty where that is not known."""
 
     @cached_property
@@ -519,7 +519,10 @@ class Identified(ABC):
     @interpreted(calls=QUICK)
     def _report(self, folder: Path, png: bool = True) -> str:
         """The report, and the pictures in a folder."""
-        from ..figures.style import save, save_svg  # slow to import, and needed for pictures only
+        from ..figures.style import (
+            save,
+            save_svg,
+        )  # slow to import, and needed for pictures only
         from .pictures import DPI
 
         drawings = {}

@@ -27,14 +27,14 @@ from scipy import special
 from ..arrays import Array
 from ..balance import APPROACHES, Rows
 from ..fit.base_harmonics import settled
-from ..fit.mean_harmonics import Reading
+from ..fit.goodness import probability
 from ..fit.steady_search import fit_quickly, with_mass
 from ..fit.waveforms import WaveformFit
 from ..law.law import Law
 from ..law.terms import FRICTION, KNOWN_TERMS, Term, in_order, term
 from ..project.progress import followed
 from ..project.wording import listed, times
-from ..signals.lines import probability
+from ..signals.mean_harmonics import Reading
 from ..signals.one_thread import one_thread
 from ..solver import solve
 from .answer import column
@@ -44,8 +44,8 @@ from .oscillator import (
     Samples,
     covariance_of_rows,
     jackknifed,
-    joined,
     read_samples,
+    with_common_fit,
 )
 from .remarks import DIRECT
 
@@ -338,7 +338,7 @@ def _by_balance(
     none, whose rows need no onset of slip.
     """
     rows_of = LawRows(APPROACHES[DIRECT], law, readings[0].steady.k, linear=joint.fit is None)
-    samples = read_samples(joined(readings, joint, law))
+    samples = read_samples(with_common_fit(readings, joint, law))
     cycles = min(len(reading.steady.weights) for reading in readings)
     balance, coefficients = _generalised(samples.map(lambda of: rows_of(of.features)), cycles)
     return LawTest(terms, coefficients, {"balance": balance})

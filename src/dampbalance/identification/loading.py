@@ -8,10 +8,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..arrays import Array
-from ..fit.mean_harmonics import Reading, read_features
 from ..records.measured import MeasuredRecord
 from ..records.measurement import EXCITATIONS, Correction
 from ..signals.drive import stands_still
+from ..signals.mean_harmonics import Reading, read_features
 
 EXCERPT = 16_384  # leading samples of each channel that are kept for plots, or three cycles of a slow drive
 

@@ -19,13 +19,14 @@ from ..balance import Approach, Rows
 from ..features import Features, stack
 from ..fit.base_harmonics import fit_records
 from ..fit.channel_faults import ChannelFault, ac_coupling, drive_gain
-from ..fit.mean_harmonics import RESOLVED, Means, Reading
+from ..fit.goodness import improbable, linear_misfit
 from ..fit.steady_search import with_delay, with_mass
 from ..fit.waveforms import WaveformFit
 from ..law.law import Law
 from ..law.terms import FRICTION
 from ..project.wording import Remark
-from ..signals.lines import Lines, improbable, linear_misfit
+from ..signals.lines import Lines
+from ..signals.mean_harmonics import RESOLVED, Means, Reading
 from ..solver import NORMAL_95
 from .answer import Answer, answer_of_fit
 
@@ -162,8 +163,10 @@ def joint_fit(
     return JointFit(fit, linear, delayed, tuple(faults), m, agrees)
 
 
-def joined(readings: Sequence[Reading], joint: JointFit, law: Law | None = None) -> list[Reading]:
-    """The readings with the waveforms of the fit.
+def with_common_fit(
+    readings: Sequence[Reading], joint: JointFit, law: Law | None = None
+) -> list[Reading]:
+    """Return the readings with the waveforms of the fit.
 
     Where the waveforms do not hold, the readings have none; of the nearest oscillator they then have only the travel
     that its sticking takes.
@@ -172,14 +175,14 @@ def joined(readings: Sequence[Reading], joint: JointFit, law: Law | None = None)
     """
     wanted = () if law is None else tuple(s for s in law.terms if s not in (FRICTION, "c"))
     fit = None if joint.linear else joint.fit
-    found = []
+    fitted = []
     for i, reading in enumerate(readings):
         shared = fit.waveforms[i] if fit is not None and fit.adequate else None
-        taken = reading.taken
+        travel = reading.stick_travel
         if fit is not None and not fit.adequate:
-            taken = fit.responses[i].taken if fit.responses[i].slips else math.nan
-        found.append(replace(reading, joint=True, shared=shared, taken=taken, terms=wanted))
-    return found
+            travel = fit.responses[i].stick_travel if fit.responses[i].slips else math.nan
+        fitted.append(replace(reading, waveform=shared, stick_travel=travel, terms=wanted))
+    return fitted
 
 
 # --- rows and their errors ------------------------------------------------------------------------
@@ -270,7 +273,7 @@ def covariance_of_rows(left: Sequence[Rows]) -> Array:
 
 
 def read_samples(readings: Sequence[Reading]) -> Samples[Sample]:
-    """Features of readings that share the waveforms of a joint fit (`oscillator.joined`), as read and without groups of
+    """Features of readings that share the waveforms of a joint fit (`with_common_fit`), as read and without groups of
     rows, the waveforms of all records following."""
     means, left = [reading.mean for reading in readings], []
     for j, reading in enumerate(readings):
@@ -286,13 +289,14 @@ def sample_of(readings: Sequence[Reading], means: Sequence[Means]) -> Sample:
     """Features of n records from r means of each, (n, r)."""
     moved = np.sum([r.moved(m) for r, m in zip(readings, means, strict=True)], axis=0)
     features = stack([r.features_of(m, moved)[None] for r, m in zip(readings, means, strict=True)])
-    waveform = readings[0].waveform
-    if waveform is None:
+    waveforms = [reading.waveform for reading in readings if reading.waveform is not None]
+    if not waveforms:
         unknown = np.full(moved.shape[1], math.nan)
         return Sample(features.replaced(**dict.fromkeys(_UNKNOWN, math.nan)), unknown, unknown)
-    fit = waveform.fit
-    rho = fit.rho + moved[fit.unknowns.names.index("rho")]
-    return Sample(features, fit.F_k + fit.unknowns.friction(moved), rho)
+    # one friction force for each group of records
+    frictions = {waveform.at[FRICTION]: waveform.F_k for waveform in waveforms}
+    F_k = np.mean(list(frictions.values())) + moved[list(frictions)].mean(axis=0)
+    return Sample(features, F_k, waveforms[0].rho + moved[waveforms[0].at["rho"]])
 
 
 def microstick(samples: Samples[Sample]) -> Microstick:

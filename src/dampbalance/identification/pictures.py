@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from ..arrays import Array
-from ..figures.cycle import branches, whole
+from ..figures.cycle import branches, whole_cycle
 from ..figures.looks import in_maths, label_of, look_of
 from ..figures.style import (
     DASHED,
@@ -28,11 +28,12 @@ from ..figures.style import (
     place,
     styled,
 )
-from ..fit.decay import COMMON, RingFit
-from ..fit.mean_harmonics import Reading
+from ..fit.decay import RingFit
 from ..fit.waveforms import WaveformFit
+from ..motion.unknowns import OSCILLATOR_UNKNOWNS
 from ..project.wording import cut
 from ..records.measurement import ORDERS, RELATIVE
+from ..signals.mean_harmonics import Reading
 from .answer import SHAPE, Answer
 from .loading import Loaded
 from .oscillator import Microstick
@@ -114,7 +115,7 @@ def friction(
         axes.plot(1e3 * x, f, color=SLIP, label="from the record")
         if fit is not None:
             orbit = fit.responses[i].orbit
-            state = whole(branches(orbit))
+            state = whole_cycle(branches(orbit))
             look: dict[str, Any] = {"color": STICK, "linestyle": DASHED}
             K_z, F_k = orbit.oscillator.K_z, orbit.oscillator.F_k
             axes.plot(1e3 * state.x, K_z * state.z, label="fitted oscillator", **look)
@@ -232,7 +233,7 @@ def decays(fit: RingFit, turns: Sequence[tuple[Array, Array]]) -> Figure:
         axes.plot(t, factor * (values + residual * signal.noise), **look)
         if signal.order == 0:
             t_turn, x_turn = turns[i][0].T
-            x = factor * (x_turn + float(fit.point[len(COMMON) + signal.offset]))
+            x = factor * (x_turn + float(fit.point[len(OSCILLATOR_UNKNOWNS) + signal.offset]))
             rings: dict[str, Any] = {"markersize": 2.5, "fillstyle": "none", "label": "turns"}
             axes.plot(t_turn, x, "o", color=STICK, **rings)
         _with_residual(axes, below, t, residual, (one.start, end), symbol, unit)

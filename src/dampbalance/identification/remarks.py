@@ -18,7 +18,6 @@ import numpy as np
 from ..balance import Rows
 from ..fit.base_harmonics import fit_records
 from ..fit.channel_faults import ChannelFault, with_response
-from ..fit.mean_harmonics import Reading
 from ..fit.oscillator_fit import OscillatorFit
 from ..fit.score import Departure
 from ..fit.waveforms import WaveformFit
@@ -26,18 +25,19 @@ from ..law.terms import term
 from ..project.wording import (
     Remark,
     Shown,
-    change,
+    change_text,
     factor,
     larger_by,
     listed,
     merged,
-    number,
+    number_text,
     part,
     percent,
     times,
     with_unit,
 )
 from ..signals.checks import is_clipped
+from ..signals.mean_harmonics import Reading
 from ..solver import NORMAL_95
 from .answer import Answer, ParameterEstimate
 from .causes import (
@@ -88,7 +88,7 @@ def notes_on(answer: Answer, readings: Sequence[Reading], joint: JointFit) -> It
         yield Remark("F_k and K_z leave no trace in the records: c comes from W = b c")
     elif not joint.waveforms_hold and not answer.notes:
         yield Remark(
-            "the onset of slip is not known: what sticking takes from 4X is that of the oscillator that comes nearest"
+            "slip onset could not be detected: the stick distance is taken from the closest fit"
             if joint.fit is not None
             else "the onset of slip is not known: the contact is taken as rigid, and F_k is too small"
         )
@@ -114,7 +114,7 @@ def forbidden(
     return [
         Remark(
             "{} = {} is negative, which physics forbids: {}",
-            *(symbol, Shown(p.value, with_unit(number(p.value, 3), term(symbol).unit)), cause),
+            *(symbol, Shown(p.value, with_unit(number_text(p.value, 3), term(symbol).unit)), cause),
         )
         for symbol, p in coefficients.items()
         if p.interval.high < 0.0
@@ -175,7 +175,7 @@ def agreement(
     if fit is not None and {"c", "c_r"} <= set(fit.law.unknowns):
         yield Remark(
             f"c and c_r together cannot be distinguished from a skew of the channels: if the response lags by 1 µs, "
-            f"c_r is {number(1e-6 * fit.k, 2)} N s/m too small and c as much too large",
+            f"c_r is {number_text(1e-6 * fit.k, 2)} N s/m too small and c as much too large",
             doubts={"c": math.inf, "c_r": math.inf},
         )
     yield from _apart(answers.get(DIRECT), joint)
@@ -309,15 +309,15 @@ def _in_words(fault: ChannelFault) -> str:
     if fault.kind == "coupling":
         return (
             "the response is coupled through a capacitor (AC), a high-pass filter with a corner of "
-            f"{number(size, 4)} ± {number(error, 2)} Hz"
+            f"{number_text(size, 4)} ± {number_text(error, 2)} Hz"
         )
     if fault.kind == "delay":
         return (
-            f"the response {'lags' if fault.size > 0.0 else 'leads'} the drive by {number(1e6 * size, 4)} ± "
-            f"{number(1e6 * error, 2)} µs more than the motion explains"
+            f"the response {'lags' if fault.size > 0.0 else 'leads'} the drive by {number_text(1e6 * size, 4)} ± "
+            f"{number_text(1e6 * error, 2)} µs more than the motion explains"
         )
     much, little = ("much", "little") if fault.size > 0.0 else ("little", "much")
-    words = f"the drive reads {number(100.0 * size, 3)} ± {number(100.0 * error, 2)} % too {much}"
+    words = f"the drive reads {number_text(100.0 * size, 3)} ± {number_text(100.0 * error, 2)} % too {much}"
     if any(one.relative for one in fault.fit.lines):
         return words
     # F_k is in proportion to the size of the motion, which nothing else asks for
@@ -328,10 +328,10 @@ def _in_words(fault: ChannelFault) -> str:
 def _values(fit: WaveformFit) -> list[str]:
     """The numbers of a fit for a sentence: "F_k = 1.28 N", …"""
     values = [
-        with_unit(f"{key} = {number(fit.value(key), 4)}", term(key).unit)
+        with_unit(f"{key} = {number_text(fit.value(key), 4)}", term(key).unit)
         for key in fit.law.unknowns
     ]
-    return [*values, f"K_z = {number(fit.K_z, 4)} N/m"]
+    return [*values, f"K_z = {number_text(fit.K_z, 4)} N/m"]
 
 
 def _other_frame(readings: Sequence[Reading], joint: JointFit) -> OtherFrame | None:
@@ -382,7 +382,7 @@ def _in_other_frame(frame: OtherFrame) -> Remark:
     return Remark(
         f"the response is likely {is_really} and was taken for {taken}: with the motion of the base "
         f"{'added to' if frame.relative else 'taken off'} it the records are those of one oscillator within their "
-        f"noise, with {listed([*_values(fit), f'm = {number(fit.m, 4)} kg'])}; name "
+        f"noise, with {listed([*_values(fit), f'm = {number_text(fit.m, 4)} kg'])}; name "
         f"{'them' if len(frame.names) > 1 else 'it'} {listed(frame.names)} in the mapping",
         doubts=dict.fromkeys([*fit.law.unknowns, "K_z"], math.inf),
     )
@@ -399,7 +399,9 @@ def _apart(answer: Answer | None, joint: JointFit) -> Iterator[Remark]:
         error = math.sqrt(max(own.standard_error**2 - joint.fit.error(symbol) ** 2, 0.0))
         error = max(error, 0.5 * own.standard_error, 1e-7 * abs(of_fit))
         if abs(own.value - of_fit) > _APART * error and of_fit:
-            parts[symbol] = f"{symbol} by {change(of_fit, own.value - of_fit, term(symbol).unit)}"
+            parts[symbol] = (
+                f"{symbol} by {change_text(of_fit, own.value - of_fit, term(symbol).unit)}"
+            )
     if parts:
         yield Remark(
             "the energy balance and the fit of one oscillator to all records differ, "

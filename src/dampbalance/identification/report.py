@@ -15,7 +15,7 @@ import jinja2
 from markupsafe import Markup
 
 from .. import __version__
-from ..figures.style import COOL, DARK, GRID, INK, PAPER, follows_the_screen
+from ..figures.style import COOL, DARK, GRID, INK, PAPER_COLOUR, follows_the_screen
 from ..law.terms import term
 from ..project.wording import (
     Remark,
@@ -23,7 +23,7 @@ from ..project.wording import (
     in_html,
     larger_by,
     listed,
-    number,
+    number_text,
     percent,
     sentence,
     signed_percent,
@@ -35,7 +35,7 @@ from .remarks import in_a_sentence
 from .screen import answers_table, comparison, interval_of, value_of
 
 _COLOURS = {  # on paper, on a dark screen: contrast of text of at least 4.5 : 1
-    "paper": (PAPER, DARK[PAPER]),
+    "paper": (PAPER_COLOUR, DARK[PAPER_COLOUR]),
     "ink": (INK, DARK[INK]),
     "raised": (COOL, DARK[COOL]),
     "rule": (GRID, DARK[GRID]),
@@ -176,7 +176,7 @@ _TEMPLATES.filters |= {
     "part": _part,
     "unit": unit_of,
     "words": lambda symbol: "contact stiffness" if symbol == "K_z" else term(symbol).words,
-    "figures": lambda value: number(_known(value), 4),
+    "figures": lambda value: number_text(_known(value), 4),
     "percent": lambda share: percent(_known(share)),
     "change": lambda change: signed_percent(0.01 * round(_known(change), 3)),
     "setting": _setting,

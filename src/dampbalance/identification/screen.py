@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 
 from ..fit.oscillator_fit import OscillatorFit
 from ..project import wording
-from ..project.wording import minus, number, written
+from ..project.wording import minus, number_text, written
 from .answer import Answer, ParameterEstimate, Verdict, unit_of
 from .law_comparison import LawComparison, Probability
 from .remarks import of_masses
@@ -54,7 +54,7 @@ def comparison(laws: LawComparison | None) -> list[str]:
         rejected = test.rejected_by_balance if laws.by_balance else test.rejected
         word = "chosen" if laws.chosen == test.terms else "rejected" if rejected else "possible"
         values = ", ".join(
-            f"{key} = {number(value, 5)} ± {number(error, 2)}"
+            f"{key} = {number_text(value, 5)} ± {number_text(error, 2)}"
             for key, (value, error) in test.coefficients.items()
         )
         tests = [_in_noise(test.tests.get(name)) for name in laws.names]
@@ -87,7 +87,7 @@ def implied(fit: OscillatorFit, given_mass: float | None = None) -> list[str]:
     compared = [] if given or given_mass is None else [f"The {of_masses(fit.m, given_mass)}."]
     return [
         f"The oscillator of largest likelihood has {mass} and a natural frequency of "
-        f"{number(fit.natural_frequency_hz, 4)} Hz with the contact loose.",
+        f"{number_text(fit.natural_frequency_hz, 4)} Hz with the contact loose.",
         "If that is not your rig, a gain, a unit or the stiffness is wrong.",
         *compared,
     ]
@@ -124,7 +124,7 @@ def interval_of(parameter: ParameterEstimate) -> str:
 
 def headed(symbol: str) -> str:
     """F_k (N): the head of a column of a table."""
-    return wording.headed(symbol, unit_of(symbol))
+    return wording.with_unit(symbol, unit_of(symbol))
 
 
 def _rounded(value: float, spread: float) -> str:
@@ -137,4 +137,4 @@ def _rounded(value: float, spread: float) -> str:
     value = round(value, decimals)
     if _SMALLEST <= size < _LARGEST:
         return minus(f"{value:.{max(0, decimals)}f}")
-    return number(value, 1 + min(max(0, size + decimals), _MANTISSA), 0, 0)
+    return number_text(value, 1 + min(max(0, size + decimals), _MANTISSA), 0, 0)

@@ -16,11 +16,11 @@ from functools import lru_cache
 import numpy as np
 
 from ..arrays import Array
-from ..fit.mean_harmonics import Means, Reading
 from ..fit.steady_search import with_mass
 from ..fit.waveforms import WaveformFit
 from ..law.terms import FRICTION
 from ..records.measurement import ABSOLUTE
+from ..signals.mean_harmonics import Means, Reading
 from ..signals.one_thread import one_thread
 from ..solver import solve
 from .answer import Answer

@@ -20,7 +20,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from ..project.wording import change, listed
+from ..project.wording import change_text, listed
 from ..records.measurement import EXCITATIONS
 from ..solver import NORMAL_95
 from .answer import REFERENCE, Answer, Interval, ParameterEstimate, unit_of
@@ -38,7 +38,7 @@ _UNTESTED = {
 }
 
 
-def carried(found: Outcome) -> Outcome:
+def with_stated_uncertainties(found: Outcome) -> Outcome:
     """An identification whose errors, intervals and covariances hold what its options and the mappings of its records
     state, and which says on what it depends."""
     stiffness = found.options["stiffness_standard_error_N_per_m"] / found.k
@@ -127,7 +127,7 @@ def _conditional(found: Identified, stiffness: bool, mass: bool) -> list[str]:
     effects = []
     for what, changes in found.shifts(_UNTESTED, name).items():
         parts = [
-            f"{symbol} by {change(p.value, share * p.value, unit_of(symbol))}"
+            f"{symbol} by {change_text(p.value, share * p.value, unit_of(symbol))}"
             for symbol, p in answer.parameters.items()
             if math.isfinite(share := changes.get(symbol, 0.0)) and abs(share) > 0.01 * _FELT
         ]

@@ -32,10 +32,10 @@ from ..identification.identified import Identified, Level, Picture
 from ..identification.request import Stated, mapping_option, records_of, rig_options
 from ..identification.screen import with_error
 from ..identification.sensitivities import Fault
-from ..identification.stated import carried
+from ..identification.stated import with_stated_uncertainties
 from ..law.law import Law, law_of
 from ..law.terms import FRICTION, term
-from ..project.wording import Remark, listed, number
+from ..project.wording import Remark, listed, number_text
 from ..records.mapping import MappingLike
 from .fit import ContactComparison, ContactFit, compare_contacts, fit_contact
 from .lines import Contact, SteppedLines
@@ -304,7 +304,7 @@ def identify_joint(
         records=tuple(tables),
         options=options,
     )
-    return carried(found)
+    return with_stated_uncertainties(found)
 
 
 _UNCOMPARED = Remark(
@@ -365,9 +365,9 @@ def _on_stuck(fit: ContactFit) -> Iterator[Remark]:
     if fit.stuck > _FELT * k:
         yield Remark(
             "with the part of the contact that slips loose the lines show a stiffness of "
-            f"{number(k + fit.stuck, 6)} N/m, and {k:g} N/m are stated: a contact of {number(fit.stuck, 4)} N/m that "
-            "sticks in every line makes up for it, or the stiffness stated is too small; F_k, K_z and c are the same "
-            "for either"
+            f"{number_text(k + fit.stuck, 6)} N/m, and {k:g} N/m are stated: a contact of "
+            f"{number_text(fit.stuck, 4)} N/m that sticks in every line makes up for it, "
+            "or the stiffness stated is too small; F_k, K_z and c are the same for either"
         )
 
 
@@ -442,7 +442,7 @@ def _rig(fit: ContactFit, lines: SteppedLines) -> Iterator[str]:
         )
     yield (
         f"The oscillator has m = {own['m']} kg, k = {own['k']} N/m and a natural frequency of "
-        f"{number(math.sqrt((k + fit.stuck) / m) / (2.0 * math.pi), 4)} Hz with that part of the contact loose."
+        f"{number_text(math.sqrt((k + fit.stuck) / m) / (2.0 * math.pi), 4)} Hz with that part of the contact loose."
     )
     if fit.values.get("k_3"):
         k_3 = with_error(1e-9 * fit.values["k_3"], 1e-9 * fit.errors["k_3"])

@@ -14,7 +14,8 @@ import numpy as np
 
 from ..arrays import Array, Complexes
 from ..identification.law_comparison import as_good
-from ..project.wording import listed, number, part
+from ..law.terms import symbols_in_words
+from ..project.wording import number_text, part
 from ..signals.one_thread import one_thread
 from .contact import Sliders, secant
 from .lines import (
@@ -411,8 +412,8 @@ class ContactComparison:
         chosen = self[self.supported]
         loss, stiffness = chosen.fit.misfit[:2]
         said = (
-            f"the lines support {_WORDS[chosen.fit.contact]} with {listed(chosen.fit.terms)} "
-            f"(loss {part(loss)}, in-phase {number(stiffness, 3)} N/m rms)"
+            f"the lines support {_WORDS[chosen.fit.contact]} with {symbols_in_words(chosen.fit.terms)} "
+            f"(loss {part(loss)}, in-phase {number_text(stiffness, 3)} N/m rms)"
         )
         if self.supported in ("one slider", "gradual"):
             enough = "is enough" if self.supported == "one slider" else "is not enough"
@@ -424,7 +425,7 @@ class ContactComparison:
             other = self[name].fit.misfit
             said += (
                 f"; {name} has the same loss ({part(other.loss)}), and the in-phase rows tell them apart "
-                f"({number(other.in_phase, 3)} N/m)"
+                f"({number_text(other.in_phase, 3)} N/m)"
             )
         return said
 

@@ -7,10 +7,10 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 from ..arguments import items, mapping, names, number
-from .terms import FRICTION, Term, in_order, listed, term
+from .terms import FRICTION, Term, in_order, symbols_in_words, term
 
 _GIVEN = "a mapping of symbols to coefficients"
-_ALIKE = 1.001  # of two frequencies: nearer ones are one
+_ONE_AMPLITUDE = 1.001  # of two frequencies: nearer ones are one
 
 
 @dataclass(frozen=True)
@@ -110,7 +110,7 @@ class Law:
         count = len(frequencies_hz)
         self.require_labels(count)
         alike = [s for s in ("c", "eta") if s in self.terms and s not in self.given]
-        if len(alike) > 1 and max(frequencies_hz) < _ALIKE * min(frequencies_hz):
+        if len(alike) > 1 and max(frequencies_hz) < _ONE_AMPLITUDE * min(frequencies_hz):
             raise ValueError(
                 f"at one frequency ({frequencies_hz[0]:.4g} Hz) structural damping eta and viscous damping c act "
                 "alike, c = eta k/omega: leave out one of them, or add records at another frequency"
@@ -122,7 +122,7 @@ class Law:
                 len(self.unknowns), f"{len(self.unknowns)} levels"
             )
             raise ValueError(
-                f"{listed(self.unknowns)} need responses at {needed} or "
+                f"{symbols_in_words(self.unknowns)} need responses at {needed} or "
                 f"more, got {count}: add records at other amplitudes"
             )
 

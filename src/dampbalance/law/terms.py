@@ -280,13 +280,13 @@ def in_order(symbols: Iterable[str]) -> tuple[Term, ...]:
     return (*(one for symbol, one in KNOWN_TERMS.items() if symbol in asked), *own)
 
 
-def listed(symbols: Sequence[str]) -> str:
+def symbols_in_words(symbols: Sequence[str]) -> str:
     """Symbols as a sentence names them: "F_k", "F_k and c", "F_k, c and c_2". Texts use `project.wording.listed`, which
     stands on a higher floor and does without the libraries that this module imports."""
     return " and ".join([", ".join(symbols[:-1]), symbols[-1]] if len(symbols) > 1 else symbols)
 
 
-_POINTS = 512  # of a cycle, at least; |ẋ|³ has a jump in its third derivative, and the rule an error of 1e-9
+_POINTS_OF_TERM = 512  # of a cycle, at least; |ẋ|³ has a jump in its third derivative, and the rule an error of 1e-9
 _PER_HARMONIC = 8
 
 
@@ -323,7 +323,7 @@ def of_harmonics(
         shared, of_x, of_y = np.intersect1d(n, y_n, assume_unique=True, return_indices=True)
         product = (x[:, of_x] * y[:, of_y].conj()).real @ shared**2
         return np.asarray(factor * square + of_base * math.pi * omega * product)
-    points = max(_POINTS, 1 << math.ceil(math.log2(_PER_HARMONIC * float(n.max()))))
+    points = max(_POINTS_OF_TERM, 1 << math.ceil(math.log2(_PER_HARMONIC * float(n.max()))))
     spectrum = np.zeros((len(x), points // 2 + 1), dtype=np.complex128)
     spectrum[:, n.astype(np.intp)] = 0.5j * omega * points * n * x
     v = np.fft.irfft(spectrum, points, axis=1)

@@ -20,20 +20,22 @@ from ..model import Parameters
 from .events import read_phase, run
 from .flow import Phase, phase_start, step_response
 from .jit import jit
+from .unknowns import F_K, OSCILLATOR_UNKNOWNS, RHO, C, M
 
-UNKNOWNS = ("F_k", "c", "rho", "m", "x", "v", "w")
-"""What derivatives are taken by: the oscillator, with ρ = K_z^{−1/2}, and the start state, z = (w − 1) F_k/K_z."""
+DECAY_UNKNOWNS = (*OSCILLATOR_UNKNOWNS, "x", "v", "w")
+"""The unknowns by which derivatives are taken: those of the oscillator, and the start state,
+z = (w − 1) F_k/K_z with the preload w of the contact spring."""
 
 COMMON_UNKNOWNS, STATE_UNKNOWNS = 4, 3
 """How many of these belong to the oscillator, and to the start state."""
 
-_F_K, _C, _RHO, _M, _X, _V, _W = range(7)
+_X, _V, _PRELOAD = range(4, 7)
 _CRITICAL_BELOW = 0.05  # of |Ω² − δ²| t²: four terms of the series in it are then exact to 1e-11
 
 MOST_PHASES = 4096
-"""Of a decay: a motion that slips more often than that is none."""
+"""Phases after which a motion is rejected."""
 
-DECAY, ORDER, OFFSET, FIRST, STEP, NOISE, BEGIN, END, UNTIL, FRICTION = range(10)
+DECAY, ORDER, OFFSET, FIRST, SAMPLING_STEP, NOISE, BEGIN, END, UNTIL, FRICTION_NUMBER = range(10)
 """Columns of the table of channels: number of the decay, order of the derivative, number of the offset, time of the
 first sample after the start of the decay, s, interval, s, standard deviation of the noise, the samples' places, time of
 the last sample of the decay in any channel, s, and place of the decay's friction force in the point."""
@@ -96,7 +98,7 @@ def _response(t: float, phase: Phase) -> tuple[float, float, float, float]:
 
 @jit
 def phase_slopes(phases: Array, w: float, par: Parameters) -> Array:
-    """Derivatives of the start of each phase by `UNKNOWNS`, shape (phases, 5, 7): of x, ẋ, f₀, δ and Ω².
+    """Derivatives of the start of each phase by `DECAY_UNKNOWNS`, shape (phases, 5, 7): of x, ẋ, f₀, δ and Ω².
 
     phases : rows (t, s, x, ẋ, z) of a free decay, as `events.run` writes them.   w : of its start state.
     """
@@ -111,15 +113,15 @@ def phase_slopes(phases: Array, w: float, par: Parameters) -> Array:
         phase = phase_start(s, x0, v0, z0, 1.0 + 0.0j, par)
         _, f0, _, delta, Omega2, _ = phase
         here[2] = -par.k / m * here[0]
-        here[3, _C], here[3, _M] = 0.5 / m, -delta / m
-        here[4, _M] = -Omega2 / m
-        here[2, _M] -= f0 / m
+        here[3, C], here[3, M] = 0.5 / m, -delta / m
+        here[4, M] = -Omega2 / m
+        here[2, M] -= f0 / m
         if s == 0.0:  # the force of the contact at the start is that of the turn before, side F_k
-            here[2, _F_K] -= side / m
-            here[2, _W] -= K_z * by_w / m
-            here[4, _RHO] = by_rho / m
+            here[2, F_K] -= side / m
+            here[2, _PRELOAD] -= K_z * by_w / m
+            here[4, RHO] = by_rho / m
         else:
-            here[2, _F_K] -= s / m
+            here[2, F_K] -= s / m
         if i + 1 == phases.shape[0]:
             break
         t = phases[i + 1, 0] - phases[i, 0]
@@ -136,7 +138,7 @@ def phase_slopes(phases: Array, w: float, par: Parameters) -> Array:
 def decay_samples(
     grid: tuple[float, float, int], order: int, phases: Array, slopes: Array, par: Parameters
 ) -> Array:
-    """x, ẋ or ẍ (order 0, 1, 2) of a free decay at even times, its derivatives by `UNKNOWNS`, and 1, shape (n, 9).
+    """x, ẋ or ẍ (order 0, 1, 2) of a free decay at even times, derivatives by `DECAY_UNKNOWNS`, and 1, shape (n, 9).
 
     grid : time of the first sample, s, interval, s, and number of samples.   slopes : of `phase_slopes`.
     Use it where residuals of samples and their derivatives are needed together; values alone come from
@@ -192,9 +194,9 @@ def decay_products(
     """
     p, decay, state, count = point.size, -1, 0, 0
     out[:] = 0.0
-    rho = point[_RHO]
-    par = Parameters(point[_M], point[_C], k, rho**-2, point[_F_K], 0.0, 0.0)
-    places = np.array([p, _F_K, _C, _RHO, _M, 0, 0, 0, 0])
+    rho = point[RHO]
+    par = Parameters(point[M], point[C], k, rho**-2, point[F_K], 0.0, 0.0)
+    places = np.array([p, F_K, C, RHO, M, 0, 0, 0, 0])
     slopes = np.empty((0, 5, 7))
     stretch = 1.0 + 0.5 * contact_chord(rho, k) / rho
     for i in range(channels.shape[0]):
@@ -204,20 +206,20 @@ def decay_products(
             decay = int(channel[DECAY])
             state = COMMON_UNKNOWNS + offsets + STATE_UNKNOWNS * decay
             x, v, w = point[state], point[state + 1], point[state + 2]
-            places[1] = int(channel[FRICTION])
-            par = Parameters(point[_M], point[_C], k, rho**-2, point[places[1]], 0.0, 0.0)
+            places[1] = int(channel[FRICTION_NUMBER])
+            par = Parameters(point[M], point[C], k, rho**-2, point[places[1]], 0.0, 0.0)
             Z_m = par.F_k / par.K_z
             z = min(max((w - 1.0) * Z_m, -Z_m), Z_m)
             count, reached, _, _, _ = run(x, v, z, 0.0, until, 0.0, par, rows)
             if not reached >= until:
                 return False
             slopes = phase_slopes(rows[:count], w, par)
-        grid, order = (channel[FIRST], channel[STEP], end - begin), int(channel[ORDER])
+        grid, order = (channel[FIRST], channel[SAMPLING_STEP], end - begin), int(channel[ORDER])
         block = decay_samples(grid, order, rows[:count], slopes, par)
         places[5:8] = np.arange(state, state + STATE_UNKNOWNS)
         places[8] = COMMON_UNKNOWNS + int(channel[OFFSET])
         block[:, 0] += point[places[8]] - values[begin:end]
-        block[:, 1 + _RHO] *= stretch
+        block[:, 1 + RHO] *= stretch
         own = block.T @ block
         for a in range(9):
             for b in range(9):

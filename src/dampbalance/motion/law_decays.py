@@ -19,14 +19,15 @@ from ..model import Parameters
 from .events import contact_state
 from .flow import step_response
 from .jit import jit
+from .unknowns import F_K, OSCILLATOR_UNKNOWNS, RHO, C, M
 
 ADDED = ("c_2", "c_3", "c_a", "k_2", "k_3", "gradual")
 """Coefficients of what is not linear: N s²/m², N s³/m³, N s/m, N/m², N/m³, and how much of `rounding` the force of the
 contact has, by which only derivatives are taken: it stays zero."""
 
-_F_K, _C, _RHO, _M, _FIRST = range(5)
-_X, _V, _W = range(_FIRST + len(ADDED), _FIRST + len(ADDED) + 3)
-_COUNT = _W + 1
+_FIRST_ADDED = len(OSCILLATOR_UNKNOWNS)
+_START_X, _START_V, _START_PRELOAD = range(_FIRST_ADDED + len(ADDED), _FIRST_ADDED + len(ADDED) + 3)
+_COUNT = _START_PRELOAD + 1
 _RADIANS = 0.3  # of a phase that a step takes at the most: derivatives are then exact to 1e-5
 _NEWTONS = 20
 _REACHED = 1e-13  # of a step: an event is located
@@ -66,12 +67,12 @@ def _accelerations(
     for j in range(1, y.shape[0]):
         out[j] = -(by_x * (held[j] + y[j, 0]) + by_v * y[j, 1]) / par.m
     stiff = par.k + (par.K_z if sticks else 0.0)
-    out[1 + _C] -= v / par.m
-    out[1 + _M] += (stiff * u + par.c * v + force) / (par.m * par.m)
+    out[1 + C] -= v / par.m
+    out[1 + M] += (stiff * u + par.c * v + force) / (par.m * par.m)
     if sticks:
-        out[1 + _RHO] += 2.0 * par.K_z * math.sqrt(par.K_z) * u / par.m
+        out[1 + RHO] += 2.0 * par.K_z * math.sqrt(par.K_z) * u / par.m
     size = abs(v)
-    first = 1 + _FIRST
+    first = 1 + _FIRST_ADDED
     out[first] -= size * v / par.m
     out[first + 1] -= v * v * v / par.m
     out[first + 2] -= size / par.m
@@ -139,10 +140,10 @@ def _hold(
         y[i, 0] = 0.0
         constant[i] = -par.k * held[i] / m
     constant[0] -= side * par.F_k / m
-    constant[1 + _F_K] -= side / m
-    constant[1 + _M] -= constant[0] / m
+    constant[1 + F_K] -= side / m
+    constant[1 + M] -= constant[0] / m
     if first and s == 0.0:
-        constant[1 + _W] -= par.F_k / m
+        constant[1 + _START_PRELOAD] -= par.F_k / m
 
 
 @jit
@@ -162,7 +163,7 @@ def law_decay(
     y, there = np.zeros((rows, 2)), np.zeros((rows, 2))
     held, constant, work = np.zeros(rows), np.zeros(rows), np.empty((6, rows))
     held[0], y[0, 1] = x, v
-    held[1 + _X], y[1 + _V, 1] = 1.0, 1.0
+    held[1 + _START_X], y[1 + _START_V, 1] = 1.0, 1.0
     Z_m = par.F_k / par.K_z
     side = min(max(w - 1.0, -1.0), 1.0)
     s = contact_state(x, v, side * Z_m, 0.0, par)

@@ -280,7 +280,7 @@ class System:
 
 
 _MOST = 40  # steps
-_REACHED = 1e-8  # of the unknowns: what a step as short leaves, its square, is rounding
+_CONVERGED_STATE = 1e-8  # of the unknowns: what a step as short leaves, its square, is rounding
 _FAR = 0.3  # of the unknowns: a step as long may lead away
 _SHORTEST = 1.0 / 256.0  # part of such a step
 _EQUIVALENCES = 3  # repetitions that bring c_e near that of the response
@@ -343,7 +343,7 @@ class Response:
         return self.orbit.t_s if self._at is None else self._at[3]
 
     @property
-    def taken(self) -> float:
+    def stick_travel(self) -> float:
         """λ = 4X − a, m: what sticking takes from the travel of a cycle."""
         if self.system is None:
             return 4.0 * self.orbit.X - self.orbit.a
@@ -409,7 +409,7 @@ class Response:
         """Derivatives of (V_s, t_s, λ), SI, by the coefficients of these terms, rho and m, (3,)."""
         if self._closed(symbols):
             by = onset_slopes(self.orbit.phases, self.orbit.theta, self.orbit.parameters)
-            onset = np.array([self.V_s, self.t_s, self.taken])
+            onset = np.array([self.V_s, self.t_s, self.stick_travel])
             return self._by_coefficients([onset, *by.T], symbols, np.array([1.0, 0.0, 1.0]), 0.0)
         moved, (system, unknowns) = self._moved(symbols), self._equations()
         by = np.zeros((2, unknowns.size))
@@ -559,7 +559,7 @@ def _solved(system: System, near: Response | None) -> Array:
         size = float(np.abs(step / scale).max())
         if not size < 1e3:
             break
-        if size < _REACHED:
+        if size < _CONVERGED_STATE:
             q = q + step
             _require_kind(system, q)
             return q

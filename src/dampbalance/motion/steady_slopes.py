@@ -30,12 +30,9 @@ from .integrals import GAUSS_NODES, GAUSS_WEIGHTS, PANEL
 from .jit import jit
 from .regime import Regime
 
-UNKNOWNS = ("F_k", "c", "rho", "m")
-"""What derivatives are taken by, ρ = K_z^{−1/2}; SI units."""
-
-# Columns of all that is followed: the motion itself, its derivatives by UNKNOWNS, and by x and ẋ at the start.
-_F_K, _C, _RHO, _M, _X, _V = range(1, 7)
-_COLUMNS = 7
+# Columns of all that is followed: the motion, its derivatives by OSCILLATOR_UNKNOWNS, and by x and ẋ at the start.
+_BY_F_K, _BY_C, _BY_RHO, _BY_M, _BY_X, _BY_V = range(1, 7)
+_COLUMN_COUNT = 7
 _AT_X, _AT_V, _GAIN = range(3)  # rows of a phase: x and ẋ at its start, and what x gains in it
 
 _RADIANS = 4.0  # of the fastest of Ω, 2δ and ω: a series so long loses two digits at most
@@ -53,7 +50,8 @@ _ONE_SLIP, _SEVERAL_SLIPS, _NO_SLIP = map(
 def steady_harmonics(
     phases: Array, theta: float, par: Parameters, regime: int, count: int
 ) -> Complexes:
-    """The harmonics x_n, n = 1, 3 … 2 count − 1, m, of an orbit and their derivatives by `UNKNOWNS`, (5, count).
+    """The harmonics x_n, n = 1, 3 … 2 count − 1, m, of an orbit and the derivatives by `OSCILLATOR_UNKNOWNS`,
+    (5, count).
 
     phases, theta : as of an `Orbit`.   regime : code of `Regime`.   The contact force K_z z changes in stick alone,
     where ż = ẋ, and the equation of motion does the rest:
@@ -70,23 +68,23 @@ def steady_harmonics(
         if i == 0:
             out[0, i] += par.k * par.Y
         if stuck:
-            out[_RHO, i] = 2.0 * par.K_z * math.sqrt(par.K_z) * out[0, i] * over
+            out[_BY_RHO, i] = 2.0 * par.K_z * math.sqrt(par.K_z) * out[0, i] * over
         for j in range(5):
             out[j, i] *= over
-        out[_C, i] -= complex(0.0, rate) * over * out[0, i]
-        out[_M, i] += rate * rate * over * out[0, i]
+        out[_BY_C, i] -= complex(0.0, rate) * over * out[0, i]
+        out[_BY_M, i] += rate * rate * over * out[0, i]
     return out
 
 
 def onset_slopes(phases: Array, theta: float, par: Parameters) -> Array:
-    """Derivatives by `UNKNOWNS` of V_s and t_s at the first onset of slip after the reversal at −X, and of λ = 4X − a,
-    the travel that sticking takes; (3, 4), zero where nothing slips.   phases, theta : as of an `Orbit`."""
+    """Derivatives by `OSCILLATOR_UNKNOWNS` of V_s and t_s at the first onset of slip after the reversal at −X, and of
+    λ = 4X − a, the travel that sticking takes; (3, 4), zero where nothing slips.   phases, theta : as of an `Orbit`."""
     slopes, (t, s, x, v, z) = np.zeros((3, 4)), phases.T
     if par.F_k == 0.0 or not s.any():
         return slopes
     states, _, _, shifts, start = _follow(phases, theta, par, 1)
-    at = states[..., _F_K:_X] + states[..., _X:] @ start
-    shifted = iter(shifts[:, _F_K:_X] + shifts[:, _X:] @ start)
+    at = states[..., _BY_F_K:_BY_X] + states[..., _BY_X:] @ start
+    shifted = iter(shifts[:, _BY_F_K:_BY_X] + shifts[:, _BY_X:] @ start)
     # the force is continuous: the acceleration at the start of each phase
     force = par.k * (par.Y * np.cos(theta + par.omega * t) - x) - par.c * v - par.K_z * z
     acceleration = force / par.m
@@ -130,7 +128,7 @@ def _set_contact(phases: Array, theta: float, par: Parameters, out: Complexes) -
     squares = turns * turns
     for i in range(count):
         sums = np.dot(values, turns)
-        sums[_RHO] -= 2.0 * math.sqrt(par.K_z) * sums[0]
+        sums[_BY_RHO] -= 2.0 * math.sqrt(par.K_z) * sums[0]
         for j in range(5):
             out[j, i] = complex(0.0, 2.0 * par.K_z / (math.pi * (2 * i + 1))) * sums[j]
         turns *= squares
@@ -139,7 +137,7 @@ def _set_contact(phases: Array, theta: float, par: Parameters, out: Complexes) -
 @jit
 def _total(row: Array, start: Array, j: int) -> float:
     """The derivative by unknown j of what has this row of `_follow`, with that of the start."""
-    return row[j] + row[_X] * start[0, j - 1] + row[_V] * start[1, j - 1]
+    return row[j] + row[_BY_X] * start[0, j - 1] + row[_BY_V] * start[1, j - 1]
 
 
 @jit
@@ -168,22 +166,22 @@ def _follow(
             number += panels[i]
             if i + 1 < longest and phases[i + 1, PHASE_S] != 0.0:
                 onsets += 1
-    states = np.zeros((longest, 3, _COLUMNS))
-    series, places = np.zeros((number, _TERMS, _COLUMNS)), np.empty((number, 2))
-    shifts, scratch = np.zeros((onsets, _COLUMNS)), np.zeros((_TERMS, _COLUMNS))
-    ends = np.zeros((2, _COLUMNS))
-    ends[0, _X] = ends[1, _V] = 1.0
+    states = np.zeros((longest, 3, _COLUMN_COUNT))
+    series, places = np.zeros((number, _TERMS, _COLUMN_COUNT)), np.empty((number, 2))
+    shifts, scratch = np.zeros((onsets, _COLUMN_COUNT)), np.zeros((_TERMS, _COLUMN_COUNT))
+    ends = np.zeros((2, _COLUMN_COUNT))
+    ends[0, _BY_X] = ends[1, _BY_V] = 1.0
     at = onset = 0
     for i in range(longest):
         t, s, x, v, z = read_phase(phases, i)
         last = i + 1 == longest
         h = ((half if last else phases[i + 1, PHASE_T]) - t) / panels[i]
-        for j in range(1, _COLUMNS):
+        for j in range(1, _COLUMN_COUNT):
             states[i, _AT_X, j], states[i, _AT_V, j] = ends[0, j], ends[1, j]
         states[i, _AT_X, 0], states[i, _AT_V, 0] = x, v
         phase = _equation(s, z, states[i], par)
-        gained = np.zeros((2, _COLUMNS))
-        for j in range(_COLUMNS):
+        gained = np.zeros((2, _COLUMN_COUNT))
+        for j in range(_COLUMN_COUNT):
             gained[1, j] = states[i, _AT_V, j]
         for panel in range(panels[i]):
             psi = theta + par.omega * (t + panel * h)
@@ -193,7 +191,7 @@ def _follow(
                 places[at, 0], places[at, 1] = psi, par.omega * h
                 at += 1
         states[i, _GAIN, 0] = gained[0, 0]
-        for j in range(1, _COLUMNS):
+        for j in range(1, _COLUMN_COUNT):
             states[i, _GAIN, j] = gained[0, j]
             ends[0, j], ends[1, j] = states[i, _AT_X, j] + gained[0, j], gained[1, j]
         if s == 0.0 and not last and phases[i + 1, PHASE_S] != 0.0:
@@ -202,7 +200,7 @@ def _follow(
             onset += 1
     # (1 + A) δs(0) = −B
     start = np.empty((2, 4))
-    a, b, c, d = 1.0 + ends[0, _X], ends[0, _V], ends[1, _X], 1.0 + ends[1, _V]
+    a, b, c, d = 1.0 + ends[0, _BY_X], ends[0, _BY_V], ends[1, _BY_X], 1.0 + ends[1, _BY_V]
     det = a * d - b * c
     for j in range(4):
         start[0, j] = -(d * ends[0, j + 1] - b * ends[1, j + 1]) / det
@@ -217,18 +215,18 @@ def _equation(s: float, z: float, state: Array, par: Parameters) -> Array:
     sticks = s == 0.0
     m, x = par.m, state[_AT_X, 0]
     contact, stiff = (par.K_z * z, par.k + par.K_z) if sticks else (s * par.F_k, par.k)
-    rows = np.zeros((4, _COLUMNS))
+    rows = np.zeros((4, _COLUMN_COUNT))
     rows[0, 0], rows[1, 0] = -(par.k * x + contact) / m, par.k * par.Y / m
     rows[2, 0], rows[3, 0] = par.c / m, stiff / m
-    for j in range(1, _COLUMNS):
+    for j in range(1, _COLUMN_COUNT):
         rows[0, j] = -par.k / m * state[_AT_X, j]
     for row in range(4):
-        rows[row, _M] -= rows[row, 0] / m
+        rows[row, _BY_M] -= rows[row, 0] / m
     # where it sticks, the force at the start is that of the turn before
-    rows[0, _F_K] -= _side(s, z) / m
-    rows[2, _C] = 1.0 / m
+    rows[0, _BY_F_K] -= _side(s, z) / m
+    rows[2, _BY_C] = 1.0 / m
     if sticks:
-        rows[3, _RHO] = -2.0 * par.K_z * math.sqrt(par.K_z) / m
+        rows[3, _BY_RHO] = -2.0 * par.K_z * math.sqrt(par.K_z) / m
     return rows
 
 
@@ -255,14 +253,14 @@ def _taylor(
     terms = min(_TERMS, 12 + int(6.0 * radians))
     turn, advance = unit(psi), par.omega * h
     force = h * h
-    for j in range(_COLUMNS):
+    for j in range(_COLUMN_COUNT):
         series[0, j], series[1, j] = gained[0, j], h * gained[1, j]
         gained[0, j], gained[1, j] = series[0, j] + series[1, j], series[1, j]
     # number by number: rows take Numba three times as long to compile, and to compute
     for n in range(2, terms):
         drive, damped, part = force * turn.real, damping * (n - 1), 1.0 / (n * (n - 1))
         slower, softer = h * (n - 1) * series[n - 1, 0], h * h * series[n - 2, 0]
-        for j in range(_COLUMNS):
+        for j in range(_COLUMN_COUNT):
             u = drive * phase[1, j] - damped * series[n - 1, j] - square * series[n - 2, j]
             if j > 0:
                 u -= slower * phase[2, j] + softer * phase[3, j]
@@ -274,7 +272,7 @@ def _taylor(
             gained[1, j] += n * u
         force *= advance / (n - 1)
         turn = complex(-turn.imag, turn.real)
-    for j in range(_COLUMNS):
+    for j in range(_COLUMN_COUNT):
         gained[1, j] /= h
 
 
@@ -285,7 +283,7 @@ def _set_shift(i: int, phases: Array, gained: Array, par: Parameters, shift: Arr
     z = ±Z_m there: δx + ẋ δt = δx_r + (s − side) δZ_m, side Z_m the deflection at the turn x_r where the phase began.
     """
     swing = phases[i + 1, PHASE_S] - _side(0.0, phases[i, PHASE_Z])
-    for j in range(_COLUMNS):
+    for j in range(_COLUMN_COUNT):
         shift[j] = -gained[j]
-    shift[_F_K] += swing / par.K_z
-    shift[_RHO] += swing * 2.0 * par.F_k / math.sqrt(par.K_z)
+    shift[_BY_F_K] += swing / par.K_z
+    shift[_BY_RHO] += swing * 2.0 * par.F_k / math.sqrt(par.K_z)

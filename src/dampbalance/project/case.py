@@ -23,7 +23,7 @@ from .documents import (
 NOT_GIVEN: Any = None
 
 # folders of results that no other case can have
-_TAKEN = ("paper", "studies", "archive", "benchmarks", "site")
+_FOLDERS_IN_USE = ("paper", "studies", "archive", "benchmarks", "site")
 
 
 @dataclass(frozen=True)
@@ -70,9 +70,9 @@ class Case:
 
     @classmethod
     def from_config(cls, config: Mapping[str, Any]) -> Self:
-        """The case of a configuration that `check` has passed, or of an `excerpt` of one."""
+        """The case of a configuration that `check_case` has passed, or of an `excerpt` of one."""
         fields = {}
-        for field, (section, name, make) in _FIELDS.items():
+        for field, (section, name, make) in _CASE_FIELDS.items():
             part = config.get(section, {}) if section else config
             if name in part:
                 fields[field] = make(part[name])
@@ -99,7 +99,7 @@ def excerpt(config: Mapping[str, Any], *fields: str) -> dict[str, Any]:
     fields : names of fields of `Case`.
     """
     kept: dict[str, Any] = {}
-    for section, name, _ in (_FIELDS[field] for field in fields):
+    for section, name, _ in (_CASE_FIELDS[field] for field in fields):
         part, whole = (kept.setdefault(section, {}), config[section]) if section else (kept, config)
         part[name] = whole[name]
     return kept
@@ -111,7 +111,7 @@ def _oscillator(section: Mapping[str, float]) -> Oscillator:
 
 
 # Field of a case → section and key of the configuration, and what makes the one from the other.
-_FIELDS: dict[str, tuple[str, str, Callable[[Any], Any]]] = {
+_CASE_FIELDS: dict[str, tuple[str, str, Callable[[Any], Any]]] = {
     "name": ("", "case", str),
     "oscillator": ("", "oscillator", _oscillator),
     "frequencies_hz": ("excitation", "frequencies", lambda all: {f["name"]: f["hz"] for f in all}),
@@ -122,7 +122,7 @@ _FIELDS: dict[str, tuple[str, str, Callable[[Any], Any]]] = {
 }
 
 
-def check(
+def check_case(
     config: Mapping[str, Any],
     schema_file: str | Path,
     files: Iterable[str | Path],
@@ -150,7 +150,7 @@ def require_own_case(overriding: Iterable[str | Path]) -> None:
     files = [str(file) for file in overriding]
     if files and not any("case" in read_yaml(file) for file in files):
         name = re.sub("[^A-Za-z0-9_-]+", "_", Path(files[-1]).stem).strip("_-")[:50]
-        name = name if name and name not in _TAKEN else f"my_{name or 'case'}"
+        name = name if name and name not in _FOLDERS_IN_USE else f"my_{name or 'case'}"
         raise ConfigurationError(
             f"{files[-1]}: case: is missing, and the results would replace those of the paper; name the case "
             f"(case: {name}), and add published: null if there are no printed numbers to compare with"

@@ -25,13 +25,13 @@ from ruamel.yaml.reader import ReaderError
 from ..law.terms import KNOWN_TERMS
 from .wording import cut, shortened
 
-Key = tuple[str | int, ...]
-Problem = tuple[Key, str]  # a key, and what is wrong with it and what would be right
+KeyPath = tuple[str | int, ...]
+Problem = tuple[KeyPath, str]  # a key, and what is wrong with it and what would be right
 MOST_BYTES = 100_000  # of a file that is read; the longest one of the project has 20 kB
 MOST_VALUES = 20_000  # keys and values in a file, those that aliases repeat counted each time
 DEEPEST = 20  # lists and mappings inside each other; the schemas go down to seven
 _LARGEST = 2**63 - 1  # what an integer of the arrays holds
-_LINE, _KEY = 300, 40  # characters of a message, and of a key in it
+_LINE_LENGTHS, _KEY = 300, 40  # characters of a message, and of a key in it
 _MESSAGES = 20  # of a file that is wrong all over
 _NAMES = 'Use letters, digits, "-" and "_".'
 _UNSEEN = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\ud800-\udfff\ufffe\uffff]")
@@ -47,7 +47,7 @@ def documents_of(files: Iterable[str | Path]) -> dict[str, Any]:
     return {str(file): read_yaml(file) for file in files}
 
 
-def refuse(key: Key, text: str, files: Iterable[str | Path]) -> NoReturn:
+def refuse(key: KeyPath, text: str, files: Iterable[str | Path]) -> NoReturn:
     """Raise the ConfigurationError for one key; the text says what is wrong and what would be right."""
     raise ConfigurationError(in_lines([(key, text)], documents_of(files)))
 
@@ -142,7 +142,7 @@ def read_schema(file: str | Path) -> Any:
 
 def _one_line(text: str) -> str:
     """Text in a line that fits a screen."""
-    return cut(_UNSEEN.sub("\N{REPLACEMENT CHARACTER}", " ".join(text.split())), _LINE)
+    return cut(_UNSEEN.sub("\N{REPLACEMENT CHARACTER}", " ".join(text.split())), _LINE_LENGTHS)
 
 
 def against_schema(
@@ -209,7 +209,7 @@ def in_lines(problems: Iterable[Problem], documents: Mapping[str, Any]) -> str:
 
 
 def _explain(error: ValidationError) -> Iterable[Problem]:
-    key: Key = tuple(error.absolute_path)
+    key: KeyPath = tuple(error.absolute_path)
     schema: Any = error.schema  # a mapping: the schema has no true or false in it
     wanted: Any = error.validator_value
     meaning = schema.get("description", "").strip()
@@ -256,7 +256,7 @@ def _as_number(text: object) -> str:
     return f"{point}e{int(exponent):+d}" if e else "it without quotes"
 
 
-def _impossible(value: Any, key: Key = ()) -> Iterable[Problem]:
+def _impossible(value: Any, key: KeyPath = ()) -> Iterable[Problem]:
     """The numbers that no array can hold, and the text that no page can show."""
     if isinstance(value, Mapping | list):
         for name, item in value.items() if isinstance(value, Mapping) else enumerate(value):
@@ -269,7 +269,7 @@ def _impossible(value: Any, key: Key = ()) -> Iterable[Problem]:
         yield key, f"the character U+{ord(unseen[0]):04X} cannot be shown as text; remove it"
 
 
-def _dotted(key: Key) -> str:
+def _dotted(key: KeyPath) -> str:
     """The key as a person writes it, list positions counted from 1."""
     text = ""
     for part in key:
@@ -277,7 +277,7 @@ def _dotted(key: Key) -> str:
     return text.removeprefix(".") or "(top level)"
 
 
-def _depth(key: Key, document: Any) -> int:
+def _depth(key: KeyPath, document: Any) -> int:
     """How many parts of a key a document sets."""
     for depth, part in enumerate(key):
         try:
@@ -287,7 +287,7 @@ def _depth(key: Key, document: Any) -> int:
     return len(key)
 
 
-def _line_of(key: Key, node: Node | None) -> str:
+def _line_of(key: KeyPath, node: Node | None) -> str:
     """Where a key stands in a tree of nodes, "line 3: "; nothing for the top level."""
     mark = None
     for part in key:

@@ -10,7 +10,7 @@ from html import escape
 from string import Formatter
 from typing import Any
 
-MINUS, TIMES, NONE = "−", "·", "–"
+MINUS, TIMES, NO_NUMBER = "−", "·", "–"
 GREEK = {"phi": "φ", "omega": "ω", "zeta": "ζ"}
 SYMBOL = re.compile(r"\b(?:(phi|omega|zeta)(?:_(\w))?|([A-Za-zω])_([kszmn]|\d))\b")
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -40,30 +40,30 @@ def percent(share: float, digits: int = 3) -> str:
     """
     value = 100.0 * abs(share)
     if not math.isfinite(value):
-        return NONE
+        return NO_NUMBER
     if value < 1e-6:
         return f"{power_of_ten(value)} %"
     value = min(value, 99.99) if value < 100.0 else value
     while value < 100.0 <= float(f"{value:.{digits}g}"):  # do not round 99.97 % up to 100 %
         digits += 1
     far = not -3 <= _split(value, digits)[1] < 4
-    return f"{number(value, 2 if far else digits, -3, 4)} %"
+    return f"{number_text(value, 2 if far else digits, -3, 4)} %"
 
 
 def signed_percent(share: float, plus: str = "+", digits: int = 3) -> str:
     """A share as a percentage with its sign, +1.37 % or −65.8 %.   plus : the sign of a positive one."""
     sign = MINUS if share < 0.0 else plus if share > 0.0 else ""
     text = percent(share, digits)
-    return text if text == NONE else sign + text
+    return text if text == NO_NUMBER else sign + text
 
 
-def number(value: float, digits: int = 7, least: int = -5, most: int = 7) -> str:
+def number_text(value: float, digits: int = 7, least: int = -5, most: int = 7) -> str:
     """A number to this many significant digits, trailing zeros kept; – for none.
 
     least, most : powers of ten between which it is written out; others become 1.2·10⁻³.
     """
     if not math.isfinite(value):
-        return NONE
+        return NO_NUMBER
     if value == 0.0:
         return "0"
     mantissa, exponent = _split(value, digits)
@@ -117,20 +117,20 @@ def larger_by(share: float) -> Shown:
     return Shown(share, f"a factor of {factor(1.0 + share)}") if share >= 1.0 else part(share)
 
 
-def change(value: float, by: float, unit: str = "") -> str:
+def change_text(value: float, by: float, unit: str = "") -> str:
     """By how much a number changes, for a sentence: +4.7 %, −0.38 %, a factor of 3.2.
 
     A value of nearly zero has no relative change, and no positive one falls by more than itself: then the change itself
     with its unit, +0.031 N.
     """
     if math.isnan(value) or not by > -math.inf:
-        return NONE
+        return NO_NUMBER
     share = by / value if value else math.copysign(math.inf, by)
     if -1.0 <= share < 1.0:
         return signed_percent(share, digits=2).replace(".0 %", " %")
     if 0.0 < share <= _MANY_TIMES or math.isinf(by):
         return f"{larger_by(share)}"
-    return with_unit(f"{'+' * (by > 0.0)}{number(by, 2, -3, 4)}", unit)
+    return with_unit(f"{'+' * (by > 0.0)}{number_text(by, 2, -3, 4)}", unit)
 
 
 def times(value: float) -> str:
@@ -243,22 +243,22 @@ def sentence(text: str) -> str:
     return (text[0].upper() if capital else text[0]) + text[1:].rstrip(".") + end
 
 
-def unit_of(text: str) -> str:
+def unit_text(text: str) -> str:
     """A unit as it is read: m^2/s becomes m²/s, the unit of a pure number becomes nothing."""
     return "" if text in ("", "1") else text.replace("^2", "²")
 
 
 def with_unit(text: str, unit: str) -> str:
     """A number with its unit, if it has one."""
-    return f"{text} {unit_of(unit)}".rstrip()
+    return f"{text} {unit_text(unit)}".rstrip()
 
 
-def headed(name: str, unit: str) -> str:
+def label_with_unit(name: str, unit: str) -> str:
     """A name with its unit in brackets, for a column or an axis, F_k (N); that of a pure number alone."""
-    return f"{name} ({unit})" if unit_of(unit) else name
+    return f"{name} ({unit})" if unit_text(unit) else name
 
 
-def plain(text: str) -> str:
+def plain_text(text: str) -> str:
     """Text with its symbols in plain characters, for axis titles: X_s becomes Xₛ, phi becomes φ."""
 
     def symbol(match: re.Match[str]) -> str:

@@ -32,7 +32,7 @@ class NotebookError(RuntimeError):
     """A notebook cannot be run; the message names the cell and the problem."""
 
 
-def run(source: str | Path, timeout: int = 300) -> NotebookNode:
+def run_notebook(source: str | Path, timeout: int = 300) -> NotebookNode:
     """The notebook of a percent script, executed from top to bottom in a separate kernel.
 
     source : the script.   timeout : seconds that one cell may take.
@@ -78,7 +78,7 @@ def run(source: str | Path, timeout: int = 300) -> NotebookNode:
     return notebook
 
 
-def write(notebook: NotebookNode) -> str:
+def write_notebook(notebook: NotebookNode) -> str:
     """The notebook as the text of an .ipynb file."""
     nbformat.validate(notebook)
     return str(nbformat.writes(notebook)).rstrip("\n") + "\n"  # type: ignore[no-untyped-call]

@@ -18,7 +18,7 @@ from pathlib import Path
 from ..project.files import UNFINISHED
 
 PAGES = "paper/site"
-REPORT, TOUR = "results/paper/report.html", "results/paper/notebook/tour.ipynb"
+REPORT_PAGE, TOUR = "results/paper/report.html", "results/paper/notebook/tour.ipynb"
 PREPARED = ("case", "joint", "decay", "pendulum", "example")
 """Folders in which pages run commands. What paper/site has of them is there; its lab.py writes the records."""
 
@@ -29,7 +29,7 @@ class SiteError(ValueError):
     """The site cannot be built; the message says what Sphinx or a program of a page complains about."""
 
 
-def build(root: str | Path, target: str | Path) -> None:
+def build_site(root: str | Path, target: str | Path) -> None:
     """Build the site of the project in the folder `root` into the folder `target`, which is replaced.
 
     The results of the paper and of all studies must be there. Raises SiteError for any warning of Sphinx.
@@ -40,7 +40,7 @@ def build(root: str | Path, target: str | Path) -> None:
         stage = Path(folder)
         shutil.copytree(root / PAGES, stage, dirs_exist_ok=True)
         shutil.copy(root / TOUR, stage / "explain")
-        report = (root / REPORT).read_text(encoding="utf-8")
+        report = (root / REPORT_PAGE).read_text(encoding="utf-8")
         (stage / "extra/files").mkdir(parents=True)
         # The copy stands alone: of links to files next to the original their text stays.
         (stage / "extra/files/report.html").write_text(_LOCAL_LINK.sub(r"\1", report), "utf-8")

@@ -11,11 +11,11 @@ from markupsafe import Markup, escape
 from ..project.wording import in_html
 
 _INDEXED = re.compile(r"(\w)([₀-₉]+)")
-_RAISED = str.maketrans("₀₁₂₃₄₅₆₇₈₉", "0123456789")
+_FROM_LOWERED = str.maketrans("₀₁₂₃₄₅₆₇₈₉", "0123456789")
 # Single letters that are symbols: in the name of a quantity all but the article, in a reason those that are no unit.
 _OF_QUANTITY = re.compile(r"(?<![\w’'])([b-zB-Z]|a(?=:))(?![\w’'])")
 _OF_REASON = re.compile(r"(?<![\w’'.])([bcWXYk])(?![\w’'])")
-_SIGNS = {
+_SIGNS_IN_WORDS = {
     **{r"\ddot{x}": "ẍ", r"\dot{x}": "ẋ", r"\varphi": "φ", r"\omega": "ω", r"\zeta": "ζ"},
     **{r"\pi": "π", r"\mathrm": "", "-": "−"},
 }
@@ -43,7 +43,7 @@ def rendered(template: str, **values: Any) -> str:
     return templates().get_template(template).render(**values)
 
 
-def rich(text: str) -> Markup:
+def rich_markup(text: str) -> Markup:
     """Text with its symbols set in HTML: X_s an italic X with a lowered s, phi φ; a unit stays with its number."""
     return Markup(in_html(_UNIT.sub("\N{NO-BREAK SPACE}", text)))
 
@@ -56,7 +56,7 @@ def from_tex(text: str) -> Markup:
 
 def _maths(tex: str) -> str:
     """Mathematics as HTML: letters italic, indices and exponents upright."""
-    for command, sign in _SIGNS.items():
+    for command, sign in _SIGNS_IN_WORDS.items():
         tex = tex.replace(command, sign)
 
     def token(match: re.Match[str]) -> str:
@@ -67,25 +67,25 @@ def _maths(tex: str) -> str:
 
 
 def symbol(text: str) -> Markup:
-    """`rich` for a column head, where a single letter is a symbol too: a, F_k, c by X_s."""
+    """`rich_markup` for a column head, where a single letter is a symbol too: a, F_k, c by X_s."""
     head, by, approach = text.partition(" by ")
-    shown = Markup(f"<i>{escape(head)}</i>") if len(head) == 1 else rich(head)
-    return shown + by + rich(approach)
+    shown = Markup(f"<i>{escape(head)}</i>") if len(head) == 1 else rich_markup(head)
+    return shown + by + rich_markup(approach)
 
 
-def quantity(text: str) -> Markup:
-    """`rich` for what a printed number is: its single letters are symbols, too. a: friction travel, the norm of w."""
+def quantity_markup(text: str) -> Markup:
+    """`rich_markup` for the meaning of a printed number, with its single letters as symbols: a: friction travel."""
     return titled(_OF_QUANTITY.sub(r"*\1*", text))
 
 
 def reason(text: str) -> Markup:
-    """`rich` for the reason of a verdict, with its symbols of one letter: c acts as c + mω²h."""
+    """`rich_markup` for the reason of a verdict, with its symbols of one letter: c acts as c + mω²h."""
     return titled(_OF_REASON.sub(r"*\1*", text.replace("mω²h", "*m*ω²*h*")))
 
 
 def titled(text: str) -> Markup:
-    """`rich`; what stands between asterisks is a symbol, too: *c*, *x*; and an index in plain characters sinks: ω₁."""
-    html = re.sub(r"\*(.+?)\*", r"<i>\1</i>", str(rich(text)))
+    """`rich_markup`, with symbols between asterisks as well, *c*, *x*, and indices in plain characters lowered: ω₁."""
+    html = re.sub(r"\*(.+?)\*", r"<i>\1</i>", str(rich_markup(text)))
     return Markup(
-        _INDEXED.sub(lambda m: f"<i>{m[1]}</i><sub>{m[2].translate(_RAISED)}</sub>", html)
+        _INDEXED.sub(lambda m: f"<i>{m[1]}</i><sub>{m[2].translate(_FROM_LOWERED)}</sub>", html)
     )

@@ -26,7 +26,7 @@ import numpy as np
 from ..arrays import Array
 from ..balance import APPROACHES, TERMS, Approach, direct, slip_velocity, slip_velocity_as_printed
 from ..estimates import estimate_table
-from ..features import Features, Phase, of_numbers, of_orbit, stack
+from ..features import Features, PhaseKind, of_numbers, of_orbit, stack
 from ..motion.fixed_step import SCHEMES, simulate
 from ..motion.orbit import steady_orbit
 from ..motion.sampled import read_cycle
@@ -73,7 +73,7 @@ class ReadFeatures(NamedTuple):
         return self.unrounded.to_frame().assign(**{SLIPPING_SAMPLE: self.slipping_sample})
 
 
-def coefficients(case: Case) -> dict[str, float]:
+def printed_coefficients(case: Case) -> dict[str, float]:
     """c_over_m (1/s) and k_over_m (1/s²) with the decimals that the authors' program kept, as `simulate` takes them."""
     osc, numerics = case.oscillator, case.numerics
     ratios = {
@@ -94,7 +94,7 @@ def effective_damping(case: Case, omega: float) -> float:
     d : `Scheme.dissipation`, 1 for backward Euler.   omega : rad/s.
     """
     added = SCHEMES[case.numerics.scheme].dissipation * added_damping(case, omega)
-    return case.oscillator.m * coefficients(case)["c_over_m"] + added
+    return case.oscillator.m * printed_coefficients(case)["c_over_m"] + added
 
 
 def simulate_levels(case: Case, frequency: str, keep_cycles: int = CYCLES_TO_READ) -> list[Record]:
@@ -108,7 +108,7 @@ def simulate_levels(case: Case, frequency: str, keep_cycles: int = CYCLES_TO_REA
             cycles=case.numerics.cycles,
             keep_cycles=keep_cycles,
             stick_samples=0,  # of the steady stick phases, `check_feasible` has seen to it
-            **coefficients(case),
+            **printed_coefficients(case),
         )
         for motion in case.motions(frequency)
     ]
@@ -132,7 +132,7 @@ def read_levels(records: Sequence[Record], case: Case, frequency: str) -> ReadFe
     sampled = features_of(records, case, frequency, "sample")
     integrals = {name: getattr(sampled, name) for name in ("a", "b", "W")}
     between = features_of(records, case, frequency, "interpolated")
-    between = between.with_phase(cast(Phase, case.phase)).replaced(**integrals)
+    between = between.with_phase(cast(PhaseKind, case.phase)).replaced(**integrals)
     tabulated, two_point = (
         ReadOut.from_config(rules) for rules in (case.numerics.tabulated, case.numerics.two_point)
     )

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, get_args
 
 from ..balance import APPROACHES, TERMS
 from ..estimates import estimate_table
-from ..features import Features, Phase
+from ..features import Features, PhaseKind
 from ..model import Oscillator
 from ..project.case import Case
 from ..project.wording import markdown_table, percent, signed, signed_percent
@@ -23,7 +23,7 @@ from ..project.wording import markdown_table, percent, signed, signed_percent
 if TYPE_CHECKING:
     import pandas as pd
 
-PHASES: tuple[Phase, ...] = get_args(Phase)
+PHASES: tuple[PhaseKind, ...] = get_args(PhaseKind)
 """The lags of x behind y that the harmonic approaches can use."""
 
 WAY = ("approach", "phase", "sharing")

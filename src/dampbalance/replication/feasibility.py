@@ -13,9 +13,9 @@ from ..motion.orbit import MOST_EVENTS, RANGES, NoSteadyOrbit, Orbit, steady_orb
 from ..project.case import Case
 from ..project.documents import Problem, refuse
 from ..signals.clean import CYCLES_TO_READ
-from .authors_route import coefficients
+from .authors_route import printed_coefficients
 
-MOST_SAMPLES = 5_000_000
+MOST_SAMPLES_KEPT = 5_000_000
 """Samples kept of all levels at one frequency, 0.5 GB of memory; the paper's case has 0.9 million at its lowest."""
 
 FEWEST_PER_CYCLE = 100
@@ -107,14 +107,14 @@ def _wrong_steps(case: Case) -> Iterator[Problem]:
         yield step, f"{text}; take at most {coarsest:.2g}"
     per_cycle = 1.0 / (min(case.frequencies_hz.values()) * numerics.step_s)
     for what, key, cycles, most in (
-        ("samples", step, CYCLES_TO_READ, MOST_SAMPLES),
+        ("samples", step, CYCLES_TO_READ, MOST_SAMPLES_KEPT),
         ("steps", ("as_published", "cycles"), numerics.cycles, MOST_STEPS),
     ):
         if levels * cycles * per_cycle > most:
             text = f"asks for {levels * cycles * per_cycle:.3g} {what} at the lowest frequency"
             remedy = f"{most:.0e} at most can be held: fewer cycles or levels, or a longer step"
             yield key, f"{text}; {remedy}"
-    for name, value in coefficients(case).items():
+    for name, value in printed_coefficients(case).items():
         if value <= 0.0:
             text = f"leaves nothing of {name}; keep more decimals, or all (null)"
             yield ("as_published", f"{name}_decimals"), text
@@ -122,7 +122,10 @@ def _wrong_steps(case: Case) -> Iterator[Problem]:
     for phase, K_z, cycles in (("slip", 0.0, numerics.cycles), ("stick", osc.K_z, 1)):
         with interpreted():  # a dozen steps: loading what is compiled takes longer
             growth = largest_growth(
-                numerics.scheme, numerics.step_s, **coefficients(case), contact_over_m=K_z / osc.m
+                numerics.scheme,
+                numerics.step_s,
+                **printed_coefficients(case),
+                contact_over_m=K_z / osc.m,
             )
         if cycles * per_cycle * math.log(growth) > math.log(MOST_GROWTH):
             text = f"{numerics.step_s:g} s makes {numerics.scheme} unstable in {phase}"

@@ -19,7 +19,7 @@ import pandas as pd
 
 from ..balance import TERMS
 from ..estimates import estimate_columns
-from ..project.wording import headed, markdown_table
+from ..project.wording import label_with_unit, markdown_table
 from .claims.verdicts import STATISTICS, VERDICTS, of_cell, of_text, statistic
 
 PRINTED_APPROACHES = ("direct", "t_s", "X_s", "V_s")
@@ -126,14 +126,14 @@ TABLE_2 = (
     Quantity("b", "m^2/s", "b_m2_per_s", ".10f"),
     Quantity("W", "J", "W_J", ".9f"),
 )
-UNKNOWNS = tuple(
+IDENTIFIED_QUANTITIES = tuple(
     Quantity(symbol, TERMS[symbol].unit, TERMS[symbol].column, digits)
     for symbol, digits in (("F_k", ".6f"), ("c", ".4f"))
 )
 RESIDUAL = Quantity("residual", "1", "residual", ".4e")
-COLUMN_OF = {q.symbol: q.column for q in (*TABLE_1, *TABLE_2, *UNKNOWNS, RESIDUAL)}
-_FORMATS = {q.symbol: q.format for q in (*TABLE_1, *TABLE_2, *UNKNOWNS, RESIDUAL)}
-_FORMATS |= {f"{q.symbol} by {a}": q.format for q in UNKNOWNS for a in HARMONIC}
+COLUMN_OF = {q.symbol: q.column for q in (*TABLE_1, *TABLE_2, *IDENTIFIED_QUANTITIES, RESIDUAL)}
+_FORMATS = {q.symbol: q.format for q in (*TABLE_1, *TABLE_2, *IDENTIFIED_QUANTITIES, RESIDUAL)}
+_FORMATS |= {f"{q.symbol} by {a}": q.format for q in IDENTIFIED_QUANTITIES for a in HARMONIC}
 
 
 def paper_tables(
@@ -164,7 +164,7 @@ def paper_tables(
         return [
             _Cell(f"pair {pair}", f"{q.symbol}{ending}", q, {"approach": approach, "pair": pair})
             for pair in labels
-            for q in UNKNOWNS
+            for q in IDENTIFIED_QUANTITIES
         ]
 
     cells = {
@@ -175,7 +175,7 @@ def paper_tables(
             _Cell(f"{a}, {kind.replace('_', ' ')}", q.symbol, q, {"approach": a, "kind": kind})
             for a in PRINTED_APPROACHES
             for kind in STATISTICS
-            for q in (*UNKNOWNS, RESIDUAL)
+            for q in (*IDENTIFIED_QUANTITIES, RESIDUAL)
             if q != RESIDUAL or kind == "least_squares"
         ],
     }
@@ -216,7 +216,7 @@ def markdown(table: pd.DataFrame, title: str) -> str:
     parts = [f"# {title}", ""]
     for quantities, block in blocks(table):
         units = block["unit"]  # those of its first row come first
-        heads = [headed(q, unit) for q, unit in zip(quantities, units, strict=False)]
+        heads = [label_with_unit(q, unit) for q, unit in zip(quantities, units, strict=False)]
         lines = []
         for row, cells in block.groupby("row", sort=False):
             label = str(row)

@@ -18,8 +18,8 @@ _LINE = 15.0  # times the noise, that a line of the spectrum must have
 _BAND = 1.25  # half of its width as a ratio: a decay is no sharp line
 _WINDOW = 0.6  # of a cycle, in which a decay passes two turns
 _SMOOTH = 1.0 / 8.0  # of a cycle, over which the samples are smoothed
-_CLEAR = 8.0  # standard deviations of the smoothed signal
-_SMALLEST = 0.03  # of the largest burst
+_CLEAR_DEVIATIONS = 8.0  # standard deviations of the smoothed signal
+_SMALLEST_BURST = 0.03  # of the largest burst
 _DECAYED = 0.85  # of its first swing: what a decay falls below
 _RISE = 0.6  # of a burst's swing: what came before is below it
 _QUIET_SAMPLES = 200  # of a part, at least
@@ -98,10 +98,10 @@ def noise_of(values: Array) -> float:
     third = np.abs(np.diff(values, 3))
     parts = np.array_split(third, max(1, min(QUIET_PARTS, third.size // _QUIET_SAMPLES)))
     quiet = 1.4826 * min(float(np.median(part)) for part in parts) / _THIRD
-    return max(quiet, digits, rounding(values))
+    return max(quiet, digits, least_noise(values))
 
 
-def rounding(values: Array) -> float:
+def least_noise(values: Array) -> float:
     """Least standard deviation that the noise of a signal is taken to have."""
     return 3e-6 * float(np.ptp(values))
 
@@ -122,7 +122,10 @@ def bursts_of(signal: Signal) -> list[Burst]:
     ahead = -(length // 2)
     swing = maximum_filter1d(smooth, length, origin=ahead, mode="nearest")
     swing -= minimum_filter1d(smooth, length, origin=ahead, mode="nearest")
-    least = max(_SMALLEST * float(swing.max()), _CLEAR * 1.5 * signal.noise / math.sqrt(width))
+    least = max(
+        _SMALLEST_BURST * float(swing.max()),
+        _CLEAR_DEVIATIONS * 1.5 * signal.noise / math.sqrt(width),
+    )
     peaks = _peaks(swing, length, least)
     if not peaks:
         raise NoDecay("nothing in it stands out of the noise and decays")

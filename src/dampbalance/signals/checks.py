@@ -111,7 +111,7 @@ def _significant_for(freedom: int) -> float:
     return float(-special.stdtrit(freedom, special.ndtr(-SIGNIFICANT)))
 
 
-def cycles(
+def checked_cycles(
     channels: Mapping[str, CycleHarmonics], weights: Array, omega: float
 ) -> Iterator[Remark]:
     """Warnings about cycles that are missing, and about the signals in the others.

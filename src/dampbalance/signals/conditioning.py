@@ -49,7 +49,7 @@ _MOST_HARMONICS = (31, 61, 91)
 cycle limits it too."""
 
 _HARMONICS_OF_BASE = 9
-_COMPARED = 1 << 12  # samples in which a copy of another channel shows
+_SAMPLES_COMPARED = 1 << 12  # samples in which a copy of another channel shows
 _FILTERED_OUT = 1e-3  # of a harmonic that passes a filter: below it, the rest is noise
 # Rounding as a part of the fundamental; smaller noise cannot be distinguished from it.
 _RELATIVE_FLOOR = 1e-9
@@ -178,7 +178,7 @@ def _steady(
     common = min(len(h.weights) for h in channels.values())
     weights = np.min([h.weights[:common] for h in channels.values()], axis=0)
     passed = {q: _passed(q, h, omega) for q, h in channels.items() if h.correction is not None}
-    warnings += checks.cycles(channels, weights, base.omega)
+    warnings += checks.checked_cycles(channels, weights, base.omega)
     usable = weights > 0.0
     times, weights = base.times[:common][usable] - base.start, weights[usable]
     rows = {q: h.coefficients[:common][usable] for q, h in channels.items()}
@@ -272,10 +272,10 @@ def _harmonics_of(
     start = max(float(channels[q].t[i]) for q, i in first.items()) + skip_cycles * period
     harmonics = {}
     for q, channel in channels.items():
-        leading = slice(first[q], first[q] + (LEADING if q == driving else _COMPARED))
+        leading = slice(first[q], first[q] + (LEADING if q == driving else _SAMPLES_COMPARED))
         step = step_of(channel.t[leading], q)
         if q != driving:
-            of_drive = drive.values[first[driving] :][:_COMPARED]
+            of_drive = drive.values[first[driving] :][:_SAMPLES_COMPARED]
             checks.require_distinct(q, channel.values[leading], driving, of_drive)
         per_cycle = period / step
         if per_cycle < 12.0:

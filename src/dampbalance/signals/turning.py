@@ -17,17 +17,21 @@ import numpy as np
 from ..arrays import Array, Complexes
 from .cycles import powers
 
-_POINTS = 1024  # of a cycle, where its peak is looked for
+_POINTS_OF_CYCLE = 1024  # of a cycle, where its peak is looked for
 _NEAR_END = 0.005  # of the range: so close to an end, and four times the noise, a mass counts as resting there
-_NOISE = 4.0
+_NOISE_AT_END = 4.0
 _RESTING = 2.0  # times as long as a harmonic motion is as close to its end
-_POWERS = 20  # of a distance, in a series about a phase
+_POWERS_OF_SERIES = 20  # of a distance, in a series about a phase
 _NEAR = 0.03  # rad: the distance up to which such a series is used
-_FAR = 0.5  # rad: the longest step towards a zero
+_LONGEST_STEP = 0.5  # rad: the longest step towards a zero
 _SLOW = 8  # odd harmonics that need none
-_FACTORS = np.array([1j**k / math.factorial(k) for k in range(_POWERS)])  # of (nδ)^k in e^{inδ}
-_MOST = 8  # steps; three or four do, but where a contact is so stiff that the motion nearly stops
-_REACHED = 1e-6  # rad: the next of Halley's steps would be some hundred times its cube
+_FACTORS = np.array(
+    [1j**k / math.factorial(k) for k in range(_POWERS_OF_SERIES)]
+)  # of (nδ)^k in e^{inδ}
+_MOST_HALLEY_STEPS = (
+    8  # steps; three or four do, but where a contact is so stiff that the motion nearly stops
+)
+_CONVERGED_PHASE = 1e-6  # rad: the next of Halley's steps would be some hundred times its cube
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,9 +61,9 @@ class Series:
 
         Harmonic n needs the more of them the larger nδ is; up to 7, the rest is a tenth of that harmonic.
         """
-        terms = powers(self.n, _POWERS) * _FACTORS * np.exp(1j * theta * self.n)[:, None]
+        terms = powers(self.n, _POWERS_OF_SERIES) * _FACTORS * np.exp(1j * theta * self.n)[:, None]
         # Re Σ x t = Σ Re x Re t − Im x Im t: half of a product of complex numbers
-        parts = np.stack([terms.real, -terms.imag], axis=1).reshape(-1, _POWERS)
+        parts = np.stack([terms.real, -terms.imag], axis=1).reshape(-1, _POWERS_OF_SERIES)
         return np.ascontiguousarray(self.x).view(np.float64) @ parts
 
     def mean_between(self, begin: float, end: float) -> Array:
@@ -89,10 +93,10 @@ def upward_zero(series: Series, lag: Array) -> Array:
     """
     odd = series.symmetric
     mean = odd.x.mean(axis=0, keepdims=True)
-    start, nothing = -np.angle(mean[:, 0]) - 0.5 * math.pi, np.zeros((1, _POWERS))
-    centre = float(_zero(odd.n, mean, start, nothing, 0.0, _FAR)[0])
+    start, nothing = -np.angle(mean[:, 0]) - 0.5 * math.pi, np.zeros((1, _POWERS_OF_SERIES))
+    centre = float(_zero(odd.n, mean, start, nothing, 0.0, _LONGEST_STEP)[0])
     high = Series(odd.n[_SLOW:], odd.x[:, _SLOW:], odd.variance[:, _SLOW:]).around(centre)
-    return _zero(odd.n[:_SLOW], odd.x[:, :_SLOW], lag - 0.5 * math.pi, high, centre, _FAR)
+    return _zero(odd.n[:_SLOW], odd.x[:, :_SLOW], lag - 0.5 * math.pi, high, centre, _LONGEST_STEP)
 
 
 def _zero(n: Array, x: Complexes, at: Array, rest: Array, centre: float, reach: float) -> Array:
@@ -102,8 +106,8 @@ def _zero(n: Array, x: Complexes, at: Array, rest: Array, centre: float, reach: 
     """
     slope = rest[:, 1:] * np.arange(1.0, rest.shape[1])
     parts = rest, slope, slope[:, 1:] * np.arange(1.0, slope.shape[1])
-    for _ in range(_MOST):
-        off = powers(np.clip(at - centre, -_NEAR, _NEAR), _POWERS)
+    for _ in range(_MOST_HALLEY_STEPS):
+        off = powers(np.clip(at - centre, -_NEAR, _NEAR), _POWERS_OF_SERIES)
         value, rate, bent = (np.einsum("rk,rk->r", c, off[:, : c.shape[1]]) for c in parts)
         if n.size:
             first = np.exp(1j * at)
@@ -114,7 +118,7 @@ def _zero(n: Array, x: Complexes, at: Array, rest: Array, centre: float, reach: 
         step = value / rate
         step = step / np.maximum(1.0 - 0.5 * step * bent / rate, 0.5)
         at = at - np.clip(step, -reach, reach)
-        if np.all(np.abs(step) < _REACHED):
+        if np.all(np.abs(step) < _CONVERGED_PHASE):
             break
     return at
 
@@ -124,20 +128,22 @@ def _end(series: Series, sign: float, rests: bool) -> tuple[Array, Array]:
     where the mass rests there, the middle of the rest and its level."""
     variances = np.broadcast_to(series.variance, series.x.shape).sum(axis=1)
     known = variances <= variances.min()  # the mean, where there are replicates of it
-    spectrum = np.zeros(_POINTS // 2 + 1, dtype=np.complex128)
+    spectrum = np.zeros(_POINTS_OF_CYCLE // 2 + 1, dtype=np.complex128)
     spectrum[series.n.astype(np.intp)] = sign * series.x[known].mean(axis=0)
-    values = np.fft.irfft(spectrum) * (0.5 * _POINTS)
+    values = np.fft.irfft(spectrum) * (0.5 * _POINTS_OF_CYCLE)
     highest, noise = int(np.argmax(values)), math.sqrt(0.5 * float(variances.min()))
     rest = _rest(values, highest, noise) if rests else None
     if rest is not None:
-        begin, end = (2.0 * math.pi / _POINTS * place for place in rest)
+        begin, end = (2.0 * math.pi / _POINTS_OF_CYCLE * place for place in rest)
         return np.full(len(series.x), 0.5 * (begin + end)), sign * series.mean_between(begin, end)
-    limit = 2.0 * math.pi / _POINTS
+    limit = 2.0 * math.pi / _POINTS_OF_CYCLE
     peak = limit * highest
     value, none = sign * series.around(peak), series.x[:, :0]
-    slowing = -value[:, 1:] * np.arange(1.0, _POWERS)  # −dx/dωt, which rises through zero there
+    slowing = -value[:, 1:] * np.arange(
+        1.0, _POWERS_OF_SERIES
+    )  # −dx/dωt, which rises through zero there
     at = _zero(series.n[:0], none, np.full(len(value), peak), slowing, peak, limit)
-    return at, np.einsum("rk,rk->r", value, powers(at - peak, _POWERS))
+    return at, np.einsum("rk,rk->r", value, powers(at - peak, _POWERS_OF_SERIES))
 
 
 def _rest(values: Array, highest: int, noise: float) -> tuple[float, float] | None:
@@ -146,7 +152,7 @@ def _rest(values: Array, highest: int, noise: float) -> tuple[float, float] | No
     noise : standard deviation of the values.
     """
     reach = float(np.ptp(values))
-    near = min(_NEAR_END * reach + _NOISE * noise, 0.5 * reach)
+    near = min(_NEAR_END * reach + _NOISE_AT_END * noise, 0.5 * reach)
     off = np.roll(values, -highest) < values[highest] - near
     after, before = int(np.argmax(off)), int(np.argmax(off[::-1]))
     harmonic = math.acos(1.0 - 2.0 * near / reach) / math.pi * values.size

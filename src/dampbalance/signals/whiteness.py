@@ -16,8 +16,10 @@ from scipy import special
 from ..arrays import Array
 from .bursts import QUIET_PARTS, noise_of
 
-_ROUNDING = 0.1  # of the variance of the noise: what a record without noise leaves is rounding
-_FEWEST = 400  # samples, from which the third differences of a record tell its noise
+_SHARE_OF_ROUNDING = (
+    0.1  # of the variance of the noise: what a record without noise leaves is rounding
+)
+_FEWEST_RESIDUALS = 400  # samples, from which the third differences of a record tell its noise
 _MEDIAN = 1.77  # relative error of the median of n third differences, times √n
 _SIGMAS, _SYSTEMATIC = 6.0, 0.05  # of the least of several such medians
 
@@ -40,7 +42,7 @@ def averages(
         within += float(np.sum((parts - means[:, None]) ** 2))
         bins, count = bins + n, count + n * width
     first, rest = max(1, bins - lost), max(1, count - bins)
-    return (between / first) / max(within / rest, _ROUNDING), first, rest
+    return (between / first) / max(within / rest, _SHARE_OF_ROUNDING), first, rest
 
 
 def chance_of_averages(residuals: Sequence[Array], widths: Sequence[int], lost: int) -> float:
@@ -60,7 +62,7 @@ def chance_of_lines(residuals: Sequence[Array]) -> float:
     for residual in residuals:
         power = np.abs(np.fft.rfft(residual)[1:-1]) ** 2
         # what is left of a record without noise is rounding
-        total = max(float(power.sum()), _ROUNDING * residual.size * power.size)
+        total = max(float(power.sum()), _SHARE_OF_ROUNDING * residual.size * power.size)
         if power.size > 2:
             share = float(power.max()) / total
             chances.append(min(1.0, power.size * (1.0 - share) ** (power.size - 1)))
@@ -72,7 +74,7 @@ def louder(residual: Array, values: Array, noise: float) -> float:
 
     residual : in units of `noise`.   values : the samples.
     """
-    if values.size < _FEWEST:
+    if values.size < _FEWEST_RESIDUALS:
         return 1.0
     ratio = math.sqrt(float(np.mean(residual**2))) * noise / noise_of(values)
     error = _MEDIAN / math.sqrt(values.size / QUIET_PARTS)

@@ -1,7 +1,7 @@
 """Studies of an estimator's error over many oscillators, each described by one YAML file and no code.
 
-settings.py       the YAML file as an object: `Study`, with its axes, its route and its fits
-checking.py       what can be wrong with the file; `read_study`; the figure of a study whose file asks for none
+study_file.py     the YAML file as an object: `Study`, with its axes, its route and its fits
+reading_study.py  what can be wrong with the file; `read_study`; the figure of a study whose file asks for none
 parameters.py     what can be varied, in which unit, and how it becomes m, c, k, K_z, F_k, Y, ω
 cases.py          the values of any stretch of cases, the columns of their table, and its size before anything runs
 responses.py      responses computed one after the other: any law, fixed steps, sampled and noisy records

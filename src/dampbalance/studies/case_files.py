@@ -23,7 +23,7 @@ import pyarrow.parquet as pq
 from ..arrays import Words
 from ..law.terms import KNOWN_TERMS
 from ..project.files import replacing, write_json
-from .cases import REGIME_NAMES, columns_of
+from .cases import REGIME_NAMES, case_columns
 from .study_file import CONTACT, Listed, Study
 
 Cases: TypeAlias = str | Path | pd.DataFrame
@@ -49,7 +49,7 @@ def stretches(cases: Cases, names: Sequence[str]) -> Iterator[dict[str, Words]]:
 
 @functools.lru_cache(maxsize=16)
 def _metadata_of(cases: str, changed: int) -> pq.FileMetaData:
-    """What a file says of itself, as it was when it changed last: to read this takes longer than to read a column."""
+    """Parquet metadata, cached because parsing it is slower than reading a column."""
     return pq.read_metadata(cases)
 
 
@@ -130,7 +130,7 @@ def write_manifest(path: str | Path, cases: str | Path, study: Study, version: s
             "cases_per_regime": dict(sorted(counts.items(), key=lambda item: (-item[1], item[0]))),
             "regimes": {name: words for words, name in REGIME_NAMES.items() if name in seen},
             "settings": dict(study.settings),
-            "columns": [column._asdict() for column in columns_of(study)],
+            "columns": [column._asdict() for column in case_columns(study)],
         },
     )
 
@@ -141,7 +141,7 @@ def _packing(study: Study) -> dict[str, Any]:
     if study.cases < MANY:
         return packed | {"compression": "zstd"}
     listed = {name for b in study.blocks if isinstance(b, Listed) for name in b.axes}
-    columns = columns_of(study)
+    columns = case_columns(study)
     repeated = [c.name for c in columns if c.words or c.name in listed]
     kinds = {c.name: "zstd" if c.name in repeated else "none" for c in columns}
     levels = dict.fromkeys(repeated, 1)
@@ -151,7 +151,7 @@ def _packing(study: Study) -> dict[str, Any]:
 def _schema(study: Study, version: str) -> pa.Schema:
     """Names, types, units and meanings of the columns; the study and its settings as metadata of the file."""
     words, fields = pa.dictionary(pa.int32(), pa.string()), []
-    for c in columns_of(study):
+    for c in case_columns(study):
         kind = words if c.words else pa.int64() if c.name == "case" else pa.float64()
         fields.append(pa.field(c.name, kind, metadata={"unit": c.unit, "meaning": c.meaning}))
     settings = json.dumps(study.settings, sort_keys=True, ensure_ascii=False)

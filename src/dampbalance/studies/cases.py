@@ -114,7 +114,7 @@ _OF_TERMS = {
 """Columns of a fit for each term, by the word that asks for them: name, unit and meaning, as formats of the term."""
 
 
-def columns_of(study: Study) -> list[Column]:
+def case_columns(study: Study) -> list[Column]:
     """The columns of the table of cases, in their order."""
     names, columns = study.axis_names, [Column("case", "1", "number of the case, counted from 0")]
     columns += map(_of_parameter, names)
@@ -170,7 +170,7 @@ def size_of(study: Study) -> StudySize:
     Eight bytes for every number that can differ from case to case, one or two for words and case numbers.
     """
     varied = sum(len(b.axes) for b in study.blocks if isinstance(b, Sampled))
-    columns = [c for c in columns_of(study) if c.words or c.name not in study.axis_names]
+    columns = [c for c in case_columns(study) if c.words or c.name not in study.axis_names]
     each = 8 * varied + 2 + sum(1 if c.words else 8 for c in columns)
     chunks = -(-study.cases // study.chunk_cases)
     return StudySize(study.cases, len(study.levels), chunks, 20_000 + study.cases * each)

@@ -22,8 +22,8 @@ from .cases import (
     REGIME_NAMES,
     Cases,
     Responses,
+    case_columns,
     cases_between,
-    columns_of,
     identified_by,
 )
 from .parameters import SI_COLUMNS, of_law, parameter
@@ -39,7 +39,7 @@ _SLICE = 16_384  # cases worked on at a time: their arrays stay in the processor
 
 
 def evaluate(study: Study, start: int, stop: int, threads: int | None = None) -> pd.DataFrame:
-    """The cases start … stop − 1 of a study as a table with the columns of `columns_of`.
+    """The cases start … stop − 1 of a study as a table with the columns of `case_columns`.
 
     threads : for the exact orbits. The numbers depend neither on them nor on start and stop.
     """
@@ -48,7 +48,7 @@ def evaluate(study: Study, start: int, stop: int, threads: int | None = None) ->
         firsts = followed(firsts, (stop - start) / _SLICE, "slices")
     slices = (cases_between(study, first, min(first + _SLICE, stop)) for first in firsts)
     parts = [_evaluate(cases, threads) for cases in slices]
-    names = [column.name for column in columns_of(study)]
+    names = [column.name for column in case_columns(study)]
     return pd.DataFrame({name: np.concatenate([part[name] for part in parts]) for name in names})
 
 

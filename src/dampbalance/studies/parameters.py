@@ -19,9 +19,9 @@ from ..arrays import Array
 from ..balance import TERMS
 from ..law.terms import KNOWN_TERMS, Term
 from ..model import Oscillator
-from ..project.wording import headed
+from ..project.wording import label_with_unit
 
-Kind = Literal["oscillator", "excitation", "numerics", "read_out"]
+ParameterKind = Literal["oscillator", "excitation", "numerics", "read_out"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,7 +32,7 @@ class Parameter:
     low, high : the smallest (apart from zero, if that is allowed) and the largest number that is accepted.
     """
 
-    kind: Kind
+    kind: ParameterKind
     unit: str
     meaning: str
     symbol: str = ""
@@ -55,7 +55,7 @@ class Parameter:
     @property
     def label(self) -> str:
         """Symbol and unit, for the axis of a figure."""
-        return headed(self.name, self.unit) if self.symbol else self.name
+        return label_with_unit(self.name, self.unit) if self.symbol else self.name
 
     def shown(self, value: float | str, digits: int = 4) -> str:
         """A value with its unit, e.g. 4.92 Hz."""

@@ -22,7 +22,7 @@ from ..motion.fixed_step import MOST_STEPS
 from ..motion.orbit import MOST_EVENTS, RANGES
 from ..project.documents import (
     ConfigurationError,
-    Key,
+    KeyPath,
     Problem,
     against_schema,
     in_lines,
@@ -30,31 +30,31 @@ from ..project.documents import (
     read_yaml,
 )
 from ..project.wording import listed, shortened
-from .cases import PART, columns_of
+from .cases import PART, case_columns
 from .parameters import PARAMETERS, in_si, mechanical, objection, of_law, parameter, synonyms
 from .study_file import (
-    ROUTES,
+    STUDY_ROUTES,
     Listed,
     Sampled,
     Study,
     is_value,
     paper_defaults,
     selected,
-    spread,
+    spread_values,
 )
 
-SCHEMA = Path(__file__).parents[1] / "project/schemas/study.schema.yaml"
+STUDY_SCHEMA = Path(__file__).parents[1] / "project/schemas/study.schema.yaml"
 
 MOST_POINTS = 50_000
 """Cases on the curves of a figure; more are drawn as a map."""
 
-MOST_PANELS, MOST_PLACES, MOST_GROUPS = 8, 500, 1000
+MOST_PANELS, MOST_AXIS_PLACES, MOST_GROUPS = 8, 500, 1000
 """Columns of panels, listed values along an axis of a map or a scatter, groups in a summary."""
 
-FAR = 100.0
+FARTHEST_MARK = 100.0
 """A mark may lie outside the axis, which is then drawn up to it, by this factor at most."""
 
-MOST_SAMPLES = 1_000_000
+MOST_SAMPLES_READ = 1_000_000
 """Samples of a record that is read; the reader holds a few arrays as long."""
 
 MOST_NUMBERS = 200_000_000
@@ -74,7 +74,7 @@ def read_study(path: str | Path, paper_file: str | Path) -> Study:
     Raises ConfigurationError listing every problem, a line each: file, key, what is wrong, what would be right.
     """
     document, paper = read_yaml(path), paper_defaults(read_yaml(paper_file))
-    if wrong := problems(document, read_schema(SCHEMA), paper):
+    if wrong := problems(document, read_schema(STUDY_SCHEMA), paper):
         raise ConfigurationError(in_lines(wrong, {str(path): document}))
     text = Path(path).with_suffix(".md.j2")
     study = Study.of(Path(path).stem, document, paper, text if text.exists() else None)
@@ -109,7 +109,7 @@ def problems(
 def _wrong_axes(axes: Sequence[Mapping[str, Any]]) -> Iterator[Problem]:
     seen: set[str] = set()
     for i, block in enumerate(axes):
-        key: Key = ("axes", i)
+        key: KeyPath = ("axes", i)
         over, sizes, sample = block, {}, block.get("sample", {})
         if sample:
             over, key = sample["over"], (*key, "sample", "over")
@@ -128,7 +128,7 @@ def _wrong_axes(axes: Sequence[Mapping[str, Any]]) -> Iterator[Problem]:
             yield key, f"paired axes need the same number of values: {text}"
 
 
-def _wrong_axis(key: Key, name: str, spec: Mapping[str, Any]) -> Iterator[Problem]:
+def _wrong_axis(key: KeyPath, name: str, spec: Mapping[str, Any]) -> Iterator[Problem]:
     """What is wrong with the values or the range of an axis."""
     given = [(key, spec.get("values", [])), ((*key, "also"), spec.get("also", []))]
     given += [((*key, end), [spec[end]]) for end in ("from", "to") if end in spec]
@@ -144,7 +144,7 @@ def _wrong_axis(key: Key, name: str, spec: Mapping[str, Any]) -> Iterator[Proble
     elif spec.get("spacing") == "log" and low <= 0.0:
         yield (*key, "from"), "a logarithmic range begins above zero"
     elif "count" in spec and not wrong:
-        values = spread({part: value for part, value in spec.items() if part != "also"})
+        values = spread_values({part: value for part, value in spec.items() if part != "also"})
         if len(set(values)) < len(values):
             text = f"its ends are too close for {len(values):,} different values; take fewer"
             yield key, text
@@ -186,7 +186,7 @@ def _contradictions(document: Mapping[str, Any], study: Study) -> Iterator[Probl
         if "terms" in estimation:
             yield ("estimation", "terms"), text
     for i, terms in enumerate(estimation.get("terms", [])):
-        key: Key = ("estimation", "terms", i)
+        key: KeyPath = ("estimation", "terms", i)
         try:
             Law(tuple(terms)).require([1.0] * len(study.levels))  # a case has one frequency
         except ValueError as error:
@@ -212,7 +212,7 @@ def _wrong_route(document: Mapping[str, Any], study: Study) -> Iterator[Problem]
             yield ("route",), f"{name} {nothing}"
         if parameter(name).kind == "read_out" and wanted.is_noisy:
             yield ("read_out", name), f"{nothing}: noise is its limit"
-    others = {key for each in ROUTES.values() for key in each.settings} - {*wanted.settings}
+    others = {key for each in STUDY_ROUTES.values() for key in each.settings} - {*wanted.settings}
     for name in filter(others.__contains__, section):
         yield ("route", name), f"{nothing}; leave it out"
 
@@ -240,14 +240,16 @@ def _wrong_sizes(_: object, study: Study) -> Iterator[Problem]:
         yield ("axes",), f"reach to a natural frequency on the contact of {times}"
     # the longest record, of the longest period
     period, cycles = 2.0 * np.pi / float(np.min(si["omega"])), study.cycles
-    kept, most = (3, MOST_STEPS) if study.route.kind == "fixed_step" else (cycles, MOST_SAMPLES)
+    kept, most = (
+        (3, MOST_STEPS) if study.route.kind == "fixed_step" else (cycles, MOST_SAMPLES_READ)
+    )
     for name in study.parameters.intersection(("step_s", "steps_per_cycle", "sampling_hz")):
         low, high = study.extent(name)
         samples = {"step_s": period / low, "sampling_hz": period * high}.get(name, high)
-        if samples * kept > MOST_SAMPLES or samples * cycles > most:
+        if samples * kept > MOST_SAMPLES_READ or samples * cycles > most:
             text = f"{name} makes records of {samples * cycles:.3g} samples"
             yield ("route",), f"{text}; take fewer cycles, or samples further apart"
-    held = len(columns_of(study))
+    held = len(case_columns(study))
     if study.route.is_noisy:
         held = max(held, study.replicates * len(study.levels) * _FEATURES)
     part, enough = min(study.chunk_cases, study.cases, PART), max(1, MOST_NUMBERS // held)
@@ -308,7 +310,10 @@ def _wrong_figure(study: Study) -> Iterator[Problem]:
             text = f"{name} must have {MOST_PANELS} listed values at most, a column of panels each"
             yield ("figure", "panels"), text
     low, high = study.extent(x)
-    lowest, highest = low / FAR if low > 0.0 else FAR * min(low, -high), FAR * max(high, -low)
+    lowest, highest = (
+        low / FARTHEST_MARK if low > 0.0 else FARTHEST_MARK * min(low, -high),
+        FARTHEST_MARK * max(high, -low),
+    )
     for name, value in figure.get("marks", {}).items():
         if not lowest <= value <= highest:
             text = f"{value:g} is far from the axis x, from {low:g} to {high:g}"
@@ -325,8 +330,8 @@ def _not_drawn(study: Study, name: str) -> str:
     (low, high), values = study.extent(name), study.values_of(name)
     if not low < high:
         return f"{name} has one value; take an axis with two at least"
-    if kind in ("map", "scatter") and len(values) > MOST_PLACES:
-        return f"{name} has more than {MOST_PLACES} values; a {kind} shows no more"
+    if kind in ("map", "scatter") and len(values) > MOST_AXIS_PLACES:
+        return f"{name} has more than {MOST_AXIS_PLACES} values; a {kind} shows no more"
     if kind == "scatter" and (low <= 0.0 or not values):
         return f"{name} must be listed values above zero: a scatter has a logarithmic axis"
     return ""
@@ -380,7 +385,7 @@ def _selected(study: Study, spec: Mapping[str, Any]) -> int:
     return left
 
 
-def wrong_selection(study: Study, key: Key, spec: Mapping[str, Any]) -> Iterator[Problem]:
+def wrong_selection(study: Study, key: KeyPath, spec: Mapping[str, Any]) -> Iterator[Problem]:
     """What is wrong with the cases that a figure or a number selects by values of axes, or by bounds."""
     wrong = [
         ((*key, where, name), text)

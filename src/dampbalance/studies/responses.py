@@ -20,9 +20,8 @@ from scipy.optimize import brentq
 
 from ..arrays import Array
 from ..balance import TERMS
-from ..features import Features, of_numbers, of_orbit, side_by_side, stack, wrapped
-from ..fit.mean_harmonics import Reading, read_features
-from ..identification.oscillator import JointFit, joined, joint_fit, sample_of
+from ..features import Features, of_numbers, of_orbit, side_by_side, stack, wrapped_phase
+from ..identification.oscillator import JointFit, joint_fit, sample_of, with_common_fit
 from ..law.terms import of_harmonics
 from ..model import BaseMotion, Oscillator
 from ..motion.fixed_step import StepTooCoarse, simulate
@@ -35,6 +34,7 @@ from ..record import Record
 from ..records.measurement import Measurement
 from ..records.synthetic import measured_orbit
 from ..signals.clean import CYCLES_TO_READ, of_record
+from ..signals.mean_harmonics import Reading, read_features
 from ..signals.simpson import cycle_integrals, replicates_of
 from .cases import NOT_READ, STEP_TOO_COARSE, Cases, Responses
 from .parameters import of_law, oscillator_of
@@ -86,7 +86,7 @@ def of_response(
     x = response.harmonics(_HARMONICS)
     base = np.ones(1), np.full((1, 1), complex(motion.Y))
     integrals = {s: of_harmonics(s, n, x[None], *base, omega, k) for s in ("c", *terms)}
-    reversal = float(wrapped(response.orbit.theta - response.advance - math.pi))
+    reversal = float(wrapped_phase(response.orbit.theta - response.advance - math.pi))
 
     def displacement(theta: float) -> float:
         return float((x * np.exp(1j * n * theta)).real.sum())
@@ -98,8 +98,8 @@ def of_response(
         "X": response.X,
         "phi": reversal,
         "phi_reversal": reversal,
-        "phi_zero_crossing": float(wrapped(upward + 0.5 * math.pi)),
-        "phi_fundamental": float(wrapped(-np.angle(x[0]))),
+        "phi_zero_crossing": float(wrapped_phase(upward + 0.5 * math.pi)),
+        "phi_fundamental": float(wrapped_phase(-np.angle(x[0]))),
         "b": integrals.pop("c"),
         "W": -math.pi * k * motion.Y * x[0].imag,
         **{f"X_{order}": abs(x[i]) for i, order in enumerate((1, 3, 5))},
@@ -108,7 +108,7 @@ def of_response(
         X_s = 2.0 * response.orbit.oscillator.Z_m - response.X
         changed |= {"X_s": X_s, "V_s": response.V_s, "t_s": response.t_s}
         changed |= {"X_r": -X_s, "V_r": -response.V_s, "t_r": response.t_s}
-        changed |= {"a": 4.0 * response.X - response.taken}
+        changed |= {"a": 4.0 * response.X - response.stick_travel}
     return replace(of_orbit(response.orbit), **changed, integrals=integrals)
 
 
@@ -231,7 +231,7 @@ def _with_one_oscillator(
     whole = None
     if readings:
         whole = joint_fit([reading.lines for reading in readings], k, timing=False)
-        shared = joined(readings, whole)
+        shared = with_common_fit(readings, whole)
         means = [one.mean.followed_by(one.resampled(count, random)) for one in shared]
         features = sample_of(shared, means).features
         of_all = features[:, 0], features[:, 1:]

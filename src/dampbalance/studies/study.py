@@ -14,10 +14,10 @@ from ..arguments import names, one_of, shown, whole
 from ..law.terms import Term, term
 from ..model import UNITS, Oscillator, named_with_unit
 from ..records.errors import library
-from .cases import columns_of
+from .cases import case_columns
 from .evaluate import evaluate, responses_of
 from .parameters import Coefficient
-from .study_file import PAPER, Listed, Study
+from .study_file import PAPER_CASE, Listed, Study
 
 if TYPE_CHECKING:
     import xarray
@@ -87,7 +87,7 @@ class StudyResult:
             coords |= {name: (dimension, of) for name, of in points.items()}
         shape, dims, fits = tuple(sizes.values()), tuple(sizes), [fit.label for fit in study.fits]
         coords |= {"fit": fits, "level": np.arange(len(study.levels)) + 1}
-        for column in columns_of(study):
+        for column in case_columns(study):
             if column.name in ("case", *study.axis_names):
                 continue
             quantity, _, label = column.name.partition("__")
@@ -192,7 +192,7 @@ def study(
     for package in ("jsonschema", "ruamel.yaml"):
         library(package, "a study")
     from ..project.documents import ConfigurationError, in_lines, read_schema
-    from .reading_study import MOST_NUMBERS, SCHEMA, problems
+    from .reading_study import MOST_NUMBERS, STUDY_SCHEMA, problems
 
     given = {
         **{"axes": axes, "base": base, "levels_m": levels_m, "levels_of_Y": levels_of_Y},
@@ -201,13 +201,13 @@ def study(
     stated = {key: value for key, value in given.items() if value is not None or key == "axes"}
     own: list[str] = []
     document = {"title": "study()", **_document(stated, own)}
-    schema = _with_terms(read_schema(SCHEMA), own)
-    if wrong := list(problems(document, schema, PAPER)):
+    schema = _with_terms(read_schema(STUDY_SCHEMA), own)
+    if wrong := list(problems(document, schema, PAPER_CASE)):
         if isinstance(axes, Mapping):  # whose blocks have no number
             wrong = [(key[:1] + key[2:] if key[0] == "axes" else key, text) for key, text in wrong]
         raise ConfigurationError(in_lines(wrong, {"study()": document}))
-    settings = Study.of("study", document, PAPER)
-    if (size := settings.cases * len(columns_of(settings))) > MOST_NUMBERS:
+    settings = Study.of("study", document, PAPER_CASE)
+    if (size := settings.cases * len(case_columns(settings))) > MOST_NUMBERS:
         raise ConfigurationError(
             f"study(): axes: {settings.cases:,} cases with {size // settings.cases} columns do not fit in memory; "
             "take fewer, or let the workflow run a file of config/studies"

@@ -1,4 +1,4 @@
-"""A study as its YAML file describes it: axes, route and fits; `checking` finds what is wrong with the file.
+"""A study as its YAML file describes it: axes, route and fits; `reading_study` finds what is wrong with the file.
 
 The cases of a study are the product of its blocks of axes, the last block running fastest. A block is one axis, several
 paired (zipped) axes of equal length, or a sample of points in the box that several parameters span. The values of any
@@ -100,7 +100,9 @@ Block = Listed | Sampled
 
 def _block(item: Mapping[str, Any]) -> Block:
     if "sample" not in item:
-        return Listed({name: spec.get("values") or spread(spec) for name, spec in item.items()})
+        return Listed(
+            {name: spec.get("values") or spread_values(spec) for name, spec in item.items()}
+        )
     ranges = {
         name: Range(float(spec["from"]), float(spec["to"]), spec.get("spacing", "linear"))
         for name, spec in item["sample"]["over"].items()
@@ -118,7 +120,7 @@ def case_values(blocks: Sequence[Block], start: int, stop: int) -> dict[str, Wor
     return values
 
 
-def spread(spec: Mapping[str, Any]) -> list[float]:
+def spread_values(spec: Mapping[str, Any]) -> list[float]:
     """The values of an axis that is given by its ends, which it includes, and their number: evenly spaced themselves or
     in their logarithms, with further values, `also`, in ascending order; such a value replaces one that equals it
     except for rounding."""
@@ -179,7 +181,7 @@ class Route:
         return "seed" in self.settings
 
 
-ROUTES = {
+STUDY_ROUTES = {
     route.kind: route
     for route in (
         Route("exact", any_law=True, chunk_cases=524_288),
@@ -203,7 +205,7 @@ ROUTES = {
 }
 
 
-COLUMNS = ("parameters", "errors")
+DEFAULT_COLUMNS = ("parameters", "errors")
 """Columns of the table of cases if the file does not say."""
 
 REPLICATES = 200
@@ -226,7 +228,7 @@ rigid contact and equal weights, and the maximum-likelihood oscillator, which ne
 CONTACT = "K_z"
 """Symbol of the contact stiffness; as a yardstick, the maximum-likelihood oscillator with its K_z besides F_k and c."""
 
-_SHOWN = ("title", "figure", "summary_by")  # keys on which no number depends
+_KEYS_SHOWN = ("title", "figure", "summary_by")  # keys on which no number depends
 
 
 @dataclass(frozen=True, slots=True)
@@ -382,9 +384,9 @@ class Study:
         paper: Mapping[str, Any],
         text: Path | None = None,
     ) -> Self:
-        """The study of a document in which `checking.problems` finds nothing wrong; paper : see `paper_defaults`."""
+        """The study of a document in which `reading_study.problems` finds no fault; paper : see `paper_defaults`."""
         blocks, route = tuple(map(_block, document["axes"])), document.get("route", {})
-        way = ROUTES[route.get("kind", "exact")]
+        way = STUDY_ROUTES[route.get("kind", "exact")]
         given = document.get("base", {}) | {
             key: value
             for key, value in (route | document.get("read_out", {})).items()
@@ -398,12 +400,12 @@ class Study:
         # what is meant where the file does not say
         of_route: dict[str, Any] = {"cycles": way.cycles, "reading": "interpolated"}
         of_route |= {"seed": 0, "replicates": REPLICATES}
-        of_study: dict[str, Any] = {"columns": COLUMNS, "chunk_cases": way.chunk_cases}
+        of_study: dict[str, Any] = {"columns": DEFAULT_COLUMNS, "chunk_cases": way.chunk_cases}
         of_study |= {"summary_by": (), "figure": {}}
         return cls(
             name=name,
             title=document["title"],
-            settings={key: value for key, value in document.items() if key not in _SHOWN},
+            settings={key: value for key, value in document.items() if key not in _KEYS_SHOWN},
             blocks=blocks,
             fixed=fixed,
             levels=tuple(levels),
@@ -416,7 +418,7 @@ class Study:
         )
 
 
-PAPER: Mapping[str, Any] = {
+PAPER_CASE: Mapping[str, Any] = {
     "base": {
         "m_kg": 2.42,
         "c_N_s_per_m": 90.0,

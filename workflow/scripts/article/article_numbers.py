@@ -11,7 +11,7 @@ from importlib.metadata import metadata, version
 
 import pandas as pd
 
-from dampbalance.figures.numerics import ALT, GLANCE_ALT, Evidence, glance, numerics
+from dampbalance.figures.numerics import ALT_OF_NUMERICS, GLANCE_ALT, Evidence, glance, numerics
 from dampbalance.figures.style import save
 from dampbalance.project.case import Case
 from dampbalance.project.documents import read_yaml
@@ -71,7 +71,7 @@ def figures(inputs, output, case):
     )
     unit = case.numerics.tabulated["t_s_unit_s"]
     figure = numerics(seen, case.oscillator, case.numerics.step_s, unit)
-    save(figure, output.numerics_svg, output.numerics_png, ALT)
+    save(figure, output.numerics_svg, output.numerics_png, ALT_OF_NUMERICS)
     findings = at_a_glance(seen, read_csv(inputs.approaches), case)
     save(glance(*findings), output.glance_svg, output.glance_png, GLANCE_ALT)
 

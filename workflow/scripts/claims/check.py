@@ -6,12 +6,12 @@ from pathlib import Path
 from dampbalance.project.files import write_text
 from dampbalance.project.troubles import brief_troubles
 from dampbalance.replication.claims.print import read_texts
-from dampbalance.replication.claims.table import COLUMNS, check, read_record, summary
+from dampbalance.replication.claims.table import CLAIM_COLUMNS, check_claims, read_record, summary
 
 if __name__ == "__main__":
     brief_troubles(snakemake.log)
-    claims = read_texts(Path(snakemake.input.claims), COLUMNS)
-    offences = check(claims, read_record(Path(snakemake.input.recorded)))
+    claims = read_texts(Path(snakemake.input.claims), CLAIM_COLUMNS)
+    offences = check_claims(claims, read_record(Path(snakemake.input.recorded)))
     text = summary(claims, offences)
     print(
         text.split("\n\nNeither", maxsplit=1)[0], "\n", file=sys.stderr

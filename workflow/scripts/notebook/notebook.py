@@ -6,5 +6,5 @@ from dampbalance.publishing import notebook
 
 if __name__ == "__main__":
     brief_troubles(snakemake.log)
-    executed = notebook.run(snakemake.input.source)
-    write_text(snakemake.output.ipynb, notebook.write(executed))
+    executed = notebook.run_notebook(snakemake.input.source)
+    write_text(snakemake.output.ipynb, notebook.write_notebook(executed))

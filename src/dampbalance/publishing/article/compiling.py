@@ -51,12 +51,12 @@ def version() -> str:
 
 def article(folder: str | Path, results: str | Path, inputs: Inputs) -> bytes:
     """The PDF of the article in a folder, with results that are kept anywhere."""
-    with placed(folder, results) as source:
+    with article_next_to_results(folder, results) as source:
         return pdf(source, source.parents[1], inputs)
 
 
 @contextmanager
-def placed(folder: str | Path, results: str | Path) -> Iterator[Path]:
+def article_next_to_results(folder: str | Path, results: str | Path) -> Iterator[Path]:
     """The source of the article in a folder, as typst can read it with results that are kept anywhere.
 
     typst reads files below one folder only, and names the files that it attaches by their paths from there. So the

@@ -23,9 +23,9 @@ from ...project.files import plain
 from ...replication import comparison
 from ...replication.authors_route import (
     added_damping,
-    coefficients,
     damping_by_hand,
     effective_damping,
+    printed_coefficients,
 )
 from ...replication.claims import evidence as proof
 from ...replication.claims import unprinted
@@ -88,7 +88,7 @@ def derived_numbers(
             },
             "chance": proof.chance(claims),
             "routes": proof.by_route(claims),
-            "choices": free_choices(case),
+            "choices": numbers_of_free_choices(case),
             "table_3": proof.inputs_of_table_3(case, features["exact"][first], unrounded, claims),
             "unprinted": left_open(case, features["exact"], claims),
             "recipe": recipe(case, features_of_first),
@@ -96,7 +96,7 @@ def derived_numbers(
             "dissipation": {
                 "added": added,
                 "effective": effective_damping(case, float(features_of_first.omega[0])),
-                "rounded": oscillator.m * coefficients(case)["c_over_m"],
+                "rounded": oscillator.m * printed_coefficients(case)["c_over_m"],
                 "by_hand": damping_by_hand(case, first),
                 "relative": added / oscillator.c if oscillator.c else math.nan,
             },
@@ -154,7 +154,7 @@ def setting(case: Case, first: Features) -> Json:
         "step_us": 1e6 * numerics.step_s,
         "cycles": numerics.cycles,
         "steps_per_cycle": round(2.0 * math.pi / float(first.omega[0]) / numerics.step_s),
-        **coefficients(case),
+        **printed_coefficients(case),
         "t_s_mean_ms": 1e3 * float(np.mean(first.t_s)),
         "phi_mean": float(np.mean(first.phi)),
     }
@@ -191,7 +191,7 @@ def recipe(case: Case, exact: Features) -> Json:
     }
 
 
-def free_choices(case: Case) -> Json:
+def numbers_of_free_choices(case: Case) -> Json:
     """The free choices behind the as-published numbers with their counts: continuous, discrete, list."""
     choices = proof.free_choices(case)
     return {**{kind: len(of) for kind, of in choices.items()}, "list": choices}

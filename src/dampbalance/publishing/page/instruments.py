@@ -11,11 +11,11 @@ import pandas as pd
 from ...figures.looks import SCHEME_LOOKS, label_of, look_of
 from ...motion.fixed_step import SCHEMES
 from ...project.case import Case
-from ...project.wording import plain
-from ...replication.authors_route import coefficients
-from ...replication.claims.verdicts import PARTS, VERDICTS, ClaimId, of_cell
+from ...project.wording import plain_text
+from ...replication.authors_route import printed_coefficients
+from ...replication.claims.verdicts import PARTS_OF_THE_PAPER, VERDICTS, ClaimId, of_cell
 from ...replication.comparison import RECIPES, WAYS
-from ...replication.rebuilt_tables import TABLE_2, UNKNOWNS
+from ...replication.rebuilt_tables import IDENTIFIED_QUANTITIES, TABLE_2
 from ...solver import levels_of
 from ..colours import variable
 from ..words import titled
@@ -63,14 +63,14 @@ def instruments_data(
         rows = claims.set_index("id").loc[list(digits["was"]), ["where", "quantity"]]
         names = {name: _name(*row) for name, *row in rows.itertuples()}
         looks = [(verdict.css, verdict.mark) for verdict in VERDICTS.values()]
-        data["digits"] = {**digits, "looks": looks, "names": names, "parts": PARTS}
+        data["digits"] = {**digits, "looks": looks, "names": names, "parts": PARTS_OF_THE_PAPER}
     return data
 
 
 def _integrator(case: Case, claims: pd.DataFrame) -> dict[str, Any]:
     """The data of `integrator.js`."""
     numerics = case.numerics
-    symbols = [quantity.symbol for quantity in (*TABLE_2, *UNKNOWNS)]
+    symbols = [quantity.symbol for quantity in (*TABLE_2, *IDENTIFIED_QUANTITIES)]
     rows = {s: claims[claims["id"].str.startswith(of_cell("table2", s))] for s in symbols}
     pairs = [levels_of(ClaimId(claim).line) for claim in rows["F_k"]["id"]]
     step = float(f"{1e6 * numerics.step_s:.12g}")
@@ -86,7 +86,7 @@ def _integrator(case: Case, claims: pd.DataFrame) -> dict[str, Any]:
             "slip_samples": [numerics.after_slip(i) for i in range(len(case.levels_m))],
             "decimals": [numerics.c_over_m_decimals, numerics.k_over_m_decimals],
         },
-        "rounded": coefficients(case),
+        "rounded": printed_coefficients(case),
         "stops": sorted({*STOPS_US, step}),
         "omega": case.omega(next(iter(case.frequencies_hz))),
         "printed": {symbol: of["printed"].tolist() for symbol, of in rows.items()},
@@ -98,8 +98,8 @@ def _name(where: str, quantity: str) -> str:
     """A printed number in a few words: "level 2: X_s", "pair 1-2: F_k by X_s"; of the running text what it is."""
     table, _, line = where.partition(", ")
     if not table.startswith("Table"):
-        return plain(quantity)
-    return plain(f"{line}: {quantity.partition(':')[0].partition(', ')[0]}")
+        return plain_text(quantity)
+    return plain_text(f"{line}: {quantity.partition(':')[0].partition(', ')[0]}")
 
 
 def of_run(record: Mapping[str, Any], claims: pd.DataFrame) -> bool:
@@ -111,7 +111,7 @@ def of_run(record: Mapping[str, Any], claims: pd.DataFrame) -> bool:
     return same and was == computed["verdict"].to_dict()
 
 
-def sliders(case: Case) -> dict[str, dict[str, Any]]:
+def slider_controls(case: Case) -> dict[str, dict[str, Any]]:
     """The sliders of the oscillator and its drive by name; their ranges hold the case and what lies around it.
 
     Y, mm : up to a third above the highest level.   f, Hz : from below the lowest frequency to above the highest.

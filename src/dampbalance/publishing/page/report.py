@@ -29,7 +29,7 @@ from ...figures.values import read_values
 from ...project import wording
 from ...project.case import Case
 from ...project.documents import read_yaml
-from ...project.wording import minus, number, percent, signed_percent, unit_of
+from ...project.wording import minus, number_text, percent, signed_percent, unit_text
 from ...replication.claims import verdicts as judged
 from ...replication.comparison import WAY, mends, off_resonance
 from ...replication.rebuilt_tables import SHOWN_ROUTES, TITLES, blocks, claim_of
@@ -37,7 +37,7 @@ from ...studies.shown.summary import along_lines
 from ...studies.study_file import Study
 from .. import words
 from ..colours import css_variables
-from .instruments import instruments_data, sliders
+from .instruments import instruments_data, slider_controls
 
 LARGEST_PAGE = 3_500_000  # bytes: a page that a phone loads in seconds
 STATIC = Path(__file__).with_name("static")
@@ -139,7 +139,7 @@ def report_page(content: PageContent, page: str) -> str:
         script="\n".join(map(_static, SCRIPTS)),
         engine=base64.b64encode((STATIC / "engine.wasm").read_bytes()).decode(),
         misprints=claims and content.digits is not None,
-        sliders=sliders(case),
+        sliders=slider_controls(case),
         instruments=instruments_data(case, content.claims, content.digits),
     )
     size = len(page_html.encode())
@@ -180,14 +180,14 @@ def _parts(
             lines = [("printed", printed)] if any(text for text, *_ in printed) else []
             for route in SHOWN_ROUTES:
                 texts = (
-                    claims.get(claim, {}).get(route, "") or number(float(cell[route]))
+                    claims.get(claim, {}).get(route, "") or number_text(float(cell[route]))
                     for claim, cell in cells.items()
                 )
                 lines.append(
                     (judged.ROUTE_NAMES[route], [(minus(text), None, "") for text in texts])
                 )
             groups.append((label, lines))
-        columns = list(zip(quantities, map(unit_of, block["unit"]), strict=False))
+        columns = list(zip(quantities, map(unit_text, block["unit"]), strict=False))
         yield {"columns": columns, "groups": groups}
 
 
@@ -250,15 +250,22 @@ def _environment(case: str, page: str) -> jinja2.Environment:
     environment = words.templates(jinja2.PackageLoader(__package__), html=True)
     compact = {"ensure_ascii": False, "allow_nan": False, "separators": (",", ":")}
     environment.policies["json.dumps_kwargs"] = compact
-    setting = (words.rich, words.titled, words.quantity, words.reason, words.symbol, minus)
+    setting = (
+        words.rich_markup,
+        words.titled,
+        words.quantity_markup,
+        words.reason,
+        words.symbol,
+        minus,
+    )
     environment.filters |= {one.__name__: one for one in setting} | {
         "here": lambda path: posixpath.relpath(path.format(case=case), posixpath.dirname(page)),
         "at_case": lambda path: path.format(case=case),
-        "approach": lambda key: words.rich(label_of(key)),
+        "approach": lambda key: words.rich_markup(label_of(key)),
         "bound": lambda error: f"{wording.power_of_ten(error)} %",
-        "significant": number,
-        "unit": unit_of,
-        "part": lambda claim: judged.PARTS[judged.part_of(claim)],
+        "significant": number_text,
+        "unit": unit_text,
+        "part": lambda claim: judged.PARTS_OF_THE_PAPER[judged.part_of(claim)],
         "error": _error,
     }
     return environment

@@ -37,7 +37,7 @@ PROFILES = {
 }
 RUN_TERMS = "https://w3id.org/ro/terms/workflow-run/context"
 BIOSCHEMAS = "https://bioschemas.org/profiles/"
-ENGINE = "https://snakemake.github.io"
+SNAKEMAKE_SITE = "https://snakemake.github.io"
 WORKFLOW_FILE = "Snakefile"
 _PARAMETER_TYPES = {bool: "Boolean", int: "Integer", float: "Number", str: "Text"}
 
@@ -142,10 +142,10 @@ def crate(
         name="Snakemake organised the run",
         instrument=_add(
             described,
-            ENGINE,
+            SNAKEMAKE_SITE,
             "SoftwareApplication",
             name="Snakemake",
-            url=ENGINE,
+            url=SNAKEMAKE_SITE,
             softwareVersion=version,
         ),
         agent=authors,

@@ -22,7 +22,7 @@ from ...solver import least_squares, levels_of
 from ..authors_route import effective_damping, estimates
 from ..rebuilt_tables import COLUMN_OF, TABLE_2, RouteTables
 from .cross_checks import agrees
-from .judging import TIME_UNIT_S, VELOCITY_MARK, Range, shown
+from .judging import TIME_UNIT_S, VELOCITY_MARK, NumberRange, range_text
 from .print import PAIR_LABELS, PAIRS, Printed, Published, Row
 from .verdicts import of_cell
 
@@ -59,7 +59,7 @@ def implied_b(published: Published, level: str | int) -> tuple[str, str]:
             rounding = a.value * F_k.unit + F_k.value * a.unit + b.value * c.unit + W.unit
             slack = 0.5 * (b.unit + rounding / c.value)
             excluded.append(abs(values[-1] - b.value) > slack)
-        return shown((min(values), max(values)), b), excluded
+        return range_text((min(values), max(values)), b), excluded
 
     (used, not_used), (wanted, not_wanted) = implied(with_it=True), implied(with_it=False)
     names = " and ".join(label for label in PAIR_LABELS if int(level) in levels_of(label))
@@ -82,7 +82,7 @@ def printed_inputs_differ(values: Mapping[str, float], number: Printed) -> str:
     return f"It contradicts the paper's own inputs, which give {number.show(values['from_print'])}."
 
 
-def slip_time(t_s: float, step: float, number: Printed) -> str:
+def slip_time_as_read(t_s: float, step: float, number: Printed) -> str:
     """t_s as read: between the first and the last sample of the microstick phase, in whole tenths of a millisecond."""
     between = t_s - 2.0 * step
     if math.isnan(t_s) or math.floor(between / TIME_UNIT_S) != round(number.value / TIME_UNIT_S):
@@ -96,7 +96,7 @@ def slip_time(t_s: float, step: float, number: Printed) -> str:
     )
 
 
-def slip_velocity(sample: float, number: Printed, column: Array) -> str:
+def slip_velocity_as_read(sample: float, number: Printed, column: Array) -> str:
     """V_s as read off the velocity axis, and why no mark on it explains the column.
 
     sample : the velocity of the first slipping sample of the as-published simulation, m/s.
@@ -158,7 +158,7 @@ def starting_sample(case: Case, level: int) -> str:
 def other_b(
     published: Published,
     as_published: RouteTables,
-    allowed: Mapping[str, Range | None],
+    allowed: Mapping[str, NumberRange | None],
     row: Row,
 ) -> str:
     """A pair of which a printed b is not the simulated one: the pair with the b that print needs, if that explains it.
@@ -192,12 +192,12 @@ def other_b(
     return f"With {' and '.join(notes)}, {pair_is}."
 
 
-def outside(allowed: Range | None, number: Printed, table: str) -> str:
+def outside(allowed: NumberRange | None, number: Printed, table: str) -> str:
     """A number that the rest of its table, within its rounding, does not allow."""
     half = 0.5 * number.unit
     if allowed is None or allowed[0] - half <= number.value <= allowed[1] + half:
         return ""
-    return f"The rest of {table}, within its rounding, allows {shown(allowed, number)} only."
+    return f"The rest of {table}, within its rounding, allows {range_text(allowed, number)} only."
 
 
 def printed_inputs(values: Mapping[str, float], inputs: str, number: Printed) -> str:

@@ -68,14 +68,14 @@ def judged(sources: Sources, name: str, text: str) -> dict[str, Claim]:
 
 def misprints(sources: Sources, names: Iterable[str]) -> Iterator[Misprint]:
     """Some computed numbers with `other_digits`, judged anew."""
-    was = verdicts(sources)
+    was = verdicts_of_changes(sources)
     for name in names:
         for text in other_digits(sources.published[name]):
             now = judged(sources, name, text)
             yield Misprint(name, text, {i: c for i, c in now.items() if verdict(c).name != was[i]})
 
 
-def verdicts(sources: Sources) -> dict[str, str]:
+def verdicts_of_changes(sources: Sources) -> dict[str, str]:
     """The names of the verdicts on all computed numbers, by id."""
     rows = [row for row in sources.published.rows.values() if row.kind == "computed"]
     return {claim.row.id: verdict(claim).name for claim in claims(sources, rows)}
@@ -99,7 +99,7 @@ def packed(sources: Sources, names: Iterable[str]) -> dict[str, Any]:
     numbers : id → [printed, changes]; a change is [printed, verdict, reason, numbers in the reason, set].
     Verdicts, reasons, because and sets are given by their places in these lists.
     """
-    ranks, was = list(VERDICTS), verdicts(sources)
+    ranks, was = list(VERDICTS), verdicts_of_changes(sources)
     pools: dict[str, dict[Any, int]] = {"reasons": {}, "because": {}, "sets": {}}
 
     def place(pool: str, thing: Any) -> int:

@@ -33,8 +33,8 @@ from ...features import Features, of_numbers
 from ...project.case import Case
 from ...solver import solve
 from ..authors_route import APPROACHES_OF_TABLE_3, CORRECTED
-from ..rebuilt_tables import HARMONIC, RESIDUAL, TABLE_1, TABLE_2, UNKNOWNS
-from .judging import Range
+from ..rebuilt_tables import HARMONIC, IDENTIFIED_QUANTITIES, RESIDUAL, TABLE_1, TABLE_2
+from .judging import NumberRange
 from .print import PAIRS, Printed, Published, column_ids, printed_features
 from .verdicts import of_text, statistic
 
@@ -94,10 +94,10 @@ def _restored(
     return restored
 
 
-_ESTIMATES = tuple(q.symbol for q in UNKNOWNS)
+_ESTIMATES = tuple(q.symbol for q in IDENTIFIED_QUANTITIES)
 
 
-def by_table_2(published: Published) -> dict[str, Range | None]:
+def by_table_2(published: Published) -> dict[str, NumberRange | None]:
     """The ranges that Table 2 allows for b of each level, m²/s, and F_k, N, and c, N s/m, of each pair, by id.
 
     None: no value agrees with all other printed numbers.
@@ -115,7 +115,7 @@ def by_table_2(published: Published) -> dict[str, Range | None]:
     return table.ranges([*column_ids("table2", "b"), *estimates])
 
 
-def by_table_3(published: Published, case: Case) -> dict[str, Range | None]:
+def by_table_3(published: Published, case: Case) -> dict[str, NumberRange | None]:
     """The ranges that Tables 1 and 3 allow for F_k, N, and c, N s/m, of each pair, by id; None as in `by_table_2`.
 
     Empty where every number agrees with all others, which is seen at once.   case : for ω1 and k.
@@ -204,14 +204,14 @@ class _Table:
         """How many units the number furthest off print is off."""
         return float(np.max(np.abs(self.off)))
 
-    def ranges(self, wanted: Iterable[str]) -> dict[str, Range | None]:
+    def ranges(self, wanted: Iterable[str]) -> dict[str, NumberRange | None]:
         """The range that all other printed numbers leave for each wanted one, by id."""
         program = self._nearest()
         # Where the numbers do not agree, those that determine by how much contradict each other whatever else is left
         # out.
         agree = program.x is None or program.x[-1] <= 0.5 + 1e-6
         at_odds = np.flatnonzero(program.ineqlin.marginals) % len(self.off)
-        ranges: dict[str, Range | None] = {}
+        ranges: dict[str, NumberRange | None] = {}
         for claim in wanted:
             place = self.ids.index(claim)
             ends = self._ends(place) if agree or place in at_odds else None
@@ -234,7 +234,7 @@ class _Table:
         least = np.append(np.zeros(self.inputs), 1.0)
         return _program(least, both, np.concatenate([-off, off]))
 
-    def _ends(self, place: int) -> Range | None:
+    def _ends(self, place: int) -> NumberRange | None:
         """Least and greatest of one number, in units off print, with all others within half a unit; None for none."""
         others, room = np.delete(self.slopes, place, axis=0), np.delete(self.off, place)
         bounds = np.vstack([others, -others]), np.concatenate([0.5 - room, 0.5 + room])

@@ -17,7 +17,7 @@ from ...features import Features
 from ...project.case import Case
 from ...signals.read_out import ReadOut
 from ..authors_route import CORRECTED, estimates
-from ..rebuilt_tables import HARMONIC, UNKNOWNS, RouteTables
+from ..rebuilt_tables import HARMONIC, IDENTIFIED_QUANTITIES, RouteTables
 from .judging import HALF
 from .print import PAIR_LABELS, PAIRS, Printed
 from .table import SEPARATOR
@@ -136,7 +136,7 @@ def inputs_of_table_3(
         """How many numbers of Table 3 the features give."""
         table = estimates(features, features, replace(case, pairs=PAIRS))
         route, count = RouteTables({}, {"omega1": table}), 0
-        for approach, q, pair in product(HARMONIC, UNKNOWNS, PAIR_LABELS):
+        for approach, q, pair in product(HARMONIC, IDENTIFIED_QUANTITIES, PAIR_LABELS):
             row = CORRECTED if minus and approach == "V_s" else approach
             value = route.estimate(q.column, row, pair=pair)
             number = Printed(printed[of_cell("table3", q.symbol, pair, approach)])

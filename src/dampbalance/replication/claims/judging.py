@@ -46,7 +46,7 @@ from .verdicts import (
     ClaimVerdict,
 )
 
-Range = tuple[float, float]
+NumberRange = tuple[float, float]
 
 HALF = 0.5 * (1.0 + 1e-9)
 """Units of the last digit within which a number gives the printed one, with the rounding of binary fractions."""
@@ -57,8 +57,8 @@ WRITTEN = 1e-6
 FEWEST_DIGITS = 3
 """Significant digits below which one unit off is no near miss: of two digits, the last one counts per cents."""
 
-LEASH = 5e-3
-"""How far from print, of itself, a route may lie that does not judge: half of the 1 % that must always be seen."""
+MAX_DEVIATION_OF_OTHER_ROUTES = 5e-3
+"""Largest relative deviation of a route that does not judge: half of the 1 % that must always be seen."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,12 +79,12 @@ class Claim:
     route : the one by which the column came about.
     holds : for an input or a statement, whether it holds by that route; None for a number, compared by its digits.
     undecided : for a statement, whether it may hold or not within what the print leaves open.
-    reach : how many units of the last digit the printed digits reach by `route`; NaN where it was read more coarsely
-    than it is printed, so that its digits say nothing.
+    half_unit : distance from `route`, in units of the last digit, up to which the digits agree; NaN where it was
+    read more coarsely than it is printed, so that its digits say nothing.
     allowed : the range that the paper's other numbers leave for the number before it was rounded, or None.
     tolerances : ranges that earn other verdicts, the best first.
-    apart : routes that are shown only, because they leave out what made the number.
-    nearby : where a route belongs if not at the printed number.
+    shown_only : routes without a say, because they leave out what made the number.
+    expected : the number that a route should give, where that is not the printed one.
     cause : the deviation behind the digits, one sentence computed from the same run; "" without one.
     contradiction : which of the paper's own numbers refute this one, whatever any route gives; "" if none does.
     """
@@ -94,11 +94,11 @@ class Claim:
     route: str = "exact"
     holds: bool | None = None
     undecided: bool = False
-    reach: float = HALF
-    allowed: Range | None = None
+    half_unit: float = HALF
+    allowed: NumberRange | None = None
     tolerances: tuple[Tolerance, ...] = ()
-    apart: tuple[str, ...] = ()
-    nearby: Mapping[str, float] = field(default_factory=dict)
+    shown_only: tuple[str, ...] = ()
+    expected: Mapping[str, float] = field(default_factory=dict)
     cause: str = ""
     contradiction: str = ""
 
@@ -128,16 +128,16 @@ class Claim:
         """The routes that give the printed digits, the best first; none for a statement."""
         if self.holds is not None:
             return []
-        reaches = {self.route: self.reach}
+        reaches = {self.route: self.half_unit}
         return [r for r in self.routes if abs(self.off(r)) <= reaches.get(r, HALF)]
 
     @property
     def deciding(self) -> str:
-        """The route that earns the verdict, none of `apart`.
+        """The route that earns the verdict, none of `shown_only`.
 
         It is the best one that gives the digits; if none does, that of the column.
         """
-        return next((r for r in self.agreeing if r not in self.apart), self.route)
+        return next((r for r in self.agreeing if r not in self.shown_only), self.route)
 
     @property
     def strays(self) -> list[str]:
@@ -147,10 +147,14 @@ class Claim:
         """
 
         def far(route: str) -> float:
-            return abs(self.value(route) / self.nearby.get(route, self.row.number.value) - 1.0)
+            return abs(self.value(route) / self.expected.get(route, self.row.number.value) - 1.0)
 
-        exempt = (*self.apart, *([self.route] if self.deciding == self.route else []))
-        return [route for route in self.routes if route not in exempt and not far(route) <= LEASH]
+        exempt = (*self.shown_only, *([self.route] if self.deciding == self.route else []))
+        return [
+            route
+            for route in self.routes
+            if route not in exempt and not far(route) <= MAX_DEVIATION_OF_OTHER_ROUTES
+        ]
 
     @property
     def tolerance(self) -> Tolerance | None:
@@ -167,7 +171,7 @@ class Claim:
         number, value = self.row.number, self.value(self.route)
         low, high = self.allowed or (value, value)
         excluded = max(low - value, value - high) > 0.5 * number.unit
-        near = abs(self.off(self.route)) <= 1.0 + self.reach
+        near = abs(self.off(self.route)) <= 1.0 + self.half_unit
         return near and number.significant >= FEWEST_DIGITS and not excluded
 
 
@@ -262,11 +266,11 @@ def phase_read(number: Printed, omega: float) -> tuple[Tolerance, ...]:
     )
 
 
-def propagated(allowed: Range | None, number: Printed) -> tuple[Tolerance, ...]:
+def propagated(allowed: NumberRange | None, number: Printed) -> tuple[Tolerance, ...]:
     """F_k or c of a pair in the range that the rest of Table 2 allows, if any."""
     if allowed is None:
         return ()
-    reason = f"digits that are not printed leave {shown(allowed, number)}"
+    reason = f"digits that are not printed leave {range_text(allowed, number)}"
     return (Tolerance(*allowed, reason, PROPAGATED),)
 
 
@@ -278,6 +282,6 @@ def simulated(number: Printed, case: Case) -> tuple[Tolerance, ...]:
     return (Tolerance(value - far, value + far, f"{near}; {NOTHING}", UNEXPLAINED),)
 
 
-def shown(ends: Range, number: Printed) -> str:
+def range_text(ends: NumberRange, number: Printed) -> str:
     """A range as text, with two digits more than are printed."""
     return " to ".join(number.show(end, 2) for end in ends)

@@ -22,15 +22,15 @@ import pandas as pd
 
 from ...arrays import Array
 from ...estimates import estimate_table
-from ...features import COLUMNS, Features, of_numbers
+from ...features import FEATURE_COLUMNS, Features, of_numbers
 from ...project.case import Case
 from ...solver import Pair, pair_label
 from ..rebuilt_tables import (
     HARMONIC,
+    IDENTIFIED_QUANTITIES,
     PRINTED_APPROACHES,
     TABLE_1,
     TABLE_2,
-    UNKNOWNS,
     RouteTables,
 )
 from .verdicts import ClaimId, of_cell, of_text
@@ -170,7 +170,7 @@ class Published:
 
 def column_ids(table: str, symbol: str, approach: str = "") -> list[str]:
     """The ids of a column of Tables 1 to 3, from its first line to its last.   approach : for Table 3 only."""
-    pairwise = symbol in {q.symbol for q in UNKNOWNS}
+    pairwise = symbol in {q.symbol for q in IDENTIFIED_QUANTITIES}
     lines = PAIR_LABELS if pairwise else range(1, LEVELS + 1)
     return [of_cell(table, symbol, line, approach) for line in lines]
 
@@ -217,7 +217,7 @@ def printed_features(published: Published, omega: float) -> Features:
     for table, quantities in (("table1", TABLE_1), ("table2", TABLE_2)):
         printed |= {q.column: published.column(table, q.symbol) for q in quantities}
     missing = np.full(LEVELS, np.nan)
-    features = {name: printed.get(column, missing) for name, column in COLUMNS.items()}
+    features = {name: printed.get(column, missing) for name, column in FEATURE_COLUMNS.items()}
     return of_numbers(omega, "as printed", **features)
 
 
@@ -239,6 +239,8 @@ def printed_estimates(published: Published) -> RouteTables:
     for name in PRINTED_APPROACHES:
         table, phase = ("table3", "common") if name in HARMONIC else ("table2", "individual")
         approach = name if name in HARMONIC else ""
-        pairs = {q.column: published.column(table, q.symbol, approach) for q in UNKNOWNS}
+        pairs = {
+            q.column: published.column(table, q.symbol, approach) for q in IDENTIFIED_QUANTITIES
+        }
         frames.append(pd.DataFrame(pairs).assign(approach=name, kind="pair", phase=phase))
     return RouteTables({}, {"omega1": pd.concat(frames)})

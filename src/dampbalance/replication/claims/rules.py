@@ -34,7 +34,7 @@ from . import causes, cross_checks, judging, unprinted
 from . import print as paper_print
 from .judging import Claim
 from .print import FILE, FREQUENCIES, LEVELS, LONGEST, PAIRS, Published, Row, column_ids
-from .verdicts import ROUTE_NAMES, Kind, of_text, statistic
+from .verdicts import ROUTE_NAMES, ClaimKind, of_text, statistic
 
 
 def require_paper(case: Case) -> None:
@@ -110,17 +110,17 @@ def read_out(sources: Sources, row: Row) -> Claim:
     exact = sources.exact.feature(column, level)
     how: dict[str, Any] = {}
     if row.rule == "time":
-        how = {"route": "as_published", "reach": judging.WRITTEN}
-        how["nearby"] = _uncut(sources.unread.feature(column, level))
-        how["cause"] = causes.slip_time(exact, sources.case.numerics.step_s, number)
+        how = {"route": "as_published", "half_unit": judging.WRITTEN}
+        how["expected"] = _uncut(sources.unread.feature(column, level))
+        how["cause"] = causes.slip_time_as_read(exact, sources.case.numerics.step_s, number)
     elif row.rule == "phase":
-        how = {"route": "as_published", "reach": math.nan}
+        how = {"route": "as_published", "half_unit": math.nan}
         how["tolerances"] = judging.phase_read(number, sources.case.omega("omega1"))
         crossing = sources.exact.feature("phi_zero_crossing_rad", level)
         how["cause"] = causes.phase(exact, crossing, number)
     elif row.rule == "velocity":
         sample = sources.unread.feature(SLIPPING_SAMPLE, level)
-        how["cause"] = causes.slip_velocity(
+        how["cause"] = causes.slip_velocity_as_read(
             sample, number, sources.published.column("table1", row.symbol)
         )
     contradiction = sources.refuted.get(row.id, "")
@@ -132,7 +132,7 @@ def _uncut(simulated: float) -> dict[str, float]:
     return {} if math.isnan(simulated) else {"exact": simulated}
 
 
-def integral(sources: Sources, row: Row) -> Claim:
+def printed_integral(sources: Sources, row: Row) -> Claim:
     """Table 2, upper part: the integrals a, b and W of the five levels."""
     case, level = sources.case, int(row.id.line)
     values = sources.features(COLUMN_OF[row.symbol], level)
@@ -180,14 +180,14 @@ def harmonic_pair(sources: Sources, row: Row) -> Claim:
         values,
         "as_published",
         # The read-outs of Table 1 have fewer digits than those behind Table 3; without the slip exact is elsewhere.
-        apart=("from_print",),
-        nearby={"exact": correct} if slip else {},
+        shown_only=("from_print",),
+        expected={"exact": correct} if slip else {},
         cause=f"{slip} {sources.rules_at_work(row)}".strip(),
         contradiction=causes.outside(sources.allowed.get(row.id), row.number, "Table 3"),
     )
 
 
-def held(sources: Sources, row: Row) -> Claim:
+def input_is_configured(sources: Sources, row: Row) -> Claim:
     """The inputs, amplitudes of Tables 1 and 2 among them: the configuration must hold what is printed."""
     case = sources.case
     if row.symbol == "Y":
@@ -200,22 +200,22 @@ def held(sources: Sources, row: Row) -> Claim:
     return Claim(row, {"exact": value}, holds=same, cause=cause)
 
 
-def follows(sources: Sources, row: Row) -> Claim:
+def follows_from_others(sources: Sources, row: Row) -> Claim:
     """The stated parameters ζ and ω_n, which follow from the others."""
     osc = sources.case.oscillator
     value = osc.zeta if row.symbol == "zeta" else osc.omega_n / (2.0 * math.pi)
     return Claim(row, {"exact": value})
 
 
-def least_squares(sources: Sources, row: Row) -> Claim:
+def printed_least_squares(sources: Sources, row: Row) -> Claim:
     """Least squares of (9) from the printed tables, with the individual φ and t_s: F_k, c and residual."""
     values = sources.estimates(row, kind="least_squares")
     inputs = "Table 2's integrals" if row.approach == "direct" else "Table 1's read-outs"
     moved = causes.printed_inputs(values, inputs, row.number)
     cause = f"{moved} {causes.cut_off(values['from_print'], row.number)}".strip()
     # The residual comes from the rounding of the printed tables; without it, its size is another.
-    apart = ROUTES if row.symbol == RESIDUAL.symbol else ()
-    return _from_print(row, values, cause, apart=apart)
+    shown_only = ROUTES if row.symbol == RESIDUAL.symbol else ()
+    return _from_print(row, values, cause, shown_only=shown_only)
 
 
 def moment_of_pairs(sources: Sources, row: Row) -> Claim:
@@ -224,8 +224,10 @@ def moment_of_pairs(sources: Sources, row: Row) -> Claim:
     pairs = sources.published.column("table2", row.symbol)
     values = sources.estimates(row, kind="mean" if mean else "std")
     values["from_print"] = float(pairs.mean() if mean else pairs.std(ddof=1))
-    apart = () if mean else ROUTES  # the printed b_1 makes nearly all of the deviation
-    return _from_print(row, values, "Over the five pairs that Table 2 prints.", apart=apart)
+    shown_only = () if mean else ROUTES  # the printed b_1 makes nearly all of the deviation
+    return _from_print(
+        row, values, "Over the five pairs that Table 2 prints.", shown_only=shown_only
+    )
 
 
 def mean_of_levels(sources: Sources, row: Row) -> Claim:
@@ -235,7 +237,10 @@ def mean_of_levels(sources: Sources, row: Row) -> Claim:
     how: dict[str, Any] = {}
     if row.symbol == "t_s":
         # The mean of five times in whole tenths has no more digits than print.
-        how = {"reach": judging.WRITTEN, "nearby": _uncut(sources.unread.mean_feature(column))}
+        how = {
+            "half_unit": judging.WRITTEN,
+            "expected": _uncut(sources.unread.mean_feature(column)),
+        }
     return _from_print(row, values, "Over the five values that Table 1 prints.", **how)
 
 
@@ -249,7 +254,7 @@ ROUTE = "as_published"
 """The route that judges every statement."""
 
 _BOUNDS = {"less than": +1.0, "more than": -1.0}
-WORDS: dict[str, dict[str, Callable[[float, float], bool]]] = {
+COMPARISONS: dict[str, dict[str, Callable[[float, float], bool]]] = {
     "change": {
         "degraded": lambda one, other: one > other,
         "improved": lambda one, other: one < other,
@@ -282,7 +287,7 @@ def word_holds(row: Row, one: float, other: float) -> tuple[bool, str]:
     one, other : the error off and near resonance, or that of direct integration and the least of the other approaches.
     Raises ValueError for a word that the rule of the row does not know.
     """
-    words = WORDS[row.rule]
+    words = COMPARISONS[row.rule]
     if row.printed not in words:
         raise ValueError(
             f"{FILE}: {row.id}: cannot judge the word {row.printed!r}; known are {', '.join(words)}"
@@ -305,11 +310,11 @@ def bound(sources: Sources, row: Row) -> Claim:
     drawn = [] if exact is None else unprinted.drawn(exact, sources.case, row.number.value)
     if not unprinted.open_to(drawn):
         return claim
-    shares = unprinted.in_words(drawn, row.printed)
+    shares = unprinted.exceedances_in_words(drawn, row.printed)
     return replace(claim, undecided=True, cause=f"The print does not decide. {shares} {cause}")
 
 
-def change(sources: Sources, row: Row) -> Claim:
+def off_resonance(sources: Sources, row: Row) -> Claim:
     """Words for how accurate the two-point formulas are off resonance."""
     hz = sources.case.frequencies_hz
     values = _worst(sources, sources.routes, frequency=row.symbol)
@@ -392,40 +397,44 @@ class Rule(NamedTuple):
     claim: Callable[[Sources, Row], Claim]
     symbols: tuple[str, ...]
     approaches: tuple[str, ...] = ("",)
-    kind: Kind = "computed"
+    kind: ClaimKind = "computed"
 
 
-_ESTIMATES = tuple(q.symbol for q in paper.UNKNOWNS)
-_OF_FIT = (*_ESTIMATES, RESIDUAL.symbol)
+_ESTIMATES = tuple(q.symbol for q in paper.IDENTIFIED_QUANTITIES)
+_FITTED_NUMBERS = (*_ESTIMATES, RESIDUAL.symbol)
 _INPUTS = ("m", "c", "k", "K_z", "F_k", "Y", *FREQUENCIES)
 RULES = {
-    "held": Rule(held, _INPUTS, kind="given"),
-    "follows": Rule(follows, ("zeta", "omega_n")),
+    "input_is_configured": Rule(input_is_configured, _INPUTS, kind="given"),
+    "follows_from_others": Rule(follows_from_others, ("zeta", "omega_n")),
     "rounded": Rule(read_out, ("X", "X_s")),
     "velocity": Rule(read_out, ("V_s",)),
     "phase": Rule(read_out, ("phi",)),
     "time": Rule(read_out, ("t_s",)),
-    "integral": Rule(integral, tuple(q.symbol for q in paper.TABLE_2)),
+    "integral": Rule(printed_integral, tuple(q.symbol for q in paper.TABLE_2)),
     "direct pair": Rule(direct_pair, _ESTIMATES, ("direct",)),
     "harmonic pair": Rule(harmonic_pair, _ESTIMATES, HARMONIC),
-    "least squares": Rule(least_squares, _OF_FIT, PRINTED_APPROACHES),
+    "least squares": Rule(printed_least_squares, _FITTED_NUMBERS, PRINTED_APPROACHES),
     "mean of pairs": Rule(moment_of_pairs, _ESTIMATES, ("direct",)),
     "deviation of pairs": Rule(moment_of_pairs, _ESTIMATES, ("direct",)),
     "mean of levels": Rule(mean_of_levels, ("t_s", "phi")),
     "bound": Rule(bound, (*_ESTIMATES, *FREQUENCIES), kind="statement"),
-    "change": Rule(change, FREQUENCIES, kind="statement"),
+    "change": Rule(off_resonance, FREQUENCIES, kind="statement"),
     "truth": Rule(truth, ("",), kind="statement"),
 }
 """Every rule by its name in the column `rule` of the printed numbers."""
 
 _CELLS = {
     *(claim for q in paper.TABLE_1 for claim in column_ids("table1", q.symbol)),
-    *(claim for q in (*paper.TABLE_2, *paper.UNKNOWNS) for claim in column_ids("table2", q.symbol)),
+    *(
+        claim
+        for q in (*paper.TABLE_2, *paper.IDENTIFIED_QUANTITIES)
+        for claim in column_ids("table2", q.symbol)
+    ),
     *(claim for table in ("table1", "table2") for claim in column_ids(table, "Y")),
     *(claim for a in HARMONIC for s in _ESTIMATES for claim in column_ids("table3", s, a)),
 }
 _OF_TEXT = {
-    *(statistic(s, a, "least_squares") for a in PRINTED_APPROACHES for s in _OF_FIT),
+    *(statistic(s, a, "least_squares") for a in PRINTED_APPROACHES for s in _FITTED_NUMBERS),
     *(statistic(s, "direct", kind) for s in _ESTIMATES for kind in ("mean", "std")),
     *("t_s_mean", "phi_mean", "max_error_F_k", "max_error_c", "max_error_omega3"),
     *("accuracy_omega2", "accuracy_omega3", "direct_best"),
@@ -454,7 +463,7 @@ def check_printed(printed: Published) -> None:
             raise ValueError(f"{FILE}: row {row.id}, column {problem}")
         if row.rule == "bound":
             bound_holds(row, math.nan)
-        elif row.rule in WORDS:
+        elif row.rule in COMPARISONS:
             word_holds(row, math.nan, math.nan)
 
 
@@ -467,6 +476,6 @@ def _problem(row: Row) -> str:
         if (text := getattr(row, column)) not in words:
             listed = ", ".join(word or "none" for word in words)
             return f"{column}: {cut(text, LONGEST)!r} is not known to its rule; known are {listed}"
-    if row.rule not in WORDS and not row.number.is_number:
+    if row.rule not in COMPARISONS and not row.number.is_number:
         return f"printed: {cut(row.printed, LONGEST)!r} is not a number such as 90.0402 or 2.9E-3"
     return ""

@@ -11,9 +11,9 @@ from ...project.wording import in_markdown, markdown_table
 from .judging import explanation, verdict
 from .print import read_texts
 from .rules import Sources, check_printed, claims, require_paper
-from .verdicts import HOLDING, KINDS, PARTS, ROUTE_NAMES, VERDICTS, counts, part_of
+from .verdicts import HOLDING, KINDS, PARTS_OF_THE_PAPER, ROUTE_NAMES, VERDICTS, counts, part_of
 
-COLUMNS = (
+CLAIM_COLUMNS = (
     *("id", "where", "quantity", "unit", "printed", *ROUTE_NAMES),
     *("verdict", "explanation", "kind", "agrees", "judged", "off_relative", "off_units"),
 )
@@ -23,7 +23,7 @@ of itself and in units of the last digit."""
 SEPARATOR = "; "
 """Between the routes in the column `agrees`."""
 
-RECORD = ("id", "printed", "verdict")
+RECORDED_COLUMNS = ("id", "printed", "verdict")
 
 
 def claims_table(sources: Sources) -> pd.DataFrame:
@@ -45,7 +45,7 @@ def claims_table(sources: Sources) -> pd.DataFrame:
             row["off_relative"] = f"{claim.off_relative(claim.route):+.1e}"
             row["off_units"] = f"{claim.off(claim.route):+.2f}"
         records.append(row)
-    return pd.DataFrame.from_records(records, columns=list(COLUMNS))
+    return pd.DataFrame.from_records(records, columns=list(CLAIM_COLUMNS))
 
 
 def claims_markdown(frame: pd.DataFrame) -> str:
@@ -57,7 +57,12 @@ def claims_markdown(frame: pd.DataFrame) -> str:
     lines += [f"- **{name}** {total.of_verdict[name]}: {v.meaning}" for name, v in VERDICTS.items()]
     for part, rows in frame.groupby(frame["id"].map(part_of), sort=False):
         cells = map(_cells, rows.to_dict("records"))
-        lines += ["", f"## {PARTS[str(part)]}", "", markdown_table(_HEADS, cells, "llrrrrlllllrr")]
+        lines += [
+            "",
+            f"## {PARTS_OF_THE_PAPER[str(part)]}",
+            "",
+            markdown_table(_HEADS, cells, "llrrrrlllllrr"),
+        ]
     return "\n".join([*lines, ""])
 
 
@@ -70,7 +75,7 @@ _HEADS = (
 def _cells(row: dict[Hashable, str]) -> list[str]:
     row["quantity"] += "" if row["unit"] in ("", "1") else f" ({row['unit']})"
     row |= {name: in_markdown(row[name]) for name in ("where", "quantity", "printed")}
-    return [row[name] for name in COLUMNS if name not in ("id", "unit")]
+    return [row[name] for name in CLAIM_COLUMNS if name not in ("id", "unit")]
 
 
 WORSE = "printed numbers are worse off than on record"
@@ -82,7 +87,7 @@ def summary(frame: pd.DataFrame, offences: pd.DataFrame) -> str:
 
     It counts the computed numbers by part and verdict, with inputs and statements next to them, and lists each claim
     of which no route gives the digits or which the paper refutes, with the number that is obtained; the reasons stand
-    in the table of claims. After WORSE there is a line for each offence that `check` returned.
+    in the table of claims. After WORSE there is a line for each offence that `check_claims` returned.
     """
     counted = counts(frame)
     total, table = counted[-1], {}
@@ -120,7 +125,7 @@ def _open(row: Mapping[Hashable, str]) -> tuple[str, ...]:
 
 def read_record(path: Path) -> pd.DataFrame:
     """The verdicts on record, verdicts.csv. Raises ValueError for a wrong column or an unknown verdict."""
-    recorded = read_texts(path, RECORD)
+    recorded = read_texts(path, RECORDED_COLUMNS)
     unknown = recorded[~recorded["verdict"].isin(VERDICTS)]
     if len(unknown):
         first = unknown.iloc[0]
@@ -130,7 +135,7 @@ def read_record(path: Path) -> pd.DataFrame:
     return recorded
 
 
-def check(frame: pd.DataFrame, recorded: pd.DataFrame) -> pd.DataFrame:
+def check_claims(frame: pd.DataFrame, recorded: pd.DataFrame) -> pd.DataFrame:
     """The claims that are worse than on record, printed with other digits, missing, or not on record at all.
 
     Returns id, printed, was, now and message, a row per offence, none when all is well. A better verdict is no offence.

@@ -76,7 +76,7 @@ def open_to(drawn: Sequence[Drawn]) -> bool:
     return any(RARE <= of.share <= 1.0 - RARE for of in drawn)
 
 
-def in_words(drawn: Sequence[Drawn], bound: str) -> str:
+def exceedances_in_words(drawn: Sequence[Drawn], bound: str) -> str:
     """Sentences on how often the bound, as printed, is exceeded."""
     cases = [
         f"{100.0 * of.share:.0f} % with X ± {1e6 * of.X_m:g} µm and phi ± {of.phi_rad:g} rad"

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Literal, NamedTuple
 if TYPE_CHECKING:
     import pandas as pd
 
-PARTS = {
+PARTS_OF_THE_PAPER = {
     "parameter": "Parameters",
     "table1": "Table 1",
     "table2": "Table 2",
@@ -47,7 +47,7 @@ class ClaimVerdict:
         return self.name.replace(" ", "-")
 
 
-_MEANINGS = {
+_MEANING_OF_VERDICTS = {
     "reproduced": ("✓", "The equations, solved exactly, give the printed digits."),
     "simulated": (
         "≈",
@@ -61,7 +61,7 @@ _MEANINGS = {
     "undecided": ("≷", "A statement that holds or not within what the print leaves open."),
     "differs": ("✗", "None of these, or against the paper’s own numbers; see the evidence."),
 }
-VERDICTS = {name: ClaimVerdict(name, *of) for name, of in _MEANINGS.items()}
+VERDICTS = {name: ClaimVerdict(name, *of) for name, of in _MEANING_OF_VERDICTS.items()}
 """Every verdict by its name, best first."""
 REPRODUCED, SIMULATED, FROM_PRINT, LAST_DIGIT, READING, *_WORSE = VERDICTS.values()
 PROPAGATED, UNEXPLAINED, UNDECIDED, DIFFERS = _WORSE
@@ -71,8 +71,8 @@ VERDICT_BY = dict(zip(ROUTE_NAMES, (REPRODUCED, SIMULATED, FROM_PRINT), strict=T
 HOLDING = tuple(verdict.name for verdict in VERDICT_BY.values())
 """The verdicts with which an input or a statement holds."""
 
-Kind = Literal["given", "computed", "statement"]
-KINDS: dict[Kind, str] = {
+ClaimKind = Literal["given", "computed", "statement"]
+KINDS: dict[ClaimKind, str] = {
     "given": "An input, which the configuration holds. It is listed and checked, and does not count.",
     "computed": "A number that follows from the inputs: these are counted.",
     "statement": "A bound or a word, judged by a rule of its own.",
@@ -99,7 +99,7 @@ class Count(NamedTuple):
     @property
     def part(self) -> str:
         """The part in words."""
-        return PARTS.get(self.key, self.key)
+        return PARTS_OF_THE_PAPER.get(self.key, self.key)
 
     @property
     def computed(self) -> int:
@@ -164,6 +164,8 @@ def statistic(symbol: str, approach: str, kind: str) -> str:
 def part_of(claim: str) -> str:
     """The part of the paper that a claim belongs to, a key of PARTS; raises KeyError where there is none."""
     part = ClaimId(claim).parts[0]
-    if part not in PARTS:
-        raise KeyError(f"{claim!r} belongs to no part of the paper; known are {', '.join(PARTS)}")
+    if part not in PARTS_OF_THE_PAPER:
+        raise KeyError(
+            f"{claim!r} belongs to no part of the paper; known are {', '.join(PARTS_OF_THE_PAPER)}"
+        )
     return part

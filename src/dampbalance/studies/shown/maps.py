@@ -26,18 +26,18 @@ from .statistics import Sizes
 MOST_BINS = 72  # along each axis
 PER_BIN = 40  # cases that a bin of a sample should hold on average
 REGION = 0.9  # share of the cases of a bin that its colour is about: nine of ten, as a single one would be chance
-FINEST = 0.1  # of the bound: no lines at smaller errors
+FINEST_LEVEL = 0.1  # of the bound: no lines at smaller errors
 # %: colours tell no smaller errors from zero, and no larger ones from each other
-FLOOR, CEILING = 1e-2, 1e3
+LEAST_COLOURED, MOST_COLOURED = 1e-2, 1e3
 
-RIGHT, BAR = 17.0, 3.0  # mm
-HEIGHT = 40.0  # mm, of a panel
+RIGHT_OF_MAPS, BAR = 17.0, 3.0  # mm
+MAP_HEIGHT = 40.0  # mm, of a panel
 SIGNED, SIZES = "coolwarm", "viridis_r"
 """Colours of errors with a sign, from blue to red through a light grey at zero, and of sizes, the larger the darker:
 both change evenly to the eye, and for colour-blind readers."""
 
 # Of a histogram of errors from 1e-8 on: a quantile is good to 5 %. Its last place is for what is not identified.
-_LOWEST, _PER_DECADE, _BINS = -8, 24, 288
+_LOWEST_BIN, _BINS_PER_DECADE, _BINS = -8, 24, 288
 _HALO: list[AbstractPathEffect] = [withStroke(linewidth=1.6, foreground="white", alpha=0.7)]
 
 
@@ -98,7 +98,7 @@ def error_map(study: Study, cases: Cases) -> Figure:
     kinds = [*dict.fromkeys((fit.phase, fit.sharing) for fit, _ in shown if fit.phase)]
     rows = [(symbol, *kind) for symbol in symbols for kind in kinds or [("", "")]]
     norm, lines = _scale([of.ravel() for of in shown.values()], signed, within)
-    panels = grid(len(rows), len(approaches), right=RIGHT, most=HEIGHT)
+    panels = grid(len(rows), len(approaches), right=RIGHT_OF_MAPS, most=MAP_HEIGHT)
     lowest: dict[int, Axes] = {}
     for (fit, symbol), values in shown.items():
         column, kind = approaches.index(fit.approach), (symbol, fit.phase, fit.sharing)
@@ -130,7 +130,7 @@ def error_map(study: Study, cases: Cases) -> Figure:
     if exact:
         words.append(f"Exact: {listed([bounded_label(key, exact[key]) for key in exact])}.")
     panels.text_below(" ".join(words), level=4.0)
-    left, tall = DOUBLE_COLUMN - RIGHT + 2.0, panels.tall(len(rows))
+    left, tall = DOUBLE_COLUMN - RIGHT_OF_MAPS + 2.0, panels.tall(len(rows))
     bar = place(panels.figure, left, panels.bottom, BAR, tall)
     ticks = sorted({*lines, 0.0}) if signed else lines
     scale = panels.figure.colorbar(axes.collections[0], cax=bar, ticks=ticks)
@@ -167,7 +167,7 @@ def _errors(
                 counts[key][bins] = 100.0 * values[name]
                 continue
             with np.errstate(divide="ignore"):  # an error of zero: the first place
-                place_of = (np.log10(np.abs(values[name])) - _LOWEST) * _PER_DECADE
+                place_of = (np.log10(np.abs(values[name])) - _LOWEST_BIN) * _BINS_PER_DECADE
             place_of = np.clip(np.nan_to_num(place_of, nan=np.inf), 0, _BINS - 1).astype(int)
             counts[key] += np.bincount(bins * _BINS + place_of, minlength=counts[key].size)
     if single:
@@ -180,22 +180,24 @@ def _quantiles(counts: Array) -> Array:
     reached = np.cumsum(counts, axis=-1)
     total = reached[..., -1]
     at = np.argmax(reached >= REGION * total[..., None], axis=-1)
-    sizes = 10.0 ** (2.0 + _LOWEST + (at + 0.5) / _PER_DECADE)
+    sizes = 10.0 ** (2.0 + _LOWEST_BIN + (at + 0.5) / _BINS_PER_DECADE)
     return np.where((total > 0) & (at < _BINS - 1), sizes, np.nan)
 
 
 def _scale(values: Sequence[Array], signed: bool, within: float) -> tuple[Normalize, list[float]]:
     """The scale of colours, with zero in its middle for errors with a sign, and where its lines are, %."""
     if signed:
-        scale = signed_scale(values, FLOOR, CEILING, cut=0.02)
+        scale = signed_scale(values, LEAST_COLOURED, MOST_COLOURED, cut=0.02)
         top = max(scale.high, -scale.low)
         ticks = SignedScale(scale.linear, -top, top).ticks
         norm: Normalize = AsinhNorm(LINEAR_SHARE * scale.linear, vmin=-top, vmax=top)
-        return norm, sorted({*(x for x in ticks if abs(x) >= FINEST * within), within, -within})
-    low, high = decades(values, FLOOR, CEILING, cut=0.02)
+        return norm, sorted(
+            {*(x for x in ticks if abs(x) >= FINEST_LEVEL * within), within, -within}
+        )
+    low, high = decades(values, LEAST_COLOURED, MOST_COLOURED, cut=0.02)
     powers = range(round(math.log10(low)), round(math.log10(high)) + 1)
     ticks = [float(f"1e{power}") for power in powers]
-    return LogNorm(low, high), sorted({within, *(x for x in ticks if x >= FINEST * within)})
+    return LogNorm(low, high), sorted({within, *(x for x in ticks if x >= FINEST_LEVEL * within)})
 
 
 def _draw(

@@ -17,21 +17,21 @@ from jinja2 import meta, sandbox
 
 from ...arrays import Array, Integers
 from ...project.documents import ConfigurationError
-from ...project.wording import minus, number, percent, signed_percent
+from ...project.wording import minus, number_text, percent, signed_percent
 from ..case_files import column_of
-from ..cases import columns_of
+from ..cases import case_columns
 from ..reading_study import wrong_selection
 from ..study_file import Fit, Study, is_value, selected
 from .statistics import Sizes, groups, spread_of, worst_errors
 
 CROSSING, BEGINS, ENDS = "", " (where the axis begins)", " (where the axis ends)"
-UNKNOWN = " (beyond it there are cases that cannot be identified)"
+NOT_IDENTIFIED_BEYOND = " (beyond it there are cases that cannot be identified)"
 CHOICES = {"approach", "phase", "sharing", "contact", "weights", "terms", "fit"}
 """What `errors` takes to select fits, with the meaning of these keys of a figure."""
 
 
 @dataclass(frozen=True)
-class Errors:
+class ErrorsOfCases:
     """Relative errors of one coefficient, by a fit or by the worst of several, in the cases that `at` and `between`
     leave.
 
@@ -42,16 +42,16 @@ class Errors:
     cases: str | Path
     spec: Mapping[str, Any]
 
-    def at(self, **values: Any) -> Errors:
+    def at(self, **values: Any) -> ErrorsOfCases:
         """Keep the cases with these values of axes. Raises ValueError, with the nearest ones, for a value that an axis
         does not have."""
         return self._where("at", values)
 
-    def between(self, **bounds: Sequence[float]) -> Errors:
+    def between(self, **bounds: Sequence[float]) -> ErrorsOfCases:
         """Keep the cases in which these axes lie within two bounds, such as zeta=[0.1, 0.2]."""
         return self._where("between", bounds)
 
-    def _where(self, how: str, given: Mapping[str, Any]) -> Errors:
+    def _where(self, how: str, given: Mapping[str, Any]) -> ErrorsOfCases:
         spec = {**self.spec, how: {**self.spec.get(how, {}), **given}}
         for key, text in wrong_selection(self.study, (), spec):
             raise ValueError(f"{': '.join(map(str, (*key[1:], text)))}")
@@ -143,7 +143,7 @@ class Errors:
     def start(self, along: str, within: float, around: float) -> str:
         """The lower end of `band`, to three digits."""
         ends = self._ends(along, within, around)
-        return "nowhere" if ends is None else number(ends[0][0], 3) + ends[0][1]
+        return "nowhere" if ends is None else number_text(ends[0][0], 3) + ends[0][1]
 
     def _ends(
         self, along: str, within: float, around: float
@@ -180,7 +180,7 @@ def _end(places: Array, errors: Array, within: float, last: int, step: int) -> t
         return float(places[last]), BEGINS if step < 0 else ENDS
     here, beyond = errors[:, last], errors[:, last + step]
     if np.isnan(beyond).any():
-        return float(places[last]), UNKNOWN
+        return float(places[last]), NOT_IDENTIFIED_BEYOND
     crossed = np.abs(beyond) > within
     bound = np.copysign(within, beyond[crossed])
     share = float(np.min((bound - here[crossed]) / (beyond - here)[crossed]))
@@ -224,7 +224,7 @@ def paragraph(study: Study, cases: str | Path) -> tuple[str, dict[str, str | flo
     Raises ConfigurationError, with the line of the template, for a number that the study does not have.
     """
 
-    def errors(of: str, approach: str = "", **choices: Any) -> Errors:
+    def errors(of: str, approach: str = "", **choices: Any) -> ErrorsOfCases:
         spec = {"of": of, **({"approach": approach} if approach else {}), **choices}
         if wrong := choices.keys() - CHOICES:
             raise ValueError(
@@ -236,11 +236,11 @@ def paragraph(study: Study, cases: str | Path) -> tuple[str, dict[str, str | flo
             raise ValueError(
                 f"{of} is not identified, or the oscillator has none: see estimation.terms"
             )
-        return Errors(study, cases, spec)
+        return ErrorsOfCases(study, cases, spec)
 
     if (template := template_of(study)) is None:
         return "", {}
-    columns = {column.name for column in columns_of(study)}
+    columns = {column.name for column in case_columns(study)}
     try:
         module = template.make_module({"errors": errors, "cases": f"{study.cases:,}"})
     except Exception as error:  # whatever its expressions raise is a fault of the template

@@ -25,7 +25,7 @@ from ..study_file import Fit, Study
 _PER_DECADE = 2000
 _LOWEST, _HIGHEST = -18, 8  # decades: smaller and larger sizes fall into the first and the last bin
 
-_NOTHING: Array = np.empty(0)
+_NO_VALUES: Array = np.empty(0)
 
 
 class Sizes:
@@ -75,7 +75,7 @@ def worst_errors(study: Study, cases: Cases, spec: Mapping[str, Any]) -> Array:
 
 
 def spread(
-    errors: Array, standard_errors: Array = _NOTHING, covered: Array = _NOTHING
+    errors: Array, standard_errors: Array = _NO_VALUES, covered: Array = _NO_VALUES
 ) -> dict[str, float]:
     """Statistics of an estimator over n runs. All except the counts are relative to the true value; NaN if unknown.
 

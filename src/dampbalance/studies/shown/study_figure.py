@@ -31,7 +31,7 @@ from ...figures.style import (
     DASHED,
     DOTTED,
     FAINT,
-    PAPER,
+    PAPER_COLOUR,
     SINGLE_COLUMN,
     note,
     omega_of,
@@ -49,9 +49,12 @@ from ..study_file import Fit, Study, selected
 from .maps import error_map
 from .statistics import groups, spread_of, worst_errors
 
-FLOOR, CEILING = 1e-3, 1e3  # %: a smaller error is drawn on a linear axis, a larger one not at all
+LEAST_LOGARITHMIC, MOST_DRAWN = (
+    1e-3,
+    1e3,
+)  # %: a smaller error is drawn on a linear axis, a larger one not at all
 FEW = 24  # cases on a curve up to which each is marked
-PHASES = {
+PHASE_WORDS = {
     "reversal": "phase of the velocity reversal",
     "zero_crossing": "phase of the zero crossing",
     "fundamental": "phase of the fundamental",
@@ -131,7 +134,7 @@ def error_curves(study: Study, cases: Cases) -> Figure:
                 axes.set_title(title, pad=12.0 if figure.get("marks") else 4.0)
         for column, axes in enumerate(here):
             _x_axis(axes, figure["x"], places, last=column == len(shown) - 1)
-            signed_axis(axes, signed_scale(errors, FLOOR, CEILING, cut=0.02))
+            signed_axis(axes, signed_scale(errors, LEAST_LOGARITHMIC, MOST_DRAWN, cut=0.02))
             axes.tick_params(labelbottom=row == len(symbols) - 1, labelleft=column == 0)
             _marks(axes, study, label=row == 0)
         panels.name_row(here[0], f"error of ${symbol}$ (%)")
@@ -144,7 +147,7 @@ def error_curves(study: Study, cases: Cases) -> Figure:
         style = {"lw": 1.2, "marker": look.marker, "ms": 3.2} if bound is None else {"lw": 0.0}
         label = in_maths(label_of(key)) if bound is None else bounded_label(key, bound)
         handles.append(Line2D([], [], color=look.colour, label=label, **style))
-    for name, fill in ((COMMON, FAINT), (INDIVIDUAL, PAPER)) if len(sharings) > 1 else ():
+    for name, fill in ((COMMON, FAINT), (INDIVIDUAL, PAPER_COLOUR)) if len(sharings) > 1 else ():
         style = {"ls": DASHED if name == INDIVIDUAL else "-", "marker": "o", "ms": 3.2, "mfc": fill}
         label = rf"{name} $\varphi$, $t_s$"
         handles.append(Line2D([], [], color=FAINT, lw=0.9, label=label, **style))
@@ -163,7 +166,7 @@ def _panels(study: Study, cases: Cases) -> Iterator[tuple[str, str, Integers]]:
         yield "", phase, order
     elif by == "phase":
         for name in dict.fromkeys(fit.phase for fit in study.fits if fit.phase):
-            yield PHASES[name], name, order
+            yield PHASE_WORDS[name], name, order
     else:
         values, of = column_of(cases, by), parameter(by)
         for value in dict.fromkeys(values.tolist()):
@@ -184,9 +187,9 @@ def _curve_style(approach: str, number: int, second: bool, few: bool) -> dict[st
     style |= {
         "zorder": 3.0 - 0.1 * look.width
     }  # wide ones below narrow ones that coincide with them
-    style |= {"mfc": PAPER if second else look.colour}
+    style |= {"mfc": PAPER_COLOUR if second else look.colour}
     if not few:  # with an edge, which keeps them visible on curves that coincide
-        edge = look.colour if second else PAPER
+        edge = look.colour if second else PAPER_COLOUR
         style |= {"markevery": (0.03 + 0.04 * number, 0.2), "ms": 4.0, "mec": edge}
     return style
 

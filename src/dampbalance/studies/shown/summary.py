@@ -17,7 +17,7 @@ from .statistics import Sizes, bounds_of, groups, spread_of
 WITHIN = 0.01  # relative error that the summary counts as good
 SHARE = f"within_{100 * WITHIN:g}_percent_share"
 
-Row = Mapping[Any, Any]
+SummaryRow = Mapping[Any, Any]
 
 
 def summary_of(cases: str | Path, study: Study) -> pd.DataFrame:
@@ -29,7 +29,7 @@ def summary_of(cases: str | Path, study: Study) -> pd.DataFrame:
 def _overall_records(cases: str | Path, study: Study) -> Iterator[dict[str, Any]]:
     """One row per fit and quantity: how many cases it could be identified in, and how large its error is, in %.
 
-    Median and 95 % quantile of the error's size (to 0.06 % of themselves), its maximum, and the share of all cases
+    Median and 95 % quantile of the error's size (to a relative 0.06 %), its maximum, and the share of all cases
     with an error of at most WITHIN.
     """
     terms = terms_of(cases)
@@ -115,7 +115,7 @@ def summary_markdown(study: Study, summary: pd.DataFrame, paragraph: str, figure
     return "\n".join(lines)
 
 
-def _overall_cells(row: Row) -> list[str]:
+def _overall_cells(row: SummaryRow) -> list[str]:
     return [
         f"{row['identified']:,}",
         *(_percent(row, f"{name}_error") for name in ("median", "p95", "max")),
@@ -148,7 +148,7 @@ def _grouped_markdown(study: Study, summary: pd.DataFrame) -> list[str]:
     return lines
 
 
-def _grouped_cells(row: Row) -> list[str]:
+def _grouped_cells(row: SummaryRow) -> list[str]:
     return [
         f"{row['identified']:,} of {row['runs']:,}",
         f"{signed_percent(0.01 * row['bias_percent'], plus='')} ± {_percent(row, 'bias_error')}",
@@ -160,7 +160,7 @@ def _grouped_cells(row: Row) -> list[str]:
 
 
 def _table_of_fits(
-    heads: Sequence[str], summary: pd.DataFrame, cells: Callable[[Row], Sequence[str]]
+    heads: Sequence[str], summary: pd.DataFrame, cells: Callable[[SummaryRow], Sequence[str]]
 ) -> str:
     """A table whose rows say which quantity and fit they are about; further columns hold numbers."""
     which = ("quantity", "approach", "phase", "φ, t_s", "fit")
@@ -174,10 +174,10 @@ def _table_of_fits(
     return markdown_table([*which, *heads], rows, "l" * len(which) + "r" * len(heads))
 
 
-def _with_interval(row: Row, name: str) -> str:
+def _with_interval(row: SummaryRow, name: str) -> str:
     """A share with the bounds of its 95 % interval."""
     return "{} ({} to {})".format(*(_percent(row, name + end) for end in ("", "_low", "_high")))
 
 
-def _percent(row: Row, name: str) -> str:
+def _percent(row: SummaryRow, name: str) -> str:
     return percent(0.01 * row[f"{name}_percent"])

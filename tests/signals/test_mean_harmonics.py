@@ -8,11 +8,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from dampbalance.features import COLUMNS, of_orbit
-from dampbalance.fit.mean_harmonics import RESOLVED, Means, Reading, read_features
+from dampbalance.features import FEATURE_COLUMNS, of_orbit
+from dampbalance.fit.base_harmonics import fit_records
 from dampbalance.records.measurement import Measurement
 from dampbalance.records.synthetic import measured_orbit
+from dampbalance.signals.mean_harmonics import RESOLVED, Means, Reading, read_features
 from paper_case import FREQUENCIES_HZ, NEAR, OMEGA, PAPER, orbits_at
+from signals.harmonics import with_own_fit
 
 DISPLACEMENT = ("base_displacement", "displacement")
 BOTH = (*DISPLACEMENT, "acceleration")
@@ -31,14 +33,14 @@ def _measured(orbit, noise, channels=DISPLACEMENT, seed=3, cycles=40.0, rate_hz=
 
 
 def _read(orbit, noise, *given, **more):
-    return read_features(_measured(orbit, noise, *given, **more), PAPER.k)
+    return with_own_fit(read_features(_measured(orbit, noise, *given, **more), PAPER.k))
 
 
 def onset_resolved(reading):
     """Whether the contact slips and the length of its microstick line stands out of the noise."""
     if not reading.slips:
         return False
-    return reading.waveform.fit.rho > RESOLVED * reading.waveform.fit.error("rho")
+    return reading.waveform.rho > RESOLVED * reading.waveform.rho_error
 
 
 @pytest.mark.parametrize("channels", [DISPLACEMENT, BOTH], ids=["x", "x+a"])
@@ -49,7 +51,7 @@ def test_without_noise_the_features_are_exact(frequency_hz, channels):
     exact = of_orbit(orbit)
     assert reading.warnings == ()
     assert onset_resolved(reading)
-    for name in COLUMNS:
+    for name in FEATURE_COLUMNS:
         # waveform sampled at 1,024 points of half a cycle, harmonics beyond those fitted: parts in a million
         expected = getattr(exact, name)[0]
         assert getattr(reading.features, name)[0] == pytest.approx(expected, rel=3e-6), name
@@ -62,7 +64,7 @@ def test_the_work_has_no_bias_of_noise():
     x = orbit.harmonics(3)
     error = steady.X_error.copy()
     error[1] = part * abs(x[0])
-    reading = Reading(replace(steady, X_error=error), joint=True)
+    reading = Reading(replace(steady, X_error=error))
     drawn = np.zeros((draws, reading.lines.n.size), dtype=np.complex128)
     drawn[:, :3] = x
     noise = np.random.default_rng(8).standard_normal((2, draws))
@@ -168,7 +170,8 @@ def test_an_onset_that_noise_hides_enters_with_its_error():
     assert not onset_resolved(reading)
     assert reading.slips
     length, slope = reading.waveform.length, reading.waveform.length_slope
-    error = math.sqrt(slope @ reading.waveform.fit.covariance @ slope)
+    covariance = fit_records([reading.lines], PAPER.k).covariance
+    error = math.sqrt(slope @ covariance @ slope)
     f = reading.features
     assert f.X[0] + f.X_s[0] == pytest.approx(length, rel=1e-9)
     true = 2.0 * PAPER.F_k / K_z
@@ -189,7 +192,7 @@ def test_another_waveform_has_no_onset_and_its_harmonics_are_its_own():
     added = 2e-5
     values = channel.values + added * np.cos(5.0 * OMEGA * channel.t + 1.0)
     wrong = replace(channel, values=values)
-    reading = read_features(Measurement.of("distorted", [base, wrong]), PAPER.k)
+    reading = with_own_fit(read_features(Measurement.of("distorted", [base, wrong]), PAPER.k))
     assert reading.waveform is None
     assert reading.slips is None
     with pytest.raises(ValueError, match="distorted: no waveform fits"):

@@ -6,7 +6,7 @@ All features are functions of the mean harmonics of base and response, relative 
     W = −πk Σ n Im(y_n* x_n)             exact by orthogonality, and free of bias as it is: linear in x_n
     b = πω Σ n²X_n²                      likewise
     2X = x_max − x_min                   of Σ x_n e^{inωt}; of the levels of its rests, where it has such (`turning.py`)
-    X_s, V_s, t_s, a = 4X − λ            from the exact waveform that fits (`waveforms.py`)
+    X_s, V_s, t_s, a = 4X − λ            from the exact waveform that fits (`Waveform`)
 
 A waveform that fits stands for the odd harmonics beyond the fifth, too: those of the record hold little there but
 noise. Where none fits, all harmonics up to the bandwidth are the record's own, and the onset of slip is not known:
@@ -28,24 +28,24 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array, Complexes
-from ..features import COLUMNS, Features, of_numbers, wrapped
-from ..law.terms import of_harmonics
+from ..features import FEATURE_COLUMNS, Features, of_numbers, wrapped_phase
+from ..law.terms import FRICTION, of_harmonics
+from ..motion.distorted import added_by_base
+from ..motion.law_steady import Response
 from ..project.wording import Remark
 from ..records.measurement import Measurement
-from ..signals.conditioning import SteadyRecord, condition
-from ..signals.cycles import bootstrap, powers
-from ..signals.lines import Lines
-from ..signals.one_thread import one_thread
-from ..signals.turning import Series, turning_points, upward_zero
-from .base_harmonics import added, fit_records
-from .waveforms import Waveform
+from .conditioning import SteadyRecord, condition
+from .cycles import bootstrap, powers
+from .lines import Lines
+from .one_thread import one_thread
+from .turning import Series, turning_points, upward_zero
 
 RESOLVED = 2.0
 """Standard errors by which the root of the microstick line's length must exceed zero to count as resolved."""
 
-UNKNOWN = "slip onset not known"
+ONSET_UNKNOWN = "slip onset not known"
 
-_READ = 5  # the highest harmonic taken from a record that an exact waveform fits
+_HIGHEST_READ = 5  # the highest harmonic taken from a record that an exact waveform fits
 _JACKKNIFE_GROUPS = 400
 _OF_ONSET = ("X_s", "V_s", "t_s", "X_r", "V_r", "t_r")
 
@@ -96,34 +96,66 @@ class Means:
 
 
 @dataclass(frozen=True, eq=False)
+class Waveform:
+    """The waveform of one record as features use it, with derivatives by the p unknowns of the fit that it is from.
+
+    response : the motion.
+    onset : (V_s, t_s, λ), SI, λ = 4X − a the travel that sticking takes from 4X: 2L for one slip onset per half cycle.
+    onset_slope : (3, p).
+    tail : harmonics x_n, n = 1, 3, 5 …, phases counted from the peak of y, m.
+    tail_slope : (harmonics, p).
+    at : places of the record's unknowns among the p, by name.
+    F_k : friction force of the record, N.
+    rho, rho_error : K_z^{−1/2} with its standard error.
+    Y : amplitude of the base, m.
+    by_data : derivatives of the unknowns by |Y|, its phase, Re x_n, Im x_n of the record, in their errors, (p, data).
+    """
+
+    response: Response
+    onset: Array
+    onset_slope: Array
+    tail: Complexes
+    tail_slope: Complexes
+    at: Mapping[str, int]
+    F_k: float
+    rho: float
+    rho_error: float
+    Y: float
+    by_data: Array
+
+    @property
+    def length(self) -> float:
+        """L = 2F_k/K_z, m, freed of its bias of second order."""
+        return 2.0 * self.F_k * (self.rho**2 - self.rho_error**2)
+
+    @property
+    def length_slope(self) -> Array:
+        """Derivatives of L by the unknowns, (p,)."""
+        slope = np.zeros(len(self.by_data))
+        slope[self.at[FRICTION]] = 2.0 * self.rho**2
+        slope[self.at["rho"]] = 4.0 * self.F_k * self.rho
+        return slope
+
+
+@dataclass(frozen=True, eq=False)
 class Reading:
     """Features of one response read off a record, with their standard errors.
 
-    steady : the conditioned record.   joint : whether it was fitted together with others; else its waveform is fitted
-    to this record alone.   shared : the waveform of that fit, None where none fits.   taken : λ = 4X − a, m, the travel
-    by which sticking reduces 4X where no waveform fits.   terms : of a law, beyond friction and a linear damper, whose
-    integrals are wanted.
+    steady : the conditioned record.
+    waveform : the exact waveform that fits; None where none does, or none was fitted.
+    stick_travel : λ = 4X − a, m, the travel by which sticking reduces 4X where there is no waveform.
+    terms : of a law, beyond friction and a linear damper, whose integrals are wanted.
     """
 
     steady: SteadyRecord
-    joint: bool = False
-    shared: Waveform | None = None
-    taken: float = 0.0
+    waveform: Waveform | None = None
+    stick_travel: float = 0.0
     terms: tuple[str, ...] = ()
 
     @cached_property
     def lines(self) -> Lines:
         """The harmonics that waveforms are fitted to."""
         return Lines.of(self.steady)
-
-    @cached_property
-    @one_thread
-    def waveform(self) -> Waveform | None:
-        """The exact waveform that fits; None where there is none."""
-        if self.joint:
-            return self.shared
-        fit = fit_records([self.lines], self.steady.k)
-        return fit.waveforms[0] if fit is not None and fit.adequate else None
 
     @property
     def slips(self) -> bool | None:
@@ -142,14 +174,12 @@ class Reading:
         waveform = self.waveform
         if waveform is None:
             raise ValueError(f"{self.steady.source}: no waveform fits")
-        at = waveform.fit.unknowns.at[waveform.index]
         x = waveform.response.harmonics(max(self.lines.n.size, waveform.tail.size))
         none = np.zeros((1, 0), dtype=np.complex128)
-        means = Means(
-            waveform.fit.point[[at["Y"]]], x[None, : self.lines.n.size], none, none, np.zeros(1)
-        )
+        Y = np.array([waveform.Y])
+        means = Means(Y, x[None, : self.lines.n.size], none, none, np.zeros(1))
         # with the phase of its own base
-        alone = replace(self, joint=True, shared=replace(waveform, tail=x))
+        alone = replace(self, waveform=replace(waveform, tail=x))
         return alone.features_of(means, np.zeros((self._unknowns, 1)))
 
     @property
@@ -161,7 +191,7 @@ class Reading:
     def standard_errors(self) -> Mapping[str, float]:
         """Standard errors by leaving out one group of rows after the other; NaN for what is not read."""
         left, errors = self.features_of(self.left_out()), {}
-        for name in COLUMNS:
+        for name in FEATURE_COLUMNS:
             values = getattr(left, name)
             if name.startswith("phi"):  # phases near the ends of the interval
                 values = np.unwrap(values)
@@ -238,7 +268,7 @@ class Reading:
         error = lines.x_error[:, None]
         Y = (means.Y - lines.Y) / lines.Y_error
         data = np.vstack([Y, np.zeros(Y.size), off.real / error, off.imag / error])
-        return waveform.fit.response[:, waveform.fit.places[waveform.index]] @ data
+        return waveform.by_data @ data
 
     @one_thread
     def features_of(self, means: Means, moved: Array | None = None) -> Features:
@@ -254,8 +284,8 @@ class Reading:
         amplitudes[: first.shape[1]] = np.sqrt(np.maximum(first, 0.0)).T
         lag = -np.angle(series.x[:, 0])
         theta_peak, X = turning_points(series, rests=self.waveform is None)
-        reversal = wrapped(theta_peak)
-        regime, length, (V_s, t_s, taken) = self._onset(means, moved)
+        reversal = wrapped_phase(theta_peak)
+        regime, length, (V_s, t_s, stick_travel) = self._onset(means, moved)
         base = np.hstack([means.Y[:, None], means.base])
         orders = np.arange(1.0, base.shape[1] + 1.0)
         # Σ n Im(y_n* x_n) over the harmonics n = 2, 3 … of the base
@@ -273,15 +303,15 @@ class Reading:
             t_s=t_s,
             phi=reversal,
             phi_reversal=reversal,
-            phi_zero_crossing=wrapped(upward_zero(series, lag) + 0.5 * math.pi),
-            phi_fundamental=wrapped(lag),
+            phi_zero_crossing=wrapped_phase(upward_zero(series, lag) + 0.5 * math.pi),
+            phi_fundamental=wrapped_phase(lag),
             X_r=X - length,
             V_r=-V_s,
             t_r=t_s,
             X_1=amplitudes[0],
             X_3=amplitudes[1],
             X_5=amplitudes[2],
-            a=4.0 * X - taken,
+            a=4.0 * X - stick_travel,
             b=math.pi * steady.omega * (squares @ series.n**2),
             W=-math.pi * steady.k * (means.Y * series.x[:, 0].imag + beyond),
             integrals={
@@ -308,7 +338,7 @@ class Reading:
 
     def fitted_cycle(self, waveform: Waveform, points: int = 720) -> dict[str, Array]:
         """One cycle of a waveform fitted to this record, in the columns of `averaged_cycle` without the base."""
-        x = waveform.tail + added(self.lines.base, waveform.response, waveform.tail.size)
+        x = waveform.tail + added_by_base(self.lines.base, waveform.response, waveform.tail.size)
         return self._cycle(np.arange(1.0, 2.0 * x.size, 2.0), x, points)
 
     def _cycle(self, n: Array, x: Complexes, points: int) -> dict[str, Array]:
@@ -325,13 +355,13 @@ class Reading:
 
     @property
     def _unknowns(self) -> int:
-        return 0 if self.waveform is None else self.waveform.fit.point.size
+        return 0 if self.waveform is None else len(self.waveform.by_data)
 
     @cached_property
     def _of_base(self) -> Complexes:
         """What the harmonics of the base add to those of the waveform, m, as many as its tail has."""
         assert self.waveform is not None
-        return added(self.lines.base, self.waveform.response, self.waveform.tail.size)
+        return added_by_base(self.lines.base, self.waveform.response, self.waveform.tail.size)
 
     def series(self, means: Means, moved: Array | None = None) -> Series:
         """The harmonics of r means of the response: the record's own, odd ones beyond them those of the waveform.
@@ -342,10 +372,10 @@ class Reading:
         waveform, lines = self.waveform, self.lines
         if waveform is None:
             # the third and fifth are taken as they are, whether they stand out of the noise or not
-            own = lines.n <= max(self.steady.bandwidth, _READ)
+            own = lines.n <= max(self.steady.bandwidth, _HIGHEST_READ)
             tail = np.zeros((len(means.Y), 0), dtype=np.complex128)
         else:
-            own = lines.n <= min(max(self.steady.bandwidth, 1), _READ)
+            own = lines.n <= min(max(self.steady.bandwidth, 1), _HIGHEST_READ)
             beyond = slice(np.count_nonzero(own), None)
             tail = waveform.tail[beyond] + (waveform.tail_slope[beyond] @ moved).T
             if means.base.any():
@@ -387,15 +417,14 @@ class Reading:
         """
         count, waveform = len(means.Y), self.waveform
         if waveform is None:
-            onset = np.repeat([[0.0], [0.0], [self.taken]], count, axis=1)
-            return UNKNOWN, np.zeros(count), onset
+            onset = np.repeat([[0.0], [0.0], [self.stick_travel]], count, axis=1)
+            return ONSET_UNKNOWN, np.zeros(count), onset
         regime = str(waveform.response.orbit.regime)
         if not self.slips:
             return regime, np.full(count, math.nan), np.full((3, count), math.nan)
-        fit = waveform.fit
-        error = moved[fit.unknowns.at[waveform.index]["rho"]]
-        square = error**2 - means.bias * fit.error("rho") ** 2
-        length = 2.0 * waveform.F_k * (fit.rho**2 + square) + waveform.length_slope @ moved
+        error = moved[waveform.at["rho"]]
+        square = error**2 - means.bias * waveform.rho_error**2
+        length = 2.0 * waveform.F_k * (waveform.rho**2 + square) + waveform.length_slope @ moved
         onset = waveform.onset[:, None] + waveform.onset_slope @ moved
         onset[2] += 4.0 * waveform.F_k * square
         return regime, length, onset
