@@ -21,9 +21,9 @@ from .options import coefficients, number, read_by, whole
 EPILOG = """\
 A record is one file per level of excitation: a channel that drives (base_displacement, base_acceleration or force) and
 at least one of the mass (displacement, velocity, acceleration; relative_displacement, … where it was measured against
-the base). Formats: CSV, TSV, Parquet, MATLAB, HDF5, universal file 58, TDMS, LabVIEW's text, WAV, spreadsheets. What a
-file does not say of its channels stands in a small YAML file next to it, NAME.yaml or channels.yaml, which
---write-mapping writes for you to correct.
+the base). Formats: CSV, TSV, Parquet, MATLAB, HDF5, universal file 58, TDMS, LabVIEW's text, WAV, NumPy,
+JSON, spreadsheets. What a file does not say of its channels stands in a small YAML file next to it, NAME.yaml or
+channels.yaml, which --write-mapping writes for you to correct.
 
   dampbalance identify level*.csv --stiffness 2310 --frequency 3.5 --output found
 
