@@ -100,9 +100,9 @@ def title_of(name):
     """What the report calls a study, for a job: no study is read before a report is made."""
 
     def title(wildcards):
-        from dampbalance.project.wording import plain  # needed for a report only
+        from dampbalance.project.wording import plain_text  # needed for a report only
 
-        return {"result": plain(study_plan(name)[0].title)}
+        return {"result": plain_text(study_plan(name)[0].title)}
 
     return title
 

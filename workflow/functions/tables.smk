@@ -13,12 +13,12 @@ def reported_table(file):
 
     def title(wildcards):
         # Needed for a report only.
-        from dampbalance.project.wording import plain
+        from dampbalance.project.wording import plain_text
         from dampbalance.replication.rebuilt_tables import TITLES
 
         name, _, frequency = Path(file).stem.partition("_")
         hz = CASE.frequencies_hz[frequency or FREQUENCIES[0]]
         where = "" if name == "approaches" else f", at {hz:g} Hz"
-        return {"result": plain(TITLES[name]) + where}
+        return {"result": plain_text(TITLES[name]) + where}
 
     return report(file, caption="../report/table.rst", category="Tables", labels=title)

@@ -14,7 +14,7 @@ from snakemake.utils import update_config
 
 try:
     from dampbalance.balance import checks
-    from dampbalance.project.case import Case, check, excerpt, require_own_case
+    from dampbalance.project.case import Case, check_case, excerpt, require_own_case
     from dampbalance.project.documents import ConfigurationError
     from dampbalance.project.dependencies import package_modules
     from dampbalance.project.files import ROUTES, remove_unfinished
@@ -52,7 +52,7 @@ if other not in (ROOT / "Snakefile", ROOT / "workflow/Snakefile"):
 
 if workflow.is_main_process:
     try:
-        check(
+        check_case(
             config,
             project_file("src/dampbalance/project/schemas/config.schema.yaml"),
             CONFIG_FILES,

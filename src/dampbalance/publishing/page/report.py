@@ -250,15 +250,13 @@ def _environment(case: str, page: str) -> jinja2.Environment:
     environment = words.templates(jinja2.PackageLoader(__package__), html=True)
     compact = {"ensure_ascii": False, "allow_nan": False, "separators": (",", ":")}
     environment.policies["json.dumps_kwargs"] = compact
-    setting = (
-        words.rich_markup,
-        words.titled,
-        words.quantity_markup,
-        words.reason,
-        words.symbol,
-        minus,
-    )
-    environment.filters |= {one.__name__: one for one in setting} | {
+    environment.filters |= {
+        "rich": words.rich_markup,
+        "titled": words.titled,
+        "quantity": words.quantity_markup,
+        "reason": words.reason,
+        "symbol": words.symbol,
+        "minus": minus,
         "here": lambda path: posixpath.relpath(path.format(case=case), posixpath.dirname(page)),
         "at_case": lambda path: path.format(case=case),
         "approach": lambda key: words.rich_markup(label_of(key)),
