@@ -14,10 +14,9 @@ from functools import cached_property
 
 import numpy as np
 
-from ...arrays import Array
 from ...project.wording import shortened
 from ..coordinate import TRANSLATION, Coordinate
-from ..errors import RecordError, RecordWarning, require_size
+from ..errors import RecordError, RecordWarning
 from ..mapping import ChannelRule, RecordMapping, Which
 from ..measurement import (
     ABSOLUTE,
@@ -51,13 +50,12 @@ from .headings import (
     unusable,
     words_of,
 )
+from .samples import Samples, equal_step
 
 # words that YAML takes for others
 _YAML_WORDS = ("y", "n", "yes", "no", "on", "off", "true", "false", "null")
 _LISTED = 20  # channels in a message
 _LONGEST = 60  # characters of a name; a channel with a longer one is called by its number
-_FEWEST = 4  # samples of which it shows that they rise in equal steps
-_ROUNDED = 0.6  # of a step, by which times with too few digits are off
 _IN_MM = 0.05  # half the range of a displacement: more is in mm, less in m
 # by the least step: nothing is sampled at less than 20 Hz
 _TIME_UNITS = {"µs": 50.0, "ms": 0.05, "s": 0.0}
@@ -163,9 +161,9 @@ class _Plan:
         self.overview = _first_of(named) or "none"
 
     @cached_property
-    def samples(self) -> _Samples:
+    def samples(self) -> Samples:
         """The first samples of the channels: needed where their names do not suffice."""
-        return _Samples(self.file)
+        return Samples(self.file)
 
     @cached_property
     def axes(self) -> dict[int, str]:
@@ -420,60 +418,6 @@ def _first_of(names: Sequence[str]) -> str:
     return ", ".join(names[:_LISTED]) + f" and {more} more" * (more > 0)
 
 
-class _Samples:
-    """The samples of each channel (`values`), or none of one that cannot be read.
-
-    aside : channels that are no motion and no force, by name, unit or samples, with what they are instead.
-    rising : steps of those that rise in equal steps and are no counters.
-    """
-
-    def __init__(self, file: Table) -> None:
-        everything = range(len(file.channels))
-        require_size(file.path, sum(raw.size or 0 for raw in file.channels))
-        self.aside: dict[int, str] = {}
-        self.rising: dict[int, float] = {}
-        self.values = _samples(file, everything) or {}
-        if not self.values:  # a text in some column
-            for i in everything[:_LISTED]:
-                self.values |= _samples(file, [i]) or {i: np.empty(0)}
-                if not self.values[i].size:
-                    self.aside[i] = "it holds what is no number"
-        for i, values in self.values.items():
-            raw, known = file.channels[i], values[np.isfinite(values)]
-            if (other := unusable(raw)) is not None:
-                self.aside[i] = other
-            elif holds_time(raw) or known.size < _FEWEST:
-                continue
-            elif not np.ptp(known):
-                self.aside[i] = f"constant, {known[0]:g}"
-            elif (step := _equal_step(known)) is not None:
-                counts = step == 1.0 and not np.any(known % 1.0)
-                kind = "a counter" if counts else "a time"
-                self.aside[i] = f"rises by {step:.6g} from sample to sample: {kind}"
-                if not counts:
-                    self.rising[i] = step
-
-
-def _samples(file: Table, wanted: Sequence[int]) -> dict[int, Array] | None:
-    """The samples of some channels; None where they cannot be read."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RecordWarning)  # comes where the record is read
-        try:
-            return file.columns(wanted)
-        except RecordError:
-            return None
-
-
-def _equal_step(values: Array) -> float | None:
-    """The step of values that rise in equal steps, as times and counters do; None for others."""
-    if values.size < _FEWEST:
-        return None
-    line = np.linspace(values[0], values[-1], values.size)
-    step = float(line[1] - line[0])
-    rises = step > 0.0 and np.diff(values).min() >= 0.0
-    return step if rises and np.abs(values - line).max() < _ROUNDED * step else None
-
-
 class _Suggestion:
     """A guess for every channel that there is room for, one excitation at the most.
 
@@ -601,7 +545,7 @@ class _Suggestion:
         known = find_unit(self.mapping.time_unit or unit_of(self.channels[first]) or "")
         if known is not None and known.dimension == "time":
             return [f"{line}{known.name}}}"] if len(times) == 1 else []
-        step = self.samples.rising.get(first) or _equal_step(self.samples.values[first])
+        step = self.samples.rising.get(first) or equal_step(self.samples.values[first])
         unit = next(unit for unit, least in _TIME_UNITS.items() if (step or 0.0) >= least)
         shows = f"rises by {step:.6g} from sample to sample; " if step else ""
         return [f"{line}{unit}}}  # {shows}unit guessed, the file has none"]
