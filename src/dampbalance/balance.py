@@ -29,7 +29,7 @@ from numpy.typing import ArrayLike
 from .arguments import flag, names, shown, text
 from .arrays import Array, Mask
 from .law.law import Law
-from .law.terms import IN_WORDS, KNOWN_TERMS, NAME, Term, in_order, term
+from .law.terms import KNOWN_TERMS, NAME, SYMBOL_IN_WORDS, Term, in_order, term
 
 if TYPE_CHECKING:
     from .features import Features
@@ -363,7 +363,9 @@ def approach(name: str) -> Approach:
             )
         return APPROACHES[name]
     if not re.fullmatch(NAME, name):
-        raise ValueError(f"the name of an approach must be {IN_WORDS}, got {shown(str(name))}")
+        raise ValueError(
+            f"the name of an approach must be {SYMBOL_IN_WORDS}, got {shown(str(name))}"
+        )
     if name in _TAKEN or APPROACHES.get(name, name) is not name:
         raise ValueError(f"name {str(name)!r} is one of the package: choose another")
     return name

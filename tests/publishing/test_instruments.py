@@ -20,7 +20,7 @@ from dampbalance.project import wording
 from dampbalance.project.case import check_case, require_own_case
 from dampbalance.project.documents import read_yaml
 from dampbalance.publishing.page.instruments import slider_controls
-from dampbalance.replication.comparison import PHASES, RECIPES, WAYS, approaches_table
+from dampbalance.replication.comparison import PHASES, RECIPES, WAYS_TO_COMPARE, approaches_table
 from dampbalance.solver import solve
 from folders import ROOT
 from processes import output_of
@@ -212,7 +212,7 @@ def test_errors_off_resonance_are_those_of_the_table(led, made):
             shown = page.eval_on_selector_all("#off_resonance .steps tbody tr", rows)
             assert len(shown) == len(RECIPES)
             for step, cells in zip(RECIPES, shown, strict=True):
-                approach, *way = WAYS[step]
+                approach, *way = WAYS_TO_COMPARE[step]
                 line = table.loc[(frequency, chosen if way[0] else approach, *way)]
                 assert [plain(cell) for cell in cells] == [
                     wording.signed_percent(0.01 * line["F_k_error_percent"]),

@@ -32,7 +32,7 @@ Force = Callable[[Any, Any, Any, Any], Any]
 
 
 NAME = "[A-Za-z][A-Za-z0-9_]{0,39}"
-IN_WORDS = 'a name of letters, digits and "_"'
+SYMBOL_IN_WORDS = 'a name of letters, digits and "_"'
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -96,7 +96,7 @@ class Term(str):
     def __new__(cls, symbol: str, *_: Any, **__: Any) -> Term:
         """Make the text that a term is."""
         if not re.fullmatch(NAME, text("symbol", symbol)):
-            raise ValueError(f"symbol must be {IN_WORDS}, got {shown(symbol)}")
+            raise ValueError(f"symbol must be {SYMBOL_IN_WORDS}, got {shown(symbol)}")
         return str.__new__(cls, symbol)
 
     def __post_init__(self) -> None:

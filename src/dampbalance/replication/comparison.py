@@ -27,7 +27,7 @@ PHASES: tuple[PhaseKind, ...] = get_args(PhaseKind)
 """The lags of x behind y that the harmonic approaches can use."""
 
 WAY = ("approach", "phase", "sharing")
-WAYS = {
+WAYS_TO_COMPARE = {
     "mean": ("X_s", "reversal", "common"),
     "reversal": ("X_s", "reversal", "individual"),
     "shared": ("X_s", "fundamental", "common"),
@@ -143,8 +143,8 @@ def cause_shifts(
     errors = _of_F_k(approaches)
     shifts = {}
     for name in frequencies:
-        peak = errors[*WAYS["fundamental"], name]
-        wrong = {cause: errors[*WAYS[way], name] - peak for cause, way in CAUSES.items()}
+        peak = errors[*WAYS_TO_COMPARE["fundamental"], name]
+        wrong = {cause: errors[*WAYS_TO_COMPARE[way], name] - peak for cause, way in CAUSES.items()}
         shifts[name] = {"peak": peak, **wrong}
     return shifts
 
@@ -164,7 +164,7 @@ def off_resonance(
         {
             "hz": f"{frequencies_hz[name]:g} Hz",
             "peak": signed_percent(0.01 * shifts["peak"]),
-            "paper": signed_percent(0.01 * errors[*WAYS["reversal"], name]),
+            "paper": signed_percent(0.01 * errors[*WAYS_TO_COMPARE["reversal"], name]),
             **{cause: signed(shifts[cause], 1) for cause in CAUSES},
         }
         for name, shifts in cause_shifts(approaches, frequencies_hz).items()
@@ -175,7 +175,7 @@ def mends(approaches: pd.DataFrame, frequencies_hz: Mapping[str, float]) -> dict
     """Error of F_k, %, by least squares: every way of RECIPES in words → one for each frequency."""
     errors = _of_F_k(approaches)
     return {
-        words: [errors[*WAYS[way], name] for name in frequencies_hz]
+        words: [errors[*WAYS_TO_COMPARE[way], name] for name in frequencies_hz]
         for way, words in RECIPES.items()
     }
 

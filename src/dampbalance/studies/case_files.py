@@ -26,7 +26,7 @@ from ..project.files import replacing, write_json
 from .cases import REGIME_NAMES, case_columns
 from .study_file import CONTACT, Listed, Study
 
-Cases: TypeAlias = str | Path | pd.DataFrame
+CasesLike: TypeAlias = str | Path | pd.DataFrame
 """The table of cases: its file, or the table itself."""
 
 MANY = 100_000
@@ -34,7 +34,7 @@ MANY = 100_000
 compressing them takes longer than computing them."""
 
 
-def stretches(cases: Cases, names: Sequence[str]) -> Iterator[dict[str, Words]]:
+def stretches(cases: CasesLike, names: Sequence[str]) -> Iterator[dict[str, Words]]:
     """The columns named, row group by row group, in the order of the cases: memory does not grow with their number.
 
     An array is not to be changed: paragraphs and figures, which ask for a column again and again, get the same one.
@@ -62,12 +62,12 @@ def _column(cases: str, changed: int, group: int, name: str) -> Words:
     return column
 
 
-def column_of(cases: Cases, name: str) -> Words:
+def column_of(cases: CasesLike, name: str) -> Words:
     """One whole column of the table of cases."""
     return np.concatenate([stretch[name] for stretch in stretches(cases, [name])])
 
 
-def terms_of(cases: Cases) -> list[str]:
+def terms_of(cases: CasesLike) -> list[str]:
     """Symbols of the coefficients, K_z among them, whose errors the table of cases holds."""
     columns = cases.columns if isinstance(cases, pd.DataFrame) else pq.read_schema(cases).names
     held = {column.partition("_relative_error__")[0] for column in columns}

@@ -43,8 +43,8 @@ GLANCE = {
     r"own $\varphi_1$": "fundamental",
     "Fourier balance": "fourier",
 }
-"""Label of the figure at a glance → its way of `comparison.WAYS`. The fit with a mean φ is ours: the paper takes that
-phase in its pairs, and each level's φ in its least squares."""
+"""Label of the figure at a glance → its way of `comparison.WAYS_TO_COMPARE`. The fit with a mean φ is ours: the paper
+takes that phase in its pairs, and each level's φ in its least squares."""
 
 
 def derived_numbers(
@@ -131,7 +131,7 @@ def derived_numbers(
             "cycles": agreement_of_instants(sampling_instants(cycles, claims), claims),
             "vocabulary": {
                 "verdicts": [asdict(verdict) for verdict in VERDICTS.values()],
-                "ways": comparison.WAYS,
+                "ways": comparison.WAYS_TO_COMPARE,
             },
         }
     )
@@ -336,7 +336,7 @@ def at_a_glance(
     )
     ways = approaches.set_index(list(comparison.WAY))["F_k_error_percent"]
     errors = {
-        label: [float(error) for error in np.atleast_1d(ways[comparison.WAYS[way]])]
+        label: [float(error) for error in np.atleast_1d(ways[comparison.WAYS_TO_COMPARE[way]])]
         for label, way in GLANCE.items()
     }
     return damping, errors, list(case.frequencies_hz.values())

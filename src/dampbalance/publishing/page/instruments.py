@@ -14,7 +14,7 @@ from ...project.case import Case
 from ...project.wording import plain_text
 from ...replication.authors_route import printed_coefficients
 from ...replication.claims.verdicts import PARTS_OF_THE_PAPER, VERDICTS, ClaimId, of_cell
-from ...replication.comparison import RECIPES, WAYS
+from ...replication.comparison import RECIPES, WAYS_TO_COMPARE
 from ...replication.rebuilt_tables import IDENTIFIED_QUANTITIES, TABLE_2
 from ...solver import levels_of
 from ..colours import variable
@@ -52,7 +52,7 @@ def instruments_data(
             for name, look in zip(IN_THE_BROWSER, map(look_of, IN_THE_BROWSER), strict=True)
         },
         "steps": [
-            dict(zip(("approach", "phase", "sharing"), WAYS[way], strict=True))
+            dict(zip(("approach", "phase", "sharing"), WAYS_TO_COMPARE[way], strict=True))
             | {"name": way, "words": words}
             for way, words in RECIPES.items()
         ],

@@ -314,7 +314,7 @@ def bound(sources: Sources, row: Row) -> Claim:
     return replace(claim, undecided=True, cause=f"The print does not decide. {shares} {cause}")
 
 
-def off_resonance(sources: Sources, row: Row) -> Claim:
+def accuracy_in_words(sources: Sources, row: Row) -> Claim:
     """Words for how accurate the two-point formulas are off resonance."""
     hz = sources.case.frequencies_hz
     values = _worst(sources, sources.routes, frequency=row.symbol)
@@ -418,7 +418,7 @@ RULES = {
     "deviation of pairs": Rule(moment_of_pairs, _ESTIMATES, ("direct",)),
     "mean of levels": Rule(mean_of_levels, ("t_s", "phi")),
     "bound": Rule(bound, (*_ESTIMATES, *FREQUENCIES), kind="statement"),
-    "change": Rule(off_resonance, FREQUENCIES, kind="statement"),
+    "change": Rule(accuracy_in_words, FREQUENCIES, kind="statement"),
     "truth": Rule(truth, ("",), kind="statement"),
 }
 """Every rule by its name in the column `rule` of the printed numbers."""

@@ -18,7 +18,7 @@ from ...figures.looks import bounded_label, in_maths, label_of
 from ...figures.series import EXACT, SignedScale, decades, is_even, signed_scale
 from ...figures.style import DOUBLE_COLUMN, GREY, INK, note, place, styled
 from ...project.wording import listed, minus, percent
-from ..case_files import Cases, stretches, terms_of
+from ..case_files import CasesLike, stretches, terms_of
 from ..parameters import parameter
 from ..study_file import Fit, Sampled, Study
 from .statistics import Sizes
@@ -71,7 +71,7 @@ def _axis(study: Study, name: str) -> _Axis:
 
 
 @styled()
-def error_map(study: Study, cases: Cases) -> Figure:
+def error_map(study: Study, cases: CasesLike) -> Figure:
     """Relative error, %, over two axes, by colour, with a line at each power of ten and a thick one at the bound.
 
     Where each place is one case, its error with the sign. Where it stands for several (a sample, further axes), the
@@ -142,7 +142,7 @@ def error_map(study: Study, cases: Cases) -> Figure:
 
 
 def _errors(
-    cases: Cases,
+    cases: CasesLike,
     axes: Mapping[str, _Axis],
     sizes: Mapping[tuple[Fit, str], Sizes],
     single: bool,

@@ -16,7 +16,7 @@ from ...fit.steady_search import fit_at_truth
 from ...model import BaseMotion
 from ...motion.orbit import NoSteadyOrbit, steady_orbit
 from ...solver import NORMAL_95
-from ..case_files import Cases, column_of
+from ..case_files import CasesLike, column_of
 from ..cases import cases_between
 from ..parameters import oscillator_of
 from ..study_file import Fit, Study
@@ -65,7 +65,7 @@ class Sizes:
         return float(min(max(middle, self.smallest), self.largest))
 
 
-def worst_errors(study: Study, cases: Cases, spec: Mapping[str, Any]) -> Array:
+def worst_errors(study: Study, cases: CasesLike, spec: Mapping[str, Any]) -> Array:
     """The error in each case by the fit that a figure or a number selects; with several fits (all pairs) the largest
     among them."""
     names = [f"{spec['of']}_relative_error__{fit.label}" for fit in study.fits_of(spec)]
@@ -113,7 +113,7 @@ def spread(
 
 
 def spread_of(
-    study: Study, cases: Cases, quantity: str, fit: Fit, kept: Integers
+    study: Study, cases: CasesLike, quantity: str, fit: Fit, kept: Integers
 ) -> dict[str, float]:
     """The `spread` of one quantity by one fit over the cases with the numbers `kept`."""
     names = ["relative_error"]
@@ -122,7 +122,7 @@ def spread_of(
     return spread(*(column_of(cases, f"{quantity}_{name}__{fit.label}")[kept] for name in names))
 
 
-def groups(cases: Cases, by: Sequence[str]) -> Iterator[tuple[dict[str, Any], Integers]]:
+def groups(cases: CasesLike, by: Sequence[str]) -> Iterator[tuple[dict[str, Any], Integers]]:
     """({axis: value}, numbers of the cases) for each combination of values of the axes `by`, in the order of the
     cases."""
     values = pd.DataFrame({name: column_of(cases, name) for name in by})

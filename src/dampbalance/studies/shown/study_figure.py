@@ -43,7 +43,7 @@ from ...model import Oscillator
 from ...motion.fixed_step import SCHEMES
 from ...project.wording import in_figure, listed
 from ...solver import NORMAL_95
-from ..case_files import Cases, column_of, terms_of
+from ..case_files import CasesLike, column_of, terms_of
 from ..parameters import SI_COLUMNS, parameter
 from ..study_file import Fit, Study, selected
 from .maps import error_map
@@ -66,7 +66,7 @@ _CONFIDENCE = 95.0  # %
 _TRAITS = ("phase", "sharing", "contact", "weights", "kind")
 
 
-def study_figure(study: Study, cases: Cases) -> Figure:
+def study_figure(study: Study, cases: CasesLike) -> Figure:
     """The figure that the study's file asks for, from its table of cases."""
     return FIGURES[study.figure["kind"]](study, cases)
 
@@ -90,7 +90,7 @@ def alternative_text(study: Study) -> str:
 
 
 @styled()
-def error_curves(study: Study, cases: Cases) -> Figure:
+def error_curves(study: Study, cases: CasesLike) -> Figure:
     """Relative error, %, with its sign, along the axis x; a row of panels per term, a curve per approach.
 
     Columns of panels: phase definitions, or the values of another axis. Solid: φ and t_s common to the levels, where
@@ -155,7 +155,7 @@ def error_curves(study: Study, cases: Cases) -> Figure:
     return panels.figure
 
 
-def _panels(study: Study, cases: Cases) -> Iterator[tuple[str, str, Integers]]:
+def _panels(study: Study, cases: CasesLike) -> Iterator[tuple[str, str, Integers]]:
     """The panels that the figure asks for: title, phase of all its errors ("" for any), and cases by ascending x."""
     at, by = study.figure.get("at", {}), study.figure.get("panels")
     order = np.argsort(column_of(cases, study.figure["x"]), kind="stable")
@@ -219,7 +219,7 @@ def _marks(axes: Axes, study: Study, label: bool, factor: float = 1.0) -> None:
 
 
 @styled()
-def error_of_steps(study: Study, cases: Cases) -> Figure:
+def error_of_steps(study: Study, cases: CasesLike) -> Figure:
     """Error of c, N s/m, with its sign, by direct integration against the step of each fixed-step scheme, and the line
     ± m ω² h: the damping that backward Euler adds to c and explicit Euler takes from it."""
     h, schemes = column_of(cases, "step_s"), column_of(cases, "scheme")
@@ -264,7 +264,7 @@ def error_of_steps(study: Study, cases: Cases) -> Figure:
 
 
 @styled()
-def errors_of_runs(study: Study, cases: Cases) -> Figure:
+def errors_of_runs(study: Study, cases: CasesLike) -> Figure:
     """Over the runs, along the axis x: the size that 95 % of the errors do not exceed, %, and below it, where the study
     has intervals, the share of the 95 % intervals that hold the true value, %.
 
@@ -377,7 +377,7 @@ def _between(places: Array) -> float:
     return float(np.min(ordered[1:] / ordered[:-1], initial=10.0))
 
 
-FIGURES: Mapping[str, Callable[[Study, Cases], Figure]] = {
+FIGURES: Mapping[str, Callable[[Study, CasesLike], Figure]] = {
     "curves": error_curves,
     "steps": error_of_steps,
     "map": error_map,
