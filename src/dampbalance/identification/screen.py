@@ -124,7 +124,7 @@ def interval_of(parameter: ParameterEstimate) -> str:
 
 def headed(symbol: str) -> str:
     """F_k (N): the head of a column of a table."""
-    return wording.with_unit(symbol, unit_of(symbol))
+    return wording.label_with_unit(symbol, unit_of(symbol))
 
 
 def _rounded(value: float, spread: float) -> str:
