@@ -186,7 +186,7 @@ def test_slopes_of_the_onset_are_exact(c_r, other):
         # orbits are exact to 1e-13, and curvature leaves h²; a coefficient at zero grows to one side
         back = 1.0 if law.get(name, 1.0) else 0.0
         ahead, behind = moved(h * size), moved(-back * h * size)
-        for i, read in enumerate(("V_s", "t_s", "taken")):
+        for i, read in enumerate(("V_s", "t_s", "stick_travel")):
             expected = (getattr(ahead, read) - getattr(behind, read)) / (h * size * (1.0 + back))
             rounded = 1e-13 * abs(getattr(found, read)) / (h * size)
             exact = pytest.approx(expected, rel=1e-5 if back else 1e-3, abs=10.0 * rounded)

@@ -17,9 +17,9 @@ import numpy as np
 
 from ..arrays import Array, Integers
 from ..law.law import Law
-from ..motion.distorted import added_by_base
 from ..motion.law_steady import Response
 from ..signals.lines import Lines
+from ..signals.mean_harmonics import added_by_base
 from .steady_search import climb_on, fit_oscillator, of_all_stiffnesses
 from .waveforms import NO_MOTION, WaveformFit
 

@@ -30,8 +30,9 @@ import numpy as np
 from ..arrays import Array, Complexes
 from ..features import FEATURE_COLUMNS, Features, of_numbers, wrapped_phase
 from ..law.terms import FRICTION, of_harmonics
-from ..motion.distorted import added_by_base
+from ..motion.distorted import distorted_harmonics
 from ..motion.law_steady import Response
+from ..motion.orbit import NoSteadyOrbit
 from ..project.wording import Remark
 from ..records.measurement import Measurement
 from .conditioning import SteadyRecord, condition
@@ -443,3 +444,27 @@ def read_features(
     skip_cycles : cycles left out at the start.   Raises ValueError naming the source when the record cannot be used.
     """
     return Reading(condition(measurement, k, frequency_hz=frequency_hz, skip_cycles=skip_cycles))
+
+
+def added_by_base(base: Complexes, response: Response, count: int) -> Complexes:
+    """Δ_n, n = 1, 3 … 2 count − 1, m: what harmonics of the base add to those of a motion, (count,).
+
+    base : y_n, n = 2, 3 …, m, phases counted from the peak of the fundamental.   response : the motion under the
+    fundamental alone.
+    """
+    n = np.arange(1, 2 * count, 2)
+    if not base.any():
+        return np.zeros(count, dtype=np.complex128)
+    orbit, order = response.orbit, np.arange(2, base.size + 2)
+    # a damper to the base moves the mass as well: the base of the orbit is (1 + inω c_r/k) y_n
+    to_base = 1.0 + 1j * order * math.tan(response.advance + response.turned)
+    y = np.append(orbit.motion.Y, base * to_base * np.exp(-1j * order * response.advance))
+    try:
+        change = distorted_harmonics(orbit, y, 2 * count)[::2] - orbit.harmonics(count)
+    except NoSteadyOrbit:
+        # as if it slipped on
+        own, rates = orbit.oscillator, n * orbit.motion.omega
+        forced = np.zeros(2 * count, dtype=np.complex128)
+        forced[1 : y.size] = own.k * y[1 : forced.size]
+        change = forced[::2] / (own.k - rates**2 * own.m + 1j * rates * own.c)
+    return change * np.exp(1j * n * response.advance)
