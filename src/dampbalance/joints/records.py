@@ -21,11 +21,7 @@ import numpy as np
 from ..arrays import Array, Integers
 from ..project.wording import listed, shortened, visible
 from ..records.errors import RecordError
-from ..records.mapping import ChannelRule, MappingLike, RecordMapping, Which, mapping_for
-from ..records.measured import MeasuredRecord
-from ..records.measurement import ABSOLUTE, Measurement
-from ..records.readers import opened
-from ..records.readers.headings import (
+from ..records.headings import (
     WORDS,
     by_unit,
     full_name,
@@ -33,6 +29,10 @@ from ..records.readers.headings import (
     quantity_of,
     words_of,
 )
+from ..records.mapping import ChannelRule, MappingLike, RecordMapping, Which, mapping_for
+from ..records.measured import MeasuredRecord
+from ..records.measurement import ABSOLUTE, Measurement
+from ..records.readers import opened
 from ..records.table import RawChannel, Table
 from ..records.units import PER_FORCE, TABLE_DIMENSIONS, UnitError, find_unit, table_factor
 

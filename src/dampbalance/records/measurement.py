@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 from ..arguments import floats, instance, items, mapping, one_of, text
 from ..arrays import Array, Complexes, ReadOnly
 from .coordinate import ROTATION, TRANSLATION, Coordinate
-from .errors import LARGEST_VALUE, LATEST
+from .errors import LARGEST_VALUE, LATEST, RecordError
 
 EXCITATIONS = {"base_displacement": "m", "base_acceleration": "m/s²", "force": "N"}
 """What drives the oscillator, one of these, or none in a free decay; a force f stands for the base motion y = f/k."""
@@ -170,12 +170,12 @@ def _uneven(t: Array) -> str:
 
 
 def require_one_coordinate(source: str, coordinates: Mapping[str, Coordinate]) -> None:
-    """Raise ValueError where some channels rotate and others do not.   coordinates : by the names of the channels."""
+    """Raise RecordError where some channels rotate and others do not.   coordinates : by the names of the channels."""
     first: dict[Coordinate, str] = {}
     for name, coordinate in coordinates.items():
         first.setdefault(coordinate, name)
     if len(first) > 1:
-        raise ValueError(
+        raise RecordError(
             f"{source}: {first[ROTATION]!r} is of a rotation and {first[TRANSLATION]!r} of a translation, and one "
             "record has one of them: name the channels to read in its mapping"
         )

@@ -5,25 +5,22 @@ measurement = read("level1.mat")                    # mapping next to it, or nam
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from ... import arguments
 from ..errors import RecordError, RecordWarning
 from ..mapping import MappingLike, RecordMapping, mapping_for, parts_of
-from ..measurement import QUANTITIES, Channel, Measurement
-from ..table import RawChannel, Table, require_nameable, signals_file
+from ..measurement import QUANTITIES, Measurement
+from ..proposal import suggested_mapping
+from ..recognise import picks_of, recognise
+from ..table import RawChannel, Table, require_nameable
 from .array_files import hdf5_file, json_file, matlab_file, numpy_file
-from .assemble import whole
-from .channels import Pick, picks_of, suggested_mapping
 from .containers import lvm_file, parquet_file, tdms_file, uff_file, wav_file
 from .formats import FORMATS, checked_format
 from .spreadsheets import spreadsheet_file
 from .text import text_file
-
-if TYPE_CHECKING:
-    from ..table import Signals
 
 __all__ = [
     "FORMATS",
@@ -34,7 +31,6 @@ __all__ = [
     "opened",
     "quantities_of",
     "read",
-    "read_signals",
     "table",
 ]
 
@@ -50,28 +46,16 @@ def read(
     Raises RecordError naming the file, what is wrong with it, and the remedy; warns of what looks odd (RecordWarning).
     """
     path, rules = _named(path, mapping)
-    channels: list[Channel] = []
-    for file, picks in _files(path, rules, opened_as):
-        channels += whole(file, picks)
-    order = list(QUANTITIES)
-    return Measurement.of(str(path), sorted(channels, key=lambda one: order.index(one.quantity)))
-
-
-def read_signals(name: str, signals: Signals | Table, rules: RecordMapping) -> Measurement:
-    """The measurement in arrays or a table of pandas (`signals_file`), in SI units.
-
-    name : of the record, for messages.   rules : what the names of the signals do not say.
-
-    Raises RecordError and warns as `read`.
-    """
-    file = signals_file(name, signals)
-    return Measurement.of(name, whole(file, picks_of(file, rules)))
+    first, *others = _tables(path, rules, opened_as)
+    return replace(recognise(*first, *others), source=str(path))
 
 
 def quantities_of(path: str | Path, mapping: MappingLike = None) -> tuple[str, ...]:
     """The quantities that names, units and mapping give the channels of a file, without a look at its samples. Raises
     RecordError as `read`."""
-    picked = [pick.quantity for _, picks in _files(*_named(path, mapping)) for pick in picks]
+    tables = _tables(*_named(path, mapping))
+    picks = [pick for part in tables for pick in picks_of(*part, entire=len(tables) == 1)]
+    picked = {pick.quantity for pick in picks}
     return tuple(q for q in QUANTITIES if q in picked)
 
 
@@ -105,14 +89,14 @@ def _named(path: str | Path, mapping: MappingLike) -> tuple[Path, RecordMapping]
     return file, mapping_for(file, mapping)
 
 
-def _files(
+def _tables(
     path: Path, rules: RecordMapping, opened_as: Table | None = None
-) -> Iterator[tuple[Table, tuple[Pick, ...]]]:
-    """Each file of a record, with what to read from it."""
-    parts = parts_of(path, rules)
-    for part, of in parts.items():
-        file = opened_as if opened_as and part == path else opened(part, of)
-        yield file, picks_of(file, of, entire=len(parts) == 1)
+) -> list[tuple[Table, RecordMapping]]:
+    """The table of each file of a record, with its part of the mapping."""
+    return [
+        (opened_as if opened_as and part == path else opened(part, of), of)
+        for part, of in parts_of(path, rules).items()
+    ]
 
 
 def opened(path: Path, rules: RecordMapping) -> Table:
