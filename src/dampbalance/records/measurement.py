@@ -107,12 +107,11 @@ class Channel:
 
     def __post_init__(self) -> None:
         text("the name of a channel", self.name)
+        one_of(f"channel {self.name!r}: its quantity", self.quantity, (*QUANTITIES, *ROTATING))
+        object.__setattr__(self, "name", self.name or self.quantity)
         if self.quantity in ROTATING:
-            object.__setattr__(self, "name", self.name or self.quantity)
             object.__setattr__(self, "coordinate", ROTATION)
             object.__setattr__(self, "quantity", ROTATING[self.quantity])
-        one_of(f"channel {self.name!r}: its quantity", self.quantity, QUANTITIES)
-        object.__setattr__(self, "name", self.name or self.quantity)
         this = f"channel {self.name!r}"
         for field in ("t", "values"):
             try:
