@@ -114,7 +114,7 @@ def picks_of(file: Table, mapping: RecordMapping, *, entire: bool = True) -> tup
         raise unclear(roles, f"finds {' and '.join(driving)}")
     # a channel without a name may drive: only where there is none left is it a free decay
     known = mapping.channels or mapping.free
-    unnamed = answering and not known and roles.unnamed(chosen.values())
+    unnamed = answering and not known and roles.spare(chosen.values())
     if entire and not driving and (unnamed or not answering):
         raise unclear(roles, "finds no excitation")
     if entire and not answering:
@@ -122,9 +122,8 @@ def picks_of(file: Table, mapping: RecordMapping, *, entire: bool = True) -> tup
     picks = tuple(_pick(roles, q, chosen[q], rules[q]) for q in QUANTITIES if q in chosen)
     if not mapping.channels:
         roles.require_one_coordinate([*chosen.values()])
-        _warn_of_axes(roles)
-        _warn_of_unused(roles, picks)
-        _warn_of_guess(roles, chosen)
+        for guess in _guesses(roles, picks):
+            warnings.warn(RecordWarning(f"{roles.path}: {guess}"), stacklevel=2)
     return picks
 
 
@@ -161,39 +160,30 @@ def _pick(roles: Roles, quantity: str, index: int, rule: ChannelRule) -> Pick:
     )
 
 
-def _warn_of_axes(roles: Roles) -> None:
-    """Warn of the axis that was taken of three."""
-    if axis := [i for i, why in roles.axes.items() if not why]:
-        name = shortened(full_name(roles.channels[axis[0]]))
-        said = f"{name} is taken for the acceleration of the mass, the axis with the most motion"
-        remedy = f"name another in {roles.where} if the mass moves along it"
-        warnings.warn(RecordWarning(f"{roles.path}: {said}; {remedy}"), stacklevel=2)
-
-
-def _warn_of_unused(roles: Roles, picks: Sequence[Pick]) -> None:
-    """Warn of signals as long as those read that no name distinguished. A mapping that names channels leaves the
-    others out on purpose."""
+def _guesses(roles: Roles, picks: Sequence[Pick]) -> Iterator[str]:
+    """Say what was taken for what without a name for it, and what was left out: the axis taken of three; signals as
+    long as those read that no name distinguished; a displacement or velocity that only its unit tells, which may be
+    that against a base that moves."""
+    names = [shortened(full_name(raw)) for raw in roles.channels]
+    for axis in (i for i, why in roles.axes.items() if not why):
+        said = "is taken for the acceleration of the mass, the axis with the most motion"
+        yield f"{names[axis]} {said}; name another in {roles.where} if the mass moves along it"
     sizes = {roles.channels[pick.index].size for pick in picks}
-    used = {i for pick in picks for i in (pick.index, pick.time)}
-    if names := [
-        shortened(full_name(raw)) + f" ({unusable(raw)})" * (unusable(raw) is not None)
+    used = {i for pick in picks for i in (pick.index, pick.time)} | {*roles.axes}
+    if unused := [
+        names[i] + f" ({unusable(raw)})" * (unusable(raw) is not None)
         for i, raw in enumerate(roles.channels)
-        if i not in used and i not in roles.axes and raw.size in sizes and not holds_time(raw)
+        if i not in used and raw.size in sizes and not holds_time(raw)
     ]:
-        said = f"{first_of(names)}; say in {roles.where} what they hold, if it is needed"
-        unused = RecordWarning(f"{roles.path}: channels not used: {said}")
-        warnings.warn(unused, stacklevel=2)
-
-
-def _warn_of_guess(roles: Roles, chosen: Mapping[str, int]) -> None:
-    """Warn of a displacement or velocity that only its unit tells: it may be that against a base that moves."""
+        remedy = f"say in {roles.where} what they hold, if it is needed"
+        yield f"channels not used: {first_of(unused)}; {remedy}"
+    chosen = {pick.quantity: pick.index for pick in picks}
     moving = "force" not in chosen and any(q in EXCITATIONS for q in chosen)
     for quantity in ("displacement", "velocity"):
         if moving and quantity in chosen and roles.named(chosen[quantity]) is None:
-            name = shortened(full_name(roles.channels[chosen[quantity]]))
-            said = f"{name} is taken for the {quantity} of the mass against the ground, as nothing else is left"
+            said = f"is taken for the {quantity} of the mass against the ground, as nothing else is left"
             remedy = f"say relative_{quantity} in {roles.where} if it is measured against the base"
-            warnings.warn(RecordWarning(f"{roles.path}: {said}; {remedy}"), stacklevel=2)
+            yield f"{names[chosen[quantity]]} {said}; {remedy}"
 
 
 def _find(roles: Roles, which: Which, key: str) -> int:

@@ -173,7 +173,7 @@ class Roles:
         answering, driving = ({*chosen} & {*of} for of in (RESPONSES, EXCITATIONS))
         if answering and driving:
             return chosen, ""
-        left = [i for i in self.unused(chosen.values()) if self.may_move(i)]
+        left = self.spare(chosen.values())
         kinds = {coordinate_of(self.channels[i]) for i in chosen.values()}
         alike = [i for i in left if not kinds or coordinate_of(self.channels[i]) in kinds]
         if left and not alike:
@@ -216,13 +216,9 @@ class Roles:
         before = [i for i in times if i < index]
         return next(iter(named or before[-1:] or times), None)
 
-    def unused(self, used: Collection[int | None]) -> list[int]:
-        """The channels that are not used."""
-        return [i for i in range(len(self.channels)) if i not in used]
-
-    def unnamed(self, used: Collection[int | None]) -> bool:
-        """Whether there are signals that are not used."""
-        return any(map(self.may_move, self.unused(used)))
+    def spare(self, used: Collection[int]) -> list[int]:
+        """The channels that are not used and may hold a motion or a force."""
+        return [i for i in range(len(self.channels)) if i not in used and self.may_move(i)]
 
     def may_move(self, i: int) -> bool:
         """Whether a channel may hold a motion or a force: no time, no temperature, no counter, nothing constant."""

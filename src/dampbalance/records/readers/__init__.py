@@ -15,7 +15,7 @@ from ..mapping import MappingLike, RecordMapping, mapping_for, parts_of
 from ..measurement import QUANTITIES, Measurement
 from ..proposal import suggested_mapping
 from ..recognise import picks_of, recognise
-from ..table import RawChannel, Table, require_nameable
+from ..table import Table, require_nameable
 from .array_files import hdf5_file, json_file, matlab_file, numpy_file
 from .containers import lvm_file, parquet_file, tdms_file, uff_file, wav_file
 from .formats import FORMATS, checked_format
@@ -26,9 +26,7 @@ __all__ = [
     "FORMATS",
     "RecordError",
     "RecordWarning",
-    "channels",
     "mapping_to_start_from",
-    "opened",
     "quantities_of",
     "read",
     "table",
@@ -62,12 +60,11 @@ def quantities_of(path: str | Path, mapping: MappingLike = None) -> tuple[str, .
 def table(path: str | Path, mapping: MappingLike = None) -> Table:
     """The table of a file: names, units and rates of its channels, and their samples as recorded, which are loaded
     where they are asked for. Raises RecordError as `read`."""
-    return opened(*_named(path, mapping))
-
-
-def channels(path: str | Path, mapping: MappingLike = None) -> tuple[RawChannel, ...]:
-    """The channels of a file, with names, units and sampling rates as it has them. Raises RecordError."""
-    return tuple(table(path, mapping).channels)
+    path, rules = _named(path, mapping)
+    content = checked_format(path)
+    file = text_file(path, rules) if content == "text" else _OPENERS[content](path)
+    require_nameable(path, file.channels)
+    return file
 
 
 def mapping_to_start_from(path: str | Path, mapping: MappingLike = None) -> str:
@@ -81,7 +78,7 @@ def mapping_to_start_from(path: str | Path, mapping: MappingLike = None) -> str:
     Raises RecordError where the mapping names channels already, or nothing in the file can be a response.
     """
     path, rules = _named(path, mapping)
-    return suggested_mapping(opened(path, rules), rules)
+    return suggested_mapping(table(path, rules), rules)
 
 
 def _named(path: str | Path, mapping: MappingLike) -> tuple[Path, RecordMapping]:
@@ -94,17 +91,9 @@ def _tables(
 ) -> list[tuple[Table, RecordMapping]]:
     """The table of each file of a record, with its part of the mapping."""
     return [
-        (opened_as if opened_as and part == path else opened(part, of), of)
+        (opened_as if opened_as and part == path else table(part, of), of)
         for part, of in parts_of(path, rules).items()
     ]
-
-
-def opened(path: Path, rules: RecordMapping) -> Table:
-    """The channels of a file, read as its mapping says. Raises RecordError as `read`."""
-    content = checked_format(path)
-    file = text_file(path, rules) if content == "text" else _OPENERS[content](path)
-    require_nameable(path, file.channels)
-    return file
 
 
 _OPENERS: dict[str, Callable[[Path], Table]] = {  # each imports its library
