@@ -68,7 +68,7 @@ class Pick:
 def recognise(
     table: Table, mapping: RecordMapping, *others: tuple[Table, RecordMapping]
 ) -> Measurement:
-    """The measurement in an open table, in SI units.
+    """Return the measurement in an open table, in SI units.
 
     mapping : what the table does not say.   others : more tables that hold channels of the record, with their parts of
     the mapping.
@@ -86,7 +86,7 @@ def recognise(
 
 
 def picks_of(file: Table, mapping: RecordMapping, *, entire: bool = True) -> tuple[Pick, ...]:
-    """What to read from a file, in the order of QUANTITIES.
+    """Return what to read from a file, in the order of QUANTITIES.
 
     entire : whether it holds all of the record, a response and an excitation; none of these in a free decay, if no
     channel is left that could be one, the mapping names none, or it is known to be `free`.
