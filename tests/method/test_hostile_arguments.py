@@ -43,7 +43,7 @@ from dampbalance.motion.fixed_step import simulate
 from dampbalance.motion.law_response import law_response
 from dampbalance.project.documents import ConfigurationError
 from dampbalance.record import Record
-from dampbalance.records.readers import channels, read
+from dampbalance.records.readers import read, table
 from dampbalance.records.writers import write
 from dampbalance.solver import contact_stiffness
 from paper_case import PAPER, features_at
@@ -206,7 +206,7 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, object], Callable[..., o
     "the rate": (lambda dt: signals(dt=dt, time_s=np.sin(T)), {"dt": 0.1}, repr),
     "write": (write, {"path": "", "measurement": STEADY[0]}, repr),
     "read": (read, {"path": "level1.csv", "mapping": None}, repr),
-    "channels": (channels, {"path": "level1.csv", "mapping": None}, repr),
+    "table": (table, {"path": "level1.csv", "mapping": None}, lambda file: repr(file.channels)),
     "study": (
         study,
         {"axes": {"zeta": [0.1]}, "base": {}, "levels_m": [0.004, 0.008], "estimation": {}, "read_out": {}}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from dampbalance.records.readers.headings import holds_time, quantity_of, unit_of, unusable
+from dampbalance.records.headings import holds_time, quantity_of, unit_of, unusable
 from dampbalance.records.table import RawChannel
 from dampbalance.records.units import find_unit, split_label
 

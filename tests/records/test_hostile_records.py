@@ -27,7 +27,7 @@ from dampbalance.motion.orbit import steady_orbit
 from dampbalance.records.errors import LARGEST_FILE, LARGEST_VALUE, RecordError, RecordWarning
 from dampbalance.records.mapping import read_mapping
 from dampbalance.records.readers import FORMATS as SUFFIXES
-from dampbalance.records.readers import channels, read
+from dampbalance.records.readers import read, table
 from dampbalance.records.synthetic import measured_orbit
 from paper_case import PAPER
 from processes import in_time
@@ -306,7 +306,7 @@ def test_groups_are_visited_once(tmp_path):
         file["g/left/up"] = file["/"]
         file["loop"] = h5py.SoftLink("/loop")
         file["nowhere"] = h5py.SoftLink("/g/none/at/all")
-    assert len(channels(path)) == 4
+    assert len(table(path).channels) == 4
     assert not said_of(path)
 
 

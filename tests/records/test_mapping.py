@@ -9,6 +9,7 @@ import pytest
 import yaml
 
 from dampbalance.records.errors import RecordError
+from dampbalance.records.headings import TEMPERATURE, WORDS
 from dampbalance.records.mapping import (
     SCHEMA,
     ChannelRule,
@@ -22,7 +23,6 @@ from dampbalance.records.mapping import (
 )
 from dampbalance.records.measurement import QUANTITIES, ROTATING
 from dampbalance.records.readers import FORMATS, read
-from dampbalance.records.readers.headings import TEMPERATURE, WORDS
 from dampbalance.records.units import UNITS
 from folders import ROOT
 

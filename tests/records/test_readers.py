@@ -19,7 +19,7 @@ from scipy.io import wavfile
 
 from dampbalance.record import Record
 from dampbalance.records.errors import RecordError, RecordWarning
-from dampbalance.records.readers import channels, read
+from dampbalance.records.readers import read, table
 from records.formats import write_columns, write_uff
 
 RATE = 1000.0
@@ -208,8 +208,8 @@ def test_hdf5_attributes(tmp_path, rate, place):
 
 def test_hdf5_rows_and_columns(tmp_path):
     mapping = two("data[1]", "data[2]", sample_rate_hz=RATE)
-    for table in (np.stack([Y, A]), np.stack([Y, A], axis=1)):
-        path = hdf5(tmp_path, data=table)
+    for held in (np.stack([Y, A]), np.stack([Y, A], axis=1)):
+        path = hdf5(tmp_path, data=held)
         assert_expected(read(path, mapping))
 
 
@@ -228,7 +228,7 @@ def test_universal_files_of_another_program(tmp_path, binary, even):
     ]  # fmt: skip
     write_uff(path, sets)
     assert_expected(read(path))
-    assert len(channels(path)) == (2 if even else 4)
+    assert len(table(path).channels) == (2 if even else 4)
 
 
 def test_tdms_groups_and_segments(tmp_path):
@@ -243,7 +243,7 @@ def test_tdms_groups_and_segments(tmp_path):
                 ]
             )  # fmt: skip
     assert_expected(read(path))
-    assert [raw.name for raw in channels(path)] == ["base/y", "mass/acc"]
+    assert [raw.name for raw in table(path).channels] == ["base/y", "mass/acc"]
 
 
 @pytest.mark.parametrize(

@@ -180,7 +180,7 @@ def test_a_mapping_corrects_a_file(tmp_path):
         encoding="utf-8",
     )
     exact = ORBIT.harmonic(1)
-    steady = load(read_records(record)[0], PAPER.k).reading.steady
+    steady = load(read_records(record)[0], PAPER.k).steady
     x, y = steady.mean(steady.X)[1], steady.mean(steady.Y)[1]
     # harmonics beyond the 31st leak into it
     assert x / (y / MOTION.Y) == pytest.approx(exact[0] * np.exp(-1j * exact[1]), rel=1e-6)

@@ -52,7 +52,7 @@ from .answer import (
 from .causes import condition_on_contact, departures, likeliest
 from .identified import QUICK, Identified, Level, Picture
 from .law_comparison import compare_laws
-from .loading import Loaded, load
+from .loading import load
 from .oscillator import (
     JointFit,
     LawRows,
@@ -93,7 +93,6 @@ class ForcedOutcome(Identified):
     joint : the fit of one oscillator to all records.
     features : of the records, (n,), with the onset of slip of that oscillator.
     microstick : the line that all records share.
-    loaded : the records with their leading samples, for pictures.
     """
 
     law: Law
@@ -101,7 +100,6 @@ class ForcedOutcome(Identified):
     joint: JointFit
     features: Features
     microstick: Microstick
-    loaded: tuple[Loaded, ...] = ()
 
     def findings(self) -> dict[str, Any]:
         """Microstick line, features of each record."""
@@ -199,15 +197,15 @@ class ForcedOutcome(Identified):
             "cycles": Picture(
                 f"{count} records folded onto one cycle of the drive, with their averaged cycle, the fitted one and "
                 "what it leaves of the samples",
-                (self.loaded, self.readings, fit),
+                (self.records, self.readings, fit),
             ),
             "friction": Picture(
                 f"friction force against displacement of {count} records, with the loop of the fitted oscillator",
-                (self.loaded, self._loops(), fit),
+                (self.records, self._loops(), fit),
             ),
             "loops": Picture(
                 f"acceleration against displacement of {count} records, with the fitted microstick lines",
-                (self.loaded, self.readings, self.microstick),
+                (self.records, self.readings, self.microstick),
             ),
             "balance": Picture(
                 f"rows of the energy balance {line}, and the residual of each row by approach",
@@ -302,9 +300,8 @@ def _of_records(
     """The answers to records that are read.   options : by the keys of a configuration."""
     k, mass = options["stiffness_N_per_m"], options["mass_kg"]
     of_drive = {name: options[name] for name in ("frequency_hz", "skip_cycles")}
-    loaded = tuple(load(record, k, **of_drive) for record in records)
-    _require_possible(loaded, mass, k)
-    readings = [one.reading for one in loaded]
+    readings = [load(record, k, **of_drive) for record in records]
+    _require_possible(readings, mass, k)
     outcome = identify_readings(
         readings,
         k,
@@ -316,21 +313,19 @@ def _of_records(
     )
     held = mass if outcome.joint.mass_taken else None
     laws = compare_laws(readings, k, mass=held, law=law) if options["laws"] else None
-    return with_stated_uncertainties(
-        replace(outcome, laws=laws, loaded=loaded, records=records, options=options)
-    )
+    return with_stated_uncertainties(replace(outcome, laws=laws, records=records, options=options))
 
 
-def _require_possible(loaded: Sequence[Loaded], mass: float | None, k: float) -> None:
+def _require_possible(readings: Sequence[Reading], mass: float | None, k: float) -> None:
     """Raise ValueError for a mass with which the oscillator is a thousand times faster or slower than the drive."""
     if mass is None:
         return
-    for one in loaded:
-        swings = math.sqrt(k / mass) / one.reading.steady.omega
+    for reading in readings:
+        swings = math.sqrt(k / mass) / reading.steady.omega
         if not 1.0 / _MOST_SWINGS < swings < _MOST_SWINGS:
             raise ValueError(
                 f"with k = {k:g} N/m and m = {mass:g} kg the oscillator swings {swings:.2g} times in a cycle of "
-                f"{one.record.name}: give the mass in kg and the stiffness in N/m, or leave out the mass"
+                f"{reading.steady.source}: give the mass in kg and the stiffness in N/m, or leave out the mass"
             )
 
 

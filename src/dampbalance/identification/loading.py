@@ -1,29 +1,21 @@
-"""Reads the features of a record."""
+"""Reads the features of a record, and gives its samples for pictures."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from ..arrays import Array
 from ..records.measured import MeasuredRecord
 from ..records.measurement import EXCITATIONS, Correction
+from ..signals.conditioning import SteadyRecord
 from ..signals.drive import stands_still
 from ..signals.mean_harmonics import Reading, read_features
 
-EXCERPT = 16_384  # leading samples of each channel that are kept for plots, or three cycles of a slow drive
-
-
-@dataclass(frozen=True, eq=False)
-class Loaded:
-    """A record, its features, and its leading steady samples (t, values) by quantity, s and SI units, with known
-    gains and delays taken off, for pictures."""
-
-    record: MeasuredRecord
-    reading: Reading
-    excerpt: Mapping[str, tuple[Array, Array]]
+EXCERPT = (
+    16_384  # leading samples of each channel that are plotted, or three cycles of a slow drive
+)
 
 
 def keeps_moving(record: MeasuredRecord) -> bool:
@@ -33,7 +25,7 @@ def keeps_moving(record: MeasuredRecord) -> bool:
 
 def load(
     record: MeasuredRecord, k: float, *, frequency_hz: float | None = None, skip_cycles: int = 0
-) -> Loaded:
+) -> Reading:
     """The features of a record.
 
     k : stiffness, N/m.   frequency_hz : the known drive frequency, compared with the one in the record; default, that
@@ -48,20 +40,24 @@ def load(
             f"{record.name}: the excitation channel is missing or constant, or only strikes: a forced record needs one "
             f"that keeps moving ({', '.join(EXCITATIONS)}); a free decay is identified by itself (--kind ring-down)"
         )
-    whole = record.whole()
     nominal = record.rules.frequency_hz if frequency_hz is None else frequency_hz
-    steady = read_features(whole, k, frequency_hz=nominal, skip_cycles=skip_cycles).steady
-    first = {q: (whole[q].t, whole[q].values) for q in whole}
-    reading = Reading(replace(steady, warnings=(*record.warnings, *steady.warnings)))
-    excerpt = {}
-    for q, (t, values) in first.items():
-        known = correction_of(record, q)
-        cycles = int(np.searchsorted(t, t[0] + 6.0 * np.pi / steady.omega))
-        count = max(EXCERPT, cycles)
-        begin = min(int(np.searchsorted(t, steady.start)), max(0, t.size - count))
-        part = slice(begin, begin + count)
-        excerpt[q] = t[part] - known.delay, values[part] / known.gain
-    return Loaded(record, reading, excerpt)
+    steady = read_features(record.whole(), k, frequency_hz=nominal, skip_cycles=skip_cycles).steady
+    return Reading(replace(steady, warnings=(*record.warnings, *steady.warnings)))
+
+
+def excerpt(record: MeasuredRecord, quantity: str, steady: SteadyRecord) -> tuple[Array, Array]:
+    """Return the leading steady samples of a channel, t (s) and values (SI units), with the known gain and delay taken
+    off, for pictures.
+
+    steady : the steady state of the record.
+    """
+    channel, known = record.whole()[quantity], correction_of(record, quantity)
+    t = channel.t
+    cycles = int(np.searchsorted(t, t[0] + 6.0 * np.pi / steady.omega))
+    count = max(EXCERPT, cycles)
+    begin = min(int(np.searchsorted(t, steady.start)), max(0, t.size - count))
+    part = slice(begin, begin + count)
+    return t[part] - known.delay, channel.values[part] / known.gain
 
 
 def correction_of(record: MeasuredRecord, quantity: str) -> Correction:

@@ -32,10 +32,11 @@ from ..fit.decay import RingFit
 from ..fit.waveforms import WaveformFit
 from ..motion.unknowns import OSCILLATOR_UNKNOWNS
 from ..project.wording import cut
+from ..records.measured import MeasuredRecord
 from ..records.measurement import ORDERS, RELATIVE
 from ..signals.mean_harmonics import Reading
 from .answer import SHAPE, Answer
-from .loading import Loaded
+from .loading import excerpt
 from .oscillator import Microstick
 
 DPI = 200  # pictures to look at: in print they are SVG
@@ -61,7 +62,7 @@ _DOTS: dict[str, Any] = {"color": FAINT, "markersize": 1.0, "rasterized": True}
 
 @styled()
 def cycles(
-    loaded: Sequence[Loaded], readings: Sequence[Reading], fit: WaveformFit | None = None
+    records: Sequence[MeasuredRecord], readings: Sequence[Reading], fit: WaveformFit | None = None
 ) -> Figure:
     """Each record folded onto one cycle of the drive (dots), its averaged cycle (line), and that of the fitted
     oscillator (dashes); below, what the fit leaves of the samples, over the standard deviation of the noise. Without a
@@ -69,12 +70,15 @@ def cycles(
 
     Of several response channels the sharpest is shown. The phase is that of the base, whose peak is at 0.
     """
-    figure, panels = _panels_of_records(loaded, "phase of the drive (°)", below=9.0)
-    for i, (one, reading, (axes, below)) in enumerate(zip(loaded, readings, panels, strict=True)):
+    figure, panels = _panels_of_records(records, "phase of the drive (°)", below=9.0)
+    for i, (record, reading, (axes, below)) in enumerate(
+        zip(records, readings, panels, strict=True)
+    ):
         steady = reading.steady
-        quantity = next(q for q in reversed(_SHOWN) if q in one.excerpt)
+        quantity = next(q for q in reversed(_SHOWN) if q in record.quantities)
         symbol, factor, unit, column = _SHOWN[quantity]
-        t, values = (of[:: max(1, of.size // _POINTS)] for of in one.excerpt[quantity])
+        samples = excerpt(record, quantity, steady)
+        t, values = (of[:: max(1, of.size // _POINTS)] for of in samples)
         base = float(np.angle(steady.mean(steady.Y)[1]))
         theta = (steady.omega * (t - steady.start) + base) % (2.0 * math.pi)
         axes.plot(np.degrees(theta), factor * values, ".", label="samples", **_DOTS)
@@ -102,14 +106,16 @@ def cycles(
 
 @styled()
 def friction(
-    loaded: Sequence[Loaded], loops: Sequence[Mapping[str, Array]], fit: WaveformFit | None = None
+    records: Sequence[MeasuredRecord],
+    loops: Sequence[Mapping[str, Array]],
+    fit: WaveformFit | None = None,
 ) -> Figure:
     """Friction force against displacement, a panel per record: what the averaged cycle leaves of the forces (line), the
     loop K_z z of the fitted oscillator (dashes), and where it begins to slip (dots).
 
     loops : columns of `friction_loops` of the records.
     """
-    figure, panels = _panels_of_records(loaded, "$x$ (mm)")
+    figure, panels = _panels_of_records(records, "$x$ (mm)")
     for i, (loop, (axes, _)) in enumerate(zip(loops, panels, strict=True)):
         x, f = (np.append(loop[name], loop[name][0]) for name in ("x_m", "f_N"))
         axes.plot(1e3 * x, f, color=SLIP, label="from the record")
@@ -127,13 +133,15 @@ def friction(
 
 
 @styled()
-def loops(loaded: Sequence[Loaded], readings: Sequence[Reading], shared: Microstick) -> Figure:
+def loops(
+    records: Sequence[MeasuredRecord], readings: Sequence[Reading], shared: Microstick
+) -> Figure:
     """Acceleration against displacement, a panel per record: the averaged cycle, and the lines fitted to it.
 
     The steep line from a reversal is the microstick line, of slope −(k + K_z)/m; where it ends slip begins (dot). It
     has the length `shared` by all records; where that is not resolved, no line is drawn.
     """
-    figure, panels = _panels_of_records(loaded, "$x$ (mm)")
+    figure, panels = _panels_of_records(records, "$x$ (mm)")
     for reading, (axes, _) in zip(readings, panels, strict=True):
         cycle = reading.averaged_cycle()
         x, acceleration = 1e3 * cycle["x"], cycle["acceleration"]
@@ -262,10 +270,10 @@ def _with_residual(
 
 
 def _panels_of_records(
-    loaded: Sequence[Loaded], xlabel: str, below: float = 0.0
+    records: Sequence[MeasuredRecord], xlabel: str, below: float = 0.0
 ) -> tuple[Figure, list[tuple[Axes, Axes]]]:
     """A panel for each record; the lowest of each column has the label of the abscissa."""
-    figure, panels = _panels([one.record.label for one in loaded], 34.0, 9.0, below)
+    figure, panels = _panels([record.label for record in records], 34.0, 9.0, below)
     for _, lowest in panels[-_across(len(panels)) :]:
         lowest.set_xlabel(xlabel)
     return figure, panels

@@ -20,12 +20,9 @@ import numpy as np
 
 from ..arrays import Array, Integers
 from ..project.wording import listed, shortened, visible
+from ..records import readers
 from ..records.errors import RecordError
-from ..records.mapping import ChannelRule, MappingLike, RecordMapping, Which, mapping_for
-from ..records.measured import MeasuredRecord
-from ..records.measurement import ABSOLUTE, Measurement
-from ..records.readers import opened
-from ..records.readers.headings import (
+from ..records.headings import (
     WORDS,
     by_unit,
     full_name,
@@ -33,6 +30,9 @@ from ..records.readers.headings import (
     quantity_of,
     words_of,
 )
+from ..records.mapping import ChannelRule, MappingLike, RecordMapping, Which, mapping_for
+from ..records.measured import MeasuredRecord
+from ..records.measurement import ABSOLUTE, Measurement
 from ..records.table import RawChannel, Table
 from ..records.units import PER_FORCE, TABLE_DIMENSIONS, UnitError, find_unit, table_factor
 
@@ -167,7 +167,7 @@ def read_lines(
 def recognised_as_table(path: Path, mapping: MappingLike) -> bool:
     """Whether `read_records` takes a file for a table of steady responses to a stepped sine."""
     rules = mapping_for(path, mapping)
-    return is_table_of_lines(opened(path, rules), rules)
+    return is_table_of_lines(readers.table(path, rules), rules)
 
 
 def is_table_of_lines(file: Table, rules: RecordMapping) -> bool:

@@ -20,7 +20,8 @@ from .coordinate import ROTATION, TRANSLATION, Coordinate
 from .errors import RecordError, RecordWarning
 from .mapping import MappingLike, RecordMapping, mapping_file, mapping_for, parts_of
 from .measurement import EXCITATIONS, Measurement, mean_rate
-from .readers import opened, read, read_signals
+from .readers import read, table
+from .recognise import recognise
 from .table import Table, is_table, signals_file
 
 if TYPE_CHECKING:
@@ -173,15 +174,16 @@ def _in_memory(
     name = next(name for name in names if name not in taken)
     rules = RecordMapping("mapping") if mapping is None else mapping_for("", mapping)
     rules = replace(rules, free=free)
-    if reader is not None and not isinstance(record, Measurement):
-        table = reader(signals_file(name, record), rules, name)
-        if table is not None:
-            return table
-    with _told(name) as said:
-        if isinstance(record, Measurement):
-            measurement = replace(record, source=name)
-        else:
-            measurement = read_signals(name, record, rules)
+    said: list[Remark] = []
+    if isinstance(record, Measurement):
+        measurement = replace(record, source=name)
+    else:
+        signals = signals_file(name, record)
+        of_its_kind = reader(signals, rules, name) if reader is not None else None
+        if of_its_kind is not None:
+            return of_its_kind
+        with _told(name) as said:
+            measurement = recognise(signals, rules)
     label = visible(rules.level or name)
     return MeasuredRecord(name, label, tuple(measurement), measurement, rules, tuple(said))
 
@@ -191,12 +193,12 @@ def _of_file(
 ) -> MeasuredRecord:
     rules, file = replace(mapping_for(path, mapping), free=free), None
     if reader is not None and not rules.channels:
-        file = opened(path, rules)
-        table = reader(file, rules, path.name)
-        if table is not None:
-            return replace(table, files=_digests(path, rules, mapping))
+        file = table(path, rules)
+        of_its_kind = reader(file, rules, path.name)
+        if of_its_kind is not None:
+            return replace(of_its_kind, files=_digests(path, rules, mapping))
     with _told(str(path)) as said:
-        measurement = replace(read(path, rules, file), source=str(path))
+        measurement = read(path, rules, file)
     label, notes = visible(rules.level or path.name), tuple(said)
     files = _digests(path, rules, mapping)
     return MeasuredRecord(str(path), label, tuple(measurement), measurement, rules, notes, files)

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 from ..arguments import floats, instance, items, mapping, one_of, text
 from ..arrays import Array, Complexes, ReadOnly
 from .coordinate import ROTATION, TRANSLATION, Coordinate
-from .errors import LARGEST_VALUE, LATEST
+from .errors import LARGEST_VALUE, LATEST, RecordError
 
 EXCITATIONS = {"base_displacement": "m", "base_acceleration": "m/s²", "force": "N"}
 """What drives the oscillator, one of these, or none in a free decay; a force f stands for the base motion y = f/k."""
@@ -108,11 +108,10 @@ class Channel:
     def __post_init__(self) -> None:
         text("the name of a channel", self.name)
         one_of(f"channel {self.name!r}: its quantity", self.quantity, (*QUANTITIES, *ROTATING))
+        object.__setattr__(self, "name", self.name or self.quantity)
         if self.quantity in ROTATING:
-            object.__setattr__(self, "name", self.name or self.quantity)
             object.__setattr__(self, "coordinate", ROTATION)
             object.__setattr__(self, "quantity", ROTATING[self.quantity])
-        object.__setattr__(self, "name", self.name or self.quantity)
         this = f"channel {self.name!r}"
         for field in ("t", "values"):
             try:
@@ -170,12 +169,12 @@ def _uneven(t: Array) -> str:
 
 
 def require_one_coordinate(source: str, coordinates: Mapping[str, Coordinate]) -> None:
-    """Raise ValueError where some channels rotate and others do not.   coordinates : by the names of the channels."""
+    """Raise RecordError where some channels rotate and others do not.   coordinates : by the names of the channels."""
     first: dict[Coordinate, str] = {}
     for name, coordinate in coordinates.items():
         first.setdefault(coordinate, name)
     if len(first) > 1:
-        raise ValueError(
+        raise RecordError(
             f"{source}: {first[ROTATION]!r} is of a rotation and {first[TRANSLATION]!r} of a translation, and one "
             "record has one of them: name the channels to read in its mapping"
         )

@@ -17,7 +17,7 @@ from ..model import BaseMotion, Oscillator
 from ..motion.orbit import Orbit
 from ..motion.sliders import SlidersOrbit
 from ..motion.transient import transient
-from .coordinate import TRANSLATION
+from .coordinate import TRANSLATION, Coordinate
 from .errors import LARGEST
 from .measurement import (
     ABSOLUTE,
@@ -88,7 +88,7 @@ def measured_orbit(
             rms = math.sqrt(float(np.mean(values**2)))
             values = values + part * rms * random.standard_normal(count)
         measured.append(Channel(quantity, t, values))
-    unit = (measured[0].coordinate if measured else TRANSLATION).unit("m")
+    unit = _coordinate(measured).unit("m")
     return Measurement.of(source or f"simulated, Y = {motion.Y:g} {unit}", measured)
 
 
@@ -165,9 +165,14 @@ def measured_ring_down(
         values[free] = signals[own]
         spread = noise * float(np.abs(values).max())
         measured.append(Channel(quantity, t, values + spread * random.standard_normal(t.size)))
-    unit = (measured[0].coordinate if measured else TRANSLATION).unit
+    unit = _coordinate(measured).unit
     source = f"simulated, x = {x:g} {unit('m')}, v = {v:g} {unit('m/s')}"
     return Measurement.of(source, measured)
+
+
+def _coordinate(channels: Sequence[Channel]) -> Coordinate:
+    """The coordinate of channels that are to become a measurement, which refuses to have none."""
+    return channels[0].coordinate if channels else TRANSLATION
 
 
 def _parts(noise: object, channels: Sequence[str]) -> dict[str, float]:

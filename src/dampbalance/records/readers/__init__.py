@@ -5,36 +5,30 @@ measurement = read("level1.mat")                    # mapping next to it, or nam
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from ... import arguments
 from ..errors import RecordError, RecordWarning
 from ..mapping import MappingLike, RecordMapping, mapping_for, parts_of
-from ..measurement import QUANTITIES, Channel, Measurement
-from ..table import RawChannel, Table, require_nameable, signals_file
+from ..measurement import QUANTITIES, Measurement
+from ..proposal import suggested_mapping
+from ..recognise import picks_of, recognise
+from ..table import Table, require_nameable
 from .array_files import hdf5_file, json_file, matlab_file, numpy_file
-from .assemble import whole
-from .channels import Pick, picks_of, suggested_mapping
 from .containers import lvm_file, parquet_file, tdms_file, uff_file, wav_file
 from .formats import FORMATS, checked_format
 from .spreadsheets import spreadsheet_file
 from .text import text_file
 
-if TYPE_CHECKING:
-    from ..table import Signals
-
 __all__ = [
     "FORMATS",
     "RecordError",
     "RecordWarning",
-    "channels",
     "mapping_to_start_from",
-    "opened",
     "quantities_of",
     "read",
-    "read_signals",
     "table",
 ]
 
@@ -50,40 +44,27 @@ def read(
     Raises RecordError naming the file, what is wrong with it, and the remedy; warns of what looks odd (RecordWarning).
     """
     path, rules = _named(path, mapping)
-    channels: list[Channel] = []
-    for file, picks in _files(path, rules, opened_as):
-        channels += whole(file, picks)
-    order = list(QUANTITIES)
-    return Measurement.of(str(path), sorted(channels, key=lambda one: order.index(one.quantity)))
-
-
-def read_signals(name: str, signals: Signals | Table, rules: RecordMapping) -> Measurement:
-    """The measurement in arrays or a table of pandas (`signals_file`), in SI units.
-
-    name : of the record, for messages.   rules : what the names of the signals do not say.
-
-    Raises RecordError and warns as `read`.
-    """
-    file = signals_file(name, signals)
-    return Measurement.of(name, whole(file, picks_of(file, rules)))
+    first, *others = _tables(path, rules, opened_as)
+    return replace(recognise(*first, *others), source=str(path))
 
 
 def quantities_of(path: str | Path, mapping: MappingLike = None) -> tuple[str, ...]:
     """The quantities that names, units and mapping give the channels of a file, without a look at its samples. Raises
     RecordError as `read`."""
-    picked = [pick.quantity for _, picks in _files(*_named(path, mapping)) for pick in picks]
+    tables = _tables(*_named(path, mapping))
+    picks = [pick for part in tables for pick in picks_of(*part, entire=len(tables) == 1)]
+    picked = {pick.quantity for pick in picks}
     return tuple(q for q in QUANTITIES if q in picked)
 
 
 def table(path: str | Path, mapping: MappingLike = None) -> Table:
     """The table of a file: names, units and rates of its channels, and their samples as recorded, which are loaded
     where they are asked for. Raises RecordError as `read`."""
-    return opened(*_named(path, mapping))
-
-
-def channels(path: str | Path, mapping: MappingLike = None) -> tuple[RawChannel, ...]:
-    """The channels of a file, with names, units and sampling rates as it has them. Raises RecordError."""
-    return tuple(table(path, mapping).channels)
+    path, rules = _named(path, mapping)
+    content = checked_format(path)
+    file = text_file(path, rules) if content == "text" else _OPENERS[content](path)
+    require_nameable(path, file.channels)
+    return file
 
 
 def mapping_to_start_from(path: str | Path, mapping: MappingLike = None) -> str:
@@ -97,7 +78,7 @@ def mapping_to_start_from(path: str | Path, mapping: MappingLike = None) -> str:
     Raises RecordError where the mapping names channels already, or nothing in the file can be a response.
     """
     path, rules = _named(path, mapping)
-    return suggested_mapping(opened(path, rules), rules)
+    return suggested_mapping(table(path, rules), rules)
 
 
 def _named(path: str | Path, mapping: MappingLike) -> tuple[Path, RecordMapping]:
@@ -105,22 +86,14 @@ def _named(path: str | Path, mapping: MappingLike) -> tuple[Path, RecordMapping]
     return file, mapping_for(file, mapping)
 
 
-def _files(
+def _tables(
     path: Path, rules: RecordMapping, opened_as: Table | None = None
-) -> Iterator[tuple[Table, tuple[Pick, ...]]]:
-    """Each file of a record, with what to read from it."""
-    parts = parts_of(path, rules)
-    for part, of in parts.items():
-        file = opened_as if opened_as and part == path else opened(part, of)
-        yield file, picks_of(file, of, entire=len(parts) == 1)
-
-
-def opened(path: Path, rules: RecordMapping) -> Table:
-    """The channels of a file, read as its mapping says. Raises RecordError as `read`."""
-    content = checked_format(path)
-    file = text_file(path, rules) if content == "text" else _OPENERS[content](path)
-    require_nameable(path, file.channels)
-    return file
+) -> list[tuple[Table, RecordMapping]]:
+    """The table of each file of a record, with its part of the mapping."""
+    return [
+        (opened_as if opened_as and part == path else table(part, of), of)
+        for part, of in parts_of(path, rules).items()
+    ]
 
 
 _OPENERS: dict[str, Callable[[Path], Table]] = {  # each imports its library

@@ -16,9 +16,9 @@ import numpy as np
 from ...arrays import Array
 from ...project.wording import shortened
 from ..errors import RecordError, library
+from ..headings import quantity_of, words_of
 from ..table import RawChannel, Table, described, intact, unit_among
 from ..units import split_label
-from .headings import quantity_of, words_of
 
 # of universal files: the function types of a time response and of a frequency response, what a channel without a name
 # holds, and what a frequency response is of that per force

@@ -19,10 +19,10 @@ import numpy as np
 from ...arrays import Array
 from ...project.wording import shortened
 from ..errors import HIGHEST_RATE, LOWEST_RATE, RecordError
+from ..headings import key_of, names_time
 from ..mapping import RecordMapping
 from ..table import RATE_NAMES, STEP_NAMES, RawChannel, Table
 from ..units import find_other, find_unit, split_label
-from .headings import key_of, names_time
 
 if TYPE_CHECKING:
     import pandas as pd

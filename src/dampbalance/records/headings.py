@@ -9,10 +9,10 @@ from __future__ import annotations
 import re
 import unicodedata
 
-from ..coordinate import TRANSLATION, Coordinate
-from ..measurement import ABSOLUTE, EXCITATIONS
-from ..table import RawChannel
-from ..units import DIMENSIONS, VOLTAGE, find_motion, find_other, find_unit
+from .coordinate import TRANSLATION, Coordinate
+from .measurement import ABSOLUTE, EXCITATIONS
+from .table import RawChannel
+from .units import DIMENSIONS, VOLTAGE, find_motion, find_other, find_unit
 
 WORDS: dict[str, tuple[str, ...]] = {
     "displacement": (

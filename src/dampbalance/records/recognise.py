@@ -1,0 +1,387 @@
+"""From an open table to the channels of a measurement in SI units: the one place where a record is checked.
+
+Mapping, headings, units and samples say which channel holds what; each must have its unit and its times, and samples
+that are finite, within bounds, in equal steps, not constant, and no integers that ran over. Times that were rounded to
+too few digits are put in equal steps. A table that cannot be used is refused with what is missing, and with the mapping
+to write where that is the remedy.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..arrays import Array
+from ..project.wording import Remark, shortened
+from ..record import GRID_TOLERANCE
+from . import errors
+from .coordinate import TRANSLATION, Coordinate
+from .errors import RecordError, RecordWarning
+from .headings import by_unit, coordinate_of, full_name, holds_time, key_of, unit_of, unusable
+from .mapping import ChannelRule, RecordMapping, Which
+from .measurement import (
+    EXCITATIONS,
+    QUANTITIES,
+    RESPONSES,
+    Channel,
+    Correction,
+    Measurement,
+    sample_times,
+)
+from .proposal import Proposal, proposed, unclear
+from .roles import LISTED, Roles, first_of
+from .table import RawChannel, Table
+from .units import DIMENSIONS, UNITS, VOLTAGE, UnitError, find_other, unit_for
+
+_BITS = (8, 16, 24, 32, 64)  # of the integers that converters and files have
+# of their range: no oscillation passes through so much of it from one sample to the next
+_WRAPPED = 0.9
+_INTEGER = 0.01  # of the resolution: room for the rounding of its multiples to floats
+_WITHIN = 1.5  # resolutions; rounding, and what the line is off by itself
+_ACCURATE = 1e-3  # of the rate, that it may be off by at the most: c is then off by as much
+
+
+@dataclass(frozen=True, slots=True)
+class Pick:
+    """One quantity of the record: value in SI = factor · what channel `index` holds.
+
+    time : index of its time channel, None for equal steps at `rate_hz` from `start` (s) on; time_factor : seconds per
+    unit of that channel.   correction : that its harmonics need.
+    coordinate : whether it rotates.
+    """
+
+    quantity: str
+    index: int
+    name: str
+    factor: float
+    time: int | None = None
+    time_factor: float = 1.0
+    rate_hz: float = 0.0
+    start: float = 0.0
+    correction: Correction | None = None
+    coordinate: Coordinate = TRANSLATION
+
+
+def recognise(
+    table: Table, mapping: RecordMapping, *others: tuple[Table, RecordMapping]
+) -> Measurement:
+    """Return the measurement in an open table, in SI units.
+
+    mapping : what the table does not say.   others : more tables that hold channels of the record, with their parts of
+    the mapping.
+
+    Raises RecordError for a record that cannot be used, naming what is missing or wrong and the remedy: channels that
+    cannot be distinguished, as `picks_of`; channel and line or sample of a value that is missing, not finite or beyond
+    all bounds, times that do not increase, have a gap or unequal steps, a constant channel, an integer that ran over,
+    channels of unequal lengths. Warns of what looks odd (RecordWarning).
+    """
+    order, channels = list(QUANTITIES), list[Channel]()
+    for file, of in ((table, mapping), *others):
+        channels += _channels(file, picks_of(file, of, entire=not others))
+    channels.sort(key=lambda channel: order.index(channel.quantity))
+    return Measurement.of(str(table.path), channels)
+
+
+def picks_of(file: Table, mapping: RecordMapping, *, entire: bool = True) -> tuple[Pick, ...]:
+    """Return what to read from a file, in the order of QUANTITIES.
+
+    entire : whether it holds all of the record, a response and an excitation; none of these in a free decay, if no
+    channel is left that could be one, the mapping names none, or it is known to be `free`.
+
+    Raises RecordError naming the channel and the remedy: one that is not there, is there twice or has no unit or no
+    time, a unit that does not fit; channels that cannot be distinguished, with the mapping to write.
+    """
+    roles = Roles(file, mapping)
+    rules: Mapping[str, ChannelRule] = mapping.channels
+    if rules:
+        chosen = {
+            q: _find(roles, rule.channel, f"channels.{q}.channel") for q, rule in rules.items()
+        }
+    else:
+        chosen, twice = roles.told_apart
+        if twice:
+            raise unclear(roles, twice)
+        if mapping.free:
+            # what may drive is read, where its unit says how, to see that it stands still
+            moving = [q for q in EXCITATIONS if q in chosen and by_unit(roles.channels[chosen[q]])]
+            chosen = {q: i for q, i in chosen.items() if q in (*RESPONSES, *moving[:1])}
+        rules = {quantity: ChannelRule(channel=index + 1) for quantity, index in chosen.items()}
+    driving, answering = ([q for q in of if q in chosen] for of in (EXCITATIONS, RESPONSES))
+    if entire and len(driving) > 1:
+        raise unclear(roles, f"finds {' and '.join(driving)}")
+    # a channel without a name may drive: only where there is none left is it a free decay
+    known = mapping.channels or mapping.free
+    unnamed = answering and not known and roles.spare(chosen.values())
+    if entire and not driving and (unnamed or not answering):
+        raise unclear(roles, "finds no excitation")
+    if entire and not answering:
+        raise unclear(roles, "finds no response")
+    picks = tuple(_pick(roles, q, chosen[q], rules[q]) for q in QUANTITIES if q in chosen)
+    if not mapping.channels:
+        roles.require_one_coordinate([*chosen.values()])
+        for guess in _guesses(roles, picks):
+            warnings.warn(RecordWarning(f"{roles.path}: {guess}"), stacklevel=2)
+    return picks
+
+
+def _pick(roles: Roles, quantity: str, index: int, rule: ChannelRule) -> Pick:
+    """The pick of a channel with the times that the mapping or the file gives it."""
+    raw = roles.channels[index]
+    if raw.stamps:
+        raise RecordError(
+            f"{roles.path}: channel {shortened(raw.name)} holds points in time, no {quantity}; give another"
+        )
+    coordinate = rule.coordinate if roles.mapping.channels else coordinate_of(raw)
+    factor = rule.sign * rule.scale * _unit(roles, raw, rule.unit, coordinate.key(quantity))
+    pick = Pick(
+        *(quantity, index, raw.name, factor), correction=rule.correction, coordinate=coordinate
+    )
+    if roles.mapping.sample_rate_hz is not None:
+        return replace(pick, rate_hz=roles.mapping.sample_rate_hz)
+    which, key = rule.time, f"channels.{quantity}.time"
+    if which is None:
+        which, key = roles.mapping.time, "time.channel"
+    time = roles.time_of(index) if which is None else _find(roles, which, key)
+    if time == index:
+        raise RecordError(f"{roles.path}: channel {raw.name!r} cannot be its own time")
+    if time is not None:
+        seconds = _unit(roles, roles.channels[time], roles.mapping.time_unit, "time")
+        return replace(pick, time=time, time_factor=seconds)
+    if raw.fault:
+        raise RecordError(raw.fault)
+    if raw.rate_hz is not None:
+        return replace(pick, rate_hz=raw.rate_hz, start=raw.start)
+    raise RecordError(
+        f"{roles.path}: channel {raw.name!r} has no times: no channel is called time or t, and the file gives "
+        f"no sampling rate. {proposed(roles, 'Say when it was sampled')}"
+    )
+
+
+def _guesses(roles: Roles, picks: Sequence[Pick]) -> Iterator[str]:
+    """Say what was taken for what without a name for it, and what was left out: the axis taken of three; signals as
+    long as those read that no name distinguished; a displacement or velocity that only its unit tells, which may be
+    that against a base that moves."""
+    names = [shortened(full_name(raw)) for raw in roles.channels]
+    for axis in (i for i, why in roles.axes.items() if not why):
+        said = "is taken for the acceleration of the mass, the axis with the most motion"
+        yield f"{names[axis]} {said}; name another in {roles.where} if the mass moves along it"
+    sizes = {roles.channels[pick.index].size for pick in picks}
+    used = {i for pick in picks for i in (pick.index, pick.time)} | {*roles.axes}
+    if unused := [
+        names[i] + f" ({unusable(raw)})" * (unusable(raw) is not None)
+        for i, raw in enumerate(roles.channels)
+        if i not in used and raw.size in sizes and not holds_time(raw)
+    ]:
+        remedy = f"say in {roles.where} what they hold, if it is needed"
+        yield f"channels not used: {first_of(unused)}; {remedy}"
+    chosen = {pick.quantity: pick.index for pick in picks}
+    moving = "force" not in chosen and any(q in EXCITATIONS for q in chosen)
+    for quantity in ("displacement", "velocity"):
+        if moving and quantity in chosen and roles.named(chosen[quantity]) is None:
+            said = f"is taken for the {quantity} of the mass against the ground, as nothing else is left"
+            remedy = f"say relative_{quantity} in {roles.where} if it is measured against the base"
+            yield f"{names[chosen[quantity]]} {said}; {remedy}"
+
+
+def _find(roles: Roles, which: Which, key: str) -> int:
+    """The channel of that name or number."""
+    said, path, channels = f"{roles.mapping.source}: {key}:", roles.path, roles.channels
+    if isinstance(which, int):
+        if 1 <= which <= len(channels):
+            return which - 1
+        remedy = f"{path} has {len(channels)}: {roles.overview}"
+        raise RecordError(f"{said} there is no channel {which}; {remedy}")
+    names = [(raw.name, full_name(raw), raw.label or raw.name) for raw in channels]
+    for spelt in (str, key_of):  # as it stands, else without regard to case, blanks and path
+        matches = [i for i, own in enumerate(names) if spelt(which) in map(spelt, own)]
+        if len(matches) == 1:
+            return matches[0]
+        if matches:
+            numbers = " and ".join(str(i + 1) for i in matches[:LISTED])
+            raise RecordError(
+                f"{said} {path} has {len(matches)} channels {shortened(which)}, numbers {numbers}; give one"
+            )
+    remedy = f"it has {roles.overview}"
+    raise RecordError(f"{said} {path} has no channel {shortened(which)}; {remedy}")
+
+
+def _unit(roles: Roles, raw: RawChannel, given: str | None, quantity: str) -> float:
+    """SI units per unit of the channel."""
+    text = given or unit_of(raw)
+    channel = f"{roles.path}: channel {shortened(raw.name)}"
+    key = "time" if quantity == "time" else f"channels.{quantity}"
+    si = next((u.name for u in UNITS if u.dimension == DIMENSIONS[quantity]), "s")
+    stated = f": say unit: {si}, or as recorded, at {key} in {roles.where}"
+    if text is None:
+        shown = stated if roles.mapping.channels else f". {proposed(roles, 'Give it')}"
+        raise RecordError(f"{channel} has no unit{shown}")
+    if find_other(text) == VOLTAGE and not roles.mapping.channels:
+        raise RecordError(f"{channel} is in {text}. {proposed(roles, 'Give its scale')}")
+    try:
+        return unit_for(text, quantity).factor
+    except UnitError as error:
+        remedy = "" if given else f"; if the file is wrong{stated}"
+        if not (roles.mapping.channels or given) and Proposal(roles).complete:
+            remedy = f". {proposed(roles, 'Say what it is')}"
+        raise RecordError(f"{channel}: {error}{remedy}") from None
+
+
+def _channels(file: Table, picks: Sequence[Pick]) -> Iterator[Channel]:
+    """All samples of the picked channels, checked as `recognise` says."""
+    columns = file.columns(_wanted(picks))
+    sharing: dict[tuple[object, ...], Pick] = {}  # the first of those that share their times
+    for pick in picks:
+        first = sharing.setdefault((pick.time, pick.rate_hz, pick.start), pick)
+        size, others = columns[pick.index].size, columns[first.index].size
+        if pick.time is not None and columns[pick.time].size != size:
+            raise RecordError(
+                f"{file.path}: channel {pick.name!r} has {size} samples, its time "
+                f"{file.channels[pick.time].name!r} has {columns[pick.time].size}; each sample needs its time"
+            )
+        if others != size:
+            raise RecordError(
+                f"{file.path}: channel {first.name!r} has {others} samples, {pick.name!r} has {size}; channels "
+                "that share their times have equal lengths"
+            )
+        own = {i: columns[i] for i in _wanted([pick])}
+        if pick.time is not None:
+            own = _without_empty_end(own)
+        yield _checked(file, pick, own)
+
+
+def _checked(file: Table, pick: Pick, columns: Mapping[int, Array]) -> Channel:
+    """The channel of these columns, checked. Raises RecordError as `recognise`."""
+    values = columns[pick.index]
+    if values.size < 3:
+        remedy = "that is no record"
+        raise RecordError(f"{file.path}: channel {pick.name!r} has {values.size} samples; {remedy}")
+    unit = pick.coordinate.unit(QUANTITIES[pick.quantity])
+    signal = _in_si(file, pick.index, values, pick.factor, errors.LARGEST_VALUE, unit)
+    _require_no_overflow(file, pick, values)
+    if pick.time is None:
+        t = sample_times(pick.rate_hz, pick.start, 0, values.size)
+    else:
+        where = f"{file.path}: time channel {file.channels[pick.time].name!r}"
+        t = _in_si(file, pick.time, columns[pick.time], pick.time_factor, errors.LATEST, "s")
+        t = _in_equal_steps(t, where)
+        _require_rate(t, where)
+    _require_moving(f"{file.path}: channel {pick.name!r}", pick, values, unit)
+    try:
+        of = pick.name, pick.correction, pick.coordinate
+        return Channel(pick.quantity, t, signal, *of)
+    except ValueError as error:
+        raise RecordError(f"{file.path}: {error}") from None
+
+
+def _require_moving(channel: str, pick: Pick, values: Array, unit: str) -> None:
+    """RecordError for a channel that is constant, or as good as that."""
+    low, high = float(values.min()), float(values.max())
+    span, constant = high - low, f"{low:g} in all {values.size} samples"
+    if not span:
+        raise RecordError(f"{channel} is constant, {constant}; check transducer and mapping")
+    if (swing := span * abs(pick.factor)) < errors.SMALLEST_RANGE:
+        raise RecordError(
+            f"{channel} moves by {swing:.3g} {unit} in all, too little to mean anything; check its unit and scale"
+        )
+    if span < errors.FINEST * max(abs(low), abs(high)):
+        remedy = "check transducer and mapping, or take off its offset"
+        raise RecordError(f"{channel} is constant except for rounding, {constant}; {remedy}")
+
+
+def _in_si(file: Table, index: int, values: Array, factor: float, bound: float, unit: str) -> Array:
+    """The values in SI, finite and within the bound either way."""
+    with np.errstate(over="ignore", invalid="ignore"):  # a damaged file has signalling NaN, too
+        signal = values * factor
+    bad = np.flatnonzero(~(np.abs(signal) <= bound))
+    if not bad.size:
+        return signal
+    i, remedy = int(bad[0]), "cut the record before it"
+    what = "empty or not a number (NaN)" if np.isnan(values[i]) else "infinite"
+    if np.isfinite(values[i]):
+        what, remedy = f"{values[i]:.6g}, beyond {bound:g} {unit}", "check its unit and scale"
+    more = f", and so are {bad.size - 1} more" if bad.size > 1 else ""
+    raise RecordError(
+        f"{file.path}: {file.place(i)}: channel {file.channels[index].name!r} is {what}{more}; "
+        f"{remedy}, or repair it"
+    )
+
+
+def _require_no_overflow(file: Table, pick: Pick, values: Array) -> None:
+    """No jump through nearly the whole range of an integer type, from its one end to the other."""
+    jumps = np.abs(np.diff(values))
+    i = int(np.argmax(jumps))
+    bits = next((bits for bits in _BITS if np.ptp(values) < 2.0**bits), 0)
+    if not bits or jumps[i] <= _WRAPPED * 2.0**bits or np.any(values != np.round(values)):
+        return
+    raise RecordError(
+        f"{file.path}: {file.place(i + 1)}: channel {pick.name!r} "
+        f"goes from {values[i]:g} to {values[i + 1]:g}: an integer of {bits} bits ran over; record "
+        "with a wider range"
+    )
+
+
+def _require_rate(t: Array, where: str) -> None:
+    """RecordError for times in steps that no recorder has.   where : file and channel."""
+    step = float(np.median(np.diff(t)))
+    if step > 0.0 and not errors.LOWEST_RATE <= 1.0 / step <= errors.HIGHEST_RATE:
+        raise RecordError(
+            f"{where} has steps of {step:g} s, which no recorder has; check its unit, or give sample_rate_hz"
+        )
+
+
+def _wanted(picks: Sequence[Pick]) -> list[int]:
+    """The channels to read, signals and times."""
+    return sorted({i for pick in picks for i in (pick.index, pick.time) if i is not None})
+
+
+def _without_empty_end(columns: Mapping[int, Array]) -> dict[int, Array]:
+    """The columns without the rows at the end that are empty in all, as a shorter time base leaves them."""
+    present = np.flatnonzero(~np.all([np.isnan(column) for column in columns.values()], axis=0))
+    end = int(present[-1]) + 1 if present.size else 0
+    return {i: column[:end] for i, column in columns.items()}
+
+
+def _in_equal_steps(t: Array, where: str) -> Array:
+    """The times of a channel: t_i = t_0 + i Δt by least squares, where it holds these rounded to too few digits, as
+    stamps in ms of 20,000 samples a second are.
+
+    It does if all are multiples of a decimal resolution q apart and none is further than that from the line. Rounding
+    errors of up to q/2 put the slope off by 3q/2T at the most, T being the length of the record; they rarely conspire
+    like that, and a hundredth of it is common. A warning states the bound. Any other times are returned as they are.
+
+    t : s.   where : file and channel, for the warning.
+    """
+    steps = np.diff(t)
+    if t.size < 3 or not steps.min() >= 0.0 or not t[-1] > t[0]:
+        return t
+    even = np.linspace(t[0], t[-1], t.size)
+    if np.abs(t - even).max() <= GRID_TOLERANCE * (even[1] - even[0]):
+        return t
+    q = next((q for n in range(13) if _are_multiples(steps, q := 10.0**-n)), np.inf)
+    i = np.arange(t.size) - 0.5 * (t.size - 1)
+    middle = float(t.mean())
+    step = float(i @ (t - middle)) / float(i @ i)
+    line = np.asarray(middle + step * i)
+    if not step > 0.0:  # underflow
+        return t
+    bound = 1.5 * q / (step * t.size)
+    if np.ptp(t - line) > _WITHIN * q or bound > _ACCURATE:
+        return t
+    rounded = Remark(
+        "{} is rounded to {:.3g} s, its samples are {:.3g} s apart: {:.9g} samples a second are taken, from the line "
+        "through it, off by {:.3g} ppm at the most; give sample_rate_hz if known",
+        *(where, q, step, 1.0 / step, 1e6 * bound),
+        doubts={"": bound},
+    )
+    warnings.warn(RecordWarning(rounded), stacklevel=2)
+    return line
+
+
+def _are_multiples(steps: Array, q: float) -> bool:
+    """Whether all steps are multiples of q, none but zero being lost."""
+    multiples = np.round(steps / q)
+    lost = (multiples == 0.0) & (steps > 0.0)
+    return not lost.any() and bool(np.abs(steps / q - multiples).max() < _INTEGER)
