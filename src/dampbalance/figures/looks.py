@@ -70,7 +70,7 @@ def look_of(approach: str, among: Iterable[str] = ()) -> Look:
 
 
 def label_of(approach: str) -> str:
-    """What an approach is called: its label, that of the built-in one of the name, or else its name."""
+    """The name that an approach is called by: its label, that of the built-in one of the name, or else its name."""
     known = approach if isinstance(approach, Approach) else APPROACHES.get(approach)
     return known.label if known else approach
 

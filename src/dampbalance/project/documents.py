@@ -43,7 +43,7 @@ class ConfigurationError(ValueError):
 
 
 def documents_of(files: Iterable[str | Path]) -> dict[str, Any]:
-    """What each file says."""
+    """Return what each file says."""
     return {str(file): read_yaml(file) for file in files}
 
 

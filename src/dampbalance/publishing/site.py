@@ -58,7 +58,7 @@ def build_site(root: str | Path, target: str | Path) -> None:
 
 
 def _run(*arguments: str, folder: Path) -> str:
-    """What a program of this Python prints. Raises SiteError where it fails."""
+    """Return what a program of this Python prints. Raises SiteError where it fails."""
     bin_folder = str(Path(sys.executable).parent)
     done = subprocess.run(
         [sys.executable, *arguments],

@@ -1,4 +1,4 @@
-"""What a record's coordinate is, a displacement or an angle: the one place that knows both sets of units.
+"""The coordinate of a record, a displacement or an angle: this is the one place that knows both sets of units.
 
 An oscillator that rotates obeys the equations of one that moves along a line, with an angle for the displacement, a
 torque for the force and a moment of inertia for the mass. Both sets of units are coherent, so that every number keeps

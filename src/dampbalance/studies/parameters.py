@@ -167,8 +167,8 @@ def synonyms(name: str) -> list[str]:
 
 
 def objection(name: str, value: Any) -> str | None:
-    """What is wrong with a value of a parameter, which by its schema is a number or one of some words; None for a good
-    one."""
+    """Say what is wrong with a value of a parameter, which by its schema is a number or one of some words; None for a
+    good one."""
     p = parameter(name)
     if p.is_word:
         return None

@@ -386,7 +386,7 @@ def _selected(study: Study, spec: Mapping[str, Any]) -> int:
 
 
 def wrong_selection(study: Study, key: KeyPath, spec: Mapping[str, Any]) -> Iterator[Problem]:
-    """What is wrong with the cases that a figure or a number selects by values of axes, or by bounds."""
+    """Yield what is wrong with the cases that a figure or a number selects by values of axes, or by bounds."""
     wrong = [
         ((*key, where, name), text)
         for where in ("at", "between")

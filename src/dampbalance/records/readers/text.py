@@ -376,7 +376,7 @@ def _load(layout: _Layout, channels: Sequence[RawChannel], wanted: Sequence[int]
 def _complaint(
     layout: _Layout, channels: Sequence[RawChannel], wanted: Sequence[int], fallback: str
 ) -> str:
-    """What is wrong with the first row that cannot be read."""
+    """Say what is wrong with the first row that cannot be read."""
     path, width = layout.path, len(channels)
     for number, cells in layout.rows():
         if any(cells[width:]) or len(cells) <= max(wanted):
