@@ -71,15 +71,15 @@ def confused(options: argparse.Namespace) -> str:
 
 
 def decays(options: argparse.Namespace) -> str:
-    """Identify free decays and compare the decrements of laboratories; resume an interrupted run."""
-    file = options.output / "decays.csv"
+    """Identify free decays and compare the decrements of laboratories; resume an interrupted run of the same seed."""
+    file = options.output / f"decays_{options.seed}.csv"
     done = pd.read_csv(file) if file.exists() else pd.DataFrame({"set": []})
     wanted = range(options.first, options.first + options.sets)
     for index in sorted(set(wanted) - set(done["set"].astype(int))):
         rows = pd.DataFrame(decrements.tried(index, options.seed))
         done = pd.concat([done, rows], ignore_index=True)
         done.to_csv(file, index=False)
-    return decrements.table(done)
+    return decrements.table(done[done["set"].isin(wanted)])
 
 
 def departing_decays(options: argparse.Namespace) -> str:
