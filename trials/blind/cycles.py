@@ -18,7 +18,7 @@ import numpy as np
 from numba import njit
 
 _GRID = 40  # steps in a radian-period 2π of the fastest oscillation
-_LEFT = (
+_LIMIT_LEFT = (
     1.0 - 1e-9
 )  # of Z: a contact that stops at Z, rounded, slips on only after it has left, or is clearly beyond
 _MOST_EVENTS = 400  # of a period
@@ -93,7 +93,7 @@ def _advance(zeta, r, K, F, state, begin, end, rows):
         step = longest / 64.0  # what starts at rest may end soon
         here = _motion(zeta, r, row, t)
         event, direction = end, 0.0
-        left = 0.0 if s != 0.0 or abs(z) < _LEFT * Z else math.copysign(1.0, z)
+        left = 0.0 if s != 0.0 or abs(z) < _LIMIT_LEFT * Z else math.copysign(1.0, z)
         while t < end:
             after = min(t + step, end)
             there = _motion(zeta, r, row, after)
@@ -102,7 +102,7 @@ def _advance(zeta, r, K, F, state, begin, end, rows):
                     top = after
                     if sign * here[1] > 0.0 and sign * there[1] < 0.0:
                         top = _bisected(zeta, r, row, t, after, 1, 0.0, -sign)
-                    limit = Z * (2.0 - _LEFT) if sign == left else Z
+                    limit = Z * (2.0 - _LIMIT_LEFT) if sign == left else Z
                     if sign * _motion(zeta, r, row, top)[0] > limit:
                         event = _bisected(zeta, r, row, t, top, 0, sign * limit, sign)
                         direction = sign
@@ -117,7 +117,7 @@ def _advance(zeta, r, K, F, state, begin, end, rows):
                         break
             if direction != 0.0:
                 break
-            if left * there[0] < _LEFT * Z:
+            if left * there[0] < _LIMIT_LEFT * Z:
                 left = 0.0
             t, here, step = after, there, min(2.0 * step, longest)
         t = event

@@ -18,8 +18,8 @@ Lt LtE, Gt GtE, Eq NotEq, Is IsNot, In NotIn, And Or, Add Sub, Mult Div, BitAnd 
 min max, any all, argmin argmax, nanmin nanmax, minimum maximum, floor ceil, sin cos, real imag
 """
 _PAIRS = [pair.split() for pair in _BOTH_WAYS.split(",")]
-_OTHER = dict([*_PAIRS, *map(reversed, _PAIRS)])
-_OTHER |= {"FloorDiv": "Div", "Mod": "Mult", "Pow": "Mult", "MatMult": "Mult"}
+_COUNTERPART = dict([*_PAIRS, *map(reversed, _PAIRS)])
+_COUNTERPART |= {"FloorDiv": "Div", "Mod": "Mult", "Pow": "Mult", "MatMult": "Mult"}
 _TURNED = (ast.Eq, ast.NotEq, ast.Is, ast.IsNot, ast.In, ast.NotIn)
 _NOT_RUN = ("annotation", "returns", "decorator_list", "bases")
 
@@ -86,12 +86,12 @@ def _changes(node: ast.AST, where: str) -> Iterator[tuple[str, Any, ast.AST]]:
 
 def _of_node(node: ast.AST) -> Iterator[tuple[ast.AST, ast.AST]]:
     """The errors that can be put into one node, as pairs of a node and its replacement."""
-    other = _OTHER.get(type(getattr(node, "op", node)).__name__, "")
+    other = _COUNTERPART.get(type(getattr(node, "op", node)).__name__, "")
     match node:
         case ast.Compare():
             for i, operator in enumerate(node.ops):
                 ops = [*node.ops]
-                ops[i] = getattr(ast, _OTHER[type(operator).__name__])()
+                ops[i] = getattr(ast, _COUNTERPART[type(operator).__name__])()
                 yield node, ast.Compare(node.left, ops, node.comparators)
         case ast.BoolOp() | ast.BinOp() | ast.AugAssign() if other:
             yield node, type(node)(**{**vars(node), "op": getattr(ast, other)()})
@@ -103,10 +103,10 @@ def _of_node(node: ast.AST) -> Iterator[tuple[ast.AST, ast.AST]]:
             yield node, ast.Constant(node.value + 1)
         case ast.Constant(value=float()):
             yield node, ast.Constant(2.0 * node.value if node.value > 1.0 else node.value + 1.0)
-        case ast.Name(ctx=ast.Load()) if node.id in _OTHER:
-            yield node, ast.Name(_OTHER[node.id])
-        case ast.Attribute(ctx=ast.Load()) if node.attr in _OTHER:
-            yield node, ast.Attribute(node.value, _OTHER[node.attr])
+        case ast.Name(ctx=ast.Load()) if node.id in _COUNTERPART:
+            yield node, ast.Name(_COUNTERPART[node.id])
+        case ast.Attribute(ctx=ast.Load()) if node.attr in _COUNTERPART:
+            yield node, ast.Attribute(node.value, _COUNTERPART[node.attr])
         case ast.Raise() | ast.Expr(value=ast.Call()):
             yield node, ast.Pass()
         case ast.Break() | ast.Continue():
