@@ -89,7 +89,7 @@ def test_without_an_oscillator_there_is_no_line(readings):
 
 
 def test_the_jackknife_of_a_mean_is_the_variance_of_the_mean():
-    """Of n numbers the mean without each of them has the jackknife variance s²/n, exactly; records add up."""
+    """The jackknife variance of the mean of n numbers is s²/n, exactly; records add up."""
     records = [np.random.default_rng(i).normal(size=(2, 9)) for i in range(2)]
     left = [(one.sum(axis=1, keepdims=True) - one) / 8.0 for one in records]
     expected = np.cov(records[0]) / 9.0 + np.cov(records[1]) / 9.0

@@ -49,7 +49,7 @@ def found(request):
 
 
 def test_the_room_identifies_its_tables_by_itself(one):
-    """As when `identify` recognises them, from the same signals or from records already read."""
+    """The answer is that of `identify`, from the same signals or from records already read."""
     for records in (table(), read_records(table())):
         assert identify_joint(records).document() == one.document()
     with pytest.raises(ValueError, match="is no table of a stepped sine: identify it separately"):

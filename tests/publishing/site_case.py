@@ -55,7 +55,7 @@ def built(folder: Path) -> Path:
 
 
 class Page(NamedTuple):
-    """What a page holds: names of its places, links of its text, what it loads, and its text."""
+    """Return what a page holds: names of its places, links of its text, what it loads, and its text."""
 
     ids: set[str]
     links: list[str]

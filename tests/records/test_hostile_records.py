@@ -57,7 +57,7 @@ def write(path, t=T, y=Y, x=X, names=NAMES):
 
 
 def said_of(path, mapping=None):
-    """What is said against a file, one sentence that names it; "" where its record is read, with finite values."""
+    """Return what is said against a file, one sentence that names it; "" where its record is read, with finite values."""
     before = {p: p.read_bytes() for p in path.parent.iterdir() if p.is_file()}
     said = ""
     with in_time(120), warnings.catch_warnings():  # nothing here takes a tenth of that
@@ -150,7 +150,7 @@ def test_many_hostile_files_are_read_or_refused(tmp_path_factory, sound_files, f
     holds(tmp_path_factory.mktemp("hostile"), sound_files, file)
 
 
-# What must be refused, and in which words
+# Each must be refused, in these words
 
 ALTERNATING = np.where(np.arange(X.size) % 2, 1e308, -1e308)
 COLUMNS = {

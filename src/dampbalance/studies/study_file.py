@@ -222,7 +222,7 @@ WEIGHTED, EQUAL = "weighted", "equal"
 
 SIMPSON, LIKELIHOOD = "simpson", "fit"
 YARDSTICKS = (SIMPSON, LIKELIHOOD)
-"""What approaches are compared with on noisy records: plain direct integration (`signals.simpson`), which takes a
+"""Yardsticks of approaches on noisy records: plain direct integration (`signals.simpson`), which takes a
 rigid contact and equal weights, and the maximum-likelihood oscillator, which needs no balance."""
 
 CONTACT = "K_z"

@@ -27,7 +27,7 @@ from .statistics import Sizes, groups, spread_of, worst_errors
 CROSSING, BEGINS, ENDS = "", " (where the axis begins)", " (where the axis ends)"
 NOT_IDENTIFIED_BEYOND = " (beyond it there are cases that cannot be identified)"
 CHOICES = {"approach", "phase", "sharing", "contact", "weights", "terms", "fit"}
-"""What `errors` takes to select fits, with the meaning of these keys of a figure."""
+"""Keys by which `errors` selects fits, with the meaning that they have in a figure."""
 
 
 @dataclass(frozen=True)

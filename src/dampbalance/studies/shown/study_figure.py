@@ -383,4 +383,4 @@ FIGURES: Mapping[str, Callable[[Study, CasesLike], Figure]] = {
     "map": error_map,
     "scatter": errors_of_runs,
 }
-"""What draws each kind of figure that a study's file can ask for."""
+"""Functions that draw each kind of figure that a study's file can ask for."""
