@@ -57,7 +57,7 @@ def write(path, t=T, y=Y, x=X, names=NAMES):
 
 
 def said_of(path, mapping=None):
-    """Return what is said against a file, one sentence that names it; "" where its record is read, with finite values."""
+    """Return the one sentence against a file, which names it; "" where its record is read, with finite values."""
     before = {p: p.read_bytes() for p in path.parent.iterdir() if p.is_file()}
     said = ""
     with in_time(120), warnings.catch_warnings():  # nothing here takes a tenth of that
