@@ -1,4 +1,4 @@
-"""What is written as text or for MATLAB is read back to the last bit, and has the same bytes each time."""
+"""Records written as text or for MATLAB are read back to the last bit, and have the same bytes each time."""
 
 from __future__ import annotations
 

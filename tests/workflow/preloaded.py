@@ -1,4 +1,4 @@
-"""What Snakemake imports in every run, and the Snakefile in many. Nothing of the package: each run imports that of its
+"""Modules that Snakemake imports in every run, and the Snakefile in many. Nothing of the package: each run imports that of its
 own folder."""
 
 import jsonschema  # noqa: F401

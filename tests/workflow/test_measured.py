@@ -157,7 +157,7 @@ def test_without_the_set_that_failed_nothing_is_left_of_it(rig):
 
 
 def against(copy, *changes):
-    """What is said against a case of one's own: the example with changes of its set of records, a set for each."""
+    """Messages about a case of one's own: the example with changes of its set of records, a set for each."""
     document = yaml.safe_load((copy.folder / EXAMPLE[1]).read_text(encoding="utf-8"))
     (one,) = document["measured"]
     sets = [one | {"name": f"set{n}"} | change for n, change in enumerate(changes, 1)]

@@ -128,7 +128,7 @@ GOOD = {"title": "Wrong", "axes": [{"zeta": {"values": [0.1, 0.2]}}]}
 
 
 def test_a_wrong_study_is_refused_and_nothing_is_lost(studied):
-    """Of all refusals, which tests/studies knows, one of the schema and one of the size: their messages arrive."""
+    """The messages of one refusal by the schema and one by the size arrive; tests/studies has all of them."""
     drawn = {"method": "random", "count": 10**13, "seed": 1}
     drawn["over"] = {"zeta": {"from": 0.1, "to": 0.2}}
     large = {"axes": [{"sample": drawn}], "chunk_cases": 10**10}

@@ -7,7 +7,7 @@ from importlib.metadata import version
 STUDY_RESULTS = "results/studies"
 STUDIES = sorted(path.stem for path in (ROOT / "config/studies").glob("*.yaml"))
 
-# What article and page cite of the paper's oscillator, a second each: one job computes and draws them, in less time than seven start.
+# Article and page cite these of the paper's oscillator, a second each: one job computes and draws them faster than seven start.
 SMALL_STUDIES = [
     *("frequency", "level", "damping", "contact_stiffness", "rigid_contact"),
     *("read_out", "step_size"),
