@@ -1,5 +1,7 @@
-"""Modules that Snakemake imports in every run, and the Snakefile in many. Nothing of the package: each run imports that of its
-own folder."""
+"""Modules that Snakemake imports in every run, and the Snakefile in many.
+
+None is of the package: each run imports that of its own folder.
+"""
 
 import jsonschema  # noqa: F401
 import nbformat  # noqa: F401
