@@ -348,14 +348,20 @@ def _cut_off(s: Array) -> bool:
     )
 
 
-def clipped(values: Array) -> bool:
-    """Whether a free motion is held at its highest or its lowest value as a clipped signal is; what it begins with or
-    ends at does not count: it may have been held there, or have come to rest."""
-    for high in (values, -values):
+def clipping_limits(values: Array) -> tuple[float, float]:
+    """The lowest and the highest value of a free motion where it is held there as a clipped signal is; −∞ and ∞ where
+    it is not. What it begins with or ends at does not count: it may have been held there, or have come to rest."""
+    limits = []
+    for high in (-values, values):
         below = np.flatnonzero(high < high.max())
-        if below.size and _cut_off(high[below[0] : below[-1] + 1]):
-            return True
-    return False
+        cut = below.size and _cut_off(high[below[0] : below[-1] + 1])
+        limits.append(float(high.max()) if cut else math.inf)
+    return -limits[0], limits[1]
+
+
+def clipped(values: Array) -> bool:
+    """Whether a free motion is clipped, at either end."""
+    return bool(np.isfinite(clipping_limits(values)).any())
 
 
 def _held(s: Array, others: Array, rms: float) -> Remark:
