@@ -30,9 +30,9 @@ _BELOW_NYQUIST = 0.4
 
 _ORDER = 3  # of the Butterworth filter: steep enough for a second mode at four times the frequency, 3e-2 of it left
 
-# ∫du / (1 + u⁶)², u > 0, = (π/6) / sin(π/6) · 5/6: mean square of white noise after the filter, relative to that of
-# the noise within its corners.
-_NOISE_PASSED = 5.0 * np.pi / 18.0
+NOISE_PASSED = 5.0 * np.pi / 18.0
+"""Mean square of white noise after the filter, relative to that of the noise within its corners: ∫du / (1 + u⁶)² over
+u > 0, (π/6) / sin(π/6) · 5/6 = 0.873."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,7 +101,7 @@ def noise_variance(residual: Array, dt: float, band: Band, unknowns: float = 0.0
 
     residual : filtered, in the unit of the samples.   unknowns : that were fitted to them.
     """
-    left = _NOISE_PASSED * freedom(band, residual.size * dt) - unknowns
+    left = NOISE_PASSED * freedom(band, residual.size * dt) - unknowns
     if not left > 0.0:
         raise ValueError(
             f"{residual.size * dt:.4g} s hold fewer independent values between {band.low:.4g} and {band.high:.4g} Hz "

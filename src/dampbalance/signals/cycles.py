@@ -348,7 +348,7 @@ def _cut_off(s: Array) -> bool:
     )
 
 
-def clipping_limits(values: Array) -> tuple[float, float]:
+def flat_tops(values: Array) -> tuple[float, float]:
     """The lowest and the highest value of a free motion where it is held there as a clipped signal is; −∞ and ∞ where
     it is not. What it begins with or ends at does not count: it may have been held there, or have come to rest."""
     limits = []
@@ -361,7 +361,7 @@ def clipping_limits(values: Array) -> tuple[float, float]:
 
 def clipped(values: Array) -> bool:
     """Whether a free motion is clipped, at either end."""
-    return bool(np.isfinite(clipping_limits(values)).any())
+    return bool(np.isfinite(flat_tops(values)).any())
 
 
 def _held(s: Array, others: Array, rms: float) -> Remark:
