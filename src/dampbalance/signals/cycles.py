@@ -30,7 +30,6 @@ from ..records.measurement import Correction
 Numbers = TypeVar("Numbers", Array, Complexes)
 
 _MOST_ROWS = 2048
-_CYCLES_AT_ONCE = 256
 _MOST_AT_ONCE = 1 << 20  # samples worked on at once: 8 MB an array
 _OUTLYING = 1.5  # mean square of a cycle about its harmonics, relative to that of the others
 _HELD = 5  # equal samples in a row that may be a drop-out
@@ -41,7 +40,6 @@ _AROUND = 8  # cycles that a cycle is compared with
 _HARMLESS = 1e-3
 _LONGEST_CYCLE = 1 << 22  # samples; beyond it the drive is not what it seems
 FEWEST_CYCLES = 3
-_LONGEST_SPECTRUM = 1 << 18
 _REFINEMENTS = 4
 
 
@@ -103,7 +101,7 @@ def cycle_harmonics(
         t, start + np.arange(min(complete, cycles) + 1) * work.period - 1e-6 * dt
     )
     count = max(0, edges.size - 1)
-    at_once = max(1, min(_CYCLES_AT_ONCE, _MOST_AT_ONCE // work.longest))
+    at_once = max(1, _MOST_AT_ONCE // work.longest)
     rows, clipped = np.zeros((count, harmonics + 2), dtype=np.complex128), 0
     bad: list[tuple[int, float, Remark]] = []
     for first in range(0, count, at_once):
@@ -142,7 +140,7 @@ def drive_frequency(t: Array, values: Array, dt: float) -> tuple[float, float]:
 
     Raises ValueError when there is none or the signal is shorter than three of its cycles.
     """
-    omega = _strongest_line(values[:_LONGEST_SPECTRUM], dt)
+    omega = _strongest_line(values, dt)
     error = math.nan
     for _ in range(_REFINEMENTS):
         hertz, per_cycle = omega / (2.0 * math.pi), 2.0 * math.pi / omega / dt
@@ -176,14 +174,14 @@ def frequency_offset(harmonics: CycleHarmonics) -> tuple[float, float]:
     usable = harmonics.weights > 0.0
     if np.count_nonzero(usable) < FEWEST_CYCLES:
         return 0.0, math.nan
-    phase = unwrapped(harmonics.coefficients[usable, 1])
-    times, weights = harmonics.times[usable], harmonics.weights[usable]
-    total = weights.sum()
-    time, phase = times - weights @ times / total, phase - weights @ phase / total
-    spread = float(weights @ time**2)
-    slope = float((weights * time) @ phase) / spread
-    variance = float(weights @ (phase - slope * time) ** 2) / (len(phase) - 2)
-    return slope, math.sqrt(variance / spread)
+    (slope, _), covariance = np.polyfit(
+        harmonics.times[usable],
+        np.unwrap(np.angle(harmonics.coefficients[usable, 1])),
+        1,
+        w=np.sqrt(harmonics.weights[usable]),
+        cov=True,
+    )
+    return float(slope), math.sqrt(covariance[0, 0])
 
 
 def _strongest_line(values: Array, dt: float) -> float:
@@ -311,14 +309,6 @@ class _Cycles:
 def powers(base: Numbers, count: int) -> Numbers:
     """b^0 … b^{count − 1} of each b, (…, count): e^{inθ} of e^{iθ} without further exponentials."""
     return np.vander(base, count, increasing=True)
-
-
-def unwrapped(rows: Complexes) -> Array:
-    """Phases of successive numbers without jumps, rad, (rows,)."""
-    phase = np.angle(rows)
-    turns = np.round((phase[1:] - phase[:-1]) / (2.0 * math.pi))
-    phase[1:] -= 2.0 * math.pi * np.cumsum(turns)
-    return phase
 
 
 def _three_in_a_row(true: Mask) -> Mask:
