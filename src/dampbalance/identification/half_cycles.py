@@ -18,7 +18,7 @@ covariance of the estimates gives that of the rows.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -28,14 +28,13 @@ from ..fit.decay import (
     STATE,
     Decay,
     RingFit,
+    contact_chord,
     linear_solution,
     numbers_of,
     phases_of,
-    preload_errors,
 )
 from ..model import Parameters
 from ..motion.events import PHASE_S, PHASE_T, PHASE_V, PHASE_X
-from ..motion.free_decay import contact_chord
 from ..motion.states import states_in_phases
 from ..motion.unknowns import OSCILLATOR_UNKNOWNS
 
@@ -111,7 +110,7 @@ class RingRows:
 
 def rows_of(fit: RingFit) -> RingRows:
     """The rows of all decays of a fit."""
-    p = fit.point.size
+    p, fit = fit.point.size, replace(fit, problem=replace(fit.problem, band=None))
     points = [fit.point_of(i) for i in range(len(fit.decays))]
     courses = [
         _course(point, point[fit.places(i)], fit.k, one)
@@ -123,7 +122,7 @@ def rows_of(fit: RingFit) -> RingRows:
     total = ends[-1]
     # estimates: the turns of all decays, then the unknowns of the fit
     design, rest = np.zeros((fit.samples, total + p)), -fit.residual
-    errors = np.concatenate([np.full(total, math.inf), preload_errors(p, len(fit.decays))])
+    errors = np.concatenate([np.full(total, math.inf), fit.problem.prior_errors])
     rows = []
     at = 0
     for i, (one, course, own) in enumerate(zip(fit.decays, courses, points, strict=True)):
