@@ -36,8 +36,8 @@ from .gradual import CONTACTS, _moved
 from .truths import ANSWERS, Linear, log_uniform
 
 _FIELD = 7  # so that the draws are not those of other sets
-STEPS = 4096
-"""Of a natural period; a stick phase is at most ten times quicker, so that 400 remain for one of its cycles."""
+STEPS = 2048
+"""Of a natural period; kinks cost 1e-5 of the motion and 5e-5 of the acceleration, a hundredth of the least noise."""
 
 _OVER = (
     4  # samples of the signal for one of the record: filters of hardware, and no aliasing by them
