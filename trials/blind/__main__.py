@@ -144,7 +144,8 @@ def in_the_field(options: argparse.Namespace) -> str:
     drawn = pd.MultiIndex.from_tuples([("forced" if forced else "decays", i) for forced, i in runs])
     places = pd.MultiIndex.from_frame(done[["records", "set"]])
     left = [(*run, options.seed) for run, key in zip(runs, drawn, strict=True) if key not in places]
-    with multiprocessing.get_context("spawn").Pool(options.processes) as pool:
+    context = multiprocessing.get_context("spawn")
+    with context.Pool(options.processes, field_score.warm) as pool:
         for row in followed(pool.imap(field_score.outcome, left), len(left), "sets"):
             done = pd.concat([done, pd.DataFrame(row)], ignore_index=True)
             done.to_csv(file, index=False)

@@ -47,7 +47,7 @@ _LOWEST_RATE = (
     120.0  # Hz: nobody samples a motion of 1 Hz so slowly that mains at 50 Hz folds over it
 )
 _LEAD = 20.0  # periods of a forced test before its record, in which filters settle
-_SETTLES = 1.5  # over ζ, cycles: e^(−2π · 1.5) = 1e-4 of the transient is left, and friction takes most of that
+_SETTLES = 1.5  # over ζ, natural periods: e^(−2π · 1.5) = 1e-4 of the transient is left
 
 CLEAN, MODE, HUM, DRIFT, AC = "clean", "second mode", "hum", "offset and drift", "AC coupling"
 FILTER, BITS, CLIPPED, SUPPORT = "anti-alias filter", "12 bits", "clipping", "flexible support"
@@ -293,7 +293,7 @@ def rig_of(one: Field, level: int = 0) -> tuple[Rig, np.ndarray]:
         rig = rig._replace(sided=sign * spread(0.02, 0.1))
     elif one.kind == MODULATED:
         size = spread(0.02, 0.1)
-        slow = one.omega / (max(one.cycles) * random.uniform(0.5, 2.0))
+        slow = one.omega / (max(one.cycles) * random.uniform(0.2, 1.0))
         phase = one.random(2 + level).uniform(0.0, 2.0 * math.pi)
         in_time = {"varying": size, "rate": slow, "phase": phase}
         in_place = {"sloping": sign * size / top}
@@ -322,7 +322,8 @@ def motion(one: Field, level: int = 0) -> tuple[np.ndarray, np.ndarray]:
         return out
 
     if one.forced:
-        skipped, lasts = _SETTLES / one.zeta + random.uniform(0.0, 1.0), one.cycles[level] + _LEAD
+        skipped = _SETTLES / one.zeta * one.omega / one.omega_n + random.uniform(0.0, 1.0)
+        lasts = one.cycles[level] + _LEAD
         if one.kind == UNSETTLED:
             skipped, lasts = random.choice([0.0, random.uniform(1.0, 10.0)]), one.cycles[level]
         skipped = round(skipped * period / step)

@@ -114,6 +114,12 @@ def simple_forced(measured: list[Measurement], k: float, omega: float) -> Number
     return float(F_k / scale[0]), float(c / scale[1])
 
 
+def warm() -> None:
+    """Load and compile what the first identifications of a process would."""
+    for forced in (False, True):
+        outcome((forced, 0, 0))
+
+
 def outcome(run: tuple[bool, int, int]) -> list[dict[str, object]]:
     """A row for a set: what `identify` and the simple analysis say.   run : forced, number, seed."""
     forced, index, seed = run
