@@ -38,20 +38,20 @@ from ..signals.simpson import integrals
 W, A, B = range(3)
 """Columns of a row: W (J), a (m), b (m²/s)."""
 
-_SAMPLES_A_CYCLE = (
-    100  # more are averaged: a mean over (ωdt) loses a part (ωdt)²/24 of a swing, below 2e-4
-)
-_WINDOW = 12  # of a cycle on either side, over which samples are smoothed
+# of which more are averaged: a mean over dt takes (ωdt)²/24 off a swing, 2e-4
+_SAMPLES_A_CYCLE = 100
+_WINDOW = 12  # samples are smoothed over a twelfth of a cycle on either side
 _DEGREE = 4  # of the smoothing polynomial: over that window it meets a harmonic velocity to 2e-4
 _MOST_HALVES = 200  # their covariance takes a tenth of a second, and few decays show more
 _CLEAR = 5.0  # standard errors that a swing must have: its turns are then real
 _SLIPS = 1.5  # sticks 2Z_m that a swing must have: the mass then slips in every half cycle
 _PASSES = 4  # corrections of the baseline: each leaves the square of the one before
-_HALVES_A_BEND = 6  # half cycles for each number of the baseline: fewer would follow the decay
-_AT_REST = 2.0  # times the noise: the scatter of the last cycle where the mass is at rest
-_FREE = (
-    10.0  # standard errors by which the rows leave the baseline free: a wider prior changes nothing
+_HALVES_A_BEND = (
+    6  # half cycles for each parameter of the baseline: with fewer it would follow the decay
 )
+_AT_REST = 2.0  # times the noise: the scatter of the last cycle where the mass is at rest
+# standard errors of the baseline by which the rows leave it free: more change nothing
+_FREE = 10.0
 _APART = 0.4  # of half a cycle, by which turns may be early or late
 
 
@@ -60,7 +60,7 @@ class Swings(NamedTuple):
 
     turns : rows (t, x) with x from the rest position, s and m, (n + 1, 2).   errors : of x, m, (n + 1,).
     D, b : |x_a − x_b|, m, and ∫ ẋ² dt, m²/s, of each half cycle, (n,).   covariance : of D and b, (2n, 2n).
-    free : number of numbers of the baseline of the velocity that the covariance leaves free.
+    free : number of parameters of the baseline of the velocity, which the covariance leaves free.
     """
 
     turns: Array
@@ -77,7 +77,7 @@ class RingRows:
 
     columns : (n, 3), see W, A, B.   covariance : of W − a F_k − b c, J², (n, n).   decay, friction : number of the
     decay and of the friction force of each row, (n,).
-    free : number of numbers of baselines that the covariance leaves free.
+    free : number of parameters of baselines, which the covariance leaves free.
     turns : of each decay, rows (t, x), s and m, and their standard errors, m; empty where none could be read.
     """
 
@@ -141,6 +141,8 @@ def swings_of(signal: Signal, period: float, least: float) -> Swings:
 
     period : of the motion, s.
     """
+    if signal.t.size < 2:
+        return _NO_SWINGS
     many = max(1, int(period / signal.dt / _SAMPLES_A_CYCLE))
     count, dt = signal.values.size // many, many * signal.dt
     y = signal.values[: count * many].reshape(count, many).mean(axis=1)

@@ -56,7 +56,6 @@ DIRECT = "direct"
 """The approach that assumes no shape of x(t): the one that is compared with the fit to all records."""
 
 _APART = 4.0  # standard errors
-_EXACT = 4e-7  # of a value: what rounding leaves of integrals of exact waveforms
 _SHAPE_SHOWS = 0.5  # standard errors: an interval of 95 % holds the truth in 92 % of all cases then
 _SHAPE_LEAST = 1e-6  # of a value: the size of the harmonics that a waveform leaves out
 _FOLDED = 2.0  # of the noise
@@ -391,11 +390,12 @@ def _in_other_frame(frame: OtherFrame) -> Remark:
 
 
 def contradiction(
-    answer: Answer, fit: OscillatorFit, least: float = _EXACT, wider: float = 1.0
+    answer: Answer, fit: OscillatorFit, least: float = 4e-7, wider: float = 1.0
 ) -> Iterator[Remark]:
     """Yield a sentence where the balance contradicts the fit to all records by more than their errors allow.
 
-    least : relative difference that counts, above what the balance neglects.
+    least : relative difference that counts, above the errors of the balance itself: by default those of rounding in
+    integrals of exact waveforms.
     wider : factor of the errors of the balance.
     """
     parts = {}
