@@ -179,14 +179,18 @@ def swings_of(signal: Signal, period: float, least: float) -> Swings:
         bias = 0.0
         slow = uniform_filter1d(uniform_filter1d(v, cycle), cycle)[cycle:-cycle]
         v = v - np.polyval(np.polyfit(t[cycle:-cycle], slow, 1), t)
+    above_rest = v
+    swing = np.pad(np.ones(cycle // 2), width)  # as a sum over the velocity
+    least = max(least, _CLEAR * sigma * dt * float(np.linalg.norm(velocity(swing))))
     fewest = _HALVES_A_BEND if signal.order == 2 or (signal.order and not rests) else 3
     for _ in range(_PASSES):
         places = _turns(v, 0.5 * cycle)[: _MOST_HALVES + 1]
-        n = places.size - 1
+        signed, b = integrals(np.stack([v, v**2]), dt, places)
+        n = int(np.argmin(np.append(np.abs(signed) > least, False)))
         if n < fewest:
             return _NO_SWINGS
-        signed, b = integrals(np.stack([v, v**2]), dt, places)
-        side, D, b = np.sign(signed), np.abs(signed), b - bias * dt * np.diff(places)
+        places, side, D = places[: n + 1], np.sign(signed[:n]), np.abs(signed[:n])
+        b = b[:n] - bias * dt * np.diff(places)
         ends = places[:, None]
         parts = np.minimum(cells + 0.5, ends[1:]) - np.maximum(cells - 0.5, ends[:-1])
         weights = np.zeros((2 * n, count))  # D and b are sums of samples of the velocity
@@ -195,26 +199,22 @@ def swings_of(signal: Signal, period: float, least: float) -> Swings:
         # backwards in time, a filter is its own transpose
         by_noise = sigma * velocity(weights[:, ::-1])
         covariance = by_noise @ by_noise.T
-        bends = n // _HALVES_A_BEND
-        bends = 1 + bends if signal.order == 2 else min(bends, 1)
+        bends = n // _HALVES_A_BEND + (signal.order == 2)  # one more for its start
         knots = np.linspace(places[0], places[-1], max(1, bends))
         hats = np.stack([np.interp(cells, knots, one) for one in np.eye(knots.size)])
         by_baseline = weights[:, inside] @ hats.T
         if bends:  # the baseline that leaves swings to one side as long as those to the other
             second = np.diff(np.eye(n, 2 * n), 2, axis=0)
             read = np.linalg.pinv(second @ by_baseline) @ second
+            v = v - (read[:, :n] @ D) @ hats
         else:  # that at rest
-            read = np.zeros((1, 2 * n))
+            read, v = np.zeros((1, 2 * n)), above_rest
             covariance += (signal.order * sigma**2 / cycle) * (by_baseline @ by_baseline.T)
-        v = v - (read[:, :n] @ D) @ hats
     settled = np.eye(2 * n) - by_baseline @ read
     errors = (settled @ covariance @ settled.T)[:n, :n]
     free = by_baseline @ read
     covariance = covariance + _FREE**2 * free @ covariance @ free.T
-    clear = np.maximum(_CLEAR * np.sqrt(np.diag(errors)), least) < D
-    last = min(n - 1, int(np.argmin(np.append(clear, False))))
-    if last < 2:
-        return _NO_SWINGS
+    last = n - 1
     # two turns to one side, and that between twice, have their mean at rest, in pairs
     by_D = np.vstack([np.zeros(last), np.tril(np.ones((last, last))) * side[:last]])
     by_D -= np.convolve(np.full(last - 1, 0.25 / (last - 1)), [1.0, 2.0, 1.0]) @ by_D
