@@ -27,9 +27,6 @@ CONFIDENCE = 0.95
 REFERENCE = "maximum likelihood"
 """Name of the answer of the fit to all records, against which the approaches are checked."""
 
-SHAPE = "shape"
-"""Name of a row of the balance that no cycle gives, but the shape of the motion."""
-
 USABLE, DOUBTFUL, NONE = "usable", "doubtful", "none"
 
 
