@@ -117,6 +117,11 @@ def test_the_report_names_it_first_and_what_it_changes_is_doubtful():
     assert warning.index("the likeliest of the causes") < warning.index("a channel may be skewed")
     verdicts = {v.verdict for a in found.approaches.values() for v in a.verdicts.values()}
     assert verdicts <= {"doubtful", "none"}
+    # by how much is known: the intervals hold the friction of the lowest level, of which it is the largest part, and c
+    for symbol, truth in (("F_k", 1.18), ("c", PAPER.c)):
+        assert found.verdicts[symbol].reason == warning
+        low, high = found.intervals[symbol]
+        assert low < truth < high
 
 
 def under_gain(gain, levels=LEVELS, noise=0.003, **options):

@@ -31,6 +31,7 @@ from ..motion.unknowns import F_K, OSCILLATOR_UNKNOWNS, RHO, C, M
 from ..signals.band import NOISE_PASSED, Band, filtered
 from ..signals.band import freedom as freedom_in_band
 from ..signals.bursts import Signal, least_noise
+from ..signals.thresholds import P_MOTION_LEFT
 from ..signals.whiteness import chance_of_averages, chance_of_lines, louder
 from ..solver import NORMAL_95
 from .climb import GAIN, MOST_EVALUATIONS, Climb, ClimbBounds
@@ -44,9 +45,6 @@ COMMON = (*OSCILLATOR_UNKNOWNS, *ADDED)
 
 STATE = 3
 """Number of unknowns of a start state: x, ẋ and the preload w."""
-
-P_MOTION_LEFT = 1e-4
-"""Probability in white noise of a residual so much like a motion, below which the whole band is given up."""
 
 _LOOSEST, _STIFFEST = (
     1e-4,

@@ -18,7 +18,6 @@ import numpy as np
 
 from ..arrays import Array
 from .climb import GAIN, Climb, climb
-from .fit import Fit
 
 KEPT = 10
 """Distinct points that a search carries along."""
@@ -77,7 +76,7 @@ def climbs(problem: Any, starts: Iterable[Array], above: float = _ABOVE) -> list
     return distinct(ends, len(problem.names), above)
 
 
-def minimise(problem: Any, starts: Iterable[Array], scanned: str = "rho") -> list[Fit]:
+def minimise(problem: Any, starts: Iterable[Array], scanned: str = "rho") -> list[Any]:
     """The minima that climbs from some starts and a scan find, the lowest first; empty where there is no motion.
 
     Use it for the last fit of a search; the first of the list is the answer, the others are as good within 30 of χ².

@@ -29,6 +29,7 @@ from ..motion.law_decays import ADDED
 from ..motion.unknowns import F_K, OSCILLATOR_UNKNOWNS, C
 from ..signals.band import Band, filtered
 from ..signals.bursts import Burst, Signal, bursts_of
+from ..signals.thresholds import P_ONE_OSCILLATOR, P_STEP_BACK
 from .decay import COMMON, STATE, Decay, DecayProblem, RingFit, with_noise_of
 from .minimise import climb_on, climbs, minimise
 
@@ -64,10 +65,6 @@ _BACK, _MOST_BACK = (
     30,
 )  # steps of a cycle in which the start moves back; steps, more than a cycle
 _SEVERAL = 3  # steps back that are looked at together
-P_STEP_BACK = 3e-4
-"""Probability that new samples add as much to χ² by chance, below which they are not those of the motion."""
-P_ONE_OSCILLATOR = 1e-3
-"""Probability that one oscillator, or friction force, for all decays adds as much to χ² by chance."""
 _SETTLED = (
     1.25  # times the least mean square of the residual in the band: a start that disturbs nothing
 )

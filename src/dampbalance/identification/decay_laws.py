@@ -2,7 +2,7 @@
 compared.
 
 The quick test belongs to every identification: it asks which one further coefficient the residual speaks for
-(`fit.law_fit.law_departures`). The comparison tests every law by the likelihood of all samples: χ² of the best
+(`fit.decay.departures_of`). The comparison tests every law by the likelihood of all samples: χ² of the best
 oscillator with it, above that of the law with all terms, against the F distribution. The rows of the balance are read
 with a motion of friction and viscous damping, and so they do not test other laws.
 """
@@ -29,14 +29,13 @@ from ..motion.unknowns import OSCILLATOR_UNKNOWNS
 from ..project.progress import followed
 from ..project.wording import Remark, change_text, listed, number_text, percent
 from ..signals.one_thread import one_thread
+from ..signals.thresholds import P_FURTHER_TERM
 from ..solver import NORMAL_95
 from .answer import Answer, unit_of
 from .causes import GRADUAL
 from .law_comparison import ALPHA, MOST_TERMS, LawComparison, LawTest, Probability, chosen_of
 from .stated import widened
 
-P_DEPARTURE = 0.01
-"""Probability that any further coefficient shows by chance in decays with friction and viscous damping alone."""
 _MOST_ALONG = 3  # coefficients that are fitted along
 _AS_WELL = 6.0  # of χ²: another coefficient that explains the decays as well
 _HINT = 1.7  # standard errors of a coefficient, more than one in twenty decays show by chance
@@ -150,7 +149,7 @@ def shortcomings_of(fit: RingFit) -> list[Remark]:
 
 def _shows(one: Departure, count: int) -> bool:
     """Whether a coefficient is no chance."""
-    return one.error > 0.0 and one.p < P_DEPARTURE / count
+    return one.error > 0.0 and one.p < P_FURTHER_TERM / count
 
 
 def _words(symbol: str) -> tuple[str, str]:
@@ -296,8 +295,8 @@ def _losses(fit: RingFit) -> dict[str, float]:
     for i, one in enumerate(fit.decays):
         par = numbers_of(fit.point_of(i), fit.k)
         times = np.arange(0.0, one.end - one.start, one.period / _DENSE)
-        state = fit.point[fit.places(i)].tolist()
-        speed = np.abs(law_decay(times, 1, *state, par, added, LINEAR_UNKNOWNS)[:, 0])
+        x, v, w = fit.point[fit.places(i)].tolist()
+        speed = np.abs(law_decay(times, 1, x, v, w, par, added, LINEAR_UNKNOWNS)[:, 0])
         for order, symbol in enumerate(DECAY_TERMS):
             powers[symbol] += float(np.nansum(speed ** (order + 1)))
     loss = math.fsum(float(fit.point[COMMON.index(s)]) * powers[s] for s in DECAY_TERMS)

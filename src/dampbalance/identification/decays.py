@@ -304,7 +304,7 @@ def identify_ring_downs(
         if mass_error < own and off < _MASS_OFF * math.hypot(own, mass_error):
             fit = _with_mass(fit, mass) or fit
         elif not agrees:
-            warnings.append(on_mass(fit, TERMS, mass))
+            warnings.append(on_mass(fit, mass))
     fit, along = with_departures(fit)
     warnings += along
     moves = [min(fit.sticks_from(i), one.end - one.start) for i, one in enumerate(fit.decays)]
@@ -384,7 +384,16 @@ def _solved(
     notes = [*fit_notes]
     if freedom > 0 and special.chdtrc(freedom, misfit * freedom) < _CHANCE:
         notes.append(
-            Remark("the half cycles do not share one F_k and c: χ² is {:.3g} per row", misfit)
+            Remark(
+                "the half cycles do not share one F_k and c: χ² is {:.3g} per row",
+                misfit,
+                doubts={
+                    symbol: NORMAL_95 * math.sqrt(misfit * variance) / abs(value)
+                    for (symbol, value), variance in zip(
+                        values.items(), np.diag(covariance).tolist(), strict=True
+                    )
+                },
+            )
         )
     if not values:
         notes.append(
