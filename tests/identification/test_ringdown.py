@@ -23,7 +23,7 @@ from dampbalance.records.measurement import Channel, Correction, Measurement
 from dampbalance.records.synthetic import measured_orbit, measured_ring_down
 from dampbalance.records.writers import write
 from dampbalance.signals.bursts import Signal
-from dampbalance.signals.cycles import clipped
+from dampbalance.signals.cycles import clipped, flat_tops
 from dampbalance.signals.mean_harmonics import read_features
 from identification.levels import SYMBOLS, changed
 from identification.levels import clipped as cut
@@ -333,7 +333,9 @@ def test_what_a_decay_begins_or_ends_at_is_not_clipped(end):
     )
     assert not clipped(np.concatenate([decaying[:30], np.full(50, decaying[:30].min())])[::end])
     for level in (0.9, 0.6, 0.3):
-        assert clipped(np.minimum(decaying, level * decaying[20:].max())[::end])
+        highest = level * decaying[20:].max()
+        assert flat_tops(np.minimum(decaying, highest)[::end]) == (-np.inf, highest)
+        assert clipped(np.minimum(decaying, highest)[::end])
         assert clipped(np.maximum(decaying, level * decaying[20:].min())[::end])
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from contextlib import suppress
 
 import numpy as np
 
@@ -29,10 +30,10 @@ def stands_still(values: Array) -> bool:
     Stretches from the whole record are looked at: a recorder may begin long before the drive does. Blows are brief; a
     spike of one or two samples is none.
     """
+    from scipy.ndimage import median_filter  # slow to import
+
     if values.size > 2:
-        # the middle one of each three neighbours
-        low, high = np.minimum(values[:-1], values[1:]), np.maximum(values[:-1], values[1:])
-        middle = np.maximum(low[:-1], np.minimum(high[:-1], values[2:]))
+        middle = median_filter(values, 3)[1:-1]
         off = np.abs(middle - np.median(middle))
         if np.quantile(off, 0.95) <= _AT_REST * off.max():
             return True
@@ -87,35 +88,33 @@ def averaged(values: Array, every: int) -> Array:
 def _frequency_in(t: Array, values: Array, step: float) -> tuple[float, float, int]:
     """ω of a drive, its standard error, and the sample from which on it moves, if it stands still for a cycle or more
     before; otherwise 0."""
-    begins, first = onset(values), None
+    begins = onset(values)
+    whole: tuple[float, float, int] | ValueError
     try:
-        omega, error = drive_frequency(t, values, step)
-        if t[begins] - t[0] <= 2.0 * math.pi / omega:
-            return omega, error, 0
+        whole = (*drive_frequency(t, values, step), 0)
+        if t[begins] - t[0] <= 2.0 * math.pi / whole[0]:
+            return whole
     except ValueError as problem:
-        first = problem
-    try:
-        later, its_error = drive_frequency(t[begins:], values[begins:], step)
-    except ValueError:
-        if first is not None:
-            raise first from None
-        return omega, error, 0
-    before = int(np.searchsorted(t, t[begins] - 2.0 * math.pi / later))
-    parts = slice(0, before), slice(begins, None)
-    still, moving = (_amplitude(t[part], values[part], later) for part in parts)
-    if still < _STILL * moving:
-        return later, its_error, begins
-    if first is not None:
-        raise first
-    return omega, error, 0
+        whole = problem
+    with suppress(ValueError):
+        omega, error = drive_frequency(t[begins:], values[begins:], step)
+        before = int(np.searchsorted(t, t[begins] - 2.0 * math.pi / omega))
+        parts = slice(0, before), slice(begins, None)
+        still, moving = (_amplitude(t[part], values[part], omega) for part in parts)
+        if still < _STILL * moving:
+            return omega, error, begins
+    if isinstance(whole, ValueError):
+        raise whole
+    return whole
 
 
 def _amplitude(t: Array, values: Array, omega: float) -> float:
     """About the amplitude of a signal at ω, without a slow drift; ∞ where there is less than a cycle of it."""
+    from scipy.signal import detrend  # slow to import
+
     if t.size < 3 or t[-1] - t[0] < 2.0 * math.pi / omega:
         return math.inf
-    line = np.polyval(np.polyfit(t - t[0], values, 1), t - t[0])
-    return 2.0 * float(np.abs(np.mean((values - line) * np.exp(-1j * omega * t))))
+    return 2.0 * float(np.abs(np.mean(detrend(values) * np.exp(-1j * omega * t))))
 
 
 def step_of(t: Array, quantity: str) -> float:
