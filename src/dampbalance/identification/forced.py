@@ -42,6 +42,7 @@ from ..solver import Estimate, least_squares, solve
 from .answer import (
     CONFIDENCE,
     REFERENCE,
+    UNBOUNDED,
     UNKNOWN,
     Answer,
     Balance,
@@ -433,7 +434,8 @@ def _require(
 
 _UNCHECKED = Remark(
     "there are fewer levels than coefficients: only the shape of the waveforms distinguishes them, and no balance "
-    "checks it; add records at other amplitudes"
+    "checks it; add records at other amplitudes",
+    doubts=UNBOUNDED,
 )
 
 
