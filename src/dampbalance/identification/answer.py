@@ -30,6 +30,9 @@ UNBOUNDED: Mapping[str, float] = {"": math.inf}
 REFERENCE = "maximum likelihood"
 """Name of the answer of the fit to all records, against which the approaches are checked."""
 
+FUNDAMENTALS = "fundamentals"
+"""Name of the answer of the fit to the fundamental of each record alone, where the waveforms hold no oscillator."""
+
 SHAPE = "shape"
 """Name of a row of the balance that no cycle gives, but the shape of the motion."""
 
