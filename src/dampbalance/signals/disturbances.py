@@ -16,10 +16,7 @@ import numpy as np
 from ..arrays import Array
 from ..project.wording import part
 from .drive import averaged
-
-P_LINE = 1e-5
-"""Probability with which white noise may show a line, all lines and stretches together. The floor of the spectrum is an
-estimate itself: 1 of 1,800 residuals of noise was measured. Nothing is doubted for a line that is named."""
+from .thresholds import P_LINE_IN_NOISE
 
 _FLOOR_BINS = 100  # lines of the spectrum whose median is the noise about them: known to 14 %
 _MOST_LINES = 8  # that are taken off: more are no list that anyone reads
@@ -107,13 +104,15 @@ def _clearest(
 ) -> float | None:
     """Frequency at which a spectrum stands out of its floor most clearly, Hz; None where noise would do it.
 
+    The floor is an estimate itself: 2 of 3,000 residuals of white noise had a line, where the threshold says 0.3.
+
     floor : power of the noise per sample, at the lines of the whole spectrum.   without : frequencies and the distances
     from them that are left out, Hz.
     """
     sizes = [rest.size]
     while sizes[-1] >= 2 * _FLOOR_BINS:
         sizes.append(sizes[-1] // 2)
-    best, clearest = None, -math.log(P_LINE / len(sizes))
+    best, clearest = None, -math.log(P_LINE_IN_NOISE / len(sizes))
     for size in sizes:
         power = np.abs(np.fft.rfft(rest[:size])) ** 2
         place = np.arange(power.size)
