@@ -34,6 +34,9 @@ UNBOUNDED: Mapping[str, float] = {"": math.inf}
 REFERENCE = "maximum likelihood"
 """Name of the answer of the fit to all records, against which the approaches are checked."""
 
+FUNDAMENTALS = "fundamentals"
+"""Name of the answer of the fit to the fundamental of each record alone, where the waveforms hold no oscillator."""
+
 USABLE, DOUBTFUL, NONE = "usable", "doubtful", "none"
 
 USELESS = 0.05

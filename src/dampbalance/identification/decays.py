@@ -30,6 +30,7 @@ from ..records.measurement import EXCITATIONS, ORDERS, Channel, Correction, Meas
 from ..signals.bursts import NoDecay, Signal, noise_of, too_few_samples
 from ..signals.conditioning import in_equal_steps
 from ..signals.cycles import clipped, flat_tops
+from ..signals.disturbances import lines_of
 from ..signals.drive import stands_still
 from ..signals.one_thread import one_thread
 from ..solver import NORMAL_95, solve
@@ -70,6 +71,12 @@ _CHANCE = 1e-4  # probability of a misfit in noise, below which there is another
 _MATTERS = 0.05  # of a value: half of what a user asks for, and above what the balance neglects, a per mille or so
 _MASS_OFF = 4.0  # standard errors
 _LIGHTER = 1e-2  # of a mass that is given: small enough for first order, large compared with where a climb ends
+_HARMONICS = (
+    1,
+    2,
+    3,
+    5,
+)  # of the motion, that a contact, a spring or a sensor which is not linear makes
 _SWINGS = 6  # of a decay whose equivalent damping is listed
 # half cycles, and K_z/k, below which a motion that does not fit shows no contact
 _FEWEST, _LOOSE = 2, 1e-2
@@ -445,7 +452,9 @@ def _solved(
     )
     # half cycles that do not meet one law scatter by more than the noise, and so does what comes from them
     wider = math.sqrt(max(1.0, misfit)) if freedom > 0 else 1.0
-    warnings = [*warnings, *contradiction(answer, fit, _MATTERS, wider)]
+    if fit.white and not clipped_signals:  # the balance takes whatever is in the samples for motion
+        warnings = [*warnings, *contradiction(answer, fit, _MATTERS, wider)]
+    warnings += lines_in(fit)
     conditions, effects = _scatter_of(fit), dict[str, float]()
     if not doubts:
         sentence, effects = condition_of(fit, further)
@@ -465,6 +474,21 @@ def _solved(
         half_cycles=rows,
         departures=further,
     )
+
+
+def lines_in(fit: RingFit) -> list[Remark]:
+    """A sentence on each line in what the fit leaves outside the band of the mode: it moves no number."""
+    if fit.problem.band is None:
+        return []
+    remarks = []
+    stuck = math.sqrt((fit.k + fit.K_z) / fit.m) / (2.0 * math.pi)
+    whole = replace(fit, problem=replace(fit.problem, band=None))
+    for i, signal, residual in whole.residuals():
+        motion = 0.5 * float(np.ptp(signal.values))
+        for line in lines_of(-residual * signal.noise, signal.dt, fit.natural_frequency_hz, stuck):
+            words = f"the {signal.quantity} holds {line.words(motion)}; the fit leaves it out"
+            remarks.append(Remark(words, source=fit.decays[i].source))
+    return remarks
 
 
 def _scatter_of(fit: RingFit) -> list[str]:

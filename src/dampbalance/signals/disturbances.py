@@ -13,27 +13,23 @@ from typing import Literal
 
 import numpy as np
 
-from ..arrays import Array, Complexes
+from ..arrays import Array
 from ..project.wording import part
-
-P_LINE = 1e-5
-"""Probability with which white noise may show a line, all lines and stretches together. The floor of the spectrum is an
-estimate itself: 1 of 1,800 residuals of noise was measured. Nothing is doubted for a line that is named."""
+from .drive import averaged
+from .thresholds import P_LINE_IN_NOISE
 
 _FLOOR_BINS = 100  # lines of the spectrum whose median is the noise about them: known to 14 %
-_SHORTEST = 128  # samples of the shortest stretch that is looked at, for the sake of such a median
 _MOST_LINES = 8  # that are taken off: more are no list that anyone reads
 _LOWEST_BIN = 3  # below it a drift and the offset of the record are left over
-_APART = 0.1  # relative distance from a frequency of the model, within which its own residual lies
-_OWN = (
-    0.05  # likewise from a line taken off before: its sidebands, where it is not a pure exponential
-)
-_BLOCKS = 512  # in which the demodulated residual is averaged before a line is fitted to it
-_MAINS_HZ, _MAINS_OFF = (50.0, 60.0), 0.005  # grids hold ±0.4 %, the clock of a recorder ±0.01 %
-_ERRORS = (
-    3.0  # standard errors within which a rate is taken for zero, a frequency for that of the mains
-)
+# Distance within which a line is one of the model, relative to f_n about its multiples, and relative to a line that was
+# taken off before: a twentieth of all frequencies is lost, and no contact's harmonics are taken for tones.
+_APART = 0.05
+# Hum is at the first six multiples, of which rectifiers leave more than 1 %, and folded by the sampling at the first
+# three; grids hold ±0.1 %, and clocks of recorders are off by 0.01 %.
+_MAINS_HZ, _MULTIPLES, _FOLDED, _MAINS_OFF = (50.0, 60.0), 6, 3, 0.002
+_ERRORS = 3.0  # standard errors within which a decay rate is taken for zero
 _STEADY = 0.5  # βT of a line that changes too little over the record, T, to be called a decay
+_OF_CYCLE = 0.125  # so long means of samples leave 97 % of a line
 _BROAD = 0.3  # damping ratio above which it is no line but a pulse
 
 
@@ -63,12 +59,13 @@ class Line:
         return f"a further mode of {hertz} with a damping ratio of {part(ratio)}, {size}"
 
 
-def lines_of(residual: Array, dt: float, model_hz: Sequence[float] = ()) -> list[Line]:
-    """The lines in the residual of a decay, the likeliest first.
+def lines_of(residual: Array, dt: float, f_n: float, f_stuck: float = 0.0) -> list[Line]:
+    """The lines in the residual of a decay, the clearest first.
+
+    A line at the frequencies of the model is a residual of the fit itself: it is taken off, and not named.
 
     residual : record less model, from the start of the decay on, not filtered, (n,).   dt : sampling interval, s.
-    model_hz : frequencies of the model itself, sliding and sticking, with those harmonics that the contact makes.
-    Within a tenth of them a residual is one of the fit: it is taken off, and not named.
+    f_n, f_stuck : natural frequencies with the contact slipping and, where it rings visibly, stuck, Hz.
     """
     rest = residual - residual.mean()
     floor = _floor(np.abs(np.fft.rfft(rest)) ** 2) / rest.size
@@ -80,9 +77,14 @@ def lines_of(residual: Array, dt: float, model_hz: Sequence[float] = ()) -> list
             break
         line, wave = _fitted(rest, dt, frequency)
         rest = rest - wave
-        width = max(_OWN * frequency, _LOWEST_BIN / (rest.size * dt))
+        width = max(_APART * frequency, _LOWEST_BIN / (rest.size * dt))
         taken_off.append((frequency, width))
-        if line is not None and all(abs(frequency - f) > _APART * f for f in model_hz):
+        multiple = round(frequency / f_n)
+        of_model = abs(frequency - f_n * multiple) < _APART * f_n
+        of_model &= multiple % 2 == 1 or multiple == 2  # odd: a contact alike in both directions
+        of_model |= abs(frequency - f_stuck) < width
+        # hum is as steady at a multiple as elsewhere; at the frequency itself it cannot be told from a residual
+        if line is not None and (not of_model or (line.kind == "mains" and multiple > 1)):
             lines.append(line)
     return lines
 
@@ -102,13 +104,15 @@ def _clearest(
 ) -> float | None:
     """Frequency at which a spectrum stands out of its floor most clearly, Hz; None where noise would do it.
 
+    The floor is an estimate itself: 2 of 3,000 residuals of white noise had a line, where the threshold says 0.3.
+
     floor : power of the noise per sample, at the lines of the whole spectrum.   without : frequencies and the distances
     from them that are left out, Hz.
     """
     sizes = [rest.size]
-    while sizes[-1] >= 2 * _SHORTEST:
+    while sizes[-1] >= 2 * _FLOOR_BINS:
         sizes.append(sizes[-1] // 2)
-    best, clearest = None, -math.log(P_LINE / len(sizes))
+    best, clearest = None, -math.log(P_LINE_IN_NOISE / len(sizes))
     for size in sizes:
         power = np.abs(np.fft.rfft(rest[:size])) ** 2
         place = np.arange(power.size)
@@ -129,39 +133,45 @@ def _fitted(rest: Array, dt: float, frequency: float) -> tuple[Line | None, Arra
     """The line near a frequency, fitted by least squares, and its samples; no line where it is none."""
     from scipy.optimize import least_squares  # slow to import
 
-    t = dt * np.arange(rest.size)
-    duration, omega = rest.size * dt, 2.0 * math.pi * frequency
-    every = max(1, rest.size // _BLOCKS)
-    count = rest.size // every
-    turned = (2.0 * rest * np.exp(-1j * omega * t))[: count * every].reshape(count, every)
-    z, at = turned.mean(axis=1), t[: count * every].reshape(count, every).mean(axis=1)
+    t = np.arange(rest.size) / rest.size
+    duration = rest.size * dt
+    # means of an eighth of a cycle hold all that tells frequency and decay
+    every = max(1, math.floor(_OF_CYCLE / (frequency * dt)))
+    means, times = averaged(rest, every), averaged(t, every)
+    scale = math.sqrt(float(means @ means))
 
-    def parted(p: Array) -> tuple[complex, Complexes]:
-        """C and the residual of z = C e^{(−β + iδ)t}, in units of the duration."""
-        wave = np.exp((-p[0] + 1j * p[1]) * at / duration)
-        factor = complex(np.vdot(wave, z) / np.vdot(wave, wave).real)
-        return factor, z - factor * wave
+    def wave_of(p: Array, at: Array, values: Array) -> tuple[complex, Array]:
+        """C and the samples of Re C e^{(−β + iω)t}, the closest one with βT, ωT = p."""
+        wave = np.exp((-p[0] + 1j * p[1]) * at)
+        pair = np.stack([wave.real, -wave.imag])
+        real, imaginary = np.linalg.solve(pair @ pair.T, pair @ values)
+        return complex(real, imaginary), pair.T @ [real, imaginary]
 
     def left(p: Array) -> Array:
-        """Real and imaginary parts of the residual."""
-        return parted(p)[1].view(np.float64)
+        """Residual of the closest wave, in units in which its sum of squares is about 1."""
+        return (means - wave_of(p, times, means)[1]) / scale
 
-    ends = [least_squares(left, [rate, 0.0], x_scale=[1.0, 1.0]) for rate in (0.1, 3.0, 30.0)]
-    end = min(ends, key=lambda each: float(each.cost))
-    variance = 2.0 * float(end.cost) / max(1, 2 * count - 4)
+    turns = 2.0 * math.pi * frequency * duration
+    starts = [np.array([rate, turns]) for rate in (0.0, 1.0, 3.0, 10.0, 30.0, 100.0)]
+    end = least_squares(left, min(starts, key=lambda p: float(np.sum(left(p) ** 2))))
     jacobian = np.asarray(end.jac)
-    errors = np.sqrt(variance * np.diag(np.linalg.pinv(jacobian.T @ jacobian)))
-    rate, shift, rate_error, shift_error = (np.append(end.x, errors) / duration).tolist()
-    omega = omega + shift
+    variance = 2.0 * float(end.cost) / means.size * np.linalg.pinv(jacobian.T @ jacobian)
+    rate, omega = (end.x / duration).tolist()
     if rate > _BROAD * omega:
-        return None, rest
-    steady = rate * duration < max(_STEADY, _ERRORS * rate_error * duration)
-    factor = parted(end.x)[0]
-    wave = (factor * np.exp((-rate + 1j * omega) * t)).real
-    hertz, hertz_error = omega / (2.0 * math.pi), shift_error / (2.0 * math.pi)
-    near = [base * max(1, round(hertz / base)) for base in _MAINS_HZ]
-    mains = min(abs(hertz - each) - _MAINS_OFF * each for each in near) < _ERRORS * hertz_error
-    if steady:
-        size = math.sqrt(2.0 * float(np.mean(wave**2)))
-        return Line(hertz, size, 0.0, "mains" if mains else "tone"), wave
-    return Line(hertz, abs(factor), rate, "mode"), wave
+        return None, 0.0 * rest
+    factor, wave = wave_of(end.x, t, rest)
+    hertz = omega / (2.0 * math.pi)
+    if end.x[0] >= max(_STEADY, _ERRORS * math.sqrt(variance[0, 0])):
+        return Line(hertz, abs(factor), rate, "mode"), wave
+    size = math.sqrt(2.0 * float(np.mean(wave**2)))
+    return Line(hertz, size, 0.0, "mains" if _of_mains(hertz, 1.0 / dt) else "tone"), wave
+
+
+def _of_mains(hertz: float, sampling_hz: float) -> bool:
+    """Whether a frequency is that of the mains, a multiple, or one that was folded by the sampling."""
+    for base in _MAINS_HZ:
+        for n in range(1, _MULTIPLES + 1):
+            folded = abs(n * base - sampling_hz * round(n * base / sampling_hz))
+            if (folded == n * base or n <= _FOLDED) and abs(hertz - folded) < _MAINS_OFF * n * base:
+                return True
+    return False
