@@ -416,15 +416,6 @@ class RingFit(Fit):
         ends = np.cumsum([signal.t.size for _, signal in channels])
         return [(*channels[j], r) for j, r in enumerate(np.split(self.residual, ends[:-1]))]
 
-    def state_at(self, i: int, t: float) -> Array:
-        """The state x, ẋ, w of decay i at a time of its record, s."""
-        x, v, w = self.point[self.places(i)].tolist()
-        par, p = numbers_of(self.point_of(i), self.k), self.point[len(OSCILLATOR_UNKNOWNS) :]
-        at = np.array([t - self.decays[i].start])
-        options = (x, v, w, par, p[: len(ADDED)], LINEAR_UNKNOWNS)
-        x, v = (float(law_decay(at, order, *options)[0, 0]) for order in (0, 1))
-        return np.array([x, v, 1.0 + math.copysign(1.0, v)])
-
     @cached_property
     def _parts(self) -> tuple[list[Array], list[int], int]:
         """Residuals of the channels, samples in a part of a cycle there, and what the fit takes of their freedom."""

@@ -26,7 +26,7 @@ from scipy import special
 from ..arrays import Array
 from ..motion.events import PHASE_S, PHASE_X
 from ..motion.law_decays import ADDED
-from ..motion.unknowns import F_K, OSCILLATOR_UNKNOWNS, C
+from ..motion.unknowns import F_K, OSCILLATOR_UNKNOWNS, RHO, C
 from ..signals.band import Band, filtered
 from ..signals.bursts import Burst, Signal, bursts_of
 from ..signals.thresholds import P_ONE_OSCILLATOR, P_STEP_BACK
@@ -274,13 +274,6 @@ def _first(fits: Sequence[RingFit]) -> RingFit | None:
     return replace(fits[0], minima=tuple(fits[1:])) if fits else None
 
 
-def _moved(fit: RingFit, state: Array) -> Array:
-    """The point of a fit of one decay with another start."""
-    point = fit.point.copy()
-    point[-STATE:] = state
-    return point
-
-
 def _from_earlier(fit: RingFit, whole: Decay, earliest: float) -> RingFit:
     """The fit with the start moved back for as long as the samples follow the motion."""
     problem = fit.problem
@@ -369,26 +362,26 @@ def _band_from_earliest(
     )
     last = min(starts[0] + _LATEST * whole.period, end - 2.0 * _FIRST * whole.period)
     early = [t for t in starts if t <= last] or [*starts[:1]]
-    late = fit if len(early) == 1 else _grown(whole, swings, early[-1], fit.k)
-    fits = []
-    sources = [one for one in (fit, late) if one is not None]
-    for start in early:
-        part = whole.cut(start, end)
+    late = None if len(early) == 1 else _grown(whole, swings, early[-1], fit.k)
+    points = [one.point for one in (fit, late) if one is not None]
+    for stiffness in _FIRST_STIFFNESSES:
+        points.append(points[-1].copy())
+        points[-1][RHO] = 1.0 / math.sqrt(stiffness * fit.k)
+    fits: list[RingFit] = []
+    for start in reversed(early):
         # the first swings may be those of a spring that is not linear: no reason to leave them out
-        problem = DecayProblem((part,), fit.k, band).with_free("k_3")
-        points = []
-        for one in sources:
-            points.append(_moved(one, swings.start_at(start)))
-            if start >= one.decays[0].start:
-                points.append(_moved(one, one.state_at(0, start)))
-        ends = climbs(problem.thinned(), points)
-        if ends:
-            fits.append((problem, problem.thinned().fit(ends[0])))
+        problem = DecayProblem((whole.cut(start, end),), fit.k, band).with_free("k_3").thinned()
+        for point in points:
+            point[-STATE:] = swings.start_at(start)
+        if ends := climbs(problem, points):
+            fits.append(problem.fit(ends[0]))
+            points = [ends[0].point.copy()]
     if not fits:
         return None
-    least = min(one.misfit for _, one in fits)
-    problem, thin = next(pair for pair in fits if pair[1].misfit <= _SETTLED * least)
-    best = _first(minimise(_until_rest(problem, thin), [thin.point]))
+    least = min(one.misfit for one in fits)
+    thin = [one for one in fits if one.misfit <= _SETTLED * least][-1]
+    problem = replace(thin.problem, decays=(whole.cut(thin.decays[0].start, end),))
+    best = _first(minimise(_until_rest(problem, thin), [thin.point], scanned=""))
     return None if best is None else without_spring(with_noise_of(best))
 
 
@@ -397,7 +390,7 @@ def in_the_band(fit: RingFit) -> RingFit | None:
     one = fit.decays[0]
     dt = max(signal.dt for decay in fit.decays for signal in decay.signals)
     problem = replace(fit.problem, band=Band.about(1.0 / one.period, dt)).with_free("k_3")
-    best = _first(minimise(problem, [fit.point]))
+    best = _first(minimise(problem, [fit.point], scanned=""))
     return None if best is None else without_spring(with_noise_of(best))
 
 
