@@ -58,7 +58,7 @@ def test_decays_under_another_law_are_doubtful_and_its_coefficients_found(symbol
 
 @pytest.mark.parametrize(
     ("symbol", "field", "order", "share"),
-    [("c_a", "sided", 1, 0.3), ("k_2", "even", 2, 0.03), ("k_3", "cubic", 3, 0.03)],
+    [("c_a", "sided", 1, 0.3), ("k_2", "even", 2, 0.03), ("k_3", "cubic", 3, 0.1)],
 )
 def test_what_no_law_of_damping_explains_is_named_and_fitted_along(symbol, field, order, share):
     decay = departing(SOUND, field, order, share)

@@ -480,7 +480,10 @@ def with_noise_of(fit: RingFit) -> RingFit:
         return replace(signal, noise=max(sigma, least_noise(signal.values)))
 
     decays = [replace(one, signals=tuple(map(with_noise, one.signals))) for one in fit.decays]
-    return replace(problem, decays=tuple(decays)).climb(fit.point) or fit
+    problem = replace(problem, decays=tuple(decays))
+    ends = filter(None, (problem.climb(one.point) for one in (fit, *fit.minima)))
+    best, *others = sorted(ends, key=lambda one: one.chi_square) or [fit]
+    return replace(best, minima=tuple(others))
 
 
 def departures_of(fit: RingFit) -> list[Departure]:

@@ -53,6 +53,7 @@ _FIRST, _GROWTH = (
 )  # cycles that are fitted first: two turns and the way there; growth from one to the next
 _WINDOW = 0.6  # of a cycle before the turn of a burst: its first swing
 _SLOWER = 0.6  # of the period in the spectrum: that of the swings is no other than this either way
+_SHORTEST = 3.0  # samples of a period, of which a band can be cut
 _FEWEST_SWINGS = 4  # that tell the period better than the spectrum
 _LEAST_RATIO, _LOST_UNKNOWN = (
     0.3,
@@ -103,8 +104,8 @@ def separate_fits(
             if fit is not None and (burst not in fits or fit.white):
                 fits[burst] = fit
         # the oscillator of one decay is where others start from that were not found by themselves
-        white = [fit for fit in fits.values() if fit.white and slips_of(fit)]
-        surest = max(white, key=lambda fit: fit.samples, default=None)
+        white = [burst for burst, fit in fits.items() if fit.white and slips_of(fit)]
+        surest = fits[max(white, key=lambda burst: burst.swing)] if white else None
         if surest is None:
             break
     kept = {burst: fit for burst, fit in fits.items() if sound(fit)} or fits
@@ -132,7 +133,8 @@ def _of_burst(
     surest : the fit of another burst, to start from as well.
     """
     if surest is not None:
-        burst = replace(burst, period=2.0 * math.pi * math.sqrt(surest.m / k))
+        own = 2.0 * math.pi * math.sqrt(surest.m / k)
+        burst = replace(burst, period=max(own, _SLOWER * burst.period))
     swings = Swings(lead, burst)
     if swings.zeros.size < 2:
         return None
@@ -187,7 +189,7 @@ class Swings:
 
     def _displacement(self, part: Signal) -> Array:
         """The displacement in the band of the mode, m, of a channel of any order."""
-        band = Band.about(1.0 / self.period, part.dt)
+        band = Band.about(1.0 / max(self.period, _SHORTEST * part.dt), part.dt)
         x = filtered(part.values, part.dt, band)
         for _ in range(part.order):
             x = filtered(np.cumsum(x) * part.dt, part.dt, band)

@@ -78,6 +78,7 @@ _HARMONICS = (
     3,
     5,
 )  # of the motion, that a contact, a spring or a sensor which is not linear makes
+_LET_THROUGH = 0.2  # by a filter: below, its inverse shows noise; steeply, so that the band of the mode is exact
 _SWINGS = 6  # of a decay whose equivalent damping is listed
 # half cycles, and K_z/k, below which a motion that does not fit shows no contact
 _FEWEST, _LOOSE = 2, 1e-2
@@ -354,7 +355,7 @@ def _signal(record: Measurement, channel: Channel, offset: int, warnings: list[R
 def _before_the_filters(values: Array, dt: float, correction: Correction) -> Array:
     """The values that a channel had before its gain and its filters, to a drift, which the band of a mode leaves out.
 
-    A filter lets through 10 % at least of what is put right: beyond that, its inverse shows noise alone.
+    What it lets through by less than a fifth is left out: the inverse would show noise alone there.
     """
     if not correction.low_pass and not correction.high_pass:
         return values / correction.gain
@@ -362,8 +363,8 @@ def _before_the_filters(values: Array, dt: float, correction: Correction) -> Arr
     size = 1 << (2 * values.size - 1).bit_length()
     omega = 2.0 * math.pi * np.fft.rfftfreq(size, dt)
     response = correction.response(omega) * np.exp(1j * omega * correction.delay)
-    share = np.maximum(np.abs(response / correction.gain), 0.1)
-    inverse = np.exp(-1j * np.angle(response)) / (share * correction.gain)
+    taper = 1.0 / (1.0 + (_LET_THROUGH / np.abs(response / correction.gain)) ** 8)
+    inverse = taper / response
     before = np.fft.irfft(np.fft.rfft(values - level, size) * inverse, size)
     return np.asarray(before[: values.size]) + level
 
