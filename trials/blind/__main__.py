@@ -139,8 +139,11 @@ def in_the_field(options: argparse.Namespace) -> str:
     empty = pd.DataFrame({"records": [], "set": []})
     done = pd.read_csv(file) if file.exists() else empty
     runs = [(False, i) for i in range(options.decays)] + [(True, i) for i in range(options.forced)]
-    kinds = options.kinds.split(",") if options.kinds else [*field.DECAYS, *field.FORCED]
-    runs = [(forced, i) for forced, i in runs if field.kind_of(i, forced) in kinds]
+    kinds = dict.fromkeys((*field.DECAYS, *field.FORCED))
+    wanted = options.kinds.split(",") if options.kinds else kinds
+    runs = [(forced, i) for forced, i in runs if field.kind_of(i, forced) in wanted]
+    if not runs or not kinds.keys() >= set(wanted):
+        raise SystemExit(f"--kinds {options.kinds!r} names no set: choose from {', '.join(kinds)}")
     drawn = pd.MultiIndex.from_tuples([("forced" if forced else "decays", i) for forced, i in runs])
     places = pd.MultiIndex.from_frame(done[["records", "set"]])
     left = [(*run, options.seed) for run, key in zip(runs, drawn, strict=True) if key not in places]

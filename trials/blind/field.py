@@ -305,7 +305,8 @@ def motion(one: Field, level: int = 0) -> tuple[np.ndarray, np.ndarray]:
     """Times, s, since the release or since phase 0 of the drive, and (x, x′, x″), (3, n).
 
     A decay has a lead, at negative times: the mass is held for a period, or it rests; in a set with a pre-trigger it
-    rests longer, and a hand pulls it out. A forced test has a lead of `_LEAD` periods, unless it has not settled.
+    rests longer, and a hand pulls it out. A forced test has a lead of `_LEAD` periods, unless it has not settled:
+    it then begins at rest, and lasts longer, or with 5–30 % of the transient of a linear oscillator left.
     """
     rig, contact = rig_of(one, level)
     random = one.random(2 + level)
@@ -322,10 +323,12 @@ def motion(one: Field, level: int = 0) -> tuple[np.ndarray, np.ndarray]:
         return out
 
     if one.forced:
-        skipped = _SETTLES / one.zeta * one.omega / one.omega_n + random.uniform(0.0, 1.0)
-        lasts = one.cycles[level] + _LEAD
+        settles = one.omega / one.omega_n / one.zeta  # cycles: 1/ζ natural periods
+        skipped, lasts = _SETTLES * settles + random.uniform(0.0, 1.0), one.cycles[level] + _LEAD
         if one.kind == UNSETTLED:
-            skipped, lasts = random.choice([0.0, random.uniform(1.0, 10.0)]), one.cycles[level]
+            left, from_rest = random.uniform(0.05, 0.3), random.random() < 0.5
+            skipped = 0.0 if from_rest else -math.log(left) / (2.0 * math.pi) * settles
+            lasts = one.cycles[level] + (0.5 * _SETTLES * settles if from_rest else 0.0)
         skipped = round(skipped * period / step)
         signals = followed(skipped + round(lasts * period / step))[:, skipped:]
         return (skipped + np.arange(signals.shape[1])) * step, signals

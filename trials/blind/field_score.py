@@ -2,10 +2,10 @@
 
 The simple analysis of a decay filters the record between half and twice the natural frequency (Butterworth, forwards
 and back), divides by ωⁿ for the displacement, and fits D_{i+1} = e^{−βπ} D_i − g to the distances D_i of successive
-turns: g = 2(1 + e^{−βπ}) F_k/k. That of a forced test takes the fundamental of each record at the frequency of the
-generator, W = πkYX sin φ, and solves 4(X − Z)F_k + πωX² c = W by least squares with weights 1/W, Z ≥ 0 left free where
-there are more than three levels, and 0 otherwise. It has no intervals: it is right where F_k and c are both within
-10 %.
+turns: g = 2(1 + e^{−βπ}) F_k/k. That of a forced test takes the fundamental of the second half of each record at the
+frequency of the generator, W = πkYX sin φ, and solves 4(X − Z)F_k + πωX² c = W by least squares with weights 1/W,
+Z ≥ 0 left free where there are more than three levels, and 0 otherwise. It has no intervals: it is right where F_k and
+c are both within 10 %.
 
 An answer of `identify` helps where F_k and c are both usable and right: within 10 % of the truth, or the truth in the
 interval of 95 %. It is silent where both are usable and one of them is not right.
@@ -89,10 +89,10 @@ def simple_decay(measured: Measurement, k: float, m: float | None) -> Numbers:
 
 
 def _fundamental(channel: Channel, omega: float) -> complex:
-    """Complex amplitude of the displacement that a channel shows at a frequency."""
-    t = channel.t
+    """Complex amplitude of the displacement that the second half of a channel, which is steadier, shows."""
+    t, values = channel.t[len(channel) // 2 :], channel.values[len(channel) // 2 :]
     columns = [np.cos(omega * t), np.sin(omega * t), np.ones(t.size), t - t.mean()]
-    a, b, *_ = np.linalg.lstsq(np.column_stack(columns), channel.values, rcond=None)[0]
+    a, b, *_ = np.linalg.lstsq(np.column_stack(columns), values, rcond=None)[0]
     quantity = channel.quantity.removeprefix("base_")
     return complex(a, -b) / (1j * omega) ** ANSWERS.index(quantity)
 
