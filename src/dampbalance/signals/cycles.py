@@ -29,18 +29,18 @@ from ..records.measurement import Correction
 
 Numbers = TypeVar("Numbers", Array, Complexes)
 
-_MOST_ROWS = 2048
+_MOST_ROWS = 2048  # more tell no more of the scatter, and cost time in each bootstrap
 _MOST_AT_ONCE = 1 << 20  # samples worked on at once: 8 MB an array
-_OUTLYING = 1.5  # mean square of a cycle about its harmonics, relative to that of the others
-_HELD = 5  # equal samples in a row that may be a drop-out
+_OUTLYING = 1.5  # mean square of a cycle about its harmonics, relative to the others, where a spike is looked for
+# Equal samples in a row that may be a drop-out: fewer are noise in the steps of a converter.
+_HELD = 5
 # Ratio of a jump to the steps nearby: a signal that was held goes on with a jump of five of them or more.
 _JUMPS = 2.0
-_AROUND = 8  # cycles that a cycle is compared with
+_AROUND = 8  # cycles that a cycle is compared with: enough for a median, and near enough for a slow change
 # Rms of the residual, as a part of the range, that a signal without noise may leave (because of drift, say).
 _HARMLESS = 1e-3
-_LONGEST_CYCLE = 1 << 22  # samples; beyond it the drive is not what it seems
-FEWEST_CYCLES = 3
-_REFINEMENTS = 4
+FEWEST_CYCLES = 3  # of which a scatter has two degrees of freedom
+_REFINEMENTS = 4  # of the frequency, each thousands of times smaller than the one before: two do, save for few cycles
 
 
 @dataclass(frozen=True, eq=False)
@@ -209,7 +209,7 @@ class _Cycles:
             raise ValueError(
                 f"{self.period / dt:.1f} samples per cycle are too few for {harmonics} harmonics"
             )
-        if self.shortest > _LONGEST_CYCLE:
+        if self.shortest > _MOST_AT_ONCE:  # and the drive is not what it seems
             raise ValueError(f"{self.shortest} samples per cycle are more than can be worked on")
         self.longest = self.shortest + 2  # rounding of times may give and take a sample
         self.drift = np.zeros((2, harmonics + 1), dtype=np.complex128)

@@ -30,10 +30,10 @@ def stands_still(values: Array) -> bool:
     Stretches from the whole record are looked at: a recorder may begin long before the drive does. Blows are brief; a
     spike of one or two samples is none.
     """
-    from scipy.ndimage import median_filter  # slow to import
-
     if values.size > 2:
-        middle = median_filter(values, 3)[1:-1]
+        # the middle one of each three neighbours
+        low, high = np.minimum(values[:-1], values[1:]), np.maximum(values[:-1], values[1:])
+        middle = np.maximum(low[:-1], np.minimum(high[:-1], values[2:]))
         off = np.abs(middle - np.median(middle))
         if np.quantile(off, 0.95) <= _AT_REST * off.max():
             return True
@@ -110,11 +110,10 @@ def _frequency_in(t: Array, values: Array, step: float) -> tuple[float, float, i
 
 def _amplitude(t: Array, values: Array, omega: float) -> float:
     """About the amplitude of a signal at ω, without a slow drift; ∞ where there is less than a cycle of it."""
-    from scipy.signal import detrend  # slow to import
-
     if t.size < 3 or t[-1] - t[0] < 2.0 * math.pi / omega:
         return math.inf
-    return 2.0 * float(np.abs(np.mean(detrend(values) * np.exp(-1j * omega * t))))
+    line = np.polyval(np.polyfit(t - t[0], values, 1), t - t[0])
+    return 2.0 * float(np.abs(np.mean((values - line) * np.exp(-1j * omega * t))))
 
 
 def step_of(t: Array, quantity: str) -> float:

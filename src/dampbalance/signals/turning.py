@@ -16,9 +16,10 @@ import numpy as np
 
 from ..arrays import Array, Complexes
 
-_POINTS_OF_CYCLE = 1024  # of a cycle, where its peak is looked for
+# Where its peak is looked for: five for each of the highest harmonics, 91 and less.
+_POINTS_OF_CYCLE = 1024
 _NEAR_END = 0.005  # of the range: so close to an end, and four times the noise, a mass counts as resting there
-_NOISE_AT_END = 4.0
+_NOISE_AT_END = 4.0  # standard deviations: a sample in 16,000 lies beyond
 _RESTING = 2.0  # times as long as a harmonic motion is as close to its end
 _LONGEST_STEP = 0.5  # rad: the longest step towards a zero
 # Halley's method takes three or four steps, except where a contact is so stiff that the motion nearly stops.
