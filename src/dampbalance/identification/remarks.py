@@ -41,6 +41,7 @@ from ..signals.mean_harmonics import Reading
 from ..solver import NORMAL_95, solve
 from .answer import UNBOUNDED, USELESS, Answer, ParameterEstimate
 from .causes import (
+    COUPLING,
     OF_CHANNELS,
     OtherFrame,
     as_well,
@@ -70,6 +71,7 @@ _UNITS = {
     25.4: "mm taken for inches",
     10.0: "mm taken for cm",
 }
+_IMITATING = (COUPLING, "a friction force that changes with the speed")
 _ALIKE = 0.02  # sine of the angle between the columns of A below which the levels hardly distinguish F_k from c
 
 
@@ -274,10 +276,16 @@ def _on_the_oscillator(
         yield Remark(
             "the records are not those of one mass on a spring, a damper and one friction contact: the best one that "
             f"{fit.evaluations} trials found leaves {times(math.sqrt(fit.misfit))} their noise, most in {worst}; K_z "
-            f"and the onset of slip cannot be determined; {likely}"
+            f"and the onset of slip cannot be determined; {likely}",
+            doubts={} if cause is None else _doubts_of(cause, fit),
         )
     if joint.faults:
         yield _on_channels(fit, joint.faults, tested)
+
+
+def _doubts_of(cause: Departure, fit: WaveformFit) -> Mapping[str, float]:
+    """What a cause does to each number, to first order; without bound where it imitates friction and damping."""
+    return UNBOUNDED if cause.symbol in _IMITATING else remark_on(cause, fit).doubts
 
 
 def on_mass(fit: OscillatorFit, mass: float) -> Remark:
@@ -472,7 +480,7 @@ def _shifted(symbol: str, p: ParameterEstimate, kinds: Sequence[list[Remark]]) -
     shifts = [max(r.doubts.get(symbol, r.doubts.get("", 0.0)) for r in of) for of in kinds]
     shifts = [math.inf if math.isnan(shift) else shift for shift in shifts]
     total = math.hypot(*shifts)
-    bounded = math.isfinite(total)
+    bounded = total < 1.0  # what may change a number by all of it bounds nothing
     reasons = [p.doubt] if p.doubt else []
     if not (bounded and total <= max(USELESS, p.within)):
         # those that have no bound, or the one that does most
