@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -24,6 +24,9 @@ from ..solver import NORMAL_95
 
 CONFIDENCE = 0.95
 
+UNBOUNDED: Mapping[str, float] = {"": math.inf}
+"""Doubts of a remark on what may put every number off by nobody knows how much."""
+
 REFERENCE = "maximum likelihood"
 """Name of the answer of the fit to all records, against which the approaches are checked."""
 
@@ -34,6 +37,10 @@ SHAPE = "shape"
 """Name of a row of the balance that no cycle gives, but the shape of the motion."""
 
 USABLE, DOUBTFUL, NONE = "usable", "doubtful", "none"
+
+USELESS = 0.05
+"""Share of a number by which a departure may move it before it is doubtful: what two careful laboratories differ by in
+a damping, and half of what a handbook of damping promises."""
 
 
 class Interval(NamedTuple):
@@ -47,14 +54,35 @@ class Interval(NamedTuple):
 class ParameterEstimate:
     """One identified number, SI units; NaN where it could not be identified.
 
-    doubt : why it is not to be trusted though it has an interval; empty where nothing speaks against it.
     standard_error : by the jackknife, or of the fit.   interval : at CONFIDENCE.
+    doubt : why it is not to be trusted though it has an interval; empty where nothing speaks against it.
+    bounded : whether the interval holds what that reason can do to the number.
     """
 
     value: float
     standard_error: float
     interval: Interval
     doubt: str = ""
+    bounded: bool = True
+
+    @property
+    def within(self) -> float:
+        """Half the width of the interval over the value; infinite where nothing bounds the error, NaN without a
+        value."""
+        if not self.bounded:
+            return math.inf
+        half = 0.5 * (self.interval.high - self.interval.low)
+        return half / abs(self.value) if self.value else math.inf
+
+    def wider(self, size: float) -> ParameterEstimate:
+        """The estimate with an independent error of this standard deviation more, in quadrature at either end."""
+        if not (size > 0.0 and math.isfinite(self.value)):
+            return self
+        reach = NORMAL_95 * size
+        low = self.value - math.hypot(self.value - self.interval.low, reach)
+        high = self.value + math.hypot(self.interval.high - self.value, reach)
+        error = math.hypot(self.standard_error, size)
+        return replace(self, standard_error=error, interval=Interval(low, high))
 
 
 UNKNOWN = ParameterEstimate(math.nan, math.nan, Interval(math.nan, math.nan))
@@ -62,10 +90,26 @@ UNKNOWN = ParameterEstimate(math.nan, math.nan, Interval(math.nan, math.nan))
 
 
 class Verdict(NamedTuple):
-    """usable: value and interval hold.   doubtful: a value with a reason not to trust it.   none: no value."""
+    """How far a number can be trusted.
+
+    verdict : "usable", the value is right within its interval; "doubtful", something may move it by more than that and
+    by more than `USELESS`, or by nobody knows how much, or its interval is wider than it is; "none", there is no value.
+    reason : for a verdict that is not usable, and of a number that is only a limit.
+    within : half the width of the interval over the value; infinite for a limit, and where the error has no bound; NaN
+    without a value.
+    """
 
     verdict: str
     reason: str = ""
+    within: float = math.nan
+
+    def document(self) -> dict[str, Any]:
+        """The verdict by the keys of the document."""
+        return {
+            "verdict": self.verdict,
+            "within_percent": 100.0 * self.within,
+            "reason": self.reason,
+        }
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,8 +176,25 @@ class Answer:
 
     @property
     def verdicts(self) -> dict[str, Verdict]:
-        """Whether each value is usable, doubtful or missing, by its symbol, and why."""
-        return {symbol: _judged(symbol, p, self.notes) for symbol, p in self.parameters.items()}
+        """Whether each value is usable, doubtful or missing, by its symbol, and why.
+
+        A coefficient that may be zero is a limit, and usable where another one is known closely: if more friction could
+        hide, the damping next to it would be uncertain.
+        """
+        verdicts = {s: _judged(s, p, self.notes) for s, p in self.parameters.items()}
+        for symbol, p in self.coefficients.items():
+            others = [of for s, of in verdicts.items() if s in self.coefficients and s != symbol]
+            sure = any(of.verdict == USABLE and of.within <= USELESS for of in others)
+            if p.interval.low <= 0.0 < p.interval.high and not p.doubt and p.bounded and sure:
+                verdicts[symbol] = Verdict(
+                    USABLE, f"an upper limit only: {limit(symbol, p)}", math.inf
+                )
+        return verdicts
+
+    @property
+    def answered(self) -> bool:
+        """Whether a coefficient has a value whose error is bounded; else the answer is none."""
+        return any(math.isfinite(self.verdicts[symbol].within) for symbol in self.coefficients)
 
     @property
     def misfit(self) -> float:
@@ -223,16 +284,24 @@ def column(symbol: str, what: str = "") -> str:
     return named_with_unit(f"{symbol}{what}", unit_of(symbol))
 
 
+def limit(symbol: str, parameter: ParameterEstimate) -> str:
+    """A number that has a limit only, in words: "F_k < 0.0001 N"."""
+    low, high = parameter.interval
+    above = math.isinf(high)
+    shown = number_text(low, 4) if above else number_text(high, 2)
+    return with_unit(f"{symbol} {'>' if above else '<'} {shown}", unit_of(symbol))
+
+
 def _judged(symbol: str, parameter: ParameterEstimate, notes: Sequence[str]) -> Verdict:
-    """The verdict on a number by itself, and by the notes on its answer: the only place that decides it."""
+    """The verdict on a number by itself; notes say why there is none. The only place that decides it."""
     if math.isnan(parameter.value):
         return Verdict(NONE, "; ".join(notes) or f"these records do not determine {symbol}")
     low, high = parameter.interval
-    reasons = [*notes, *filter(None, [parameter.doubt])]
+    reasons = [*filter(None, [parameter.doubt])]
+    within = parameter.within
     if math.isinf(parameter.value) or math.isinf(high):
-        reasons.append(
-            f"a lower limit only: {symbol} is above {with_unit(number_text(low, 4), unit_of(symbol))}"
-        )
+        reasons.append(f"a lower limit only: {limit(symbol, parameter)}")
+        within = math.inf
     elif not high - low <= abs(parameter.value):
         reasons.append("its interval is wider than its value")
-    return Verdict(DOUBTFUL, "; ".join(reasons)) if reasons else Verdict(USABLE)
+    return Verdict(DOUBTFUL if reasons else USABLE, "; ".join(reasons), within)

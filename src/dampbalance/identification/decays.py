@@ -44,6 +44,7 @@ from ..solver import NORMAL_95, solve
 from .answer import (
     CONFIDENCE,
     SHAPE,
+    UNBOUNDED,
     UNKNOWN,
     Answer,
     Balance,
@@ -314,7 +315,7 @@ def identify_ring_downs(
             given = [one for end in ends if (one := _with_mass(end, mass)) is not None]
             fit = with_intervals(sorted(given, key=lambda one: one.chi_square)) if given else fit
         elif not agrees:
-            warnings.append(on_mass(fit, TERMS, mass))
+            warnings.append(on_mass(fit, mass))
     rows = rows_of(fit)
     if not fit.adequate and (rows.halves < _FEWEST or fit.K_z < _LOOSE * k):
         raise ValueError(
@@ -368,18 +369,27 @@ def _solved(
 ) -> DecayOutcome:
     """The rows solved, with notes, and warnings and sentences on the rig in addition to these."""
     values, covariance, misfit, freedom, interval = _least_squares(rows)
-    fit_notes = [*map(Remark, fit.shortcomings)]
+    fit_notes = [Remark(words, doubts=UNBOUNDED) for words in fit.shortcomings]
     further = law_departures(fit)
     scale = 1.0 if fit.adequate else math.sqrt(fit.misfit)
     gradual, doubt = gradual_contact(further, scale), ""
     if gradual is not None:
         warnings = [*warnings, remark_on(gradual, fit)]
     elif doubt := doubt_of(fit, further):
-        fit_notes.append(Remark(doubt))
+        fit_notes.append(Remark(doubt, doubts=UNBOUNDED))
     notes = [*fit_notes]
     if freedom > 0 and special.chdtrc(freedom, misfit * freedom) < _CHANCE:
         notes.append(
-            Remark("the half cycles do not share one F_k and c: χ² is {:.3g} per row", misfit)
+            Remark(
+                "the half cycles do not share one F_k and c: χ² is {:.3g} per row",
+                misfit,
+                doubts={
+                    symbol: NORMAL_95 * math.sqrt(misfit * variance) / abs(value)
+                    for (symbol, value), variance in zip(
+                        values.items(), np.diag(covariance).tolist(), strict=True
+                    )
+                },
+            )
         )
     if not values:
         notes.append(

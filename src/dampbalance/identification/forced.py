@@ -43,6 +43,7 @@ from .answer import (
     CONFIDENCE,
     FUNDAMENTALS,
     REFERENCE,
+    UNBOUNDED,
     UNKNOWN,
     Answer,
     Balance,
@@ -437,7 +438,8 @@ def _require(
 
 _UNCHECKED = Remark(
     "there are fewer levels than coefficients: only the shape of the waveforms distinguishes them, and no balance "
-    "checks it; add records at other amplitudes"
+    "checks it; add records at other amplitudes",
+    doubts=UNBOUNDED,
 )
 
 

@@ -21,16 +21,17 @@ import numpy as np
 
 from .. import __version__
 from ..arguments import flag, one_of, path
+from ..law.terms import FRICTION
 from ..motion.jit import interpreted
 from ..project.files import plain, write_json, write_rows, write_text
-from ..project.wording import Remark, visible
+from ..project.wording import Remark, percent, visible
 from ..records.coordinate import ROTATION, TRANSLATION, Coordinate
 from ..records.measured import MeasuredRecord
-from .answer import REFERENCE, USABLE, Answer, Interval, Verdict, column, unit_of
+from .answer import NONE, REFERENCE, USABLE, Answer, Interval, Verdict, column, limit, unit_of
 from .law_comparison import LawComparison
 from .outputs import ALL_PICTURES, REPORT, TABLES, pictures_of, require_room
 from .remarks import Limit, doubted, in_a_sentence, limits
-from .screen import aligned, answers_table, comparison
+from .screen import aligned, answers_table, comparison, value_of
 from .sensitivities import FAULTS, Fault
 
 if TYPE_CHECKING:
@@ -297,9 +298,31 @@ class Identified(ABC):
     def verdicts(self) -> dict[str, Verdict]:
         """The verdict on each: usable, doubtful or none, and why."""
         return {
-            symbol: Verdict(word, self.in_words(reason))
-            for symbol, (word, reason) in self.answer.verdicts.items()
+            symbol: one._replace(reason=self.in_words(one.reason))
+            for symbol, one in self.answer.verdicts.items()
         }
+
+    @property
+    def no_answer(self) -> str:
+        """Why there is no answer, where no coefficient has a value whose error is bounded; empty where there is one."""
+        if self.answer.answered:
+            return ""
+        verdicts = self.verdicts
+        return "; ".join(dict.fromkeys(verdicts[s].reason for s in self.answer.coefficients))
+
+    @property
+    def lead(self) -> str:
+        """What is to be said before all numbers: that there is no answer and why, or no friction; else empty."""
+        if why := self.no_answer:
+            return f"No answer: {why}."
+        verdict, c = self.verdicts.get(FRICTION), self.answer.parameters.get("c")
+        if verdict is None or c is None or (verdict.verdict, verdict.within) != (USABLE, math.inf):
+            return ""
+        friction = limit(FRICTION, self.answer.parameters[FRICTION])
+        ratio = self.damping_ratio
+        zeta = "" if math.isnan(ratio) else f", ζ = {percent(ratio, 2)}"
+        words = f"No friction ({friction} at 95 %); c = {value_of(c)} {unit_of('c')}{zeta}."
+        return self.in_words(words)
 
     @property
     def covariance(self) -> pd.DataFrame:
@@ -323,7 +346,7 @@ class Identified(ABC):
 
     def to_frame(self) -> pd.DataFrame:
         """A line for each approach and each number: approach, symbol, unit, value, standard_error, low and high (the
-        interval of 95 %), verdict, reason."""
+        interval of 95 %), verdict, within_percent, reason."""
         import pandas as pd  # slow to import
 
         return pd.DataFrame(
@@ -332,7 +355,7 @@ class Identified(ABC):
                 "unit": self.coordinate.unit(unit_of(symbol)),
                 **{"value": p.value, "standard_error": p.standard_error},
                 **p.interval._asdict(),
-                **answer.verdicts[symbol]._asdict(),
+                **answer.verdicts[symbol].document(),
             }
             for name, answer in self.approaches.items()
             for symbol, p in answer.parameters.items()
@@ -367,6 +390,7 @@ class Identified(ABC):
             "k_N_per_m": self.k,
             **self.settings,
             "answer": next(iter(answers)),
+            "no_answer": self.no_answer or None,
             "approaches": {name: answers[name] for name in self.estimates},
             "maximum_likelihood": answers.get(REFERENCE),
             **({} if self.laws is None else {"laws": self.laws.document()}),
@@ -393,8 +417,13 @@ class Identified(ABC):
         for name, answer in self.approaches.items():
             row = {"approach": name} | _columns(answer, table=True)
             row |= {key: answer.merit[key] for key in _IN_TABLE if key in answer.merit}
-            row |= {f"{symbol}_verdict": v.verdict for symbol, v in answer.verdicts.items()}
+            for symbol, v in answer.verdicts.items():
+                row |= {
+                    f"{symbol}_verdict": v.verdict,
+                    f"{symbol}_within_percent": 100.0 * v.within,
+                }
             rows.append(row | {"note": "; ".join(answer.notes)})
+        rows[0]["no_answer"] = self.no_answer
         columns = dict.fromkeys(name for row in sorted(rows, key=len, reverse=True) for name in row)
         table = [{name: row.get(name) for name in columns} for row in rows]
         return [self.coordinate.document(row, self._names) for row in table]
@@ -415,13 +444,16 @@ class Identified(ABC):
 
     def text(self) -> str:
         """The table for a screen: the answers with their 95 % intervals and verdicts, a line each, then what limits
-        them."""
+        them; where there is no answer, the causes first and the numbers last."""
         tests, sentences = [*map(self.in_words, comparison(self.laws))], self.limiting
         table = [[*map(self.coordinate.text, line)] for line in answers_table(self.approaches)]
-        lines = [self.head, "", *aligned(table), "", *self.rig]
-        lines += ["", *tests] if tests else []
-        lines += ["", "What limits the answer:", *sentences] if sentences else []
-        return "\n".join(lines) + "\n"
+        numbers = [self.head, "", *aligned(table), "", *self.rig]
+        numbers += ["", *tests] if tests else []
+        heading = "Causes and remedies" if self.no_answer else "What limits the answer"
+        causes = [f"{heading}:", *sentences] if sentences else []
+        parts = [causes, numbers] if self.no_answer else [numbers, causes]
+        parts = [[self.lead] if self.lead else [], *parts]
+        return "\n\n".join("\n".join(part) for part in parts if part) + "\n"
 
     def __repr__(self) -> str:
         """The table for a screen."""
@@ -547,12 +579,13 @@ def _lacking_glyphs() -> Iterator[None]:
 
 
 def _worth(answer: Answer) -> tuple[float, ...]:
-    """What an answer is chosen for: coefficients that are usable, coefficients that have a value, and of two that are
-    equal in these the fit, unless a note limits it."""
-    verdicts = answer.verdicts
-    usable = sum(verdicts[symbol].verdict == USABLE for symbol in answer.coefficients)
-    valued = sum(not math.isnan(p.value) for p in answer.coefficients.values())
-    return usable, valued, 0.5 if answer.balance is not None else float(not answer.notes)
+    """What an answer is chosen for: coefficients that are usable, that have a bounded error, that have a value; and of
+    two that are equal in these the fit, where it is an answer."""
+    verdicts = [answer.verdicts[symbol] for symbol in answer.coefficients]
+    usable = sum(one.verdict == USABLE for one in verdicts)
+    bounded = sum(math.isfinite(one.within) for one in verdicts)
+    valued = sum(one.verdict != NONE for one in verdicts)
+    return usable, bounded, valued, float(answer.balance is None and answer.answered)
 
 
 def _entries(answer: Answer) -> dict[str, Any]:
@@ -566,7 +599,7 @@ def _entries(answer: Answer) -> dict[str, Any]:
             f"correlation_of_{one}_and_{other}": correlations[i, j]
             for (i, one), (j, other) in itertools.combinations(enumerate(answer.coefficients), 2)
         }
-    entries["verdicts"] = {symbol: v._asdict() for symbol, v in answer.verdicts.items()}
+    entries["verdicts"] = {symbol: v.document() for symbol, v in answer.verdicts.items()}
     entries |= answer.merit
     if answer.balance is not None:
         entries["rows"] = {**answer.rows, **answer.balance.labels}

@@ -29,17 +29,21 @@ from ..project.wording import Remark
 from ..signals.lines import Lines
 from ..signals.mean_harmonics import RESOLVED, Means, Reading
 from ..solver import NORMAL_95
-from .answer import FUNDAMENTALS, Answer, answer_of_fit
+from .answer import FUNDAMENTALS, UNBOUNDED, Answer, answer_of_fit
 
 Of = TypeVar("Of")
 To = TypeVar("To")
 
-FAULTY = Remark("a channel seems to be at fault (see below): all numbers carry that error")
+FAULTY = Remark(
+    "a channel seems to be at fault (see below): all numbers carry that error", doubts=UNBOUNDED
+)
 FAR = Remark(
-    "the records are not those of such an oscillator: it is only the one that comes nearest"
+    "the records are not those of such an oscillator: it is only the one that comes nearest",
+    doubts=UNBOUNDED,
 )
 NOT_CONVERGED = Remark(
-    "the search for the best oscillator was ended before it converged: its numbers are no optimum"
+    "the search for the best oscillator was ended before it converged: its numbers are no optimum",
+    doubts=UNBOUNDED,
 )
 
 _OF_FUNDAMENTALS = (

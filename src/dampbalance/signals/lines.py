@@ -12,8 +12,8 @@ import numpy as np
 
 from ..arrays import Array, Complexes, Integers, Mask
 from ..records.measurement import ABSOLUTE, ORDERS, RESPONSES
-from .checks import SIGNIFICANT
 from .conditioning import SteadyRecord
+from .thresholds import SIGNIFICANT
 
 CLEAR_HARMONIC = 4.0
 """Standard deviations by which a harmonic stands out of the noise."""
