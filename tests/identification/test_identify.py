@@ -14,7 +14,7 @@ from scipy.integrate import solve_ivp
 from blind import truths as blind
 from blind.records import records
 from dampbalance.balance import APPROACHES
-from dampbalance.fit.base_harmonics import fit_records
+from dampbalance.fit.steady_search import fit_records
 from dampbalance.identification.answer import REFERENCE
 from dampbalance.identification.forced import _parameter, identify_readings
 from dampbalance.identification.oscillator import LawRows, Samples, jackknifed, read_samples
@@ -415,4 +415,4 @@ def test_a_delay_of_the_response_is_reported_in_microseconds():
     delayed = found.joint.delayed
     # the error is written with two digits, the delay with as many decimals
     assert float(error) == pytest.approx(1e6 * delayed.error("delay"), rel=0.06)
-    assert float(value) == pytest.approx(1e6 * delayed.delay, abs=0.06 * float(error))
+    assert float(value) == pytest.approx(1e6 * delayed.value("delay"), abs=0.06 * float(error))

@@ -82,13 +82,15 @@ def test_the_fit_takes_a_mass_only_where_it_is_known_better_than_the_records_kno
 @pytest.mark.parametrize("mass", [None, PAPER.m])
 def test_a_delay_is_said_where_it_explains_more_than_noise_would(mass):
     whole = joint_fit(lines(late=1e-3, sigma=1e-7), PAPER.k, mass)
-    assert [one.kind for one in whole.faults] == ["delay"]
+    assert [one.name for one in whole.faults] == ["delay"]
     late = whole.delayed
-    assert abs(late.delay - 1e-3) < 4.0 * late.error("delay")
+    assert abs(late.value("delay") - 1e-3) < 4.0 * late.error("delay")
     assert abs(late.c - PAPER.c) < 4.0 * late.error("c")
     found = [joint_fit(lines(seed=seed), PAPER.k, mass) for seed in range(10)]
     assert not any(whole.faults for whole in found)
-    sizes = np.array([whole.delayed.delay / whole.delayed.error("delay") for whole in found])
+    sizes = np.array(
+        [whole.delayed.value("delay") / whole.delayed.error("delay") for whole in found]
+    )
     assert np.abs(sizes).max() < 4.0  # standard errors
 
 

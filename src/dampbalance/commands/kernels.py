@@ -49,7 +49,7 @@ def slopes() -> None:
     """Derivatives of steady responses, which fits follow, and fixed steps with what is read of them."""
     with interpreted():
         orbit = _orbit()
-    orbit.harmonics_with_slopes(3)
+    orbit.harmonics(3)
     record = simulate(orbit.oscillator, orbit.motion, step=2e-5, cycles=4, keep_cycles=3)
     of_record(record, _OMEGA, orbit.oscillator.k)
     rounding(np.array([0.0]), 1.28, 208000.0)

@@ -16,21 +16,18 @@ which is too much for a score test: the oscillator is fitted again, to x + y or 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
 from scipy import special
 
-from ..arrays import Array, Complexes, Integers
-from ..fit.base_harmonics import fit_records
+from ..fit.nuisances import in_other_frame
 from ..fit.oscillator_fit import OscillatorFit
-from ..fit.score import Departure, departures_from
+from ..fit.score import Departure
+from ..fit.steady_search import fit_records
 from ..fit.waveforms import WaveformFit
 from ..law.law import Law
-from ..law.terms import FRICTION
-from ..motion.law_decays import ADDED, rounding
-from ..motion.law_steady import HARMONICS
+from ..motion.law_decays import ADDED
 from ..project.wording import Remark, larger_by, listed
 from ..records.measurement import ABSOLUTE, RELATIVE
 from ..signals.mean_harmonics import Reading
@@ -40,8 +37,6 @@ from .oscillator import AS_WELL
 # Probability of a cause by chance in records of the oscillator, half of it that of the contact that yields gradually.
 _CHANCE = 0.005
 _MOST = 0.3  # of what noise does not explain: a cause that is named as the likeliest
-_PHASES = 1024  # of a cycle
-_FALLING = 0.1  # of the largest speed
 _ROUNDEST = 1.5  # a Dahl contact, which is twice as stiff after a reversal as the nearest that yields at once
 _MATTERS = 3.0  # standard errors by which another contact may change K_z, unsaid
 _LEAST = 0.03  # of K_z
@@ -53,20 +48,25 @@ OF_CHANNELS = (DELAY, COUPLING, DRIVE)
 GRADUAL = ADDED[-1]
 """The cause that hardly shows: see above."""
 
+WORDS = {
+    "delay": DELAY,
+    "corner": COUPLING,
+    "gain": DRIVE,
+    "low_pass": "a low-pass filter in the response",
+    "friction_level": "a friction force that changes with the level",
+    "friction_speed": "a friction force that changes with the speed",
+    "gradual": GRADUAL,
+    "c_2": "damping that grows with the speed (compare the laws)",
+    "k_3": "a spring that is not linear",
+}
+"""Each nuisance of a fit as the cause of what it explains."""
+
 _GRADUALLY = "yields gradually (Dahl, Bouc–Wen, several contacts)"
 
 
 def departures(fit: WaveformFit) -> list[Departure]:
     """What each cause would explain; the amount of the gradual contact is 1 for an Iwan contact."""
-    free = np.flatnonzero(np.any(fit.response != 0.0, axis=1))
-    jacobian: Array = np.asarray(np.linalg.pinv(fit.response[free]), dtype=np.float64)
-    added = {}
-    for words, of_records in _directions(fit, jacobian, free):
-        added[words] = np.zeros(fit.residual.size)
-        for place, part in zip(fit.places, of_records, strict=True):
-            added[words][place][2:] = part
-    names = [fit.names[at] for at in free if at < len(fit.names)]
-    return departures_from(fit.residual, jacobian, added, names, noise_known=True)
+    return [replace(one, symbol=WORDS[name]) for name, one in fit.departures.items()]
 
 
 def likeliest(fit: WaveformFit, tested: Sequence[Departure]) -> Departure | None:
@@ -197,7 +197,7 @@ class OtherFrame:
         return tuple(names[q] for q in self.quantities)
 
 
-def in_other_frame(readings: Sequence[Reading], k: float, law: Law | None) -> OtherFrame | None:
+def fit_in_other_frame(readings: Sequence[Reading], k: float, law: Law | None) -> OtherFrame | None:
     """The fit to all responses in the other frame; None where it does not hold, or there is no other frame.
 
     Where a force drives, the base is at rest; where channels of both kinds are averaged, they test each other.
@@ -208,90 +208,9 @@ def in_other_frame(readings: Sequence[Reading], k: float, law: Law | None) -> Ot
     absolute, relative = (tuple(q for q in of if q in channels) for of in (ABSOLUTE, RELATIVE))
     if "force" in channels or (absolute and relative):
         return None
-    sign = 1.0 if absolute else -1.0
-    lines = []
-    for one in (reading.lines for reading in readings):
-        y = np.zeros(max(int(one.n[-1]), one.base.size + 1) + 1, dtype=np.complex128)
-        y[1], y[2 : one.base.size + 2] = one.Y, one.base
-        lines.append(replace(one, x=one.x + sign * y[one.n]))
+    lines = [in_other_frame(reading.lines) for reading in readings]
     # where it holds, the nearest starts lead there: no wide search for what most records are not
     fit = fit_records(lines, k, law, thorough=False)
     if fit is None or not fit.adequate:
         return None
     return OtherFrame(bool(absolute), absolute or relative, fit)
-
-
-def _directions(
-    fit: WaveformFit, jacobian: Array, free: Integers
-) -> Iterator[tuple[str, Sequence[Array]]]:
-    """Each cause with the change that it makes in the real and imaginary parts of the harmonics of each record, over
-    their errors."""
-    lines, motions = fit.lines, [_motion(fit, i) for i in range(len(fit.lines))]
-    fastest = max(float(np.abs(v).max()) for _, v, _ in motions)
-
-    def in_errors(changes: Iterable[Complexes]) -> list[Array]:
-        scaled = [dx / one.x_error for dx, one in zip(changes, lines, strict=True)]
-        return [np.concatenate([dx.real, dx.imag]) for dx in scaled]
-
-    yield DELAY, in_errors(-1j * one.n * one.omega * one.x for one in lines)
-    yield COUPLING, in_errors(1j * one.x / (one.n * one.omega) for one in lines)
-    yield DRIVE, in_errors(_under_less(fit, i) for i in range(len(lines)))
-    sizes = np.log([one.Y for one in lines])
-    where = [np.flatnonzero(free == at[FRICTION]) for at in fit.unknowns.at]
-    if len(lines) > 1 and all(w.size for w in where):
-        yield (
-            "a friction force that changes with the level",
-            [
-                size * jacobian[place, w[0]][2:]
-                for size, place, w in zip(sizes - sizes.mean(), fit.places, where, strict=True)
-            ],
-        )
-    for words, force in _FORCES.items():
-        forces = (force(x, v / fastest, gradual) for x, v, gradual in motions)
-        yield words, in_errors(_moved(fit, i, of) for i, of in enumerate(forces))
-
-
-_FORCES: Mapping[str, Callable[[Array, Array, Array], Array]] = {
-    "a friction force that changes with the speed": lambda x, v, gradual: (
-        np.sign(v) * np.exp(-np.abs(v) / _FALLING)
-    ),
-    GRADUAL: lambda x, v, gradual: gradual,
-    "damping that grows with the speed (compare the laws)": lambda x, v, gradual: v * np.abs(v),
-    "a spring that is not linear": lambda x, v, gradual: x**3,
-}
-"""Forces that the model lacks, of x, of ẋ over the largest speed, and of that of a contact that yields gradually."""
-
-
-def _under_less(fit: WaveformFit, i: int) -> Complexes:
-    """Change of the harmonics of a record, over the part by which its drive is less than was read."""
-    one = fit.lines[i]
-    _, by = fit.unknowns.harmonics(fit.point, i, fit.responses[i], one.n.size)
-    # the base that was added to a relative motion was read too large as well
-    added = np.where(one.n == 1, one.relative, 0.0)
-    return np.asarray(one.Y * (added - by[:, fit.unknowns.at[i]["Y"]]))
-
-
-def _motion(fit: WaveformFit, i: int) -> tuple[Array, Array, Array]:
-    """(x, ẋ, force of a contact that yields gradually less that of the model's) over a cycle from a peak of the base.
-
-    At a level that does not slip the contacts rise and fall along the same curve, and the force is nearly elastic.
-    """
-    orbit = fit.responses[i].orbit
-    osc = orbit.oscillator
-    t = orbit.motion.period * np.arange(_PHASES // 2) / _PHASES
-    x, v, *_ = (np.concatenate([half, -half]) for half in orbit.state(t))
-    sign, X = np.where(v < 0.0, -1.0, 1.0), float(np.abs(x).max())
-    u = np.maximum(sign * x + X, 0.0)
-    return x, v, sign * rounding(u, osc.F_k, osc.K_z)
-
-
-def _moved(fit: WaveformFit, i: int, force: Array) -> Complexes:
-    """Change of the harmonics of a record by a further force on the mass that opposes its motion."""
-    one = fit.lines[i]
-    spectrum = 2.0 * np.fft.rfft(force) / force.size
-    turned = np.exp(1j * one.n * fit.point[fit.unknowns.at[i]["psi"]])
-    moved = fit.responses[i].moved_by(force)
-    if moved is not None:
-        return np.asarray(np.pad(moved, (0, max(0, one.n.size - HARMONICS)))[: one.n.size] * turned)
-    at = 1j * one.n * one.omega
-    return np.asarray(-spectrum[one.n] * turned / (fit.k + at * fit.c + at**2 * fit.m))

@@ -386,7 +386,7 @@ def identify_readings(
     if fit is not None and not joint.linear:
         rig, tested = implied(fit, mass if joint.mass_fits else None), departures(fit)
         if fit.adequate and delayed is not None:
-            late = with_error(1e6 * delayed.delay, 1e6 * delayed.error("delay"))
+            late = with_error(1e6 * delayed.value("delay"), 1e6 * delayed.error("delay"))
             rig.append(f"Left free, a delay of the response is {late} µs.")
     of_records = [words.about(r.steady.source) for r in readings for words in r.warnings]
     of_all = agreement(readings, line, joint, estimates, tested)

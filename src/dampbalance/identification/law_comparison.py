@@ -26,9 +26,8 @@ from scipy import special
 
 from ..arrays import Array
 from ..balance import APPROACHES, Rows
-from ..fit.base_harmonics import settled
 from ..fit.goodness import probability
-from ..fit.steady_search import fit_quickly, with_mass
+from ..fit.steady_search import fit_quickly, refit
 from ..fit.waveforms import WaveformFit
 from ..law.law import Law
 from ..law.terms import FRICTION, KNOWN_TERMS, Term, in_order, term
@@ -272,10 +271,9 @@ def compare_laws(
                 continue
         near = [fit for smaller, fit in fits.items() if set(smaller) < set(kept)]
         near = sorted(near, key=lambda fit: fit.chi_square)[:1]
-        fit = fit_quickly(near[0].lines if near else lines, k, tried, near)
-        fit = fit and settled(fit, lines)
+        fit = fit_quickly(lines, k, tried, near)
         if mass is not None and fit is not None:
-            fit = with_mass(fit, mass) or fit
+            fit = refit(fit, given={"m": mass}) or fit
         if fit is None:
             tests.append(LawTest(kept))
             continue

@@ -17,11 +17,11 @@ import numpy as np
 from ..arrays import Array
 from ..balance import Approach, Rows
 from ..features import Features, stack
-from ..fit.base_harmonics import fit_records
-from ..fit.channel_faults import ChannelFault, ac_coupling, drive_gain
 from ..fit.fundamentals import FundamentalFit, fit_fundamentals
 from ..fit.goodness import improbable, linear_misfit
-from ..fit.steady_search import with_delay, with_mass
+from ..fit.nuisances import NUISANCES
+from ..fit.score import Departure
+from ..fit.steady_search import fit_records, refit
 from ..fit.waveforms import WaveformFit
 from ..law.law import Law
 from ..law.terms import FRICTION
@@ -55,6 +55,27 @@ _UNKNOWN = ("X_s", "V_s", "t_s", "X_r", "V_r", "t_r")
 _SHOWS = 16.0  # of χ²: what slip, or a delay, must explain to be there; four standard errors
 AS_WELL = 6.0
 """Difference of χ² below which two causes explain records alike: a ratio of likelihoods of e³ = 20."""
+
+
+@dataclass(frozen=True, slots=True)
+class ChannelFault:
+    """A fault of a channel that would explain what a fit leaves.
+
+    name : of the nuisance, corner, gain or delay.   fit : with that nuisance left free.
+    """
+
+    name: str
+    fit: WaveformFit
+
+    @property
+    def size(self) -> float:
+        """Size of the nuisance, in its unit."""
+        return self.fit.value(self.name)
+
+    @property
+    def error(self) -> float:
+        """Standard error of the size."""
+        return self.fit.error(self.name)
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,7 +134,7 @@ class JointFit:
             fit.law.unknowns,
             self.notes,
             misfit_of_records=fit.misfits,
-            delay_s=None if delayed is None else delayed.delay,
+            delay_s=None if delayed is None else delayed.value("delay"),
             delay_standard_error_s=None if delayed is None else delayed.error("delay"),
         )
 
@@ -159,7 +180,7 @@ def joint_fit(
     if fit is None or linear:
         return JointFit(fit, linear, None, mass=m, fundamentals=alone)
     error = fit.error("m")
-    given = with_mass(fit, m) if m is not None and mass_error < error else None
+    given = refit(fit, given={"m": m}) if m is not None and mass_error < error else None
     # χ² rises by the square of the difference over the error of the records alone
     most = _SHOWS * (1.0 + (mass_error / error) ** 2) if error else _SHOWS
     fits = given is not None and given.chi_square - fit.chi_square < most
@@ -169,11 +190,17 @@ def joint_fit(
     if not timing:
         return JointFit(fit, linear, None, mass=m, mass_fits=agrees, fundamentals=alone)
     # a damper to the base and one to the ground together make up for any delay
-    delayed = None if {"c", "c_r"} <= set(law.unknowns) else with_delay(fit)
-    causes = [ac_coupling(fit, _SHOWS), drive_gain(fit, _SHOWS)]
-    if delayed is not None and fit.chi_square - delayed.chi_square > _SHOWS:
-        causes.append(ChannelFault("delay", delayed.delay, delayed.error("delay"), delayed))
-    faults = [one for one in causes if one is not None and one.fit.adequate]
+    delayed = None if {"c", "c_r"} <= set(law.unknowns) else refit(fit, ["delay"])
+    likely = [n for n in ("corner", "gain") if _explains(fit.departures.get(n))]
+    causes = {name: refit(fit, [name]) for name in likely} | {"delay": delayed}
+    faults = [
+        ChannelFault(name, one)
+        for name, one in causes.items()
+        if one is not None
+        and one.adequate
+        and fit.chi_square - one.chi_square > _SHOWS
+        and one.value(name) not in NUISANCES[name]
+    ]
 
     def misfit(fault: ChannelFault) -> float:
         """χ², to which a mass that is given adds unless the fit has it already."""
@@ -192,7 +219,12 @@ def _fundamentals(
     """The fit to the fundamentals, where that to the waveforms is none of the records."""
     if fit is None:
         return fit_fundamentals(lines, k, law)
-    return None if fit.adequate else fit_fundamentals(fit.lines, k, law)
+    return None if fit.adequate else fit_fundamentals(lines, k, law)
+
+
+def _explains(one: Departure | None) -> bool:
+    """Whether a nuisance explains enough of χ², to first order, to fit it."""
+    return one is not None and one.size**2 > _SHOWS
 
 
 def with_common_fit(

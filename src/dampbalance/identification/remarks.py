@@ -16,10 +16,10 @@ from typing import Any
 import numpy as np
 
 from ..balance import Rows
-from ..fit.base_harmonics import fit_records
-from ..fit.channel_faults import ChannelFault, with_response
+from ..fit.nuisances import with_response
 from ..fit.oscillator_fit import OscillatorFit
 from ..fit.score import Departure
+from ..fit.steady_search import fit_records
 from ..fit.waveforms import WaveformFit
 from ..law.terms import FRICTION, term
 from ..project.wording import (
@@ -45,13 +45,13 @@ from .causes import (
     OF_CHANNELS,
     OtherFrame,
     as_well,
-    in_other_frame,
+    fit_in_other_frame,
     in_others,
     likeliest,
     remark_on,
     words_of,
 )
-from .oscillator import AS_WELL, FAULTY, JointFit, Microstick
+from .oscillator import AS_WELL, FAULTY, ChannelFault, JointFit, Microstick
 
 DIRECT = "direct"
 """The approach that assumes no shape of x(t): the one that is compared with the fit to all records."""
@@ -322,7 +322,7 @@ def _on_channels(
     explained = fit.chi_square - faults[0].fit.chi_square
     causes = [f"{_in_words(one)} (without that, {listed(_values(one.fit))})" for one in faults]
     others = [*causes[1:], *map(words_of, as_well(explained, tested, OF_CHANNELS))]
-    remedies = "; ".join(_REMEDIES[one.kind] for one in faults)
+    remedies = "; ".join(_REMEDIES[one.name] for one in faults)
     return Remark(
         f"a fault of a channel explains what the oscillator alone does not, {explained:.0f} of χ²: likeliest, "
         f"{causes[0]}{in_others(others)}; {remedies}"
@@ -330,8 +330,8 @@ def _on_channels(
 
 
 _REMEDIES = {
-    "coupling": "couple the response directly (DC), or give the corner in the mapping",
-    "drive": "calibrate the drive and the response, or give the gain in the mapping",
+    "corner": "couple the response directly (DC), or give the corner in the mapping",
+    "gain": "calibrate the drive and the response, or give the gain in the mapping",
     "delay": "give the delay in the mapping, or sample all channels at once",
 }
 
@@ -339,12 +339,12 @@ _REMEDIES = {
 def _in_words(fault: ChannelFault) -> str:
     """A fault of a channel, and its size."""
     size, error = abs(fault.size), fault.error
-    if fault.kind == "coupling":
+    if fault.name == "corner":
         return (
             "the response is coupled through a capacitor (AC), a high-pass filter with a corner of "
             f"{number_text(size, 4)} ± {number_text(error, 2)} Hz"
         )
-    if fault.kind == "delay":
+    if fault.name == "delay":
         return (
             f"the response {'lags' if fault.size > 0.0 else 'leads'} the drive by {number_text(1e6 * size, 4)} ± "
             f"{number_text(1e6 * error, 2)} µs more than the motion explains"
@@ -372,7 +372,7 @@ def _other_frame(readings: Sequence[Reading], joint: JointFit) -> OtherFrame | N
     fit = joint.fit
     if fit is not None and fit.adequate and joint.mass_fits:
         return None
-    frame = in_other_frame(readings, readings[0].steady.k, None if fit is None else fit.law)
+    frame = fit_in_other_frame(readings, readings[0].steady.k, None if fit is None else fit.law)
     if frame is None:
         return None
     if joint.mass is not None:

@@ -11,31 +11,30 @@ With others, N(ẋ) = Σ p_j h_j(ẋ), the half cycle from the reversal at −X 
 c_l of the linear terms; f = −F_k + K_z(x + X) until it reaches F_k at t_s, and F_k from there. Unknown are X, θ, t_s
 and ẍ at Gauss's points of both phases, whose integrals are ẋ and x (collocation: Hairer, Nørsett & Wanner, Solving
 Ordinary Differential Equations I, II.7). No kink is inside a phase. Newton's method starts from the orbit with a linear
-damper of nearly the same work, c_l + c_e; its matrix also gives what any parameter, or a small further force, changes.
+damper of nearly the same work, c_l + c_e; its matrix also gives what a small further force changes.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
-from typing import Any, NamedTuple, Self
+from typing import NamedTuple, Self
 
 import numpy as np
 from numpy.polynomial import legendre
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ..arguments import numbers
 from ..arrays import Array, Complexes
-from ..law.terms import FRICTION, term
+from ..law.terms import term
 from ..model import BaseMotion, Oscillator
 from .events import MOST_RADIANS
 from .nearby import steady_orbit_near
 from .orbit import NoSteadyOrbit, Orbit, steady_orbit
 from .regime import Regime
 from .states import State
-from .steady_slopes import onset_slopes
 
 HARMONICS = 32
 """Odd harmonics of what other terms add to an orbit."""
@@ -44,6 +43,7 @@ HARMONICS = 32
 _POINTS, _MOST_POINTS = 40, 400
 _RIGID = 1e-11  # of X: microstick lines below it are rounding
 _ODD = np.arange(1.0, 2.0 * HARMONICS, 2.0)
+_EVEN_PHASES = 256  # of a half cycle with several slips, at which a further force is taken
 
 
 @cache
@@ -244,31 +244,6 @@ class System:
             first += points
         return x, v, a, z
 
-    def moved(self, q: Array, forces: Array) -> Array:
-        """Derivatives of the unknowns, (q, any), by further forces: their values in the equations, (q, any), N."""
-        return np.asarray(-np.linalg.solve(self.equations(q)[1], forces))
-
-    def forces(self, q: Array, lag: float, Y: float, symbols: Sequence[str]) -> dict[str, Array]:
-        """Derivatives of the equations, (q,), by the coefficients of terms, K_z and m.
-
-        lag : phase by which the base follows that of the orbit, rad.   Y : of the base, m.
-        """
-        o, omega, of = self.orbit.oscillator, self.orbit.motion.omega, self.half_cycle(q)
-        ends, slid = np.zeros(q.size - of.t.size), np.full(of.t.size, float(self.slips))
-        by_ends, stuck = ends.copy(), np.zeros(of.t.size) if self.slips else of.u - q[of.t.size]
-        if len(self.lengths) == 2:
-            slid[: self.lengths[0]], stuck[: self.lengths[0]] = -1.0, of.u[: self.lengths[0]]
-            ends[-1], by_ends[-1] = -2.0 * o.k / o.K_z, 2.0 * o.k * o.Z_m / o.K_z
-        by = {FRICTION: np.append(slid, ends), "K_z": np.append(stuck, by_ends)}
-        w = -omega * Y * np.sin(omega * of.t + self.orbit.theta + lag)
-        rest = np.zeros(ends.size)
-        by["m"] = np.append(of.a, rest)
-        for symbol in symbols:
-            force = term(symbol).force
-            if force is not None:
-                by[symbol] = np.append(force(of.v, w, o.k, omega), rest)
-        return by
-
     def _contact(self, of: HalfCycle, X: float) -> tuple[Array, Array, Array | float]:
         """The force of the contact at the points, N, and its derivatives by x + X and X, N/m."""
         o, n = self.orbit.oscillator, of.t.size
@@ -387,102 +362,35 @@ class Response:
         stuck = math.fsum(end - start for start, end, slips in ends if not slips)
         return stuck * math.sqrt((par.k + par.K_z) / par.m) / (2.0 * math.pi)
 
-    def with_slopes(
-        self, count: int, symbols: Sequence[str]
-    ) -> tuple[Complexes, dict[str, Complexes]]:
-        """`harmonics` and their derivatives by the coefficients of these terms, rho = K_z^{−1/2} and m, (count,)."""
-        n = np.arange(1, 2 * count, 2)
-        turn = np.exp(1j * n * self.advance)
-        if self._closed(symbols):
-            by = self.orbit.harmonics_with_slopes(count) * turn
-            return by[0], self._by_coefficients(by, symbols, 1.0, 1j * n * by[0])
-        x = self.harmonics(count)
-        moved, (system, unknowns) = self._moved(symbols), self._equations()
-        by_unknowns = system.harmonics(unknowns, count)[1]
-        beta = sum(system.lengths) + 1
-        return x, {
-            name: (by_unknowns @ step) * turn - 1j * n * step[beta] * x
-            for name, step in moved.items()
-        }
-
-    def onset_slopes(self, symbols: Sequence[str]) -> dict[str, Array]:
-        """Derivatives of (V_s, t_s, λ), SI, by the coefficients of these terms, rho and m, (3,)."""
-        if self._closed(symbols):
-            by = onset_slopes(self.orbit.phases, self.orbit.theta, self.orbit.parameters)
-            onset = np.array([self.V_s, self.t_s, self.stick_travel])
-            return self._by_coefficients([onset, *by.T], symbols, np.array([1.0, 0.0, 1.0]), 0.0)
-        moved, (system, unknowns) = self._moved(symbols), self._equations()
-        by = np.zeros((2, unknowns.size))
-        if len(system.lengths) == 2:
-            by = system.half_cycle(unknowns).by_at[0, [2, 0]]
-        o = self.orbit.oscillator
-        taken = {FRICTION: 4.0 / o.K_z, "rho": 8.0 * o.F_k / math.sqrt(o.K_z)}
-        return {name: np.append(by @ step, taken.get(name, 0.0)) for name, step in moved.items()}
-
-    def moved_by(self, force: Array) -> Complexes | None:
+    def moved_by(self, force: Callable[[Array, Array], Array]) -> Complexes:
         """Change of the harmonics, m, (32,), by a small further force against the motion, which moves the onsets of
-        slip as well; None where the orbit is of a kind that is not followed.
+        slip as well; with several slips per half cycle, as if the contact slipped on.
 
-        force : at evenly spaced phases of a cycle from the peak of the base of the orbit on, N, an even number. Only
-        what changes its sign half a cycle later has an effect on odd harmonics.
+        force : of x + X, m, and ẋ, m/s, in the half cycle from the reversal at −X on, N, (any,); in the other half it
+        is the mirror image.
         """
-        try:
-            system, unknowns = self._equations()
-        except NoSteadyOrbit:
-            return None
-        phase = self.orbit.motion.omega * system.half_cycle(unknowns).t + self.orbit.theta
-        forces = np.zeros(unknowns.size)
-        odd = 0.5 * (force - np.roll(force, force.size // 2))
-        at = 2.0 * math.pi * np.arange(force.size) / force.size
-        forces[: phase.size] = np.interp(phase, at, odd, period=2.0 * math.pi)
-        step = system.moved(unknowns, forces)
-        turned = 1j * _ODD * step[phase.size + 1] * self.harmonics(HARMONICS)
-        return (
-            system.harmonics(unknowns, HARMONICS)[1] @ step * np.exp(1j * _ODD * self.advance)
-            - turned
-        )
-
-    def _equations(self) -> tuple[System, Array]:
-        """The equations of the motion, which an orbit solves as well, and the unknowns that do."""
+        orbit, turn = self.orbit, np.exp(1j * _ODD * self.advance)
+        omega, o = orbit.motion.omega, orbit.oscillator
         if self.system is not None and self.unknowns is not None:
-            return self.system, self.unknowns
-        system = System.of(self.orbit, self.orbit.oscillator.c, {})
-        return system, system.start()
-
-    def _moved(self, symbols: Sequence[str]) -> dict[str, Array]:
-        """Derivatives of the unknowns by the coefficients of terms, rho and m."""
-        system, unknowns = self._equations()
-        Y = self.orbit.motion.Y * math.cos(self.advance + self.turned)  # of the real base
-        forces = system.forces(unknowns, -self.advance, Y, symbols)
-        forces["rho"] = -2.0 * self.orbit.oscillator.K_z**1.5 * forces.pop("K_z")
-        moved = system.moved(unknowns, np.array([*forces.values()]).T)
-        return dict(zip(forces, moved.T, strict=True))
-
-    def _closed(self, symbols: Sequence[str]) -> bool:
-        """Whether the motion is that of the orbit, and would be with other coefficients of these terms."""
-        return self.system is None and all(term(s).linear for s in symbols if s != FRICTION)
-
-    def _by_coefficients(
-        self, by: Any, symbols: Sequence[str], degree: Any, by_phase: Any
-    ) -> dict[str, NDArray[Any]]:
-        """Derivatives of what has the value and the derivatives `by`, (5, …), under the law of the orbit.
-
-        degree : in (Y, F_k).   by_phase : derivative by the phase of the base.
-
-        Terms that are linear in ẋ and ẏ change c, ln Y and the phase of the base that drives the orbit.
-        """
-        value, by_friction, by_c, by_rho, by_m = by
-        omega, k = self.orbit.motion.omega, self.orbit.oscillator.k
-        by_base = degree * value - self.orbit.oscillator.F_k * by_friction
-        slopes = {FRICTION: by_friction, "rho": by_rho, "m": by_m}
-        to_base = math.tan(self.advance)  # of ω/k
-        for symbol in symbols:
-            force = term(symbol).force
-            if force is not None:
-                turned = -float(force(0.0, 1.0, k, omega)) * omega / k / (1.0 + to_base**2)
-                damping = float(force(1.0, 0.0, k, omega))
-                slopes[symbol] = damping * by_c + turned * (to_base * by_base + by_phase)
-        return slopes
+            system, unknowns = self.system, self.unknowns
+        elif orbit.regime is Regime.SEVERAL_SLIPS:
+            phase = np.asarray(
+                orbit.theta + math.pi / _EVEN_PHASES * (np.arange(_EVEN_PHASES) + 0.5),
+                dtype=np.float64,
+            )
+            x, v, *_ = orbit.states(phase / omega)
+            spectrum = np.exp(-1j * np.outer(_ODD, phase)) @ force(x + orbit.X, v)
+            rate = _ODD * omega
+            impedance = o.k - rate**2 * o.m + 1j * rate * o.c
+            return np.asarray(-2.0 / _EVEN_PHASES * spectrum / impedance * turn)
+        else:  # an orbit solves the equations as well
+            system = System.of(orbit, o.c, {})
+            unknowns = system.start()
+        of, forces = system.half_cycle(unknowns), np.zeros(unknowns.size)
+        forces[: of.t.size] = force(of.u, of.v)
+        step = -np.linalg.solve(system.equations(unknowns)[1], forces)
+        x, by = system.harmonics(unknowns, HARMONICS)
+        return np.asarray((by @ step - 1j * _ODD * step[of.t.size + 1] * x) * turn)
 
 
 def steady_response(
