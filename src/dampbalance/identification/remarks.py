@@ -6,6 +6,7 @@ A sentence on the oscillator is given only where the fit of one oscillator to al
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -38,10 +39,10 @@ from ..project.wording import (
 )
 from ..signals.checks import is_clipped
 from ..signals.mean_harmonics import Reading
+from ..signals.thresholds import P_CAUSE
 from ..solver import NORMAL_95, solve
 from .answer import UNBOUNDED, USELESS, Answer, ParameterEstimate
 from .causes import (
-    COUPLING,
     OF_CHANNELS,
     OtherFrame,
     as_well,
@@ -71,7 +72,6 @@ _UNITS = {
     25.4: "mm taken for inches",
     10.0: "mm taken for cm",
 }
-_IMITATING = (COUPLING, "a friction force that changes with the speed")
 _ALIKE = 0.02  # sine of the angle between the columns of A below which the levels hardly distinguish F_k from c
 
 
@@ -277,15 +277,19 @@ def _on_the_oscillator(
             "the records are not those of one mass on a spring, a damper and one friction contact: the best one that "
             f"{fit.evaluations} trials found leaves {times(math.sqrt(fit.misfit))} their noise, most in {worst}; K_z "
             f"and the onset of slip cannot be determined; {likely}",
-            doubts={} if cause is None else _doubts_of(cause, fit),
+            doubts=_shifts_of(tested, fit),
         )
     if joint.faults:
         yield _on_channels(fit, joint.faults, tested)
 
 
-def _doubts_of(cause: Departure, fit: WaveformFit) -> Mapping[str, float]:
-    """What a cause does to each number, to first order; without bound where it imitates friction and damping."""
-    return UNBOUNDED if cause.symbol in _IMITATING else remark_on(cause, fit).doubts
+def _shifts_of(tested: Sequence[Departure], fit: WaveformFit) -> dict[str, float]:
+    """By what part of itself each number may change, to first order: the most that a cause does to it which shows, and
+    explains at least half as much as the likeliest."""
+    least = 0.5 * max((one.size**2 for one in tested), default=0.0)
+    causes = [one for one in tested if one.p < P_CAUSE / len(tested) and one.size**2 >= least]
+    shown = [remark_on(one, fit).doubts for one in causes]
+    return {s: max(of.get(s, 0.0) for of in shown) for s in dict.fromkeys(itertools.chain(*shown))}
 
 
 def on_mass(fit: OscillatorFit, mass: float) -> Remark:
@@ -458,7 +462,7 @@ def doubted(answers: Mapping[str, Answer], warnings: Sequence[Remark]) -> dict[s
     doubt where that is more than the interval and than `USELESS`, or is not known.
     """
     return {
-        name: _doubted(answer, [*answer.notes, *(w for w in warnings if name not in w.spares)])
+        name: _doubted(answer, [*(w for w in warnings if name not in w.spares), *answer.notes])
         for name, answer in answers.items()
     }
 
