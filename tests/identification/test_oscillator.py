@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from dampbalance.identification.oscillator import NOT_CONVERGED, joint_fit, with_common_fit
+from dampbalance.identification.remarks import doubted
 from identification.levels import read
 from paper_case import NEAR, PAPER, orbits_at
 from signals.harmonics import lines_of
@@ -110,4 +111,5 @@ def test_a_search_that_did_not_converge_is_said():
     assert whole.notes == ()
     ended = replace(whole, fit=replace(whole.fit, promise=1.0))  # 1.4 standard errors further on
     assert ended.notes == (NOT_CONVERGED,)
-    assert ended.answer.verdicts["F_k"].verdict == "doubtful"
+    judged = doubted({"fit": ended.answer}, [])["fit"].verdicts["F_k"]
+    assert (judged.verdict, judged.reason) == ("doubtful", NOT_CONVERGED)

@@ -102,9 +102,12 @@ def test_a_gain_of_a_decay_scales_friction_alone():
 def test_a_mass_within_the_uncertainty_of_the_stiffness_contradicts_nothing():
     off, mass = 1.004 * PAPER.k, (PAPER.m, 0.0)
     without = identify(forced(), stiffness=off, mass=mass)
-    assert "you gave 2.42 kg (0.40 % less)" in without.approaches["direct"].verdicts["F_k"].reason
+    assert any("you gave 2.42 kg (0.40 % less)" in words for words in without.warnings)
+    # all numbers may be off by as much, which makes none of them useless
+    assert without.verdicts["F_k"].verdict == "usable"
+    assert without.verdicts["F_k"].within > 0.0039
     found = identify(forced(), stiffness=(off, 0.004 * off), mass=mass)
-    assert not any("you gave" in v.reason for v in found.verdicts.values())
+    assert not any("you gave" in words for words in found.warnings)
     low, high = found.intervals["F_k"]
     assert low < PAPER.F_k < high
 

@@ -79,7 +79,7 @@ def test_many_sliders_are_found_where_one_is_not_enough(many):
     assert values["K_z"] == pytest.approx(MANY.K_z, rel=0.1)
     assert values["F_k"] == pytest.approx(MANY.F_k, rel=0.1)
     assert {v.verdict for v in many.verdicts.values()} == {"usable"}
-    verdict, reason = many.approaches["one slider"].verdicts["K_z"]
+    verdict, reason, _ = many.approaches["one slider"].verdicts["K_z"]
     assert verdict == "doubtful"
     assert "the lines support another contact: gradual" in reason
     assert any("one slider is not enough" in words for words in many.rig)

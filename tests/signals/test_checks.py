@@ -158,7 +158,7 @@ def steadiness(Y, X, cycles_per_row=1):
 @pytest.mark.parametrize("which", ["the excitation", "the response"])
 def test_steady_noise_rarely_looks_like_a_change(which, monkeypatch):
     """At the level of 10 % false alarms are 10 % at most, and, the level being cautious, not much fewer than 2 %."""
-    monkeypatch.setattr(checks, "_DRIFT_CHANCE", 0.1)
+    monkeypatch.setattr(checks, "P_DRIFT", 0.1)
     monkeypatch.setattr(checks, "_DRIFT_MATTERS", 0.0)
     rng = np.random.default_rng(7)
     alarms, runs, size = 0, 1000, 64

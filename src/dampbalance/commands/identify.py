@@ -41,6 +41,8 @@ A table of a stepped sine has a line for each steady response, with columns of f
 amplitude of the response, phase, and level; with a force it needs no stiffness:
 
   dampbalance identify levels.csv
+
+The exit status is 0 with an answer, 1 where the records give none (the cause is shown first), 2 for an error.
 """
 
 
@@ -77,11 +79,12 @@ results:
 _SCREEN = Path("-")
 
 
-def run(options: argparse.Namespace) -> None:
-    """Identify, show the table or the document, write the results; or write a mapping."""
+def run(options: argparse.Namespace) -> bool:
+    """Identify, show the table or the document, write the results; or write a mapping. Returns whether there is an
+    answer."""
     if options.write_mapping is not None:
         _write_mapping(options)
-        return
+        return True
     from ..measured import OPTIONS, identify  # slow to import, not needed for help
 
     folder: Path | None = options.output
@@ -110,6 +113,7 @@ def run(options: argparse.Namespace) -> None:
     if places:
         stream = sys.stderr if options.json == _SCREEN else sys.stdout
         print(f"\nWritten to {'; '.join(places)}.", file=stream)
+    return not result.no_answer
 
 
 def _write_mapping(options: argparse.Namespace) -> None:

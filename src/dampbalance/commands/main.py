@@ -59,14 +59,15 @@ def parser(named: Collection[str] = tuple(COMMANDS)) -> argparse.ArgumentParser:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run one command; returns the exit code: 0, or 2 for what could not be done, with one line that says why."""
+    """Run one command; returns the exit code: 0; 1 for records that give no answer; 2 for what could not be done, with
+    one line that says why."""
     arguments = sys.argv[1:] if arguments is None else arguments
     options = parser(arguments).parse_args(arguments)
     try:
-        options.run(options)
+        answered = options.run(options)
     except (ValueError, ArithmeticError, OSError, MemoryError) as error:
         text = _NO_MEMORY if isinstance(error, MemoryError) else trouble(error) or str(error)
         shown = "\n".join(cut(visible(line), _LONGEST) for line in text.split("\n"))
         print(f"dampbalance {options.command}: error: {shown}", file=sys.stderr)
         return 2
-    return 0
+    return 1 if answered is False else 0

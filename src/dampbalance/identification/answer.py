@@ -7,9 +7,10 @@ none of them asks what kind of record it was.
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -24,13 +25,23 @@ from ..solver import NORMAL_95
 
 CONFIDENCE = 0.95
 
+# Correlation from which two coefficients share what is lost: then the limit takes twice `USELESS` at most.
+_TRADES = 0.5
+
+UNBOUNDED: Mapping[str, float] = {"": math.inf}
+"""Doubts of a remark on what may put every number off by nobody knows how much."""
+
 REFERENCE = "maximum likelihood"
 """Name of the answer of the fit to all records, against which the approaches are checked."""
 
-SHAPE = "shape"
-"""Name of a row of the balance that no cycle gives, but the shape of the motion."""
+FUNDAMENTALS = "fundamentals"
+"""Name of the answer of the fit to the fundamental of each record alone, where the waveforms hold no oscillator."""
 
 USABLE, DOUBTFUL, NONE = "usable", "doubtful", "none"
+
+USELESS = 0.05
+"""Share of a number by which a departure may move it before it is doubtful: what two careful laboratories differ by in
+a damping, and half of what a handbook of damping promises."""
 
 
 class Interval(NamedTuple):
@@ -44,14 +55,35 @@ class Interval(NamedTuple):
 class ParameterEstimate:
     """One identified number, SI units; NaN where it could not be identified.
 
-    doubt : why it is not to be trusted though it has an interval; empty where nothing speaks against it.
     standard_error : by the jackknife, or of the fit.   interval : at CONFIDENCE.
+    doubt : why it is not to be trusted though it has an interval; empty where nothing speaks against it.
+    bounded : whether the interval holds what that reason can do to the number.
     """
 
     value: float
     standard_error: float
     interval: Interval
     doubt: str = ""
+    bounded: bool = True
+
+    @property
+    def within(self) -> float:
+        """Half the width of the interval over the value; infinite where nothing bounds the error, NaN without a
+        value."""
+        if not self.bounded:
+            return math.inf
+        half = 0.5 * (self.interval.high - self.interval.low)
+        return half / abs(self.value) if self.value else math.inf
+
+    def wider(self, size: float) -> ParameterEstimate:
+        """The estimate with an independent error of this standard deviation more, in quadrature at either end."""
+        if not (size > 0.0 and math.isfinite(self.value)):
+            return self
+        reach = NORMAL_95 * size
+        low = self.value - math.hypot(self.value - self.interval.low, reach)
+        high = self.value + math.hypot(self.interval.high - self.value, reach)
+        error = math.hypot(self.standard_error, size)
+        return replace(self, standard_error=error, interval=Interval(low, high))
 
 
 UNKNOWN = ParameterEstimate(math.nan, math.nan, Interval(math.nan, math.nan))
@@ -59,10 +91,26 @@ UNKNOWN = ParameterEstimate(math.nan, math.nan, Interval(math.nan, math.nan))
 
 
 class Verdict(NamedTuple):
-    """usable: value and interval hold.   doubtful: a value with a reason not to trust it.   none: no value."""
+    """How far a number can be trusted.
+
+    verdict : "usable", the value is right within its interval; "doubtful", something may move it by more than that and
+    by more than `USELESS`, or by nobody knows how much, or its interval is wider than it is; "none", there is no value.
+    reason : for a verdict that is not usable, and of a number that is only a limit.
+    within : half the width of the interval over the value; infinite for a limit, and where the error has no bound; NaN
+    without a value.
+    """
 
     verdict: str
     reason: str = ""
+    within: float = math.nan
+
+    def document(self) -> dict[str, Any]:
+        """The verdict by the keys of the document."""
+        return {
+            "verdict": self.verdict,
+            "within_percent": 100.0 * self.within,
+            "reason": self.reason,
+        }
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,8 +177,30 @@ class Answer:
 
     @property
     def verdicts(self) -> dict[str, Verdict]:
-        """Whether each value is usable, doubtful or missing, by its symbol, and why."""
-        return {symbol: _judged(symbol, p, self.notes) for symbol, p in self.parameters.items()}
+        """Whether each value is usable, doubtful or missing, by its symbol, and why.
+
+        A coefficient that may be zero is a limit, and usable where another one that makes up for it is known closely:
+        if more friction could hide, the damping that trades with it would be uncertain.
+        """
+        verdicts = {s: _judged(s, p, self.notes) for s, p in self.parameters.items()}
+        errors = np.sqrt(np.diag(self.covariance))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            trade = np.abs(self.covariance / np.outer(errors, errors)) >= _TRADES
+        for (symbol, p), trades in zip(self.coefficients.items(), trade, strict=False):  # K_z last
+            others = itertools.compress(self.coefficients, trades)
+            sure = any(
+                verdicts[s].verdict == USABLE and verdicts[s].within <= USELESS for s in others
+            )
+            if p.interval.low <= 0.0 < p.interval.high and not p.doubt and p.bounded and sure:
+                verdicts[symbol] = Verdict(
+                    USABLE, f"an upper limit only: {limit(symbol, p)}", math.inf
+                )
+        return verdicts
+
+    @property
+    def answered(self) -> bool:
+        """Whether a coefficient has a value whose error is bounded; else the answer is none."""
+        return any(math.isfinite(self.verdicts[symbol].within) for symbol in self.coefficients)
 
     @property
     def misfit(self) -> float:
@@ -220,16 +290,54 @@ def column(symbol: str, what: str = "") -> str:
     return named_with_unit(f"{symbol}{what}", unit_of(symbol))
 
 
+def limit(symbol: str, parameter: ParameterEstimate) -> str:
+    """A number that has a limit only, in words: "F_k < 0.0001 N"."""
+    low, high = parameter.interval
+    above = math.isinf(high)
+    shown = number_text(low, 4) if above else number_text(high, 2)
+    return with_unit(f"{symbol} {'>' if above else '<'} {shown}", unit_of(symbol))
+
+
 def _judged(symbol: str, parameter: ParameterEstimate, notes: Sequence[str]) -> Verdict:
-    """The verdict on a number by itself, and by the notes on its answer: the only place that decides it."""
+    """The verdict on a number by itself; notes say why there is none. The only place that decides it."""
     if math.isnan(parameter.value):
         return Verdict(NONE, "; ".join(notes) or f"these records do not determine {symbol}")
     low, high = parameter.interval
-    reasons = [*notes, *filter(None, [parameter.doubt])]
+    reasons = [*filter(None, [parameter.doubt])]
+    within = parameter.within
     if math.isinf(parameter.value) or math.isinf(high):
-        reasons.append(
-            f"a lower limit only: {symbol} is above {with_unit(number_text(low, 4), unit_of(symbol))}"
-        )
+        reasons.append(f"a lower limit only: {limit(symbol, parameter)}")
+        within = math.inf
     elif not high - low <= abs(parameter.value):
         reasons.append("its interval is wider than its value")
-    return Verdict(DOUBTFUL, "; ".join(reasons)) if reasons else Verdict(USABLE)
+    return Verdict(DOUBTFUL if reasons else USABLE, "; ".join(reasons), within)
+
+
+def entries(answer: Answer) -> dict[str, Any]:
+    """Return an answer by the keys of the document."""
+    document = columns_of(answer)
+    if answer.balance is not None:
+        sizes = np.sqrt(np.diag(answer.covariance))
+        with np.errstate(invalid="ignore"):  # exact rows have no errors
+            correlations = answer.covariance / np.outer(sizes, sizes)
+        document |= {
+            f"correlation_of_{one}_and_{other}": correlations[i, j]
+            for (i, one), (j, other) in itertools.combinations(enumerate(answer.coefficients), 2)
+        }
+    document["verdicts"] = {symbol: v.document() for symbol, v in answer.verdicts.items()}
+    document |= answer.merit
+    if answer.balance is not None:
+        document["rows"] = {**answer.rows, **answer.balance.labels}
+    return document | {"notes": answer.notes}
+
+
+def columns_of(answer: Answer, *, table: bool = False) -> dict[str, Any]:
+    """Return the numbers of an answer in columns named with their units; in a table each end of an interval has a
+    column."""
+    columns: dict[str, Any] = {}
+    for symbol, p in answer.parameters.items():
+        numbers: dict[str, Any] = {"": p.value, "_standard_error": p.standard_error}
+        ends = {"_low": p.interval.low, "_high": p.interval.high}
+        numbers |= ends if table else {"_interval": p.interval}
+        columns |= {column(symbol, what): n for what, n in numbers.items()}
+    return columns

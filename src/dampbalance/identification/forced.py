@@ -41,7 +41,9 @@ from ..signals.one_thread import one_thread
 from ..solver import Estimate, least_squares, solve
 from .answer import (
     CONFIDENCE,
+    FUNDAMENTALS,
     REFERENCE,
+    UNBOUNDED,
     UNKNOWN,
     Answer,
     Balance,
@@ -69,7 +71,7 @@ from .oscillator import (
 from .remarks import DIRECT, agreement, notes_on
 from .request import Stated, mapping_option, records_of, rig_options
 from .screen import implied, with_error
-from .sensitivities import Fault, sensitivities, shifts_of_fit
+from .sensitivities import Fault, sensitivities, shifts_of_fit, shifts_of_fundamentals
 from .stated import with_stated_uncertainties
 
 if TYPE_CHECKING:
@@ -172,6 +174,8 @@ class ForcedOutcome(Identified):
 
     def shifts(self, faults: Mapping[str, Fault], name: str) -> dict[str, dict[str, float]]:
         """What faults of all records do to an answer; nothing is known of a fit that is not that of the waveforms."""
+        if name == FUNDAMENTALS and self.joint.fundamentals is not None:
+            return shifts_of_fundamentals(self.readings, self.joint.fundamentals, faults)
         if name in self.estimates:
             rows_of = LawRows(
                 approach(self.estimates[name].name), self.law, self.k, self.joint.linear
@@ -369,7 +373,8 @@ def identify_readings(
     readings = with_common_fit(readings, joint, law)
     samples = read_samples(readings)
     line = microstick(samples)
-    estimates: dict[str, Answer] = {}
+    alone = joint.answer_of_fundamentals
+    estimates: dict[str, Answer] = {} if alone is None else {FUNDAMENTALS: alone}
     for name in ways:
         rows_of = LawRows(name, law, k, joint.linear)
         one = _answer(name, rows_of, joint, readings, samples, line)
@@ -433,7 +438,8 @@ def _require(
 
 _UNCHECKED = Remark(
     "there are fewer levels than coefficients: only the shape of the waveforms distinguishes them, and no balance "
-    "checks it; add records at other amplitudes"
+    "checks it; add records at other amplitudes",
+    doubts=UNBOUNDED,
 )
 
 

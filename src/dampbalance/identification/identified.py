@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 import re
 import warnings
@@ -21,16 +20,28 @@ import numpy as np
 
 from .. import __version__
 from ..arguments import flag, one_of, path
+from ..law.terms import FRICTION
 from ..motion.jit import interpreted
 from ..project.files import plain, write_json, write_rows, write_text
-from ..project.wording import Remark, visible
+from ..project.wording import Remark, percent, sentence, visible
 from ..records.coordinate import ROTATION, TRANSLATION, Coordinate
 from ..records.measured import MeasuredRecord
-from .answer import REFERENCE, USABLE, Answer, Interval, Verdict, column, unit_of
+from .answer import (
+    NONE,
+    REFERENCE,
+    USABLE,
+    Answer,
+    Interval,
+    Verdict,
+    columns_of,
+    entries,
+    limit,
+    unit_of,
+)
 from .law_comparison import LawComparison
 from .outputs import ALL_PICTURES, REPORT, TABLES, pictures_of, require_room
 from .remarks import Limit, doubted, in_a_sentence, limits
-from .screen import aligned, answers_table, comparison
+from .screen import aligned, answers_table, comparison, value_of
 from .sensitivities import FAULTS, Fault
 
 if TYPE_CHECKING:
@@ -297,9 +308,32 @@ class Identified(ABC):
     def verdicts(self) -> dict[str, Verdict]:
         """The verdict on each: usable, doubtful or none, and why."""
         return {
-            symbol: Verdict(word, self.in_words(reason))
-            for symbol, (word, reason) in self.answer.verdicts.items()
+            symbol: one._replace(reason=self.in_words(one.reason))
+            for symbol, one in self.answer.verdicts.items()
         }
+
+    @property
+    def no_answer(self) -> str:
+        """Why there is no answer, where no coefficient has a value whose error is bounded; empty where there is one."""
+        if self.answer.answered:
+            return ""
+        verdicts = self.verdicts
+        return "; ".join(dict.fromkeys(verdicts[s].reason for s in self.answer.coefficients))
+
+    @property
+    def lead(self) -> str:
+        """What is to be said before all numbers: that there is no answer and its first cause, or no friction; else
+        empty."""
+        if why := self.no_answer:
+            return sentence(f"no answer: {why.partition(';')[0]}")
+        verdict, c = self.verdicts.get(FRICTION), self.answer.parameters.get("c")
+        if verdict is None or c is None or (verdict.verdict, verdict.within) != (USABLE, math.inf):
+            return ""
+        friction = limit(FRICTION, self.answer.parameters[FRICTION])
+        ratio = self.damping_ratio
+        zeta = "" if math.isnan(ratio) else f", ζ = {percent(ratio, 2)}"
+        words = f"No friction ({friction} at 95 %); c = {value_of(c)} {unit_of('c')}{zeta}."
+        return self.in_words(words)
 
     @property
     def covariance(self) -> pd.DataFrame:
@@ -323,7 +357,7 @@ class Identified(ABC):
 
     def to_frame(self) -> pd.DataFrame:
         """A line for each approach and each number: approach, symbol, unit, value, standard_error, low and high (the
-        interval of 95 %), verdict, reason."""
+        interval of 95 %), verdict, within_percent, reason."""
         import pandas as pd  # slow to import
 
         return pd.DataFrame(
@@ -332,7 +366,7 @@ class Identified(ABC):
                 "unit": self.coordinate.unit(unit_of(symbol)),
                 **{"value": p.value, "standard_error": p.standard_error},
                 **p.interval._asdict(),
-                **answer.verdicts[symbol]._asdict(),
+                **answer.verdicts[symbol].document(),
             }
             for name, answer in self.approaches.items()
             for symbol, p in answer.parameters.items()
@@ -355,7 +389,7 @@ class Identified(ABC):
     @interpreted(calls=QUICK)
     def _document(self) -> dict[str, Any]:
         """The document with the names of a translation."""
-        answers, findings = {n: _entries(a) for n, a in self.approaches.items()}, self.findings()
+        answers, findings = {n: entries(a) for n, a in self.approaches.items()}, self.findings()
         for entry, record in zip(findings["records"], self.records, strict=bool(self.records)):
             entry |= record.files or {}
         of, effects = self.sensitivities()
@@ -367,6 +401,7 @@ class Identified(ABC):
             "k_N_per_m": self.k,
             **self.settings,
             "answer": next(iter(answers)),
+            "no_answer": self.no_answer or None,
             "approaches": {name: answers[name] for name in self.estimates},
             "maximum_likelihood": answers.get(REFERENCE),
             **({} if self.laws is None else {"laws": self.laws.document()}),
@@ -391,10 +426,15 @@ class Identified(ABC):
         columns named with units, and the verdict on each; None where an answer has no such number."""
         rows = []
         for name, answer in self.approaches.items():
-            row = {"approach": name} | _columns(answer, table=True)
+            row = {"approach": name} | columns_of(answer, table=True)
             row |= {key: answer.merit[key] for key in _IN_TABLE if key in answer.merit}
-            row |= {f"{symbol}_verdict": v.verdict for symbol, v in answer.verdicts.items()}
+            for symbol, v in answer.verdicts.items():
+                row |= {
+                    f"{symbol}_verdict": v.verdict,
+                    f"{symbol}_within_percent": 100.0 * v.within,
+                }
             rows.append(row | {"note": "; ".join(answer.notes)})
+        rows[0]["no_answer"] = self.no_answer
         columns = dict.fromkeys(name for row in sorted(rows, key=len, reverse=True) for name in row)
         table = [{name: row.get(name) for name in columns} for row in rows]
         return [self.coordinate.document(row, self._names) for row in table]
@@ -415,13 +455,16 @@ class Identified(ABC):
 
     def text(self) -> str:
         """The table for a screen: the answers with their 95 % intervals and verdicts, a line each, then what limits
-        them."""
+        them; where there is no answer, the causes first and the numbers last."""
         tests, sentences = [*map(self.in_words, comparison(self.laws))], self.limiting
         table = [[*map(self.coordinate.text, line)] for line in answers_table(self.approaches)]
-        lines = [self.head, "", *aligned(table), "", *self.rig]
-        lines += ["", *tests] if tests else []
-        lines += ["", "What limits the answer:", *sentences] if sentences else []
-        return "\n".join(lines) + "\n"
+        numbers = [self.head, "", *aligned(table), "", *self.rig]
+        numbers += ["", *tests] if tests else []
+        heading = "Causes and remedies" if self.no_answer else "What limits the answer"
+        causes = [f"{heading}:", *sentences] if sentences else []
+        parts = [causes, numbers] if self.no_answer else [numbers, causes]
+        parts = [[self.lead] if self.lead else [], *parts]
+        return "\n\n".join("\n".join(part) for part in parts if part) + "\n"
 
     def __repr__(self) -> str:
         """The table for a screen."""
@@ -547,38 +590,10 @@ def _lacking_glyphs() -> Iterator[None]:
 
 
 def _worth(answer: Answer) -> tuple[float, ...]:
-    """What an answer is chosen for: coefficients that are usable, coefficients that have a value, and of two that are
-    equal in these the fit, unless a note limits it."""
-    verdicts = answer.verdicts
-    usable = sum(verdicts[symbol].verdict == USABLE for symbol in answer.coefficients)
-    valued = sum(not math.isnan(p.value) for p in answer.coefficients.values())
-    return usable, valued, 0.5 if answer.balance is not None else float(not answer.notes)
-
-
-def _entries(answer: Answer) -> dict[str, Any]:
-    """An answer for the document."""
-    entries = _columns(answer)
-    if answer.balance is not None:
-        sizes = np.sqrt(np.diag(answer.covariance))
-        with np.errstate(invalid="ignore"):  # exact rows have no errors
-            correlations = answer.covariance / np.outer(sizes, sizes)
-        entries |= {
-            f"correlation_of_{one}_and_{other}": correlations[i, j]
-            for (i, one), (j, other) in itertools.combinations(enumerate(answer.coefficients), 2)
-        }
-    entries["verdicts"] = {symbol: v._asdict() for symbol, v in answer.verdicts.items()}
-    entries |= answer.merit
-    if answer.balance is not None:
-        entries["rows"] = {**answer.rows, **answer.balance.labels}
-    return entries | {"notes": answer.notes}
-
-
-def _columns(answer: Answer, *, table: bool = False) -> dict[str, Any]:
-    """The numbers of an answer in columns named with their units; in a table each end of an interval has a column."""
-    columns: dict[str, Any] = {}
-    for symbol, p in answer.parameters.items():
-        numbers: dict[str, Any] = {"": p.value, "_standard_error": p.standard_error}
-        ends = {"_low": p.interval.low, "_high": p.interval.high}
-        numbers |= ends if table else {"_interval": p.interval}
-        columns |= {column(symbol, what): n for what, n in numbers.items()}
-    return columns
+    """What an answer is chosen for: coefficients that are usable, that have a bounded error, that have a value; and of
+    two that are equal in these the fit, where it is an answer."""
+    verdicts = [answer.verdicts[symbol] for symbol in answer.coefficients]
+    usable = sum(one.verdict == USABLE for one in verdicts)
+    bounded = sum(math.isfinite(one.within) for one in verdicts)
+    valued = sum(one.verdict != NONE for one in verdicts)
+    return usable, bounded, valued, float(answer.balance is None and answer.answered)

@@ -17,6 +17,7 @@ import numpy as np
 from ..arrays import Array
 from ..balance import Approach, Rows
 from ..features import Features, stack
+from ..fit.fundamentals import FundamentalFit, fit_fundamentals
 from ..fit.goodness import improbable, linear_misfit
 from ..fit.nuisances import NUISANCES
 from ..fit.score import Departure
@@ -28,17 +29,26 @@ from ..project.wording import Remark
 from ..signals.lines import Lines
 from ..signals.mean_harmonics import RESOLVED, Means, Reading
 from ..solver import NORMAL_95
-from .answer import Answer, answer_of_fit
+from .answer import FUNDAMENTALS, UNBOUNDED, Answer, answer_of_fit
 
 Of = TypeVar("Of")
 To = TypeVar("To")
 
-FAULTY = Remark("a channel seems to be at fault (see below): all numbers carry that error")
+FAULTY = Remark(
+    "a channel seems to be at fault (see below): all numbers carry that error", doubts=UNBOUNDED
+)
 FAR = Remark(
-    "the records are not those of such an oscillator: it is only the one that comes nearest"
+    "the records are not those of such an oscillator: it is only the one that comes nearest",
+    doubts=UNBOUNDED,
 )
 NOT_CONVERGED = Remark(
-    "the search for the best oscillator was ended before it converged: its numbers are no optimum"
+    "the search for the best oscillator was ended before it converged: its numbers are no optimum",
+    doubts=UNBOUNDED,
+)
+
+_OF_FUNDAMENTALS = (
+    "the higher harmonics are not those of one oscillator: its numbers come from the fundamental of each level, whose "
+    "dynamic stiffness scatters by {} % about it, with intervals from that scatter"
 )
 
 _UNKNOWN = ("X_s", "V_s", "t_s", "X_r", "V_r", "t_r")
@@ -77,6 +87,7 @@ class JointFit:
     delayed : the fit with a delay between base and response.
     faults : of channels that explain what noise does not, the likeliest first, and those that do as well (`AS_WELL`).
     mass : kg, as given, or None.   mass_fits : whether the records agree with it.
+    fundamentals : the fit to the fundamental of each record alone, where the waveforms are not those of an oscillator.
     """
 
     fit: WaveformFit | None
@@ -85,6 +96,7 @@ class JointFit:
     faults: tuple[ChannelFault, ...] = ()
     mass: float | None = None
     mass_fits: bool = True
+    fundamentals: FundamentalFit | None = None
 
     @property
     def waveforms_hold(self) -> bool:
@@ -126,6 +138,16 @@ class JointFit:
             delay_standard_error_s=None if delayed is None else delayed.error("delay"),
         )
 
+    @property
+    def answer_of_fundamentals(self) -> Answer | None:
+        """The answer of the fit to the fundamentals; None where the waveforms hold, or there is none."""
+        fit = self.fundamentals
+        if fit is None:
+            return None
+        notes = [Remark(_OF_FUNDAMENTALS, f"{100.0 * fit.scatter:.2g}")]
+        answer = answer_of_fit(fit, fit.law.unknowns, notes, residual=fit.scatter)
+        return replace(answer, name=FUNDAMENTALS)
+
 
 def joint_fit(
     lines: Sequence[Lines],
@@ -154,8 +176,9 @@ def joint_fit(
     fit = fit_records(lines, k, law, thorough=slips)
     explained = 0.0 if fit is None else chi_square - fit.chi_square
     linear = explained < _SHOWS and not slips
+    alone = None if linear else _fundamentals(fit, lines, k, law)
     if fit is None or linear:
-        return JointFit(fit, linear, None, mass=m)
+        return JointFit(fit, linear, None, mass=m, fundamentals=alone)
     error = fit.error("m")
     given = refit(fit, given={"m": m}) if m is not None and mass_error < error else None
     # χ² rises by the square of the difference over the error of the records alone
@@ -165,7 +188,7 @@ def joint_fit(
     agrees = m is None or fits or abs(fit.m - m) < math.sqrt(_SHOWS) * off
     fit = given if given is not None and fits else fit
     if not timing:
-        return JointFit(fit, linear, None, mass=m, mass_fits=agrees)
+        return JointFit(fit, linear, None, mass=m, mass_fits=agrees, fundamentals=alone)
     # a damper to the base and one to the ground together make up for any delay
     delayed = None if {"c", "c_r"} <= set(law.unknowns) else refit(fit, ["delay"])
     likely = [n for n in ("corner", "gain") if _explains(fit.departures.get(n))]
@@ -187,7 +210,16 @@ def joint_fit(
 
     least = min(map(misfit, faults), default=math.inf)
     faults = sorted((one for one in faults if misfit(one) < least + AS_WELL), key=misfit)
-    return JointFit(fit, linear, delayed, tuple(faults), m, agrees)
+    return JointFit(fit, linear, delayed, tuple(faults), m, agrees, alone)
+
+
+def _fundamentals(
+    fit: WaveformFit | None, lines: Sequence[Lines], k: float, law: Law
+) -> FundamentalFit | None:
+    """The fit to the fundamentals, where that to the waveforms is none of the records."""
+    if fit is None:
+        return fit_fundamentals(lines, k, law)
+    return None if fit.adequate else fit_fundamentals(lines, k, law)
 
 
 def _explains(one: Departure | None) -> bool:
@@ -212,7 +244,8 @@ def with_common_fit(
         shared = fit.waveforms[i] if fit is not None and fit.adequate else None
         travel = reading.stick_travel
         if fit is not None and not fit.adequate:
-            travel = fit.responses[i].stick_travel if fit.responses[i].slips else math.nan
+            nearest = (joint.fundamentals or fit).responses[i]
+            travel = nearest.stick_travel if nearest.slips else math.nan
         fitted.append(replace(reading, waveform=shared, stick_travel=travel, terms=wanted))
     return fitted
 

@@ -21,7 +21,7 @@ from ..fit.oscillator_fit import OscillatorFit
 from ..fit.score import Departure
 from ..fit.steady_search import fit_records
 from ..fit.waveforms import WaveformFit
-from ..law.terms import term
+from ..law.terms import FRICTION, term
 from ..project.wording import (
     Remark,
     Shown,
@@ -38,9 +38,10 @@ from ..project.wording import (
 )
 from ..signals.checks import is_clipped
 from ..signals.mean_harmonics import Reading
-from ..solver import NORMAL_95
-from .answer import Answer, ParameterEstimate
+from ..solver import NORMAL_95, solve
+from .answer import UNBOUNDED, USELESS, Answer, ParameterEstimate
 from .causes import (
+    COUPLING,
     OF_CHANNELS,
     OtherFrame,
     as_well,
@@ -70,6 +71,7 @@ _UNITS = {
     25.4: "mm taken for inches",
     10.0: "mm taken for cm",
 }
+_IMITATING = (COUPLING, "a friction force that changes with the speed")
 _ALIKE = 0.02  # sine of the angle between the columns of A below which the levels hardly distinguish F_k from c
 
 
@@ -90,15 +92,41 @@ def notes_on(answer: Answer, readings: Sequence[Reading], joint: JointFit) -> It
         yield Remark(
             "slip onset could not be detected: the stick distance is taken from the closest fit"
             if joint.fit is not None
-            else "the onset of slip is not known: the contact is taken as rigid, and F_k is too small"
+            else "the onset of slip is not known: the contact is taken as rigid, and F_k is too small",
+            doubts=_by_half_the_stick(answer, readings) if joint.fit is not None else UNBOUNDED,
         )
         if answer.misfit > _FAR**2:
             yield Remark(
-                "its rows lie {} times farther from the balance than noise explains, and the intervals do not show it",
+                "its rows lie {} times farther from the balance than noise explains",
                 factor(math.sqrt(answer.misfit)),
+                doubts=by_scatter(answer.coefficients, answer.misfit),
             )
     if joint.faults:
         yield FAULTY
+
+
+def by_scatter(coefficients: Mapping[str, ParameterEstimate], misfit: float) -> dict[str, float]:
+    """By what part of itself each coefficient may be off where the rows scatter as much as this χ² per degree of
+    freedom says: its interval, as many times as wide."""
+    return {symbol: math.sqrt(misfit) * p.within for symbol, p in coefficients.items()}
+
+
+def _by_half_the_stick(answer: Answer, readings: Sequence[Reading]) -> dict[str, float]:
+    """By what part of itself each coefficient changes where the stick distance λ = 4X − a is off by half of it."""
+    assert answer.balance is not None
+    rows, errors = answer.balance.rows, answer.balance.errors
+    weights = np.where(errors > 0.0, errors, 1.0) ** -2.0
+    travel = 4.0 * np.array([reading.averaged_cycle()["x"].max() for reading in readings])
+    terms = {
+        key: g + 0.5 * (travel - g) if term(key).symbol == FRICTION else g
+        for key, g in rows.terms.items()
+    }
+    shifted = solve(replace(rows, terms=terms, weights=weights))
+    return {
+        symbol: abs(float(value) / answer.values[symbol] - 1.0)
+        for symbol, value in shifted.values.items()
+        if answer.values.get(symbol)
+    }
 
 
 def forbidden(
@@ -115,6 +143,7 @@ def forbidden(
         Remark(
             "{} = {} is negative, which physics forbids: {}",
             *(symbol, Shown(p.value, with_unit(number_text(p.value, 3), term(symbol).unit)), cause),
+            doubts=UNBOUNDED,
         )
         for symbol, p in coefficients.items()
         if p.interval.high < 0.0
@@ -125,6 +154,7 @@ def _shape(answer: Answer) -> Iterator[Remark]:
     """A sentence where the shape of x(t) that an approach assumes costs more than its interval shows."""
     parts: list[str] = []
     sizes: list[Any] = []
+    doubts: dict[str, float] = {}
     for symbol, bias in answer.shape_bias.items():
         own = answer.coefficients[symbol]
         least = max(_SHAPE_SHOWS * own.standard_error, _SHAPE_LEAST * abs(own.value))
@@ -132,11 +162,12 @@ def _shape(answer: Answer) -> Iterator[Remark]:
             size = f"{{}} too {'small' if bias < 0.0 else 'large'}"
             parts.append(f"{{}} {size if math.isfinite(bias) else 'impossible to find'}")
             sizes += [symbol, larger_by(abs(bias))][: 1 + math.isfinite(bias)]
+            doubts[symbol] = abs(bias)
     if parts:
         yield Remark(
-            f"the shape of x(t) that this approach assumes makes {listed(parts)} for the oscillator identified, and "
-            "its intervals do not show it",
+            f"the shape of x(t) that this approach assumes makes {listed(parts)} for the oscillator identified",
             *sizes,
+            doubts=doubts,
         )
 
 
@@ -219,7 +250,7 @@ def _on_the_oscillator(
         )
         return
     if joint.mass is not None and not joint.mass_fits:
-        yield on_mass(fit, fit.law.unknowns, joint.mass)
+        yield on_mass(fit, joint.mass)
     named = bool(joint.faults or frame)
     cause = None if named else likeliest(fit, tested)
     others = (
@@ -245,28 +276,30 @@ def _on_the_oscillator(
         yield Remark(
             "the records are not those of one mass on a spring, a damper and one friction contact: the best one that "
             f"{fit.evaluations} trials found leaves {times(math.sqrt(fit.misfit))} their noise, most in {worst}; K_z "
-            f"and the onset of slip cannot be determined; {likely}"
+            f"and the onset of slip cannot be determined; {likely}",
+            doubts={} if cause is None else _doubts_of(cause, fit),
         )
     if joint.faults:
         yield _on_channels(fit, joint.faults, tested)
 
 
-def on_mass(fit: OscillatorFit, keys: Iterable[str], mass: float) -> Remark:
-    """The warning that a mass is not that of the records, with doubts on each number that it moves by more than the
-    number's interval.
+def _doubts_of(cause: Departure, fit: WaveformFit) -> Mapping[str, float]:
+    """What a cause does to each number, to first order; without bound where it imitates friction and damping."""
+    return UNBOUNDED if cause.symbol in _IMITATING else remark_on(cause, fit).doubts
+
+
+def on_mass(fit: OscillatorFit, mass: float) -> Remark:
+    """The warning that a mass is not that of the records, and that each number may be off by as much.
 
     m, c, k, K_z and F_k times a number are an oscillator of the same motion: where the mass is right, the stiffness is
     likely wrong, and all numbers by as much.
 
-    keys : of the coefficients.   mass : kg, as given.
+    mass : kg, as given.
     """
-    off = abs(mass / fit.m - 1.0)
-    parts = {key: fit.error(key) / (abs(fit.value(key)) or math.inf) for key in keys}
-    parts["K_z"] = math.inf if fit.rigid else fit.K_z_error / fit.K_z
     return Remark(
         f"the {of_masses(fit.m, mass)}, more than their uncertainties allow: check the mass, the stiffness, the "
         "gains and the units, of which one may put all numbers off by as much",
-        doubts={symbol: off for symbol, part in parts.items() if off > NORMAL_95 * part},
+        doubts={"": abs(mass / fit.m - 1.0)},
     )
 
 
@@ -405,8 +438,11 @@ def _apart(answer: Answer | None, joint: JointFit) -> Iterator[Remark]:
     if parts:
         yield Remark(
             "the energy balance and the fit of one oscillator to all records differ, "
-            f"{' and '.join(parts.values())}, by more than their errors allow: trust neither interval",
-            doubts=dict.fromkeys(parts, math.inf),
+            f"{' and '.join(parts.values())}, by more than their errors allow",
+            doubts={
+                symbol: abs(answer.values[symbol] / joint.fit.value(symbol) - 1.0)
+                for symbol in parts
+            },
         )
 
 
@@ -418,28 +454,40 @@ def _sine(rows: Rows) -> float:
 
 
 def doubted(answers: Mapping[str, Answer], warnings: Sequence[Remark]) -> dict[str, Answer]:
-    """The answers, each number doubtful that a warning casts doubt on: what is warned of is never usable.
-
-    A warning whose effect on a number is known makes it doubtful if that is more than its interval shows.
+    """The answers with their intervals widened by what their notes and the warnings can do to each number, and with a
+    doubt where that is more than the interval and than `USELESS`, or is not known.
     """
-    kinds = _by_kind(remark for remark in warnings if remark.doubts)
-
-    def judged(name: str, symbol: str, p: ParameterEstimate) -> ParameterEstimate:
-        reasons = [p.doubt] if p.doubt else []
-        for group in kinds:
-            parts = [r.doubts.get(symbol, r.doubts.get("", 0.0)) for r in group]
-            effect = max(parts) * abs(p.value) if any(parts) else 0.0
-            shows = effect and not effect <= _SHAPE_SHOWS * p.standard_error  # nor is NaN
-            if shows and name not in group[0].spares:
-                reasons.append(merged(group))
-        return replace(p, doubt="; ".join(reasons))
-
     return {
-        name: replace(
-            answer, parameters={s: judged(name, s, p) for s, p in answer.parameters.items()}
-        )
+        name: _doubted(answer, [*answer.notes, *(w for w in warnings if name not in w.spares)])
         for name, answer in answers.items()
     }
+
+
+def _doubted(answer: Answer, remarks: Iterable[Remark]) -> Answer:
+    """The answer with what remarks can do to its numbers."""
+    kinds = _by_kind(remark for remark in remarks if remark.doubts)
+    parameters = {s: _shifted(s, p, kinds) for s, p in answer.parameters.items()}
+    # which way a shift goes is not known: it correlates nothing
+    pairs = zip(parameters.values(), answer.parameters.values(), strict=True)
+    added = np.diag([p.standard_error**2 - own.standard_error**2 for p, own in pairs])
+    return replace(
+        answer, parameters=parameters, covariance=answer.covariance + np.nan_to_num(added)
+    )
+
+
+def _shifted(symbol: str, p: ParameterEstimate, kinds: Sequence[list[Remark]]) -> ParameterEstimate:
+    """A number with what remarks can do to it: the largest shift of each kind, all kinds in quadrature."""
+    shifts = [max(r.doubts.get(symbol, r.doubts.get("", 0.0)) for r in of) for of in kinds]
+    shifts = [math.inf if math.isnan(shift) else shift for shift in shifts]
+    total = math.hypot(*shifts)
+    bounded = total < 1.0  # what may change a number by all of it bounds nothing
+    reasons = [p.doubt] if p.doubt else []
+    if not (bounded and total <= max(USELESS, p.within)):
+        # those that have no bound, or the one that does most
+        worst = max(shifts)
+        reasons += [merged(of) for of, shift in zip(kinds, shifts, strict=True) if shift == worst]
+    wider = p.wider(total * abs(p.value) / NORMAL_95) if bounded else p
+    return replace(wider, doubt="; ".join(reasons), bounded=bounded and p.bounded)
 
 
 # --- both as a list without repetitions -----------------------------------------------------------

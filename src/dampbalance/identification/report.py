@@ -30,7 +30,7 @@ from ..project.wording import (
     visible,
     with_unit,
 )
-from .answer import DOUBTFUL, NONE, USABLE, Answer, ParameterEstimate, unit_of
+from .answer import DOUBTFUL, NONE, USABLE, Answer, ParameterEstimate, limit, unit_of
 from .remarks import in_a_sentence
 from .screen import answers_table, comparison, interval_of, value_of
 
@@ -76,6 +76,8 @@ def _verdict(answer: Answer, warnings: Sequence[Remark]) -> tuple[str, str]:
         groups[one.verdict].append(symbol)
     usable, doubtful, none = groups.values()
     parts = []
+    if not answer.answered:
+        parts.append("these records give no answer")
     if usable:
         these = "can be used as they stand" if len(usable) > 1 else "can be used as it stands"
         parts.append(f"{_values(answer, usable)} {these}")
@@ -86,13 +88,10 @@ def _verdict(answer: Answer, warnings: Sequence[Remark]) -> tuple[str, str]:
         parts.append(f"{listed(none)} cannot be had from these records")
     kind = DOUBTFUL if usable and (doubtful or none) else next(k for k, of in groups.items() if of)
     if kind != USABLE:
-        casting = [one for one in warnings if any(one.doubts.values())] or [*answer.notes]
-        reasons = [
-            _clause(one.words).partition(":")[0] + (one.source and f" ({_short(one.source)})")
-            for one in casting
-        ]
-        reasons += [_clause(one.reason) for one in answer.verdicts.values() if one.reason]
-        parts.append(f"the first reason: {reasons[0]}")
+        first = next(v.reason for v in answer.verdicts.values() if v.verdict != USABLE)
+        source = next((w.source for w in warnings if w.source and first.startswith(w.words)), "")
+        clause = _clause(first).partition(":")[0]
+        parts.append(f"the first reason: {clause}" + (source and f" ({_short(source)})"))
     return sentence("; ".join(parts)), f"lead {kind}"
 
 
@@ -116,20 +115,18 @@ def _values(answer: Answer, symbols: Sequence[str]) -> str:
     texts = []
     for symbol in symbols:
         p = answer.parameters[symbol]
-        share = f" (±\N{NO-BREAK SPACE}{_part(p)})" if _half(p) < 1.0 else ""
+        if p.interval.low <= 0.0 < p.interval.high and answer.verdicts[symbol].verdict == USABLE:
+            texts.append(limit(symbol, p))
+            continue
+        share = f" (±\N{NO-BREAK SPACE}{_part(p)})" if p.within < 1.0 else ""
         value = value_of(p)
         equal = "" if value.startswith(">") else "= "
         texts.append(with_unit(f"{symbol} {equal}{value}", unit_of(symbol)) + share)
     return listed(texts)
 
 
-def _half(p: ParameterEstimate) -> float:
-    """Half the width of an interval, as a part of its value."""
-    return 0.5 * (p.interval.high - p.interval.low) / abs(p.value) if p.value else math.nan
-
-
 def _part(p: ParameterEstimate) -> str:
-    return percent(_half(p), 2).replace(" ", "\N{NO-BREAK SPACE}")
+    return percent(p.within, 2).replace(" ", "\N{NO-BREAK SPACE}")
 
 
 def _first_check(answer: Answer, effects: Mapping[str, Any]) -> list[str]:
@@ -138,7 +135,7 @@ def _first_check(answer: Answer, effects: Mapping[str, Any]) -> list[str]:
     felt = [("", 1.0)]
     for effect in effects.values():
         for symbol, p in answer.parameters.items():
-            change, half = abs(effect.get(f"{symbol}_percent") or 0.0) / 100.0, _half(p)
+            change, half = abs(effect.get(f"{symbol}_percent") or 0.0) / 100.0, p.within
             if half > 0.0 and math.isfinite(half):
                 words = (
                     f"{effect['fault']}, {symbol} is off by {larger_by(change)}, and its interval"

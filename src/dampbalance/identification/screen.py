@@ -7,8 +7,8 @@ from collections.abc import Mapping, Sequence
 
 from ..fit.oscillator_fit import OscillatorFit
 from ..project import wording
-from ..project.wording import minus, number_text, written
-from .answer import Answer, ParameterEstimate, Verdict, unit_of
+from ..project.wording import minus, number_text, part, written
+from .answer import USABLE, Answer, ParameterEstimate, Verdict, unit_of
 from .law_comparison import LawComparison, Probability
 from .remarks import of_masses
 
@@ -36,13 +36,18 @@ def aligned(table: Sequence[Sequence[str]]) -> list[str]:
 
 
 def in_one(verdicts: Mapping[str, Verdict]) -> str:
-    """The verdicts on several parameters for a line of a table: "usable", or "usable: F_k, c; none: K_z"."""
+    """The verdicts on several parameters for a line of a table: "usable within 1.2 %", or "usable within 0.3 %: F_k, c;
+    none: K_z", where the number that is known least decides."""
     by_word: dict[str, list[str]] = {}
-    for symbol, (word, _) in verdicts.items():
-        by_word.setdefault(word, []).append(symbol)
-    if len(by_word) == 1:
-        return next(iter(by_word))
-    return "; ".join(f"{word}: {', '.join(symbols)}" for word, symbols in by_word.items())
+    for symbol, one in verdicts.items():
+        by_word.setdefault(one.verdict, []).append(symbol)
+    parts = []
+    for word, symbols in by_word.items():
+        sizes = [within for s in symbols if math.isfinite(within := verdicts[s].within)]
+        size = f" within {part(max(sizes))}" if word == USABLE and sizes else ""
+        named = f": {', '.join(symbols)}" if len(by_word) > 1 else ""
+        parts.append(f"{word}{size}{named}")
+    return "; ".join(parts)
 
 
 def comparison(laws: LawComparison | None) -> list[str]:

@@ -16,6 +16,7 @@ from functools import lru_cache
 import numpy as np
 
 from ..arrays import Array
+from ..fit.fundamentals import FundamentalFit
 from ..fit.steady_search import refit
 from ..fit.waveforms import WaveformFit
 from ..law.terms import FRICTION
@@ -123,6 +124,19 @@ def shifts_of_fit(
             shifts[key] = changes[key] / value + scaled
     shifts["K_z"] = -2.0 * shifts.pop("rho")  # K_z = ρ^{−2}
     return _by_fault(faults, shifts)
+
+
+def shifts_of_fundamentals(
+    readings: Sequence[Reading], fit: FundamentalFit, faults: Mapping[str, Fault]
+) -> dict[str, dict[str, float]]:
+    """By how much each fault changes what the fit to the fundamentals identifies; as `shifts_of_fit`."""
+    means = [_faulty(reading, list(faults.values())) for reading in readings]
+    stiffness = np.array([mean.Y / mean.x[:, 0] for mean in means])
+    moved = fit.moved(stiffness[:, 1:] / stiffness[:, :1] - 1.0) / _STEP
+    scaled = np.array([fault.stiffness for fault in faults.values()])
+    changes = dict(zip(fit.names, moved, strict=True))
+    shifts: dict[str, Array] = {key: changes[key] + scaled for key in (*fit.law.unknowns, "m")}
+    return _by_fault(faults, shifts | {"K_z": scaled - 2.0 * changes["rho"]})
 
 
 def _by_fault(names: Iterable[str], of: Mapping[str, Array]) -> dict[str, dict[str, float]]:

@@ -22,8 +22,7 @@ import numpy as np
 
 from ..project.wording import change_text, listed
 from ..records.measurement import EXCITATIONS
-from ..solver import NORMAL_95
-from .answer import REFERENCE, Answer, Interval, ParameterEstimate, unit_of
+from .answer import REFERENCE, Answer, unit_of
 from .identified import Identified
 from .loading import correction_of
 from .sensitivities import FAULTS, Fault
@@ -98,21 +97,9 @@ def widened(answer: Answer, shifts: Mapping[str, Mapping[str, float]]) -> Answer
         merit["m_standard_error_kg"] = math.hypot(merit["m_standard_error_kg"], *of_mass)
     return replace(
         answer,
-        parameters={s: _wider(answer.parameters[s], size) for s, size in sizes.items()},
+        parameters={s: answer.parameters[s].wider(size) for s, size in sizes.items()},
         covariance=covariance,
         merit=merit,
-    )
-
-
-def _wider(p: ParameterEstimate, size: float) -> ParameterEstimate:
-    """An estimate with an independent error of this standard deviation more, in quadrature at either end."""
-    if not (size > 0.0 and math.isfinite(p.value)):
-        return p
-    reach = NORMAL_95 * size
-    low = p.value - math.hypot(p.value - p.interval.low, reach)
-    high = p.value + math.hypot(p.interval.high - p.value, reach)
-    return replace(
-        p, standard_error=math.hypot(p.standard_error, size), interval=Interval(low, high)
     )
 
 

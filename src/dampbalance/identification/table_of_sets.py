@@ -16,7 +16,7 @@ from .answer import Interval, ParameterEstimate, Verdict, column
 from .outputs import ESTIMATES, SUMMARY
 from .screen import aligned, headed, in_one, with_interval
 
-_VERDICT = "_verdict"
+_VERDICT, _WITHIN = "_verdict", "_within_percent"
 
 
 def summarise(folder: Path, errors: Mapping[str, str]) -> str:
@@ -36,13 +36,17 @@ def summarise(folder: Path, errors: Mapping[str, str]) -> str:
     every = pd.concat(parts, ignore_index=True)
     every["error"] = every.pop("error") if failed else ""
     rows = every.groupby("set", sort=False).head(1).to_dict("records")
+    silent = {
+        row["set"]: why for row in rows if isinstance(why := row.get("no_answer"), str) and why
+    }
     tables = []
     for coordinate in dict.fromkeys(coordinates.values()):
         own = [row for row in rows if coordinates[row["set"]] is coordinate]
-        tables += ["", *aligned(_table(own, failed, coordinate))]
-    head = f"{len(errors) - len(failed)} of {len(errors)} sets of records identified"
+        tables += ["", *aligned(_table(own, failed, silent, coordinate))]
+    head = f"{len(errors) - len(failed) - len(silent)} of {len(errors)} sets of records identified"
     lines = [f"{head} in {folder}; the answer to use of each:", *tables]
-    lines += ["", *(f"{name}: {error}" for name, error in failed.items())] if failed else []
+    causes = {**failed, **{name: f"no answer: {why}" for name, why in silent.items()}}
+    lines += ["", *(f"{name}: {causes[name]}" for name in errors if name in causes)] * bool(causes)
     text = "\n".join(lines) + "\n"
     write_csv(folder / ESTIMATES, every)
     write_text(folder / SUMMARY, text)
@@ -50,9 +54,15 @@ def summarise(folder: Path, errors: Mapping[str, str]) -> str:
 
 
 def _table(
-    rows: Sequence[Mapping[Any, Any]], failed: Collection[str], coordinate: Coordinate
+    rows: Sequence[Mapping[Any, Any]],
+    failed: Collection[str],
+    silent: Collection[str],
+    coordinate: Coordinate,
 ) -> list[list[str]]:
-    """The lines of sets of one coordinate, from the rows of the answers to use.   failed : sets without an answer."""
+    """The lines of sets of one coordinate, from the rows of the answers to use.
+
+    failed, silent : sets that could not be identified, and those that give no answer.
+    """
     keys = [str(head).removesuffix(_VERDICT) for head in rows[0] if str(head).endswith(_VERDICT)]
     # a column that another set alone has is empty in all rows
     shown = [key for key in keys if any(isinstance(row[key + _VERDICT], str) for row in rows)]
@@ -65,10 +75,11 @@ def _table(
         for key, symbol in symbols.items():
             word = row[key + _VERDICT]
             if isinstance(word, str) and word:
-                verdicts[key] = Verdict(word)
+                verdicts[key] = Verdict(word, within=0.01 * float(row.get(key + _WITHIN, math.nan)))
             parameter = _parameter(row, symbol, coordinate)
             cells.append("–" if name in failed else with_interval(parameter))
-        words = "not identified" if name in failed else in_one(verdicts)
+        words = "no answer" if name in silent else in_one(verdicts)
+        words = "not identified" if name in failed else words
         table.append([name, "–" if name in failed else row["approach"], *cells, words])
     return table
 

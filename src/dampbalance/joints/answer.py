@@ -21,6 +21,7 @@ from ..arrays import Integers, Mask
 from ..balance import Rows
 from ..identification.answer import (
     CONFIDENCE,
+    UNBOUNDED,
     UNKNOWN,
     Answer,
     Balance,
@@ -355,7 +356,8 @@ def _on_stiffness(fit: ContactFit, stiffness_error: float) -> Iterator[Remark]:
         sticks = ", a part of the contact may stick in every line" * (k < shown)
         yield Remark(
             f"the stiffness stated, {k:g} N/m, is not that of these lines, {with_error(shown, error)} N/m: a unit or a "
-            f"gain may be wrong{sticks}; leave it out, and the lines tell it"
+            f"gain may be wrong{sticks}; leave it out, and the lines tell it",
+            doubts=UNBOUNDED,
         )
 
 
@@ -382,7 +384,8 @@ def _answer(
     """The answer of a contact: its numbers, and its rows of the balance, without what other modes add to them."""
     notes, of = [*tested], lines.of_mode(fit.values.get("R", 0.0))
     if compared is not None and name != compared.supported:
-        notes.append(Remark(f"the lines support another contact: {compared.supported}"))
+        words = f"the lines support another contact: {compared.supported}"
+        notes.append(Remark(words, doubts=UNBOUNDED))
     elif fit.contact == "none":
         notes.append(
             Remark(
@@ -427,8 +430,7 @@ def _estimate(symbol: str, fit: ContactFit) -> ParameterEstimate:
     if math.isinf(interval.high):
         return ParameterEstimate(math.inf, math.nan, interval)
     value = {"K_z": fit.K_z, FRICTION: fit.F_k}.get(symbol, fit.values.get(symbol, math.nan))
-    doubt = "" if value else f"{symbol} is at its bound, zero: these lines show none of it"
-    return ParameterEstimate(value, fit.errors[symbol], interval, doubt)
+    return ParameterEstimate(value, fit.errors[symbol], interval)
 
 
 def _rig(fit: ContactFit, lines: SteppedLines) -> Iterator[str]:

@@ -17,22 +17,19 @@ from scipy import special
 from ..arrays import Array, Complexes
 from ..project.wording import Remark, Shown, part, signed
 from .cycles import FEWEST_CYCLES, CycleHarmonics
+from .thresholds import NEVER, P_DRIFT, SIGNIFICANT
 
 FEW_CYCLES = 10
 """Number of cycles below which the scatter between cycles gives no trustworthy interval."""
-
-SIGNIFICANT = 5.0
-"""Standard errors by which a difference must stand out: by chance once in two million."""
 
 _FREQUENCY_DIFFERS, _FREQUENCY_WRONG = 2e-5, 0.05
 _GAIN_WRONG = 0.1
 _PHASE_WRONG = 0.5  # rad
 _PHASE_MATTERS = 2e-5  # rad
 _GAIN_MATTERS = 1e-4
-# Parts of the amplitude, over the record: from the first on it is reported and widens intervals, beyond the second it
-# may be another motion at the end than at the start, and all numbers are doubtful.
-_DRIFT_MATTERS, _DRIFT_DOUBTFUL, _DRIFT_WRONG = 2e-5, 0.05, 0.1
-_DRIFT_CHANCE = 1e-6
+# Parts of the amplitude, over the record: from the first on it is reported and widens intervals, beyond the second the
+# record has no steady motion.
+_DRIFT_MATTERS, _DRIFT_WRONG = 2e-5, 0.1
 _TURNS_ALONE = 5.0  # times as much as the amplitude changes: what two clocks do, and a friction force that grows
 _HARMONIC_MATTERS = 1e-3  # of the fundamental
 _BASE_COUNTS = 1e-6  # of the fundamental: what the file or the rounding of a time may leave
@@ -108,7 +105,7 @@ def frequency(
 @lru_cache(maxsize=64)
 def _significant_for(freedom: int) -> float:
     """Standard errors that are as rare as SIGNIFICANT ones, where so many degrees of freedom give the errors."""
-    return float(-special.stdtrit(freedom, special.ndtr(-SIGNIFICANT)))
+    return float(-special.stdtrit(freedom, NEVER))
 
 
 def checked_cycles(
@@ -133,7 +130,7 @@ def checked_cycles(
             f"{FEWEST_CYCLES} are needed"
         )
     if count < FEW_CYCLES:
-        yield _doubtful(
+        yield Remark(
             "only {} cycles: standard errors and intervals are rough; record {} or more",
             *(count, FEW_CYCLES),
         )
@@ -240,7 +237,7 @@ def _change(rows: Complexes, weights: Array, parts: float) -> _Change:
     change = basis @ along
     grown, turned = float(np.ptp(np.abs(change + mean))), float(np.abs(change).max())
     matters = max(grown, turned) >= _DRIFT_MATTERS * abs(mean)
-    shows = matters and chance <= _DRIFT_CHANCE
+    shows = matters and chance <= P_DRIFT
     return _Change(chance, grown / abs(mean), turned / abs(mean), noise, shows)
 
 
@@ -301,7 +298,6 @@ def steadiness(
         sizes: tuple[str | float, ...] = (name, part(found.size), part(found.turn), chance)
         # of a change in proportion to time, from end to end, and to either side of the mean
         parts_of[i] = max(found.size / math.sqrt(12.0), found.turn / math.sqrt(3.0))
-        doubts = {"": math.inf} if max(found.size, found.turn) > _DRIFT_DOUBTFUL else {}
         # where the phasor stays within its scatter about the mean of the second half
         late = rows[size // 2 :].mean()
         scatter = 4.0 * math.sqrt(parts * found.noise) + 1e-6 * abs(late)
@@ -314,7 +310,7 @@ def steadiness(
             words += "; leave out cycles at its start (--skip-cycles), or record again after the motion has settled"
         if found.size > _DRIFT_WRONG:
             raise ValueError(words.format(*sizes))
-        warnings.append(Remark(words, *sizes, doubts=doubts))
+        warnings.append(Remark(words, *sizes, doubts={"": parts_of[i]}))
     return (parts_of[0], parts_of[1]), warnings
 
 
@@ -338,7 +334,7 @@ def harmonic_drive(mean: Complexes, error: Array, driven_by: str) -> Iterator[Re
     what = "the force" if driven_by == "force" else "the base motion"
     relative = _significant(mean, error)[2:]
     if relative.any():
-        yield _doubtful(
+        yield Remark(
             "{} is not harmonic: {} distortion, most of it harmonic {} ({}); direct "
             "integration and the fit of one oscillator count all its harmonics, everything else the fundamental only",
             *(
@@ -347,6 +343,7 @@ def harmonic_drive(mean: Complexes, error: Array, driven_by: str) -> Iterator[Re
                 int(np.argmax(relative)) + 2,
                 part(relative.max()),
             ),
+            doubts={"": math.hypot(*relative)},
             spares=(*_BY_HARMONICS, "maximum likelihood"),
         )
 
@@ -364,10 +361,11 @@ def symmetry(mean: Complexes, error: Array) -> Iterator[Remark]:
     """A warning when the response has even harmonics: friction or stiffness then differ between the two directions."""
     even = _significant(mean, error)[2::2]
     if even.any():
-        yield _doubtful(
+        yield Remark(
             "the response is not symmetric: harmonic {} is {} of the fundamental; direct integration counts the "
             "even harmonics, everything else is read off the symmetric part",
             *(2 * int(np.argmax(even)) + 2, part(even.max())),
+            doubts={"": float(even.max())},
             spares=_BY_HARMONICS,
         )
 

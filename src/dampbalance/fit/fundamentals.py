@@ -1,0 +1,318 @@
+"""Fit of one oscillator to the fundamental of each record alone, where the higher harmonics are not those of the model.
+
+A second mode, a sensor or a spring that is not linear, or a contact that yields gradually, show in the higher harmonics
+first, and hardly in the fundamental, which carries nearly all of the energy. Its dynamic stiffness
+
+    Z = kY/x_1 = k − mω² + K + i(E/(πX²) + Σ p_j g_j/(πX²))
+
+has in-phase and quadrature parts for each level, with the describing function of the slider for x = X cos ωt,
+
+    K = (K_z/π)(ϑ − sin ϑ cos ϑ),   cos ϑ = 1 − 2Z_m/X,   E = 4F_k(X − Z_m),   Z_m = F_k/K_z
+
+(Caughey, J. Appl. Mech. 27, 1960). What it lacks of the exact orbit of that amplitude is added at the oscillator that
+fits, and the fit repeated: the describing function only gives derivatives. Rows are relative to |Z|, which is the
+drive over the response.
+
+Two departures show in the fundamentals, and are fitted along where that lessens what the rows leave by more than
+chance: a channel that turns the phase, by a delay or as much by a filter (Z e^{iωτ}), and a spring that is not linear
+(Z + ¾k_3X²).
+
+What the rows leave is no noise. Errors come from the scatter of the in-phase rows and of those in quadrature, with
+Student's t of the rows less the unknowns that each kind determines, and are no less than those of the noise.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from scipy import special
+
+from ..arrays import Array, Complexes
+from ..law.law import Law
+from ..law.terms import FRICTION, term
+from ..motion.distorted import added_by_base
+from ..motion.law_steady import Response
+from ..signals.lines import Lines
+from ..solver import NORMAL_95
+from .climb import climb
+from .oscillator_fit import OscillatorFit
+from .starts import starts
+from .waveforms import NO_MOTION, OSCILLATOR, HarmonicProblem
+
+_STARTS = 4  # contact stiffnesses: a rigid contact next to a soft one are two minima
+_REPETITIONS = (
+    8  # of the correction, which is a few per cent, and falls by a factor of ten each time
+)
+_SETTLED = 1e-3  # of the residual: a gain that does not matter
+_STEP = 1e-4  # of an unknown, for central differences of a closed form: errors of 1e-8
+_TURNS = (
+    -0.1,
+    0.1,
+)  # rad: delays to start from; a filter of a laboratory turns the phase by that much
+_THIN = 1e-2  # rad: below, ϑ − sin ϑ cos ϑ is the first term of its series, to 1e-5
+_CHANCE = 0.005  # probability of a departure by chance
+_GAIN = 1e-3  # in −log L: 4 % of a standard error of the noise, and less of the scatter
+_NORMAL = 1e6  # degrees of freedom with which F is χ²
+_DEPARTURES = ("delay", "k_3")
+
+
+@dataclass(frozen=True, eq=False)
+class FundamentalFit(OscillatorFit):
+    """The oscillator whose fundamentals are closest to those of n records.
+
+    problem : names and places of the unknowns.   residual : (model − data)/|Z|, in phase and in quadrature, (2, n).
+    by_rows : derivatives of the common unknowns by the relative error of each row, (p, 2n).
+    reach : half of the 95 % interval of each common unknown, (p,).
+    """
+
+    problem: HarmonicProblem
+    residual: Array
+    by_rows: Array
+    reach: Array
+    freedom: int
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Keys of the law's coefficients, then the other common unknowns."""
+        return self.problem.names
+
+    @property
+    def law(self) -> Law:
+        """The damping law whose coefficients are fitted."""
+        return self.problem.law
+
+    @property
+    def departures(self) -> tuple[str, ...]:
+        """Names of the nuisances that are fitted along."""
+        return tuple(name for name in self.problem.freed if name not in OSCILLATOR)
+
+    @cached_property
+    def responses(self) -> tuple[Response, ...]:
+        """The motion of each record."""
+        records = range(len(self.problem.lines))
+        return tuple(self.problem.response(self.point, i) for i in records)
+
+    @property
+    def misfit(self) -> float:
+        """χ² per degree of freedom, in units of the noise."""
+        return self.chi_square / self.freedom
+
+    @property
+    def scatter(self) -> float:
+        """Root mean square of what the rows leave, relative to the drive."""
+        return math.sqrt(float(np.sum(self.residual**2)) / self.freedom)
+
+    def interval(self, name: str) -> tuple[float, float]:
+        """95 % interval of a common unknown, in its unit, with Student's t for the scatter of the rows."""
+        reach = float(self.reach[self.names.index(name)])
+        return self.value(name) - reach, self.value(name) + reach
+
+    def moved(self, relative: Complexes) -> Array:
+        """Return the relative change of the common unknowns, (p, …), with that of the Z of each record, (n, …)."""
+        Z = _data(self.problem)[0]
+        part = (relative.T * Z / np.abs(Z)).T
+        by = self.by_rows @ np.concatenate([part.real, part.imag])
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return np.asarray((by.T / self.point[: len(self.names)]).T)
+
+
+def fit_fundamentals(
+    lines: Sequence[Lines], k: float, law: Law | None = None
+) -> FundamentalFit | None:
+    """The oscillator whose fundamentals are closest, with the departures that they show; None where the levels are too
+    few to show how well they fit.
+
+    lines : of n records.   k : stiffness, N/m.   law : default, F_k and c.
+    """
+    fit = _with(HarmonicProblem(law or Law(), tuple(lines), k))
+    while fit is not None:
+        freed = fit.problem.freed
+        problems = (
+            replace(fit.problem, freed=(*freed, name)) for name in _DEPARTURES if name not in freed
+        )
+        others = (_with(problem, fit.point) for problem in problems) if _shows(fit) else ()
+        better = min(filter(None, others), key=lambda one: one.chi_square, default=None)
+        if better is None or not _shows(fit, better):
+            break
+        fit = better
+    return fit
+
+
+def _shows(fit: FundamentalFit, better: FundamentalFit | None = None) -> bool:
+    """Whether one more unknown explains more than chance would have it, next to noise and what is left of the rows; or,
+    without it, whether one could."""
+    if better is None:
+        return bool(special.chdtrc(1.0, fit.chi_square) < _CHANCE)
+    freedom = better.freedom if better.misfit > 1.0 else _NORMAL
+    F = (fit.chi_square - better.chi_square) / max(1.0, better.misfit)
+    return F > 0.0 and bool(special.fdtrc(1.0, freedom, F) < _CHANCE)
+
+
+def _with(problem: HarmonicProblem, near: Array | None = None) -> FundamentalFit | None:
+    """The fit with the unknowns that a problem frees; None without degrees of freedom left.   near : a point to start
+    from, too."""
+    lines, damping = problem.lines, len(problem.law.unknowns)
+    # stiffness, mass and the departures come from the in-phase rows, damping from those in quadrature
+    freedom = np.array([len(lines) - len(problem.freed), len(lines) - damping])
+    if freedom.min() < 1:
+        return None
+    ends = [end for at in _starts(problem, near) if (end := _fitted(problem, at)) is not None]
+    if not ends:
+        return None
+    point, off, slopes = min(ends, key=lambda end: end.size)
+    Z, error = _data(problem)
+    by_rows = np.zeros((len(problem.names), 2 * len(lines)))
+    common = problem.free[: len(by_rows)]
+    by_rows[common] = np.linalg.pinv(np.concatenate([slopes.real, slopes.imag], axis=1).T)
+    residual = np.stack([off.real, off.imag])
+    scattered = np.repeat(np.sum(residual**2, axis=1) / freedom, len(lines))
+    t = np.repeat(special.stdtrit(freedom, 0.975), len(lines))
+    noise = np.tile((error / np.abs(Z)) ** 2, 2)
+    of_scatter, of_noise = by_rows**2 @ (scattered * t**2), by_rows**2 @ noise
+    larger, rho = np.maximum(scattered, noise), problem.names.index("rho")
+    covariance = np.zeros((problem.size, problem.size))
+    covariance[: len(by_rows), : len(by_rows)] = (by_rows * larger) @ by_rows.T
+    return FundamentalFit(
+        k=problem.k,
+        point=point,
+        covariance=covariance,
+        chi_square=float(np.sum(residual.ravel() ** 2 / noise)),
+        rigid=bool(point[rho] <= problem.bounds(point).lower[rho]),
+        problem=problem,
+        residual=residual,
+        by_rows=by_rows,
+        reach=np.sqrt(np.maximum(of_scatter, NORMAL_95**2 * of_noise)),
+        freedom=int(freedom.sum()),
+    )
+
+
+def _starts(problem: HarmonicProblem, near: Array | None) -> list[Array]:
+    """Points to start from: a point near, or those that balance the work of the fundamentals, the closest of some
+    contact stiffnesses; with each turn of the phase where that is fitted."""
+    points = [near] if near is not None else []
+    if near is None:
+        lines = [
+            replace(one, **{name: getattr(one, name)[:1] for name in ("n", "x", "x_error")})
+            for one in problem.lines
+        ]
+        candidates = starts(lines, problem.k)
+        first = np.sort(np.unique(candidates[:, 2], return_index=True)[1])[:_STARTS]
+        points = [problem.start(candidate, np.ones(len(lines))) for candidate in candidates[first]]
+    if "delay" in problem.freed and near is not None:
+        points = [near.copy() for _ in _TURNS]
+        for point, turn in zip(points, _TURNS, strict=True):
+            point[problem.names.index("delay")] += turn / problem.lines[0].omega
+    return points
+
+
+def _data(problem: HarmonicProblem) -> tuple[Complexes, Array]:
+    """Z of each record, N/m, and the standard error of its real and of its imaginary part, (n,)."""
+    Z = np.array([problem.k * one.Y / one.x[0] for one in problem.lines])
+    parts = [(one.x_error[0] / abs(one.x[0]), one.Y_error / one.Y) for one in problem.lines]
+    return Z, np.abs(Z) * np.hypot(*np.transpose(parts))
+
+
+def _describing(problem: HarmonicProblem, points: Array, motion: Complexes) -> Complexes:
+    """Z of each record by the describing function, N/m, (…, n).   points : (…, p).   motion : x_1, m, (n,)."""
+    omega, Y = np.transpose([(one.omega, one.Y) for one in problem.lines])
+    X, phi = np.abs(motion), -np.angle(motion)
+
+    def of(name: str) -> Array:
+        return np.asarray(points[..., [at[name] for at in problem.at]])
+
+    friction, K_z = of(FRICTION), of("rho") ** -2
+    held = np.minimum(friction / (K_z * X), 1.0)  # Z_m/X
+    theta = 2.0 * np.arcsin(np.sqrt(held))  # cos ϑ = 1 − 2 sin² ϑ/2
+    part = np.where(theta > _THIN, theta - np.sin(theta) * np.cos(theta), theta**3 / 1.5)
+    energy = 4.0 * friction * X * (1.0 - held)
+    for symbol in problem.law.terms:
+        if symbol != FRICTION:
+            energy = energy + of(symbol) * term(symbol).harmonic(omega, X, Y, phi, problem.k)
+    in_phase = problem.k - of("m") * omega**2 + K_z * part / math.pi
+    return np.asarray(in_phase + 1j * energy / (math.pi * X**2))
+
+
+def _read(problem: HarmonicProblem, points: Array, Z: Complexes) -> Complexes:
+    """Z of each record as its channels read it, with what a spring that is not linear adds, N/m, (…, n)."""
+    omega, X = np.transpose([(one.omega, abs(one.x[0])) for one in problem.lines])
+    k_3, delay = (points[..., problem.names.index(name)] for name in ("k_3", "delay"))
+    return np.asarray((Z + 0.75 * k_3[..., None] * X**2) * np.exp(1j * omega * delay[..., None]))
+
+
+def _linearised(
+    problem: HarmonicProblem, point: Array, scale: Array, correction: Complexes
+) -> tuple[Complexes, Complexes]:
+    """Z of each record, N/m, (n,), and its derivatives by the common unknowns that are fitted, (p, n).
+
+    scale : sizes below which an unknown counts as zero.   correction : of the describing function, N/m, (n,).
+    """
+    motion = np.array([one.x[0] for one in problem.lines])
+    free = np.flatnonzero(problem.free[: len(problem.names)])
+    sizes = _STEP * np.maximum(np.abs(point), scale)[free]
+    points = np.tile(point, (2, free.size + 1, 1))
+    points[0, np.arange(free.size), free] += sizes
+    points[1, np.arange(free.size), free] -= sizes
+    more, less = _read(problem, points, _describing(problem, points, motion) + correction)
+    return more[-1], np.asarray((more - less)[:-1] / (2.0 * sizes[:, None]))
+
+
+def _fundamental(problem: HarmonicProblem, point: Array, i: int) -> complex:
+    """x_1 of the exact motion of a record, with what the harmonics of its base add, m.   Raises NO_MOTION."""
+    response = problem.response(point, i)
+    added = added_by_base(problem.lines[i].base, response, 1)
+    return complex(response.harmonics(1)[0] + added[0])
+
+
+class _End(NamedTuple):
+    """A point, (model − data)/|Z| there, (n,), and its derivatives by the unknowns that are fitted, (p, n)."""
+
+    point: Array
+    off: Complexes
+    slopes: Complexes
+
+    @property
+    def size(self) -> float:
+        """Norm of the residuals."""
+        return float(np.linalg.norm(self.off))
+
+
+def _fitted(problem: HarmonicProblem, start: Array) -> _End | None:
+    """The end of a climb to the fundamentals; None where there is no motion."""
+    Z, error = _data(problem)
+    unit = np.abs(Z) * math.sqrt(float(np.mean((error / np.abs(Z)) ** 2)))
+    motion = np.array([one.x[0] for one in problem.lines])
+    free, bounds = np.flatnonzero(problem.free[: len(problem.names)]), problem.bounds(start)
+    correction, point, best = np.zeros_like(Z), start, None
+
+    def products(at: Array, out: Array) -> bool:
+        whole = np.zeros((at.size + 1, Z.size), dtype=np.complex128)
+        model, slopes = _linearised(problem, at, bounds.scale, correction)
+        whole[free], whole[-1] = slopes / unit, (model - Z) / unit
+        out[:] = (whole @ whole.conj().T).real
+        return True
+
+    for _ in range(_REPETITIONS):
+        reached = climb(products, point, bounds, gain=_GAIN)
+        if reached is None:
+            break
+        point = reached.point.copy()
+        linear = _describing(problem, point, motion) + correction
+        for at, drive in zip(problem.at, np.abs(linear * motion), strict=True):
+            point[at["Y"]] = drive / problem.k  # moves the mass as far as it was read
+        try:
+            moved = [_fundamental(problem, point, i) for i in range(Z.size)]
+        except NO_MOTION:
+            break
+        exact = np.array(moved)
+        correction = np.abs(linear * motion) / exact - _describing(problem, point, exact)
+        model, slopes = _linearised(problem, point, bounds.scale, correction)
+        end = _End(point, (model - Z) / np.abs(Z), slopes / np.abs(Z))
+        if best is not None and end.size > (1.0 - _SETTLED) * best.size:
+            break
+        best = end
+    return best

@@ -1,0 +1,84 @@
+"""Every probability that decides something about records, with its reason: the one table of thresholds.
+
+A test asks how probable what it sees is in records of the oscillator with white noise. All tests together may cast a
+doubt on, or reject, at most `BUDGET` of the sets of records that are sound: each has a share of it, its threshold times
+how often it is asked in a usual set. A test that only chooses which samples count, or where a search goes on, has none:
+by mistake it costs time or a few samples, and doubts nothing.
+
+An alarm is no doubt yet: what a test finds counts by what it may do to the numbers (`identification.remarks.doubted`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from scipy import special
+
+BUDGET = 0.05
+"""Share of sound sets that all tests together may doubt: as many as an interval of 95 % may miss."""
+
+NEVER = 2.9e-7
+"""A difference that may lie anywhere among thousands of harmonics, channels and records: once in two million sets of
+them it is chance."""
+
+SIGNIFICANT = float(-special.ndtri(NEVER))
+"""Standard errors by which a difference must stand out then, five."""
+
+P_DRIFT = 1e-6
+"""Slow change of an amplitude: asked of each channel of each record, and reported with its size."""
+
+P_OF_THE_MODEL = 1e-4
+"""χ² of forced records about the oscillator: below, another answer takes its place, which costs accuracy."""
+
+P_MOTION_LEFT = 1e-4
+"""Residual of decays that looks like a motion: below, a narrower band is fitted, which costs accuracy."""
+
+P_HALF_CYCLES = 1e-4
+"""χ² of the half cycles about one F_k and c: below, the intervals of the balance grow by the scatter."""
+
+P_SHOWN = 6.3e-5
+"""χ² of 16, four standard errors: slip, a delay, a fault of a channel, a mass or a balance that contradicts the fit.
+Each changes what is answered, and is asked a few times in a set."""
+
+P_CAUSE = 0.005
+"""One departure among those that are tested along the fit, named with what it does to the numbers; half of it is for
+the contact that yields gradually, which hardly shows otherwise."""
+
+P_FURTHER_TERM = 0.02
+"""A further term of the damping of decays: friction that falls with the speed imitates damping, so that a weak sign
+counts."""
+
+P_ONE_OSCILLATOR = 1e-3
+"""χ² that one oscillator, or one friction force, for all decays adds: below, they are fitted with their own."""
+
+P_LINE_IN_NOISE = 1e-4
+"""A line of a spectrum in noise: a false one is a hum that is named, or one start more for K_z."""
+
+P_STEP_BACK = 3e-4
+"""χ² that new samples add where the start of a decay moves back: asked a hundred times on the way."""
+
+P_DISTURBED = 0.02
+"""Residual after which a decay ends before the next blow: a false one costs the samples behind it."""
+
+P_LOCAL_MINIMUM = 0.02
+"""Residual after which the search goes on elsewhere: a false one costs time."""
+
+TESTS: Mapping[str, int] = {
+    "NEVER": 1000,  # harmonics, cycles and channels of ten records
+    "P_DRIFT": 20,  # base and response of ten records
+    "P_OF_THE_MODEL": 1,
+    "P_MOTION_LEFT": 1,
+    "P_HALF_CYCLES": 1,
+    "P_SHOWN": 8,  # slip, delay, coupling, gain, mass, F_k and c of the balance
+    "P_CAUSE": 1,  # of the whole list: it is shared among its members
+    "P_FURTHER_TERM": 1,  # of the whole list likewise
+    "P_ONE_OSCILLATOR": 4,  # steps in which the decays of a set are joined
+    "P_LINE_IN_NOISE": 4,  # channels
+    "P_STEP_BACK": 0,
+    "P_DISTURBED": 0,
+    "P_LOCAL_MINIMUM": 0,
+}
+"""How often each is asked, with the power to cast a doubt, in a usual set of records."""
+
+SHARES: Mapping[str, float] = {name: globals()[name] * n for name, n in TESTS.items()}
+"""The share of the budget that each test may use."""
