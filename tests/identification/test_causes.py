@@ -153,8 +153,7 @@ def test_a_wrong_gain_of_the_drive_is_the_likeliest_cause_and_its_size_is_right(
 
 
 def test_causes_that_explain_the_records_as_well_are_named_in_the_same_sentence():
-    """At so much noise a capacitor explains a wrong gain nearly as well; at a third of it, with the mass known, only the
-    gain does."""
+    """At so much noise a capacitor explains a wrong gain nearly as well; at a third, and with the mass, it does not."""
     free = identify(under_gain(0.01, noise=0.012), PAPER.k)
     clear = identify(under_gain(0.01, noise=0.004), PAPER.k, mass=(PAPER.m, 1e-3))
     names = {one.name for one in free.joint.faults}

@@ -30,13 +30,13 @@ from ..law.law import Law
 from ..law.terms import FRICTION, term
 from ..model import BaseMotion, NoOscillator, Oscillator
 from ..motion.distorted import added_by_base
-from ..motion.law_steady import Response, steady_response
+from ..motion.law_steady import Further, Response, steady_response
 from ..motion.orbit import NoSteadyOrbit
 from ..signals.lines import Lines
 from ..signals.mean_harmonics import Waveform
 from .climb import ClimbBounds
 from .goodness import improbable
-from .nuisances import FORCES, NUISANCES, read_by_channels, units_of
+from .nuisances import FALLING, FORCES, NUISANCES, read_by_channels, units_of
 from .oscillator_fit import OscillatorFit
 from .score import Departure, departures_from
 
@@ -63,6 +63,8 @@ _HARMONICS_OF_WAVEFORM = 128
 # Of an unknown, for derivatives: orbits are exact to 1e-13, and curvature leaves a few times as much as the step, which
 # is shorter by the number of swings in a stick, through which the motion turns with K_z.
 _STEP = 1e-6
+# Steps of a force from zero: to its equations, which are solved to 1e-11, from a closed form that is exact.
+_STEP_OF_FORCES = 100.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,8 +153,18 @@ class HarmonicProblem:
         law: dict[str, float] = {s: value[s] for s in self.law.terms if s not in (FRICTION, "c")}
         F_k = value[FRICTION] * (1.0 + value["friction_level"] * float(self._levels[record]))
         oscillator = Oscillator(value["m"], value.get("c", 0.0), self.k, value["rho"] ** -2, F_k)
-        motion = BaseMotion(value["Y"], self.lines[record].omega)
-        return steady_response(oscillator, motion, law, near, most_radians=MOST_RADIANS_SEARCHED)
+        if value["c_2"]:
+            law["c_2"] = value["c_2"]
+        falling = value["friction_speed"], FALLING * self._fastest
+        further = Further(value["k_3"], value["gradual"], *(falling if falling[0] else ()))
+        return steady_response(
+            oscillator,
+            BaseMotion(value["Y"], self.lines[record].omega),
+            law,
+            near,
+            further=further,
+            most_radians=MOST_RADIANS_SEARCHED,
+        )
 
     def harmonics(self, point: Array, record: int, response: Response, count: int) -> Complexes:
         """Harmonics n = 1, 3 … of a record as it reads them, m, (count,), from its motion: with what the harmonics of
@@ -162,10 +174,6 @@ class HarmonicProblem:
         x = response.harmonics(count) + added_by_base(
             one.base / (1.0 + value["gain"]), response, count
         )
-        for name in FORCES.keys() & value.keys():
-            if value[name]:
-                moved = response.moved_by(FORCES[name](response, self._fastest))[:count]
-                x[: moved.size] += value[name] * moved
         if any(value.values()):
             x = read_by_channels(x, float(point[self.at[record]["Y"]]), n, one, value)
         return np.asarray(x * np.exp(1j * n * point[self.at[record]["psi"]]))
@@ -178,13 +186,19 @@ class HarmonicProblem:
         response = self.near[record]
         here = read(point, response)
         slopes = np.zeros((here.size, self.size), dtype=here.dtype)
-        units = _STEP / (1.0 + response.swings) * np.maximum(np.abs(point), self._units(point))
+        steps = _STEP / (1.0 + response.swings) * np.maximum(np.abs(point), self._units(point))
         for name, j in self.at[record].items():
-            if self.free[j] and name != "psi":
-                beside = point.copy()
-                beside[j] += units[j]
+            if not self.free[j] or name == "psi":
+                continue
+            beside = point.copy()
+            beside[j] += _STEP_OF_FORCES * steps[j] if name in FORCES and not point[j] else steps[j]
+            try:
                 there = read(beside, self.response(beside, record, response))
-                slopes[:, j] = (there - here) / (beside[j] - point[j])
+            except NoSteadyOrbit:
+                if name in FORCES and not point[j]:  # several slips: what the force does is unknown
+                    continue
+                raise
+            slopes[:, j] = (there - here) / (beside[j] - point[j])
         return here, slopes
 
     def start(self, candidate: Array, relative: Array) -> Array:

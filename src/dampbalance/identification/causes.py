@@ -1,8 +1,8 @@
 """What the fit of one oscillator to all records leaves, tested against the likeliest causes, one at a time.
 
 A cause changes the harmonics of the model by a direction, in units of their errors, times an unknown amount: a score
-test (`fit/score.py`) says what amount the records show, and what it does to F_k, c and K_z. A force δF that the
-model lacks moves the mass by what the equations of its steady motion, linear in δF, give (`Response.moved_by`).
+test (`fit/score.py`) says what amount the records show, and what it does to F_k, c and K_z. The directions
+are the derivatives of the model by its nuisances (`fit/nuisances.py`), with which the oscillator can be fitted again.
 
 One cause is special. A contact that yields gradually has nearly the harmonics of one that yields at once, with another
 stiffness: of what lies between, little more than the loss while it yields shows in a record. The sum of the squares of

@@ -11,13 +11,15 @@ With others, N(ẋ) = Σ p_j h_j(ẋ), the half cycle from the reversal at −X 
 c_l of the linear terms; f = −F_k + K_z(x + X) until it reaches F_k at t_s, and F_k from there. Unknown are X, θ, t_s
 and ẍ at Gauss's points of both phases, whose integrals are ẋ and x (collocation: Hairer, Nørsett & Wanner, Solving
 Ordinary Differential Equations I, II.7). No kink is inside a phase. Newton's method starts from the orbit with a linear
-damper of nearly the same work, c_l + c_e; its matrix also gives what a small further force changes.
+damper of nearly the same work, c_l + c_e.
+
+Forces of a spring and a contact that are not those of the oscillator (`Further`) are solved for in the same way.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
 from typing import NamedTuple, Self
@@ -27,7 +29,7 @@ from numpy.polynomial import legendre
 from numpy.typing import ArrayLike
 
 from ..arguments import numbers
-from ..arrays import Array, Complexes
+from ..arrays import Array, Complexes, Mask
 from ..law.terms import term
 from ..model import BaseMotion, Oscillator
 from .events import MOST_RADIANS
@@ -43,7 +45,6 @@ HARMONICS = 32
 _POINTS, _MOST_POINTS = 40, 400
 _RIGID = 1e-11  # of X: microstick lines below it are rounding
 _ODD = np.arange(1.0, 2.0 * HARMONICS, 2.0)
-_EVEN_PHASES = 256  # of a half cycle with several slips, at which a further force is taken
 
 
 @cache
@@ -79,6 +80,37 @@ def _polynomials(points: int) -> tuple[Array, Array, Array]:
     return nodes, weights, (n[:, None] + 0.5) * values * weights
 
 
+class Further(NamedTuple):
+    """Forces that an oscillator lacks, zero by default.
+
+    k_3 : of a spring that is not linear, k_3 x³, N/m³.
+    gradual : of a contact that yields gradually, the part of `rounding`: 1 for that of Iwan.
+    falling, speed : of a friction force that falls with the speed, F_k(1 + p e^{−|ẋ|/v}): p, and v, m/s.
+    """
+
+    k_3: float = 0.0
+    gradual: float = 0.0
+    falling: float = 0.0
+    speed: float = 1.0
+
+    def force(
+        self, u: Array, v: Array, X: float, sticks: Mask, o: Oscillator
+    ) -> tuple[Array, Array, Array, Array]:
+        """The forces at x + X = u and ẋ = v ≥ 0 after the reversal at −X, N, and their derivatives by u, v and X, (n,)
+        each. In stick, friction acts the way that it did before the turn."""
+        part = 0.5 * o.K_z / o.F_k * u * sticks
+        falling = o.F_k * self.falling * np.exp(-v / self.speed)
+        by_x = 3.0 * self.k_3 * (u - X) ** 2
+        force = self.k_3 * (u - X) ** 3 + self.gradual * 2.0 * o.F_k * part * (1.0 - part)
+        force += np.where(sticks, -o.F_k * self.falling, falling)
+        by_u = by_x + self.gradual * o.K_z * (1.0 - 2.0 * part) * sticks
+        return force, by_u, np.where(sticks, 0.0, -falling / self.speed), -by_x
+
+
+NOTHING = Further()
+"""No further forces."""
+
+
 class HalfCycle(NamedTuple):
     """A half cycle from the reversal at −X on: t, x + X, ẋ, ẍ at all points, and their derivatives by the unknowns.
 
@@ -102,7 +134,7 @@ class System:
     """The equations of a half cycle with one onset of slip, or with none.
 
     orbit : a motion near, whose phases count from its own base.   linear : c_l, N s/m.   others : the other terms.
-    lengths : number of points of each phase: in stick and slip, or of the only one.
+    lengths : number of points of each phase: in stick and slip, or of the only one.   further : other forces.
 
     The unknowns q are ẍ at the points, m/s², X, m, β = θ less that of the orbit, rad, and t_s, s, with two phases.
     """
@@ -111,15 +143,19 @@ class System:
     linear: float
     others: Mapping[str, float]
     lengths: tuple[int, ...]
+    further: Further = NOTHING
 
     @classmethod
-    def of(cls, orbit: Orbit, linear: float, others: Mapping[str, float]) -> Self:
+    def of(
+        cls, orbit: Orbit, linear: float, others: Mapping[str, float], further: Further = NOTHING
+    ) -> Self:
         """The equations of the response near an orbit. Raises NoSteadyOrbit for one of a kind that is not followed."""
         o, half = orbit.oscillator, 0.5 * orbit.motion.period
         if orbit.regime not in (Regime.ONE_SLIP, Regime.NO_SLIP, Regime.NO_FRICTION):
             raise NoSteadyOrbit(
-                "under quadratic or cubic damping only one onset of slip per half cycle can be followed, not: "
-                f"{orbit.regime}; raise the excitation, or give linear terms only"
+                "under quadratic or cubic damping, or a spring or contact that is not the oscillator's, only one onset "
+                f"of slip per half cycle can be followed, not: {orbit.regime}; raise the excitation, or give linear "
+                "terms only"
             )
         stiff, soft = math.sqrt((o.k + o.K_z) / o.m), math.sqrt(o.k / o.m)
         phases = [(half, stiff if orbit.regime == Regime.NO_SLIP else soft)]
@@ -127,7 +163,7 @@ class System:
             phases.insert(0, (orbit.t_s, stiff))
         swings = (length * (rate + o.c / o.m) / (2.0 * math.pi) for length, rate in phases)
         points = (_POINTS + 20 * int(min(s, 1e3) / 3.0) for s in swings)
-        return cls(orbit, linear, others, tuple(min(n, _MOST_POINTS) for n in points))
+        return cls(orbit, linear, others, tuple(min(n, _MOST_POINTS) for n in points), further)
 
     @property
     def slips(self) -> bool:
@@ -185,6 +221,13 @@ class System:
             force = force + p * one.force(of.v, 0.0, o.k, motion.omega)
             slope = slope + p * one.slope(of.v, 0.0, o.k, motion.omega)
         contact, stiffness, by_X = self._contact(of, X)
+        if self.further != NOTHING:
+            sticks = stiffness > 0.0
+            # a contact that never slips has no friction that could fall
+            what = self.further if self.slips else self.further._replace(falling=0.0)
+            more, by_u, by_v, by_more = what.force(of.u, of.v, X, sticks, o)
+            contact, stiffness = contact + more, stiffness + by_u
+            slope, by_X = slope + by_v, by_X + by_more
         phase = motion.omega * of.t + self.orbit.theta + q[n + 1]
         drive, by_phase = o.k * motion.Y * np.cos(phase), o.k * motion.Y * np.sin(phase)
         matrix = (o.k + stiffness)[:, None] * of.by_u + slope[:, None] * of.by_v
@@ -197,8 +240,10 @@ class System:
         by_last = [o.k * by_ends[-1, 1], o.k / motion.omega * by_ends[-1, 2]]
         by_last[0][n] -= 2.0 * o.k
         if len(self.lengths) == 2:
-            last.append(o.k * (ends[0, 1] - 2.0 * o.Z_m))
-            by_last.append(o.k * by_ends[0, 1])
+            falling = o.Z_m * self.further.falling * math.exp(-ends[0, 2] / self.further.speed)
+            limits = 2.0 * o.Z_m + o.Z_m * self.further.falling + falling
+            last.append(o.k * (ends[0, 1] - limits))
+            by_last.append(o.k * (by_ends[0, 1] + falling / self.further.speed * by_ends[0, 2]))
         return np.append(left, last), np.vstack([matrix, *by_last])
 
     def harmonics(self, q: Array, count: int) -> tuple[Complexes, Complexes]:
@@ -320,9 +365,11 @@ class Response:
     @property
     def stick_travel(self) -> float:
         """λ = 4X − a, m: what sticking takes from the travel of a cycle."""
-        if self.system is None:
+        if self.system is None or self.unknowns is None:
             return 4.0 * self.orbit.X - self.orbit.a
-        return 4.0 * self.orbit.oscillator.Z_m
+        if len(self.system.lengths) == 1:
+            return 4.0 * self.orbit.oscillator.Z_m
+        return 2.0 * float(self.system.half_cycle(self.unknowns).at[0, 1])
 
     def harmonics(self, count: int) -> Complexes:
         """x_n of x = Re Σ x_n e^{inωt}, n = 1, 3 … 2 count − 1, m, shape (count,); y = Y cos ωt."""
@@ -362,36 +409,6 @@ class Response:
         stuck = math.fsum(end - start for start, end, slips in ends if not slips)
         return stuck * math.sqrt((par.k + par.K_z) / par.m) / (2.0 * math.pi)
 
-    def moved_by(self, force: Callable[[Array, Array], Array]) -> Complexes:
-        """Change of the harmonics, m, (32,), by a small further force against the motion, which moves the onsets of
-        slip as well; with several slips per half cycle, as if the contact slipped on.
-
-        force : of x + X, m, and ẋ, m/s, in the half cycle from the reversal at −X on, N, (any,); in the other half it
-        is the mirror image.
-        """
-        orbit, turn = self.orbit, np.exp(1j * _ODD * self.advance)
-        omega, o = orbit.motion.omega, orbit.oscillator
-        if self.system is not None and self.unknowns is not None:
-            system, unknowns = self.system, self.unknowns
-        elif orbit.regime is Regime.SEVERAL_SLIPS:
-            phase = np.asarray(
-                orbit.theta + math.pi / _EVEN_PHASES * (np.arange(_EVEN_PHASES) + 0.5),
-                dtype=np.float64,
-            )
-            x, v, *_ = orbit.states(phase / omega)
-            spectrum = np.exp(-1j * np.outer(_ODD, phase)) @ force(x + orbit.X, v)
-            rate = _ODD * omega
-            impedance = o.k - rate**2 * o.m + 1j * rate * o.c
-            return np.asarray(-2.0 / _EVEN_PHASES * spectrum / impedance * turn)
-        else:  # an orbit solves the equations as well
-            system = System.of(orbit, o.c, {})
-            unknowns = system.start()
-        of, forces = system.half_cycle(unknowns), np.zeros(unknowns.size)
-        forces[: of.t.size] = force(of.u, of.v)
-        step = -np.linalg.solve(system.equations(unknowns)[1], forces)
-        x, by = system.harmonics(unknowns, HARMONICS)
-        return np.asarray((by @ step - 1j * _ODD * step[of.t.size + 1] * x) * turn)
-
 
 def steady_response(
     oscillator: Oscillator,
@@ -399,19 +416,20 @@ def steady_response(
     law: Mapping[str, float],
     near: Response | None = None,
     *,
+    further: Further = NOTHING,
     most_radians: float = MOST_RADIANS,
 ) -> Response:
     """The steady response of an oscillator under a law.
 
     law : symbol → coefficient of the terms besides friction and c, which are the oscillator's, SI.
-    near : a response from which to start.
+    near : a response from which to start.   further : forces besides those of the law and the oscillator.
     most_radians : as for `steady_orbit`, of a law with linear terms only.
 
     Raises NoSteadyOrbit where there is none, or none with one onset of slip per half cycle under quadratic or cubic
-    damping.
+    damping or further forces.
     """
     start = None if near is None else near.orbit
-    if not law:
+    if not law and further == NOTHING:
         return Response(
             steady_orbit_near(oscillator, motion, start, most_radians=most_radians), 0.0
         )
@@ -426,7 +444,7 @@ def steady_response(
             others[symbol] = p
     base = BaseMotion(motion.Y * math.hypot(1.0, omega * to_base / k), omega)
     advance = math.atan2(omega * to_base, k)
-    if not others:
+    if not others and further == NOTHING:
         own = replace(oscillator, c=linear)
         return Response(steady_orbit_near(own, base, start, most_radians=most_radians), advance)
     if near is not None and near.system is not None:
@@ -434,7 +452,7 @@ def steady_response(
         orbit = steady_orbit(replace(oscillator, c=linear + max(extra, 0.0)), base)
     else:
         orbit, near = _equivalent(replace(oscillator, c=linear), base, others), None
-    system = System.of(orbit, linear, others)
+    system = System.of(orbit, linear, others, further)
     unknowns = _solved(system, near)
     return Response(orbit, advance - unknowns[sum(system.lengths) + 1], system, unknowns)
 
