@@ -50,7 +50,7 @@ from .answer import (
     covariance_of,
     normal,
 )
-from .causes import condition_on_contact, gradual_contact, remark_on
+from .causes import condition_on_contact, gradual_contact, remark_on_contact
 from .decay_laws import (
     compare_decay_laws,
     condition_of,
@@ -370,7 +370,7 @@ def _solved(
     scale = 1.0 if fit.adequate else math.sqrt(fit.misfit)
     gradual, doubt = gradual_contact(further, scale), ""
     if gradual is not None:
-        warnings = [*warnings, remark_on(gradual, fit)]
+        warnings = [*warnings, remark_on_contact(gradual, fit)]
     elif doubt := doubt_of(fit, further):
         fit_notes.append(Remark(doubt, doubts=UNBOUNDED))
     notes = [*fit_notes]
