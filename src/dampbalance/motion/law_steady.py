@@ -179,9 +179,10 @@ class System:
         a = self.orbit.states(np.concatenate(t) + self.orbit.theta / omega)[2]
         return np.concatenate([a, [self.orbit.X, 0.0], ends[1:-1]])
 
-    def half_cycle(self, q: Array) -> HalfCycle:
-        """The motion that the unknowns describe, from rest."""
-        half, size, first = 0.5 * self.orbit.motion.period, q.size, 0
+    def half_cycle(self, q: Array, *, slopes: bool = True) -> HalfCycle:
+        """The motion that the unknowns describe, from rest.   slopes : whether its derivatives are wanted; else none
+        have columns."""
+        half, size, first = 0.5 * self.orbit.motion.period, q.size if slopes else 0, 0
         two = len(self.lengths) == 2
         ends = [0.0, q[-1], half] if two else [0.0, half]
         begun, by = np.zeros(3), np.zeros((3, size))
@@ -195,11 +196,12 @@ class System:
             by_t, by_v = np.empty((2, n + 1, size))
             by_t[:], by_v[:] = by[0], by[2]
             by_u = by[1] + (h * tau)[:, None] * by[2]
-            by_v[:, own] += h * once
-            by_u[:, own] += h**2 * twice
-            by_v[:, -1] += by_h * gained
-            by_u[:, -1] += by_h * (tau * begun[2] + 2.0 * h * moved)
-            by_t[:, -1] += by_h * tau
+            if slopes:
+                by_v[:, own] += h * once
+                by_u[:, own] += h**2 * twice
+                by_v[:, -1] += by_h * gained
+                by_u[:, -1] += by_h * (tau * begun[2] + 2.0 * h * moved)
+                by_t[:, -1] += by_h * tau
             t = ends[i] + h * tau
             whole = (t, u, v, by_t, by_u, by_v)
             rows.append([*(of[:-1] for of in whole), a])
@@ -210,9 +212,10 @@ class System:
         t, u, v, by_t, by_u, by_v, a = (np.concatenate(of) for of in zip(*rows, strict=True))
         return HalfCycle(t, u, v, a, by_t, by_u, by_v, np.array(at), np.array(by_at))
 
-    def equations(self, q: Array) -> tuple[Array, Array]:
-        """What is left of the equations, N, and their derivatives."""
-        o, motion, of = self.orbit.oscillator, self.orbit.motion, self.half_cycle(q)
+    def equations(self, q: Array, *, slopes: bool = True) -> tuple[Array, Array]:
+        """What is left of the equations, N, and, where they are wanted, their derivatives."""
+        o, motion = self.orbit.oscillator, self.orbit.motion
+        of = self.half_cycle(q, slopes=slopes)
         n, X, ends, by_ends = of.t.size, q[of.t.size], of.at, of.by_at
         force, slope = self.linear * of.v, np.full(n, self.linear)
         for symbol, p in self.others.items():
@@ -230,47 +233,44 @@ class System:
             slope, by_X = slope + by_v, by_X + by_more
         phase = motion.omega * of.t + self.orbit.theta + q[n + 1]
         drive, by_phase = o.k * motion.Y * np.cos(phase), o.k * motion.Y * np.sin(phase)
+        left = o.m * of.a + force + o.k * (of.u - X) + contact - drive
+        last = [o.k * (ends[-1, 1] - 2.0 * X), o.k / motion.omega * ends[-1, 2]]
+        falling = o.Z_m * self.further.falling * math.exp(-ends[0, 2] / self.further.speed)
+        if len(self.lengths) == 2:
+            limits = 2.0 * o.Z_m + o.Z_m * self.further.falling + falling
+            last.append(o.k * (ends[0, 1] - limits))
+        left = np.append(left, last)
+        if not slopes:
+            return left, np.empty((left.size, 0))
         matrix = (o.k + stiffness)[:, None] * of.by_u + slope[:, None] * of.by_v
         matrix += (motion.omega * by_phase)[:, None] * of.by_t
         matrix[:, :n] += o.m * np.eye(n)
         matrix[:, n] += by_X - o.k
         matrix[:, n + 1] += by_phase
-        left = o.m * of.a + force + o.k * (of.u - X) + contact - drive
-        last = [o.k * (ends[-1, 1] - 2.0 * X), o.k / motion.omega * ends[-1, 2]]
         by_last = [o.k * by_ends[-1, 1], o.k / motion.omega * by_ends[-1, 2]]
         by_last[0][n] -= 2.0 * o.k
         if len(self.lengths) == 2:
-            falling = o.Z_m * self.further.falling * math.exp(-ends[0, 2] / self.further.speed)
-            limits = 2.0 * o.Z_m + o.Z_m * self.further.falling + falling
-            last.append(o.k * (ends[0, 1] - limits))
             by_last.append(o.k * (by_ends[0, 1] + falling / self.further.speed * by_ends[0, 2]))
-        return np.append(left, last), np.vstack([matrix, *by_last])
+        return left, np.vstack([matrix, *by_last])
 
-    def harmonics(self, q: Array, count: int) -> tuple[Complexes, Complexes]:
-        """x_n, n = 1, 3 … 2 count − 1, in the phases of the orbit, m, (count,), and derivatives, (count, q)."""
+    def harmonics(self, q: Array, count: int) -> Complexes:
+        """x_n, n = 1, 3 … 2 count − 1, in the phases of the orbit, m, (count,)."""
         omega, half, first = self.orbit.motion.omega, 0.5 * self.orbit.motion.period, 0
-        n, two = np.arange(1.0, 2.0 * count, 2.0), len(self.lengths) == 2
-        ends = [0.0, q[-1], half] if two else [0.0, half]
-        x, by = np.zeros(count, complex), np.zeros((count, q.size), complex)
+        n, x = np.arange(1.0, 2.0 * count, 2.0), np.zeros(count, complex)
+        ends = [0.0, q[-1], half] if len(self.lengths) == 2 else [0.0, half]
         for i, points in enumerate(self.lengths):
             # e^{iκs} over (−1, 1) takes κ/2 points and a few, κ < πn/2
             tau, weights, values = _finer(points, points + int(1.7 * count))
-            own, h = slice(first, first + points), ends[i + 1] - ends[i]
+            h = ends[i + 1] - ends[i]
             turns = np.exp(-1j * np.outer(n, omega * (ends[i] + h * tau) + self.orbit.theta))
             turns *= -2.0 / (math.pi * omega) / n[:, None] ** 2 * weights
-            a = values @ q[own]
-            x += h * turns @ a
-            by[:, own] += h * turns @ values
-            if two:
-                later = tau if i == 0 else 1.0 - tau
-                by[:, -1] += (1.0 - 2.0 * i) * turns @ a
-                by[:, -1] += -1j * omega * n * h * (turns @ (a * later))
+            x += h * turns @ (values @ q[first : first + points])
             first += points
-        return x, by
+        return x
 
     def state(self, q: Array, t: Array) -> tuple[Array, Array, Array, Array]:
         """(x, ẋ, ẍ, z) at times t after the reversal at −X, 0 to π/ω, s, (n,)."""
-        o, at, first = self.orbit.oscillator, self.half_cycle(q).at, 0
+        o, at, first = self.orbit.oscillator, self.half_cycle(q, slopes=False).at, 0
         X, begun = q[sum(self.lengths)], np.vstack([np.zeros(3), at])
         x, v, a, z = np.empty((4, t.size))
         phase = np.searchsorted(at[:-1, 0], t, side="right")
@@ -301,6 +301,7 @@ class System:
 
 _MOST = 40  # steps
 _CONVERGED_STATE = 1e-8  # of the unknowns: what a step as short leaves, its square, is rounding
+_BESIDE = 1e-5  # of the unknowns: what a step as short leaves with derivatives from there, its square, is 1e-10
 _FAR = 0.3  # of the unknowns: a step as long may lead away
 _SHORTEST = 1.0 / 256.0  # part of such a step
 _EQUIVALENCES = 3  # repetitions that bring c_e near that of the response
@@ -311,21 +312,22 @@ class Response:
     """The steady response of an oscillator with a law.
 
     orbit : exact, of the oscillator with the equivalent linear damper.   advance : phase by which the base of that
-    orbit is before the real one, rad.   system, unknowns : the equations of the response, where it is no orbit, and
-    what solves them.
+    orbit is before the real one, rad.   system, unknowns, matrix : the equations of the response, where it is no orbit,
+    what solves them, and their derivatives.
     """
 
     orbit: Orbit
     advance: float
     system: System | None = field(default=None, repr=False)
     unknowns: Array | None = field(default=None, repr=False)
+    matrix: Array | None = field(default=None, repr=False)
 
     @cached_property
     def change(self) -> Complexes | None:
         """x_n less that of the orbit, n = 1, 3 … 63, with the phases of the orbit, m; None where there is none."""
         if self.system is None or self.unknowns is None:
             return None
-        return self.system.harmonics(self.unknowns, HARMONICS)[0] - self.orbit.harmonics(HARMONICS)
+        return self.system.harmonics(self.unknowns, HARMONICS) - self.orbit.harmonics(HARMONICS)
 
     @property
     def turned(self) -> float:
@@ -338,7 +340,7 @@ class Response:
         if self.system is None or self.unknowns is None:
             return None
         X, beta, *onset = self.unknowns[sum(self.system.lengths) :].tolist()
-        V_s = self.system.half_cycle(self.unknowns).at[0, 2] if onset else 0.0
+        V_s = self.system.half_cycle(self.unknowns, slopes=False).at[0, 2] if onset else 0.0
         t_s = onset[0] if onset else 0.0
         return (X, beta, float(V_s), t_s) if self.slips else (X, beta, math.nan, math.nan)
 
@@ -369,13 +371,13 @@ class Response:
             return 4.0 * self.orbit.X - self.orbit.a
         if len(self.system.lengths) == 1:
             return 4.0 * self.orbit.oscillator.Z_m
-        return 2.0 * float(self.system.half_cycle(self.unknowns).at[0, 1])
+        return 2.0 * float(self.system.half_cycle(self.unknowns, slopes=False).at[0, 1])
 
     def harmonics(self, count: int) -> Complexes:
         """x_n of x = Re Σ x_n e^{inωt}, n = 1, 3 … 2 count − 1, m, shape (count,); y = Y cos ωt."""
         turn = np.exp(1j * np.arange(1, 2 * count, 2) * self.advance)
         if self.system is not None and self.unknowns is not None:
-            return self.system.harmonics(self.unknowns, count)[0] * turn
+            return self.system.harmonics(self.unknowns, count) * turn
         x = self.orbit.harmonics(count)
         return x * turn if self.advance else x
 
@@ -453,8 +455,8 @@ def steady_response(
     else:
         orbit, near = _equivalent(replace(oscillator, c=linear), base, others), None
     system = System.of(orbit, linear, others, further)
-    unknowns = _solved(system, near)
-    return Response(orbit, advance - unknowns[sum(system.lengths) + 1], system, unknowns)
+    unknowns, matrix = _solved(system, near)
+    return Response(orbit, advance - unknowns[sum(system.lengths) + 1], system, unknowns, matrix)
 
 
 def _equivalent(oscillator: Oscillator, base: BaseMotion, others: Mapping[str, float]) -> Orbit:
@@ -472,23 +474,32 @@ def _equivalent(oscillator: Oscillator, base: BaseMotion, others: Mapping[str, f
     return orbit
 
 
-def _solved(system: System, near: Response | None) -> Array:
-    """The unknowns of the response, by Newton's method from the orbit, or from a response near."""
+def _solved(system: System, near: Response | None) -> tuple[Array, Array]:
+    """The unknowns of the response and the derivatives of its equations, by Newton's method from the orbit, or from a
+    response near; from one that is very near, with its derivatives."""
     orbit, q, n = system.orbit, system.start(), sum(system.lengths)
-    if near is not None and near.unknowns is not None and near.unknowns.size == q.size:
+    if (
+        near is not None
+        and near.unknowns is not None
+        and near.matrix is not None
+        and near.unknowns.size == q.size
+    ):
         q = near.unknowns.copy()
         q[n + 1] -= math.remainder(orbit.theta - near.orbit.theta, 2.0 * math.pi)
+        step = -np.linalg.solve(near.matrix, system.equations(q, slopes=False)[0])
+        if float(np.abs(step / _scale(q, n)).max()) < _BESIDE:
+            _require_kind(system, q + step)
+            return q + step, near.matrix
     left, matrix = system.equations(q)
     for _ in range(_MOST):
         step, before, part = -np.linalg.solve(matrix, left), np.linalg.norm(left), 1.0
-        scale = np.append(np.full(n, np.abs(q[:n]).max()), [q[n], 1.0, *q[n + 2 :]])
-        size = float(np.abs(step / scale).max())
+        size = float(np.abs(step / _scale(q, n)).max())
         if not size < 1e3:
             break
         if size < _CONVERGED_STATE:
             q = q + step
             _require_kind(system, q)
-            return q
+            return q, matrix
         left, matrix = system.equations(q + step)
         # a step as long is halved until it brings the equations nearer to balance
         while size > _FAR and part > _SHORTEST:
@@ -502,9 +513,14 @@ def _solved(system: System, near: Response | None) -> Array:
     )
 
 
+def _scale(q: Array, n: int) -> Array:
+    """Sizes of the unknowns, of which n are accelerations."""
+    return np.append(np.full(n, np.abs(q[:n]).max()), [q[n], 1.0, *q[n + 2 :]])
+
+
 def _require_kind(system: System, q: Array) -> None:
     """Raise NoSteadyOrbit if a response is not of the kind that was assumed."""
-    of, n = system.half_cycle(q), sum(system.lengths)
+    of, n = system.half_cycle(q, slopes=False), sum(system.lengths)
     if not system.slips and q[n] > system.orbit.oscillator.Z_m:
         raise NoSteadyOrbit("the contact begins to slip under quadratic or cubic damping")
     if not (np.diff(of.t) > 0.0).all():
