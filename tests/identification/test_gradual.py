@@ -18,7 +18,7 @@ from dampbalance.identification.decays import identify_ring_downs
 from dampbalance.identification.forced import identify_readings
 from dampbalance.identification.oscillator import joint_fit
 from dampbalance.model import Parameters
-from dampbalance.motion.law_decays import ADDED, law_decay
+from dampbalance.motion.law_decays import ADDED, DECAY_UNKNOWNS, law_decay
 from dampbalance.motion.law_steady import Further, steady_response
 from dampbalance.records.measurement import Channel, Measurement
 from dampbalance.signals.lines import Lines
@@ -98,10 +98,10 @@ def test_a_gradual_part_of_the_contact_moves_a_decay_as_an_integrator_finds():
         runs.append(ring_down_on(contact, truth, x, 0.0, contact[:, 1].copy(), step, lasts)[0])
     t = step * np.arange(runs[0].size)
     par = Parameters(osc.m, osc.c, osc.k, osc.K_z, osc.F_k, 0.0, 0.0)
-    whole = law_decay(t, 0, x, 0.0, 2.0, par, np.zeros(len(ADDED)))
+    whole = law_decay(t, 0, x, 0.0, 2.0, par, np.zeros(len(ADDED)), len(DECAY_UNKNOWNS))
     assert whole[:, 0] == pytest.approx(runs[0], abs=1e-5 * x)
     expected = (runs[1] - runs[0]) / part
-    found = whole[:, 1 + 4 + ADDED.index(GRADUAL)]
+    found = whole[:, 1 + DECAY_UNKNOWNS.index(GRADUAL)]
     assert found == pytest.approx(expected, abs=0.03 * np.abs(expected).max())
 
 
