@@ -126,7 +126,7 @@ def of_all_stiffnesses(fit: WaveformFit) -> WaveformFit:
 def fit_quickly(
     lines: Sequence[Lines], k: float, law: Law, near: Sequence[WaveformFit]
 ) -> WaveformFit | None:
-    """Like `fit_oscillator`, but from two candidates of `starts` and from fits with other laws only; not refined
+    """Like `fit_records`, but from two candidates of `starts` and from fits with other laws only; not refined
     where it ends far from the records. Use it to compare many laws."""
     problem = HarmonicProblem(law, tuple(lines), k)
     shares = _shares_of(problem)
