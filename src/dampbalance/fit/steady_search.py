@@ -106,7 +106,8 @@ def fit_at_truth(
     law = Law(given={s: getattr(osc, s) for s in ("F_k", "c") if s in given})
     problem = HarmonicProblem(law, tuple(lines), osc.k, freed)
     truth = problem.start(np.array([osc.F_k, osc.c, osc.K_z, osc.m]), np.ones(len(lines)))
-    return problem.fit(truth)
+    end = climb(problem.products, truth, problem.bounds(truth), most=1)
+    return None if end is None else problem.fit(end)
 
 
 def of_all_stiffnesses(fit: WaveformFit) -> WaveformFit:
@@ -261,18 +262,18 @@ def _climbed(
     most : evaluations at each softening.   last : evaluations without any.
     budget : as for `HarmonicProblem`; default, as many as it may make at most.
     """
-    point, bounds, evaluations, promise = start, problem.bounds(start), 0, math.inf
+    point, bounds, evaluations = start, problem.bounds(start), 0
     data = 2 * len(problem.lines) + 2 * sum(one.n.size for one in problem.lines)
     if budget is None:
         budget = np.array([float(most * (len(softenings) - 1) + last)])
-    problem = replace(problem, budget=budget, near={})
+    problem, end = replace(problem, budget=budget, near={}), None
     for softening in softenings:
         softened = replace(problem, softening=softening)
         reached = climb(softened.products, point, bounds, most=most if softening else last)
         if reached is None:
             break
-        point, promise = reached.point, reached.promise
         evaluations += reached.evaluations
+        point, end = reached.point, replace(reached, evaluations=evaluations)
         if reached.chi_square > hopeless * data:
             break
-    return problem.fit(point, promise=promise, evaluations=evaluations) if evaluations else None
+    return None if end is None else problem.fit(end)

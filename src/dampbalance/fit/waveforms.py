@@ -34,7 +34,7 @@ from ..motion.law_steady import Further, Response, steady_response
 from ..motion.orbit import NoSteadyOrbit
 from ..signals.lines import Lines
 from ..signals.mean_harmonics import Waveform
-from .climb import ClimbBounds
+from .climb import Climb, ClimbBounds
 from .goodness import improbable
 from .nuisances import FALLING, FORCES, NUISANCES, read_by_channels, units_of
 from .oscillator_fit import OscillatorFit
@@ -315,13 +315,9 @@ class HarmonicProblem:
         block[2:] = np.vstack([scaled.real, scaled.imag])
         return block
 
-    def fit(
-        self, point: Array, *, promise: float = 0.0, evaluations: int = 1
-    ) -> WaveformFit | None:
-        """The fit at a point, with the errors of the records as they are; None where it has no motion.
-
-        promise, evaluations : of the climb that ended there.
-        """
+    def fit(self, end: Climb) -> WaveformFit | None:
+        """The fit where a climb ended, with the errors of the records as they are; None where it has no motion."""
+        point = end.point
         problem = replace(self, softening=0.0, budget=np.array([math.inf]))
         here = problem.evaluate(point)
         if here is None:
@@ -342,9 +338,9 @@ class HarmonicProblem:
             response=response,
             places=tuple(slice(end - n, end) for end, n in zip(ends, sizes, strict=True)),
             freedom=residual.size - int(np.count_nonzero(self.free)),
-            promise=promise,
+            promise=end.promise,
             undamped=tuple(k for k in self.law.unknowns if point[self.names.index(k)] <= 0.0),
-            evaluations=evaluations,
+            evaluations=end.evaluations,
         )
 
 
