@@ -5,13 +5,15 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from types import SimpleNamespace
+from typing import NamedTuple
 
 import numpy as np
 import pytest
 
-from blind.decays import clean
-from dampbalance.identification.decays import _least_squares
+from blind.decays import clean, record
+from dampbalance.identification.decays import _least_squares, identify_ring_downs
 from dampbalance.identification.half_cycles import rows_of, swings_of
+from dampbalance.identification.remarks import contradiction
 from dampbalance.signals.bursts import Signal
 from identification.releases import PLUCKED
 
@@ -83,6 +85,25 @@ def test_swings_of_an_exact_motion_are_those_of_the_closed_form(order):
     shape = decayed * (K / M / OMEGA) ** 2 * (1.0 / DELTA - DELTA * M / K) / 4.0
     exact = shape * (np.abs(turns[:-1]) - F_K / K) ** 2
     assert found.b == pytest.approx(exact, abs=2.0 * size / START * exact[0])
+
+
+def test_noise_does_not_lengthen_the_integral_of_the_square():
+    """The noise of a velocity adds its variance times half a cycle, unless that is taken off."""
+    t, random = np.arange(0.0, 10 * HALF, HALF / 50), np.random.default_rng(4)
+    motion, _ = friction_decay(t, 10)
+    sigma = 0.05 * np.abs(motion[0]).max()
+
+    def fourth(values):
+        return swings_of(Signal("displacement", 0, t, values, sigma), 2.0 * HALF, 0.0).b[3]
+
+    exact = fourth(motion[0])
+    off = [fourth(motion[0] + sigma * random.standard_normal(t.size)) - exact for _ in range(60)]
+    error = np.std(off) / math.sqrt(60)
+    # the derivative of a polynomial of degree 4 over 8 samples on either side, a twelfth of 100
+    derivative = np.linalg.pinv(np.vander(np.arange(-8.0, 9.0), 5, increasing=True))[1]
+    added = sigma**2 * np.sum(derivative**2) * (50 / HALF) ** 2 * HALF
+    assert added > 8.0 * error
+    assert abs(np.mean(off)) < 3.0 * error
 
 
 @pytest.mark.parametrize("order", [0, 1, 2])
@@ -164,3 +185,30 @@ def test_samples_that_show_no_swing_clearly_give_no_row(noise):
     rows = check_of([noisy(par, motion, 2, 0, start, 0)], par, 0.1, 0.3)
     assert rows.halves == len(rows.columns) == rows.free == 0
     assert _least_squares(rows)[0] == {}
+
+
+class Stated(NamedTuple):
+    """A fit that states values and hardly any error."""
+
+    F_k: float
+    c: float
+
+    def value(self, name):
+        return getattr(self, name)
+
+    def error(self, name):
+        return 1e-6 * self.value(name)
+
+
+def test_a_contradiction_is_reported_by_its_size():
+    measured, _ = record(replace(PLUCKED, noise=0.001))
+    answer = identify_ring_downs([measured], PLUCKED.k).estimates["balance"]
+    F_k, c = answer.values["F_k"], answer.values["c"]
+    assert not [*contradiction(answer, Stated(F_k, c), 0.05)]
+    # 12 standard errors, but nobody minds
+    assert not [*contradiction(answer, Stated(0.96 * F_k, c), 0.05)]
+    (remark,) = contradiction(answer, Stated(0.8 * F_k, c), 0.05)
+    assert "F_k by +25 %" in remark
+    assert set(remark.doubts) == {"F_k"}
+    # rows that do not meet one law determine it less well
+    assert not [*contradiction(answer, Stated(0.8 * F_k, c), 0.05, wider=30.0)]

@@ -93,8 +93,10 @@ def test_a_record_without_noise_gives_the_oscillator_back(quantity):
         truth = getattr(OSCILLATOR, symbol)
         # where a climb ends: 1e-4 of the errors that the least noise assumed, 3e-6 of the swing, leaves: 3e-5 of c
         assert result.reference.values[symbol] == pytest.approx(truth, rel=1e-8)
-        # smoothing over a twelfth of a cycle: 1e-4 of the swings, a tenth of which is lost in half a cycle
-        assert result.estimates["balance"].values[symbol] == pytest.approx(truth, rel=3e-3)
+        # smoothing over a twelfth of a cycle: 1e-4 of the swings, a tenth of which is lost in half a cycle; where an
+        # acceleration jumps is known to a sample
+        rel = 1e-2 if quantity == "acceleration" else 3e-3
+        assert result.estimates["balance"].values[symbol] == pytest.approx(truth, rel=rel)
 
 
 def test_the_balance_has_errors_a_few_times_those_of_the_fit():

@@ -59,6 +59,7 @@ _CHANCE = 0.005  # probability of a departure by chance
 _GAIN = 1e-3  # in −log L: 4 % of a standard error of the noise, and less of the scatter
 _NORMAL = 1e6  # degrees of freedom with which F is χ²
 _DEPARTURES = ("delay", "k_3")
+_TURNING = ("corner", "low_pass")  # departures that act on the fundamental like a delay
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,6 +91,30 @@ class FundamentalFit(OscillatorFit):
     def departures(self) -> tuple[str, ...]:
         """Names of the nuisances that are fitted along."""
         return tuple(name for name in self.problem.freed if name not in OSCILLATOR)
+
+    @property
+    def turned(self) -> dict[str, float]:
+        """Relative change of the common unknowns, by name, if a channel that turns the phase explained what the
+        in-phase rows leave, where these are too few to show it; empty where they leave no more than noise does."""
+        Z, error = _data(self.problem)
+        square = float(np.sum((self.residual[0] * np.abs(Z) / error) ** 2))
+        if len(Z) > len(self.problem.freed) + 1 or special.chdtrc(len(Z), square) > _CHANCE:
+            return {}
+        problem = replace(self.problem, freed=(*self.problem.freed, "delay"))
+        scale = problem.bounds(self.point).scale
+        slopes = _linearised(problem, self.point, scale, np.zeros_like(Z))[1] / np.abs(Z)
+        matrix = np.concatenate([slopes.real, slopes.imag], axis=1).T
+        moves = np.linalg.pinv(matrix) @ -self.residual.ravel()
+        places = np.flatnonzero(problem.free[: len(self.names)])
+        return {
+            self.names[at]: abs(move / self.point[at])
+            for at, move in zip(places.tolist(), moves.tolist(), strict=True)
+            if self.point[at]
+        }
+
+    def has(self, departure: str) -> bool:
+        """Whether a departure is fitted along: any filter turns the phase like a delay."""
+        return ("delay" if departure in _TURNING else departure) in self.departures
 
     @cached_property
     def responses(self) -> tuple[Response, ...]:
@@ -140,7 +165,10 @@ def fit_fundamentals(
         if better is None or not _shows(fit, better):
             break
         fit = better
-    return fit
+    if fit is None or not fit.rigid or fit.has("delay"):
+        return fit
+    # a turn of the phase takes off what a contact adds to the stiffness of low levels
+    return _with(replace(fit.problem, freed=(*fit.problem.freed, "delay")), fit.point) or fit
 
 
 def _shows(fit: FundamentalFit, better: FundamentalFit | None = None) -> bool:

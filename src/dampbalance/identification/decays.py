@@ -50,7 +50,7 @@ from .answer import (
     covariance_of,
     normal,
 )
-from .causes import condition_on_contact, gradual_contact, remark_on
+from .causes import condition_on_contact, gradual_contact, remark_on_contact
 from .decay_laws import (
     compare_decay_laws,
     condition_of,
@@ -59,7 +59,7 @@ from .decay_laws import (
 )
 from .half_cycles import A, B, RingRows, W, rows_of
 from .identified import Identified, Level, Picture
-from .remarks import forbidden, on_mass
+from .remarks import contradiction, forbidden, on_mass
 from .request import Stated, mapping_option, records_of, rig_options
 from .screen import implied, with_error
 from .sensitivities import Fault
@@ -72,6 +72,7 @@ BALANCE = "balance"
 """Name of the one approach to free decays."""
 
 _CHANCE = 1e-4  # probability of a misfit in noise, below which there is another reason
+_MATTERS = 0.05  # of a value: half of what a user asks for, and above what the balance neglects, a per mille or so
 _MASS_OFF = 4.0  # standard errors
 _LIGHTER = 1e-2  # of a mass that is given: small enough for first order, large compared with where a climb ends
 _SWINGS = 6  # of a decay whose equivalent damping is listed
@@ -162,16 +163,14 @@ class DecayOutcome(Identified):
 
     @property
     def pictures(self) -> dict[str, Picture]:
-        """decays : each with the motion fitted to it.   balance : rows of the half cycles, and what they leave."""
+        """decays : each with the motion fitted to it.   balance : its rows, if any, and their residuals."""
         count = len(self.fit.decays)
         words = f"{count} free decays with the motion fitted to them, their turns and the residual"
-        of_rows = (
-            "energy that the law takes of each half cycle against what is lost, and the residuals"
-        )
-        return {
-            "decays": Picture(words, (self.fit, self.half_cycles.turns)),
-            "balance": Picture(of_rows, (self.approaches, False)),
-        }
+        of_rows = "energy that the law takes of each two half cycles against what is lost, and the residuals"
+        pictures = {"decays": Picture(words, (self.fit, self.half_cycles.turns))}
+        if len(self.half_cycles.columns):
+            pictures["balance"] = Picture(of_rows, (self.approaches, False))
+        return pictures
 
 
 def _counted(n: int, what: str) -> str:
@@ -371,7 +370,7 @@ def _solved(
     scale = 1.0 if fit.adequate else math.sqrt(fit.misfit)
     gradual, doubt = gradual_contact(further, scale), ""
     if gradual is not None:
-        warnings = [*warnings, remark_on(gradual, fit)]
+        warnings = [*warnings, remark_on_contact(gradual, fit)]
     elif doubt := doubt_of(fit, further):
         fit_notes.append(Remark(doubt, doubts=UNBOUNDED))
     notes = [*fit_notes]
@@ -443,6 +442,9 @@ def _solved(
         balance,
         merit={"misfit": misfit, "degrees_of_freedom": freedom},
     )
+    # half cycles that do not meet one law scatter by more than the noise, and so does what comes from them
+    wider = math.sqrt(max(1.0, misfit)) if freedom > 0 else 1.0
+    warnings = [*warnings, *contradiction(answer, fit, _MATTERS, wider)]
     conditions, effects = _scatter_of(fit), dict[str, float]()
     if gradual is None and not doubt:
         sentence, effects = condition_of(fit, further)

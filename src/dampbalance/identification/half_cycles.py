@@ -38,20 +38,20 @@ from ..signals.simpson import integrals
 W, A, B = range(3)
 """Columns of a row: W (J), a (m), b (m²/s)."""
 
-_SAMPLES_A_CYCLE = (
-    100  # more are averaged: a mean over (ωdt) loses a part (ωdt)²/24 of a swing, below 2e-4
-)
-_WINDOW = 12  # of a cycle on either side, over which samples are smoothed
+# of which more are averaged: a mean over dt takes (ωdt)²/24 off a swing, 2e-4
+_SAMPLES_A_CYCLE = 100
+_WINDOW = 12  # samples are smoothed over a twelfth of a cycle on either side
 _DEGREE = 4  # of the smoothing polynomial: over that window it meets a harmonic velocity to 2e-4
 _MOST_HALVES = 200  # their covariance takes a tenth of a second, and few decays show more
 _CLEAR = 5.0  # standard errors that a swing must have: its turns are then real
 _SLIPS = 1.5  # sticks 2Z_m that a swing must have: the mass then slips in every half cycle
 _PASSES = 4  # corrections of the baseline: each leaves the square of the one before
-_HALVES_A_BEND = 6  # half cycles for each number of the baseline: fewer would follow the decay
-_AT_REST = 2.0  # times the noise: the scatter of the last cycle where the mass is at rest
-_FREE = (
-    10.0  # standard errors by which the rows leave the baseline free: a wider prior changes nothing
+_HALVES_A_BEND = (
+    6  # half cycles for each parameter of the baseline: with fewer it would follow the decay
 )
+_AT_REST = 2.0  # times the noise: the scatter of the last cycle where the mass is at rest
+# standard errors of the baseline by which the rows leave it free: more change nothing
+_FREE = 10.0
 _APART = 0.4  # of half a cycle, by which turns may be early or late
 
 
@@ -60,7 +60,7 @@ class Swings(NamedTuple):
 
     turns : rows (t, x) with x from the rest position, s and m, (n + 1, 2).   errors : of x, m, (n + 1,).
     D, b : |x_a − x_b|, m, and ∫ ẋ² dt, m²/s, of each half cycle, (n,).   covariance : of D and b, (2n, 2n).
-    free : number of numbers of the baseline of the velocity that the covariance leaves free.
+    free : number of parameters of the baseline of the velocity, which the covariance leaves free.
     """
 
     turns: Array
@@ -77,7 +77,7 @@ class RingRows:
 
     columns : (n, 3), see W, A, B.   covariance : of W − a F_k − b c, J², (n, n).   decay, friction : number of the
     decay and of the friction force of each row, (n,).
-    free : number of numbers of baselines that the covariance leaves free.
+    free : number of parameters of baselines, which the covariance leaves free.
     turns : of each decay, rows (t, x), s and m, and their standard errors, m; empty where none could be read.
     """
 
@@ -141,6 +141,8 @@ def swings_of(signal: Signal, period: float, least: float) -> Swings:
 
     period : of the motion, s.
     """
+    if signal.t.size < 2:
+        return _NO_SWINGS
     many = max(1, int(period / signal.dt / _SAMPLES_A_CYCLE))
     count, dt = signal.values.size // many, many * signal.dt
     y = signal.values[: count * many].reshape(count, many).mean(axis=1)
@@ -177,14 +179,18 @@ def swings_of(signal: Signal, period: float, least: float) -> Swings:
         bias = 0.0
         slow = uniform_filter1d(uniform_filter1d(v, cycle), cycle)[cycle:-cycle]
         v = v - np.polyval(np.polyfit(t[cycle:-cycle], slow, 1), t)
+    above_rest = v
+    swing = np.pad(np.ones(cycle // 2), width)  # as a sum over the velocity
+    least = max(least, _CLEAR * sigma * dt * float(np.linalg.norm(velocity(swing))))
     fewest = _HALVES_A_BEND if signal.order == 2 or (signal.order and not rests) else 3
     for _ in range(_PASSES):
         places = _turns(v, 0.5 * cycle)[: _MOST_HALVES + 1]
-        n = places.size - 1
+        signed, b = integrals(np.stack([v, v**2]), dt, places)
+        n = int(np.argmin(np.append(np.abs(signed) > least, False)))
         if n < fewest:
             return _NO_SWINGS
-        signed, b = integrals(np.stack([v, v**2]), dt, places)
-        side, D, b = np.sign(signed), np.abs(signed), b - bias * dt * np.diff(places)
+        places, side, D = places[: n + 1], np.sign(signed[:n]), np.abs(signed[:n])
+        b = b[:n] - bias * dt * np.diff(places)
         ends = places[:, None]
         parts = np.minimum(cells + 0.5, ends[1:]) - np.maximum(cells - 0.5, ends[:-1])
         weights = np.zeros((2 * n, count))  # D and b are sums of samples of the velocity
@@ -193,26 +199,22 @@ def swings_of(signal: Signal, period: float, least: float) -> Swings:
         # backwards in time, a filter is its own transpose
         by_noise = sigma * velocity(weights[:, ::-1])
         covariance = by_noise @ by_noise.T
-        bends = n // _HALVES_A_BEND
-        bends = 1 + bends if signal.order == 2 else min(bends, 1)
+        bends = n // _HALVES_A_BEND + (signal.order == 2)  # one more for its start
         knots = np.linspace(places[0], places[-1], max(1, bends))
         hats = np.stack([np.interp(cells, knots, one) for one in np.eye(knots.size)])
         by_baseline = weights[:, inside] @ hats.T
         if bends:  # the baseline that leaves swings to one side as long as those to the other
             second = np.diff(np.eye(n, 2 * n), 2, axis=0)
             read = np.linalg.pinv(second @ by_baseline) @ second
+            v = v - (read[:, :n] @ D) @ hats
         else:  # that at rest
-            read = np.zeros((1, 2 * n))
+            read, v = np.zeros((1, 2 * n)), above_rest
             covariance += (signal.order * sigma**2 / cycle) * (by_baseline @ by_baseline.T)
-        v = v - (read[:, :n] @ D) @ hats
     settled = np.eye(2 * n) - by_baseline @ read
     errors = (settled @ covariance @ settled.T)[:n, :n]
     free = by_baseline @ read
     covariance = covariance + _FREE**2 * free @ covariance @ free.T
-    clear = np.maximum(_CLEAR * np.sqrt(np.diag(errors)), least) < D
-    last = min(n - 1, int(np.argmin(np.append(clear, False))))
-    if last < 2:
-        return _NO_SWINGS
+    last = n - 1
     # two turns to one side, and that between twice, have their mean at rest, in pairs
     by_D = np.vstack([np.zeros(last), np.tril(np.ones((last, last))) * side[:last]])
     by_D -= np.convolve(np.full(last - 1, 0.25 / (last - 1)), [1.0, 2.0, 1.0]) @ by_D

@@ -265,7 +265,7 @@ def compare_laws(
         test = None
         if FRICTION not in kept:
             # no onset of slip is needed, and where there is friction, the balance shows it at once
-            test = _by_balance(kept, tried, readings, JointFit(None, True, None))
+            test = _by_balance(kept, tried, readings, JointFit(None, True))
             if test.balance is not None and test.balance.p < _SURE:
                 tests.append(test)
                 continue
@@ -279,7 +279,7 @@ def compare_laws(
             continue
         fits[kept] = fit
         # the onset of a slip that stands for none has errors beyond first order, and enters no row
-        test = test or _by_balance(kept, tried, readings, JointFit(fit, False, None))
+        test = test or _by_balance(kept, tried, readings, JointFit(fit, False))
         p = probability(fit.chi_square, fit.freedom, fit.lines)
         waveforms = {"waveforms": Probability(fit.chi_square, fit.freedom, p)}
         in_phase = tuple(fit.in_phase.tolist())

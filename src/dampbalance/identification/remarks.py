@@ -16,9 +16,9 @@ from typing import Any
 import numpy as np
 
 from ..balance import Rows
+from ..fit.fundamentals import FundamentalFit
 from ..fit.nuisances import with_response
 from ..fit.oscillator_fit import OscillatorFit
-from ..fit.score import Departure
 from ..fit.steady_search import fit_records
 from ..fit.waveforms import WaveformFit
 from ..law.terms import FRICTION, term
@@ -41,17 +41,14 @@ from ..signals.mean_harmonics import Reading
 from ..solver import NORMAL_95, solve
 from .answer import UNBOUNDED, USELESS, Answer, ParameterEstimate
 from .causes import (
-    COUPLING,
-    OF_CHANNELS,
-    OtherFrame,
-    as_well,
-    fit_in_other_frame,
-    in_others,
+    AS_WELL,
+    CAUSES,
+    GRADUAL,
+    changes,
     likeliest,
     remark_on,
-    words_of,
 )
-from .oscillator import AS_WELL, FAULTY, ChannelFault, JointFit, Microstick
+from .oscillator import FAULTY, JointFit, Microstick
 
 DIRECT = "direct"
 """The approach that assumes no shape of x(t): the one that is compared with the fit to all records."""
@@ -61,7 +58,7 @@ _SHAPE_SHOWS = 0.5  # standard errors: an interval of 95 % holds the truth in 92
 _SHAPE_LEAST = 1e-6  # of a value: the size of the harmonics that a waveform leaves out
 _FOLDED = 2.0  # of the noise
 _FAR = 3.0  # standard deviations of the rows
-_MASS_OFF = 0.02  # of a mass that is given: what scales and gains are off by
+_MOST = 0.5  # of what noise does not explain: a cause by which numbers are taken to be off
 # X/Y, or its inverse: beyond the first, units are doubted of records that no oscillator explains; beyond the second,
 # which takes a Q of 300 or 17 times the natural frequency, of others too.
 _LARGE_GAIN, _RARE_GAIN = 100.0, 300.0
@@ -71,7 +68,6 @@ _UNITS = {
     25.4: "mm taken for inches",
     10.0: "mm taken for cm",
 }
-_IMITATING = (COUPLING, "a friction force that changes with the speed")
 _ALIKE = 0.02  # sine of the angle between the columns of A below which the levels hardly distinguish F_k from c
 
 
@@ -101,7 +97,7 @@ def notes_on(answer: Answer, readings: Sequence[Reading], joint: JointFit) -> It
                 factor(math.sqrt(answer.misfit)),
                 doubts=by_scatter(answer.coefficients, answer.misfit),
             )
-    if joint.faults:
+    if joint.misread:
         yield FAULTY
 
 
@@ -176,13 +172,9 @@ def agreement(
     microstick: Microstick,
     joint: JointFit,
     answers: Mapping[str, Answer],
-    tested: Sequence[Departure],
 ) -> Iterator[Remark]:
-    """Warnings on all records together: what the joint fit shows, which levels fail, where answers contradict.
-
-    tested : causes of what the joint fit leaves.
-    """
-    yield from _on_the_oscillator(readings, joint, tested)
+    """Warnings on all records together: what the joint fit shows, which levels fail, where answers contradict."""
+    yield from _on_the_oscillator(readings, joint)
     if still := _numbered(reading.slips is False for reading in readings):
         yield Remark(
             f"the contact only sticks in record {still}: it takes no energy there, and the record stays out of the "
@@ -209,7 +201,8 @@ def agreement(
             f"c_r is {number_text(1e-6 * fit.k, 2)} N s/m too small and c as much too large",
             doubts={"c": math.inf, "c_r": math.inf},
         )
-    yield from _apart(answers.get(DIRECT), joint)
+    if DIRECT in answers and fit is not None and joint.waveforms_hold and not joint.misread:
+        yield from contradiction(answers[DIRECT], fit)
     for answer in answers.values():
         if answer.balance is None or answer.balance.rows.usable.sum() < 2:
             continue
@@ -228,10 +221,8 @@ def _numbered(which: Iterable[bool]) -> str:
     return ", ".join(str(i) for i, holds in enumerate(which, 1) if holds)
 
 
-def _on_the_oscillator(
-    readings: Sequence[Reading], joint: JointFit, tested: Sequence[Departure]
-) -> Iterator[Remark]:
-    """Warnings from the joint fit.   tested : causes of what it leaves."""
+def _on_the_oscillator(readings: Sequence[Reading], joint: JointFit) -> Iterator[Remark]:
+    """Warnings from the joint fit."""
     if joint.linear:
         yield Remark(
             "the records are those of a linear oscillator within their noise: the contact only sticks, or there is no "
@@ -239,53 +230,44 @@ def _on_the_oscillator(
         )
         return
     yield from _wrong_unit(readings, joint)
-    frame = _other_frame(readings, joint)
-    if frame is not None:
-        yield _in_other_frame(frame)
-    fit = joint.fit
+    fit, alone = joint.fit, joint.fundamentals
+    if joint.explained:
+        yield remark_on(joint.explained, joint.fall)
+    if joint.mass is not None and not joint.mass_fits:
+        yield on_mass(joint.by_mass, joint.mass)
     if fit is None:
         yield Remark(
             "no oscillator with this stiffness and a friction contact slips and responds like the records: check the "
             "stiffness, the signs, the units and the order of the channels"
         )
-        return
-    if joint.mass is not None and not joint.mass_fits:
-        yield on_mass(fit, joint.mass)
-    named = bool(joint.faults or frame)
-    cause = None if named else likeliest(fit, tested)
-    others = (
-        [] if cause is None else [*map(words_of, as_well(cause.size**2, tested, [cause.symbol]))]
-    )
-    if fit.adequate and cause is not None:
-        yield remark_on(cause, fit, others)
-    if not fit.adequate:
-        likely = "the likeliest cause, which explains all of that, is named in another sentence"
-        if not named:
-            likely = (
-                "a channel may be skewed, coupled (AC) or filtered, a gain or a sign may be wrong, the levels may "
-                "differ in more than their amplitude, the damping may follow another law (compare the laws), or the "
-                "oscillator is of another kind"
-            )
-        if cause is not None:
-            share = min(1.0, cause.size**2 / (fit.chi_square - fit.freedom))
-            likely = (
-                f"the likeliest of the causes tested is {words_of(cause)}, which explains "
-                f"{part(share)} of that{in_others(others)}; else {likely}"
-            )
-        worst = readings[int(np.argmax(fit.misfits))].steady.source
-        yield Remark(
-            "the records are not those of one mass on a spring, a damper and one friction contact: the best one that "
-            f"{fit.evaluations} trials found leaves {times(math.sqrt(fit.misfit))} their noise, most in {worst}; K_z "
-            f"and the onset of slip cannot be determined; {likely}",
-            doubts={} if cause is None else _doubts_of(cause, fit),
+    elif not fit.adequate and not joint.explained:
+        yield _none_fits(readings, fit, alone)
+
+
+def _none_fits(
+    readings: Sequence[Reading], fit: WaveformFit, alone: FundamentalFit | None
+) -> Remark:
+    """The sentence on records that no oscillator explains, whatever departure it has.
+
+    alone : the fit to their fundamentals, whose numbers the likeliest departure moves to first order.
+    """
+    likely, doubts = "", {}
+    if cause := likeliest(fit):
+        share = min(1.0, cause.size**2 / (fit.chi_square - fit.freedom))
+        words = CAUSES[cause.symbol].sized(cause.value, cause.error)
+        likely = (
+            f"; the likeliest of the causes tested is {words}, which explains {part(share)} of that"
         )
-    if joint.faults:
-        yield _on_channels(fit, joint.faults, tested)
-
-
-def _doubts_of(cause: Departure, fit: WaveformFit) -> Mapping[str, float]:
-    """What a cause does to each number, to first order; without bound where it imitates friction and damping."""
-    return UNBOUNDED if cause.symbol in _IMITATING else remark_on(cause, fit).doubts
+        # a spring or a contact that yields otherwise moves the in-phase part, and neither friction nor damping
+        moves = not alone.has(cause.symbol) if alone is not None else False
+        if share > _MOST and moves and cause.symbol not in ("k_3", GRADUAL):
+            doubts = {s: abs(by) for s, by in changes(cause, fit, cause.value).items()}
+    worst = readings[int(np.argmax(fit.misfits))].steady.source
+    return Remark(
+        "the records are not those of one mass on a spring, a damper and one friction contact: the best one that "
+        f"{fit.evaluations} trials found leaves {times(math.sqrt(fit.misfit))} their noise, most in {worst}{likely}",
+        doubts=doubts,
+    )
 
 
 def on_mass(fit: OscillatorFit, mass: float) -> Remark:
@@ -315,73 +297,6 @@ def of_masses(implied: float, given: float) -> str:
     )
 
 
-def _on_channels(
-    fit: WaveformFit, faults: Sequence[ChannelFault], tested: Sequence[Departure]
-) -> Remark:
-    """The sentence on faults of channels: the likeliest, and all that explain the records as well, with remedies."""
-    explained = fit.chi_square - faults[0].fit.chi_square
-    causes = [f"{_in_words(one)} (without that, {listed(_values(one.fit))})" for one in faults]
-    others = [*causes[1:], *map(words_of, as_well(explained, tested, OF_CHANNELS))]
-    remedies = "; ".join(_REMEDIES[one.name] for one in faults)
-    return Remark(
-        f"a fault of a channel explains what the oscillator alone does not, {explained:.0f} of χ²: likeliest, "
-        f"{causes[0]}{in_others(others)}; {remedies}"
-    )
-
-
-_REMEDIES = {
-    "corner": "couple the response directly (DC), or give the corner in the mapping",
-    "gain": "calibrate the drive and the response, or give the gain in the mapping",
-    "delay": "give the delay in the mapping, or sample all channels at once",
-}
-
-
-def _in_words(fault: ChannelFault) -> str:
-    """A fault of a channel, and its size."""
-    size, error = abs(fault.size), fault.error
-    if fault.name == "corner":
-        return (
-            "the response is coupled through a capacitor (AC), a high-pass filter with a corner of "
-            f"{number_text(size, 4)} ± {number_text(error, 2)} Hz"
-        )
-    if fault.name == "delay":
-        return (
-            f"the response {'lags' if fault.size > 0.0 else 'leads'} the drive by {number_text(1e6 * size, 4)} ± "
-            f"{number_text(1e6 * error, 2)} µs more than the motion explains"
-        )
-    much, little = ("much", "little") if fault.size > 0.0 else ("little", "much")
-    words = f"the drive reads {number_text(100.0 * size, 3)} ± {number_text(100.0 * error, 2)} % too {much}"
-    if any(one.relative for one in fault.fit.lines):
-        return words
-    # F_k is in proportion to the size of the motion, which nothing else asks for
-    larger = "larger" if fault.size > 0.0 else "smaller"
-    return f"{words}, or the response as much too {little}, with an F_k that is as much {larger}"
-
-
-def _values(fit: WaveformFit) -> list[str]:
-    """The numbers of a fit for a sentence: "F_k = 1.28 N", …"""
-    values = [
-        with_unit(f"{key} = {number_text(fit.value(key), 4)}", term(key).unit)
-        for key in fit.law.unknowns
-    ]
-    return [*values, f"K_z = {number_text(fit.K_z, 4)} N/m"]
-
-
-def _other_frame(readings: Sequence[Reading], joint: JointFit) -> OtherFrame | None:
-    """Responses that were taken in the wrong frame, if that explains what the fit, or the mass given, does not."""
-    fit = joint.fit
-    if fit is not None and fit.adequate and joint.mass_fits:
-        return None
-    frame = fit_in_other_frame(readings, readings[0].steady.k, None if fit is None else fit.law)
-    if frame is None:
-        return None
-    if joint.mass is not None:
-        off = max(_APART * frame.fit.error("m"), _MASS_OFF * joint.mass)
-        return frame if abs(frame.fit.m - joint.mass) < off else None
-    own = min((one.fit.chi_square for one in joint.faults), default=math.inf)
-    return frame if frame.fit.chi_square < own else None
-
-
 def _wrong_unit(readings: Sequence[Reading], joint: JointFit) -> Iterator[Remark]:
     """A question about the unit of a channel where the mass moves much more or less than the base, and another unit of
     one of them explains the records as well as any oscillator does."""
@@ -408,30 +323,22 @@ def _wrong_unit(readings: Sequence[Reading], joint: JointFit) -> Iterator[Remark
             return
 
 
-def _in_other_frame(frame: OtherFrame) -> Remark:
-    """The sentence on responses that were taken in the wrong frame."""
-    fit, kinds = frame.fit, ("absolute", "relative to the base")
-    taken, is_really = kinds if frame.relative else kinds[::-1]
-    return Remark(
-        f"the response is likely {is_really} and was taken for {taken}: with the motion of the base "
-        f"{'added to' if frame.relative else 'taken off'} it the records are those of one oscillator within their "
-        f"noise, with {listed([*_values(fit), f'm = {number_text(fit.m, 4)} kg'])}; name "
-        f"{'them' if len(frame.names) > 1 else 'it'} {listed(frame.names)} in the mapping",
-        doubts=dict.fromkeys([*fit.law.unknowns, "K_z"], math.inf),
-    )
+def contradiction(
+    answer: Answer, fit: OscillatorFit, least: float = 4e-7, wider: float = 1.0
+) -> Iterator[Remark]:
+    """Yield a sentence where the balance contradicts the fit to all records by more than their errors allow.
 
-
-def _apart(answer: Answer | None, joint: JointFit) -> Iterator[Remark]:
-    """A sentence where the balance contradicts the joint fit by more than their errors allow."""
-    if answer is None or joint.fit is None or not joint.waveforms_hold:
-        return
+    least : relative difference that counts, above the errors of the balance itself: by default those of rounding in
+    integrals of exact waveforms.
+    wider : factor of the errors of the balance.
+    """
     parts = {}
     for symbol, own in answer.coefficients.items():
-        of_fit = joint.fit.value(symbol)
+        of_fit, error = fit.value(symbol), wider * own.standard_error
         # the fit uses all that the balance uses: the variance of their difference is that of their variances
-        error = math.sqrt(max(own.standard_error**2 - joint.fit.error(symbol) ** 2, 0.0))
-        error = max(error, 0.5 * own.standard_error, 1e-7 * abs(of_fit))
-        if abs(own.value - of_fit) > _APART * error and of_fit:
+        of_both = math.sqrt(max(error**2 - fit.error(symbol) ** 2, 0.0))
+        allowed = max(_APART * of_both, 0.5 * _APART * error, least * abs(of_fit))
+        if abs(own.value - of_fit) > allowed and of_fit:
             parts[symbol] = (
                 f"{symbol} by {change_text(of_fit, own.value - of_fit, term(symbol).unit)}"
             )
@@ -440,8 +347,7 @@ def _apart(answer: Answer | None, joint: JointFit) -> Iterator[Remark]:
             "the energy balance and the fit of one oscillator to all records differ, "
             f"{' and '.join(parts.values())}, by more than their errors allow",
             doubts={
-                symbol: abs(answer.values[symbol] / joint.fit.value(symbol) - 1.0)
-                for symbol in parts
+                symbol: abs(answer.values[symbol] / fit.value(symbol) - 1.0) for symbol in parts
             },
         )
 
@@ -458,7 +364,7 @@ def doubted(answers: Mapping[str, Answer], warnings: Sequence[Remark]) -> dict[s
     doubt where that is more than the interval and than `USELESS`, or is not known.
     """
     return {
-        name: _doubted(answer, [*answer.notes, *(w for w in warnings if name not in w.spares)])
+        name: _doubted(answer, [*(w for w in warnings if name not in w.spares), *answer.notes])
         for name, answer in answers.items()
     }
 
