@@ -60,6 +60,9 @@ _MOST_PHASES_FITTED = 64  # of half a cycle: to follow a contact that rattles on
 _GAIN_WHEN_CONVERGED = 5e-3  # in −log L: half the square of a tenth of a standard error
 # Odd harmonics of the waveform: beyond them lies less than 1e-6 of its velocity.
 _HARMONICS_OF_WAVEFORM = 128
+_REACH = math.log(5.0)  # of ln K_z to either side, where other minima are looked for
+_MOST_STIFFNESS_STEPS = 64  # a few hundred evaluations: what a search may cost
+_CLOSER = (1.0 / 16.0, 1.0 / 8.0, 1.0 / 4.0, 1.0 / 2.0)  # of a step
 # Of an unknown, for derivatives: orbits are exact to 1e-13, and curvature leaves a few times as much as the step, which
 # is shorter by the number of swings in a stick, through which the motion turns with K_z.
 _STEP = 1e-6
@@ -254,6 +257,18 @@ class HarmonicProblem:
             for name in self.nuisances:
                 lower[at[name]], upper[at[name]] = NUISANCES[name]
         return ClimbBounds(self.free, lower, upper, self._units(point))
+
+    def scan(self, point: Array) -> Array:
+        """Values of ρ at which to look for other minima of χ², to a fifth and to five times the K_z of a point.
+
+        A contact that sticks for N swings rings in step with the records at every K_z that changes N by one,
+        Δ ln K_z = 2/N: four steps lead from one of them to the next. Near the point kinks of χ² lie close together.
+        """
+        swings = max(self.response(point, i).swings for i in range(len(self.lines)))
+        step = max(0.5 / max(swings, 1.0), 2.0 * _REACH / _MOST_STIFFNESS_STEPS)
+        away = np.array([*_CLOSER, *range(1, 1 + int(_REACH / step))]) * step
+        values: Array = point[self.names.index("rho")] * np.exp(0.5 * np.append(away, -away))
+        return values
 
     def products(self, point: Array, out: Array) -> bool:
         """Set `out` to the products of derivatives and residuals, as `climb` takes them."""

@@ -44,7 +44,6 @@ HARMONICS = 32
 # Points of a phase: exact for the 63rd harmonic over half a cycle and more.
 _POINTS, _MOST_POINTS = 40, 400
 _RIGID = 1e-11  # of X: microstick lines below it are rounding
-_ODD = np.arange(1.0, 2.0 * HARMONICS, 2.0)
 
 
 @cache
