@@ -45,12 +45,12 @@ def code_of(*arguments):
 
 @pytest.fixture
 def answer(capsys):
-    """What a command says, as an error where it does not succeed."""
+    """What a command says, as an error where it does not succeed; with 1 it gives no answer."""
 
     def of(*arguments, code=0):
         assert code_of(*arguments) == code
         shown = capsys.readouterr()
-        return shown.err if code else shown.out
+        return shown.err if code > 1 else shown.out
 
     return of
 
@@ -416,7 +416,9 @@ ODD = {
 
 @pytest.mark.parametrize("message", ODD)
 def test_what_looks_odd_is_reported(message, tmp_path, answer):
-    assert message in answer("identify", *spoiled(tmp_path, ODD[message]), *COMMON)
+    said = answer("identify", *spoiled(tmp_path, ODD[message]), *COMMON, code=1)
+    assert said.startswith("No answer: ")
+    assert message in said.partition("\n")[0]
 
 
 ONE, TWO = RECORDS[0], [*RECORDS[:2], *COMMON]
@@ -585,15 +587,17 @@ def test_responses_that_do_not_slip_are_said_to_be_so(friction, tmp_path, capsys
     assert high - low < 0.05 * 90.0
 
 
-def test_a_wrong_mass_is_reported_and_no_number_is_usable_with_it(answer):
+def test_a_wrong_mass_is_the_cause_that_comes_first_where_no_number_is_usable_with_it(answer):
     given = ["identify", *RECORDS, *COMMON, "--approach", "direct"]
     without = answer(*given)
-    said, limits = answer(*given, "--mass", "24").split("\n\nWhat limits the answer:\n")
+    lead, limits, said = answer(*given, "--mass", "24", code=1).split("\n\n", 2)
     numbers = re.compile(r"\d[\d.]* \[.*?\]")
     # the balance is the answer then, and no longer the fit
     assert sorted(numbers.findall(said)) == sorted(numbers.findall(without)) != []
     assert (said.count("doubtful"), said.count("usable")) == (2, 0)
-    (warning,) = limits.splitlines()
+    title, warning = limits.splitlines()
+    assert title == "Causes and remedies:"
+    assert lead == f"No answer: {warning.removeprefix('warning: ')}."
     assert "the records imply 2" in warning
     assert "you gave 24 kg (89" in warning
 

@@ -91,6 +91,23 @@ def test_the_first_sentence_says_what_can_be_used(steady, doubtful):
     assert words(why).endswith("the first reason: acceleration is clipped (level5.csv).")
 
 
+def test_where_there_is_no_answer_the_cause_comes_first_and_the_numbers_last(steady, doubtful):
+    cause = "acceleration is clipped"
+    said, page = doubtful.text(), words(doubtful.report())
+    assert said.startswith(f"No answer: {cause}")
+    assert said.index("Causes and remedies:") < said.index("raise the measuring range")
+    assert said.index("raise the measuring range") < said.index("F_k (N)")
+    assert "These records give no answer" in page
+    assert page.index("Causes and remedies") < page.index("95 % interval")
+    assert cause in doubtful.document()["no_answer"]
+    assert [cause in row["no_answer"] for row in doubtful.estimates_table()[:1]] == [True]
+    # numbers that can be used come before what limits them
+    page = words(steady.report())
+    assert steady.text().startswith(steady.head)
+    assert page.index("95 % interval") < page.index("What to check and do next")
+    assert (steady.no_answer, steady.document()["no_answer"]) == ("", None)
+
+
 def test_a_name_is_no_markup_in_a_report():
     frames = [record.to_frame() for record in read_records(FILES[::4])]
     frames[0].attrs["name"] = "<script>& at 2 m/s"

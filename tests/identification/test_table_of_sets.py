@@ -37,3 +37,16 @@ def test_each_set_has_a_line_with_its_answer_and_a_failure_its_error(tmp_path):
     ]  # every approach, and a line for an error
     assert [*table["error"].fillna("")] == ["", "", "broken.csv: no number", ""]
     assert [*table["F_k_N"].dropna()] == [1.28, 1.3, 2.0]
+
+
+def test_a_set_without_an_answer_is_listed_with_its_cause(tmp_path):
+    heads = f"{COLUMNS},F_k_within_percent,K_z_within_percent,no_answer"
+    sets = {"loud": "direct,9,1,8,,,,doubtful,none,,,clipped", "sound": f"{LOOSE},1,2.5,"}
+    for name, row in sets.items():
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "identification.csv").write_text(f"{heads}\n{row}\n", encoding="utf-8")
+    head, *_, loud, sound, _, last = summarise(tmp_path, dict.fromkeys(sets, "")).splitlines()
+    assert head.startswith("1 of 2 sets of records identified in ")
+    assert loud.endswith("no answer")
+    assert sound.endswith("usable within 2.5 %")
+    assert last == "loud: no answer: clipped"

@@ -254,7 +254,7 @@ def _describing(problem: HarmonicProblem, points: Array, motion: Complexes) -> C
         return np.asarray(points[..., [at[name] for at in problem.at]])
 
     friction, K_z = of(FRICTION), of("rho") ** -2
-    held = np.minimum(friction / (K_z * X), 1.0)  # Z_m/X
+    held = np.clip(friction / (K_z * X), 0.0, 1.0)  # Z_m/X; a difference may step below zero
     theta = 2.0 * np.arcsin(np.sqrt(held))  # cos ϑ = 1 − 2 sin² ϑ/2
     part = np.where(theta > _THIN, theta - np.sin(theta) * np.cos(theta), theta**3 / 1.5)
     energy = 4.0 * friction * X * (1.0 - held)

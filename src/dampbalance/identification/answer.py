@@ -7,6 +7,7 @@ none of them asks what kind of record it was.
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -23,6 +24,9 @@ from ..project.wording import Remark, number_text, with_unit
 from ..solver import NORMAL_95
 
 CONFIDENCE = 0.95
+
+# Correlation from which two coefficients share what is lost: then the limit takes twice `USELESS` at most.
+_TRADES = 0.5
 
 UNBOUNDED: Mapping[str, float] = {"": math.inf}
 """Doubts of a remark on what may put every number off by nobody knows how much."""
@@ -183,13 +187,18 @@ class Answer:
     def verdicts(self) -> dict[str, Verdict]:
         """Whether each value is usable, doubtful or missing, by its symbol, and why.
 
-        A coefficient that may be zero is a limit, and usable where another one is known closely: if more friction could
-        hide, the damping next to it would be uncertain.
+        A coefficient that may be zero is a limit, and usable where another one that makes up for it is known closely:
+        if more friction could hide, the damping that trades with it would be uncertain.
         """
         verdicts = {s: _judged(s, p, self.notes) for s, p in self.parameters.items()}
-        for symbol, p in self.coefficients.items():
-            others = [of for s, of in verdicts.items() if s in self.coefficients and s != symbol]
-            sure = any(of.verdict == USABLE and of.within <= USELESS for of in others)
+        errors = np.sqrt(np.diag(self.covariance))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            trade = np.abs(self.covariance / np.outer(errors, errors)) >= _TRADES
+        for (symbol, p), trades in zip(self.coefficients.items(), trade, strict=False):  # K_z last
+            others = itertools.compress(self.coefficients, trades)
+            sure = any(
+                verdicts[s].verdict == USABLE and verdicts[s].within <= USELESS for s in others
+            )
             if p.interval.low <= 0.0 < p.interval.high and not p.doubt and p.bounded and sure:
                 verdicts[symbol] = Verdict(
                     USABLE, f"an upper limit only: {limit(symbol, p)}", math.inf
@@ -311,3 +320,33 @@ def _judged(symbol: str, parameter: ParameterEstimate, notes: Sequence[str]) -> 
     elif not high - low <= abs(parameter.value):
         reasons.append("its interval is wider than its value")
     return Verdict(DOUBTFUL if reasons else USABLE, "; ".join(reasons), within)
+
+
+def entries(answer: Answer) -> dict[str, Any]:
+    """Return an answer by the keys of the document."""
+    document = columns_of(answer)
+    if answer.balance is not None:
+        sizes = np.sqrt(np.diag(answer.covariance))
+        with np.errstate(invalid="ignore"):  # exact rows have no errors
+            correlations = answer.covariance / np.outer(sizes, sizes)
+        document |= {
+            f"correlation_of_{one}_and_{other}": correlations[i, j]
+            for (i, one), (j, other) in itertools.combinations(enumerate(answer.coefficients), 2)
+        }
+    document["verdicts"] = {symbol: v.document() for symbol, v in answer.verdicts.items()}
+    document |= answer.merit
+    if answer.balance is not None:
+        document["rows"] = {**answer.rows, **answer.balance.labels}
+    return document | {"notes": answer.notes}
+
+
+def columns_of(answer: Answer, *, table: bool = False) -> dict[str, Any]:
+    """Return the numbers of an answer in columns named with their units; in a table each end of an interval has a
+    column."""
+    columns: dict[str, Any] = {}
+    for symbol, p in answer.parameters.items():
+        numbers: dict[str, Any] = {"": p.value, "_standard_error": p.standard_error}
+        ends = {"_low": p.interval.low, "_high": p.interval.high}
+        numbers |= ends if table else {"_interval": p.interval}
+        columns |= {column(symbol, what): n for what, n in numbers.items()}
+    return columns

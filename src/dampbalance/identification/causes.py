@@ -33,9 +33,12 @@ from ..motion.law_decays import ADDED
 from ..project.wording import Remark, larger_by, listed, number_text
 from ..signals.lines import Lines
 from ..solver import NORMAL_95
+from .answer import UNBOUNDED
 
 SHOWS = 16.0
-"""Fall of χ² from which on a departure is there: four standard errors, in noise once in 1,700 sets for all of them."""
+"""Fall of χ² from which on slip, or a mass that contradicts, is there: four standard errors."""
+
+_DEPARTS = 10.8  # fall of χ² by a departure: by chance once in 1,000, and for all of them in 0.9 % of sound sets
 
 AS_WELL = 6.0
 """Difference of χ² below which two causes explain records alike: a ratio of likelihoods of e³ = 20."""
@@ -46,12 +49,15 @@ LIKELY = 0.3
 # Probability of a contact that yields gradually by chance in records of the oscillator.
 _CHANCE = 0.005
 _TRIED = 4  # departures that are fitted: behind them the first order is no guide
+_CLIMBS = 3  # of a departure's fit: one that takes more is no guide
 _ROUNDEST = 1.5  # a Dahl contact, which is twice as stiff after a reversal as the nearest that yields at once
 _MATTERS = 3.0  # standard errors by which another contact may change K_z, unsaid
 _LEAST = 0.03  # of K_z
 
 GRADUAL = ADDED[-1]
 """The departure that hardly shows: see above."""
+
+_IMITATING, _IN_PHASE = ("corner", "friction_speed"), ("k_3", GRADUAL)
 
 FRAME = "frame"
 
@@ -182,20 +188,20 @@ def explanations(
     if {"c", "c_r"} <= set(fit.law.unknowns):
         # a damper to the base and one to the ground together make up for any delay
         likely = [name for name in likely if name != "delay"]
-    fits: dict[tuple[str, ...], WaveformFit | None]
-    fits = {(name,): refit(fit, [name]) for name in likely[:_TRIED]}
+    fits: list[tuple[tuple[str, ...], WaveformFit | None]]
+    fits = [((name,), _converged(refit(fit, [name]))) for name in likely[:_TRIED]]
     for names, point in _like(near) if near is not None else ():
         start = replace(fit.problem, freed=(*fit.problem.freed, *names)).fit(point)
-        fits[names] = start and refit(start)
+        fits.append((names, _converged(start and refit(start))))
     if frames:
         # where it holds, the nearest starts lead there: no wide search for what most records are not
         others = [in_other_frame(one) for one in lines]
-        fits[(FRAME,)] = fit_records(others, fit.k, fit.law, thorough=False)
+        fits.append(((FRAME,), fit_records(others, fit.k, fit.law, thorough=False)))
 
     def misfit(one: Explanation) -> float:
         return one.fit.chi_square + penalty(one.fit)
 
-    found = [Explanation(names, one) for names, one in fits.items() if one is not None]
+    found = [Explanation(names, one) for names, one in fits if one is not None]
     own = fit.chi_square + penalty(fit)
     found = [
         one
@@ -205,7 +211,20 @@ def explanations(
         and not any(one.fit.value(n) in NUISANCES[n] for n in one.names if n != FRAME)
     ]
     best = min(map(misfit, found), default=0.0)
-    return tuple(sorted((one for one in found if misfit(one) < best + AS_WELL), key=misfit))
+    ordered = sorted(
+        (one for one in found if misfit(one) < best + AS_WELL), key=misfit, reverse=True
+    )
+    # of two fits with the same departure, which may come from two starts, the last
+    return tuple({one.names: one for one in ordered}.values())[::-1]
+
+
+def _converged(fit: WaveformFit | None) -> WaveformFit | None:
+    """The fit that further climbs lead to, until one ends in an optimum."""
+    for _ in range(_CLIMBS):
+        if fit is None or fit.converged:
+            break
+        fit = refit(fit)
+    return fit
 
 
 def _like(near: FundamentalFit) -> Iterator[tuple[tuple[str, ...], Array]]:
@@ -228,7 +247,7 @@ def _like(near: FundamentalFit) -> Iterator[tuple[tuple[str, ...], Array]]:
 
 def _least(name: str) -> float:
     """The fall of χ² from which on a departure is there."""
-    return SHOWS if name != GRADUAL else float(special.ndtri(1.0 - 0.5 * _CHANCE)) ** 2
+    return _DEPARTS if name != GRADUAL else float(special.ndtri(1.0 - 0.5 * _CHANCE)) ** 2
 
 
 def _may_be(name: str, one: Departure) -> bool:
@@ -263,6 +282,15 @@ def remark_on_contact(one: Departure, fit: OscillatorFit) -> Remark:
         f"{CAUSES[GRADUAL].remedy}",
         doubts={symbol: abs(part) for symbol, part in parts.items()},
     )
+
+
+def doubts_of(one: Departure, fit: OscillatorFit) -> Mapping[str, float]:
+    """By what part of itself a departure that is not fitted may move each number: to first order, and without bound
+    where it imitates friction and damping. A spring or a contact that yields otherwise moves neither."""
+    if one.symbol in _IMITATING:
+        return UNBOUNDED
+    moved = {} if one.symbol in _IN_PHASE else changes(one, fit, one.value)
+    return {symbol: abs(part) for symbol, part in moved.items()}
 
 
 def gradual_contact(tested: Sequence[Departure], scale: float = 1.0) -> Departure | None:

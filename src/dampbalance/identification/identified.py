@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 import re
 import warnings
@@ -24,10 +23,21 @@ from ..arguments import flag, one_of, path
 from ..law.terms import FRICTION
 from ..motion.jit import interpreted
 from ..project.files import plain, write_json, write_rows, write_text
-from ..project.wording import Remark, percent, visible
+from ..project.wording import Remark, percent, sentence, visible
 from ..records.coordinate import ROTATION, TRANSLATION, Coordinate
 from ..records.measured import MeasuredRecord
-from .answer import NONE, REFERENCE, USABLE, Answer, Interval, Verdict, column, limit, unit_of
+from .answer import (
+    NONE,
+    REFERENCE,
+    USABLE,
+    Answer,
+    Interval,
+    Verdict,
+    columns_of,
+    entries,
+    limit,
+    unit_of,
+)
 from .law_comparison import LawComparison
 from .outputs import ALL_PICTURES, REPORT, TABLES, pictures_of, require_room
 from .remarks import Limit, doubted, in_a_sentence, limits
@@ -312,9 +322,10 @@ class Identified(ABC):
 
     @property
     def lead(self) -> str:
-        """What is to be said before all numbers: that there is no answer and why, or no friction; else empty."""
+        """What is to be said before all numbers: that there is no answer and its first cause, or no friction; else
+        empty."""
         if why := self.no_answer:
-            return f"No answer: {why}."
+            return sentence(f"no answer: {why.partition(';')[0]}")
         verdict, c = self.verdicts.get(FRICTION), self.answer.parameters.get("c")
         if verdict is None or c is None or (verdict.verdict, verdict.within) != (USABLE, math.inf):
             return ""
@@ -378,7 +389,7 @@ class Identified(ABC):
     @interpreted(calls=QUICK)
     def _document(self) -> dict[str, Any]:
         """The document with the names of a translation."""
-        answers, findings = {n: _entries(a) for n, a in self.approaches.items()}, self.findings()
+        answers, findings = {n: entries(a) for n, a in self.approaches.items()}, self.findings()
         for entry, record in zip(findings["records"], self.records, strict=bool(self.records)):
             entry |= record.files or {}
         of, effects = self.sensitivities()
@@ -415,7 +426,7 @@ class Identified(ABC):
         columns named with units, and the verdict on each; None where an answer has no such number."""
         rows = []
         for name, answer in self.approaches.items():
-            row = {"approach": name} | _columns(answer, table=True)
+            row = {"approach": name} | columns_of(answer, table=True)
             row |= {key: answer.merit[key] for key in _IN_TABLE if key in answer.merit}
             for symbol, v in answer.verdicts.items():
                 row |= {
@@ -586,32 +597,3 @@ def _worth(answer: Answer) -> tuple[float, ...]:
     bounded = sum(math.isfinite(one.within) for one in verdicts)
     valued = sum(one.verdict != NONE for one in verdicts)
     return usable, bounded, valued, float(answer.balance is None and answer.answered)
-
-
-def _entries(answer: Answer) -> dict[str, Any]:
-    """An answer for the document."""
-    entries = _columns(answer)
-    if answer.balance is not None:
-        sizes = np.sqrt(np.diag(answer.covariance))
-        with np.errstate(invalid="ignore"):  # exact rows have no errors
-            correlations = answer.covariance / np.outer(sizes, sizes)
-        entries |= {
-            f"correlation_of_{one}_and_{other}": correlations[i, j]
-            for (i, one), (j, other) in itertools.combinations(enumerate(answer.coefficients), 2)
-        }
-    entries["verdicts"] = {symbol: v.document() for symbol, v in answer.verdicts.items()}
-    entries |= answer.merit
-    if answer.balance is not None:
-        entries["rows"] = {**answer.rows, **answer.balance.labels}
-    return entries | {"notes": answer.notes}
-
-
-def _columns(answer: Answer, *, table: bool = False) -> dict[str, Any]:
-    """The numbers of an answer in columns named with their units; in a table each end of an interval has a column."""
-    columns: dict[str, Any] = {}
-    for symbol, p in answer.parameters.items():
-        numbers: dict[str, Any] = {"": p.value, "_standard_error": p.standard_error}
-        ends = {"_low": p.interval.low, "_high": p.interval.high}
-        numbers |= ends if table else {"_interval": p.interval}
-        columns |= {column(symbol, what): n for what, n in numbers.items()}
-    return columns

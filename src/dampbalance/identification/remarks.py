@@ -43,8 +43,7 @@ from .answer import UNBOUNDED, USELESS, Answer, ParameterEstimate
 from .causes import (
     AS_WELL,
     CAUSES,
-    GRADUAL,
-    changes,
+    doubts_of,
     likeliest,
     remark_on,
 )
@@ -250,17 +249,16 @@ def _none_fits(
 
     alone : the fit to their fundamentals, whose numbers the likeliest departure moves to first order.
     """
-    likely, doubts = "", {}
+    likely = ""
+    doubts: Mapping[str, float] = {}
     if cause := likeliest(fit):
         share = min(1.0, cause.size**2 / (fit.chi_square - fit.freedom))
         words = CAUSES[cause.symbol].sized(cause.value, cause.error)
         likely = (
             f"; the likeliest of the causes tested is {words}, which explains {part(share)} of that"
         )
-        # a spring or a contact that yields otherwise moves the in-phase part, and neither friction nor damping
-        moves = not alone.has(cause.symbol) if alone is not None else False
-        if share > _MOST and moves and cause.symbol not in ("k_3", GRADUAL):
-            doubts = {s: abs(by) for s, by in changes(cause, fit, cause.value).items()}
+        if share > _MOST and alone is not None and not alone.has(cause.symbol):
+            doubts = doubts_of(cause, fit)
     worst = readings[int(np.argmax(fit.misfits))].steady.source
     return Remark(
         "the records are not those of one mass on a spring, a damper and one friction contact: the best one that "
@@ -381,7 +379,7 @@ def _shifted(symbol: str, p: ParameterEstimate, kinds: Sequence[list[Remark]]) -
     shifts = [max(r.doubts.get(symbol, r.doubts.get("", 0.0)) for r in of) for of in kinds]
     shifts = [math.inf if math.isnan(shift) else shift for shift in shifts]
     total = math.hypot(*shifts)
-    bounded = math.isfinite(total)
+    bounded = total < 1.0  # what may change a number by all of it bounds nothing
     reasons = [p.doubt] if p.doubt else []
     if not (bounded and total <= max(USELESS, p.within)):
         # those that have no bound, or the one that does most

@@ -87,7 +87,10 @@ def widened(answer: Answer, shifts: Mapping[str, Mapping[str, float]]) -> Answer
     symbols = list(answer.parameters)
     values = np.array([answer.parameters[s].value for s in symbols])
     off = np.array([[of.get(s, 0.0) for s in symbols] for of in shifts.values()])
-    off = off.reshape(-1, len(symbols)) * values  # no shifts are known of a fit that does not hold
+    with np.errstate(invalid="ignore"):  # a rigid contact has an infinite K_z
+        off = (
+            off.reshape(-1, len(symbols)) * values
+        )  # no shifts are known of a fit that does not hold
     off = np.where(np.isfinite(off), off, 0.0)
     sizes = dict(zip(symbols, np.sqrt(np.sum(off**2, axis=0)).tolist(), strict=True))
     covariance = answer.covariance + off.T @ off
