@@ -66,13 +66,13 @@ class Cause(NamedTuple):
     """A departure in words.
 
     words : with a place for its size.   unit : by which the size is multiplied for them.   remedy : what helps.
-    channel : whether it lies in a channel, so that the balance of the records as they were read has it, too.
+    in_rows : whether rows of the balance, which take the records as they are, carry it.
     """
 
     words: str
     unit: float
     remedy: str
-    channel: bool = False
+    in_rows: bool = True
 
     def sized(self, value: float, error: float) -> str:
         """The words with a size and its standard error."""
@@ -86,23 +86,23 @@ _NONE = "the model has none"
 CAUSES: Mapping[str, Cause] = {
     "delay": Cause(
         *("a response that lags the drive by {} µs more than the motion explains", 1e6),
-        *("give the delay in the mapping, or sample all channels at once", True),
+        *("give the delay in the mapping, or sample all channels at once"),
     ),
     "corner": Cause(
         *("an AC coupling of the response, a high-pass filter with a corner of {} Hz", 1.0),
-        *("couple the response directly (DC), or give the corner in the mapping", True),
+        *("couple the response directly (DC), or give the corner in the mapping"),
     ),
     "gain": Cause(
         *("a drive that reads {} % too much, or a response that reads as much too little", 100.0),
-        *("calibrate the drive and the response, or give the gain in the mapping", True),
+        *("calibrate the drive and the response, or give the gain in the mapping"),
     ),
     "low_pass": Cause(
         *("a low-pass filter of the response with a time constant of {} µs", 1e6),
-        *("give the filter in the mapping", True),
+        *("give the filter in the mapping"),
     ),
     FRAME: Cause(
         *("a response that is {} and was taken for {}", 1.0),
-        *("name the quantity so in the mapping (relative_displacement, displacement, …)", True),
+        *("name the quantity so in the mapping (relative_displacement, displacement, …)"),
     ),
     "friction_level": Cause(
         *("a friction force that changes with the level, by {} % for e times the level", 100.0),
@@ -115,7 +115,7 @@ CAUSES: Mapping[str, Cause] = {
         *("damping that grows with the speed, by c_2 = {} N s²/m²", 1.0),
         "compare the laws (--laws)",
     ),
-    "k_3": Cause("a spring that is not linear, with k_3 = {} N/m³", 1.0, _NONE),
+    "k_3": Cause("a spring that is not linear, with k_3 = {} N/m³", 1.0, _NONE, in_rows=False),
     GRADUAL: Cause(
         *(f"a contact that {_GRADUALLY} and not at once, by {{}} of one of Iwan", 1.0),
         "identify the distribution of its yield forces from more levels",
@@ -133,11 +133,6 @@ class Explanation:
 
     names: tuple[str, ...]
     fit: WaveformFit
-
-    @property
-    def channel(self) -> bool:
-        """Whether a channel is at fault."""
-        return any(CAUSES[name].channel for name in self.names)
 
     @property
     def words(self) -> str:

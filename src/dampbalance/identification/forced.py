@@ -412,7 +412,7 @@ def identify_readings(
     hz = ", ".join(f"{f:g}" for f in sorted({round(r.steady.frequency_hz, 4) for r in readings}))
     fit, rig = joint.fit, []
     if fit is not None and not joint.linear:
-        rig = implied(joint.by_mass, mass if joint.mass_fits else None)
+        rig = implied(joint.closest, mass if joint.mass_fits else None)
     if joint.delay is not None and not joint.explained:
         value, error = joint.delay
         rig.append(

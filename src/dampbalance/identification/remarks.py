@@ -47,7 +47,7 @@ from .causes import (
     likeliest,
     remark_on,
 )
-from .oscillator import FAULTY, JointFit, Microstick
+from .oscillator import JointFit, Microstick
 
 DIRECT = "direct"
 """The approach that assumes no shape of x(t): the one that is compared with the fit to all records."""
@@ -96,8 +96,15 @@ def notes_on(answer: Answer, readings: Sequence[Reading], joint: JointFit) -> It
                 factor(math.sqrt(answer.misfit)),
                 doubts=by_scatter(answer.coefficients, answer.misfit),
             )
-    if joint.misread:
-        yield FAULTY
+    if joint.in_rows:
+        apart = {key: joint.closest.value(key) for key in answer.coefficients}
+        yield Remark(
+            "its rows are not freed of the departure that the records show (see below)",
+            doubts={
+                s: abs(p.value / (apart[s] or math.inf) - 1.0)
+                for s, p in answer.coefficients.items()
+            },
+        )
 
 
 def by_scatter(coefficients: Mapping[str, ParameterEstimate], misfit: float) -> dict[str, float]:
@@ -232,7 +239,7 @@ def _on_the_oscillator(readings: Sequence[Reading], joint: JointFit) -> Iterator
     if joint.explained:
         yield remark_on(joint.explained, joint.fall)
     if joint.mass is not None and not joint.mass_fits:
-        yield on_mass(joint.by_mass, joint.mass)
+        yield on_mass(joint.closest, joint.mass)
     if fit is None:
         yield Remark(
             "no oscillator with this stiffness and a friction contact slips and responds like the records: check the "
@@ -322,7 +329,7 @@ def _wrong_unit(readings: Sequence[Reading], joint: JointFit) -> Iterator[Remark
 
 def _apart(answer: Answer | None, joint: JointFit) -> Iterator[Remark]:
     """A sentence where the balance contradicts the joint fit by more than their errors allow."""
-    if answer is None or joint.fit is None or not joint.waveforms_hold or joint.misread:
+    if answer is None or joint.fit is None or not joint.waveforms_hold or joint.in_rows:
         return
     parts = {}
     for symbol, own in answer.coefficients.items():

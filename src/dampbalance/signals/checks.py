@@ -272,7 +272,7 @@ SETTLES = "; it settles after about {} cycles: leave those out (--skip-cycles {}
 
 
 class Unsettled(ValueError):
-    """A record whose amplitude changes too much.   skip : cycles to leave out at its start, 0 where that is of no use."""
+    """A record whose amplitude changes too much.   skip : cycles to leave out at its start, 0 where that is no use."""
 
     def __init__(self, words: str, skip: int) -> None:
         super().__init__(words)
