@@ -32,13 +32,13 @@ from ..fit.waveforms import WaveformFit
 from ..motion.law_decays import ADDED
 from ..project.wording import Remark, larger_by, listed, number_text
 from ..signals.lines import Lines
+from ..signals.thresholds import P_CAUSE, P_DEPARTURE
 from ..solver import NORMAL_95
 from .answer import UNBOUNDED
 
 SHOWS = 16.0
 """Fall of χ² from which on slip, or a mass that contradicts, is there: four standard errors."""
 
-_DEPARTS = 10.8  # fall of χ² by a departure: by chance once in 1,000, and for all of them in 0.9 % of sound sets
 
 AS_WELL = 6.0
 """Difference of χ² below which two causes explain records alike: a ratio of likelihoods of e³ = 20."""
@@ -46,8 +46,6 @@ AS_WELL = 6.0
 LIKELY = 0.3
 """Share of what noise does not explain, from which on a departure is worth a fit, or a word."""
 
-# Probability of a contact that yields gradually by chance in records of the oscillator.
-_CHANCE = 0.005
 _TRIED = 4  # departures that are fitted: behind them the first order is no guide
 _CLIMBS = 3  # of a departure's fit: one that takes more is no guide
 _ROUNDEST = 1.5  # a Dahl contact, which is twice as stiff after a reversal as the nearest that yields at once
@@ -242,7 +240,7 @@ def _like(near: FundamentalFit) -> Iterator[tuple[tuple[str, ...], Array]]:
 
 def _least(name: str) -> float:
     """The fall of χ² from which on a departure is there."""
-    return _DEPARTS if name != GRADUAL else float(special.ndtri(1.0 - 0.5 * _CHANCE)) ** 2
+    return float(special.chdtri(1.0, P_CAUSE if name == GRADUAL else P_DEPARTURE))
 
 
 def _may_be(name: str, one: Departure) -> bool:
@@ -296,7 +294,7 @@ def gradual_contact(tested: Sequence[Departure], scale: float = 1.0) -> Departur
     best = max(tested, key=lambda one: abs(one.size), default=None)
     if best is None or best.symbol != GRADUAL or not best.value > 0.0:
         return None
-    return best if 2.0 * special.ndtr(-best.size / scale) < _CHANCE else None
+    return best if 2.0 * special.ndtr(-best.size / scale) < P_CAUSE else None
 
 
 def condition_on_contact(fit: OscillatorFit, tested: Iterable[Departure]) -> list[str]:

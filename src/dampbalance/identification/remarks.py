@@ -364,7 +364,7 @@ def doubted(answers: Mapping[str, Answer], warnings: Sequence[Remark]) -> dict[s
     doubt where that is more than the interval and than `USELESS`, or is not known.
     """
     return {
-        name: _doubted(answer, [*answer.notes, *(w for w in warnings if name not in w.spares)])
+        name: _doubted(answer, [*(w for w in warnings if name not in w.spares), *answer.notes])
         for name, answer in answers.items()
     }
 
