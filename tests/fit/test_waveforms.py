@@ -338,7 +338,7 @@ def test_from_a_side_minimum_along_the_stiffness_the_search_goes_on(apart, monke
     fit = fit_records(lines, osc.k)
     assert fit.adequate
     assert np.abs(off(fit, osc)).max() < 4.0
-    monkeypatch.setattr(fitting, "_other_stiffnesses", lambda *_: ((), 0))
+    monkeypatch.setattr(fitting, "minima_along", lambda *_: [])
     assert not fit_records(lines, osc.k).adequate
 
 
@@ -386,7 +386,7 @@ def test_of_climbs_that_end_far_away_the_three_nearest_are_refined(monkeypatch):
         return chi and End(chi, chi)
 
     monkeypatch.setattr(fitting, "_climbed", climbed)
-    monkeypatch.setattr(fitting, "_other_stiffnesses", lambda *_: ((), 0))
+    monkeypatch.setattr(fitting, "of_all_stiffnesses", lambda fit: fit)
     fit = fit_records([lines_of(orbits_at(3.5, (0.004,))[0], 1e-6)], PAPER.k)
     assert fit.chi_square == 0.9 * 300.0
     assert fit.evaluations == 10 * (len(ends) + 3 + 1)
@@ -402,6 +402,7 @@ def test_a_search_that_leads_nowhere_ends_and_keeps_the_nearest(monkeypatch):
         return climb(lambda *at: made.append(1) or evaluate(*at), *arguments, **options)
 
     monkeypatch.setattr(fitting, "climb", counted)
+    monkeypatch.setattr("dampbalance.fit.minimise.climb", counted)
     fit = fit_records(turned, PAPER.k)
     assert not fit.adequate
     # twice 600 and the climb under way, three that are refined, 600 along K_z, one to its optimum

@@ -23,7 +23,7 @@ from dampbalance.records.measurement import Channel, Correction, Measurement
 from dampbalance.records.synthetic import measured_orbit, measured_ring_down
 from dampbalance.records.writers import write
 from dampbalance.signals.bursts import Signal
-from dampbalance.signals.cycles import clipped
+from dampbalance.signals.cycles import clipped, flat_tops
 from dampbalance.signals.mean_harmonics import read_features
 from identification.levels import SYMBOLS, changed
 from identification.levels import clipped as cut
@@ -33,11 +33,13 @@ OSCILLATOR = Oscillator(PLUCKED.m, PLUCKED.c, PLUCKED.k, PLUCKED.K_z, PLUCKED.F_
 
 
 def holds(result, decay):
-    """Whether F_k, c and K_z of balance and fit are those of the truth within their errors."""
+    """Whether F_k, c and K_z of the fit, and of the balance where it has numbers, are those of the truth within their
+    errors."""
+    assert all(math.isfinite(value) for value in result.reference.values.values())
     for found in result.approaches.values():
         for symbol in ("F_k", "c"):
             off = found.values[symbol] - getattr(decay, symbol)
-            assert abs(off) < FAR * found.standard_errors[symbol], symbol
+            assert not abs(off) >= FAR * found.standard_errors[symbol], symbol
     high, low = (1.0 / math.sqrt(end) for end in result.reference.K_z.interval)
     assert abs(decay.K_z**-0.5 - 0.5 * (low + high)) < FAR / 1.96 * 0.5 * (high - low)
 
@@ -74,8 +76,9 @@ def test_a_release_tells_friction_damping_and_contact(quantity):
     result = identify_ring_downs([record(decay)[0]], decay.k)
     holds(result, decay)
     assert result.fit.adequate
-    # what 1 % noise over 12 half cycles leaves
-    assert result.estimates["balance"].standard_errors["F_k"] < 0.02 * decay.F_k
+    # 1 % noise over 12 half cycles leaves 2 % to the fit; see below for the balance
+    assert result.reference.standard_errors["F_k"] < 0.02 * decay.F_k
+    assert result.estimates["balance"].standard_errors["F_k"] < 0.08 * decay.F_k
     assert result.fit.m == pytest.approx(decay.m, abs=FAR * result.fit.error("m"))
 
 
@@ -86,18 +89,23 @@ def test_a_record_without_noise_gives_the_oscillator_back(quantity):
     )
     result = identify_ring_downs([clean], OSCILLATOR.k)
     assert result.fit.adequate
-    for found in result.approaches.values():
-        for symbol in SYMBOLS:
-            # where a climb ends: 1e-4 of the errors that the least noise assumed, 3e-6 of the swing, leaves: 3e-5 of c
-            assert found.values[symbol] == pytest.approx(getattr(OSCILLATOR, symbol), rel=1e-8)
+    for symbol in SYMBOLS:
+        truth = getattr(OSCILLATOR, symbol)
+        # where a climb ends: 1e-4 of the errors that the least noise assumed, 3e-6 of the swing, leaves: 3e-5 of c
+        assert result.reference.values[symbol] == pytest.approx(truth, rel=1e-8)
+        # smoothing over a twelfth of a cycle: 1e-4 of the swings, a tenth of which is lost in half a cycle; where an
+        # acceleration jumps is known to a sample
+        rel = 1e-2 if quantity == "acceleration" else 3e-3
+        assert result.estimates["balance"].values[symbol] == pytest.approx(truth, rel=rel)
 
 
-def test_the_balance_uses_what_the_samples_hold():
+def test_the_balance_has_errors_a_few_times_those_of_the_fit():
+    """It leaves out the first and the last of 12 half cycles, and does not know where the spring is at rest."""
     result = plucked()
     balance, bound = result.estimates["balance"], result.reference.standard_errors
     for symbol in ("F_k", "c"):
-        assert bound[symbol] ** 2 > 0.8 * balance.standard_errors[symbol] ** 2
-    # χ² of rows that share turns: their covariance is full
+        assert 1.0 < balance.standard_errors[symbol] / bound[symbol] < 3.0
+    # χ² of rows that share half cycles: their covariance is full
     assert 0.1 < balance.misfit < 3.0
 
 
@@ -149,17 +157,20 @@ def test_releases_that_scatter_have_friction_forces_of_their_own():
     found = identify_ring_downs(released(SCATTERING), RIG.k)
     assert not found.warnings  # nothing is left out
     mean, scatter = float(np.mean(SCATTERING)), float(np.std(SCATTERING, ddof=1))
-    for answer in found.approaches.values():
-        assert answer.verdicts["F_k"].verdict == answer.verdicts["c"].verdict == USABLE
-        p = answer.parameters["F_k"]
-        # the forces of all five are known: the mean is theirs, to what the noise leaves
-        assert p.value == pytest.approx(mean, abs=0.01)
-        # Student's t of 4 degrees of freedom at 95 %, of which the noise adds little
-        reach = 2.776 * scatter / math.sqrt(5)
-        assert 0.5 * (p.interval.high - p.interval.low) == pytest.approx(reach, rel=0.1)
-        for symbol in ("c", "K_z"):
-            low, high = answer.intervals[symbol]
-            assert low < getattr(RIG, symbol) < high
+    answer = found.reference  # the balance has a row a decay, five for six unknowns
+    assert answer.verdicts["F_k"].verdict == answer.verdicts["c"].verdict == USABLE
+    p = answer.parameters["F_k"]
+    # the forces of all five are known: the mean is theirs, to what the noise leaves
+    assert p.value == pytest.approx(mean, abs=0.01)
+    # Student's t of 4 degrees of freedom at 95 %, of which the noise adds little
+    reach = 2.776 * scatter / math.sqrt(5)
+    assert 0.5 * (p.interval.high - p.interval.low) == pytest.approx(reach, rel=0.1)
+    for symbol in ("c", "K_z"):
+        low, high = answer.intervals[symbol]
+        assert low < getattr(RIG, symbol) < high
+    check = found.estimates["balance"]
+    assert check.verdicts["F_k"].verdict == "none"
+    assert "too few to distinguish F_k from c" in check.verdicts["F_k"].reason
     document = found.document()
     decays = [decay for entry in document["records"] for decay in entry["decays"]]
     for decay, F_k in zip(decays, SCATTERING, strict=True):
@@ -338,11 +349,13 @@ def test_what_a_decay_begins_or_ends_at_is_not_clipped(end):
     )
     assert not clipped(np.concatenate([decaying[:30], np.full(50, decaying[:30].min())])[::end])
     for level in (0.9, 0.6, 0.3):
-        assert clipped(np.minimum(decaying, level * decaying[20:].max())[::end])
+        highest = level * decaying[20:].max()
+        assert flat_tops(np.minimum(decaying, highest)[::end]) == (-np.inf, highest)
+        assert clipped(np.minimum(decaying, highest)[::end])
         assert clipped(np.maximum(decaying, level * decaying[20:].min())[::end])
 
 
-def test_a_decay_without_a_half_cycle_that_slips_has_its_start():
+def test_a_decay_without_a_half_cycle_that_slips_has_no_row():
     stuck = measured_ring_down(
         replace(OSCILLATOR, F_k=100.0, c=3.0), x=0.005, rate_hz=400.0, duration=0.8, noise=0.005
     )["displacement"]
@@ -350,10 +363,9 @@ def test_a_decay_without_a_half_cycle_that_slips_has_its_start():
     start = np.array([100.0, 3.0, 6000.0**-0.5, 1.0, 0.0, 0.005, 0.0, 1.3])
     fit = fit_decays([Decay("a", 0.0, 0.8, (signal,), 0.08)], 400.0, start, given={0})
     rows = rows_of(fit)
-    assert rows.halves == 0
+    assert rows.halves == len(rows.columns) == 0
     ((turns, errors),) = rows.turns
-    assert turns[0].tolist() == pytest.approx([0.0, 0.005], abs=1e-4)
-    assert len(turns) == len(errors) == 1
+    assert len(turns) == len(errors) == 0
 
 
 def test_a_climb_may_start_without_friction():

@@ -1,6 +1,7 @@
 """The blind set at any size (`make blind`).
 
 make blind BLIND_ARGS="[PART] [--sets 900] [--first 0] [--processes 2] [--drawings 200] [--approach direct]"
+make blind BLIND_ARGS="field [--decays 200] [--forced 180] [--seed 2010] [--kinds 'hum,12 bits']"
 """
 
 from __future__ import annotations
@@ -15,7 +16,19 @@ import pandas as pd
 
 from dampbalance.project.progress import followed
 
-from . import decay_laws, decrements, departures, efficiency, faults, joints, laws, others, score
+from . import (
+    decay_laws,
+    decrements,
+    departures,
+    efficiency,
+    faults,
+    field,
+    field_score,
+    joints,
+    laws,
+    others,
+    score,
+)
 from .truths import SEED
 
 
@@ -120,9 +133,31 @@ def departing(options: argparse.Namespace) -> str:
     return departures.table(rows)
 
 
+def in_the_field(options: argparse.Namespace) -> str:
+    """Identify records as laboratories have them, beside a simple analysis; resume an interrupted run of the seed."""
+    file = options.output / f"field_{options.seed}.csv"
+    empty = pd.DataFrame({"records": [], "set": []})
+    done = pd.read_csv(file) if file.exists() else empty
+    runs = [(False, i) for i in range(options.decays)] + [(True, i) for i in range(options.forced)]
+    kinds = dict.fromkeys((*field.DECAYS, *field.FORCED))
+    wanted = options.kinds.split(",") if options.kinds else kinds
+    runs = [(forced, i) for forced, i in runs if field.kind_of(i, forced) in wanted]
+    if not runs or not kinds.keys() >= set(wanted):
+        raise SystemExit(f"--kinds {options.kinds!r} names no set: choose from {', '.join(kinds)}")
+    drawn = pd.MultiIndex.from_tuples([("forced" if forced else "decays", i) for forced, i in runs])
+    places = pd.MultiIndex.from_frame(done[["records", "set"]])
+    left = [(*run, options.seed) for run, key in zip(runs, drawn, strict=True) if key not in places]
+    context = multiprocessing.get_context("spawn")
+    with context.Pool(options.processes, field_score.warm) as pool:
+        for row in followed(pool.imap(field_score.outcome, left), len(left), "sets"):
+            done = pd.concat([done, pd.DataFrame(row)], ignore_index=True)
+            done.to_csv(file, index=False)
+    return field_score.table(done.set_index(["records", "set"]).loc[drawn].reset_index())
+
+
 PARTS = {"decays": decays, "blind": blind, "efficiency": efficient, "faults": faulty}
 PARTS |= {"others": other, "laws": confused, "decay_laws": departing_decays, "joints": jointed}
-PARTS |= {"departures": departing, "decay_contacts": decays_of_contacts}
+PARTS |= {"departures": departing, "decay_contacts": decays_of_contacts, "field": in_the_field}
 
 
 def main(arguments: list[str] | None = None) -> None:
@@ -133,6 +168,13 @@ def main(arguments: list[str] | None = None) -> None:
     parser.add_argument("--first", type=int, default=0, help="number of the first set, or drawing")
     parser.add_argument(
         "--seed", type=int, default=SEED, help="of the sets of decays, departures or joints"
+    )
+    parser.add_argument("--decays", type=int, default=200, help="sets of decays of the field")
+    parser.add_argument(
+        "--forced", type=int, default=180, help="sets of forced records of the field"
+    )
+    parser.add_argument(
+        "--kinds", default="", help="of the field, separated by commas; default, all"
     )
     parser.add_argument("--drawings", type=int, default=200, help="of each truth or law")
     parser.add_argument("--processes", type=int, default=2)

@@ -45,8 +45,8 @@ def steady() -> None:
     steady_orbits(**_OSCILLATOR, Y=[1e-5, 0.0006, 0.004], omega=_OMEGA)
 
 
-def slopes() -> None:
-    """Derivatives of steady responses, which fits follow, and fixed steps with what is read of them."""
+def harmonics() -> None:
+    """Harmonics of steady responses, which fits follow, and fixed steps with what is read of them."""
     with interpreted():
         orbit = _orbit()
     orbit.harmonics(3)
@@ -67,7 +67,7 @@ def rest() -> None:
     identify(decay, osc.k, laws=True)
 
 
-PARTS = {"steady": steady, "slopes": slopes, "rest": rest}
+PARTS = {"steady": steady, "harmonics": harmonics, "rest": rest}
 
 
 def main(names: list[str]) -> None:
@@ -79,7 +79,7 @@ def main(names: list[str]) -> None:
     began = time.monotonic()
     print("Compiling the kernels, once per installation …", file=sys.stderr, flush=True)
     command = (sys.executable, "-m", "dampbalance.commands.kernels")
-    running = [_started(*command, name) for name in ("steady", "slopes")]
+    running = [_started(*command, name) for name in ("steady", "harmonics")]
     if sum(process.wait() != 0 for process in running):
         print("They cannot be compiled now, and are when they are first called.", file=sys.stderr)
         return

@@ -544,23 +544,6 @@ def preload_errors(size: int, decays: int) -> Array:
     return errors
 
 
-def linear_solution(design: Array, right: Array, errors: Array) -> tuple[Array, Array]:
-    """Least squares: the estimates (p,) with design · estimates ≈ right, and their covariance, (p, p); zero for an
-    unknown on which nothing depends.
-
-    design : (n, p), in units of the noise, as is `right`, (n,).   errors : prior standard errors, (p,).
-    """
-    known, p = np.where(np.any(design != 0.0, axis=0), 1.0 / errors, 0.0), errors.size
-    length = np.sqrt(np.sum(design**2, axis=0) + known**2)
-    length[length < 1e-150] = 1.0  # nothing depends on these
-    whole = np.zeros((right.size + p, p + 1))
-    whole[: right.size, :p], whole[: right.size, p] = design / length, right
-    whole[right.size :, :p] = np.diag(known / length)
-    triangle = np.asarray(np.linalg.qr(whole, mode="r"))[:p]
-    inverse = np.linalg.pinv(triangle[:, :p], rcond=1e-9) / length[:, None]
-    return inverse @ triangle[:, p], inverse @ inverse.T
-
-
 def with_noise_of(fit: RingFit) -> RingFit:
     """The fit repeated with the noise of each channel estimated from its residual."""
     sums: dict[int, Array] = {}

@@ -10,25 +10,19 @@
     k_3                N/m³       a spring that is not linear, k_3 x³
     gradual            1          the contact yields gradually: 1 for that of Iwan, see `rounding`
 
-The channels and the level act exactly. The last four forces, `FORCES`, act to first order: a force δF that the model
-lacks moves the mass by what the equations of its steady motion, linear in δF, give (`Response.moved_by`).
+All act exactly. The last four, `FORCES`, need a motion with one onset of slip per half cycle, or none.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
 
-from ..arrays import Array, Complexes, Integers
-from ..motion.law_decays import rounding
-from ..motion.law_steady import Response
+from ..arrays import Complexes, Integers
 from ..signals.lines import Lines
-
-Force = Callable[[Array, Array], Array]
-"""Force on the mass, N, of x + X and ẋ in the half cycle from the reversal at −X on, as for `Response.moved_by`."""
 
 FALLING = 0.1
 """Speed over the largest at which a friction force that changes with the speed has fallen by a factor e."""
@@ -48,27 +42,8 @@ NUISANCES: Mapping[str, tuple[float, float]] = {
 }
 """The least and the greatest value of each nuisance."""
 
-
-def _at_rest(response: Response, fastest: float) -> Force:
-    """Friction that is larger at rest. From a turn to the onset of slip it acts the way that it did before the turn; a
-    contact that never slips does not have it."""
-    o, v_0 = response.oscillator, FALLING * fastest
-    F_k = o.F_k * response.slips
-    return lambda u, v: F_k * np.where(u < 2.0 * o.Z_m, -1.0, np.exp(-np.abs(v) / v_0))
-
-
-def _gradual(response: Response, fastest: float) -> Force:
-    o = response.oscillator
-    return lambda u, v: np.asarray(rounding(np.maximum(u, 0.0), o.F_k, o.K_z))
-
-
-FORCES: Mapping[str, Callable[[Response, float], Force]] = {
-    "friction_speed": _at_rest,
-    "c_2": lambda response, fastest: lambda u, v: v * np.abs(v),
-    "k_3": lambda response, fastest: lambda u, v: (u - response.X) ** 3,
-    "gradual": _gradual,
-}
-"""The force of a unit of each, for a motion and the largest speed of all records, m/s."""
+FORCES = ("friction_speed", "c_2", "k_3", "gradual")
+"""Nuisances that are forces which the oscillator lacks."""
 
 
 def units_of(k: float, m: float, omega: float, X: float) -> dict[str, float]:

@@ -19,6 +19,7 @@ from ..motion.orbit import steady_orbit
 from ..signals.lines import Lines
 from ..signals.one_thread import one_thread
 from .climb import MOST_EVALUATIONS, climb
+from .minimise import minima_along
 from .starts import Shares, starts
 from .waveforms import OSCILLATOR, STIFFEST, HarmonicProblem, WaveformFit, equivalent_coefficient
 
@@ -30,12 +31,9 @@ _FEWER = 12  # evaluations at each softening under a law that is compared with o
 _SAME = 1e-3  # relative: two ends whose χ² differ by less are taken for one
 _REFINED = 3  # of the climbs that ended far from the records, those whose ends are nearest to them
 _TO_THE_END = 300  # for the nearest of all, so that its place hangs on no other start
-_REACH = math.log(5.0)  # of ln K_z to either side, where others are tried
-_MOST_STIFFNESS_STEPS = 64
 _SCANS = 3  # along K_z, each from the best end of the one before
 _RINGING_SWINGS = 1.0  # swings in a stick, from which on a fit that holds is not the only one
-_CLOSER = (1.0 / 16.0, 1.0 / 8.0, 1.0 / 4.0, 1.0 / 2.0)  # of a step: kinks of χ² lie close together
-_FOLLOWING, _TRIED = 4, 6  # evaluations at each K_z, and minima that are climbed to
+_TRIED = 6  # minima along K_z that are climbed to
 _HARMONICS_OF_TRUTH = 64  # odd ones: the derivatives of the response by ρ fall as n⁻³
 _LOWER = 0.05  # of χ²: what another minimum must be lower by to be scanned around
 
@@ -112,11 +110,15 @@ def fit_at_truth(
 def of_all_stiffnesses(fit: WaveformFit) -> WaveformFit:
     """The best fit that is found along K_z, from a fifth to five times that of a fit: in steps that miss no minimum,
     and from a better one again; the fit itself where none is better, or the mass hardly swings while it sticks."""
-    budget = np.array([_EFFORT])
+    budget, rho = np.array([_EFFORT]), fit.names.index("rho")
     for _ in range(_SCANS):
-        others, count = _other_stiffnesses(fit, budget)
+        if max(one.swings for one in fit.responses) < _RINGING_SWINGS and fit.adequate:
+            break
+        left = float(budget[0])
+        others = minima_along(replace(fit.problem, budget=budget, near={}), fit.point, "rho")
+        others = [at for at in others if at[rho] != fit.point[rho]][:_TRIED]
         ends = [_climbed(fit.problem, at, softenings=(0.0,)) for at in others]
-        best = _best([fit, *filter(None, ends)], count) or fit
+        best = _best([fit, *filter(None, ends)], round(left - float(budget[0]))) or fit
         if best.chi_square > fit.chi_square - _LOWER * max(1.0, fit.misfit):
             return replace(fit, evaluations=best.evaluations)
         fit = best
@@ -126,7 +128,7 @@ def of_all_stiffnesses(fit: WaveformFit) -> WaveformFit:
 def fit_quickly(
     lines: Sequence[Lines], k: float, law: Law, near: Sequence[WaveformFit]
 ) -> WaveformFit | None:
-    """Like `fit_oscillator`, but from two candidates of `starts` and from fits with other laws only; not refined
+    """Like `fit_records`, but from two candidates of `starts` and from fits with other laws only; not refined
     where it ends far from the records. Use it to compare many laws."""
     problem = HarmonicProblem(law, tuple(lines), k)
     shares = _shares_of(problem)
@@ -151,45 +153,6 @@ def _ends(problem: HarmonicProblem, points: Iterable[Array], most: int) -> list[
             if budget[0] <= 0.0 or (ends and ends[-1].adequate):
                 break
     return sorted(ends, key=lambda end: end.chi_square)
-
-
-def _other_stiffnesses(end: WaveformFit, budget: Array) -> tuple[list[Array], int]:
-    """Where χ² has other local minima along K_z, from a fifth to five times that of a fit, while the other unknowns
-    follow; none where the mass hardly swings while it sticks; and the evaluations that it took to see.
-
-    A contact that sticks for N swings rings in step with the records at every K_z that changes N by one,
-    Δ ln K_z = 2/N: four steps lead from one of them to the next.
-
-    budget : as for `HarmonicProblem`.
-    """
-    swings = max(one.swings for one in end.responses)
-    if swings < _RINGING_SWINGS and end.adequate:
-        return [], 0
-    step = max(0.5 / max(swings, 1.0), 2.0 * _REACH / _MOST_STIFFNESS_STEPS)
-    rho, problem = end.names.index("rho"), end.problem
-    freed = tuple(name for name in problem.freed if name != "rho")
-    problem = replace(problem, freed=freed, budget=budget, near={})
-    evaluate = problem.products
-    minima, count = [], 0
-    for side in (0.5, -0.5):
-        start, levels = end.point, [(end.chi_square, end.point)]
-        for distance in (*_CLOSER, *range(1, 1 + int(_REACH / step))):
-            reached = []
-            for near in (end.point, start) if start is not end.point else (start,):
-                at = near.copy()
-                at[rho] = end.point[rho] * math.exp(side * distance * step)
-                bounds = problem.bounds(at)
-                reached.append(climb(evaluate, at, bounds, gain=0.5, most=_FOLLOWING))
-            count += sum(one.evaluations for one in reached if one is not None)
-            best = min(filter(None, reached), key=lambda one: one.chi_square, default=None)
-            if best is not None:
-                start = best.point
-                levels.append((best.chi_square, start))
-        triples = zip(levels, levels[1:], levels[2:], strict=False)
-        minima += [here for a, here, b in triples if a[0] > here[0] <= b[0]]
-        minima += levels[-1:] if len(levels) > 1 and levels[-1][0] < levels[-2][0] else []
-    minima.sort(key=lambda one: one[0])
-    return [point for _, point in minima[:_TRIED]], count
 
 
 def _best(ends: Sequence[WaveformFit], others: int = 0) -> WaveformFit | None:

@@ -30,13 +30,13 @@ from ..law.law import Law
 from ..law.terms import FRICTION, term
 from ..model import BaseMotion, NoOscillator, Oscillator
 from ..motion.distorted import added_by_base
-from ..motion.law_steady import Response, steady_response
+from ..motion.law_steady import Further, Response, steady_response
 from ..motion.orbit import NoSteadyOrbit
 from ..signals.lines import Lines
 from ..signals.mean_harmonics import Waveform
 from .climb import ClimbBounds
 from .goodness import improbable
-from .nuisances import FORCES, NUISANCES, read_by_channels, units_of
+from .nuisances import FALLING, FORCES, NUISANCES, read_by_channels, units_of
 from .oscillator_fit import OscillatorFit
 from .score import Departure, departures_from
 
@@ -60,9 +60,14 @@ _MOST_PHASES_FITTED = 64  # of half a cycle: to follow a contact that rattles on
 _GAIN_WHEN_CONVERGED = 5e-3  # in −log L: half the square of a tenth of a standard error
 # Odd harmonics of the waveform: beyond them lies less than 1e-6 of its velocity.
 _HARMONICS_OF_WAVEFORM = 128
+_REACH = math.log(5.0)  # of ln K_z to either side, where other minima are looked for
+_MOST_STIFFNESS_STEPS = 64  # a few hundred evaluations: what a search may cost
+_CLOSER = (1.0 / 16.0, 1.0 / 8.0, 1.0 / 4.0, 1.0 / 2.0)  # of a step
 # Of an unknown, for derivatives: orbits are exact to 1e-13, and curvature leaves a few times as much as the step, which
 # is shorter by the number of swings in a stick, through which the motion turns with K_z.
 _STEP = 1e-6
+# Steps of a force from zero: to its equations, which are solved to 1e-11, from a closed form that is exact.
+_STEP_OF_FORCES = 100.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,8 +156,18 @@ class HarmonicProblem:
         law: dict[str, float] = {s: value[s] for s in self.law.terms if s not in (FRICTION, "c")}
         F_k = value[FRICTION] * (1.0 + value["friction_level"] * float(self._levels[record]))
         oscillator = Oscillator(value["m"], value.get("c", 0.0), self.k, value["rho"] ** -2, F_k)
-        motion = BaseMotion(value["Y"], self.lines[record].omega)
-        return steady_response(oscillator, motion, law, near, most_radians=MOST_RADIANS_SEARCHED)
+        if value["c_2"]:
+            law["c_2"] = value["c_2"]
+        falling = value["friction_speed"], FALLING * self._fastest
+        further = Further(value["k_3"], value["gradual"], *(falling if falling[0] else ()))
+        return steady_response(
+            oscillator,
+            BaseMotion(value["Y"], self.lines[record].omega),
+            law,
+            near,
+            further=further,
+            most_radians=MOST_RADIANS_SEARCHED,
+        )
 
     def harmonics(self, point: Array, record: int, response: Response, count: int) -> Complexes:
         """Harmonics n = 1, 3 … of a record as it reads them, m, (count,), from its motion: with what the harmonics of
@@ -162,10 +177,6 @@ class HarmonicProblem:
         x = response.harmonics(count) + added_by_base(
             one.base / (1.0 + value["gain"]), response, count
         )
-        for name in FORCES.keys() & value.keys():
-            if value[name]:
-                moved = response.moved_by(FORCES[name](response, self._fastest))[:count]
-                x[: moved.size] += value[name] * moved
         if any(value.values()):
             x = read_by_channels(x, float(point[self.at[record]["Y"]]), n, one, value)
         return np.asarray(x * np.exp(1j * n * point[self.at[record]["psi"]]))
@@ -178,13 +189,21 @@ class HarmonicProblem:
         response = self.near[record]
         here = read(point, response)
         slopes = np.zeros((here.size, self.size), dtype=here.dtype)
-        units = _STEP / (1.0 + response.swings) * np.maximum(np.abs(point), self._units(point))
+        steps = _STEP / (1.0 + response.swings) * np.maximum(np.abs(point), self._units(point))
         for name, j in self.at[record].items():
-            if self.free[j] and name != "psi":
-                beside = point.copy()
-                beside[j] += units[j]
+            if not self.free[j] or name == "psi":
+                continue
+            beside = point.copy()
+            # of a force that the law does not have, several slips leave unknown what it does
+            untested = name in FORCES and name in self.nuisances and not point[j]
+            beside[j] += _STEP_OF_FORCES * steps[j] if untested else steps[j]
+            try:
                 there = read(beside, self.response(beside, record, response))
-                slopes[:, j] = (there - here) / (beside[j] - point[j])
+            except NoSteadyOrbit:
+                if untested:
+                    continue
+                raise
+            slopes[:, j] = (there - here) / (beside[j] - point[j])
         return here, slopes
 
     def start(self, candidate: Array, relative: Array) -> Array:
@@ -238,6 +257,18 @@ class HarmonicProblem:
             for name in self.nuisances:
                 lower[at[name]], upper[at[name]] = NUISANCES[name]
         return ClimbBounds(self.free, lower, upper, self._units(point))
+
+    def scan(self, point: Array) -> Array:
+        """Values of ρ at which to look for other minima of χ², to a fifth and to five times the K_z of a point.
+
+        A contact that sticks for N swings rings in step with the records at every K_z that changes N by one,
+        Δ ln K_z = 2/N: four steps lead from one of them to the next. Near the point kinks of χ² lie close together.
+        """
+        swings = max(self.response(point, i).swings for i in range(len(self.lines)))
+        step = max(0.5 / max(swings, 1.0), 2.0 * _REACH / _MOST_STIFFNESS_STEPS)
+        away = np.array([*_CLOSER, *range(1, 1 + int(_REACH / step))]) * step
+        values: Array = point[self.names.index("rho")] * np.exp(0.5 * np.append(away, -away))
+        return values
 
     def products(self, point: Array, out: Array) -> bool:
         """Set `out` to the products of derivatives and residuals, as `climb` takes them."""

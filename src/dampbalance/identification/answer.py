@@ -37,9 +37,6 @@ REFERENCE = "maximum likelihood"
 FUNDAMENTALS = "fundamentals"
 """Name of the answer of the fit to the fundamental of each record alone, where the waveforms hold no oscillator."""
 
-SHAPE = "shape"
-"""Name of a row of the balance that no cycle gives, but the shape of the motion."""
-
 USABLE, DOUBTFUL, NONE = "usable", "doubtful", "none"
 
 USELESS = 0.05

@@ -1,8 +1,7 @@
 """F_k, c and K_z from free decays: by rows of half cycles, weighted with their covariance, and by a fit of all samples.
 
-Every half cycle between turns gives a row a F_k + b c = W (`half_cycles.py`). Neighbouring rows share a turn,
-and all share the rest position of the spring: rows are made independent by the root of their covariance before they are
-solved.
+Each two neighbouring half cycles give a row a F_k + b c = W, which is read from the samples (`half_cycles.py`).
+Neighbouring rows share a half cycle: rows are made independent by the root of their covariance before they are solved.
 """
 
 from __future__ import annotations
@@ -21,7 +20,6 @@ from ..balance import TERMS, Rows
 from ..fit.decay import (
     RingFit,
     fit_decays,
-    linear_solution,
     with_intervals,
     with_noise_of,
 )
@@ -43,7 +41,6 @@ from ..signals.one_thread import one_thread
 from ..solver import NORMAL_95, solve
 from .answer import (
     CONFIDENCE,
-    SHAPE,
     UNBOUNDED,
     UNKNOWN,
     Answer,
@@ -62,7 +59,7 @@ from .decay_laws import (
 )
 from .half_cycles import A, B, RingRows, W, rows_of
 from .identified import Identified, Level, Picture
-from .remarks import forbidden, on_mass
+from .remarks import contradiction, forbidden, on_mass
 from .request import Stated, mapping_option, records_of, rig_options
 from .screen import implied, with_error
 from .sensitivities import Fault
@@ -75,6 +72,7 @@ BALANCE = "balance"
 """Name of the one approach to free decays."""
 
 _CHANCE = 1e-4  # probability of a misfit in noise, below which there is another reason
+_MATTERS = 0.05  # of a value: half of what a user asks for, and above what the balance neglects, a per mille or so
 _MASS_OFF = 4.0  # standard errors
 _LIGHTER = 1e-2  # of a mass that is given: small enough for first order, large compared with where a climb ends
 _SWINGS = 6  # of a decay whose equivalent damping is listed
@@ -86,7 +84,7 @@ _FEWEST, _LOOSE = 2, 1e-2
 class DecayOutcome(Identified):
     """The answers to records of free decays, and all that they come from.
 
-    fit : of one oscillator to all samples; the balance has its K_z.   half_cycles : rows of the balance.
+    fit : of one oscillator to all samples; the balance has its stick.   half_cycles : rows of the balance.
     departures : what each further coefficient would explain.
     """
 
@@ -130,18 +128,17 @@ class DecayOutcome(Identified):
 
     @property
     def levels(self) -> list[Level]:
-        """Swings of each decay, spread over it: what half a cycle between two turns loses, twice. The first, which
-        begins at no turn, and the last, which may end in sticking, are left out."""
+        """Cycles of each decay, spread over it, and what each loses."""
         rows, levels = self.half_cycles, []
         mean = next(iter(self.approaches.values())).values["F_k"]
         for i, (turns, _) in enumerate(rows.turns):
             of = rows.columns[rows.decay == i]
             own = self.fit.point_of(i)[0] - self.fit.F_k  # zero where all decays share one
-            spread = np.linspace(1, len(of) - 2, _SWINGS if len(of) > 2 else 0)
+            spread = np.linspace(0, len(of) - 1, _SWINGS if len(of) else 0)
             for n in np.unique(spread.round().astype(int)):
-                (start, x_a), (end, x_b) = turns[n : n + 2]
-                X, omega = 0.5 * abs(x_b - x_a), math.pi / (end - start)
-                name = f"decay {i + 1} at {start:.3g} s"
+                t, x = turns[n : n + 3].T
+                X, omega = 0.25 * float(np.abs(np.diff(x)).sum()), 2.0 * math.pi / (t[2] - t[0])
+                name = f"decay {i + 1} at {t[0]:.3g} s"
                 levels.append(Level(name, X, omega, 2.0 * of[n, W], 2.0 * (mean + own) * of[n, A]))
         return levels
 
@@ -166,16 +163,14 @@ class DecayOutcome(Identified):
 
     @property
     def pictures(self) -> dict[str, Picture]:
-        """decays : each with the motion fitted to it.   balance : rows of the half cycles, and what they leave."""
+        """decays : each with the motion fitted to it.   balance : its rows, if any, and their residuals."""
         count = len(self.fit.decays)
         words = f"{count} free decays with the motion fitted to them, their turns and the residual"
-        of_rows = (
-            "energy that the law takes of each half cycle against what is lost, and the residuals"
-        )
-        return {
-            "decays": Picture(words, (self.fit, self.half_cycles.turns)),
-            "balance": Picture(of_rows, (self.approaches, False)),
-        }
+        of_rows = "energy that the law takes of each two half cycles against what is lost, and the residuals"
+        pictures = {"decays": Picture(words, (self.fit, self.half_cycles.turns))}
+        if len(self.half_cycles.columns):
+            pictures["balance"] = Picture(of_rows, (self.approaches, False))
+        return pictures
 
 
 def _counted(n: int, what: str) -> str:
@@ -196,8 +191,8 @@ def identify_decays(
 ) -> DecayOutcome:
     """Identify F_k, c and K_z from records of free decays, one or several after releases or blows; one is enough.
 
-    Each half cycle gives a row a F_k + b c = W of the energy balance. The answer is the maximum-likelihood fit of one
-    oscillator to all samples, with the balance as its check.
+    Each two neighbouring half cycles give a row a F_k + b c = W of the energy balance. The answer is the
+    maximum-likelihood fit of one oscillator to all samples, with the balance as its check.
 
     records : as `read_records` returns or takes them.
     stiffness, mapping, mass : as for `identify_forced`.
@@ -316,16 +311,17 @@ def identify_ring_downs(
             fit = with_intervals(sorted(given, key=lambda one: one.chi_square)) if given else fit
         elif not agrees:
             warnings.append(on_mass(fit, mass))
-    rows = rows_of(fit)
-    if not fit.adequate and (rows.halves < _FEWEST or fit.K_z < _LOOSE * k):
+    moves = [min(fit.sticks_from(i), one.end - one.start) for i, one in enumerate(fit.decays)]
+    halves = sum(int(2.0 * t / one.period) for t, one in zip(moves, fit.decays, strict=True))
+    if not fit.adequate and (halves < _FEWEST or fit.K_z < _LOOSE * k):
         raise ValueError(
             f"{', '.join(dict.fromkeys(one.source for one in fit.decays))}: what moves in it is no free decay of a "
             f"mass on a spring of {k:g} N/m with a friction contact: the motion of the nearest one shows "
-            f"{_slipping(rows.halves)} and leaves {times(math.sqrt(fit.misfit))} the noise; is the mass still driven, "
+            f"{_slipping(halves)} and leaves {times(math.sqrt(fit.misfit))} the noise; is the mass still driven, "
             "or is its frequency or its gain not constant? Give the record from the release or the blow on"
         )
     rig = implied(fit, mass if agrees else None)
-    outcome = _solved(fit, rows, tuple(record.source for record in records), rig, warnings)
+    outcome = _solved(fit, rows_of(fit), tuple(record.source for record in records), rig, warnings)
     return replace(outcome, laws=compare_decay_laws(fit)) if laws else outcome
 
 
@@ -394,7 +390,8 @@ def _solved(
     if not values:
         notes.append(
             Remark(
-                f"{_slipping(rows.halves)} do not distinguish F_k from c: start the decay higher, or give more of them"
+                f"the samples show {_counted(rows.halves, 'half cycle')} clearly, too few to distinguish F_k from c: "
+                "start the decay higher, sample faster, or give more decays"
             )
         )
     if abs(fit.F_k) < NORMAL_95 * fit.error("F_k"):
@@ -430,11 +427,11 @@ def _solved(
             estimates[symbol] = replace(p, interval=Interval(min(low, least), max(high, most)))
     reference = answer_of_fit(fit, TERMS, fit_notes, doubt=split)
     parameters = {**dict.fromkeys(TERMS, UNKNOWN), **estimates, "K_z": reference.K_z}
-    numbers = [i + 1 if i >= 0 else None for i in rows.decay.tolist()]
+    numbers = (rows.decay + 1).tolist()
     balance = Balance(
         Rows({"F_k": rows.columns[:, A], "c": rows.columns[:, B]}, rows.columns[:, W]),
         np.sqrt(np.diag(rows.covariance)),
-        tuple(SHAPE if i is None else f"decay {i}" for i in numbers),
+        tuple(f"decay {i}" for i in numbers),
         {"decay": numbers},
     )
     answer = Answer(
@@ -445,6 +442,9 @@ def _solved(
         balance,
         merit={"misfit": misfit, "degrees_of_freedom": freedom},
     )
+    # half cycles that do not meet one law scatter by more than the noise, and so does what comes from them
+    wider = math.sqrt(max(1.0, misfit)) if freedom > 0 else 1.0
+    warnings = [*warnings, *contradiction(answer, fit, _MATTERS, wider)]
     conditions, effects = _scatter_of(fit), dict[str, float]()
     if gradual is None and not doubt:
         sentence, effects = condition_of(fit, further)
@@ -457,7 +457,7 @@ def _solved(
         reference=with_effects(reference, fit, effects),
         warnings=(*warnings, *clipped_signals.values()),
         head=f"{_counted(len(sources), 'record')} with {_counted(len(fit.decays), 'free decay')}, "
-        f"{_slipping(rows.halves)}; values with 95 % intervals",
+        f"{_counted(rows.halves, 'half cycle')} in the balance; values with 95 % intervals",
         rig=[*rig, *conditions],
         settings={"confidence": CONFIDENCE},
         fit=fit,
@@ -487,7 +487,7 @@ def _least_squares(
     the mean of several friction forces)."""
     scale = np.sqrt(np.diag(rows.covariance))
     scale = np.where(scale > 0.0, scale, 1.0)
-    # rows that the same samples make may nearly be one
+    # rows that share half cycles may nearly be one
     sizes, vectors = np.linalg.eigh(rows.covariance / np.outer(scale, scale))
     least = 1e-10 * sizes.max(initial=0.0)
     forces = np.unique(rows.friction[rows.friction >= 0])
@@ -498,9 +498,10 @@ def _least_squares(
     if math.isnan(estimate.residual):
         return {}, np.empty((0, 0)), math.nan, 0, None
     values = np.array([*map(float, estimate.values.values())])
-    _, covariance = linear_solution(white[:, 1:], white[:, W], np.full(values.size, math.inf))
+    inverse = np.linalg.pinv(white[:, 1:])
+    covariance = inverse @ inverse.T
     left = white @ [-1.0, *values]
-    freedom = len(white) - values.size
+    freedom = len(white) - values.size - rows.free
     misfit = float(left @ left) / freedom if freedom > 0 else math.nan
     if forces.size == 1:
         interval = None

@@ -1,18 +1,22 @@
-"""From free decays to rows of the energy balance, one for each half cycle between turns, with their covariance.
+"""Rows of the energy balance from the half cycles of free decays, read from the samples without the motion of the fit.
 
 Between two turns a and b of a free motion that slips the energy of the spring goes into friction and damper,
 
-    ½k (x_a² − x_b²) = F_k (|x_a − x_b| − 2Z_m) + c ∫ ẋ² dt
+    ½k (x_a² − x_b²) = F_k (D − 2Z_m) + c ∫ ẋ² dt,    D = |x_a − x_b|
 
-with x counted from the rest position of the spring. The first row begins at the start state, with ½mẋ² and with
-Z_m (1 ∓ z/Z_m)²/2 in the place of 2Z_m.
+with x counted from the rest position of the spring, which no sample shows: the mass may stick anywhere within F_k/k of
+it. Since x_a² − x_b² = ±D (x_a + x_b), two neighbouring half cycles, each times the swing of the other, have a sum that
+is free of the rest position; over the sum of both swings it is a row of the balance:
 
-The turns are estimated from all samples: between two turns the motion is that of the fit, stretched to x_a and x_b.
-Least squares gives these together with corrections of the fit from the shape and the instants of the motion: of m, K_z,
-the start, F_k and c (how the motion decays and sticks between its turns, how a mass that stays stuck rings on the
-contact). The information of the shape on F_k and c makes two more rows, F_k times the way and c ∫ ẋ² dt. Neighbouring
-rows share a turn, and all share m, K_z and the rest position, on which the rows hold nearly all the information; the
-covariance of the estimates gives that of the rows.
+    ½k D₀D₁ (D₀ − D₁)/(D₀ + D₁) = F_k [D₁(D₀ − 2Z_m) + D₀(D₁ − 2Z_m)]/(D₀ + D₁) + c (D₁b₀ + D₀b₁)/(D₀ + D₁)
+
+D and b = ∫ ẋ² dt are integrals of the velocity between its zeros: of the smoothed derivative of a displacement, of the
+smoothed velocity, or of the integral of an acceleration. Where a turn is read a little early or late, they are wrong
+to the second order only. An offset or a drift of the velocity moves swings to one side and to the other in opposite
+directions: the one that makes D run smoothly is taken off, and the rows leave it free. All these are sums over samples,
+so that the covariance of the rows follows from the noise; rows that share a swing or a turn are correlated.
+
+The fit gives one number, the stick Z_m = F_k/K_z, which matters little if the contact is stiff.
 """
 
 from __future__ import annotations
@@ -22,276 +26,212 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+from scipy.linalg import block_diag
+from scipy.ndimage import uniform_filter1d
+from scipy.signal import savgol_filter
 
-from ..arrays import Array, Integers, Mask
-from ..fit.decay import (
-    STATE,
-    Decay,
-    RingFit,
-    linear_solution,
-    numbers_of,
-    phases_of,
-    preload_errors,
-)
-from ..model import Parameters
-from ..motion.events import PHASE_S, PHASE_T, PHASE_V, PHASE_X
-from ..motion.free_decay import contact_chord
-from ..motion.states import states_in_phases
-from ..motion.unknowns import OSCILLATOR_UNKNOWNS
+from ..arrays import Array, Integers
+from ..fit.decay import RingFit
+from ..signals.bursts import Signal, least_noise
+from ..signals.simpson import integrals
 
 W, A, B = range(3)
 """Columns of a row: W (J), a (m), b (m²/s)."""
 
-_STEP = 1e-6  # relative step of finite differences: motions are exact to 1e-12
-_PART = 1e-3  # of a standard error, for differences of what is read
-_WEAK = 10.0  # times its error in the fit: what is known of a level before
-_SEEN = 0.5  # of a last half cycle that the record must hold
-_RINGS = 1.0  # cycles of ringing that are read
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(12)
-_PANEL = 4.0  # rad: the rule is then exact to rounding
+# of which more are averaged: a mean over dt takes (ωdt)²/24 off a swing, 2e-4
+_SAMPLES_A_CYCLE = 100
+_WINDOW = 12  # samples are smoothed over a twelfth of a cycle on either side
+_DEGREE = 4  # of the smoothing polynomial: over that window it meets a harmonic velocity to 2e-4
+_MOST_HALVES = 200  # their covariance takes a tenth of a second, and few decays show more
+_CLEAR = 5.0  # standard errors that a swing must have: its turns are then real
+_SLIPS = 1.5  # sticks 2Z_m that a swing must have: the mass then slips in every half cycle
+_PASSES = 4  # corrections of the baseline: each leaves the square of the one before
+_HALVES_A_BEND = (
+    6  # half cycles for each parameter of the baseline: with fewer it would follow the decay
+)
+_AT_REST = 2.0  # times the noise: the scatter of the last cycle where the mass is at rest
+# standard errors of the baseline by which the rows leave it free: more change nothing
+_FREE = 10.0
+_APART = 0.4  # of half a cycle, by which turns may be early or late
 
 
-class Half(NamedTuple):
-    """A half cycle of the fit's motion: from the turn at time t_a, s after the start, to that at t_b.
+class Swings(NamedTuple):
+    """The swings of a decay in one channel.
 
-    x_a, x_b : m.   v_a : m/s, zero but at a start.   lost : of |x_b − x_a| for the friction travel, m.
-    viscous : ∫ ẋ² dt, m²/s.
+    turns : rows (t, x) with x from the rest position, s and m, (n + 1, 2).   errors : of x, m, (n + 1,).
+    D, b : |x_a − x_b|, m, and ∫ ẋ² dt, m²/s, of each half cycle, (n,).   covariance : of D and b, (2n, 2n).
+    free : number of parameters of the baseline of the velocity, which the covariance leaves free.
     """
 
-    t_a: float
-    t_b: float
-    x_a: float
-    x_b: float
-    v_a: float
-    lost: float
-    viscous: float
-
-
-@dataclass(frozen=True, eq=False)
-class Course:
-    """The motion of the fit in one decay as rows see it.
-
-    halves : that slip.   rings_from : time from which on the mass at rest rings, s after the start; infinite where that
-    cannot be seen.   phases : of the motion.   viscous : ∫ ẋ² dt to the end, m²/s.
-    """
-
-    halves: tuple[Half, ...]
-    rings_from: float
-    phases: Array
-    viscous: float
-
-    @property
-    def turns(self) -> Array:
-        """x at the start and the turns, m; of a mass that only rings, its start."""
-        ends = [half.x_b for half in self.halves]
-        return np.array([float(self.phases[0, PHASE_X]), *ends])
+    turns: Array
+    errors: Array
+    D: Array
+    b: Array
+    covariance: Array
+    free: int
 
 
 @dataclass(frozen=True, eq=False)
 class RingRows:
     """Rows of all decays.
 
-    columns : (n, 3), see W, A, B, as read.   covariance : of W − a F_k − b c with the F_k and c of the fit, J²,
-    (n, n).   decay : number of the decay of each row, (n,), −1 for those of the shape, the last ones.   friction :
-    number of the friction force of each row, (n,), −1 for the row that has none.
-    turns : of each decay, its start and turns as read, rows (t, x), s and m, and their standard errors, m.
+    columns : (n, 3), see W, A, B.   covariance : of W − a F_k − b c, J², (n, n).   decay, friction : number of the
+    decay and of the friction force of each row, (n,).
+    free : number of parameters of baselines, which the covariance leaves free.
+    turns : of each decay, rows (t, x), s and m, and their standard errors, m; empty where none could be read.
     """
 
     columns: Array
     covariance: Array
     decay: Integers
     friction: Integers
+    free: int
     turns: tuple[tuple[Array, Array], ...]
 
     @property
     def halves(self) -> int:
-        """Number of rows of half cycles."""
-        return int(np.count_nonzero(self.decay >= 0))
+        """Number of half cycles that were read."""
+        return sum(max(0, len(turns) - 1) for turns, _ in self.turns)
 
 
 def rows_of(fit: RingFit) -> RingRows:
-    """The rows of all decays of a fit."""
-    p = fit.point.size
-    points = [fit.point_of(i) for i in range(len(fit.decays))]
-    courses = [
-        _course(point, point[fit.places(i)], fit.k, one)
-        for i, (one, point) in enumerate(zip(fit.decays, points, strict=True))
-    ]
-    nodes = [course.turns for course in courses]
-    ends = np.cumsum([node.size for node in nodes]).tolist()
-    places = [slice(end - node.size, end) for end, node in zip(ends, nodes, strict=True)]
-    total = ends[-1]
-    # estimates: the turns of all decays, then the unknowns of the fit
-    design, rest = np.zeros((fit.samples, total + p)), -fit.residual
-    errors = np.concatenate([np.full(total, math.inf), preload_errors(p, len(fit.decays))])
-    rows = []
-    at = 0
-    for i, (one, course, own) in enumerate(zip(fit.decays, courses, points, strict=True)):
-        here = slice(at, at + one.samples)
-        at = here.stop
-        block, seen = _basis(own, fit.k, one, course)
-        start, begin = fit.places(i).start, places[i].start
-        by_unknowns = np.where(seen[:, None], fit.jacobian[here], 0.0)
-        design[here, total:] = by_unknowns
-        design[here, places[i]] = block
-        # the start is the first of the turns, and moves the shape as well
-        design[here, begin] += by_unknowns[:, start]
-        design[here, total + start] = 0.0
-        rest[here] = np.where(seen, rest[here], 0.0)
-        columns = _columns(own, fit.k, course, nodes[i])
-        slope = np.zeros((*columns.shape, total + p))
-        span = _STEP * max(float(np.ptp(nodes[i])), 1e-300)
-        for j in range(nodes[i].size if course.halves else 0):
-            turns = nodes[i].copy()
-            turns[j] += span
-            slope[..., begin + j] = (_columns(own, fit.k, course, turns) - columns) / span
-        for j in (*range(len(OSCILLATOR_UNKNOWNS)), *range(start, start + STATE)):
-            place = j or fit.friction_places[i]
-            seen_there = fit.jacobian[:, place].any()
-            nearby = _nearby(fit, i, j, len(course.halves)) if seen_there else None
-            if nearby is None:
-                continue
-            point, other, step = nearby
-            column = begin if j == start else total + place
-            design[here, column] -= block @ ((other.turns - nodes[i]) / step)
-            slope[..., column] += (_columns(point, fit.k, other, nodes[i]) - columns) / step
-        rows.append((columns, slope))
-        # only the rows may determine the level of the turns: no prior must fix it
-        level = fit.covariance[start, start]
-        errors[begin] = _WEAK * math.sqrt(level) if level > 0.0 else math.inf
-    shifts, covariance = linear_solution(design, rest, errors)
-
-    # to first order about the fit: a poorly determined level would distort the squares in W
-    columns_of = [columns + slope @ shifts for columns, slope in rows]
-    slopes = [
-        s[:, W] - s[:, A] * own[0] - s[:, B] * fit.c
-        for (_, s), own in zip(rows, points, strict=True)
-    ]
-    which = [i for i, columns in enumerate(columns_of) for _ in columns]
-    force_of = [one.friction for one in fit.decays]
-    forces = [force_of[i] for i in which]
-    # the shape: each friction force times the way, and c ∫ ẋ² dt
-    travel: dict[int, list[float]] = {}
-    for force, course in zip(force_of, courses, strict=True):
-        travel.setdefault(force, []).extend(abs(half.x_b - half.x_a) for half in course.halves)
-    shape = [
-        (A, force, fit.friction_places[force_of.index(force)], math.fsum(ways))
-        for force, ways in travel.items()
-    ]
-    shape.append((B, -1, 1, math.fsum(course.viscous for course in courses)))
-    for column, force, j, size in shape:
-        if covariance[total + j, total + j] > 0.0 and size > 0.0:
-            row, slope = np.zeros((1, 3)), np.zeros((1, shifts.size))
-            row[0, column], row[0, W] = size, size * (fit.point[j] + shifts[total + j])
-            slope[0, total + j] = size
-            columns_of.append(row)
-            slopes.append(slope)
-            which.append(-1)
-            forces.append(force)
-    all_turns = []
-    for one, course, node, place in zip(fit.decays, courses, nodes, places, strict=True):
-        times = one.start + np.array([0.0, *(half.t_b for half in course.halves)])
-        theta, sure = node + shifts[place], np.sqrt(np.diag(covariance)[place])
-        all_turns.append((np.column_stack([times, theta[: times.size]]), sure[: times.size]))
-    by_all = np.vstack(slopes)
-    covariance = by_all @ covariance @ by_all.T
-    numbers = np.array(which), np.array(forces)
-    return RingRows(np.vstack(columns_of), covariance, *numbers, tuple(all_turns))
+    """Return the rows of all decays of a fit, which gives them k, Z_m and the period, and nothing else."""
+    forces = [float(fit.point_of(i)[0]) for i in range(len(fit.decays))]
+    numbers = {F_k: number for number, F_k in enumerate(dict.fromkeys(forces))}
+    columns, decays, swings, turns = [np.empty((0, 3))], [], [], []
+    for i, (one, F_k) in enumerate(zip(fit.decays, forces, strict=True)):
+        stick = 2.0 * F_k / fit.K_z
+        channels = [swings_of(signal, one.period, _SLIPS * stick) for signal in one.signals]
+        read = max(channels, key=lambda of: (of.D.size, -of.errors.sum()))
+        swings.append((read, stick))
+        turns.append((read.turns, read.errors))
+        differ, pair, scale = _pairs(read.D)
+        a, viscous = pair @ (1.0 - stick / read.D), pair @ (read.b / read.D)
+        columns.append(scale * np.stack([0.5 * fit.k * differ @ read.D, a, viscous], axis=1))
+        decays += [i] * len(scale)
+    which = np.array(decays, dtype=np.intp)
+    friction = np.array([numbers[F_k] for F_k in forces], dtype=np.intp)[which]
+    rows = np.vstack(columns)
+    travels = [np.where(friction == number, rows[:, A], 0.0) for number in numbers.values()]
+    *F, c = np.linalg.lstsq(np.column_stack([*travels, rows[:, B]]), rows[:, W])[0]
+    blocks = []
+    for (read, stick), F_k in zip(swings, forces, strict=True):
+        differ, pair, scale = _pairs(read.D)
+        loss = (F[numbers[F_k]] * stick - c * read.b) / read.D**2
+        by = scale * np.hstack([0.5 * fit.k * differ - pair * loss, -c * pair / read.D])
+        blocks.append(by @ read.covariance @ by.T)
+    free = sum(read.free for read, _ in swings)
+    return RingRows(rows, block_diag(*blocks), which, friction, free, tuple(turns))
 
 
-def _nearby(fit: RingFit, i: int, j: int, halves: int) -> tuple[Array, Course, float] | None:
-    """The point with unknown j moved, the motion of decay i there, as many half cycles of it, and by how much it is
-    moved; None where there are fewer either way."""
-    own, place = fit.places(i), j or fit.friction_places[i]
-    step = _PART * math.sqrt(fit.covariance[place, place])
-    if j == own.start + 2:
-        step = _PART
-    elif j == OSCILLATOR_UNKNOWNS.index("rho"):
-        # close to a rigid contact the motion depends on ρ²: a chord replaces the slope
-        step = contact_chord(float(fit.point[j]), fit.k) or _STEP * float(fit.point[j])
-    for way in (-step, step) if j == own.start + 2 and fit.point[j] > 1.0 else (step, -step):
-        point = fit.point_of(i)
-        point[j] += way
-        if (j < len(OSCILLATOR_UNKNOWNS) and point[j] <= 0.0) or step == 0.0:
-            continue
-        course = _course(point, point[own], fit.k, fit.decays[i], halves)
-        if len(course.halves) == halves:
-            return point, course, way
-    return None
+def _pairs(D: Array) -> tuple[Array, Array, Array]:
+    """The difference and the sum of each two neighbours as matrices, (n − 1, n), and D₀D₁/(D₀ + D₁), (n − 1, 1)."""
+    one, other = np.eye(D.size)[:-1], np.eye(D.size)[1:]
+    return one - other, one + other, 1.0 / ((one + other) @ (1.0 / D))[:, None]
 
 
-def _course(point: Array, state: Array, k: float, one: Decay, most: int | None = None) -> Course:
-    """The half cycles, `most` of them at the most, and the ringing of a motion."""
-    par = numbers_of(point, k)
-    Z_m, span = par.F_k / par.K_z, one.end - one.start
-    phases = phases_of(point, state, k, span + one.period)
-    viscous = _viscous(phases, span + one.period, par)
-    halves: list[Half] = []
-    begin = 0
-    for i in [i for i in range(1, len(phases)) if phases[i, PHASE_V] == 0.0][:most]:
-        t_a, _, x_a, v_a, z_a = phases[begin].tolist()
-        t_b, _, x_b, _, z_b = phases[i].tolist()
-        if t_b > span and span - t_a < _SEEN * (t_b - t_a):
-            break
-        u = min(max(state[2] - 1.0, -1.0), 1.0) if begin == 0 else math.copysign(1.0, z_a)
-        lost = 0.5 * Z_m * (1.0 - math.copysign(1.0, z_b) * u) ** 2
-        halves.append(Half(t_a, t_b, x_a, x_b, v_a, lost, float(viscous[begin:i].sum())))
-        begin = i
-    t_a, s, _, v, _ = phases[begin].tolist()
-    Omega = math.sqrt((k + par.K_z) / par.m)
-    rings = begin == len(phases) - 1 and s == v == 0.0
-    seen = rings and (span - t_a) * Omega >= 2.0 * math.pi * _RINGS
-    before = phases[phases[:, PHASE_T] < span]
-    total = float(_viscous(before, span, par).sum())
-    return Course(tuple(halves), t_a if seen else math.inf, phases, total)
+_NO_SWINGS = Swings(np.empty((0, 2)), np.empty(0), np.empty(0), np.empty(0), np.empty((0, 0)), 0)
 
 
-def _viscous(phases: Array, end: float, par: Parameters) -> Array:
-    """∫ ẋ² dt of each phase, the last of which ends at `end`, by Gauss's rule in panels of a part of a cycle."""
-    of_phases = np.zeros(len(phases))
-    for i, stop in enumerate([*phases[1:, PHASE_T].tolist(), end]):
-        start = float(phases[i, PHASE_T])
-        stiff = par.k + (par.K_z if phases[i, PHASE_S] == 0.0 else 0.0)
-        panels = 1 + int((stop - start) * math.sqrt(stiff / par.m) / _PANEL)
-        h = (stop - start) / panels
-        times = start + h * ((np.arange(panels) + 0.5)[:, None] + 0.5 * _NODES).ravel()
-        # a time on the border may belong to the next phase: taken from this one alone
-        speed = states_in_phases(times, phases[i : i + 1], 0.0, par)[1]
-        of_phases[i] = np.tile(0.5 * h * _WEIGHTS, panels) @ speed**2
-    return of_phases
+def swings_of(signal: Signal, period: float, least: float) -> Swings:
+    """Return the swings of a free decay in a channel, up to the first that is not larger than `least`, m.
+
+    The first half cycle, which begins before the first turn, and the last, which may end in sticking, are left out.
+    There are none where the samples show fewer than two clearly.
+
+    period : of the motion, s.
+    """
+    if signal.t.size < 2:
+        return _NO_SWINGS
+    many = max(1, int(period / signal.dt / _SAMPLES_A_CYCLE))
+    count, dt = signal.values.size // many, many * signal.dt
+    y = signal.values[: count * many].reshape(count, many).mean(axis=1)
+    cycle = round(period / dt)
+    width = 2 * max(2, round(cycle / _WINDOW)) + 1
+    if count <= 2 * cycle + 4 * width:
+        return _NO_SWINGS
+
+    def smoothed(values: Array, derivative: int) -> Array:
+        of: Array = savgol_filter(values, width, _DEGREE, derivative, dt, mode="constant")
+        return of
+
+    def velocity(values: Array) -> Array:
+        if signal.order == 2:
+            of: Array = dt * (np.cumsum(values, axis=-1) - 0.5 * values)
+            return of
+        return smoothed(values, 1 - signal.order)
+
+    impulse = np.eye(1, 2 * width + 1, width)[0]
+    # two measures of the noise: the second, for which few samples do not suffice, includes a hum
+    noises = [np.diff(y, 3) / math.sqrt(20.0)]
+    if width > _DEGREE + 1:
+        share = math.sqrt(1.0 - smoothed(impulse, 0)[width])
+        noises.append((y - smoothed(y, 0))[width:-width] / share)
+    sigma = max(1.4826 * float(np.median(np.abs(one))) for one in noises)
+    sigma = max(sigma, least_noise(y))
+    rests = float(np.std(y[-cycle:])) < _AT_REST * sigma
+    y = y - y[-cycle if rests else 0 :].mean()
+    inside = slice(width, count - width)  # the filter reaches no end
+    t = float(signal.t[0]) + 0.5 * (dt - signal.dt) + dt * np.arange(count)[inside]
+    v, cells = velocity(y)[inside], np.arange(t.size)
+    bias = sigma**2 * float(np.sum(velocity(impulse) ** 2))
+    if signal.order == 2:  # what has been added up drifts
+        bias = 0.0
+        slow = uniform_filter1d(uniform_filter1d(v, cycle), cycle)[cycle:-cycle]
+        v = v - np.polyval(np.polyfit(t[cycle:-cycle], slow, 1), t)
+    above_rest = v
+    swing = np.pad(np.ones(cycle // 2), width)  # as a sum over the velocity
+    least = max(least, _CLEAR * sigma * dt * float(np.linalg.norm(velocity(swing))))
+    fewest = _HALVES_A_BEND if signal.order == 2 or (signal.order and not rests) else 3
+    for _ in range(_PASSES):
+        places = _turns(v, 0.5 * cycle)[: _MOST_HALVES + 1]
+        signed, b = integrals(np.stack([v, v**2]), dt, places)
+        n = int(np.argmin(np.append(np.abs(signed) > least, False)))
+        if n < fewest:
+            return _NO_SWINGS
+        places, side, D = places[: n + 1], np.sign(signed[:n]), np.abs(signed[:n])
+        b = b[:n] - bias * dt * np.diff(places)
+        ends = places[:, None]
+        parts = np.minimum(cells + 0.5, ends[1:]) - np.maximum(cells - 0.5, ends[:-1])
+        weights = np.zeros((2 * n, count))  # D and b are sums of samples of the velocity
+        weights[:n, inside] = side[:, None] * dt * np.clip(parts, 0.0, 1.0)
+        weights[n:, inside] = 2.0 * v * dt * np.clip(parts, 0.0, 1.0)
+        # backwards in time, a filter is its own transpose
+        by_noise = sigma * velocity(weights[:, ::-1])
+        covariance = by_noise @ by_noise.T
+        bends = n // _HALVES_A_BEND + (signal.order == 2)  # one more for its start
+        knots = np.linspace(places[0], places[-1], max(1, bends))
+        hats = np.stack([np.interp(cells, knots, one) for one in np.eye(knots.size)])
+        by_baseline = weights[:, inside] @ hats.T
+        if bends:  # the baseline that leaves swings to one side as long as those to the other
+            second = np.diff(np.eye(n, 2 * n), 2, axis=0)
+            read = np.linalg.pinv(second @ by_baseline) @ second
+            v = v - (read[:, :n] @ D) @ hats
+        else:  # that at rest
+            read, v = np.zeros((1, 2 * n)), above_rest
+            covariance += (signal.order * sigma**2 / cycle) * (by_baseline @ by_baseline.T)
+    settled = np.eye(2 * n) - by_baseline @ read
+    errors = (settled @ covariance @ settled.T)[:n, :n]
+    free = by_baseline @ read
+    covariance = covariance + _FREE**2 * free @ covariance @ free.T
+    last = n - 1
+    # two turns to one side, and that between twice, have their mean at rest, in pairs
+    by_D = np.vstack([np.zeros(last), np.tril(np.ones((last, last))) * side[:last]])
+    by_D -= np.convolve(np.full(last - 1, 0.25 / (last - 1)), [1.0, 2.0, 1.0]) @ by_D
+    turns = np.column_stack([np.interp(places[: last + 1], cells, t), by_D @ D[:last]])
+    of_turns = np.sqrt(np.diag(by_D @ errors[:last, :last] @ by_D.T))
+    kept = np.r_[:last, n : n + last]
+    return Swings(turns, of_turns, D[:last], b[:last], covariance[np.ix_(kept, kept)], bends)
 
 
-def _basis(point: Array, k: float, one: Decay, course: Course) -> tuple[Array, Mask]:
-    """Derivatives of the samples by the turns, in units of their noise, and which samples lie in what rows are of."""
-    par = numbers_of(point, k)
-    blocks, masks = [], []
-    for signal in one.signals:
-        times, still = signal.t - one.start, float(signal.order == 0)
-        motion = states_in_phases(times, course.phases, 0.0, par)
-        block = np.zeros((times.size, course.turns.size))
-        seen = times >= course.rings_from
-        for j, half in enumerate(course.halves):
-            inside = slice(*np.searchsorted(times, [half.t_a, half.t_b]))
-            along = (motion[signal.order, inside] - still * half.x_a) / (half.x_b - half.x_a)
-            block[inside, j + 1] = along
-            block[inside, j] = still - along
-            seen[inside] = True
-        if math.isfinite(course.rings_from):
-            ringing = times >= course.rings_from
-            _, _, x, _, z = course.phases[-1].tolist()
-            q, share = (k * x + par.K_z * z) / (k + par.K_z), par.K_z / (k + par.K_z)
-            wave = motion[signal.order, ringing] - still * (x - q)
-            block[ringing, -1] = (1.0 - share) * wave / q + still * share
-        blocks.append(block / signal.noise)
-        masks.append(seen)
-    return np.vstack(blocks), np.concatenate(masks)
-
-
-def _columns(point: Array, k: float, course: Course, turns: Array) -> Array:
-    """The rows (W, a, b) with these turns, (n, 3)."""
-    m, rows = point[OSCILLATOR_UNKNOWNS.index("m")], []
-    for half, x_a, x_b in zip(course.halves, turns[:-1], turns[1:], strict=True):
-        stretched = ((x_b - x_a) / (half.x_b - half.x_a)) ** 2
-        work = 0.5 * k * (x_a - x_b) * (x_a + x_b) + 0.5 * m * half.v_a**2 * stretched
-        rows.append((work, abs(x_a - x_b) - half.lost, half.viscous * stretched))
-    return np.array(rows).reshape(-1, 3)
+def _turns(v: Array, half: float) -> Array:
+    """Places where a velocity changes its sign, counted in samples, as long as they are half a cycle apart."""
+    i = np.flatnonzero(v[:-1] * v[1:] < 0.0)
+    zeros = i + v[i] / (v[i] - v[i + 1])
+    # noise makes three of one
+    groups = np.split(zeros, np.flatnonzero(np.diff(zeros) > 0.5 * half) + 1)
+    places = np.array([of.mean() for of in groups if of.size % 2])
+    regular = np.abs(np.diff(places) / half - 1.0) < _APART
+    first = int(np.argmax(np.append(regular, True)))
+    last = first + int(np.argmin(np.append(regular[first:], False)))
+    return places[first : last + 1]

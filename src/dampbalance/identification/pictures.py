@@ -35,7 +35,7 @@ from ..project.wording import cut
 from ..records.measured import MeasuredRecord
 from ..records.measurement import ORDERS, RELATIVE
 from ..signals.mean_harmonics import Reading
-from .answer import SHAPE, Answer
+from .answer import Answer
 from .loading import excerpt
 from .oscillator import Microstick
 
@@ -181,7 +181,7 @@ def balance(answers: Mapping[str, Answer], two: bool) -> Figure:
     for index, (name, answer) in enumerate(checks.items()):
         assert answer.balance is not None
         rows, off = answer.balance.rows, answer.row_misfit
-        usable = rows.usable & [of != SHAPE for of in answer.balance.names]
+        usable = rows.usable
         look = look_of(name, checks)
         marks: dict[str, Any] = {"color": look.colour, "fillstyle": "none"}
         marks["label"] = in_maths(label_of(name))

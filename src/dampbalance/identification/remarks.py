@@ -207,7 +207,8 @@ def agreement(
             f"c_r is {number_text(1e-6 * fit.k, 2)} N s/m too small and c as much too large",
             doubts={"c": math.inf, "c_r": math.inf},
         )
-    yield from _apart(answers.get(DIRECT), joint)
+    if DIRECT in answers and fit is not None and joint.waveforms_hold and not joint.in_rows:
+        yield from contradiction(answers[DIRECT], fit)
     for answer in answers.values():
         if answer.balance is None or answer.balance.rows.usable.sum() < 2:
             continue
@@ -327,17 +328,22 @@ def _wrong_unit(readings: Sequence[Reading], joint: JointFit) -> Iterator[Remark
             return
 
 
-def _apart(answer: Answer | None, joint: JointFit) -> Iterator[Remark]:
-    """A sentence where the balance contradicts the joint fit by more than their errors allow."""
-    if answer is None or joint.fit is None or not joint.waveforms_hold or joint.in_rows:
-        return
+def contradiction(
+    answer: Answer, fit: OscillatorFit, least: float = 4e-7, wider: float = 1.0
+) -> Iterator[Remark]:
+    """Yield a sentence where the balance contradicts the fit to all records by more than their errors allow.
+
+    least : relative difference that counts, above the errors of the balance itself: by default those of rounding in
+    integrals of exact waveforms.
+    wider : factor of the errors of the balance.
+    """
     parts = {}
     for symbol, own in answer.coefficients.items():
-        of_fit = joint.fit.value(symbol)
+        of_fit, error = fit.value(symbol), wider * own.standard_error
         # the fit uses all that the balance uses: the variance of their difference is that of their variances
-        error = math.sqrt(max(own.standard_error**2 - joint.fit.error(symbol) ** 2, 0.0))
-        error = max(error, 0.5 * own.standard_error, 1e-7 * abs(of_fit))
-        if abs(own.value - of_fit) > _APART * error and of_fit:
+        of_both = math.sqrt(max(error**2 - fit.error(symbol) ** 2, 0.0))
+        allowed = max(_APART * of_both, 0.5 * _APART * error, least * abs(of_fit))
+        if abs(own.value - of_fit) > allowed and of_fit:
             parts[symbol] = (
                 f"{symbol} by {change_text(of_fit, own.value - of_fit, term(symbol).unit)}"
             )
@@ -346,8 +352,7 @@ def _apart(answer: Answer | None, joint: JointFit) -> Iterator[Remark]:
             "the energy balance and the fit of one oscillator to all records differ, "
             f"{' and '.join(parts.values())}, by more than their errors allow",
             doubts={
-                symbol: abs(answer.values[symbol] / joint.fit.value(symbol) - 1.0)
-                for symbol in parts
+                symbol: abs(answer.values[symbol] / fit.value(symbol) - 1.0) for symbol in parts
             },
         )
 

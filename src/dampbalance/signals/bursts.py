@@ -14,16 +14,16 @@ import numpy as np
 
 from ..arrays import Array
 
-_LINE = 15.0  # times the noise, that a line of the spectrum must have
+_LINE = 15.0  # times the noise, that a line of the spectrum must have: noise has one by chance once in 3 million lines
 _BAND = 1.25  # half of its width as a ratio: a decay is no sharp line
 _WINDOW = 0.6  # of a cycle, in which a decay passes two turns
-_SMOOTH = 1.0 / 8.0  # of a cycle, over which the samples are smoothed
+# Part of a cycle over which the samples are smoothed: a parabola follows a turn to 1e-4 of its swing.
+_SMOOTH = 1.0 / 8.0
 _CLEAR_DEVIATIONS = 8.0  # standard deviations of the smoothed signal
-_SMALLEST_BURST = 0.03  # of the largest burst
-_DECAYED = 0.85  # of its first swing: what a decay falls below
-_RISE = 0.6  # of a burst's swing: what came before is below it
-_QUIET_SAMPLES = 200  # of a part, at least
-_THIRD = math.sqrt(20.0)  # of the standard deviation of the noise: that of its third differences
+_SMALLEST_BURST = 0.03  # of the largest burst: smaller ones tell little of F_k
+_DECAYED = 0.85  # of its first swing: what a decay falls below; a steady motion with noise does not
+_RISE = 0.6  # of a burst's swing: what came before is below it, or it is a beat
+_QUIET_SAMPLES = 200  # of a part, at least, whose median is then known to 11 %
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,7 +97,8 @@ def noise_of(values: Array) -> float:
     digits = float(steps.min()) / math.sqrt(12.0) if steps.size else 0.0
     third = np.abs(np.diff(values, 3))
     parts = np.array_split(third, max(1, min(QUIET_PARTS, third.size // _QUIET_SAMPLES)))
-    quiet = 1.4826 * min(float(np.median(part)) for part in parts) / _THIRD
+    # third differences of white noise have 1 + 9 + 9 + 1 times its variance; 1.4826 medians are a standard deviation
+    quiet = 1.4826 * min(float(np.median(part)) for part in parts) / math.sqrt(20.0)
     return max(quiet, digits, least_noise(values))
 
 

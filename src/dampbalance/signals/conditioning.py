@@ -49,11 +49,9 @@ _MOST_HARMONICS = (31, 61, 91)
 cycle limits it too."""
 
 _HARMONICS_OF_BASE = 9
-_SAMPLES_COMPARED = 1 << 12  # samples in which a copy of another channel shows
 _FILTERED_OUT = 1e-3  # of a harmonic that passes a filter: below it, the rest is noise
 # Rounding as a part of the fundamental; smaller noise cannot be distinguished from it.
 _RELATIVE_FLOOR = 1e-9
-_NO_NEIGHBOURS = (math.nan, math.nan)
 _EXACT = 1e-6  # of a step: times that are off by less are those of equal steps
 _FREQUENCY_COUNTS = 0.3  # of the noise of the fundamental: less would widen intervals by 5 %
 
@@ -272,10 +270,10 @@ def _harmonics_of(
     start = max(float(channels[q].t[i]) for q, i in first.items()) + skip_cycles * period
     harmonics = {}
     for q, channel in channels.items():
-        leading = slice(first[q], first[q] + (LEADING if q == driving else _SAMPLES_COMPARED))
+        leading = slice(first[q], first[q] + LEADING)
         step = step_of(channel.t[leading], q)
         if q != driving:
-            of_drive = drive.values[first[driving] :][:_SAMPLES_COMPARED]
+            of_drive = drive.values[first[driving] :]
             checks.require_distinct(q, channel.values[leading], driving, of_drive)
         per_cycle = period / step
         if per_cycle < 12.0:
@@ -316,13 +314,10 @@ def _of_displacement(quantity: str, count: int, omega: float, k: float) -> Compl
 def _drifts(means: Sequence[Array], times: Array, weights: Array) -> Array:
     """Slope and half the second derivative of a drifting offset in each row, 1/s and 1/s², (channels, rows, 2), from a
     parabola through its means, (rows,) for each channel.   times : middle of the rows, s."""
-    degree = 2 if len(times) >= 8 else 1
-    span = max(float(np.ptp(times)), 1e-300)
-    at, root = (times - times.mean()) / span, np.sqrt(weights)[:, None]
-    fitted = np.linalg.lstsq(powers(at, degree + 1) * root, np.transpose(means) * root)[0]
-    bend = np.outer(fitted[2] if degree == 2 else np.zeros(len(means)), np.ones(at.size))
-    slope = fitted[1][:, None] + 2.0 * bend * at
-    return np.stack([slope / span, bend / span**2], axis=-1)
+    degree, at = 2 if len(times) >= 8 else 1, times - times.mean()
+    fitted = np.polyfit(at, np.transpose(means), degree, w=np.sqrt(weights))
+    bend = fitted[0][:, None] * (degree == 2) * np.ones(at.size)
+    return np.stack([fitted[-2][:, None] + 2.0 * bend * at, bend], axis=-1)
 
 
 def _error(rows: Complexes, weights: Array) -> Array:
@@ -331,10 +326,8 @@ def _error(rows: Complexes, weights: Array) -> Array:
     Smoothed over five neighbouring harmonics: of few cycles, each by itself would be a poor estimate.
     """
     smooth = _scatter(rows, weights) / weights.sum()
-    higher = np.concatenate([_NO_NEIGHBOURS, smooth[2:], _NO_NEIGHBOURS])
-    ordered = np.sort(sliding_window_view(higher, 5), axis=1)  # NaN last
-    known, place = np.isfinite(ordered).sum(axis=1), np.arange(len(ordered))
-    smooth[2:] = 0.5 * (ordered[place, (known - 1) // 2] + ordered[place, known // 2])
+    higher = np.pad(smooth[2:], 2, constant_values=math.nan)
+    smooth[2:] = np.nanmedian(sliding_window_view(higher, 5), axis=1)
     floor = (_RELATIVE_FLOOR * abs(weighted_mean(rows, weights)[1])) ** 2
     return np.sqrt(np.maximum(smooth, floor))
 

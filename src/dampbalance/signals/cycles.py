@@ -29,20 +29,18 @@ from ..records.measurement import Correction
 
 Numbers = TypeVar("Numbers", Array, Complexes)
 
-_MOST_ROWS = 2048
-_CYCLES_AT_ONCE = 256
+_MOST_ROWS = 2048  # more tell no more of the scatter, and cost time in each bootstrap
 _MOST_AT_ONCE = 1 << 20  # samples worked on at once: 8 MB an array
-_OUTLYING = 1.5  # mean square of a cycle about its harmonics, relative to that of the others
-_HELD = 5  # equal samples in a row that may be a drop-out
+_OUTLYING = 1.5  # mean square of a cycle about its harmonics, relative to the others, where a spike is looked for
+# Equal samples in a row that may be a drop-out: fewer are noise in the steps of a converter.
+_HELD = 5
 # Ratio of a jump to the steps nearby: a signal that was held goes on with a jump of five of them or more.
 _JUMPS = 2.0
-_AROUND = 8  # cycles that a cycle is compared with
+_AROUND = 8  # cycles that a cycle is compared with: enough for a median, and near enough for a slow change
 # Rms of the residual, as a part of the range, that a signal without noise may leave (because of drift, say).
 _HARMLESS = 1e-3
-_LONGEST_CYCLE = 1 << 22  # samples; beyond it the drive is not what it seems
-FEWEST_CYCLES = 3
-_LONGEST_SPECTRUM = 1 << 18
-_REFINEMENTS = 4
+FEWEST_CYCLES = 3  # of which a scatter has two degrees of freedom
+_REFINEMENTS = 4  # of the frequency, each thousands of times smaller than the one before: two do, save for few cycles
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,7 +101,7 @@ def cycle_harmonics(
         t, start + np.arange(min(complete, cycles) + 1) * work.period - 1e-6 * dt
     )
     count = max(0, edges.size - 1)
-    at_once = max(1, min(_CYCLES_AT_ONCE, _MOST_AT_ONCE // work.longest))
+    at_once = max(1, _MOST_AT_ONCE // work.longest)
     rows, clipped = np.zeros((count, harmonics + 2), dtype=np.complex128), 0
     bad: list[tuple[int, float, Remark]] = []
     for first in range(0, count, at_once):
@@ -142,7 +140,7 @@ def drive_frequency(t: Array, values: Array, dt: float) -> tuple[float, float]:
 
     Raises ValueError when there is none or the signal is shorter than three of its cycles.
     """
-    omega = _strongest_line(values[:_LONGEST_SPECTRUM], dt)
+    omega = _strongest_line(values, dt)
     error = math.nan
     for _ in range(_REFINEMENTS):
         hertz, per_cycle = omega / (2.0 * math.pi), 2.0 * math.pi / omega / dt
@@ -176,14 +174,14 @@ def frequency_offset(harmonics: CycleHarmonics) -> tuple[float, float]:
     usable = harmonics.weights > 0.0
     if np.count_nonzero(usable) < FEWEST_CYCLES:
         return 0.0, math.nan
-    phase = unwrapped(harmonics.coefficients[usable, 1])
-    times, weights = harmonics.times[usable], harmonics.weights[usable]
-    total = weights.sum()
-    time, phase = times - weights @ times / total, phase - weights @ phase / total
-    spread = float(weights @ time**2)
-    slope = float((weights * time) @ phase) / spread
-    variance = float(weights @ (phase - slope * time) ** 2) / (len(phase) - 2)
-    return slope, math.sqrt(variance / spread)
+    (slope, _), covariance = np.polyfit(
+        harmonics.times[usable],
+        np.unwrap(np.angle(harmonics.coefficients[usable, 1])),
+        1,
+        w=np.sqrt(harmonics.weights[usable]),
+        cov=True,
+    )
+    return float(slope), math.sqrt(covariance[0, 0])
 
 
 def _strongest_line(values: Array, dt: float) -> float:
@@ -211,7 +209,7 @@ class _Cycles:
             raise ValueError(
                 f"{self.period / dt:.1f} samples per cycle are too few for {harmonics} harmonics"
             )
-        if self.shortest > _LONGEST_CYCLE:
+        if self.shortest > _MOST_AT_ONCE:  # and the drive is not what it seems
             raise ValueError(f"{self.shortest} samples per cycle are more than can be worked on")
         self.longest = self.shortest + 2  # rounding of times may give and take a sample
         self.drift = np.zeros((2, harmonics + 1), dtype=np.complex128)
@@ -313,14 +311,6 @@ def powers(base: Numbers, count: int) -> Numbers:
     return np.vander(base, count, increasing=True)
 
 
-def unwrapped(rows: Complexes) -> Array:
-    """Phases of successive numbers without jumps, rad, (rows,)."""
-    phase = np.angle(rows)
-    turns = np.round((phase[1:] - phase[:-1]) / (2.0 * math.pi))
-    phase[1:] -= 2.0 * math.pi * np.cumsum(turns)
-    return phase
-
-
 def _three_in_a_row(true: Mask) -> Mask:
     """Mask of the rows that are true at three neighbouring places."""
     return np.asarray((true[..., 2:] & true[..., 1:-1] & true[..., :-2]).any(axis=-1))
@@ -348,14 +338,20 @@ def _cut_off(s: Array) -> bool:
     )
 
 
-def clipped(values: Array) -> bool:
-    """Whether a free motion is held at its highest or its lowest value as a clipped signal is; what it begins with or
-    ends at does not count: it may have been held there, or have come to rest."""
-    for high in (values, -values):
+def flat_tops(values: Array) -> tuple[float, float]:
+    """The lowest and the highest value of a free motion where it is held there as a clipped signal is; −∞ and ∞ where
+    it is not. What it begins with or ends at does not count: it may have been held there, or have come to rest."""
+    limits = []
+    for high in (-values, values):
         below = np.flatnonzero(high < high.max())
-        if below.size and _cut_off(high[below[0] : below[-1] + 1]):
-            return True
-    return False
+        cut = below.size and _cut_off(high[below[0] : below[-1] + 1])
+        limits.append(float(high.max()) if cut else math.inf)
+    return -limits[0], limits[1]
+
+
+def clipped(values: Array) -> bool:
+    """Whether a free motion is clipped, at either end."""
+    return bool(np.isfinite(flat_tops(values)).any())
 
 
 def _held(s: Array, others: Array, rms: float) -> Remark:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from contextlib import suppress
 
 import numpy as np
 
@@ -87,27 +88,24 @@ def averaged(values: Array, every: int) -> Array:
 def _frequency_in(t: Array, values: Array, step: float) -> tuple[float, float, int]:
     """ω of a drive, its standard error, and the sample from which on it moves, if it stands still for a cycle or more
     before; otherwise 0."""
-    begins, first = onset(values), None
+    begins = onset(values)
+    whole: tuple[float, float, int] | ValueError
     try:
-        omega, error = drive_frequency(t, values, step)
-        if t[begins] - t[0] <= 2.0 * math.pi / omega:
-            return omega, error, 0
+        whole = (*drive_frequency(t, values, step), 0)
+        if t[begins] - t[0] <= 2.0 * math.pi / whole[0]:
+            return whole
     except ValueError as problem:
-        first = problem
-    try:
-        later, its_error = drive_frequency(t[begins:], values[begins:], step)
-    except ValueError:
-        if first is not None:
-            raise first from None
-        return omega, error, 0
-    before = int(np.searchsorted(t, t[begins] - 2.0 * math.pi / later))
-    parts = slice(0, before), slice(begins, None)
-    still, moving = (_amplitude(t[part], values[part], later) for part in parts)
-    if still < _STILL * moving:
-        return later, its_error, begins
-    if first is not None:
-        raise first
-    return omega, error, 0
+        whole = problem
+    with suppress(ValueError):
+        omega, error = drive_frequency(t[begins:], values[begins:], step)
+        before = int(np.searchsorted(t, t[begins] - 2.0 * math.pi / omega))
+        parts = slice(0, before), slice(begins, None)
+        still, moving = (_amplitude(t[part], values[part], omega) for part in parts)
+        if still < _STILL * moving:
+            return omega, error, begins
+    if isinstance(whole, ValueError):
+        raise whole
+    return whole
 
 
 def _amplitude(t: Array, values: Array, omega: float) -> float:

@@ -21,9 +21,8 @@ CLEAR_HARMONIC = 4.0
 # Degrees of freedom that a row adds to an error, which is smoothed over five harmonics.
 _NEIGHBOURS = 6
 
-_HIDDEN = (
-    6.0  # degrees of freedom of a variance that is computed and not seen: its root is known to 30 %
-)
+# Degrees of freedom of a variance that is computed and not seen: its root is known to 30 %.
+_HIDDEN = 6.0
 _EXTRA = 4  # odd harmonics beyond the bandwidth that are taken: they bound the waveform
 _ROUNDING = 3e-6  # of the fundamental: noise below it is no transducer's
 

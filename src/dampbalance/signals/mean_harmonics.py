@@ -343,13 +343,10 @@ class Reading:
     def _cycle(self, n: Array, x: Complexes, points: int) -> dict[str, Array]:
         """Re Σ x_n e^{inθ} with its first two derivatives by time."""
         theta = np.linspace(0.0, 2.0 * math.pi, points, endpoint=False)
-        # at these phases e^{inθ} is that of n mod points
-        rate, places = 1j * n * self.steady.omega, n.astype(np.intp) % points
+        rate, turned = 1j * n * self.steady.omega, np.exp(1j * np.outer(n, theta))
         cycle = {"phase": theta}
         for order, name in enumerate(("x", "v", "acceleration")):
-            lines = np.zeros(points, dtype=np.complex128)
-            np.add.at(lines, places, rate**order * x)
-            cycle[name] = np.fft.ifft(lines, norm="forward").real
+            cycle[name] = ((rate**order * x) @ turned).real
         return cycle
 
     @property

@@ -5,8 +5,6 @@ The library behind NumPy splits sums among its threads, and their last bits foll
 
 from __future__ import annotations
 
-import functools
-import threading
 from collections.abc import Callable
 from typing import ParamSpec, TypeVar
 
@@ -17,21 +15,9 @@ P = ParamSpec("P")
 R = TypeVar("R")
 
 _CONTROLLER = ThreadpoolController()
-_LIMITED = threading.local()  # whether this thread works within a limit already
 
 
 def one_thread(function: Callable[P, R]) -> Callable[P, R]:
     """Run `function` with the linear algebra of NumPy on one thread."""
-
-    @functools.wraps(function)
-    def limited(*arguments: P.args, **named: P.kwargs) -> R:
-        if getattr(_LIMITED, "now", False):
-            return function(*arguments, **named)
-        _LIMITED.now = True
-        try:
-            with _CONTROLLER.limit(limits=1, user_api="blas"):
-                return function(*arguments, **named)
-        finally:
-            _LIMITED.now = False
-
+    limited: Callable[P, R] = _CONTROLLER.wrap(limits=1, user_api="blas")(function)
     return limited

@@ -15,22 +15,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import Array, Complexes
-from .cycles import powers
 
-_POINTS_OF_CYCLE = 1024  # of a cycle, where its peak is looked for
+# Where its peak is looked for: five for each of the highest harmonics, 91 and less.
+_POINTS_OF_CYCLE = 1024
 _NEAR_END = 0.005  # of the range: so close to an end, and four times the noise, a mass counts as resting there
-_NOISE_AT_END = 4.0
+_NOISE_AT_END = 4.0  # standard deviations: a sample in 16,000 lies beyond
 _RESTING = 2.0  # times as long as a harmonic motion is as close to its end
-_POWERS_OF_SERIES = 20  # of a distance, in a series about a phase
-_NEAR = 0.03  # rad: the distance up to which such a series is used
 _LONGEST_STEP = 0.5  # rad: the longest step towards a zero
-_SLOW = 8  # odd harmonics that need none
-_FACTORS = np.array(
-    [1j**k / math.factorial(k) for k in range(_POWERS_OF_SERIES)]
-)  # of (nδ)^k in e^{inδ}
-_MOST_HALLEY_STEPS = (
-    8  # steps; three or four do, but where a contact is so stiff that the motion nearly stops
-)
+# Halley's method takes three or four steps, except where a contact is so stiff that the motion nearly stops.
+_MOST_HALLEY_STEPS = 8
 _CONVERGED_PHASE = 1e-6  # rad: the next of Halley's steps would be some hundred times its cube
 
 
@@ -56,16 +49,6 @@ class Series:
         """|x_n|² freed of the bias of noise, m², (r, h): may fall below zero, cutting that off would be a bias."""
         return np.abs(self.x) ** 2 - self.variance
 
-    def around(self, theta: float) -> Array:
-        """Coefficients C_k of x = Σ C_k δ^k at the phase θ + δ, for each mean, (r, powers).
-
-        Harmonic n needs the more of them the larger nδ is; up to 7, the rest is a tenth of that harmonic.
-        """
-        terms = powers(self.n, _POWERS_OF_SERIES) * _FACTORS * np.exp(1j * theta * self.n)[:, None]
-        # Re Σ x t = Σ Re x Re t − Im x Im t: half of a product of complex numbers
-        parts = np.stack([terms.real, -terms.imag], axis=1).reshape(-1, _POWERS_OF_SERIES)
-        return np.ascontiguousarray(self.x).view(np.float64) @ parts
-
     def mean_between(self, begin: float, end: float) -> Array:
         """Mean of x from one phase ωt to the other, rad, for each mean, (r,)."""
         turned = (np.exp(1j * self.n * end) - np.exp(1j * self.n * begin)) / (1j * self.n)
@@ -87,33 +70,16 @@ def turning_points(series: Series, *, rests: bool) -> tuple[Array, Array]:
 
 
 def upward_zero(series: Series, lag: Array) -> Array:
-    """ωt of the upward zero of the symmetric part, (r,).   lag : of the fundamental, rad, (r,).
-
-    Harmonics beyond the fifteenth are those of a series about the zero of the mean.
-    """
+    """ωt of the upward zero of the symmetric part, (r,).   lag : of the fundamental, rad, (r,)."""
     odd = series.symmetric
-    mean = odd.x.mean(axis=0, keepdims=True)
-    start, nothing = -np.angle(mean[:, 0]) - 0.5 * math.pi, np.zeros((1, _POWERS_OF_SERIES))
-    centre = float(_zero(odd.n, mean, start, nothing, 0.0, _LONGEST_STEP)[0])
-    high = Series(odd.n[_SLOW:], odd.x[:, _SLOW:], odd.variance[:, _SLOW:]).around(centre)
-    return _zero(odd.n[:_SLOW], odd.x[:, :_SLOW], lag - 0.5 * math.pi, high, centre, _LONGEST_STEP)
+    return _zero(odd.n, odd.x, lag - 0.5 * math.pi, _LONGEST_STEP)
 
 
-def _zero(n: Array, x: Complexes, at: Array, rest: Array, centre: float, reach: float) -> Array:
-    """Upward zero of Re Σ x_n e^{inθ} + Σ C_k (θ − centre)^k near θ = at, (r,), by Halley's method.
-
-    rest : C_k, (r, powers).   reach : of a step, rad.
-    """
-    slope = rest[:, 1:] * np.arange(1.0, rest.shape[1])
-    parts = rest, slope, slope[:, 1:] * np.arange(1.0, slope.shape[1])
+def _zero(n: Array, x: Complexes, at: Array, reach: float) -> Array:
+    """Upward zero of Re Σ x_n e^{inθ} near θ = at, (r,), by Halley's method.   reach : of a step, rad."""
     for _ in range(_MOST_HALLEY_STEPS):
-        off = powers(np.clip(at - centre, -_NEAR, _NEAR), _POWERS_OF_SERIES)
-        value, rate, bent = (np.einsum("rk,rk->r", c, off[:, : c.shape[1]]) for c in parts)
-        if n.size:
-            first = np.exp(1j * at)
-            turned = first[:, None] * powers(first * first, n.size) * x
-            value = value + turned.real.sum(axis=1)
-            rate, bent = rate - turned.imag @ n, bent - turned.real @ n**2
+        turned = x * np.exp(1j * np.outer(at, n))
+        value, rate, bent = turned.real.sum(axis=1), -turned.imag @ n, -turned.real @ n**2
         rate = np.where(rate > 0.0, rate, np.inf)
         step = value / rate
         step = step / np.maximum(1.0 - 0.5 * step * bent / rate, 0.5)
@@ -137,13 +103,9 @@ def _end(series: Series, sign: float, rests: bool) -> tuple[Array, Array]:
         begin, end = (2.0 * math.pi / _POINTS_OF_CYCLE * place for place in rest)
         return np.full(len(series.x), 0.5 * (begin + end)), sign * series.mean_between(begin, end)
     limit = 2.0 * math.pi / _POINTS_OF_CYCLE
-    peak = limit * highest
-    value, none = sign * series.around(peak), series.x[:, :0]
-    slowing = -value[:, 1:] * np.arange(
-        1.0, _POWERS_OF_SERIES
-    )  # −dx/dωt, which rises through zero there
-    at = _zero(series.n[:0], none, np.full(len(value), peak), slowing, peak, limit)
-    return at, np.einsum("rk,rk->r", value, powers(at - peak, _POWERS_OF_SERIES))
+    slowing = -1j * sign * series.n * series.x  # −dx/dωt, which rises through zero there
+    at = _zero(series.n, slowing, np.full(len(series.x), limit * highest), limit)
+    return at, sign * (series.x * np.exp(1j * np.outer(at, series.n))).real.sum(axis=1)
 
 
 def _rest(values: Array, highest: int, noise: float) -> tuple[float, float] | None:

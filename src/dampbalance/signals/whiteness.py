@@ -16,9 +16,8 @@ from scipy import special
 from ..arrays import Array
 from .bursts import QUIET_PARTS, noise_of
 
-_SHARE_OF_ROUNDING = (
-    0.1  # of the variance of the noise: what a record without noise leaves is rounding
-)
+# Least variance that is taken for noise, relative to its stated one: what a record without noise leaves is rounding.
+_SHARE_OF_ROUNDING = 0.1
 _FEWEST_RESIDUALS = 400  # samples, from which the third differences of a record tell its noise
 _MEDIAN = 1.77  # relative error of the median of n third differences, times √n
 _SIGMAS, _SYSTEMATIC = 6.0, 0.05  # of the least of several such medians
