@@ -82,7 +82,7 @@ def test_a_departure_is_named_and_fitted_and_the_answer_is_freed_of_it(name):
 
 def test_causes_that_explain_the_records_as_well_widen_the_intervals():
     """Next to this noise, the phase that a high-pass filter turns is like what a spring that stiffens adds."""
-    behind = of_channel(lambda s: s / (s + 2.0 * math.pi * 0.5))
+    behind = of_channel(lambda s: s / (s + 2.0 * math.pi * 0.4))
     whole = joint_fit(lines_of(**behind, noise=3e-4), K)
     assert {("corner",), ("k_3",)} <= {one.names for one in whole.explained}
     assert whole.answer.intervals["c"].low < C < whole.answer.intervals["c"].high

@@ -193,6 +193,8 @@ def _with(problem: HarmonicProblem, near: Array | None = None) -> FundamentalFit
     if not ends:
         return None
     point, off, slopes = min(ends, key=lambda end: end.size)
+    for at, one in zip(problem.at, lines, strict=True):
+        point[at["Y"]] = one.Y
     Z, error = _data(problem)
     by_rows = np.zeros((len(problem.names), 2 * len(lines)))
     common = problem.free[: len(by_rows)]
@@ -290,8 +292,13 @@ def _linearised(
 
 
 def _fundamental(problem: HarmonicProblem, point: Array, i: int) -> complex:
-    """x_1 of the exact motion of a record, with what the harmonics of its base add, m.   Raises NO_MOTION."""
-    response = problem.response(point, i)
+    """x_1 of the exact motion of a record without departures, with what the harmonics of its base add, m.
+
+    Raises NO_MOTION.
+    """
+    bare = point.copy()
+    bare[[problem.names.index(name) for name in problem.nuisances]] = 0.0
+    response = problem.response(bare, i)
     added = added_by_base(problem.lines[i].base, response, 1)
     return complex(response.harmonics(1)[0] + added[0])
 

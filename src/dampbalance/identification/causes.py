@@ -83,39 +83,45 @@ _NONE = "the model has none"
 
 CAUSES: Mapping[str, Cause] = {
     "delay": Cause(
-        *("a response that lags the drive by {} µs more than the motion explains", 1e6),
-        *("give the delay in the mapping, or sample all channels at once"),
+        "a response that lags the drive by {} µs more than the motion explains",
+        1e6,
+        "give the delay in the mapping, or sample all channels at once",
     ),
     "corner": Cause(
-        *("an AC coupling of the response, a high-pass filter with a corner of {} Hz", 1.0),
-        *("couple the response directly (DC), or give the corner in the mapping"),
+        "an AC coupling of the response, a high-pass filter with a corner of {} Hz",
+        1.0,
+        "couple the response directly (DC), or give the corner in the mapping",
     ),
     "gain": Cause(
-        *("a drive that reads {} % too much, or a response that reads as much too little", 100.0),
-        *("calibrate the drive and the response, or give the gain in the mapping"),
+        "a drive that reads {} % too much, or a response that reads as much too little",
+        100.0,
+        "calibrate the drive and the response, or give the gain in the mapping",
     ),
     "low_pass": Cause(
-        *("a low-pass filter of the response with a time constant of {} µs", 1e6),
-        *("give the filter in the mapping"),
+        "a low-pass filter of the response with a time constant of {} µs",
+        1e6,
+        "give the filter in the mapping",
     ),
     FRAME: Cause(
-        *("a response that is {} and was taken for {}", 1.0),
-        *("name the quantity so in the mapping (relative_displacement, displacement, …)"),
+        "a response that is {} and was taken for {}",
+        1.0,
+        "name the quantity so in the mapping (relative_displacement, displacement, …)",
     ),
     "friction_level": Cause(
-        *("a friction force that changes with the level, by {} % for e times the level", 100.0),
+        "a friction force that changes with the level, by {} % for e times the level",
+        100.0,
         "give levels a friction force each (--groups)",
     ),
     "friction_speed": Cause(
         "a friction force that changes with the speed, and is {} % larger at rest", 100.0, _NONE
     ),
     "c_2": Cause(
-        *("damping that grows with the speed, by c_2 = {} N s²/m²", 1.0),
-        "compare the laws (--laws)",
+        "damping that grows with the speed, by c_2 = {} N s²/m²", 1.0, "compare the laws (--laws)"
     ),
     "k_3": Cause("a spring that is not linear, with k_3 = {} N/m³", 1.0, _NONE, in_rows=False),
     GRADUAL: Cause(
-        *(f"a contact that {_GRADUALLY} and not at once, by {{}} of one of Iwan", 1.0),
+        f"a contact that {_GRADUALLY} and not at once, by {{}} of one of Iwan",
+        1.0,
         "identify the distribution of its yield forces from more levels",
     ),
 }
