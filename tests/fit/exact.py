@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from dampbalance import Oscillator, transient
-from dampbalance.fit.decay import Decay
+from dampbalance.fit.decay import COMMON, Decay, DecayProblem, RingFit
 from dampbalance.signals.bursts import Signal
 
 
@@ -30,8 +30,15 @@ def decay_of(
     return Decay("", 0.0, float(t[-1]), (signal,), 2.0 * math.pi * math.sqrt(m / k))
 
 
-def changed(whole: Decay, since: float, values: np.ndarray | float) -> Decay:
-    """The decay with other values from a time on."""
-    (signal,) = whole.signals
-    values = np.where(signal.t >= since, values, signal.values)
-    return replace(whole, signals=(replace(signal, values=values),))
+def point_of(point: np.ndarray) -> np.ndarray:
+    """The unknowns F_k, c, ρ, m, offsets and start states as a fit takes them, without further terms."""
+    return np.insert(point, 4, np.zeros(len(COMMON) - 4))
+
+
+def fitted(decay: Decay, k: float, point: np.ndarray, held: str = "", most: int = 30) -> RingFit:
+    """The fit in which a climb from some unknowns ends.   held : name of one that keeps its value."""
+    problem = DecayProblem((decay,), k)
+    free = tuple(name for name in problem.free if name != held)
+    fit = replace(problem, free=free).climb(point_of(point), most=most)
+    assert fit is not None
+    return fit

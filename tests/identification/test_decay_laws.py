@@ -8,13 +8,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from blind.decays import departing, draw, falling, record
+from blind.decays import departing, falling, record
 from dampbalance import identify
-from dampbalance.fit.decay import fit_decays
-from dampbalance.fit.law_fit import fit_law, law_departures
+from dampbalance.fit.decay import departures_of
 from dampbalance.identification.answer import DOUBTFUL, USABLE
+from dampbalance.identification.decay_laws import fit_law
 from dampbalance.identification.decays import identify_ring_downs
-from fit.exact import decay_of
+from fit.exact import decay_of, fitted
 from identification.releases import FAR, PLUCKED, compiled  # noqa: F401
 
 SOUND = replace(PLUCKED, lasts=(3.5,), rate_hz=250.0, noise=0.003)
@@ -45,14 +45,11 @@ def test_sound_decays_raise_no_doubt_and_keep_friction_and_viscous_damping():
 def test_decays_under_another_law_are_doubtful_and_its_coefficients_found(symbol, field, order):
     decay = departing(SOUND, field, order, 0.4)
     result = found_in(decay, laws=True)
-    for answer in result.approaches.values():
-        for of_law in ("F_k", "c"):
-            verdict = answer.verdicts[of_law]
-            assert verdict.verdict == DOUBTFUL
-            assert "friction and viscous damping do not account for the decays" in verdict.reason
-            assert f"{symbol} =" in verdict.reason
-    # without a comparison F_k and c are far off, for which the doubt is
-    assert abs(result.reference.values["c"] - decay.c) > FAR * result.reference.standard_errors["c"]
+    for of_law in ("F_k", "c"):
+        verdict = result.verdicts[of_law]
+        assert verdict.verdict == DOUBTFUL
+        assert "friction and viscous damping do not account for the decays" in verdict.reason
+        assert f"{symbol} =" in verdict.reason
     assert result.laws.chosen == ("F_k", "c", symbol)
     truth = {"F_k": decay.F_k, "c": decay.c, symbol: getattr(decay.departure, field)}
     for name, (value, error) in chosen(result.laws).coefficients.items():
@@ -63,10 +60,13 @@ def test_decays_under_another_law_are_doubtful_and_its_coefficients_found(symbol
     ("symbol", "field", "order", "share"),
     [("c_a", "sided", 1, 0.3), ("k_2", "even", 2, 0.03), ("k_3", "cubic", 3, 0.03)],
 )
-def test_what_no_law_of_damping_explains_is_named(symbol, field, order, share):
+def test_what_no_law_of_damping_explains_is_named_and_fitted_along(symbol, field, order, share):
     decay = departing(SOUND, field, order, share)
-    reasons = [answer.verdicts["c"].reason for answer in found_in(decay).approaches.values()]
-    assert all(f"{symbol} =" in reason for reason in reasons)
+    found = found_in(decay)
+    assert any(f"({symbol} =" in words for words in found.warnings)
+    for name in ("F_k", "c"):
+        off = found.reference.values[name] - getattr(decay, name)
+        assert abs(off) < FAR * found.reference.standard_errors[name]
 
 
 def test_decays_without_friction_support_a_law_without():
@@ -84,33 +84,39 @@ def percent_in(words, symbol):
     )
 
 
-def test_what_the_decays_cannot_tell_is_in_the_interval_and_raises_no_doubt():
-    decay = draw(3, 5)  # 16 half cycles in noise of 5 %
-    result = identify_ring_downs([record(decay, 5)[0]], decay.k)
-    assert result.reference.verdicts["F_k"].verdict == USABLE
-    (words,) = [words for words in result.rig if "would not show" in words]
-    assert "The values are those of friction and viscous damping." in words
-    for answer in result.approaches.values():
-        p = answer.parameters["c"]
+def test_what_the_decays_hint_at_is_in_the_interval_and_raises_no_doubt():
+    """Of 12 decays in noise of 5 % under damping with a quadratic share of 20 % some hint at it and none shows it."""
+    hinted = 0
+    for i in range(12):
+        decay = departing(replace(SOUND, index=i, noise=0.03), "quadratic", 2, 0.2)
+        result = found_in(decay)
+        said = [words for words in result.rig if "is hinted at" in words]
+        if not said:
+            continue
+        hinted += 1
+        assert "The values are those of friction and viscous damping." in said[0]
+        p = result.reference.parameters["c"]
         # stated to a per cent
-        stated = (percent_in(words, "c") - 0.005) * result.reference.values["c"]
+        stated = (percent_in(said[0], "c") - 0.005) * result.fit.c
         assert p.value - p.interval.low > stated
         assert p.interval.high - p.value > stated
+    assert hinted >= 1
 
 
-def test_friction_that_falls_with_speed_does_not_leave_the_interval_of_c():
-    """Ten sets of another integrator, friction 5 to 15 % higher at rest; without it one interval of c holds."""
-    random, held = np.random.default_rng(0), {"F_k": 0, "c": 0}
+def test_friction_that_falls_with_speed_is_no_silent_error_where_it_shows():
+    """Ten sets of another integrator, friction 5 to 15 % higher at rest, in noise of 0.3 %: convex in the speed, as
+    quadratic damping is."""
+    random, right = np.random.default_rng(0), 0
     for i in range(10):
         part, speed = random.uniform(0.05, 0.15), random.uniform(0.05, 0.3)
-        decay = falling(replace(SOUND, index=i, noise=0.01), part, speed)
-        answer = found_in(decay).reference
-        for symbol in held:
-            low, high = answer.intervals[symbol]
-            held[symbol] += low <= getattr(decay, symbol) <= high
-    # F_k is off by more than damping that grows with speed would move it: one of ten held before, half of them now
-    assert held["c"] >= 9
-    assert held["F_k"] >= 5
+        decay = falling(replace(SOUND, index=i), part, speed)
+        found = found_in(decay)
+        for symbol in ("F_k", "c"):
+            low, high = found.reference.intervals[symbol]
+            truth = getattr(decay, symbol)
+            near = abs(found.reference.values[symbol] / truth - 1.0) < 0.1
+            right += low <= truth <= high or near or found.verdicts[symbol].verdict == DOUBTFUL
+    assert right >= 14
 
 
 def test_the_verdict_on_a_stiffness_agrees_with_what_is_said_of_the_contact():
@@ -137,9 +143,8 @@ def test_in_noise_the_coefficients_that_are_missing_have_the_errors_that_they_st
     times = np.arange(0.0, 4.0, 0.005)
     drawn = []
     for seed in range(60):
-        fit = fit_decays([decay_of(point, 400.0, times, 1e-5, seed=seed)], 400.0, point)
-        assert fit is not None
-        drawn.append([other.value / other.error for other in law_departures(fit)[:3]])
+        fit = fitted(decay_of(point, 400.0, times, 1e-5, seed=seed), 400.0, point)
+        drawn.append([other.value / other.error for other in departures_of(fit)[:3]])
     scatter = np.std(drawn, axis=0)
     assert np.all(np.abs(scatter - 1.0) < 0.3)
 
@@ -150,4 +155,4 @@ def test_the_law_of_the_fit_is_the_fit():
     law = fit_law(fit, ("F_k", "c"))
     assert law is not None
     assert law.chi_square == pytest.approx(fit.chi_square, rel=1e-6)
-    assert law.coefficient("c")[1] == pytest.approx(fit.error("c"), rel=0.1)
+    assert law.error("c") == pytest.approx(fit.error("c"), rel=0.1)

@@ -15,13 +15,14 @@ from __future__ import annotations
 import itertools
 import math
 import time
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
 from scipy.optimize import curve_fit
 from scipy.signal import find_peaks, savgol_filter
 
-from dampbalance.fit.decay import STATE, RingFit, fit_decays
+from dampbalance.fit.decay import STATE, RingFit
 from dampbalance.identification.answer import USABLE
 from dampbalance.identification.decays import identify_ring_downs
 from dampbalance.motion.jit import interpreted
@@ -129,15 +130,16 @@ WAYS = {
 
 def above_the_optimum(fit: RingFit, decay: Decay) -> float:
     """χ² of a fit above the lowest that climbs from the truth reach, on the same samples with the same noise."""
-    common = [decay.F_k, decay.c, decay.K_z**-0.5, decay.m]
-    ends = []
+    problem, ends = fit.problem, []
     for load in (None, 0.0, 1.0, 2.0):
-        start = np.concatenate([common, fit.point[len(common) :]])
+        start = fit.point.copy()
+        start[:4] = decay.F_k, decay.c, decay.K_z**-0.5, decay.m
+        start[problem.friction_places] = decay.F_k
         if load is not None:
             start[start.size - STATE * len(fit.decays) + 2 :: STATE] = load
-        states = fit_decays(fit.decays, fit.k, start, given=range(len(common)))
+        states = replace(problem, free=()).climb(start)
         for point in (start, *([] if states is None else [states.point])):
-            end = fit_decays(fit.decays, fit.k, point, most=60)
+            end = problem.climb(point, most=60)
             ends += [] if end is None else [end.chi_square]
     return fit.chi_square - min(ends, default=math.nan)
 

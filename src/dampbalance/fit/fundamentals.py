@@ -38,6 +38,7 @@ from ..law.terms import FRICTION, term
 from ..motion.distorted import added_by_base
 from ..motion.law_steady import Response
 from ..signals.lines import Lines
+from ..signals.thresholds import P_CAUSE
 from ..solver import NORMAL_95
 from .climb import climb
 from .oscillator_fit import OscillatorFit
@@ -55,7 +56,6 @@ _TURNS = (
     0.1,
 )  # rad: delays to start from; a filter of a laboratory turns the phase by that much
 _THIN = 1e-2  # rad: below, ϑ − sin ϑ cos ϑ is the first term of its series, to 1e-5
-_CHANCE = 0.005  # probability of a departure by chance
 _GAIN = 1e-3  # in −log L: 4 % of a standard error of the noise, and less of the scatter
 _NORMAL = 1e6  # degrees of freedom with which F is χ²
 _DEPARTURES = ("delay", "k_3")
@@ -98,7 +98,7 @@ class FundamentalFit(OscillatorFit):
         in-phase rows leave, where these are too few to show it; empty where they leave no more than noise does."""
         Z, error = _data(self.problem)
         square = float(np.sum((self.residual[0] * np.abs(Z) / error) ** 2))
-        if len(Z) > len(self.problem.freed) + 1 or special.chdtrc(len(Z), square) > _CHANCE:
+        if len(Z) > len(self.problem.freed) + 1 or special.chdtrc(len(Z), square) > P_CAUSE:
             return {}
         problem = replace(self.problem, freed=(*self.problem.freed, "delay"))
         scale = problem.bounds(self.point).scale
@@ -175,10 +175,10 @@ def _shows(fit: FundamentalFit, better: FundamentalFit | None = None) -> bool:
     """Whether one more unknown explains more than chance would have it, next to noise and what is left of the rows; or,
     without it, whether one could."""
     if better is None:
-        return bool(special.chdtrc(1.0, fit.chi_square) < _CHANCE)
+        return bool(special.chdtrc(1.0, fit.chi_square) < P_CAUSE)
     freedom = better.freedom if better.misfit > 1.0 else _NORMAL
     F = (fit.chi_square - better.chi_square) / max(1.0, better.misfit)
-    return F > 0.0 and bool(special.fdtrc(1.0, freedom, F) < _CHANCE)
+    return F > 0.0 and bool(special.fdtrc(1.0, freedom, F) < P_CAUSE)
 
 
 def _with(problem: HarmonicProblem, near: Array | None = None) -> FundamentalFit | None:
@@ -254,7 +254,7 @@ def _describing(problem: HarmonicProblem, points: Array, motion: Complexes) -> C
         return np.asarray(points[..., [at[name] for at in problem.at]])
 
     friction, K_z = of(FRICTION), of("rho") ** -2
-    held = np.minimum(friction / (K_z * X), 1.0)  # Z_m/X
+    held = np.clip(friction / (K_z * X), 0.0, 1.0)  # Z_m/X; a difference may step below zero
     theta = 2.0 * np.arcsin(np.sqrt(held))  # cos ϑ = 1 − 2 sin² ϑ/2
     part = np.where(theta > _THIN, theta - np.sin(theta) * np.cos(theta), theta**3 / 1.5)
     energy = 4.0 * friction * X * (1.0 - held)

@@ -52,6 +52,7 @@ def departures_from(
     names: Sequence[str],
     *,
     noise_known: bool,
+    freedom: float | None = None,
 ) -> list[Departure]:
     """What each further coefficient would explain, those that the data do not show left out.
 
@@ -59,7 +60,8 @@ def departures_from(
 
     residual : (n,).   known : derivatives by the unknowns of the fit, (n, u), the first of which have `names`.
     added : derivatives by each coefficient, (n,), by symbol.   noise_known : whether the residual is in units of a
-    noise that is known; otherwise it shows itself how large that is.
+    noise that is known; otherwise it shows itself how large that is.   freedom : of the residual, where it was
+    filtered; default, that of so many samples.
     """
     if not added:
         return []
@@ -71,7 +73,8 @@ def departures_from(
     own, others, rest = triangle[:, :size], triangle[:, size:-1], triangle[:, -1]
     inverse = np.linalg.pinv(own, rcond=_RANK)
     moves, rest = inverse @ others, rest - own @ (inverse @ rest)
-    freedom = float(residual.size - round(float(np.sum(inverse.T * own))) - 1)
+    if freedom is None:
+        freedom = float(residual.size - round(float(np.sum(inverse.T * own))) - 1)
     found = []
     for j, (symbol, g) in enumerate(zip(added, (others - own @ moves).T, strict=True)):
         square = float(g @ g)
@@ -87,5 +90,5 @@ def departures_from(
         unit = length[-1] / length[size + j]
         by = -moves[:, j] * length[size + j] / length[:size]
         slopes = {name: float(of) for name, of in zip(names, by, strict=False)}
-        found.append(Departure(symbol, slope * unit, error * unit, p, slopes))
+        found.append(Departure(symbol, float(slope * unit), float(error * unit), p, slopes))
     return found

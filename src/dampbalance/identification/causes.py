@@ -32,10 +32,13 @@ from ..fit.waveforms import WaveformFit
 from ..motion.law_decays import ADDED
 from ..project.wording import Remark, larger_by, listed, number_text
 from ..signals.lines import Lines
+from ..signals.thresholds import P_CAUSE, P_DEPARTURE
 from ..solver import NORMAL_95
+from .answer import UNBOUNDED
 
 SHOWS = 16.0
-"""Fall of χ² from which on a departure is there: four standard errors, in noise once in 1,700 sets for all of them."""
+"""Fall of χ² from which on slip, or a mass that contradicts, is there: four standard errors."""
+
 
 AS_WELL = 6.0
 """Difference of χ² below which two causes explain records alike: a ratio of likelihoods of e³ = 20."""
@@ -43,15 +46,16 @@ AS_WELL = 6.0
 LIKELY = 0.3
 """Share of what noise does not explain, from which on a departure is worth a fit, or a word."""
 
-# Probability of a contact that yields gradually by chance in records of the oscillator.
-_CHANCE = 0.005
 _TRIED = 4  # departures that are fitted: behind them the first order is no guide
+_CLIMBS = 3  # of a departure's fit: one that takes more is no guide
 _ROUNDEST = 1.5  # a Dahl contact, which is twice as stiff after a reversal as the nearest that yields at once
 _MATTERS = 3.0  # standard errors by which another contact may change K_z, unsaid
 _LEAST = 0.03  # of K_z
 
 GRADUAL = ADDED[-1]
 """The departure that hardly shows: see above."""
+
+_IMITATING, _IN_PHASE = ("corner", "friction_speed"), ("k_3", GRADUAL)
 
 FRAME = "frame"
 
@@ -60,13 +64,13 @@ class Cause(NamedTuple):
     """A departure in words.
 
     words : with a place for its size.   unit : by which the size is multiplied for them.   remedy : what helps.
-    channel : whether it lies in a channel, so that the balance of the records as they were read has it, too.
+    in_rows : whether rows of the balance, which take the records as they are, carry it.
     """
 
     words: str
     unit: float
     remedy: str
-    channel: bool = False
+    in_rows: bool = True
 
     def sized(self, value: float, error: float) -> str:
         """The words with a size and its standard error."""
@@ -80,23 +84,23 @@ _NONE = "the model has none"
 CAUSES: Mapping[str, Cause] = {
     "delay": Cause(
         *("a response that lags the drive by {} µs more than the motion explains", 1e6),
-        *("give the delay in the mapping, or sample all channels at once", True),
+        *("give the delay in the mapping, or sample all channels at once"),
     ),
     "corner": Cause(
         *("an AC coupling of the response, a high-pass filter with a corner of {} Hz", 1.0),
-        *("couple the response directly (DC), or give the corner in the mapping", True),
+        *("couple the response directly (DC), or give the corner in the mapping"),
     ),
     "gain": Cause(
         *("a drive that reads {} % too much, or a response that reads as much too little", 100.0),
-        *("calibrate the drive and the response, or give the gain in the mapping", True),
+        *("calibrate the drive and the response, or give the gain in the mapping"),
     ),
     "low_pass": Cause(
         *("a low-pass filter of the response with a time constant of {} µs", 1e6),
-        *("give the filter in the mapping", True),
+        *("give the filter in the mapping"),
     ),
     FRAME: Cause(
         *("a response that is {} and was taken for {}", 1.0),
-        *("name the quantity so in the mapping (relative_displacement, displacement, …)", True),
+        *("name the quantity so in the mapping (relative_displacement, displacement, …)"),
     ),
     "friction_level": Cause(
         *("a friction force that changes with the level, by {} % for e times the level", 100.0),
@@ -109,7 +113,7 @@ CAUSES: Mapping[str, Cause] = {
         *("damping that grows with the speed, by c_2 = {} N s²/m²", 1.0),
         "compare the laws (--laws)",
     ),
-    "k_3": Cause("a spring that is not linear, with k_3 = {} N/m³", 1.0, _NONE),
+    "k_3": Cause("a spring that is not linear, with k_3 = {} N/m³", 1.0, _NONE, in_rows=False),
     GRADUAL: Cause(
         *(f"a contact that {_GRADUALLY} and not at once, by {{}} of one of Iwan", 1.0),
         "identify the distribution of its yield forces from more levels",
@@ -127,11 +131,6 @@ class Explanation:
 
     names: tuple[str, ...]
     fit: WaveformFit
-
-    @property
-    def channel(self) -> bool:
-        """Whether a channel is at fault."""
-        return any(CAUSES[name].channel for name in self.names)
 
     @property
     def words(self) -> str:
@@ -182,20 +181,20 @@ def explanations(
     if {"c", "c_r"} <= set(fit.law.unknowns):
         # a damper to the base and one to the ground together make up for any delay
         likely = [name for name in likely if name != "delay"]
-    fits: dict[tuple[str, ...], WaveformFit | None]
-    fits = {(name,): refit(fit, [name]) for name in likely[:_TRIED]}
+    fits: list[tuple[tuple[str, ...], WaveformFit | None]]
+    fits = [((name,), _converged(refit(fit, [name]))) for name in likely[:_TRIED]]
     for names, point in _like(near) if near is not None else ():
         start = replace(fit.problem, freed=(*fit.problem.freed, *names)).fit(point)
-        fits[names] = start and refit(start)
+        fits.append((names, _converged(start and refit(start))))
     if frames:
         # where it holds, the nearest starts lead there: no wide search for what most records are not
         others = [in_other_frame(one) for one in lines]
-        fits[(FRAME,)] = fit_records(others, fit.k, fit.law, thorough=False)
+        fits.append(((FRAME,), fit_records(others, fit.k, fit.law, thorough=False)))
 
     def misfit(one: Explanation) -> float:
         return one.fit.chi_square + penalty(one.fit)
 
-    found = [Explanation(names, one) for names, one in fits.items() if one is not None]
+    found = [Explanation(names, one) for names, one in fits if one is not None]
     own = fit.chi_square + penalty(fit)
     found = [
         one
@@ -205,7 +204,20 @@ def explanations(
         and not any(one.fit.value(n) in NUISANCES[n] for n in one.names if n != FRAME)
     ]
     best = min(map(misfit, found), default=0.0)
-    return tuple(sorted((one for one in found if misfit(one) < best + AS_WELL), key=misfit))
+    ordered = sorted(
+        (one for one in found if misfit(one) < best + AS_WELL), key=misfit, reverse=True
+    )
+    # of two fits with the same departure, which may come from two starts, the last
+    return tuple({one.names: one for one in ordered}.values())[::-1]
+
+
+def _converged(fit: WaveformFit | None) -> WaveformFit | None:
+    """The fit that further climbs lead to, until one ends in an optimum."""
+    for _ in range(_CLIMBS):
+        if fit is None or fit.converged:
+            break
+        fit = refit(fit)
+    return fit
 
 
 def _like(near: FundamentalFit) -> Iterator[tuple[tuple[str, ...], Array]]:
@@ -228,7 +240,7 @@ def _like(near: FundamentalFit) -> Iterator[tuple[tuple[str, ...], Array]]:
 
 def _least(name: str) -> float:
     """The fall of χ² from which on a departure is there."""
-    return SHOWS if name != GRADUAL else float(special.ndtri(1.0 - 0.5 * _CHANCE)) ** 2
+    return float(special.chdtri(1.0, P_CAUSE if name == GRADUAL else P_DEPARTURE))
 
 
 def _may_be(name: str, one: Departure) -> bool:
@@ -265,6 +277,15 @@ def remark_on_contact(one: Departure, fit: OscillatorFit) -> Remark:
     )
 
 
+def doubts_of(one: Departure, fit: OscillatorFit) -> Mapping[str, float]:
+    """By what part of itself a departure that is not fitted may move each number: to first order, and without bound
+    where it imitates friction and damping. A spring or a contact that yields otherwise moves neither."""
+    if one.symbol in _IMITATING:
+        return UNBOUNDED
+    moved = {} if one.symbol in _IN_PHASE else changes(one, fit, one.value)
+    return {symbol: abs(part) for symbol, part in moved.items()}
+
+
 def gradual_contact(tested: Sequence[Departure], scale: float = 1.0) -> Departure | None:
     """The contact that yields gradually, where it shows and explains more than anything else that was tested.
 
@@ -273,7 +294,7 @@ def gradual_contact(tested: Sequence[Departure], scale: float = 1.0) -> Departur
     best = max(tested, key=lambda one: abs(one.size), default=None)
     if best is None or best.symbol != GRADUAL or not best.value > 0.0:
         return None
-    return best if 2.0 * special.ndtr(-best.size / scale) < _CHANCE else None
+    return best if 2.0 * special.ndtr(-best.size / scale) < P_CAUSE else None
 
 
 def condition_on_contact(fit: OscillatorFit, tested: Iterable[Departure]) -> list[str]:

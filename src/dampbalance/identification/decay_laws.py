@@ -2,7 +2,7 @@
 compared.
 
 The quick test belongs to every identification: it asks which one further coefficient the residual speaks for
-(`fit.law_fit.law_departures`). The comparison tests every law by the likelihood of all samples: χ² of the best
+(`fit.decay.departures_of`). The comparison tests every law by the likelihood of all samples: χ² of the best
 oscillator with it, above that of the law with all terms, against the F distribution. The rows of the balance are read
 with a motion of friction and viscous damping, and so they do not test other laws.
 """
@@ -12,25 +12,40 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 
+import numpy as np
 from scipy import special
 
-from ..fit.decay import RingFit
-from ..fit.law_fit import DECAY_TERMS, LawFit, fit_law
+from ..arrays import Array
+from ..balance import TERMS
+from ..fit.decay import COMMON, RingFit, departures_of, numbers_of, with_noise_of
+from ..fit.minimise import minimise
 from ..fit.score import Departure
+from ..fit.search import sound, with_one_more
 from ..law.terms import FRICTION, KNOWN_TERMS
+from ..motion.law_decays import ADDED, LINEAR_UNKNOWNS, law_decay
+from ..motion.unknowns import OSCILLATOR_UNKNOWNS
 from ..project.progress import followed
-from ..project.wording import change_text, listed, number_text
+from ..project.wording import Remark, change_text, listed, number_text, percent
 from ..signals.one_thread import one_thread
+from ..signals.thresholds import P_FURTHER_TERM
 from ..solver import NORMAL_95
 from .answer import Answer, unit_of
 from .causes import GRADUAL
 from .law_comparison import ALPHA, MOST_TERMS, LawComparison, LawTest, Probability, chosen_of
 from .stated import widened
 
-_CHANCE = 0.02  # probability of a doubt on decays with friction and viscous damping
+_MOST_ALONG = 3  # coefficients that are fitted along
+_AS_WELL = 6.0  # of χ²: another coefficient that explains the decays as well
+_HINT = 1.7  # standard errors of a coefficient, more than one in twenty decays show by chance
 _MATTERS = 3.0  # standard errors by which another law may move F_k or c, unsaid
 _LEAST = 0.03  # of F_k or c
+DECAY_TERMS = (FRICTION, "c", "c_2", "c_3")
+"""Terms that free decays distinguish: base at rest and at one frequency, c_r and eta act as c does."""
+
+_NAMED = (*TERMS, "rho")
+_DENSE = 64  # instants of a period, of which a loss of energy is summed
 _OTHERS = {
     "c_a": ("damping that differs by direction", "N s/m"),
     "k_2": ("a spring that is stiffer to one side", "N/m²"),
@@ -41,72 +56,129 @@ _LEFT_OUT = (
     "act as viscous damping c does, friction that differs by direction as another position of rest; they are not tried"
 )
 _SURE = 900.0  # of χ²: laws that leave out so much need no fit
-_CAUTION = (
-    "the samples are those of no oscillator with such a law within white noise: the contact, the spring or the "
-    "measuring chain differs, and what is left counts as noise"
-)
 _REMEDY = "give decays from higher up, or with less noise"
 
 
-def doubt_of(fit: RingFit, further: Sequence[Departure]) -> str:
-    """A sentence where friction and viscous damping do not account for the decays and one further coefficient does,
-    with the likely cause; empty where nothing speaks against them.
+def with_departures(fit: RingFit) -> tuple[RingFit, list[Remark]]:
+    """The fit with further coefficients that the residual speaks for, one after the other, and a sentence on each.
+
+    What another coefficient that explains the decays as well does to the numbers belongs to the sentence.
+    """
+    for _ in range(_MOST_ALONG):
+        departures = departures_of(fit)
+        shown = [one for one in departures if _shows(one, len(departures))]
+        more = with_one_more(fit) if shown else None
+        gained = max((one.size**2 for one in shown), default=0.0)
+        if more is None or fit.chi_square - more.chi_square < 0.5 * gained:
+            break
+        fit = with_noise_of(more)
+    remarks = []
+    for symbol in fit.problem.free[len(OSCILLATOR_UNKNOWNS) :]:
+        words, unit = _words(symbol)
+        size = f"{number_text(fit.value(symbol), 3)} ± {number_text(fit.error(symbol), 1)}{unit}"
+        if symbol in DECAY_TERMS:
+            words = (
+                f"friction and viscous damping do not account for the decays: {words} explains them ({symbol} = "
+                f"{size}), and so may a friction that falls with the speed, with other values; compare the laws "
+                "(--laws, laws=True) before using F_k and c"
+            )
+            remarks.append(Remark(words, doubts={"F_k": math.inf, "c": math.inf}))
+            continue
+        words = f"{words} shows and is fitted along ({symbol} = {size})"
+        remarks.append(Remark(words, doubts=_as_well(fit, symbol)))
+    return fit, remarks
+
+
+def _as_well(fit: RingFit, symbol: str) -> dict[str, float]:
+    """Relative changes of the numbers with another coefficient that explains the decays as well in place of one."""
+    doubts: dict[str, float] = {}
+    without = tuple(name for name in fit.problem.free if name != symbol)
+    start = fit.point.copy()
+    start[COMMON.index(symbol)] = 0.0
+    for other in ADDED:
+        if other not in fit.problem.free:
+            end = replace(fit.problem, free=(*without, other)).climb(start)
+            if end is not None and end.chi_square - fit.chi_square < _AS_WELL:
+                for name in (*TERMS, "K_z"):
+                    here, there = getattr(fit, name), getattr(end, name)
+                    if here and math.isfinite(here) and math.isfinite(there):
+                        doubts[name] = max(doubts.get(name, 0.0), abs(there / here - 1.0))
+    return doubts
+
+
+def doubts_of(fit: RingFit, further: Sequence[Departure]) -> list[Remark]:
+    """A sentence where friction and viscous damping do not account for the decays and what does cannot be fitted along,
+    with what it may change.
 
     further : what each further coefficient explains.
     """
-    # residuals that are like a motion repeat themselves: fewer of them are independent
-    scale = 1.0 if fit.adequate else math.sqrt(fit.misfit)
-    damping = [one for one in further if one.symbol != GRADUAL]
-    shown = [(abs(one.size) / scale, one) for one in damping if one.error > 0.0]
-    size, likely = max(shown, key=lambda pair: pair[0], default=(0.0, None))
-    p = len(shown) * 2.0 * special.ndtr(-size)
-    if likely is None or p > _CHANCE:
-        return ""
-    chance = "p < 1e-6" if p < 1e-6 else f"p = {p:.1g}"
-    begin = f"friction and viscous damping do not account for the decays ({chance}): "
-    if likely.symbol in _OTHERS:
-        words, unit = _OTHERS[likely.symbol]
-        return (
-            f"{begin}{words} would explain most of it ({likely.symbol} = {number_text(likely.value, 3)} ± "
-            f"{number_text(likely.error, 1)} {unit}); F_k and c may carry its effect"
+    shown = [one for one in further if _shows(one, len(further))]
+    if not shown:
+        return []
+    likely = max(shown, key=lambda one: abs(one.size))
+    words, unit = _words(likely.symbol)
+    if likely.value < 0.0 and likely.symbol in (*DECAY_TERMS, GRADUAL):
+        words = "a friction that falls with the speed, or damping that grows less with it than viscous damping does,"
+    moved = {s: by * likely.value / (fit.value(s) or math.inf) for s, by in likely.slopes.items()}
+    doubts = {s: abs(moved[s]) for s in TERMS if s in moved}
+    if "rho" in moved and not fit.rigid:  # K_z = ρ^{−2}
+        doubts["K_z"] = 2.0 * abs(moved["rho"])
+    chance = "p < 1e-6" if likely.p < 1e-6 else f"p = {likely.p:.1g}"
+    return [
+        Remark(
+            f"friction and viscous damping do not account for the decays ({chance}): {words} would explain most of it "
+            f"({likely.symbol} = {number_text(likely.value, 3)} ± {number_text(likely.error, 1)}{unit}); F_k and c "
+            "may carry its effect",
+            doubts=doubts,
         )
-    if likely.value < 0.0:
-        return (
-            f"{begin}the damping grows less with the speed than viscous damping does, or the friction falls with it; "
-            "F_k and c are not those of the rig"
-        )
-    # their powers of the velocity are so close that only the motions under them tell which it is
-    symbols = [one.symbol for one in further if one.symbol in DECAY_TERMS and one.value > 0.0]
-    fits = [law for s in symbols if (law := fit_law(fit, (FRICTION, "c", s))) is not None]
-    law = min(fits, key=lambda one: one.chi_square, default=None)
-    symbol, values = (likely.symbol, "") if law is None else (law.terms[-1], _values_of(law))
-    return (
-        f"{begin}{KNOWN_TERMS[symbol].words} in addition would explain most of it{values}; compare the laws (--laws, "
-        "laws=True) before using F_k and c"
-    )
+    ]
 
 
-def _values_of(law: LawFit) -> str:
-    coefficients = ((s, *law.coefficient(s)) for s in law.terms)
-    return f" ({', '.join(f'{s} = {number_text(x, 4)} ± {number_text(error, 2)}' for s, x, error in coefficients)})"
+def shortcomings_of(fit: RingFit) -> list[Remark]:
+    """A sentence where the decays are not those of one oscillator even in the band of the mode."""
+    if sound(fit):
+        return []
+    return [
+        Remark(
+            "the decays are not those of one mass on a spring, a damper and one friction contact: the closest fit "
+            f"leaves {percent(fit.residual_share)} of the motion in the band of the mode",
+            doubts={"": math.inf},
+        )
+    ]
+
+
+def _shows(one: Departure, count: int) -> bool:
+    """Whether a coefficient is no chance."""
+    return one.error > 0.0 and one.p < P_FURTHER_TERM / count
+
+
+def _words(symbol: str) -> tuple[str, str]:
+    """A coefficient in words, and its unit after a space."""
+    if symbol == GRADUAL:
+        return "a contact that yields gradually", ""
+    if symbol in _OTHERS:
+        words, unit = _OTHERS[symbol]
+        return words, f" {unit}"
+    return KNOWN_TERMS[symbol].words, f" {KNOWN_TERMS[symbol].unit}"
 
 
 def condition_of(fit: RingFit, further: Iterable[Departure]) -> tuple[str, dict[str, float]]:
     """A sentence where F_k, c or K_z depend on the damping being viscous by more than the noise shows, and the decays
     are too few or too noisy to tell; and by how much, by name, in the units of the fit. Empty where they do not.
 
-    It is no doubt: values are those of the law that was asked for, and what another would change is for their
-    intervals. Friction that falls with speed acts as the negative of damping that grows with it.
+    Only a hint of it counts, which one in twenty sound decays give: what none shows would widen all intervals, though
+    most dampers are viscous. It is no doubt: values are those of the law that was asked for, and what another would
+    change is for their intervals. Friction that falls with speed acts as the negative of damping that grows with it.
     """
     worst, sentence, effects = _MATTERS, "", {}
     for one in further:
-        if one.symbol not in DECAY_TERMS:
+        if one.symbol not in DECAY_TERMS or one.size < _HINT:
             continue
         most = abs(one.value) + NORMAL_95 * one.error
         by_c = one.slopes.get("c", 0.0)
         if by_c < 0.0:
             most = min(most, -(fit.c + NORMAL_95 * fit.error("c")) / by_c)
-        slopes = {s: by for s, by in one.slopes.items() if s != "m" and fit.error(s) > 0.0}
+        slopes = {s: by for s, by in one.slopes.items() if s in _NAMED and fit.error(s) > 0.0}
         moved = {s: most * by for s, by in slopes.items()}
         size = max((abs(by) / fit.error(s) for s, by in moved.items()), default=0.0)
         parts = {s: by / fit.value(s) for s, by in moved.items() if fit.value(s) > 0.0}
@@ -116,8 +188,8 @@ def condition_of(fit: RingFit, further: Iterable[Departure]) -> tuple[str, dict[
             words = listed([_changed(fit, s, moved[s]) for s in large])
             sentence = (
                 f"The values are those of friction and viscous damping. {KNOWN_TERMS[one.symbol].words.capitalize()} "
-                f"that these decays would not show changes {words}, and friction that falls with the speed the other "
-                f"way; their intervals include both: {_REMEDY}, if the damping may not be viscous."
+                f"is hinted at, which would change {words}; friction that falls with the speed looks alike and changes "
+                f"them the other way. The intervals include both: {_REMEDY}, if the damping may not be viscous."
             )
     return sentence, effects
 
@@ -165,7 +237,7 @@ def compare_decay_laws(fit: RingFit) -> LawComparison:
     every = fit_law(fit, DECAY_TERMS)
     if every is None:
         raise ValueError("no law can be tested: the motion of the decays cannot be followed")
-    fits: dict[tuple[str, ...], LawFit] = {}
+    fits: dict[tuple[str, ...], RingFit] = {}
     hopeless: dict[tuple[str, ...], float] = {}
     for _, alike in itertools.groupby(followed(sorted(laws, key=len), len(laws), "laws"), len):
         tests = [_tested(every, terms, one) for terms, one in fits.items()]
@@ -173,8 +245,8 @@ def compare_decay_laws(fit: RingFit) -> LawComparison:
         for terms in alike:
             if enough and not any(smaller < set(terms) for smaller in enough):
                 continue
-            rise = every.without([s for s in DECAY_TERMS if s not in terms])
-            if rise > _SURE * _noise(every):
+            rise = _rise_without(every, [s for s in DECAY_TERMS if s not in terms])
+            if rise > _SURE * every.misfit:
                 hopeless[terms] = rise
                 continue
             within = [one for smaller, one in fits.items() if set(smaller) < set(terms)]
@@ -187,23 +259,70 @@ def compare_decay_laws(fit: RingFit) -> LawComparison:
                 every = fit_law(fit, DECAY_TERMS, [of_law.point]) or every
     tests = [_tested(every, terms, rise) for terms, rise in hopeless.items()]
     tests += [_tested(every, terms, one) for terms, one in fits.items()]
-    caution = "" if every.adequate else _CAUTION
     tests = sorted(tests, key=lambda test: len(test.terms))
-    return chosen_of(tests, _LEFT_OUT, remedy=_REMEDY, caution=caution)
+    return chosen_of(tests, _LEFT_OUT, remedy=_REMEDY)
 
 
-def _noise(every: LawFit) -> float:
-    """What the law with all terms leaves per degree of freedom; over parts of a cycle, where that is not white."""
-    return every.chi_square / every.freedom * (1.0 if every.adequate else every.misfit)
+def fit_law(fit: RingFit, terms: Sequence[str], starts: Iterable[Array] = ()) -> RingFit | None:
+    """The oscillator with a law, no coefficient negative, to the decays of a fit; None where no climb leads to one.
+
+    What the law leaves out is given to its terms, in equal parts of the energy.
+
+    terms : of `DECAY_TERMS`.   starts : points of other laws, to climb from as well.
+    """
+    losses, out = _losses(fit), [s for s in DECAY_TERMS if s not in terms]
+    kept = [
+        s for s in fit.problem.free if s not in DECAY_TERMS and (s != "rho" or FRICTION in terms)
+    ]
+    problem = replace(fit.problem, free=(*kept, *terms))
+    points = []
+    for start in (fit.point, *starts):
+        point = start.copy()
+        lost = math.fsum(start[COMMON.index(s)] / losses[s] for s in out)
+        for s in terms:
+            point[COMMON.index(s)] += losses[s] * lost / len(terms)
+        for s in out:
+            point[problem.friction_places if s == FRICTION else COMMON.index(s)] = 0.0
+        points.append(point)
+    ends = minimise(problem, points, scanned="")
+    return ends[0] if ends else None
 
 
-def _tested(every: LawFit, terms: tuple[str, ...], law: LawFit | float) -> LawTest:
+def _losses(fit: RingFit) -> dict[str, float]:
+    """Coefficient of each term that alone would take the energy that friction and damping take in the fit."""
+    powers = dict.fromkeys(DECAY_TERMS, 0.0)
+    added = fit.point[len(OSCILLATOR_UNKNOWNS) : len(COMMON)]
+    for i, one in enumerate(fit.decays):
+        par = numbers_of(fit.point_of(i), fit.k)
+        times = np.arange(0.0, one.end - one.start, one.period / _DENSE)
+        x, v, w = fit.point[fit.places(i)].tolist()
+        speed = np.abs(law_decay(times, 1, x, v, w, par, added, LINEAR_UNKNOWNS)[:, 0])
+        for order, symbol in enumerate(DECAY_TERMS):
+            powers[symbol] += float(np.nansum(speed ** (order + 1)))
+    loss = math.fsum(float(fit.point[COMMON.index(s)]) * powers[s] for s in DECAY_TERMS)
+    return {symbol: loss / power for symbol, power in powers.items()}
+
+
+def _rise_without(fit: RingFit, symbols: Sequence[str]) -> float:
+    """What χ² rises by without the coefficients of some terms, to first order: pᵀ C⁻¹ p (Wald's test)."""
+    places = [COMMON.index(symbol) for symbol in symbols]
+    covariance = fit.covariance[np.ix_(places, places)]
+    errors = np.sqrt(np.diag(covariance))
+    if not (errors > 0.0).all():
+        return 0.0
+    z = fit.point[places] / errors
+    return float(z @ np.linalg.lstsq(covariance / np.outer(errors, errors), z)[0])
+
+
+def _tested(every: RingFit, terms: tuple[str, ...], law: RingFit | float) -> LawTest:
     """The test of a law by its χ² above that of all terms, in the noise that these leave.
 
     law : its fit, or what χ² rises by where it needs no fit.
     """
-    rise = law.chi_square - every.chi_square if isinstance(law, LawFit) else law
-    freedom, above = len(DECAY_TERMS) - len(terms), max(rise, 0.0) / _noise(every)
-    p = float(special.fdtrc(freedom, every.freedom, above / freedom))
-    coefficients = {s: law.coefficient(s) for s in terms} if isinstance(law, LawFit) else {}
+    rise = law.chi_square - every.chi_square if isinstance(law, RingFit) else law
+    freedom, above = len(DECAY_TERMS) - len(terms), max(rise, 0.0) / every.misfit
+    p = float(special.fdtrc(freedom, every.freedom, above / freedom)) if freedom else 1.0
+    coefficients = (
+        {s: (law.value(s), law.error(s)) for s in terms} if isinstance(law, RingFit) else {}
+    )
     return LawTest(terms, coefficients, {"waveforms": Probability(above, freedom, p)})

@@ -17,31 +17,26 @@ from scipy import special
 from ..arguments import flag, number
 from ..arrays import Array
 from ..balance import TERMS, Rows
-from ..fit.decay import (
-    RingFit,
-    fit_decays,
-    with_intervals,
-    with_noise_of,
-)
-from ..fit.law_fit import law_departures
+from ..fit.decay import COMMON, RingFit, departures_of, with_noise_of
 from ..fit.scattering_mean import ScatteringMean
 from ..fit.score import Departure
-from ..fit.search import fit_all, minima_of, separate_fits
+from ..fit.search import fit_all, in_the_band, separate_fits, sound
 from ..motion.jit import interpreted
-from ..motion.unknowns import OSCILLATOR_UNKNOWNS
-from ..project.wording import Remark, listed, times, visible
+from ..motion.law_decays import ADDED
+from ..motion.unknowns import M
+from ..project.wording import Remark, listed, percent, visible
 from ..records.mapping import MappingLike
 from ..records.measured import MeasuredRecord, in_words_of_records
-from ..records.measurement import EXCITATIONS, ORDERS, Channel, Measurement
+from ..records.measurement import EXCITATIONS, ORDERS, Channel, Correction, Measurement
 from ..signals.bursts import NoDecay, Signal, noise_of, too_few_samples
 from ..signals.conditioning import in_equal_steps
-from ..signals.cycles import clipped
+from ..signals.cycles import clipped, flat_tops
+from ..signals.disturbances import lines_of
 from ..signals.drive import stands_still
 from ..signals.one_thread import one_thread
 from ..solver import NORMAL_95, solve
 from .answer import (
     CONFIDENCE,
-    UNBOUNDED,
     UNKNOWN,
     Answer,
     Balance,
@@ -50,11 +45,13 @@ from .answer import (
     covariance_of,
     normal,
 )
-from .causes import condition_on_contact, gradual_contact, remark_on_contact
+from .causes import condition_on_contact
 from .decay_laws import (
     compare_decay_laws,
     condition_of,
-    doubt_of,
+    doubts_of,
+    shortcomings_of,
+    with_departures,
     with_effects,
 )
 from .half_cycles import A, B, RingRows, W, rows_of
@@ -75,6 +72,12 @@ _CHANCE = 1e-4  # probability of a misfit in noise, below which there is another
 _MATTERS = 0.05  # of a value: half of what a user asks for, and above what the balance neglects, a per mille or so
 _MASS_OFF = 4.0  # standard errors
 _LIGHTER = 1e-2  # of a mass that is given: small enough for first order, large compared with where a climb ends
+_HARMONICS = (
+    1,
+    2,
+    3,
+    5,
+)  # of the motion, that a contact, a spring or a sensor which is not linear makes
 _SWINGS = 6  # of a decay whose equivalent damping is listed
 # half cycles, and K_z/k, below which a motion that does not fit shows no contact
 _FEWEST, _LOOSE = 2, 1e-2
@@ -119,7 +122,7 @@ class DecayOutcome(Identified):
             "F_k_N": self.fit.point_of(i)[0],
             "F_k_standard_error_N": math.sqrt(self.fit.covariance[place, place]),
             "sticks_from_s": one.start + still if math.isfinite(still) else None,
-            "rest_m": None if rest is None else self.fit.point[len(OSCILLATOR_UNKNOWNS) + rest],
+            "rest_m": None if rest is None else self.fit.point[len(COMMON) + rest],
             "noise_rms": {signal.quantity: signal.noise for signal in one.signals},
             "turns_s": turns[:, 0],
             "turns_m": turns[:, 1],
@@ -300,24 +303,25 @@ def identify_ring_downs(
         )
         for one in left_out
     ]
-    ends = minima_of(with_noise_of(common))
-    fit, agrees = with_intervals(ends), True
+    fit, agrees = with_noise_of(common), True
+    if not fit.adequate:
+        fit = in_the_band(fit) or fit
     if mass is not None:
-        own, off = ends[0].error("m"), abs(ends[0].m - mass)
-        errors = fit.error("m"), stiffness_error / k * fit.m, mass_error
-        agrees = abs(fit.m - mass) < _MASS_OFF * math.hypot(*errors)
+        own, off = fit.error("m"), abs(fit.m - mass)
+        agrees = off < _MASS_OFF * math.hypot(own, stiffness_error / k * fit.m, mass_error)
         if mass_error < own and off < _MASS_OFF * math.hypot(own, mass_error):
-            given = [one for end in ends if (one := _with_mass(end, mass)) is not None]
-            fit = with_intervals(sorted(given, key=lambda one: one.chi_square)) if given else fit
+            fit = _with_mass(fit, mass) or fit
         elif not agrees:
             warnings.append(on_mass(fit, mass))
+    fit, along = with_departures(fit)
+    warnings += along
     moves = [min(fit.sticks_from(i), one.end - one.start) for i, one in enumerate(fit.decays)]
     halves = sum(int(2.0 * t / one.period) for t, one in zip(moves, fit.decays, strict=True))
-    if not fit.adequate and (halves < _FEWEST or fit.K_z < _LOOSE * k):
+    if not sound(fit) and (halves < _FEWEST or fit.K_z < _LOOSE * k):
         raise ValueError(
             f"{', '.join(dict.fromkeys(one.source for one in fit.decays))}: what moves in it is no free decay of a "
             f"mass on a spring of {k:g} N/m with a friction contact: the motion of the nearest one shows "
-            f"{_slipping(halves)} and leaves {times(math.sqrt(fit.misfit))} the noise; is the mass still driven, "
+            f"{_slipping(halves)} and leaves {percent(fit.residual_share)} of the motion; is the mass driven, "
             "or is its frequency or its gain not constant? Give the record from the release or the blow on"
         )
     rig = implied(fit, mass if agrees else None)
@@ -340,20 +344,36 @@ def _signal(record: Measurement, channel: Channel, offset: int, warnings: list[R
     channel = in_equal_steps(channel, warnings)
     t, values = channel.t, channel.values
     if correction is not None:
-        if correction.low_pass or correction.high_pass:
-            raise ValueError(
-                f"{record.source}: {visible(channel.name)} has a filter in its mapping, which cannot be taken off a "
-                "free decay; give the channel as it was before the filter"
-            )
-        t, values = t - correction.delay, values / correction.gain
-    return Signal(channel.quantity, ORDERS[channel.quantity], t, values, noise_of(values), offset)
+        values = _before_the_filters(values, float(t[-1] - t[0]) / (t.size - 1), correction)
+        t = t - correction.delay
+    limits = flat_tops(values)
+    order = ORDERS[channel.quantity]
+    return Signal(channel.quantity, order, t, values, noise_of(values), offset, limits)
+
+
+def _before_the_filters(values: Array, dt: float, correction: Correction) -> Array:
+    """The values that a channel had before its gain and its filters, to a drift, which the band of a mode leaves out.
+
+    A filter lets through 10 % at least of what is put right: beyond that, its inverse shows noise alone.
+    """
+    if not correction.low_pass and not correction.high_pass:
+        return values / correction.gain
+    level = float(values[-1])
+    size = 1 << (2 * values.size - 1).bit_length()
+    omega = 2.0 * math.pi * np.fft.rfftfreq(size, dt)
+    response = correction.response(omega) * np.exp(1j * omega * correction.delay)
+    share = np.maximum(np.abs(response / correction.gain), 0.1)
+    inverse = np.exp(-1j * np.angle(response)) / (share * correction.gain)
+    before = np.fft.irfft(np.fft.rfft(values - level, size) * inverse, size)
+    return np.asarray(before[: values.size]) + level
 
 
 def _with_mass(fit: RingFit, mass: float) -> RingFit | None:
     """The fit with a mass that is given, from the same minimum."""
-    at, start = fit.names.index("m"), fit.point.copy()
-    start[at] = mass
-    return fit_decays(fit.decays, fit.k, start, given={at})
+    start = fit.point.copy()
+    start[M] = mass
+    free = tuple(name for name in fit.problem.free if name != "m")
+    return replace(fit.problem, free=free).climb(start)
 
 
 def _solved(
@@ -365,14 +385,10 @@ def _solved(
 ) -> DecayOutcome:
     """The rows solved, with notes, and warnings and sentences on the rig in addition to these."""
     values, covariance, misfit, freedom, interval = _least_squares(rows)
-    fit_notes = [Remark(words, doubts=UNBOUNDED) for words in fit.shortcomings]
-    further = law_departures(fit)
-    scale = 1.0 if fit.adequate else math.sqrt(fit.misfit)
-    gradual, doubt = gradual_contact(further, scale), ""
-    if gradual is not None:
-        warnings = [*warnings, remark_on_contact(gradual, fit)]
-    elif doubt := doubt_of(fit, further):
-        fit_notes.append(Remark(doubt, doubts=UNBOUNDED))
+    further = departures_of(fit)
+    fit_notes = shortcomings_of(fit)
+    doubts = doubts_of(fit, further)
+    warnings = [*warnings, *doubts]
     notes = [*fit_notes]
     if freedom > 0 and special.chdtrc(freedom, misfit * freedom) < _CHANCE:
         notes.append(
@@ -408,10 +424,9 @@ def _solved(
         estimates["F_k"] = replace(estimates["F_k"], interval=interval)
     clipped_signals = {
         f"{signal.quantity} of {one.source}": Remark(
-            "{} is clipped: several samples hold its extreme value; swings are too small; raise the measuring range",
+            "{} is clipped: several samples hold its extreme value and are left out; raise the measuring range",
             signal.quantity,
             source=one.source,
-            doubts={"": math.inf},
         )
         for one in fit.decays
         for signal in one.signals
@@ -419,13 +434,7 @@ def _solved(
     }
     suspects = "the drive, a hand on the mass, a gain or a filter"
     notes += forbidden(estimates, list(clipped_signals), suspects)
-    split = ""
-    if fit.adequate and fit.minima > 1:
-        split = f"{fit.minima} contacts fit the samples almost equally well, and the interval covers all of them"
-        for symbol, p in estimates.items():
-            (low, high), (least, most) = p.interval, fit.interval(symbol)
-            estimates[symbol] = replace(p, interval=Interval(min(low, least), max(high, most)))
-    reference = answer_of_fit(fit, TERMS, fit_notes, doubt=split)
+    reference = answer_of_fit(fit, TERMS, fit_notes)
     parameters = {**dict.fromkeys(TERMS, UNKNOWN), **estimates, "K_z": reference.K_z}
     numbers = (rows.decay + 1).tolist()
     balance = Balance(
@@ -444,12 +453,15 @@ def _solved(
     )
     # half cycles that do not meet one law scatter by more than the noise, and so does what comes from them
     wider = math.sqrt(max(1.0, misfit)) if freedom > 0 else 1.0
-    warnings = [*warnings, *contradiction(answer, fit, _MATTERS, wider)]
+    # the balance takes whatever is in the samples for a motion with friction and viscous damping
+    if fit.white and not clipped_signals and not set(fit.problem.free) & set(ADDED):
+        warnings = [*warnings, *contradiction(answer, fit, _MATTERS, wider)]
+    warnings += lines_in(fit)
     conditions, effects = _scatter_of(fit), dict[str, float]()
-    if gradual is None and not doubt:
+    if not doubts:
         sentence, effects = condition_of(fit, further)
         conditions += filter(None, [sentence])
-        conditions += condition_on_contact(fit, further) if fit.adequate else []
+        conditions += condition_on_contact(fit, further)
     return DecayOutcome(
         k=fit.k,
         sources=sources,
@@ -464,6 +476,21 @@ def _solved(
         half_cycles=rows,
         departures=further,
     )
+
+
+def lines_in(fit: RingFit) -> list[Remark]:
+    """A sentence on each line in what the fit leaves outside the band of the mode: it moves no number."""
+    if fit.problem.band is None:
+        return []
+    remarks = []
+    stuck = math.sqrt((fit.k + fit.K_z) / fit.m) / (2.0 * math.pi)
+    whole = replace(fit, problem=replace(fit.problem, band=None))
+    for i, signal, residual in whole.residuals():
+        motion = 0.5 * float(np.ptp(signal.values))
+        for line in lines_of(-residual * signal.noise, signal.dt, fit.natural_frequency_hz, stuck):
+            words = f"the {signal.quantity} holds {line.words(motion)}; the fit leaves it out"
+            remarks.append(Remark(words, source=fit.decays[i].source))
+    return remarks
 
 
 def _scatter_of(fit: RingFit) -> list[str]:

@@ -36,6 +36,7 @@ from ..project.wording import Remark
 from ..records.mapping import MappingLike
 from ..records.measured import MeasuredRecord, in_words_of_records
 from ..records.measurement import ABSOLUTE, RELATIVE
+from ..signals.checks import is_clipped
 from ..signals.mean_harmonics import Reading
 from ..signals.one_thread import one_thread
 from ..solver import Estimate, least_squares, solve
@@ -306,6 +307,7 @@ def _of_records(
     of_drive = {name: options[name] for name in ("frequency_hz", "skip_cycles")}
     readings = [load(record, k, **of_drive) for record in records]
     _require_possible(readings, mass, k)
+    records, readings, clipped = _unclipped(records, readings, law)
     outcome = identify_readings(
         readings,
         k,
@@ -317,7 +319,26 @@ def _of_records(
     )
     held = mass if outcome.joint.mass_taken else None
     laws = compare_laws(readings, k, mass=held, law=law) if options["laws"] else None
-    return with_stated_uncertainties(replace(outcome, laws=laws, records=records, options=options))
+    warnings = (*clipped, *outcome.warnings)
+    outcome = replace(outcome, laws=laws, records=records, options=options, warnings=warnings)
+    return with_stated_uncertainties(outcome)
+
+
+def _unclipped(
+    records: tuple[MeasuredRecord, ...], readings: list[Reading], law: Law
+) -> tuple[tuple[MeasuredRecord, ...], list[Reading], list[Remark]]:
+    """The records that are not clipped, with their readings and a sentence on each other one; all of them where too few
+    would be left to show how well they fit."""
+    clipped = [any(map(is_clipped, one.steady.channels.values())) for one in readings]
+    if not any(clipped) or law.groups or clipped.count(False) <= max(2, len(law.unknowns)):
+        return records, readings, []
+    kept = [i for i, is_out in enumerate(clipped) if not is_out]
+    out = [one.steady.source for one, is_out in zip(readings, clipped, strict=True) if is_out]
+    said = [Remark(_LEFT_OUT, source=source) for source in out]
+    return tuple(records[i] for i in kept), [readings[i] for i in kept], said
+
+
+_LEFT_OUT = "a channel is clipped: the record is left out; raise the measuring range"
 
 
 def _require_possible(readings: Sequence[Reading], mass: float | None, k: float) -> None:
@@ -391,7 +412,7 @@ def identify_readings(
     hz = ", ".join(f"{f:g}" for f in sorted({round(r.steady.frequency_hz, 4) for r in readings}))
     fit, rig = joint.fit, []
     if fit is not None and not joint.linear:
-        rig = implied(joint.by_mass, mass if joint.mass_fits else None)
+        rig = implied(joint.closest, mass if joint.mass_fits else None)
     if joint.delay is not None and not joint.explained:
         value, error = joint.delay
         rig.append(

@@ -34,10 +34,6 @@ from .causes import CAUSES, FRAME, SHOWS, Explanation, explanations
 Of = TypeVar("Of")
 To = TypeVar("To")
 
-FAULTY = Remark(
-    "a channel seems to be at fault (see below), which its rows take as it was read: all its numbers carry that error",
-    doubts=UNBOUNDED,
-)
 FAR = Remark(
     "the records are not those of such an oscillator: it is only the one that comes nearest",
     doubts=UNBOUNDED,
@@ -82,11 +78,11 @@ class JointFit:
         return self.fit is not None and self.fit.adequate and not self.linear
 
     @property
-    def misread(self) -> bool:
-        """Whether a channel is at fault, so that rows of the balance, which take the records as read, carry it."""
+    def in_rows(self) -> bool:
+        """Whether the records have a departure that the answer is freed of, and rows of the balance are not."""
         freed = () if self.fundamentals is None else self.fundamentals.departures
         names = {*freed, *(name for one in self.explained[:1] for name in one.names)}
-        return any(CAUSES[name].channel for name in names)
+        return any(CAUSES[name].in_rows for name in names)
 
     @property
     def mass_taken(self) -> bool:
@@ -94,8 +90,8 @@ class JointFit:
         return self.mass is not None and self.fit is not None and self.fit.error("m") == 0.0
 
     @property
-    def by_mass(self) -> OscillatorFit:
-        """The fit that a mass which is given is compared with."""
+    def closest(self) -> OscillatorFit:
+        """The fit whose numbers are the answer."""
         fit = self.fundamentals or self._best
         assert fit is not None
         return fit

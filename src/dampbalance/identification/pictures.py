@@ -28,9 +28,8 @@ from ..figures.style import (
     place,
     styled,
 )
-from ..fit.decay import RingFit
+from ..fit.decay import COMMON, RingFit
 from ..fit.waveforms import WaveformFit
-from ..motion.unknowns import OSCILLATOR_UNKNOWNS
 from ..project.wording import cut
 from ..records.measured import MeasuredRecord
 from ..records.measurement import ORDERS, RELATIVE
@@ -241,7 +240,7 @@ def decays(fit: RingFit, turns: Sequence[tuple[Array, Array]]) -> Figure:
         axes.plot(t, factor * (values + residual * signal.noise), **look)
         if signal.order == 0:
             t_turn, x_turn = turns[i][0].T
-            x = factor * (x_turn + float(fit.point[len(OSCILLATOR_UNKNOWNS) + signal.offset]))
+            x = factor * (x_turn + float(fit.point[len(COMMON) + signal.offset]))
             rings: dict[str, Any] = {"markersize": 2.5, "fillstyle": "none", "label": "turns"}
             axes.plot(t_turn, x, "o", color=STICK, **rings)
         _with_residual(axes, below, t, residual, (one.start, end), symbol, unit)

@@ -43,12 +43,11 @@ from .answer import UNBOUNDED, USELESS, Answer, ParameterEstimate
 from .causes import (
     AS_WELL,
     CAUSES,
-    GRADUAL,
-    changes,
+    doubts_of,
     likeliest,
     remark_on,
 )
-from .oscillator import FAULTY, JointFit, Microstick
+from .oscillator import JointFit, Microstick
 
 DIRECT = "direct"
 """The approach that assumes no shape of x(t): the one that is compared with the fit to all records."""
@@ -97,8 +96,15 @@ def notes_on(answer: Answer, readings: Sequence[Reading], joint: JointFit) -> It
                 factor(math.sqrt(answer.misfit)),
                 doubts=by_scatter(answer.coefficients, answer.misfit),
             )
-    if joint.misread:
-        yield FAULTY
+    if joint.in_rows:
+        apart = {key: joint.closest.value(key) for key in answer.coefficients}
+        yield Remark(
+            "its rows are not freed of the departure that the records show (see below)",
+            doubts={
+                s: abs(p.value / (apart[s] or math.inf) - 1.0)
+                for s, p in answer.coefficients.items()
+            },
+        )
 
 
 def by_scatter(coefficients: Mapping[str, ParameterEstimate], misfit: float) -> dict[str, float]:
@@ -201,7 +207,7 @@ def agreement(
             f"c_r is {number_text(1e-6 * fit.k, 2)} N s/m too small and c as much too large",
             doubts={"c": math.inf, "c_r": math.inf},
         )
-    if DIRECT in answers and fit is not None and joint.waveforms_hold and not joint.misread:
+    if DIRECT in answers and fit is not None and joint.waveforms_hold and not joint.in_rows:
         yield from contradiction(answers[DIRECT], fit)
     for answer in answers.values():
         if answer.balance is None or answer.balance.rows.usable.sum() < 2:
@@ -234,7 +240,7 @@ def _on_the_oscillator(readings: Sequence[Reading], joint: JointFit) -> Iterator
     if joint.explained:
         yield remark_on(joint.explained, joint.fall)
     if joint.mass is not None and not joint.mass_fits:
-        yield on_mass(joint.by_mass, joint.mass)
+        yield on_mass(joint.closest, joint.mass)
     if fit is None:
         yield Remark(
             "no oscillator with this stiffness and a friction contact slips and responds like the records: check the "
@@ -251,17 +257,16 @@ def _none_fits(
 
     alone : the fit to their fundamentals, whose numbers the likeliest departure moves to first order.
     """
-    likely, doubts = "", {}
+    likely = ""
+    doubts: Mapping[str, float] = {}
     if cause := likeliest(fit):
         share = min(1.0, cause.size**2 / (fit.chi_square - fit.freedom))
         words = CAUSES[cause.symbol].sized(cause.value, cause.error)
         likely = (
             f"; the likeliest of the causes tested is {words}, which explains {part(share)} of that"
         )
-        # a spring or a contact that yields otherwise moves the in-phase part, and neither friction nor damping
-        moves = not alone.has(cause.symbol) if alone is not None else False
-        if share > _MOST and moves and cause.symbol not in ("k_3", GRADUAL):
-            doubts = {s: abs(by) for s, by in changes(cause, fit, cause.value).items()}
+        if share > _MOST and alone is not None and not alone.has(cause.symbol):
+            doubts = doubts_of(cause, fit)
     worst = readings[int(np.argmax(fit.misfits))].steady.source
     return Remark(
         "the records are not those of one mass on a spring, a damper and one friction contact: the best one that "

@@ -23,15 +23,21 @@ from .unknowns import F_K, OSCILLATOR_UNKNOWNS, RHO, C, M
 
 ADDED = ("c_2", "c_3", "c_a", "k_2", "k_3", "gradual")
 """Coefficients of what is not linear: N s²/m², N s³/m³, N s/m, N/m², N/m³, and how much of `rounding` the force of the
-contact has, by which only derivatives are taken: it stays zero."""
+contact has, whose own events stay where they are without it."""
 
-_FIRST_ADDED = len(OSCILLATOR_UNKNOWNS)
-_START_X, _START_V, _START_PRELOAD = range(_FIRST_ADDED + len(ADDED), _FIRST_ADDED + len(ADDED) + 3)
-_COUNT = _START_PRELOAD + 1
+DECAY_UNKNOWNS = (*OSCILLATOR_UNKNOWNS, "x", "v", "w", *ADDED)
+"""The unknowns by which derivatives are taken: those of the oscillator, the start state, z = (w − 1) F_k/K_z with the
+preload w of the contact spring, and `ADDED`."""
+
+LINEAR_UNKNOWNS = len(OSCILLATOR_UNKNOWNS) + 3
+"""How many of these a fit of friction and viscous damping needs."""
+
+_START_X, _START_V, _START_PRELOAD = range(len(OSCILLATOR_UNKNOWNS), LINEAR_UNKNOWNS)
+_FIRST_ADDED = LINEAR_UNKNOWNS
 _RADIANS = 0.3  # of a phase that a step takes at the most: derivatives are then exact to 1e-5
 _NEWTONS = 20
 _REACHED = 1e-13  # of a step: an event is located
-_MOST_EVENTS = 20000
+_MOST_EVENTS = 4096  # a motion with more is none that samples show
 
 
 @jit
@@ -71,6 +77,18 @@ def _accelerations(
     out[1 + M] += (stiff * u + par.c * v + force) / (par.m * par.m)
     if sticks:
         out[1 + RHO] += 2.0 * par.K_z * math.sqrt(par.K_z) * u / par.m
+    if sticks and p[5] != 0.0 and par.F_k > 0.0:  # since the reversal at u = 0
+        s = min(0.5 * par.K_z / par.F_k * abs(u), 1.0)
+        force = math.copysign(rounding(abs(u), par.F_k, par.K_z), u) * p[5] / par.m
+        stiffness = p[5] * par.K_z * (1.0 - 2.0 * s) / par.m
+        out[0] -= force
+        for j in range(1, y.shape[0]):
+            out[j] -= stiffness * y[j, 0]
+        out[1 + M] += force / par.m
+        out[1 + F_K] -= math.copysign(2.0 * s * s, u) * p[5] / par.m
+        out[1 + RHO] += 2.0 * math.sqrt(par.K_z) * stiffness * u
+    if y.shape[0] == 1 + LINEAR_UNKNOWNS:
+        return
     size = abs(v)
     first = 1 + _FIRST_ADDED
     out[first] -= size * v / par.m
@@ -83,6 +101,56 @@ def _accelerations(
 
 
 @jit
+def _linear_step(
+    y: Array,
+    h: float,
+    sticks: bool,
+    constant: Array,
+    par: Parameters,
+    work: Array,
+    out: Array,
+) -> None:
+    """A step like that of `_step` without `ADDED`: the motion is exact, and Simpson's rule integrates what acts on the
+    derivatives by c, ρ and m."""
+    Omega2 = (par.k + (par.K_z if sticks else 0.0)) / par.m
+    half = step_response(0.5 * h, 0.5 * par.c / par.m, Omega2)
+    whole = step_response(h, 0.5 * par.c / par.m, Omega2)
+    J, S, R = whole
+    for i in range(y.shape[0]):
+        x, v = y[i, 0], y[i, 1]
+        out[i, 0] = (1.0 - Omega2 * J) * x + S * v + J * constant[i]
+        out[i, 1] = -Omega2 * S * x + R * v + S * constant[i]
+    work[3, 0] = 0.0
+    if y.shape[0] == 1:
+        return
+    J, S, R = half
+    u = (1.0 - Omega2 * J) * y[0, 0] + S * y[0, 1] + J * constant[0]
+    v = -Omega2 * S * y[0, 0] + R * y[0, 1] + S * constant[0]
+    by_rho = 2.0 * par.K_z * math.sqrt(par.K_z) / par.m if sticks else 0.0
+    _drive(out, y[0], h / 6.0 * whole[1], h / 6.0 * whole[2], by_rho, Omega2, par)
+    work[5, 0], work[5, 1] = u, v
+    _drive(out, work[5], h / 1.5 * half[1], h / 1.5 * half[2], by_rho, Omega2, par)
+    _drive(out, out[0], 0.0, h / 6.0, by_rho, Omega2, par)
+
+
+@jit
+def _drive(
+    y: Array, at: Array, S: float, R: float, by_rho: float, Omega2: float, par: Parameters
+) -> None:
+    """Add to the derivatives by c, ρ and m, y, what acts on them where the motion is `at`.   S, R : weights."""
+    x, v = at[0], at[1]
+    force = -v / par.m
+    y[1 + C, 0] += S * force
+    y[1 + C, 1] += R * force
+    force = by_rho * x
+    y[1 + RHO, 0] += S * force
+    y[1 + RHO, 1] += R * force
+    force = (Omega2 * x + par.c * v / par.m) / par.m
+    y[1 + M, 0] += S * force
+    y[1 + M, 1] += R * force
+
+
+@jit
 def _step(
     y: Array,
     h: float,
@@ -91,6 +159,7 @@ def _step(
     constant: Array,
     par: Parameters,
     p: Array,
+    linear: bool,
     work: Array,
     out: Array,
 ) -> None:
@@ -98,6 +167,9 @@ def _step(
 
     constant : part of the accelerations that is constant in the phase, (1 + n,).   work : (6, 1 + n).
     """
+    if linear:
+        _linear_step(y, h, sticks, constant, par, work, out)
+        return
     Omega2 = (par.k + (par.K_z if sticks else 0.0)) / par.m
     J, S, R = step_response(0.5 * h, par.c / (2.0 * par.m), Omega2)
     C, D = 1.0 - Omega2 * J, -Omega2 * S
@@ -148,17 +220,16 @@ def _hold(
 
 @jit
 def law_decay(
-    times: Array, order: int, x: float, v: float, w: float, par: Parameters, p: Array
+    times: Array, order: int, x: float, v: float, w: float, par: Parameters, p: Array, unknowns: int
 ) -> Array:
-    """x, ẋ or ẍ (order 0, 1, 2) of a free decay at ascending times ≥ 0, and derivatives by the unknowns, (n, 1 + 13).
+    """x, ẋ or ẍ (order 0, 1, 2) of a free decay at ascending times ≥ 0, and derivatives, (n, 1 + unknowns).
 
-    The unknowns are F_k, c, ρ, m, `ADDED` and the start x, ẋ, w, see `motion.free_decay`. Use it where the
-    damping or the spring is not linear, or for the derivatives by those coefficients where it is; a decay with
-    friction and viscous damping alone is followed faster by `decay_samples`. NaN from where the contact rattles on.
+    NaN from where the contact rattles on.
 
     p : coefficients of `ADDED`, (6,).
+    unknowns : how many of `DECAY_UNKNOWNS` to differentiate by: all, or `LINEAR_UNKNOWNS` in half the time.
     """
-    rows = 1 + _COUNT
+    rows = 1 + unknowns
     out = np.full((times.size, rows), math.nan)
     y, there = np.zeros((rows, 2)), np.zeros((rows, 2))
     held, constant, work = np.zeros(rows), np.zeros(rows), np.empty((6, rows))
@@ -169,7 +240,7 @@ def law_decay(
     s = contact_state(x, v, side * Z_m, 0.0, par)
     if s != 0.0:
         side = s
-    t, events = 0.0, 0
+    t, events, linear = 0.0, 0, unknowns <= LINEAR_UNKNOWNS and not p.any()
     _hold(y, s, side, events == 0, par, held, constant)
     for n in range(times.size):
         while True:
@@ -183,7 +254,7 @@ def law_decay(
             low = -Z_m - side * Z_m if sticks else 0.0
             before, after, part, up, crosses = 0.0, h, h, s < 0.0, False
             for attempt in range(_NEWTONS):
-                _step(y, part, sticks, held, constant, par, p, work, there)
+                _step(y, part, sticks, held, constant, par, p, linear, work, there)
                 u, rate = there[0, 0], there[0, 1]
                 if attempt == 0:
                     crosses = not low <= u <= high if sticks else s * rate < 0.0

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..arrays import Array
+from ..arrays import Array, Mask
 
 _LINE = 15.0  # times the noise, that a line of the spectrum must have: noise has one by chance once in 3 million lines
 _BAND = 1.25  # half of its width as a ratio: a decay is no sharp line
@@ -32,6 +32,7 @@ class Signal:
 
     order : 0 displacement, 1 velocity, 2 acceleration.   t : s.   values : SI.   noise : standard deviation.
     offset : number of the channel among those of all records, each of which has a separate offset.
+    limits : least and largest value that the converter can show; samples there are clipped.
     """
 
     quantity: str
@@ -40,6 +41,12 @@ class Signal:
     values: Array
     noise: float
     offset: int = 0
+    limits: tuple[float, float] = (-math.inf, math.inf)
+
+    @property
+    def clipped(self) -> Mask:
+        """Which samples lie at a limit, (n,)."""
+        return (self.values <= self.limits[0]) | (self.values >= self.limits[1])
 
     @property
     def dt(self) -> float:
