@@ -17,7 +17,7 @@ from dampbalance.fit.nuisances import FALLING, NUISANCES, in_other_frame
 from dampbalance.fit.steady_search import fit_records, refit
 from dampbalance.fit.waveforms import HarmonicProblem
 from dampbalance.law.law import Law
-from identification.test_gradual import contact_of, harmonics_on
+from identification.gradual_contacts import contact_of, harmonics_on
 from paper_case import LEVELS, PAPER, orbits_at
 from signals.harmonics import lines_of
 

@@ -23,27 +23,12 @@ from dampbalance.motion.law_steady import Further, steady_response
 from dampbalance.records.measurement import Channel, Measurement
 from dampbalance.signals.lines import Lines
 from dampbalance.signals.mean_harmonics import read_features
+from identification.gradual_contacts import OMEGA, contact_of, harmonics_on
 from paper_case import LEVELS, PAPER
 
-OMEGA = 2.0 * math.pi * 3.5
 SOFT = replace(PAPER, K_z=20_000.0)
 NOISE = {"two sliders": 0.002, "Iwan": 0.002, "Dahl": 0.01}
 HIGHEST = 2 * 14  # harmonics of a record that a fit takes
-
-
-def contact_of(osc, part):
-    """A Jenkins element and, in parallel, sliders of twice its stiffness, which have a part of the friction."""
-    jenkins = np.array([((1.0 - part) * osc.K_z, (1.0 - part) * osc.F_k, 0.0)])
-    if not part:
-        return jenkins
-    return np.vstack([jenkins, CONTACTS["Iwan"](2.0 * part * osc.K_z, part * osc.F_k)])
-
-
-def harmonics_on(contact, osc, Y, count):
-    """x_n, n = 1, 3 …, of the steady motion, by its independent integration."""
-    motion = steady_on(contact, osc.m, osc.c, osc.k, Y, OMEGA)
-    phases = np.arange(4096) * (2.0 * math.pi / 4096)
-    return 2.0 * np.fft.rfft(motion(phases)[0])[1 : 2 * count : 2] / 4096
 
 
 def lines_of(clean, noise, random):

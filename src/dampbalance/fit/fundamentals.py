@@ -35,8 +35,7 @@ from scipy import special
 from ..arrays import Array, Complexes
 from ..law.law import Law
 from ..law.terms import FRICTION, term
-from ..motion.distorted import added_by_base
-from ..motion.law_steady import Response
+from ..motion.law_steady import Response, added_by_base
 from ..signals.lines import Lines
 from ..signals.thresholds import P_CAUSE
 from ..solver import NORMAL_95

@@ -29,8 +29,7 @@ from ..arrays import Array, Complexes, Mask
 from ..law.law import Law
 from ..law.terms import FRICTION, term
 from ..model import BaseMotion, NoOscillator, Oscillator
-from ..motion.distorted import added_by_base
-from ..motion.law_steady import Further, Response, steady_response
+from ..motion.law_steady import Further, Response, added_by_base, steady_response
 from ..motion.orbit import NoSteadyOrbit
 from ..signals.lines import Lines
 from ..signals.mean_harmonics import Waveform

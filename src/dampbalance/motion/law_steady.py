@@ -32,7 +32,9 @@ from ..arguments import numbers
 from ..arrays import Array, Complexes, Mask
 from ..law.terms import term
 from ..model import BaseMotion, Oscillator
+from .distorted import distorted_harmonics
 from .events import MOST_RADIANS
+from .jit import interpreted
 from .nearby import steady_orbit_near
 from .orbit import NoSteadyOrbit, Orbit, steady_orbit
 from .regime import Regime
@@ -526,3 +528,28 @@ def _require_kind(system: System, q: Array) -> None:
         raise NoSteadyOrbit("the contact does not slip in every half cycle")
     if not (of.v > 0.0).all():
         raise NoSteadyOrbit("the velocity changes its sign inside a half cycle")
+
+
+def added_by_base(base: Complexes, response: Response, count: int) -> Complexes:
+    """Δ_n, n = 1, 3 … 2 count − 1, m: what harmonics of the base add to those of a motion, (count,).
+
+    base : y_n, n = 2, 3 …, m, phases counted from the peak of the fundamental.   response : the motion under the
+    fundamental alone.
+    """
+    n = np.arange(1, 2 * count, 2)
+    if not base.any():
+        return np.zeros(count, dtype=np.complex128)
+    orbit, order = response.orbit, np.arange(2, base.size + 2)
+    # a damper to the base moves the mass as well: the base of the orbit is (1 + inω c_r/k) y_n
+    to_base = 1.0 + 1j * order * math.tan(response.advance + response.turned)
+    y = np.append(orbit.motion.Y, base * to_base * np.exp(-1j * order * response.advance))
+    try:
+        with interpreted(False):  # it takes hundreds of steps
+            change = distorted_harmonics(orbit, y, 2 * count)[::2] - orbit.harmonics(count)
+    except NoSteadyOrbit:
+        # as if it slipped on
+        own, rates = orbit.oscillator, n * orbit.motion.omega
+        forced = np.zeros(2 * count, dtype=np.complex128)
+        forced[1 : y.size] = own.k * y[1 : forced.size]
+        change = forced[::2] / (own.k - rates**2 * own.m + 1j * rates * own.c)
+    return change * np.exp(1j * n * response.advance)
