@@ -11,12 +11,11 @@ import pytest
 
 from blind.other_motion import STEPS, Departure, steady
 from dampbalance import BaseMotion, Oscillator, steady_orbit
-from dampbalance.fit.base_harmonics import fit_records
 from dampbalance.fit.goodness import linear_misfit
+from dampbalance.fit.steady_search import fit_records
 from dampbalance.law.law import Law
 from dampbalance.motion.distorted import distorted_harmonics
-from dampbalance.motion.law_steady import steady_response
-from dampbalance.signals.mean_harmonics import added_by_base
+from dampbalance.motion.law_steady import added_by_base, steady_response
 from signals.harmonics import lines_of
 
 # m, c, k, K_z, F_k, Y, ω: near resonance, above it, and below with several slips per half cycle

@@ -13,37 +13,22 @@ import pytest
 from blind.decays import Decay
 from blind.gradual import CONTACTS, ring_down_on, steady_on
 from dampbalance import BaseMotion, Oscillator, steady_orbit
-from dampbalance.identification.causes import GRADUAL, departures, likeliest, remark_on
+from dampbalance.identification.causes import GRADUAL, remark_on
 from dampbalance.identification.decays import identify_ring_downs
 from dampbalance.identification.forced import identify_readings
 from dampbalance.identification.oscillator import joint_fit
 from dampbalance.model import Parameters
-from dampbalance.motion.law_decays import ADDED, DECAY_UNKNOWNS, law_decay, rounding
-from dampbalance.motion.law_steady import steady_response
+from dampbalance.motion.law_decays import ADDED, DECAY_UNKNOWNS, law_decay
+from dampbalance.motion.law_steady import Further, steady_response
 from dampbalance.records.measurement import Channel, Measurement
 from dampbalance.signals.lines import Lines
 from dampbalance.signals.mean_harmonics import read_features
+from identification.gradual_contacts import OMEGA, contact_of, harmonics_on
 from paper_case import LEVELS, PAPER
 
-OMEGA = 2.0 * math.pi * 3.5
 SOFT = replace(PAPER, K_z=20_000.0)
 NOISE = {"two sliders": 0.002, "Iwan": 0.002, "Dahl": 0.01}
 HIGHEST = 2 * 14  # harmonics of a record that a fit takes
-
-
-def contact_of(osc, part):
-    """A Jenkins element and, in parallel, sliders of twice its stiffness, which have a part of the friction."""
-    jenkins = np.array([((1.0 - part) * osc.K_z, (1.0 - part) * osc.F_k, 0.0)])
-    if not part:
-        return jenkins
-    return np.vstack([jenkins, CONTACTS["Iwan"](2.0 * part * osc.K_z, part * osc.F_k)])
-
-
-def harmonics_on(contact, osc, Y, count):
-    """x_n, n = 1, 3 …, of the steady motion, by its independent integration."""
-    motion = steady_on(contact, osc.m, osc.c, osc.k, Y, OMEGA)
-    phases = np.arange(4096) * (2.0 * math.pi / 4096)
-    return 2.0 * np.fft.rfft(motion(phases)[0])[1 : 2 * count : 2] / 4096
 
 
 def lines_of(clean, noise, random):
@@ -70,25 +55,20 @@ def of_contact(osc, kind):
 
 
 def shown(lines, osc):
-    """The fit, what the records show of a gradual contact in standard errors, and the likeliest cause."""
-    fit = joint_fit(lines, osc.k).fit
-    tested = departures(fit)
-    return fit, next(one for one in tested if one.symbol == GRADUAL), likeliest(fit, tested)
+    """The fit of a contact that yields at once, the gradual one to first order, and what explains the records."""
+    fit = joint_fit(lines, osc.k, departures=False).fit
+    return fit, fit.departures[GRADUAL], joint_fit(lines, osc.k).explained
 
 
+@pytest.mark.parametrize("part", [0.1, 1.0])
 @pytest.mark.parametrize("osc", [PAPER, SOFT], ids=["stiff", "soft"])
-def test_a_small_force_moves_the_steady_motion_as_an_integrator_finds(osc):
-    Y, part = LEVELS[2], 1e-3
-    x, moved = (harmonics_on(contact_of(osc, p), osc, Y, 6) for p in (0.0, part))
-    response = steady_response(osc, BaseMotion(Y, OMEGA), {})
-    orbit = response.orbit
-    t = orbit.motion.period * np.arange(4096) / 4096
-    u = np.abs(np.where(orbit.state(t).v < 0.0, -1.0, 1.0) * orbit.state(t).x + orbit.X)
-    force = np.where(orbit.state(t).v < 0.0, -1.0, 1.0) * rounding(u, osc.F_k, osc.K_z)
-    expected = (moved - x) / part
-    found = response.moved_by(force)[: x.size]
-    # 2048 steps of a period locate the kinks of the sliders to some 1e-6 of the motion; a thousandth is no derivative
-    assert found == pytest.approx(expected, abs=0.03 * np.abs(expected).max())
+def test_the_steady_motion_on_a_contact_that_yields_gradually_is_that_of_an_integrator(osc, part):
+    Y = LEVELS[2]
+    expected, at_once = (harmonics_on(contact_of(osc, p), osc, Y, 6) for p in (part, 0.0))
+    motion = BaseMotion(Y, OMEGA)
+    found = steady_response(osc, motion, {}, further=Further(gradual=part)).harmonics(6)
+    # 16 sliders stand for the continuum, and 2048 steps of a period locate their kinks
+    assert np.abs(found - expected).max() < 0.03 * np.abs(expected - at_once).max()
 
 
 def test_a_gradual_part_of_the_contact_moves_a_decay_as_an_integrator_finds():
@@ -112,14 +92,16 @@ def test_a_gradual_part_of_the_contact_moves_a_decay_as_an_integrator_finds():
 @pytest.mark.parametrize("kind", NOISE)
 def test_a_soft_contact_that_yields_gradually_is_named(kind):
     lines = lines_of(of_contact(SOFT, kind), NOISE[kind], np.random.default_rng(3))
-    fit, gradual, cause = shown(lines, SOFT)
+    fit, gradual, explained = shown(lines, SOFT)
     assert gradual.size > 3.0
     # χ² does not notice what the test of one direction does
     assert fit.adequate
-    assert cause.symbol == GRADUAL
+    assert explained[0].names == (GRADUAL,)
     # K_z is too small by many standard errors, and known to be
     assert fit.K_z < 0.9 * SOFT.K_z
-    assert "stiffer; identify" in remark_on(cause, fit)
+    remark = remark_on(explained, 9.0)
+    assert "identify the distribution" in remark
+    assert remark.doubts["K_z"] > 0.1
 
 
 def test_a_contact_that_yields_at_once_is_hardly_ever_doubted():
@@ -129,9 +111,9 @@ def test_a_contact_that_yields_at_once_is_hardly_ever_doubted():
         clean = exact(osc)
         for noise in (0.001, 0.01, 0.03):
             for _ in range(10):
-                _, gradual, cause = shown(lines_of(clean, noise, random), osc)
+                _, gradual, explained = shown(lines_of(clean, noise, random), osc)
                 sizes.append(gradual.size)
-                named += cause is not None
+                named += bool(explained)
     # 60 draws: mean 0 ± 0.13, standard deviation 1 ± 0.09, and 0.3 named on the average, 3 in one of 280 trials
     assert abs(np.mean(sizes)) < 4.0 * 0.13
     assert np.std(sizes) == pytest.approx(1.0, abs=4.0 * 0.09)

@@ -26,7 +26,7 @@ def test_records_of_an_oscillator_are_one_and_nothing_else():
     whole = joint_fit(lines(), PAPER.k)
     assert whole.waveforms_hold
     assert not whole.linear
-    assert whole.faults == ()
+    assert whole.explained == ()
     for name in ("F_k", "c", "m"):
         assert abs(getattr(whole.fit, name) - getattr(PAPER, name)) < 4.0 * whole.fit.error(name)
 
@@ -82,14 +82,13 @@ def test_the_fit_takes_a_mass_only_where_it_is_known_better_than_the_records_kno
 @pytest.mark.parametrize("mass", [None, PAPER.m])
 def test_a_delay_is_said_where_it_explains_more_than_noise_would(mass):
     whole = joint_fit(lines(late=1e-3, sigma=1e-7), PAPER.k, mass)
-    assert [one.kind for one in whole.faults] == ["delay"]
-    late = whole.delayed
-    assert abs(late.delay - 1e-3) < 4.0 * late.error("delay")
-    assert abs(late.c - PAPER.c) < 4.0 * late.error("c")
+    assert whole.explained[0].names == ("delay",)
+    value, error = whole.delay
+    assert abs(value - 1e-3) < 4.0 * error
+    assert abs(whole.fit.c - PAPER.c) < 4.0 * whole.fit.error("c")
     found = [joint_fit(lines(seed=seed), PAPER.k, mass) for seed in range(10)]
-    assert not any(whole.faults for whole in found)
-    sizes = np.array([whole.delayed.delay / whole.delayed.error("delay") for whole in found])
-    assert np.abs(sizes).max() < 4.0  # standard errors
+    assert not any(whole.explained for whole in found)
+    assert max(abs(value / error) for value, error in (whole.delay for whole in found)) < 4.0
 
 
 def test_readings_share_the_waveforms_that_hold_and_have_none_where_none_do():

@@ -313,10 +313,7 @@ def test_a_number_of_any_size_fits_its_cell(value, half, expected):
 
 
 @pytest.mark.parametrize(("sizes", "apart"), [(3.9, False), (4.1, True)])
-def test_balance_and_fit_are_apart_from_four_standard_errors_of_their_difference_on(
-    sizes, apart, monkeypatch
-):
-    monkeypatch.setattr("dampbalance.identification.remarks.likeliest", lambda fit, tested: None)
+def test_balance_and_fit_are_apart_from_four_standard_errors_of_their_difference_on(sizes, apart):
     # the variance of the difference is that of the balance, 0.5², less that of the fit, 0.3²
     fit = SimpleNamespace(
         adequate=True,
@@ -328,8 +325,7 @@ def test_balance_and_fit_are_apart_from_four_standard_errors_of_their_difference
     warnings = agreement(
         [],
         Microstick(1e-5, 1e-7, True, 2e-5),
-        JointFit(fit, False, None),
+        JointFit(fit, False),
         {"direct": with_parameters(c=off)},
-        [],
     )
     assert any("the energy balance and the fit" in words for words in warnings) == apart

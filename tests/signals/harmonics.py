@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from dampbalance import Orbit
-from dampbalance.fit.base_harmonics import fit_records
+from dampbalance.fit.steady_search import fit_records
 from dampbalance.signals.lines import Lines
 from dampbalance.signals.mean_harmonics import Reading
 

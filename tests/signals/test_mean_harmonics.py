@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from dampbalance.features import FEATURE_COLUMNS, of_orbit
-from dampbalance.fit.base_harmonics import fit_records
+from dampbalance.fit.steady_search import fit_records
 from dampbalance.records.measurement import Measurement
 from dampbalance.records.synthetic import measured_orbit
 from dampbalance.signals.mean_harmonics import RESOLVED, Means, Reading, read_features

@@ -20,7 +20,7 @@ import pandas as pd
 from dampbalance import BaseMotion, steady_orbit
 from dampbalance.balance import APPROACHES
 from dampbalance.figures.style import FAINT, SLIP, STICK, page, place, save, styled
-from dampbalance.fit.steady_search import fit_oscillator
+from dampbalance.fit.steady_search import fit_records
 from dampbalance.identification.forced import identify_readings
 from dampbalance.project.files import write_csv, write_text
 from dampbalance.record import Record
@@ -58,7 +58,7 @@ start = clocks()
 from dampbalance.identification.forced import identify_readings
 from dampbalance.records.measurement import Channel, Measurement
 from dampbalance.signals.mean_harmonics import read_features
-from dampbalance.fit.steady_search import fit_oscillator
+from dampbalance.fit.steady_search import fit_records
 loaded = clocks()
 import numpy as np
 readings = []
@@ -105,7 +105,7 @@ def contestants(samples: int) -> list[Contestant]:
         Contestant(READING, 1, lambda: [read_features(m, k) for m in given]),
         Contestant(IDENTIFYING, 1, lambda: identify_readings(readings, k)),
         Contestant(ONE, 1, lambda: identify_readings(readings, k, approaches=direct)),
-        Contestant(FIT, 1, lambda: fit_oscillator(lines, k)),
+        Contestant(FIT, 1, lambda: fit_records(lines, k)),
     ]
 
 

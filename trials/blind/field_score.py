@@ -143,7 +143,7 @@ def outcome(run: tuple[bool, int, int]) -> list[dict[str, object]]:
     verdicts = result.verdicts
     for symbol in SYMBOLS:
         true, (low, high) = getattr(one, symbol), result.intervals[symbol]
-        verdict, reason = verdicts[symbol]
+        verdict, reason, *_ = verdicts[symbol]
         row |= {f"{symbol}_off": result.values[symbol] / true - 1.0, f"{symbol}_low": low}
         row |= {f"{symbol}_high": high, f"{symbol}_verdict": verdict, f"{symbol}_reason": reason}
     return [row | {"words": " | ".join(result.warnings), "mass": result.mass}]

@@ -45,11 +45,11 @@ def steady() -> None:
     steady_orbits(**_OSCILLATOR, Y=[1e-5, 0.0006, 0.004], omega=_OMEGA)
 
 
-def slopes() -> None:
-    """Derivatives of steady responses, which fits follow, and fixed steps with what is read of them."""
+def harmonics() -> None:
+    """Harmonics of steady responses, which fits follow, and fixed steps with what is read of them."""
     with interpreted():
         orbit = _orbit()
-    orbit.harmonics_with_slopes(3)
+    orbit.harmonics(3)
     record = simulate(orbit.oscillator, orbit.motion, step=2e-5, cycles=4, keep_cycles=3)
     of_record(record, _OMEGA, orbit.oscillator.k)
     rounding(np.array([0.0]), 1.28, 208000.0)
@@ -67,7 +67,7 @@ def rest() -> None:
     identify(decay, osc.k, laws=True)
 
 
-PARTS = {"steady": steady, "slopes": slopes, "rest": rest}
+PARTS = {"steady": steady, "harmonics": harmonics, "rest": rest}
 
 
 def main(names: list[str]) -> None:
@@ -79,7 +79,7 @@ def main(names: list[str]) -> None:
     began = time.monotonic()
     print("Compiling the kernels, once per installation …", file=sys.stderr, flush=True)
     command = (sys.executable, "-m", "dampbalance.commands.kernels")
-    running = [_started(*command, name) for name in ("steady", "slopes")]
+    running = [_started(*command, name) for name in ("steady", "harmonics")]
     if sum(process.wait() != 0 for process in running):
         print("They cannot be compiled now, and are when they are first called.", file=sys.stderr)
         return

@@ -1,63 +1,76 @@
 """Fit of one oscillator to the fundamental of each record alone, where the higher harmonics are not those of the model.
 
-A second mode, a sensor that is not linear, a spring that stiffens or a contact that yields gradually show in the higher
-harmonics first, and hardly in the fundamental, which carries nearly all of the energy. Its dynamic stiffness
+A second mode, a sensor or a spring that is not linear, or a contact that yields gradually, show in the higher harmonics
+first, and hardly in the fundamental, which carries nearly all of the energy. Its dynamic stiffness
 
-    Z = kY/x_1 = k − mω² + K + i(Σ p_j g_j/(πX²) + E/(πX²))
+    Z = kY/x_1 = k − mω² + K + i(E/(πX²) + Σ p_j g_j/(πX²))
 
 has in-phase and quadrature parts for each level, with the describing function of the slider for x = X cos ωt,
 
     K = (K_z/π)(ϑ − sin ϑ cos ϑ),   cos ϑ = 1 − 2Z_m/X,   E = 4F_k(X − Z_m),   Z_m = F_k/K_z
 
-(Caughey, J. Appl. Mech. 27, 1960). What the describing function lacks of the exact orbit is added at the oscillator
-found, and the fit repeated, so that the describing function only gives the derivatives. Rows are relative to |Z|,
-which is the drive over the response.
+(Caughey, J. Appl. Mech. 27, 1960). What it lacks of the exact orbit of that amplitude is added at the oscillator that
+fits, and the fit repeated: the describing function only gives derivatives. Rows are relative to |Z|, which is the
+drive over the response.
 
-No noise explains what the rows leave. Their errors come from their scatter, that of the in-phase and that of the
-quadrature rows each, with Student's t of the rows less the unknowns that each kind determines, and are no less than
-those of the noise. Use it where a fit of the waveforms is not adequate.
+Two departures show in the fundamentals, and are fitted along where that lessens what the rows leave by more than
+chance: a channel that turns the phase, by a delay or as much by a filter (Z e^{iωτ}), and a spring that is not linear
+(Z + ¾k_3X²).
+
+What the rows leave is no noise. Errors come from the scatter of the in-phase rows and of those in quadrature, with
+Student's t of the rows less the unknowns that each kind determines, and are no less than those of the noise.
 """
 
 from __future__ import annotations
 
-import cmath
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from scipy import special
 
-from ..arrays import Array, Complexes, Mask
+from ..arrays import Array, Complexes
 from ..law.law import Law
 from ..law.terms import FRICTION, term
-from ..motion.law_steady import Response
+from ..motion.law_steady import Response, added_by_base
 from ..signals.lines import Lines
+from ..signals.thresholds import P_CAUSE
 from ..solver import NORMAL_95
 from .climb import climb
 from .oscillator_fit import OscillatorFit
 from .starts import starts
-from .waveforms import NO_MOTION, Unknowns
+from .waveforms import NO_MOTION, OSCILLATOR, HarmonicProblem
 
-_STARTS = 4  # contact stiffnesses: a rigid one next to a soft one are two minima
+_STARTS = 4  # contact stiffnesses: a rigid contact next to a soft one are two minima
 _REPETITIONS = (
     8  # of the correction, which is a few per cent, and falls by a factor of ten each time
 )
 _SETTLED = 1e-3  # of the residual: a gain that does not matter
-_STEP = 1e-6  # relative, of central differences of a closed form: errors of 1e-10
+_STEP = 1e-4  # of an unknown, for central differences of a closed form: errors of 1e-8
+_TURNS = (
+    -0.1,
+    0.1,
+)  # rad: delays to start from; a filter of a laboratory turns the phase by that much
+_THIN = 1e-2  # rad: below, ϑ − sin ϑ cos ϑ is the first term of its series, to 1e-5
+_GAIN = 1e-3  # in −log L: 4 % of a standard error of the noise, and less of the scatter
+_NORMAL = 1e6  # degrees of freedom with which F is χ²
+_DEPARTURES = ("delay", "k_3")
+_TURNING = ("corner", "low_pass")  # departures that act on the fundamental like a delay
 
 
 @dataclass(frozen=True, eq=False)
 class FundamentalFit(OscillatorFit):
     """The oscillator whose fundamentals are closest to those of n records.
 
-    unknowns : names and places of the unknowns.   residual : (model − data)/|Z|, in phase and in quadrature, (2, n).
+    problem : names and places of the unknowns.   residual : (model − data)/|Z|, in phase and in quadrature, (2, n).
     by_rows : derivatives of the common unknowns by the relative error of each row, (p, 2n).
     reach : half of the 95 % interval of each common unknown, (p,).
     """
 
-    unknowns: Unknowns
+    problem: HarmonicProblem
     residual: Array
     by_rows: Array
     reach: Array
@@ -66,17 +79,47 @@ class FundamentalFit(OscillatorFit):
     @property
     def names(self) -> tuple[str, ...]:
         """Keys of the law's coefficients, then the other common unknowns."""
-        return self.unknowns.names
+        return self.problem.names
 
     @property
     def law(self) -> Law:
         """The damping law whose coefficients are fitted."""
-        return self.unknowns.law
+        return self.problem.law
+
+    @property
+    def departures(self) -> tuple[str, ...]:
+        """Names of the nuisances that are fitted along."""
+        return tuple(name for name in self.problem.freed if name not in OSCILLATOR)
+
+    @property
+    def turned(self) -> dict[str, float]:
+        """Relative change of the common unknowns, by name, if a channel that turns the phase explained what the
+        in-phase rows leave, where these are too few to show it; empty where they leave no more than noise does."""
+        Z, error = _data(self.problem)
+        square = float(np.sum((self.residual[0] * np.abs(Z) / error) ** 2))
+        if len(Z) > len(self.problem.freed) + 1 or special.chdtrc(len(Z), square) > P_CAUSE:
+            return {}
+        problem = replace(self.problem, freed=(*self.problem.freed, "delay"))
+        scale = problem.bounds(self.point).scale
+        slopes = _linearised(problem, self.point, scale, np.zeros_like(Z))[1] / np.abs(Z)
+        matrix = np.concatenate([slopes.real, slopes.imag], axis=1).T
+        moves = np.linalg.pinv(matrix) @ -self.residual.ravel()
+        places = np.flatnonzero(problem.free[: len(self.names)])
+        return {
+            self.names[at]: abs(move / self.point[at])
+            for at, move in zip(places.tolist(), moves.tolist(), strict=True)
+            if self.point[at]
+        }
+
+    def has(self, departure: str) -> bool:
+        """Whether a departure is fitted along: any filter turns the phase like a delay."""
+        return ("delay" if departure in _TURNING else departure) in self.departures
 
     @cached_property
     def responses(self) -> tuple[Response, ...]:
         """The motion of each record."""
-        return tuple(self.unknowns.response(self.point, i) for i in range(len(self.unknowns.lines)))
+        records = range(len(self.problem.lines))
+        return tuple(self.problem.response(self.point, i) for i in records)
 
     @property
     def misfit(self) -> float:
@@ -85,7 +128,7 @@ class FundamentalFit(OscillatorFit):
 
     @property
     def scatter(self) -> float:
-        """Root mean square of the rows' residuals, relative to the drive."""
+        """Root mean square of what the rows leave, relative to the drive."""
         return math.sqrt(float(np.sum(self.residual**2)) / self.freedom)
 
     def interval(self, name: str) -> tuple[float, float]:
@@ -95,162 +138,215 @@ class FundamentalFit(OscillatorFit):
 
     def moved(self, relative: Complexes) -> Array:
         """Return the relative change of the common unknowns, (p, …), with that of the Z of each record, (n, …)."""
-        Z = _data(self.unknowns)[0]
+        Z = _data(self.problem)[0]
         part = (relative.T * Z / np.abs(Z)).T
         by = self.by_rows @ np.concatenate([part.real, part.imag])
-        values = self.point[: len(self.names)]
         with np.errstate(divide="ignore", invalid="ignore"):
-            changes: Array = (by.T / values).T
-        return changes
+            return np.asarray((by.T / self.point[: len(self.names)]).T)
 
 
 def fit_fundamentals(
-    lines: Sequence[Lines], k: float, law: Law | None = None, *, late: bool = False
+    lines: Sequence[Lines], k: float, law: Law | None = None
 ) -> FundamentalFit | None:
-    """The oscillator whose fundamentals are closest; None where the levels are too few to show how well they fit.
+    """The oscillator whose fundamentals are closest, with the departures that they show; None where the levels are too
+    few to show how well they fit.
 
-    lines : of n records, without what harmonics of the base add.   k : stiffness, N/m.   law : default, F_k and c.
+    lines : of n records.   k : stiffness, N/m.   law : default, F_k and c.
     """
-    unknowns = Unknowns(law or Law(), tuple(lines), k)
-    damping = len(unknowns.law.unknowns)
-    if len(lines) <= max(damping, 2 + late):
+    fit = _with(HarmonicProblem(law or Law(), tuple(lines), k))
+    while fit is not None:
+        freed = fit.problem.freed
+        problems = (
+            replace(fit.problem, freed=(*freed, name)) for name in _DEPARTURES if name not in freed
+        )
+        others = (_with(problem, fit.point) for problem in problems) if _shows(fit) else ()
+        better = min(filter(None, others), key=lambda one: one.chi_square, default=None)
+        if better is None or not _shows(fit, better):
+            break
+        fit = better
+    if fit is None or not fit.rigid or fit.has("delay"):
+        return fit
+    # a turn of the phase takes off what a contact adds to the stiffness of low levels
+    return _with(replace(fit.problem, freed=(*fit.problem.freed, "delay")), fit.point) or fit
+
+
+def _shows(fit: FundamentalFit, better: FundamentalFit | None = None) -> bool:
+    """Whether one more unknown explains more than chance would have it, next to noise and what is left of the rows; or,
+    without it, whether one could."""
+    if better is None:
+        return bool(special.chdtrc(1.0, fit.chi_square) < P_CAUSE)
+    freedom = better.freedom if better.misfit > 1.0 else _NORMAL
+    F = (fit.chi_square - better.chi_square) / max(1.0, better.misfit)
+    return F > 0.0 and bool(special.fdtrc(1.0, freedom, F) < P_CAUSE)
+
+
+def _with(problem: HarmonicProblem, near: Array | None = None) -> FundamentalFit | None:
+    """The fit with the unknowns that a problem frees; None without degrees of freedom left.   near : a point to start
+    from, too."""
+    lines, damping = problem.lines, len(problem.law.unknowns)
+    # stiffness, mass and the departures come from the in-phase rows, damping from those in quadrature
+    freedom = np.array([len(lines) - len(problem.freed), len(lines) - damping])
+    if freedom.min() < 1:
         return None
-    ends = [
-        end for start in _starts(unknowns) if (end := _fitted(unknowns, start, late)) is not None
-    ]
+    ends = [end for at in _starts(problem, near) if (end := _fitted(problem, at)) is not None]
     if not ends:
         return None
-    point, off = min(ends, key=lambda end: float(np.sum(np.abs(end[1]) ** 2)))
-    Z, error = _data(unknowns)
-    at, rho = _free(unknowns, late), unknowns.names.index("rho")
-    slopes = _slopes(unknowns, point, late) / np.abs(Z)
-    inverse = np.linalg.pinv(np.concatenate([slopes.real, slopes.imag], axis=1).T)
-    by_rows = np.zeros((len(unknowns.names), 2 * len(lines)))
-    by_rows[at] = inverse
+    point, off, slopes = min(ends, key=lambda end: end.size)
+    for at, one in zip(problem.at, lines, strict=True):
+        point[at["Y"]] = one.Y
+    Z, error = _data(problem)
+    by_rows = np.zeros((len(problem.names), 2 * len(lines)))
+    common = problem.free[: len(by_rows)]
+    by_rows[common] = np.linalg.pinv(np.concatenate([slopes.real, slopes.imag], axis=1).T)
     residual = np.stack([off.real, off.imag])
-    # stiffness and mass come from the in-phase rows, damping from those in quadrature
-    freedom = np.array([len(lines) - 2 - late, len(lines) - damping])
-    variance = np.sum(residual**2, axis=1) / freedom
+    scattered = np.repeat(np.sum(residual**2, axis=1) / freedom, len(lines))
+    t = np.repeat(special.stdtrit(freedom, 0.975), len(lines))
     noise = np.tile((error / np.abs(Z)) ** 2, 2)
-    t = special.stdtrit(freedom, 0.975)
-    scattered = np.repeat(variance, len(lines))
-    reach = np.maximum(
-        np.sqrt(by_rows**2 @ (scattered * np.repeat(t, len(lines)) ** 2)),
-        NORMAL_95 * np.sqrt(by_rows**2 @ noise),
-    )
-    larger = np.maximum(scattered, noise)
-    covariance = np.zeros((unknowns.size, unknowns.size))
+    of_scatter, of_noise = by_rows**2 @ (scattered * t**2), by_rows**2 @ noise
+    larger, rho = np.maximum(scattered, noise), problem.names.index("rho")
+    covariance = np.zeros((problem.size, problem.size))
     covariance[: len(by_rows), : len(by_rows)] = (by_rows * larger) @ by_rows.T
     return FundamentalFit(
-        k=k,
+        k=problem.k,
         point=point,
         covariance=covariance,
         chi_square=float(np.sum(residual.ravel() ** 2 / noise)),
-        rigid=bool(point[rho] <= unknowns.bounds(point, _every(point)).lower[rho]),
-        unknowns=unknowns,
+        rigid=bool(point[rho] <= problem.bounds(point).lower[rho]),
+        problem=problem,
         residual=residual,
         by_rows=by_rows,
-        reach=reach,
+        reach=np.sqrt(np.maximum(of_scatter, NORMAL_95**2 * of_noise)),
         freedom=int(freedom.sum()),
     )
 
 
-def _free(unknowns: Unknowns, late: bool) -> list[int]:
-    """Places of the unknowns that are fitted.   late : whether the delay is one."""
-    names = (*unknowns.law.unknowns, "rho", "m", *["delay"] * late)
-    return [unknowns.names.index(name) for name in names]
+def _starts(problem: HarmonicProblem, near: Array | None) -> list[Array]:
+    """Points to start from: a point near, or those that balance the work of the fundamentals, the closest of some
+    contact stiffnesses; with each turn of the phase where that is fitted."""
+    points = [near] if near is not None else []
+    if near is None:
+        lines = [
+            replace(one, **{name: getattr(one, name)[:1] for name in ("n", "x", "x_error")})
+            for one in problem.lines
+        ]
+        candidates = starts(lines, problem.k)
+        first = np.sort(np.unique(candidates[:, 2], return_index=True)[1])[:_STARTS]
+        points = [problem.start(candidate, np.ones(len(lines))) for candidate in candidates[first]]
+    if "delay" in problem.freed and near is not None:
+        points = [near.copy() for _ in _TURNS]
+        for point, turn in zip(points, _TURNS, strict=True):
+            point[problem.names.index("delay")] += turn / problem.lines[0].omega
+    return points
 
 
-def _data(unknowns: Unknowns) -> tuple[Complexes, Array]:
+def _data(problem: HarmonicProblem) -> tuple[Complexes, Array]:
     """Z of each record, N/m, and the standard error of its real and of its imaginary part, (n,)."""
-    Z = np.array([unknowns.k * one.Y / one.x[0] for one in unknowns.lines])
-    parts = [(one.x_error[0] / abs(one.x[0]), one.Y_error / one.Y) for one in unknowns.lines]
+    Z = np.array([problem.k * one.Y / one.x[0] for one in problem.lines])
+    parts = [(one.x_error[0] / abs(one.x[0]), one.Y_error / one.Y) for one in problem.lines]
     return Z, np.abs(Z) * np.hypot(*np.transpose(parts))
 
 
-def _describing(unknowns: Unknowns, point: Array, motion: Sequence[complex]) -> Complexes:
-    """Z of each record by the describing function, N/m, (n,).   motion : x_1 of each record, m."""
-    values, k = np.empty(len(unknowns.lines), dtype=np.complex128), unknowns.k
-    for i, (one, at, x) in enumerate(zip(unknowns.lines, unknowns.at, motion, strict=True)):
-        X, phi, friction, rho = abs(x), -cmath.phase(x), point[at[FRICTION]], point[at["rho"]]
-        Z_m = friction * rho**2
-        stiffness, energy = rho**-2, 0.0
-        if Z_m < X:
-            theta = math.acos(1.0 - 2.0 * Z_m / X)
-            stiffness *= (theta - math.sin(theta) * math.cos(theta)) / math.pi
-            energy = 4.0 * friction * (X - Z_m)
-        for symbol in unknowns.law.terms:
-            if symbol != FRICTION:
-                energy += point[at[symbol]] * term(symbol).harmonic(one.omega, X, one.Y, phi, k)
-        in_phase = k - point[at["m"]] * one.omega**2 + stiffness
-        values[i] = complex(in_phase, energy / (math.pi * X**2))
-        values[i] *= cmath.exp(1j * one.omega * point[at["delay"]])
-    return values
+def _describing(problem: HarmonicProblem, points: Array, motion: Complexes) -> Complexes:
+    """Z of each record by the describing function, N/m, (…, n).   points : (…, p).   motion : x_1, m, (n,)."""
+    omega, Y = np.transpose([(one.omega, one.Y) for one in problem.lines])
+    X, phi = np.abs(motion), -np.angle(motion)
+
+    def of(name: str) -> Array:
+        return np.asarray(points[..., [at[name] for at in problem.at]])
+
+    friction, K_z = of(FRICTION), of("rho") ** -2
+    held = np.clip(friction / (K_z * X), 0.0, 1.0)  # Z_m/X; a difference may step below zero
+    theta = 2.0 * np.arcsin(np.sqrt(held))  # cos ϑ = 1 − 2 sin² ϑ/2
+    part = np.where(theta > _THIN, theta - np.sin(theta) * np.cos(theta), theta**3 / 1.5)
+    energy = 4.0 * friction * X * (1.0 - held)
+    for symbol in problem.law.terms:
+        if symbol != FRICTION:
+            energy = energy + of(symbol) * term(symbol).harmonic(omega, X, Y, phi, problem.k)
+    in_phase = problem.k - of("m") * omega**2 + K_z * part / math.pi
+    return np.asarray(in_phase + 1j * energy / (math.pi * X**2))
 
 
-def _slopes(unknowns: Unknowns, point: Array, late: bool) -> Complexes:
-    """Derivatives of Z by the unknowns that are fitted, (p, n)."""
-    motion, scale = (
-        [one.x[0] for one in unknowns.lines],
-        unknowns.bounds(point, _every(point)).scale,
-    )
-    slopes = []
-    for at in _free(unknowns, late):
-        step = np.zeros(point.size)
-        step[at] = _STEP * max(abs(point[at]), scale[at])
-        more, less = (_describing(unknowns, point + by * step, motion) for by in (1.0, -1.0))
-        slopes.append((more - less) / (2.0 * step[at]))
-    return np.array(slopes)
+def _read(problem: HarmonicProblem, points: Array, Z: Complexes) -> Complexes:
+    """Z of each record as its channels read it, with what a spring that is not linear adds, N/m, (…, n)."""
+    omega, X = np.transpose([(one.omega, abs(one.x[0])) for one in problem.lines])
+    k_3, delay = (points[..., problem.names.index(name)] for name in ("k_3", "delay"))
+    return np.asarray((Z + 0.75 * k_3[..., None] * X**2) * np.exp(1j * omega * delay[..., None]))
 
 
-def _starts(unknowns: Unknowns) -> list[Array]:
-    """Points that balance the work of the fundamentals, the closest of some contact stiffnesses."""
-    lines = [
-        replace(one, n=one.n[:1], x=one.x[:1], x_error=one.x_error[:1]) for one in unknowns.lines
-    ]
-    candidates = starts(lines, unknowns.k)
-    first = np.sort(np.unique(candidates[:, 2], return_index=True)[1])[:_STARTS]
-    return [unknowns.start(candidate, np.ones(len(lines))) for candidate in candidates[first]]
+def _linearised(
+    problem: HarmonicProblem, point: Array, scale: Array, correction: Complexes
+) -> tuple[Complexes, Complexes]:
+    """Z of each record, N/m, (n,), and its derivatives by the common unknowns that are fitted, (p, n).
+
+    scale : sizes below which an unknown counts as zero.   correction : of the describing function, N/m, (n,).
+    """
+    motion = np.array([one.x[0] for one in problem.lines])
+    free = np.flatnonzero(problem.free[: len(problem.names)])
+    sizes = _STEP * np.maximum(np.abs(point), scale)[free]
+    points = np.tile(point, (2, free.size + 1, 1))
+    points[0, np.arange(free.size), free] += sizes
+    points[1, np.arange(free.size), free] -= sizes
+    more, less = _read(problem, points, _describing(problem, points, motion) + correction)
+    return more[-1], np.asarray((more - less)[:-1] / (2.0 * sizes[:, None]))
 
 
-def _fitted(unknowns: Unknowns, start: Array, late: bool) -> tuple[Array, Complexes] | None:
-    """The point closest to the fundamentals, and (model − data)/|Z| there, (n,); None where there is no motion."""
-    Z, error = _data(unknowns)
-    free, best = _free(unknowns, late), None
+def _fundamental(problem: HarmonicProblem, point: Array, i: int) -> complex:
+    """x_1 of the exact motion of a record without departures, with what the harmonics of its base add, m.
+
+    Raises NO_MOTION.
+    """
+    bare = point.copy()
+    bare[[problem.names.index(name) for name in problem.nuisances]] = 0.0
+    response = problem.response(bare, i)
+    added = added_by_base(problem.lines[i].base, response, 1)
+    return complex(response.harmonics(1)[0] + added[0])
+
+
+class _End(NamedTuple):
+    """A point, (model − data)/|Z| there, (n,), and its derivatives by the unknowns that are fitted, (p, n)."""
+
+    point: Array
+    off: Complexes
+    slopes: Complexes
+
+    @property
+    def size(self) -> float:
+        """Norm of the residuals."""
+        return float(np.linalg.norm(self.off))
+
+
+def _fitted(problem: HarmonicProblem, start: Array) -> _End | None:
+    """The end of a climb to the fundamentals; None where there is no motion."""
+    Z, error = _data(problem)
     unit = np.abs(Z) * math.sqrt(float(np.mean((error / np.abs(Z)) ** 2)))
-    motion = [one.x[0] for one in unknowns.lines]
-    drive, omega = np.transpose([(unknowns.k * one.Y, one.omega) for one in unknowns.lines])
-    bounds = unknowns.bounds(start, _every(start, free))
-    correction, point = np.zeros_like(Z), start
+    motion = np.array([one.x[0] for one in problem.lines])
+    free, bounds = np.flatnonzero(problem.free[: len(problem.names)]), problem.bounds(start)
+    correction, point, best = np.zeros_like(Z), start, None
 
     def products(at: Array, out: Array) -> bool:
         whole = np.zeros((at.size + 1, Z.size), dtype=np.complex128)
-        whole[free] = _slopes(unknowns, at, late) / unit
-        whole[-1] = (_describing(unknowns, at, motion) + correction - Z) / unit
+        model, slopes = _linearised(problem, at, bounds.scale, correction)
+        whole[free], whole[-1] = slopes / unit, (model - Z) / unit
         out[:] = (whole @ whole.conj().T).real
         return True
 
     for _ in range(_REPETITIONS):
-        reached = climb(products, point, bounds)
+        reached = climb(products, point, bounds, gain=_GAIN)
         if reached is None:
             break
-        point = reached.point
+        point = reached.point.copy()
+        linear = _describing(problem, point, motion) + correction
+        for at, drive in zip(problem.at, np.abs(linear * motion), strict=True):
+            point[at["Y"]] = drive / problem.k  # moves the mass as far as it was read
         try:
-            responses = [unknowns.response(point, i).harmonics(1)[0] for i in range(Z.size)]
+            moved = [_fundamental(problem, point, i) for i in range(Z.size)]
         except NO_MOTION:
             break
-        turned = np.exp(1j * omega * point[unknowns.names.index("delay")])
-        exact = drive / responses * turned
-        correction = exact - _describing(unknowns, point, responses)
-        off = (_describing(unknowns, point, motion) + correction - Z) / np.abs(Z)
-        if best is not None and np.linalg.norm(off) > (1.0 - _SETTLED) * np.linalg.norm(best[1]):
+        exact = np.array(moved)
+        correction = np.abs(linear * motion) / exact - _describing(problem, point, exact)
+        model, slopes = _linearised(problem, point, bounds.scale, correction)
+        end = _End(point, (model - Z) / np.abs(Z), slopes / np.abs(Z))
+        if best is not None and end.size > (1.0 - _SETTLED) * best.size:
             break
-        best = point, off
+        best = end
     return best
-
-
-def _every(point: Array, places: Sequence[int] | None = None) -> Mask:
-    """Which unknowns move: those at these places, or all."""
-    mask = np.zeros(point.size, dtype=np.bool_)
-    mask[slice(None) if places is None else places] = True
-    return mask

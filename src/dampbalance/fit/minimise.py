@@ -87,7 +87,7 @@ def minimise(problem: Any, starts: Iterable[Array], scanned: str = "rho") -> lis
     ends = climbs(thin, starts)
     if ends and scanned and problem.is_free(scanned):
         ends = distinct(
-            [*ends, *climbs(thin, _scan(thin, ends[0].point, scanned))], len(thin.names)
+            [*ends, *climbs(thin, minima_along(thin, ends[0].point, scanned))], len(thin.names)
         )
     if not ends:
         return []
@@ -99,7 +99,7 @@ def minimise(problem: Any, starts: Iterable[Array], scanned: str = "rho") -> lis
     return [problem.fit(one) for one in distinct(full, len(problem.names))]
 
 
-def _scan(problem: Any, point: Array, name: str) -> list[Array]:
+def minima_along(problem: Any, point: Array, name: str) -> list[Array]:
     """Points at the minima of χ² along the stiffness whose inverse root is an unknown, the lowest ten."""
     j = problem.names.index(name)
     values = np.sort(np.append(problem.scan(point), point[j]))

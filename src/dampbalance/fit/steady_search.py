@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import replace
 from itertools import pairwise
@@ -19,8 +19,9 @@ from ..motion.orbit import steady_orbit
 from ..signals.lines import Lines
 from ..signals.one_thread import one_thread
 from .climb import MOST_EVALUATIONS, climb
+from .minimise import minima_along
 from .starts import Shares, starts
-from .waveforms import STIFFEST, HarmonicResiduals, Unknowns, WaveformFit, equivalent_coefficient
+from .waveforms import OSCILLATOR, STIFFEST, HarmonicProblem, WaveformFit, equivalent_coefficient
 
 _STARTS = (4, 12)  # of the candidates, the closest first, and of those of more masses
 _SOFTENING = (1e-2, 1e-3, 0.0)  # parts of the amplitudes added to their errors: a smooth way down
@@ -30,17 +31,14 @@ _FEWER = 12  # evaluations at each softening under a law that is compared with o
 _SAME = 1e-3  # relative: two ends whose χ² differ by less are taken for one
 _REFINED = 3  # of the climbs that ended far from the records, those whose ends are nearest to them
 _TO_THE_END = 300  # for the nearest of all, so that its place hangs on no other start
-_REACH = math.log(5.0)  # of ln K_z to either side, where others are tried
-_MOST_STIFFNESS_STEPS = 64
 _SCANS = 3  # along K_z, each from the best end of the one before
 _RINGING_SWINGS = 1.0  # swings in a stick, from which on a fit that holds is not the only one
-_CLOSER = (1.0 / 16.0, 1.0 / 8.0, 1.0 / 4.0, 1.0 / 2.0)  # of a step: kinks of χ² lie close together
-_FOLLOWING, _TRIED = 4, 6  # evaluations at each K_z, and minima that are climbed to
+_TRIED = 6  # minima along K_z that are climbed to
 _HARMONICS_OF_TRUTH = 64  # odd ones: the derivatives of the response by ρ fall as n⁻³
 _LOWER = 0.05  # of χ²: what another minimum must be lower by to be scanned around
 
 
-def fit_oscillator(
+def fit_records(
     lines: Sequence[Lines], k: float, law: Law | None = None, *, thorough: bool = True
 ) -> WaveformFit | None:
     """The oscillator of largest likelihood; None where no oscillator that slips responds like the records.
@@ -51,19 +49,19 @@ def fit_oscillator(
     refined, for which of them is the best shows only then. The ringing of the stuck mass makes χ² oscillate along K_z:
     the best is searched for among all K_z (`of_all_stiffnesses`), and climbs on to its optimum.
     """
-    unknowns = Unknowns(law or Law(), tuple(lines), k)
-    shares = _shares_of(unknowns)
-    wide = (True,) if thorough and not unknowns.law.nonlinear else ()  # else each climb takes long
+    problem = HarmonicProblem(law or Law(), tuple(lines), k)
+    shares = _shares_of(problem)
+    wide = (True,) if thorough and not problem.law.nonlinear else ()  # else each climb takes long
     points = (
-        unknowns.start(candidate, shares.friction)
+        problem.start(candidate, shares.friction)
         for search in (False, *wide)
         for candidate in starts(lines, k, shares, wide=search)[: _STARTS[search]]
     )
-    ends = _ends(unknowns, points, MOST_EVALUATIONS)
+    ends = _ends(problem, points, MOST_EVALUATIONS)
     if ends and not ends[0].adequate:
         different = [b for a, b in pairwise(ends) if b.chi_square > a.chi_square * (1.0 + _SAME)]
         refined = [
-            _climbed(unknowns, end.point, softenings=_SOFTENING[1:])
+            _climbed(problem, end.point, softenings=_SOFTENING[1:])
             for end in (ends[0], *different)[:_REFINED]
         ]
         ends += filter(None, refined)
@@ -73,7 +71,7 @@ def fit_oscillator(
     if wide:
         best = of_all_stiffnesses(best)
     if thorough and not (best.adequate and best.converged):
-        last = _climbed(unknowns, best.point, softenings=(0.0,), last=_TO_THE_END)
+        last = _climbed(problem, best.point, softenings=(0.0,), last=_TO_THE_END)
         best = _best([best, *filter(None, [last])])
     return best
 
@@ -95,106 +93,66 @@ def fit_at_truth(
     motions : one per record; frequencies may differ.
     errors : standard errors of |Y| and of the real and the imaginary part of each harmonic of x, m, for each record:
     σ√(2/n) of n samples with white noise σ, over whole cycles or many.
-    given : names of common unknowns that are known, besides the delay.
+    given : names of common unknowns that are known.
     """
     n = np.arange(1, 2 * _HARMONICS_OF_TRUTH, 2)
     lines = []
     for motion, (Y_error, x_error) in zip(motions, errors, strict=True):
         x = steady_orbit(osc, motion).harmonics(_HARMONICS_OF_TRUTH)
         lines.append(Lines(motion.omega, motion.Y, Y_error, n, x, np.full(n.size, x_error), 1))
-    unknowns = Unknowns(Law(), tuple(lines), osc.k)
-    truth = unknowns.start(np.array([osc.F_k, osc.c, osc.K_z, osc.m]), np.ones(len(lines)))
-    return _climbed(unknowns, truth, {"delay", *given}, softenings=(0.0,), last=1)
+    freed = tuple(name for name in OSCILLATOR if name not in given)
+    law = Law(given={s: getattr(osc, s) for s in ("F_k", "c") if s in given})
+    problem = HarmonicProblem(law, tuple(lines), osc.k, freed)
+    truth = problem.start(np.array([osc.F_k, osc.c, osc.K_z, osc.m]), np.ones(len(lines)))
+    return problem.fit(truth)
 
 
 def of_all_stiffnesses(fit: WaveformFit) -> WaveformFit:
     """The best fit that is found along K_z, from a fifth to five times that of a fit: in steps that miss no minimum,
     and from a better one again; the fit itself where none is better, or the mass hardly swings while it sticks."""
-    budget = np.array([_EFFORT])
+    budget, rho = np.array([_EFFORT]), fit.names.index("rho")
     for _ in range(_SCANS):
-        others, count = _other_stiffnesses(fit, budget)
-        ends = [_climbed(fit.unknowns, at, softenings=(0.0,)) for at in others]
-        best = _best([fit, *filter(None, ends)], count) or fit
+        if max(one.swings for one in fit.responses) < _RINGING_SWINGS and fit.adequate:
+            break
+        left = float(budget[0])
+        others = minima_along(replace(fit.problem, budget=budget, near={}), fit.point, "rho")
+        others = [at for at in others if at[rho] != fit.point[rho]][:_TRIED]
+        ends = [_climbed(fit.problem, at, softenings=(0.0,)) for at in others]
+        best = _best([fit, *filter(None, ends)], round(left - float(budget[0]))) or fit
         if best.chi_square > fit.chi_square - _LOWER * max(1.0, fit.misfit):
             return replace(fit, evaluations=best.evaluations)
         fit = best
     return fit
 
 
-def climb_on(fit: WaveformFit, lines: Sequence[Lines]) -> WaveformFit | None:
-    """The fit to other harmonics of the same records, from there on; what was given keeps its value."""
-    given = {name for name in ("m", "delay") if not fit.error(name)}
-    reached = _climbed(replace(fit.unknowns, lines=tuple(lines)), fit.point, given, (0.0,))
-    return reached and replace(reached, evaluations=fit.evaluations + reached.evaluations)
-
-
 def fit_quickly(
     lines: Sequence[Lines], k: float, law: Law, near: Sequence[WaveformFit]
 ) -> WaveformFit | None:
-    """Like `fit_oscillator`, but from two candidates of `starts` and from fits with other laws only; not refined
+    """Like `fit_records`, but from two candidates of `starts` and from fits with other laws only; not refined
     where it ends far from the records. Use it to compare many laws."""
-    unknowns = Unknowns(law, tuple(lines), k)
-    shares = _shares_of(unknowns)
+    problem = HarmonicProblem(law, tuple(lines), k)
+    shares = _shares_of(problem)
     candidates = starts(lines, k, shares)
     known = [*candidates[:1], *(_as_candidate(fit) for fit in near), *candidates[1:2]]
-    points = (unknowns.start(candidate, shares.friction) for candidate in known)
-    return _best(_ends(unknowns, points, _FEWER))
+    points = (problem.start(candidate, shares.friction) for candidate in known)
+    return _best(_ends(problem, points, _FEWER))
 
 
-def _ends(unknowns: Unknowns, points: Iterable[Array], most: int) -> list[WaveformFit]:
+def _ends(problem: HarmonicProblem, points: Iterable[Array], most: int) -> list[WaveformFit]:
     """The fits that climbs from these points end in, up to one that is adequate, that with the smallest χ² first.
 
     most : evaluations at each softening.
     """
     ends: list[WaveformFit] = []
     budget = np.array([_EFFORT])
-    with interpreted(False) if unknowns.law.nonlinear else nullcontext():
+    with interpreted(False) if problem.law.nonlinear else nullcontext():
         for point in points:
-            reached = _climbed(unknowns, point, hopeless=_HOPELESS, most=most, budget=budget)
+            reached = _climbed(problem, point, hopeless=_HOPELESS, most=most, budget=budget)
             if reached is not None:
                 ends.append(reached)
             if budget[0] <= 0.0 or (ends and ends[-1].adequate):
                 break
     return sorted(ends, key=lambda end: end.chi_square)
-
-
-def _other_stiffnesses(end: WaveformFit, budget: Array) -> tuple[list[Array], int]:
-    """Where χ² has other local minima along K_z, from a fifth to five times that of a fit, while the other unknowns
-    follow; none where the mass hardly swings while it sticks; and the evaluations that it took to see.
-
-    A contact that sticks for N swings rings in step with the records at every K_z that changes N by one,
-    Δ ln K_z = 2/N: four steps lead from one of them to the next.
-
-    budget : as for `HarmonicResiduals`.
-    """
-    swings = max(one.swings for one in end.responses)
-    if swings < _RINGING_SWINGS and end.adequate:
-        return [], 0
-    step = max(0.5 / max(swings, 1.0), 2.0 * _REACH / _MOST_STIFFNESS_STEPS)
-    rho, unknowns = end.names.index("rho"), end.unknowns
-    free = np.any(end.response != 0.0, axis=1)
-    free[rho] = False
-    evaluate = HarmonicResiduals(unknowns, 0.0, budget).products
-    minima, count = [], 0
-    for side in (0.5, -0.5):
-        start, levels = end.point, [(end.chi_square, end.point)]
-        for distance in (*_CLOSER, *range(1, 1 + int(_REACH / step))):
-            reached = []
-            for near in (end.point, start) if start is not end.point else (start,):
-                at = near.copy()
-                at[rho] = end.point[rho] * math.exp(side * distance * step)
-                bounds = unknowns.bounds(at, free)
-                reached.append(climb(evaluate, at, bounds, gain=0.5, most=_FOLLOWING))
-            count += sum(one.evaluations for one in reached if one is not None)
-            best = min(filter(None, reached), key=lambda one: one.chi_square, default=None)
-            if best is not None:
-                start = best.point
-                levels.append((best.chi_square, start))
-        triples = zip(levels, levels[1:], levels[2:], strict=False)
-        minima += [here for a, here, b in triples if a[0] > here[0] <= b[0]]
-        minima += levels[-1:] if len(levels) > 1 and levels[-1][0] < levels[-2][0] else []
-    minima.sort(key=lambda one: one[0])
-    return [point for _, point in minima[:_TRIED]], count
 
 
 def _best(ends: Sequence[WaveformFit], others: int = 0) -> WaveformFit | None:
@@ -214,95 +172,70 @@ def _as_candidate(fit: WaveformFit) -> Array:
     return np.array([fit.F_k, damping, rho**-2, fit.m])
 
 
-def _shares_of(unknowns: Unknowns) -> Shares:
+def _shares_of(problem: HarmonicProblem) -> Shares:
     """Shares of F_k and c in each record: the friction of its group over the mean of all groups, if all work went into
     friction; the work of the terms that are not given, over the median of the records."""
-    law, lines = unknowns.law, unknowns.lines
+    law, lines = problem.law, problem.lines
     labels = law.groups.get(FRICTION, ("",) * len(lines))
     alone = np.array([max(-one.Y * one.x[0].imag / abs(one.x[0]), 1e-9 * one.Y) for one in lines])
     means = {label: alone[[other == label for other in labels]].mean() for label in labels}
     force = np.array([means[label] for label in labels])
     free = [s for s in law.terms[1:] if s not in law.given]
-    equivalents = np.array([unknowns.equivalents(symbol) for symbol in free])
+    equivalents = np.array([problem.equivalents(symbol) for symbol in free])
     damping = np.ones(len(lines))
     if free:
         damping = np.mean(np.median(equivalents, axis=1, keepdims=True) / equivalents, axis=0)
     return Shares(force / np.mean(list(means.values())), damping)
 
 
-def with_delay(fit: WaveformFit) -> WaveformFit | None:
-    """The fit with the delay between base and response left free, from there on."""
-    given = set() if fit.error("m") else {"m"}
-    return _climbed(fit.unknowns, fit.point, given, (0.0,))
+def refit(
+    fit: WaveformFit, free: Collection[str] = (), given: Mapping[str, float] | None = None
+) -> WaveformFit | None:
+    """The fit that a climb from a fit leads to with nuisances left free, or with unknowns given; None where it has no
+    motion, or nothing slips.
 
+    Use it to ask what a departure would explain: `fit.chi_square` falls by its share of χ², `value(name)` and
+    `error(name)` are its size, and F_k, c and K_z those without it. What was fitted or given before stays so.
 
-def with_mass(fit: WaveformFit, m: float) -> WaveformFit | None:
-    """The fit with the mass given, kg, from there on; None where nothing slips with that mass."""
-    start = fit.point.copy()
-    start[fit.unknowns.names.index("m")] = m
-    reached = _climbed(fit.unknowns, start, {"m", "delay"})
+    free : names of `nuisances`, or rho and m.   given : values of common unknowns to keep from now on, by name.
+    """
+    given, start = given or {}, fit.point.copy()
+    for name, value in given.items():
+        start[fit.names.index(name)] = value
+    freed = tuple(name for name in (*fit.problem.freed, *free) if name not in given)
+    # what is moved away from its optimum starts on a smooth way down
+    softenings = _SOFTENING if given else (0.0,)
+    reached = _climbed(replace(fit.problem, freed=freed), start, softenings)
     return reached and replace(reached, evaluations=fit.evaluations + reached.evaluations)
 
 
 def _climbed(
-    unknowns: Unknowns,
+    problem: HarmonicProblem,
     start: Array,
-    given: Collection[str] = ("delay",),
     softenings: Sequence[float] = _SOFTENING,
     hopeless: float = math.inf,
     most: int = MOST_EVALUATIONS,
     last: int = MOST_EVALUATIONS,
     budget: Array | None = None,
 ) -> WaveformFit | None:
-    """The fit that a climb from there ends in; Y and ψ start as they were read.
+    """The fit that a climb from there ends in.
 
-    given : names of common unknowns that keep their values, in addition to those of the law.
     hopeless : χ² per datum from which on it is not refined.
     most : evaluations at each softening.   last : evaluations without any.
-    budget : as for `HarmonicResiduals`; default, as many as it may make at most.
+    budget : as for `HarmonicProblem`; default, as many as it may make at most.
     """
-    names, law, lines = unknowns.names, unknowns.law, unknowns.lines
-    point = start.copy()
-    point[len(names) :] = np.ravel([(one.Y, 0.0) for one in lines])
-    fixed = {*given, *law.given}
-    free = np.array([not fixed & set(names[i : i + 1]) for i in range(point.size)])
-    bounds = unknowns.bounds(point, free)
-    sizes = [2 + 2 * one.n.size for one in lines]
-    evaluations, promise = 0, math.inf
+    point, bounds, evaluations, promise = start, problem.bounds(start), 0, math.inf
+    data = 2 * len(problem.lines) + 2 * sum(one.n.size for one in problem.lines)
     if budget is None:
         budget = np.array([float(most * (len(softenings) - 1) + last)])
+    problem = replace(problem, budget=budget, near={})
     for softening in softenings:
-        softened = HarmonicResiduals(unknowns, softening, budget)
+        softened = replace(problem, softening=softening)
         reached = climb(softened.products, point, bounds, most=most if softening else last)
         if reached is None:
             break
         point, promise = reached.point, reached.promise
         evaluations += reached.evaluations
-        if reached.chi_square > hopeless * sum(sizes):
+        if reached.chi_square > hopeless * data:
             break
-    if not evaluations:
-        return None
-    # the errors as they are, and derivatives that hold to 1e-6
-    here = HarmonicResiduals(unknowns, 0.0).evaluate(point)
-    if here is None:
-        return None
-    residual, jacobian, size = here[:, -1], here[:, :-1], point.size
-    covariance, response = np.zeros((size, size)), np.zeros((size, residual.size))
-    response[free] = np.linalg.pinv(jacobian[:, free])
-    covariance = response @ response.T
-    ends = np.cumsum(sizes).tolist()
-    return WaveformFit(
-        k=unknowns.k,
-        point=point,
-        covariance=covariance,
-        chi_square=float(residual @ residual),
-        rigid=bool(point[names.index("rho")] <= bounds.lower[names.index("rho")]),
-        unknowns=unknowns,
-        residual=residual,
-        response=response,
-        places=tuple(slice(end - n, end) for end, n in zip(ends, sizes, strict=True)),
-        freedom=residual.size - int(np.count_nonzero(free)),
-        promise=promise,
-        undamped=tuple(key for key in law.unknowns if point[names.index(key)] <= 0.0),
-        evaluations=evaluations,
-    )
+    return problem.fit(point, promise=promise, evaluations=evaluations) if evaluations else None

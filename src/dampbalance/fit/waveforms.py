@@ -1,25 +1,24 @@
 """Maximum-likelihood fit of one oscillator to all records: the exact waveforms that fit their harmonics best.
 
 The waveform of a record is the steady response of the oscillator (m, k, K_z, F_k) with a damping law, F_k and c by
-default, under y = Y cos ωt. The stiffness k is given; the coefficients of the law, ρ = K_z^{−1/2} and, unless
-it is given, the mass m are common to all records, Y and the phase ψ of the base are each record's own. Where the noise
-is white, harmonics taken by least squares over whole cycles hold all the information on a steady motion, so that
+default, under y = Y cos ωt and the further harmonics of the base that were measured. The stiffness k is given; the
+coefficients of the law, ρ = K_z^{−1/2}, the mass m and the `nuisances` are common to all records, Y and the phase ψ of
+the base are each record's own. Where the noise is white, harmonics taken by least squares over whole cycles hold all
+the information on a steady motion, so that
 
     χ² = Σ |x_n(model) e^{inψ} − x_n|²/σ_n² + (Y(model) − Y)²/σ_Y² + (Yψ)²/σ_Y²
 
 is that of the fit to all samples, whatever drives, whatever answers and however long the record is. Its minimum is the
 estimate of largest likelihood; χ² itself says whether the records are those of such an oscillator. Any regime has its
 exact waveform: one slip onset per half cycle, several, none. In ρ the rigid contact, ρ = 0, is a regular point.
-
-The harmonics fix the phase of the base, too: a time by which the response lags the base in the record (a skew between
-two channels) turns harmonic n by n times its angle, and can be left free.
+Derivatives are differences of exact motions.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -30,22 +29,22 @@ from ..arrays import Array, Complexes, Mask
 from ..law.law import Law
 from ..law.terms import FRICTION, term
 from ..model import BaseMotion, NoOscillator, Oscillator
-from ..motion.law_steady import Response, steady_response
+from ..motion.law_steady import Further, Response, added_by_base, steady_response
 from ..motion.orbit import NoSteadyOrbit
 from ..signals.lines import Lines
 from ..signals.mean_harmonics import Waveform
 from .climb import ClimbBounds
 from .goodness import improbable
+from .nuisances import FALLING, FORCES, NUISANCES, read_by_channels, units_of
 from .oscillator_fit import OscillatorFit
+from .score import Departure, departures_from
 
-_BEYOND_THE_LAW = (
-    "rho",
-    "m",
-    "delay",
-)  # common unknowns in addition to the coefficients of the law
 NO_MOTION = (ArithmeticError, NoOscillator, np.linalg.LinAlgError)
 """Errors of a point that has no motion to fit: no steady orbit, which is an ArithmeticError like a division by zero on
 the way to one, a number out of range, or equations without a solution. Any other error is a defect, and shows."""
+
+OSCILLATOR = ("rho", "m")
+"""Common unknowns that are fitted in addition to the coefficients of the law."""
 
 MOST_RADIANS_SEARCHED = 5e5
 """Of the fastest motion that are followed in search of one orbit: a quarter of a second."""
@@ -53,33 +52,57 @@ MOST_RADIANS_SEARCHED = 5e5
 # Of K_z/k: the contact that stands for a rigid one. It sticks for 10⁻⁵ rad of the cycle or so, by which friction comes
 # late: to tell that from nothing takes noise below 10⁻⁶ of the motion.
 STIFFEST = 1e10
-TURNS_PER_EVALUATION = (
-    200.0  # turns of the fastest motion, which cost as much as the rest of an evaluation
-)
+# Turns of the fastest motion, which cost as much as the rest of an evaluation.
+TURNS_PER_EVALUATION = 200.0
 _MOST_TURNS = 2e4  # of an orbit whose derivatives are computed: 0.1 s
 _MOST_PHASES_FITTED = 64  # of half a cycle: to follow a contact that rattles on takes long
 _GAIN_WHEN_CONVERGED = 5e-3  # in −log L: half the square of a tenth of a standard error
-_HARMONICS_OF_WAVEFORM = (
-    128  # odd ones of the waveform: beyond them lies less than 1e-6 of its velocity
-)
+# Odd harmonics of the waveform: beyond them lies less than 1e-6 of its velocity.
+_HARMONICS_OF_WAVEFORM = 128
+_REACH = math.log(5.0)  # of ln K_z to either side, where other minima are looked for
+_MOST_STIFFNESS_STEPS = 64  # a few hundred evaluations: what a search may cost
+_CLOSER = (1.0 / 16.0, 1.0 / 8.0, 1.0 / 4.0, 1.0 / 2.0)  # of a step
+# Of an unknown, for derivatives: orbits are exact to 1e-13, and curvature leaves a few times as much as the step, which
+# is shorter by the number of swings in a stick, through which the motion turns with K_z.
+_STEP = 1e-6
+# Steps of a force from zero: to its equations, which are solved to 1e-11, from a closed form that is exact.
+_STEP_OF_FORCES = 100.0
 
 
 @dataclass(frozen=True, eq=False)
-class Unknowns:
-    """The unknowns of `law` for the records with these harmonics: their places in a point, and the motion that follows.
+class HarmonicProblem:
+    """Residuals (model − data)/σ of the harmonics of all records as functions of the unknowns: what is fitted.
 
-    Common to all records, or to a group of them, are the coefficients of the law, ρ = K_z^{−1/2}, the mass m and a
-    delay; Y and the phase ψ of the base are each record's own. The stiffness k, N/m, is given.
+    A point has the coefficients of the law, ρ = K_z^{−1/2}, the mass m and the nuisances, which are common to all
+    records, or to a group of them; then Y and the phase ψ of the base of each record.
+
+    law : of the damping.
+    lines : harmonics of the records.
+    k : stiffness, N/m, given.
+    freed : names of common unknowns that are fitted in addition to those of the law.
+    softening : part of the amplitudes added to the errors.
+    budget : evaluations that may still be made, (1,), changed by each: a light mass that swings on while it sticks
+    takes as long as many others, and ends the climb early.
+    near : the last motion of each record, from which the next starts.
     """
 
     law: Law
     lines: tuple[Lines, ...]
     k: float
+    freed: tuple[str, ...] = OSCILLATOR
+    softening: float = 0.0
+    budget: Array = field(default_factory=lambda: np.array([math.inf]))
+    near: dict[int, Response] = field(default_factory=dict)
+
+    @cached_property
+    def nuisances(self) -> tuple[str, ...]:
+        """Names of the nuisances that the law does not have."""
+        return tuple(name for name in NUISANCES if name not in self.law.terms)
 
     @cached_property
     def names(self) -> tuple[str, ...]:
-        """Names of the common unknowns: the keys of the coefficients, rho, m and delay."""
-        return (*self.law.keys, *_BEYOND_THE_LAW)
+        """Names of the common unknowns: the keys of the coefficients, rho, m and the nuisances."""
+        return (*self.law.keys, *OSCILLATOR, *self.nuisances)
 
     @property
     def size(self) -> int:
@@ -87,12 +110,18 @@ class Unknowns:
         return len(self.names) + 2 * len(self.lines)
 
     @cached_property
+    def free(self) -> Mask:
+        """Which unknowns are fitted, (size,)."""
+        fitted = {*self.law.unknowns, *self.freed}
+        return np.array([not {*self.names[i : i + 1]} - fitted for i in range(self.size)])
+
+    @cached_property
     def at(self) -> list[dict[str, int]]:
-        """Places of the unknowns of each record: those of its law by symbol, rho, m, delay, Y and psi."""
+        """Places of the unknowns of each record: those of its law by symbol, rho, m, the nuisances, Y and psi."""
+        others = {name: self.names.index(name) for name in (*OSCILLATOR, *self.nuisances)}
         places = []
         for i in range(len(self.lines)):
             common = {s: self.names.index(self.law.key(s, i)) for s in self.law.terms}
-            others = {name: self.names.index(name) for name in _BEYOND_THE_LAW}
             own = len(self.names) + 2 * i
             places.append(common | others | {"Y": own, "psi": own + 1})
         return places
@@ -106,57 +135,75 @@ class Unknowns:
         places = [self.names.index(key) for key in self.law.keys_of(FRICTION)]
         return points[places].mean(axis=0)
 
+    @cached_property
+    def _levels(self) -> Array:
+        """ln Y/Ȳ of each record, (n,)."""
+        sizes = np.log([one.Y for one in self.lines])
+        return np.asarray(sizes - sizes.mean())
+
+    @cached_property
+    def _fastest(self) -> float:
+        """The largest speed of all records, by their fundamentals, m/s."""
+        return max(one.omega * float(abs(one.x[0])) for one in self.lines)
+
     def response(self, point: Array, record: int, near: Response | None = None) -> Response:
-        """The motion of a record.   near : a motion from which to start.   Raises NO_MOTION."""
+        """The motion of a record under the fundamental of its base.   near : a motion from which to start.
+
+        Raises NO_MOTION.
+        """
         value = {name: float(point[at]) for name, at in self.at[record].items()}
         law: dict[str, float] = {s: value[s] for s in self.law.terms if s not in (FRICTION, "c")}
-        oscillator = Oscillator(
-            value["m"], value.get("c", 0.0), self.k, value["rho"] ** -2, value[FRICTION]
+        F_k = value[FRICTION] * (1.0 + value["friction_level"] * float(self._levels[record]))
+        oscillator = Oscillator(value["m"], value.get("c", 0.0), self.k, value["rho"] ** -2, F_k)
+        if value["c_2"]:
+            law["c_2"] = value["c_2"]
+        falling = value["friction_speed"], FALLING * self._fastest
+        further = Further(value["k_3"], value["gradual"], *(falling if falling[0] else ()))
+        return steady_response(
+            oscillator,
+            BaseMotion(value["Y"], self.lines[record].omega),
+            law,
+            near,
+            further=further,
+            most_radians=MOST_RADIANS_SEARCHED,
         )
-        motion = BaseMotion(value["Y"], self.lines[record].omega)
-        return steady_response(oscillator, motion, law, near, most_radians=MOST_RADIANS_SEARCHED)
 
-    def harmonics(
-        self, point: Array, record: int, response: Response, count: int
-    ) -> tuple[Complexes, Complexes]:
-        """Harmonics n = 1, 3 … of a record, turned by ψ, m, (count,), and their derivatives, (count, unknowns).
+    def harmonics(self, point: Array, record: int, response: Response, count: int) -> Complexes:
+        """Harmonics n = 1, 3 … of a record as it reads them, m, (count,), from its motion: with what the harmonics of
+        the base and the nuisances add, turned by ψ."""
+        one, n = self.lines[record], np.arange(1, 2 * count, 2)
+        value = {name: float(point[self.at[record][name]]) for name in self.nuisances}
+        x = response.harmonics(count) + added_by_base(
+            one.base / (1.0 + value["gain"]), response, count
+        )
+        if any(value.values()):
+            x = read_by_channels(x, float(point[self.at[record]["Y"]]), n, one, value)
+        return np.asarray(x * np.exp(1j * n * point[self.at[record]["psi"]]))
 
-        By Y because x is homogeneous: of degree one in Y and in p_j^{1/(1 − d_j)}, d_j the order of the term, so that
-        Y ∂x/∂Y = x − Σ (1 − d_j) p_j ∂x/∂p_j.
-        """
-        at = self.at[record]
-        x, known = response.with_slopes(count, self.law.terms)
-        slope = self._slopes(record, x, known)
-        n = np.arange(1, 2 * count, 2)
-        slope[:, at["Y"]] = self._by_base(point, record, x, slope)
-        slope[:, at["psi"]] = 1j * n * x
-        turn = np.exp(1j * n * point[at["psi"]])
-        return x * turn, slope * turn[:, None]
-
-    def onset(self, point: Array, record: int, response: Response) -> tuple[Array, Array]:
-        """(V_s, t_s, λ), SI, λ = 4X − a, and their derivatives, (3, unknowns)."""
-        onset = np.array([response.V_s, response.t_s, response.stick_travel])
-        slope = self._slopes(record, onset, response.onset_slopes(self.law.terms))
-        of_degree_one = np.array([1.0, 0.0, 1.0]) * onset
-        slope[:, self.at[record]["Y"]] = self._by_base(point, record, of_degree_one, slope)
-        return onset, slope
-
-    def _slopes(
-        self, record: int, here: NDArray[Any], known: Mapping[str, NDArray[Any]]
-    ) -> NDArray[Any]:
-        """Derivatives of what is read off a motion by all unknowns, from those by the coefficients of its record."""
-        slope = np.zeros((here.size, self.size), dtype=here.dtype)
-        for name, by in known.items():
-            slope[:, self.at[record][name]] = by
-        return slope
-
-    def _by_base(self, point: Array, record: int, value: Any, slope: Any) -> Any:
-        at = self.at[record]
-        for symbol in self.law.terms:
-            power = 1 - term(symbol).order
-            if power:
-                value = value - power * point[at[symbol]] * slope[:, at[symbol]]
-        return value / point[at["Y"]]
+    def slopes(
+        self, point: Array, record: int, read: Callable[[Array, Response], NDArray[Any]]
+    ) -> tuple[NDArray[Any], NDArray[Any]]:
+        """What is read off a record at a point, (any,), and its derivatives by the unknowns that are fitted, ψ apart,
+        (any, size), by differences.   read : of a point and the record's motion there.   Raises NO_MOTION."""
+        response = self.near[record]
+        here = read(point, response)
+        slopes = np.zeros((here.size, self.size), dtype=here.dtype)
+        steps = _STEP / (1.0 + response.swings) * np.maximum(np.abs(point), self._units(point))
+        for name, j in self.at[record].items():
+            if not self.free[j] or name == "psi":
+                continue
+            beside = point.copy()
+            # of a force that the law does not have, several slips leave unknown what it does
+            untested = name in FORCES and name in self.nuisances and not point[j]
+            beside[j] += _STEP_OF_FORCES * steps[j] if untested else steps[j]
+            try:
+                there = read(beside, self.response(beside, record, response))
+            except NoSteadyOrbit:
+                if untested:
+                    continue
+                raise
+            slopes[:, j] = (there - here) / (beside[j] - point[j])
+        return here, slopes
 
     def start(self, candidate: Array, relative: Array) -> Array:
         """The point of an oscillator (F_k, c, K_z, m) of `starts`.
@@ -179,46 +226,48 @@ class Unknowns:
             point[at["rho"]], point[at["m"]], point[at["Y"]] = K_z**-0.5, m, one.Y
         return point
 
-    def bounds(self, point: Array, free: Mask) -> ClimbBounds:
-        """The bounds of a climb from a point; the least ρ stands for a rigid contact."""
-        least, scale = np.zeros(self.size), np.ones(self.size)
-        for i, one in enumerate(self.lines):
-            at = self.at[i]
-            small = 1e-3 * math.sqrt(self.k * point[at["m"]])
+    def _units(self, point: Array) -> Array:
+        """Size below which an unknown counts as zero, (size,)."""
+        m = float(point[self.names.index("m")])
+        fastest = max(self.lines, key=lambda one: one.omega)
+        X = max(float(abs(one.x[0])) for one in self.lines)
+        nuisances, units = units_of(self.k, m, fastest.omega, X), np.ones(self.size)
+        for at, one in zip(self.at, self.lines, strict=True):
+            small = 1e-3 * math.sqrt(self.k * m)
             for symbol in self.law.terms[1:]:
-                scale[at[symbol]] = small * equivalent_coefficient(symbol, one, self.k)
-            for name, part, size in ((FRICTION, 1e-9, 1.0), ("rho", 0.0, 1e-3), ("m", 1e-6, 1.0)):
-                least[at[name]], scale[at[name]] = part * point[at[name]], size * point[at[name]]
-            least[at["rho"]] = 1.0 / math.sqrt(STIFFEST * self.k)
-            least[at["psi"]] = least[at["delay"]] = -math.inf
-            least[at["Y"]], scale[at["Y"]] = 1e-3 * one.Y, one.Y
-        scale[self.names.index("delay")] = 1e-3 / max(one.omega for one in self.lines)
-        return ClimbBounds(free, least, np.full(self.size, math.inf), scale)
+                units[at[symbol]] = small * equivalent_coefficient(symbol, one, self.k)
+            for name in (FRICTION, "m"):
+                units[at[name]] = point[at[name]]
+            units[at["rho"]] = 1e-3 * point[at["rho"]]
+            for name in self.nuisances:
+                units[at[name]] = nuisances[name]
+            units[at["Y"]] = one.Y
+        return units
 
+    def bounds(self, point: Array) -> ClimbBounds:
+        """The bounds of a climb from a point; the least ρ stands for a rigid contact."""
+        lower, upper = np.zeros(self.size), np.full(self.size, math.inf)
+        for at, one in zip(self.at, self.lines, strict=True):
+            lower[at[FRICTION]] = 1e-9 * point[at[FRICTION]]
+            lower[at["m"]] = 1e-6 * point[at["m"]]
+            lower[at["rho"]] = 1.0 / math.sqrt(STIFFEST * self.k)
+            lower[at["psi"]] = -math.inf
+            lower[at["Y"]] = 1e-3 * one.Y
+            for name in self.nuisances:
+                lower[at[name]], upper[at[name]] = NUISANCES[name]
+        return ClimbBounds(self.free, lower, upper, self._units(point))
 
-def equivalent_coefficient(symbol: str, one: Lines, k: float) -> float:
-    """Coefficient of a term that dissipates about as much in a record as a damper of 1 N s/m, from its fundamental."""
-    if symbol == FRICTION:
-        return 1.0
-    X = abs(one.x[0])
-    viscous: float = math.pi * one.omega * X**2
-    return viscous / float(term(symbol).harmonic(one.omega, X, 0.0, 0.0, k))
+    def scan(self, point: Array) -> Array:
+        """Values of ρ at which to look for other minima of χ², to a fifth and to five times the K_z of a point.
 
-
-@dataclass(frozen=True, eq=False)
-class HarmonicResiduals:
-    """Residuals (model − data)/σ of the harmonics of all records as functions of the unknowns.
-
-    softening : part of the amplitudes added to the errors.
-    budget : evaluations that may still be made, (1,), changed by each: a light mass that swings on while it sticks
-    takes as long as many others, and ends the climb early.
-    near : the last motion of each record, from which the next starts.
-    """
-
-    unknowns: Unknowns
-    softening: float
-    budget: Array = field(default_factory=lambda: np.array([math.inf]))
-    near: dict[int, Response] = field(default_factory=dict)
+        A contact that sticks for N swings rings in step with the records at every K_z that changes N by one,
+        Δ ln K_z = 2/N: four steps lead from one of them to the next. Near the point kinks of χ² lie close together.
+        """
+        swings = max(self.response(point, i).swings for i in range(len(self.lines)))
+        step = max(0.5 / max(swings, 1.0), 2.0 * _REACH / _MOST_STIFFNESS_STEPS)
+        away = np.array([*_CLOSER, *range(1, 1 + int(_REACH / step))]) * step
+        values: Array = point[self.names.index("rho")] * np.exp(0.5 * np.append(away, -away))
+        return values
 
     def products(self, point: Array, out: Array) -> bool:
         """Set `out` to the products of derivatives and residuals, as `climb` takes them."""
@@ -228,25 +277,22 @@ class HarmonicResiduals:
         return whole is not None
 
     def evaluate(self, point: Array) -> Array | None:
-        """Derivatives of the residuals and, in the last column, the residuals themselves, (n, p + 1); None where
-        nothing slips, there is no orbit, the contact rattles, or no evaluation is left."""
+        """Derivatives of the residuals by the unknowns that are fitted and, in the last column, the residuals
+        themselves, (n, p + 1); None where nothing slips, there is no orbit, the contact rattles, or no evaluation is
+        left."""
         if self.budget[0] <= 0.0:
             return None
-        blocks = []
-        slips = False
-        for i in range(len(self.unknowns.lines)):
-            try:
-                response = self._response(point, i)
-                blocks.append(self._block(point, i, response))
-            except NO_MOTION:
-                return None
-            slips |= response.slips
+        try:
+            blocks = [self._block(point, i) for i in range(len(self.lines))]
+        except NO_MOTION:
+            return None
+        slips = any(self.near[i].slips for i in range(len(self.lines)))
         return np.vstack(blocks) if slips else None
 
-    def _response(self, point: Array, i: int) -> Response:
+    def _follow(self, point: Array, i: int) -> Response:
         """The motion of a record.   Raises NO_MOTION, perhaps after a long search."""
         try:
-            response = self.unknowns.response(point, i, self.near.get(i))
+            response = self.response(point, i, self.near.get(i))
         except NoSteadyOrbit:
             self._spend(MOST_RADIANS_SEARCHED / (2.0 * math.pi * TURNS_PER_EVALUATION))
             raise
@@ -260,29 +306,76 @@ class HarmonicResiduals:
         return response
 
     def _spend(self, cost: float) -> None:
-        self.budget[0] -= cost / len(self.unknowns.lines)
+        self.budget[0] -= cost / len(self.lines)
 
-    def _block(self, point: Array, i: int, response: Response) -> Array:
-        """The rows of a record: |Y|, its phase, Re x_n, Im x_n."""
-        unknowns, one = self.unknowns, self.unknowns.lines[i]
-        x, by = unknowns.harmonics(point, i, response, one.n.size)
-        at, delay = unknowns.at[i], unknowns.at[i]["delay"]
+    def _block(self, point: Array, i: int) -> Array:
+        """The rows of a record: |Y|, its phase, Re x_n, Im x_n.   Raises NO_MOTION."""
+        self._follow(point, i)
+        one, at, count = self.lines[i], self.at[i], self.lines[i].n.size
+        x, by = self.slopes(point, i, lambda at, response: self.harmonics(at, i, response, count))
+        by[:, at["psi"]] = 1j * one.n * x
         error = np.hypot(one.x_error, self.softening * abs(one.x[0]))
         Y_error = math.hypot(one.Y_error, self.softening * one.Y)
-        block = np.zeros((2 + 2 * one.n.size, point.size + 1))
-        block[0, at["Y"]], block[0, -1] = 1.0 / Y_error, (point[at["Y"]] - one.Y) / Y_error
-        block[1, at["psi"]], block[1, delay] = one.Y / Y_error, one.omega * one.Y / Y_error
-        block[1, -1] = (point[at["psi"]] + one.omega * point[delay]) * one.Y / Y_error
+        gain, Y = 1.0 + point[at["gain"]], point[at["Y"]]
+        block = np.zeros((2 + 2 * count, point.size + 1))
+        block[0, at["Y"]], block[0, at["gain"]] = (
+            gain / Y_error,
+            Y / Y_error * self.free[at["gain"]],
+        )
+        block[0, -1] = (gain * Y - one.Y) / Y_error
+        block[1, at["psi"]] = one.Y / Y_error
+        block[1, -1] = point[at["psi"]] * one.Y / Y_error
         scaled = np.column_stack([by, x - one.x]) / error[:, None]
         block[2:] = np.vstack([scaled.real, scaled.imag])
         return block
+
+    def fit(
+        self, point: Array, *, promise: float = 0.0, evaluations: int = 1
+    ) -> WaveformFit | None:
+        """The fit at a point, with the errors of the records as they are; None where it has no motion.
+
+        promise, evaluations : of the climb that ended there.
+        """
+        problem = replace(self, softening=0.0, budget=np.array([math.inf]))
+        here = problem.evaluate(point)
+        if here is None:
+            return None
+        residual, jacobian = here[:, -1], here[:, :-1]
+        response = np.zeros((self.size, residual.size))
+        response[self.free] = np.linalg.pinv(jacobian[:, self.free])
+        sizes = [2 + 2 * one.n.size for one in self.lines]
+        ends, rho = np.cumsum(sizes).tolist(), self.names.index("rho")
+        return WaveformFit(
+            k=self.k,
+            point=point,
+            covariance=response @ response.T,
+            chi_square=float(residual @ residual),
+            rigid=bool(point[rho] <= self.bounds(point).lower[rho]),
+            problem=problem,
+            residual=residual,
+            response=response,
+            places=tuple(slice(end - n, end) for end, n in zip(ends, sizes, strict=True)),
+            freedom=residual.size - int(np.count_nonzero(self.free)),
+            promise=promise,
+            undamped=tuple(k for k in self.law.unknowns if point[self.names.index(k)] <= 0.0),
+            evaluations=evaluations,
+        )
+
+
+def equivalent_coefficient(symbol: str, one: Lines, k: float) -> float:
+    """Coefficient of a term that dissipates about as much in a record as a damper of 1 N s/m, from its fundamental."""
+    if symbol == FRICTION:
+        return 1.0
+    X = abs(one.x[0])
+    viscous: float = math.pi * one.omega * X**2
+    return viscous / float(term(symbol).harmonic(one.omega, X, 0.0, 0.0, k))
 
 
 @dataclass(frozen=True, eq=False)
 class WaveformFit(OscillatorFit):
     """The oscillator whose waveforms fit the harmonics of n records best.
 
-    unknowns : names and places of the p unknowns, and the harmonics of the records.
+    problem : names and places of the p unknowns, and the harmonics of the records.
     residual : (model − data)/σ, (data,).
     response : derivatives of the point by the data in units of their errors, (p, data): dp = response · d(data)/σ; the
     data of a record are |Y|, its phase, Re x_n, Im x_n.
@@ -293,7 +386,7 @@ class WaveformFit(OscillatorFit):
     evaluations : evaluations that the search took.
     """
 
-    unknowns: Unknowns
+    problem: HarmonicProblem
     residual: Array
     response: Array
     places: tuple[slice, ...]
@@ -305,27 +398,22 @@ class WaveformFit(OscillatorFit):
     @property
     def lines(self) -> tuple[Lines, ...]:
         """Harmonics of the records."""
-        return self.unknowns.lines
+        return self.problem.lines
 
     @property
     def law(self) -> Law:
         """The damping law whose coefficients are fitted."""
-        return self.unknowns.law
+        return self.problem.law
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Keys of the law's coefficients, then rho, m and delay."""
-        return self.unknowns.names
+        """Keys of the law's coefficients, then rho, m and the nuisances."""
+        return self.problem.names
 
     @property
     def F_k(self) -> float:
         """Friction force, N; the mean over the groups where it has some."""
-        return float(self.unknowns.friction(self.point))
-
-    @property
-    def delay(self) -> float:
-        """Time by which the response lags the base in the records in excess of the motion's phase, s."""
-        return self.value("delay")
+        return float(self.problem.friction(self.point))
 
     @property
     def misfit(self) -> float:
@@ -352,7 +440,7 @@ class WaveformFit(OscillatorFit):
         """Square of what the law leaves of the in-phase part of each kY/x_1, in its standard error, (n,): the stiffness
         against the amplitude."""
         squares = []
-        for one, at, place in zip(self.lines, self.unknowns.at, self.places, strict=True):
+        for one, at, place in zip(self.lines, self.problem.at, self.places, strict=True):
             re, im = np.split(self.residual[place][2:], 2)
             x, base = one.x[0], self.point[at["Y"]] * np.exp(1j * self.point[at["psi"]])
             Z, law = one.Y / x, base / (x + one.x_error[0] * (re[0] + 1j * im[0]))
@@ -363,7 +451,7 @@ class WaveformFit(OscillatorFit):
     @cached_property
     def responses(self) -> tuple[Response, ...]:
         """The motion of each record."""
-        return tuple(self.unknowns.response(self.point, i) for i in range(len(self.lines)))
+        return tuple(self.problem.response(self.point, i) for i in range(len(self.lines)))
 
     @property
     def slips(self) -> Mask:
@@ -371,19 +459,44 @@ class WaveformFit(OscillatorFit):
         return np.array([response.slips for response in self.responses])
 
     @cached_property
+    def departures(self) -> dict[str, Departure]:
+        """What each nuisance that is not fitted would explain, by name, to first order, in which a low-pass is a delay;
+        those that the data do not show left out."""
+        freed = (*self.problem.freed, *self.problem.nuisances)
+        whole = replace(self.problem, freed=freed).evaluate(self.point)
+        assert whole is not None  # the point has a motion
+        others = [
+            name for name in self.problem.nuisances if name not in (*self.problem.freed, "low_pass")
+        ]
+        added = {name: whole[:, self.names.index(name)] for name in others}
+        free = self.problem.free
+        names = [name for name, fitted in zip(self.names, free, strict=False) if fitted]
+        tested = departures_from(
+            self.residual, whole[:, :-1][:, free], added, names, noise_known=True
+        )
+        return {one.symbol: one for one in tested}
+
+    @cached_property
     def waveforms(self) -> tuple[Waveform, ...]:
         """Waveform of each record, from which its features are read."""
-        waveforms = []
-        for i, response in enumerate(self.responses):
-            of_record = (self.point, i, response)
-            onset = self.unknowns.onset(*of_record)
-            tail = self.unknowns.harmonics(*of_record, _HARMONICS_OF_WAVEFORM)
-            at = self.unknowns.at[i]
+        problem, waveforms = self.problem, []
+
+        def onset(point: Array, response: Response) -> Array:
+            return np.array([response.V_s, response.t_s, response.stick_travel])
+
+        for i, (response, at) in enumerate(zip(self.responses, problem.at, strict=True)):
+            problem.near[i] = response
+
+            def tail(point: Array, response: Response, i: int = i) -> Complexes:
+                return problem.harmonics(point, i, response, _HARMONICS_OF_WAVEFORM)
+
+            x, by = problem.slopes(self.point, i, tail)
+            by[:, at["psi"]] = 1j * np.arange(1, 2 * x.size, 2) * x
             waveforms.append(
                 Waveform(
                     response,
-                    *onset,
-                    *tail,
+                    *problem.slopes(self.point, i, onset),
+                    *(x, by),
                     at=at,
                     F_k=float(self.point[at[FRICTION]]),
                     rho=self.rho,

@@ -75,6 +75,11 @@ class ParameterEstimate:
         half = 0.5 * (self.interval.high - self.interval.low)
         return half / abs(self.value) if self.value else math.inf
 
+    def holding(self, other: Interval) -> ParameterEstimate:
+        """The estimate with an interval that holds another one, too."""
+        low, high = self.interval
+        return replace(self, interval=Interval(min(low, other.low), max(high, other.high)))
+
     def wider(self, size: float) -> ParameterEstimate:
         """The estimate with an independent error of this standard deviation more, in quadrature at either end."""
         if not (size > 0.0 and math.isfinite(self.value)):
@@ -233,6 +238,7 @@ def answer_of_fit(
     notes: Iterable[Remark],
     *,
     doubt: str = "",
+    name: str = REFERENCE,
     **merit: Any,
 ) -> Answer:
     """The answer of a fit of maximum likelihood.
@@ -257,7 +263,7 @@ def answer_of_fit(
         "natural_frequency_Hz": fit.natural_frequency_hz,
         "misfit": fit.misfit,
     }
-    return Answer(REFERENCE, parameters, covariance, tuple(notes), merit=of_fit | merit)
+    return Answer(name, parameters, covariance, tuple(notes), merit=of_fit | merit)
 
 
 def normal(value: float, error: float) -> ParameterEstimate:

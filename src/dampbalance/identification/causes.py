@@ -1,92 +1,295 @@
-"""What the fit of one oscillator to all records leaves, tested against the likeliest causes, one at a time.
+"""Departures of records from one oscillator: which are in them, what they are called, and what helps.
 
-A cause changes the harmonics of the model by a direction, in units of their errors, times an unknown amount: a score
-test (`fit/score.py`) says what amount the records show, and what it does to F_k, c and K_z. A force δF that the
-model lacks moves the mass by what the equations of its steady motion, linear in δF, give (`Response.moved_by`).
+A departure is a nuisance of the model (`fit/nuisances.py`), zero unless it is freed, or the other frame: motions
+relative to the base that were taken for absolute, or the other way round. A score test (`fit/score.py`) says to first
+order what each would explain of what a fit leaves; the likeliest are left free, one at a time, and the oscillator is
+fitted again. One that brings χ² down to the noise explains the records, and its oscillator is the answer; those whose
+χ² is about as low explain them as well, and the intervals hold the numbers of all.
 
-One cause is special. A contact that yields gradually has nearly the harmonics of one that yields at once, with another
-stiffness: of what lies between, little more than the loss while it yields shows in a record. The sum of the squares of
-the residuals hardly notices; the one direction in which such a contact differs, and the one sign, tell the most. All
-such contacts nearly share it: that of Iwan with a uniform distribution, whose corner is a parabola, stands for those of
-Dahl, Bouc–Wen and several sliders.
-
-A motion relative to the base that was taken for absolute, or the other way round, is off by the whole base motion y,
-which is too much for a score test: the oscillator is fitted again, to x + y or x − y.
+One departure is special. A contact that yields gradually has nearly the harmonics of one that yields at once, with
+another stiffness: of what lies between, little more than the loss while it yields shows in a record. The sum of the
+squares of the residuals hardly notices; the one direction in which such a contact differs, and the one sign, tell the
+most. All such contacts nearly share it: that of Iwan with a uniform distribution, whose corner is a parabola, stands
+for those of Dahl, Bouc–Wen and several sliders.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
-import numpy as np
 from scipy import special
 
-from ..arrays import Array, Complexes, Integers
-from ..fit.base_harmonics import fit_records
+from ..arrays import Array
+from ..fit.fundamentals import FundamentalFit
+from ..fit.nuisances import NUISANCES, in_other_frame
 from ..fit.oscillator_fit import OscillatorFit
-from ..fit.score import Departure, departures_from
+from ..fit.score import Departure
+from ..fit.steady_search import fit_records, refit
 from ..fit.waveforms import WaveformFit
-from ..law.law import Law
-from ..law.terms import FRICTION
-from ..motion.law_decays import ADDED, rounding
-from ..motion.law_steady import HARMONICS
-from ..project.wording import Remark, larger_by, listed
-from ..records.measurement import ABSOLUTE, RELATIVE
-from ..signals.mean_harmonics import Reading
+from ..motion.law_decays import ADDED
+from ..project.wording import Remark, larger_by, listed, number_text
+from ..signals.lines import Lines
+from ..signals.thresholds import P_CAUSE, P_DEPARTURE
 from ..solver import NORMAL_95
-from .oscillator import AS_WELL
+from .answer import UNBOUNDED
 
-# Probability of a cause by chance in records of the oscillator, half of it that of the contact that yields gradually.
-_CHANCE = 0.005
-_MOST = 0.3  # of what noise does not explain: a cause that is named as the likeliest
-_PHASES = 1024  # of a cycle
-_FALLING = 0.1  # of the largest speed
+SHOWS = 16.0
+"""Fall of χ² from which on slip, or a mass that contradicts, is there: four standard errors."""
+
+
+AS_WELL = 6.0
+"""Difference of χ² below which two causes explain records alike: a ratio of likelihoods of e³ = 20."""
+
+LIKELY = 0.3
+"""Share of what noise does not explain, from which on a departure is worth a fit, or a word."""
+
+_TRIED = 4  # departures that are fitted: behind them the first order is no guide
+_CLIMBS = 3  # of a departure's fit: one that takes more is no guide
 _ROUNDEST = 1.5  # a Dahl contact, which is twice as stiff after a reversal as the nearest that yields at once
 _MATTERS = 3.0  # standard errors by which another contact may change K_z, unsaid
 _LEAST = 0.03  # of K_z
-DELAY = "a delay between the channels (skew, or clocks that differ)"
-COUPLING = "an AC coupling (high-pass) of a channel"
-DRIVE = "a wrong gain of the drive"
-OF_CHANNELS = (DELAY, COUPLING, DRIVE)
-"""Causes in the channels and not in the oscillator."""
+
 GRADUAL = ADDED[-1]
-"""The cause that hardly shows: see above."""
+"""The departure that hardly shows: see above."""
+
+_IMITATING, _IN_PHASE = ("corner", "friction_speed"), ("k_3", GRADUAL)
+
+FRAME = "frame"
+
+
+class Cause(NamedTuple):
+    """A departure in words.
+
+    words : with a place for its size.   unit : by which the size is multiplied for them.   remedy : what helps.
+    in_rows : whether rows of the balance, which take the records as they are, carry it.
+    """
+
+    words: str
+    unit: float
+    remedy: str
+    in_rows: bool = True
+
+    def sized(self, value: float, error: float) -> str:
+        """The words with a size and its standard error."""
+        value, error = value * self.unit, error * self.unit
+        return self.words.format(f"{number_text(value, 4)} ± {number_text(error, 2)}")
+
 
 _GRADUALLY = "yields gradually (Dahl, Bouc–Wen, several contacts)"
+_NONE = "the model has none"
+
+CAUSES: Mapping[str, Cause] = {
+    "delay": Cause(
+        "a response that lags the drive by {} µs more than the motion explains",
+        1e6,
+        "give the delay in the mapping, or sample all channels at once",
+    ),
+    "corner": Cause(
+        "an AC coupling of the response, a high-pass filter with a corner of {} Hz",
+        1.0,
+        "couple the response directly (DC), or give the corner in the mapping",
+    ),
+    "gain": Cause(
+        "a drive that reads {} % too much, or a response that reads as much too little",
+        100.0,
+        "calibrate the drive and the response, or give the gain in the mapping",
+    ),
+    "low_pass": Cause(
+        "a low-pass filter of the response with a time constant of {} µs",
+        1e6,
+        "give the filter in the mapping",
+    ),
+    FRAME: Cause(
+        "a response that is {} and was taken for {}",
+        1.0,
+        "name the quantity so in the mapping (relative_displacement, displacement, …)",
+    ),
+    "friction_level": Cause(
+        "a friction force that changes with the level, by {} % for e times the level",
+        100.0,
+        "give levels a friction force each (--groups)",
+    ),
+    "friction_speed": Cause(
+        "a friction force that changes with the speed, and is {} % larger at rest", 100.0, _NONE
+    ),
+    "c_2": Cause(
+        "damping that grows with the speed, by c_2 = {} N s²/m²", 1.0, "compare the laws (--laws)"
+    ),
+    "k_3": Cause("a spring that is not linear, with k_3 = {} N/m³", 1.0, _NONE, in_rows=False),
+    GRADUAL: Cause(
+        f"a contact that {_GRADUALLY} and not at once, by {{}} of one of Iwan",
+        1.0,
+        "identify the distribution of its yield forces from more levels",
+    ),
+}
+"""All departures that are known: to add one is an entry here, and one among the nuisances."""
 
 
-def departures(fit: WaveformFit) -> list[Departure]:
-    """What each cause would explain; the amount of the gradual contact is 1 for an Iwan contact."""
-    free = np.flatnonzero(np.any(fit.response != 0.0, axis=1))
-    jacobian: Array = np.asarray(np.linalg.pinv(fit.response[free]), dtype=np.float64)
-    added = {}
-    for words, of_records in _directions(fit, jacobian, free):
-        added[words] = np.zeros(fit.residual.size)
-        for place, part in zip(fit.places, of_records, strict=True):
-            added[words][place][2:] = part
-    names = [fit.names[at] for at in free if at < len(fit.names)]
-    return departures_from(fit.residual, jacobian, added, names, noise_known=True)
+@dataclass(frozen=True, slots=True)
+class Explanation:
+    """A fit that explains the records with departures left free.
 
-
-def likeliest(fit: WaveformFit, tested: Sequence[Departure]) -> Departure | None:
-    """The cause that explains most of what a fit leaves, if it is more than chance would give it.
-
-    tested : by `departures`.
+    names : of the departures.   fit : the oscillator without them.
     """
-    shown = [one for one in tested if one.p < _level(one, len(tested))]
-    best = max(shown, key=lambda one: abs(one.size), default=None)
-    if best is None:
-        return None
-    beyond_noise = fit.chi_square - fit.freedom
-    return best if fit.adequate or best.size**2 > _MOST * beyond_noise else None
+
+    names: tuple[str, ...]
+    fit: WaveformFit
+
+    @property
+    def words(self) -> str:
+        """The departures with their sizes."""
+        fit = self.fit
+        if FRAME in self.names:
+            frames = ("relative to the base", "absolute")
+            return CAUSES[FRAME].words.format(*frames[:: 1 if fit.lines[0].relative else -1])
+        return listed([CAUSES[n].sized(fit.value(n), fit.error(n)) for n in self.names])
+
+    @property
+    def remedy(self) -> str:
+        """What helps."""
+        return listed([CAUSES[name].remedy for name in self.names])
+
+    @property
+    def doubts(self) -> dict[str, float]:
+        """By what part of themselves numbers may be off that the fit has no way to tell."""
+        fit = self.fit
+        doubts: dict[str, float] = {}
+        # F_k is in proportion to the size of the motion, which no gain of a relative response asks for
+        if "gain" in self.names and not any(one.relative for one in fit.lines):
+            doubts = {
+                key: abs(fit.value("gain")) for key in fit.law.unknowns if key.symbol == "F_k"
+            }
+        if GRADUAL in self.names:
+            doubts["K_z"] = fit.value(GRADUAL)
+        return doubts
 
 
-def _level(one: Departure, count: int) -> float:
-    """The p below which a cause shows; a contact that yields more suddenly than at once is no cause."""
-    if one.symbol != GRADUAL:
-        return 0.5 * _CHANCE / max(count - 1, 1)
-    return _CHANCE if one.value > 0.0 else 0.0
+def explanations(
+    fit: WaveformFit,
+    lines: Sequence[Lines],
+    *,
+    penalty: Callable[[WaveformFit], float],
+    near: FundamentalFit | None = None,
+    frames: bool = False,
+) -> tuple[Explanation, ...]:
+    """Return the departures that explain what a fit leaves, each with its fit, the likeliest first, and those that
+    explain it as well.
+
+    lines : of the records.   penalty : χ² that a mass which is given adds to a fit.   near : the fit to the
+    fundamentals, where the waveforms do not hold.   frames : whether the response may be in the other frame.
+    """
+    excess = 0.0 if fit.adequate else LIKELY * (fit.chi_square - fit.freedom)
+    tested = sorted(fit.departures.items(), key=lambda one: -abs(one[1].size))
+    likely = [n for n, one in tested if _may_be(n, one) and one.size**2 > max(_least(n), excess)]
+    if {"c", "c_r"} <= set(fit.law.unknowns):
+        # a damper to the base and one to the ground together make up for any delay
+        likely = [name for name in likely if name != "delay"]
+    fits: list[tuple[tuple[str, ...], WaveformFit | None]]
+    fits = [((name,), _converged(refit(fit, [name]))) for name in likely[:_TRIED]]
+    for names, point in _like(near) if near is not None else ():
+        start = replace(fit.problem, freed=(*fit.problem.freed, *names)).fit(point)
+        fits.append((names, _converged(start and refit(start))))
+    if frames:
+        # where it holds, the nearest starts lead there: no wide search for what most records are not
+        others = [in_other_frame(one) for one in lines]
+        fits.append(((FRAME,), fit_records(others, fit.k, fit.law, thorough=False)))
+
+    def misfit(one: Explanation) -> float:
+        return one.fit.chi_square + penalty(one.fit)
+
+    found = [Explanation(names, one) for names, one in fits if one is not None]
+    own = fit.chi_square + penalty(fit)
+    found = [
+        one
+        for one in found
+        if one.fit.adequate
+        and own - misfit(one) > min(map(_least, one.names))
+        and not any(one.fit.value(n) in NUISANCES[n] for n in one.names if n != FRAME)
+    ]
+    best = min(map(misfit, found), default=0.0)
+    ordered = sorted(
+        (one for one in found if misfit(one) < best + AS_WELL), key=misfit, reverse=True
+    )
+    # of two fits with the same departure, which may come from two starts, the last
+    return tuple({one.names: one for one in ordered}.values())[::-1]
+
+
+def _converged(fit: WaveformFit | None) -> WaveformFit | None:
+    """The fit that further climbs lead to, until one ends in an optimum."""
+    for _ in range(_CLIMBS):
+        if fit is None or fit.converged:
+            break
+        fit = refit(fit)
+    return fit
+
+
+def _like(near: FundamentalFit) -> Iterator[tuple[tuple[str, ...], Array]]:
+    """The departures of a fit to the fundamentals, and the filter that turns the phase of the first record as far as
+    its delay does, each with a point."""
+    names, point = near.departures, near.point
+    if names:
+        yield names, point
+    if "delay" in names:
+        omega, turned = near.problem.lines[0].omega, point.copy()
+        turn = math.tan(min(omega * near.value("delay"), 1.0))
+        name, size = (
+            ("low_pass", turn / omega)
+            if turn > 0.0
+            else ("corner", -turn * omega / (2.0 * math.pi))
+        )
+        turned[near.names.index("delay")], turned[near.names.index(name)] = 0.0, size
+        yield tuple(name if one == "delay" else one for one in names), turned
+
+
+def _least(name: str) -> float:
+    """The fall of χ² from which on a departure is there."""
+    return float(special.chdtri(1.0, P_CAUSE if name == GRADUAL else P_DEPARTURE))
+
+
+def _may_be(name: str, one: Departure) -> bool:
+    """Whether a departure of that size can be; a contact that yields more suddenly than at once is none."""
+    low, high = NUISANCES[name]
+    return low < one.value < high
+
+
+def remark_on(found: Sequence[Explanation], fall: float) -> Remark:
+    """The sentence on departures that explain the records, the first of which is in the answer.
+
+    fall : of χ².
+    """
+    first, *others = found
+    as_well = listed([one.words for one in others], "or")
+    also = f"; {as_well} explains them as well, and the intervals hold both" if others else ""
+    return Remark(
+        f"the records show {first.words}: that explains {fall:.0f} of χ², and the answer is freed of it{also}; "
+        f"{first.remedy}",
+        doubts=first.doubts,
+    )
+
+
+def remark_on_contact(one: Departure, fit: OscillatorFit) -> Remark:
+    """The sentence on a contact that yields gradually, which a fit of one that yields at once shows."""
+    parts = changes(one, fit, one.value)
+    share = min(parts["K_z"], 1.0)
+    return Remark(
+        f"the records show a contact that {_GRADUALLY} and not at once: that explains {one.size**2:.0f} of χ², by "
+        f"chance with p = {one.p:.1g}; the model has none, and its K_z is that of the nearest one that yields at once: "
+        f"after a reversal the contact is roughly {larger_by(abs(share))} {'stiffer' if share > 0.0 else 'softer'}; "
+        f"{CAUSES[GRADUAL].remedy}",
+        doubts={symbol: abs(part) for symbol, part in parts.items()},
+    )
+
+
+def doubts_of(one: Departure, fit: OscillatorFit) -> Mapping[str, float]:
+    """By what part of itself a departure that is not fitted may move each number: to first order, and without bound
+    where it imitates friction and damping. A spring or a contact that yields otherwise moves neither."""
+    if one.symbol in _IMITATING:
+        return UNBOUNDED
+    moved = {} if one.symbol in _IN_PHASE else changes(one, fit, one.value)
+    return {symbol: abs(part) for symbol, part in moved.items()}
 
 
 def gradual_contact(tested: Sequence[Departure], scale: float = 1.0) -> Departure | None:
@@ -97,52 +300,7 @@ def gradual_contact(tested: Sequence[Departure], scale: float = 1.0) -> Departur
     best = max(tested, key=lambda one: abs(one.size), default=None)
     if best is None or best.symbol != GRADUAL or not best.value > 0.0:
         return None
-    return best if 2.0 * special.ndtr(-best.size / scale) < _CHANCE else None
-
-
-def as_well(explained: float, tested: Sequence[Departure], named: Sequence[str]) -> list[Departure]:
-    """Causes that explain about as much of χ² (`AS_WELL`), to first order.   named : those that are named already."""
-    return [
-        one
-        for one in tested
-        if one.symbol not in named
-        and one.size**2 > explained - AS_WELL
-        and (one.symbol != GRADUAL or one.value > 0.0)
-    ]
-
-
-def in_others(words: Sequence[str]) -> str:
-    """The clause on causes that explain the records as well; empty for none."""
-    explain = "explain" if len(words) > 1 else "explains"
-    return (
-        f"; {listed(words, 'or')} {explain} it as well, with χ² within {AS_WELL:g}" if words else ""
-    )
-
-
-def words_of(one: Departure) -> str:
-    """A cause in words."""
-    return f"a contact that {_GRADUALLY} and not at once" if one.symbol == GRADUAL else one.symbol
-
-
-def remark_on(one: Departure, fit: OscillatorFit, others: Sequence[str] = ()) -> Remark:
-    """The sentence on a departure from an oscillator that explains the records within their noise otherwise.
-
-    others : causes that explain as much, in words.
-    """
-    changes = _changes(one, fit, one.value)
-    remedy = "calibrate the channels" if one.symbol in OF_CHANNELS else "the model has none"
-    words = (
-        f"the records show {words_of(one)}: that explains {one.size**2:.0f} of χ², by chance with p = {one.p:.1g}"
-        f"{in_others(others)}; {remedy}"
-    )
-    if one.symbol == GRADUAL:
-        share = min(changes["K_z"], 1.0)
-        words = (
-            f"{words}, and its K_z is that of the nearest one that yields at once: after a reversal the contact is "
-            f"roughly {larger_by(abs(share))} {'stiffer' if share > 0.0 else 'softer'}; identify the distribution of "
-            "its yield forces from more levels"
-        )
-    return Remark(words, doubts={symbol: abs(part) for symbol, part in changes.items()})
+    return best if 2.0 * special.ndtr(-best.size / scale) < P_CAUSE else None
 
 
 def condition_on_contact(fit: OscillatorFit, tested: Iterable[Departure]) -> list[str]:
@@ -157,7 +315,7 @@ def condition_on_contact(fit: OscillatorFit, tested: Iterable[Departure]) -> lis
         if one.symbol != GRADUAL or fit.rigid:
             continue
         most = min(max(one.value, 0.0) + NORMAL_95 * one.error, _ROUNDEST)
-        part = _changes(one, fit, most).get("K_z", 0.0)
+        part = changes(one, fit, most).get("K_z", 0.0)
         if part > max(_LEAST, _MATTERS * fit.K_z_error / fit.K_z):
             return [
                 "K_z and its interval are conditional on a contact that yields at once, which these records cannot "
@@ -168,7 +326,7 @@ def condition_on_contact(fit: OscillatorFit, tested: Iterable[Departure]) -> lis
     return []
 
 
-def _changes(one: Departure, fit: OscillatorFit, value: float) -> dict[str, float]:
+def changes(one: Departure, fit: OscillatorFit, value: float) -> dict[str, float]:
     """Return the relative change of the numbers of a fit with a coefficient of this value, by symbol."""
     parts = {s: by * value / (fit.value(s) or 1.0) for s, by in one.slopes.items()}
     if "rho" in parts:
@@ -177,121 +335,9 @@ def _changes(one: Departure, fit: OscillatorFit, value: float) -> dict[str, floa
     return parts
 
 
-@dataclass(frozen=True, slots=True)
-class OtherFrame:
-    """Responses that fit where they are taken against the base instead of the ground, or the other way round.
-
-    relative : whether they are relative to the base, and were taken for absolute.   quantities : what they were taken
-    for.   fit : of the oscillator to the motions as they are.
-    """
-
-    relative: bool
-    quantities: tuple[str, ...]
-    fit: WaveformFit
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """The quantities that they are."""
-        names = dict(zip(ABSOLUTE, RELATIVE, strict=True))
-        names = names if self.relative else {there: here for here, there in names.items()}
-        return tuple(names[q] for q in self.quantities)
-
-
-def in_other_frame(readings: Sequence[Reading], k: float, law: Law | None) -> OtherFrame | None:
-    """The fit to all responses in the other frame; None where it does not hold, or there is no other frame.
-
-    Where a force drives, the base is at rest; where channels of both kinds are averaged, they test each other.
-
-    k : N/m.   law : of the damping; default, F_k and c.
-    """
-    channels = {q for reading in readings for q in reading.steady.channels}
-    absolute, relative = (tuple(q for q in of if q in channels) for of in (ABSOLUTE, RELATIVE))
-    if "force" in channels or (absolute and relative):
-        return None
-    sign = 1.0 if absolute else -1.0
-    lines = []
-    for one in (reading.lines for reading in readings):
-        y = np.zeros(max(int(one.n[-1]), one.base.size + 1) + 1, dtype=np.complex128)
-        y[1], y[2 : one.base.size + 2] = one.Y, one.base
-        lines.append(replace(one, x=one.x + sign * y[one.n]))
-    # where it holds, the nearest starts lead there: no wide search for what most records are not
-    fit = fit_records(lines, k, law, thorough=False)
-    if fit is None or not fit.adequate:
-        return None
-    return OtherFrame(bool(absolute), absolute or relative, fit)
-
-
-def _directions(
-    fit: WaveformFit, jacobian: Array, free: Integers
-) -> Iterator[tuple[str, Sequence[Array]]]:
-    """Each cause with the change that it makes in the real and imaginary parts of the harmonics of each record, over
-    their errors."""
-    lines, motions = fit.lines, [_motion(fit, i) for i in range(len(fit.lines))]
-    fastest = max(float(np.abs(v).max()) for _, v, _ in motions)
-
-    def in_errors(changes: Iterable[Complexes]) -> list[Array]:
-        scaled = [dx / one.x_error for dx, one in zip(changes, lines, strict=True)]
-        return [np.concatenate([dx.real, dx.imag]) for dx in scaled]
-
-    yield DELAY, in_errors(-1j * one.n * one.omega * one.x for one in lines)
-    yield COUPLING, in_errors(1j * one.x / (one.n * one.omega) for one in lines)
-    yield DRIVE, in_errors(_under_less(fit, i) for i in range(len(lines)))
-    sizes = np.log([one.Y for one in lines])
-    where = [np.flatnonzero(free == at[FRICTION]) for at in fit.unknowns.at]
-    if len(lines) > 1 and all(w.size for w in where):
-        yield (
-            "a friction force that changes with the level",
-            [
-                size * jacobian[place, w[0]][2:]
-                for size, place, w in zip(sizes - sizes.mean(), fit.places, where, strict=True)
-            ],
-        )
-    for words, force in _FORCES.items():
-        forces = (force(x, v / fastest, gradual) for x, v, gradual in motions)
-        yield words, in_errors(_moved(fit, i, of) for i, of in enumerate(forces))
-
-
-_FORCES: Mapping[str, Callable[[Array, Array, Array], Array]] = {
-    "a friction force that changes with the speed": lambda x, v, gradual: (
-        np.sign(v) * np.exp(-np.abs(v) / _FALLING)
-    ),
-    GRADUAL: lambda x, v, gradual: gradual,
-    "damping that grows with the speed (compare the laws)": lambda x, v, gradual: v * np.abs(v),
-    "a spring that is not linear": lambda x, v, gradual: x**3,
-}
-"""Forces that the model lacks, of x, of ẋ over the largest speed, and of that of a contact that yields gradually."""
-
-
-def _under_less(fit: WaveformFit, i: int) -> Complexes:
-    """Change of the harmonics of a record, over the part by which its drive is less than was read."""
-    one = fit.lines[i]
-    _, by = fit.unknowns.harmonics(fit.point, i, fit.responses[i], one.n.size)
-    # the base that was added to a relative motion was read too large as well
-    added = np.where(one.n == 1, one.relative, 0.0)
-    return np.asarray(one.Y * (added - by[:, fit.unknowns.at[i]["Y"]]))
-
-
-def _motion(fit: WaveformFit, i: int) -> tuple[Array, Array, Array]:
-    """(x, ẋ, force of a contact that yields gradually less that of the model's) over a cycle from a peak of the base.
-
-    At a level that does not slip the contacts rise and fall along the same curve, and the force is nearly elastic.
-    """
-    orbit = fit.responses[i].orbit
-    osc = orbit.oscillator
-    t = orbit.motion.period * np.arange(_PHASES // 2) / _PHASES
-    x, v, *_ = (np.concatenate([half, -half]) for half in orbit.state(t))
-    sign, X = np.where(v < 0.0, -1.0, 1.0), float(np.abs(x).max())
-    u = np.maximum(sign * x + X, 0.0)
-    return x, v, sign * rounding(u, osc.F_k, osc.K_z)
-
-
-def _moved(fit: WaveformFit, i: int, force: Array) -> Complexes:
-    """Change of the harmonics of a record by a further force on the mass that opposes its motion."""
-    one = fit.lines[i]
-    spectrum = 2.0 * np.fft.rfft(force) / force.size
-    turned = np.exp(1j * one.n * fit.point[fit.unknowns.at[i]["psi"]])
-    moved = fit.responses[i].moved_by(force)
-    if moved is not None:
-        return np.asarray(np.pad(moved, (0, max(0, one.n.size - HARMONICS)))[: one.n.size] * turned)
-    at = 1j * one.n * one.omega
-    return np.asarray(-spectrum[one.n] * turned / (fit.k + at * fit.c + at**2 * fit.m))
+def likeliest(fit: WaveformFit) -> Departure | None:
+    """The departure that explains most of what a fit leaves that is not adequate, to first order; None where none
+    explains a part that is worth a word."""
+    best = max(fit.departures.values(), key=lambda one: abs(one.size), default=None)
+    excess = fit.chi_square - fit.freedom
+    return best if best is not None and best.size**2 > LIKELY * excess else None

@@ -29,13 +29,14 @@ from ..arguments import flag, number, whole
 from ..arrays import Array, Mask
 from ..balance import Approach, Rows, approach, checks
 from ..features import FEATURE_COLUMNS, Features, stack
-from ..fit.score import Departure
 from ..law.law import Law, law_of
 from ..law.terms import FRICTION, term
 from ..motion.jit import interpreted
 from ..project.wording import Remark
 from ..records.mapping import MappingLike
 from ..records.measured import MeasuredRecord, in_words_of_records
+from ..records.measurement import ABSOLUTE, RELATIVE
+from ..signals.checks import is_clipped
 from ..signals.mean_harmonics import Reading
 from ..signals.one_thread import one_thread
 from ..solver import Estimate, least_squares, solve
@@ -51,7 +52,7 @@ from .answer import (
     ParameterEstimate,
     covariance_of,
 )
-from .causes import condition_on_contact, departures, likeliest
+from .causes import GRADUAL, condition_on_contact
 from .identified import QUICK, Identified, Level, Picture
 from .law_comparison import compare_laws
 from .loading import load
@@ -306,6 +307,7 @@ def _of_records(
     of_drive = {name: options[name] for name in ("frequency_hz", "skip_cycles")}
     readings = [load(record, k, **of_drive) for record in records]
     _require_possible(readings, mass, k)
+    records, readings, clipped = _unclipped(records, readings, law)
     outcome = identify_readings(
         readings,
         k,
@@ -317,7 +319,26 @@ def _of_records(
     )
     held = mass if outcome.joint.mass_taken else None
     laws = compare_laws(readings, k, mass=held, law=law) if options["laws"] else None
-    return with_stated_uncertainties(replace(outcome, laws=laws, records=records, options=options))
+    warnings = (*clipped, *outcome.warnings)
+    outcome = replace(outcome, laws=laws, records=records, options=options, warnings=warnings)
+    return with_stated_uncertainties(outcome)
+
+
+def _unclipped(
+    records: tuple[MeasuredRecord, ...], readings: list[Reading], law: Law
+) -> tuple[tuple[MeasuredRecord, ...], list[Reading], list[Remark]]:
+    """The records that are not clipped, with their readings and a sentence on each other one; all of them where too few
+    would be left to show how well they fit."""
+    clipped = [any(map(is_clipped, one.steady.channels.values())) for one in readings]
+    if not any(clipped) or law.groups or clipped.count(False) <= max(2, len(law.unknowns)):
+        return records, readings, []
+    kept = [i for i, is_out in enumerate(clipped) if not is_out]
+    out = [one.steady.source for one, is_out in zip(readings, clipped, strict=True) if is_out]
+    said = [Remark(_LEFT_OUT, source=source) for source in out]
+    return tuple(records[i] for i in kept), [readings[i] for i in kept], said
+
+
+_LEFT_OUT = "a channel is clipped: the record is left out; raise the measuring range"
 
 
 def _require_possible(readings: Sequence[Reading], mass: float | None, k: float) -> None:
@@ -364,7 +385,15 @@ def identify_readings(
     if mass is not None:
         number("mass", mass)
     lines = [reading.lines for reading in readings]
-    joint = joint_fit(lines, k, mass, law, mass_error=mass_error, stiffness_error=stiffness_error)
+    channels = {q for reading in readings for q in reading.steady.channels}
+    # where a force drives, the base is at rest; channels of both kinds test each other
+    framed = "force" not in channels and not (channels & {*ABSOLUTE} and channels & {*RELATIVE})
+    joint = joint_fit(
+        *(lines, k, mass, law),
+        mass_error=mass_error,
+        stiffness_error=stiffness_error,
+        frames=framed,
+    )
     few, reference = len(readings) < len(law.unknowns), joint.answer
     if few and not (joint.waveforms_hold and joint.fit is not None and joint.fit.freedom > 0):
         law.require([reading.steady.frequency_hz for reading in readings])
@@ -381,17 +410,18 @@ def identify_readings(
         notes = (*one.notes, *notes_on(one, readings, joint))
         estimates[name] = replace(one, notes=notes)
     hz = ", ".join(f"{f:g}" for f in sorted({round(r.steady.frequency_hz, 4) for r in readings}))
-    fit, delayed, rig = joint.fit, joint.delayed, []
-    tested: list[Departure] = []
+    fit, rig = joint.fit, []
     if fit is not None and not joint.linear:
-        rig, tested = implied(fit, mass if joint.mass_fits else None), departures(fit)
-        if fit.adequate and delayed is not None:
-            late = with_error(1e6 * delayed.delay, 1e6 * delayed.error("delay"))
-            rig.append(f"Left free, a delay of the response is {late} µs.")
+        rig = implied(joint.closest, mass if joint.mass_fits else None)
+    if joint.delay is not None and not joint.explained:
+        value, error = joint.delay
+        rig.append(
+            f"Left free, a delay of the response is {with_error(1e6 * value, 1e6 * error)} µs."
+        )
     of_records = [words.about(r.steady.source) for r in readings for words in r.warnings]
-    of_all = agreement(readings, line, joint, estimates, tested)
-    if fit is not None and joint.waveforms_hold and likeliest(fit, tested) is None:
-        rig += condition_on_contact(fit, tested)
+    of_all = agreement(readings, line, joint, estimates)
+    if fit is not None and joint.waveforms_hold and GRADUAL not in fit.problem.freed:
+        rig += condition_on_contact(fit, fit.departures.values())
     return ForcedOutcome(
         k=k,
         sources=tuple(reading.steady.source for reading in readings),

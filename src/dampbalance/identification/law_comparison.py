@@ -26,9 +26,8 @@ from scipy import special
 
 from ..arrays import Array
 from ..balance import APPROACHES, Rows
-from ..fit.base_harmonics import settled
 from ..fit.goodness import probability
-from ..fit.steady_search import fit_quickly, with_mass
+from ..fit.steady_search import fit_quickly, refit
 from ..fit.waveforms import WaveformFit
 from ..law.law import Law
 from ..law.terms import FRICTION, KNOWN_TERMS, Term, in_order, term
@@ -266,22 +265,21 @@ def compare_laws(
         test = None
         if FRICTION not in kept:
             # no onset of slip is needed, and where there is friction, the balance shows it at once
-            test = _by_balance(kept, tried, readings, JointFit(None, True, None))
+            test = _by_balance(kept, tried, readings, JointFit(None, True))
             if test.balance is not None and test.balance.p < _SURE:
                 tests.append(test)
                 continue
         near = [fit for smaller, fit in fits.items() if set(smaller) < set(kept)]
         near = sorted(near, key=lambda fit: fit.chi_square)[:1]
-        fit = fit_quickly(near[0].lines if near else lines, k, tried, near)
-        fit = fit and settled(fit, lines)
+        fit = fit_quickly(lines, k, tried, near)
         if mass is not None and fit is not None:
-            fit = with_mass(fit, mass) or fit
+            fit = refit(fit, given={"m": mass}) or fit
         if fit is None:
             tests.append(LawTest(kept))
             continue
         fits[kept] = fit
         # the onset of a slip that stands for none has errors beyond first order, and enters no row
-        test = test or _by_balance(kept, tried, readings, JointFit(fit, False, None))
+        test = test or _by_balance(kept, tried, readings, JointFit(fit, False))
         p = probability(fit.chi_square, fit.freedom, fit.lines)
         waveforms = {"waveforms": Probability(fit.chi_square, fit.freedom, p)}
         in_phase = tuple(fit.in_phase.tolist())

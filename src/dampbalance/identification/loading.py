@@ -7,11 +7,13 @@ from dataclasses import replace
 import numpy as np
 
 from ..arrays import Array
+from ..project.wording import Remark
 from ..records.measured import MeasuredRecord
 from ..records.measurement import EXCITATIONS, Correction
-from ..signals.conditioning import SteadyRecord
+from ..signals.checks import SETTLES, Unsettled
+from ..signals.conditioning import SteadyRecord, condition
 from ..signals.drive import stands_still
-from ..signals.mean_harmonics import Reading, read_features
+from ..signals.mean_harmonics import Reading
 
 EXCERPT = (
     16_384  # leading samples of each channel that are plotted, or three cycles of a slow drive
@@ -31,7 +33,8 @@ def load(
     k : stiffness, N/m.   frequency_hz : the known drive frequency, compared with the one in the record; default, that
     of the mapping.   skip_cycles : left out at the start.
 
-    What the reader of the file found odd is among the warnings of the reading.
+    A motion that settles within its record is read from there on. What the reader of the file found odd is among the
+    warnings of the reading.
 
     Raises ValueError naming the record for a free decay, and for one that cannot be used.
     """
@@ -41,7 +44,20 @@ def load(
             f"that keeps moving ({', '.join(EXCITATIONS)}); a free decay is identified by itself (--kind ring-down)"
         )
     nominal = record.rules.frequency_hz if frequency_hz is None else frequency_hz
-    steady = read_features(record.whole(), k, frequency_hz=nominal, skip_cycles=skip_cycles).steady
+    whole = record.whole()
+    try:
+        steady = condition(whole, k, frequency_hz=nominal, skip_cycles=skip_cycles)
+        of_start = [one.of[-1] for one in steady.warnings if SETTLES in one.template]
+        settled = max(of_start, default=0)
+    except ValueError as error:
+        cause = error.__cause__
+        settled = cause.skip if isinstance(cause, Unsettled) else 0
+        if not settled:
+            raise
+    if settled:
+        said = f"{settled} cycles left out at the start, in which the motion had not settled"
+        steady = condition(whole, k, frequency_hz=nominal, skip_cycles=settled)
+        steady = replace(steady, warnings=(*steady.warnings, Remark(said)))
     return Reading(replace(steady, warnings=(*record.warnings, *steady.warnings)))
 
 

@@ -17,26 +17,23 @@ import numpy as np
 from ..arrays import Array
 from ..balance import Approach, Rows
 from ..features import Features, stack
-from ..fit.base_harmonics import fit_records
-from ..fit.channel_faults import ChannelFault, ac_coupling, drive_gain
 from ..fit.fundamentals import FundamentalFit, fit_fundamentals
 from ..fit.goodness import improbable, linear_misfit
-from ..fit.steady_search import with_delay, with_mass
-from ..fit.waveforms import WaveformFit
+from ..fit.oscillator_fit import OscillatorFit
+from ..fit.steady_search import fit_records, of_all_stiffnesses, refit
+from ..fit.waveforms import OSCILLATOR, WaveformFit
 from ..law.law import Law
 from ..law.terms import FRICTION
-from ..project.wording import Remark
+from ..project.wording import Remark, listed
 from ..signals.lines import Lines
 from ..signals.mean_harmonics import RESOLVED, Means, Reading
 from ..solver import NORMAL_95
 from .answer import FUNDAMENTALS, UNBOUNDED, Answer, answer_of_fit
+from .causes import CAUSES, FRAME, SHOWS, Explanation, explanations
 
 Of = TypeVar("Of")
 To = TypeVar("To")
 
-FAULTY = Remark(
-    "a channel seems to be at fault (see below): all numbers carry that error", doubts=UNBOUNDED
-)
 FAR = Remark(
     "the records are not those of such an oscillator: it is only the one that comes nearest",
     doubts=UNBOUNDED,
@@ -52,27 +49,25 @@ _OF_FUNDAMENTALS = (
 )
 
 _UNKNOWN = ("X_s", "V_s", "t_s", "X_r", "V_r", "t_r")
-_SHOWS = 16.0  # of χ²: what slip, or a delay, must explain to be there; four standard errors
-AS_WELL = 6.0
-"""Difference of χ² below which two causes explain records alike: a ratio of likelihoods of e³ = 20."""
 
 
 @dataclass(frozen=True, eq=False)
 class JointFit:
     """One oscillator fitted to all records.
 
-    fit : the oscillator that responds most like them; None where no oscillator that slips does.
+    fit : the oscillator that responds most like them, with the departures that explain them left free; None where no
+    oscillator that slips does.
     linear : whether a linear oscillator explains them within their noise: nothing slips, or slip does not show.
-    delayed : the fit with a delay between base and response.
-    faults : of channels that explain what noise does not, the likeliest first, and those that do as well (`AS_WELL`).
+    explained : departures that explain what the oscillator alone does not, the likeliest first, and those that do as
+    well.   fall : of χ² by the first.
     mass : kg, as given, or None.   mass_fits : whether the records agree with it.
     fundamentals : the fit to the fundamental of each record alone, where the waveforms are not those of an oscillator.
     """
 
     fit: WaveformFit | None
     linear: bool
-    delayed: WaveformFit | None
-    faults: tuple[ChannelFault, ...] = ()
+    explained: tuple[Explanation, ...] = ()
+    fall: float = 0.0
     mass: float | None = None
     mass_fits: bool = True
     fundamentals: FundamentalFit | None = None
@@ -83,19 +78,32 @@ class JointFit:
         return self.fit is not None and self.fit.adequate and not self.linear
 
     @property
+    def in_rows(self) -> bool:
+        """Whether the records have a departure that the answer is freed of, and rows of the balance are not."""
+        freed = () if self.fundamentals is None else self.fundamentals.departures
+        names = {*freed, *(name for one in self.explained[:1] for name in one.names)}
+        return any(CAUSES[name].in_rows for name in names)
+
+    @property
     def mass_taken(self) -> bool:
         """Whether the fit has the mass that was given, which the records know less well."""
         return self.mass is not None and self.fit is not None and self.fit.error("m") == 0.0
 
     @property
+    def closest(self) -> OscillatorFit:
+        """The fit whose numbers are the answer."""
+        fit = self.fundamentals or self._best
+        assert fit is not None
+        return fit
+
+    @property
     def notes(self) -> tuple[Remark, ...]:
         """What a reader must know before using the numbers of the fit."""
-        fit = self.fit
+        fit = self._best
         if fit is None or self.linear:
             return ()
         of_zero = "is at its limit, zero: its standard error is not that of a normal distribution"
         shown = {
-            FAULTY: bool(self.faults),
             FAR: not fit.adequate,
             NOT_CONVERGED: not fit.converged,
             **{Remark(f"the best {key} {of_zero}"): True for key in fit.undamped},
@@ -103,19 +111,43 @@ class JointFit:
         return tuple(note for note, holds in shown.items() if holds)
 
     @property
+    def _best(self) -> WaveformFit | None:
+        """The fit whose numbers are the answer: of responses in the other frame, where they are in it."""
+        return self.explained[0].fit if self.explained else self.fit
+
+    @property
+    def delay(self) -> tuple[float, float] | None:
+        """Delay of the response that the records show and its standard error, s: fitted, or to first order."""
+        fit = self.fit
+        if fit is None or self.linear or not fit.adequate:
+            return None
+        if "delay" in fit.problem.freed:
+            return fit.value("delay"), fit.error("delay")
+        shown = fit.departures.get("delay")
+        return None if shown is None else (shown.value, shown.error)
+
+    @property
     def answer(self) -> Answer | None:
-        """The answer of the fit; None where no oscillator that slips fits."""
-        fit, delayed = self.fit, self.delayed
+        """The answer of the fit, whose intervals hold the numbers of all departures that explain the records; None
+        where no oscillator that slips fits."""
+        fit, delay = self._best, self.delay or (None, None)
         if fit is None or self.linear:
             return None
-        return answer_of_fit(
+        answer = answer_of_fit(
             fit,
             fit.law.unknowns,
             self.notes,
             misfit_of_records=fit.misfits,
-            delay_s=None if delayed is None else delayed.delay,
-            delay_standard_error_s=None if delayed is None else delayed.error("delay"),
+            delay_s=delay[0],
+            delay_standard_error_s=delay[1],
         )
+        for other in self.explained[1:]:
+            intervals = answer_of_fit(other.fit, fit.law.unknowns, ()).intervals
+            answer = replace(
+                answer,
+                parameters={s: p.holding(intervals[s]) for s, p in answer.parameters.items()},
+            )
+        return answer
 
     @property
     def answer_of_fundamentals(self) -> Answer | None:
@@ -123,9 +155,13 @@ class JointFit:
         fit = self.fundamentals
         if fit is None:
             return None
-        notes = [Remark(_OF_FUNDAMENTALS, f"{100.0 * fit.scatter:.2g}")]
-        answer = answer_of_fit(fit, fit.law.unknowns, notes, residual=fit.scatter)
-        return replace(answer, name=FUNDAMENTALS)
+        along = listed([CAUSES[n].sized(fit.value(n), fit.error(n)) for n in fit.departures])
+        note = Remark(
+            f"{_OF_FUNDAMENTALS}{f', freed of {along}' if along else ''}",
+            f"{100.0 * fit.scatter:.2g}",
+            doubts={key: by for key, by in fit.turned.items() if key in fit.law.unknowns},
+        )
+        return answer_of_fit(fit, fit.law.unknowns, [note], name=FUNDAMENTALS, residual=fit.scatter)
 
 
 def joint_fit(
@@ -136,7 +172,8 @@ def joint_fit(
     *,
     mass_error: float = 0.0,
     stiffness_error: float = 0.0,
-    timing: bool = True,
+    departures: bool = True,
+    frames: bool = False,
 ) -> JointFit:
     """The oscillator behind the records.
 
@@ -146,53 +183,73 @@ def joint_fit(
     k : N/m.   m : kg, if it is known.   law : of its damping; default, F_k and c.
     mass_error, stiffness_error : standard uncertainties of m, kg, and of k, N/m: a mass that differs by no more
     contradicts nothing.
-    timing : whether faults of channels are looked for, which change nothing in the fit; a study that does not read them
-    saves that time.
+    departures : whether departures are looked for; a study that does not read them saves that time.
+    frames : whether the response may be in the other frame than it was taken for.
     """
     law = law or Law()
     chi_square, freedom = linear_misfit(lines, k, law.terms)
     slips = improbable(chi_square, freedom, lines)
-    fit = fit_records(lines, k, law, thorough=slips)
-    explained = 0.0 if fit is None else chi_square - fit.chi_square
-    linear = explained < _SHOWS and not slips
-    alone = None if linear else _fundamentals(fit, lines, k, law)
+    fit, alone = _searched(lines, k, law, slips)
+    fall = 0.0 if fit is None else chi_square - fit.chi_square
+    linear = fall < SHOWS and not slips
+    alone = None if linear else alone
+
+    def off(one: OscillatorFit) -> float:
+        """Difference of its mass from the one given, in standard errors."""
+        low, high = one.interval("m")
+        error = 0.5 * (high - low) / NORMAL_95
+        apart = math.hypot(error, mass_error, stiffness_error / k * one.m)
+        return 0.0 if m is None or one.m == m else (one.m - m) / apart
+
     if fit is None or linear:
-        return JointFit(fit, linear, None, mass=m, fundamentals=alone)
+        fits = alone is None or abs(off(alone)) < math.sqrt(SHOWS)
+        return JointFit(fit, linear, mass=m, mass_fits=fits, fundamentals=alone)
     error = fit.error("m")
-    given = with_mass(fit, m) if m is not None and mass_error < error else None
+    given = refit(fit, given={"m": m}) if m is not None and mass_error < error else None
     # χ² rises by the square of the difference over the error of the records alone
-    most = _SHOWS * (1.0 + (mass_error / error) ** 2) if error else _SHOWS
+    most = SHOWS * (1.0 + (mass_error / error) ** 2) if error else SHOWS
     fits = given is not None and given.chi_square - fit.chi_square < most
-    off = math.hypot(error, stiffness_error / k * fit.m, mass_error)
-    agrees = m is None or fits or abs(fit.m - m) < math.sqrt(_SHOWS) * off
     fit = given if given is not None and fits else fit
-    if not timing:
-        return JointFit(fit, linear, None, mass=m, mass_fits=agrees, fundamentals=alone)
-    # a damper to the base and one to the ground together make up for any delay
-    delayed = None if {"c", "c_r"} <= set(law.unknowns) else with_delay(fit)
-    causes = [ac_coupling(fit, _SHOWS), drive_gain(fit, _SHOWS)]
-    if delayed is not None and fit.chi_square - delayed.chi_square > _SHOWS:
-        causes.append(ChannelFault("delay", delayed.delay, delayed.error("delay"), delayed))
-    faults = [one for one in causes if one is not None and one.fit.adequate]
 
-    def misfit(fault: ChannelFault) -> float:
-        """χ², to which a mass that is given adds unless the fit has it already."""
-        own = fault.fit
-        apart = math.hypot(own.error("m"), mass_error, stiffness_error / k * own.m)
-        return own.chi_square + (0.0 if m is None or own.m == m else ((own.m - m) / apart) ** 2)
-
-    least = min(map(misfit, faults), default=math.inf)
-    faults = sorted((one for one in faults if misfit(one) < least + AS_WELL), key=misfit)
-    return JointFit(fit, linear, delayed, tuple(faults), m, agrees, alone)
+    found: tuple[Explanation, ...] = ()
+    if departures:
+        unsure = frames and not (fit.adequate and abs(off(fit)) < math.sqrt(SHOWS))
+        found = explanations(
+            fit, lines, penalty=lambda one: off(one) ** 2, near=alone, frames=unsure
+        )
+    if not found:
+        fits = abs(off(alone or fit)) < math.sqrt(SHOWS)
+        return JointFit(fit, linear, mass=m, mass_fits=fits, fundamentals=alone)
+    best = found[0].fit
+    fall = fit.chi_square + off(fit) ** 2 - best.chi_square - off(best) ** 2
+    fit = fit if FRAME in found[0].names else best
+    return JointFit(fit, linear, found, fall, m, abs(off(best)) < math.sqrt(SHOWS))
 
 
-def _fundamentals(
-    fit: WaveformFit | None, lines: Sequence[Lines], k: float, law: Law
-) -> FundamentalFit | None:
-    """The fit to the fundamentals, where that to the waveforms is none of the records."""
-    if fit is None:
-        return fit_fundamentals(lines, k, law)
-    return None if fit.adequate else fit_fundamentals(fit.lines, k, law)
+def _searched(
+    lines: Sequence[Lines], k: float, law: Law, slips: bool
+) -> tuple[WaveformFit | None, FundamentalFit | None]:
+    """The fit to the waveforms and, where that is not adequate, the fit to the fundamentals.
+
+    slips : whether the records are not those of a linear oscillator. A wide search is then worth its time where the
+    fundamentals give no start, or where the mass rings while it sticks, so that χ² has many minima.
+    """
+    fit = fit_records(lines, k, law, thorough=False)
+    if fit is not None and fit.adequate:
+        return (of_all_stiffnesses(fit) if slips and not law.nonlinear else fit), None
+    alone = fit_fundamentals(lines, k, law)
+    ends = [fit]
+    if alone is not None:
+        point, nuisances = alone.point.copy(), alone.problem.nuisances
+        point[[alone.names.index(name) for name in nuisances]] = 0.0
+        start = replace(alone.problem, freed=OSCILLATOR).fit(point)
+        ends.append(start and refit(start))
+    fits = [one for one in ends if one is not None]
+    fit = min(fits, key=lambda one: one.chi_square, default=None)
+    rings = fit is not None and max(one.swings for one in fit.responses) > 1.0
+    if slips and (fit is None or (not fit.adequate and (alone is None or rings))):
+        fit = fit_records(lines, k, law)
+    return fit, None if fit is not None and fit.adequate else alone
 
 
 def with_common_fit(

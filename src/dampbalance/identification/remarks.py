@@ -6,7 +6,6 @@ A sentence on the oscillator is given only where the fit of one oscillator to al
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -17,10 +16,10 @@ from typing import Any
 import numpy as np
 
 from ..balance import Rows
-from ..fit.base_harmonics import fit_records
-from ..fit.channel_faults import ChannelFault, with_response
+from ..fit.fundamentals import FundamentalFit
+from ..fit.nuisances import with_response
 from ..fit.oscillator_fit import OscillatorFit
-from ..fit.score import Departure
+from ..fit.steady_search import fit_records
 from ..fit.waveforms import WaveformFit
 from ..law.terms import FRICTION, term
 from ..project.wording import (
@@ -39,20 +38,16 @@ from ..project.wording import (
 )
 from ..signals.checks import is_clipped
 from ..signals.mean_harmonics import Reading
-from ..signals.thresholds import P_CAUSE
 from ..solver import NORMAL_95, solve
 from .answer import UNBOUNDED, USELESS, Answer, ParameterEstimate
 from .causes import (
-    OF_CHANNELS,
-    OtherFrame,
-    as_well,
-    in_other_frame,
-    in_others,
+    AS_WELL,
+    CAUSES,
+    doubts_of,
     likeliest,
     remark_on,
-    words_of,
 )
-from .oscillator import AS_WELL, FAULTY, JointFit, Microstick
+from .oscillator import JointFit, Microstick
 
 DIRECT = "direct"
 """The approach that assumes no shape of x(t): the one that is compared with the fit to all records."""
@@ -62,7 +57,7 @@ _SHAPE_SHOWS = 0.5  # standard errors: an interval of 95 % holds the truth in 92
 _SHAPE_LEAST = 1e-6  # of a value: the size of the harmonics that a waveform leaves out
 _FOLDED = 2.0  # of the noise
 _FAR = 3.0  # standard deviations of the rows
-_MASS_OFF = 0.02  # of a mass that is given: what scales and gains are off by
+_MOST = 0.5  # of what noise does not explain: a cause by which numbers are taken to be off
 # X/Y, or its inverse: beyond the first, units are doubted of records that no oscillator explains; beyond the second,
 # which takes a Q of 300 or 17 times the natural frequency, of others too.
 _LARGE_GAIN, _RARE_GAIN = 100.0, 300.0
@@ -101,8 +96,15 @@ def notes_on(answer: Answer, readings: Sequence[Reading], joint: JointFit) -> It
                 factor(math.sqrt(answer.misfit)),
                 doubts=by_scatter(answer.coefficients, answer.misfit),
             )
-    if joint.faults:
-        yield FAULTY
+    if joint.in_rows:
+        apart = {key: joint.closest.value(key) for key in answer.coefficients}
+        yield Remark(
+            "its rows are not freed of the departure that the records show (see below)",
+            doubts={
+                s: abs(p.value / (apart[s] or math.inf) - 1.0)
+                for s, p in answer.coefficients.items()
+            },
+        )
 
 
 def by_scatter(coefficients: Mapping[str, ParameterEstimate], misfit: float) -> dict[str, float]:
@@ -176,13 +178,9 @@ def agreement(
     microstick: Microstick,
     joint: JointFit,
     answers: Mapping[str, Answer],
-    tested: Sequence[Departure],
 ) -> Iterator[Remark]:
-    """Warnings on all records together: what the joint fit shows, which levels fail, where answers contradict.
-
-    tested : causes of what the joint fit leaves.
-    """
-    yield from _on_the_oscillator(readings, joint, tested)
+    """Warnings on all records together: what the joint fit shows, which levels fail, where answers contradict."""
+    yield from _on_the_oscillator(readings, joint)
     if still := _numbered(reading.slips is False for reading in readings):
         yield Remark(
             f"the contact only sticks in record {still}: it takes no energy there, and the record stays out of the "
@@ -209,7 +207,7 @@ def agreement(
             f"c_r is {number_text(1e-6 * fit.k, 2)} N s/m too small and c as much too large",
             doubts={"c": math.inf, "c_r": math.inf},
         )
-    if DIRECT in answers and fit is not None and joint.waveforms_hold:
+    if DIRECT in answers and fit is not None and joint.waveforms_hold and not joint.in_rows:
         yield from contradiction(answers[DIRECT], fit)
     for answer in answers.values():
         if answer.balance is None or answer.balance.rows.usable.sum() < 2:
@@ -229,10 +227,8 @@ def _numbered(which: Iterable[bool]) -> str:
     return ", ".join(str(i) for i, holds in enumerate(which, 1) if holds)
 
 
-def _on_the_oscillator(
-    readings: Sequence[Reading], joint: JointFit, tested: Sequence[Departure]
-) -> Iterator[Remark]:
-    """Warnings from the joint fit.   tested : causes of what it leaves."""
+def _on_the_oscillator(readings: Sequence[Reading], joint: JointFit) -> Iterator[Remark]:
+    """Warnings from the joint fit."""
     if joint.linear:
         yield Remark(
             "the records are those of a linear oscillator within their noise: the contact only sticks, or there is no "
@@ -240,57 +236,43 @@ def _on_the_oscillator(
         )
         return
     yield from _wrong_unit(readings, joint)
-    frame = _other_frame(readings, joint)
-    if frame is not None:
-        yield _in_other_frame(frame)
-    fit = joint.fit
+    fit, alone = joint.fit, joint.fundamentals
+    if joint.explained:
+        yield remark_on(joint.explained, joint.fall)
+    if joint.mass is not None and not joint.mass_fits:
+        yield on_mass(joint.closest, joint.mass)
     if fit is None:
         yield Remark(
             "no oscillator with this stiffness and a friction contact slips and responds like the records: check the "
             "stiffness, the signs, the units and the order of the channels"
         )
-        return
-    if joint.mass is not None and not joint.mass_fits:
-        yield on_mass(fit, joint.mass)
-    named = bool(joint.faults or frame)
-    cause = None if named else likeliest(fit, tested)
-    others = (
-        [] if cause is None else [*map(words_of, as_well(cause.size**2, tested, [cause.symbol]))]
-    )
-    if fit.adequate and cause is not None:
-        yield remark_on(cause, fit, others)
-    if not fit.adequate:
-        likely = "the likeliest cause, which explains all of that, is named in another sentence"
-        if not named:
-            likely = (
-                "a channel may be skewed, coupled (AC) or filtered, a gain or a sign may be wrong, the levels may "
-                "differ in more than their amplitude, the damping may follow another law (compare the laws), or the "
-                "oscillator is of another kind"
-            )
-        if cause is not None:
-            share = min(1.0, cause.size**2 / (fit.chi_square - fit.freedom))
-            likely = (
-                f"the likeliest of the causes tested is {words_of(cause)}, which explains "
-                f"{part(share)} of that{in_others(others)}; else {likely}"
-            )
-        worst = readings[int(np.argmax(fit.misfits))].steady.source
-        yield Remark(
-            "the records are not those of one mass on a spring, a damper and one friction contact: the best one that "
-            f"{fit.evaluations} trials found leaves {times(math.sqrt(fit.misfit))} their noise, most in {worst}; K_z "
-            f"and the onset of slip cannot be determined; {likely}",
-            doubts=_shifts_of(tested, fit),
+    elif not fit.adequate and not joint.explained:
+        yield _none_fits(readings, fit, alone)
+
+
+def _none_fits(
+    readings: Sequence[Reading], fit: WaveformFit, alone: FundamentalFit | None
+) -> Remark:
+    """The sentence on records that no oscillator explains, whatever departure it has.
+
+    alone : the fit to their fundamentals, whose numbers the likeliest departure moves to first order.
+    """
+    likely = ""
+    doubts: Mapping[str, float] = {}
+    if cause := likeliest(fit):
+        share = min(1.0, cause.size**2 / (fit.chi_square - fit.freedom))
+        words = CAUSES[cause.symbol].sized(cause.value, cause.error)
+        likely = (
+            f"; the likeliest of the causes tested is {words}, which explains {part(share)} of that"
         )
-    if joint.faults:
-        yield _on_channels(fit, joint.faults, tested)
-
-
-def _shifts_of(tested: Sequence[Departure], fit: WaveformFit) -> dict[str, float]:
-    """By what part of itself each number may change, to first order: the most that a cause does to it which shows, and
-    explains at least half as much as the likeliest."""
-    least = 0.5 * max((one.size**2 for one in tested), default=0.0)
-    causes = [one for one in tested if one.p < P_CAUSE / len(tested) and one.size**2 >= least]
-    shown = [remark_on(one, fit).doubts for one in causes]
-    return {s: max(of.get(s, 0.0) for of in shown) for s in dict.fromkeys(itertools.chain(*shown))}
+        if share > _MOST and alone is not None and not alone.has(cause.symbol):
+            doubts = doubts_of(cause, fit)
+    worst = readings[int(np.argmax(fit.misfits))].steady.source
+    return Remark(
+        "the records are not those of one mass on a spring, a damper and one friction contact: the best one that "
+        f"{fit.evaluations} trials found leaves {times(math.sqrt(fit.misfit))} their noise, most in {worst}{likely}",
+        doubts=doubts,
+    )
 
 
 def on_mass(fit: OscillatorFit, mass: float) -> Remark:
@@ -320,73 +302,6 @@ def of_masses(implied: float, given: float) -> str:
     )
 
 
-def _on_channels(
-    fit: WaveformFit, faults: Sequence[ChannelFault], tested: Sequence[Departure]
-) -> Remark:
-    """The sentence on faults of channels: the likeliest, and all that explain the records as well, with remedies."""
-    explained = fit.chi_square - faults[0].fit.chi_square
-    causes = [f"{_in_words(one)} (without that, {listed(_values(one.fit))})" for one in faults]
-    others = [*causes[1:], *map(words_of, as_well(explained, tested, OF_CHANNELS))]
-    remedies = "; ".join(_REMEDIES[one.kind] for one in faults)
-    return Remark(
-        f"a fault of a channel explains what the oscillator alone does not, {explained:.0f} of χ²: likeliest, "
-        f"{causes[0]}{in_others(others)}; {remedies}"
-    )
-
-
-_REMEDIES = {
-    "coupling": "couple the response directly (DC), or give the corner in the mapping",
-    "drive": "calibrate the drive and the response, or give the gain in the mapping",
-    "delay": "give the delay in the mapping, or sample all channels at once",
-}
-
-
-def _in_words(fault: ChannelFault) -> str:
-    """A fault of a channel, and its size."""
-    size, error = abs(fault.size), fault.error
-    if fault.kind == "coupling":
-        return (
-            "the response is coupled through a capacitor (AC), a high-pass filter with a corner of "
-            f"{number_text(size, 4)} ± {number_text(error, 2)} Hz"
-        )
-    if fault.kind == "delay":
-        return (
-            f"the response {'lags' if fault.size > 0.0 else 'leads'} the drive by {number_text(1e6 * size, 4)} ± "
-            f"{number_text(1e6 * error, 2)} µs more than the motion explains"
-        )
-    much, little = ("much", "little") if fault.size > 0.0 else ("little", "much")
-    words = f"the drive reads {number_text(100.0 * size, 3)} ± {number_text(100.0 * error, 2)} % too {much}"
-    if any(one.relative for one in fault.fit.lines):
-        return words
-    # F_k is in proportion to the size of the motion, which nothing else asks for
-    larger = "larger" if fault.size > 0.0 else "smaller"
-    return f"{words}, or the response as much too {little}, with an F_k that is as much {larger}"
-
-
-def _values(fit: WaveformFit) -> list[str]:
-    """The numbers of a fit for a sentence: "F_k = 1.28 N", …"""
-    values = [
-        with_unit(f"{key} = {number_text(fit.value(key), 4)}", term(key).unit)
-        for key in fit.law.unknowns
-    ]
-    return [*values, f"K_z = {number_text(fit.K_z, 4)} N/m"]
-
-
-def _other_frame(readings: Sequence[Reading], joint: JointFit) -> OtherFrame | None:
-    """Responses that were taken in the wrong frame, if that explains what the fit, or the mass given, does not."""
-    fit = joint.fit
-    if fit is not None and fit.adequate and joint.mass_fits:
-        return None
-    frame = in_other_frame(readings, readings[0].steady.k, None if fit is None else fit.law)
-    if frame is None:
-        return None
-    if joint.mass is not None:
-        off = max(_APART * frame.fit.error("m"), _MASS_OFF * joint.mass)
-        return frame if abs(frame.fit.m - joint.mass) < off else None
-    own = min((one.fit.chi_square for one in joint.faults), default=math.inf)
-    return frame if frame.fit.chi_square < own else None
-
-
 def _wrong_unit(readings: Sequence[Reading], joint: JointFit) -> Iterator[Remark]:
     """A question about the unit of a channel where the mass moves much more or less than the base, and another unit of
     one of them explains the records as well as any oscillator does."""
@@ -411,19 +326,6 @@ def _wrong_unit(readings: Sequence[Reading], joint: JointFit) -> Iterator[Remark
                 doubts={"": math.inf},
             )
             return
-
-
-def _in_other_frame(frame: OtherFrame) -> Remark:
-    """The sentence on responses that were taken in the wrong frame."""
-    fit, kinds = frame.fit, ("absolute", "relative to the base")
-    taken, is_really = kinds if frame.relative else kinds[::-1]
-    return Remark(
-        f"the response is likely {is_really} and was taken for {taken}: with the motion of the base "
-        f"{'added to' if frame.relative else 'taken off'} it the records are those of one oscillator within their "
-        f"noise, with {listed([*_values(fit), f'm = {number_text(fit.m, 4)} kg'])}; name "
-        f"{'them' if len(frame.names) > 1 else 'it'} {listed(frame.names)} in the mapping",
-        doubts=dict.fromkeys([*fit.law.unknowns, "K_z"], math.inf),
-    )
 
 
 def contradiction(

@@ -17,7 +17,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..fit.fundamentals import FundamentalFit
-from ..fit.steady_search import with_mass
+from ..fit.steady_search import refit
 from ..fit.waveforms import WaveformFit
 from ..law.terms import FRICTION
 from ..records.measurement import ABSOLUTE
@@ -28,7 +28,12 @@ from .answer import Answer
 from .oscillator import LawRows, sample_of
 
 _STEP = 1e-3  # of each fault: small enough for first order, large compared with rounding
-_with_mass = lru_cache(maxsize=1)(with_mass)  # asked for by the report and by its remarks
+
+
+@lru_cache(maxsize=1)  # asked for by the report and by its remarks
+def _with_mass(fit: WaveformFit, m: float) -> WaveformFit | None:
+    """The fit with the mass given, kg."""
+    return refit(fit, given={"m": m})
 
 
 @dataclass(frozen=True, slots=True)

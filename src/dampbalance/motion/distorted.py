@@ -210,6 +210,9 @@ def distorted_harmonics(orbit: Orbit, base: Complexes, count: int) -> Complexes:
     if not found:
         raise NoSteadyOrbit(f"no steady motion found under {base.size} harmonics of the base")
     values, turns = _in_stick(phases[:found], orbit.theta, base, par, count)
-    integrals = np.array([np.sum(values * turns**order) for order in n])
+    integrals, power = np.empty(count, dtype=np.complex128), values.astype(np.complex128)
+    for i in range(count):
+        power = power * turns
+        integrals[i] = power.sum()
     harmonics: Complexes = (par.k * y + 1j * par.K_z / (math.pi * n) * integrals) / impedance
     return harmonics

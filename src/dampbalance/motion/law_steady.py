@@ -11,31 +11,34 @@ With others, N(ẋ) = Σ p_j h_j(ẋ), the half cycle from the reversal at −X 
 c_l of the linear terms; f = −F_k + K_z(x + X) until it reaches F_k at t_s, and F_k from there. Unknown are X, θ, t_s
 and ẍ at Gauss's points of both phases, whose integrals are ẋ and x (collocation: Hairer, Nørsett & Wanner, Solving
 Ordinary Differential Equations I, II.7). No kink is inside a phase. Newton's method starts from the orbit with a linear
-damper of nearly the same work, c_l + c_e; its matrix also gives what any parameter, or a small further force, changes.
+damper of nearly the same work, c_l + c_e.
+
+Forces of a spring and a contact that are not those of the oscillator (`Further`) are solved for in the same way.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
-from typing import Any, NamedTuple, Self
+from typing import NamedTuple, Self
 
 import numpy as np
 from numpy.polynomial import legendre
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ..arguments import numbers
-from ..arrays import Array, Complexes
-from ..law.terms import FRICTION, term
+from ..arrays import Array, Complexes, Mask
+from ..law.terms import term
 from ..model import BaseMotion, Oscillator
+from .distorted import distorted_harmonics
 from .events import MOST_RADIANS
+from .jit import interpreted
 from .nearby import steady_orbit_near
 from .orbit import NoSteadyOrbit, Orbit, steady_orbit
 from .regime import Regime
 from .states import State
-from .steady_slopes import onset_slopes
 
 HARMONICS = 32
 """Odd harmonics of what other terms add to an orbit."""
@@ -43,7 +46,6 @@ HARMONICS = 32
 # Points of a phase: exact for the 63rd harmonic over half a cycle and more.
 _POINTS, _MOST_POINTS = 40, 400
 _RIGID = 1e-11  # of X: microstick lines below it are rounding
-_ODD = np.arange(1.0, 2.0 * HARMONICS, 2.0)
 
 
 @cache
@@ -79,6 +81,37 @@ def _polynomials(points: int) -> tuple[Array, Array, Array]:
     return nodes, weights, (n[:, None] + 0.5) * values * weights
 
 
+class Further(NamedTuple):
+    """Forces that an oscillator lacks, zero by default.
+
+    k_3 : of a spring that is not linear, k_3 x³, N/m³.
+    gradual : of a contact that yields gradually, the part of `rounding`: 1 for that of Iwan.
+    falling, speed : of a friction force that falls with the speed, F_k(1 + p e^{−|ẋ|/v}): p, and v, m/s.
+    """
+
+    k_3: float = 0.0
+    gradual: float = 0.0
+    falling: float = 0.0
+    speed: float = 1.0
+
+    def force(
+        self, u: Array, v: Array, X: float, sticks: Mask, o: Oscillator
+    ) -> tuple[Array, Array, Array, Array]:
+        """The forces at x + X = u and ẋ = v ≥ 0 after the reversal at −X, N, and their derivatives by u, v and X, (n,)
+        each. In stick, friction acts the way that it did before the turn."""
+        part = 0.5 * o.K_z / o.F_k * u * sticks
+        falling = o.F_k * self.falling * np.exp(-v / self.speed)
+        by_x = 3.0 * self.k_3 * (u - X) ** 2
+        force = self.k_3 * (u - X) ** 3 + self.gradual * 2.0 * o.F_k * part * (1.0 - part)
+        force += np.where(sticks, -o.F_k * self.falling, falling)
+        by_u = by_x + self.gradual * o.K_z * (1.0 - 2.0 * part) * sticks
+        return force, by_u, np.where(sticks, 0.0, -falling / self.speed), -by_x
+
+
+NOTHING = Further()
+"""No further forces."""
+
+
 class HalfCycle(NamedTuple):
     """A half cycle from the reversal at −X on: t, x + X, ẋ, ẍ at all points, and their derivatives by the unknowns.
 
@@ -102,7 +135,7 @@ class System:
     """The equations of a half cycle with one onset of slip, or with none.
 
     orbit : a motion near, whose phases count from its own base.   linear : c_l, N s/m.   others : the other terms.
-    lengths : number of points of each phase: in stick and slip, or of the only one.
+    lengths : number of points of each phase: in stick and slip, or of the only one.   further : other forces.
 
     The unknowns q are ẍ at the points, m/s², X, m, β = θ less that of the orbit, rad, and t_s, s, with two phases.
     """
@@ -111,15 +144,19 @@ class System:
     linear: float
     others: Mapping[str, float]
     lengths: tuple[int, ...]
+    further: Further = NOTHING
 
     @classmethod
-    def of(cls, orbit: Orbit, linear: float, others: Mapping[str, float]) -> Self:
+    def of(
+        cls, orbit: Orbit, linear: float, others: Mapping[str, float], further: Further = NOTHING
+    ) -> Self:
         """The equations of the response near an orbit. Raises NoSteadyOrbit for one of a kind that is not followed."""
         o, half = orbit.oscillator, 0.5 * orbit.motion.period
         if orbit.regime not in (Regime.ONE_SLIP, Regime.NO_SLIP, Regime.NO_FRICTION):
             raise NoSteadyOrbit(
-                "under quadratic or cubic damping only one onset of slip per half cycle can be followed, not: "
-                f"{orbit.regime}; raise the excitation, or give linear terms only"
+                "under quadratic or cubic damping, or a spring or contact that is not the oscillator's, only one onset "
+                f"of slip per half cycle can be followed, not: {orbit.regime}; raise the excitation, or give linear "
+                "terms only"
             )
         stiff, soft = math.sqrt((o.k + o.K_z) / o.m), math.sqrt(o.k / o.m)
         phases = [(half, stiff if orbit.regime == Regime.NO_SLIP else soft)]
@@ -127,7 +164,7 @@ class System:
             phases.insert(0, (orbit.t_s, stiff))
         swings = (length * (rate + o.c / o.m) / (2.0 * math.pi) for length, rate in phases)
         points = (_POINTS + 20 * int(min(s, 1e3) / 3.0) for s in swings)
-        return cls(orbit, linear, others, tuple(min(n, _MOST_POINTS) for n in points))
+        return cls(orbit, linear, others, tuple(min(n, _MOST_POINTS) for n in points), further)
 
     @property
     def slips(self) -> bool:
@@ -143,9 +180,10 @@ class System:
         a = self.orbit.states(np.concatenate(t) + self.orbit.theta / omega)[2]
         return np.concatenate([a, [self.orbit.X, 0.0], ends[1:-1]])
 
-    def half_cycle(self, q: Array) -> HalfCycle:
-        """The motion that the unknowns describe, from rest."""
-        half, size, first = 0.5 * self.orbit.motion.period, q.size, 0
+    def half_cycle(self, q: Array, *, slopes: bool = True) -> HalfCycle:
+        """The motion that the unknowns describe, from rest.   slopes : whether its derivatives are wanted; else none
+        have columns."""
+        half, size, first = 0.5 * self.orbit.motion.period, q.size if slopes else 0, 0
         two = len(self.lengths) == 2
         ends = [0.0, q[-1], half] if two else [0.0, half]
         begun, by = np.zeros(3), np.zeros((3, size))
@@ -159,11 +197,12 @@ class System:
             by_t, by_v = np.empty((2, n + 1, size))
             by_t[:], by_v[:] = by[0], by[2]
             by_u = by[1] + (h * tau)[:, None] * by[2]
-            by_v[:, own] += h * once
-            by_u[:, own] += h**2 * twice
-            by_v[:, -1] += by_h * gained
-            by_u[:, -1] += by_h * (tau * begun[2] + 2.0 * h * moved)
-            by_t[:, -1] += by_h * tau
+            if slopes:
+                by_v[:, own] += h * once
+                by_u[:, own] += h**2 * twice
+                by_v[:, -1] += by_h * gained
+                by_u[:, -1] += by_h * (tau * begun[2] + 2.0 * h * moved)
+                by_t[:, -1] += by_h * tau
             t = ends[i] + h * tau
             whole = (t, u, v, by_t, by_u, by_v)
             rows.append([*(of[:-1] for of in whole), a])
@@ -174,9 +213,10 @@ class System:
         t, u, v, by_t, by_u, by_v, a = (np.concatenate(of) for of in zip(*rows, strict=True))
         return HalfCycle(t, u, v, a, by_t, by_u, by_v, np.array(at), np.array(by_at))
 
-    def equations(self, q: Array) -> tuple[Array, Array]:
-        """What is left of the equations, N, and their derivatives."""
-        o, motion, of = self.orbit.oscillator, self.orbit.motion, self.half_cycle(q)
+    def equations(self, q: Array, *, slopes: bool = True) -> tuple[Array, Array]:
+        """What is left of the equations, N, and, where they are wanted, their derivatives."""
+        o, motion = self.orbit.oscillator, self.orbit.motion
+        of = self.half_cycle(q, slopes=slopes)
         n, X, ends, by_ends = of.t.size, q[of.t.size], of.at, of.by_at
         force, slope = self.linear * of.v, np.full(n, self.linear)
         for symbol, p in self.others.items():
@@ -185,47 +225,53 @@ class System:
             force = force + p * one.force(of.v, 0.0, o.k, motion.omega)
             slope = slope + p * one.slope(of.v, 0.0, o.k, motion.omega)
         contact, stiffness, by_X = self._contact(of, X)
+        if self.further != NOTHING:
+            sticks = stiffness > 0.0
+            # a contact that never slips has no friction that could fall
+            what = self.further if self.slips else self.further._replace(falling=0.0)
+            more, by_u, by_v, by_more = what.force(of.u, of.v, X, sticks, o)
+            contact, stiffness = contact + more, stiffness + by_u
+            slope, by_X = slope + by_v, by_X + by_more
         phase = motion.omega * of.t + self.orbit.theta + q[n + 1]
         drive, by_phase = o.k * motion.Y * np.cos(phase), o.k * motion.Y * np.sin(phase)
+        left = o.m * of.a + force + o.k * (of.u - X) + contact - drive
+        last = [o.k * (ends[-1, 1] - 2.0 * X), o.k / motion.omega * ends[-1, 2]]
+        falling = o.Z_m * self.further.falling * math.exp(-ends[0, 2] / self.further.speed)
+        if len(self.lengths) == 2:
+            limits = 2.0 * o.Z_m + o.Z_m * self.further.falling + falling
+            last.append(o.k * (ends[0, 1] - limits))
+        left = np.append(left, last)
+        if not slopes:
+            return left, np.empty((left.size, 0))
         matrix = (o.k + stiffness)[:, None] * of.by_u + slope[:, None] * of.by_v
         matrix += (motion.omega * by_phase)[:, None] * of.by_t
         matrix[:, :n] += o.m * np.eye(n)
         matrix[:, n] += by_X - o.k
         matrix[:, n + 1] += by_phase
-        left = o.m * of.a + force + o.k * (of.u - X) + contact - drive
-        last = [o.k * (ends[-1, 1] - 2.0 * X), o.k / motion.omega * ends[-1, 2]]
         by_last = [o.k * by_ends[-1, 1], o.k / motion.omega * by_ends[-1, 2]]
         by_last[0][n] -= 2.0 * o.k
         if len(self.lengths) == 2:
-            last.append(o.k * (ends[0, 1] - 2.0 * o.Z_m))
-            by_last.append(o.k * by_ends[0, 1])
-        return np.append(left, last), np.vstack([matrix, *by_last])
+            by_last.append(o.k * (by_ends[0, 1] + falling / self.further.speed * by_ends[0, 2]))
+        return left, np.vstack([matrix, *by_last])
 
-    def harmonics(self, q: Array, count: int) -> tuple[Complexes, Complexes]:
-        """x_n, n = 1, 3 … 2 count − 1, in the phases of the orbit, m, (count,), and derivatives, (count, q)."""
+    def harmonics(self, q: Array, count: int) -> Complexes:
+        """x_n, n = 1, 3 … 2 count − 1, in the phases of the orbit, m, (count,)."""
         omega, half, first = self.orbit.motion.omega, 0.5 * self.orbit.motion.period, 0
-        n, two = np.arange(1.0, 2.0 * count, 2.0), len(self.lengths) == 2
-        ends = [0.0, q[-1], half] if two else [0.0, half]
-        x, by = np.zeros(count, complex), np.zeros((count, q.size), complex)
+        n, x = np.arange(1.0, 2.0 * count, 2.0), np.zeros(count, complex)
+        ends = [0.0, q[-1], half] if len(self.lengths) == 2 else [0.0, half]
         for i, points in enumerate(self.lengths):
             # e^{iκs} over (−1, 1) takes κ/2 points and a few, κ < πn/2
             tau, weights, values = _finer(points, points + int(1.7 * count))
-            own, h = slice(first, first + points), ends[i + 1] - ends[i]
+            h = ends[i + 1] - ends[i]
             turns = np.exp(-1j * np.outer(n, omega * (ends[i] + h * tau) + self.orbit.theta))
             turns *= -2.0 / (math.pi * omega) / n[:, None] ** 2 * weights
-            a = values @ q[own]
-            x += h * turns @ a
-            by[:, own] += h * turns @ values
-            if two:
-                later = tau if i == 0 else 1.0 - tau
-                by[:, -1] += (1.0 - 2.0 * i) * turns @ a
-                by[:, -1] += -1j * omega * n * h * (turns @ (a * later))
+            x += h * turns @ (values @ q[first : first + points])
             first += points
-        return x, by
+        return x
 
     def state(self, q: Array, t: Array) -> tuple[Array, Array, Array, Array]:
         """(x, ẋ, ẍ, z) at times t after the reversal at −X, 0 to π/ω, s, (n,)."""
-        o, at, first = self.orbit.oscillator, self.half_cycle(q).at, 0
+        o, at, first = self.orbit.oscillator, self.half_cycle(q, slopes=False).at, 0
         X, begun = q[sum(self.lengths)], np.vstack([np.zeros(3), at])
         x, v, a, z = np.empty((4, t.size))
         phase = np.searchsorted(at[:-1, 0], t, side="right")
@@ -244,31 +290,6 @@ class System:
             first += points
         return x, v, a, z
 
-    def moved(self, q: Array, forces: Array) -> Array:
-        """Derivatives of the unknowns, (q, any), by further forces: their values in the equations, (q, any), N."""
-        return np.asarray(-np.linalg.solve(self.equations(q)[1], forces))
-
-    def forces(self, q: Array, lag: float, Y: float, symbols: Sequence[str]) -> dict[str, Array]:
-        """Derivatives of the equations, (q,), by the coefficients of terms, K_z and m.
-
-        lag : phase by which the base follows that of the orbit, rad.   Y : of the base, m.
-        """
-        o, omega, of = self.orbit.oscillator, self.orbit.motion.omega, self.half_cycle(q)
-        ends, slid = np.zeros(q.size - of.t.size), np.full(of.t.size, float(self.slips))
-        by_ends, stuck = ends.copy(), np.zeros(of.t.size) if self.slips else of.u - q[of.t.size]
-        if len(self.lengths) == 2:
-            slid[: self.lengths[0]], stuck[: self.lengths[0]] = -1.0, of.u[: self.lengths[0]]
-            ends[-1], by_ends[-1] = -2.0 * o.k / o.K_z, 2.0 * o.k * o.Z_m / o.K_z
-        by = {FRICTION: np.append(slid, ends), "K_z": np.append(stuck, by_ends)}
-        w = -omega * Y * np.sin(omega * of.t + self.orbit.theta + lag)
-        rest = np.zeros(ends.size)
-        by["m"] = np.append(of.a, rest)
-        for symbol in symbols:
-            force = term(symbol).force
-            if force is not None:
-                by[symbol] = np.append(force(of.v, w, o.k, omega), rest)
-        return by
-
     def _contact(self, of: HalfCycle, X: float) -> tuple[Array, Array, Array | float]:
         """The force of the contact at the points, N, and its derivatives by x + X and X, N/m."""
         o, n = self.orbit.oscillator, of.t.size
@@ -281,6 +302,7 @@ class System:
 
 _MOST = 40  # steps
 _CONVERGED_STATE = 1e-8  # of the unknowns: what a step as short leaves, its square, is rounding
+_BESIDE = 1e-5  # of the unknowns: what a step as short leaves with derivatives from there, its square, is 1e-10
 _FAR = 0.3  # of the unknowns: a step as long may lead away
 _SHORTEST = 1.0 / 256.0  # part of such a step
 _EQUIVALENCES = 3  # repetitions that bring c_e near that of the response
@@ -291,21 +313,22 @@ class Response:
     """The steady response of an oscillator with a law.
 
     orbit : exact, of the oscillator with the equivalent linear damper.   advance : phase by which the base of that
-    orbit is before the real one, rad.   system, unknowns : the equations of the response, where it is no orbit, and
-    what solves them.
+    orbit is before the real one, rad.   system, unknowns, matrix : the equations of the response, where it is no orbit,
+    what solves them, and their derivatives.
     """
 
     orbit: Orbit
     advance: float
     system: System | None = field(default=None, repr=False)
     unknowns: Array | None = field(default=None, repr=False)
+    matrix: Array | None = field(default=None, repr=False)
 
     @cached_property
     def change(self) -> Complexes | None:
         """x_n less that of the orbit, n = 1, 3 … 63, with the phases of the orbit, m; None where there is none."""
         if self.system is None or self.unknowns is None:
             return None
-        return self.system.harmonics(self.unknowns, HARMONICS)[0] - self.orbit.harmonics(HARMONICS)
+        return self.system.harmonics(self.unknowns, HARMONICS) - self.orbit.harmonics(HARMONICS)
 
     @property
     def turned(self) -> float:
@@ -318,7 +341,7 @@ class Response:
         if self.system is None or self.unknowns is None:
             return None
         X, beta, *onset = self.unknowns[sum(self.system.lengths) :].tolist()
-        V_s = self.system.half_cycle(self.unknowns).at[0, 2] if onset else 0.0
+        V_s = self.system.half_cycle(self.unknowns, slopes=False).at[0, 2] if onset else 0.0
         t_s = onset[0] if onset else 0.0
         return (X, beta, float(V_s), t_s) if self.slips else (X, beta, math.nan, math.nan)
 
@@ -345,15 +368,17 @@ class Response:
     @property
     def stick_travel(self) -> float:
         """λ = 4X − a, m: what sticking takes from the travel of a cycle."""
-        if self.system is None:
+        if self.system is None or self.unknowns is None:
             return 4.0 * self.orbit.X - self.orbit.a
-        return 4.0 * self.orbit.oscillator.Z_m
+        if len(self.system.lengths) == 1:
+            return 4.0 * self.orbit.oscillator.Z_m
+        return 2.0 * float(self.system.half_cycle(self.unknowns, slopes=False).at[0, 1])
 
     def harmonics(self, count: int) -> Complexes:
         """x_n of x = Re Σ x_n e^{inωt}, n = 1, 3 … 2 count − 1, m, shape (count,); y = Y cos ωt."""
         turn = np.exp(1j * np.arange(1, 2 * count, 2) * self.advance)
         if self.system is not None and self.unknowns is not None:
-            return self.system.harmonics(self.unknowns, count)[0] * turn
+            return self.system.harmonics(self.unknowns, count) * turn
         x = self.orbit.harmonics(count)
         return x * turn if self.advance else x
 
@@ -387,103 +412,6 @@ class Response:
         stuck = math.fsum(end - start for start, end, slips in ends if not slips)
         return stuck * math.sqrt((par.k + par.K_z) / par.m) / (2.0 * math.pi)
 
-    def with_slopes(
-        self, count: int, symbols: Sequence[str]
-    ) -> tuple[Complexes, dict[str, Complexes]]:
-        """`harmonics` and their derivatives by the coefficients of these terms, rho = K_z^{−1/2} and m, (count,)."""
-        n = np.arange(1, 2 * count, 2)
-        turn = np.exp(1j * n * self.advance)
-        if self._closed(symbols):
-            by = self.orbit.harmonics_with_slopes(count) * turn
-            return by[0], self._by_coefficients(by, symbols, 1.0, 1j * n * by[0])
-        x = self.harmonics(count)
-        moved, (system, unknowns) = self._moved(symbols), self._equations()
-        by_unknowns = system.harmonics(unknowns, count)[1]
-        beta = sum(system.lengths) + 1
-        return x, {
-            name: (by_unknowns @ step) * turn - 1j * n * step[beta] * x
-            for name, step in moved.items()
-        }
-
-    def onset_slopes(self, symbols: Sequence[str]) -> dict[str, Array]:
-        """Derivatives of (V_s, t_s, λ), SI, by the coefficients of these terms, rho and m, (3,)."""
-        if self._closed(symbols):
-            by = onset_slopes(self.orbit.phases, self.orbit.theta, self.orbit.parameters)
-            onset = np.array([self.V_s, self.t_s, self.stick_travel])
-            return self._by_coefficients([onset, *by.T], symbols, np.array([1.0, 0.0, 1.0]), 0.0)
-        moved, (system, unknowns) = self._moved(symbols), self._equations()
-        by = np.zeros((2, unknowns.size))
-        if len(system.lengths) == 2:
-            by = system.half_cycle(unknowns).by_at[0, [2, 0]]
-        o = self.orbit.oscillator
-        taken = {FRICTION: 4.0 / o.K_z, "rho": 8.0 * o.F_k / math.sqrt(o.K_z)}
-        return {name: np.append(by @ step, taken.get(name, 0.0)) for name, step in moved.items()}
-
-    def moved_by(self, force: Array) -> Complexes | None:
-        """Change of the harmonics, m, (32,), by a small further force against the motion, which moves the onsets of
-        slip as well; None where the orbit is of a kind that is not followed.
-
-        force : at evenly spaced phases of a cycle from the peak of the base of the orbit on, N, an even number. Only
-        what changes its sign half a cycle later has an effect on odd harmonics.
-        """
-        try:
-            system, unknowns = self._equations()
-        except NoSteadyOrbit:
-            return None
-        phase = self.orbit.motion.omega * system.half_cycle(unknowns).t + self.orbit.theta
-        forces = np.zeros(unknowns.size)
-        odd = 0.5 * (force - np.roll(force, force.size // 2))
-        at = 2.0 * math.pi * np.arange(force.size) / force.size
-        forces[: phase.size] = np.interp(phase, at, odd, period=2.0 * math.pi)
-        step = system.moved(unknowns, forces)
-        turned = 1j * _ODD * step[phase.size + 1] * self.harmonics(HARMONICS)
-        return (
-            system.harmonics(unknowns, HARMONICS)[1] @ step * np.exp(1j * _ODD * self.advance)
-            - turned
-        )
-
-    def _equations(self) -> tuple[System, Array]:
-        """The equations of the motion, which an orbit solves as well, and the unknowns that do."""
-        if self.system is not None and self.unknowns is not None:
-            return self.system, self.unknowns
-        system = System.of(self.orbit, self.orbit.oscillator.c, {})
-        return system, system.start()
-
-    def _moved(self, symbols: Sequence[str]) -> dict[str, Array]:
-        """Derivatives of the unknowns by the coefficients of terms, rho and m."""
-        system, unknowns = self._equations()
-        Y = self.orbit.motion.Y * math.cos(self.advance + self.turned)  # of the real base
-        forces = system.forces(unknowns, -self.advance, Y, symbols)
-        forces["rho"] = -2.0 * self.orbit.oscillator.K_z**1.5 * forces.pop("K_z")
-        moved = system.moved(unknowns, np.array([*forces.values()]).T)
-        return dict(zip(forces, moved.T, strict=True))
-
-    def _closed(self, symbols: Sequence[str]) -> bool:
-        """Whether the motion is that of the orbit, and would be with other coefficients of these terms."""
-        return self.system is None and all(term(s).linear for s in symbols if s != FRICTION)
-
-    def _by_coefficients(
-        self, by: Any, symbols: Sequence[str], degree: Any, by_phase: Any
-    ) -> dict[str, NDArray[Any]]:
-        """Derivatives of what has the value and the derivatives `by`, (5, …), under the law of the orbit.
-
-        degree : in (Y, F_k).   by_phase : derivative by the phase of the base.
-
-        Terms that are linear in ẋ and ẏ change c, ln Y and the phase of the base that drives the orbit.
-        """
-        value, by_friction, by_c, by_rho, by_m = by
-        omega, k = self.orbit.motion.omega, self.orbit.oscillator.k
-        by_base = degree * value - self.orbit.oscillator.F_k * by_friction
-        slopes = {FRICTION: by_friction, "rho": by_rho, "m": by_m}
-        to_base = math.tan(self.advance)  # of ω/k
-        for symbol in symbols:
-            force = term(symbol).force
-            if force is not None:
-                turned = -float(force(0.0, 1.0, k, omega)) * omega / k / (1.0 + to_base**2)
-                damping = float(force(1.0, 0.0, k, omega))
-                slopes[symbol] = damping * by_c + turned * (to_base * by_base + by_phase)
-        return slopes
-
 
 def steady_response(
     oscillator: Oscillator,
@@ -491,19 +419,20 @@ def steady_response(
     law: Mapping[str, float],
     near: Response | None = None,
     *,
+    further: Further = NOTHING,
     most_radians: float = MOST_RADIANS,
 ) -> Response:
     """The steady response of an oscillator under a law.
 
     law : symbol → coefficient of the terms besides friction and c, which are the oscillator's, SI.
-    near : a response from which to start.
+    near : a response from which to start.   further : forces besides those of the law and the oscillator.
     most_radians : as for `steady_orbit`, of a law with linear terms only.
 
     Raises NoSteadyOrbit where there is none, or none with one onset of slip per half cycle under quadratic or cubic
-    damping.
+    damping or further forces.
     """
     start = None if near is None else near.orbit
-    if not law:
+    if not law and further == NOTHING:
         return Response(
             steady_orbit_near(oscillator, motion, start, most_radians=most_radians), 0.0
         )
@@ -518,7 +447,7 @@ def steady_response(
             others[symbol] = p
     base = BaseMotion(motion.Y * math.hypot(1.0, omega * to_base / k), omega)
     advance = math.atan2(omega * to_base, k)
-    if not others:
+    if not others and further == NOTHING:
         own = replace(oscillator, c=linear)
         return Response(steady_orbit_near(own, base, start, most_radians=most_radians), advance)
     if near is not None and near.system is not None:
@@ -526,9 +455,9 @@ def steady_response(
         orbit = steady_orbit(replace(oscillator, c=linear + max(extra, 0.0)), base)
     else:
         orbit, near = _equivalent(replace(oscillator, c=linear), base, others), None
-    system = System.of(orbit, linear, others)
-    unknowns = _solved(system, near)
-    return Response(orbit, advance - unknowns[sum(system.lengths) + 1], system, unknowns)
+    system = System.of(orbit, linear, others, further)
+    unknowns, matrix = _solved(system, near)
+    return Response(orbit, advance - unknowns[sum(system.lengths) + 1], system, unknowns, matrix)
 
 
 def _equivalent(oscillator: Oscillator, base: BaseMotion, others: Mapping[str, float]) -> Orbit:
@@ -546,23 +475,32 @@ def _equivalent(oscillator: Oscillator, base: BaseMotion, others: Mapping[str, f
     return orbit
 
 
-def _solved(system: System, near: Response | None) -> Array:
-    """The unknowns of the response, by Newton's method from the orbit, or from a response near."""
+def _solved(system: System, near: Response | None) -> tuple[Array, Array]:
+    """The unknowns of the response and the derivatives of its equations, by Newton's method from the orbit, or from a
+    response near; from one that is very near, with its derivatives."""
     orbit, q, n = system.orbit, system.start(), sum(system.lengths)
-    if near is not None and near.unknowns is not None and near.unknowns.size == q.size:
+    if (
+        near is not None
+        and near.unknowns is not None
+        and near.matrix is not None
+        and near.unknowns.size == q.size
+    ):
         q = near.unknowns.copy()
         q[n + 1] -= math.remainder(orbit.theta - near.orbit.theta, 2.0 * math.pi)
+        step = -np.linalg.solve(near.matrix, system.equations(q, slopes=False)[0])
+        if float(np.abs(step / _scale(q, n)).max()) < _BESIDE:
+            _require_kind(system, q + step)
+            return q + step, near.matrix
     left, matrix = system.equations(q)
     for _ in range(_MOST):
         step, before, part = -np.linalg.solve(matrix, left), np.linalg.norm(left), 1.0
-        scale = np.append(np.full(n, np.abs(q[:n]).max()), [q[n], 1.0, *q[n + 2 :]])
-        size = float(np.abs(step / scale).max())
+        size = float(np.abs(step / _scale(q, n)).max())
         if not size < 1e3:
             break
         if size < _CONVERGED_STATE:
             q = q + step
             _require_kind(system, q)
-            return q
+            return q, matrix
         left, matrix = system.equations(q + step)
         # a step as long is halved until it brings the equations nearer to balance
         while size > _FAR and part > _SHORTEST:
@@ -576,12 +514,42 @@ def _solved(system: System, near: Response | None) -> Array:
     )
 
 
+def _scale(q: Array, n: int) -> Array:
+    """Sizes of the unknowns, of which n are accelerations."""
+    return np.append(np.full(n, np.abs(q[:n]).max()), [q[n], 1.0, *q[n + 2 :]])
+
+
 def _require_kind(system: System, q: Array) -> None:
     """Raise NoSteadyOrbit if a response is not of the kind that was assumed."""
-    of, n = system.half_cycle(q), sum(system.lengths)
+    of, n = system.half_cycle(q, slopes=False), sum(system.lengths)
     if not system.slips and q[n] > system.orbit.oscillator.Z_m:
         raise NoSteadyOrbit("the contact begins to slip under quadratic or cubic damping")
     if not (np.diff(of.t) > 0.0).all():
         raise NoSteadyOrbit("the contact does not slip in every half cycle")
     if not (of.v > 0.0).all():
         raise NoSteadyOrbit("the velocity changes its sign inside a half cycle")
+
+
+def added_by_base(base: Complexes, response: Response, count: int) -> Complexes:
+    """Δ_n, n = 1, 3 … 2 count − 1, m: what harmonics of the base add to those of a motion, (count,).
+
+    base : y_n, n = 2, 3 …, m, phases counted from the peak of the fundamental.   response : the motion under the
+    fundamental alone.
+    """
+    n = np.arange(1, 2 * count, 2)
+    if not base.any():
+        return np.zeros(count, dtype=np.complex128)
+    orbit, order = response.orbit, np.arange(2, base.size + 2)
+    # a damper to the base moves the mass as well: the base of the orbit is (1 + inω c_r/k) y_n
+    to_base = 1.0 + 1j * order * math.tan(response.advance + response.turned)
+    y = np.append(orbit.motion.Y, base * to_base * np.exp(-1j * order * response.advance))
+    try:
+        with interpreted(False):  # it takes hundreds of steps
+            change = distorted_harmonics(orbit, y, 2 * count)[::2] - orbit.harmonics(count)
+    except NoSteadyOrbit:
+        # as if it slipped on
+        own, rates = orbit.oscillator, n * orbit.motion.omega
+        forced = np.zeros(2 * count, dtype=np.complex128)
+        forced[1 : y.size] = own.k * y[1 : forced.size]
+        change = forced[::2] / (own.k - rates**2 * own.m + 1j * rates * own.c)
+    return change * np.exp(1j * n * response.advance)

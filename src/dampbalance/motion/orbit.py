@@ -21,7 +21,7 @@ from .integrals import Measures, measure
 from .regime import Regime
 from .states import State, states_in_phases
 from .steady import solve_steady
-from .steady_slopes import steady_harmonics
+from .steady_harmonics import steady_harmonics
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -143,13 +143,8 @@ class Orbit:
 
     def harmonics(self, count: int) -> Complexes:
         """x_n of x = Re Σ x_n e^{inωt}, n = 1, 3 … 2 count − 1, m, shape (count,); x_n = X_n e^{−iφ_n}."""
-        x: Complexes = self.harmonics_with_slopes(count)[0]
-        return x
-
-    def harmonics_with_slopes(self, count: int) -> Complexes:
-        """`harmonics` and, below, their derivatives by F_k, c, ρ = K_z^{−1/2} and m, SI, shape (5, count)."""
-        n, regime = whole("count", count), int(self.regime)
-        return steady_harmonics(self.phases, self.theta, self.parameters, regime, n)
+        n = whole("count", count)
+        return steady_harmonics(self.phases, self.theta, self.parameters, self.regime, n)
 
     def state(self, t: ArrayLike) -> State:
         """(x, ẋ, ẍ, z) at the times t, s, any shape; y = Y cos ωt."""

@@ -267,6 +267,18 @@ def few_bits(quantity: str, values: Array, noise: float) -> Iterator[Remark]:
         )
 
 
+SETTLES = "; it settles after about {} cycles: leave those out (--skip-cycles {})"
+"""The part of a sentence on a motion that settles within its record; its last number is that of cycles to leave out."""
+
+
+class Unsettled(ValueError):
+    """A record whose amplitude changes too much.   skip : cycles to leave out at its start, 0 where that is no use."""
+
+    def __init__(self, words: str, skip: int) -> None:
+        super().__init__(words)
+        self.skip = skip
+
+
 def steadiness(
     Y: Complexes, X: Complexes, times: Array, weights: Array, period: float, skipped: int = 0
 ) -> tuple[tuple[float, float], list[Remark]]:
@@ -304,12 +316,12 @@ def steadiness(
         outside = 1 + np.flatnonzero(np.abs(rows - late) > scatter)
         if outside.size and outside[-1] < size // 2:
             after = round(outside[-1] * (times[-1] - times[0]) / (size - 1) / period)
-            words += "; it settles after about {} cycles: leave those out (--skip-cycles {})"
+            words += SETTLES
             sizes = (*sizes, after, skipped + after)
         elif found.size > _DRIFT_WRONG:
             words += "; leave out cycles at its start (--skip-cycles), or record again after the motion has settled"
         if found.size > _DRIFT_WRONG:
-            raise ValueError(words.format(*sizes))
+            raise Unsettled(words.format(*sizes), int(sizes[-1]) if SETTLES in words else 0)
         warnings.append(Remark(words, *sizes, doubts={"": parts_of[i]}))
     return (parts_of[0], parts_of[1]), warnings
 

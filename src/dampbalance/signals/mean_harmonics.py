@@ -30,9 +30,7 @@ import numpy as np
 from ..arrays import Array, Complexes
 from ..features import FEATURE_COLUMNS, Features, of_numbers, wrapped_phase
 from ..law.terms import FRICTION, of_harmonics
-from ..motion.distorted import distorted_harmonics
 from ..motion.law_steady import Response
-from ..motion.orbit import NoSteadyOrbit
 from ..project.wording import Remark
 from ..records.measurement import Measurement
 from .conditioning import SteadyRecord, condition
@@ -103,7 +101,7 @@ class Waveform:
     response : the motion.
     onset : (V_s, t_s, λ), SI, λ = 4X − a the travel that sticking takes from 4X: 2L for one slip onset per half cycle.
     onset_slope : (3, p).
-    tail : harmonics x_n, n = 1, 3, 5 …, phases counted from the peak of y, m.
+    tail : harmonics x_n, n = 1, 3, 5 …, as the record reads them, phases counted from the peak of y, m.
     tail_slope : (harmonics, p).
     at : places of the record's unknowns among the p, by name.
     F_k : friction force of the record, N.
@@ -339,7 +337,7 @@ class Reading:
 
     def fitted_cycle(self, waveform: Waveform, points: int = 720) -> dict[str, Array]:
         """One cycle of a waveform fitted to this record, in the columns of `averaged_cycle` without the base."""
-        x = waveform.tail + added_by_base(self.lines.base, waveform.response, waveform.tail.size)
+        x = waveform.tail
         return self._cycle(np.arange(1.0, 2.0 * x.size, 2.0), x, points)
 
     def _cycle(self, n: Array, x: Complexes, points: int) -> dict[str, Array]:
@@ -354,12 +352,6 @@ class Reading:
     @property
     def _unknowns(self) -> int:
         return 0 if self.waveform is None else len(self.waveform.by_data)
-
-    @cached_property
-    def _of_base(self) -> Complexes:
-        """What the harmonics of the base add to those of the waveform, m, as many as its tail has."""
-        assert self.waveform is not None
-        return added_by_base(self.lines.base, self.waveform.response, self.waveform.tail.size)
 
     def series(self, means: Means, moved: Array | None = None) -> Series:
         """The harmonics of r means of the response: the record's own, odd ones beyond them those of the waveform.
@@ -376,8 +368,6 @@ class Reading:
             own = lines.n <= min(max(self.steady.bandwidth, 1), _HIGHEST_READ)
             beyond = slice(np.count_nonzero(own), None)
             tail = waveform.tail[beyond] + (waveform.tail_slope[beyond] @ moved).T
-            if means.base.any():
-                tail = tail + self._of_base[beyond]
         x = np.hstack([means.x[:, own], tail, means.even])
         odd, even = np.arange(x.shape[1] - means.even.shape[1]), np.arange(means.even.shape[1])
         n = np.concatenate([2.0 * odd + 1.0, 2.0 * even + 2.0])
@@ -441,27 +431,3 @@ def read_features(
     skip_cycles : cycles left out at the start.   Raises ValueError naming the source when the record cannot be used.
     """
     return Reading(condition(measurement, k, frequency_hz=frequency_hz, skip_cycles=skip_cycles))
-
-
-def added_by_base(base: Complexes, response: Response, count: int) -> Complexes:
-    """Δ_n, n = 1, 3 … 2 count − 1, m: what harmonics of the base add to those of a motion, (count,).
-
-    base : y_n, n = 2, 3 …, m, phases counted from the peak of the fundamental.   response : the motion under the
-    fundamental alone.
-    """
-    n = np.arange(1, 2 * count, 2)
-    if not base.any():
-        return np.zeros(count, dtype=np.complex128)
-    orbit, order = response.orbit, np.arange(2, base.size + 2)
-    # a damper to the base moves the mass as well: the base of the orbit is (1 + inω c_r/k) y_n
-    to_base = 1.0 + 1j * order * math.tan(response.advance + response.turned)
-    y = np.append(orbit.motion.Y, base * to_base * np.exp(-1j * order * response.advance))
-    try:
-        change = distorted_harmonics(orbit, y, 2 * count)[::2] - orbit.harmonics(count)
-    except NoSteadyOrbit:
-        # as if it slipped on
-        own, rates = orbit.oscillator, n * orbit.motion.omega
-        forced = np.zeros(2 * count, dtype=np.complex128)
-        forced[1 : y.size] = own.k * y[1 : forced.size]
-        change = forced[::2] / (own.k - rates**2 * own.m + 1j * rates * own.c)
-    return change * np.exp(1j * n * response.advance)

@@ -230,7 +230,7 @@ def _with_one_oscillator(
     replicates = [nothing[:, None][:, [0] * count] for nothing in points]
     whole = None
     if readings:
-        whole = joint_fit([reading.lines for reading in readings], k, timing=False)
+        whole = joint_fit([reading.lines for reading in readings], k, departures=False)
         shared = with_common_fit(readings, whole)
         means = [one.mean.followed_by(one.resampled(count, random)) for one in shared]
         features = sample_of(shared, means).features

@@ -1,0 +1,86 @@
+"""Departures of records from one oscillator that are read right: unknowns of their model, zero unless they are freed.
+
+    delay              s          the response lags the base in the record by more than in its motion
+    gain               1          the drive reads (1 + g)Y for Y
+    corner             Hz         the response is AC-coupled: a high-pass of first order, iω/(iω + 2πf_c)
+    low_pass           s          time constant of a low-pass of first order in the response, 1/(1 + iωτ)
+    friction_level     1          the friction force is F_k(1 + p ln(Y/Ȳ)), Ȳ the geometric mean of the levels
+    friction_speed     1          it is larger at rest, F_k(1 + p e^{−|ẋ|/v}), v a tenth of the largest speed
+    c_2                N s²/m²    damping that grows with the speed, c_2|ẋ|ẋ
+    k_3                N/m³       a spring that is not linear, k_3 x³
+    gradual            1          the contact yields gradually: 1 for that of Iwan, see `rounding`
+
+All act exactly. The last four, `FORCES`, need a motion with one onset of slip per half cycle, or none.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from ..arrays import Complexes, Integers
+from ..signals.lines import Lines
+
+FALLING = 0.1
+"""Speed over the largest at which a friction force that changes with the speed has fallen by a factor e."""
+
+_LARGEST_GAIN = 0.5  # beyond it a channel has another unit, and no fault of calibration
+
+NUISANCES: Mapping[str, tuple[float, float]] = {
+    "delay": (-math.inf, math.inf),
+    "gain": (-_LARGEST_GAIN, _LARGEST_GAIN),
+    "corner": (0.0, math.inf),
+    "low_pass": (0.0, math.inf),
+    "friction_level": (-math.inf, math.inf),
+    "friction_speed": (-math.inf, math.inf),
+    "c_2": (-math.inf, math.inf),
+    "k_3": (-math.inf, math.inf),
+    "gradual": (0.0, math.inf),
+}
+"""The least and the greatest value of each nuisance."""
+
+FORCES = ("friction_speed", "c_2", "k_3", "gradual")
+"""Nuisances that are forces which the oscillator lacks."""
+
+
+def units_of(k: float, m: float, omega: float, X: float) -> dict[str, float]:
+    """Size of each nuisance that changes a motion by about as much as itself.
+
+    k, m : of the oscillator, N/m and kg.   omega, X : of the fastest record, rad/s, and of the largest motion, m.
+    """
+    units = dict.fromkeys(NUISANCES, 1.0)
+    units |= {"delay": 1.0 / omega, "low_pass": 1.0 / omega, "corner": omega / (2.0 * math.pi)}
+    return units | {"c_2": math.sqrt(k * m) / (omega * X), "k_3": k / X**2}
+
+
+def read_by_channels(
+    x: Complexes, base: float, n: Integers, one: Lines, values: Mapping[str, float]
+) -> Complexes:
+    """Return the harmonics x_n, m, as the channels of a record read them.
+
+    base : true amplitude of the base, m; the one read is added to a response relative to the base.   values : of the
+    nuisances.
+    """
+    rate = 1j * one.omega * n
+    factor = np.exp(-values["delay"] * rate) / (1.0 + values["low_pass"] * rate)
+    factor *= rate / (rate + 2.0 * math.pi * values["corner"])
+    first = np.where(n == 1, base * one.relative, 0.0)
+    return np.asarray(factor * (x - first) + (1.0 + values["gain"]) * first)
+
+
+def in_other_frame(one: Lines) -> Lines:
+    """Return the harmonics of a response that is relative to the base and was taken for absolute, or the other way
+    round, without that error."""
+    y = np.zeros(max(int(one.n[-1]), one.base.size + 1) + 1, dtype=np.complex128)
+    y[1], y[2 : one.base.size + 2] = one.Y, one.base
+    sign = -1.0 if one.relative else 1.0
+    return replace(one, x=one.x + sign * y[one.n], relative=not one.relative)
+
+
+def with_response(one: Lines, factor: float) -> Lines:
+    """Return the harmonics of a response that was read in another unit, by a factor."""
+    base = np.where(one.n == 1, one.Y * one.relative, 0.0)
+    return replace(one, x=(one.x - base) * factor + base, x_error=one.x_error * factor)

@@ -1,0 +1,74 @@
+"""The fit to the fundamentals alone, on motions of an independent integrator that are not those of the model."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from blind.other_motion import Departure, steady
+from dampbalance.fit.fundamentals import fit_fundamentals
+from dampbalance.signals.lines import Lines
+
+M, C, K, K_Z, F_K, HZ = 2.0, 4.0, 2000.0, 30000.0, 0.4, 4.6
+LEVELS = (1e-3, 1.6e-3, 2.5e-3, 4e-3)
+NOISE = 2e-5  # of the fundamental: a per cent in each of some thousand samples
+
+
+def lines_of(departure, levels=LEVELS, turn=0.0, second_mode=0.0, seed=0):
+    """Harmonics of each level under a departure, with noise.   turn : lag of the fundamental, rad, n times that at
+    harmonic n.   second_mode : size of what a further mode adds to harmonics beyond the first, over X."""
+    random, omega, lines = np.random.default_rng(seed), 2.0 * math.pi * HZ, []
+    for Y in levels:
+        cycle = steady((M, C, K, K_Z, F_K, Y, omega), departure)
+        phases = np.arange(4096) * (2.0 * math.pi / 4096)
+        n = np.arange(1, 14, 2)
+        x = 2.0 * np.fft.rfft(cycle(phases)[0])[n] / phases.size
+        x[1:] += second_mode * abs(x[0]) / n[1:]
+        x *= np.exp(-1j * n * turn)
+        error = NOISE * abs(x[0])
+        x += error * (random.standard_normal(n.size) + 1j * random.standard_normal(n.size))
+        lines.append(Lines(omega, Y, NOISE * Y, n, x, np.full(n.size, error), 40))
+    return lines
+
+
+CUBIC = Departure(cubic=0.03 * K / 4e-3**2)
+"""A spring that is 3 % stiffer or so at the highest level."""
+
+
+@pytest.mark.parametrize(
+    ("lines", "freed"),
+    [
+        (lines_of(Departure()), ()),
+        (lines_of(Departure(), second_mode=0.02), ()),
+        (lines_of(CUBIC, (*LEVELS, 3e-3)), ("k_3",)),
+        (lines_of(Departure(), (*LEVELS, 3e-3), turn=0.05), ("delay",)),
+    ],
+    ids=["model", "second mode", "cubic spring", "delay"],
+)
+def test_the_truth_lies_in_the_intervals_and_departures_are_found(lines, freed):
+    fit = fit_fundamentals(lines, K)
+    assert fit.departures == freed
+    # ¾k_3X² leaves out the third harmonic of such a spring, which moves c by half a per cent
+    slack = 0.01 if freed == ("k_3",) else 0.0
+    for name, truth in (("F_k", F_K), ("c", C), ("m", M), ("rho", K_Z**-0.5)):
+        low, high = fit.interval(name)
+        assert low - slack * truth < truth < high + slack * truth, name
+    low, high = fit.interval("F_k")
+    assert high - low < 0.1 * F_K
+    if freed == ("delay",):
+        assert fit.value("delay") == pytest.approx(0.05 / (2.0 * math.pi * HZ), rel=0.2)
+
+
+def test_two_levels_show_no_scatter():
+    assert fit_fundamentals(lines_of(Departure(), LEVELS[::3]), K) is None
+
+
+def test_few_levels_have_wide_intervals():
+    """Student's t of one degree of freedom is 12.7, of three 3.2."""
+    widths = []
+    for levels in (LEVELS[1:], (*LEVELS, 3e-3)):
+        low, high = fit_fundamentals(lines_of(Departure(), levels), K).interval("F_k")
+        widths.append(high - low)
+    assert widths[0] > 2.0 * widths[1]

@@ -1,0 +1,160 @@
+"""Departures of records that are read right: each is found with its size, and the oscillator behind it.
+
+The channels are changed by formulas, the motions made by an independent integrator (trials/blind/other_motion.py).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from blind.other_motion import STEPS, Departure, steady
+from dampbalance import BaseMotion, Oscillator, steady_orbit
+from dampbalance.fit.nuisances import FALLING, NUISANCES, in_other_frame
+from dampbalance.fit.steady_search import fit_records, refit
+from dampbalance.fit.waveforms import HarmonicProblem
+from dampbalance.law.law import Law
+from identification.gradual_contacts import contact_of, harmonics_on
+from paper_case import LEVELS, PAPER, orbits_at
+from signals.harmonics import lines_of
+
+NOISE = 1e-7  # m
+HZ = 3.5
+OMEGA = 2.0 * math.pi * HZ
+
+
+def lines(change=lambda one: one, *, seed=1, osc=PAPER, levels=LEVELS):
+    """Lines of an oscillator at several levels, each changed, with noise."""
+    rng = np.random.default_rng(seed)
+    for orbit in orbits_at(HZ, levels, osc):
+        yield change(lines_of(orbit, NOISE, rng))
+
+
+def filtered(response):
+    """A change that passes the response through a filter of rates iω, 1/s."""
+    return lambda one: replace(one, x=one.x * response(1j * one.n * one.omega))
+
+
+def integrated(departure, osc, *, seed=1, noise=NOISE):
+    """Lines of a motion that is not the model's, with noise."""
+    rng = np.random.default_rng(seed)
+    for orbit in orbits_at(HZ, LEVELS, osc):
+        one = lines_of(orbit, noise)
+        numbers = (osc.m, osc.c, osc.k, osc.K_z, osc.F_k, one.Y, OMEGA)
+        x = steady(numbers, departure)(np.arange(STEPS) * (2.0 * math.pi / STEPS))[0]
+        drawn = noise * (rng.standard_normal(one.n.size) + 1j * rng.standard_normal(one.n.size))
+        yield replace(one, x=2.0 * np.fft.rfft(x)[one.n] / STEPS + drawn)
+
+
+def mild_steps():
+    """Levels whose friction grows by 3 % for each e-fold of the level."""
+    mean = float(np.mean(np.log(LEVELS)))
+    for i, Y in enumerate(LEVELS):
+        osc = replace(PAPER, F_k=PAPER.F_k * (1.0 + 0.03 * (math.log(Y) - mean)))
+        yield from lines(seed=i, osc=osc, levels=(Y,))
+
+
+SOFT = replace(PAPER, K_z=20_000.0)
+
+
+def gradual(part, noise=3e-8):
+    """Lines of a contact of which a part yields gradually, by an integrator of sliders."""
+    rng, contact = np.random.default_rng(1), contact_of(SOFT, part)
+    for orbit in orbits_at(HZ, LEVELS, SOFT):
+        one = lines_of(orbit, noise)
+        drawn = noise * (rng.standard_normal(one.n.size) + 1j * rng.standard_normal(one.n.size))
+        yield replace(one, x=harmonics_on(contact, SOFT, one.Y, one.n.size) + drawn)
+
+
+FASTEST = max(abs(orbit.harmonics(1)[0]) * OMEGA for orbit in orbits_at(HZ, LEVELS, SOFT))
+LARGEST = max(orbit.X for orbit in orbits_at(HZ, LEVELS, SOFT))
+CUBIC = 0.05 * PAPER.k / LARGEST**2  # the spring is 5 % stiffer at the largest peak
+CASES = {
+    "delay": (1e-4, PAPER, lambda: lines(filtered(lambda s: np.exp(-1e-4 * s)))),
+    "gain": (0.01, PAPER, lambda: lines(lambda one: replace(one, Y=1.01 * one.Y))),
+    "corner": (0.1, PAPER, lambda: lines(filtered(lambda s: s / (s + 0.2 * math.pi)))),
+    "low_pass": (5e-4, PAPER, lambda: lines(filtered(lambda s: 1.0 / (1.0 + 5e-4 * s)))),
+    "friction_level": (0.03, PAPER, mild_steps),
+    "friction_speed": (
+        0.2,
+        SOFT,
+        lambda: integrated(Departure(falling=0.2, speed=FALLING * FASTEST), SOFT, noise=5e-7),
+    ),
+    "c_2": (20.0, SOFT, lambda: integrated(Departure(quadratic=20.0), SOFT, noise=5e-7)),
+    "gradual": (0.2, SOFT, lambda: gradual(0.2)),
+    "k_3": (CUBIC, SOFT, lambda: integrated(Departure(cubic=CUBIC), SOFT, noise=5e-6)),
+}
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_each_is_found_with_its_size_and_the_oscillator_behind_it(name):
+    size, osc, made = CASES[name]
+    fit = fit_records(list(made()), osc.k)
+    # to first order a low-pass is a delay
+    shown = fit.departures["delay" if name == "low_pass" else name]
+    assert abs(shown.size) > 4.0
+    assert shown.value == pytest.approx(size, rel=0.2)
+    freed = refit(fit, [name])
+    assert fit.chi_square - freed.chi_square == pytest.approx(shown.size**2, rel=0.2)
+    assert freed.adequate
+    assert freed.freedom == fit.freedom - 1
+    assert abs(freed.value(name) - size) < 4.0 * freed.error(name) < 0.8 * abs(size)
+    for symbol in ("F_k", "c", "m", "rho"):
+        true = osc.K_z**-0.5 if symbol == "rho" else getattr(osc, symbol)
+        # in a gain's record the amplitude of the base is the fit's own: everything follows it, by its error
+        error = math.hypot(freed.error(symbol), 2.0 * true * freed.error("gain"))
+        assert abs(freed.value(symbol) - true) < 4.0 * error, symbol
+    assert name not in freed.departures
+
+
+def test_records_of_the_model_show_none():
+    for seed in range(4):
+        fit = fit_records(list(lines(seed=seed)), PAPER.k)
+        assert set(fit.departures) == set(NUISANCES) - {"low_pass"}
+        # 32 tests, two or three of which may be dependent: 4 standard errors happen by chance once in 440 such sets
+        assert max(abs(one.size) for one in fit.departures.values()) < 4.0
+
+
+@pytest.mark.parametrize("gain", [0.01, -0.01])
+def test_the_gain_of_a_drive_is_also_that_of_what_is_added_to_a_relative_motion(gain):
+    def change(one):
+        x = one.x + gain * one.Y * (one.n == 1)
+        return replace(one, Y=(1.0 + gain) * one.Y, x=x, relative=True)
+
+    freed = refit(fit_records(list(lines(change, seed=3)), PAPER.k), ["gain"])
+    assert abs(freed.value("gain") - gain) < 4.0 * freed.error("gain") < 0.5 * abs(gain)
+    assert freed.adequate
+
+
+def test_the_other_frame_is_left_as_it_was_entered():
+    (orbit,) = orbits_at(HZ, (0.004,))
+    one = replace(lines_of(orbit, NOISE), base=np.array([0.0, 1e-5 + 2e-5j]))
+    other = in_other_frame(one)
+    assert other.relative
+    assert other.x[0] == one.x[0] + one.Y
+    assert other.x[1] == one.x[1] + one.base[1]
+    assert np.abs(in_other_frame(other).x - one.x).max() < 1e-15 * one.Y
+
+
+def test_the_harmonics_of_the_base_read_too_large_are_so_in_the_model():
+    """A drive that reads 1 % too much does so at all its harmonics, and the motion is that of the true base."""
+    osc, base = Oscillator(2.42, 20.0, 2310.0, 20_000.0, 3.0), 0.05
+    one = lines_of(steady_orbit(osc, BaseMotion(0.004, 70.0)), 4e-8, count=8)
+    motion = steady((osc.m, osc.c, osc.k, osc.K_z, osc.F_k, one.Y, 70.0), Departure(third=base))
+    x = motion(np.arange(STEPS) * (2.0 * math.pi / STEPS))[0]
+    Y = 1.01 * one.Y
+    read = replace(
+        one, x=2.0 * np.fft.rfft(x)[one.n] / STEPS, Y=Y, base=base * Y * np.array([0.0, 1.0 + 0j])
+    )
+    problem = HarmonicProblem(Law(), (read,), osc.k)
+    values = {"F_k": osc.F_k, "c": osc.c, "rho": osc.K_z**-0.5, "m": osc.m, "gain": 0.01}
+    point = np.array([*(values.get(name, 0.0) for name in problem.names), one.Y, 0.0])
+    # the integrator's error is a tenth of the noise stated
+    residual = problem.evaluate(point)[:, -1]
+    assert residual @ residual < 0.1
+    point[problem.names.index("gain")] = 0.0
+    residual = problem.evaluate(point)[:, -1]
+    assert residual @ residual > 1e3
