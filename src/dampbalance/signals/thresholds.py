@@ -60,12 +60,6 @@ P_LINE_IN_NOISE = 1e-4
 P_STEP_BACK = 3e-4
 """χ² that new samples add where the start of a decay moves back: asked a hundred times on the way."""
 
-P_DISTURBED = 0.02
-"""Residual after which a decay ends before the next blow: a false one costs the samples behind it."""
-
-P_LOCAL_MINIMUM = 0.02
-"""Residual after which the search goes on elsewhere: a false one costs time."""
-
 TESTS: Mapping[str, int] = {
     "NEVER": 1000,  # harmonics, cycles and channels of ten records
     "P_DRIFT": 20,  # base and response of ten records
@@ -79,8 +73,6 @@ TESTS: Mapping[str, int] = {
     "P_ONE_OSCILLATOR": 4,  # steps in which the decays of a set are joined
     "P_LINE_IN_NOISE": 4,  # channels
     "P_STEP_BACK": 0,
-    "P_DISTURBED": 0,
-    "P_LOCAL_MINIMUM": 0,
 }
 """How often each is asked, with the power to cast a doubt, in a usual set of records."""
 
