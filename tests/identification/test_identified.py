@@ -88,11 +88,11 @@ def test_the_fit_is_the_answer_and_the_balance_its_check(found):
     assert found.text().splitlines()[3].startswith("maximum likelihood  ")
 
 
-def test_where_the_records_are_of_another_oscillator_the_balance_is_the_answer():
+def test_where_the_records_are_of_another_oscillator_the_fundamentals_are_the_answer():
     """The response clipped at 80 % of its peak is that of no oscillator."""
     records = [clipped(one, "displacement", 0.8) for one in made(noise=0.001)]
     found = identify(records, stiffness=PAPER.k)
-    assert next(iter(found.approaches)) == found.document()["answer"] == "direct"
+    assert next(iter(found.approaches)) == found.document()["answer"] == "fundamentals"
     assert {v.verdict for v in found.verdicts.values()} <= {"doubtful", "none"}
 
 

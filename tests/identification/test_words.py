@@ -97,8 +97,8 @@ def test_what_is_said_of_another_law_and_a_wrong_mass(name):
 def test_a_response_that_leads_is_said_to_lead():
     for seconds, word, other in ((-1753e-6, "leads", "lags"), (1753e-6, "lags", "leads")):
         text = identify([late(one, seconds) for one in measured()], PAPER.k, **QUICK).text()
-        assert f"the response {word} the drive by 17" in text
-        assert f"the response {other} the drive" not in text
+        assert f"a response that {word} the drive by 17" in text
+        assert f"a response that {other} the drive" not in text
 
 
 def test_a_force_that_is_not_harmonic_is_no_base_motion():

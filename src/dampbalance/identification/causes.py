@@ -28,7 +28,7 @@ from ..fit.nuisances import NUISANCES, in_other_frame
 from ..fit.oscillator_fit import OscillatorFit
 from ..fit.score import Departure
 from ..fit.steady_search import fit_records, refit
-from ..fit.waveforms import WaveformFit
+from ..fit.waveforms import NO_MOTION, WaveformFit
 from ..motion.law_decays import ADDED
 from ..project.wording import Remark, larger_by, listed, number_text
 from ..signals.lines import Lines
@@ -65,17 +65,20 @@ class Cause(NamedTuple):
 
     words : with a place for its size.   unit : by which the size is multiplied for them.   remedy : what helps.
     in_rows : whether rows of the balance, which take the records as they are, carry it.
+    negative : words with a place for the size of one below zero; default, `words` with its sign.
     """
 
     words: str
     unit: float
     remedy: str
     in_rows: bool = True
+    negative: str = ""
 
     def sized(self, value: float, error: float) -> str:
         """The words with a size and its standard error."""
-        value, error = value * self.unit, error * self.unit
-        return self.words.format(f"{number_text(value, 4)} ± {number_text(error, 2)}")
+        words = self.negative if value < 0.0 else ""
+        size = number_text((abs(value) if words else value) * self.unit, 4)
+        return (words or self.words).format(f"{size} ± {number_text(error * self.unit, 2)}")
 
 
 _GRADUALLY = "yields gradually (Dahl, Bouc–Wen, several contacts)"
@@ -86,6 +89,7 @@ CAUSES: Mapping[str, Cause] = {
         "a response that lags the drive by {} µs more than the motion explains",
         1e6,
         "give the delay in the mapping, or sample all channels at once",
+        negative="a response that leads the drive by {} µs more than the motion explains",
     ),
     "corner": Cause(
         "an AC coupling of the response, a high-pass filter with a corner of {} Hz",
@@ -96,6 +100,7 @@ CAUSES: Mapping[str, Cause] = {
         "a drive that reads {} % too much, or a response that reads as much too little",
         100.0,
         "calibrate the drive and the response, or give the gain in the mapping",
+        negative="a drive that reads {} % too little, or a response that reads as much too much",
     ),
     "low_pass": Cause(
         "a low-pass filter of the response with a time constant of {} µs",
@@ -200,7 +205,7 @@ def explanations(
     def misfit(one: Explanation) -> float:
         return one.fit.chi_square + penalty(one.fit)
 
-    found = [Explanation(names, one) for names, one in fits if one is not None]
+    found = [Explanation(names, one) for names, one in fits if one is not None and _moves(one)]
     own = fit.chi_square + penalty(fit)
     found = [
         one
@@ -215,6 +220,14 @@ def explanations(
     )
     # of two fits with the same departure, which may come from two starts, the last
     return tuple({one.names: one for one in ordered}.values())[::-1]
+
+
+def _moves(fit: WaveformFit) -> bool:
+    """Whether all motions of a fit are found again from nothing, as its features need them."""
+    try:
+        return bool(fit.responses)
+    except NO_MOTION:
+        return False
 
 
 def _converged(fit: WaveformFit | None) -> WaveformFit | None:

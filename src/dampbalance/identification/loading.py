@@ -19,6 +19,8 @@ EXCERPT = (
     16_384  # leading samples of each channel that are plotted, or three cycles of a slow drive
 )
 
+_SETTLING = 1e-3  # standard deviation of an amplitude while it settles; less is a drift, which the intervals hold
+
 
 def keeps_moving(record: MeasuredRecord) -> bool:
     """Whether the excitation channel of a record keeps moving; in a free decay it is missing, constant or strikes."""
@@ -47,7 +49,11 @@ def load(
     whole = record.whole()
     try:
         steady = condition(whole, k, frequency_hz=nominal, skip_cycles=skip_cycles)
-        of_start = [one.of[-1] for one in steady.warnings if SETTLES in one.template]
+        of_start = [
+            one.of[-1]
+            for one in steady.warnings
+            if SETTLES in one.template and one.doubts[""] > _SETTLING
+        ]
         settled = max(of_start, default=0)
     except ValueError as error:
         cause = error.__cause__
