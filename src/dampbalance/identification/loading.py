@@ -73,8 +73,8 @@ def load(
 def unclipped(
     records: tuple[MeasuredRecord, ...], readings: list[Reading], law: Law
 ) -> tuple[tuple[MeasuredRecord, ...], list[Reading], list[Remark]]:
-    """Return the records that are not clipped, with their readings and a sentence on each other one; all of them where too few
-    would be left to show how well they fit."""
+    """Return the records that are not clipped, with their readings, and a sentence on each other one; all of them where
+    too few would be left to show how well they fit."""
     clipped = [any(map(is_clipped, one.steady.channels.values())) for one in readings]
     if not any(clipped) or law.groups or clipped.count(False) <= max(2, len(law.unknowns)):
         return records, readings, []
