@@ -36,7 +36,6 @@ from ..project.wording import Remark
 from ..records.mapping import MappingLike
 from ..records.measured import MeasuredRecord, in_words_of_records
 from ..records.measurement import ABSOLUTE, RELATIVE
-from ..signals.checks import is_clipped
 from ..signals.mean_harmonics import Reading
 from ..signals.one_thread import one_thread
 from ..solver import Estimate, least_squares, solve
@@ -55,7 +54,7 @@ from .answer import (
 from .causes import GRADUAL, condition_on_contact
 from .identified import QUICK, Identified, Level, Picture
 from .law_comparison import compare_laws
-from .loading import load
+from .loading import load, unclipped
 from .oscillator import (
     JointFit,
     LawRows,
@@ -307,7 +306,7 @@ def _of_records(
     of_drive = {name: options[name] for name in ("frequency_hz", "skip_cycles")}
     readings = [load(record, k, **of_drive) for record in records]
     _require_possible(readings, mass, k)
-    records, readings, clipped = _unclipped(records, readings, law)
+    records, readings, clipped = unclipped(records, readings, law)
     outcome = identify_readings(
         readings,
         k,
@@ -322,23 +321,6 @@ def _of_records(
     warnings = (*clipped, *outcome.warnings)
     outcome = replace(outcome, laws=laws, records=records, options=options, warnings=warnings)
     return with_stated_uncertainties(outcome)
-
-
-def _unclipped(
-    records: tuple[MeasuredRecord, ...], readings: list[Reading], law: Law
-) -> tuple[tuple[MeasuredRecord, ...], list[Reading], list[Remark]]:
-    """The records that are not clipped, with their readings and a sentence on each other one; all of them where too few
-    would be left to show how well they fit."""
-    clipped = [any(map(is_clipped, one.steady.channels.values())) for one in readings]
-    if not any(clipped) or law.groups or clipped.count(False) <= max(2, len(law.unknowns)):
-        return records, readings, []
-    kept = [i for i, is_out in enumerate(clipped) if not is_out]
-    out = [one.steady.source for one, is_out in zip(readings, clipped, strict=True) if is_out]
-    said = [Remark(_LEFT_OUT, source=source) for source in out]
-    return tuple(records[i] for i in kept), [readings[i] for i in kept], said
-
-
-_LEFT_OUT = "a channel is clipped: the record is left out; raise the measuring range"
 
 
 def _require_possible(readings: Sequence[Reading], mass: float | None, k: float) -> None:

@@ -7,10 +7,11 @@ from dataclasses import replace
 import numpy as np
 
 from ..arrays import Array
+from ..law.law import Law
 from ..project.wording import Remark
 from ..records.measured import MeasuredRecord
 from ..records.measurement import EXCITATIONS, Correction
-from ..signals.checks import SETTLES, Unsettled
+from ..signals.checks import SETTLES, Unsettled, is_clipped
 from ..signals.conditioning import SteadyRecord, condition
 from ..signals.drive import stands_still
 from ..signals.mean_harmonics import Reading
@@ -20,6 +21,8 @@ EXCERPT = (
 )
 
 _SETTLING = 1e-3  # standard deviation of an amplitude while it settles; less is a drift, which the intervals hold
+
+_LEFT_OUT = "a channel is clipped: the record is left out; raise the measuring range"
 
 
 def keeps_moving(record: MeasuredRecord) -> bool:
@@ -65,6 +68,20 @@ def load(
         steady = condition(whole, k, frequency_hz=nominal, skip_cycles=settled)
         steady = replace(steady, warnings=(*steady.warnings, Remark(said)))
     return Reading(replace(steady, warnings=(*record.warnings, *steady.warnings)))
+
+
+def unclipped(
+    records: tuple[MeasuredRecord, ...], readings: list[Reading], law: Law
+) -> tuple[tuple[MeasuredRecord, ...], list[Reading], list[Remark]]:
+    """Return the records that are not clipped, with their readings, and a sentence on each other one; all of them where
+    too few would be left to show how well they fit."""
+    clipped = [any(map(is_clipped, one.steady.channels.values())) for one in readings]
+    if not any(clipped) or law.groups or clipped.count(False) <= max(2, len(law.unknowns)):
+        return records, readings, []
+    kept = [i for i, is_out in enumerate(clipped) if not is_out]
+    out = [one.steady.source for one, is_out in zip(readings, clipped, strict=True) if is_out]
+    said = [Remark(_LEFT_OUT, source=source) for source in out]
+    return tuple(records[i] for i in kept), [readings[i] for i in kept], said
 
 
 def excerpt(record: MeasuredRecord, quantity: str, steady: SteadyRecord) -> tuple[Array, Array]:

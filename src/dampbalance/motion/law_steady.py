@@ -100,7 +100,7 @@ class Further(NamedTuple):
         """The forces at x + X = u and ẋ = v ≥ 0 after the reversal at −X, N, and their derivatives by u, v and X, (n,)
         each. In stick, friction acts the way that it did before the turn."""
         part = 0.5 * o.K_z / o.F_k * u * sticks
-        falling = o.F_k * self.falling * np.exp(np.minimum(-v / self.speed, 50.0))
+        falling = o.F_k * self.falling * np.exp(np.minimum(-v / self.speed, 0.0))
         by_x = 3.0 * self.k_3 * (u - X) ** 2
         force = self.k_3 * (u - X) ** 3 + self.gradual * 2.0 * o.F_k * part * (1.0 - part)
         force += np.where(sticks, -o.F_k * self.falling, falling)
