@@ -126,16 +126,34 @@ def of_all_stiffnesses(fit: WaveformFit) -> WaveformFit:
 
 
 def fit_quickly(
-    lines: Sequence[Lines], k: float, law: Law, near: Sequence[WaveformFit]
+    problem: HarmonicProblem, near: WaveformFit | None, mass: float | None = None
 ) -> WaveformFit | None:
-    """Like `fit_records`, but from two candidates of `starts` and from fits with other laws only; not refined
-    where it ends far from the records. Use it to compare many laws."""
-    problem = HarmonicProblem(law, tuple(lines), k)
-    shares = _shares_of(problem)
-    candidates = starts(lines, k, shares)
-    known = [*candidates[:1], *(_as_candidate(fit) for fit in near), *candidates[1:2]]
-    points = (problem.start(candidate, shares.friction) for candidate in known)
-    return _best(_ends(problem, points, _FEWER))
+    """The fit of a law, to compare many: from the optimum of one that it contains, where that is adequate; else from
+    the closest candidate of `starts`, and from the other fit again where that is closer to the records. It is not
+    refined where it ends far from them.
+
+    near : the fit with the other law, if there is one.   mass : kg, where it is given.
+    """
+    if mass is not None:
+        problem = replace(problem, freed=("rho",))
+    shares, ends = _shares_of(problem), list[WaveformFit]()
+    candidates = [] if near is None else [_as_candidate(near)]
+    follows = near is not None and near.adequate and near.law.given == problem.law.given
+    if not follows:
+        candidates = [*starts(problem.lines, problem.k, shares)[:1], *candidates]
+    for candidate in candidates:
+        point = problem.start(candidate, shares.friction)
+        if mass is not None:
+            point[problem.names.index("m")] = mass
+        if near is not None and follows:
+            common = [near.value(s) if s in near.names else 0.0 for s in problem.names]
+            point = np.array([*common, *near.point[len(near.names) :]])
+        softenings = _SOFTENING[2 * follows :]
+        reached = _climbed(problem, point, softenings, hopeless=_HOPELESS, most=_FEWER)
+        ends += [] if reached is None else [reached]
+        if ends and (near is None or ends[-1].adequate or ends[-1].chi_square < near.chi_square):
+            break
+    return _best(ends)
 
 
 def _ends(problem: HarmonicProblem, points: Iterable[Array], most: int) -> list[WaveformFit]:

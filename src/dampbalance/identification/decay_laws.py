@@ -9,7 +9,6 @@ with a motion of friction and viscous damping, and so they do not test other law
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
@@ -19,21 +18,20 @@ from scipy import special
 
 from ..arrays import Array
 from ..balance import TERMS
-from ..fit.decay import COMMON, RingFit, departures_of, numbers_of, with_noise_of
+from ..fit.decay import COMMON, RingFit, departures_of, with_noise_of
 from ..fit.minimise import minimise
 from ..fit.score import Departure
 from ..fit.search import sound, with_one_more
 from ..law.terms import FRICTION, KNOWN_TERMS
-from ..motion.law_decays import ADDED, LINEAR_UNKNOWNS, law_decay
+from ..motion.law_decays import ADDED
 from ..motion.unknowns import OSCILLATOR_UNKNOWNS
-from ..project.progress import followed
 from ..project.wording import Remark, change_text, listed, number_text, percent
 from ..signals.one_thread import one_thread
 from ..signals.thresholds import P_FURTHER_TERM
 from ..solver import NORMAL_95
 from .answer import Answer, unit_of
 from .causes import GRADUAL
-from .law_comparison import ALPHA, MOST_TERMS, LawComparison, LawTest, Probability, chosen_of
+from .law_comparison import LawComparison, LawTest, Probability, compared
 from .stated import widened
 
 _MOST_ALONG = 3  # coefficients that are fitted along
@@ -45,7 +43,6 @@ DECAY_TERMS = (FRICTION, "c", "c_2", "c_3")
 """Terms that free decays distinguish: base at rest and at one frequency, c_r and eta act as c does."""
 
 _NAMED = (*TERMS, "rho")
-_DENSE = 64  # instants of a period, of which a loss of energy is summed
 _OTHERS = {
     "c_a": ("damping that differs by direction", "N s/m"),
     "k_2": ("a spring that is stiffer to one side", "N/m²"),
@@ -218,111 +215,95 @@ def _changed(fit: RingFit, name: str, by: float) -> str:
 
 @one_thread
 def compare_decay_laws(fit: RingFit) -> LawComparison:
-    """Test every law of one to three terms, friction or not, with two of c, c_2 and c_3 at the most.
+    """Test the laws of up to two of c, c_2 and c_3 in addition to friction, or without it, on free decays, see
+    `law_comparison.compared`.
 
-    Use it where the damping is not known to be viscous. Once a law is not rejected, of the larger laws only those that
-    contain it are tested; laws without what is there by 30 standard errors need no fit. Where the residual of the law
-    with all terms is not white noise, χ² is taken relative to what it leaves over parts of a cycle.
+    Use it where the damping is not known to be viscous. Laws without what is there by 30 standard errors need no fit.
+    Where the residual of the law with all terms is not white noise, χ² is taken relative to what it leaves over parts
+    of a cycle.
 
     fit : of the oscillator with friction and viscous damping to all decays.
     """
-    damping = [s for s in DECAY_TERMS if s != FRICTION]
-    laws = [
-        (*friction, *some)
-        for friction in ((), (FRICTION,))
-        for size in range(MOST_TERMS + 1)
-        for some in itertools.combinations(damping, size)
-        if friction or some
-    ]
-    every = fit_law(fit, DECAY_TERMS)
-    if every is None:
+    first = fit_law(fit, DECAY_TERMS)
+    if first is None:
         raise ValueError("no law can be tested: the motion of the decays cannot be followed")
-    fits: dict[tuple[str, ...], RingFit] = {}
-    hopeless: dict[tuple[str, ...], float] = {}
-    for _, alike in itertools.groupby(followed(sorted(laws, key=len), len(laws), "laws"), len):
-        tests = [_tested(every, terms, one) for terms, one in fits.items()]
-        enough = [set(test.terms) for test in tests if test.p_of() > ALPHA / len(laws)]
-        for terms in alike:
-            if enough and not any(smaller < set(terms) for smaller in enough):
-                continue
-            rise = _rise_without(every, [s for s in DECAY_TERMS if s not in terms])
-            if rise > _SURE * every.misfit:
-                hopeless[terms] = rise
-                continue
-            within = [one for smaller, one in fits.items() if set(smaller) < set(terms)]
-            near = sorted(within, key=lambda one: one.chi_square)[:1]
-            of_law = fit_law(fit, terms, [one.point for one in near])
-            if of_law is None:
-                continue
-            fits[terms] = of_law
-            if of_law.chi_square < every.chi_square:
-                every = fit_law(fit, DECAY_TERMS, [of_law.point]) or every
-    tests = [_tested(every, terms, rise) for terms, rise in hopeless.items()]
-    tests += [_tested(every, terms, one) for terms, one in fits.items()]
-    tests = sorted(tests, key=lambda test: len(test.terms))
-    return chosen_of(tests, _LEFT_OUT, remedy=_REMEDY)
+    every = first
+    fits: dict[tuple[str, ...], RingFit | None] = {}
+
+    def test(terms: tuple[str, ...], near: RingFit | None) -> tuple[LawTest, RingFit | None]:
+        nonlocal every
+        rise, start = _without(every, [s for s in DECAY_TERMS if s not in terms])
+        if rise > _SURE * every.misfit:
+            return _tested(every, terms, rise), None
+        if terms not in fits:
+            others = [near.point] if near else []
+            others += [fit.point] if {FRICTION, "c"} <= {*terms} else []
+            fits[terms] = fit_law(fit, terms, (start, *others))
+        of_law = fits[terms]
+        if of_law is None:
+            return LawTest(terms, tests={"waveforms": None}), None
+        if of_law.chi_square < every.chi_square:
+            every = min(every, fit_law(fit, DECAY_TERMS, (of_law.point,)) or every, key=_chi_square)
+        law = {s: (of_law.value(s), of_law.error(s)) for s in terms}
+        return _tested(every, terms, of_law.chi_square - every.chi_square, law), of_law
+
+    damping = [s for s in DECAY_TERMS if s != FRICTION]
+    while True:  # until no law is closer to the decays than that of all terms, which contains it
+        before = every
+        laws = compared(damping, test, _LEFT_OUT, remedy=_REMEDY)
+        if every is before:
+            return laws
 
 
-def fit_law(fit: RingFit, terms: Sequence[str], starts: Iterable[Array] = ()) -> RingFit | None:
+def fit_law(
+    fit: RingFit, terms: Sequence[str], starts: Sequence[Array] | None = None
+) -> RingFit | None:
     """The oscillator with a law, no coefficient negative, to the decays of a fit; None where no climb leads to one.
 
-    What the law leaves out is given to its terms, in equal parts of the energy.
-
-    terms : of `DECAY_TERMS`.   starts : points of other laws, to climb from as well.
+    terms : of `DECAY_TERMS`.   starts : points to climb from; default, that of the fit.
     """
-    losses, out = _losses(fit), [s for s in DECAY_TERMS if s not in terms]
     kept = [
         s for s in fit.problem.free if s not in DECAY_TERMS and (s != "rho" or FRICTION in terms)
     ]
     problem = replace(fit.problem, free=(*kept, *terms))
-    points = []
-    for start in (fit.point, *starts):
-        point = start.copy()
-        lost = math.fsum(start[COMMON.index(s)] / losses[s] for s in out)
-        for s in terms:
-            point[COMMON.index(s)] += losses[s] * lost / len(terms)
-        for s in out:
-            point[problem.friction_places if s == FRICTION else COMMON.index(s)] = 0.0
-        points.append(point)
+    points = [point.copy() for point in starts or (fit.point,)]
+    for point in points:
+        for s in DECAY_TERMS:
+            if s not in terms:
+                point[problem.friction_places if s == FRICTION else COMMON.index(s)] = 0.0
     ends = minimise(problem, points, scanned="")
     return ends[0] if ends else None
 
 
-def _losses(fit: RingFit) -> dict[str, float]:
-    """Coefficient of each term that alone would take the energy that friction and damping take in the fit."""
-    powers = dict.fromkeys(DECAY_TERMS, 0.0)
-    added = fit.point[len(OSCILLATOR_UNKNOWNS) : len(COMMON)]
-    for i, one in enumerate(fit.decays):
-        par = numbers_of(fit.point_of(i), fit.k)
-        times = np.arange(0.0, one.end - one.start, one.period / _DENSE)
-        x, v, w = fit.point[fit.places(i)].tolist()
-        speed = np.abs(law_decay(times, 1, x, v, w, par, added, LINEAR_UNKNOWNS)[:, 0])
-        for order, symbol in enumerate(DECAY_TERMS):
-            powers[symbol] += float(np.nansum(speed ** (order + 1)))
-    loss = math.fsum(float(fit.point[COMMON.index(s)]) * powers[s] for s in DECAY_TERMS)
-    return {symbol: loss / power for symbol, power in powers.items()}
+def _chi_square(fit: RingFit) -> float:
+    return fit.chi_square
 
 
-def _rise_without(fit: RingFit, symbols: Sequence[str]) -> float:
-    """What χ² rises by without the coefficients of some terms, to first order: pᵀ C⁻¹ p (Wald's test)."""
-    places = [COMMON.index(symbol) for symbol in symbols]
-    covariance = fit.covariance[np.ix_(places, places)]
-    errors = np.sqrt(np.diag(covariance))
+def _without(every: RingFit, symbols: Sequence[str]) -> tuple[float, Array]:
+    """What χ² rises by without the coefficients p of some terms, to first order, pᵀ C⁻¹ p (Wald's test), and the point
+    to which the other coefficients then move."""
+    point, out = every.point.copy(), [COMMON.index(s) for s in symbols]
+    others = [COMMON.index(s) for s in DECAY_TERMS if s not in symbols]
+    errors = np.sqrt(np.diag(every.covariance)[out])
     if not (errors > 0.0).all():
-        return 0.0
-    z = fit.point[places] / errors
-    return float(z @ np.linalg.lstsq(covariance / np.outer(errors, errors), z)[0])
+        return 0.0, point
+    z = point[out] / errors
+    covariance = every.covariance[:, out] / errors
+    solved = np.linalg.lstsq(covariance[out] / errors[:, None], z)[0]
+    point[others] -= covariance[others] @ solved
+    return float(z @ solved), point
 
 
-def _tested(every: RingFit, terms: tuple[str, ...], law: RingFit | float) -> LawTest:
-    """The test of a law by its χ² above that of all terms, in the noise that these leave.
+def _tested(
+    every: RingFit,
+    terms: tuple[str, ...],
+    rise: float,
+    law: Mapping[str, tuple[float, float]] | None = None,
+) -> LawTest:
+    """The test of a law by what χ² rises by from that of all terms, in the noise that these leave.
 
-    law : its fit, or what χ² rises by where it needs no fit.
+    law : its coefficients, where it has a fit.
     """
-    rise = law.chi_square - every.chi_square if isinstance(law, RingFit) else law
     freedom, above = len(DECAY_TERMS) - len(terms), max(rise, 0.0) / every.misfit
     p = float(special.fdtrc(freedom, every.freedom, above / freedom)) if freedom else 1.0
-    coefficients = (
-        {s: (law.value(s), law.error(s)) for s in terms} if isinstance(law, RingFit) else {}
-    )
-    return LawTest(terms, coefficients, {"waveforms": Probability(above, freedom, p)})
+    return LawTest(terms, law or {}, {"waveforms": Probability(above, freedom, p)})

@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
@@ -27,10 +27,11 @@ from scipy import special
 from ..arrays import Array
 from ..balance import APPROACHES, Rows
 from ..fit.goodness import probability
-from ..fit.steady_search import fit_quickly, refit
-from ..fit.waveforms import WaveformFit
+from ..fit.steady_search import fit_quickly
+from ..fit.waveforms import HarmonicProblem, WaveformFit
 from ..law.law import Law
 from ..law.terms import FRICTION, KNOWN_TERMS, Term, in_order, term
+from ..motion.jit import interpreted
 from ..project.progress import followed
 from ..project.wording import listed, times
 from ..signals.mean_harmonics import Reading
@@ -209,12 +210,56 @@ def words_of(terms: Sequence[str]) -> str:
 
 _NO_FORCE = 1e-9  # of k times the smallest base motion: a friction force that stands for none
 _SURE = 1e-9  # probability of a balance below which the waveforms are not asked
+# Of the work: what harmonics up to a finite order leave out of it. Cycles without noise may repeat to the last bit.
+_EXACT = 1e-8
 _REPEATS = 4  # of generalised least squares, since its covariance depends on the solution
 _APART = 4.0  # of squares of in-phase misfits in standard errors: less is noise
 _ALIKE = 1.001  # of frequencies: closer ones count as one
 
 
+def compared(
+    terms: Sequence[str],
+    test: Callable[[tuple[Term, ...], Any], tuple[LawTest, Any] | None],
+    left_out: str,
+    *,
+    given: Collection[str] = (),
+    **more: Any,
+) -> LawComparison:
+    """Test every law of no, one or two terms in addition to friction, and of one or two without it, the smallest first.
+
+    Once a law is not rejected, of the larger laws only those that contain it are tested: it may be the one, and only
+    what more terms would add to it is of interest.
+
+    terms : to choose from, besides friction.   test : of a law, with the best fit of the laws that it contains, or
+    None: its tests and its fit, or None; None where the records cannot test it.   given : terms that all laws have.
+    left_out, more : fields of the comparison.
+    """
+    laws = [
+        in_order((*friction, *given, *some))
+        for friction in ((FRICTION,), ())[: 1 if FRICTION in given else 2]
+        for size in range(MOST_TERMS + 1)
+        for some in itertools.combinations(terms, size)
+        if friction or given or some
+    ]
+    tests: list[LawTest] = []
+    fits: dict[tuple[Term, ...], Any] = {}
+    for _, alike in itertools.groupby(followed(sorted(laws, key=len), len(laws), "laws"), len):
+        enough = [set(e.terms) for e in tests if e.p_of() > ALPHA / len(laws)]
+        for law in alike:
+            if enough and not any(smaller < set(law) for smaller in enough):
+                continue
+            within = [fit for smaller, fit in fits.items() if set(smaller) < set(law)]
+            near = min(within, key=lambda fit: float(fit.chi_square), default=None)
+            tested = test(law, near)
+            if tested is not None:
+                tests.append(tested[0])
+                if tested[1] is not None:
+                    fits[law] = tested[1]
+    return chosen_of(tests, left_out, **more)
+
+
 @one_thread
+@interpreted(False)  # nonlinear laws take thousands of orbits
 def compare_laws(
     readings: Sequence[Reading],
     k: float,
@@ -222,69 +267,45 @@ def compare_laws(
     law: Law | None = None,
     mass: float | None = None,
 ) -> LawComparison:
-    """Test every law of no, one or two terms in addition to friction, and of one or two without it.
+    """Test the laws of up to two terms in addition to friction, or without it, on forced records, see `compared`.
 
-    Once a law is not rejected, of the larger laws only those that contain it are tested. Use it where the damping is
-    not known to be viscous: on records of several amplitudes, and of two frequencies or more to distinguish c from eta.
+    Use it where the damping is not known to be viscous: on records of several amplitudes, and of two frequencies or
+    more to distinguish c from eta.
 
     readings, k, mass : as for `identify`.   law : its given coefficients are part of every law, and
     its groups apply to the terms that have some.
     """
-    asked = law or Law()
+    asked, lines = law or Law(), tuple(reading.lines for reading in readings)
     frequencies = [reading.steady.frequency_hz for reading in readings]
     left_out = ""
     every = in_order((*KNOWN_TERMS, *asked.terms))
     terms: list[str] = [s for s in every if s not in (FRICTION, *asked.given)]
-    if max(frequencies) < _ALIKE * min(frequencies) and {"c", "eta"} <= set(terms):
+    if max(frequencies) < _ALIKE * min(frequencies) and {"c", "eta"} <= {*terms}:
         terms.remove("eta")
         left_out = "at one frequency structural damping eta acts as viscous damping c does, and is not tried"
-    lines = [reading.lines for reading in readings]
     none = {FRICTION: _NO_FORCE * k * min(one.Y for one in lines)}
-    laws = [
-        in_order((*friction, *asked.given, *some))
-        for friction in ((FRICTION,), ())[: 1 if FRICTION in asked.given else 2]
-        for size in range(MOST_TERMS + 1)
-        for some in itertools.combinations(terms, size)
-        if friction or asked.given or some
-    ]
-    tests: list[LawTest] = []
-    fits: dict[tuple[Term, ...], WaveformFit] = {}
-    enough: list[set[str]] = []
-    size = 0
-    for kept in followed(sorted(laws, key=len), len(laws), "laws"):
-        if len(kept) > size:
-            size, enough = len(kept), [set(e.terms) for e in tests if e.p_of() > ALPHA / len(laws)]
-        # a smaller law may be the one: only what more terms would add to it is of interest
-        if enough and not any(smaller < set(kept) for smaller in enough):
-            continue
-        given = asked.given if FRICTION in kept else {**asked.given, **none}
+
+    def test(kept: tuple[Term, ...], near: WaveformFit | None) -> tuple[LawTest, Any] | None:
+        rubs = FRICTION in kept
+        given = asked.given if rubs else {**asked.given, **none}
         groups = {s: of for s, of in asked.groups.items() if s in kept}
         tried = Law(in_order((FRICTION, *kept)), given, groups)
         if len(tried.unknowns) > len(readings):
-            continue
-        test = None
-        if FRICTION not in kept:
-            # no onset of slip is needed, and where there is friction, the balance shows it at once
-            test = _by_balance(kept, tried, readings, JointFit(None, True))
-            if test.balance is not None and test.balance.p < _SURE:
-                tests.append(test)
-                continue
-        near = [fit for smaller, fit in fits.items() if set(smaller) < set(kept)]
-        near = sorted(near, key=lambda fit: fit.chi_square)[:1]
-        fit = fit_quickly(lines, k, tried, near)
-        if mass is not None and fit is not None:
-            fit = refit(fit, given={"m": mass}) or fit
-        if fit is None:
-            tests.append(LawTest(kept))
-            continue
-        fits[kept] = fit
+            return None
         # the onset of a slip that stands for none has errors beyond first order, and enters no row
-        test = test or _by_balance(kept, tried, readings, JointFit(fit, False))
+        alone = LawTest(kept) if rubs else _by_balance(kept, tried, readings, JointFit(None, True))
+        if alone.balance is not None and alone.balance.p < _SURE:
+            return alone, None  # where there is friction, the balance shows it at once
+        fit = fit_quickly(HarmonicProblem(tried, lines, k), near, mass)
+        if fit is None:
+            return LawTest(kept), None
+        balance = _by_balance(kept, tried, readings, JointFit(fit, False)) if rubs else alone
         p = probability(fit.chi_square, fit.freedom, fit.lines)
         waveforms = {"waveforms": Probability(fit.chi_square, fit.freedom, p)}
         in_phase = tuple(fit.in_phase.tolist())
-        tests.append(replace(test, tests={**test.tests, **waveforms}, in_phase=in_phase))
-    return chosen_of(tests, left_out)
+        return replace(balance, tests={**balance.tests, **waveforms}, in_phase=in_phase), fit
+
+    return compared(terms, test, left_out, given=asked.given)
 
 
 def chosen_of(tests: Sequence[LawTest], left_out: str, **more: Any) -> LawComparison:
@@ -358,7 +379,8 @@ def _generalised(
     right = rows.W - sum(value * rows.terms[key] for key, value in rows.given.items())
     for _ in range(_REPEATS):
         known = {**rows.given, **dict(zip(symbols, p, strict=True))}
-        factor = np.linalg.cholesky(jackknifed([part.misfit(known) for part in left]))
+        covariance = jackknifed([part.misfit(known) for part in left])
+        factor = np.linalg.cholesky(covariance + np.diag((_EXACT * rows.W) ** 2))
         white, aim = np.linalg.solve(factor, A), np.linalg.solve(factor, right)
         size = np.linalg.norm(white, axis=0)
         p = np.linalg.lstsq(white / size, aim)[0] / size
