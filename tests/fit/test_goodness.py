@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from dampbalance.fit.goodness import P_OF_THE_MODEL, improbable, linear_misfit
+from dampbalance.fit.goodness import improbable, linear_misfit
 from dampbalance.motion.regime import Regime
+from dampbalance.signals.thresholds import P_OF_THE_MODEL
 from paper_case import LEVELS, NEAR, PAPER, orbits_at
 from signals.harmonics import lines_of
 

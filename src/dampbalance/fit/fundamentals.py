@@ -44,21 +44,7 @@ from .oscillator_fit import OscillatorFit
 from .starts import starts
 from .waveforms import NO_MOTION, OSCILLATOR, HarmonicProblem
 
-_STARTS = 4  # contact stiffnesses: a rigid contact next to a soft one are two minima
-_REPETITIONS = (
-    8  # of the correction, which is a few per cent, and falls by a factor of ten each time
-)
-_SETTLED = 1e-3  # of the residual: a gain that does not matter
 _STEP = 1e-4  # of an unknown, for central differences of a closed form: errors of 1e-8
-_TURNS = (
-    -0.1,
-    0.1,
-)  # rad: delays to start from; a filter of a laboratory turns the phase by that much
-_THIN = 1e-2  # rad: below, ϑ − sin ϑ cos ϑ is the first term of its series, to 1e-5
-_GAIN = 1e-3  # in −log L: 4 % of a standard error of the noise, and less of the scatter
-_NORMAL = 1e6  # degrees of freedom with which F is χ²
-_DEPARTURES = ("delay", "k_3")
-_TURNING = ("corner", "low_pass")  # departures that act on the fundamental like a delay
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,7 +99,7 @@ class FundamentalFit(OscillatorFit):
 
     def has(self, departure: str) -> bool:
         """Whether a departure is fitted along: any filter turns the phase like a delay."""
-        return ("delay" if departure in _TURNING else departure) in self.departures
+        return ("delay" if departure in ("corner", "low_pass") else departure) in self.departures
 
     @cached_property
     def responses(self) -> tuple[Response, ...]:
@@ -157,7 +143,9 @@ def fit_fundamentals(
     while fit is not None:
         freed = fit.problem.freed
         problems = (
-            replace(fit.problem, freed=(*freed, name)) for name in _DEPARTURES if name not in freed
+            replace(fit.problem, freed=(*freed, name))
+            for name in ("delay", "k_3")
+            if name not in freed
         )
         others = (_with(problem, fit.point) for problem in problems) if _shows(fit) else ()
         better = min(filter(None, others), key=lambda one: one.chi_square, default=None)
@@ -175,7 +163,7 @@ def _shows(fit: FundamentalFit, better: FundamentalFit | None = None) -> bool:
     without it, whether one could."""
     if better is None:
         return bool(special.chdtrc(1.0, fit.chi_square) < P_CAUSE)
-    freedom = better.freedom if better.misfit > 1.0 else _NORMAL
+    freedom = better.freedom if better.misfit > 1.0 else 1e6  # F is χ² then
     F = (fit.chi_square - better.chi_square) / max(1.0, better.misfit)
     return F > 0.0 and bool(special.fdtrc(1.0, freedom, F) < P_CAUSE)
 
@@ -230,11 +218,13 @@ def _starts(problem: HarmonicProblem, near: Array | None) -> list[Array]:
             for one in problem.lines
         ]
         candidates = starts(lines, problem.k)
-        first = np.sort(np.unique(candidates[:, 2], return_index=True)[1])[:_STARTS]
+        # a rigid contact next to a soft one are two minima: four stiffnesses
+        first = np.sort(np.unique(candidates[:, 2], return_index=True)[1])[:4]
         points = [problem.start(candidate, np.ones(len(lines))) for candidate in candidates[first]]
     if "delay" in problem.freed and near is not None:
-        points = [near.copy() for _ in _TURNS]
-        for point, turn in zip(points, _TURNS, strict=True):
+        points = [near.copy(), near.copy()]
+        # rad: a filter of a laboratory turns the phase by that much
+        for point, turn in zip(points, (-0.1, 0.1), strict=True):
             point[problem.names.index("delay")] += turn / problem.lines[0].omega
     return points
 
@@ -257,7 +247,8 @@ def _describing(problem: HarmonicProblem, points: Array, motion: Complexes) -> C
     friction, K_z = of(FRICTION), of("rho") ** -2
     held = np.clip(friction / (K_z * X), 0.0, 1.0)  # Z_m/X; a difference may step below zero
     theta = 2.0 * np.arcsin(np.sqrt(held))  # cos ϑ = 1 − 2 sin² ϑ/2
-    part = np.where(theta > _THIN, theta - np.sin(theta) * np.cos(theta), theta**3 / 1.5)
+    # below 0.01 the first term of the series holds to 1e-5
+    part = np.where(theta > 1e-2, theta - np.sin(theta) * np.cos(theta), theta**3 / 1.5)
     energy = 4.0 * friction * X * (1.0 - held)
     for symbol in problem.law.terms:
         if symbol != FRICTION:
@@ -330,8 +321,10 @@ def _fitted(problem: HarmonicProblem, start: Array) -> _End | None:
         out[:] = (whole @ whole.conj().T).real
         return True
 
-    for _ in range(_REPETITIONS):
-        reached = climb(products, point, bounds, gain=_GAIN)
+    # the correction is a few per cent, and falls by a factor of ten each time
+    for _ in range(8):
+        # a gain of 4 % of a standard error of the noise, and less of the scatter
+        reached = climb(products, point, bounds, gain=1e-3)
         if reached is None:
             break
         point = reached.point.copy()
@@ -346,7 +339,7 @@ def _fitted(problem: HarmonicProblem, start: Array) -> _End | None:
         correction = np.abs(linear * motion) / exact - _describing(problem, point, exact)
         model, slopes = _linearised(problem, point, bounds.scale, correction)
         end = _End(point, (model - Z) / np.abs(Z), slopes / np.abs(Z))
-        if best is not None and end.size > (1.0 - _SETTLED) * best.size:
+        if best is not None and end.size > 0.999 * best.size:  # a gain that does not matter
             break
         best = end
     return best

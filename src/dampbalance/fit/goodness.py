@@ -11,9 +11,7 @@ from scipy import special
 from ..arrays import Complexes
 from ..law.terms import term
 from ..signals.lines import Lines
-
-P_OF_THE_MODEL = 1e-4
-"""Probability in noise of a χ² so large that the records are not those of a model."""
+from ..signals.thresholds import P_OF_THE_MODEL
 
 
 def linear_misfit(

@@ -22,7 +22,6 @@ from scipy import special
 from ..arrays import Array
 
 _RANK = 1e-9  # of the largest singular value
-_LEAST_P_SHOWN = 1e-10  # of the square of a derivative, that must be orthogonal to the others
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,7 +77,8 @@ def departures_from(
     found = []
     for j, (symbol, g) in enumerate(zip(added, (others - own @ moves).T, strict=True)):
         square = float(g @ g)
-        if not square > _LEAST_P_SHOWN * float(others[:, j] @ others[:, j]):
+        # the others explain all of it, to rounding
+        if not square > 1e-10 * float(others[:, j] @ others[:, j]):
             continue
         slope = -float(g @ rest) / square
         if noise_known:

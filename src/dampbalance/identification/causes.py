@@ -32,25 +32,12 @@ from ..fit.waveforms import NO_MOTION, WaveformFit
 from ..motion.law_decays import ADDED
 from ..project.wording import Remark, larger_by, listed, number_text
 from ..signals.lines import Lines
-from ..signals.thresholds import P_CAUSE, P_DEPARTURE
+from ..signals.thresholds import AS_WELL, P_CAUSE, P_DEPARTURE
 from ..solver import NORMAL_95
 from .answer import UNBOUNDED
 
-SHOWS = 16.0
-"""Fall of χ² from which on slip, or a mass that contradicts, is there: four standard errors."""
-
-
-AS_WELL = 6.0
-"""Difference of χ² below which two causes explain records alike: a ratio of likelihoods of e³ = 20."""
-
 LIKELY = 0.3
 """Share of what noise does not explain, from which on a departure is worth a fit, or a word."""
-
-_TRIED = 4  # departures that are fitted: behind them the first order is no guide
-_CLIMBS = 3  # of a departure's fit: one that takes more is no guide
-_ROUNDEST = 1.5  # a Dahl contact, which is twice as stiff after a reversal as the nearest that yields at once
-_MATTERS = 3.0  # standard errors by which another contact may change K_z, unsaid
-_LEAST = 0.03  # of K_z
 
 GRADUAL = ADDED[-1]
 """The departure that hardly shows: see above."""
@@ -82,7 +69,6 @@ class Cause(NamedTuple):
 
 
 _GRADUALLY = "yields gradually (Dahl, Bouc–Wen, several contacts)"
-_NONE = "the model has none"
 
 CAUSES: Mapping[str, Cause] = {
     "delay": Cause(
@@ -118,12 +104,16 @@ CAUSES: Mapping[str, Cause] = {
         "give levels a friction force each (--groups)",
     ),
     "friction_speed": Cause(
-        "a friction force that changes with the speed, and is {} % larger at rest", 100.0, _NONE
+        "a friction force that changes with the speed, and is {} % larger at rest",
+        100.0,
+        "the model has none",
     ),
     "c_2": Cause(
         "damping that grows with the speed, by c_2 = {} N s²/m²", 1.0, "compare the laws (--laws)"
     ),
-    "k_3": Cause("a spring that is not linear, with k_3 = {} N/m³", 1.0, _NONE, in_rows=False),
+    "k_3": Cause(
+        "a spring that is not linear, with k_3 = {} N/m³", 1.0, "the model has none", in_rows=False
+    ),
     GRADUAL: Cause(
         f"a contact that {_GRADUALLY} and not at once, by {{}} of one of Iwan",
         1.0,
@@ -192,8 +182,9 @@ def explanations(
     if {"c", "c_r"} <= set(fit.law.unknowns):
         # a damper to the base and one to the ground together make up for any delay
         likely = [name for name in likely if name != "delay"]
+    # behind four the first order is no guide
     fits: list[tuple[tuple[str, ...], WaveformFit | None]]
-    fits = [((name,), _converged(refit(fit, [name]))) for name in likely[:_TRIED]]
+    fits = [((name,), _converged(refit(fit, [name]))) for name in likely[:4]]
     for names, point in _like(near) if near is not None else ():
         start = replace(fit.problem, freed=(*fit.problem.freed, *names)).fit(point)
         fits.append((names, _converged(start and refit(start))))
@@ -231,8 +222,8 @@ def _moves(fit: WaveformFit) -> bool:
 
 
 def _converged(fit: WaveformFit | None) -> WaveformFit | None:
-    """The fit that further climbs lead to, until one ends in an optimum."""
-    for _ in range(_CLIMBS):
+    """The fit that further climbs lead to, until one ends in an optimum: one that takes more than three is no guide."""
+    for _ in range(3):
         if fit is None or fit.converged:
             break
         fit = refit(fit)
@@ -283,19 +274,6 @@ def remark_on(found: Sequence[Explanation], fall: float) -> Remark:
     )
 
 
-def remark_on_contact(one: Departure, fit: OscillatorFit) -> Remark:
-    """The sentence on a contact that yields gradually, which a fit of one that yields at once shows."""
-    parts = changes(one, fit, one.value)
-    share = min(parts["K_z"], 1.0)
-    return Remark(
-        f"the records show a contact that {_GRADUALLY} and not at once: that explains {one.size**2:.0f} of χ², by "
-        f"chance with p = {one.p:.1g}; the model has none, and its K_z is that of the nearest one that yields at once: "
-        f"after a reversal the contact is roughly {larger_by(abs(share))} {'stiffer' if share > 0.0 else 'softer'}; "
-        f"{CAUSES[GRADUAL].remedy}",
-        doubts={symbol: abs(part) for symbol, part in parts.items()},
-    )
-
-
 def doubts_of(one: Departure, fit: OscillatorFit) -> Mapping[str, float]:
     """By what part of itself a departure that is not fitted may move each number: to first order, and without bound
     where it imitates friction and damping. A spring or a contact that yields otherwise moves neither."""
@@ -303,17 +281,6 @@ def doubts_of(one: Departure, fit: OscillatorFit) -> Mapping[str, float]:
         return UNBOUNDED
     moved = {} if one.symbol in _IN_PHASE else changes(one, fit, one.value)
     return {symbol: abs(part) for symbol, part in moved.items()}
-
-
-def gradual_contact(tested: Sequence[Departure], scale: float = 1.0) -> Departure | None:
-    """The contact that yields gradually, where it shows and explains more than anything else that was tested.
-
-    scale : of the errors, where the residual is like a motion.
-    """
-    best = max(tested, key=lambda one: abs(one.size), default=None)
-    if best is None or best.symbol != GRADUAL or not best.value > 0.0:
-        return None
-    return best if 2.0 * special.ndtr(-best.size / scale) < P_CAUSE else None
 
 
 def condition_on_contact(fit: OscillatorFit, tested: Iterable[Departure]) -> list[str]:
@@ -327,9 +294,11 @@ def condition_on_contact(fit: OscillatorFit, tested: Iterable[Departure]) -> lis
     for one in tested:
         if one.symbol != GRADUAL or fit.rigid:
             continue
-        most = min(max(one.value, 0.0) + NORMAL_95 * one.error, _ROUNDEST)
+        # Dahl's contact is twice as stiff after a reversal as the nearest that yields at once: 1.5 is the roundest
+        most = min(max(one.value, 0.0) + NORMAL_95 * one.error, 1.5)
         part = changes(one, fit, most).get("K_z", 0.0)
-        if part > max(_LEAST, _MATTERS * fit.K_z_error / fit.K_z):
+        # less than 3 % of K_z, or than three of its standard errors, is worth no word
+        if part > max(0.03, 3.0 * fit.K_z_error / fit.K_z):
             return [
                 "K_z and its interval are conditional on a contact that yields at once, which these records cannot "
                 f"test: one that {_GRADUALLY} moves alike, and is stiffer by up to {larger_by(part)} right "

@@ -27,7 +27,7 @@ from ..motion.law_decays import ADDED
 from ..motion.unknowns import OSCILLATOR_UNKNOWNS
 from ..project.wording import Remark, change_text, listed, number_text, percent
 from ..signals.one_thread import one_thread
-from ..signals.thresholds import P_FURTHER_TERM
+from ..signals.thresholds import AS_WELL, P_FURTHER_TERM
 from ..solver import NORMAL_95
 from .answer import Answer, unit_of
 from .causes import GRADUAL
@@ -35,7 +35,6 @@ from .law_comparison import LawComparison, LawTest, Probability, compared
 from .stated import widened
 
 _MOST_ALONG = 3  # coefficients that are fitted along
-_AS_WELL = 6.0  # of χ²: another coefficient that explains the decays as well
 _HINT = 1.7  # standard errors of a coefficient, more than one in twenty decays show by chance
 _MATTERS = 3.0  # standard errors by which another law may move F_k or c, unsaid
 _LEAST = 0.03  # of F_k or c
@@ -95,7 +94,7 @@ def _as_well(fit: RingFit, symbol: str) -> dict[str, float]:
     for other in ADDED:
         if other not in fit.problem.free:
             end = replace(fit.problem, free=(*without, other)).climb(start)
-            if end is not None and end.chi_square - fit.chi_square < _AS_WELL:
+            if end is not None and end.chi_square - fit.chi_square < AS_WELL:
                 for name in (*TERMS, "K_z"):
                     here, there = getattr(fit, name), getattr(end, name)
                     if here and math.isfinite(here) and math.isfinite(there):

@@ -34,6 +34,7 @@ from ..signals.cycles import clipped, flat_tops
 from ..signals.disturbances import lines_of
 from ..signals.drive import stands_still
 from ..signals.one_thread import one_thread
+from ..signals.thresholds import P_HALF_CYCLES
 from ..solver import NORMAL_95, solve
 from .answer import (
     CONFIDENCE,
@@ -68,7 +69,6 @@ if TYPE_CHECKING:
 BALANCE = "balance"
 """Name of the one approach to free decays."""
 
-_CHANCE = 1e-4  # probability of a misfit in noise, below which there is another reason
 _MATTERS = 0.05  # of a value: half of what a user asks for, and above what the balance neglects, a per mille or so
 _MASS_OFF = 4.0  # standard errors
 _LIGHTER = 1e-2  # of a mass that is given: small enough for first order, large compared with where a climb ends
@@ -391,7 +391,7 @@ def _solved(
     doubts = doubts_of(fit, further)
     warnings = [*warnings, *doubts]
     notes = [*fit_notes]
-    if freedom > 0 and special.chdtrc(freedom, misfit * freedom) < _CHANCE:
+    if freedom > 0 and special.chdtrc(freedom, misfit * freedom) < P_HALF_CYCLES:
         notes.append(
             Remark(
                 "the half cycles do not share one F_k and c: χ² is {:.3g} per row",

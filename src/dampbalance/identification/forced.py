@@ -79,12 +79,6 @@ if TYPE_CHECKING:
 
     from ..records.measured import RecordLike
 
-_NORMAL = 1e9  # degrees of freedom with which Student's t is normal, to 1e-9
-
-# of the free oscillator in a cycle of the drive, or cycles in a swing; beyond that a unit is wrong
-_MOST_SWINGS = 1000.0
-_COPIED = 1e-9  # of the largest harmonic: what writing a record in another format may change
-
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class ForcedOutcome(Identified):
@@ -329,7 +323,7 @@ def _require_possible(readings: Sequence[Reading], mass: float | None, k: float)
         return
     for reading in readings:
         swings = math.sqrt(k / mass) / reading.steady.omega
-        if not 1.0 / _MOST_SWINGS < swings < _MOST_SWINGS:
+        if not 1e-3 < swings < 1e3:  # beyond that a unit is wrong
             raise ValueError(
                 f"with k = {k:g} N/m and m = {mass:g} kg the oscillator swings {swings:.2g} times in a cycle of "
                 f"{reading.steady.source}: give the mass in kg and the stiffness in N/m, or leave out the mass"
@@ -438,8 +432,8 @@ def _require(
                 f"{steady.source} was read with k = {steady.k:g} N/m, not with {k:g} N/m"
             )
     for one, other in itertools.combinations((reading.steady for reading in readings), 2):
-        # copies, in whatever format, have cycles with the same harmonics
-        bound = _COPIED * abs(one.X[0, 1])
+        # copies have cycles with the same harmonics, to what another format may change
+        bound = 1e-9 * abs(one.X[0, 1])
         if one.X.shape == other.X.shape and np.abs(one.X - other.X).max() < bound:
             raise ValueError(
                 f"{one.source} and {other.source} hold the same signals: each record is one level"
@@ -586,7 +580,7 @@ def _parameter(values: Samples[Array]) -> ParameterEstimate:
     parts = np.array([(len(p) - 1) / len(p) * np.sum((p - p.mean()) ** 2) for p in values.left])
     groups = np.array([len(p) for p in values.left])
     total = math.fsum(parts)
-    freedom = total**2 / float(np.sum(parts**2 / (groups - 1))) if total > 0.0 else _NORMAL
+    freedom = total**2 / float(np.sum(parts**2 / (groups - 1))) if total > 0.0 else math.inf
     error = math.sqrt(total)
     reach = float(special.stdtrit(freedom, 0.5 + 0.5 * CONFIDENCE)) * error
     return ParameterEstimate(value, error, Interval(value - reach, value + reach))

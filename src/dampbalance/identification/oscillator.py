@@ -27,9 +27,10 @@ from ..law.terms import FRICTION
 from ..project.wording import Remark, listed
 from ..signals.lines import Lines
 from ..signals.mean_harmonics import RESOLVED, Means, Reading
+from ..signals.thresholds import SHOWS
 from ..solver import NORMAL_95
 from .answer import FUNDAMENTALS, UNBOUNDED, Answer, answer_of_fit
-from .causes import CAUSES, FRAME, SHOWS, Explanation, explanations
+from .causes import CAUSES, FRAME, Explanation, explanations
 
 Of = TypeVar("Of")
 To = TypeVar("To")

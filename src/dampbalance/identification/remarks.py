@@ -38,36 +38,21 @@ from ..project.wording import (
 )
 from ..signals.checks import is_clipped
 from ..signals.mean_harmonics import Reading
+from ..signals.thresholds import AS_WELL, SHOWS
 from ..solver import NORMAL_95, solve
 from .answer import UNBOUNDED, USELESS, Answer, ParameterEstimate
-from .causes import (
-    AS_WELL,
-    CAUSES,
-    doubts_of,
-    likeliest,
-    remark_on,
-)
+from .causes import CAUSES, doubts_of, likeliest, remark_on
 from .oscillator import JointFit, Microstick
 
 DIRECT = "direct"
 """The approach that assumes no shape of x(t): the one that is compared with the fit to all records."""
 
-_APART = 4.0  # standard errors
-_SHAPE_SHOWS = 0.5  # standard errors: an interval of 95 % holds the truth in 92 % of all cases then
-_SHAPE_LEAST = 1e-6  # of a value: the size of the harmonics that a waveform leaves out
-_FOLDED = 2.0  # of the noise
-_FAR = 3.0  # standard deviations of the rows
-_MOST = 0.5  # of what noise does not explain: a cause by which numbers are taken to be off
-# X/Y, or its inverse: beyond the first, units are doubted of records that no oscillator explains; beyond the second,
-# which takes a Q of 300 or 17 times the natural frequency, of others too.
-_LARGE_GAIN, _RARE_GAIN = 100.0, 300.0
 _UNITS = {
     1000.0: "mm taken for m",
     100.0: "cm taken for m",
     25.4: "mm taken for inches",
     10.0: "mm taken for cm",
 }
-_ALIKE = 0.02  # sine of the angle between the columns of A below which the levels hardly distinguish F_k from c
 
 
 def notes_on(answer: Answer, readings: Sequence[Reading], joint: JointFit) -> Iterator[Remark]:
@@ -90,7 +75,7 @@ def notes_on(answer: Answer, readings: Sequence[Reading], joint: JointFit) -> It
             else "the onset of slip is not known: the contact is taken as rigid, and F_k is too small",
             doubts=_by_half_the_stick(answer, readings) if joint.fit is not None else UNBOUNDED,
         )
-        if answer.misfit > _FAR**2:
+        if answer.misfit > 9.0:  # χ² per degree of freedom: three times the noise
             yield Remark(
                 "its rows lie {} times farther from the balance than noise explains",
                 factor(math.sqrt(answer.misfit)),
@@ -159,7 +144,9 @@ def _shape(answer: Answer) -> Iterator[Remark]:
     doubts: dict[str, float] = {}
     for symbol, bias in answer.shape_bias.items():
         own = answer.coefficients[symbol]
-        least = max(_SHAPE_SHOWS * own.standard_error, _SHAPE_LEAST * abs(own.value))
+        # half a standard error, with which an interval of 95 % holds the truth in 92 % of all cases; or the size of the
+        # harmonics that a waveform leaves out
+        least = max(0.5 * own.standard_error, 1e-6 * abs(own.value))
         if not abs(bias * own.value) <= least:  # nor is NaN
             size = f"{{}} too {'small' if bias < 0.0 else 'large'}"
             parts.append(f"{{}} {size if math.isfinite(bias) else 'impossible to find'}")
@@ -192,7 +179,7 @@ def agreement(
             "acceleration, or reduce the noise",
             doubts={"K_z": math.inf},
         )
-    folded = _numbered(reading.lines.aliased > _FOLDED for reading in readings)
+    folded = _numbered(reading.lines.aliased > 2.0 for reading in readings)
     if folded and not joint.linear:
         yield Remark(
             f"harmonics above half the sampling rate were not removed from record {folded} and exceed its noise: "
@@ -212,7 +199,7 @@ def agreement(
     for answer in answers.values():
         if answer.balance is None or answer.balance.rows.usable.sum() < 2:
             continue
-        if _sine(answer.balance.rows) < _ALIKE:
+        if _sine(answer.balance.rows) < 0.02:  # errors are fifty times those of a single unknown
             coefficients = list(answer.coefficients)
             yield Remark(
                 f"the levels are so alike that {listed(coefficients)} can hardly be distinguished by the balance: add "
@@ -265,7 +252,8 @@ def _none_fits(
         likely = (
             f"; the likeliest of the causes tested is {words}, which explains {part(share)} of that"
         )
-        if share > _MOST and alone is not None and not alone.has(cause.symbol):
+        # the numbers are off by the cause of most of it
+        if share > 0.5 and alone is not None and not alone.has(cause.symbol):
             doubts = doubts_of(cause, fit)
     worst = readings[int(np.argmax(fit.misfits))].steady.source
     return Remark(
@@ -307,7 +295,9 @@ def _wrong_unit(readings: Sequence[Reading], joint: JointFit) -> Iterator[Remark
     one of them explains the records as well as any oscillator does."""
     lines, fit = [reading.lines for reading in readings], joint.fit
     gains = [float(abs(one.x[0])) / one.Y for one in lines]
-    limit = _RARE_GAIN if joint.linear or (fit is not None and fit.adequate) else _LARGE_GAIN
+    # of X/Y, or its inverse, to doubt units of records that no oscillator explains; of others, 300 takes a Q of 300 or
+    # 17 times the natural frequency
+    limit = 300.0 if joint.linear or (fit is not None and fit.adequate) else 100.0
     large = any(gain > limit for gain in gains)
     if not (large or any(gain < 1.0 / limit for gain in gains)):
         return
@@ -342,7 +332,8 @@ def contradiction(
         of_fit, error = fit.value(symbol), wider * own.standard_error
         # the fit uses all that the balance uses: the variance of their difference is that of their variances
         of_both = math.sqrt(max(error**2 - fit.error(symbol) ** 2, 0.0))
-        allowed = max(_APART * of_both, 0.5 * _APART * error, least * abs(of_fit))
+        most = math.sqrt(SHOWS)
+        allowed = max(most * of_both, 0.5 * most * error, least * abs(of_fit))
         if abs(own.value - of_fit) > allowed and of_fit:
             parts[symbol] = (
                 f"{symbol} by {change_text(of_fit, own.value - of_fit, term(symbol).unit)}"

@@ -10,6 +10,7 @@ An alarm is no doubt yet: what a test finds counts by what it may do to the numb
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 
 from scipy import special
@@ -40,8 +41,18 @@ P_SHOWN = 6.3e-5
 """χ² of 16, four standard errors: slip, and a mass or a balance that contradicts the fit.
 Each changes what is answered, and is asked a few times in a set."""
 
+SHOWS = float(special.chdtri(1.0, P_SHOWN))
+"""Fall of χ² from which on one unknown shows then, sixteen."""
+
+P_AS_WELL = 0.05
+"""Ratio of likelihoods above which two explanations are alike: the intervals hold both, or both are said."""
+
+AS_WELL = -2.0 * math.log(P_AS_WELL)
+"""Difference of χ² of that ratio, six."""
+
 P_CAUSE = 0.005
-"""The contact that yields gradually, which hardly shows otherwise: fitted along in forced records, named in decays."""
+"""The contact that yields gradually, which hardly shows otherwise, and a delay or k_3 of the fundamentals: fitted along
+in forced records."""
 
 P_DEPARTURE = 1e-3
 """Each other departure of forced records: fitted along, it costs accuracy, and a filter that is missed moves c by its
@@ -67,6 +78,7 @@ TESTS: Mapping[str, int] = {
     "P_MOTION_LEFT": 1,
     "P_HALF_CYCLES": 1,
     "P_SHOWN": 4,  # slip, mass, F_k and c of the balance
+    "P_AS_WELL": 0,
     "P_CAUSE": 1,
     "P_DEPARTURE": 8,  # channels, friction, damping and spring
     "P_FURTHER_TERM": 1,  # of the whole list likewise
