@@ -242,7 +242,8 @@ def compare_decay_laws(fit: RingFit) -> LawComparison:
         if of_law is None:
             return LawTest(terms, tests={"waveforms": None}), None
         if of_law.chi_square < every.chi_square:
-            every = min(every, fit_law(fit, DECAY_TERMS, (of_law.point,)) or every, key=_chi_square)
+            again = fit_law(fit, DECAY_TERMS, (of_law.point,)) or every
+            every = min(every, again, key=lambda one: one.chi_square)
         law = {s: (of_law.value(s), of_law.error(s)) for s in terms}
         return _tested(every, terms, of_law.chi_square - every.chi_square, law), of_law
 
@@ -272,10 +273,6 @@ def fit_law(
                 point[problem.friction_places if s == FRICTION else COMMON.index(s)] = 0.0
     ends = minimise(problem, points, scanned="")
     return ends[0] if ends else None
-
-
-def _chi_square(fit: RingFit) -> float:
-    return fit.chi_square
 
 
 def _without(every: RingFit, symbols: Sequence[str]) -> tuple[float, Array]:
