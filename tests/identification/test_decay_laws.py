@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.signal import butter, sosfilt
 
 from blind.decays import departing, falling, record
 from dampbalance import identify
@@ -14,6 +15,7 @@ from dampbalance.fit.decay import departures_of
 from dampbalance.identification.answer import DOUBTFUL, USABLE
 from dampbalance.identification.decay_laws import fit_law
 from dampbalance.identification.decays import identify_ring_downs
+from dampbalance.records.measurement import Channel, Measurement
 from fit.exact import decay_of, fitted
 from identification.releases import FAR, PLUCKED, compiled  # noqa: F401
 
@@ -117,6 +119,35 @@ def test_friction_that_falls_with_speed_is_no_silent_error_where_it_shows():
             near = abs(found.reference.values[symbol] / truth - 1.0) < 0.1
             right += low <= truth <= high or near or found.verdicts[symbol].verdict == DOUBTFUL
     assert right >= 14
+
+
+def test_friction_that_falls_with_the_speed_is_named_and_fitted_along():
+    """Of another integrator, 25 % higher at rest: F_k is the force at high speed, and F_k + p that at rest."""
+    decay = falling(SOUND, 0.25, 0.15)
+    found = found_in(decay)
+    assert any("friction that falls with the speed shows" in words for words in found.warnings)
+    for symbol in ("F_k", "c"):
+        assert found.verdicts[symbol].verdict == USABLE
+        assert found.reference.values[symbol] == pytest.approx(getattr(decay, symbol), rel=0.1)
+    assert found.fit.F_k + found.fit.value("falling") == pytest.approx(1.25 * decay.F_k, rel=0.02)
+
+
+def test_an_ac_coupling_of_a_decay_is_named_and_fitted_along():
+    """A high-pass of first order, whose corner is 0.15 of the natural frequency, at rest before the release."""
+    measured, _ = record(replace(SOUND, rate_hz=1000.0))
+    channel = measured.responses[0]
+    corner = 0.15 * SOUND.omega_n / (2.0 * np.pi)
+    poles = butter(1, corner, "high", fs=1000.0, output="sos")
+    values = sosfilt(poles, channel.values - channel.values[0])
+    found = identify_ring_downs(
+        [Measurement.of("coupled", [Channel(channel.quantity, channel.t, values)])], SOUND.k
+    )
+    assert any("AC coupling" in words for words in found.warnings)
+    assert found.fit.value("corner") == pytest.approx(corner, rel=0.05)
+    for symbol in ("F_k", "c"):
+        assert found.verdicts[symbol].verdict == USABLE
+        off = found.reference.values[symbol] - getattr(SOUND, symbol)
+        assert abs(off) < FAR * found.reference.standard_errors[symbol]
 
 
 def test_the_verdict_on_a_stiffness_agrees_with_what_is_said_of_the_contact():

@@ -33,6 +33,7 @@ from .law_comparison import LawComparison, LawTest, Probability, compared
 from .stated import widened
 
 _MOST_ALONG = 3  # coefficients that are fitted along
+_APART = 16.0  # of χ², four standard errors: beyond it, another cause of what looks like a friction that falls is out
 _HINT = 1.7  # standard errors of a coefficient, more than one in twenty decays show by chance
 _MATTERS = 3.0  # standard errors by which another law may move F_k or c, unsaid
 _LEAST = 0.03  # of F_k or c
@@ -65,7 +66,7 @@ def with_departures(fit: RingFit) -> tuple[RingFit, list[Remark]]:
     """
     for _ in range(_MOST_ALONG):
         departures = departures_of(fit)
-        shown = [one for one in departures if _shows(one, len(departures))]
+        shown = _shown(fit, departures)
         more = _likeliest(fit) if shown else None
         # to first order, the noise being what the coefficient leaves
         size = max((one.size**2 for one in shown), default=0.0)
@@ -140,7 +141,7 @@ def _as_well(fit: RingFit, symbol: str) -> dict[str, float]:
     for other in FURTHER:
         for end in _freed(fit, start, other, without) if other != _SPEED else ():
             for one in (end, *end.minima):
-                if one.chi_square - fit.chi_square < AS_WELL:
+                if one.chi_square - fit.chi_square < (_APART if symbol == _FALLING else AS_WELL):
                     for name in (*TERMS, "K_z"):
                         here, there = getattr(fit, name), getattr(one, name)
                         if here and math.isfinite(here) and math.isfinite(there):
@@ -154,7 +155,7 @@ def doubts_of(fit: RingFit, further: Sequence[Departure]) -> list[Remark]:
 
     further : what each further coefficient explains.
     """
-    shown = [one for one in further if _shows(one, len(further))]
+    shown = _shown(fit, further)
     if not shown:
         return []
     likely = max(shown, key=lambda one: abs(one.size))
@@ -189,10 +190,18 @@ def shortcomings_of(fit: RingFit) -> list[Remark]:
     ]
 
 
-def _shows(one: Departure, count: int) -> bool:
-    """Whether a coefficient is no chance."""
-    possible = one.value > 0.0 or one.symbol not in (_FALLING, CORNER)
-    return one.error > 0.0 and possible and one.p < P_FURTHER_TERM / count
+def _shown(fit: RingFit, further: Sequence[Departure]) -> list[Departure]:
+    """The coefficients that are no chance, and can be: an AC coupling and a friction that falls have one sign, and with
+    such a friction damping that falls with the speed is none but the friction at another speed."""
+    positive = [_FALLING, CORNER]
+    positive += [s for s in DECAY_TERMS if _FALLING in fit.problem.free]
+    return [
+        one
+        for one in further
+        if one.error > 0.0
+        and one.p < P_FURTHER_TERM / len(further)
+        and (one.value > 0.0 or one.symbol not in positive)
+    ]
 
 
 def _words(symbol: str) -> tuple[str, str]:
