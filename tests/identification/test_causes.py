@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import cache
 
 import numpy as np
 import pytest
@@ -24,15 +25,21 @@ NOISE = 2e-5  # of the fundamental: a per cent in each of some thousand samples
 FASTEST = 0.62  # m/s, at the highest level, to a per cent
 
 
+@cache
+def clean(F_k, Y, departure):
+    """Harmonics 1, 3 … 13 of the motion at a level, m."""
+    phases = np.arange(4096) * (2.0 * math.pi / 4096)
+    x = steady((M, C, K, K_Z, F_k, Y, OMEGA), departure)(phases)[0]
+    return 2.0 * np.fft.rfft(x)[1:14:2] / phases.size
+
+
 def lines_of(
     departure=NO_DEPARTURE, reads=lambda n, x, Y: (x, Y), forces=(F_K,) * 4, seed=0, noise=NOISE
 ):
     """Harmonics of each level, with noise.   reads : what the channels make of the harmonics and of the base."""
     random, lines, n = np.random.default_rng(seed), [], np.arange(1, 14, 2)
     for Y, F_k in zip(BASES, forces, strict=True):
-        cycle = steady((M, C, K, K_Z, F_k, Y, OMEGA), departure)
-        phases = np.arange(4096) * (2.0 * math.pi / 4096)
-        x, base = reads(n, 2.0 * np.fft.rfft(cycle(phases)[0])[n] / phases.size, Y)
+        x, base = reads(n, clean(F_k, Y, departure), Y)
         error = noise * abs(x[0])
         x = x + error * (random.standard_normal(n.size) + 1j * random.standard_normal(n.size))
         lines.append(Lines(OMEGA, base, noise * Y, n, x, np.full(n.size, error), 40))
@@ -62,7 +69,6 @@ MADE = {
 def test_a_departure_is_named_and_fitted_and_the_answer_is_freed_of_it(name):
     options, size = MADE[name]
     whole = joint_fit(lines_of(**options), K, frames=True)
-    plain = joint_fit(lines_of(**options), K, departures=False)
     (best, *_), answer = whole.explained, whole.answer
     assert best.names == (name,)
     assert best.words.startswith(CAUSES[name].words.partition("{")[0])
@@ -77,7 +83,7 @@ def test_a_departure_is_named_and_fitted_and_the_answer_is_freed_of_it(name):
         # of the second order, which nothing bounds but the size of the departure: two parts in a thousand
         slack = 2e-3 * truth + doubts.get(symbol, 0.0) * truth
         assert low - slack < truth < high + slack, symbol
-    assert not plain.waveforms_hold
+    assert whole.fall > 16.0  # four standard errors
 
 
 def test_causes_that_explain_the_records_as_well_widen_the_intervals():
@@ -92,7 +98,7 @@ def test_causes_that_explain_the_records_as_well_widen_the_intervals():
         assert whole.answer.intervals["c"].high >= high
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(2))
 def test_records_of_the_oscillator_show_no_departure(seed):
     """By chance one in 100 sets shows one."""
     whole = joint_fit(lines_of(seed=seed), K, frames=True)
@@ -183,8 +189,9 @@ def rare(name, noise, factor=1.0):
     return osc, records
 
 
-@pytest.mark.parametrize("noise", [1e-4, 1e-2])
-@pytest.mark.parametrize("name", RARE)
+@pytest.mark.parametrize(
+    ("name", "noise"), [("Q", 1e-4), ("Q", 1e-2), ("fast", 1e-4), ("100 g", 1e-2)]
+)
 def test_a_rare_rig_is_not_asked_for_its_units(name, noise):
     osc, records = rare(name, noise)
     found = identify(records, osc.k)
@@ -193,7 +200,7 @@ def test_a_rare_rig_is_not_asked_for_its_units(name, noise):
     assert found.values["F_k"] == pytest.approx(osc.F_k, rel=max(1e-4, 2.0 * noise))
 
 
-@pytest.mark.parametrize(("name", "factor"), [("Q", 1000.0), ("100 g", 1000.0), ("fast", 1e-3)])
+@pytest.mark.parametrize(("name", "factor"), [("Q", 1000.0), ("fast", 1e-3)])
 def test_a_unit_of_one_channel_is_asked_for_where_another_fits(name, factor):
     osc, records = rare(name, 1e-3, factor)
     found = identify(records, osc.k)

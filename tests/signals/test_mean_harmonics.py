@@ -12,7 +12,8 @@ from dampbalance.features import FEATURE_COLUMNS, of_orbit
 from dampbalance.fit.steady_search import fit_records
 from dampbalance.records.measurement import Measurement
 from dampbalance.records.synthetic import measured_orbit
-from dampbalance.signals.mean_harmonics import RESOLVED, Means, Reading, read_features
+from dampbalance.signals.mean_harmonics import Means, Reading, read_features
+from dampbalance.solver import NORMAL_95
 from paper_case import FREQUENCIES_HZ, NEAR, OMEGA, PAPER, orbits_at
 from signals.harmonics import with_own_fit
 
@@ -40,7 +41,7 @@ def onset_resolved(reading):
     """Whether the contact slips and the length of its microstick line stands out of the noise."""
     if not reading.slips:
         return False
-    return reading.waveform.rho > RESOLVED * reading.waveform.rho_error
+    return reading.waveform.rho > NORMAL_95 * reading.waveform.rho_error
 
 
 @pytest.mark.parametrize("channels", [DISPLACEMENT, BOTH], ids=["x", "x+a"])

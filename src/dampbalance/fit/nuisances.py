@@ -38,7 +38,10 @@ NUISANCES: Mapping[str, tuple[float, float]] = {
     "friction_speed": (-math.inf, math.inf),
     "c_2": (-math.inf, math.inf),
     "k_3": (-math.inf, math.inf),
-    "gradual": (0.0, math.inf),
+    "gradual": (
+        0.0,
+        0.98,
+    ),  # beyond one, the force falls before the contact slips; at one, slopes are singular
 }
 """The least and the greatest value of each nuisance."""
 

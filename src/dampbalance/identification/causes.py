@@ -42,8 +42,6 @@ LIKELY = 0.3
 GRADUAL = ADDED[-1]
 """The departure that hardly shows: see above."""
 
-_IMITATING, _IN_PHASE = ("corner", "friction_speed"), ("k_3", GRADUAL)
-
 FRAME = "frame"
 
 
@@ -196,14 +194,16 @@ def explanations(
     def misfit(one: Explanation) -> float:
         return one.fit.chi_square + penalty(one.fit)
 
-    found = [Explanation(names, one) for names, one in fits if one is not None and _moves(one)]
+    found = [Explanation(names, one) for names, one in fits if one is not None and moves(one)]
     own = fit.chi_square + penalty(fit)
     found = [
         one
         for one in found
         if one.fit.adequate
         and own - misfit(one) > min(map(_least, one.names))
-        and not any(one.fit.value(n) in NUISANCES[n] for n in one.names if n != FRAME)
+        and not any(
+            one.fit.value(n) in NUISANCES[n] for n in one.names if n not in (FRAME, GRADUAL)
+        )
     ]
     best = min(map(misfit, found), default=0.0)
     ordered = sorted(
@@ -213,8 +213,9 @@ def explanations(
     return tuple({one.names: one for one in ordered}.values())[::-1]
 
 
-def _moves(fit: WaveformFit) -> bool:
-    """Whether all motions of a fit are found again from nothing, as its features need them."""
+def moves(fit: WaveformFit | FundamentalFit) -> bool:
+    """Whether all motions of a fit are found again from nothing, under the drives that were read: its features, and
+    the travel that its sticking takes, need them."""
     try:
         return bool(fit.responses)
     except NO_MOTION:
@@ -256,7 +257,7 @@ def _least(name: str) -> float:
 def _may_be(name: str, one: Departure) -> bool:
     """Whether a departure of that size can be; a contact that yields more suddenly than at once is none."""
     low, high = NUISANCES[name]
-    return low < one.value < high
+    return low < one.value and (one.value < high or name == GRADUAL)
 
 
 def remark_on(found: Sequence[Explanation], fall: float) -> Remark:
@@ -276,11 +277,13 @@ def remark_on(found: Sequence[Explanation], fall: float) -> Remark:
 
 def doubts_of(one: Departure, fit: OscillatorFit) -> Mapping[str, float]:
     """By what part of itself a departure that is not fitted may move each number: to first order, and without bound
-    where it imitates friction and damping. A spring or a contact that yields otherwise moves neither."""
-    if one.symbol in _IMITATING:
+    where it imitates friction and damping. A spring or a contact that yields otherwise moves neither; the contact is
+    then as much stiffer after a reversal."""
+    if one.symbol in ("corner", "friction_speed"):
         return UNBOUNDED
-    moved = {} if one.symbol in _IN_PHASE else changes(one, fit, one.value)
-    return {symbol: abs(part) for symbol, part in moved.items()}
+    moved = {s: abs(part) for s, part in changes(one, fit, one.value).items()}
+    beside = {"k_3": {*moved}, GRADUAL: {*moved} - {"K_z"}}.get(one.symbol, ())
+    return {s: part for s, part in moved.items() if s not in beside}
 
 
 def condition_on_contact(fit: OscillatorFit, tested: Iterable[Departure]) -> list[str]:

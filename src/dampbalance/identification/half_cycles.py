@@ -34,6 +34,7 @@ from ..arrays import Array, Integers
 from ..fit.decay import RingFit
 from ..signals.bursts import Signal, least_noise
 from ..signals.simpson import integrals
+from ..signals.thresholds import SIGNIFICANT
 
 W, A, B = range(3)
 """Columns of a row: W (J), a (m), b (m²/s)."""
@@ -43,7 +44,6 @@ _SAMPLES_A_CYCLE = 100
 _WINDOW = 12  # samples are smoothed over a twelfth of a cycle on either side
 _DEGREE = 4  # of the smoothing polynomial: over that window it meets a harmonic velocity to 2e-4
 _MOST_HALVES = 200  # their covariance takes a tenth of a second, and few decays show more
-_CLEAR = 5.0  # standard errors that a swing must have: its turns are then real
 _SLIPS = 1.5  # sticks 2Z_m that a swing must have: the mass then slips in every half cycle
 _PASSES = 4  # corrections of the baseline: each leaves the square of the one before
 _HALVES_A_BEND = (
@@ -181,7 +181,8 @@ def swings_of(signal: Signal, period: float, least: float) -> Swings:
         v = v - np.polyval(np.polyfit(t[cycle:-cycle], slow, 1), t)
     above_rest = v
     swing = np.pad(np.ones(cycle // 2), width)  # as a sum over the velocity
-    least = max(least, _CLEAR * sigma * dt * float(np.linalg.norm(velocity(swing))))
+    # where the turns of a swing are real
+    least = max(least, SIGNIFICANT * sigma * dt * float(np.linalg.norm(velocity(swing))))
     fewest = _HALVES_A_BEND if signal.order == 2 or (signal.order and not rests) else 3
     for _ in range(_PASSES):
         places = _turns(v, 0.5 * cycle)[: _MOST_HALVES + 1]

@@ -26,11 +26,11 @@ from ..law.law import Law
 from ..law.terms import FRICTION
 from ..project.wording import Remark, listed
 from ..signals.lines import Lines
-from ..signals.mean_harmonics import RESOLVED, Means, Reading
+from ..signals.mean_harmonics import Means, Reading
 from ..signals.thresholds import SHOWS
 from ..solver import NORMAL_95
 from .answer import FUNDAMENTALS, UNBOUNDED, Answer, answer_of_fit
-from .causes import CAUSES, FRAME, Explanation, explanations
+from .causes import CAUSES, FRAME, Explanation, explanations, moves
 
 Of = TypeVar("Of")
 To = TypeVar("To")
@@ -195,15 +195,15 @@ def joint_fit(
     linear = fall < SHOWS and not slips
     alone = None if linear else alone
 
-    def off(one: OscillatorFit) -> float:
-        """Difference of its mass from the one given, in standard errors."""
+    def penalty(one: OscillatorFit) -> float:
+        """χ² that the mass given adds: the square of its difference in standard errors."""
         low, high = one.interval("m")
         error = 0.5 * (high - low) / NORMAL_95
         apart = math.hypot(error, mass_error, stiffness_error / k * one.m)
-        return 0.0 if m is None or one.m == m else (one.m - m) / apart
+        return 0.0 if m is None or one.m == m else ((one.m - m) / apart) ** 2
 
     if fit is None or linear:
-        fits = alone is None or abs(off(alone)) < math.sqrt(SHOWS)
+        fits = alone is None or penalty(alone) < SHOWS
         return JointFit(fit, linear, mass=m, mass_fits=fits, fundamentals=alone)
     error = fit.error("m")
     given = refit(fit, given={"m": m}) if m is not None and mass_error < error else None
@@ -214,17 +214,15 @@ def joint_fit(
 
     found: tuple[Explanation, ...] = ()
     if departures:
-        unsure = frames and not (fit.adequate and abs(off(fit)) < math.sqrt(SHOWS))
-        found = explanations(
-            fit, lines, penalty=lambda one: off(one) ** 2, near=alone, frames=unsure
-        )
+        unsure = frames and not (fit.adequate and penalty(fit) < SHOWS)
+        found = explanations(fit, lines, penalty=penalty, near=alone, frames=unsure)
     if not found:
-        fits = abs(off(alone or fit)) < math.sqrt(SHOWS)
+        fits = penalty(alone or fit) < SHOWS
         return JointFit(fit, linear, mass=m, mass_fits=fits, fundamentals=alone)
     best = found[0].fit
-    fall = fit.chi_square + off(fit) ** 2 - best.chi_square - off(best) ** 2
+    fall = fit.chi_square + penalty(fit) - best.chi_square - penalty(best)
     fit = fit if FRAME in found[0].names else best
-    return JointFit(fit, linear, found, fall, m, abs(off(best)) < math.sqrt(SHOWS))
+    return JointFit(fit, linear, found, fall, m, penalty(best) < SHOWS)
 
 
 def _searched(
@@ -239,17 +237,20 @@ def _searched(
     if fit is not None and fit.adequate:
         return (of_all_stiffnesses(fit) if slips and not law.nonlinear else fit), None
     alone = fit_fundamentals(lines, k, law)
+    if alone is not None and not moves(alone):
+        alone = None
     ends = [fit]
     if alone is not None:
         point, nuisances = alone.point.copy(), alone.problem.nuisances
         point[[alone.names.index(name) for name in nuisances]] = 0.0
         start = replace(alone.problem, freed=OSCILLATOR).fit(point)
         ends.append(start and refit(start))
-    fits = [one for one in ends if one is not None]
+    fits = [one for one in ends if one is not None and moves(one)]
     fit = min(fits, key=lambda one: one.chi_square, default=None)
     rings = fit is not None and max(one.swings for one in fit.responses) > 1.0
     if slips and (fit is None or (not fit.adequate and (alone is None or rings))):
         fit = fit_records(lines, k, law)
+        fit = fit if fit is not None and moves(fit) else None
     return fit, None if fit is not None and fit.adequate else alone
 
 
@@ -333,7 +334,7 @@ class Samples(Generic[Of]):
 class Microstick:
     """Length of the microstick line X + X_s = 2F_k/K_z that all records share, m.
 
-    resolved : whether its root stands out of its noise.   bound : upper bound at 97.5 % confidence.
+    resolved : whether the 95 % interval of its root lies above zero.   bound : upper bound at 97.5 % confidence.
     All numbers are NaN where the waveforms of the records are not known.
     """
 
@@ -398,6 +399,6 @@ def microstick(samples: Samples[Sample]) -> Microstick:
     return Microstick(
         length=2.0 * F_k * rho**2,
         standard_error=of_length,
-        resolved=rho > RESOLVED * error,
+        resolved=rho > NORMAL_95 * error,
         bound=2.0 * F_k * (rho + NORMAL_95 * error) ** 2,
     )

@@ -39,9 +39,6 @@ from .lines import Lines
 from .one_thread import one_thread
 from .turning import Series, turning_points, upward_zero
 
-RESOLVED = 2.0
-"""Standard errors by which the root of the microstick line's length must exceed zero to count as resolved."""
-
 ONSET_UNKNOWN = "slip onset not known"
 
 _HIGHEST_READ = 5  # the highest harmonic taken from a record that an exact waveform fits
