@@ -25,13 +25,14 @@ from ..fit.search import sound, with_one_more
 from ..law.terms import FRICTION, KNOWN_TERMS
 from ..motion.law_decays import ADDED
 from ..motion.unknowns import OSCILLATOR_UNKNOWNS
-from ..project.wording import Remark, change_text, listed, number_text, percent
+from ..project.wording import Remark, change_text, listed, percent
 from ..signals.one_thread import one_thread
 from ..signals.thresholds import AS_WELL, P_FURTHER_TERM
 from ..solver import NORMAL_95
 from .answer import Answer, unit_of
 from .causes import GRADUAL
 from .law_comparison import LawComparison, LawTest, Probability, compared
+from .screen import with_error
 from .stated import widened
 
 _MOST_ALONG = 3  # coefficients that are fitted along
@@ -71,7 +72,7 @@ def with_departures(fit: RingFit) -> tuple[RingFit, list[Remark]]:
     remarks = []
     for symbol in fit.problem.free[len(OSCILLATOR_UNKNOWNS) :]:
         words, unit = _words(symbol)
-        size = f"{number_text(fit.value(symbol), 3)} ± {number_text(fit.error(symbol), 1)}{unit}"
+        size = f"{with_error(fit.value(symbol), fit.error(symbol))}{unit}"
         if symbol in DECAY_TERMS:
             words = (
                 f"friction and viscous damping do not account for the decays: {words} explains them ({symbol} = "
@@ -123,7 +124,7 @@ def doubts_of(fit: RingFit, further: Sequence[Departure]) -> list[Remark]:
     return [
         Remark(
             f"friction and viscous damping do not account for the decays ({chance}): {words} would explain most of it "
-            f"({likely.symbol} = {number_text(likely.value, 3)} ± {number_text(likely.error, 1)}{unit}); F_k and c "
+            f"({likely.symbol} = {with_error(likely.value, likely.error)}{unit}); F_k and c "
             "may carry its effect",
             doubts=doubts,
         )
