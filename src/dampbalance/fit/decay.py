@@ -41,8 +41,18 @@ from .minimise import climb_on, inverse_information
 from .scattering_mean import ScatteringMean
 from .score import Departure, departures_from
 
-COMMON = (*OSCILLATOR_UNKNOWNS, *ADDED)
+CORNER = "corner"
+"""Corner of an AC coupling of the channels, a high-pass of first order iω/(iω + 2πf_c), Hz; 0 for none."""
+
+FURTHER = (*ADDED, CORNER)
+"""The unknowns that are zero unless they are freed; a speed over which friction falls stands ready."""
+
+COMMON = (*OSCILLATOR_UNKNOWNS, *FURTHER)
 """The unknowns that all decays share, first in every point."""
+
+FALLS = (0.1, 0.03, 0.3)
+"""Speeds over which friction falls, relative to the largest one, that a search tries: bearings and slides are said to
+fall within the slowest tenth. Between two of them the motion hardly differs."""
 
 STATE = 3
 """Number of unknowns of a start state: x, ẋ and the preload w."""
@@ -64,6 +74,9 @@ _SCAN = np.geomspace(0.5, 1e5, 45)  # K_z/k, from a contact that hardly acts to 
 _FINE = np.arange(-30, 31) * 0.25  # cycles of ringing, a quarter of one from one to the next
 _CHORD = 3e-2  # of ρ√k, K_z = 1100 k: the motion of stiffer contacts depends on ρ², so that the slope by ρ vanishes
 _SMALL = 1e-3  # of √(km): damping that counts as none where a climb ends
+_SLOWEST = (
+    0.01  # of the largest speed: a friction that falls sooner has fallen in all samples but a few
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -166,34 +179,51 @@ class DecayProblem:
         point[len(COMMON) : len(COMMON) + offsets.size] = offsets
         point[len(COMMON) + self.offsets : self.size - STATE * len(self.decays)] = common[F_K]
         point[self.size - STATE * len(self.decays) :] = np.concatenate([*states])
-        return point
+        given = point[COMMON.index("falling_speed")] > 0.0
+        return point if given else self.falling_over(point, FALLS[0])
+
+    def falling_over(self, point: Array, part: float) -> Array:
+        """The point with a part of the largest speed of the decays as that over which friction falls."""
+        states = point[point.size - STATE * len(self.decays) :].reshape(-1, STATE)
+        top = np.hypot(states[:, 0] * math.sqrt(self.k / point[M]), states[:, 1]).max()
+        moved = point.copy()
+        moved[COMMON.index("falling_speed")] = part * top
+        return moved
 
     def columns(self, point: Array, *, added: bool = False) -> Array:
         """Derivatives of the residuals (model − sample)/σ by the unknowns, and these residuals, (samples, p + 1), decay
         by decay, channel by channel; NaN where the contact rattles.
 
-        added : whether derivatives by `ADDED` are wanted that are not free.
+        added : whether derivatives by `FURTHER` are wanted that are not free.
         """
-        added = added or any(symbol in self.free for symbol in ADDED)
+        added = added or any(symbol in self.free for symbol in FURTHER)
+        corner = float(point[COMMON.index(CORNER)])
         blocks = []
         for i, one in enumerate(self.decays):
             own = self.places(i)
             place = self.friction_places[i]
             at = [place, C, RHO, M, *range(own.start, own.stop)]
-            at += [COMMON.index(symbol) for symbol in ADDED] if added else []
+            at += [COMMON.index(symbol) for symbol in FURTHER] if added else []
             x, v, w = point[own].tolist()
             par = numbers_of(point, self.k, place)
-            p = point[len(OSCILLATOR_UNKNOWNS) : len(COMMON)]
+            p = further_of(point)
             for signal in one.signals:
                 offset, count = len(COMMON) + signal.offset, LINEAR_UNKNOWNS
                 count = len(DECAY_UNKNOWNS) if added else count
                 part = law_decay(signal.t - one.start, signal.order, x, v, w, par, p, count)
-                level = np.ones((signal.t.size, 1))
-                part = np.column_stack([part, level])
+                if added or corner:
+                    part = ac_coupled(part, signal.dt, corner)
+                    part = part if added else part[:, :-1]
+                # what the coupling still holds of the time before decays exponentially
+                level, start = np.ones(signal.t.size), ac_start(signal.t.size, signal.dt, corner)
+                part = np.column_stack([part, level, start])
                 part[:, 0] += point[offset] - signal.values
                 part[signal.clipped] = 0.0
                 if self.band is not None:
                     part = filtered(part, signal.dt, self.band)
+                part, start = part[:, :-1], part[:, -1]
+                if corner:
+                    part -= np.outer(start, start @ part / (start @ start))
                 block = np.zeros((signal.t.size, point.size + 1))
                 block[:, [-1, *at, offset]] = part / signal.noise
                 blocks.append(block)
@@ -204,8 +234,7 @@ class DecayProblem:
     def products(self, point: Array, out: Array) -> bool:
         """Set `out` to JᵀJ bordered by Jᵀr and χ²; false where the contact rattles."""
         whole = self.columns(point)
-        # a motion that runs away is refused below
-        with np.errstate(over="ignore", invalid="ignore"):
+        with np.errstate(over="ignore", invalid="ignore"):  # of a motion that grows without bound
             np.matmul(whole.T, whole, out=out)
         return bool(np.isfinite(out).all())
 
@@ -222,7 +251,8 @@ class DecayProblem:
         return free
 
     def bounds(self, start: Array) -> ClimbBounds:
-        """The bounds of a climb from a start: F_k, c and damping that grows with the speed are not negative."""
+        """The bounds of a climb from a start: F_k, c, damping that grows with the speed and friction that falls with it
+        are not negative."""
         F_k, _, rho, m = start[: len(OSCILLATOR_UNKNOWNS)].tolist()
         critical, omega = math.sqrt(self.k * m), math.sqrt(self.k / m)
         lower, upper = np.full(start.size, -math.inf), np.full(start.size, math.inf)
@@ -244,13 +274,15 @@ class DecayProblem:
         scale[C : M + 1] = _SMALL * critical, 1e-3 * rho, m
         lower[first + 2 :: STATE], upper[first + 2 :: STATE] = 0.0, 2.0
         by_speed, by_place = _SMALL * critical, _SMALL * self.k
-        sizes = (by_speed / v, by_speed / v**2, by_speed, by_place / x, by_place / x**2, _SMALL)
-        scale[len(OSCILLATOR_UNKNOWNS) : len(COMMON)] = sizes
+        of_law = (by_speed / v, by_speed / v**2, by_speed, by_place / x, by_place / x**2)
+        of_contact = (by_place * x, _SMALL * v, _SMALL, _SMALL * omega / (2.0 * math.pi))
+        scale[len(OSCILLATOR_UNKNOWNS) : len(COMMON)] = (*of_law, *of_contact)
         # as much as a critical damper, or the spring itself: no motion that oscillates has more
         at = slice(len(OSCILLATOR_UNKNOWNS), len(COMMON))
         lower[at], upper[at] = -scale[at] / _SMALL, scale[at] / _SMALL
-        for symbol in ("c_2", "c_3", "gradual"):
+        for symbol in ("c_2", "c_3", "falling", "gradual", CORNER):
             lower[COMMON.index(symbol)] = 0.0
+        lower[COMMON.index("falling_speed")] = _SLOWEST * v
         for signal in (signal for one in self.decays for signal in one.signals):
             scale[len(COMMON) + signal.offset] = signal.noise
         return ClimbBounds(self.moving(), lower, upper, scale)
@@ -491,7 +523,7 @@ def with_noise_of(fit: RingFit) -> RingFit:
 
 
 def departures_of(fit: RingFit) -> list[Departure]:
-    """What each of `ADDED` that is not free would explain in the band of the fit; empty where the motion cannot be
+    """What each of `FURTHER` that is not free would explain in the band of the fit; empty where the motion cannot be
     followed."""
     problem = fit.problem
     whole = problem.columns(fit.point, added=True)
@@ -504,11 +536,41 @@ def departures_of(fit: RingFit) -> list[Departure]:
     whole[:, [F_K]] += whole[:, further].sum(axis=1, keepdims=True)
     whole[:, further] -= first_force
     own = np.flatnonzero(moving & (np.abs(whole[:, :-1]).max(axis=0) > 0.0))
-    added = {s: whole[:, COMMON.index(s)] for s in ADDED if s not in problem.free}
+    added = {s: whole[:, COMMON.index(s)] for s in FURTHER if s not in problem.free}
     names = [COMMON[at] for at in own if at < len(COMMON)]
     return departures_from(
         whole[:, -1], whole[:, own], added, names, noise_known=False, freedom=fit.freedom
     )
+
+
+def further_of(point: Array) -> Array:
+    """The coefficients of `ADDED` in a point."""
+    return point[len(OSCILLATOR_UNKNOWNS) : len(OSCILLATOR_UNKNOWNS) + len(ADDED)]
+
+
+def ac_coupled(columns: Array, dt: float, corner: float) -> Array:
+    """A motion and its derivatives behind an AC coupling that starts at rest, with the derivative of the motion by the
+    corner appended, (n, u + 1): without a coupling the integral of the motion, less its trend.
+
+    columns : (n, u), the motion first.   dt : s.   corner : Hz. The integrals are those of the trapezoidal rule.
+    """
+    from scipy.signal import lfilter  # slow to import
+
+    half = math.pi * corner * dt
+    poles = [1.0 + half, half - 1.0]
+    if corner:
+        columns = lfilter([1.0, -1.0], poles, columns, axis=0)
+    integral = lfilter([0.5 * dt, 0.5 * dt], poles, columns[:, 0])
+    if not corner:
+        n = np.arange(integral.size) - 0.5 * (integral.size - 1)
+        integral -= integral.mean() + n * (n @ integral / (n @ n))
+    return np.column_stack([columns, -2.0 * math.pi * integral])
+
+
+def ac_start(count: int, dt: float, corner: float) -> Array:
+    """The decay of what an AC coupling holds at the first of some samples, relative to its start."""
+    half = math.pi * corner * dt
+    return np.asarray(((1.0 - half) / (1.0 + half)) ** np.arange(count))
 
 
 def contact_chord(rho: float, k: float) -> float:

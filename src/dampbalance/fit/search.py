@@ -25,12 +25,11 @@ from scipy import special
 
 from ..arrays import Array
 from ..motion.events import PHASE_S, PHASE_X
-from ..motion.law_decays import ADDED
 from ..motion.unknowns import F_K, OSCILLATOR_UNKNOWNS, RHO, C
 from ..signals.band import Band, filtered
 from ..signals.bursts import Burst, Signal, bursts_of
 from ..signals.thresholds import P_ONE_OSCILLATOR, P_STEP_BACK
-from .decay import COMMON, STATE, Decay, DecayProblem, RingFit, with_noise_of
+from .decay import COMMON, FURTHER, STATE, Decay, DecayProblem, RingFit, with_noise_of
 from .minimise import climb_on, climbs, minimise
 
 _FIRST_STIFFNESSES = (
@@ -397,8 +396,10 @@ def in_the_band(fit: RingFit) -> RingFit | None:
 
 
 def with_one_more(fit: RingFit) -> RingFit | None:
-    """The fit with that of `ADDED` freed that lowers χ² most; None where none can be followed."""
-    problems = [fit.problem.with_free(symbol) for symbol in ADDED if symbol not in fit.problem.free]
+    """The fit with that of `FURTHER` freed that lowers χ² most; None where none can be followed."""
+    problems = [
+        fit.problem.with_free(symbol) for symbol in FURTHER if symbol not in fit.problem.free
+    ]
     pairs = [(one, climb_on(one.thinned(), fit.point, gain=_ROUGH, most=12)) for one in problems]
     ends = [(end.chi_square, i, end.point) for i, (_, end) in enumerate(pairs) if end is not None]
     if not ends:

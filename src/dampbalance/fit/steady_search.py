@@ -125,41 +125,29 @@ def of_all_stiffnesses(fit: WaveformFit) -> WaveformFit:
     return fit
 
 
-def fit_quickly(
-    problem: HarmonicProblem, near: WaveformFit | None, mass: float | None = None
-) -> WaveformFit | None:
+def fit_quickly(problem: HarmonicProblem, near: WaveformFit | None) -> WaveformFit | None:
     """The fit of a law, to compare many: from the optimum of one that it contains, where that is adequate; else from
     the closest candidate of `starts`, and from the other fit again where that is closer to the records. It is not
     refined where it ends far from them.
 
-    near : the fit with the other law, if there is one.   mass : kg, where it is given.
+    near : the fit with the other law, if there is one.
     """
-    if mass is not None:
-        problem = replace(problem, freed=("rho",))
-    shares, ends = _shares_of(problem), list[WaveformFit]()
-    candidates = [] if near is None else [_as_candidate(near)]
-    follows = near is not None and near.adequate and near.law.given == problem.law.given
-    if not follows:
-        candidates = [*starts(problem.lines, problem.k, shares)[:1], *candidates]
-    for candidate in candidates:
-        point = problem.start(candidate, shares.friction)
-        if mass is not None:
-            point[problem.names.index("m")] = mass
-        if near is not None and follows:
-            common = [near.value(s) if s in near.names else 0.0 for s in problem.names]
-            point = np.array([*common, *near.point[len(near.names) :]])
-        softenings = _SOFTENING[2 * follows :]
-        reached = _climbed(problem, point, softenings, hopeless=_HOPELESS, most=_FEWER)
-        ends += [] if reached is None else [reached]
-        if ends and (near is None or ends[-1].adequate or ends[-1].chi_square < near.chi_square):
-            break
-    return _best(ends)
+    if near is not None and near.adequate and near.law.given == problem.law.given:
+        common = [near.value(s) if s in near.names else 0.0 for s in problem.names]
+        point = np.array([*common, *near.point[len(near.names) :]])
+        return _climbed(replace(near.problem, law=problem.law), point, (0.0,))
+    shares, lines = _shares_of(problem), problem.lines
+    candidates = [*starts(lines, problem.k, shares)[:1], *([_as_candidate(near)] if near else [])]
+    points = (problem.start(candidate, shares.friction) for candidate in candidates)
+    return _best(_ends(problem, points, _FEWER, near.chi_square if near else math.inf))
 
 
-def _ends(problem: HarmonicProblem, points: Iterable[Array], most: int) -> list[WaveformFit]:
+def _ends(
+    problem: HarmonicProblem, points: Iterable[Array], most: int, enough: float = 0.0
+) -> list[WaveformFit]:
     """The fits that climbs from these points end in, up to one that is adequate, that with the smallest χ² first.
 
-    most : evaluations at each softening.
+    most : evaluations at each softening.   enough : χ² below which no other start is tried.
     """
     ends: list[WaveformFit] = []
     budget = np.array([_EFFORT])
@@ -168,7 +156,7 @@ def _ends(problem: HarmonicProblem, points: Iterable[Array], most: int) -> list[
             reached = _climbed(problem, point, hopeless=_HOPELESS, most=most, budget=budget)
             if reached is not None:
                 ends.append(reached)
-            if budget[0] <= 0.0 or (ends and ends[-1].adequate):
+            if budget[0] <= 0.0 or (ends and (ends[-1].adequate or ends[-1].chi_square < enough)):
                 break
     return sorted(ends, key=lambda end: end.chi_square)
 

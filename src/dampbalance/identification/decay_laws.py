@@ -18,14 +18,12 @@ from scipy import special
 
 from ..arrays import Array
 from ..balance import TERMS
-from ..fit.decay import COMMON, RingFit, departures_of, with_noise_of
+from ..fit.decay import COMMON, CORNER, FALLS, FURTHER, RingFit, departures_of, with_noise_of
 from ..fit.minimise import minimise
 from ..fit.score import Departure
 from ..fit.search import sound, with_one_more
 from ..law.terms import FRICTION, KNOWN_TERMS
-from ..motion.law_decays import ADDED
-from ..motion.unknowns import OSCILLATOR_UNKNOWNS
-from ..project.wording import Remark, change_text, listed, percent
+from ..project.wording import Remark, change_text, listed, number_text, percent
 from ..signals.one_thread import one_thread
 from ..signals.thresholds import AS_WELL, P_FURTHER_TERM
 from ..solver import NORMAL_95
@@ -39,14 +37,19 @@ _MOST_ALONG = 3  # coefficients that are fitted along
 _HINT = 1.7  # standard errors of a coefficient, more than one in twenty decays show by chance
 _MATTERS = 3.0  # standard errors by which another law may move F_k or c, unsaid
 _LEAST = 0.03  # of F_k or c
+_SPEED_SHOWS = 4.0  # of χ²: two standard errors by which the speed over which friction falls shows
 DECAY_TERMS = (FRICTION, "c", "c_2", "c_3")
 """Terms that free decays distinguish: base at rest and at one frequency, c_r and eta act as c does."""
 
+_FALLING, _SPEED = "falling", "falling_speed"
 _NAMED = (*TERMS, "rho")
 _OTHERS = {
     "c_a": ("damping that differs by direction", "N s/m"),
     "k_2": ("a spring that is stiffer to one side", "N/m²"),
     "k_3": ("a spring that stiffens or softens with its deflection", "N/m³"),
+    _FALLING: ("friction that falls with the speed", "N"),
+    _SPEED: ("friction that falls over another speed", "m/s"),
+    CORNER: ("an AC coupling of the channel", "Hz"),
 }
 _LEFT_OUT = (
     "free decays have one frequency and a base at rest: structural damping eta and damping relative to the base c_r "
@@ -64,42 +67,85 @@ def with_departures(fit: RingFit) -> tuple[RingFit, list[Remark]]:
     for _ in range(_MOST_ALONG):
         departures = departures_of(fit)
         shown = [one for one in departures if _shows(one, len(departures))]
-        more = with_one_more(fit) if shown else None
-        gained = max((one.size**2 for one in shown), default=0.0)
+        more = _likeliest(fit) if shown else None
+        # to first order, the noise being what the coefficient leaves
+        size = max((one.size**2 for one in shown), default=0.0)
+        gained = fit.chi_square * size / (fit.freedom + size)
         if more is None or fit.chi_square - more.chi_square < 0.5 * gained:
             break
         fit = with_noise_of(more)
-    remarks = []
-    for symbol in fit.problem.free[len(OSCILLATOR_UNKNOWNS) :]:
-        words, unit = _words(symbol)
-        size = f"{with_error(fit.value(symbol), fit.error(symbol))}{unit}"
-        if symbol in DECAY_TERMS:
-            words = (
-                f"friction and viscous damping do not account for the decays: {words} explains them ({symbol} = "
-                f"{size}), and so may a friction that falls with the speed, with other values; compare the laws "
-                "(--laws, laws=True) before using F_k and c"
-            )
-            remarks.append(Remark(words, doubts={"F_k": math.inf, "c": math.inf}))
-            continue
-        words = f"{words} shows and is fitted along ({symbol} = {size})"
-        remarks.append(Remark(words, doubts=_as_well(fit, symbol)))
-    return fit, remarks
+    along = [s for s in fit.problem.free if s in FURTHER and s != _SPEED]
+    unbounded = {"F_k": math.inf, "c": math.inf}
+    return fit, [
+        Remark(_along(fit, s), doubts=unbounded if s in DECAY_TERMS else _as_well(fit, s))
+        for s in along
+    ]
+
+
+def _likeliest(fit: RingFit) -> RingFit | None:
+    """The fit with the further coefficient that lowers χ² most."""
+    ends = [*filter(None, [with_one_more(fit)]), *_freed(fit, fit.point, _FALLING)]
+    return min(ends, key=lambda one: one.chi_square, default=None)
+
+
+def _freed(
+    fit: RingFit, start: Array, symbol: str, free: Sequence[str] | None = None
+) -> list[RingFit]:
+    """The fit with a further coefficient, from a start; friction that falls with the speed with that speed fixed at
+    several values, and those that explain the decays as well among its `minima`. Empty where it is free already.
+
+    free : names of the other unknowns that move; default, those of the fit.
+    """
+    if symbol in fit.problem.free:
+        return []
+    problem = replace(fit.problem, free=(*(fit.problem.free if free is None else free), symbol))
+    starts = [start]
+    if symbol == _FALLING:
+        starts = [problem.falling_over(start, part) for part in FALLS]
+    ends = sorted(filter(None, map(problem.climb, starts)), key=lambda one: one.chi_square)
+    if ends and symbol == _FALLING:
+        with_speed = ends[0].problem.with_free(_SPEED).climb(ends[0].point)
+        if with_speed is not None and with_speed.chi_square < ends[0].chi_square - _SPEED_SHOWS:
+            return [with_speed]
+    return [replace(ends[0], minima=tuple(ends[1:]))] if ends else []
+
+
+def _along(fit: RingFit, symbol: str) -> str:
+    """The sentence on a coefficient that is fitted along."""
+    words, unit = _words(symbol)
+    size = f"{with_error(fit.value(symbol), fit.error(symbol))}{unit}"
+    if symbol in DECAY_TERMS:
+        return (
+            f"friction and viscous damping do not account for the decays: {words} explains them ({symbol} = {size}), "
+            "and a friction that varies otherwise may, with other values; compare the laws (--laws, laws=True) before "
+            "using F_k and c"
+        )
+    if symbol == _FALLING:
+        loose, speed = number_text(fit.F_k + fit.value(symbol), 3), fit.value(_SPEED)
+        return (
+            f"{words} shows and is fitted along: F_k is the force at high speed, to which it falls by {size} over "
+            f"{number_text(speed, 2)} m/s; a mass at rest breaks loose at {loose} N"
+        )
+    if symbol == CORNER:
+        return f"{words} with a corner of {size} shows and is fitted along"
+    return f"{words} shows and is fitted along ({symbol} = {size})"
 
 
 def _as_well(fit: RingFit, symbol: str) -> dict[str, float]:
     """Relative changes of the numbers with another coefficient that explains the decays as well in place of one."""
     doubts: dict[str, float] = {}
-    without = tuple(name for name in fit.problem.free if name != symbol)
+    of = (symbol, _SPEED) if symbol == _FALLING else (symbol,)
+    without = tuple(name for name in fit.problem.free if name not in of)
     start = fit.point.copy()
     start[COMMON.index(symbol)] = 0.0
-    for other in ADDED:
-        if other not in fit.problem.free:
-            end = replace(fit.problem, free=(*without, other)).climb(start)
-            if end is not None and end.chi_square - fit.chi_square < AS_WELL:
-                for name in (*TERMS, "K_z"):
-                    here, there = getattr(fit, name), getattr(end, name)
-                    if here and math.isfinite(here) and math.isfinite(there):
-                        doubts[name] = max(doubts.get(name, 0.0), abs(there / here - 1.0))
+    for other in FURTHER:
+        for end in _freed(fit, start, other, without) if other != _SPEED else ():
+            for one in (end, *end.minima):
+                if one.chi_square - fit.chi_square < AS_WELL:
+                    for name in (*TERMS, "K_z"):
+                        here, there = getattr(fit, name), getattr(one, name)
+                        if here and math.isfinite(here) and math.isfinite(there):
+                            doubts[name] = max(doubts.get(name, 0.0), abs(there / here - 1.0))
     return doubts
 
 
@@ -146,7 +192,8 @@ def shortcomings_of(fit: RingFit) -> list[Remark]:
 
 def _shows(one: Departure, count: int) -> bool:
     """Whether a coefficient is no chance."""
-    return one.error > 0.0 and one.p < P_FURTHER_TERM / count
+    possible = one.value > 0.0 or one.symbol not in (_FALLING, CORNER)
+    return one.error > 0.0 and possible and one.p < P_FURTHER_TERM / count
 
 
 def _words(symbol: str) -> tuple[str, str]:
@@ -243,7 +290,8 @@ def compare_decay_laws(fit: RingFit) -> LawComparison:
         if of_law is None:
             return LawTest(terms, tests={"waveforms": None}), None
         if of_law.chi_square < every.chi_square:
-            every = min(every, fit_law(fit, DECAY_TERMS, (of_law.point,)) or every, key=_chi_square)
+            again = fit_law(fit, DECAY_TERMS, (of_law.point,)) or every
+            every = min(every, again, key=lambda one: one.chi_square)
         law = {s: (of_law.value(s), of_law.error(s)) for s in terms}
         return _tested(every, terms, of_law.chi_square - every.chi_square, law), of_law
 
@@ -273,10 +321,6 @@ def fit_law(
                 point[problem.friction_places if s == FRICTION else COMMON.index(s)] = 0.0
     ends = minimise(problem, points, scanned="")
     return ends[0] if ends else None
-
-
-def _chi_square(fit: RingFit) -> float:
-    return fit.chi_square
 
 
 def _without(every: RingFit, symbols: Sequence[str]) -> tuple[float, Array]:

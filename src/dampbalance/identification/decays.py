@@ -17,12 +17,11 @@ from scipy import special
 from ..arguments import flag, number
 from ..arrays import Array
 from ..balance import TERMS, Rows
-from ..fit.decay import COMMON, RingFit, departures_of, with_noise_of
+from ..fit.decay import COMMON, FURTHER, RingFit, departures_of, with_noise_of
 from ..fit.scattering_mean import ScatteringMean
 from ..fit.score import Departure
 from ..fit.search import fit_all, in_the_band, separate_fits, sound
 from ..motion.jit import interpreted
-from ..motion.law_decays import ADDED
 from ..motion.unknowns import M
 from ..project.wording import Remark, listed, percent, visible
 from ..records.mapping import MappingLike
@@ -455,7 +454,7 @@ def _solved(
     # half cycles that do not meet one law scatter by more than the noise, and so does what comes from them
     wider = math.sqrt(max(1.0, misfit)) if freedom > 0 else 1.0
     # the balance takes whatever is in the samples for a motion with friction and viscous damping
-    if fit.white and not clipped_signals and not set(fit.problem.free) & set(ADDED):
+    if fit.white and not clipped_signals and not set(fit.problem.free) & set(FURTHER):
         warnings = [*warnings, *contradiction(answer, fit, _MATTERS, wider)]
     warnings += lines_in(fit)
     conditions, effects = _scatter_of(fit), dict[str, float]()

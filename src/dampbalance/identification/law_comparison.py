@@ -27,7 +27,7 @@ from scipy import special
 from ..arrays import Array
 from ..balance import APPROACHES, Rows
 from ..fit.goodness import probability
-from ..fit.steady_search import fit_quickly
+from ..fit.steady_search import fit_quickly, refit
 from ..fit.waveforms import HarmonicProblem, WaveformFit
 from ..law.law import Law
 from ..law.terms import FRICTION, KNOWN_TERMS, Term, in_order, term
@@ -296,7 +296,9 @@ def compare_laws(
         alone = LawTest(kept) if rubs else _by_balance(kept, tried, readings, JointFit(None, True))
         if alone.balance is not None and alone.balance.p < _SURE:
             return alone, None  # where there is friction, the balance shows it at once
-        fit = fit_quickly(HarmonicProblem(tried, lines, k), near, mass)
+        fit = fit_quickly(HarmonicProblem(tried, lines, k), near)
+        if fit is not None and mass is not None and "m" in fit.problem.freed:
+            fit = refit(fit, given={"m": mass}) or fit
         if fit is None:
             return LawTest(kept), None
         balance = _by_balance(kept, tried, readings, JointFit(fit, False)) if rubs else alone

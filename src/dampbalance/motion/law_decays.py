@@ -1,10 +1,12 @@
 """Free decays under damping and springs that are not linear, with their derivatives.
 
-    m ẍ + c ẋ + c_2 |ẋ| ẋ + c_3 ẋ³ + c_a |ẋ| + k x + k_2 x² + k_3 x³ + f = 0,   ḟ = K_z ẋ within |f| ≤ F_k
+    m ẍ + c ẋ + c_2 |ẋ| ẋ + c_3 ẋ³ + c_a |ẋ| + k x + k_2 x² + k_3 x³ + f = 0
+    ḟ = K_z ẋ within |f| ≤ F_k + p e^(−|ẋ|/v)
 
 The base is at rest. The linear part of a phase is followed by its exact flow, the rest by the Runge–Kutta method of
 order 4 in the frame of that flow (Lawson 1967): where only F_k and c act, the motion is exact. Derivatives follow the
-linearised equations; x, ẋ and their derivatives are continuous at events, since the force of the contact is.
+linearised equations; x, ẋ and their derivatives are continuous at events, since the force of the contact is. Where the
+friction falls with the speed, F_k is what it falls to: a mass at rest breaks loose at F_k + p, one that moves at less.
 """
 
 from __future__ import annotations
@@ -21,8 +23,9 @@ from .flow import step_response
 from .jit import jit
 from .unknowns import F_K, OSCILLATOR_UNKNOWNS, RHO, C, M
 
-ADDED = ("c_2", "c_3", "c_a", "k_2", "k_3", "gradual")
-"""Coefficients of what is not linear: N s²/m², N s³/m³, N s/m, N/m², N/m³, and how much of `rounding` the force of the
+ADDED = ("c_2", "c_3", "c_a", "k_2", "k_3", "falling", "falling_speed", "gradual")
+"""Coefficients of what is not linear: N s²/m², N s³/m³, N s/m, N/m², N/m³; p, N, by which friction is larger at rest,
+and the speed v, m/s, over which that falls by a factor e, 0 for at once; and how much of `rounding` the force of the
 contact has, whose own events stay where they are without it."""
 
 DECAY_UNKNOWNS = (*OSCILLATOR_UNKNOWNS, "x", "v", "w", *ADDED)
@@ -34,6 +37,7 @@ LINEAR_UNKNOWNS = len(OSCILLATOR_UNKNOWNS) + 3
 
 _START_X, _START_V, _START_PRELOAD = range(len(OSCILLATOR_UNKNOWNS), LINEAR_UNKNOWNS)
 _FIRST_ADDED = LINEAR_UNKNOWNS
+_FALLING, _SPEED, _GRADUAL = range(5, len(ADDED))
 _RADIANS = 0.3  # of a phase that a step takes at the most: derivatives are then exact to 1e-5
 _NEWTONS = 20
 _REACHED = 1e-13  # of a step: an event is located
@@ -49,13 +53,24 @@ def rounding(u: Any, F_k: float, K_z: float) -> Any:
 
 
 @jit
-def _added(x: float, v: float, p: Array) -> tuple[float, float, float]:
+def _persisting(v: float, p: Array) -> float:
+    """The part e^(−|ẋ|/v) of what friction is larger by at rest that persists at a speed."""
+    return math.exp(-abs(v) / p[_SPEED]) if p[_SPEED] > 0.0 else 0.0
+
+
+@jit
+def _added(x: float, v: float, sticks: bool, p: Array) -> tuple[float, float, float]:
     """The force that is not linear, and its derivatives by x and ẋ."""
     size = abs(v)
     sign = 1.0 if v > 0.0 else (-1.0 if v < 0.0 else 0.0)
     force = (p[0] * size + p[1] * v * v) * v + p[2] * size + (p[3] + p[4] * x) * x * x
     by_x = (2.0 * p[3] + 3.0 * p[4] * x) * x
-    return force, by_x, 2.0 * p[0] * size + 3.0 * p[1] * v * v + p[2] * sign
+    by_v = 2.0 * p[0] * size + 3.0 * p[1] * v * v + p[2] * sign
+    if not sticks and p[_FALLING] != 0.0 and p[_SPEED] > 0.0:
+        left = _persisting(v, p)
+        force -= sign * p[_FALLING] * (1.0 - left)
+        by_v -= p[_FALLING] * left / p[_SPEED]
+    return force, by_x, by_v
 
 
 @jit
@@ -68,7 +83,7 @@ def _accelerations(
     """
     u, v = y[0, 0], y[0, 1]
     x = held[0] + u
-    force, by_x, by_v = _added(x, v, p)
+    force, by_x, by_v = _added(x, v, sticks, p)
     out[0] = -force / par.m
     for j in range(1, y.shape[0]):
         out[j] = -(by_x * (held[j] + y[j, 0]) + by_v * y[j, 1]) / par.m
@@ -77,15 +92,15 @@ def _accelerations(
     out[1 + M] += (stiff * u + par.c * v + force) / (par.m * par.m)
     if sticks:
         out[1 + RHO] += 2.0 * par.K_z * math.sqrt(par.K_z) * u / par.m
-    if sticks and p[5] != 0.0 and par.F_k > 0.0:  # since the reversal at u = 0
+    if sticks and p[_GRADUAL] != 0.0 and par.F_k > 0.0:  # since the reversal at u = 0
         s = min(0.5 * par.K_z / par.F_k * abs(u), 1.0)
-        force = math.copysign(rounding(abs(u), par.F_k, par.K_z), u) * p[5] / par.m
-        stiffness = p[5] * par.K_z * (1.0 - 2.0 * s) / par.m
+        force = math.copysign(rounding(abs(u), par.F_k, par.K_z), u) * p[_GRADUAL] / par.m
+        stiffness = p[_GRADUAL] * par.K_z * (1.0 - 2.0 * s) / par.m
         out[0] -= force
         for j in range(1, y.shape[0]):
             out[j] -= stiffness * y[j, 0]
         out[1 + M] += force / par.m
-        out[1 + F_K] -= math.copysign(2.0 * s * s, u) * p[5] / par.m
+        out[1 + F_K] -= math.copysign(2.0 * s * s, u) * p[_GRADUAL] / par.m
         out[1 + RHO] += 2.0 * math.sqrt(par.K_z) * stiffness * u
     if y.shape[0] == 1 + LINEAR_UNKNOWNS:
         return
@@ -96,8 +111,14 @@ def _accelerations(
     out[first + 2] -= size / par.m
     out[first + 3] -= x * x / par.m
     out[first + 4] -= x * x * x / par.m
-    if sticks and par.F_k > 0.0:  # since the reversal at u = 0
-        out[first + 5] -= math.copysign(rounding(abs(u), par.F_k, par.K_z), u) / par.m
+    if not sticks:
+        left = _persisting(v, p)
+        out[first + _FALLING] += math.copysign(1.0 - left, v) / par.m
+        if left > 0.0:
+            by_speed = p[_FALLING] * left * size / p[_SPEED] ** 2
+            out[first + _SPEED] -= math.copysign(by_speed, v) / par.m
+    elif par.F_k > 0.0:  # since the reversal at u = 0
+        out[first + _GRADUAL] -= math.copysign(rounding(abs(u), par.F_k, par.K_z), u) / par.m
 
 
 @jit
@@ -226,7 +247,7 @@ def law_decay(
 
     NaN from where the contact rattles on.
 
-    p : coefficients of `ADDED`, (6,).
+    p : coefficients of `ADDED`, (8,).
     unknowns : how many of `DECAY_UNKNOWNS` to differentiate by: all, or `LINEAR_UNKNOWNS` in half the time.
     """
     rows = 1 + unknowns
@@ -235,12 +256,15 @@ def law_decay(
     held, constant, work = np.zeros(rows), np.zeros(rows), np.empty((6, rows))
     held[0], y[0, 1] = x, v
     held[1 + _START_X], y[1 + _START_V, 1] = 1.0, 1.0
+    # up to the end, F_k is that at rest
+    par = Parameters(par.m, par.c, par.k, par.K_z, par.F_k + p[_FALLING], par.Y, par.omega)
     Z_m = par.F_k / par.K_z
     side = min(max(w - 1.0, -1.0), 1.0)
     s = contact_state(x, v, side * Z_m, 0.0, par)
     if s != 0.0:
         side = s
-    t, events, linear = 0.0, 0, unknowns <= LINEAR_UNKNOWNS and not p.any()
+    bent = p[:_SPEED].any() or p[_GRADUAL] != 0.0
+    t, events, linear = 0.0, 0, unknowns <= LINEAR_UNKNOWNS and not bent
     _hold(y, s, side, events == 0, par, held, constant)
     for n in range(times.size):
         while True:
@@ -256,15 +280,19 @@ def law_decay(
             for attempt in range(_NEWTONS):
                 _step(y, part, sticks, held, constant, par, p, linear, work, there)
                 u, rate = there[0, 0], there[0, 1]
+                # a contact that is loaded while the mass moves yields earlier than at rest
+                early = math.copysign((1.0 - _persisting(rate, p)) * p[_FALLING] / par.K_z, rate)
+                most, least = high - max(early, 0.0), low - min(early, 0.0)
                 if attempt == 0:
-                    crosses = not low <= u <= high if sticks else s * rate < 0.0
+                    crosses = not least <= u <= most if sticks else s * rate < 0.0
                     if not crosses:
                         break
-                    up = u > high if sticks else up
-                error = (u - (high if up else low)) if sticks else rate
-                slope = rate
-                if not sticks:
-                    slope = constant[0] + work[3, 0] - (par.c * rate + par.k * u) / par.m
+                    up = u > most if sticks else up
+                error = (u - (most if up else least)) if sticks else rate
+                slope = constant[0] + work[3, 0] - (par.c * rate + stiff * u) / par.m
+                if sticks:
+                    by_rate = _persisting(rate, p) * p[_FALLING] / par.K_z
+                    slope = rate + (by_rate * slope / p[_SPEED] if by_rate > 0.0 else 0.0)
                 if error == 0.0:
                     break
                 if (error > 0.0) == up:
@@ -302,4 +330,6 @@ def law_decay(
             stiff = par.k + (par.K_z if s == 0.0 else 0.0)
             for i in range(rows):
                 out[n, i] = constant[i] + work[0, i] - (par.c * y[i, 1] + stiff * y[i, 0]) / par.m
+    if unknowns > LINEAR_UNKNOWNS:
+        out[:, 1 + _FIRST_ADDED + _FALLING] += out[:, 1 + F_K]
     return out
