@@ -30,6 +30,7 @@ from ..solver import NORMAL_95
 from .answer import Answer, unit_of
 from .causes import GRADUAL
 from .law_comparison import LawComparison, LawTest, Probability, compared
+from .screen import with_error
 from .stated import widened
 
 _MOST_ALONG = 3  # coefficients that are fitted along
@@ -113,7 +114,7 @@ def _freed(
 def _along(fit: RingFit, symbol: str) -> str:
     """The sentence on a coefficient that is fitted along."""
     words, unit = _words(symbol)
-    size = f"{number_text(fit.value(symbol), 3)} ± {number_text(fit.error(symbol), 1)}{unit}"
+    size = f"{with_error(fit.value(symbol), fit.error(symbol))}{unit}"
     if symbol in DECAY_TERMS:
         return (
             f"friction and viscous damping do not account for the decays: {words} explains them ({symbol} = {size}), "
@@ -170,7 +171,7 @@ def doubts_of(fit: RingFit, further: Sequence[Departure]) -> list[Remark]:
     return [
         Remark(
             f"friction and viscous damping do not account for the decays ({chance}): {words} would explain most of it "
-            f"({likely.symbol} = {number_text(likely.value, 3)} ± {number_text(likely.error, 1)}{unit}); F_k and c "
+            f"({likely.symbol} = {with_error(likely.value, likely.error)}{unit}); F_k and c "
             "may carry its effect",
             doubts=doubts,
         )
