@@ -64,6 +64,7 @@ _BACK, _MOST_BACK = (
     24,
     30,
 )  # steps of a cycle in which the start moves back; steps, more than a cycle
+_PRELOADS = (0.0, 1.0, 2.0)  # w of a contact that yields either way, and of one that is slack
 _SEVERAL = 3  # steps back that are looked at together
 _SETTLED = (
     1.25  # times the least mean square of the residual in the band: a start that disturbs nothing
@@ -304,8 +305,11 @@ def _from_earlier(fit: RingFit, whole: Decay, earliest: float) -> RingFit:
     part = whole.cut(fits[-1].decays[0].start, one.end)
     begin = min(float(signal.t[0]) for signal in part.signals)
     last = replace(problem, decays=(whole.cut(begin, one.end),))
-    ends = minimise(last, [fits[-1].point])
-    return _first(ends) or fit
+    starts = [fits[-1].point]
+    for preload in _PRELOADS:
+        starts.append(starts[0].copy())
+        starts[-1][-1] = preload
+    return _first(minimise(last, starts)) or fit
 
 
 def _refit(fit: RingFit, part: Decay) -> RingFit | None:
@@ -313,7 +317,7 @@ def _refit(fit: RingFit, part: Decay) -> RingFit | None:
     problem = replace(fit.problem, decays=(part,))
     start = _before(fit.point, fit.k, fit.decays[0].start - part.start)
     best = problem.climb(start, gain=_ROUGH, most=12)
-    for preload in (0.0, 1.0, 2.0) if _doubted([fit], best) else ():
+    for preload in _PRELOADS if _doubted([fit], best) else ():
         start[-1] = preload
         other = problem.climb(start, gain=_ROUGH, most=12)
         if other is not None and (best is None or other.chi_square < best.chi_square):
