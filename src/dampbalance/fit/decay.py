@@ -31,6 +31,7 @@ from ..motion.unknowns import F_K, OSCILLATOR_UNKNOWNS, RHO, C, M
 from ..signals.band import NOISE_PASSED, Band, filtered
 from ..signals.band import freedom as freedom_in_band
 from ..signals.bursts import Signal, least_noise
+from ..signals.coupling import ac_coupled, ac_start
 from ..signals.thresholds import P_MOTION_LEFT
 from ..signals.whiteness import chance_of_averages, chance_of_lines, louder
 from ..solver import NORMAL_95
@@ -273,8 +274,8 @@ class DecayProblem:
         lower[first + 2 :: STATE], upper[first + 2 :: STATE] = 0.0, 2.0
         by_speed, by_place = _SMALL * critical, _SMALL * self.k
         sizes = (by_speed / v, by_speed / v**2, by_speed, by_place / x, by_place / x**2)
-        sizes = (*sizes, by_place * x, _SMALL * v, _SMALL, _SMALL * omega / (2.0 * math.pi))
-        scale[len(OSCILLATOR_UNKNOWNS) : len(COMMON)] = sizes
+        others = (by_place * x, _SMALL * v, _SMALL, _SMALL * omega / (2.0 * math.pi))
+        scale[len(OSCILLATOR_UNKNOWNS) : len(COMMON)] = (*sizes, *others)
         # as much as a critical damper, or the spring itself: no motion that oscillates has more
         at = slice(len(OSCILLATOR_UNKNOWNS), len(COMMON))
         lower[at], upper[at] = -scale[at] / _SMALL, scale[at] / _SMALL
@@ -544,31 +545,6 @@ def departures_of(fit: RingFit) -> list[Departure]:
 def further_of(point: Array) -> Array:
     """The coefficients of `ADDED` in a point."""
     return point[len(OSCILLATOR_UNKNOWNS) : len(OSCILLATOR_UNKNOWNS) + len(ADDED)]
-
-
-def ac_coupled(columns: Array, dt: float, corner: float) -> Array:
-    """A motion and its derivatives behind an AC coupling that starts at rest, with the derivative of the motion by the
-    corner appended, (n, u + 1): without a coupling the integral of the motion, less its trend.
-
-    columns : (n, u), the motion first.   dt : s.   corner : Hz. The integrals are those of the trapezoidal rule.
-    """
-    from scipy.signal import lfilter  # slow to import
-
-    half = math.pi * corner * dt
-    poles = [1.0 + half, half - 1.0]
-    if corner:
-        columns = lfilter([1.0, -1.0], poles, columns, axis=0)
-    integral = lfilter([0.5 * dt, 0.5 * dt], poles, columns[:, 0])
-    if not corner:
-        n = np.arange(integral.size) - 0.5 * (integral.size - 1)
-        integral -= integral.mean() + n * (n @ integral / (n @ n))
-    return np.column_stack([columns, -2.0 * math.pi * integral])
-
-
-def ac_start(count: int, dt: float, corner: float) -> Array:
-    """The decay of what an AC coupling holds at the first of some samples, relative to its start."""
-    half = math.pi * corner * dt
-    return np.asarray(((1.0 - half) / (1.0 + half)) ** np.arange(count))
 
 
 def contact_chord(rho: float, k: float) -> float:
