@@ -17,8 +17,9 @@ from ..arrays import Array, Mask
 _LINE = 15.0  # times the noise, that a line of the spectrum must have: noise has one by chance once in 3 million lines
 _BAND = 1.25  # half of its width as a ratio: a decay is no sharp line
 _WINDOW = 0.6  # of a cycle, in which a decay passes two turns
-# Part of a cycle over which the samples are smoothed: a parabola follows a turn to 1e-4 of its swing.
-_SMOOTH = 1.0 / 8.0
+# Part of a cycle over which the samples are smoothed: a parabola follows a turn to 1e-4 of its swing, and over half a
+# cycle to a tenth, which also takes off a mode of three times the frequency, whose beats look like bursts.
+_SMOOTH, _SMOOTHER = 1.0 / 8.0, 1.0 / 2.0
 _CLEAR_DEVIATIONS = 8.0  # standard deviations of the smoothed signal
 _SMALLEST_BURST = 0.03  # of the largest burst: smaller ones tell little of F_k
 _DECAYED = 0.85  # of its first swing: what a decay falls below; a steady motion with noise does not
@@ -115,12 +116,24 @@ def least_noise(values: Array) -> float:
 
 
 def bursts_of(signal: Signal) -> list[Burst]:
-    """The bursts of a channel in order of time. Raises NoDecay, which gives the reason."""
+    """The bursts of a channel in order of time. Raises NoDecay, which gives the reason.
+
+    Where less than half of them are there without higher modes, the others are beats of these.
+    """
+    bursts = _bursts_of(signal, _SMOOTH)
+    if len(bursts) > 1:
+        smoother = _bursts_of(signal, _SMOOTHER)
+        bursts = smoother if 2 * len(smoother) < len(bursts) else bursts
+    return bursts
+
+
+def _bursts_of(signal: Signal, smooth_over: float) -> list[Burst]:
+    """The bursts of a channel that is smoothed over a part of a cycle."""
     from scipy.ndimage import maximum_filter1d, minimum_filter1d  # slow to import, all of them
     from scipy.signal import savgol_filter
 
     period = 1.0 / _frequency(signal)
-    width = max(5, 2 * round(0.5 * _SMOOTH * period / signal.dt) + 1)
+    width = max(5, 2 * round(0.5 * smooth_over * period / signal.dt) + 1)
     length = max(4, round(_WINDOW * period / signal.dt))
     if signal.values.size < 2 * max(width, length):
         raise NoDecay("it is shorter than a cycle of its own motion")
