@@ -524,8 +524,8 @@ def with_noise_of(fit: RingFit) -> RingFit:
 
 
 def departures_of(fit: RingFit) -> list[Departure]:
-    """What each of `FURTHER` that is not free would explain in the band of the fit; empty where the motion cannot be
-    followed."""
+    """Test what each of `FURTHER` that is not free would explain in the band of the fit; empty where the motion cannot
+    be followed."""
     problem = fit.problem
     whole = problem.columns(fit.point, added=True)
     if not np.isfinite(whole).all():

@@ -62,8 +62,8 @@ _HARMONICS_OF_WAVEFORM = 128
 _REACH = math.log(5.0)  # of ln K_z to either side, where other minima are looked for
 _MOST_STIFFNESS_STEPS = 64  # a few hundred evaluations: what a search may cost
 _CLOSER = (1.0 / 16.0, 1.0 / 8.0, 1.0 / 4.0, 1.0 / 2.0)  # of a step
-# Of an unknown, for derivatives: orbits are exact to 1e-13, and curvature leaves a few times as much as the step, which
-# is shorter by the number of swings in a stick, through which the motion turns with K_z.
+# Step of an unknown, for derivatives: orbits are exact to 1e-13, and curvature leaves a few times as much as the step,
+# which is shorter by the number of swings in a stick, through which the motion turns with K_z.
 _STEP = 1e-6
 # Steps of a force from zero: to its equations, which are solved to 1e-11, from a closed form that is exact.
 _STEP_OF_FORCES = 100.0
@@ -183,8 +183,8 @@ class HarmonicProblem:
     def slopes(
         self, point: Array, record: int, read: Callable[[Array, Response], NDArray[Any]]
     ) -> tuple[NDArray[Any], NDArray[Any]]:
-        """What is read off a record at a point, (any,), and its derivatives by the unknowns that are fitted, ψ apart,
-        (any, size), by differences.   read : of a point and the record's motion there.   Raises NO_MOTION."""
+        """Return what is read off a record at a point, (any,), and its derivatives by the unknowns that are fitted, ψ
+        apart, (any, size), by differences. read : of a point and the record's motion there. Raises NO_MOTION."""
         response = self.near[record]
         here = read(point, response)
         slopes = np.zeros((here.size, self.size), dtype=here.dtype)
@@ -460,8 +460,8 @@ class WaveformFit(OscillatorFit):
 
     @cached_property
     def departures(self) -> dict[str, Departure]:
-        """What each nuisance that is not fitted would explain, by name, to first order, in which a low-pass is a delay;
-        those that the data do not show left out."""
+        """Test what each nuisance that is not fitted would explain, by name, to first order, in which a low-pass is a
+        delay; those that the data do not show left out."""
         freed = (*self.problem.freed, *self.problem.nuisances)
         whole = replace(self.problem, freed=freed).evaluate(self.point)
         if whole is None:  # the motion rattles, or nothing slips

@@ -142,7 +142,7 @@ class Explanation:
 
     @property
     def remedy(self) -> str:
-        """What helps."""
+        """The remedy."""
         return listed([CAUSES[name].remedy for name in self.names])
 
     @property

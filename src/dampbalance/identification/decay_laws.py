@@ -333,8 +333,8 @@ def fit_law(
 
 
 def _without(every: RingFit, symbols: Sequence[str]) -> tuple[float, Array]:
-    """What χ² rises by without the coefficients p of some terms, to first order, pᵀ C⁻¹ p (Wald's test), and the point
-    to which the other coefficients then move."""
+    """Return what χ² rises by without the coefficients p of some terms, to first order, pᵀ C⁻¹ p (Wald's test), and the
+    point to which the other coefficients then move."""
     point, out = every.point.copy(), [COMMON.index(s) for s in symbols]
     others = [COMMON.index(s) for s in DECAY_TERMS if s not in symbols]
     errors = np.sqrt(np.diag(every.covariance)[out])

@@ -322,8 +322,7 @@ class Identified(ABC):
 
     @property
     def lead(self) -> str:
-        """What is to be said before all numbers: that there is no answer and its first cause, or no friction; else
-        empty."""
+        """The sentence before all numbers: that there is no answer and its first cause, or no friction; else empty."""
         if why := self.no_answer:
             return sentence(f"no answer: {why.partition(';')[0]}")
         verdict, c = self.verdicts.get(FRICTION), self.answer.parameters.get("c")
@@ -590,8 +589,8 @@ def _lacking_glyphs() -> Iterator[None]:
 
 
 def _worth(answer: Answer) -> tuple[float, ...]:
-    """What an answer is chosen for: coefficients that are usable, that have a bounded error, that have a value; and of
-    two that are equal in these the fit, where it is an answer."""
+    """The reasons for which an answer is chosen: coefficients that are usable, that have a bounded error, that have a
+    value; and of two that are equal in these the fit, where it is an answer."""
     verdicts = [answer.verdicts[symbol] for symbol in answer.coefficients]
     usable = sum(one.verdict == USABLE for one in verdicts)
     bounded = sum(math.isfinite(one.within) for one in verdicts)
