@@ -168,14 +168,24 @@ class HarmonicProblem:
             most_radians=MOST_RADIANS_SEARCHED,
         )
 
-    def harmonics(self, point: Array, record: int, response: Response, count: int) -> Complexes:
+    def harmonics(
+        self,
+        point: Array,
+        record: int,
+        response: Response,
+        count: int,
+        added: Complexes | None = None,
+    ) -> Complexes:
         """Harmonics n = 1, 3 … of a record as it reads them, m, (count,), from its motion: with what the harmonics of
-        the base and the nuisances add, turned by ψ."""
+        the base and the nuisances add, turned by ψ.
+
+        added : what the harmonics of the base add, where that is known.
+        """
         one, n = self.lines[record], np.arange(1, 2 * count, 2)
         value = {name: float(point[self.at[record][name]]) for name in self.nuisances}
-        x = response.harmonics(count) + added_by_base(
-            one.base / (1.0 + value["gain"]), response, count
-        )
+        if added is None:
+            added = added_by_base(one.base / (1.0 + value["gain"]), response, count)
+        x = response.harmonics(count) + added
         if any(value.values()):
             x = read_by_channels(x, float(point[self.at[record]["Y"]]), n, one, value)
         return np.asarray(x * np.exp(1j * n * point[self.at[record]["psi"]]))
@@ -312,7 +322,11 @@ class HarmonicProblem:
         """The rows of a record: |Y|, its phase, Re x_n, Im x_n.   Raises NO_MOTION."""
         self._follow(point, i)
         one, at, count = self.lines[i], self.at[i], self.lines[i].n.size
-        x, by = self.slopes(point, i, lambda at, response: self.harmonics(at, i, response, count))
+        # slopes leave out how the harmonics of the base, which are small, act otherwise beside a point
+        added = added_by_base(one.base / (1.0 + point[at["gain"]]), self.near[i], count)
+        x, by = self.slopes(
+            point, i, lambda at, response: self.harmonics(at, i, response, count, added)
+        )
         by[:, at["psi"]] = 1j * one.n * x
         error = np.hypot(one.x_error, self.softening * abs(one.x[0]))
         Y_error = math.hypot(one.Y_error, self.softening * one.Y)
