@@ -223,11 +223,15 @@ def moves(fit: WaveformFit | FundamentalFit) -> bool:
 
 
 def _converged(fit: WaveformFit | None) -> WaveformFit | None:
-    """The fit that further climbs lead to, until one ends in an optimum: one that takes more than three is no guide."""
+    """The fit that further climbs lead to, until one ends in an optimum: one that takes more than three is no guide,
+    nor is one that stays far from the records."""
     for _ in range(3):
         if fit is None or fit.converged:
             break
-        fit = refit(fit)
+        before, fit = fit, refit(fit)
+        # four times the noise squared, as where a search gives a start up
+        if fit is not None and fit.misfit > 4.0 and fit.chi_square > 0.5 * before.chi_square:
+            break
     return fit
 
 
