@@ -45,7 +45,7 @@ def code_of(*arguments):
 
 @pytest.fixture
 def answer(capsys):
-    """What a command says, as an error where it does not succeed; with 1 it gives no answer."""
+    """Return what a command says, as an error where it does not succeed; with 1 it gives no answer."""
 
     def of(*arguments, code=0):
         assert code_of(*arguments) == code

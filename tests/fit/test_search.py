@@ -113,7 +113,7 @@ def test_the_state_a_step_earlier_is_that_of_the_damped_motion():
 
 
 def test_the_swings_tell_friction_damping_and_mass():
-    """Of 30 half cycles of a rigid contact, in the band of the mode: a few per cent."""
+    """They tell them to a few per cent, from 30 half cycles of a rigid contact in the band of the mode."""
     t = np.arange(0.0, 16.0 * PERIOD, PERIOD / 60.0)
     point = np.array([0.03, 0.3, (1e4 * K) ** -0.5, M, 0.0, START, 0.0, 2.0])
     (signal,) = decay_of(point, K, t, 1e-3 * START).signals
@@ -154,7 +154,7 @@ def test_what_lies_outside_the_band_of_the_mode_moves_no_number(kind):
 
 
 def test_intervals_in_the_band_hold_the_truth():
-    """Of 40 records with white noise 95 %: at least 33 of 40 with a probability of 0.998."""
+    """They hold it in 95 % of 40 records with white noise: in at least 33 of 40 with a probability of 0.998."""
     t = np.arange(0.0, 12.0 * PERIOD, PERIOD / 60.0)
     point = np.array([0.03, 0.3, (30.0 * K) ** -0.5, M, 0.0, START, 0.0, 2.0])
     held = np.zeros(2)

@@ -62,7 +62,7 @@ MADE = {
     "c_2": ({"departure": Departure(quadratic=0.4)}, 0.4),
     "k_3": ({"departure": Departure(cubic=0.005 * K / 0.02**2)}, 0.005 * K / 0.02**2),
 }
-"""What makes each departure, of a laboratory's size, and that size."""
+"""The motion or channel that makes each departure, of a laboratory's size, and that size."""
 
 
 @pytest.mark.parametrize("name", MADE)

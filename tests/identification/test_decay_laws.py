@@ -89,7 +89,7 @@ def percent_in(words, symbol):
 
 
 def test_what_the_decays_hint_at_is_in_the_interval_and_raises_no_doubt():
-    """Of 12 decays in noise of 5 % under damping with a quadratic share of 20 % some hint at it and none shows it."""
+    """Some of 12 decays in noise of 5 % under damping with a quadratic share of 20 % hint at it and none shows it."""
     hinted = 0
     for i in range(12):
         decay = departing(replace(SOUND, index=i, noise=0.03), "quadratic", 2, 0.2)

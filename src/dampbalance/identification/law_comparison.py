@@ -210,7 +210,7 @@ def words_of(terms: Sequence[str]) -> str:
 
 _NO_FORCE = 1e-9  # of k times the smallest base motion: a friction force that stands for none
 _SURE = 1e-9  # probability of a balance below which the waveforms are not asked
-# Of the work: what harmonics up to a finite order leave out of it. Cycles without noise may repeat to the last bit.
+# Share of the work that harmonics up to a finite order leave out. Cycles without noise may repeat to the last bit.
 _EXACT = 1e-8
 _REPEATS = 4  # of generalised least squares, since its covariance depends on the solution
 _APART = 4.0  # of squares of in-phase misfits in standard errors: less is noise

@@ -214,7 +214,7 @@ class System:
         return HalfCycle(t, u, v, a, by_t, by_u, by_v, np.array(at), np.array(by_at))
 
     def equations(self, q: Array, *, slopes: bool = True) -> tuple[Array, Array]:
-        """What is left of the equations, N, and, where they are wanted, their derivatives."""
+        """Return what is left of the equations, N, and, where they are wanted, their derivatives."""
         o, motion = self.orbit.oscillator, self.orbit.motion
         of = self.half_cycle(q, slopes=slopes)
         n, X, ends, by_ends = of.t.size, q[of.t.size], of.at, of.by_at
