@@ -158,7 +158,8 @@ def results_of(
     for load, (first, second) in halves.items():
         key, x = f"F_k[{load}]", second["displacement_m"].to_numpy()
         verdict, F_k = whole.verdicts[key], early.values[key]
-        errors = [answer.standard_errors[key] for answer in (early, late)]
+        # of the scatter alone: what a distorted drive does to both is no drift
+        errors = [half.estimates["direct"].standard_errors[key] for half in (early, late)]
         motions[load] = held_out(first, second, loops[load], F_k)
         speed, force, _ = loop_in_slip(loops[load])
         rows.append(

@@ -277,6 +277,27 @@ def read(source, **clipped):
     return SimpleNamespace(steady=SimpleNamespace(source=source, channels=channels))
 
 
+def test_an_onset_that_is_not_known_moves_F_k_by_half_of_the_stick():
+    """Of records that are not symmetric, too, whose largest displacement says nothing of their range."""
+    rows = Rows({"F_k": np.array([2.0, 4.0])}, 1.28 * np.array([2.0, 4.0]))
+    answer = replace(
+        SOUND,
+        parameters={"F_k": SOUND.parameters["F_k"]},
+        balance=Balance(rows, np.array([0.1, 0.2]), ("a", "b")),
+    )
+    readings = [
+        SimpleNamespace(
+            steady=SimpleNamespace(channels={}, source=name),
+            stick_travel=share * range_,
+            averaged_cycle=lambda: {"x": np.array([0.9, -0.1])},
+        )
+        for name, share, range_ in (("a", 0.1, 2.0), ("b", 0.1, 4.0))
+    ]
+    fit = SimpleNamespace(adequate=False)
+    (note,) = notes_on(answer, readings, JointFit(fit, linear=False))
+    assert note.doubts["F_k"] == pytest.approx(1.0 - 1.0 / 1.05, rel=1e-12)  # both rows alike
+
+
 def test_a_coefficient_that_physics_forbids_is_named_with_the_likely_cause():
     negative = with_parameters(F_k=parameter(-0.1, 0.2), c=parameter(-6.0, 1.0))
     linear = JointFit(None, True, None)

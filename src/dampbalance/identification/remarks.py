@@ -103,9 +103,9 @@ def _by_half_the_stick(answer: Answer, readings: Sequence[Reading]) -> dict[str,
     assert answer.balance is not None
     rows, errors = answer.balance.rows, answer.balance.errors
     weights = np.where(errors > 0.0, errors, 1.0) ** -2.0
-    travel = 4.0 * np.array([reading.averaged_cycle()["x"].max() for reading in readings])
+    stick = np.array([reading.stick_travel for reading in readings])
     terms = {
-        key: g + 0.5 * (travel - g) if term(key).symbol == FRICTION else g
+        key: g + 0.5 * stick if term(key).symbol == FRICTION else g
         for key, g in rows.terms.items()
     }
     shifted = solve(replace(rows, terms=terms, weights=weights))
