@@ -4,7 +4,7 @@ Use it where the motion of a shaker is distorted and the distortion is measured.
 linear, so that the motion is the sum of the free motion and of the responses of `flow.py` to each harmonic. Even
 harmonics break the symmetry of the half cycles: the steady motion is the fixed point of the flow over a whole period,
 found by Newton's method from the motion under the fundamental alone. Events are bracketed by steps short beside every
-time scale of the phase, and located by bisection; an excursion that begins and ends within one step is missed.
+time scale of the phase, and located by false position; an excursion that begins and ends within one step is missed.
 """
 
 from __future__ import annotations
@@ -25,7 +25,8 @@ from .regime import Regime
 _STEPS_PER_RADIAN = 4.0
 _MOST_STEPS = 100_000  # of a phase: a contact so stiff stands for a rigid one
 _MOST_PHASES = 512
-_BISECTIONS = 60
+_MOST_TRIALS = 60  # of the time of an event, of which about eight are needed
+_ROUNDING = 1e-14  # of what an event's quantity changes by in a step
 _NEWTON = 40
 _CONVERGED = 1e-11  # of the displacement, velocity over ω and deflection over a period
 
@@ -49,6 +50,66 @@ def _motion(
             u += A.real * P.real - A.imag * P.imag
             v += A.real * rate.real - A.imag * rate.imag
     return u, v
+
+
+@jit
+def _step(h: float, of_phase: tuple[float, float, float], count: int) -> Complexes:
+    """What a step of length h adds to (displacement, velocity) by ẋ, by the constant force and by each harmonic of the
+    drive, per mass, (2, 2 + count); the effect of a harmonic is the real part of its product with this."""
+    delta, Omega2, omega = of_phase
+    J, S, R = step_response(h, delta, Omega2)
+    by = np.empty((2, 2 + count), dtype=np.complex128)
+    by[0, 0], by[0, 1], by[1, 0], by[1, 1] = S, J, R, S
+    for i in range(count):
+        by[0, 2 + i], by[1, 2 + i] = harmonic_response(h, (i + 1) * omega, delta, Omega2, J, S)
+    return by
+
+
+@jit
+def _after(here: tuple[float, float], by: Complexes, drive: Complexes) -> tuple[float, float]:
+    """`_motion` after a step."""
+    u = here[0] * by[0, 0].real + here[1] * by[0, 1].real
+    v = here[0] * by[1, 0].real + here[1] * by[1, 1].real
+    for i in range(drive.size):
+        A, P, rate = drive[i], by[0, 2 + i], by[1, 2 + i]
+        u += A.real * P.real - A.imag * P.imag
+        v += A.real * rate.real - A.imag * rate.imag
+    return u, v
+
+
+@jit
+def _crossing(
+    level: tuple[float, float, float],
+    end: tuple[float, float],
+    here: tuple[float, float],
+    of_phase: tuple[float, float, float],
+    drive: Complexes,
+    sticks: bool,
+) -> float:
+    """The time in a step at which the deflection, in stick, or the velocity, in slip, passes a level, by the rule of
+    false position with Illinois weights.
+
+    level : z at the start of the step, in stick, the sign of the level, and its size.   end : length of the step and
+    how far beyond the level it ends.   Others are as for `_motion`.
+    """
+    z, side, size = level
+    low, (high, at_high), kept, t = 0.0, end, 0, 0.0
+    at_low = side * (z if sticks else here[0]) - size
+    small = _ROUNDING * (abs(at_high) + abs(at_low))
+    if at_low >= 0.0:  # it begins at the level
+        at_low = -at_high
+    for _ in range(_MOST_TRIALS):
+        t = high - at_high * (high - low) / (at_high - at_low)
+        gained, rate = _motion(t, here, of_phase, drive)
+        off = side * (z + gained if sticks else rate) - size
+        if abs(off) <= small:
+            break
+        # an end that stays twice counts half
+        if off > 0.0:
+            high, at_high, at_low, kept = t, off, at_low * (0.5 if kept == 1 else 1.0), 1
+        else:
+            low, at_low, at_high, kept = t, off, at_high * (0.5 if kept == -1 else 1.0), -1
+    return t
 
 
 @jit
@@ -100,24 +161,25 @@ def _period(
         steps = max(8, math.ceil(_STEPS_PER_RADIAN * fastest * (end - t)))
         if steps > _MOST_STEPS and not sticks:
             return 0, x, v, z
-        low, high, event = 0.0, end - t, False
-        step = (end - t) / steps
-        for i in range(1, steps + 1):
-            if i > _MOST_STEPS:
+        h, gained, rate, high, event = (end - t) / steps, 0.0, v, end - t, False
+        turns, limit = _turned(np.ones_like(y), unit(par.omega * h), 1.0), Z_m if sticks else 0.0
+        by_step = _step(h, of_phase, y.size)
+        for i in range(steps):
+            if i == _MOST_STEPS:
                 return 0, x, v, z
-            gained, rate = _motion(i * step, start, of_phase, drive)
-            if abs(z + gained) > Z_m if sticks else s * rate < 0.0:
-                low, high, event = (i - 1) * step, i * step, True
+            here = rate, start[1] - kappa / par.m * gained
+            further, rate_after = _after(here, by_step, drive)
+            after = z + gained + further if sticks else rate_after
+            side = math.copysign(1.0, after) if sticks else -s
+            off = side * after - limit
+            if off > 0.0:
+                level = z + gained, side, limit
+                since = _crossing(level, (h, off), here, of_phase, drive, sticks)
+                further, rate = _motion(since, here, of_phase, drive)
+                gained, high, event = gained + further, i * h + since, True
                 break
-        if event:
-            for _ in range(_BISECTIONS):
-                middle = 0.5 * (low + high)
-                gained, rate = _motion(middle, start, of_phase, drive)
-                if abs(z + gained) > Z_m if sticks else s * rate < 0.0:
-                    high = middle
-                else:
-                    low = middle
-        gained, rate = _motion(high, start, of_phase, drive)
+            gained, rate = gained + further, rate_after
+            drive *= turns
         J, S, R = step_response(high, delta, kappa / par.m)
         for j in range(3):
             dx, dv, dz = jacobian[0, j], jacobian[1, j], jacobian[2, j]
