@@ -254,7 +254,7 @@ def test_too_few_samples_a_cycle_are_counted():
     decay = replace(draw(7, 77), answers=("acceleration",), noise=3e-3)
     decay = replace(decay, rate_hz=4.0 * decay.omega_n / (2.0 * math.pi))
     with pytest.raises(
-        ValueError, match=r"it has 3\.8 samples a cycle, 8 are needed: sample faster"
+        ValueError, match=r"it has 3\.8 samples a cycle, 10 are needed: sample faster"
     ):
         identify_ring_downs([record(decay)[0]], decay.k)
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from dampbalance.records.synthetic import measured_orbit
-from dampbalance.signals.conditioning import condition
-from dampbalance.signals.lines import CLEAR_HARMONIC, Lines
+from dampbalance.signals.conditioning import CLEAR_HARMONIC, condition
+from dampbalance.signals.lines import Lines
 from paper_case import NEAR, PAPER, orbits_at
 
 

@@ -33,7 +33,7 @@ from ..signals.band import NOISE_PASSED, Band, filtered
 from ..signals.band import freedom as freedom_in_band
 from ..signals.bursts import Signal, least_noise
 from ..signals.coupling import ac_coupled, ac_start
-from ..signals.thresholds import P_MOTION_LEFT
+from ..signals.thresholds import P_OF_THE_MODEL
 from ..signals.whiteness import chance_of_averages, chance_of_lines, louder
 from ..solver import NORMAL_95
 from .climb import GAIN, MOST_EVALUATIONS, Climb, ClimbBounds
@@ -479,7 +479,7 @@ class RingFit(Fit):
     @property
     def adequate(self) -> bool:
         """Whether the residual is white, so that such an oscillator may have made the records."""
-        return self.chance >= P_MOTION_LEFT and self.loudness <= 1.0
+        return self.chance >= P_OF_THE_MODEL and self.loudness <= 1.0
 
     @property
     def white(self) -> bool:

@@ -25,7 +25,7 @@ from ..fit.search import sound, with_one_more
 from ..law.terms import FRICTION, KNOWN_TERMS
 from ..project.wording import Remark, change_text, listed, number_text, percent
 from ..signals.one_thread import one_thread
-from ..signals.thresholds import AS_WELL, P_FURTHER_TERM
+from ..signals.thresholds import AS_WELL, P_FURTHER_TERM, SHOWS
 from ..solver import NORMAL_95
 from .answer import Answer, unit_of
 from .causes import GRADUAL
@@ -34,7 +34,6 @@ from .screen import with_error
 from .stated import widened
 
 _MOST_ALONG = 3  # coefficients that are fitted along
-_APART = 16.0  # of χ², four standard errors: beyond it, another cause of what looks like a friction that falls is out
 _HINT = 1.7  # standard errors of a coefficient, more than one in twenty decays show by chance
 _MATTERS = 3.0  # standard errors by which another law may move F_k or c, unsaid
 _LEAST = 0.03  # of F_k or c
@@ -142,7 +141,7 @@ def _as_well(fit: RingFit, symbol: str) -> dict[str, float]:
     for other in FURTHER:
         for end in _freed(fit, start, other, without) if other != _SPEED else ():
             for one in (end, *end.minima):
-                if one.chi_square - fit.chi_square < (_APART if symbol == _FALLING else AS_WELL):
+                if one.chi_square - fit.chi_square < (SHOWS if symbol == _FALLING else AS_WELL):
                     for name in (*TERMS, "K_z"):
                         here, there = getattr(fit, name), getattr(one, name)
                         if here and math.isfinite(here) and math.isfinite(there):

@@ -33,11 +33,12 @@ from ..signals.cycles import clipped, flat_tops
 from ..signals.disturbances import lines_of
 from ..signals.drive import stands_still
 from ..signals.one_thread import one_thread
-from ..signals.thresholds import P_HALF_CYCLES
+from ..signals.thresholds import P_OF_THE_MODEL, SHOWS
 from ..solver import NORMAL_95, solve
 from .answer import (
     CONFIDENCE,
     UNKNOWN,
+    USELESS,
     Answer,
     Balance,
     Interval,
@@ -68,15 +69,9 @@ if TYPE_CHECKING:
 BALANCE = "balance"
 """Name of the one approach to free decays."""
 
-_MATTERS = 0.05  # of a value: half of what a user asks for, and above what the balance neglects, a per mille or so
-_MASS_OFF = 4.0  # standard errors
 _LIGHTER = 1e-2  # of a mass that is given: small enough for first order, large compared with where a climb ends
-_HARMONICS = (
-    1,
-    2,
-    3,
-    5,
-)  # of the motion, that a contact, a spring or a sensor which is not linear makes
+# Of the motion, that a contact, a spring or a sensor which is not linear makes.
+_HARMONICS = (1, 2, 3, 5)
 _LET_THROUGH = 0.2  # by a filter: below, its inverse shows noise; steeply, so that the band of the mode is exact
 _SWINGS = 6  # of a decay whose equivalent damping is listed
 # half cycles, and K_z/k, below which a motion that does not fit shows no contact
@@ -308,8 +303,8 @@ def identify_ring_downs(
         fit = in_the_band(fit) or fit
     if mass is not None:
         own, off = fit.error("m"), abs(fit.m - mass)
-        agrees = off < _MASS_OFF * math.hypot(own, stiffness_error / k * fit.m, mass_error)
-        if mass_error < own and off < _MASS_OFF * math.hypot(own, mass_error):
+        agrees = off < math.sqrt(SHOWS) * math.hypot(own, stiffness_error / k * fit.m, mass_error)
+        if mass_error < own and off < math.sqrt(SHOWS) * math.hypot(own, mass_error):
             fit = _with_mass(fit, mass) or fit
         elif not agrees:
             warnings.append(on_mass(fit, mass))
@@ -390,7 +385,7 @@ def _solved(
     doubts = doubts_of(fit, further)
     warnings = [*warnings, *doubts]
     notes = [*fit_notes]
-    if freedom > 0 and special.chdtrc(freedom, misfit * freedom) < P_HALF_CYCLES:
+    if freedom > 0 and special.chdtrc(freedom, misfit * freedom) < P_OF_THE_MODEL:
         notes.append(
             Remark(
                 "the half cycles do not share one F_k and c: χ² is {:.3g} per row",
@@ -455,7 +450,7 @@ def _solved(
     wider = math.sqrt(max(1.0, misfit)) if freedom > 0 else 1.0
     # the balance takes whatever is in the samples for a motion with friction and viscous damping
     if fit.white and not clipped_signals and not set(fit.problem.free) & set(FURTHER):
-        warnings = [*warnings, *contradiction(answer, fit, _MATTERS, wider)]
+        warnings = [*warnings, *contradiction(answer, fit, USELESS, wider)]
     warnings += lines_in(fit)
     conditions, effects = _scatter_of(fit), dict[str, float]()
     if not doubts:

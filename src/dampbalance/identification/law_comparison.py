@@ -8,8 +8,8 @@ A law is tested in two ways, both with the onset of slip of the oscillator that 
 
 each against the F distribution with its degrees of freedom. The p-value of a law is the smaller of the two, times two.
 A law without friction is tested with a friction force too small to show. Laws are rejected by Holm's procedure, which
-keeps the probability of rejecting any true law, superfluous terms or not, below `ALPHA`. The smallest law that is not
-rejected is the answer; it has a superfluous term with a probability below `ALPHA`. Where the waveforms reject every
+keeps the probability of rejecting any true law, superfluous terms or not, below `BUDGET`. The smallest law that is not
+rejected is the answer; it has a superfluous term with a probability below `BUDGET`. Where the waveforms reject every
 law, the balance decides, and of laws with the same loss those are kept that have the stiffness of the records.
 """
 
@@ -36,6 +36,7 @@ from ..project.progress import followed
 from ..project.wording import listed, times
 from ..signals.mean_harmonics import Reading
 from ..signals.one_thread import one_thread
+from ..signals.thresholds import BUDGET
 from ..solver import solve
 from .answer import column
 from .oscillator import (
@@ -48,9 +49,6 @@ from .oscillator import (
     with_common_fit,
 )
 from .remarks import DIRECT
-
-ALPHA = 0.05
-"""Probability of rejecting any true law."""
 
 MOST_TERMS = 2
 """Most terms of a law that is tried, in addition to friction."""
@@ -196,7 +194,7 @@ class LawComparison:
             "by": self.by,
             "not_told_apart": self.alike,
             "told_apart_by_stiffness": self.by_stiffness,
-            "chance_to_reject_a_true_law": ALPHA,
+            "chance_to_reject_a_true_law": BUDGET,
             "words": self.words(),
             "tested": [test.document() for test in self.tests],
         }
@@ -244,7 +242,7 @@ def compared(
     tests: list[LawTest] = []
     fits: dict[tuple[Term, ...], Any] = {}
     for _, alike in itertools.groupby(followed(sorted(laws, key=len), len(laws), "laws"), len):
-        enough = [set(e.terms) for e in tests if e.p_of() > ALPHA / len(laws)]
+        enough = [set(e.terms) for e in tests if e.p_of() > BUDGET / len(laws)]
         for law in alike:
             if enough and not any(smaller < set(law) for smaller in enough):
                 continue
@@ -398,11 +396,11 @@ def _generalised(
 
 
 def _rejected(p: Sequence[float]) -> list[bool]:
-    """Holm's procedure: the smallest p, the second … are rejected while below ALPHA/n, ALPHA/(n − 1) …"""
+    """Holm's procedure: the smallest p, the second … are rejected while below BUDGET/n, BUDGET/(n − 1) …"""
     order = sorted(range(len(p)), key=lambda i: p[i])
     rejected = [False] * len(p)
     for rank, i in enumerate(order):
-        if p[i] > ALPHA / (len(p) - rank):
+        if p[i] > BUDGET / (len(p) - rank):
             break
         rejected[i] = True
     return rejected

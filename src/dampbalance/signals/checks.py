@@ -22,28 +22,27 @@ from .thresholds import NEVER, P_DRIFT, SIGNIFICANT
 FEW_CYCLES = 10
 """Number of cycles below which the scatter between cycles gives no trustworthy interval."""
 
-_FREQUENCY_DIFFERS, _FREQUENCY_WRONG = 2e-5, 0.05
-_GAIN_WRONG = 0.1
-_PHASE_WRONG = 0.5  # rad
-_PHASE_MATTERS = 2e-5  # rad
-_GAIN_MATTERS = 1e-4
-# Parts of the amplitude, over the record: from the first on it is reported and widens intervals, beyond the second the
-# record has no steady motion.
-_DRIFT_MATTERS, _DRIFT_WRONG = 2e-5, 0.1
+# Of a frequency, of an amplitude over the record, and of a phase in rad: of the loss at a loss factor of 2 %, a per
+# mille. From it on a change is reported and widens intervals.
+_MATTERS = 2e-5
+_GAIN_MATTERS = 1e-4  # of F_k and c, which are as wrong as the gain
+_FREQUENCY_WRONG = 0.05  # no clock is off by so much, and a wrong column or rate is by more
+_AMPLITUDE_WRONG = 0.1  # by which channels contradict each other, or a record has no steady motion
+_PHASE_WRONG = 0.5  # rad: no delay of a channel, but a sign or another quantity
 _TURNS_ALONE = 5.0  # times as much as the amplitude changes: what two clocks do, and a friction force that grows
 _HARMONIC_MATTERS = 1e-3  # of the fundamental
 _BASE_COUNTS = 1e-6  # of the fundamental: what the file or the rounding of a time may leave
-_CLIPPED_CYCLES = 0.5
-_LARGEST_AMPLITUDE = 0.5  # m
+_CLIPPED_CYCLES = 0.5  # of all: in most of them, the range is too small
+_LARGEST_AMPLITUDE = 0.5  # m, some ten times what shakers of long stroke do
 _LARGEST_SPEED = 10.0  # m/s, some three times what the fastest shakers do
 
 # What puts everything in doubt, by how much is not known.
 _doubtful = partial(Remark, doubts={"": math.inf})
 _BY_HARMONICS = ("direct",)  # the answer that counts harmonics which the others leave out
 
-# A converter of 12 bits; samples that are looked at; part of a step by which a value may be off a whole number of them.
-_FINE, _LOOKED_AT, _LATTICE = 1 << 12, 1 << 12, 0.01
-_EQUAL = 1e-9  # of the largest value: what rounding leaves between two copies of a signal
+_FINE = 1 << 12  # steps of a converter of 12 bits; as many samples show them
+_LATTICE = 0.01  # of a step, by which a value may be off a whole number of them
+ROUNDING = 1e-9  # of a signal: what rounding leaves between two copies of it, and noise cannot be distinguished from
 
 _UNCONNECTED = "the transducer was not connected, or the wrong column was read"
 
@@ -60,7 +59,7 @@ def require_distinct(quantity: str, values: Array, driving: str, drive: Array) -
     x, y = values[:count] - values[:count].mean(), drive[:count] - drive[:count].mean()
     square = float(y @ y)
     factor = float(x @ y) / square if square > 0.0 else 0.0
-    if np.abs(x - factor * y).max() < _EQUAL * np.abs(x).max():
+    if np.abs(x - factor * y).max() < ROUNDING * np.abs(x).max():
         raise ValueError(
             f"{quantity} is {driving} itself, times {factor:.6g}: one channel was read as both; say in the mapping "
             "which holds which"
@@ -92,7 +91,7 @@ def frequency(
         raise ValueError(
             f"{words.format(at, spread, given)}: wrong frequency, wrong column, or a wrong sampling rate"
         )
-    if abs(off) > max(_FREQUENCY_DIFFERS, _significant_for(max(1, cycles - 2)) * spread / hertz):
+    if abs(off) > max(_MATTERS, _significant_for(max(1, cycles - 2)) * spread / hertz):
         size = f"{signed(1e6 * off)} ppm" if abs(off) < 1e-3 else f"{signed(100.0 * off, 2)} %"
         yield Remark(
             f"{words} ({{}}): it was rounded, or the clock of the generator or the recorder is off; the frequency "
@@ -177,13 +176,13 @@ def consistency(
         error = math.sqrt(float(weights @ rest**2) / (2.0 * (len(rest) - 1)) / weights.sum())
         error /= abs(mean)
         gain, phase = abs(ratio), math.atan2(ratio.imag, ratio.real)
-        if abs(gain - 1.0) > _GAIN_WRONG or abs(phase) > _PHASE_WRONG:
+        if abs(gain - 1.0) > _AMPLITUDE_WRONG or abs(phase) > _PHASE_WRONG:
             raise ValueError(
                 f"{name} contradicts {first}: at the drive frequency it stands for {gain:.4g} times the motion, "
                 f"{signed(math.degrees(phase), 1)}° apart; check units, sign and calibration, or leave one of the two "
                 "out"
             )
-        late = abs(phase) > max(SIGNIFICANT * error, _PHASE_MATTERS)
+        late = abs(phase) > max(SIGNIFICANT * error, _MATTERS)
         scaled = abs(gain - 1.0) > max(SIGNIFICANT * error, _GAIN_MATTERS)
         if late:
             skew[name] = -phase / omega
@@ -236,7 +235,7 @@ def _change(rows: Complexes, weights: Array, parts: float) -> _Change:
     chance = 2.0 * float(special.fdtrc(3.0 * parts, freedom, statistic / (3.0 * parts)))
     change = basis @ along
     grown, turned = float(np.ptp(np.abs(change + mean))), float(np.abs(change).max())
-    matters = max(grown, turned) >= _DRIFT_MATTERS * abs(mean)
+    matters = max(grown, turned) >= _MATTERS * abs(mean)
     shows = matters and chance <= P_DRIFT
     return _Change(chance, grown / abs(mean), turned / abs(mean), noise, shows)
 
@@ -254,7 +253,7 @@ def few_bits(quantity: str, values: Array, noise: float) -> Iterator[Remark]:
 
     noise : standard deviation, in the unit of the values.
     """
-    span, steps = float(np.ptp(values)), np.diff(np.unique(values[:_LOOKED_AT]))
+    span, steps = float(np.ptp(values)), np.diff(np.unique(values[:_FINE]))
     if not steps.size or not (step := float(steps.min())) * _FINE > span or noise > 0.5 * step:
         return
     whole = np.round(steps / step)
@@ -318,9 +317,9 @@ def steadiness(
             after = round(outside[-1] * (times[-1] - times[0]) / (size - 1) / period)
             words += SETTLES
             sizes = (*sizes, after, skipped + after)
-        elif found.size > _DRIFT_WRONG:
+        elif found.size > _AMPLITUDE_WRONG:
             words += "; leave out cycles at its start (--skip-cycles), or record again after the motion has settled"
-        if found.size > _DRIFT_WRONG:
+        if found.size > _AMPLITUDE_WRONG:
             raise Unsettled(words.format(*sizes), int(sizes[-1]) if SETTLES in words else 0)
         warnings.append(Remark(words, *sizes, doubts={"": parts_of[i]}))
     return (parts_of[0], parts_of[1]), warnings

@@ -34,7 +34,7 @@ from ..records.measurement import (
     Measurement,
 )
 from . import checks
-from .checks import weighted_mean
+from .checks import ROUNDING, weighted_mean
 from .cycles import (
     CycleHarmonics,
     cycle_harmonics,
@@ -48,10 +48,11 @@ _MOST_HARMONICS = (31, 61, 91)
 """Highest harmonic taken of a displacement, a velocity and an acceleration of the mass; a quarter of the samples per
 cycle limits it too."""
 
-_HARMONICS_OF_BASE = 9
+CLEAR_HARMONIC = 4.0
+"""Standard deviations by which a harmonic stands out of the noise: by chance one in 16,000 does."""
+
+_HARMONICS_OF_BASE = 9  # of the base: what amplifiers and shakers distort is in the lowest
 _FILTERED_OUT = 1e-3  # of a harmonic that passes a filter: below it, the rest is noise
-# Rounding as a part of the fundamental; smaller noise cannot be distinguished from it.
-_RELATIVE_FLOOR = 1e-9
 _EXACT = 1e-6  # of a step: times that are off by less are those of equal steps
 _FREQUENCY_COUNTS = 0.3  # of the noise of the fundamental: less would widen intervals by 5 %
 
@@ -328,7 +329,7 @@ def _error(rows: Complexes, weights: Array) -> Array:
     smooth = _scatter(rows, weights) / weights.sum()
     higher = np.pad(smooth[2:], 2, constant_values=math.nan)
     smooth[2:] = np.nanmedian(sliding_window_view(higher, 5), axis=1)
-    floor = (_RELATIVE_FLOOR * abs(weighted_mean(rows, weights)[1])) ** 2
+    floor = (ROUNDING * abs(weighted_mean(rows, weights)[1])) ** 2
     return np.sqrt(np.maximum(smooth, floor))
 
 
@@ -353,9 +354,9 @@ def _combined(moved: Mapping[str, Complexes], weights: Array) -> tuple[Complexes
 
 
 def _bandwidth(mean: Complexes, error: Array, lowest: int = 1) -> int:
-    """The highest odd (lowest = 1) or even (2) harmonic that stands out of the noise by four standard deviations; two
-    in a row may be hidden."""
+    """The highest odd (lowest = 1) or even (2) harmonic that stands out of the noise (`CLEAR_HARMONIC`); two in a row
+    may be hidden."""
     orders = np.arange(lowest, len(mean), 2)
-    clear = orders[(orders == lowest) | (np.abs(mean[orders]) > 4.0 * error[orders])]
+    clear = orders[(orders == lowest) | (np.abs(mean[orders]) > CLEAR_HARMONIC * error[orders])]
     ends = clear[np.diff(clear, append=math.inf) > 6]
     return int(ends[0])

@@ -10,6 +10,7 @@ import numpy as np
 from ..arrays import Array
 from .checks import require_signal
 from .cycles import drive_frequency
+from .thresholds import RARE_LINE
 
 LEADING = 1 << 18  # samples from which the drive frequency is first estimated
 _ENOUGH = 8  # cycles of these; from fewer the spectrum may take one number of cycles for another
@@ -21,7 +22,6 @@ _STRETCHES = 16  # of a record that are looked at
 _AT_REST = 0.05
 # Amplitude before the onset over that after it; a line through one cycle of a sine leaves 39 % of it.
 _STILL = 0.25
-_LINE_OF_NOISE = 25.0  # times its mean, that no line of 32,768 in white noise has by chance
 
 
 def stands_still(values: Array) -> bool:
@@ -41,7 +41,7 @@ def stands_still(values: Array) -> bool:
     for begin in dict.fromkeys(np.linspace(0, last, _STRETCHES).astype(int).tolist()):
         stretch = values[begin : begin + _STRETCH]
         power = np.abs(np.fft.rfft(stretch - np.mean(stretch))[1:]) ** 2
-        if power.max() > _LINE_OF_NOISE * power.mean():
+        if power.max() > (RARE_LINE + math.log(power.size)) * power.mean():
             return False
     return True
 

@@ -12,11 +12,9 @@ import numpy as np
 
 from ..arrays import Array, Complexes, Integers, Mask
 from ..records.measurement import ABSOLUTE, ORDERS, RESPONSES
-from .conditioning import SteadyRecord
+from .bursts import LEAST_NOISE
+from .conditioning import CLEAR_HARMONIC, SteadyRecord
 from .thresholds import SIGNIFICANT
-
-CLEAR_HARMONIC = 4.0
-"""Standard deviations by which a harmonic stands out of the noise."""
 
 # Degrees of freedom that a row adds to an error, which is smoothed over five harmonics.
 _NEIGHBOURS = 6
@@ -24,7 +22,6 @@ _NEIGHBOURS = 6
 # Degrees of freedom of a variance that is computed and not seen: its root is known to 30 %.
 _HIDDEN = 6.0
 _EXTRA = 4  # odd harmonics beyond the bandwidth that are taken: they bound the waveform
-_ROUNDING = 3e-6  # of the fundamental: noise below it is no transducer's
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,7 +76,7 @@ class Lines:
             x=x,
             x_error=np.hypot(noise, aliased),
             rows=_rows(steady, n),
-            aliased=float(np.max(aliased / np.maximum(noise, _ROUNDING * abs(x[0])))),
+            aliased=float(np.max(aliased / np.maximum(noise, LEAST_NOISE * abs(x[0])))),
             base=np.where(clear, y[higher] * np.exp(-1j * higher * np.angle(base)), 0.0),
             relative=not steady.channels.keys() & {"force", *ABSOLUTE},
         )

@@ -25,17 +25,15 @@ them it is chance."""
 SIGNIFICANT = float(-special.ndtri(NEVER))
 """Standard errors by which a difference must stand out then, five."""
 
+RARE_LINE = -math.log(NEVER)
+"""Times the mean of a spectrum of noise, that a line of it has by chance as rarely, fifteen."""
+
 P_DRIFT = 1e-6
 """Slow change of an amplitude: asked of each channel of each record, and reported with its size."""
 
 P_OF_THE_MODEL = 1e-4
-"""χ² of forced records about the oscillator: below, another answer takes its place, which costs accuracy."""
-
-P_MOTION_LEFT = 1e-4
-"""Residual of decays that looks like a motion: below, a narrower band is fitted, which costs accuracy."""
-
-P_HALF_CYCLES = 1e-4
-"""χ² of the half cycles about one F_k and c: below, the intervals of the balance grow by the scatter."""
+"""χ² of forced records about the oscillator, a residual of decays that looks like a motion, χ² of half cycles about one
+F_k and c: below, another answer or a narrower band takes its place, or intervals grow, which costs accuracy."""
 
 P_SHOWN = 6.3e-5
 """χ² of 16, four standard errors: slip, and a mass or a balance that contradicts the fit.
@@ -74,9 +72,7 @@ P_STEP_BACK = 3e-4
 TESTS: Mapping[str, int] = {
     "NEVER": 1000,  # harmonics, cycles and channels of ten records
     "P_DRIFT": 20,  # base and response of ten records
-    "P_OF_THE_MODEL": 1,
-    "P_MOTION_LEFT": 1,
-    "P_HALF_CYCLES": 1,
+    "P_OF_THE_MODEL": 3,  # forced records, the residual of decays, half cycles
     "P_SHOWN": 4,  # slip, mass, F_k and c of the balance
     "P_AS_WELL": 0,
     "P_CAUSE": 1,
