@@ -168,6 +168,7 @@ def results_of(
                 "F_k_N": whole.values[key],
                 "interval_N": list(whole.intervals[key]),
                 "verdict": verdict.verdict,
+                "within": verdict.within,
                 "reason": verdict.reason,
                 "halves_N": [F_k, late.values[key]],
                 "halves_error_N": errors,
