@@ -8,10 +8,8 @@ from __future__ import annotations
 
 import math
 import os
-import re
 import reprlib
 from collections.abc import Collection, Iterable, Iterator, Mapping
-from contextlib import suppress
 from decimal import Decimal
 from numbers import Real
 from pathlib import Path
@@ -25,8 +23,6 @@ Kind = TypeVar("Kind")
 
 SMALLEST, LARGEST = 1e-30, 1e30  # SI units; beyond them, products of a few numbers overflow
 
-_UNCERTAIN = r"±|\+/?-"  # between a number and its standard uncertainty
-_AS_WEIGHED = 0.005  # of a mass: what holds and drives it, and half of its springs, move along and are seldom weighed
 _WORD = 2**63 - 1  # the largest integer of an array
 
 
@@ -85,47 +81,14 @@ def number(name: str, value: object, label: str = "") -> float:
     if type(value) is float and bounds.low <= value <= bounds.high:  # nearly always
         return value
     if isinstance(value, bool) or not isinstance(value, int | float | np.integer | np.floating):
-        _refuse(label or name, bounds, value)
+        refuse(label or name, bounds, value)
     try:
         plain = float(value)
     except OverflowError:
         plain = math.inf
     if not bounds.low <= plain <= bounds.high:
-        _refuse(label or name, bounds, value)
+        refuse(label or name, bounds, value)
     return plain
-
-
-def with_error(name: str, value: object) -> tuple[float, float]:
-    """A number of the table and its standard uncertainty: 2310.0, "2310", (2310.0, 10.0), "2310±10" or "2310+-10"."""
-    pair: Any = value
-    if isinstance(value, str):
-        with suppress(ValueError):
-            pair = [float(part) for part in re.split(_UNCERTAIN, value)]
-            value = pair[0] if len(pair) == 1 else value
-    if not isinstance(pair, list | tuple) or len(pair) != 2:
-        return number(name, value), 0.0
-    plain, error = number(name, pair[0]), pair[1]
-    if isinstance(error, bool) or not (isinstance(error, Real) and 0.0 <= float(error) < plain):
-        wanted = f"{NUMBERS[name]}, with an uncertainty below it, (2310, 10) or 2310±10"
-        _refuse(name, wanted, value)
-    return plain, float(error)
-
-
-def mass_with_error(value: object) -> tuple[float, float]:
-    """A mass and its standard uncertainty, kg, in the forms of `with_error`; that of a mass alone is half a unit of its
-    last digit or 0.5 %, whichever is more.
-
-    "3.1" and 3.1 have one of 0.05 kg, "3.100" has 0.0155 kg; (3.1, 0.0) and "3.1±0" are exact.
-    """
-    if isinstance(value, list | tuple) or (isinstance(value, str) and re.search(_UNCERTAIN, value)):
-        return with_error("mass", value)
-    plain: object = value
-    if isinstance(value, str):
-        with suppress(ValueError):
-            plain = float(value)
-    mass = number("mass", plain)
-    last_digit = 10.0 ** int(Decimal(str(value)).as_tuple().exponent)
-    return mass, max(0.5 * last_digit, _AS_WEIGHED * mass)
 
 
 def whole(name: str, value: object) -> int:
@@ -136,7 +99,7 @@ def whole(name: str, value: object) -> int:
     if isinstance(value, bool) or not (
         isinstance(value, int | np.integer) and bounds.low <= value <= bounds.high
     ):
-        _refuse(name, bounds, value)
+        refuse(name, bounds, value)
     return int(value)
 
 
@@ -150,11 +113,11 @@ def numbers(name: str, value: object, *, missing: bool = False, signed: bool = F
     try:
         array = floats(value)
     except ValueError:
-        _refuse(name, f"{bounds}, or an array of them", value)
+        refuse(name, f"{bounds}, or an array of them", value)
     within = (array >= bounds.low) & (array <= bounds.high) | (np.isnan(array) & missing)
     if not within.all():
         wrong = float(array[~within].flat[0])
-        _refuse(name, bounds, wrong, " (missing or masked)" * math.isnan(wrong))
+        refuse(name, bounds, wrong, " (missing or masked)" * math.isnan(wrong))
     return array
 
 
@@ -203,14 +166,14 @@ def _float(value: Any) -> float:
 def flag(name: str, value: object) -> bool:
     """True or False."""
     if not isinstance(value, bool | np.bool_):
-        _refuse(name, "True or False", value)
+        refuse(name, "True or False", value)
     return bool(value)
 
 
 def one_of(name: str, value: object, known: Collection[str]) -> str:
     """One of several names."""
     if not isinstance(value, str) or value not in known:
-        _refuse(name, f"one of {', '.join(known)}", value)
+        refuse(name, f"one of {', '.join(known)}", value)
     return value
 
 
@@ -225,7 +188,7 @@ def names(name: str, value: object, known: Collection[str] = ()) -> tuple[str, .
     found = []
     for one in several:
         if not isinstance(one, str):
-            _refuse(name, "a sequence of names, or a text with commas between them", value)
+            refuse(name, "a sequence of names, or a text with commas between them", value)
         found.append(one.strip() if type(one) is str else one)  # else it is more than a text
     unknown = sorted(set(found) - set(known or found))
     if unknown:
@@ -237,14 +200,14 @@ def items(name: str, value: object, wanted: str) -> Iterator[Any]:
     """What a sequence, or anything else that has an order, holds."""
     unordered = isinstance(value, str | bytes | Mapping | set | frozenset | type)
     if unordered or not isinstance(value, Iterable) or getattr(value, "shape", None) == ():
-        _refuse(name, wanted, value)
+        refuse(name, wanted, value)
     return iter(value)
 
 
 def mapping(name: str, value: object, wanted: str) -> dict[str, Any]:
     """A mapping whose keys are texts."""
     if not isinstance(value, Mapping) or not all(isinstance(key, str) for key in value):
-        _refuse(name, wanted, value)
+        refuse(name, wanted, value)
     return dict(value)
 
 
@@ -252,26 +215,26 @@ def instance(name: str, value: object, kind: type[Kind]) -> Kind:
     """An object of a class of this package."""
     if not isinstance(value, kind):
         article = "an" if kind.__name__[0] in "AEIOU" else "a"
-        _refuse(name, f"{article} {kind.__name__}", value)
+        refuse(name, f"{article} {kind.__name__}", value)
     return value
 
 
 def path(name: str, value: object, wanted: str) -> Path:
     """The path of a file or a folder, whose names have 255 bytes at most."""
     if not isinstance(value, str | os.PathLike):
-        _refuse(name, wanted, value)
+        refuse(name, wanted, value)
     text = os.fspath(value)
     if not isinstance(text, str) or "\0" in text:
-        _refuse(name, wanted, value)
+        refuse(name, wanted, value)
     if any(len(os.fsencode(part)) > 255 for part in Path(text).parts):
-        _refuse(name, f"{wanted}, with names of 255 bytes at most", value)
+        refuse(name, f"{wanted}, with names of 255 bytes at most", value)
     return Path(text)
 
 
 def text(name: str, value: object) -> str:
     """A text."""
     if not isinstance(value, str):
-        _refuse(name, "a text", value)
+        refuse(name, "a text", value)
     return value
 
 
@@ -284,7 +247,7 @@ _REPR = reprlib.Repr()
 _REPR.maxstring = _REPR.maxother = 60
 
 
-def _refuse(label: str, wanted: object, value: object, more: str = "") -> NoReturn:
+def refuse(label: str, wanted: object, value: object, more: str = "") -> NoReturn:
     """ValueError naming the argument, what would be right and what was given."""
     remedy = f"; {wanted.remedy}" if isinstance(wanted, Bounds) and wanted.remedy else ""
     raise ValueError(f"{label} must be {wanted}, got {shown(value)}{more}{remedy}")

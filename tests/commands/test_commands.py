@@ -333,9 +333,9 @@ TERMS = "symbols with their coefficients, as in c_2=40,eta=0.02"
         ("--frequency", "0", "must be a positive number of Hz, 1e-30 to 1e+30, got 0"),
         ("--amplitude", "-1", "must be a positive number of m"),
         ("--mass", "1e300", "must be a positive number of kg, 1e-30 to 1e+30"),
-        ("--damping", "nan", "must be a number of N s/m, 0 to 1e+30"),
+        ("--damping", "nan", "must be a number of N s/m, or one with its unit"),
         ("--rate", "0", "must be a positive number of samples per second"),
-        ("--start", "inf", "must be a number of s, -1e+30 to 1e+30"),
+        ("--start", "inf", "must be a number of s, got 'inf'"),
         ("--noise", "-0.1", "must be a number, 0 to 1e+06"),
         ("--seed", "-1", "must be a whole number, 0 to"),
         ("--seed", "9" * 5000, "must be a whole number, 0 to"),
@@ -353,8 +353,9 @@ TERMS = "symbols with their coefficients, as in c_2=40,eta=0.02"
 )
 def test_options_of_a_simulation_have_bounds(option, value, wanted, tmp_path, capsys):
     assert simulate(tmp_path / "a.csv", f"{option}={value}") == 2
-    said = capsys.readouterr().err.splitlines()[-1]
-    assert f"argument {option}: {wanted}" in said
+    (said,) = capsys.readouterr().err.splitlines()
+    assert f"error: {option}" in said
+    assert wanted in said
     assert len(said) < 200
     assert list(tmp_path.iterdir()) == []
 
@@ -442,8 +443,8 @@ ONE, TWO = RECORDS[0], [*RECORDS[:2], *COMMON]
         ([*TWO, "--terms", "F_k,d"], "unknown term 'd'; known are F_k, c, "),
         ([*TWO, "--groups", "d=A,B"], "unknown term 'd'"),
         ([*TWO, "--groups", "F_k=A,"], "the groups of F_k must be names"),
-        ([*TWO, *["--given", "c=1"] * 2], "argument --given: c is named twice: leave out one"),
-        ([*TWO, *["--groups", "c=A,B"] * 2], "argument --groups: c is named twice: leave out one"),
+        ([*TWO, *["--given", "c=1"] * 2], "--given: c is named twice: leave out one"),
+        ([*TWO, *["--groups", "c=A,B"] * 2], "--groups: c is named twice: leave out one"),
     ],
 )
 def test_wrong_options_records_and_contradictions_are_refused(arguments, message, answer):

@@ -22,8 +22,8 @@ from dampbalance import (
     steady_orbit,
     steady_orbits,
 )
-from dampbalance.arguments import with_error
 from dampbalance.measured import OPTIONS, WAYS, configured, not_taken
+from dampbalance.records.quantities import with_error
 from folders import ROOT
 from paper_case import PAPER
 from schemas import SCHEMAS

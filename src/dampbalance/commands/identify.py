@@ -10,12 +10,12 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from ..arguments import mass_with_error, with_error
 from ..balance import checks
 from ..identification.outputs import ALL_PICTURES, OUTPUTS, REPORT, TABLES, require_room
 from ..law.terms import KNOWN_TERMS
 from ..project.files import json_text, replacing, write_text
 from ..project.wording import shortened
+from ..records.quantities import with_error
 from .options import coefficients, number, read_by, whole
 
 EPILOG = """\
@@ -50,12 +50,12 @@ _HELP = f"""\
 records         a file, one per level; as many as there are coefficients, or more; of a free decay one is enough
 all records:
 --kind          forced records, free decays, or tables of a stepped sine (default: as they are recognised)
---stiffness     k, N/m (of a rotation N m/rad), or with its uncertainty, 2310±10; it scales F_k and c; --mass tests it
---mass          kg (of a rotation inertia, kg m²), or with its uncertainty, 2.42±0.01; alone, half a digit or 0.5 %%
+--stiffness     k, N/m (of a rotation N m/rad), or 5.2±0.1, "29.7 lbf/in", "5.2 N/mm ± 1 %%"; it scales F_k and c
+--mass          tests k: kg (of a rotation inertia, kg m²), or "6.8 lb", 2.42±0.01; alone, half a digit or 0.5 %%
 --mapping       file or folder that names the channels of the records (default: the file next to each)
 --write-mapping write a mapping to start from to this file, with a reason for each channel, and do nothing else
 forced records:
---frequency     known drive frequency, Hz; compared with the one found in each record
+--frequency     known drive frequency, Hz, or "210 rpm"; compared with the one found in each record
 --groups        a coefficient for each group of records: F_k=A,A,B, a label per record; may be repeated
 --approach      an approach; may be repeated (default: all)
 --skip-cycles   cycles left out at the start of each record, where the motion has not settled (default: 0)
@@ -155,6 +155,12 @@ def _labels(text: str) -> dict[str, str]:
     return {name.strip(): labels}
 
 
+def _checked(name: str, text: str) -> str:
+    """A reader of a number that stays a text, with its unit and its digits, once it can be read."""
+    with_error(name, text)
+    return text
+
+
 class _Once(argparse.Action):
     """Collect options of one term or several each in one mapping; a term that is named twice is an error."""
 
@@ -176,8 +182,8 @@ class _Once(argparse.Action):
 _OPTIONS: dict[str, dict[str, Any]] = {
     "records": {"nargs": "+", "type": Path, "metavar": "RECORD"},
     "--kind": {"choices": ("forced", "ring-down", "stepped-sine"), "default": "recognised"},
-    "--stiffness": {"type": read_by(with_error, "stiffness"), "metavar": "K"},
-    "--mass": {"type": read_by(lambda _, text: mass_with_error(text), "mass"), "metavar": "M"},
+    "--stiffness": {"type": read_by(_checked, "stiffness"), "metavar": "K"},
+    "--mass": {"type": read_by(_checked, "mass"), "metavar": "M"},
     "--mapping": {"type": Path, "default": None, "metavar": "FILE"},
     "--write-mapping": {"type": Path, "default": None, "metavar": "FILE"},
     "--frequency": {"type": number("frequency"), "metavar": "HZ"},

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import re
 import sys
 from collections.abc import Collection, Sequence
 from importlib import import_module
@@ -25,11 +26,13 @@ _NO_MEMORY = "the memory does not suffice: ask for less, or give shorter records
 
 
 class _Parser(argparse.ArgumentParser):
-    """A parser whose errors fit a screen, whatever was typed."""
+    """A parser whose errors are one line that fits a screen, whatever was typed."""
 
     def error(self, message: str) -> NoReturn:
-        """Say what is wrong and leave."""
-        super().error(cut(visible(message), _LONGEST))
+        """Say what is wrong, and leave with status 2."""
+        said = re.sub(r"^argument (-\S+):(?= must| =| takes)", r"\1", message)
+        said = said.removeprefix("argument ")
+        self.exit(2, f"{self.prog}: error: {cut(visible(said), _LONGEST)}\n")
 
 
 def parser(named: Collection[str] = tuple(COMMANDS)) -> argparse.ArgumentParser:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import re
 from collections.abc import Callable
 from contextlib import suppress
 from typing import Any
@@ -10,6 +11,7 @@ from typing import Any
 from .. import arguments
 from ..law.terms import term
 from ..project.wording import shortened
+from ..records.quantities import quantity as read_number
 
 
 def read_by(reader: Callable[[str, Any], Any], name: str) -> Callable[[str], Any]:
@@ -25,8 +27,8 @@ def read_by(reader: Callable[[str, Any], Any], name: str) -> Callable[[str], Any
 
 
 def number(name: str) -> Callable[[str], float]:
-    """Return a type of argument: a number of the table of `arguments`."""
-    return read_by(lambda name, text: arguments.number(name, _plain(text)), name)
+    """Return a type of argument: a number of the table of `arguments`, with a unit where it has one."""
+    return read_by(read_number, name)
 
 
 def whole(name: str) -> Callable[[str], int]:
@@ -52,21 +54,22 @@ def quantity(name: str, default: float | None, words: str, **more: Any) -> dict[
 def coefficients(text: str) -> dict[str, float]:
     """A type of argument: coefficients of the terms of a law by symbol, SI, as in c_2=40,eta=0.02."""
     values: dict[str, float] = {}
-    for part in text.split(","):
+    for part in re.split(r",(?=[^,]*=|$)", text):  # other commas are decimal marks
         symbol, equals, value = (piece.strip() for piece in part.partition("="))
         if not (symbol and equals):
             raise argparse.ArgumentTypeError(
                 f"must be symbols with their coefficients, as in c_2=40,eta=0.02, got {shortened(part)}"
             )
         try:
-            term(symbol)  # one of a group is refused where the response is computed
+            unit = term(symbol).unit  # one of a group is refused where the response is computed
             if symbol in values:
                 raise ValueError(f"{symbol} stands there twice: give it once")
-            values[symbol] = number("given")(value)
-        except argparse.ArgumentTypeError as error:
-            raise argparse.ArgumentTypeError(f"{symbol} {error}") from None
+            values[symbol] = read_number("given", value, unit)
         except ValueError as error:
-            raise argparse.ArgumentTypeError(str(error)) from None
+            words = str(error)
+            if words.startswith("given "):
+                words = f"{symbol} {words.removeprefix('given ')}"
+            raise argparse.ArgumentTypeError(words) from None
     return values
 
 

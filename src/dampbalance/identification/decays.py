@@ -209,7 +209,8 @@ def identify_decays(
     rig = rig_options(stiffness, mass, "ring-down")
     own = {"laws": flag("laws", laws), "mapping": mapping_option(mapping)}
     options = {"kind": "ring-down", **rig, **own}
-    return _of_records(records_of("ring-down", records, mapping), options)
+    read = records_of("ring-down", records, mapping, stiffness=stiffness, mass=mass)
+    return _of_records(read, options)
 
 
 @in_words_of_records

@@ -36,6 +36,7 @@ from ..project.wording import Remark
 from ..records.mapping import MappingLike
 from ..records.measured import MeasuredRecord, in_words_of_records
 from ..records.measurement import ABSOLUTE, RELATIVE
+from ..records.quantities import quantity
 from ..signals.mean_harmonics import Reading
 from ..signals.one_thread import one_thread
 from ..solver import Estimate, least_squares, solve
@@ -217,7 +218,7 @@ def identify_forced(
     stiffness: Stated,
     *,
     mapping: MappingLike = None,
-    frequency: float | None = None,
+    frequency: float | str | None = None,
     mass: Stated | None = None,
     terms: Sequence[str] | str | None = None,
     given: Mapping[str, float] | None = None,
@@ -234,7 +235,8 @@ def identify_forced(
 
     records : as `read_records` returns or takes them, at least as many as there are coefficients; more levels, far
     apart, sharpen all of them.
-    stiffness : k of the spring, N/m; it scales F_k and c. With its standard uncertainty, (2310.0, 10.0) or "2310±10",
+    stiffness : k of the spring, N/m, or a text with its unit, "5.2 N/mm"; it scales F_k and c. With its standard
+    uncertainty, (2310.0, 10.0) or "2310±10",
     which the intervals then hold, as they do those of gains and delays that a mapping states. Without, they are
     conditional on k.
     mapping : what the records do not say of their channels, where they are read here.
@@ -278,7 +280,7 @@ def identify_forced(
     rig = rig_options(stiffness, mass, "forced")
     law = law_of(terms, given, groups)
     options = rig | {
-        "frequency_hz": None if frequency is None else number("frequency", frequency),
+        "frequency_hz": None if frequency is None else quantity("frequency", frequency),
         "terms": list(law.terms),
         "given": dict(law.given),
         "groups": {symbol: list(labels) for symbol, labels in law.groups.items()},
@@ -287,7 +289,8 @@ def identify_forced(
         "mapping": mapping_option(mapping),
         "skip_cycles": whole("skip_cycles", skip_cycles),
     }
-    return _of_records(records_of("forced", records, mapping), law, options)
+    read = records_of("forced", records, mapping, stiffness=stiffness, mass=mass)
+    return _of_records(read, law, options)
 
 
 @in_words_of_records

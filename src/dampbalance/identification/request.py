@@ -6,15 +6,16 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from ..arguments import mass_with_error, with_error
+from ..arguments import NUMBERS
 from ..records.mapping import MappingLike
 from ..records.measured import MeasuredRecord, as_records, require_different
+from ..records.quantities import mass_with_error, read_quantity, with_error
 
 if TYPE_CHECKING:
     from ..records.measured import ReaderOfTables, RecordLike
 
 Stated: TypeAlias = float | tuple[float, float] | str
-"""A number, alone or with its standard uncertainty: 2310.0, (2310.0, 10.0) or "2310±10"."""
+"""A number in SI, alone or with its standard uncertainty, 2310.0 or (2310.0, 10.0), or a text: "2.31 ± 0.01 N/mm"."""
 
 IN_WORDS = {
     "forced": "forced records",
@@ -53,10 +54,13 @@ def records_of(
     records: RecordLike | Sequence[RecordLike],
     mapping: MappingLike,
     reader: ReaderOfTables | None = None,
+    **stated: Stated | None,
 ) -> tuple[MeasuredRecord, ...]:
-    """Read the records of one kind.   reader : of tables of a stepped sine, as for `as_records`.
+    """Read the records of one kind.   reader : of tables of a stepped sine, as for `as_records`.   stated : stiffness
+    and mass, whose units must be of the records' coordinate.
 
-    Raises ValueError as `require_different`, and for a table of a stepped sine among others or the other way round.
+    Raises ValueError as `require_different`, for a table of a stepped sine among others or the other way round, and for
+    a stiffness in N/m of records that rotate and the like.
     """
     read = as_records(records, mapping=mapping, free=kind == "ring-down", reader=reader)
     require_different(read)
@@ -67,6 +71,14 @@ def records_of(
             others = "forced records or free decays" if tables else IN_WORDS["stepped-sine"]
             raise ValueError(
                 f"{record.name} is {is_it} table of a stepped sine: identify it separately, as {others}"
+            )
+    for name, value in stated.items():
+        of_unit = read_quantity(name, value).coordinate if isinstance(value, str) else None
+        if of_unit not in (None, read[0].coordinate):
+            unit = read[0].coordinate.unit(NUMBERS[name].unit)
+            raise ValueError(
+                f"{name} = {value} does not fit {read[0].name}, a {read[0].coordinate.name}: give it in a unit such as "
+                f"{unit}"
             )
     return read
 

@@ -244,7 +244,8 @@ def identify_joint(
     one_of("contact", contact, get_args(Asked))
     own = {"hardening": flag("hardening", hardening), "residual": flag("residual", residual)}
     reader = partial(read_lines, stated=True)
-    read = records_of("stepped-sine", records, mapping, reader)
+    stated = {"stiffness": stiffness, "mass": mass}
+    read = records_of("stepped-sine", records, mapping, reader, **stated)
     tables = [record for record in read if isinstance(record, SteppedRecord)]
     if FRICTION in law.given:
         raise ValueError(

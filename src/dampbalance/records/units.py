@@ -11,6 +11,7 @@ import math
 import re
 from collections import Counter
 from dataclasses import dataclass
+from functools import cache
 
 from ..model import named_with_unit
 from ..project.wording import shortened
@@ -25,6 +26,11 @@ _LENGTHS = {  # m, exactly
 _STANDARD_GRAVITY = 9.80665  # m/s², exactly
 _POUND_FORCE = 4.4482216152605  # N, exactly
 _INCH, _FOOT = 0.0254, 0.3048  # m, exactly
+_MASSES = {  # kg; the pound-mass is exact
+    **{"kg": 1.0, "g": 1e-3, "mg": 1e-6, "t": 1e3},
+    **{"lb": 0.45359237, "oz": 0.45359237 / 16.0, "slug": _POUND_FORCE / _FOOT},
+    **{"lbs": 0.45359237, "lbm": 0.45359237, "pound": 0.45359237, "pounds": 0.45359237},
+}
 _ANGLES = {"rad": 1.0, "mrad": 1e-3, "deg": math.pi / 180.0}  # rad
 _TURN = 2.0 * math.pi  # rad
 _LONGEST = 40  # characters of a unit
@@ -101,7 +107,7 @@ _OTHER_SPELLINGS = {
     "s": ["sec", "second", "seconds"],
     "ms": ["msec", "millisecond", "milliseconds"],
     "µs": ["usec", "microsecond", "microseconds"],
-    "Hz": ["hertz", "1/s", "samples/s", "Sa/s", "S/s"],
+    "Hz": ["hertz", "1/s", "samples/s", "samples per second", "Sa/s", "S/s"],
     "rad": ["radian", "radians"],
     "deg": ["°", "degree", "degrees", "grad"],
     "deg/s": ["°/s", "degrees/s", "dps"],
@@ -266,3 +272,63 @@ def table_factor(text: str, quantity: str) -> float:
     ):
         return unit_for(motion, quantity, PER_FORCE[quantity]).factor / unit.factor
     return unit_for(text, quantity, TABLE_DIMENSIONS[quantity]).factor
+
+
+# --- products and quotients of units -----------------------------------------------------------------
+
+_EXPONENTS = {  # of kg, m and s in the SI unit of a dimension; an angle has none
+    **{"length": (0, 1, 0), "velocity": (0, 1, -1), "acceleration": (0, 1, -2)},
+    **{"angle": (0, 0, 0), "angular velocity": (0, 0, -1), "angular acceleration": (0, 0, -2)},
+    **{"force": (1, 1, -2), "torque": (1, 2, -2), "time": (0, 0, 1), "frequency": (0, 0, -1)},
+}
+_POWERS = str.maketrans("²³⁴", "234")
+_OUTSIDE = r"(?![^(]*\))"  # brackets
+
+
+def factor_to(si: str, text: str) -> tuple[float, Coordinate]:
+    """SI units per unit that a text spells, any product or quotient of units, lbf/in, N/(mm/s) or kg·m²; and whether
+    that is the unit of a translation, or the one of a rotation in its place: N m/rad for N/m, kg m² for kg.
+
+    si : the SI unit of a translation.   Raises UnitError for a unit of another dimension, or an unknown one.
+    """
+    unit, plain = find_unit(text), find_unit(si)
+    if unit and plain and unit.dimension == plain.dimension:
+        return unit.factor / plain.factor, TRANSLATION
+    readings = _readings(text.strip()) if len(text) <= _LONGEST else {}
+    for coordinate in (TRANSLATION, ROTATION):
+        for exponents, factor in _readings(coordinate.unit(si)).items():
+            if exponents in readings:
+                return readings[exponents] / factor, coordinate
+    raise UnitError(f"{shortened(text)} is no unit for {si}")
+
+
+@cache
+def _readings(text: str) -> dict[tuple[int, ...], float]:
+    """What a text may mean: factor to SI by exponents of kg, m and s. "lb" is a mass and a force; Hz is 2π rad/s."""
+    readings: dict[tuple[int, ...], float] = {}
+    if unit := find_motion(text):
+        turns = _TURN if unit.dimension == "frequency" else 1.0
+        readings[_EXPONENTS[unit.dimension]] = unit.factor * turns
+    if mass := _MASSES.get(text.casefold()):
+        readings[1, 0, 0] = mass
+    power = re.fullmatch(r"([^\W\d]+)\^?([234])", text.translate(_POWERS))
+    if not readings and power:
+        n = int(power[2])
+        return {tuple(n * e for e in of): size**n for of, size in _readings(power[1]).items()}
+    if readings or not text:
+        return readings
+    if re.fullmatch(r"\([^()]*\)", text):
+        return _readings(text[1:-1].strip())
+    text = re.sub(r"\s+per\s+|_per_", "/", text)
+    marks = [m.span() for m in re.finditer(rf"\s*/\s*{_OUTSIDE}", text)] or [
+        m.span() for m in re.finditer(rf"\s*[·*.⋅-]\s*{_OUTSIDE}|\s+{_OUTSIDE}", text)
+    ]
+    # the last quotient, or else the last product, or else letters written together: Nmm, kgm²
+    places = marks[-1:] or [(i, i) for i in range(1, len(text))]
+    for start, end in places:
+        sign = -1 if "/" in text[start:end] else 1
+        for left, p in _readings(text[:start]).items():
+            for right, q in _readings(text[end:]).items():
+                both = tuple(a + sign * b for a, b in zip(left, right, strict=True))
+                readings.setdefault(both, p * q**sign)
+    return readings

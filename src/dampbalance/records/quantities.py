@@ -1,0 +1,152 @@
+"""Numbers as people write them: 29.7 lbf/in, 5,2e3, 2310 ± 10 N/m, 3.1 kg ± 0.5 %, 210 rpm.
+
+A number of the table `arguments.NUMBERS` may be a text with a unit, any that `units.factor_to` reads, and comes out in
+SI. A comma or a point is the decimal mark; where a comma may separate thousands as well, as in "2,310", the number is
+refused.
+"""
+
+from __future__ import annotations
+
+import re
+from decimal import Decimal
+from numbers import Real
+from typing import Any, NamedTuple, NoReturn
+
+from ..arguments import NUMBERS, Bounds, number, refuse, shown
+from .coordinate import Coordinate
+from .units import UnitError, factor_to
+
+_AS_WEIGHED = 0.005  # of a mass: what holds and drives it, and half of its springs, move along and are seldom weighed
+_UNCERTAIN = r"\s*(?:±|\+/?[-−])\s*"  # between a number and its standard uncertainty
+_THOUSAND = r"[ '_\u00a0\u202f]"  # marks of thousands that are no decimal marks
+_NUMBER = re.compile(
+    rf"(?P<sign>[-+−]?)(?P<digits>\d+(?:{_THOUSAND}\d{{3}}(?!\d))*[.,\d]*|[.,]\d+)"
+    r"(?:[eE](?P<e>[-+−]?\d+)|\s*[·×*]\s*10\^?(?P<ten>[-−⁻]?[\d⁰¹²³⁴⁵⁶⁷⁸⁹]+))?"
+)
+_PLAIN = str.maketrans("−⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "--0123456789")
+_EXAMPLES = {
+    "N/m": '"5.2 N/mm" or "29.7 lbf/in"',
+    "kg": '"6.8 lb" or "2.42 ± 0.01 kg"',
+    "Hz": '"3.5 Hz" or "210 rpm"',
+    "m": '"4 mm" or "0.16 in"',
+    "N": '"1.3 N" or "0.3 lbf"',
+    "N s/m": '"0.09 N s/mm" or "0.5 lbf s/in"',
+}
+
+
+class Quantity(NamedTuple):
+    """A number in SI.
+
+    error : its standard uncertainty, where one is written.   last_digit : one unit of its last digit.
+    coordinate : of the unit that is written; None where none is.
+    """
+
+    value: float
+    error: float | None
+    last_digit: float
+    coordinate: Coordinate | None
+
+
+def read_quantity(name: str, text: str, unit: str | None = None) -> Quantity:
+    """Read a number of the table with its unit and uncertainty: "5.2 N/mm ± 1 %", "(2310 ± 10) N/m", "3,1±0,01".
+
+    unit : SI, where the table states none.   Raises ValueError naming the argument, the text, and what is understood.
+    """
+    bounds = NUMBERS[name] if unit is None else NUMBERS[name]._replace(unit=unit)
+    inner, _, behind = re.sub(r"^\s*\(", "", text).partition(
+        ")" if text.strip()[:1] == "(" else "\0"
+    )
+    written = [(_NUMBER.match(part), part) for part in re.split(_UNCERTAIN, inner.strip())]
+    parts = [(_decimal(of, name), part[of.end() :] or behind) for of, part in written if of]
+    if not len(parts) == len(written) <= 2:
+        _refuse_text(name, bounds, text)
+    (plain, of_value), (error, of_error) = parts[0], parts[-1]
+    of_value, of_error = of_value.strip(), of_error.strip()
+    relative = len(parts) == 2 and of_error == "%"
+    of_value = of_value or of_error * (not relative)
+    try:
+        factor, coordinate = _factor(bounds.unit, of_value)
+        of_its_error = 0.01 if relative else _factor(bounds.unit, of_error or of_value)[0]
+    except UnitError as unfit:
+        _refuse_text(name, bounds, text, f": {unfit}")
+    value = number(name, float(plain) * factor)
+    last_digit = 10.0 ** int(plain.as_tuple().exponent) * factor
+    uncertainty = float(error) * of_its_error * (value if relative else 1.0)
+    return Quantity(value, uncertainty if len(parts) == 2 else None, last_digit, coordinate)
+
+
+def _factor(si: str, unit: str) -> tuple[float, Coordinate | None]:
+    """SI units per unit, and of what it is one; of no unit 1, of a part "%"."""
+    if not unit or (unit == "%" and not si):
+        return 0.01 if unit else 1.0, None
+    return factor_to(si, unit)
+
+
+def _decimal(of: re.Match[str], name: str) -> Decimal:
+    """The number that a text spells. Raises ValueError where its comma may separate thousands as well."""
+    digits = re.sub(_THOUSAND, "", of["digits"])
+    if re.fullmatch(r"[1-9]\d{0,2},\d{3}", digits):
+        raise ValueError(
+            f"{name} = {of[0]} is ambiguous: write {digits.replace(',', '.')} or {digits.replace(',', '')}"
+        )
+    marks = re.findall("[.,]", digits)
+    whole, part = digits, ""
+    if marks and marks.count(marks[-1]) == 1:  # or else it separates thousands
+        whole, _, part = digits.rpartition(marks[-1])
+    if re.search("[.,]", whole) and not re.fullmatch(r"\d{1,3}([.,])\d{3}(\1\d{3})*", whole):
+        raise ValueError(f"{name} = {of[0]} is no number: write it with one decimal mark")
+    power = (of["e"] or of["ten"] or "0").translate(_PLAIN)
+    plain = re.sub("[.,]", "", whole) + (f".{part}" if part else "")
+    return Decimal(f"{of['sign'].translate(_PLAIN)}{plain}e{power}")
+
+
+def _refuse_text(name: str, bounds: Bounds, text: str, why: str = "") -> NoReturn:
+    """Raise ValueError for a text that is no number with a unit."""
+    wanted = str(bounds).split(",")[0]
+    if bounds.unit in _EXAMPLES:
+        wanted += f", or one with its unit, {_EXAMPLES[bounds.unit]}"
+    raise ValueError(f"{name} must be {wanted}, got {shown(text)}{why}")
+
+
+def quantity(name: str, value: object, unit: str | None = None) -> float:
+    """A number of the table as a float, SI; a text as `read_quantity` reads it, without an uncertainty."""
+    if not isinstance(value, str):
+        return number(name, value)
+    read = read_quantity(name, value, unit)
+    if read.error is not None:
+        raise ValueError(f"{name} takes no uncertainty, got {shown(value)}: give the number alone")
+    return read.value
+
+
+def with_error(name: str, value: object) -> tuple[float, float]:
+    """A number of the table and its standard uncertainty, SI: 2310.0, (2310.0, 10.0), or a text as `read_quantity`
+    reads it, "2310±10" or "5.2 N/mm ± 1 %"."""
+    pair: Any = value
+    if isinstance(value, str):
+        read = read_quantity(name, value)
+        if read.error is None:
+            return read.value, 0.0
+        pair = read[:2]
+    if not isinstance(pair, list | tuple) or len(pair) != 2:
+        return number(name, value), 0.0
+    plain, error = number(name, pair[0]), pair[1]
+    if isinstance(error, bool) or not (isinstance(error, Real) and 0.0 <= float(error) < plain):
+        wanted = f"{NUMBERS[name]}, with an uncertainty below it, (2310, 10) or 2310±10"
+        refuse(name, wanted, value)
+    return plain, float(error)
+
+
+def mass_with_error(value: object) -> tuple[float, float]:
+    """A mass and its standard uncertainty, kg, in the forms of `with_error`; that of a mass alone is half a unit of its
+    last digit or 0.5 %, whichever is more.
+
+    "3.1" and 3.1 have one of 0.05 kg, "3.100" has 0.0155 kg; (3.1, 0.0) and "3.1±0" are exact.
+    """
+    if isinstance(value, list | tuple):
+        return with_error("mass", value)
+    if not isinstance(value, str):
+        number("mass", value)
+    read = read_quantity("mass", str(value))
+    if read.error is not None:
+        return with_error("mass", value)
+    return read.value, max(0.5 * read.last_digit, _AS_WEIGHED * read.value)
