@@ -258,7 +258,7 @@ def _grown(
         point = fit.point.copy()
         point[F_K], point[C] = by * share * loss, by * (1.0 - share) * loss / per_c
         more.append(point)
-    best = _first(minimise(problem, [fit.point, *more]))
+    best = _first(minimise(problem, [fit.point, *more], scanned=""))
     return best if best is not None and best.chi_square < fit.chi_square else fit
 
 
@@ -476,7 +476,7 @@ def _same(whole: RingFit, parts: Sequence[RingFit]) -> bool:
 
 
 def _fitted_together(fits: Sequence[RingFit], *, own_frictions: bool = False) -> RingFit | None:
-    """The fit of all decays, with one friction force or one for each: from the oscillator of each in turn."""
+    """The fit of all decays, with one friction force or one for each: from the minima of each in turn."""
     decays = tuple(replace(fit.decays[0], friction=i * own_frictions) for i, fit in enumerate(fits))
     bands = [fit.problem.band for fit in fits if fit.problem.band is not None]
     free = dict.fromkeys(name for fit in fits for name in fit.problem.free)
@@ -487,7 +487,7 @@ def _fitted_together(fits: Sequence[RingFit], *, own_frictions: bool = False) ->
             offsets[signal.offset] = fit.point[len(COMMON) + signal.offset]
     surest = sorted(fits, key=lambda fit: -fit.samples / (1.0 + fit.misfit))
     points = []
-    for one in surest[:3]:
+    for one in (minimum for fit in surest[:3] for minimum in (fit, *fit.minima)):
         point = problem.point(
             one.point[: len(COMMON)], offsets, [fit.point[-STATE:] for fit in fits]
         )
@@ -495,4 +495,4 @@ def _fitted_together(fits: Sequence[RingFit], *, own_frictions: bool = False) ->
             for place, fit in zip(problem.friction_places, fits, strict=True):
                 point[place] = fit.point[F_K]
         points.append(point)
-    return _first(minimise(problem, points))
+    return _first(minimise(problem, points, scanned=""))
