@@ -22,8 +22,10 @@ from .climb import GAIN, Climb, climb
 KEPT = 10
 """Distinct points that a search carries along."""
 
-_WAY = 1e-2  # of half of χ²: where a climb on the way ends, a tenth of a standard error off
-_ON_THE_WAY = 12  # evaluations of such a climb: twice what one in a valley takes
+WAY = 1e-2
+"""Gain in −log L, at which a climb on the way ends: it is a tenth of a standard error off."""
+
+_ON_THEWAY = 12  # evaluations of such a climb: twice what one in a valley takes
 _ABOVE = 30.0  # of χ²: a minimum so far up has a likelihood of 3e-7
 _SAME = 0.5  # standard errors: two climbs that end so close ended in one minimum
 
@@ -72,7 +74,7 @@ def inverse_information(information: Array, errors: Array) -> Array:
 
 def climbs(problem: Any, starts: Iterable[Array], above: float = _ABOVE) -> list[Climb]:
     """The distinct ends of climbs from some starts, not quite to the end."""
-    ends = (climb_on(problem, start, gain=_WAY, most=_ON_THE_WAY) for start in starts)
+    ends = (climb_on(problem, start, gain=WAY, most=_ON_THEWAY) for start in starts)
     return distinct(ends, len(problem.names), above)
 
 

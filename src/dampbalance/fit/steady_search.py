@@ -19,7 +19,7 @@ from ..motion.orbit import steady_orbit
 from ..signals.lines import Lines
 from ..signals.one_thread import one_thread
 from .climb import MOST_EVALUATIONS, climb
-from .minimise import minima_along
+from .minimise import WAY, minima_along
 from .starts import Shares, starts
 from .waveforms import OSCILLATOR, STIFFEST, HarmonicProblem, WaveformFit, equivalent_coefficient
 
@@ -36,10 +36,16 @@ _RINGING_SWINGS = 1.0  # swings in a stick, from which on a fit that holds is no
 _TRIED = 6  # minima along K_z that are climbed to
 _HARMONICS_OF_TRUTH = 64  # odd ones: the derivatives of the response by ρ fall as n⁻³
 _LOWER = 0.05  # of χ²: what another minimum must be lower by to be scanned around
+_NEARER = 0.9  # of χ²: records that are farther from the next minimum are none of such an oscillator, wherever it is
 
 
 def fit_records(
-    lines: Sequence[Lines], k: float, law: Law | None = None, *, thorough: bool = True
+    lines: Sequence[Lines],
+    k: float,
+    law: Law | None = None,
+    *,
+    thorough: bool = True,
+    near: WaveformFit | None = None,
 ) -> WaveformFit | None:
     """The oscillator of largest likelihood; None where no oscillator that slips responds like the records.
 
@@ -48,16 +54,19 @@ def fit_records(
     many evaluations were made that there hardly is one. Of those that end far from the records the three nearest are
     refined, for which of them is the best shows only then. The ringing of the stuck mass makes χ² oscillate along K_z:
     the best is searched for among all K_z (`of_all_stiffnesses`), and climbs on to its optimum.
+    near : what a search that is not thorough ended with: its starts are not tried again.
     """
     problem = HarmonicProblem(law or Law(), tuple(lines), k)
     shares = _shares_of(problem)
     wide = (True,) if thorough and not problem.law.nonlinear else ()  # else each climb takes long
     points = (
         problem.start(candidate, shares.friction)
-        for search in (False, *wide)
+        for search in (*(False,) * (near is None), *wide)
         for candidate in starts(lines, k, shares, wide=search)[: _STARTS[search]]
     )
     ends = _ends(problem, points, MOST_EVALUATIONS)
+    if near is not None:
+        ends = sorted([*ends, near], key=lambda end: end.chi_square)
     if ends and not ends[0].adequate:
         different = [b for a, b in pairwise(ends) if b.chi_square > a.chi_square * (1.0 + _SAME)]
         refined = [
@@ -121,7 +130,10 @@ def of_all_stiffnesses(fit: WaveformFit) -> WaveformFit:
         best = _best([fit, *filter(None, ends)], round(left - float(budget[0]))) or fit
         if best.chi_square > fit.chi_square - _LOWER * max(1.0, fit.misfit):
             return replace(fit, evaluations=best.evaluations)
+        far = not best.adequate and best.chi_square > _NEARER * fit.chi_square
         fit = best
+        if far:
+            break
     return fit
 
 
@@ -237,7 +249,8 @@ def _climbed(
     problem = replace(problem, budget=budget, near={})
     for softening in softenings:
         softened = replace(problem, softening=softening)
-        reached = climb(softened.products, point, bounds, most=most if softening else last)
+        enough = {"gain": WAY, "most": most} if softening else {"most": last}
+        reached = climb(softened.products, point, bounds, **enough)
         if reached is None:
             break
         point, promise = reached.point, reached.promise

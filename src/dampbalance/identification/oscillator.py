@@ -249,7 +249,7 @@ def _searched(
     fit = min(fits, key=lambda one: one.chi_square, default=None)
     rings = fit is not None and max(one.swings for one in fit.responses) > 1.0
     if slips and (fit is None or (not fit.adequate and (alone is None or rings))):
-        fit = fit_records(lines, k, law)
+        fit = fit_records(lines, k, law, near=fit)
         fit = fit if fit is not None and moves(fit) else None
     return fit, None if fit is not None and fit.adequate else alone
 
