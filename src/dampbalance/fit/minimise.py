@@ -2,7 +2,7 @@
 
 A problem has these: `products(point, out)` sets JᵀJ bordered by Jᵀr and χ², false where it has no motion;
 `bounds(point)`, see `ClimbBounds`; `names` of the first unknowns; `is_free(name)`; `scan(point)`, values of the unknown
-that is scanned; `thinned()`, a cheaper copy; `samples`; `fit(climb)`, its `Fit`.
+that is scanned; `thinned()`, a cheaper copy, or itself; `samples`; `fit(climb)`, its `Fit`.
 
 χ² oscillates along ρ = K_z^{−1/2} where a stuck mass rings, as it does in the estimation of a frequency: the scan goes
 through all stiffnesses from the best point either way, each a start for the next, and climbs on from each minimum.
@@ -96,7 +96,7 @@ def minimise(problem: Any, starts: Iterable[Array], scanned: str = "rho") -> lis
     # on all samples χ² differs by as much more as there are more of them
     share = max(1.0, problem.samples / thin.samples)
     near = [one for one in ends if one.chi_square < ends[0].chi_square + 2.0 + _ABOVE / share]
-    last = climbs(problem, [one.point for one in near])
+    last = near if thin is problem else climbs(problem, [one.point for one in near])
     full = (climb_on(problem, one.point, gain=GAIN) for one in last)
     return [problem.fit(one) for one in distinct(full, len(problem.names))]
 
