@@ -27,7 +27,7 @@ from ..fit.fundamentals import FundamentalFit
 from ..fit.nuisances import NUISANCES, in_other_frame
 from ..fit.oscillator_fit import OscillatorFit
 from ..fit.score import Departure
-from ..fit.steady_search import fit_records, refit
+from ..fit.steady_search import fit_from, fit_records, refit
 from ..fit.waveforms import NO_MOTION, WaveformFit
 from ..motion.law_decays import ADDED
 from ..project.wording import Remark, larger_by, listed, number_text
@@ -184,8 +184,8 @@ def explanations(
     fits: list[tuple[tuple[str, ...], WaveformFit | None]]
     fits = [((name,), _converged(refit(fit, [name]))) for name in likely[:4]]
     for names, point in _like(near) if near is not None else ():
-        start = replace(fit.problem, freed=(*fit.problem.freed, *names)).fit(point)
-        fits.append((names, _converged(start and refit(start))))
+        problem = replace(fit.problem, freed=(*fit.problem.freed, *names))
+        fits.append((names, _converged(fit_from(problem, point))))
     if frames:
         # where it holds, the nearest starts lead there: no wide search for what most records are not
         others = [in_other_frame(one) for one in lines]
