@@ -20,7 +20,7 @@ from ..balance import TERMS, Rows
 from ..fit.decay import COMMON, FURTHER, RingFit, departures_of, with_noise_of
 from ..fit.scattering_mean import ScatteringMean
 from ..fit.score import Departure
-from ..fit.search import fit_all, in_the_band, separate_fits, sound
+from ..fit.search import fit_all, in_the_band, separate_fits, sound, to_the_end
 from ..motion.jit import interpreted
 from ..motion.unknowns import M
 from ..project.wording import Remark, listed, percent, visible
@@ -298,7 +298,7 @@ def identify_ring_downs(
         )
         for one in left_out
     ]
-    fit, agrees = with_noise_of(common), True
+    fit, agrees = with_noise_of(to_the_end(common)), True
     if not fit.adequate:
         fit = in_the_band(fit) or fit
     if mass is not None:
