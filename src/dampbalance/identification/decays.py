@@ -23,7 +23,7 @@ from ..fit.score import Departure
 from ..fit.search import fit_all, in_the_band, separate_fits, sound, to_the_end
 from ..motion.jit import interpreted
 from ..motion.unknowns import M
-from ..project.wording import Remark, listed, percent, visible
+from ..project.wording import Remark, listed, percent, visible, with_error
 from ..records.mapping import MappingLike
 from ..records.measured import MeasuredRecord, in_words_of_records
 from ..records.measurement import EXCITATIONS, ORDERS, Channel, Correction, Measurement
@@ -59,7 +59,7 @@ from .half_cycles import A, B, RingRows, W, rows_of
 from .identified import Identified, Level, Picture
 from .remarks import contradiction, forbidden, on_mass
 from .request import Stated, mapping_option, records_of, rig_options
-from .screen import implied, with_error
+from .screen import implied
 from .sensitivities import Fault
 from .stated import with_stated_uncertainties
 
