@@ -96,7 +96,9 @@ def separate_fits(
         for burst in bursts:
             if burst in fits and fits[burst].white:
                 continue
-            before = (fit.decays[0].end for b, fit in fits.items() if b.turn < burst.turn)
+            # a motion that is none of an oscillator does not say how far it goes
+            sure = {b: fit for b, fit in fits.items() if fit.white}
+            before = (fit.decays[0].end for b, fit in sure.items() if b.turn < burst.turn)
             earliest = max(burst.earliest, *before, -math.inf)
             fit = _of_burst(source, signals, lead, replace(burst, earliest=earliest), k, surest)
             if fit is not None and (burst not in fits or fit.white):
@@ -144,14 +146,14 @@ def _of_burst(
         return None
     bent = fit if fit.white else with_one_more(fit)
     if bent is not None and bent.white:
-        fit = _from_earlier(with_noise_of(bent), whole, burst.earliest)
+        fit = with_noise_of(_from_earlier(with_noise_of(bent), whole, burst.earliest))
     else:
         fit = _band_from_earliest(whole, swings, starts, fit) or fit
         # from there all the band may be white after all
         wide = replace(fit.problem, band=None).climb(fit.point)
         wide = wide if wide is None or wide.white else with_one_more(wide)
         if wide is not None and wide.white:
-            fit = _from_earlier(with_noise_of(wide), whole, burst.earliest)
+            fit = with_noise_of(_from_earlier(with_noise_of(wide), whole, burst.earliest))
     if fit.samples < _FEWEST_SAMPLES:
         return None
     # else the swing was not that of a free motion
