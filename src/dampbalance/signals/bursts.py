@@ -191,7 +191,8 @@ def _peaks(swing: Array, length: int, least: float) -> list[int]:
     peaks: list[int] = []
     for i in np.flatnonzero((swing >= around) & (swing >= least)):
         before = swing[max(0, i - 5 * length) : i + 1]
-        rises = i < length or before.min() < _RISE * swing[i]
+        # the largest swing of a record begins a decay, whatever came before: a second blow into the first decay
+        rises = i < length or before.min() < _RISE * swing[i] or swing[i] >= swing.max()
         if rises and (not peaks or i - peaks[-1] > 2 * length):
             peaks.append(int(i))
     return peaks
