@@ -108,7 +108,8 @@ def _lead_links(app: Sphinx, path: Path, page: str, content: list[str]) -> None:
             for anchor in (place, ""):
                 if (one, anchor) in parts:
                     return parts[one, anchor]
-        if file.is_relative_to(root / PAGES) and file.suffix == ".md":
+        if file.is_relative_to(root / PAGES):
+            file = file.with_suffix(".ipynb") if file.suffix == ".py" else file
             return f"/{file.relative_to(root / PAGES).as_posix()}" + f"#{place}" * bool(place)
         if file == root / REPORT:
             return f"copied:{'../' * app.env.docname.count('/')}files/{file.name}"
