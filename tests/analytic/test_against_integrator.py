@@ -7,11 +7,10 @@ import math
 import numpy as np
 import pytest
 
-from analytic.cases import PAPER_MOTIONS, SEVERAL_SLIPS, case
+from analytic.cases import SEVERAL_SLIPS, case
 from analytic.integrator import integrate
 from dampbalance import BaseMotion, Oscillator, Regime, steady_orbit, transient
 from dampbalance.motion.events import PHASE_S, PHASE_T, PHASE_V, PHASE_X
-from paper_case import PAPER
 
 # DOP853 is asked for 1e-12 a step and takes a few hundred steps a period; events are found on its dense output, of
 # order 7. Measured: below 1e-12 on states and times, 2e-12 on the integrals.
@@ -90,15 +89,6 @@ def test_a_run_from_rest_ends_on_the_steady_orbit(numbers, periods):
     assert run.x == pytest.approx(float(state.x), rel=0, abs=1e-9 * orbit.X)
     assert run.v == pytest.approx(float(state.v), rel=0, abs=1e-9 * motion.omega * orbit.X)
     assert run.z == pytest.approx(float(state.z), rel=0, abs=1e-9 * orbit.X)
-
-
-def test_run_of_the_paper_from_rest_ends_on_its_steady_orbit():
-    motion = PAPER_MOTIONS[0]
-    orbit = steady_orbit(PAPER, motion)
-    start = integrate(PAPER, motion, 10 * motion.period)
-    run = integrate(PAPER, motion, motion.period, start.x, start.v, start.z)
-    for name in ("a", "b", "W"):
-        assert getattr(run, name) == pytest.approx(getattr(orbit, name), rel=1e-10)
 
 
 @pytest.mark.parametrize("seed", range(6))

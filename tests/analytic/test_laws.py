@@ -9,7 +9,7 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from analytic.cases import PAPER_MOTIONS, SEVERAL_SLIPS, dimensions, drawn, orbit_of, spread
+from analytic.cases import PAPER_MOTIONS, dimensions, drawn, spread
 from dampbalance import Regime, steady_orbit, steady_orbits
 from paper_case import PAPER
 
@@ -137,14 +137,3 @@ def test_lengths_and_times_scale(zeta, r, K, F, length, rate):
         np.testing.assert_allclose(
             getattr(second, name), factor * getattr(first, name), rtol=1e-11, atol=floor
         )
-
-
-def test_the_sign_of_time_zero_does_not_matter():
-    # Shifting time by half a period mirrors the orbit: the state at t and at t + T/2
-    for numbers in SEVERAL_SLIPS:
-        orbit = orbit_of(**dimensions(*numbers))
-        t = np.linspace(0.0, orbit.motion.period, 41)
-        here, there = orbit.state(t), orbit.state(t + 0.5 * orbit.motion.period)
-        for value, mirrored in zip(here, there, strict=True):
-            # rounding of t, on a motion whose rates are up to ω√K_z of its size
-            np.testing.assert_allclose(mirrored, -value, rtol=0, atol=1e-12 * abs(value).max())

@@ -9,8 +9,6 @@ from analytic.cases import SEVERAL_SLIPS, case
 from dampbalance import State, steady_orbit, transient
 from dampbalance.model import parameters
 from dampbalance.motion.period_map import (
-    _energy_norm,
-    _newton_step,
     half_period_map,
     solve_period_map,
 )
@@ -81,35 +79,6 @@ def test_derivative_of_the_map(numbers):
             np.testing.assert_allclose(quotient / size, jacobian[:, j] / size, rtol=1e-5, atol=1e-5)
             checked += np.abs(jacobian[2, j]) > 0.0
     assert checked > 0  # the last state, at least, ends amid a stick, where z moves with x
-
-
-@pytest.mark.parametrize("numbers", list(SEVERAL_SLIPS)[:6], ids=str)
-def test_newton_needs_a_dozen_maps(numbers):
-    # with a wrong derivative it would fall back on plain iteration, which takes hundreds where damping is low
-    oscillator, motion = case(*numbers)
-    orbit = steady_orbit(oscillator, motion)
-    state = (-orbit.X * 1.001, 0.0, -oscillator.Z_m)
-    found, x, v, z = solve_period_map(*state, orbit.theta, parameters(oscillator, motion), PHASES)
-    assert found
-    assert x == pytest.approx(-orbit.X, rel=1e-12)
-    assert v == pytest.approx(0.0, abs=1e-12 * motion.omega * orbit.X)
-    assert z == pytest.approx(-oscillator.Z_m, rel=1e-9)
-
-
-def test_a_newton_step_solves_its_equations():
-    rng = np.random.default_rng(8)
-    for _ in range(50):
-        D, r = rng.normal(size=(3, 3)), rng.normal(size=3)
-        step = np.array(_newton_step(D, *r))
-        # Cramer's rule loses as many digits as 1 + D has condition: a hundred or so in these draws
-        np.testing.assert_allclose((np.eye(3) + D) @ step, -r, atol=1e-11)
-
-
-def test_the_size_of_a_state_is_the_root_of_twice_its_energy():
-    par = parameters(*case(*CASES[0]))
-    x, v, z = 0.003, -0.2, 1e-4
-    energy = 0.5 * (par.k * x * x + par.m * v * v + par.K_z * z * z)
-    assert _energy_norm(x, v, z, par) == pytest.approx(np.sqrt(2.0 * energy), rel=1e-15)
 
 
 @pytest.mark.parametrize("numbers", CASES, ids=str)

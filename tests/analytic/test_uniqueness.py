@@ -5,13 +5,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from analytic.cases import SEVERAL_SLIPS, case, drawn
+from analytic.cases import case, drawn
 from dampbalance import Regime, steady_orbit, transient
-from dampbalance.motion.events import PHASE_S, PHASE_T, PHASE_V, PHASE_X
 
 unit = st.floats(-1.0, 1.0)
 
@@ -100,35 +98,3 @@ def test_without_slip_a_residual_force_of_the_spring_stays():
         other.v, centred.v, rtol=0, atol=1e-12 * motion.omega * np.abs(centred.x).max()
     )
     np.testing.assert_allclose(centred.x, orbit.state(t).x, rtol=0, atol=1e-11 * orbit.X)
-
-
-@pytest.mark.parametrize("numbers", list(SEVERAL_SLIPS)[:5], ids=str)
-def test_orbits_with_several_slips_are_reached_too(numbers):
-    oscillator, motion = case(*numbers)
-    orbit = steady_orbit(oscillator, motion)
-    end = 60.0 * motion.period
-    path = transient(oscillator, motion, end, x=3.0 * motion.Y, v=-motion.Y * motion.omega)
-    t = end - motion.period * np.linspace(0.0, 1.0, 50)
-    reached, expected = path.state(t), orbit.state(t)
-    # ζ = 0.02 over sixty slow periods: e^{−2πζ·60·ω_n/ω} < 1e-10
-    np.testing.assert_allclose(reached.x, expected.x, rtol=0, atol=1e-9 * orbit.X)
-    np.testing.assert_allclose(reached.z, expected.z, rtol=0, atol=1e-9 * orbit.X)
-
-
-def test_phases_of_the_steady_orbit_are_those_of_the_transient_that_starts_on_it():
-    # the same events by two routes: the scalar equation in τ, and the event location
-    oscillator, motion = case(0.6, 1.0, 90.0, 0.14)
-    orbit = steady_orbit(oscillator, motion)
-    start, end = orbit.t_1, orbit.t_1 + motion.period
-    path = transient(oscillator, motion, end, x=-orbit.X, z=-oscillator.Z_m, start=start)
-    phases = path.phases
-    assert list(phases[:4, PHASE_S]) == [0.0, 1.0, 0.0, -1.0]
-    half = 0.5 * motion.period
-    expected = start + np.array([0.0, orbit.t_s, half, half + orbit.t_s])
-    np.testing.assert_allclose(phases[:4, PHASE_T], expected, rtol=0, atol=1e-14 * motion.period)
-    np.testing.assert_allclose(
-        phases[:4, PHASE_X], [-orbit.X, orbit.X_s, orbit.X, -orbit.X_s], rtol=1e-13
-    )
-    np.testing.assert_allclose(
-        phases[:4, PHASE_V], [0.0, orbit.V_s, 0.0, -orbit.V_s], rtol=1e-12, atol=0
-    )

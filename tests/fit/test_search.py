@@ -14,7 +14,7 @@ from scipy.linalg import expm
 from blind.decays import draw, record
 from dampbalance.fit.decay import Decay, RingFit, phases_of
 from dampbalance.fit.minimise import minimise
-from dampbalance.fit.search import Swings, _before, in_the_band
+from dampbalance.fit.search import Swings, _before, in_the_band, to_the_end
 from dampbalance.identification.decays import identify_ring_downs
 from dampbalance.motion.jit import _Kernel, interpreted
 from dampbalance.signals.bursts import Burst
@@ -122,6 +122,64 @@ def test_the_swings_tell_friction_damping_and_mass():
     assert F_k == pytest.approx(0.03, rel=0.1)
     assert c == pytest.approx(0.3, rel=0.15)
     assert m == pytest.approx(M, rel=0.01)
+
+
+def test_a_single_swing_tells_the_size_of_friction():
+    """Of a motion that rests after four half cycles the first two show one swing: friction a fifth to five times so
+    large is a start from which a climb arrives, at any size of the motion."""
+    whole, _ = decay(1e-3)
+    (signal,) = whole.signals
+    for size in (1.0, 1e-3):
+        smaller = replace(signal, values=size * signal.values, noise=size * signal.noise)
+        burst = Burst(HALF, -1.0, 1.8 * size * START, PERIOD, 0.0, 1.6 * HALF, last=True)
+        swings = Swings(smaller, burst)
+        assert swings.sizes.size < 2
+        assert 0.2 < swings.oscillator(K)[0] / (size * F_K) < 5.0
+
+
+def with_what_follows(
+    noise: float, caught: float = math.inf, order: int = 2
+) -> tuple[RingFit, RingFit]:
+    """The fit of a decay up to a cycle after it came to rest, and with what follows.
+
+    caught : when a hand takes the ringing off, s.
+    """
+    whole, point = decay(noise, order=order)
+    (signal,) = whole.signals
+    random = np.random.default_rng(1)
+    held = noise * random.standard_normal(signal.t.size)
+    signal = replace(signal, values=np.where(signal.t < caught, signal.values, held))
+    whole = replace(whole, signals=(signal,))
+    rest = whole.start + fitted(whole, K, point).sticks_from(0) + PERIOD
+    fit = fitted(whole.cut(whole.start, rest), K, point)
+    return fit, to_the_end(fit)
+
+
+def test_the_ringing_of_the_mass_at_rest_tells_the_contact():
+    """The error of a frequency falls with the time to the power 3/2: over 2.6 cycles for 1, four times, less
+    what the ringing has decayed by."""
+    fit, longer = with_what_follows(0.05)
+    assert longer.decays[0].end > fit.decays[0].end + 1.5 * PERIOD
+    assert longer.error("rho") < 0.45 * fit.error("rho")
+    assert abs(longer.value("rho") - (60.0 * K) ** -0.5) < 4.0 * longer.error("rho")
+
+
+@pytest.mark.parametrize("cycles", [3.6, 3.8, 4.0])
+def test_a_hand_that_catches_the_ringing_mass_ends_its_decay(cycles):
+    """The ringing that is missing would look like damping; the first fit ends after 3.44 cycles."""
+    fit, longer = with_what_follows(0.01, cycles * PERIOD)
+    disturbed = replace(fit.problem, decays=(fit.decays[0].until(math.inf),)).climb(fit.point)
+    assert disturbed.c - 0.3 > 6.0 * disturbed.error("c")
+    assert longer.decays[0].end < cycles * PERIOD
+    for name, truth in zip(
+        ("F_k", "c", "rho", "m"), (F_K, 0.3, (60.0 * K) ** -0.5, M), strict=True
+    ):
+        assert abs(longer.value(name) - truth) < 4.0 * longer.error(name), name
+
+
+def test_noise_after_the_mass_came_to_rest_tells_nothing():
+    fit, longer = with_what_follows(0.01, order=0)
+    assert longer is fit
 
 
 def disturbed(kind: str) -> tuple[Decay, np.ndarray]:

@@ -338,7 +338,7 @@ def test_from_a_side_minimum_along_the_stiffness_the_search_goes_on(apart, monke
     fit = fit_records(lines, osc.k)
     assert fit.adequate
     assert np.abs(off(fit, osc)).max() < 4.0
-    monkeypatch.setattr(fitting, "minima_along", lambda *_: [])
+    monkeypatch.setattr("dampbalance.fit.minimise.minima_along", lambda *_: [])
     assert not fit_records(lines, osc.k).adequate
 
 
@@ -401,7 +401,6 @@ def test_a_search_that_leads_nowhere_ends_and_keeps_the_nearest(monkeypatch):
     def counted(evaluate, *arguments, **options):
         return climb(lambda *at: made.append(1) or evaluate(*at), *arguments, **options)
 
-    monkeypatch.setattr(fitting, "climb", counted)
     monkeypatch.setattr("dampbalance.fit.minimise.climb", counted)
     fit = fit_records(turned, PAPER.k)
     assert not fit.adequate

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from blind.decays import clean, record
+from dampbalance.fit.decay import Decay
 from dampbalance.identification.decays import _least_squares, identify_ring_downs
 from dampbalance.identification.half_cycles import rows_of, swings_of
 from dampbalance.identification.remarks import contradiction
@@ -44,13 +45,17 @@ def friction_decay(t: np.ndarray, halves: int) -> tuple[np.ndarray, np.ndarray]:
 
 def check_of(decays, par, F_k, c):
     """Rows of decays, with a fit that is given by hand."""
-    fit = SimpleNamespace(
-        k=par.k, K_z=par.K_z, decays=decays, point_of=lambda _: np.array([F_k, c])
+    return rows_of(fit_of(par, decays, lambda _: np.array([F_k, c])))
+
+
+def fit_of(par, decays, point_of):
+    """A fit as the balance asks for it, given by hand: its decays end with their samples."""
+    return SimpleNamespace(
+        k=par.k, K_z=par.K_z, decays=decays, point_of=point_of, at_rest=lambda _: math.inf
     )
-    return rows_of(fit)
 
 
-def noisy(par, motion, order, seed, start, cycles, **changes):
+def noisy(par, motion, order, seed, start, cycles):
     """A decay of PLUCKED with noise, as fits hold it."""
     values = motion[order]
     sigma = par.noise * np.abs(values).max()
@@ -58,7 +63,7 @@ def noisy(par, motion, order, seed, start, cycles, **changes):
     t = np.arange(values.size) / par.rate_hz
     signal = Signal(QUANTITIES[order], order, t, values, sigma).between(start, t[-1])
     period = 2.0 * math.pi / par.omega_n
-    return SimpleNamespace(signals=(signal,), period=period, **changes)
+    return Decay("", start, float(t[-1]), (signal,), period)
 
 
 @pytest.mark.parametrize("order", [0, 1, 2])
@@ -168,10 +173,7 @@ def test_friction_forces_of_several_decays_are_separate():
         par = replace(PLUCKED, F_k=F_k, noise=0.001)
         motion, (start,) = clean(par)
         decays.append(noisy(par, motion, 0, 3, start, 0))
-    fit = SimpleNamespace(
-        k=PLUCKED.k, K_z=PLUCKED.K_z, decays=decays, point_of=lambda i: np.array([forces[i]])
-    )
-    rows = rows_of(fit)
+    rows = rows_of(fit_of(PLUCKED, decays, lambda i: np.array([forces[i]])))
     assert np.unique(rows.friction).tolist() == [0, 1]
     assert rows.friction.tolist() == rows.decay.tolist()
     values, covariance, *_ = _least_squares(rows)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -21,7 +22,7 @@ from dampbalance.identification.half_cycles import rows_of
 from dampbalance.records.measurement import Channel, Correction, Measurement
 from dampbalance.records.synthetic import measured_orbit, measured_ring_down
 from dampbalance.records.writers import write
-from dampbalance.signals.bursts import Signal
+from dampbalance.signals.bursts import Signal, bursts_of, noise_of
 from dampbalance.signals.cycles import clipped, flat_tops
 from dampbalance.signals.mean_harmonics import read_features
 from fit.exact import fitted, point_of
@@ -29,6 +30,7 @@ from identification.levels import SYMBOLS, changed
 from identification.levels import clipped as cut
 from identification.releases import FAR, PLUCKED, compiled, struck  # noqa: F401
 
+QUANTITIES = ("displacement", "velocity", "acceleration")
 OSCILLATOR = Oscillator(PLUCKED.m, PLUCKED.c, PLUCKED.k, PLUCKED.K_z, PLUCKED.F_k)
 
 
@@ -50,12 +52,13 @@ def steady(Y=2e-3, seed=0):
     return measured_orbit(orbit, rate_hz=500.0, cycles=60.0, noise=0.01, seed=seed)
 
 
+@cache
 def plucked(**options):
     """What a release of the oscillator gives."""
     return identify_ring_downs([record(PLUCKED)[0]], PLUCKED.k, **options)
 
 
-@pytest.mark.parametrize("index", [10, 13, 99])
+@pytest.mark.parametrize("index", [10, 13])
 def test_decays_do_not_overlap_and_none_is_that_of_a_hand(index):
     """Strikes of another seed, a hand pulling the mass from one to the next, which moves like half a cycle."""
     seed = 1795443154
@@ -70,10 +73,11 @@ def test_decays_do_not_overlap_and_none_is_that_of_a_hand(index):
     holds(found, decay)
 
 
-@pytest.mark.parametrize("quantity", ["displacement", "velocity", "acceleration"])
+@pytest.mark.parametrize("quantity", QUANTITIES)
 def test_a_release_tells_friction_damping_and_contact(quantity):
     decay = replace(PLUCKED, answers=(quantity,))
-    result = identify_ring_downs([record(decay)[0]], decay.k)
+    whole = decay == PLUCKED
+    result = plucked() if whole else identify_ring_downs([record(decay)[0]], decay.k)
     holds(result, decay)
     assert result.fit.adequate
     # 1 % noise over 12 half cycles leaves 2 % to the fit; see below for the balance
@@ -82,7 +86,7 @@ def test_a_release_tells_friction_damping_and_contact(quantity):
     assert result.fit.m == pytest.approx(decay.m, abs=FAR * result.fit.error("m"))
 
 
-@pytest.mark.parametrize("quantity", ["displacement", "velocity", "acceleration"])
+@pytest.mark.parametrize("quantity", QUANTITIES)
 def test_a_record_without_noise_gives_the_oscillator_back(quantity):
     clean = measured_ring_down(
         OSCILLATOR, x=5e-3, rate_hz=500.0, duration=5.0, held=0.2, channels=(quantity,)
@@ -109,32 +113,17 @@ def test_the_balance_has_errors_a_few_times_those_of_the_fit():
     assert 0.1 < balance.misfit < 3.0
 
 
-BLOWS = replace(
-    PLUCKED,
-    starts=(("blow", 0.08), ("pluck", -0.004), ("blow", -0.1)),
-    lead=(0.2, 0.3, 0.1),
-    lasts=(3.0, 3.5, 3.0),
-    pull=(0.4, 0.5, 0.4),
-)
-
-
-@pytest.mark.parametrize("decay", [PLUCKED, BLOWS], ids=["a release", "several"])
-def test_what_held_or_pulled_the_mass_before_is_left_out(decay):
-    measured, free = record(decay)
-    result = identify_ring_downs([measured], decay.k)
-    # from the release on, and within an eighth of a cycle of it
-    after = np.subtract([one.start for one in result.fit.decays], free)
-    assert after.shape == (len(free),)
-    assert (after > -0.5 / decay.rate_hz).all()
-    assert (after < 0.125 * 2.0 * math.pi / decay.omega_n).all()
-    holds(result, decay)
+def test_what_held_the_mass_before_is_left_out():
+    """From the release on, and within an eighth of a cycle of it."""
+    ((after,),) = np.subtract([one.start for one in plucked().fit.decays], [record(PLUCKED)[1]])
+    assert -0.5 / PLUCKED.rate_hz < after < 0.125 * 2.0 * math.pi / PLUCKED.omega_n
 
 
 def test_records_go_together():
     records = [record(replace(PLUCKED, index=i))[0] for i in range(3)]
-    one, all_of_them = (identify_ring_downs(some, PLUCKED.k) for some in (records[:1], records))
+    all_of_them = identify_ring_downs(records, PLUCKED.k)
     holds(all_of_them, PLUCKED)
-    error, of_one = (each.fit.error("F_k") for each in (all_of_them, one))
+    error, of_one = (each.fit.error("F_k") for each in (all_of_them, plucked()))
     # the starts are found within a tenth of a cycle, the first tenth of the largest of 12 half cycles
     assert error / of_one == pytest.approx(3.0**-0.5, rel=0.12)
     assert len(all_of_them.sources) == 3
@@ -153,8 +142,13 @@ def released(frictions):
     return [record(replace(RIG, index=i, F_k=F_k))[0] for i, F_k in enumerate(frictions)]
 
 
-def test_releases_that_scatter_have_friction_forces_of_their_own():
-    found = identify_ring_downs(released(SCATTERING), RIG.k)
+@pytest.fixture(scope="module")
+def scattering():
+    return identify_ring_downs(released(SCATTERING), RIG.k)
+
+
+def test_releases_that_scatter_have_friction_forces_of_their_own(scattering):
+    found = scattering
     assert not found.warnings  # nothing is left out
     mean, scatter = float(np.mean(SCATTERING)), float(np.std(SCATTERING, ddof=1))
     answer = found.reference  # the balance has a row a decay, five for six unknowns
@@ -200,14 +194,14 @@ def test_releases_of_one_record_may_scatter():
 
 
 def test_releases_that_share_a_friction_force_have_one():
-    found = identify_ring_downs(released([1.5] * 4), RIG.k)
+    found = identify_ring_downs(released([1.5] * 2), RIG.k)
     assert found.fit.frictions.size == 1
     assert found.document()["F_k_scatter_N"] == 0.0
     assert not any("do not share" in line for line in found.rig)
 
 
-def test_derivatives_by_friction_forces_are_those_of_the_samples():
-    fit = identify_ring_downs(released(SCATTERING[:3]), RIG.k).fit
+def test_derivatives_by_friction_forces_are_those_of_the_samples(scattering):
+    fit = scattering.fit
     for j in fit.friction_places:
         step = 1e-6 * fit.point[j]
         either = []
@@ -221,11 +215,18 @@ def test_derivatives_by_friction_forces_are_those_of_the_samples():
 
 
 # the middle of the pulse was taken for a turn where it lay within half a window of smoothing of the first sample
-@pytest.mark.parametrize("lasts", [0.02, 0.05])
-@pytest.mark.parametrize("decay", [RIG, replace(PLUCKED, rate_hz=640.0)], ids=["rig", "plucked"])
+@pytest.mark.parametrize(
+    ("decay", "lasts"),
+    [(RIG, 0.02), (replace(PLUCKED, rate_hz=640.0), 0.05)],
+    ids=["rig", "plucked"],
+)
 def test_a_blow_soon_after_the_first_sample_is_identified(decay, lasts):
-    for instant in (0.0, 0.03, 0.05, 0.06, 0.08, 0.11):
-        found = identify_ring_downs([struck(replace(decay, F_k=0.1), instant, lasts)], decay.k)
+    for instant in (0.0, 0.06):
+        measured = struck(replace(decay, F_k=0.1), instant, lasts)
+        a = measured["acceleration"]
+        signal = Signal("acceleration", 2, a.t, a.values, noise_of(a.values))
+        assert bursts_of(signal)[0].side > 0.0, instant  # pushed forward, it first turns there
+        found = identify_ring_downs([measured], decay.k)
         assert found.fit.adequate, instant
         off = found.values["F_k"] - 0.1
         assert abs(off) < FAR * found.standard_errors["F_k"], instant
@@ -238,9 +239,13 @@ def sampled(spc, kind="pluck", quantity="displacement"):
     return replace(PLUCKED, starts=(start,), answers=(quantity,), rate_hz=spc * hz, noise=3e-3)
 
 
-@pytest.mark.parametrize("quantity", ["displacement", "velocity", "acceleration"])
-@pytest.mark.parametrize("kind", ["pluck", "blow"])
-@pytest.mark.parametrize("spc", [10, 12, 20, 28])
+@pytest.mark.parametrize(
+    ("spc", "kind", "quantity"),
+    [
+        *((10, kind, q) for kind in ("pluck", "blow") for q in QUANTITIES),
+        *((12, "pluck", "acceleration"), (20, "blow", "velocity"), (28, "pluck", "displacement")),
+    ],
+)
 def test_few_samples_a_cycle_suffice(spc, kind, quantity):
     decay = sampled(spc, kind, quantity)
     found = identify_ring_downs([record(decay)[0]], decay.k)
@@ -375,7 +380,7 @@ def test_gain_delay_and_filters_are_taken_off():
         other = {"values": values, "name": "x", "correction": correction}
         return identify_ring_downs([changed(measured, "displacement", **other)], PLUCKED.k)
 
-    plain = corrected(None, x).reference
+    plain = plucked().reference
     gained = corrected(Correction(gain=1.25, delay=0.01), 1.25 * x).reference
     one, other = (answer.parameters["F_k"] for answer in (plain, gained))
     # the start may be found at another sample; without the gain F_k would be 25 % off, 20 standard errors
@@ -435,20 +440,19 @@ def test_a_drive_that_stands_still_is_none(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("heading", "kinds"),
+    ("heading", "kind"),
     [
-        ("Hammer [N]", ["recognised", "ring-down"]),
-        ("force_N", ["recognised", "ring-down"]),
+        ("Hammer [N]", "recognised"),
+        ("force_N", "recognised"),
+        ("Hammer [N]", "ring-down"),
         # in no unit of a force: nothing says that it only strikes
-        *(
-            (heading, ["ring-down"])
-            for heading in ("Hammer [V]", "Force [V]", "Hammer", "CH 2 [mm]")
-        ),
+        ("Hammer [V]", "ring-down"),
+        ("CH 2 [mm]", "ring-down"),
     ],
 )
-def test_a_hammer_is_no_obstacle_to_a_decay(heading, kinds):
+def test_a_hammer_is_no_obstacle_to_a_decay(heading, kind):
     struck = Oscillator(m=2.42, c=1.0, k=2310.0, K_z=208000.0, F_k=0.5)
-    options = {"rate_hz": 2000.0, "duration": 4.0, "noise": 0.002, "seed": 3}
+    options = {"rate_hz": 1000.0, "duration": 3.0, "noise": 0.002, "seed": 3}
     a = measured_ring_down(struck, v=0.3, channels=("acceleration",), **options)["acceleration"]
     begin = a.t[int(np.argmax(np.abs(a.values) > 1.0))]
     since = (a.t - begin + 0.005) / 0.005  # a blow of 5 ms
@@ -457,10 +461,9 @@ def test_a_hammer_is_no_obstacle_to_a_decay(heading, kinds):
     blow += 2.0 * np.random.default_rng(1).standard_normal(a.t.size)
     blow -= np.where(a.t > begin, np.exp(begin - a.t), 0.0)
     record = {"time_s": a.t, heading: blow, "Acc [m/s²]": a.values}
-    for kind in kinds:
-        found = identify(record, struck.k, kind=kind)
-        for symbol, (low, high) in found.intervals.items():
-            assert low < getattr(struck, symbol) < high, symbol
+    found = identify(record, struck.k, kind=kind)
+    for symbol, (low, high) in found.intervals.items():
+        assert low < getattr(struck, symbol) < high, symbol
 
 
 @pytest.mark.parametrize(

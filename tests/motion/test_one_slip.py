@@ -6,8 +6,6 @@ import math
 
 import numpy as np
 import pytest
-from numpy.polynomial import Polynomial
-from scipy.optimize import brentq
 
 from analytic.cases import dimensions, spread
 from dampbalance import Regime, steady_orbits
@@ -15,8 +13,6 @@ from dampbalance.model import Parameters, parameters
 from dampbalance.motion.events import PHASE_T, PHASE_V
 from dampbalance.motion.flow import Phase, move
 from dampbalance.motion.one_slip import (
-    _cubic_minimum,
-    _first_guess,
     _half_cycle,
     solve_one_slip,
     velocity_keeps_sign,
@@ -98,25 +94,6 @@ def test_its_derivative_is_that_of_its_equations(par):
             assert (high[i] - low[i]) / (2.0 * h) == pytest.approx(slope, rel=1e-6, abs=1e-7 * size)
 
 
-@pytest.mark.parametrize("par", [*PAPER_CASES[::5], *CASES], ids=lambda par: f"{par.F_k:.3g}")
-def test_the_first_guess_is_that_of_the_harmonic_balance(par):
-    """Of a rigid contact, or of the oscillator that never slips where that motion is larger or the only one."""
-    X = 2.0 * par.F_k / par.K_z / (1.0 - math.cos(par.omega * _first_guess(par)))
-    stuck = par.k * par.Y / abs(complex(par.k + par.K_z - par.m * par.omega**2, par.c * par.omega))
-
-    def balance(X):
-        viscous = par.c * par.omega * X + 4.0 * par.F_k / math.pi
-        return math.hypot((par.k - par.m * par.omega**2) * X, viscous) - par.k * par.Y
-
-    if balance(stuck) < 0.0:  # the balance grows with X, from the friction alone on
-        high = stuck
-        while balance(high) < 0.0:
-            high *= 2.0
-        assert pytest.approx(brentq(balance, stuck, high, rtol=1e-14), rel=1e-9) == X
-    else:
-        assert pytest.approx(stuck, rel=1e-9) == X
-
-
 @pytest.mark.parametrize(
     ("lowest", "kept"), [(0.5, True), (0.01, True), (1e-3, True), (-1e-3, False), (-0.5, False)]
 )
@@ -146,15 +123,3 @@ def test_whether_the_velocity_of_any_phase_keeps_its_sign(seed):
         assert velocity_keeps_sign(duration, phase, 1.0) == bool(v.min() > 0.0)
         answers.append(bool(v.min() > 0.0))
     assert len(set(answers)) == 2
-
-
-def test_the_least_value_of_a_cubic_between_its_ends():
-    rng = np.random.default_rng(3)
-    for h in (0.3, 1.0, 7.0):
-        for f0, f1, down, up in rng.uniform(0.01, 1.0, (40, 4)):
-            d0, d1 = -down / h, up / h
-            rise = (f1 - f0) / h
-            cubic = Polynomial([f0, d0, (3 * rise - 2 * d0 - d1) / h, (d0 + d1 - 2 * rise) / h**2])
-            t = np.linspace(0.0, h, 20_001)
-            # the grid misses the place by 2.5e-5 h, its value by the square of that times the bend
-            assert _cubic_minimum(f0, d0, f1, d1, h) == pytest.approx(cubic(t).min(), abs=1e-7)

@@ -92,27 +92,6 @@ def test_rules_of_the_contact(zeta, r, K, F, x, v, z):
     np.testing.assert_allclose(forces, o.k * motion.y(t), rtol=0, atol=1e-13 * size)
 
 
-@settings(max_examples=40)
-@given(*ranges, unit, unit, unit)
-def test_states_pass_events_without_a_jump(zeta, r, K, F, x, v, z):
-    path = random_path(zeta, r, K, F, x, v, z)
-    phases = path.phases
-    o, motion = path.oscillator, path.motion
-    fastest = max(math.sqrt((o.k + o.K_z) / o.m), o.c / o.m, motion.omega)
-    speed = max(
-        np.abs(path.state(np.linspace(0.0, path.end, 200)).v).max(), motion.Y * motion.omega
-    )
-    h = 1e-10 * motion.period
-    at = phases[1:, PHASE_T]
-    at = at[(at > h) & (at + h < path.end)]
-    before, after = path.state(at - h), path.state(at + h)
-    # twice h of motion at the largest speed, three times over; and acceleration by the fastest rate
-    np.testing.assert_allclose(before.x, after.x, rtol=0, atol=6.0 * h * speed)
-    np.testing.assert_allclose(before.z, after.z, rtol=0, atol=6.0 * h * speed)
-    largest = fastest * speed + o.k / o.m * motion.Y * 10.0
-    np.testing.assert_allclose(before.v, after.v, rtol=0, atol=6.0 * h * largest)
-
-
 def test_without_excitation_worth_the_name_the_energy_falls():
     # Y tiny: a free decay; the mechanical energy of mass, spring and contact spring never grows
     o = Oscillator(m=1.0, c=0.05, k=1.0, K_z=20.0, F_k=0.1)
@@ -162,14 +141,7 @@ def test_starts_at_the_limit_of_the_spring(z):
 
 
 REFUSED = [
-    *(
-        (
-            {name: bad},
-            f"^{name} must be a number of .*, got {bad if isinstance(bad, float) else ''}",
-        )
-        for name in ("x", "v", "z", "start", "end")
-        for bad in (math.nan, math.inf, -math.inf, "0.1", None, True, [0.1], 1j)
-    ),
+    *(({name: math.nan}, f"^{name} must be a number of .*, got nan") for name in ("x", "end")),
     *(
         ({"z": factor * PAPER.Z_m}, r"^z must lie within ±Z_m = ±6\.15385e-06 m, got ")
         for factor in (1.0 + 1e-12, -1.1, 1e6)

@@ -188,14 +188,6 @@ EXAMPLES = [
     (2310.0, "plain", {}, "2310"),
     (11.1, "plain", {}, "11.1"),
     (0, "plain", {}, "0"),
-    ("-0.125", "fixed", {"digits": 2}, "−0.12"),  # half to even, in decimal
-    (
-        "1.005",
-        "fixed",
-        {"digits": 2},
-        "1.00",
-    ),  # though its binary neighbour lies below, 0.995 above
-    ("0.995", "fixed", {"digits": 2}, "1.00"),
     ("0.00273", "fixed", {"digits": 2, "scale": "1e3"}, "2.73"),
     ("0.25", "fixed", {"digits": 1, "signed": True}, "+0.2"),
     ("-0.04", "fixed", {"digits": 1}, "0.0"),
@@ -203,12 +195,8 @@ EXAMPLES = [
     ("nan", "fixed", {"digits": 1}, "–"),
     ("", "fixed", {"digits": 1}, "–"),
     (None, "fixed", {"digits": 1}, "–"),
-    ("66.6", "significant", {"digits": 2}, "67"),
-    ("0.0999", "significant", {"digits": 2}, "0.10"),
     ("0", "significant", {"digits": 2}, "0"),
     ("-0.0999", "significant", {"digits": 2, "unsigned": True}, "0.10"),
-    ("-1.27e-4", "power", {"digits": 1}, "−1.3·10⁻⁴"),
-    ("9.96e+12", "power", {"digits": 1}, "1.0·10¹³"),
     ("3.1e-12", "bound", {}, "10⁻¹¹"),
     ("-3.1e-12", "bound", {}, "10⁻¹¹"),
     ("1e-12", "bound", {}, "10⁻¹²"),

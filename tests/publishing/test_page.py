@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import itertools
-import math
 import re
 from html import unescape
 from urllib.parse import unquote
@@ -389,15 +388,10 @@ def test_what_stands_in_a_script_cannot_end_it(made):
         (words.from_tex, r"$X_s$, common $\varphi$ < 1", "<i>X</i><sub>s</sub>, common <i>φ</i> &lt; 1"),
         (words.from_tex, r"$|c_\mathrm{identified} - c|$", "|<i>c</i><sub>identified</sub> − <i>c</i>|"),
         (wording.plain_text, "F_k by X_s, K_z", "Fₖ by Xₛ, K_z"),
-        (wording.unit_text, "m^2/s", "m²/s"),
-        (wording.minus, "-0.5 and 1e-5, x-1", "−0.5 and 1e-5, x-1"),
         (wording.frequency_name, "omega2", "ω₂"),
         (wording.frequency_name, "resonance", "resonance"),
         (wording.number_text, 90.0, "90.00000"),
-        (wording.number_text, -0.00271563541, "−0.002715635"),
         (wording.number_text, 4.2915e-16, "4.291500·10⁻¹⁶"),
-        (wording.number_text, 0.0, "0"),
-        (wording.number_text, math.nan, "–"),
         (wording.power_of_ten, 3e-12, "10⁻¹¹"),  # a bound is not below what it bounds
         (wording.power_of_ten, 1e-11, "10⁻¹¹"),
     ],

@@ -227,21 +227,6 @@ def test_units_and_names_in_latin_1_of_a_universal_file(tmp_path, binary):
     assert "Prüfstand" in opened.channels[1].name
 
 
-SMALL = [
-    *(("base [in]", "base_displacement", 0.0254), ("base [ft]", "base_displacement", 0.3048)),
-    *(("base [mil]", "base_displacement", 25.4e-6), ("force [µN]", "force", 1e-6)),
-    *(("force [uN]", "force", 1e-6), ("force [mN]", "force", 1e-3)),
-    *(("force [kip]", "force", 4448.2216152605), ("force [kgf]", "force", G)),
-    *(("force [ozf]", "force", 4.4482216152605 / 16), ("force [kips]", "force", 4448.2216152605)),
-]
-
-
-@pytest.mark.parametrize(("heading", "quantity", "factor"), SMALL)
-def test_units_of_length_and_force(tmp_path, heading, quantity, factor):
-    path = write(tmp_path / "run.csv", [f"t [s],{heading},x [mm]"], [T, Y, A])
-    same(read(path), displacement=1e-3 * A, **{quantity: factor * Y})
-
-
 @pytest.mark.parametrize(
     ("headings", "chosen"),
     [

@@ -92,21 +92,6 @@ def test_a_suffix_that_is_not_written_is_refused_in_a_sentence(tmp_path, name):
     assert not list(tmp_path.iterdir())
 
 
-def test_a_failure_leaves_the_old_file(tmp_path, monkeypatch):
-    path = tmp_path / "run.csv"
-    write(path, measurement())
-    before = path.read_bytes()
-
-    def fail(*_, **__):
-        raise OSError("disk full")
-
-    monkeypatch.setattr("pandas.DataFrame.to_csv", fail)
-    with pytest.raises(OSError, match="disk full"):
-        write(path, measurement(seed=9))
-    assert path.read_bytes() == before
-    assert list(tmp_path.iterdir()) == [path]
-
-
 # whole numbers may be integers that ran over, which a reader refuses
 sound = st.floats(-1e15, 1e15, width=64).filter(lambda value: value == 0 or value % 1)
 

@@ -255,21 +255,6 @@ def test_a_converter_with_coarse_steps_is_not_clipping():
     assert "drop-out" not in found
 
 
-def test_how_long_the_motion_takes_to_settle_is_said_in_cycles():
-    record = _spoiled(
-        "displacement",
-        lambda t, s: np.where(t < t[0] + 5.0 * MOTION.period, 1.02, 1.0) * s,
-        0.001,
-    )
-    assert "it settles after about 5 cycles: leave those out" in warnings_of(record)
-
-
-def test_another_frequency_is_refused_with_both_numbers_and_one_nearby_reported():
-    with pytest.raises(ValueError, match=r"4\.9\d* ± .* not at the 3\.5 Hz given"):
-        condition(_measured(), PAPER.k, frequency_hz=3.5)
-    assert "not at the 4.85 Hz given" in warnings_of(_measured(), frequency_hz=4.85)
-
-
 def test_a_clock_that_is_off_is_told_as_far_as_the_record_resolves_it():
     for cycles, noise, told in ((100.0, 1e-4, True), (6.0, 0.05, False)):
         for seed in range(10):

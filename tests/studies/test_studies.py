@@ -326,12 +326,3 @@ def test_numbers_are_taken_from_the_cases_they_name(computed, says):
     crossing = np.interp(0.01, size[beyond - 1 : beyond + 1], zeta[beyond - 1 : beyond + 1])
     assert band == f"0.100 (where the axis begins) to {crossing:.3f}"
     assert all_cases == "9"
-
-
-PERCENTAGES = {0.1234: "12.3 %", 0.001234: "0.123 %", 1.0: "100 %", 0.99979: "99.98 %", 0.0: "0 %"}
-PERCENTAGES |= {2.3e-6: "2.3·10⁻⁴ %", 3e-14: "10⁻¹¹ %", math.nan: "–", 12.0: "1200 %"}
-
-
-@pytest.mark.parametrize(("share", "words"), PERCENTAGES.items())
-def test_percentages_in_words(share, words):
-    assert percent(share) == words

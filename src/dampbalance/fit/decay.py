@@ -68,6 +68,7 @@ _UNNOTICED = 1e-9  # of the force of the spring: a friction that no motion shows
 _PRELOAD_ERROR = 1.0  # a priori: w lies between 0 and 2
 _BINS_OF_A_CYCLE = 12  # of a cycle, in which the residual is averaged
 _A_CYCLE, _THINNED = 64, 2500  # samples of a cycle, and of a decay, that a search looks at
+_AFTER_REST = 1.0  # of a cycle after the mass came to rest that shows its level
 _MOST_PHASES = 4096  # phases after which a motion is rejected
 _QUICK = 20_000  # calls of kernels, 0.1 s: a decay has some tens of phases, and compiling takes 4 s
 _NEGLECTED = 2.0 * math.log(40.0)  # of χ²: a minimum so far up has a fortieth of the likelihood
@@ -85,7 +86,8 @@ class Decay:
     """The samples of one free decay.
 
     source : of its record.   start, end : s.   signals : its channels, cut to the decay.   period : of the motion, s,
-    about.   friction : number of its friction force, 0 for the first, which all decays share by default.
+    about.   friction : number of its friction force, 0 for the first, which all decays share by default.   whole : the
+    decay with all samples of its record, of which this one is a part, up to the next release.
     """
 
     source: str
@@ -94,11 +96,19 @@ class Decay:
     signals: tuple[Signal, ...]
     period: float
     friction: int = 0
+    whole: Decay | None = None
 
     def cut(self, start: float, end: float) -> Decay:
         """The part of the decay between two times, s."""
         signals = tuple(one.between(start, end) for one in self.signals)
-        return replace(self, start=start, end=end, signals=signals)
+        return replace(self, start=start, end=end, signals=signals, whole=self.whole or self)
+
+    def until(self, end: float) -> Decay:
+        """The decay up to a later time, s, at most the next release."""
+        whole = self.whole or self
+        pairs = zip(whole.signals, self.signals, strict=True)
+        signals = tuple(replace(one, noise=own.noise) for one, own in pairs)
+        return replace(self, signals=signals).cut(self.start, min(end, whole.end))
 
     def thinned(self, most: int = _THINNED) -> Decay:
         """The decay with every n-th sample, about 64 a cycle and no more than `most`."""
@@ -446,6 +456,11 @@ class RingFit(Fit):
         of the decay, or to another one, s."""
         last = self.phases(i, end)[-1]
         return float(last[PHASE_T]) if last[PHASE_S] == 0.0 else math.inf
+
+    def at_rest(self, i: int, end: float | None = None) -> float:
+        """The time, s, one cycle after the mass of decay i came to rest; infinite where it moves up to the end."""
+        one = self.decays[i]
+        return one.start + self.sticks_from(i, end) + _AFTER_REST * one.period
 
     def residuals(self) -> list[tuple[int, Signal, Array]]:
         """Number of the decay, channel and residual of each channel of each decay."""

@@ -2,7 +2,7 @@
 
 A problem has these: `products(point, out)` sets JᵀJ bordered by Jᵀr and χ², false where it has no motion;
 `bounds(point)`, see `ClimbBounds`; `names` of the first unknowns; `is_free(name)`; `scan(point)`, values of the unknown
-that is scanned; `thinned()`, a cheaper copy; `samples`; `fit(climb)`, its `Fit`.
+that is scanned; `thinned()`, a cheaper copy, or itself; `samples`; `fit(climb)`, its `Fit`.
 
 χ² oscillates along ρ = K_z^{−1/2} where a stuck mass rings, as it does in the estimation of a frequency: the scan goes
 through all stiffnesses from the best point either way, each a start for the next, and climbs on from each minimum.
@@ -22,8 +22,10 @@ from .climb import GAIN, Climb, climb
 KEPT = 10
 """Distinct points that a search carries along."""
 
-_WAY = 1e-2  # of half of χ²: where a climb on the way ends, a tenth of a standard error off
-_ON_THE_WAY = 12  # evaluations of such a climb: twice what one in a valley takes
+WAY = 1e-2
+"""Gain in −log L, at which a climb on the way ends: it is a tenth of a standard error off."""
+
+_ON_THEWAY = 12  # evaluations of such a climb: twice what one in a valley takes
 _ABOVE = 30.0  # of χ²: a minimum so far up has a likelihood of 3e-7
 _SAME = 0.5  # standard errors: two climbs that end so close ended in one minimum
 
@@ -72,7 +74,7 @@ def inverse_information(information: Array, errors: Array) -> Array:
 
 def climbs(problem: Any, starts: Iterable[Array], above: float = _ABOVE) -> list[Climb]:
     """The distinct ends of climbs from some starts, not quite to the end."""
-    ends = (climb_on(problem, start, gain=_WAY, most=_ON_THE_WAY) for start in starts)
+    ends = (climb_on(problem, start, gain=WAY, most=_ON_THEWAY) for start in starts)
     return distinct(ends, len(problem.names), above)
 
 
@@ -94,7 +96,7 @@ def minimise(problem: Any, starts: Iterable[Array], scanned: str = "rho") -> lis
     # on all samples χ² differs by as much more as there are more of them
     share = max(1.0, problem.samples / thin.samples)
     near = [one for one in ends if one.chi_square < ends[0].chi_square + 2.0 + _ABOVE / share]
-    last = climbs(problem, [one.point for one in near])
+    last = near if thin is problem else climbs(problem, [one.point for one in near])
     full = (climb_on(problem, one.point, gain=GAIN) for one in last)
     return [problem.fit(one) for one in distinct(full, len(problem.names))]
 

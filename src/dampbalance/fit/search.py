@@ -28,7 +28,7 @@ from ..motion.events import PHASE_S, PHASE_X
 from ..motion.unknowns import F_K, OSCILLATOR_UNKNOWNS, RHO, C
 from ..signals.band import Band, filtered
 from ..signals.bursts import Burst, Signal, bursts_of
-from ..signals.thresholds import P_ONE_OSCILLATOR, P_STEP_BACK
+from ..signals.thresholds import NEVER, P_ONE_OSCILLATOR, P_STEP_BACK, SIGNIFICANT
 from .decay import COMMON, FURTHER, STATE, Decay, DecayProblem, RingFit, with_noise_of
 from .minimise import climb_on, climbs, minimise
 
@@ -70,9 +70,7 @@ _SETTLED = (
     1.25  # times the least mean square of the residual in the band: a start that disturbs nothing
 )
 _LATEST = 3.0  # cycles after the turn, to which a disturbance of the release may last
-_AFTER_REST = (
-    1.0  # of a cycle that is kept after the mass came to rest, where its ringing does not show
-)
+_LONGER = 1.5  # growth of a tail: the phase of the ringing is known half as far ahead again
 _OTHER_MOTION = 0.3  # of the motion in its band: a residual so large is none of an oscillator
 _FEWEST_FREE = 2.0  # degrees of freedom in the band, below which any motion fits
 _LEAST_SWING = 0.1  # of the swing of a burst, that its motion has at least
@@ -98,7 +96,9 @@ def separate_fits(
         for burst in bursts:
             if burst in fits and fits[burst].white:
                 continue
-            before = (fit.decays[0].end for b, fit in fits.items() if b.turn < burst.turn)
+            # a motion that is none of an oscillator does not say how far it goes
+            sure = {b: fit for b, fit in fits.items() if fit.white}
+            before = (fit.decays[0].end for b, fit in sure.items() if b.turn < burst.turn)
             earliest = max(burst.earliest, *before, -math.inf)
             fit = _of_burst(source, signals, lead, replace(burst, earliest=earliest), k, surest)
             if fit is not None and (burst not in fits or fit.white):
@@ -146,14 +146,14 @@ def _of_burst(
         return None
     bent = fit if fit.white else with_one_more(fit)
     if bent is not None and bent.white:
-        fit = _from_earlier(with_noise_of(bent), whole, burst.earliest)
+        fit = with_noise_of(_from_earlier(with_noise_of(bent), whole, burst.earliest))
     else:
         fit = _band_from_earliest(whole, swings, starts, fit) or fit
         # from there all the band may be white after all
         wide = replace(fit.problem, band=None).climb(fit.point)
         wide = wide if wide is None or wide.white else with_one_more(wide)
         if wide is not None and wide.white:
-            fit = _from_earlier(with_noise_of(wide), whole, burst.earliest)
+            fit = with_noise_of(_from_earlier(with_noise_of(wide), whole, burst.earliest))
     if fit.samples < _FEWEST_SAMPLES:
         return None
     # else the swing was not that of a free motion
@@ -164,12 +164,13 @@ class Swings:
     """The swings of a burst in the band of the mode.
 
     zeros : times at which the displacement passes its mean, s.   speeds : there, m/s.   sizes : of the swings between
-    its turns, m.   period : s.
+    its turns, m.   swing : of the burst, m.   period : s.
     """
 
     def __init__(self, lead: Signal, burst: Burst) -> None:
         """Read the swings of a channel, the period first from the spectrum and then from the zeros."""
-        part, self.period = lead.between(burst.earliest, burst.end), burst.period
+        part = lead.between(burst.earliest, burst.end)
+        self.swing, self.period = burst.swing, burst.period
         for _ in range(2):
             x = self._displacement(part)
             at = np.flatnonzero(x[:-1] * x[1:] <= 0.0)
@@ -202,7 +203,7 @@ class Swings:
 
     def oscillator(self, k: float) -> tuple[float, float, float]:
         """F_k, c and m by the line through the pairs of swings; friction and damping in halves where that bends."""
-        D = self.sizes if self.sizes.size > 1 else np.array([1.0, 1.0 - _LOST_UNKNOWN])
+        D = self.sizes if self.sizes.size > 1 else self.swing * np.array([1.0, 1.0 - _LOST_UNKNOWN])
         ratio, lost = np.polyfit(D[:-1], D[1:], 1) if D.size > 2 else (1.0, 0.0)
         if not (_LEAST_RATIO < ratio < 1.0 and lost < 0.0):
             fall = max(1.0 - float(D[-1] / D[0]) ** (1.0 / (D.size - 1)), 1e-3)
@@ -258,7 +259,7 @@ def _grown(
         point = fit.point.copy()
         point[F_K], point[C] = by * share * loss, by * (1.0 - share) * loss / per_c
         more.append(point)
-    best = _first(minimise(problem, [fit.point, *more]))
+    best = _first(minimise(problem, [fit.point, *more], scanned=""))
     return best if best is not None and best.chi_square < fit.chi_square else fit
 
 
@@ -266,9 +267,70 @@ def _until_rest(problem: DecayProblem, fit: RingFit) -> DecayProblem:
     """The problem without the samples long after the mass came to rest."""
     decays = []
     for i, one in enumerate(problem.decays):
-        end = one.start + fit.sticks_from(i, one.end) + _AFTER_REST * one.period
+        end = fit.at_rest(i, one.end)
         decays.append(one.cut(one.start, end) if end < one.end else one)
     return replace(problem, decays=tuple(decays))
+
+
+def to_the_end(fit: RingFit) -> RingFit:
+    """The fit of the same decays with what follows after the mass came to rest, where its ringing shows K_z.
+
+    The tails grow for as long as they follow the motion, so that the phase of the ringing is known from one to the
+    next: a hand that touches the mass ends them. Where no ringing stands out of the noise, the fit stays as it is.
+    """
+    first, points = fit.decays, [one.point for one in (fit, *fit.minima)]
+
+    def with_tail(i: int, length: float) -> Decay:
+        one = first[i]
+        later = (other.start for other in first if other.source == one.source)
+        limits = (start for start in later if start > one.start)
+        return one.until(min(one.end + length * one.period, *limits, math.inf))
+
+    decays, length, shown = list(first), 1.0, 0.0
+    growing = [
+        i for i in range(len(first)) if fit.white and with_tail(i, length).end > first[i].end
+    ]
+    while growing:
+        longer = [with_tail(i, length) if i in growing else one for i, one in enumerate(decays)]
+        problem = replace(fit.problem, decays=tuple(longer))
+        ends = climbs(problem, points)
+        if not ends:
+            break
+        here, predicted = problem.fit(ends[0]), replace(fit, problem=problem, point=points[0])
+        gains = {i: _gain(here, predicted, i, decays[i].end) for i in growing}
+        lost = [i for i, gain in gains.items() if gain == -math.inf]
+        for i in lost:  # what disturbs it may have begun in the part before
+            decays[i] = with_tail(i, length / _LONGER**2 if length > _LONGER else 0.0)
+        if not lost:
+            shown += math.fsum(gains.values())
+            decays, points, length = longer, [one.point for one in ends], _LONGER * length
+        growing = [i for i in growing if i not in lost and with_tail(i, length).end > decays[i].end]
+    if shown < SIGNIFICANT**2:
+        return fit
+    problem = replace(fit.problem, decays=tuple(decays))
+    longest = _first(minimise(problem, points, scanned=""))
+    return longest if longest is not None and longest.white else fit
+
+
+def _gain(fit: RingFit, predicted: RingFit, i: int, since: float) -> float:
+    """The fall of χ² from a level to the ringing in the samples of decay i from a time on, s; −∞ where the fit leaves
+    more than noise there, or where the ringing that was predicted is not there."""
+    square = at_level = expected = n = 0.0
+    pairs = zip(fit.residuals(), predicted.residuals(), strict=True)
+    for (j, signal, residual), (*_, before) in pairs:
+        new = signal.t >= since
+        if j == i and new.any():
+            values, left = signal.values[new] / signal.noise, residual[new]
+            square += float(left @ left)
+            at_level += float(np.sum((values - np.mean(values + left)) ** 2))
+            expected += values.size * float(np.var(values + before[new]))
+            n += values.size
+    gain = at_level - square
+    least = min(0.5 * expected, expected - SIGNIFICANT * math.sqrt(expected))
+    follows = gain >= least and (
+        n == 0.0 or special.fdtrc(n, predicted.freedom, square / n) > NEVER
+    )
+    return gain if follows else -math.inf
 
 
 def _first(fits: Sequence[RingFit]) -> RingFit | None:
@@ -362,9 +424,7 @@ def _band_from_earliest(
     dt = max(signal.dt for signal in whole.signals)
     band = Band.about(1.0 / whole.period, dt)
     # a fit that the release has led astray may rest too early
-    end = min(
-        whole.end, max(fit.decays[0].end, float(swings.zeros[-1]) + _AFTER_REST * whole.period)
-    )
+    end = min(whole.end, max(fit.decays[0].end, float(swings.zeros[-1]) + whole.period))
     last = min(starts[0] + _LATEST * whole.period, end - 2.0 * _FIRST * whole.period)
     early = [t for t in starts if t <= last] or [*starts[:1]]
     late = None if len(early) == 1 else _grown(whole, swings, early[-1], fit.k)
@@ -476,7 +536,7 @@ def _same(whole: RingFit, parts: Sequence[RingFit]) -> bool:
 
 
 def _fitted_together(fits: Sequence[RingFit], *, own_frictions: bool = False) -> RingFit | None:
-    """The fit of all decays, with one friction force or one for each: from the oscillator of each in turn."""
+    """The fit of all decays, with one friction force or one for each: from the minima of each in turn."""
     decays = tuple(replace(fit.decays[0], friction=i * own_frictions) for i, fit in enumerate(fits))
     bands = [fit.problem.band for fit in fits if fit.problem.band is not None]
     free = dict.fromkeys(name for fit in fits for name in fit.problem.free)
@@ -487,7 +547,7 @@ def _fitted_together(fits: Sequence[RingFit], *, own_frictions: bool = False) ->
             offsets[signal.offset] = fit.point[len(COMMON) + signal.offset]
     surest = sorted(fits, key=lambda fit: -fit.samples / (1.0 + fit.misfit))
     points = []
-    for one in surest[:3]:
+    for one in (minimum for fit in surest[:3] for minimum in (fit, *fit.minima)):
         point = problem.point(
             one.point[: len(COMMON)], offsets, [fit.point[-STATE:] for fit in fits]
         )
@@ -495,4 +555,4 @@ def _fitted_together(fits: Sequence[RingFit], *, own_frictions: bool = False) ->
             for place, fit in zip(problem.friction_places, fits, strict=True):
                 point[place] = fit.point[F_K]
         points.append(point)
-    return _first(minimise(problem, points))
+    return _first(minimise(problem, points, scanned=""))

@@ -18,8 +18,8 @@ from ..motion.jit import interpreted
 from ..motion.orbit import steady_orbit
 from ..signals.lines import Lines
 from ..signals.one_thread import one_thread
-from .climb import MOST_EVALUATIONS, climb
-from .minimise import minima_along
+from .climb import MOST_EVALUATIONS
+from .minimise import WAY, climb_on, minimise
 from .starts import Shares, starts
 from .waveforms import OSCILLATOR, STIFFEST, HarmonicProblem, WaveformFit, equivalent_coefficient
 
@@ -31,15 +31,19 @@ _FEWER = 12  # evaluations at each softening under a law that is compared with o
 _SAME = 1e-3  # relative: two ends whose χ² differ by less are taken for one
 _REFINED = 3  # of the climbs that ended far from the records, those whose ends are nearest to them
 _TO_THE_END = 300  # for the nearest of all, so that its place hangs on no other start
-_SCANS = 3  # along K_z, each from the best end of the one before
 _RINGING_SWINGS = 1.0  # swings in a stick, from which on a fit that holds is not the only one
-_TRIED = 6  # minima along K_z that are climbed to
+# What a minimum must be lower by, in χ² and as a part of it, for a scan from there.
+_LOWER, _NEARER = 0.05, 0.02
 _HARMONICS_OF_TRUTH = 64  # odd ones: the derivatives of the response by ρ fall as n⁻³
-_LOWER = 0.05  # of χ²: what another minimum must be lower by to be scanned around
 
 
 def fit_records(
-    lines: Sequence[Lines], k: float, law: Law | None = None, *, thorough: bool = True
+    lines: Sequence[Lines],
+    k: float,
+    law: Law | None = None,
+    *,
+    thorough: bool = True,
+    near: WaveformFit | None = None,
 ) -> WaveformFit | None:
     """The oscillator of largest likelihood; None where no oscillator that slips responds like the records.
 
@@ -48,16 +52,19 @@ def fit_records(
     many evaluations were made that there hardly is one. Of those that end far from the records the three nearest are
     refined, for which of them is the best shows only then. The ringing of the stuck mass makes χ² oscillate along K_z:
     the best is searched for among all K_z (`of_all_stiffnesses`), and climbs on to its optimum.
+    near : what a search that is not thorough ended with: its starts are not tried again.
     """
     problem = HarmonicProblem(law or Law(), tuple(lines), k)
     shares = _shares_of(problem)
     wide = (True,) if thorough and not problem.law.nonlinear else ()  # else each climb takes long
     points = (
         problem.start(candidate, shares.friction)
-        for search in (False, *wide)
+        for search in (*(False,) * (near is None), *wide)
         for candidate in starts(lines, k, shares, wide=search)[: _STARTS[search]]
     )
     ends = _ends(problem, points, MOST_EVALUATIONS)
+    if near is not None:
+        ends = sorted([*ends, near], key=lambda end: end.chi_square)
     if ends and not ends[0].adequate:
         different = [b for a, b in pairwise(ends) if b.chi_square > a.chi_square * (1.0 + _SAME)]
         refined = [
@@ -104,25 +111,23 @@ def fit_at_truth(
     law = Law(given={s: getattr(osc, s) for s in ("F_k", "c") if s in given})
     problem = HarmonicProblem(law, tuple(lines), osc.k, freed)
     truth = problem.start(np.array([osc.F_k, osc.c, osc.K_z, osc.m]), np.ones(len(lines)))
-    return problem.fit(truth)
+    reached = climb_on(problem, truth, most=1)
+    return None if reached is None else problem.fit(reached)
 
 
 def of_all_stiffnesses(fit: WaveformFit) -> WaveformFit:
-    """The best fit that is found along K_z, from a fifth to five times that of a fit: in steps that miss no minimum,
-    and from a better one again; the fit itself where none is better, or the mass hardly swings while it sticks."""
-    budget, rho = np.array([_EFFORT]), fit.names.index("rho")
-    for _ in range(_SCANS):
+    """The best fit that is found along K_z, from a fifth to five times that of a fit, in steps that miss no minimum,
+    and from one that is nearer to the records again; the fit itself where none is better, or the mass hardly swings
+    while it sticks."""
+    budget, evaluations = np.array([_EFFORT]), fit.evaluations
+    problem, chi_square = replace(fit.problem, budget=budget, near={}), math.inf
+    while fit.chi_square < (1.0 - _NEARER) * chi_square - _LOWER:
         if max(one.swings for one in fit.responses) < _RINGING_SWINGS and fit.adequate:
             break
-        left = float(budget[0])
-        others = minima_along(replace(fit.problem, budget=budget, near={}), fit.point, "rho")
-        others = [at for at in others if at[rho] != fit.point[rho]][:_TRIED]
-        ends = [_climbed(fit.problem, at, softenings=(0.0,)) for at in others]
-        best = _best([fit, *filter(None, ends)], round(left - float(budget[0]))) or fit
-        if best.chi_square > fit.chi_square - _LOWER * max(1.0, fit.misfit):
-            return replace(fit, evaluations=best.evaluations)
-        fit = best
-    return fit
+        chi_square = fit.chi_square
+        others = filter(None, minimise(problem, [fit.point]))
+        fit = min([fit, *others], key=lambda one: one.chi_square)
+    return replace(fit, evaluations=evaluations + round(_EFFORT - float(budget[0])))
 
 
 def fit_quickly(problem: HarmonicProblem, near: WaveformFit | None) -> WaveformFit | None:
@@ -135,7 +140,7 @@ def fit_quickly(problem: HarmonicProblem, near: WaveformFit | None) -> WaveformF
     if near is not None and near.adequate and near.law.given == problem.law.given:
         common = [near.value(s) if s in near.names else 0.0 for s in problem.names]
         point = np.array([*common, *near.point[len(near.names) :]])
-        return _climbed(replace(near.problem, law=problem.law), point, (0.0,))
+        return fit_from(replace(near.problem, law=problem.law), point)
     shares, lines = _shares_of(problem), problem.lines
     candidates = [*starts(lines, problem.k, shares)[:1], *([_as_candidate(near)] if near else [])]
     points = (problem.start(candidate, shares.friction) for candidate in candidates)
@@ -161,10 +166,10 @@ def _ends(
     return sorted(ends, key=lambda end: end.chi_square)
 
 
-def _best(ends: Sequence[WaveformFit], others: int = 0) -> WaveformFit | None:
-    """The fit with the smallest χ², with the evaluations of all, and others."""
+def _best(ends: Sequence[WaveformFit]) -> WaveformFit | None:
+    """The fit with the smallest χ², with the evaluations of all."""
     best = min(ends, key=lambda end: end.chi_square, default=None)
-    return best and replace(best, evaluations=sum((end.evaluations for end in ends), others))
+    return best and replace(best, evaluations=sum(end.evaluations for end in ends))
 
 
 def _as_candidate(fit: WaveformFit) -> Array:
@@ -215,6 +220,11 @@ def refit(
     return reached and replace(reached, evaluations=fit.evaluations + reached.evaluations)
 
 
+def fit_from(problem: HarmonicProblem, start: Array) -> WaveformFit | None:
+    """The fit that a climb from a point ends in; None where it has no motion, or nothing slips."""
+    return _climbed(problem, start, (0.0,))
+
+
 def _climbed(
     problem: HarmonicProblem,
     start: Array,
@@ -230,18 +240,18 @@ def _climbed(
     most : evaluations at each softening.   last : evaluations without any.
     budget : as for `HarmonicProblem`; default, as many as it may make at most.
     """
-    point, bounds, evaluations, promise = start, problem.bounds(start), 0, math.inf
-    data = 2 * len(problem.lines) + 2 * sum(one.n.size for one in problem.lines)
+    end, evaluations = None, 0
     if budget is None:
         budget = np.array([float(most * (len(softenings) - 1) + last)])
     problem = replace(problem, budget=budget, near={})
     for softening in softenings:
         softened = replace(problem, softening=softening)
-        reached = climb(softened.products, point, bounds, most=most if softening else last)
+        enough = {"gain": WAY, "most": most} if softening else {"most": last}
+        reached = climb_on(softened, end.point if end else start, **enough)
         if reached is None:
             break
-        point, promise = reached.point, reached.promise
         evaluations += reached.evaluations
-        if reached.chi_square > hopeless * data:
+        end = replace(reached, evaluations=evaluations)
+        if end.chi_square > hopeless * problem.samples:
             break
-    return problem.fit(point, promise=promise, evaluations=evaluations) if evaluations else None
+    return None if end is None else problem.fit(end)

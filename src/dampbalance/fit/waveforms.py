@@ -33,7 +33,7 @@ from ..motion.law_steady import Further, Response, added_by_base, steady_respons
 from ..motion.orbit import NoSteadyOrbit
 from ..signals.lines import Lines
 from ..signals.mean_harmonics import Waveform
-from .climb import ClimbBounds
+from .climb import Climb, ClimbBounds
 from .goodness import improbable
 from .nuisances import FALLING, FORCES, NUISANCES, read_by_channels, units_of
 from .oscillator_fit import OscillatorFit
@@ -108,6 +108,19 @@ class HarmonicProblem:
     def size(self) -> int:
         """Number of unknowns."""
         return len(self.names) + 2 * len(self.lines)
+
+    @property
+    def samples(self) -> int:
+        """Number of data: |Y|, its phase, and the harmonics of each record."""
+        return sum(2 + 2 * one.n.size for one in self.lines)
+
+    def thinned(self) -> HarmonicProblem:
+        """The problem itself: harmonics are few."""
+        return self
+
+    def is_free(self, name: str) -> bool:
+        """Whether a common unknown is fitted."""
+        return bool(self.free[self.names.index(name)])
 
     @cached_property
     def free(self) -> Mask:
@@ -265,7 +278,7 @@ class HarmonicProblem:
             lower[at["Y"]] = 1e-3 * one.Y
             for name in self.nuisances:
                 lower[at[name]], upper[at[name]] = NUISANCES[name]
-        return ClimbBounds(self.free, lower, upper, self._units(point))
+        return ClimbBounds(self.free.copy(), lower, upper, self._units(point))
 
     def scan(self, point: Array) -> Array:
         """Values of ρ at which to look for other minima of χ², to a fifth and to five times the K_z of a point.
@@ -343,13 +356,9 @@ class HarmonicProblem:
         block[2:] = np.vstack([scaled.real, scaled.imag])
         return block
 
-    def fit(
-        self, point: Array, *, promise: float = 0.0, evaluations: int = 1
-    ) -> WaveformFit | None:
-        """The fit at a point, with the errors of the records as they are; None where it has no motion.
-
-        promise, evaluations : of the climb that ended there.
-        """
+    def fit(self, end: Climb) -> WaveformFit | None:
+        """The fit at the end of a climb, with the errors of the records as they are; None where it has no motion."""
+        point = end.point
         problem = replace(self, softening=0.0, budget=np.array([math.inf]))
         here = problem.evaluate(point)
         if here is None:
@@ -370,9 +379,9 @@ class HarmonicProblem:
             response=response,
             places=tuple(slice(end - n, end) for end, n in zip(ends, sizes, strict=True)),
             freedom=residual.size - int(np.count_nonzero(self.free)),
-            promise=promise,
+            promise=end.promise,
             undamped=tuple(k for k in self.law.unknowns if point[self.names.index(k)] <= 0.0),
-            evaluations=evaluations,
+            evaluations=end.evaluations,
         )
 
 

@@ -27,10 +27,10 @@ from ..fit.fundamentals import FundamentalFit
 from ..fit.nuisances import NUISANCES, in_other_frame
 from ..fit.oscillator_fit import OscillatorFit
 from ..fit.score import Departure
-from ..fit.steady_search import fit_records, refit
+from ..fit.steady_search import fit_from, fit_records, refit
 from ..fit.waveforms import NO_MOTION, WaveformFit
 from ..motion.law_decays import ADDED
-from ..project.wording import Remark, larger_by, listed, number_text
+from ..project.wording import Remark, larger_by, listed, number_text, with_error
 from ..signals.lines import Lines
 from ..signals.thresholds import AS_WELL, P_CAUSE, P_DEPARTURE
 from ..solver import NORMAL_95
@@ -38,6 +38,11 @@ from .answer import UNBOUNDED
 
 LIKELY = 0.3
 """Share of what noise does not explain, from which on a departure is worth a fit, or a word."""
+
+TURNS = ("corner", "delay")
+"""Departures that turn the phase of the response: away from resonance, damping does so, too."""
+
+ONE_SIGNED = [name for name, (least, _) in NUISANCES.items() if least == 0.0]
 
 GRADUAL = ADDED[-1]
 """The departure that hardly shows: see above."""
@@ -60,10 +65,13 @@ class Cause(NamedTuple):
     negative: str = ""
 
     def sized(self, value: float, error: float) -> str:
-        """The words with a size and its standard error."""
+        """The words with a size and its standard error, or that the records do not determine it."""
         words = self.negative if value < 0.0 else ""
-        size = number_text((abs(value) if words else value) * self.unit, 4)
-        return (words or self.words).format(f"{size} ± {number_text(error * self.unit, 2)}")
+        value, error = (abs(value) if words else value) * self.unit, error * self.unit
+        if not error < abs(value):
+            about = (words or self.words).format(f"about {number_text(value, 1)}")
+            return f"{about} (a size that the records do not determine)"
+        return (words or self.words).format(with_error(value, error))
 
 
 _GRADUALLY = "yields gradually (Dahl, Bouc–Wen, several contacts)"
@@ -182,10 +190,10 @@ def explanations(
         likely = [name for name in likely if name != "delay"]
     # behind four the first order is no guide
     fits: list[tuple[tuple[str, ...], WaveformFit | None]]
-    fits = [((name,), _converged(refit(fit, [name]))) for name in likely[:4]]
+    fits = [((name,), _converged(_with(fit, name))) for name in likely[:4]]
     for names, point in _like(near) if near is not None else ():
-        start = replace(fit.problem, freed=(*fit.problem.freed, *names)).fit(point)
-        fits.append((names, _converged(start and refit(start))))
+        problem = replace(fit.problem, freed=(*fit.problem.freed, *names))
+        fits.append((names, _converged(fit_from(problem, point))))
     if frames:
         # where it holds, the nearest starts lead there: no wide search for what most records are not
         others = [in_other_frame(one) for one in lines]
@@ -253,9 +261,25 @@ def _like(near: FundamentalFit) -> Iterator[tuple[tuple[str, ...], Array]]:
         yield tuple(name if one == "delay" else one for one in names), turned
 
 
+def _with(fit: WaveformFit, name: str) -> WaveformFit | None:
+    """The fit with a departure left free.
+
+    The turn of a phase trades with c and m along a valley of χ² that is as narrow as the noise and curved, in which a
+    climb from no turn crawls: it begins at the oscillator that has the turn of the score test, or what of it leaves
+    each coefficient a tenth.
+    """
+    if name not in TURNS:
+        return refit(fit, [name])
+    one = fit.departures[name]
+    falls = [-changes(one, fit, one.value).get(key, 0.0) for key in fit.law.unknowns]
+    near = refit(fit, given={name: one.value / max(1.0, *(fall / 0.9 for fall in falls))})
+    return refit(near if near is not None and near.chi_square < fit.chi_square else fit, [name])
+
+
 def _least(name: str) -> float:
-    """The fall of χ² from which on a departure is there."""
-    return float(special.chdtri(1.0, P_CAUSE if name == GRADUAL else P_DEPARTURE))
+    """The fall of χ² from which on a departure is there; one that has one sign only has half of the chances."""
+    p = P_CAUSE if name in (GRADUAL, *TURNS) else P_DEPARTURE
+    return float(special.chdtri(1.0, 2.0 * p if name in ONE_SIGNED else p))
 
 
 def _may_be(name: str, one: Departure) -> bool:

@@ -23,14 +23,13 @@ from ..fit.minimise import minimise
 from ..fit.score import Departure
 from ..fit.search import sound, with_one_more
 from ..law.terms import FRICTION, KNOWN_TERMS
-from ..project.wording import Remark, change_text, listed, number_text, percent
+from ..project.wording import Remark, change_text, listed, number_text, percent, with_error
 from ..signals.one_thread import one_thread
 from ..signals.thresholds import AS_WELL, P_FURTHER_TERM, SHOWS
 from ..solver import NORMAL_95
 from .answer import Answer, unit_of
 from .causes import GRADUAL
 from .law_comparison import LawComparison, LawTest, Probability, compared
-from .screen import with_error
 from .stated import widened
 
 _MOST_ALONG = 3  # coefficients that are fitted along

@@ -20,10 +20,10 @@ from ..balance import TERMS, Rows
 from ..fit.decay import COMMON, FURTHER, RingFit, departures_of, with_noise_of
 from ..fit.scattering_mean import ScatteringMean
 from ..fit.score import Departure
-from ..fit.search import fit_all, in_the_band, separate_fits, sound
+from ..fit.search import fit_all, in_the_band, separate_fits, sound, to_the_end
 from ..motion.jit import interpreted
 from ..motion.unknowns import M
-from ..project.wording import Remark, listed, percent, visible
+from ..project.wording import Remark, listed, percent, visible, with_error
 from ..records.mapping import MappingLike
 from ..records.measured import MeasuredRecord, in_words_of_records
 from ..records.measurement import EXCITATIONS, ORDERS, Channel, Correction, Measurement
@@ -59,7 +59,7 @@ from .half_cycles import A, B, RingRows, W, rows_of
 from .identified import Identified, Level, Picture
 from .remarks import contradiction, forbidden, on_mass
 from .request import Stated, mapping_option, records_of, rig_options
-from .screen import implied, with_error
+from .screen import implied
 from .sensitivities import Fault
 from .stated import with_stated_uncertainties
 
@@ -298,7 +298,7 @@ def identify_ring_downs(
         )
         for one in left_out
     ]
-    fit, agrees = with_noise_of(common), True
+    fit, agrees = with_noise_of(to_the_end(common)), True
     if not fit.adequate:
         fit = in_the_band(fit) or fit
     if mass is not None:

@@ -32,7 +32,7 @@ from ..features import FEATURE_COLUMNS, Features, stack
 from ..law.law import Law, law_of
 from ..law.terms import FRICTION, term
 from ..motion.jit import interpreted
-from ..project.wording import Remark
+from ..project.wording import Remark, with_error
 from ..records.mapping import MappingLike
 from ..records.measured import MeasuredRecord, in_words_of_records
 from ..records.measurement import ABSOLUTE, RELATIVE
@@ -70,7 +70,7 @@ from .oscillator import (
 )
 from .remarks import DIRECT, agreement, notes_on
 from .request import Stated, mapping_option, records_of, rig_options
-from .screen import implied, with_error
+from .screen import implied
 from .sensitivities import Fault, sensitivities, shifts_of_fit, shifts_of_fundamentals
 from .stated import with_stated_uncertainties
 

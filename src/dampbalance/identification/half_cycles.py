@@ -101,7 +101,8 @@ def rows_of(fit: RingFit) -> RingRows:
     columns, decays, swings, turns = [np.empty((0, 3))], [], [], []
     for i, (one, F_k) in enumerate(zip(fit.decays, forces, strict=True)):
         stick = 2.0 * F_k / fit.K_z
-        channels = [swings_of(signal, one.period, _SLIPS * stick) for signal in one.signals]
+        moves = one.cut(one.start, fit.at_rest(i))  # from there on it rings on the contact
+        channels = [swings_of(signal, one.period, _SLIPS * stick) for signal in moves.signals]
         read = max(channels, key=lambda of: (of.D.size, -of.errors.sum()))
         swings.append((read, stick))
         turns.append((read.turns, read.errors))

@@ -20,7 +20,7 @@ from ..features import Features, stack
 from ..fit.fundamentals import FundamentalFit, fit_fundamentals
 from ..fit.goodness import improbable, linear_misfit
 from ..fit.oscillator_fit import OscillatorFit
-from ..fit.steady_search import fit_records, of_all_stiffnesses, refit
+from ..fit.steady_search import fit_from, fit_records, of_all_stiffnesses, refit
 from ..fit.waveforms import OSCILLATOR, WaveformFit
 from ..law.law import Law
 from ..law.terms import FRICTION
@@ -243,13 +243,12 @@ def _searched(
     if alone is not None:
         point, nuisances = alone.point.copy(), alone.problem.nuisances
         point[[alone.names.index(name) for name in nuisances]] = 0.0
-        start = replace(alone.problem, freed=OSCILLATOR).fit(point)
-        ends.append(start and refit(start))
+        ends.append(fit_from(replace(alone.problem, freed=OSCILLATOR), point))
     fits = [one for one in ends if one is not None and moves(one)]
     fit = min(fits, key=lambda one: one.chi_square, default=None)
     rings = fit is not None and max(one.swings for one in fit.responses) > 1.0
     if slips and (fit is None or (not fit.adequate and (alone is None or rings))):
-        fit = fit_records(lines, k, law)
+        fit = fit_records(lines, k, law, near=fit)
         fit = fit if fit is not None and moves(fit) else None
     return fit, None if fit is not None and fit.adequate else alone
 

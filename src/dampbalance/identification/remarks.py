@@ -105,8 +105,7 @@ def _by_half_the_stick(answer: Answer, readings: Sequence[Reading]) -> dict[str,
     weights = np.where(errors > 0.0, errors, 1.0) ** -2.0
     stick = np.array([reading.stick_travel for reading in readings])
     terms = {
-        key: g + 0.5 * stick if term(key).symbol == FRICTION else g
-        for key, g in rows.terms.items()
+        key: g + 0.5 * stick if term(key).symbol == FRICTION else g for key, g in rows.terms.items()
     }
     shifted = solve(replace(rows, terms=terms, weights=weights))
     return {

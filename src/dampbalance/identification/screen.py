@@ -7,15 +7,12 @@ from collections.abc import Mapping, Sequence
 
 from ..fit.oscillator_fit import OscillatorFit
 from ..project import wording
-from ..project.wording import minus, number_text, part, written
+from ..project.wording import number_text, part, rounded, with_error
 from .answer import USABLE, Answer, ParameterEstimate, Verdict, unit_of
 from .law_comparison import LawComparison, Probability
 from .remarks import of_masses
 
-_SMALLEST, _LARGEST = -6, 9  # powers of ten between which a number is written out
-_DIGITS = 15  # significant digits of a float
 _ROUNDING = 1e-12
-_MANTISSA = 6  # decimals of a number with a power of ten
 
 
 def answers_table(answers: Mapping[str, Answer]) -> list[tuple[str, ...]]:
@@ -98,11 +95,6 @@ def implied(fit: OscillatorFit, given_mass: float | None = None) -> list[str]:
     ]
 
 
-def with_error(value: float, error: float) -> str:
-    """2.4197 ± 0.0003"""
-    return f"{_rounded(value, error)} ± {_rounded(error, error)}"
-
-
 def with_interval(parameter: ParameterEstimate) -> str:
     """1.2807 [1.2784, 1.2831]: digits down to a tenth of the interval's half width."""
     value, interval = value_of(parameter), interval_of(parameter)
@@ -113,10 +105,10 @@ def value_of(parameter: ParameterEstimate) -> str:
     """1.2807: the value alone; "> 30000" for a lower limit, a dash for none."""
     value, (low, high) = parameter.value, parameter.interval
     if math.isfinite(low) and not math.isfinite(high):
-        return f"> {_rounded(low, low)}"
+        return f"> {rounded(low, low)}"
     if not all(map(math.isfinite, (value, low, high))):
         return "–"
-    return _rounded(value, 0.5 * (high - low))
+    return rounded(value, 0.5 * (high - low))
 
 
 def interval_of(parameter: ParameterEstimate) -> str:
@@ -124,22 +116,9 @@ def interval_of(parameter: ParameterEstimate) -> str:
     if not all(map(math.isfinite, (parameter.value, *parameter.interval))):
         return "–"
     low, high = parameter.interval
-    return f"[{_rounded(low, 0.5 * (high - low))}, {_rounded(high, 0.5 * (high - low))}]"
+    return f"[{rounded(low, 0.5 * (high - low))}, {rounded(high, 0.5 * (high - low))}]"
 
 
 def headed(symbol: str) -> str:
     """F_k (N): the head of a column of a table."""
     return wording.label_with_unit(symbol, unit_of(symbol))
-
-
-def _rounded(value: float, spread: float) -> str:
-    """The value with two digits of the spread, as a power of ten where either is far from one."""
-    if not spread > 0.0:
-        return written(value, ".6g")
-    size = math.floor(math.log10(max(abs(value), spread)))
-    # what a float holds
-    decimals = min(1 - math.floor(math.log10(spread)), _DIGITS - size)
-    value = round(value, decimals)
-    if _SMALLEST <= size < _LARGEST:
-        return minus(f"{value:.{max(0, decimals)}f}")
-    return number_text(value, 1 + min(max(0, size + decimals), _MANTISSA), 0, 0)

@@ -31,12 +31,11 @@ from ..identification.answer import (
 )
 from ..identification.identified import Identified, Level, Picture
 from ..identification.request import Stated, mapping_option, records_of, rig_options
-from ..identification.screen import with_error
 from ..identification.sensitivities import Fault
 from ..identification.stated import with_stated_uncertainties
 from ..law.law import Law, law_of
 from ..law.terms import FRICTION, term
-from ..project.wording import Remark, listed, number_text
+from ..project.wording import Remark, listed, number_text, with_error
 from ..records.mapping import MappingLike
 from .fit import ContactComparison, ContactFit, compare_contacts, fit_contact
 from .lines import Contact, SteppedLines

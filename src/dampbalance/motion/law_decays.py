@@ -35,10 +35,20 @@ preload w of the contact spring, and `ADDED`."""
 LINEAR_UNKNOWNS = len(OSCILLATOR_UNKNOWNS) + 3
 """How many of these a fit of friction and viscous damping needs."""
 
+Coefficients = tuple[float, float, float, float, float, float, float, float]
+"""Those of `ADDED`."""
+
 _START_X, _START_V, _START_PRELOAD = range(len(OSCILLATOR_UNKNOWNS), LINEAR_UNKNOWNS)
 _FIRST_ADDED = LINEAR_UNKNOWNS
 _FALLING, _SPEED, _GRADUAL = range(5, len(ADDED))
+# Rows of the work space, (15, 1 + n): a row is the motion, or a force on it, and its n derivatives. It is handed on
+# whole, as each array that is handed on costs as much as a tenth of a step.
+_STAGE, _HALF = 0, 4  # accelerations of the four stages of a step; x and ẋ after half of it
+_HELD, _CONSTANT = 6, 7  # of a phase, see `_hold`
+_STATE = 8  # x − x₀ and ẋ here, and there
+_FLOW = 12  # h, J, S, R over h/2, J, S, R over h: of slip, of stick, of a step to an event
 _RADIANS = 0.3  # of a phase that a step takes at the most: derivatives are then exact to 1e-5
+_EQUAL = 1e-10  # relative difference of two steps that rounding makes between thousands of times
 _NEWTONS = 20
 _REACHED = 1e-13  # of a step: an event is located
 _MOST_EVENTS = 4096  # a motion with more is none that samples show
@@ -53,13 +63,13 @@ def rounding(u: Any, F_k: float, K_z: float) -> Any:
 
 
 @jit
-def _persisting(v: float, p: Array) -> float:
+def _persisting(v: float, p: Coefficients) -> float:
     """The part e^(−|ẋ|/v) of what friction is larger by at rest that persists at a speed."""
     return math.exp(-abs(v) / p[_SPEED]) if p[_SPEED] > 0.0 else 0.0
 
 
 @jit
-def _added(x: float, v: float, sticks: bool, p: Array) -> tuple[float, float, float]:
+def _added(x: float, v: float, sticks: bool, p: Coefficients) -> tuple[float, float, float]:
     """The force that is not linear, and its derivatives by x and ẋ."""
     size = abs(v)
     sign = 1.0 if v > 0.0 else (-1.0 if v < 0.0 else 0.0)
@@ -75,211 +85,237 @@ def _added(x: float, v: float, sticks: bool, p: Array) -> tuple[float, float, fl
 
 @jit
 def _accelerations(
-    y: Array, sticks: bool, held: Array, par: Parameters, p: Array, out: Array
+    w: Array, at: int, rows: int, sticks: bool, par: Parameters, p: Coefficients, stage: int
 ) -> None:
-    """What the linear flow of a phase leaves out of the accelerations of the motion and of its derivatives, (1 + n,).
+    """Set the row of a stage to what the linear flow of a phase leaves out of the accelerations of the motion and its
+    derivatives.
 
-    y : (1 + n, 2), x − x₀ and ẋ, and their derivatives.   held : x₀ and its derivatives, (1 + n,).
+    at : row of the state.   rows : 1 for the motion alone, else 1 + n.
     """
-    u, v = y[0, 0], y[0, 1]
-    x = held[0] + u
+    u, v = w[at, 0], w[at + 1, 0]
+    x = w[_HELD, 0] + u
     force, by_x, by_v = _added(x, v, sticks, p)
-    out[0] = -force / par.m
-    for j in range(1, y.shape[0]):
-        out[j] = -(by_x * (held[j] + y[j, 0]) + by_v * y[j, 1]) / par.m
     stiff = par.k + (par.K_z if sticks else 0.0)
-    out[1 + C] -= v / par.m
-    out[1 + M] += (stiff * u + par.c * v + force) / (par.m * par.m)
-    if sticks:
-        out[1 + RHO] += 2.0 * par.K_z * math.sqrt(par.K_z) * u / par.m
-    if sticks and p[_GRADUAL] != 0.0 and par.F_k > 0.0:  # since the reversal at u = 0
+    by_u = rounded = by_force = 0.0
+    if sticks and par.F_k > 0.0:  # since the reversal at u = 0
         s = min(0.5 * par.K_z / par.F_k * abs(u), 1.0)
-        force = math.copysign(rounding(abs(u), par.F_k, par.K_z), u) * p[_GRADUAL] / par.m
-        stiffness = p[_GRADUAL] * par.K_z * (1.0 - 2.0 * s) / par.m
-        out[0] -= force
-        for j in range(1, y.shape[0]):
-            out[j] -= stiffness * y[j, 0]
-        out[1 + M] += force / par.m
-        out[1 + F_K] -= math.copysign(2.0 * s * s, u) * p[_GRADUAL] / par.m
-        out[1 + RHO] += 2.0 * math.sqrt(par.K_z) * stiffness * u
-    if y.shape[0] == 1 + LINEAR_UNKNOWNS:
+        rounded = math.copysign(rounding(abs(u), par.F_k, par.K_z), u)
+        by_u = p[_GRADUAL] * par.K_z * (1.0 - 2.0 * s)
+        by_force = p[_GRADUAL] * math.copysign(2.0 * s * s, u)
+        force += p[_GRADUAL] * rounded
+    w[stage, 0] = -force / par.m
+    if rows == 1:
+        return
+    per_x, per_u, per_v = by_x / par.m, (by_x + by_u) / par.m, by_v / par.m
+    for j in range(1, rows):
+        w[stage, j] = -(per_x * w[_HELD, j] + per_u * w[at, j] + per_v * w[at + 1, j])
+    w[stage, 1 + F_K] -= by_force / par.m
+    w[stage, 1 + C] -= v / par.m
+    w[stage, 1 + M] += (stiff * u + par.c * v + force) / (par.m * par.m)
+    if sticks:
+        w[stage, 1 + RHO] += 2.0 * math.sqrt(par.K_z) * (par.K_z + by_u) * u / par.m
+    if rows == 1 + LINEAR_UNKNOWNS:
         return
     size = abs(v)
     first = 1 + _FIRST_ADDED
-    out[first] -= size * v / par.m
-    out[first + 1] -= v * v * v / par.m
-    out[first + 2] -= size / par.m
-    out[first + 3] -= x * x / par.m
-    out[first + 4] -= x * x * x / par.m
+    w[stage, first] -= size * v / par.m
+    w[stage, first + 1] -= v * v * v / par.m
+    w[stage, first + 2] -= size / par.m
+    w[stage, first + 3] -= x * x / par.m
+    w[stage, first + 4] -= x * x * x / par.m
     if not sticks:
         left = _persisting(v, p)
-        out[first + _FALLING] += math.copysign(1.0 - left, v) / par.m
+        w[stage, first + _FALLING] += math.copysign(1.0 - left, v) / par.m
         if left > 0.0:
             by_speed = p[_FALLING] * left * size / p[_SPEED] ** 2
-            out[first + _SPEED] -= math.copysign(by_speed, v) / par.m
-    elif par.F_k > 0.0:  # since the reversal at u = 0
-        out[first + _GRADUAL] -= math.copysign(rounding(abs(u), par.F_k, par.K_z), u) / par.m
+            w[stage, first + _SPEED] -= math.copysign(by_speed, v) / par.m
+    else:
+        w[stage, first + _GRADUAL] -= rounded / par.m
 
 
 @jit
 def _linear_step(
-    y: Array,
-    h: float,
-    sticks: bool,
-    constant: Array,
+    w: Array,
+    here: int,
+    there: int,
+    rows: int,
+    flow: int,
+    Omega2: float,
+    by_rho: float,
     par: Parameters,
-    work: Array,
-    out: Array,
 ) -> None:
     """A step like that of `_step` without `ADDED`: the motion is exact, and Simpson's rule integrates what acts on the
-    derivatives by c, ρ and m."""
-    Omega2 = (par.k + (par.K_z if sticks else 0.0)) / par.m
-    half = step_response(0.5 * h, 0.5 * par.c / par.m, Omega2)
-    whole = step_response(h, 0.5 * par.c / par.m, Omega2)
-    J, S, R = whole
-    for i in range(y.shape[0]):
-        x, v = y[i, 0], y[i, 1]
-        out[i, 0] = (1.0 - Omega2 * J) * x + S * v + J * constant[i]
-        out[i, 1] = -Omega2 * S * x + R * v + S * constant[i]
-    work[3, 0] = 0.0
-    if y.shape[0] == 1:
+    derivatives by c, ρ and m.   by_rho : acceleration that ρ adds by displacement."""
+    h, J, S, R = w[flow, 0], w[flow, 4], w[flow, 5], w[flow, 6]
+    C, D = 1.0 - Omega2 * J, -Omega2 * S
+    for i in range(rows):
+        w[there, i] = C * w[here, i] + S * w[here + 1, i] + J * w[_CONSTANT, i]
+        w[there + 1, i] = D * w[here, i] + R * w[here + 1, i] + S * w[_CONSTANT, i]
+    w[_STAGE + 3, 0] = 0.0
+    if rows == 1:
         return
-    J, S, R = half
-    u = (1.0 - Omega2 * J) * y[0, 0] + S * y[0, 1] + J * constant[0]
-    v = -Omega2 * S * y[0, 0] + R * y[0, 1] + S * constant[0]
-    by_rho = 2.0 * par.K_z * math.sqrt(par.K_z) / par.m if sticks else 0.0
-    _drive(out, y[0], h / 6.0 * whole[1], h / 6.0 * whole[2], by_rho, Omega2, par)
-    work[5, 0], work[5, 1] = u, v
-    _drive(out, work[5], h / 1.5 * half[1], h / 1.5 * half[2], by_rho, Omega2, par)
-    _drive(out, out[0], 0.0, h / 6.0, by_rho, Omega2, par)
+    x, v, f = w[here, 0], w[here + 1, 0], w[_CONSTANT, 0]
+    _drive(w, there, x, v, h / 6.0 * S, h / 6.0 * R, Omega2, by_rho, par)
+    J, S, R = w[flow, 1], w[flow, 2], w[flow, 3]
+    x, v = (1.0 - Omega2 * J) * x + S * v + J * f, -Omega2 * S * x + R * v + S * f
+    _drive(w, there, x, v, h / 1.5 * S, h / 1.5 * R, Omega2, by_rho, par)
+    x, v = w[there, 0], w[there + 1, 0]
+    _drive(w, there, x, v, 0.0, h / 6.0, Omega2, by_rho, par)
 
 
 @jit
 def _drive(
-    y: Array, at: Array, S: float, R: float, by_rho: float, Omega2: float, par: Parameters
+    w: Array,
+    at: int,
+    x: float,
+    v: float,
+    S: float,
+    R: float,
+    Omega2: float,
+    by_rho: float,
+    par: Parameters,
 ) -> None:
-    """Add to the derivatives by c, ρ and m, y, what acts on them where the motion is `at`.   S, R : weights."""
-    x, v = at[0], at[1]
+    """Add to the derivatives of a state by c, ρ and m what acts on them at a place and a speed.   S, R : weights."""
     force = -v / par.m
-    y[1 + C, 0] += S * force
-    y[1 + C, 1] += R * force
+    w[at, 1 + C] += S * force
+    w[at + 1, 1 + C] += R * force
     force = by_rho * x
-    y[1 + RHO, 0] += S * force
-    y[1 + RHO, 1] += R * force
+    w[at, 1 + RHO] += S * force
+    w[at + 1, 1 + RHO] += R * force
     force = (Omega2 * x + par.c * v / par.m) / par.m
-    y[1 + M, 0] += S * force
-    y[1 + M, 1] += R * force
+    w[at, 1 + M] += S * force
+    w[at + 1, 1 + M] += R * force
 
 
 @jit
 def _step(
-    y: Array,
+    w: Array,
+    here: int,
+    there: int,
+    rows: int,
     h: float,
     sticks: bool,
-    held: Array,
-    constant: Array,
+    flow: int,
     par: Parameters,
-    p: Array,
+    p: Coefficients,
     linear: bool,
-    work: Array,
-    out: Array,
 ) -> None:
-    """A step of length h of the motion and its derivatives, from y to `out`, (1 + n, 2).
+    """A step of length h of the motion and its derivatives.
 
-    constant : part of the accelerations that is constant in the phase, (1 + n,).   work : (6, 1 + n).
+    here, there : rows of the states.   rows : of a state, 1 for the motion alone, else 1 + n.
+    flow : row of the responses of the phase, which are computed unless they are those of such a step.
     """
-    if linear:
-        _linear_step(y, h, sticks, constant, par, work, out)
-        return
     Omega2 = (par.k + (par.K_z if sticks else 0.0)) / par.m
-    J, S, R = step_response(0.5 * h, par.c / (2.0 * par.m), Omega2)
+    if abs(h - w[flow, 0]) > _EQUAL * h:
+        J, S, R = step_response(0.5 * h, 0.5 * par.c / par.m, Omega2)
+        w[flow, 0], w[flow, 1], w[flow, 2], w[flow, 3] = h, J, S, R
+        w[flow, 4] = (2.0 - Omega2 * J) * J + S * S
+        w[flow, 5] = S * (1.0 + R - Omega2 * J)
+        w[flow, 6] = R * R - Omega2 * S * S
+    if linear:
+        by_rho = 2.0 * par.K_z * math.sqrt(par.K_z) / par.m if sticks else 0.0
+        _linear_step(w, here, there, rows, flow, Omega2, by_rho, par)
+        return
+    J, S, R = w[flow, 1], w[flow, 2], w[flow, 3]
     C, D = 1.0 - Omega2 * J, -Omega2 * S
-    half_x, half_v = work[4], work[5]
-    rows = y.shape[0]
-    _accelerations(y, sticks, held, par, p, work[0])
     for i in range(rows):
-        half_x[i] = C * y[i, 0] + S * y[i, 1] + J * constant[i]
-        half_v[i] = D * y[i, 0] + R * y[i, 1] + S * constant[i]
-        out[i, 0] = half_x[i] + 0.5 * h * S * work[0, i]
-        out[i, 1] = half_v[i] + 0.5 * h * R * work[0, i]
-    _accelerations(out, sticks, held, par, p, work[1])
+        w[_HALF, i] = C * w[here, i] + S * w[here + 1, i] + J * w[_CONSTANT, i]
+        w[_HALF + 1, i] = D * w[here, i] + R * w[here + 1, i] + S * w[_CONSTANT, i]
+    at = here
+    for stage in range(_STAGE, _STAGE + 4):
+        _accelerations(w, at, rows, sticks, par, p, stage)
+        at = there
+        if stage < _STAGE + 2:
+            by_x, by_v = (0.5 * h * S, 0.5 * h * R) if stage == _STAGE else (0.0, 0.5 * h)
+            for i in range(rows):
+                w[there, i] = w[_HALF, i] + by_x * w[stage, i]
+                w[there + 1, i] = w[_HALF + 1, i] + by_v * w[stage, i]
+        elif stage == _STAGE + 2:
+            for i in range(rows):
+                x, v, f, more = w[_HALF, i], w[_HALF + 1, i], w[_CONSTANT, i], h * w[stage, i]
+                w[there, i] = C * x + S * (v + more) + J * f
+                w[there + 1, i] = D * x + R * (v + more) + S * f
     for i in range(rows):
-        out[i, 0] = half_x[i]
-        out[i, 1] = half_v[i] + 0.5 * h * work[1, i]
-    _accelerations(out, sticks, held, par, p, work[2])
-    for i in range(rows):
-        x, v = half_x[i], half_v[i]
-        out[i, 0] = C * x + S * v + J * constant[i] + h * S * work[2, i]
-        out[i, 1] = D * x + R * v + S * constant[i] + h * R * work[2, i]
-    _accelerations(out, sticks, held, par, p, work[3])
-    for i in range(rows):
-        x = half_x[i] + h / 6.0 * S * work[0, i]
-        v = half_v[i] + h / 6.0 * R * work[0, i] + h / 3.0 * (work[1, i] + work[2, i])
-        out[i, 0] = C * x + S * v + J * constant[i]
-        out[i, 1] = D * x + R * v + S * constant[i] + h / 6.0 * work[3, i]
+        first, last = h / 6.0 * w[_STAGE, i], h / 6.0 * w[_STAGE + 3, i]
+        x, f = w[_HALF, i] + S * first, w[_CONSTANT, i]
+        v = w[_HALF + 1, i] + R * first + h / 3.0 * (w[_STAGE + 1, i] + w[_STAGE + 2, i])
+        w[there, i] = C * x + S * v + J * f
+        w[there + 1, i] = D * x + R * v + S * f + last
 
 
 @jit
 def _hold(
-    y: Array, s: float, side: float, first: bool, par: Parameters, held: Array, constant: Array
+    w: Array, at: int, rows: int, s: float, side: float, first: bool, par: Parameters
 ) -> None:
-    """Begin a phase at y: its place goes to `held`, its constant accelerations to `constant`.
+    """Begin a phase at a state: add its place to what is held, and set its constant accelerations.
 
     side : force of the contact there, over F_k.   first : whether it is the first phase, whose side is that of w.
     """
     m = par.m
-    for i in range(y.shape[0]):
-        held[i] += y[i, 0]
-        y[i, 0] = 0.0
-        constant[i] = -par.k * held[i] / m
-    constant[0] -= side * par.F_k / m
-    constant[1 + F_K] -= side / m
-    constant[1 + M] -= constant[0] / m
+    for i in range(rows):
+        w[_HELD, i] += w[at, i]
+        w[at, i] = 0.0
+        w[_CONSTANT, i] = -par.k * w[_HELD, i] / m
+    w[_CONSTANT, 0] -= side * par.F_k / m
+    w[_CONSTANT, 1 + F_K] -= side / m
+    w[_CONSTANT, 1 + M] -= w[_CONSTANT, 0] / m
     if first and s == 0.0:
-        constant[1 + _START_PRELOAD] -= par.F_k / m
+        w[_CONSTANT, 1 + _START_PRELOAD] -= par.F_k / m
 
 
 @jit
 def law_decay(
-    times: Array, order: int, x: float, v: float, w: float, par: Parameters, p: Array, unknowns: int
+    times: Array,
+    order: int,
+    x: float,
+    v: float,
+    preload: float,
+    par: Parameters,
+    coefficients: Array,
+    unknowns: int,
 ) -> Array:
     """x, ẋ or ẍ (order 0, 1, 2) of a free decay at ascending times ≥ 0, and derivatives, (n, 1 + unknowns).
 
     NaN from where the contact rattles on.
 
-    p : coefficients of `ADDED`, (8,).
-    unknowns : how many of `DECAY_UNKNOWNS` to differentiate by: all, or `LINEAR_UNKNOWNS` in half the time.
+    x, v, preload : at t = 0.   coefficients : of `ADDED`, (8,).
+    unknowns : how many of `DECAY_UNKNOWNS` to differentiate by: all, or `LINEAR_UNKNOWNS` in a third of the time.
     """
     rows = 1 + unknowns
     out = np.full((times.size, rows), math.nan)
-    y, there = np.zeros((rows, 2)), np.zeros((rows, 2))
-    held, constant, work = np.zeros(rows), np.zeros(rows), np.empty((6, rows))
-    held[0], y[0, 1] = x, v
-    held[1 + _START_X], y[1 + _START_V, 1] = 1.0, 1.0
+    w = np.zeros((15, rows))
+    c = coefficients
+    p = (c[0], c[1], c[2], c[3], c[4], c[5], c[6], c[7])
+    # for a literal each kernel would be compiled once more
+    here, there, stage = int(np.int64(_STATE)), int(np.int64(_STATE + 2)), int(np.int64(_STAGE))
+    w[_HELD, 0], w[here + 1, 0] = x, v
+    w[_HELD, 1 + _START_X], w[here + 1, 1 + _START_V] = 1.0, 1.0
     # up to the end, F_k is that at rest
     par = Parameters(par.m, par.c, par.k, par.K_z, par.F_k + p[_FALLING], par.Y, par.omega)
     Z_m = par.F_k / par.K_z
-    side = min(max(w - 1.0, -1.0), 1.0)
+    side = min(max(preload - 1.0, -1.0), 1.0)
     s = contact_state(x, v, side * Z_m, 0.0, par)
     if s != 0.0:
         side = s
-    bent = p[:_SPEED].any() or p[_GRADUAL] != 0.0
+    bent = coefficients[:_SPEED].any() or p[_GRADUAL] != 0.0
     t, events, linear = 0.0, 0, unknowns <= LINEAR_UNKNOWNS and not bent
-    _hold(y, s, side, events == 0, par, held, constant)
+    _hold(w, here, rows, s, side, events == 0, par)
     for n in range(times.size):
         while True:
             sticks = s == 0.0
             stiff = par.k + (par.K_z if sticks else 0.0)
-            h = min(times[n] - t, _RADIANS * math.sqrt(par.m / stiff))
+            h = times[n] - t
             if h <= 0.0:
                 break
+            h /= math.ceil(h / _RADIANS * math.sqrt(stiff / par.m))
             # an event is beyond `high` or `low`; it is located by Newton's method kept inside the bracket
             high = Z_m - side * Z_m if sticks else 0.0
             low = -Z_m - side * Z_m if sticks else 0.0
             before, after, part, up, crosses = 0.0, h, h, s < 0.0, False
+            many, flow = rows, _FLOW + int(sticks)
             for attempt in range(_NEWTONS):
-                _step(y, part, sticks, held, constant, par, p, linear, work, there)
-                u, rate = there[0, 0], there[0, 1]
+                _step(w, here, there, many, part, sticks, flow, par, p, linear)
+                u, rate = w[there, 0], w[there + 1, 0]
                 # a contact that is loaded while the mass moves yields earlier than at rest
                 early = math.copysign((1.0 - _persisting(rate, p)) * p[_FALLING] / par.K_z, rate)
                 most, least = high - max(early, 0.0), low - min(early, 0.0)
@@ -289,7 +325,7 @@ def law_decay(
                         break
                     up = u > most if sticks else up
                 error = (u - (most if up else least)) if sticks else rate
-                slope = constant[0] + work[3, 0] - (par.c * rate + stiff * u) / par.m
+                slope = w[_CONSTANT, 0] + w[_STAGE + 3, 0] - (par.c * rate + stiff * u) / par.m
                 if sticks:
                     by_rate = _persisting(rate, p) * p[_FALLING] / par.K_z
                     slope = rate + (by_rate * slope / p[_SPEED] if by_rate > 0.0 else 0.0)
@@ -305,7 +341,13 @@ def law_decay(
                 if abs(newton - part) <= _REACHED * h:
                     break
                 part = newton
-            y, there = there, y
+                # the derivatives are not needed on the way to an event
+                many, flow = 1, _FLOW + 2
+                w[flow, 0] = 0.0
+            if crosses:
+                w[flow, 0] = 0.0
+                _step(w, here, there, rows, part, sticks, flow, par, p, linear)
+            here, there = there, here
             t += part
             if not crosses:
                 continue
@@ -316,20 +358,21 @@ def law_decay(
                 side = 1.0 if up else -1.0
                 s = side
             else:
-                y[0, 1], side = 0.0, s
-                s = contact_state(held[0] + y[0, 0], 0.0, side * Z_m, 0.0, par)
+                w[here + 1, 0], side = 0.0, s
+                s = contact_state(w[_HELD, 0] + w[here, 0], 0.0, side * Z_m, 0.0, par)
                 if s != 0.0:
                     side = s
-            _hold(y, s, side, events == 0, par, held, constant)
+            _hold(w, here, rows, s, side, events == 0, par)
         for i in range(rows):
-            out[n, i] = y[i, order] if order < 2 else 0.0
+            out[n, i] = w[here + order, i] if order < 2 else 0.0
             if order == 0:
-                out[n, i] += held[i]
+                out[n, i] += w[_HELD, i]
         if order == 2:
-            _accelerations(y, s == 0.0, held, par, p, work[0])
+            _accelerations(w, here, rows, s == 0.0, par, p, stage)
             stiff = par.k + (par.K_z if s == 0.0 else 0.0)
             for i in range(rows):
-                out[n, i] = constant[i] + work[0, i] - (par.c * y[i, 1] + stiff * y[i, 0]) / par.m
-    if unknowns > LINEAR_UNKNOWNS:
-        out[:, 1 + _FIRST_ADDED + _FALLING] += out[:, 1 + F_K]
+                flowing = w[_CONSTANT, i] - (par.c * w[here + 1, i] + stiff * w[here, i]) / par.m
+                out[n, i] = flowing + w[_STAGE, i]
+        if unknowns > LINEAR_UNKNOWNS:  # F_k is that at high speed
+            out[n, 1 + _FIRST_ADDED + _FALLING] += out[n, 1 + F_K]
     return out

@@ -15,6 +15,9 @@ GREEK = {"phi": "φ", "omega": "ω", "zeta": "ζ"}
 SYMBOL = re.compile(r"\b(?:(phi|omega|zeta)(?:_(\w))?|([A-Za-zω])_([kszmn]|\d))\b")
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _LOWERED = str.maketrans("0123456789ksmn", "₀₁₂₃₄₅₆₇₈₉ₖₛₘₙ")
+_SMALLEST, _LARGEST = -6, 9  # powers of ten between which a number is written out
+_DIGITS = 15  # significant digits of a float
+_MANTISSA = 6  # decimals of a number with a power of ten
 _MANY_TIMES = 1000  # beyond it the very number tells nothing more
 
 
@@ -142,6 +145,24 @@ def written(value: float, spec: str) -> str:
     """A number in a form such as ".3g" as people write it, −0.5 or 1.65·10³."""
     text = minus(format(value, spec))
     return re.sub(r"e([+-]\d+)", lambda of: f"{TIMES}{ten_to(int(of[1]))}", text)
+
+
+def rounded(value: float, spread: float) -> str:
+    """The value with two digits of the spread, as a power of ten where either is far from one."""
+    if not spread > 0.0:
+        return written(value, ".6g")
+    size = math.floor(math.log10(max(abs(value), spread)))
+    # what a float holds
+    decimals = min(1 - math.floor(math.log10(spread)), _DIGITS - size)
+    value = round(value, decimals)
+    if _SMALLEST <= size < _LARGEST:
+        return minus(f"{value:.{max(0, decimals)}f}")
+    return number_text(value, 1 + min(max(0, size + decimals), _MANTISSA), 0, 0)
+
+
+def with_error(value: float, error: float) -> str:
+    """2.4197 ± 0.0003"""
+    return f"{rounded(value, error)} ± {rounded(error, error)}"
 
 
 class _Sentence(Formatter):
