@@ -30,6 +30,7 @@ import dampbalance
 from dampbalance.balance import APPROACHES, checks
 from dampbalance.law.terms import KNOWN_TERMS
 from dampbalance.project.wording import SYMBOL, in_markdown, markdown_table
+from dampbalance.publishing.site import PAGES
 from dampbalance.publishing.words import rich_markup
 
 WIDTH = 120  # letters of a line of output that is not a row of a table: what commands write their help in
@@ -107,6 +108,9 @@ def _lead_links(app: Sphinx, path: Path, page: str, content: list[str]) -> None:
             for anchor in (place, ""):
                 if (one, anchor) in parts:
                     return parts[one, anchor]
+        if file.is_relative_to(root / PAGES):
+            file = file.with_suffix(".ipynb") if file.suffix == ".py" else file
+            return f"/{file.relative_to(root / PAGES).as_posix()}" + f"#{place}" * bool(place)
         if file == root / REPORT:
             return f"copied:{'../' * app.env.docname.count('/')}files/{file.name}"
         file_itself = "path:" * (file.suffix == ".md")  # though Sphinx could make a page of it

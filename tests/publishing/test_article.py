@@ -205,7 +205,7 @@ def test_the_values_speak_of_the_case(values):
     assert {key: values[key]["text"] for key in BY_HAND} == BY_HAND
 
 
-# What the README says of the causes, with numbers of the article.
+# What the README of the results says of the causes, with numbers of the article.
 OF_THE_CAUSES = (
     ("the third alone causes errors in F_k of {} %", "error.omega1.fundamental.least_squares.F_k"),
     ("%, {} % and", "error.omega2.fundamental.least_squares.F_k"),
@@ -229,7 +229,7 @@ OF_THE_CAUSES = (
 
 @pytest.mark.parametrize(("words", "key"), OF_THE_CAUSES, ids=[key for _, key in OF_THE_CAUSES])
 def test_the_readme_has_the_numbers_of_the_article(values, words, key):
-    readme = " ".join((ROOT / "README.md").read_text(encoding="utf-8").split())
+    readme = " ".join((ROOT / "results/README.md").read_text(encoding="utf-8").split())
     assert words.format(values[key]["text"]) in readme
 
 

@@ -401,7 +401,7 @@ def test_symbols_numbers_and_units_are_set(function, text, shown):
     assert str(function(text)) == shown.replace("~", "\N{NO-BREAK SPACE}")
 
 
-# --- the picture in the README ---------------------------------------------------------------------
+# --- the picture in results/README.md -------------------------------------------------------------
 
 
 def test_the_picture_of_the_match_is_up_to_date(made):

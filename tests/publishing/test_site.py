@@ -11,6 +11,7 @@ import pytest
 import yaml
 
 from dampbalance.commands.main import parser
+from dampbalance.identification.symptoms import PAGE, SYMPTOMS, address
 from dampbalance.publishing.site import SiteError, build_site
 from folders import ROOT, contents, shared
 from publishing.site_case import built, local, project, read_page
@@ -133,6 +134,22 @@ def test_studies_show_what_came_out(site):
     assert page.text.count("It shows this.") == len(studies)
     assert len([one for one in page.loaded if "figure" in one]) == len(studies)
     assert "quantity" not in page.text  # the tables are long
+
+
+def test_each_symptom_can_be_led_to(site):
+    page = read_page(site / f"{PAGE}.html")
+    assert {address(name).partition("#")[2] for name in SYMPTOMS} <= page.ids
+    assert page.text.count("Fault: ") == len(SYMPTOMS)
+
+
+def test_notebooks_of_the_gallery_have_their_outputs(site):
+    shown = {
+        name: read_page(site / f"gallery/{name}.html") for name in ("forced", "decay", "study")
+    }
+    assert "1.28" in shown["forced"].text
+    assert "maximum likelihood" in shown["decay"].text
+    for page in shown.values():
+        assert len([one for one in page.loaded if one.endswith(".svg")]) >= 2
 
 
 def test_the_tour_is_a_page_with_its_outputs(site):

@@ -86,7 +86,7 @@ TEXT = """\
 # Text
 
 [one](#one), [other](../README.md#use-it), [file](data/x.csv), ![picture](a.svg), [its page](../docs/)
-and `[code](not/a/link.md)`, [elsewhere](https://example.org/), [no page](lone.md)
+and `[code](not/a/link.md)`, [elsewhere](https://example.org/), [no page](lone.md), [how](../paper/site/a/use.md#x)
 
 ## One
 
@@ -129,6 +129,7 @@ def test_links_of_an_included_text_lead_to_pages_or_files(tmp_path):
     for link in (
         *("[one](#one)", "[other](/a/use.md#use-it)", "[file](/../../config/data/x.csv)"),
         *("![picture](/../../config/a.svg)", "[its page](/docs.md)", "`[code](not/a/link.md)`"),
+        "[how](/a/use.md#x)",
         *("(https://example.org/)", "[no](link.md)", "[no page](path:/../../config/lone.md)"),
     ):
         assert link in content[0], link

@@ -1,4 +1,4 @@
-"""The README says what is so: its numbers, its picture and its example."""
+"""The READMEs of the project and of the results say what is so: their numbers, pictures and examples."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from dampbalance import identify
 from dampbalance.estimates import estimate_table
 from dampbalance.figures import figure3, save
 from dampbalance.replication.claims import evidence, unprinted
@@ -21,6 +22,8 @@ from paper_case import FREQUENCIES_HZ, OMEGA, PAIRS, PAPER, features_at, orbits_
 from replication.routes import CASE, PRINT, exact, judged, unrounded
 
 README = (ROOT / "README.md").read_text(encoding="utf-8")
+RESULTS = (ROOT / "results/README.md").read_text(encoding="utf-8")
+LIBRARY = (ROOT / "paper/site/start/oscillators.md").read_text(encoding="utf-8")
 
 
 def test_the_verdicts_are_those_on_record():
@@ -29,7 +32,7 @@ def test_the_verdicts_are_those_on_record():
     # What kind a claim is does not depend on what the routes give for it.
     kinds = claims_table(Sources(PRINT, CASE, nothing, nothing, pd.DataFrame()))[["id", "kind"]]
     recorded = recorded.merge(kinds, on="id", validate="one_to_one")
-    block = README.split("<!-- verdicts", 1)[1].split("-->", 1)[1].split("<!-- end", 1)[0]
+    block = RESULTS.split("<!-- verdicts", 1)[1].split("-->", 1)[1].split("<!-- end", 1)[0]
     counted = counts(recorded)
     rows = {
         "numbers": [count.part for count in counted],
@@ -42,6 +45,14 @@ def test_the_verdicts_are_those_on_record():
     table = [line.strip("| ").split(" | ") for line in block.strip().splitlines()]
     del table[1]  # the rule below the head
     assert table == [[name, *map(str, row)] for name, row in rows.items()]
+    total = counted[-1].of_verdict
+    exact = sum(total[name] for name in ("reproduced", "simulated", "from print"))
+    near = sum(total[name] for name in ("last digit", "reading", "propagated"))
+    assert (
+        f"Of {counted[-1].computed} numbers that the paper computes, {exact} come out to the last printed digit, "
+        f"{near} within one unit of it or within the rounding of what was printed, {total['unexplained']} agree "
+        f"without a known cause, and {total['differs']} differ"
+    ) in " ".join(README.split())
 
 
 def test_what_the_agreement_proves_is_as_counted():
@@ -55,7 +66,7 @@ def test_what_the_agreement_proves_is_as_counted():
             exact().features["omega3"], CASE, PRINT["text.max_error_omega3"].value
         )
     ]
-    text = " ".join(README.split())
+    text = " ".join(RESULTS.split())
     assert (routes["exact"], routes["print_elsewhere"], choices["continuous"]) == (12, 1, 1)
     assert (found["inputs"], found["moved"]["t_s"], found["moved"]["X + X_s"]) == (
         9,
@@ -77,15 +88,18 @@ def test_what_the_agreement_proves_is_as_counted():
         assert words in text
 
 
-def test_the_picture_is_the_figure_that_is_built(tmp_path):
-    save(figure3(orbits_at()), tmp_path / "figure3.svg", tmp_path / "figure3.png")
-    built, shown = (
-        np.array(re.findall(r"-?\d+\.\d+", path.read_text(encoding="utf-8")), dtype=float)
-        for path in (tmp_path / "figure3.svg", ROOT / "paper/figures/figure3.svg")
-    )
-    # In points: a hundredth is invisible, and leaves room for another machine's last bits.
-    assert built.shape == shown.shape
-    np.testing.assert_allclose(built, shown, atol=0.01)
+def test_the_pictures_are_those_that_are_drawn(tmp_path):
+    records = sorted((ROOT / "config/records/example").glob("level*.csv"))
+    loops = identify(records, stiffness=PAPER.k, frequency=FREQUENCIES_HZ["omega2"])
+    for name, figure in (("figure3", figure3(orbits_at())), ("friction", loops.draw("friction"))):
+        save(figure, tmp_path / f"{name}.svg", tmp_path / f"{name}.png")
+        drawn, shown = (
+            np.array(re.findall(r"-?\d+\.\d+", (folder / f"{name}.svg").read_text("utf-8")), float)
+            for folder in (tmp_path, ROOT / "paper/figures")
+        )
+        # In points: a hundredth is invisible, and leaves room for another machine's last bits.
+        assert drawn.shape == shown.shape
+        np.testing.assert_allclose(drawn, shown, atol=0.01)
 
 
 @pytest.mark.parametrize(
@@ -95,7 +109,7 @@ def test_the_errors_quoted_are_those_found(hertz, worst):
     table = estimate_table(features_at(hertz), PAPER.k, PAIRS)
     shared = table[(table["phase"] == "common") & (table["kind"] == "pair")]
     error = 100.0 * (shared["F_k_N"] / PAPER.F_k - 1.0).abs().max()
-    assert f"{worst:g} %" in README
+    assert f"{worst:g} %" in RESULTS
     assert 0.9 * worst < error < worst
     direct = table[(table["approach"] == "direct") & table["kind"].isin(["pair", "least_squares"])]
     assert (direct["F_k_N"] / PAPER.F_k - 1.0).abs().max() < 1e-10
@@ -104,7 +118,7 @@ def test_the_errors_quoted_are_those_found(hertz, worst):
 
 def examples() -> dict[str, str]:
     """Each piece of Python in it, by the name that its import of the package begins with."""
-    pieces = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
+    pieces = re.findall(r"```python\n(.*?)```", README + LIBRARY, re.DOTALL)
     return {re.search(r"from dampbalance import (\w+)", code)[1]: code for code in pieces}
 
 
@@ -140,11 +154,12 @@ def test_the_example_of_a_notebook_runs():
 
 
 def test_every_file_it_links_to_is_there():
-    for target in re.findall(r"\]\(([^)#]+)\)", README):
-        assert (ROOT / target).exists(), target
+    for folder, text in ((ROOT, README), (ROOT / "results", RESULTS)):
+        for target in re.findall(r"\]\(([^)#]+)[^)]*\)", text):
+            assert (folder / target).exists(), target
 
 
 def test_the_dissipation_quoted_is_that_of_the_configuration():
     value = PAPER.m * (37.19 + OMEGA**2 * 5.0e-6)  # c/m as rounded
-    assert f"{value:.4f} N s/m" in README
+    assert f"{value:.4f} N s/m" in RESULTS
     assert json.dumps(round(value, 4)) == "90.0114"

@@ -1,5 +1,5 @@
 # Figures 1–3 of the paper, the error of every estimate against the level of excitation, and where there is something printed
-# the picture of the match, which the README shows (as paper/figures/match.svg). One job draws all of them.
+# the picture of the match, which results/README.md shows (as paper/figures/match.svg). One job draws all of them.
 
 
 include: "../functions/figures.smk"

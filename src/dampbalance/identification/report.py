@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import base64
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import PurePath
 from typing import Any
 
@@ -33,6 +33,7 @@ from ..project.wording import (
 from .answer import DOUBTFUL, NONE, USABLE, Answer, ParameterEstimate, limit, unit_of
 from .remarks import in_a_sentence
 from .screen import answers_table, comparison, interval_of, value_of
+from .symptoms import address, symptoms_in
 
 _COLOURS = {  # on paper, on a dark screen: contrast of text of at least 4.5 : 1
     "paper": (PAPER_COLOUR, DARK[PAPER_COLOUR]),
@@ -144,6 +145,16 @@ def _first_check(answer: Answer, effects: Mapping[str, Any]) -> list[str]:
     return [*filter(None, [max(felt, key=lambda one: one[1])[0]])]
 
 
+def _explained(sentences: Iterable[str]) -> list[str]:
+    """Where the site explains the symptoms that sentences name; none where they name none."""
+    if not (names := symptoms_in(sentences)):
+        return []
+    return [
+        "how this looks in a record, what it does to each number and what to do: on the site (make docs), "
+        f"{listed([*map(address, names)])}"
+    ]
+
+
 def _setting(value: Any) -> str:
     if isinstance(value, list | tuple):
         return ", ".join(map(_setting, value))
@@ -182,6 +193,7 @@ _TEMPLATES.globals |= {
     "answers_table": answers_table,
     "comparison": comparison,
     "dotted": dotted,
+    "explained": _explained,
     "first_check": _first_check,
     "in_a_sentence": in_a_sentence,
     "verdict": _verdict,

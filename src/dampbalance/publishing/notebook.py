@@ -1,8 +1,8 @@
 """Runs a notebook that is written as a plain script.
 
 The script is in the percent format of jupytext. Everything that would differ between two runs is excluded: the user's
-IPython settings, execution times, random cell ids, dates and software versions in pictures, and output to stderr.
-Metadata of a cell stay in the notebook:
+settings of IPython and matplotlib, execution times, random cell ids, dates, names and software versions in pictures,
+and output to stderr. Metadata of a cell stay in the notebook:
 
     # %% alt="…"             describes the picture for readers who cannot see it
     # %% tags=["outcome"]    marks the solution of an exercise
@@ -89,7 +89,10 @@ def _environment(folder: Path) -> dict[str, str]:
     profile = folder / "ipython" / "profile_default"
     profile.mkdir(parents=True)
     (profile / "ipython_kernel_config.py").write_text(KERNEL_SETTINGS, encoding="utf-8")
+    # names inside a picture follow from its content; what a user has set counts no more than that of IPython
+    (folder / "matplotlibrc").write_text("svg.hashsalt: dampbalance\n", encoding="utf-8")
     return os.environ | {
+        "MATPLOTLIBRC": str(folder / "matplotlibrc"),
         "IPYTHONDIR": str(folder / "ipython"),
         "JUPYTER_CONFIG_DIR": str(folder / "config"),
         "JUPYTER_RUNTIME_DIR": str(folder / "runtime"),

@@ -16,10 +16,13 @@ import tempfile
 from pathlib import Path
 
 from ..project.files import UNFINISHED
+from .notebook import run_notebook, write_notebook
 
 PAGES = "paper/site"
 REPORT_PAGE, TOUR = "results/paper/report.html", "results/paper/notebook/tour.ipynb"
-PREPARED = ("case", "joint", "decay", "pendulum", "example")
+GALLERY = "gallery"
+"""The folder of pages that are notebooks, written as scripts and run here."""
+PREPARED = ("case", "joint", "symptoms", "decay", "pendulum", "example")
 """Folders in which pages run commands. What paper/site has of them is there; its lab.py writes the records."""
 
 _LOCAL_LINK = re.compile(r"""(?<=<a)([^>]*?)\shref="(?![a-z]+:|#)[^"]*"(?=[^>]*>)""")
@@ -50,6 +53,9 @@ def build_site(root: str | Path, target: str | Path) -> None:
             if (stage / place).is_dir():
                 shutil.copytree(stage / place, run, dirs_exist_ok=True)
                 _run("lab.py", folder=run)
+        for script in sorted((stage / GALLERY).glob("*.py")):
+            text = write_notebook(run_notebook(script))
+            script.with_suffix(".ipynb").write_text(text, encoding="utf-8")
         flags = ["-b", "html", "-W", "--keep-going", "-n", "-q", "-d", f"{folder}/trees"]
         _run("-m", "sphinx", *flags, folder, f"{folder}/made", folder=root)
         (stage / "made/.buildinfo").unlink()  # serves only another run of Sphinx in this folder

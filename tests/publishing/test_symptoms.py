@@ -1,0 +1,48 @@
+"""The page of symptoms: the fault of its records is what `identify` names, and a report leads to its section."""
+
+from __future__ import annotations
+
+import re
+import sys
+from importlib import import_module
+
+import pytest
+
+from dampbalance.identification.causes import CAUSES
+from dampbalance.identification.symptoms import SYMPTOMS, address, symptoms_in
+from folders import ROOT
+
+pytestmark = pytest.mark.slow
+
+SITE = ROOT / "paper/site"
+sys.path.append(str(SITE / "symptoms"))
+lab = import_module("lab")
+
+
+def test_each_symptom_has_records_and_a_section_and_each_cause_is_one():
+    sections = re.findall(r"^\((\S+)\)=$", (SITE / "howto/symptoms.md").read_text("utf-8"), re.M)
+    assert sorted(sections) == sorted(address(name).partition("#")[2] for name in SYMPTOMS)
+    assert lab.FAULTS.keys() == SYMPTOMS.keys() >= CAUSES.keys()
+
+
+@pytest.mark.parametrize("name", SYMPTOMS)
+def test_the_fault_put_into_records_is_the_one_that_is_named(name):
+    sentences, _ = lab.sentences(name)
+    assert sentences
+
+
+def test_sound_records_show_none_and_their_truth():
+    sound = lab.identified(lab.Fault("none"))
+    assert symptoms_in([*sound.limiting, *sound.rig]) == []
+    for symbol in ("F_k", "c", "K_z"):
+        low, high = sound.intervals[symbol]
+        # an interval of 95 % may miss it: twice its width does not
+        assert abs(getattr(lab.TRUTH, symbol) - 0.5 * (low + high)) < high - low
+    assert "symptoms.html" not in sound.report()
+
+
+def test_a_report_leads_to_the_sections_of_what_it_shows():
+    page = lab.identified(lab.FAULTS["clipped"]).report()
+    assert address("clipped") == "howto/symptoms.html#clipped"
+    assert "howto/symptoms.html#clipped" in page
+    assert address("friction_level") == "howto/symptoms.html#friction-level"
