@@ -88,8 +88,8 @@ def widened(answer: Answer, shifts: Mapping[str, Mapping[str, float]]) -> Answer
     values = np.array([answer.parameters[s].value for s in symbols])
     off = np.array([[of.get(s, 0.0) for s in symbols] for of in shifts.values()])
     # no shifts are known of a fit that does not hold, nor of a rigid contact
-    off = off.reshape(-1, len(symbols)) * np.where(np.isfinite(values), values, 0.0)
-    off = np.where(np.isfinite(off), off, 0.0)
+    off = np.where(np.isfinite(off), off, 0.0).reshape(-1, len(symbols))
+    off *= np.where(np.isfinite(values), values, 0.0)
     sizes = dict(zip(symbols, np.sqrt(np.sum(off**2, axis=0)).tolist(), strict=True))
     covariance = answer.covariance + off.T @ off
     merit = dict(answer.merit)

@@ -475,6 +475,7 @@ def _equivalent(oscillator: Oscillator, base: BaseMotion, others: Mapping[str, f
     return orbit
 
 
+@np.errstate(over="ignore")  # a step that leads so far is halved like any other
 def _solved(system: System, near: Response | None) -> tuple[Array, Array]:
     """The unknowns of the response and the derivatives of its equations, by Newton's method from the orbit, or from a
     response near; from one that is very near, with its derivatives."""
