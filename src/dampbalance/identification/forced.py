@@ -268,8 +268,7 @@ def identify_forced(
     "direct" assumes no shape of x(t), "fourier" takes three harmonics of it.
     skip_cycles : left out at the start of each record, where the motion has not settled.
 
-    Names and labels in order (terms, approaches, those of groups) may be a text with commas between them:
-    terms="F_k,c".
+    Names and labels in order (terms, approaches, groups) may be a text with commas: terms="F_k,c".
 
     Raises ValueError (for a record, `RecordError`) naming argument or record, what is wrong and the remedy: an argument
     that is outside its range or of another kind, a record that cannot be used, fewer of them than unknowns.
@@ -359,7 +358,8 @@ def identify_readings(
 
     Use `identify_forced` for records; this function is for readings that are at hand, as in studies.
 
-    readings : of `read_features`, one per level that differs, as many as unknowns for a balance.   k : stiffness of the readings, N/m.   law : default, F_k and c.
+    readings : of `read_features`, for levels that differ, as many as unknowns.   k : stiffness of the readings, N/m.
+    law : default, F_k and c.
     mass_error, stiffness_error : standard uncertainties of the mass, kg, and of k, N/m, for the test of the mass.
     Others are as for `identify`.
 
