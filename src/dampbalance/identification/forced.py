@@ -246,7 +246,7 @@ def identify_forced(
     variance. The answer is the maximum-likelihood fit of one oscillator to all records, with the balance as its check,
     and the balance itself where the records are not those of such an oscillator.
 
-    records : as `read_records` returns or takes them, as many as there are coefficients or more, levels far apart.
+    records : as `read_records` returns or takes them, as many as coefficients or more, at levels far apart.
     stiffness : k of the spring, N/m, or a text with its unit, "5.2 N/mm"; it scales F_k and c. With its standard
     uncertainty, (2310.0, 10.0) or "2310±10", which the intervals then hold, as they do those of gains and delays that a
     mapping states. Without, they are conditional on k.
@@ -259,10 +259,9 @@ def identify_forced(
     contact_to : what holds the friction contact: "base" for a mount or an isolator, whose spring, damper and friction
     all sit between table and mass; its mass must be given.
     damper_to : what holds the damper; default, what holds the contact.
-    terms : of the damping law, symbols of `KNOWN_TERMS` and objects of `Term`; default, F_k, c and those that are
-    given.
+    terms : of the damping law, symbols of `KNOWN_TERMS` and objects of `Term`; default, F_k, c and those given.
     given : symbol → known coefficient, SI units.
-    groups : symbol → a label for each record, where each group of records has its own coefficient.
+    groups : symbol → a label for each record, where groups of records have their own.
     laws : whether to compare all laws of one or two terms, with and without friction, too.
     approaches : names of `balance.checks()`, which are the default, and objects of `Approach` that take no phase.
     "direct" assumes no shape of x(t), "fourier" takes three harmonics of it.
