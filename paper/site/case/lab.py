@@ -13,7 +13,9 @@ from dampbalance import BaseMotion, Oscillator, measured_orbit, steady_orbit
 G = 9.80665  # m/s²
 MOUNT = Oscillator(m=3.6, c=24.0, k=5200.0, K_z=160000.0, F_k=2.1)
 OMEGA = 2.0 * math.pi * 5.0
-FORCE = MOUNT.m * OMEGA**2 / MOUNT.k  # a mount moves against the table as under the force -m y'', which is that of m ω² y
+FORCE = (
+    MOUNT.m * OMEGA**2 / MOUNT.k
+)  # a mount moves against the table as under the force -m y'', which is that of m ω² y
 
 rng = np.random.default_rng(7)
 for run, amplitude in enumerate((0.002, 0.003, 0.0045, 0.0065), start=1):

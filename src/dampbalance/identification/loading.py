@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -10,10 +11,11 @@ from ..arrays import Array
 from ..law.law import Law
 from ..project.wording import Remark
 from ..records.measured import MeasuredRecord
-from ..records.measurement import EXCITATIONS, Correction
+from ..records.measurement import EXCITATIONS, Correction, Measurement
 from ..signals.checks import SETTLES, Unsettled, is_clipped
 from ..signals.conditioning import SteadyRecord, condition
 from ..signals.drive import stands_still
+from ..signals.dwells import Dwell, Swept, dwells_of
 from ..signals.mean_harmonics import Reading
 
 EXCERPT = (
@@ -22,12 +24,55 @@ EXCERPT = (
 
 _SETTLING = 1e-3  # standard deviation of an amplitude while it settles; less is a drift, which the intervals hold
 
+_TIMES = 3  # that a beginning is left out: a slow mode shows when a fast one has decayed
+
 _LEFT_OUT = "a channel is clipped: the record is left out; raise the measuring range"
 
 
 def keeps_moving(record: MeasuredRecord) -> bool:
     """Whether the excitation channel of a record keeps moving; in a free decay it is missing, constant or strikes."""
     return record.driven and not stands_still(record.whole().excitation.values)
+
+
+def levels_of(record: MeasuredRecord) -> tuple[MeasuredRecord, ...]:
+    """Return a record for each dwell of the drive of a forced record, as of a staircase of levels; the record itself
+    where its drive does not step.
+
+    Raises ValueError naming the record for a drive that sweeps.
+    """
+    if not keeps_moving(record):
+        return (record,)
+    drive = record.whole().excitation
+    try:
+        dwells = dwells_of(drive.t, drive.values)
+    except Swept as error:
+        raise ValueError(f"{record.name}: {error}") from None
+    if not dwells:
+        return (record,)
+    said = Remark(
+        "a level of {} in one file, which is split at the steps of its drive", len(dwells)
+    )
+    return tuple(
+        replace(
+            record,
+            name=f"{record.name} (level {number})",
+            label=f"{record.label} (level {number})",
+            measurement=_between(record.whole(), dwell, f"{record.name} (level {number})"),
+            warnings=(*record.warnings, said),
+        )
+        for number, dwell in enumerate(dwells, start=1)
+    )
+
+
+def _between(measurement: Measurement, dwell: Dwell, source: str) -> Measurement:
+    """The part of all channels in a dwell, as a measurement of its own."""
+    channels = {}
+    for quantity in measurement:
+        channel = measurement[quantity]
+        first, last = np.searchsorted(channel.t, (dwell.start, dwell.end))
+        t, values = channel.t[first:last], channel.values[first:last]
+        channels[quantity] = replace(channel, t=t, values=values)
+    return replace(measurement, source=source, channels=channels)
 
 
 def load(
@@ -59,24 +104,35 @@ def load(
     def read(skipped: int) -> SteadyRecord:
         return condition(whole, k, frequency_hz=nominal, skip_cycles=skipped, base_mass=base_mass)
 
-    try:
-        steady = read(skip_cycles)
-        of_start = [
-            one.of[-1]
-            for one in steady.warnings
-            if SETTLES in one.template and one.doubts[""] > _SETTLING
-        ]
-        settled = max(of_start, default=0)
-    except ValueError as error:
-        cause = error.__cause__
-        settled = cause.skip if isinstance(cause, Unsettled) else 0
+    skipped = skip_cycles
+    for _ in range(_TIMES):
+        settled, steady = _settled(read, skipped)
         if not settled:
-            raise
-    if settled:
-        said = f"{settled} cycles left out at the start, in which the motion had not settled"
-        steady = read(settled)
-        steady = replace(steady, warnings=(*steady.warnings, Remark(said)))
+            break
+        skipped = settled
+    if skipped > skip_cycles:
+        steady = read(skipped) if steady is None or settled else steady
+        said = "the motion settles after {} cycles: they are left out, as --skip-cycles does"
+        steady = replace(steady, warnings=(*steady.warnings, Remark(said, skipped)))
+    assert steady is not None
     return Reading(replace(steady, warnings=(*record.warnings, *steady.warnings)))
+
+
+def _settled(read: Callable[[int], SteadyRecord], skipped: int) -> tuple[int, SteadyRecord | None]:
+    """The cycles after which the motion has settled, 0 where it has from the first one read on; and the record, None
+    where it changes too much to be read."""
+    try:
+        steady = read(skipped)
+    except ValueError as error:
+        if isinstance(cause := error.__cause__, Unsettled) and cause.skip:
+            return cause.skip, None
+        raise
+    of_start = [
+        one.of[-1]
+        for one in steady.warnings
+        if SETTLES in one.template and one.doubts[""] > _SETTLING
+    ]
+    return max(of_start, default=0), steady
 
 
 def unclipped(

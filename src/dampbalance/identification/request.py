@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -11,6 +12,7 @@ from ..arguments import NUMBERS
 from ..records.mapping import MappingLike
 from ..records.measured import MeasuredRecord, as_records, require_different
 from ..records.quantities import mass_with_error, read_quantity, with_error
+from .loading import levels_of
 
 if TYPE_CHECKING:
     from ..records.measured import ReaderOfTables, RecordLike
@@ -92,7 +94,9 @@ def records_of(
     reader: ReaderOfTables | None = None,
     **stated: Stated | None,
 ) -> tuple[MeasuredRecord, ...]:
-    """Read the records of one kind.   reader : of tables of a stepped sine, as for `as_records`.   stated : stiffness
+    """Read the records of one kind, several levels of excitation in one as a record for each.
+
+    reader : of tables of a stepped sine, as for `as_records`.   stated : stiffness
     and mass, whose units must be of the records' coordinate.
 
     Raises ValueError as `require_different`, for a table of a stepped sine among others or the other way round, and for
@@ -116,7 +120,7 @@ def records_of(
                 f"{name} = {value} does not fit {read[0].name}, a {read[0].coordinate.name}: give it in a unit such as "
                 f"{unit}"
             )
-    return read
+    return read if kind != "forced" else tuple(itertools.chain(*map(levels_of, read)))
 
 
 def mapping_option(mapping: MappingLike) -> str | None:

@@ -1,0 +1,112 @@
+"""Dwells of a drive: stretches of a record in which its amplitude and its frequency stay, as in a staircase of levels.
+
+The drive is taken apart into cycles, from one upward crossing of its mean to the next; noise makes no crossing, as a
+signal has to leave a band about the mean in between. Each cycle has a period and an amplitude, √2 times its rms.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from scipy.ndimage import median_filter, uniform_filter1d
+
+from ..arrays import Array
+
+# Half the width of the band about the mean, of the largest deviation: without noise, and at most.
+_BAND, _WIDEST = 0.05, 0.4
+# Power of a line of the spectrum that is motion: over the median, which is noise, and over the largest one.
+_OF_NOISE, _OF_LARGEST = 20.0, 0.003
+_SMOOTHED = 0.1  # of the shortest cycle: a moving average takes 2 % off a sine
+_STEP = math.log(
+    1.15
+)  # of amplitude or frequency that begins another dwell; smaller ones are drifts and beats
+_FLAT = 0.02  # standard deviation of ln amplitude or ln period within a dwell, beyond that of noise
+_FEWEST = 8  # cycles of a dwell, of which the motion needs some to settle
+_HELD = 0.6  # part of the cycles that lies in dwells, in a record that consists of them
+_SWEPT = math.log(1.2)  # of the frequency from end to end, of a drive that sweeps
+
+
+class Dwell(NamedTuple):
+    """A stretch with one amplitude and frequency.   start, end : s.   amplitude : unit of the drive.   hertz : Hz."""
+
+    start: float
+    end: float
+    amplitude: float
+    hertz: float
+
+
+class Swept(ValueError):
+    """The frequency of a drive changes all the time."""
+
+
+def dwells_of(t: Array, values: Array) -> list[Dwell]:
+    """Return the dwells of a drive; one, or none, where amplitude and frequency do not step.
+
+    t : s, in equal steps, (n,).   values : of the drive, (n,).
+
+    Raises Swept for a frequency that changes all the time, with the sentence that says so.
+    """
+    edges, amplitude, period = _cycles(t, values)
+    if amplitude.size < 2 * _FEWEST:
+        return []
+    logs = np.log(np.stack([amplitude, period]))
+    smooth = median_filter(logs, size=(1, 5), mode="nearest")
+    noise = 1.5 * np.median(np.abs(logs - smooth), axis=1, keepdims=True)
+    limit = _FLAT + 2.0 * noise[:, 0]
+    dwells, held, first = [], 0, 0
+    for last in [*(_steps(smooth) + 1), amplitude.size]:
+        inside = slice(first + 1, last - 1)  # the cycles beside a step belong to neither
+        if last - first >= _FEWEST and (np.std(logs[:, inside], axis=1) <= limit).all():
+            a, p = np.exp(np.median(logs[:, inside], axis=1))
+            dwells.append(
+                Dwell(float(edges[first + 1]), float(edges[last - 1]), float(a), 1.0 / float(p))
+            )
+            held += last - first
+        first = last
+    if len(dwells) > 1 and held > _HELD * amplitude.size:
+        return dwells
+    part = max(3, amplitude.size // 50)
+    begin, end = (float(np.exp(np.median(logs[1, of]))) for of in (slice(part), slice(-part, None)))
+    if abs(math.log(begin / end)) > _SWEPT and held < _HELD * amplitude.size:
+        raise Swept(
+            f"the drive sweeps from {1.0 / begin:.3g} to {1.0 / end:.3g} Hz: steady responses are needed, each at one "
+            "frequency; let the drive dwell there for 20 cycles or more"
+        )
+    return []
+
+
+def _steps(smooth: Array) -> Array:
+    """Numbers of the cycles before a step: where the medians on both sides differ by more than `_STEP`, at its
+    steepest.   smooth : ln amplitude and ln period of each cycle, freed of single outliers, (2, n)."""
+    ahead = smooth[:, 3:] - smooth[:, :-3]  # over three cycles, as a step is seldom within one
+    size = np.abs(ahead).max(axis=0)
+    found = []
+    while size.size and size.max() > _STEP:
+        at = int(np.argmax(size))
+        found.append(at + 1)
+        size[max(0, at - 3) : at + 4] = 0.0
+    return np.array(sorted(found), dtype=np.intp)
+
+
+def _cycles(t: Array, values: Array) -> tuple[Array, Array, Array]:
+    """Times of the upward crossings, s, (n + 1,), and amplitude and period of the cycles between them, (n,)."""
+    s = values - 0.5 * np.sum(np.quantile(values, (0.02, 0.98)))
+    power = np.abs(np.fft.rfft(s)[1:]) ** 2
+    clear = power > max(_OF_NOISE * float(np.median(power)), _OF_LARGEST * float(power.max()))
+    fastest = 1 + int(np.flatnonzero(clear)[-1]) if clear.any() else power.size
+    width = int(_SMOOTHED * s.size / fastest)
+    smooth = uniform_filter1d(s, width) if width > 1 else s
+    noise = float(np.std(s - smooth)) / math.sqrt(max(1, width))
+    largest = float(np.quantile(np.abs(smooth), 0.99))
+    band = min(max(_BAND * largest, 4.0 * noise), _WIDEST * largest)
+    side = np.where(smooth > band, 1, np.where(smooth < -band, -1, 0))
+    known = np.flatnonzero(side)
+    rises = known[1:][(side[known[1:]] > 0) & (side[known[:-1]] < 0)]
+    if rises.size < 2:
+        return np.empty(0), np.empty(0), np.empty(0)
+    sums = np.concatenate([[[0.0], [0.0]], np.cumsum([s, s**2], axis=1)], axis=1)
+    count = np.diff(rises)
+    mean, square = np.diff(sums[:, rises], axis=1) / count
+    return t[rises], np.sqrt(2.0 * np.maximum(square - mean**2, 0.0)), np.diff(t[rises])
