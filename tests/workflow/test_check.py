@@ -125,6 +125,19 @@ def test_a_digit_a_sign_and_a_parameter_that_change_fail_the_check_and_are_named
         assert f"\n  {row}" in listed, row
 
 
+@pytest.mark.parametrize(
+    ("asked", "named"),
+    [
+        (["studies"], r"of the studies contact_stiffness, .*noise, .* are not built"),
+        (["all", "--configfile", "tests/workflow/small.yaml"], r"results/small is not built"),
+    ],
+)
+def test_a_report_of_what_is_not_built_says_what_builds_it(paper, asked, named):
+    said = paper.refused("--report", "report.html", *asked)
+    assert re.search(named + r".*with --cores all in place of --report", said, re.DOTALL)
+    assert "Missing metadata" not in said
+
+
 def test_the_outputs_that_codecheck_names_are_made(paper):
     configuration = yaml.safe_load((paper.folder / "codecheck.yml").read_text(encoding="utf-8"))
     files = [item["file"] for item in configuration["manifest"]]

@@ -71,13 +71,12 @@ def requested_studies():
 if workflow.is_main_process:
     for name in requested_studies():
         logger.info(f"Study {name}: {study_plan(name)[1]}")
-    # Snakemake itself names one missing picture, after a line for each missing file.
     unbuilt = [
         name for name in requested_studies() if not Path(STUDY_RESULTS, name, "summary.md").exists()
     ]
-    if unbuilt and "--report" in (arg.partition("=")[0] for arg in sys.argv):
+    if REPORT and unbuilt:
         raise WorkflowError(
-            f"--report: {', '.join(unbuilt)} of the studies are not built. Build them first: snakemake --cores all studies"
+            f"--report: of the studies {', '.join(unbuilt)} are not built. Build them first, with --cores all in place of --report."
         )
 
 

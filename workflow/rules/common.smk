@@ -75,6 +75,12 @@ CASE = Case.from_config(config)
 FREQUENCIES = list(CASE.frequencies_hz)
 RESULTS = f"results/{CASE.name}"
 LOGS = f"results/logs/{CASE.name}"
+# Of what is not built Snakemake's report names one file, and not how to build it.
+REPORT = any(argument.partition("=")[0] == "--report" for argument in sys.argv)
+if REPORT and not Path(RESULTS).is_dir():
+    raise WorkflowError(
+        f"--report: {RESULTS} is not built. Build it first, with --cores all in place of --report."
+    )
 FIRST = 10  # priority of what leads to the paper's tables and verdicts: they are seen before the studies are computed
 NEXT = 5  # of studies, and of what article and page wait for: jobs that nothing waits for fill the gaps
 ENVIRONMENT = "../envs/dampbalance.yaml"
@@ -87,6 +93,8 @@ class OneLineAJob(logging.Filter):
     done = 0.0
 
     def filter(self, record):
+        if workflow.dryrun:  # it says why each job would run
+            return True
         event = getattr(record, "event", None)
         if event == LogEvent.PROGRESS:
             self.done = record.done / record.total
@@ -95,7 +103,7 @@ class OneLineAJob(logging.Filter):
         return event not in self.DROPPED and record.getMessage() != "Select jobs to execute..."
 
 
-if workflow.is_main_process and not workflow.dryrun:
+if workflow.is_main_process:
     logger.addFilter(OneLineAJob())
 
 
