@@ -100,7 +100,7 @@ archive: $(READY) ## Pack sources, results and digests for keeping, into results
 	@$(SNAKEMAKE) archive
 	@test -n "$$CONFIG" || echo "The archive is $(PACKED)."
 
-dist: setup ## Build the source distribution and the wheel of the package, ready for an index, into dist/
+dist: $(READY) ## Build the source distribution and the wheel of the package, ready for an index, into dist/
 	@$(RUN) hatchling build
 	@echo "To install it elsewhere: pip install \"dist/dampbalance-$(VERSION)-py3-none-any.whl[records]\""
 
