@@ -5,6 +5,8 @@ from __future__ import annotations
 import hashlib
 import importlib
 import json
+import math
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -23,6 +25,7 @@ from dampbalance import (
     read_records,
 )
 from dampbalance.identification.outputs import ALL_PICTURES, REPORT, TABLES, pictures_of
+from dampbalance.project.wording import Remark
 from folders import ROOT
 from identification.levels import changed, clipped, measured
 from paper_case import PAPER
@@ -171,10 +174,80 @@ def test_a_term_and_an_approach_of_one_s_own_are_in_all_of_it(tmp_path):
         identify(made(), PAPER.k, terms=["F_k", Term("c", d.force)])
 
 
+def plain(text):
+    """Text in one line, as its lines are broken where the screen ends."""
+    return " ".join(text.split())
+
+
+@BOTH
+def test_the_screen_begins_with_the_answer_and_holds_what_is_asked_for_first(found, truth):
+    said = plain(found.screen())
+    for symbol, unit in (("F_k", "N"), ("c", "N s/m")):
+        value, half = re.search(rf"{symbol} = ([\d.]+) ± ([\d.]+) {unit}", said).groups()
+        low, high = found.intervals[symbol]
+        # two digits of the half width are shown
+        assert float(value) == pytest.approx(found.values[symbol], abs=0.05 * (high - low))
+        assert float(half) == pytest.approx(0.5 * (high - low), rel=0.05)
+    zeta = truth.c / (2.0 * math.sqrt(truth.k * truth.m))
+    shown = float(re.search(r"ζ = ([\d.]+) % from c alone", said)[1])
+    assert shown == pytest.approx(100.0 * zeta, rel=0.02)  # what noise does to c
+    levels = sorted(found.levels, key=lambda level: level.X)
+    losses = re.findall(r"η = ([\d.]+), ζ_eq", said)
+    for level, shown in zip((levels[0], levels[-1]), losses, strict=True):
+        assert float(shown) == pytest.approx(level.loss_factor(found.k), rel=0.005)  # three digits
+    parts = ("F_k = ", " at 95 %: usable", "m = ", "With friction", "Check: ", "--mass", "See the")
+    assert sorted(parts, key=said.index) == list(parts)
+
+
+@BOTH
+def test_the_screen_is_as_wide_as_it_is_told_and_keeps_units_with_their_numbers(found):
+    for width in (40, 80, 132):
+        lines = found.screen(width).splitlines()
+        assert all(len(line) <= width for line in lines if "  " not in line.strip())
+        assert not [line for line in lines if re.match(r"\s*(?:N|kg|%|mm|Hz|=)(?:\s|$)", line)]
+        assert plain(found.screen(width)) == plain(found.screen())
+
+
+def test_without_an_answer_the_cause_comes_first_and_the_numbers_last(steady):
+    found = identify(made()[:1], PAPER.k)
+    said = found.screen()
+    assert plain(said).startswith("No answer: there are fewer levels than coefficients")
+    order = ("add records at other amplitudes", "verdict", "doubtful", "m = ", "Check: none")
+    assert sorted(order, key=plain(said).index) == list(order)
+    assert plain(said).count("add records at other amplitudes") == 1
+    assert "verdict" not in steady.screen()
+
+
+def test_the_screen_has_three_causes_the_one_that_changes_most_first():
+    few = Remark("{} hides {}", "a cable", "a part", doubts={"F_k": 0.01})
+    much = Remark("the gain is wrong; check it", doubts={"": 0.2})
+    others = [Remark(f"a {word} is seen") for word in ("line", "step", "drift")]
+    found = replace(identify(made(), PAPER.k), warnings=(*others, few, much))
+    said = [line for line in found.screen().splitlines() if line.startswith("- ")]
+    assert said == [
+        "- The gain is wrong; check it.",
+        "- A cable hides a part.",
+        "- A line is seen.",
+    ]
+    assert "See the method text for 2 more and all numbers" in found.screen()
+    assert "doubtful" in plain(found.screen()).partition("the gain is wrong")[0]
+
+
+@BOTH
+def test_the_summary_is_a_table_of_the_answer(found, truth):
+    table = found.summary()
+    assert [*table.index] == [*found.values, "m", "f_n", "zeta"]
+    for symbol in found.values:
+        assert tuple(table.loc[symbol, ["low", "high"]]) == found.intervals[symbol]
+    hertz = math.sqrt(truth.k / truth.m) / (2.0 * math.pi)
+    assert table.loc["f_n", "value"] == pytest.approx(hertz, rel=1e-3)  # four standard errors of m
+    assert table.loc["K_z", "unit"] == "N/m"
+
+
 @BOTH
 def test_it_shows_itself_as_the_command_does(found):
-    text, html = repr(found), found._repr_html_()
-    assert text == found.text().rstrip("\n") == str(found)
+    text, html = found.text(), found._repr_html_()
+    assert repr(found) == str(found) == found.screen().rstrip("\n")
     for name, answer in found.approaches.items():
         assert name in text
         assert f'<th scope="row">{name}' in html

@@ -34,7 +34,12 @@ def compiled():
 def texts_of(found):
     """Everything that an identification says, as one text."""
     return "\n".join(
-        [found.text(), found._repr_html_(), *(sentence(of.words) for of in found.limits)]
+        [
+            str(found),
+            found.text(),
+            found._repr_html_(),
+            *(sentence(of.words) for of in found.limits),
+        ]
     )
 
 

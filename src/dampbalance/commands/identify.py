@@ -4,6 +4,7 @@ tables of a stepped sine."""
 from __future__ import annotations
 
 import argparse
+import shutil
 import sys
 from collections.abc import Iterator
 from dataclasses import replace
@@ -14,7 +15,7 @@ from ..balance import checks
 from ..identification.outputs import ALL_PICTURES, OUTPUTS, REPORT, TABLES, require_room
 from ..law.terms import KNOWN_TERMS
 from ..project.files import json_text, replacing, write_text
-from ..project.wording import shortened
+from ..project.wording import listed, shortened
 from ..records.quantities import with_error
 from .options import coefficients, number, read_by, whole
 
@@ -69,6 +70,7 @@ tables of a stepped sine:
 --no-hardening  the spring does not stiffen with the amplitude
 --residual      other modes of the structure move the driven point, too
 results:
+--details       show the answer of every approach and all that limits them, instead of one screen
 --output        write {", ".join(OUTPUTS)} there
 --no-figures    write no pictures: they take longer than all the rest
 --json          write {TABLES[0]} to this file, too; - shows it instead of the table
@@ -98,14 +100,20 @@ def run(options: argparse.Namespace) -> bool:
     stated = {name for each in OPTIONS.values() for name in each} & vars(options).keys()
     result = identify(kind=options.kind, **{name: getattr(options, name) for name in stated})
     said = json_text(result.document())
-    print(said if options.json == _SCREEN else result.text(), end="")
+    shown, width = said, shutil.get_terminal_size().columns
+    if options.json != _SCREEN:
+        shown = result.text() if options.details else result.screen(width, details="--details")
+    print(shown, end="")
     places, drawn = [], ""
     if document is not None:
         write_text(document, said)
         places.append(str(document))
     if folder is not None:
         files = result.save(folder, figures=not options.no_figures, overwrite=options.overwrite)
-        places.append(f"{folder}: {', '.join(file.name for file in files)}")
+        pictures = sum(file.suffix in (".svg", ".png") for file in files)
+        names = [file.name for file in files if file.suffix not in (".svg", ".png")]
+        names += [f"{pictures} pictures"] * bool(pictures)
+        places.append(f"{folder}: {listed(names)}")
         drawn = "" if options.no_figures else (folder / REPORT).read_text(encoding="utf-8")
     if options.report is not None:
         write_text(options.report, drawn or result.report())
@@ -196,6 +204,7 @@ _OPTIONS: dict[str, dict[str, Any]] = {
     "--contact": {"choices": ("both", "one slider", "gradual")},
     "--no-hardening": {"action": "store_false", "dest": "hardening"},
     "--residual": {"action": "store_true"},
+    "--details": {"action": "store_true", "default": False},
     "--output": {"type": Path, "default": None, "metavar": "DIR"},
     "--no-figures": {"action": "store_true", "default": False},
     "--json": {"type": Path, "default": None, "metavar": "FILE"},

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import re
 import sys
+import warnings
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
@@ -70,6 +71,14 @@ def styled() -> Iterator[None]:
 
 _PANELS: ContextVar[Iterator[Axes | None] | None] = ContextVar("panels", default=None)
 _SHOWN_BY_PYPLOT: ContextVar[bool] = ContextVar("shown by pyplot", default=False)
+
+
+@contextmanager
+def lacking_glyphs() -> Iterator[None]:
+    """While this holds, a name in a script that the font lacks is drawn as boxes without a warning."""
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", r"Glyph .* missing from font", UserWarning)
+        yield
 
 
 @contextmanager

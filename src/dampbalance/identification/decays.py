@@ -56,7 +56,8 @@ from .decay_laws import (
     with_effects,
 )
 from .half_cycles import A, B, RingRows, W, rows_of
-from .identified import Identified, Level, Picture
+from .identified import Identified, Picture
+from .level import Level
 from .remarks import contradiction, forbidden, on_mass
 from .request import Stated, mapping_option, records_of, rig_options
 from .screen import implied

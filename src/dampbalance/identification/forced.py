@@ -53,8 +53,9 @@ from .answer import (
     covariance_of,
 )
 from .causes import GRADUAL, condition_on_contact
-from .identified import QUICK, Identified, Level, Picture
+from .identified import QUICK, Identified, Picture
 from .law_comparison import compare_laws
+from .level import Level
 from .loading import load, unclipped
 from .oscillator import (
     JointFit,

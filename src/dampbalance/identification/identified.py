@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import math
 import re
-import warnings
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from html import escape
@@ -39,9 +37,19 @@ from .answer import (
     unit_of,
 )
 from .law_comparison import LawComparison
+from .level import Level, damping_ratio
 from .outputs import ALL_PICTURES, REPORT, TABLES, pictures_of, require_room
 from .remarks import Limit, doubted, in_a_sentence, limits
-from .screen import aligned, answers_table, comparison, value_of
+from .screen import (
+    agreement_of,
+    aligned,
+    answer_in_words,
+    answers_table,
+    comparison,
+    damping_of,
+    value_of,
+    wrapped,
+)
 from .sensitivities import FAULTS, Fault
 
 if TYPE_CHECKING:
@@ -54,6 +62,7 @@ QUICK = 200_000
 """Calls of kernels, which take no more time in Python than Numba takes to load."""
 
 _IN_TABLE = ("residual", "misfit")  # of the merit of an answer
+_CAUSES = 3  # of doubt that a screen has room for
 
 
 class Picture(NamedTuple):
@@ -64,66 +73,6 @@ class Picture(NamedTuple):
 
     words: str
     of: tuple[Any, ...]
-
-
-class Level(NamedTuple):
-    """A cycle of the motion, measured, and what a test engineer compares its damping by.
-
-    Loss factor, quality factor and equivalent viscous damping are those of a level: friction takes less of a large
-    motion than of a small one. Use them to compare with other rigs, or in a linear model at about that amplitude; F_k
-    and c hold at all of them.
-
-    name : of the record, or of the decay and the time.   X : amplitude, m.   omega : ω, rad/s.   W : energy that the
-    cycle loses, J.   friction : the part of it that friction takes, J.
-    """
-
-    name: str
-    X: float
-    omega: float
-    W: float
-    friction: float
-
-    @property
-    def equivalent_damping(self) -> float:
-        """The viscous damper that takes as much energy of a harmonic motion, c_eq = W/(πωX²), N s/m.
-
-        Jacobsen, Trans. ASME 52 (1930): friction F_k alone, W = 4 F_k X, has c_eq = 4F_k/(πωX).
-        """
-        return self.W / (math.pi * self.omega * self.X**2)
-
-    def loss_factor(self, k: float) -> float:
-        """Energy lost in a cycle over 2π times the largest energy in the spring, η = W/(πkX²) = c_eq ω/k; Q = 1/η.
-
-        Nashif, Jones & Henderson, Vibration Damping (1985), Sec. 3. A viscous damper at the natural frequency has
-        η = 2ζ.   k : of the spring, N/m; what the contact stores is not counted.
-        """
-        return self.W / (math.pi * k * self.X**2)
-
-    def document(self, k: float, m: float) -> dict[str, Any]:
-        """All measures for the document.   m : kg; NaN where it is not known, and the damping ratio with it."""
-        eta = self.loss_factor(k)
-        return {
-            "level": self.name,
-            "X_m": self.X,
-            "frequency_Hz": self.omega / (2.0 * math.pi),
-            "W_J": self.W,
-            "friction_share": self.friction / self.W if self.W else math.nan,
-            "equivalent_damping_N_s_per_m": self.equivalent_damping,
-            "equivalent_damping_ratio": damping_ratio(self.equivalent_damping, k, m),
-            "loss_factor": eta,
-            "Q": 1.0 / eta if eta else math.inf,
-        }
-
-
-def damping_ratio(c: float, k: float, m: float) -> float:
-    """Fraction of critical damping, ζ = c/(2√(km)): of the oscillator with its contact loose.
-
-    Inman, Engineering Vibration, Sec. 1.3.   c : N s/m.   k : N/m.   m : kg.
-
-    >>> damping_ratio(c=40.0, k=100.0, m=4.0)  # critical
-    1.0
-    """
-    return c / (2.0 * math.sqrt(k * m))
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
@@ -141,6 +90,7 @@ class Identified(ABC):
     laws : which damping laws the records support, where that was asked for.
     records : that they come from.
     options : as given, by the keys of a configuration.
+    hint : on what the numbers depend, and what to state or give to be sure of them; empty where nothing is left.
 
     Records that rotate have the same numbers in units of a rotation (`coordinate` is `ROTATION` then): k and K_z in
     N m/rad, c in N m s/rad, masses as moments of inertia in kg m², and F_k in N m. F_k keeps its key in Python; what is
@@ -164,6 +114,7 @@ class Identified(ABC):
     laws: LawComparison | None = None
     records: tuple[MeasuredRecord, ...] = ()
     options: Mapping[str, Any] = field(default_factory=dict)
+    hint: str = ""
 
     kind: ClassVar[Mapping[str, str]] = {}
     """How the document names the kind of records."""
@@ -453,11 +404,11 @@ class Identified(ABC):
         ]
 
     def text(self) -> str:
-        """The table for a screen: the answers with their 95 % intervals and verdicts, a line each, then what limits
-        them; where there is no answer, the causes first and the numbers last."""
+        """All sentences and tables for a screen, what `--details` shows and summary.txt holds: the answers with their
+        95 % intervals and verdicts, a line each, then what limits them; where there is no answer, the causes first and
+        the numbers last."""
         tests, sentences = [*map(self.in_words, comparison(self.laws))], self.limiting
-        table = [[*map(self.coordinate.text, line)] for line in answers_table(self.approaches)]
-        numbers = [self.head, "", *aligned(table), "", *self.rig]
+        numbers = [self.head, "", *self._table(), "", *self.rig]
         numbers += ["", *tests] if tests else []
         heading = "Causes and remedies" if self.no_answer else "What limits the answer"
         causes = [f"{heading}:", *sentences] if sentences else []
@@ -465,9 +416,64 @@ class Identified(ABC):
         parts = [[self.lead] if self.lead else [], *parts]
         return "\n\n".join("\n".join(part) for part in parts if part) + "\n"
 
+    def _table(self) -> list[str]:
+        """The lines of the table of all answers."""
+        return aligned(
+            [[*map(self.coordinate.text, line)] for line in answers_table(self.approaches)]
+        )
+
+    @property
+    def check(self) -> str:
+        """A sentence on what checks the answer; empty where nothing does."""
+        return agreement_of(self.approaches)
+
+    def _damping(self) -> list[str]:
+        """Mass, natural frequency and damping in sentences."""
+        merit = (self.reference or self.answer).merit
+        mass = (self.mass, merit.get("m_standard_error_kg", math.nan))
+        return damping_of(self.k, mass, self.values.get("c", math.nan), self.levels)
+
+    def screen(self, width: int = 80, *, details: str = "the method text") -> str:
+        """One screen: the answer, what it says of the rig, what checks it, at most three causes of doubt with their
+        remedies, and where the rest is. Where there is no answer, the cause comes first and the numbers last.
+
+        width : of a line, characters; tables are not wrapped.   details : what shows the rest.
+        """
+        own = [of for of in self.limits if of.kind != "approaches" or self.answer.name in of.of]
+        words = [
+            of.words if of.kind == "approaches" else in_a_sentence(of, self.sources) for of in own
+        ]
+        causes = [sentence(self.in_words(one)) for one in words[:_CAUSES]]
+        left = len(own) - len(causes)
+        numbers = [*map(self.in_words, self._damping()), self.in_words(self.check)]
+        answer = self.lead or self.in_words(answer_in_words(self.answer))
+        if causes and (why := self.no_answer) and why.partition(";")[0] in words[0]:
+            answer = sentence(f"no answer: {words[0]}")  # the first cause with its remedy
+            causes = causes[1:]
+        elif not left and len(causes) < _CAUSES and self.hint:
+            causes.append(self.hint)
+        causes = [f"- {one}" for one in causes]
+        parts = [causes, self._table(), numbers] if self.no_answer else [numbers, causes]
+        parts += [[*map(self.in_words, comparison(self.laws))]]
+        more = f"{left} more and " if left else ""
+        parts += [[f"See {details} for {more}all numbers, and for what they depend on."]]
+        broken = [wrapped(part, width) for part in ([answer], *parts)]
+        return "\n\n".join("\n".join(part) for part in broken if part) + "\n"
+
+    def summary(self) -> pd.DataFrame:
+        """Return the answer as a table for a notebook: a line for each number, with unit, value, standard error,
+        interval of 95 % and verdict, then m, f_n and ζ."""
+        import pandas as pd  # slow to import
+
+        table = self.to_frame().query("approach == @self.answer.name").drop(columns="approach")
+        values = (self.mass, self.natural_frequency, self.damping_ratio)
+        units = map(self.coordinate.unit, ("kg", "Hz", "1"))
+        rig = pd.DataFrame({"symbol": ["m", "f_n", "zeta"], "unit": units, "value": values})
+        return pd.concat([table, rig]).set_index("symbol")
+
     def __repr__(self) -> str:
-        """The table for a screen."""
-        return self.text().rstrip("\n")
+        """The screen."""
+        return self.screen().rstrip("\n")
 
     def _repr_html_(self) -> str:
         """The table for a notebook."""
@@ -486,7 +492,9 @@ class Identified(ABC):
         """One of the pictures, on a page of its own; `plot` draws in axes that are given."""
         from matplotlib.text import Text  # slow to import
 
-        with _lacking_glyphs():
+        from ..figures.style import lacking_glyphs
+
+        with lacking_glyphs():
             drawn: Figure = getattr(self.drawings, name)(*self.pictures[name].of)
         for text in drawn.findobj(Text) if self.coordinate == ROTATION else ():
             assert isinstance(text, Text)
@@ -561,31 +569,21 @@ class Identified(ABC):
     @interpreted(calls=QUICK)
     def _report(self, folder: Path, png: bool = True) -> str:
         """The report, and the pictures in a folder."""
-        from ..figures.style import (
-            save,
-            save_svg,
-        )  # slow to import, and needed for pictures only
+        # slow to import, and needed for pictures only
+        from ..figures.style import lacking_glyphs, save, save_svg
         from .pictures import DPI
 
         drawings = {}
         for name, picture in self.pictures.items():
             words = self.in_words(picture.words)
             svg, other = (folder / file for file in pictures_of([name]))
-            with _lacking_glyphs():
+            with lacking_glyphs():
                 if png:
                     save(self.draw(name), svg, other, words, DPI)
                 else:
                     save_svg(self.draw(name), svg, words, DPI)
             drawings[name] = svg.read_text(encoding="utf-8")
         return self._page("report", document=self._document(), drawings=drawings)
-
-
-@contextmanager
-def _lacking_glyphs() -> Iterator[None]:
-    """A name in a script that the font lacks shows as boxes, without a warning."""
-    with warnings.catch_warnings():
-        warnings.filterwarnings("ignore", r"Glyph .* missing from font", UserWarning)
-        yield
 
 
 def _worth(answer: Answer) -> tuple[float, ...]:

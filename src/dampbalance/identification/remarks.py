@@ -410,18 +410,26 @@ class Limit:
 
 
 def limits(answers: Mapping[str, Answer], warnings: Sequence[Remark]) -> list[Limit]:
-    """What limits the answers, each thing once: notes on answers, then warnings on records and on all of them.
+    """What limits the answers, each thing once, what may change a number most first; of equal effect, notes on answers
+    before warnings on records and on all of them.
 
     Sentences that differ only in their numbers become one, with the range of each number.
     """
     notes = [note.about(str(name)) for name, answer in answers.items() for note in answer.notes]
     of_records = [remark for remark in warnings if remark.source]
     gathered = [
-        Limit(kind, tuple(dict.fromkeys(one.source for one in group)), merged(group))
+        (Limit(kind, tuple(dict.fromkeys(one.source for one in group)), merged(group)), group)
         for kind, remarks in (("approaches", notes), ("records", of_records))
         for group in _by_kind(remarks)
     ]
-    return gathered + [Limit("all", (), one.words) for one in warnings if not one.source]
+    gathered += [(Limit("all", (), one.words), [one]) for one in warnings if not one.source]
+    return [limit for limit, group in sorted(gathered, key=lambda of: -_effect(of[1]))]
+
+
+def _effect(remarks: Iterable[Remark]) -> float:
+    """The part of itself by which what remarks say may change a number most; infinite where that is not known."""
+    shifts = [shift for remark in remarks for shift in remark.doubts.values()]
+    return max((math.inf if math.isnan(shift) else shift for shift in shifts), default=0.0)
 
 
 def _by_kind(remarks: Iterable[Remark]) -> list[list[Remark]]:

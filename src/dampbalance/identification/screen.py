@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 import math
+import re
+import textwrap
 from collections.abc import Mapping, Sequence
 
 from ..fit.oscillator_fit import OscillatorFit
 from ..project import wording
-from ..project.wording import number_text, part, rounded, with_error
-from .answer import USABLE, Answer, ParameterEstimate, Verdict, unit_of
+from ..project.wording import listed, number_text, part, percent, rounded, with_error
+from .answer import USABLE, Answer, ParameterEstimate, Verdict, limit, unit_of
 from .law_comparison import LawComparison, Probability
+from .level import Level, damping_ratio
 from .remarks import of_masses
 
 _ROUNDING = 1e-12
+_SKEW = 0.1  # of the half width, by which a value may lie off the middle of an interval that is shown as ±
 
 
 def answers_table(answers: Mapping[str, Answer]) -> list[tuple[str, ...]]:
@@ -45,6 +49,92 @@ def in_one(verdicts: Mapping[str, Verdict]) -> str:
         named = f": {', '.join(symbols)}" if len(by_word) > 1 else ""
         parts.append(f"{word}{size}{named}")
     return "; ".join(parts)
+
+
+def answer_in_words(answer: Answer) -> str:
+    """The values with their intervals of 95 %, and how far they can be used, in a sentence: "F_k = 2.100 ± 0.010 N, …
+    at 95 %: usable within 0.6 %."; after a doubt its first reason."""
+    values = [_with_half_width(symbol, p) for symbol, p in answer.parameters.items()]
+    doubts = [v.reason for v in answer.verdicts.values() if v.verdict != USABLE]
+    why = f", as {doubts[0].partition(';')[0]}" if doubts and doubts[0] else ""
+    return f"{', '.join(filter(None, values))} at 95 %: {in_one(answer.verdicts)}{why}."
+
+
+def _with_half_width(symbol: str, p: ParameterEstimate) -> str:
+    """F_k = 1.2803 ± 0.0011 N, with the interval itself where it is not symmetric; a limit; nothing for no value."""
+    low, high = p.interval
+    half, middle = 0.5 * (high - low), 0.5 * (high + low)
+    if math.isnan(p.value):
+        return ""
+    if math.isinf(high) or low <= 0.0 < high:
+        return limit(symbol, p)
+    symmetric = abs(p.value - middle) < _SKEW * half
+    shown = with_error(p.value, half) if symmetric else with_interval(p)
+    return wording.with_unit(f"{symbol} = {shown}", unit_of(symbol))
+
+
+def agreement_of(answers: Mapping[str, Answer]) -> str:
+    """By how much the next answer with values differs from the first one, in a sentence."""
+    answer, *others = answers.values()
+    for other in others:
+        apart = [
+            f"{part(abs(other.values[symbol] / p.value - 1.0))} in {symbol}"
+            for symbol, p in answer.coefficients.items()
+            if p.value and math.isfinite(other.values.get(symbol, math.nan) / p.value)
+        ]
+        if apart:
+            kind = "fit" if other.balance is None else "energy balance"
+            name = "" if other.name == "balance" else f" ({other.name})"
+            return f"Check: the {kind}{name} differs by {listed(apart)}."
+    return "Check: none, as no other evaluation of these records has values."
+
+
+def damping_of(k: float, mass: tuple[float, float], c: float, levels: Sequence[Level]) -> list[str]:
+    """What a test engineer asks for first, in sentences: mass, natural frequency and damping ratio, and the damping of
+    the smallest and the largest level.
+
+    k : N/m.   mass : with its standard error, kg; NaN where it is not known.   c : N s/m.
+    """
+    (m, error), sentences = mass, []
+    if not math.isnan(m):
+        given = not error > _ROUNDING * m
+        known = (
+            f"m = {number_text(m, 5)} kg as given" if given else f"m = {with_error(m, error)} kg"
+        )
+        ratio = damping_ratio(c, k, m)
+        zeta = "" if math.isnan(ratio) else f", ζ = {percent(ratio, 3)} from c alone"
+        hertz = number_text(math.sqrt(k / m) / (2.0 * math.pi), 4)
+        sentences.append(
+            f"{known}, f_n = {hertz} Hz{zeta}. If that is not your rig, a gain, a unit or k is wrong."
+        )
+    sizes = sorted((level for level in levels if level.W > 0.0), key=lambda level: level.X)
+    if sizes:
+        ends = sizes[:: len(sizes) - 1 or 1]
+        at = [
+            f"η = {number_text(level.loss_factor(k), 3)}"
+            + (f", ζ_eq = {percent(damping_ratio(level.equivalent_damping, k, m), 3)}" * (m == m))
+            + f" at X = {number_text(1e3 * level.X, 3)} mm"
+            for level in ends
+        ]
+        sentences.append(f"With friction: {'; '.join(at)}.")
+    return sentences
+
+
+def wrapped(lines: Sequence[str], width: int) -> list[str]:
+    """Lines broken at a width, but not between a number and its unit; those of a table, which have two spaces between
+    columns, are not."""
+    broken = []
+    for line in lines:
+        if "  " in line:
+            broken.append(line)
+            continue
+        tied = re.sub(r"(?<=[\d=±<>]) (?=\S)| (?==)", "\N{NO-BREAK SPACE}", line)
+        indent = "  " * line.startswith("- ")
+        pieces = textwrap.wrap(
+            tied, width, subsequent_indent=indent, break_long_words=False, break_on_hyphens=False
+        )
+        broken += [piece.replace("\N{NO-BREAK SPACE}", " ") for piece in pieces or [""]]
+    return broken
 
 
 def comparison(laws: LawComparison | None) -> list[str]:

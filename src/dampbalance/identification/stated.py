@@ -50,16 +50,15 @@ def with_stated_uncertainties(found: Outcome) -> Outcome:
         estimates = {n: widened(one, found.shifts(faults, n)) for n, one in estimates.items()}
         reference = reference and widened(reference, found.shifts(faults, REFERENCE))
     mass = m is not None  # with which the records were tested
+    hint, effects = _conditional(found, stiffness > 0.0, mass)
     settings = {"stated_uncertainties": {**stated, "mass_tested": mass}}
     return replace(
         found,
         estimates=estimates,
         reference=reference,
         head=found.in_words(found.head),
-        rig=[
-            found.in_words(said)
-            for said in (*found.rig, *_conditional(found, stiffness > 0.0, mass))
-        ],
+        rig=[found.in_words(said) for said in (*found.rig, *filter(None, (hint, effects)))],
+        hint=found.in_words(hint),
         warnings=tuple(found.coordinate.remark(one, found.sources) for one in found.warnings),
         settings={**found.settings, **settings},
     )
@@ -104,13 +103,14 @@ def widened(answer: Answer, shifts: Mapping[str, Mapping[str, float]]) -> Answer
     )
 
 
-def _conditional(found: Identified, stiffness: bool, mass: bool) -> list[str]:
-    """A sentence on what the numbers depend on and records hardly test; none where it is stated and tested.
+def _conditional(found: Identified, stiffness: bool, mass: bool) -> tuple[str, str]:
+    """A sentence on what the numbers depend on and records hardly test, with what to state or give, and one on how
+    much they depend on it; empty where it is stated and tested.
 
     stiffness : whether its uncertainty is stated.   mass : whether it is given.
     """
     if stiffness and mass:
-        return []
+        return "", ""
     name, answer = next(iter(found.approaches.items()))
     effects = []
     for what, changes in found.shifts(_UNTESTED, name).items():
@@ -121,12 +121,15 @@ def _conditional(found: Identified, stiffness: bool, mass: bool) -> list[str]:
         ]
         effects += [f"1 % in {what} changes {listed(parts)}"] if parts else []
     if not effects:
-        return []
-    stated = found.options["stiffness_N_per_m"] is not None
-    asked = ["state their uncertainties (--stiffness 2310±10)"] * (stated and not stiffness)
+        return "", ""
+    k = found.options["stiffness_N_per_m"]
+    asked = (
+        [] if k is None or stiffness else [f'state their uncertainties (--stiffness "{k:g} ± 1 %")']
+    )
     asked += ["give the mass (--mass), which tests them"] * (found.mass_tests and not mass)
-    remedy = f" To be sure of them, {listed(asked)}." if asked else ""
-    return [
-        f"All numbers are conditional on the {'stiffness and the ' * stated}gains, which the records alone hardly "
-        f"test, or not at all: an error of {'; '.join(effects)}.{remedy}"
-    ]
+    remedy = f": {listed(asked)}" if asked else ""
+    return (
+        f"All numbers are conditional on the {'' if k is None else 'stiffness and the '}gains, which the records alone "
+        f"hardly test, or not at all{remedy}.",
+        f"An error of {'; '.join(effects)}.",
+    )

@@ -29,7 +29,8 @@ from ..identification.answer import (
     ParameterEstimate,
     covariance_of,
 )
-from ..identification.identified import Identified, Level, Picture
+from ..identification.identified import Identified, Picture
+from ..identification.level import Level
 from ..identification.request import Stated, mapping_option, records_of, rig_options
 from ..identification.sensitivities import Fault
 from ..identification.stated import with_stated_uncertainties
@@ -124,6 +125,11 @@ class SteppedOutcome(Identified):
                 for i, name in enumerate(self.sources)
             ],
         }
+
+    @property
+    def check(self) -> str:
+        """The sentence on which contact the lines support."""
+        return self.rig[0]
 
     @property
     def levels(self) -> list[Level]:
