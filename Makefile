@@ -14,8 +14,7 @@ RUN := PATH="$$HERE/$(VENV)/bin:$$PATH" python -m
 TRIAL := PYTHONPATH="$$HERE/trials:$$HERE/tests" $(RUN)
 VERSION := $(shell sed -n 's/^version = "\(.*\)"/\1/p' pyproject.toml)
 # What `make archive` packs; of another case it is dampbalance-<version>-<case>.tar.gz.
-PACKED := results/archive/dampbalance-$(VERSION).tar.gz
-ARCHIVE ?= $(PACKED)
+ARCHIVE ?= results/archive/dampbalance-$(VERSION).tar.gz
 SNAKEMAKE := $(RUN) dampbalance.project.documents config/config.yaml $${CONFIG:+"$$CONFIG"} && $(RUN) snakemake \
 	--workflow-profile workflow/profiles/default $${SNAKEMAKE_OUTPUT_CACHE:+--cache study_chunk} \
 	--cores $(CORES) $${CONFIG:+"--configfile=$$CONFIG"}
@@ -98,7 +97,7 @@ docs: setup ## Build the site of documentation, with all studies, into results/s
 
 archive: $(READY) ## Pack sources, results and digests for keeping, into results/archive/
 	@$(SNAKEMAKE) archive
-	@test -n "$$CONFIG" || echo "The archive is $(PACKED)."
+	@test -n "$$CONFIG" || echo "The archive is results/archive/dampbalance-$(VERSION).tar.gz."
 
 dist: $(READY) ## Build the source distribution and the wheel of the package, ready for an index, into dist/
 	@$(RUN) hatchling build

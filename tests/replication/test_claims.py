@@ -240,7 +240,7 @@ def test_summary_opens_with_the_worst_in_lines_that_fit_a_screen(recorded):
     text = summary(changed, offences)
     opening, _, rest = text.partition("\n\n")
     sentence, remedy, heads, *rows = opening.splitlines()
-    assert sentence == f"{len(offences)} of {len(changed)} {WORSE}; everything is built."
+    assert sentence == f"{len(offences)} of {len(changed)} {WORSE}; the results are built."
     assert "published: null" in remedy
     assert heads.split() == ["number", "printed", "verdict", "obtained"]
     assert max(map(len, opening.splitlines())) <= 120

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Hashable, Mapping
+from itertools import zip_longest
 from pathlib import Path
 
 import pandas as pd
@@ -112,7 +113,8 @@ def summary(frame: pd.DataFrame, offences: pd.DataFrame) -> str:
     ]
     if rest := [row for row in frame.to_dict("records") if row["verdict"] not in HOLDING]:
         lines.append("What no route gives, or the paper refutes (why: claims.md)")
-        lines += _aligned([("number", "printed", "verdict", "obtained"), *map(_open, rest)])
+        units = [f"{row['off_units']} units" for row in rest]
+        lines += _aligned([_HEAD, *map(_open, rest, units)])
     if len(offences):
         lines += ["", "All that are worse than on record:", *("  " + offences["message"])]
     return "\n".join(lines) + "\n"
@@ -129,31 +131,41 @@ def _opening(frame: pd.DataFrame, offences: pd.DataFrame) -> list[str]:
     )
     printed = offences.set_index("id")["printed"]
     rows = [
-        _open(claims[name]) if name in claims else (name, printed[name], "no claim", "")
+        _open(claims[name], f"{100 * off[name]:g} % off")
+        if name in claims
+        else (name, printed[name], "no claim")
         for name in map(str, ranked.index[:ROWS_ON_SCREEN])
     ]
     return [
-        f"{len(offences)} of {len(frame)} {WORSE}; everything is built.",
+        f"{len(offences)} of {len(frame)} {WORSE}; the results are built.",
         "For a case of your own, `published: null` in the configuration compares with nothing.",
-        *_aligned([("number", "printed", "verdict", "obtained"), *rows]),
+        *_aligned([_HEAD, *rows]),
     ]
+
+
+_HEAD = ("number", "printed", "verdict", "obtained")
 
 
 def _aligned(rows: list[tuple[str, ...]]) -> list[str]:
     """The rows of a table as lines, indented, their columns as wide as needed."""
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    widths = [max(map(len, column)) for column in zip_longest(*rows, fillvalue="")]
     return [
-        f"  {'  '.join(cell.ljust(n) for cell, n in zip(row, widths, strict=True))}".rstrip()
+        f"  {'  '.join(cell.ljust(n) for cell, n in zip(row, widths, strict=False))}".rstrip()
         for row in rows
     ]
 
 
-def _open(row: Mapping[Hashable, str]) -> tuple[str, ...]:
-    """A claim in the summary: with the number of its column's route, and how many units it is off."""
+def _open(row: Mapping[Hashable, str], off: str) -> tuple[str, ...]:
+    """A claim in the summary: with the number of its column's route, and how far it is off, if it is a number."""
     value = row[next(name for name, words in ROUTE_NAMES.items() if words == row["judged"])]
-    off = f", {row['off_units']} units" if row["off_units"] else ""
     printed = f"{row['printed']} {'' if row['unit'] == '1' else row['unit']}".strip()
-    return row["id"], printed, row["verdict"], f"{value or 'nothing'} {row['judged']}{off}"
+    obtained = f"{value or 'nothing'} {row['judged']}"
+    return (
+        row["id"],
+        printed,
+        row["verdict"],
+        f"{obtained}, {off}" if row["off_units"] else obtained,
+    )
 
 
 def read_record(path: Path) -> pd.DataFrame:
