@@ -43,7 +43,7 @@ class Bounds(NamedTuple):
 
 
 NUMBERS: Mapping[str, Bounds] = {
-    **dict.fromkeys(("m", "mass"), Bounds("kg")),
+    **dict.fromkeys(("m", "mass", "fixture_mass"), Bounds("kg")),
     "c": Bounds("N s/m", 0.0),
     **dict.fromkeys(("k", "stiffness"), Bounds("N/m")),
     "K_z": Bounds("N/m", remedy="use a large finite K_z for a rigid contact"),

@@ -141,6 +141,7 @@ _ARGUMENTS = {
     **dict.fromkeys(("stiffness_N_per_m", "stiffness_standard_error_N_per_m"), "stiffness"),
     **dict.fromkeys(("mass_kg", "mass_standard_error_kg"), "mass"),
     "frequency_hz": "frequency",
+    "fixture_mass_kg": "fixture_mass",
 }
 """Key of a configuration → argument, where their names differ."""
 
@@ -151,8 +152,8 @@ def not_taken(settings: Mapping[str, Any]) -> dict[str, str]:
     kind, k = settings.get("kind", "forced"), "stiffness_N_per_m"
     keys = [key for key, value in settings.items() if value is not None and key not in _OF_SET]
     wrong = {key: words for key in keys if (words := _misplaced(kind, _ARGUMENTS.get(key, key)))}
-    if k not in keys and OPTIONS[kind]["stiffness"].default is inspect.Parameter.empty:
-        wrong[k] = f"is missing: {IN_WORDS[kind]} need it; add it"
+    if k not in keys and "mass_kg" not in keys and kind != "stepped-sine":
+        wrong[k] = f"is missing: {IN_WORDS[kind]} need it, or the mass; add it"
     return wrong
 
 

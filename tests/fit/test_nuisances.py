@@ -122,7 +122,7 @@ def test_records_of_the_model_show_none():
 def test_the_gain_of_a_drive_is_also_that_of_what_is_added_to_a_relative_motion(gain):
     def change(one):
         x = one.x + gain * one.Y * (one.n == 1)
-        return replace(one, Y=(1.0 + gain) * one.Y, x=x, relative=True)
+        return replace(one, Y=(1.0 + gain) * one.Y, x=x, of_base=1.0)
 
     freed = refit(fit_records(list(lines(change, seed=3)), PAPER.k), ["gain"])
     assert abs(freed.value("gain") - gain) < 4.0 * freed.error("gain") < 0.5 * abs(gain)
@@ -133,7 +133,7 @@ def test_the_other_frame_is_left_as_it_was_entered():
     (orbit,) = orbits_at(HZ, (0.004,))
     one = replace(lines_of(orbit, NOISE), base=np.array([0.0, 1e-5 + 2e-5j]))
     other = in_other_frame(one)
-    assert other.relative
+    assert other.of_base == 1.0
     assert other.x[0] == one.x[0] + one.Y
     assert other.x[1] == one.x[1] + one.base[1]
     assert np.abs(in_other_frame(other).x - one.x).max() < 1e-15 * one.Y

@@ -12,6 +12,7 @@ import pytest
 from dampbalance import identify
 from dampbalance.estimates import estimate_table
 from dampbalance.figures import figure3, save
+from dampbalance.figures.rig_drawings import rigs
 from dampbalance.replication.claims import evidence, unprinted
 from dampbalance.replication.claims.rules import Sources
 from dampbalance.replication.claims.table import claims_table
@@ -91,15 +92,16 @@ def test_what_the_agreement_proves_is_as_counted():
 def test_the_pictures_are_those_that_are_drawn(tmp_path):
     records = sorted((ROOT / "config/records/example").glob("level*.csv"))
     loops = identify(records, stiffness=PAPER.k, frequency=FREQUENCIES_HZ["omega2"])
-    for name, figure in (("figure3", figure3(orbits_at())), ("friction", loops.draw("friction"))):
+    drawn = {"figure3": figure3(orbits_at()), "friction": loops.draw("friction"), "rigs": rigs()}
+    for name, figure in drawn.items():
         save(figure, tmp_path / f"{name}.svg", tmp_path / f"{name}.png")
-        drawn, shown = (
+        new, shown = (
             np.array(re.findall(r"-?\d+\.\d+", (folder / f"{name}.svg").read_text("utf-8")), float)
             for folder in (tmp_path, ROOT / "paper/figures")
         )
         # In points: a hundredth is invisible, and leaves room for another machine's last bits.
-        assert drawn.shape == shown.shape
-        np.testing.assert_allclose(drawn, shown, atol=0.01)
+        assert new.shape == shown.shape
+        np.testing.assert_allclose(new, shown, atol=0.01)
 
 
 @pytest.mark.parametrize(

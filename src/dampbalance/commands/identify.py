@@ -58,6 +58,9 @@ all records:
 forced records:
 --frequency     known drive frequency, Hz, or "210 rpm"; compared with the one found in each record
 --groups        a coefficient for each group of records: F_k=A,A,B, a label per record; may be repeated
+--contact-to    base for a mount, whose spring, damper and friction all sit on the table (default: ground)
+--damper-to     base for a damper on the table beside a contact to the ground (default: where the contact is)
+--fixture-mass  what sits between a load cell and the mass, kg, or "0.4 lb"
 --approach      an approach; may be repeated (default: all)
 --skip-cycles   cycles left out at the start of each record, where the motion has not settled (default: 0)
 forced records or free decays:
@@ -195,6 +198,9 @@ _OPTIONS: dict[str, dict[str, Any]] = {
     "--mapping": {"type": Path, "default": None, "metavar": "FILE"},
     "--write-mapping": {"type": Path, "default": None, "metavar": "FILE"},
     "--frequency": {"type": number("frequency"), "metavar": "HZ"},
+    "--contact-to": {"choices": ("ground", "base")},
+    "--damper-to": {"choices": ("ground", "base")},
+    "--fixture-mass": {"type": read_by(_checked, "fixture_mass"), "metavar": "M"},
     "--groups": {"type": _labels, "action": _Once, "metavar": "TERM=LABELS"},
     "--approach": {"action": "append", "choices": list(checks()), "dest": "approaches"},
     "--skip-cycles": {"type": whole("skip_cycles"), "metavar": "N"},

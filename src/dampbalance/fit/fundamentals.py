@@ -232,8 +232,7 @@ def _starts(problem: HarmonicProblem, near: Array | None) -> list[Array]:
 def _data(problem: HarmonicProblem) -> tuple[Complexes, Array]:
     """Z of each record, N/m, and the standard error of its real and of its imaginary part, (n,)."""
     Z = np.array([problem.k * one.Y / one.x[0] for one in problem.lines])
-    parts = [(one.x_error[0] / abs(one.x[0]), one.Y_error / one.Y) for one in problem.lines]
-    return Z, np.abs(Z) * np.hypot(*np.transpose(parts))
+    return Z, np.abs(Z) * np.array([one.relative_error for one in problem.lines])
 
 
 def _describing(problem: HarmonicProblem, points: Array, motion: Complexes) -> Complexes:

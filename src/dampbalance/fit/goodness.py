@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -33,7 +32,7 @@ def linear_misfit(
         driven = one.clear & (y != 0.0)
         chi_square += float(np.sum(np.abs(one.x / one.x_error)[~driven] ** 2))
         relative = one.x_error[driven] / np.abs(one.x[driven])
-        relative[0] = math.hypot(relative[0], one.Y_error / one.Y)
+        relative[0] = one.relative_error
         omega = np.full(relative.size, one.omega)
         rows.append(np.stack([y[driven] / one.x[driven], relative, one.n[driven] * omega, omega]))
     ratio, *others = np.concatenate(rows, axis=1)

@@ -70,7 +70,7 @@ def read_by_channels(
     rate = 1j * one.omega * n
     factor = np.exp(-values["delay"] * rate) / (1.0 + values["low_pass"] * rate)
     factor *= rate / (rate + 2.0 * math.pi * values["corner"])
-    first = np.where(n == 1, base * one.relative, 0.0)
+    first = np.where(n == 1, base * one.of_base, 0.0)
     return np.asarray(factor * (x - first) + (1.0 + values["gain"]) * first)
 
 
@@ -79,11 +79,11 @@ def in_other_frame(one: Lines) -> Lines:
     round, without that error."""
     y = np.zeros(max(int(one.n[-1]), one.base.size + 1) + 1, dtype=np.complex128)
     y[1], y[2 : one.base.size + 2] = one.Y, one.base
-    sign = -1.0 if one.relative else 1.0
-    return replace(one, x=one.x + sign * y[one.n], relative=not one.relative)
+    sign = -1.0 if one.of_base else 1.0
+    return replace(one, x=one.x + sign * y[one.n], of_base=1.0 - one.of_base)
 
 
 def with_response(one: Lines, factor: float) -> Lines:
     """Return the harmonics of a response that was read in another unit, by a factor."""
-    base = np.where(one.n == 1, one.Y * one.relative, 0.0)
+    base = np.where(one.n == 1, one.Y * one.of_base, 0.0)
     return replace(one, x=(one.x - base) * factor + base, x_error=one.x_error * factor)

@@ -352,6 +352,12 @@ class HarmonicProblem:
         block[0, -1] = (gain * Y - one.Y) / Y_error
         block[1, at["psi"]] = one.Y / Y_error
         block[1, -1] = point[at["psi"]] * one.Y / Y_error
+        if one.of_base:  # with the base as it was read, not as it moves
+            turned = one.of_base * np.exp(1j * point[at["psi"]])
+            x[0] -= gain * Y * turned - one.of_base * one.Y
+            by[0, at["Y"]] -= gain * turned
+            by[0, at["psi"]] -= 1j * gain * Y * turned
+            by[0, at["gain"]] -= Y * turned * self.free[at["gain"]]
         scaled = np.column_stack([by, x - one.x]) / error[:, None]
         block[2:] = np.vstack([scaled.real, scaled.imag])
         return block
@@ -467,8 +473,7 @@ class WaveformFit(OscillatorFit):
             re, im = np.split(self.residual[place][2:], 2)
             x, base = one.x[0], self.point[at["Y"]] * np.exp(1j * self.point[at["psi"]])
             Z, law = one.Y / x, base / (x + one.x_error[0] * (re[0] + 1j * im[0]))
-            error = abs(Z) * math.hypot(one.x_error[0] / abs(x), one.Y_error / one.Y)
-            squares.append(((law - Z).real / error) ** 2)
+            squares.append(((law - Z).real / (abs(Z) * one.relative_error)) ** 2)
         return np.array(squares)
 
     @cached_property

@@ -145,7 +145,7 @@ class Explanation:
         fit = self.fit
         if FRAME in self.names:
             frames = ("relative to the base", "absolute")
-            return CAUSES[FRAME].words.format(*frames[:: 1 if fit.lines[0].relative else -1])
+            return CAUSES[FRAME].words.format(*frames[:: 1 if fit.lines[0].of_base else -1])
         return listed([CAUSES[n].sized(fit.value(n), fit.error(n)) for n in self.names])
 
     @property
@@ -159,7 +159,7 @@ class Explanation:
         fit = self.fit
         doubts: dict[str, float] = {}
         # F_k is in proportion to the size of the motion, which no gain of a relative response asks for
-        if "gain" in self.names and not any(one.relative for one in fit.lines):
+        if "gain" in self.names and not any(one.of_base for one in fit.lines):
             doubts = {
                 key: abs(fit.value("gain")) for key in fit.law.unknowns if key.symbol == "F_k"
             }

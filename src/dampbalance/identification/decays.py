@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
@@ -59,7 +60,7 @@ from .half_cycles import A, B, RingRows, W, rows_of
 from .identified import Identified, Picture
 from .level import Level
 from .remarks import contradiction, forbidden, on_mass
-from .request import Stated, mapping_option, records_of, rig_options
+from .request import Stated, mapping_option, records_of, rig_options, with_stiffness_by_mass
 from .screen import implied
 from .sensitivities import Fault
 from .stated import with_stated_uncertainties
@@ -182,7 +183,7 @@ def _slipping(halves: int) -> str:
 
 def identify_decays(
     records: RecordLike | Sequence[RecordLike],
-    stiffness: Stated,
+    stiffness: Stated | None = None,
     *,
     mapping: MappingLike = None,
     mass: Stated | None = None,
@@ -218,10 +219,14 @@ def identify_decays(
 @interpreted(False)  # a motion of thousands of samples, hundreds of times
 def _of_records(records: tuple[MeasuredRecord, ...], options: Mapping[str, Any]) -> DecayOutcome:
     """The answers to records that are read.   options : by the keys of a configuration."""
+    k, mass = options["stiffness_N_per_m"], options["mass_kg"]
+    if k is None:
+        options, k = with_stiffness_by_mass(partial(_of_records, records), options)
+        mass = None
     outcome = identify_ring_downs(
         [record.whole() for record in records],
-        options["stiffness_N_per_m"],
-        mass=options["mass_kg"],
+        k,
+        mass=mass,
         mass_error=options["mass_standard_error_kg"] or 0.0,
         stiffness_error=options["stiffness_standard_error_N_per_m"],
         laws=options["laws"],

@@ -19,6 +19,7 @@ import itertools
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from operator import itemgetter
 from typing import TYPE_CHECKING, Any
 
@@ -71,7 +72,15 @@ from .oscillator import (
     with_common_fit,
 )
 from .remarks import DIRECT, agreement, notes_on
-from .request import Stated, mapping_option, records_of, rig_options
+from .request import (
+    STATIC_TEST,
+    Stated,
+    mapping_option,
+    records_of,
+    rig_options,
+    with_stiffness_by_mass,
+)
+from .rigs import Held, Masses, held_by, masses_of, of_a_mount, require_base, require_possible
 from .screen import implied
 from .sensitivities import Fault, sensitivities, shifts_of_fit, shifts_of_fundamentals
 from .stated import with_stated_uncertainties
@@ -216,11 +225,14 @@ class ForcedOutcome(Identified):
 
 def identify_forced(
     records: RecordLike | Sequence[RecordLike],
-    stiffness: Stated,
+    stiffness: Stated | None = None,
     *,
     mapping: MappingLike = None,
     frequency: float | str | None = None,
     mass: Stated | None = None,
+    fixture_mass: float | str | None = None,
+    contact_to: Held = "ground",
+    damper_to: Held | None = None,
     terms: Sequence[str] | str | None = None,
     given: Mapping[str, float] | None = None,
     groups: Mapping[str, Sequence[str] | str] | None = None,
@@ -234,29 +246,28 @@ def identify_forced(
     variance. The answer is the maximum-likelihood fit of one oscillator to all records, with the balance as its check,
     and the balance itself where the records are not those of such an oscillator.
 
-    records : as `read_records` returns or takes them, at least as many as there are coefficients; more levels, far
-    apart, sharpen all of them.
+    records : as `read_records` returns or takes them, as many as coefficients or more, at levels far apart.
     stiffness : k of the spring, N/m, or a text with its unit, "5.2 N/mm"; it scales F_k and c. With its standard
-    uncertainty, (2310.0, 10.0) or "2310±10",
-    which the intervals then hold, as they do those of gains and delays that a mapping states. Without, they are
-    conditional on k.
+    uncertainty, (2310.0, 10.0) or "2310±10", which the intervals then hold, as they do those of gains and delays that a
+    mapping states. Without, they are conditional on k.
     mapping : what the records do not say of their channels, where they are read here.
     frequency : of the drive as known, Hz; compared with that found in each record.
     mass : kg (kg m² of a rotation), if it is known: it tests the stiffness and the gains, and sharpens K_z where it
-    is known better than the records know it. State its standard uncertainty like that of the stiffness, (2.42,
-    0.01) or "2.42±0.01"; of a mass alone it is half a unit of the last digit ("2.420" keeps its zero) or 0.5 %,
-    whichever is more.
-    terms : of the damping law, symbols of `KNOWN_TERMS` and objects of `Term`; default, F_k, c and those that are
-    given.
+    is known better than the records know it. Without an uncertainty it has one of half a unit of the last digit
+    ("2.420" keeps its zero) or 0.5 %, whichever is more. Alone it gives the stiffness, where the base moves.
+    fixture_mass : kg, of what moves between a load cell and the mass.
+    contact_to : what holds the friction contact: "base" for a mount or an isolator, whose spring, damper and friction
+    all sit between table and mass; its mass must be given.
+    damper_to : what holds the damper; default, what holds the contact.
+    terms : of the damping law, symbols of `KNOWN_TERMS` and objects of `Term`; default, F_k, c and those given.
     given : symbol → known coefficient, SI units.
-    groups : symbol → a label for each record, where each group of records has its own coefficient.
+    groups : symbol → a label for each record, where groups of records have their own.
     laws : whether to compare all laws of one or two terms, with and without friction, too.
     approaches : names of `balance.checks()`, which are the default, and objects of `Approach` that take no phase.
     "direct" assumes no shape of x(t), "fourier" takes three harmonics of it.
     skip_cycles : left out at the start of each record, where the motion has not settled.
 
-    Names and labels in order (terms, approaches, those of groups) may be a text with commas between them:
-    terms="F_k,c".
+    Names and labels in order (terms, approaches, groups) may be a text with commas: terms="F_k,c".
 
     Raises ValueError (for a record, `RecordError`) naming argument or record, what is wrong and the remedy: an argument
     that is outside its range or of another kind, a record that cannot be used, fewer of them than unknowns.
@@ -279,8 +290,11 @@ def identify_forced(
     'usable'
     """
     rig = rig_options(stiffness, mass, "forced")
+    held, terms = held_by(contact_to, damper_to, fixture_mass, rig, terms, given)
     law = law_of(terms, given, groups)
-    options = rig | {
+    options = {
+        **rig,
+        **held,
         "frequency_hz": None if frequency is None else quantity("frequency", frequency),
         "terms": list(law.terms),
         "given": dict(law.given),
@@ -300,10 +314,16 @@ def _of_records(
     records: tuple[MeasuredRecord, ...], law: Law, options: Mapping[str, Any]
 ) -> ForcedOutcome:
     """The answers to records that are read.   options : by the keys of a configuration."""
-    k, mass = options["stiffness_N_per_m"], options["mass_kg"]
+    if options["stiffness_N_per_m"] is None:
+        require_base(records, "stiffness is missing, and a mass alone gives none then", STATIC_TEST)
+        options, k = with_stiffness_by_mass(partial(_of_records, records, law), options)
+        masses = Masses(None, None)
+    else:
+        k, masses = options["stiffness_N_per_m"], masses_of(records, options)
+    mass = masses.moving
     of_drive = {name: options[name] for name in ("frequency_hz", "skip_cycles")}
-    readings = [load(record, k, **of_drive) for record in records]
-    _require_possible(readings, mass, k)
+    readings = [load(record, k, base_mass=masses.on_base, **of_drive) for record in records]
+    require_possible(readings, mass, k)
     records, readings, clipped = unclipped(records, readings, law)
     outcome = identify_readings(
         readings,
@@ -317,21 +337,9 @@ def _of_records(
     held = mass if outcome.joint.mass_taken else None
     laws = compare_laws(readings, k, mass=held, law=law) if options["laws"] else None
     warnings = (*clipped, *outcome.warnings)
+    warnings += tuple(of_a_mount(outcome.joint, records, k, masses, law, of_drive))
     outcome = replace(outcome, laws=laws, records=records, options=options, warnings=warnings)
     return with_stated_uncertainties(outcome)
-
-
-def _require_possible(readings: Sequence[Reading], mass: float | None, k: float) -> None:
-    """Raise ValueError for a mass with which the oscillator is a thousand times faster or slower than the drive."""
-    if mass is None:
-        return
-    for reading in readings:
-        swings = math.sqrt(k / mass) / reading.steady.omega
-        if not 1e-3 < swings < 1e3:  # beyond that a unit is wrong
-            raise ValueError(
-                f"with k = {k:g} N/m and m = {mass:g} kg the oscillator swings {swings:.2g} times in a cycle of "
-                f"{reading.steady.source}: give the mass in kg and the stiffness in N/m, or leave out the mass"
-            )
 
 
 @one_thread
@@ -349,15 +357,14 @@ def identify_readings(
 
     Use `identify_forced` for records; this function is for readings that are at hand, as in studies.
 
-    readings : of `read_features`, one per level; levels that differ, at least as many as there are unknowns for a
-    balance. The fit may do with fewer.   k : stiffness of the readings, N/m.   law : default, F_k and c.
+    readings : of `read_features`, for levels that differ, as many as unknowns.   k : stiffness of the readings, N/m.
+    law : default, F_k and c.
     mass_error, stiffness_error : standard uncertainties of the mass, kg, and of k, N/m, for the test of the mass.
     Others are as for `identify`.
 
     Raises ValueError for fewer readings than unknowns where no fit distinguishes these, terms that act alike in all of
     them, two of the same signals, a stiffness or a mass that is not positive, and a stiffness that is not that
-    of the readings. An approach whose rows cannot be solved stays in the result with NaN
-    and the reason.
+    of the readings. An approach whose rows cannot be solved stays in the result with NaN and the reason.
     """
     law = law or Law()
     ways = checks() if approaches is None else tuple(map(approach, approaches))
@@ -367,7 +374,10 @@ def identify_readings(
     lines = [reading.lines for reading in readings]
     channels = {q for reading in readings for q in reading.steady.channels}
     # where a force drives, the base is at rest; channels of both kinds test each other
-    framed = "force" not in channels and not (channels & {*ABSOLUTE} and channels & {*RELATIVE})
+    on_base = any(reading.steady.base_mass is not None for reading in readings)
+    framed = not ("force" in channels or on_base) and not (
+        channels & {*ABSOLUTE} and channels & {*RELATIVE}
+    )
     joint = joint_fit(
         *(lines, k, mass, law),
         mass_error=mass_error,

@@ -229,8 +229,15 @@ class Identified(ABC):
 
     @property
     def mass(self) -> float:
-        """The mass m of the fit, kg, or the one given where the fit takes it; NaN where no fit determines it."""
-        return float((self.reference or self.answer).merit.get("m_kg", math.nan))
+        """The mass m of the fit, kg, or the one given where the fit takes it, without that of a fixture; NaN where no
+        fit determines it."""
+        moving = (self.reference or self.answer).merit.get("m_kg", math.nan)
+        return float(moving - (self.options.get("fixture_mass_kg") or 0.0))
+
+    @property
+    def mass_error(self) -> float:
+        """Its standard error, kg; zero where the fit takes the mass that was given."""
+        return float((self.reference or self.answer).merit.get("m_standard_error_kg", math.nan))
 
     @property
     def natural_frequency(self) -> float:
@@ -427,12 +434,6 @@ class Identified(ABC):
         """A sentence on what checks the answer; empty where nothing does."""
         return agreement_of(self.approaches)
 
-    def _damping(self) -> list[str]:
-        """Mass, natural frequency and damping in sentences."""
-        merit = (self.reference or self.answer).merit
-        mass = (self.mass, merit.get("m_standard_error_kg", math.nan))
-        return damping_of(self.k, mass, self.values.get("c", math.nan), self.levels)
-
     def screen(self, width: int = 80, *, details: str = "the method text") -> str:
         """One screen: the answer, what it says of the rig, what checks it, at most three causes of doubt with their
         remedies, and where the rest is. Where there is no answer, the cause comes first and the numbers last.
@@ -445,7 +446,9 @@ class Identified(ABC):
         ]
         causes = [sentence(self.in_words(one)) for one in words[:_CAUSES]]
         left = len(own) - len(causes)
-        numbers = [*map(self.in_words, self._damping()), self.in_words(self.check)]
+        mass, c = (self.mass, self.mass_error), self.values.get("c", math.nan)
+        numbers = [*damping_of(self.k, mass, c, self.levels), self.check]
+        numbers = [*map(self.in_words, numbers)]
         answer = self.lead or self.in_words(answer_in_words(self.answer))
         if causes and (why := self.no_answer) and why.partition(";")[0] in words[0]:
             answer = sentence(f"no answer: {words[0]}")  # the first cause with its remedy

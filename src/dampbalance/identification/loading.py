@@ -31,12 +31,17 @@ def keeps_moving(record: MeasuredRecord) -> bool:
 
 
 def load(
-    record: MeasuredRecord, k: float, *, frequency_hz: float | None = None, skip_cycles: int = 0
+    record: MeasuredRecord,
+    k: float,
+    *,
+    frequency_hz: float | None = None,
+    skip_cycles: int = 0,
+    base_mass: float | None = None,
 ) -> Reading:
     """The features of a record.
 
     k : stiffness, N/m.   frequency_hz : the known drive frequency, compared with the one in the record; default, that
-    of the mapping.   skip_cycles : left out at the start.
+    of the mapping.   skip_cycles : left out at the start.   base_mass : as for `condition`.
 
     A motion that settles within its record is read from there on. What the reader of the file found odd is among the
     warnings of the reading.
@@ -50,8 +55,12 @@ def load(
         )
     nominal = record.rules.frequency_hz if frequency_hz is None else frequency_hz
     whole = record.whole()
+
+    def read(skipped: int) -> SteadyRecord:
+        return condition(whole, k, frequency_hz=nominal, skip_cycles=skipped, base_mass=base_mass)
+
     try:
-        steady = condition(whole, k, frequency_hz=nominal, skip_cycles=skip_cycles)
+        steady = read(skip_cycles)
         of_start = [
             one.of[-1]
             for one in steady.warnings
@@ -65,7 +74,7 @@ def load(
             raise
     if settled:
         said = f"{settled} cycles left out at the start, in which the motion had not settled"
-        steady = condition(whole, k, frequency_hz=nominal, skip_cycles=settled)
+        steady = read(settled)
         steady = replace(steady, warnings=(*steady.warnings, Remark(said)))
     return Reading(replace(steady, warnings=(*record.warnings, *steady.warnings)))
 

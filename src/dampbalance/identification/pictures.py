@@ -32,7 +32,7 @@ from ..fit.decay import COMMON, RingFit
 from ..fit.waveforms import WaveformFit
 from ..project.wording import cut
 from ..records.measured import MeasuredRecord
-from ..records.measurement import ORDERS, RELATIVE
+from ..records.measurement import ORDERS
 from ..signals.mean_harmonics import Reading
 from .answer import Answer
 from .loading import excerpt
@@ -85,8 +85,8 @@ def cycles(
         # an averaged cycle has no mean, the zero of a transducer has
         channel = steady.channels[quantity]
         level = float(np.average(channel.coefficients[:, 0].real, weights=channel.weights))
-        if quantity in RELATIVE and "force" not in steady.channels:
-            y = steady.mean(steady.Y)[1] * (1j * steady.omega) ** ORDERS[quantity]
+        if of_base := steady.of_base[quantity]:
+            y = of_base * steady.mean(steady.Y)[1] * (1j * steady.omega) ** ORDERS[quantity]
             turned = np.exp(1j * (averaged["phase"] - base))
             level = level - (y * turned).real
         degrees, model = np.degrees(averaged["phase"]), averaged

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -13,6 +14,7 @@ from ..records.quantities import mass_with_error, read_quantity, with_error
 
 if TYPE_CHECKING:
     from ..records.measured import ReaderOfTables, RecordLike
+    from .identified import Identified
 
 Stated: TypeAlias = float | tuple[float, float] | str
 """A number in SI, alone or with its standard uncertainty, 2310.0 or (2310.0, 10.0), or a text: "2.31 ± 0.01 N/mm"."""
@@ -25,6 +27,39 @@ IN_WORDS = {
 """Kinds of records, as messages call them."""
 
 
+_ANY = 1e3  # k₀/m, rad²/s², of 5 Hz
+
+STATIC_TEST = (
+    "Measure it statically: hang known weights on the mass with the contact loose, and take the slope of force over "
+    "displacement."
+)
+
+
+def with_stiffness_by_mass(
+    identified: Callable[[Mapping[str, Any]], Identified], options: Mapping[str, Any]
+) -> tuple[dict[str, Any], float]:
+    """Return options with the standard uncertainty of the stiffness k that the mass among them and the frequency of
+    records give, and k, N/m.
+
+    m, c, k, K_z and F_k times a number are an oscillator of the same motion: the mass m̂ that any stiffness k₀ leads to
+    gives k = k₀ m/m̂.
+
+    identified : the identification with other options.
+
+    Raises ValueError where the records determine no mass.
+    """
+    mass, k = options["mass_kg"], options["mass_kg"] * _ANY
+    found = identified({**options, "stiffness_N_per_m": k, "mass_kg": None, "laws": False})
+    if math.isnan(found.mass):
+        raise ValueError(
+            "the records do not show the natural frequency from which, with the mass, the stiffness follows: give it "
+            f"(--stiffness). {STATIC_TEST}"
+        )
+    k *= mass / found.mass
+    error = math.hypot(options["mass_standard_error_kg"] / mass, found.mass_error / found.mass)
+    return {**options, "stiffness_standard_error_N_per_m": k * error}, k
+
+
 def rig_options(
     stiffness: Stated | None, mass: Stated | None, needed_by: str = ""
 ) -> dict[str, Any]:
@@ -32,12 +67,13 @@ def rig_options(
 
     needed_by : kind of records that needs the stiffness; none may do without it where this is empty.
 
-    Raises ValueError for a stiffness that is missing, and for a number that is none.
+    Raises ValueError for a stiffness that is missing with the mass, and for a number that is none.
     """
-    if stiffness is None and needed_by:
+    if stiffness is None and mass is None and needed_by:
         raise ValueError(
-            f"stiffness (--stiffness) is missing: {IN_WORDS[needed_by]} need it, N/m; only a table of a stepped sine "
-            "with a force does without (kind stepped-sine)"
+            f"stiffness (--stiffness) is missing: {IN_WORDS[needed_by]} need it, N/m. {STATIC_TEST} Where that cannot "
+            "be done, the mass alone (--mass) gives it from the frequency of the motion. Only a table of a stepped "
+            "sine with a force does without (kind stepped-sine)"
         )
     k, k_error = (None, 0.0) if stiffness is None else with_error("stiffness", stiffness)
     m, m_error = (None, None) if mass is None else mass_with_error(mass)

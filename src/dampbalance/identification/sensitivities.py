@@ -20,7 +20,6 @@ from ..fit.fundamentals import FundamentalFit
 from ..fit.steady_search import refit
 from ..fit.waveforms import WaveformFit
 from ..law.terms import FRICTION
-from ..records.measurement import ABSOLUTE
 from ..signals.mean_harmonics import Means, Reading
 from ..signals.one_thread import one_thread
 from ..solver import solve
@@ -147,14 +146,15 @@ def _by_fault(names: Iterable[str], of: Mapping[str, Array]) -> dict[str, dict[s
 def _faulty(reading: Reading, faults: list[Fault]) -> Means:
     """The means of a record as read, and with each of the faults, a thousandth of each.
 
-    A force f moves the mass like the base motion f/k: an error of k is one of that motion.
+    A force f moves the mass like the base motion f/k: an error of k is one of that motion; and so is one of the mass m
+    that stands on a base which moves, where f is −mÿ.
     """
-    drive, response, late, angle, stiffness = (
+    drive, response, late, angle, stiffness, mass = (
         _STEP * np.array([0.0, *(getattr(fault, what) for fault in faults)])
-        for what in ("drive", "response", "late", "angle", "stiffness")
+        for what in ("drive", "response", "late", "angle", "stiffness", "mass")
     )
-    drive = drive - stiffness * ("force" in reading.steady.channels)
-    channels = reading.steady.channels.keys()
-    relative = not channels & {"force", *ABSOLUTE}
-    turn = late * reading.steady.omega + angle
-    return reading.mean.changed(drive, response, turn, relative=relative)
+    steady = reading.steady
+    on_base = steady.base_mass is not None
+    lever = mass * on_base - stiffness * (on_base or "force" in steady.channels)
+    turn = late * steady.omega + angle
+    return reading.mean.changed(drive, response, turn, lever, steady.added)

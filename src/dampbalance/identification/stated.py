@@ -20,11 +20,12 @@ from typing import TypeVar
 
 import numpy as np
 
-from ..project.wording import change_text, listed
+from ..project.wording import change_text, listed, with_error
 from ..records.measurement import EXCITATIONS
 from .answer import REFERENCE, Answer, unit_of
 from .identified import Identified
 from .loading import correction_of
+from .request import STATIC_TEST
 from .sensitivities import FAULTS, Fault
 
 Outcome = TypeVar("Outcome", bound=Identified)
@@ -109,6 +110,14 @@ def _conditional(found: Identified, stiffness: bool, mass: bool) -> tuple[str, s
 
     stiffness : whether its uncertainty is stated.   mass : whether it is given.
     """
+    by_mass = mass and found.mass_tests and found.options["stiffness_N_per_m"] is None
+    if by_mass:
+        k = with_error(found.k, found.options["stiffness_standard_error_N_per_m"])
+        return (
+            f"k = {k} N/m follows from the mass and the natural frequency of the records, and all numbers are in "
+            f"proportion to it. {STATIC_TEST}",
+            "",
+        )
     if stiffness and mass:
         return "", ""
     name, answer = next(iter(found.approaches.items()))

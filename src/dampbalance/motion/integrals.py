@@ -111,6 +111,19 @@ def measure(phases: Array, count: int, theta: float, par: Parameters) -> Measure
 
 
 @jit
+def write_measures(
+    out: Array, i: int, phases: Array, count: int, theta: float, par: Parameters
+) -> None:
+    """Column i of `out`: the measures of an orbit with `count` phases in its half cycle, NaN where there is none."""
+    if count == 0:
+        for row in range(len(out)):
+            out[row, i] = np.nan
+    else:
+        for row, value in enumerate(measure(phases, count, theta, par)):
+            out[row, i] = value
+
+
+@jit
 def _amplitude_and_lag(harmonic: complex) -> tuple[float, float]:
     """X_n and φ_n of X_n e^{−iφ_n}."""
     return abs(harmonic), -math.atan2(harmonic.imag, harmonic.real)

@@ -1,4 +1,5 @@
-"""Compile numerical kernels with Numba, when they are first called and once per version of their source.
+"""Compile numerical kernels with Numba, when they are first called and once per version of their source: for the
+processor, for WebAssembly (`dampbalance.publishing.engine`) and for a GPU (`dampbalance.motion.device`).
 
 Numba's own disk cache looks only at the file of the compiled function: a kernel goes on being served from the cache
 after a kernel that it calls, in another file, was edited. Here the cache folder carries a digest of every module that
@@ -25,6 +26,7 @@ Function = TypeVar("Function", bound=Callable[..., object])
 _PACKAGE = Path(__file__).parents[1]
 _LOCK = threading.RLock()
 _left = 0.0  # calls of kernels that are still to be interpreted
+_target = threading.local()  # .cuda : whether this thread compiles for a GPU
 
 
 def _sources() -> list[Path]:
@@ -99,6 +101,7 @@ class _Kernel:
         functools.update_wrapper(self, function)
         self.py_func = function
         self._dispatcher: Any = None
+        self._on_device: Any = None
 
     @property
     def dispatcher(self) -> Any:
@@ -112,7 +115,14 @@ class _Kernel:
     @property
     def _numba_type_(self) -> Any:
         """What Numba asks of a name that a kernel uses."""
-        return self.dispatcher._numba_type_
+        if not getattr(_target, "cuda", False):
+            return self.dispatcher._numba_type_
+        if self._on_device is None:
+            from numba import cuda
+
+            compiler: Any = cuda  # has no types
+            self._on_device = compiler.jit(device=True)(self.py_func)
+        return self._on_device._numba_type_
 
     def __call__(self, *arguments: Any) -> Any:
         global _left
@@ -127,6 +137,16 @@ class _Kernel:
 def jit(function: Function) -> Function:
     """Compile `function` to machine code when it is first called; see `_compiled`."""
     return cast(Function, _Kernel(function))
+
+
+@contextlib.contextmanager
+def for_device() -> Iterator[None]:
+    """Compile kernels for a GPU that a kernel of CUDA calls, in this thread."""
+    _target.cuda = True
+    try:
+        yield
+    finally:
+        _target.cuda = False
 
 
 @contextlib.contextmanager

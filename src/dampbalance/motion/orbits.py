@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import functools
 import itertools
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -16,7 +17,7 @@ from ..arguments import instance, numbers, one_of, whole
 from ..arrays import Array, Codes
 from ..model import UNITS, Oscillator, Parameters, named_with_unit
 from .events import MOST_RADIANS
-from .integrals import Measures, measure
+from .integrals import Measures, write_measures
 from .jit import jit
 from .orbit import SHOWN_FIRST, in_words
 from .regime import Regime
@@ -144,6 +145,8 @@ def steady_orbits(
     K_z: ArrayLike | None = None,
     F_k: ArrayLike | None = None,
     threads: int | None = None,
+    device: str = "cpu",
+    fetch: bool = True,
 ) -> Orbits:
     """Compute the exact steady responses of all combinations that the arguments broadcast to, in any regime.
 
@@ -151,9 +154,13 @@ def steady_orbits(
     name and replace its own. Without one, all of them are given.
     Y : amplitude of the base, m.   omega : of the drive, rad/s.   m : kg.   c : N s/m.   k, K_z : N/m.   F_k : N.
     threads : default, the cores this process may use. The result does not depend on the number of threads.
+    device : "cuda" solves on an NVIDIA GPU, with the package's extra `cuda`, what has a closed form; the rest, cases
+    with several slip onsets, is solved by the processor. It pays from some 10⁶ cases on.
+    fetch : False leaves features and regimes on the device, as arrays that CuPy and PyTorch take.
 
-    Raises ValueError (naming the argument and the first offending value) for a value that `Oscillator` refuses, masked
-    or missing ones among them, for anything but numbers, and for shapes that do not broadcast.
+    Raises RuntimeError for a device that is not there, and ValueError (naming the argument and the first offending
+    value) for a value that `Oscillator` refuses, masked or missing ones among them, for anything but numbers, and for
+    shapes that do not broadcast.
 
     >>> import math
     >>> from dampbalance import Oscillator, Regime, steady_orbits
@@ -176,10 +183,25 @@ def steady_orbits(
     given: dict[str, Any] = {**own, "Y": Y, "omega": omega}
     arrays = [numbers(name, value) for name, value in given.items()]
     shape = _common_shape(arrays)
-    size = int(np.prod(shape))
+    views = [np.broadcast_to(a, shape) for a in arrays]
+    solver = functools.partial(_by_processor, threads=threads)
+    out: Any
+    if one_of("device", device, ("cpu", "cuda")) == "cuda":
+        from .device import solve_on_device  # slow to import
+
+        out, regime = solve_on_device(arrays, shape, solver, fetch)
+    else:
+        out, regime = solver(views)
+    fields: dict[str, Any] = dict(zip((*Measures._fields, "regime"), (*out, regime), strict=True))
+    arrays_of = {name: row.reshape(shape) for name, row in fields.items()}
+    return Orbits(**arrays_of, given=dict(zip(given, views, strict=True)))
+
+
+def _by_processor(views: Sequence[Array], threads: int | None) -> tuple[Array, Codes]:
+    """The rows (15, n) of `Measures` and the regimes (n,) of all cases of arrays of one shape."""
+    size = views[0].size
     out = np.empty((len(Measures._fields), size))
     regime = np.empty(size, dtype=np.uint8)
-    views = [np.broadcast_to(a, shape) for a in arrays]
 
     def solve(start: int) -> None:
         block = slice(start, start + _BLOCK)
@@ -198,9 +220,7 @@ def steady_orbits(
     with ThreadPoolExecutor(max_workers=cores or 1) as pool:
         for _ in pool.map(solve, range(0, size, _BLOCK)):
             pass
-    fields: dict[str, Any] = dict(zip((*Measures._fields, "regime"), (*out, regime), strict=True))
-    arrays_of = {name: row.reshape(shape) for name, row in fields.items()}
-    return Orbits(**arrays_of, given=dict(zip(given, views, strict=True)))
+    return out, regime
 
 
 def _common_shape(arrays: list[Array]) -> tuple[int, ...]:
@@ -227,7 +247,7 @@ def _solve_closed_forms(inputs: tuple[Array, ...], out: Array, regime: Codes) ->
         if code == NO_CLOSED_FORM:
             left += 1
         else:
-            _write_measures(out, i, phases, count, theta, par)
+            write_measures(out, i, phases, count, theta, par)
     return left
 
 
@@ -240,17 +260,4 @@ def _solve_others(inputs: tuple[Array, ...], out: Array, regime: Codes) -> None:
             par = Parameters(*of_case)
             code, count, theta = solve_otherwise(par, phases, MOST_RADIANS)
             regime[i] = code
-            _write_measures(out, i, phases, count, theta, par)
-
-
-@jit
-def _write_measures(
-    out: Array, i: int, phases: Array, count: int, theta: float, par: Parameters
-) -> None:
-    """Column i of `out`: the measures of an orbit with `count` phases in its half cycle, NaN where there is none."""
-    if count == 0:
-        for row in range(len(out)):
-            out[row, i] = np.nan
-    else:
-        for row, value in enumerate(measure(phases, count, theta, par)):
-            out[row, i] = value
+            write_measures(out, i, phases, count, theta, par)

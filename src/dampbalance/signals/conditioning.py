@@ -8,6 +8,11 @@ the harmonics. Harmonics are then turned into those of displacements,
     x_n = v_n/(inω)    of a velocity,               x_n = −a_n/(nω)²   of an acceleration,
     x_n = y_n + r_n    of a motion r relative to the base,
 
+and, of a mass m whose contact, spring and damper all sit on the base, which moves against the base as under a force
+−mÿ (Inman, Engineering Vibration, Sec. 2.4),
+
+    y_n → m(nω)² y_n/k,      x_n → r_n = x_n − y_n,
+
 after the known gain, delay and filters of the channel have been removed (`records/measurement.py`). The harmonics of
 several response channels are averaged, each weighted by its inverse variance.
 """
@@ -26,6 +31,7 @@ from ..project.wording import Remark, part, visible
 from ..record import GRID_TOLERANCE
 from ..records.coordinate import TRANSLATION
 from ..records.measurement import (
+    ABSOLUTE,
     ORDERS,
     RELATIVE,
     RESPONSES,
@@ -73,6 +79,8 @@ class SteadyRecord:
     channels : harmonics of each channel, corrected, by quantity.
     noise_rms : of the samples, by quantity, in the unit of the channel.
     skew : by how much each response lags the first, s, as corrected (only where it is significant).
+    of_base : by how many times the motion Y of the drive the displacement that each response was turned into differs
+    from what was measured, 1 for one measured against the base; by quantity.   base_mass : as for `condition`.
     warnings : what is wrong with the record, one sentence each, which says what it leaves in doubt.
     """
 
@@ -96,12 +104,20 @@ class SteadyRecord:
     channels: Mapping[str, CycleHarmonics]
     noise_rms: Mapping[str, float]
     skew: Mapping[str, float]
+    of_base: Mapping[str, float]
+    base_mass: float | None
     warnings: tuple[Remark, ...]
 
     @property
     def frequency_hz(self) -> float:
         """Drive frequency, Hz."""
         return self.omega / (2.0 * math.pi)
+
+    @property
+    def added(self) -> float:
+        """The multiple of Y in `of_base` that all responses share; 0 where they differ."""
+        multiples = set(self.of_base.values())
+        return multiples.pop() if len(multiples) == 1 else 0.0
 
     def mean(self, rows: Complexes) -> Complexes:
         """Mean of the rows, each with its weight."""
@@ -120,11 +136,13 @@ def condition(
     *,
     frequency_hz: float | None = None,
     skip_cycles: int = 0,
+    base_mass: float | None = None,
 ) -> SteadyRecord:
     """The steady state of a measurement.
 
     k : stiffness, N/m.   frequency_hz : the nominal drive frequency, compared with that of the excitation.
-    skip_cycles : cycles left out at the start, when the motion has not settled.
+    skip_cycles : cycles left out at the start, when the motion has not settled.   base_mass : m, kg, where the contact
+    sits on the base with spring and damper; default, it sits on the ground.
 
     Raises ValueError naming the source when the record cannot be used: a constant channel, too few cycles, another
     frequency, signals that contradict each other.
@@ -136,7 +154,7 @@ def condition(
     samples = {q: in_equal_steps(measurement[q], warnings) for q in measurement}
     try:
         channels = _harmonics_of(samples, driving, frequency_hz, skip_cycles, warnings)
-        return _steady(source, k, samples, channels, driving, skip_cycles, warnings)
+        return _steady(source, k, samples, channels, driving, skip_cycles, base_mass, warnings)
     except ValueError as error:
         raise ValueError(f"{source}: {error}") from error
 
@@ -161,6 +179,7 @@ def _steady(
     channels: Mapping[str, CycleHarmonics],
     driving: str,
     skipped: int,
+    base_mass: float | None,
     warnings: list[Remark],
 ) -> SteadyRecord:
     """The steady record that harmonics are: in the rows that all channels have, in the time and at the frequency of the
@@ -198,12 +217,25 @@ def _steady(
         moved[q] = of[:, : scale.size] * scale
     Y = moved.pop(driving)
     moved = {q: moved[q] for q in RESPONSES if q in moved}
-    if driving != "force":  # which leaves the base at rest
-        for q in RELATIVE.keys() & moved.keys():
-            count = min(Y.shape[1], moved[q].shape[1])
-            moved[q][:, 1:count] += Y[:, 1:count]
+    # a force leaves the base at rest
+    sign, others = (1.0, RELATIVE) if base_mass is None else (-1.0, ABSOLUTE)
+    of_base = {q: sign * (q in others and driving != "force") for q in moved}
+    own = {q: _error(of, weights)[1] for q, of in moved.items()}
+    # beyond, the base has nothing but noise
+    highest = checks.highest_of_base(weighted_mean(Y, weights), _error(Y, weights))
+    for q in moved:
+        count = min(highest + 1, moved[q].shape[1])
+        moved[q][:, 1:count] += of_base[q] * Y[:, 1:count]
+    if base_mass is not None:
+        ratio = base_mass * omega**2 / k
+        Y = Y * (ratio * np.arange(Y.shape[1]) ** 2.0)
+        of_base = {q: of / ratio for q, of in of_base.items()}
     skew, inconsistencies = checks.consistency(moved, weights, omega)
-    X, X_error = _combined(moved, weights)
+    errors = {q: _error(of, weights) for q, of in moved.items()}
+    if len(set(of_base.values())) == 1:  # else the error of the base is in some only
+        for q, error in own.items():
+            errors[q][1] = error
+    X, X_error = _combined(moved, errors)
     mean_Y, mean_X = weighted_mean(Y, weights), weighted_mean(X, weights)
     warnings += inconsistencies
     if samples[driving].coordinate == TRANSLATION:  # nothing bounds an angle
@@ -249,6 +281,8 @@ def _steady(
         channels=dict(channels) | corrected,
         noise_rms=noise_rms,
         skew=skew,
+        of_base=of_base,
+        base_mass=base_mass,
         warnings=tuple(warnings),
     )
 
@@ -339,14 +373,19 @@ def _scatter(rows: Complexes, weights: Array) -> Array:
     return weights @ off / (2.0 * (len(rows) - 1))
 
 
-def _combined(moved: Mapping[str, Complexes], weights: Array) -> tuple[Complexes, Array]:
-    """The mean of the harmonics of all responses, weighted by inverse variance, and its standard deviations."""
+def _combined(
+    moved: Mapping[str, Complexes], errors: Mapping[str, Array]
+) -> tuple[Complexes, Array]:
+    """The mean of the harmonics of all responses, weighted by inverse variance, and its standard deviations.
+
+    errors : standard deviations of the mean of each harmonic.
+    """
     count = max(rows.shape[1] for rows in moved.values())
-    total = np.zeros((len(weights), count), dtype=np.complex128)
+    total = np.zeros((len(next(iter(moved.values()))), count), dtype=np.complex128)
     precision = np.zeros(count)
-    for rows in moved.values():
+    for q, rows in moved.items():
         size = rows.shape[1]
-        weight = 1.0 / _error(rows, weights) ** 2
+        weight = errors[q] ** -2.0
         total[:, :size] += weight * rows
         precision[:size] += weight
     total /= precision

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..arrays import Array, Complexes, Integers, Mask
-from ..records.measurement import ABSOLUTE, ORDERS, RESPONSES
+from ..records.measurement import ORDERS, RESPONSES
 from .bursts import LEAST_NOISE
 from .conditioning import CLEAR_HARMONIC, SteadyRecord
 from .thresholds import SIGNIFICANT
@@ -29,11 +29,13 @@ class Lines:
     """Harmonics of one record.
 
     omega : rad/s.   Y : amplitude of the base, m.   n : odd orders, (h,).   x : x_n, m, (h,).
-    Y_error, x_error : standard deviations of the real and of the imaginary part of each, m.
+    Y_error, x_error : standard deviations of the real and of the imaginary part of Y and of what was measured of x_n,
+    m.
     rows : independent rows that would know the standard deviations as well as they are known.   aliased : what
     harmonics beyond half the sampling rate add, as a part of the noise, at its largest; it is counted in x_error.
     base : y_n, n = 2, 3 …, m, likewise, zero where they do not stand out of the noise; empty for a harmonic base.
-    relative : whether the response was measured against the base, to whose motion it was added.
+    of_base : how many times the base motion was added to what was measured of the response, 1 for one measured against
+    the base.
     """
 
     omega: float
@@ -45,7 +47,14 @@ class Lines:
     rows: int
     aliased: float = 0.0
     base: Complexes = field(default_factory=lambda: np.empty(0, dtype=np.complex128))
-    relative: bool = False
+    of_base: float = 0.0
+
+    @property
+    def relative_error(self) -> float:
+        """Relative standard deviation of Y/x_1: what was measured of the response has an error of its own, and the base
+        that was added to it that of the base."""
+        of_base = self.Y_error * abs(1.0 / self.Y - self.of_base / self.x[0])
+        return math.hypot(self.x_error[0] / abs(self.x[0]), of_base)
 
     @property
     def clear(self) -> Mask:
@@ -78,7 +87,7 @@ class Lines:
             rows=_rows(steady, n),
             aliased=float(np.max(aliased / np.maximum(noise, LEAST_NOISE * abs(x[0])))),
             base=np.where(clear, y[higher] * np.exp(-1j * higher * np.angle(base)), 0.0),
-            relative=not steady.channels.keys() & {"force", *ABSOLUTE},
+            of_base=steady.added,
         )
 
 

@@ -71,22 +71,24 @@ class Means:
         return Means(*(np.concatenate([getattr(of, n) for of in (self, other)]) for n in names))
 
     def changed(
-        self, drive: Array, response: Array, turn: Array, *, relative: bool = False
+        self, drive: Array, response: Array, turn: Array, lever: Array, of_base: float = 0.0
     ) -> Means:
         """One mean as r: base and response grown by the factors 1 + drive and 1 + response, the response turned by
         `turn`, rad at the drive frequency, n times that at harmonic n; each (r,).
 
-        relative : whether the response was measured against the base, to whose fundamental it was added.
+        lever : growth of what the drive does, the motion of the base by itself staying as it is.
+        of_base : how many times the fundamental of the base was added to what was measured of the response.
         """
-        of_base = np.zeros_like(self.x)
-        of_base[:, 0] = self.Y * relative
+        added = np.zeros_like(self.x)
+        added[:, 0] = self.Y * of_base
         driven = 1.0 + drive[:, None]
 
         def turned(x: Complexes, lowest: int) -> Complexes:
             n = lowest + 2 * np.arange(x.shape[1])
             return x * (1.0 + response)[:, None] * np.exp(-1j * np.outer(turn, n))
 
-        x = turned(self.x - of_base, 1) + of_base * driven
+        x = turned(self.x - added, 1) + added * driven
+        driven = driven * (1.0 + lever[:, None])
         of_all = self.Y * driven[:, 0], x, turned(self.even, 2), self.base * driven
         return Means(*of_all, np.broadcast_to(self.bias, turn.shape))
 
@@ -261,6 +263,7 @@ class Reading:
         if waveform is None:
             return np.zeros((0, len(means.Y)))
         lines, off = self.lines, (means.x - self.lines.x).T
+        off[0] -= lines.of_base * (means.Y - lines.Y)
         error = lines.x_error[:, None]
         Y = (means.Y - lines.Y) / lines.Y_error
         data = np.vstack([Y, np.zeros(Y.size), off.real / error, off.imag / error])

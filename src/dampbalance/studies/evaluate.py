@@ -150,7 +150,7 @@ def _responses(cases: Cases, threads: int | None) -> Responses:
     si, study = cases.si, cases.study
     terms = {symbol for fit in study.fits for symbol in fit.terms} - TERMS.keys()
     if study.route.kind == "exact" and not terms and not of_law(cases.values):
-        of = {name: si[name] for name in ("m", "c", "k", "K_z", "F_k", "omega")}
+        of: dict[str, Any] = {name: si[name] for name in ("m", "c", "k", "K_z", "F_k", "omega")}
         return Responses(
             of_orbits(steady_orbits(**of, Y=cases.Y, threads=threads), cases.Y, si["omega"])
         )

@@ -1,0 +1,110 @@
+"""The kernels on a GPU give what they give on the processor; without one, CUDA's simulator runs them in Python."""
+
+from __future__ import annotations
+
+import os
+import sys
+
+import numpy as np
+import pytest
+from numba import cuda
+
+from dampbalance import Orbits, steady_orbits
+from dampbalance.motion.jit import interpreted
+from processes import output_of
+
+SIMULATED = "NUMBA_ENABLE_CUDASIM" in os.environ
+# The sums of an orbit are the same but for fused multiplications and the last digits of sin, exp and log.
+TOLERANCE = 1e-12
+# of X: what rounding leaves of a third or fifth harmonic that hardly exists
+ROUNDING = 1e-14
+
+
+def cases(rows: int, seed: int = 20261127) -> dict[str, np.ndarray]:
+    """The arguments of 4 · rows cases of all regimes, which broadcast along both axes."""
+    rng = np.random.default_rng(seed)
+
+    def between(low: float, high: float, shape: tuple[int, ...]) -> np.ndarray:
+        return low * (high / low) ** rng.random(shape)
+
+    F_k = between(0.01, 20.0, (rows, 4))
+    F_k[::25] = 0.0
+    return {
+        "m": between(0.5, 5.0, (rows, 1)),
+        "c": between(1.0, 200.0, (rows, 1)),
+        "k": between(500.0, 9000.0, (4,)),
+        "K_z": between(1e3, 1e6, (rows, 1)),
+        "F_k": F_k,
+        "Y": between(1e-4, 2e-2, (rows, 1)),
+        "omega": between(5.0, 120.0, (1, 4)),
+    }
+
+
+def assert_same_as_the_processor(rows: int, fetch: bool) -> None:
+    given = cases(rows)
+    expected = steady_orbits(**given)
+    with interpreted(SIMULATED):  # not the processor's kernels
+        got = steady_orbits(**given, device="cuda", fetch=fetch)
+    if not fetch and not SIMULATED:  # as CuPy and PyTorch see it
+        assert got.X.__cuda_array_interface__["shape"] == (rows, 4)
+    regimes = np.asarray(got.regime)
+    assert set(regimes.ravel()) >= {1, 2, 3, 4}
+    np.testing.assert_array_equal(regimes, expected.regime)
+    for name in ("X", "X_s", "V_s", "t_s", "phi", "phi_zero_crossing", "a", "b", "W"):
+        np.testing.assert_allclose(getattr(got, name), getattr(expected, name), TOLERANCE)
+    for n in (1, 3, 5):  # a phase has as many digits as its amplitude
+        error = abs(harmonic(got, n) - harmonic(expected, n))
+        assert (error <= TOLERANCE * abs(harmonic(expected, n)) + ROUNDING * expected.X).all(), n
+
+
+def harmonic(orbits: Orbits, n: int) -> np.ndarray:
+    X_n, phi_n = (np.asarray(getattr(orbits, f"{name}_{n}")) for name in ("X", "phi"))
+    return X_n * np.exp(-1j * phi_n)
+
+
+@pytest.mark.parametrize("fetch", [True, False])
+def test_on_a_GPU(fetch):
+    if not cuda.is_available():
+        pytest.skip("no NVIDIA GPU with its driver, or the extra cuda is not installed")
+    assert_same_as_the_processor(2500, fetch)
+
+
+def in_simulator(call: str) -> None:
+    """Run a function of this module where Numba simulates CUDA, which it decides when it is imported."""
+    program = f"from motion import test_device\ntest_device.{call}"
+    folders = os.pathsep.join(path for path in sys.path if path)
+    output_of(sys.executable, "-c", program, NUMBA_ENABLE_CUDASIM="1", PYTHONPATH=folders)
+
+
+@pytest.mark.parametrize("fetch", [True, False])
+def test_in_the_simulator(fetch):
+    in_simulator(f"assert_same_as_the_processor(100, fetch={fetch})")
+
+
+def test_ten_thousand_cases_in_the_simulator():
+    in_simulator("assert_same_as_the_processor(2500, fetch=True)")
+
+
+def blocks_and_shapes() -> None:
+    """Several blocks, a last one that is not full, no axis at all and no case at all."""
+    from dampbalance.motion import device
+
+    device._BLOCK = 150
+    assert_same_as_the_processor(100, fetch=True)
+    case = {name: values.flat[-1] for name, values in cases(1).items()}
+    with interpreted():
+        assert steady_orbits(**case, device="cuda").X.shape == ()
+        assert steady_orbits(**case | {"Y": []}, device="cuda").X.shape == (0,)
+
+
+def test_blocks_and_shapes_in_the_simulator():
+    in_simulator("blocks_and_shapes()")
+
+
+def test_without_a_GPU_no_result_of_the_processor_passes_for_one(monkeypatch):
+    monkeypatch.setattr(cuda, "is_available", lambda: False)
+    case = {name: values.flat[-1] for name, values in cases(1).items()}
+    with pytest.raises(RuntimeError, match=r"NVIDIA GPU.*install 'dampbalance\[cuda\]'"):
+        steady_orbits(**case, device="cuda")
+    with pytest.raises(ValueError, match="cpu, cuda"):
+        steady_orbits(**case, device="gpu")
