@@ -66,7 +66,7 @@ export PYTHONNOUSERSITE = 1
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: all setup test lint unit check night docs archive wheels verify compare bench peers engine processors mutants blind format lock clean distclean help stale
+.PHONY: all setup test lint unit check night docs archive dist wheels verify compare bench peers engine processors mutants blind format lock clean distclean help stale
 
 all: $(READY) ## Set up the environment, then rebuild tables, figures and claims (the default)
 	@$(SNAKEMAKE)
@@ -97,6 +97,11 @@ docs: setup ## Build the site of documentation, with all studies, into results/s
 
 archive: $(READY) ## Pack sources, results and digests for keeping, into results/archive/
 	@$(SNAKEMAKE) archive
+	@test -n "$$CONFIG" || echo "The archive is results/archive/dampbalance-$(VERSION).tar.gz."
+
+dist: $(READY) ## Build the source distribution and the wheel of the package, ready for an index, into dist/
+	@$(RUN) hatchling build
+	@echo "To install it elsewhere: pip install \"dist/dampbalance-$(VERSION)-py3-none-any.whl[records]\""
 
 wheels: $(READY) ## Fetch the locked packages for this Python and system, to be kept beside the archive
 	@$(RUN) pip download --disable-pip-version-check --no-build-isolation --no-deps --require-hashes \
@@ -106,7 +111,8 @@ wheels: $(READY) ## Fetch the locked packages for this Python and system, to be 
 verify: archive ## Unpack the archive elsewhere, build everything anew there from it alone, and compare (choose with ARCHIVE=…)
 	@top=$$(mktemp -d) && trap 'rm -rf "$$top"' EXIT && tar --extract --gzip --directory "$$top" <"$$ARCHIVE" \
 	    && cd "$$top"/dampbalance-* \
-	    && make --no-print-directory clean all \
+	    && echo "Rebuilding the archive on its own, in a temporary folder: a few minutes." \
+	    && { make --no-print-directory clean all >"$$top/said" 2>&1 || { cat "$$top/said" >&2; exit 1; }; } \
 	    && { sha256sum --check --quiet SHA256SUMS >"$$top/different" 2>/dev/null || true; } \
 	    && ! grep -v '/manifest.json: FAILED$$' "$$top/different" \
 	    && echo "$$(wc -l <SHA256SUMS) files of the archive, and its results rebuilt: the same bytes, except the manifest."

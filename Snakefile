@@ -56,9 +56,19 @@ onsuccess:
         show_tables(fresh)
     if config["published"] and compared_at() != COMPARED_BEFORE:
         summary = SUMMARY.read_text(encoding="utf-8")
-        print(summary, end="")
+        # The summary's first paragraph says how the verdicts fare; the rest is for a reader of the file.
+        print(summary.partition("\n\n")[0])
         if WORSE in summary:
+            print(f"All of them: {SUMMARY}; why: {rules.claims.output.md}")
             sys.exit(1)
+        places = {
+            "Article": rules.article.output.pdf,
+            "page": rules.page.output.page,
+            "tour": rules.notebook.output.ipynb,
+        }
+        print(
+            ", ".join(f"{name}: {file}" for name, file in places.items() if Path(file).exists())
+        )
 
 
 onerror:

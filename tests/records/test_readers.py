@@ -532,7 +532,7 @@ def test_a_truncated_text(tmp_path):
 
 
 LIBRARIES = {".parquet": "pyarrow", ".mat": "pymatreader", ".h5": "h5py", ".uff": "pyuff"}
-LIBRARIES |= {".tdms": "nptdms", ".wav": "ruamel"}  # of its mapping
+LIBRARIES |= {".tdms": "nptdms"}
 
 
 @pytest.mark.parametrize(("suffix", "package"), LIBRARIES.items())

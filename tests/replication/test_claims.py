@@ -16,6 +16,7 @@ from dampbalance.replication.claims.print import Printed, read_texts
 from dampbalance.replication.claims.rules import Sources
 from dampbalance.replication.claims.table import (
     CLAIM_COLUMNS,
+    WORSE,
     check_claims,
     claims_markdown,
     claims_table,
@@ -219,6 +220,7 @@ def test_markdown_has_a_line_per_claim(claims):
 
 def test_summary_counts_and_lists_what_is_left_open(claims, recorded):
     text = summary(claims, check_claims(claims, recorded))
+    assert text.startswith("133 verdicts as on record.\n\n")
     total = next(line for line in text.splitlines() if line.startswith("all"))
     computed = claims[claims["kind"] == "computed"]
     counts = [int((computed["verdict"] == name).sum()) for name in VERDICTS]
@@ -230,6 +232,32 @@ def test_summary_counts_and_lists_what_is_left_open(claims, recorded):
         assert row["verdict"] in line
         assert any(row[route] and row[route] in line for route in ROUTE_NAMES)
     assert "table1.X.1" not in text
+
+
+def test_summary_opens_with_the_worst_in_lines_that_fit_a_screen(recorded):
+    changed = judged(oscillator=replace(PAPER, F_k=1.4))
+    offences = check_claims(changed, recorded)
+    text = summary(changed, offences)
+    opening, _, rest = text.partition("\n\n")
+    sentence, remedy, heads, *rows = opening.splitlines()
+    assert sentence == f"{len(offences)} of {len(changed)} {WORSE}; the results are built."
+    assert "published: null" in remedy
+    assert heads.split() == ["number", "printed", "verdict", "obtained"]
+    assert max(map(len, opening.splitlines())) <= 120
+    off = changed.set_index("id")["off_relative"].replace("", "0").astype(float).abs()
+    shown = [off[row.split()[0]] for row in rows]
+    left = off[offences["id"]].drop([row.split()[0] for row in rows])
+    assert len(rows) == 10
+    assert shown == sorted(shown, reverse=True)
+    assert min(shown) >= left.max()
+    assert all(f"  {message}\n" in rest for message in offences["message"])
+
+
+def test_summary_opens_with_a_printed_number_that_has_no_claim(claims, recorded):
+    lost = claims[claims["id"] != "table1.X.1"]
+    opening = summary(lost, check_claims(lost, recorded)).partition("\n\n")[0]
+    assert opening.startswith(f"1 of {len(lost)} {WORSE}")
+    assert opening.splitlines()[-1].split() == ["table1.X.1", "0.00273", "no", "claim"]
 
 
 # ---- The check ------------------------------------------------------------------------------------------------------

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import re
 import sys
+import tomllib
+from importlib.metadata import packages_distributions
 
 import pytest
 
+from folders import ROOT
 from processes import run
 
 HEAVY = {"numpy", "scipy", "pandas", "numba", "matplotlib", "pyarrow", "jsonschema"}
@@ -37,3 +41,30 @@ def test_an_identification_loads_what_it_uses(arguments, needed, tmp_path):
     program = f"from dampbalance.commands.main import main\nmain({given})"
     # pandas reads text, with pyarrow where that is installed
     assert loaded(program) == {"numpy", "pandas", "pyarrow", "scipy"} | needed
+
+
+def test_mappings_studies_and_reports_need_no_extra(tmp_path):
+    """Each module that only the extras `records` and `workflow` install is missing: importing it fails."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    extras = [*project["optional-dependencies"]["records"]]
+    extras += project["optional-dependencies"]["workflow"]
+    names = {re.match(r"[\w.-]+", extra)[0].lower().replace("_", "-") for extra in extras}
+    missing = [
+        module
+        for module, distributions in packages_distributions().items()
+        if names & {name.lower().replace("_", "-") for name in distributions}
+    ]
+    assert {"h5py", "nptdms", "pyarrow", "snakemake"} <= set(missing)
+    records = [f"config/records/example/level{i}.csv" for i in (1, 5)]
+    given = ["identify", *records, "--stiffness", "2310"]
+    mapping, folder = str(tmp_path / "channels.yaml"), str(tmp_path / "found")
+    program = (
+        f"import sys\nsys.modules.update(dict.fromkeys({missing}))\n"
+        "from dampbalance import study\nfrom dampbalance.commands.main import main\n"
+        "assert len(study({'frequency_hz': [3.5, 11.1]}).to_frame()) == 2\n"
+        f"assert not main({[*given, '--write-mapping', mapping]})\n"
+        f"assert not main({[*given, '--mapping', mapping, '--output', folder]})\n"
+    )
+    done = run(sys.executable, "-c", program)
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "found/report.html").is_file()

@@ -76,6 +76,8 @@ def test_the_wheel_holds_every_file_of_the_package_and_no_other(wheel):
     assert {"dampbalance/py.typed", "dampbalance/project/schemas/mapping.schema.yaml"} <= package
     assert f"{NAME}.dist-info/licenses/LICENSE" in held
     assert "License-Expression: BSD-3-Clause" in metadata
+    assert "Description-Content-Type: text/markdown" in metadata
+    assert "Provides-Extra: records" in metadata
 
 
 def test_its_commands_work_in_an_empty_folder(empty, tmp_path):

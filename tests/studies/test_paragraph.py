@@ -182,6 +182,12 @@ def shipped(computed):
     return numbers
 
 
+def test_numbers_are_in_an_order_that_does_not_differ_between_processes(shipped):
+    names = list(shipped("frequency"))
+    assert len(names) >= 8  # by chance in order in one process of 40,000
+    assert names == sorted(names)
+
+
 @pytest.mark.parametrize(
     ("name", "what", "of"),
     [

@@ -8,6 +8,7 @@ from contextlib import ExitStack
 import pytest
 import yaml
 
+from dampbalance.replication.claims.table import WORSE
 from dampbalance.replication.claims.verdicts import VERDICTS
 from folders import restored
 
@@ -23,7 +24,7 @@ CHANGES = (
 
 @pytest.fixture(scope="module")
 def checked(checkout):
-    """The paper's case, with what its check said: two runs with CHANGES, and a third without them."""
+    """The paper's case, with what its check said: two runs with CHANGES, their summary, and a run without them."""
     copy = checkout()
     with ExitStack() as undone:
         for file, pattern, replacement in CHANGES:
@@ -32,7 +33,8 @@ def checked(checkout):
         # a quiet run leaves no log
         wrong = [copy.run(*quiet, "check", "tables") for quiet in ((), ("--quiet", "all", "--"))]
         assert (copy.folder / "results/paper/tables/table1.csv").is_file()
-    return copy, wrong, copy.made("check")
+        listed = (copy.folder / "results/paper/summary.txt").read_text(encoding="utf-8")
+    return copy, wrong, listed, copy.made("check")
 
 
 @pytest.fixture
@@ -48,15 +50,24 @@ def change(copy, file, pattern, replacement):
     path.write_text(after, encoding="utf-8")
 
 
-def test_the_summary_is_printed_at_the_end_and_nothing_is_worse_any_more(checked):
-    *_, said = checked
-    assert "worse off" not in said
-    assert "Verdicts on the printed numbers" in said
-    table = re.search(r"^all +([\d ]+)$", said, re.MULTILINE)
+def test_one_line_at_the_end_says_that_nothing_is_worse_any_more(checked):
+    copy, *_, said = checked
+    assert WORSE not in said
+    assert said.count("133 verdicts as on record.") == 1
+    assert "Verdicts on the printed numbers that" not in said
+    text = (copy.folder / "results/paper/summary.txt").read_text(encoding="utf-8")
+    table = re.search(r"^all +([\d ]+)$", text, re.MULTILINE)
     computed, *by_verdict, given, statements = map(int, table[1].split())
     assert len(by_verdict) == len(VERDICTS)
     assert computed == sum(by_verdict)
-    assert computed + given + statements > 130
+    assert computed + given + statements == 133
+
+
+def test_a_job_is_one_line(checked):
+    *_, said = checked
+    assert re.search(r"^ *\d+%  Comparison with the verdicts on record$", said, re.MULTILINE)
+    for noise in ("jobid", "Select jobs", "Execute", "Job stats"):
+        assert noise not in said
 
 
 @pytest.mark.parametrize(
@@ -91,24 +102,40 @@ def test_what_cannot_be_compared_is_refused_before_anything_runs(paper, override
 
 
 def test_a_digit_a_sign_and_a_parameter_that_change_fail_the_check_and_are_named(checked):
-    """The rows are the last thing on the screen, in the next run, too."""
-    _, wrong, _ = checked
+    """The ten worst are the last thing on the screen, in the next run, too; all are in the summary."""
+    _, wrong, listed, _ = checked
     for done in wrong:
         assert done.returncode != 0
         said = done.stdout.splitlines()
-        heading = next(i for i, line in enumerate(said) if "worse off than on record" in line)
-        rows = said[heading + 1 :]
-        assert all(line.startswith("  ") for line in rows)
-        for row in (
-            "table1.X.2: printed 0.00439 on record, now read as 0.00449",
-            "parameter.c: printed 90.0",
-            "table3.X_s.F_k.1-2: printed",
-            "table3.X_s.c.1-2: printed 90.02",
-            "text.accuracy_omega2: printed degraded",  # a word may be worse off, too
-        ):
-            assert any(line.startswith(f"  {row}") for line in rows), row
+        heading = next(i for i, line in enumerate(said) if WORSE in line)
+        remedy, *rows, where = said[heading + 1 :]
+        assert "published: null" in remedy
+        assert len(rows) == 1 + 10
+        assert all(line.startswith("  ") and len(line) <= 120 for line in rows)
+        assert "results/paper/summary.txt" in where
         assert "Error in rule" not in done.stderr
         assert "Traceback" not in done.stderr
+    for row in (
+        "table1.X.2: printed 0.00439 on record, now read as 0.00449",
+        "parameter.c: printed 90.0",
+        "table3.X_s.F_k.1-2: printed",
+        "table3.X_s.c.1-2: printed 90.02",
+        "text.accuracy_omega2: printed degraded",  # a word may be worse off, too
+    ):
+        assert f"\n  {row}" in listed, row
+
+
+@pytest.mark.parametrize(
+    ("asked", "named"),
+    [
+        (["studies"], r"of the studies contact_stiffness, .*noise, .* are not built"),
+        (["all", "--configfile", "tests/workflow/small.yaml"], r"results/small is not built"),
+    ],
+)
+def test_a_report_of_what_is_not_built_says_what_builds_it(paper, asked, named):
+    said = paper.refused("--report", "report.html", *asked)
+    assert re.search(named + r".*with --cores all in place of --report", said, re.DOTALL)
+    assert "Missing metadata" not in said
 
 
 def test_the_outputs_that_codecheck_names_are_made(paper):

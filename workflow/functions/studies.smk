@@ -71,6 +71,13 @@ def requested_studies():
 if workflow.is_main_process:
     for name in requested_studies():
         logger.info(f"Study {name}: {study_plan(name)[1]}")
+    unbuilt = [
+        name for name in requested_studies() if not Path(STUDY_RESULTS, name, "summary.md").exists()
+    ]
+    if REPORT and unbuilt:
+        raise WorkflowError(
+            f"--report: of the studies {', '.join(unbuilt)} are not built. Build them first, with --cores all in place of --report."
+        )
 
 
 def study_settings(name):

@@ -3,6 +3,7 @@
 # Results go below the folder in which the workflow runs; what the project brings along is taken from its own folder, ROOT. The
 # two differ under `snakemake --directory`, and when another workflow uses this one as a module (config/README.md).
 import copy
+import logging
 import os
 import shlex
 import sys
@@ -11,6 +12,7 @@ from pathlib import Path
 from snakemake.common.configfile import load_configfile
 from snakemake.logging import logger
 from snakemake.utils import update_config
+from snakemake_interface_logger_plugins.common import LogEvent
 
 try:
     from dampbalance.balance import checks
@@ -73,9 +75,36 @@ CASE = Case.from_config(config)
 FREQUENCIES = list(CASE.frequencies_hz)
 RESULTS = f"results/{CASE.name}"
 LOGS = f"results/logs/{CASE.name}"
+# Of what is not built Snakemake's report names one file, and not how to build it.
+REPORT = any(argument.partition("=")[0] == "--report" for argument in sys.argv)
+if REPORT and not Path(RESULTS).is_dir():
+    raise WorkflowError(
+        f"--report: {RESULTS} is not built. Build it first, with --cores all in place of --report."
+    )
 FIRST = 10  # priority of what leads to the paper's tables and verdicts: they are seen before the studies are computed
 NEXT = 5  # of studies, and of what article and page wait for: jobs that nothing waits for fill the gaps
 ENVIRONMENT = "../envs/dampbalance.yaml"
+
+
+class OneLineAJob(logging.Filter):
+    """Writes one line when a job starts, with the share of jobs that are done, in place of Snakemake's eight."""
+
+    DROPPED = (LogEvent.JOB_STARTED, LogEvent.JOB_FINISHED, LogEvent.PROGRESS, LogEvent.RUN_INFO)
+    done = 0.0
+
+    def filter(self, record):
+        if workflow.dryrun:  # it says why each job would run
+            return True
+        event = getattr(record, "event", None)
+        if event == LogEvent.PROGRESS:
+            self.done = record.done / record.total
+        elif event == LogEvent.JOB_INFO and record.rule_msg:
+            record.event, record.msg = None, f"{self.done:4.0%}  {record.rule_msg}"
+        return event not in self.DROPPED and record.getMessage() != "Select jobs to execute..."
+
+
+if workflow.is_main_process:
+    logger.addFilter(OneLineAJob())
 
 
 def of_case(*fields):

@@ -22,7 +22,7 @@ from typing import Any
 from ..arguments import path
 from ..arrays import ReadOnly
 from .coordinate import ROTATION, TRANSLATION, Coordinate
-from .errors import RecordError, library
+from .errors import RecordError
 from .measurement import EXCITATIONS, RESPONSES, ROTATING, Correction
 from .units import TABLE_DIMENSIONS, UnitError, table_factor, unit_for
 
@@ -130,8 +130,6 @@ def parts_of(record: str | Path, mapping: RecordMapping) -> dict[Path, RecordMap
 
 def read_mapping(file: str | Path) -> RecordMapping:
     """The mapping of a YAML file. Raises RecordError naming file, key and remedy."""
-    library("ruamel.yaml", "a mapping")
-    library("jsonschema", "a mapping")
     from ..project.documents import ConfigurationError, read_yaml
 
     try:

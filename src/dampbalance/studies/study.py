@@ -13,7 +13,6 @@ import pandas as pd
 from ..arguments import names, one_of, shown, whole
 from ..law.terms import Term, term
 from ..model import UNITS, Oscillator, named_with_unit
-from ..records.errors import library
 from .cases import case_columns
 from .evaluate import evaluate, responses_of
 from .parameters import Coefficient
@@ -189,8 +188,6 @@ def study(
     >>> studied.responses[["frequency_hz", "level", "Y_m", "X_m"]].round(6).head(2).values.tolist()
     [[3.5, 1.0, 0.004, 0.003387], [3.5, 2.0, 0.006, 0.005411]]
     """
-    for package in ("jsonschema", "ruamel.yaml"):
-        library(package, "a study")
     from ..project.documents import ConfigurationError, in_lines, read_schema
     from .reading_study import MOST_NUMBERS, STUDY_SCHEMA, problems
 

@@ -1,6 +1,5 @@
-"""Compare the verdicts with those on record: a summary, which ends with those that are worse."""
+"""Compare the verdicts with those on record: a summary, which begins and ends with those that are worse."""
 
-import sys
 from pathlib import Path
 
 from dampbalance.project.files import write_text
@@ -12,8 +11,4 @@ if __name__ == "__main__":
     brief_troubles(snakemake.log)
     claims = read_texts(Path(snakemake.input.claims), CLAIM_COLUMNS)
     offences = check_claims(claims, read_record(Path(snakemake.input.recorded)))
-    text = summary(claims, offences)
-    print(
-        text.split("\n\nNeither", maxsplit=1)[0], "\n", file=sys.stderr
-    )  # long before the run ends
-    write_text(snakemake.output.summary, text)
+    write_text(snakemake.output.summary, summary(claims, offences))

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Hashable, Mapping
+from itertools import zip_longest
 from pathlib import Path
 
 import pandas as pd
@@ -78,16 +80,20 @@ def _cells(row: dict[Hashable, str]) -> list[str]:
     return [row[name] for name in CLAIM_COLUMNS if name not in ("id", "unit")]
 
 
-WORSE = "printed numbers are worse off than on record"
+WORSE = "printed numbers come out worse than on record"
 """The words by which a summary with offences is recognised."""
+ROWS_ON_SCREEN = 10
+"""Offences that the opening of a summary names: with the sentences above them, half of a terminal's 24 lines."""
 
 
 def summary(frame: pd.DataFrame, offences: pd.DataFrame) -> str:
-    """The summary that ends a run, as text.
+    """The summary of the verdicts, as text.
 
-    It counts the computed numbers by part and verdict, with inputs and statements next to them, and lists each claim
-    of which no route gives the digits or which the paper refutes, with the number that is obtained; the reasons stand
-    in the table of claims. After WORSE there is a line for each offence that `check_claims` returned.
+    Its first paragraph is what the screen shows when a run ends: whether all verdicts are as on record, otherwise how
+    many are not, and the worst of them. Then it counts the computed numbers by part and verdict, with inputs and
+    statements next to them, and lists each claim of which no route gives the digits or which the paper refutes, with
+    the number that is obtained; the reasons stand in the table of claims. A line for each offence that `check_claims`
+    returned ends it.
     """
     counted = counts(frame)
     total, table = counted[-1], {}
@@ -95,6 +101,8 @@ def summary(frame: pd.DataFrame, offences: pd.DataFrame) -> str:
         inputs = {"given": count.given, "statements": count.statements}
         table[count.part] = {"computed": count.computed, **count.of_verdict, **inputs}
     lines = [
+        *_opening(frame, offences),
+        "",
         "Verdicts on the printed numbers that are computed",
         "",
         pd.DataFrame(table).T.to_string(),
@@ -104,23 +112,60 @@ def summary(frame: pd.DataFrame, offences: pd.DataFrame) -> str:
         "",
     ]
     if rest := [row for row in frame.to_dict("records") if row["verdict"] not in HOLDING]:
-        rows = [("number", "printed", "verdict", "obtained"), *map(_open, rest)]
-        widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
         lines.append("What no route gives, or the paper refutes (why: claims.md)")
-        for row in rows:
-            padded = (cell.ljust(width) for cell, width in zip(row, widths, strict=True))
-            lines.append(f"  {'  '.join(padded)}".rstrip())
+        units = [f"{row['off_units']} units" for row in rest]
+        lines += _aligned([_HEAD, *map(_open, rest, units)])
     if len(offences):
-        lines += ["", f"{len(offences)} {WORSE}:", *("  " + offences["message"])]
+        lines += ["", "All that are worse than on record:", *("  " + offences["message"])]
     return "\n".join(lines) + "\n"
 
 
-def _open(row: Mapping[Hashable, str]) -> tuple[str, ...]:
-    """A claim in the summary: with the number of its column's route, and how many units it is off."""
+def _opening(frame: pd.DataFrame, offences: pd.DataFrame) -> list[str]:
+    """Return the first paragraph of the summary: what has no claim or no value first, then the farthest from print."""
+    if offences.empty:
+        return [f"{len(frame)} verdicts as on record."]
+    claims = {row["id"]: row for row in frame.to_dict("records")}
+    off = pd.to_numeric(frame.set_index("id")["off_relative"].replace("", "0")).abs()
+    ranked = (
+        off.reindex(offences["id"]).fillna(math.inf).sort_values(ascending=False, kind="stable")
+    )
+    printed = offences.set_index("id")["printed"]
+    rows = [
+        _open(claims[name], f"{100 * off[name]:g} % off")
+        if name in claims
+        else (name, printed[name], "no claim")
+        for name in map(str, ranked.index[:ROWS_ON_SCREEN])
+    ]
+    return [
+        f"{len(offences)} of {len(frame)} {WORSE}; the results are built.",
+        "For a case of your own, `published: null` in the configuration compares with nothing.",
+        *_aligned([_HEAD, *rows]),
+    ]
+
+
+_HEAD = ("number", "printed", "verdict", "obtained")
+
+
+def _aligned(rows: list[tuple[str, ...]]) -> list[str]:
+    """The rows of a table as lines, indented, their columns as wide as needed."""
+    widths = [max(map(len, column)) for column in zip_longest(*rows, fillvalue="")]
+    return [
+        f"  {'  '.join(cell.ljust(n) for cell, n in zip(row, widths, strict=False))}".rstrip()
+        for row in rows
+    ]
+
+
+def _open(row: Mapping[Hashable, str], off: str) -> tuple[str, ...]:
+    """A claim in the summary: with the number of its column's route, and how far it is off, if it is a number."""
     value = row[next(name for name, words in ROUTE_NAMES.items() if words == row["judged"])]
-    off = f", {row['off_units']} units" if row["off_units"] else ""
     printed = f"{row['printed']} {'' if row['unit'] == '1' else row['unit']}".strip()
-    return row["id"], printed, row["verdict"], f"{value or 'nothing'} {row['judged']}{off}"
+    obtained = f"{value or 'nothing'} {row['judged']}"
+    return (
+        row["id"],
+        printed,
+        row["verdict"],
+        f"{obtained}, {off}" if row["off_units"] else obtained,
+    )
 
 
 def read_record(path: Path) -> pd.DataFrame:

@@ -248,9 +248,10 @@ def paragraph(study: Study, cases: str | Path) -> tuple[str, dict[str, str | flo
         lines = [frame.lineno for frame in frames if frame.filename == template.filename]
         line = template.get_corresponding_lineno(lines[-1] or 1)
         raise ConfigurationError(f"{study.text}: line {line}: {error}") from error
+    # Jinja hands names on as a set, whose order differs from process to process.
     numbers = {
         name: " ".join(value.split()) if isinstance(value, str) else value
-        for name, value in vars(module).items()
+        for name, value in sorted(vars(module).items())
         if not name.startswith("_") and isinstance(value, str | int | float)
     }
     return " ".join(str(module).split()), numbers
