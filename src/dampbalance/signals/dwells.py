@@ -55,14 +55,16 @@ def dwells_of(t: Array, values: Array) -> list[Dwell]:
     smooth = median_filter(logs, size=(1, 5), mode="nearest")
     noise = 1.5 * np.median(np.abs(logs - smooth), axis=1, keepdims=True)
     limit = _FLAT + 2.0 * noise[:, 0]
-    dwells, held, first = [], 0, 0
+    dwells: list[Dwell] = []
+    held = first = 0
     for last in [*(_steps(smooth) + 1), amplitude.size]:
         inside = slice(first + 1, last - 1)  # the cycles beside a step belong to neither
         if last - first >= _FEWEST and (np.std(logs[:, inside], axis=1) <= limit).all():
-            a, p = np.exp(np.median(logs[:, inside], axis=1))
-            dwells.append(
-                Dwell(float(edges[first + 1]), float(edges[last - 1]), float(a), 1.0 / float(p))
-            )
+            a, p = np.exp(np.median(logs[:, inside], axis=1)).tolist()
+            dwell = Dwell(float(edges[first + 1]), float(edges[last - 1]), a, 1.0 / p)
+            if dwells and _alike(dwells[-1], dwell):  # a disturbance was between them
+                dwell = dwells.pop()._replace(end=dwell.end)
+            dwells.append(dwell)
             held += last - first
         first = last
     if len(dwells) > 1 and held > _HELD * amplitude.size:
@@ -75,6 +77,12 @@ def dwells_of(t: Array, values: Array) -> list[Dwell]:
             "frequency; let the drive dwell there for 20 cycles or more"
         )
     return []
+
+
+def _alike(one: Dwell, other: Dwell) -> bool:
+    """Whether two dwells are parts of one."""
+    steps = (one.amplitude / other.amplitude, one.hertz / other.hertz)
+    return all(abs(math.log(step)) < 0.5 * _STEP for step in steps)
 
 
 def _steps(smooth: Array) -> Array:
