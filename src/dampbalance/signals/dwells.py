@@ -14,7 +14,7 @@ from scipy.ndimage import median_filter, uniform_filter1d
 
 from ..arrays import Array
 
-# Half the width of the band about the mean, of the largest deviation: without noise, and at most.
+# Half the width of the band about the mean, of the largest deviation: without noise, and the widest that leaves cycles.
 _BAND, _WIDEST = 0.05, 0.4
 # Power of a line of the spectrum that is motion: over the median, which is noise, and over the largest one.
 _OF_NOISE, _OF_LARGEST = 20.0, 0.003
@@ -108,7 +108,9 @@ def _cycles(t: Array, values: Array) -> tuple[Array, Array, Array]:
     smooth = uniform_filter1d(s, width) if width > 1 else s
     noise = float(np.std(s - smooth)) / math.sqrt(max(1, width))
     largest = float(np.quantile(np.abs(smooth), 0.99))
-    band = min(max(_BAND * largest, 4.0 * noise), _WIDEST * largest)
+    band = max(_BAND * largest, 4.0 * noise)
+    if band > _WIDEST * largest:  # noise would make crossings
+        return np.empty(0), np.empty(0), np.empty(0)
     side = np.where(smooth > band, 1, np.where(smooth < -band, -1, 0))
     known = np.flatnonzero(side)
     rises = known[1:][(side[known[1:]] > 0) & (side[known[:-1]] < 0)]
