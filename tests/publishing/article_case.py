@@ -211,6 +211,7 @@ def _numbers(project: Project, cases: list[str], files: list[str]) -> None:
         "study_cases": cases,
         "study_files": files,
         "citation": "CITATION.cff",
+        "oscillators": "paper/article/supplement/oscillators.json",
     }
     output = {name: f"{article}/{name}.json" for name in ("evidence", "studies", "environment")}
     output |= {name: f"{article}/{name}.csv" for name in ("schemes", "cycles")}

@@ -39,6 +39,7 @@ if config["published"]:
             study_texts=study_texts(ARTICLE_STUDIES),
             lock=project_file("requirements.lock"),
             citation=project_file("CITATION.cff"),
+            oscillators=project_file("paper/article/supplement/oscillators.json"),
             modules=script_modules("article/article_numbers.py"),
         output:
             **figure_files("numerics", "How the printed digits arose"),
@@ -86,6 +87,7 @@ if config["published"]:
             references=project_file("paper/article/references.yml"),
             sources=list(ARTICLE_SOURCES),
             figures=list(ARTICLE_FIGURES.values()),
+            map=project_file("paper/article/supplement/oscillators.svg"),
             study_figures=expand(
                 f"{STUDY_RESULTS}/{{study}}/figure.svg",
                 study=("frequency", "noise", "rigid_contact"),

@@ -2,12 +2,14 @@
 at a glance.
 
 Numbers: the integrals of Table 2 by every scheme and way of rounding, and a in each steady cycle, by rivals as well;
-what the article argues with; what the studies that it cites show; and the environment: packages, the Python that
-they need, and what CITATION.cff states of the software. Not the Python that ran, on which no result depends: the
-manifest names it.
+what the article argues with; what `trials/oscillators.py` counted; what the studies that it cites show; and the
+environment: packages, the Python that they need, and what CITATION.cff states of the software. Not the Python that ran,
+on which no result depends: the manifest names it.
 """
 
+import json
 from importlib.metadata import metadata, version
+from pathlib import Path
 
 import pandas as pd
 
@@ -30,7 +32,7 @@ from dampbalance.studies.shown.paragraph import paragraph
 
 
 def evidence(inputs, output, folder, case):
-    return derived_numbers(
+    numbers = derived_numbers(
         case,
         features=read_routes(folder, "features", case.frequencies_hz),
         estimates=read_routes(folder, "estimates", case.frequencies_hz),
@@ -40,6 +42,8 @@ def evidence(inputs, output, folder, case):
         cycles=read_csv(output.cycles),
         unrounded=read_csv(inputs.unrounded),
     )
+    text = Path(inputs.oscillators).read_text(encoding="utf-8")
+    return numbers | {"oscillators": json.loads(text)}
 
 
 def of_study(file, cases, params):
