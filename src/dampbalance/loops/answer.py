@@ -37,7 +37,17 @@ from ..records.mapping import MappingLike
 from ..records.measured import MeasuredRecord
 from ..records.quantities import quantity
 from ..records.quantities import with_error as read_with_error
-from .fit import Design, Loop, LoopFit, fit_gradual, fit_slider, predicts_better, slips
+from .fit import (
+    SLIDERS,
+    Design,
+    Loop,
+    LoopFit,
+    fall_with_speed,
+    fit_gradual,
+    fit_slider,
+    predicts_better,
+    slips,
+)
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -305,17 +315,24 @@ def _answer(name: str, fit: LoopFit, design: Design) -> Answer:
     from scipy.stats import t as student  # slow to import
 
     notes = list[Remark]()
+    # half as many sliders show how much of the numbers is a matter of their spacing
+    other = fit_gradual(design, SLIDERS // 2) if name == "gradual" else fit
     reach = float(student.ppf(0.5 + 0.5 * CONFIDENCE, fit.freedom))
 
     def estimate(symbol: str) -> ParameterEstimate:
         value, error = fit.values.get(symbol, math.nan), fit.errors.get(symbol, math.nan)
-        known = error > 0.0 and (symbol == "c" or (slips(fit) and value > 0.0))
-        if not known:
+        determined = error > 0.0 and (symbol == "c" or (slips(fit) and value > 0.0))
+        if not determined:
             return UNKNOWN
         high = value + reach * error
         if symbol == "K_z" and reach * error >= value:
             high = math.inf
-        return ParameterEstimate(value, error, Interval(value - reach * error, high))
+        known = ParameterEstimate(value, error, Interval(value - reach * error, high))
+        off = abs(other.values[symbol] - value)
+        if symbol == "K_z" and name == "one slider":
+            # a sharp reversal between two samples moves Z_m by up to a quarter of their distance
+            off = 0.25 * max(loop.step for loop in design.loops) / float(fit.r[0]) * value
+        return known.wider(off)
 
     parameters = {s: estimate(s) for s in (FRICTION, "c", "K_z")}
     if not slips(fit):
@@ -353,6 +370,14 @@ def _warned(fit: LoopFit, design: Design, loops: Sequence[Loop]) -> Iterator[Rem
         yield Remark(
             "the force of {} has the other sign, as energy would be gained: it is changed",
             listed(flipped),
+        )
+    fall, shift = fall_with_speed(design, fit) if slips(fit) else (0.0, 0.0)
+    if fall:
+        yield Remark(
+            "the friction at rest is {} of F_k {} than at speed: F_k is that of one speed, and c no damper",
+            percent(abs(fall), 2),
+            "larger" if fall > 0.0 else "smaller",
+            doubts={"": max(abs(fall), abs(shift)), "c": math.inf},
         )
     share = fit.rms / abs(fit.values[FRICTION] or 1.0)
     if share > USELESS:

@@ -37,10 +37,12 @@ _BETWEEN, _STEADY = 0.8, 0.1
 _CERTAIN = 4.0  # standard errors by which friction loses energy, or a sign is wrong
 # of the samples of a cycle: fewer do not show the force at which the contact slips
 _SLIPPING = 0.02
-_SLIDERS = 40  # of a gradual contact, in geometric steps: finer ones are not told apart
+SLIDERS = 40  # of a gradual contact, in geometric steps: finer ones are not told apart
 _STIFFEST, _SOFTEST = 0.01, 0.7  # r/X of them: softer sliders are hardly told from a spring
 # of a scatter between blocks alone, below which another contact predicts them better
 _P_SIMPLER = 0.01
+_P_CONSTANT = 0.001  # for three laws of speed, each of which may win by chance
+_STRIBECK = (0.1, 0.3, 0.7)  # speeds at which friction has fallen, over the largest one
 
 
 def turning_points(x: Array, least: float) -> Integers:
@@ -143,6 +145,12 @@ class Loop:
         return self.by_cycle(self.f - np.polyval(np.polyfit(self.t[own], self.f[own], 1), self.t))
 
     @property
+    def step(self) -> float:
+        """Typical distance of samples next to a reversal, by which a sharp one may be missed, m."""
+        turns = turning_points(self.x, _SWING * float(np.ptp(self.x)))
+        return float(np.median(np.abs(np.diff(self.x))[turns[1:-1]]))
+
+    @property
     def amplitudes(self) -> Array:
         """X of each cycle, m."""
         own = [self.x[self.cycle == i] for i in range(self.cycles)]
@@ -170,6 +178,7 @@ class LoopFit:
     slipping: float
     predicted: Array
     samples: int
+    share: Array
 
     @property
     def rms(self) -> float:
@@ -312,19 +321,19 @@ def _of_slider(
     values |= {"g": design.X * float(at[1])} if gap else {}
     slipping = float(np.mean(np.abs(s) > 1.0 - 1e-9))
     contact = np.array([Z]), np.array([K_z])
-    return _made(design, values, changes, contact, A @ out.T, model, slipping)
+    return _made(design, values, changes, contact, A @ out.T, model, slipping, s)
 
 
-def fit_gradual(design: Design) -> LoopFit:
+def fit_gradual(design: Design, count: int = SLIDERS) -> LoopFit:
     """Fit many sliders in parallel by least squares, refitted without each block; neither they nor spring and damper
     push."""
     from scipy.optimize import nnls  # slow to import
 
-    r = design.X * np.geomspace(_STIFFEST, _SOFTEST, _SLIDERS)
+    r = design.X * np.geomspace(_STIFFEST, _SOFTEST, count)
     x, *offsets = design.base
     damper = [design.v] if design.with_c else []
     A = np.array([*(design.sliders(r) / r[:, None]), x, *damper, *offsets]).T
-    positive = _SLIDERS + 1 + len(damper)
+    positive = count + 1 + len(damper)
     scale = np.sqrt(np.mean(A**2, axis=0)) + 1e-300
     A = A / scale
     own = [design.block == b for b in range(design.blocks)]
@@ -345,17 +354,18 @@ def fit_gradual(design: Design) -> LoopFit:
     out = np.array([solved(G - g, y - s) - p for g, s in zip(grams, sides, strict=True)])
     model, moved = A @ p, A @ out.T
     p, out = p / scale, out / scale
-    forces = slice(None, _SLIDERS)
+    forces = slice(None, count)
 
     def numbers(of: Array) -> dict[str, Array]:
         found = {"F_k": of[..., forces].sum(axis=-1), "K_z": (of[..., forces] / r).sum(axis=-1)}
-        found["k"] = of[..., _SLIDERS]
-        return found | ({"c": of[..., _SLIDERS + 1]} if damper else {})
+        found["k"] = of[..., count]
+        return found | ({"c": of[..., count + 1]} if damper else {})
 
     values = {name: float(of) for name, of in numbers(p).items()}
     largest = r[p[forces] > 0.0].max(initial=0.0)
     slipping = float(np.mean(np.abs(design.sliders(np.array([largest]))[0]) > largest * (1 - 1e-9)))
-    return _made(design, values, numbers(out), (r, p[forces] / r), moved, model, slipping)
+    share = (A[:, forces] * scale[forces]) @ p[forces] / (values["F_k"] or 1.0)
+    return _made(design, values, numbers(out), (r, p[forces] / r), moved, model, slipping, share)
 
 
 def _made(
@@ -366,6 +376,7 @@ def _made(
     moved: Array,
     model: Array,
     slipping: float,
+    share: Array,
 ) -> LoopFit:
     """Return a fit with the errors that its changes without each block make.   moved : changes of the model, (n, b)."""
     covariance = _covariance(np.array([*changes.values()]).T)
@@ -377,10 +388,41 @@ def _made(
     predicted = np.array([np.sum(without[design.block == b] ** 2) for b in range(design.blocks)])
     ends = np.cumsum([own.sum() for own in design.inside])[:-1]
     models, covariance = tuple(np.split(model, ends)), covariance[np.ix_(at, at)]
-    freedom, total = design.blocks - 1, float(left @ left)
     return LoopFit(
-        values, errors, covariance, freedom, *contact, models, total, slipping, predicted, left.size
+        values=values,
+        errors=errors,
+        covariance=covariance,
+        freedom=design.blocks - 1,
+        r=contact[0],
+        kappa=contact[1],
+        models=models,
+        total=float(left @ left),
+        slipping=slipping,
+        predicted=predicted,
+        samples=left.size,
+        share=share,
     )
+
+
+def fall_with_speed(design: Design, fit: LoopFit) -> tuple[float, float]:
+    """Return by which part of F_k the friction is larger at rest than at speed, negative for a rise, where a term
+    F_k e^{−(ẋ/v_S)²} predicts blocks that are left out clearly better (Stribeck), and by which part F_k changes then;
+    else zeros."""
+    from scipy.stats import ttest_rel  # slow to import
+
+    left = design.f - np.concatenate(fit.models)
+    changes, best = (0.0, 0.0), fit.predicted
+    for part in _STRIBECK:
+        at_rest = fit.share * np.exp(-((design.v / (part * np.abs(design.v).max())) ** 2))
+        A = np.array([at_rest, fit.share, *design.linear]).T
+        p = np.linalg.lstsq(A, left)[0]
+        out = _without_each_block(A, left - A @ p, design.block, design.blocks)
+        without = left - np.sum(A * (p + out[design.block]), axis=1)
+        of = np.array([np.sum(without[design.block == b] ** 2) for b in range(design.blocks)])
+        test = ttest_rel(fit.predicted, of, alternative="greater")
+        if test.pvalue < _P_CONSTANT and of.sum() < best.sum():
+            changes, best = (float(p[0]) / fit.values["F_k"], float(p[1]) / fit.values["F_k"]), of
+    return changes
 
 
 def predicts_better(one: LoopFit, other: LoopFit) -> bool:
