@@ -77,6 +77,18 @@ def test_another_shape_is_doubtful_and_not_silent():
     assert found.verdicts["F_k"].verdict == "doubtful"
 
 
+def test_a_friction_that_falls_with_the_speed_is_doubtful():
+    v = np.gradient(SINE, T)
+    force = np.zeros(T.size)
+    for i in range(1, T.size):  # 40 % more at rest than at speed
+        top = F_K * (1.0 + 0.4 * math.exp(-((v[i] / (0.3 * np.abs(v).max())) ** 2)))
+        force[i] = min(max(force[i - 1] + K_Z * (SINE[i] - SINE[i - 1]), -top), top)
+    noisy = force + 0.01 * F_K * np.random.default_rng(3).normal(size=T.size)
+    found = identify_loops({"time_s": T, "displacement_m": SINE, "force_N": noisy})
+    assert found.verdicts["F_k"].verdict == "doubtful"
+    assert "larger than at speed" in found.text()
+
+
 def test_report_and_pictures_are_written(tmp_path):
     found = identify_loops(table())
     written = {path.name for path in found.save(tmp_path)}
