@@ -5,6 +5,7 @@ A warning of Sphinx fails its build, and so every test here.
 
 from __future__ import annotations
 
+import json
 import re
 
 import pytest
@@ -12,6 +13,7 @@ import yaml
 
 from dampbalance.commands.main import parser
 from dampbalance.identification.symptoms import PAGE, SYMPTOMS, address
+from dampbalance.project.wording import with_error
 from dampbalance.publishing.site import SiteError, build_site
 from folders import ROOT, contents, shared
 from publishing.site_case import built, local, project, read_page
@@ -114,9 +116,10 @@ def test_what_commands_say_and_write_is_shown(site):
     """The numbers on the pages are those of the documents that the commands wrote, which can be downloaded."""
     for page, place in (("howto/identify", "example/dampbalance-demo"), ("start/case", "case")):
         shown = read_page(site / f"{page}.html").text
-        table = (site / f"run/{place}/found/summary.txt").read_text(encoding="utf-8").splitlines()
-        (answer,) = (line for line in table if line.startswith("maximum likelihood"))
-        assert answer in shown
+        written = (site / f"run/{place}/found/identification.json").read_text(encoding="utf-8")
+        fit = json.loads(written)["maximum_likelihood"]
+        low, high = fit["F_k_interval_N"]
+        assert f"F_k = {with_error(fit['F_k_N'], 0.5 * (high - low))} N, c = " in shown
     assert "leave the clamp as it is" in shown
     found = {path.name for path in (site / "run/case").iterdir()}
     assert {"run1.csv", "mount.yaml", "decide.py"} <= found
