@@ -173,7 +173,8 @@ def test_a_fixture_above_a_load_cell_moves_along(given):
     )
     assert found.warnings == ()
     if given:
-        assert [w for w in identify(made, PAPER.k, **given).warnings if "you gave 2.42 kg" in w]
+        (said,) = (w for w in identify(made, PAPER.k, **given).warnings if "you gave 2.42 kg" in w)
+        assert "(--fixture-mass)? Otherwise check the mass" in said
 
 
 def forced():
@@ -258,9 +259,11 @@ def on_the_mass(k, m):
         (PAPER.k, 1000.0 * PAPER.m, "k = 2310 N/mm or m = 2420 g?"),
         (PAPER.k / (4.4482216152605 / 0.0254), PAPER.m, "k = 13.2 lbf/in?"),
         (PAPER.k / (4.4482216152605 / 0.3048), PAPER.m, "k = 158 lbf/ft?"),
-        (PAPER.k / 9.80665, PAPER.m, "k = 236 kgf/m?"),
+        (PAPER.k / 9.80665, PAPER.m, "k = 236 kgf/m or m = 2.42 N?"),
         (PAPER.k / 9806.65, PAPER.m, "k = 0.236 kgf/mm?"),
         (PAPER.k, PAPER.m / 0.45359237, "m = 5.34 lb?"),
+        (PAPER.k, 9.80665 * PAPER.m, "k = 2310 kgf/m or m = 23.7 N?"),
+        (PAPER.k / 100.0, PAPER.m, "k = 23.1 N/cm?"),
     ],
 )
 def test_a_unit_that_was_meant_is_asked_for(k, m, meant):

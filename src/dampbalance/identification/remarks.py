@@ -226,7 +226,8 @@ def _on_the_oscillator(readings: Sequence[Reading], joint: JointFit) -> Iterator
     if joint.explained:
         yield remark_on(joint.explained, joint.fall)
     if joint.mass is not None and not joint.mass_fits:
-        yield on_mass(joint.closest, joint.mass)
+        by_force = any("force" in reading.steady.channels for reading in readings)
+        yield on_mass(joint.closest, joint.mass, by_force)
     if fit is None:
         yield Remark(
             "no oscillator with this stiffness and a friction contact slips and responds like the records: check the "
@@ -262,15 +263,17 @@ def _none_fits(
     )
 
 
-def on_mass(fit: OscillatorFit, mass: float) -> Remark:
+def on_mass(fit: OscillatorFit, mass: float, by_force: bool = False) -> Remark:
     """The warning that a mass is not that of the records, and that each number may be off by as much.
 
     m, c, k, K_z and F_k times a number are an oscillator of the same motion: where the mass is right, the stiffness is
     likely wrong, and all numbers by as much.
 
-    mass : kg, as given.
+    mass : kg, as given.   by_force : whether a load cell measures what drives, and feels what is between.
     """
     meant = _mistaken_unit(mass / fit.m, fit.k, mass)
+    if by_force and 0.5 < mass / fit.m < 1.0:
+        meant = "does a fixture above the load cell move along (--fixture-mass)? Otherwise "
     return Remark(
         f"the {of_masses(fit.m, mass)}, more than their uncertainties allow: {meant}check the mass, the stiffness, the "
         "gains and the units, of which one may put all numbers off by as much",
@@ -294,11 +297,14 @@ _CLOSE = 0.03  # relative: what a gain and a mass that nobody weighed leave betw
 _MISTAKEN = {  # quantity and its unit → how many times the given number is too large a mass, or too small a stiffness
     ("k =", "N/mm"): 1000.0,
     ("m =", "g"): 1000.0,
+    ("k =", "N/cm"): 100.0,
     ("k =", "kgf/m"): 9.80665,
+    ("m =", "N"): 9.80665,
     ("k =", "kgf/mm"): 9806.65,
     ("k =", "lbf/in"): 175.127,
     ("k =", "lbf/ft"): 14.5939,
     ("m =", "lb"): 2.20462,
+    ("m =", "oz"): 35.274,
 }
 
 
@@ -306,7 +312,7 @@ def of_masses(implied: float, given: float) -> str:
     """records imply 3.1000 kg, you gave 3.098 kg (0.06 % less)"""
     ratio, off = given / implied, given / implied - 1.0
     if not 0.5 < ratio < 2.0:
-        how = f"{times(max(ratio, 1.0 / ratio))} as {'much' if ratio > 1.0 else 'little'}"
+        how = f"{max(ratio, 1.0 / ratio):.3g} times as {'much' if ratio > 1.0 else 'little'}"
         return f"records imply {number_text(implied, 4)} kg, you gave {number_text(given, 4)} kg ({how})"
     shown = 1 - math.floor(math.log10(abs(given - implied))) if off else 4
     written_with = -int(Decimal(f"{given:.6g}").as_tuple().exponent)
