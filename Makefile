@@ -70,7 +70,7 @@ export PYTHONNOUSERSITE = 1
 
 all: $(READY) ## Set up the environment, then rebuild tables, figures and claims (the default)
 	@$(SNAKEMAKE)
-	@echo "Everything is up to date. Start with results/README.md."
+	@echo "All results are up to date; begin with results/README.md."
 
 setup: $(READY) $(TOOLS) ## Create or refresh the environment in .venv from the hash-pinned locks, with the tools of `make test` and `make docs`
 

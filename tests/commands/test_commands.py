@@ -591,4 +591,4 @@ def test_a_wrong_mass_is_the_cause_that_comes_first_where_no_number_is_usable_wi
     assert title == "Causes and remedies:"
     assert lead == f"No answer: {warning.removeprefix('warning: ')}."
     assert "the records imply 2" in warning
-    assert "you gave 24 kg (89" in warning
+    assert "you gave 24.00 kg (9.9 times as much)" in warning

@@ -62,7 +62,8 @@ def test_a_report_is_one_file_with_every_number(found):
     assert set(re.findall(r'(?:src|href)="([^:"]+:[^;"]*)', html)) == {"data:image/svg+xml"}
     assert not re.search(r"<script|<link|@import|url\(", html)
     pictures = re.findall(r'<img alt="(.+?)" src="data:image/svg\+xml;base64,(.+?)"', html)
-    assert len(pictures) == len(found.figures)
+    assert len(pictures) == len(found.figures) + 1
+    assert pictures[-1][0].startswith("the rig: ")
     for _, data in pictures:
         assert b"prefers-color-scheme: dark" in base64.b64decode(data)
     said = words(html)

@@ -244,3 +244,35 @@ def test_what_a_force_does_not_allow_is_named(given, words):
     made = measured_orbit(orbit, rate_hz=1000.0, cycles=20.0, channels=("force", "displacement"))
     with pytest.raises(ValueError, match=words):
         identify(made, **given)
+
+
+def on_the_mass(k, m):
+    found = identify(forced(), k, mass=m, approaches=["direct"])
+    return next((str(w) for w in found.warnings if "records imply" in w), "")
+
+
+@pytest.mark.parametrize(
+    ("k", "m", "meant"),
+    [
+        (PAPER.k / 1000.0, PAPER.m, "k = 2.31 N/mm or m = 2.42 g?"),
+        (PAPER.k, 1000.0 * PAPER.m, "k = 2310 N/mm or m = 2420 g?"),
+        (PAPER.k / (4.4482216152605 / 0.0254), PAPER.m, "k = 13.2 lbf/in?"),
+        (PAPER.k / (4.4482216152605 / 0.3048), PAPER.m, "k = 158 lbf/ft?"),
+        (PAPER.k / 9.80665, PAPER.m, "k = 236 kgf/m?"),
+        (PAPER.k / 9806.65, PAPER.m, "k = 0.236 kgf/mm?"),
+        (PAPER.k, PAPER.m / 0.45359237, "m = 5.34 lb?"),
+    ],
+)
+def test_a_unit_that_was_meant_is_asked_for(k, m, meant):
+    said = on_the_mass(k, (m, 0.001 * m))
+    assert f"did you mean {meant} Otherwise check" in said
+    assert "times as much" in said
+
+
+@pytest.mark.parametrize("share", [0.9, 1.06, 3.0, 500.0])
+def test_a_mass_that_is_wrong_by_no_unit_gets_no_such_question(share):
+    said = on_the_mass(PAPER.k, (share * PAPER.m, 0.001 * PAPER.m))
+    assert "check the mass" in said
+    assert "did you mean" not in said
+    # no digit that means nothing
+    assert not [word for word in said.split() if len(word.strip("0.")) > 8 and word[0].isdigit()]

@@ -52,7 +52,7 @@ records         a file, one per level; as many as there are coefficients, or mor
 all records:
 --kind          forced records, free decays, or tables of a stepped sine (default: as they are recognised)
 --stiffness     k, N/m (of a rotation N m/rad), or 5.2±0.1, "29.7 lbf/in", "5.2 N/mm ± 1 %%"; it scales F_k and c
---mass          tests k: kg (of a rotation inertia, kg m²), or "6.8 lb", 2.42±0.01; alone, half a digit or 0.5 %%
+--mass          tests k, or gives it: kg (of a rotation inertia, kg m²), "6.8 lb", 2.42±0.01 (else 0.5 %%, half a digit)
 --mapping       file or folder that names the channels of the records (default: the file next to each)
 --write-mapping write a mapping to start from to this file, with a reason for each channel, and do nothing else
 forced records:

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
-from .style import COOL, DOUBLE_COLUMN, FAINT, GREY, INK, STICK, WARM, arrow, page, place, styled
+from .style import COOL, FAINT, GREY, INK, STICK, WARM, arrow, page, place, styled
 
 _WIDTH, _HEIGHT, _CAPTION = 36.0, 42.0, 11.0  # of a panel and of what is said below it, mm
 _LINE = 0.8  # points
@@ -117,20 +117,33 @@ def _blow(axes: Axes) -> None:
     axes.plot([5.0, 2.5], [middle - 1.6, middle - 11.0], color=INK, lw=1.6)
 
 
+TO_GROUND, MOUNT, LOAD_CELL, RELEASE = (
+    "Contact to the ground",
+    "Mount on a table",
+    "Load cell with a fixture",
+    "Release",
+)
+"""Names of rigs."""
+
 _RIGS: dict[str, tuple[str, Callable[[Axes], None]]] = {
-    "Contact to the ground": ("base motion or force", _ground),
-    "Mount on a table": ("--contact-to base", _mount),
-    "Load cell with a fixture": ("--fixture-mass", _load_cell),
-    "Release": ("one free decay", _release),
+    TO_GROUND: ("base motion or force", _ground),
+    MOUNT: ("--contact-to base", _mount),
+    LOAD_CELL: ("--fixture-mass", _load_cell),
+    RELEASE: ("one free decay", _release),
     "Blow of a hammer": ("one free decay", _blow),
 }
 
 
 @styled()
-def rigs() -> Figure:
-    """The five rigs that are covered: what drives, what holds spring, damper and contact, and what to give."""
-    figure = page(DOUBLE_COLUMN, _HEIGHT + 3.0)
-    for i, (name, (given, draw)) in enumerate(_RIGS.items()):
+def rigs(*names: str) -> Figure:
+    """The rigs that are covered: what drives, what holds spring, damper and contact, and what to give.
+
+    names : of those to draw; default, all.
+    """
+    drawn = names or tuple(_RIGS)
+    figure = page(_WIDTH * len(drawn), _HEIGHT + 3.0)
+    for i, name in enumerate(drawn):
+        given, draw = _RIGS[name]
         axes = place(figure, i * _WIDTH, 0.0, _WIDTH, _HEIGHT + 3.0)
         axes.set(xlim=(0.0, _WIDTH), ylim=(0.0, _HEIGHT + 3.0))  # in mm
         axes.set_axis_off()

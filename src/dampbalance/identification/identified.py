@@ -440,26 +440,26 @@ class Identified(ABC):
 
         width : of a line, characters; tables are not wrapped.   details : what shows the rest.
         """
-        own = [of for of in self.limits if of.kind != "approaches" or self.answer.name in of.of]
-        words = [
-            of.words if of.kind == "approaches" else in_a_sentence(of, self.sources) for of in own
-        ]
-        causes = [sentence(self.in_words(one)) for one in words[:_CAUSES]]
-        left = len(own) - len(causes)
-        mass, c = (self.mass, self.mass_error), self.values.get("c", math.nan)
-        numbers = [*damping_of(self.k, mass, c, self.levels), self.check]
-        numbers = [*map(self.in_words, numbers)]
         answer = self.lead or self.in_words(answer_in_words(self.answer))
-        if causes and (why := self.no_answer) and why.partition(";")[0] in words[0]:
-            answer = sentence(f"no answer: {words[0]}")  # the first cause with its remedy
-            causes = causes[1:]
-        elif not left and len(causes) < _CAUSES and self.hint:
+        own = [of for of in self.limits if of.kind != "approaches" or self.answer.name in of.of]
+        first = self.no_answer.partition(";")[0]
+        cause = next((of for of in own if first and first in of.words), None)
+        if cause is not None:  # with its remedy
+            answer = self.in_words(sentence(f"no answer: {cause.words}"))
+            own.remove(cause)
+        names = self.sources  # of an approach it needs none: the answer is the one
+        causes = [o.words if o.kind == "approaches" else in_a_sentence(o, names) for o in own]
+        left = max(0, len(causes) - _CAUSES)
+        causes = [sentence(self.in_words(one)) for one in causes[:_CAUSES]]
+        if self.hint and not first and len(causes) < _CAUSES:
             causes.append(self.hint)
+        c, mass = self.values.get("c", math.nan), (self.mass, self.mass_error)
+        numbers = [*map(self.in_words, (*damping_of(self.k, mass, c, self.levels), self.check))]
         causes = [f"- {one}" for one in causes]
         parts = [causes, self._table(), numbers] if self.no_answer else [numbers, causes]
         parts += [[*map(self.in_words, comparison(self.laws))]]
-        more = f"{left} more and " if left else ""
-        parts += [[f"See {details} for {more}all numbers, and for what they depend on."]]
+        more = f"{left} more and " * bool(left) + "all numbers"
+        parts += [[f"See {details} for {more}, and for what they depend on."]]
         broken = [wrapped(part, width) for part in ([answer], *parts)]
         return "\n\n".join("\n".join(part) for part in broken if part) + "\n"
 

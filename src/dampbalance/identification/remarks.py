@@ -270,21 +270,49 @@ def on_mass(fit: OscillatorFit, mass: float) -> Remark:
 
     mass : kg, as given.
     """
+    meant = _mistaken_unit(mass / fit.m, fit.k, mass)
     return Remark(
-        f"the {of_masses(fit.m, mass)}, more than their uncertainties allow: check the mass, the stiffness, the "
+        f"the {of_masses(fit.m, mass)}, more than their uncertainties allow: {meant}check the mass, the stiffness, the "
         "gains and the units, of which one may put all numbers off by as much",
         doubts={"": abs(mass / fit.m - 1.0)},
     )
 
 
+def _mistaken_unit(ratio: float, k: float, mass: float) -> str:
+    """A question about the unit of stiffness or mass where their ratio to those of the records is that of two units;
+    else nothing."""
+    asked = [
+        f"{name} {number_text(value, 3)} {unit}"
+        for (name, unit), factor in _MISTAKEN.items()
+        for value in [k if name == "k =" else mass]
+        if abs(ratio / factor - 1.0) < _CLOSE
+    ]
+    return f"did you mean {listed(asked, 'or')}? Otherwise " if asked else ""
+
+
+_CLOSE = 0.03  # relative: what a gain and a mass that nobody weighed leave between two units
+_MISTAKEN = {  # quantity and its unit → how many times the given number is too large a mass, or too small a stiffness
+    ("k =", "N/mm"): 1000.0,
+    ("m =", "g"): 1000.0,
+    ("k =", "kgf/m"): 9.80665,
+    ("k =", "kgf/mm"): 9806.65,
+    ("k =", "lbf/in"): 175.127,
+    ("k =", "lbf/ft"): 14.5939,
+    ("m =", "lb"): 2.20462,
+}
+
+
 def of_masses(implied: float, given: float) -> str:
     """records imply 3.1000 kg, you gave 3.098 kg (0.06 % less)"""
-    off = given / implied - 1.0
-    digits = -int(Decimal(repr(given)).as_tuple().exponent)
-    shown = 1 - math.floor(math.log10(abs(given - implied))) if off else 0
-    size = f"{100.0 * abs(off):.2f} %" if 1e-4 <= abs(off) < 1.0 else percent(off)
+    ratio, off = given / implied, given / implied - 1.0
+    if not 0.5 < ratio < 2.0:
+        how = f"{times(max(ratio, 1.0 / ratio))} as {'much' if ratio > 1.0 else 'little'}"
+        return f"records imply {number_text(implied, 4)} kg, you gave {number_text(given, 4)} kg ({how})"
+    shown = 1 - math.floor(math.log10(abs(given - implied))) if off else 4
+    written_with = -int(Decimal(f"{given:.6g}").as_tuple().exponent)
+    size = f"{100.0 * abs(off):.2f} %" if abs(off) >= 1e-4 else percent(off)
     return (
-        f"records imply {implied:.{max(digits + 1, shown, 0)}f} kg, you gave {given:.12g} kg "
+        f"records imply {implied:.{max(written_with + 1, shown, 0)}f} kg, you gave {given:.6g} kg "
         f"({size} {'less' if off < 0.0 else 'more'})"
     )
 

@@ -8,14 +8,15 @@ from __future__ import annotations
 import base64
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from pathlib import PurePath
+from pathlib import Path, PurePath
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import jinja2
 from markupsafe import Markup
 
 from .. import __version__
-from ..figures.style import COOL, DARK, GRID, INK, PAPER_COLOUR, follows_the_screen
+from ..figures.style import COOL, DARK, GRID, INK, PAPER_COLOUR, follows_the_screen, save_svg
 from ..law.terms import term
 from ..project.wording import (
     Remark,
@@ -155,6 +156,22 @@ def _explained(sentences: Iterable[str]) -> list[str]:
     ]
 
 
+def _rig(options: Mapping[str, Any], rotates: bool) -> str:
+    """The drawing of the rig that records are taken to be of, SVG; empty where none is drawn."""
+    from ..figures.rig_drawings import LOAD_CELL, MOUNT, RELEASE, TO_GROUND, rigs  # slow to import
+
+    kind = options.get("kind", "forced")
+    if rotates or kind not in ("forced", "ring-down"):
+        return ""
+    name = RELEASE if kind == "ring-down" else TO_GROUND
+    name = LOAD_CELL if options.get("fixture_mass_kg") else name
+    name = MOUNT if options.get("contact_to") == "base" else name
+    with TemporaryDirectory() as folder:
+        file = Path(folder, "rig.svg")
+        save_svg(rigs(name), file, name)
+        return file.read_text(encoding="utf-8")
+
+
 def _setting(value: Any) -> str:
     if isinstance(value, list | tuple):
         return ", ".join(map(_setting, value))
@@ -196,5 +213,6 @@ _TEMPLATES.globals |= {
     "explained": _explained,
     "first_check": _first_check,
     "in_a_sentence": in_a_sentence,
+    "rig": _rig,
     "verdict": _verdict,
 }

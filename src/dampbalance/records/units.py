@@ -74,7 +74,14 @@ UNITS = tuple(
         "velocity": {f"{name}/s": factor for name, factor in _LENGTHS.items()},
         "acceleration": {f"{name}/s²": _LENGTHS[name] for name in ("m", "cm", "mm", "in", "ft")}
         | {"g": _STANDARD_GRAVITY, "mg": 1e-3 * _STANDARD_GRAVITY},
-        "force": {"N": 1.0, "µN": 1e-6, "mN": 1e-3, "kN": 1e3, "kgf": _STANDARD_GRAVITY}
+        "force": {
+            "N": 1.0,
+            "µN": 1e-6,
+            "mN": 1e-3,
+            "daN": 10.0,
+            "kN": 1e3,
+            "kgf": _STANDARD_GRAVITY,
+        }
         | {"lbf": _POUND_FORCE, "ozf": _POUND_FORCE / 16.0, "kip": 1e3 * _POUND_FORCE},
         "time": {"s": 1.0, "ms": 1e-3, "µs": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0},
         "angle": _ANGLES,
@@ -112,7 +119,7 @@ _OTHER_SPELLINGS = {
     "deg": ["°", "degree", "degrees", "grad"],
     "deg/s": ["°/s", "degrees/s", "dps"],
     "deg/s²": ["°/s2"],
-    "rpm": ["1/min", "U/min", "r/min", "rev/min", "min-1"],
+    "rpm": ["cpm", "1/min", "U/min", "r/min", "rev/min", "min-1"],
     "ozf in": ["oz in", "in ozf", "in oz"],
     "lbf in": ["lb in", "in lbf", "in lb"],
     "lbf ft": ["lb ft", "ft lbf", "ft lb"],
