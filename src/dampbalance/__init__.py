@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from .identification.forced import identify_forced
     from .identification.identified import Identified
     from .law.terms import Term
-    from .measured import identify, identify_joint, read_records
+    from .measured import identify, identify_joint, identify_loops, read_records
     from .model import BaseMotion, Oscillator
     from .motion.orbit import NoSteadyOrbit, Orbit, steady_orbit
     from .motion.orbits import Orbits, steady_orbits
@@ -59,6 +59,7 @@ __all__ = [
     "identify_decays",
     "identify_forced",
     "identify_joint",
+    "identify_loops",
     "measured_orbit",
     "measured_ring_down",
     "read_records",
@@ -78,7 +79,7 @@ _MODULES = {
     "identification.forced": ("identify_forced",),
     "identification.identified": ("Identified",),
     "law.terms": ("Term",),
-    "measured": ("identify", "identify_joint", "read_records"),
+    "measured": ("identify", "identify_joint", "identify_loops", "read_records"),
     "model": ("BaseMotion", "Oscillator"),
     "motion.orbit": ("NoSteadyOrbit", "Orbit", "steady_orbit"),
     "motion.orbits": ("Orbits", "steady_orbits"),

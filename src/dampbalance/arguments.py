@@ -45,7 +45,8 @@ class Bounds(NamedTuple):
 NUMBERS: Mapping[str, Bounds] = {
     **dict.fromkeys(("m", "mass", "fixture_mass"), Bounds("kg")),
     "c": Bounds("N s/m", 0.0),
-    **dict.fromkeys(("k", "stiffness"), Bounds("N/m")),
+    **dict.fromkeys(("k", "stiffness", "fixture_stiffness"), Bounds("N/m")),
+    "normal_force": Bounds("N"),
     "K_z": Bounds("N/m", remedy="use a large finite K_z for a rigid contact"),
     "F_k": Bounds("N", 0.0),
     "Y": Bounds("m"),

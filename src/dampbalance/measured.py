@@ -16,6 +16,7 @@ from .identification.request import IN_WORDS, Stated
 from .joints.answer import identify_joint as identify_joint
 from .joints.records import read_lines
 from .joints.records import recognised_as_table as recognised_as_table
+from .loops.answer import identify_loops as identify_loops
 from .project.wording import listed
 from .records.mapping import MappingLike
 from .records.measured import MeasuredRecord, as_records
@@ -23,13 +24,15 @@ from .records.measured import MeasuredRecord, as_records
 if TYPE_CHECKING:
     from .records.measured import RecordLike
 
-Kind = Literal["recognised", "forced", "ring-down", "stepped-sine"]
-"""Kind of records: as they are recognised, forced, free decays, or tables of steady responses to a stepped sine."""
+Kind = Literal["recognised", "forced", "ring-down", "stepped-sine", "loops"]
+"""Kind of records: as they are recognised, forced, free decays, tables of steady responses to a stepped sine, or loops
+of force against the displacement of a contact."""
 
 WAYS: Mapping[str, Callable[..., Identified]] = {
     "forced": identify_forced,
     "ring-down": identify_decays,
     "stepped-sine": identify_joint,
+    "loops": identify_loops,
 }
 """The function that identifies each kind of records; its signature says which options apply."""
 
@@ -87,14 +90,16 @@ def identify(
     """Identify the coefficients of a damping law and the contact stiffness K_z from measured records, with intervals.
 
     The records are recognised and handed over: forced records to `identify_forced`, free decays to `identify_decays`,
-    tables of a stepped sine to `identify_joint`. Their signatures are the options that apply.
+    tables of a stepped sine to `identify_joint`, measured loops to `identify_loops`. Their signatures are the options
+    that apply.
 
     records : as `read_records` returns or takes them: files, tables of pandas, arrays; all of one kind.
     stiffness : k, N/m (N m/rad of a rotation), alone or with its standard uncertainty, (2310.0, 10.0); it scales F_k
-    and c. Only tables of responses to a force do without.
+    and c. Only tables of responses to a force and measured loops do without.
     mapping : what the records do not say of their channels, where they are read here.
-    kind : "forced", "ring-down" or "stepped-sine", where it is not to be recognised: tables by their columns of
-    frequency and phase, forced records by an excitation channel that keeps moving.
+    kind : "forced", "ring-down", "stepped-sine" or "loops", where it is not to be recognised: tables by their columns
+    of frequency and phase, measured loops by force and displacement where neither stiffness nor mass is given, forced
+    records by an excitation channel that keeps moving.
     options : of the function for the kind. One at its default may be given for any kind.
 
     Raises ValueError (for a record, `RecordError`) naming argument or record, what is wrong and the remedy: an option
@@ -118,6 +123,8 @@ def identify(
         records = read_records(records, mapping=mapping)
         if any(record.measurement is None for record in records):
             kind = "stepped-sine"
+        elif stiffness is None and options.get("mass") is None and all(map(_is_loop, records)):
+            kind = "loops"
         else:
             kind = "forced" if all(map(keeps_moving, records)) else "ring-down"
     asked = {name: value for name, value in options.items() if value is not defaults[name]}
@@ -125,6 +132,11 @@ def identify(
         if words := _misplaced(kind, name):
             raise ValueError(f"{name} = {shown(value)} {words}")
     return WAYS[kind](records, stiffness, mapping=mapping, **asked)
+
+
+def _is_loop(record: MeasuredRecord) -> bool:
+    """Whether a record holds nothing but force and displacement, both of which keep moving."""
+    return {*record.quantities} == {"force", "displacement"} and keeps_moving(record)
 
 
 def _misplaced(kind: str, name: str) -> str:
@@ -142,6 +154,8 @@ _ARGUMENTS = {
     **dict.fromkeys(("mass_kg", "mass_standard_error_kg"), "mass"),
     "frequency_hz": "frequency",
     "fixture_mass_kg": "fixture_mass",
+    "normal_force_N": "normal_force",
+    "fixture_stiffness_N_per_m": "fixture_stiffness",
 }
 """Key of a configuration → argument, where their names differ."""
 
@@ -152,7 +166,7 @@ def not_taken(settings: Mapping[str, Any]) -> dict[str, str]:
     kind, k = settings.get("kind", "forced"), "stiffness_N_per_m"
     keys = [key for key, value in settings.items() if value is not None and key not in _OF_SET]
     wrong = {key: words for key in keys if (words := _misplaced(kind, _ARGUMENTS.get(key, key)))}
-    if k not in keys and "mass_kg" not in keys and kind != "stepped-sine":
+    if k not in keys and "mass_kg" not in keys and kind not in ("stepped-sine", "loops"):
         wrong[k] = f"is missing: {IN_WORDS[kind]} need it, or the mass; add it"
     return wrong
 

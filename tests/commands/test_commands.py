@@ -491,6 +491,7 @@ IN_HELP = {
     "forced": "forced records",
     "ring-down": "free decays",
     "stepped-sine": "tables of a stepped sine",
+    "loops": "measured loops",
 }
 
 

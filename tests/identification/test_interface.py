@@ -17,6 +17,7 @@ from dampbalance import (
     identify_decays,
     identify_forced,
     identify_joint,
+    identify_loops,
     measured_orbit,
     measured_ring_down,
     steady_orbit,
@@ -42,7 +43,13 @@ FORCED = [
     )
     for i, Y in enumerate((0.004, 0.008, 0.012))
 ]
-RECORDS = {"forced": FORCED, "ring-down": DECAY, "stepped-sine": TABLE}
+_T = np.arange(0.0, 8.0, 0.01)
+LOOPS = {
+    "time_s": _T,
+    "displacement_mm": np.cos(2.0 * math.pi * _T),
+    "force_N": np.clip(9.0 * np.cos(2.0 * math.pi * _T - 0.3), -5.0, 5.0),
+}
+RECORDS = {"forced": FORCED, "ring-down": DECAY, "stepped-sine": TABLE, "loops": LOOPS}
 # a value of each option that is not its default
 VALUES = {
     "frequency": 3.5,
@@ -55,6 +62,9 @@ VALUES = {
     "contact": "gradual",
     "hardening": False,
     "residual": True,
+    "normal_force": 5.0,
+    "fixture_stiffness": 1e6,
+    "backlash": False,
 }
 MISPLACED = [
     (kind, name)
@@ -71,7 +81,7 @@ def test_an_option_of_another_kind_is_refused_in_one_sentence(kind, name, stated
     with pytest.raises(
         ValueError, match=f"^{name} = .* is for .*, and these are .*: leave it out$"
     ):
-        identify(RECORDS[kind], K, **options)
+        identify(RECORDS[kind], None if kind == "loops" else K, **options)
 
 
 @pytest.mark.parametrize(("kind", "name"), MISPLACED)
@@ -82,10 +92,10 @@ def test_a_configuration_is_refused_for_the_same_options(kind, name):
     assert re.fullmatch("is for .*, and these are .*: leave it out", wrong[key])
 
 
-def test_only_a_stepped_sine_does_without_a_stiffness():
+def test_only_a_stepped_sine_and_loops_do_without_a_stiffness():
     for kind in WAYS:
         lacks = not_taken({"kind": kind})
-        assert [*lacks] == ([] if kind == "stepped-sine" else ["stiffness_N_per_m"])
+        assert [*lacks] == ([] if kind in ("stepped-sine", "loops") else ["stiffness_N_per_m"])
 
 
 def test_a_stiffness_may_be_text_as_a_mass_may():
@@ -112,10 +122,11 @@ def test_an_option_at_its_default_may_be_given_for_any_kind():
         ("forced", {"frequency": 3.5, "mass": "2.42", "approaches": "direct"}),
         ("ring-down", {"mass": "2.42"}),
         ("stepped-sine", {"contact": "one slider"}),
+        ("loops", {"backlash": False}),
     ],
 )
 def test_it_hands_over_to_the_function_of_the_kind(kind, options):
-    k = None if kind == "stepped-sine" else (K, 10.0)
+    k = None if kind in ("stepped-sine", "loops") else (K, 10.0)
     own = WAYS[kind](RECORDS[kind], k, **options)
     assert own is not identify(RECORDS[kind], k, **options)
     for stated in ("recognised", kind):
@@ -123,7 +134,9 @@ def test_it_hands_over_to_the_function_of_the_kind(kind, options):
         assert found.document() == own.document()
 
 
-@pytest.mark.parametrize("function", [identify_forced, identify_decays, identify_joint])
+@pytest.mark.parametrize(
+    "function", [identify_forced, identify_decays, identify_joint, identify_loops]
+)
 def test_the_docstring_has_every_argument_of_the_signature(function):
     words = inspect.getdoc(function)
     for name in inspect.signature(function).parameters:

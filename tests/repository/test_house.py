@@ -34,6 +34,7 @@ FLOORS = (
     "figures",
     "identification",
     "joints",
+    "loops",
     "measured",
     "replication",
     "studies",
@@ -96,8 +97,9 @@ def test_an_import_from_a_higher_floor_would_be_seen():
     assert floor(found.pop()) > floor("dampbalance.solver")
 
 
-def test_joints_are_known_to_the_module_that_hands_records_over_and_to_no_other():
-    inside = {module for module in MODULES if module.split(".")[1:2] == ["joints"]}
+@pytest.mark.parametrize("room", ["joints", "loops"])
+def test_joints_and_loops_are_known_to_the_module_that_hands_records_over_and_to_no_other(room):
+    inside = {module for module in MODULES if module.split(".")[1:2] == [room]}
     importing = {module for module, others in graph().items() if others & inside}
     assert importing - inside - VERSION == {"dampbalance.measured"}
 

@@ -26,6 +26,7 @@ from . import (
     field_score,
     joints,
     laws,
+    loops,
     others,
     score,
 )
@@ -124,6 +125,14 @@ def jointed(options: argparse.Namespace) -> str:
     return joints.table(rows)
 
 
+def looped(options: argparse.Namespace) -> str:
+    """Identify measured loops of seven contacts and motions."""
+    runs = [(index, options.seed) for index in range(options.first, options.first + options.sets)]
+    rows = _rows(loops.outcome, runs, options.processes)
+    rows.to_csv(options.output / "loops.csv", index=False)
+    return loops.table(rows)
+
+
 def departing(options: argparse.Namespace) -> str:
     """Identify forced records that depart from the model; what is wrong, and whether that is said."""
     wanted = range(options.first, options.first + options.sets)
@@ -157,7 +166,12 @@ def in_the_field(options: argparse.Namespace) -> str:
 
 PARTS = {"decays": decays, "blind": blind, "efficiency": efficient, "faults": faulty}
 PARTS |= {"others": other, "laws": confused, "decay_laws": departing_decays, "joints": jointed}
-PARTS |= {"departures": departing, "decay_contacts": decays_of_contacts, "field": in_the_field}
+PARTS |= {
+    "departures": departing,
+    "decay_contacts": decays_of_contacts,
+    "field": in_the_field,
+    "loops": looped,
+}
 
 
 def main(arguments: list[str] | None = None) -> None:

@@ -27,7 +27,7 @@ FROM = "relative to the folder of the run"
 
 
 def kind_of(name):
-    """The kind of records of a set: forced, ring-down for free decays, or stepped-sine for tables."""
+    """The kind of records of a set: forced, ring-down for free decays, stepped-sine for tables, or loops."""
     return MEASURED[name].get("kind", "forced")
 
 

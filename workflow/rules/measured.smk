@@ -47,6 +47,14 @@ use rule identify as identify_stepped_sine with:
         set=sets_of("stepped-sine"),
 
 
+use rule identify as identify_loops with:
+    output:
+        *[update(file) for file in set_files("{set}", "loops")],
+        mark=touch(f"{MEASURED_FILES}/{{set}}/.complete"),
+    wildcard_constraints:
+        set=sets_of("loops"),
+
+
 rule measured:
     input:
         sets=expand(f"{MEASURED_FILES}/{{set}}/identification.csv", set=MEASURED),

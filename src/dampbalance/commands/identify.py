@@ -43,6 +43,10 @@ amplitude of the response, phase, and level; with a force it needs no stiffness:
 
   dampbalance identify levels.csv
 
+Loops of a contact on a test machine, with force and displacement and no stiffness, need nothing else:
+
+  dampbalance identify loops.csv
+
 The exit status is 0 with an answer, 1 where the records give none (the cause is shown first), 2 for an error.
 """
 
@@ -50,7 +54,7 @@ The exit status is 0 with an answer, 1 where the records give none (the cause is
 _HELP = f"""\
 records         a file, one per level; as many as there are coefficients, or more; of a free decay one is enough
 all records:
---kind          forced records, free decays, or tables of a stepped sine (default: as they are recognised)
+--kind          forced records, free decays, tables of a stepped sine, or measured loops (default: recognised)
 --stiffness     k, N/m (of a rotation N m/rad), or 5.2±0.1, "29.7 lbf/in", "5.2 N/mm ± 1 %%"; it scales F_k and c
 --mass          tests k, or gives it: kg (of a rotation inertia, kg m²), "6.8 lb", 2.42±0.01 (else 0.5 %%, half a digit)
 --mapping       file or folder that names the channels of the records (default: the file next to each)
@@ -72,6 +76,10 @@ tables of a stepped sine:
 --contact       one slider, many that slip one after the other, or the one that the lines support (default: both)
 --no-hardening  the spring does not stiffen with the amplitude
 --residual      other modes of the structure move the driven point, too
+measured loops:
+--normal-force  N, or 5.0±0.1, for the friction coefficient
+--fixture-stiffness  of a fixture in series, whose deflection is measured, too, N/m
+--no-backlash   the fixture has no dead band
 results:
 --details       show the answer of every approach and all that limits them, instead of one screen
 --output        write {", ".join(OUTPUTS)} there
@@ -192,7 +200,10 @@ class _Once(argparse.Action):
 
 _OPTIONS: dict[str, dict[str, Any]] = {
     "records": {"nargs": "+", "type": Path, "metavar": "RECORD"},
-    "--kind": {"choices": ("forced", "ring-down", "stepped-sine"), "default": "recognised"},
+    "--kind": {
+        "choices": ("forced", "ring-down", "stepped-sine", "loops"),
+        "default": "recognised",
+    },
     "--stiffness": {"type": read_by(_checked, "stiffness"), "metavar": "K"},
     "--mass": {"type": read_by(_checked, "mass"), "metavar": "M"},
     "--mapping": {"type": Path, "default": None, "metavar": "FILE"},
@@ -210,6 +221,9 @@ _OPTIONS: dict[str, dict[str, Any]] = {
     "--contact": {"choices": ("both", "one slider", "gradual")},
     "--no-hardening": {"action": "store_false", "dest": "hardening"},
     "--residual": {"action": "store_true"},
+    "--normal-force": {"type": read_by(_checked, "normal_force"), "metavar": "N"},
+    "--fixture-stiffness": {"type": number("fixture_stiffness"), "metavar": "K"},
+    "--no-backlash": {"action": "store_false", "dest": "backlash"},
     "--details": {"action": "store_true", "default": False},
     "--output": {"type": Path, "default": None, "metavar": "DIR"},
     "--no-figures": {"action": "store_true", "default": False},

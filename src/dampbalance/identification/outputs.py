@@ -20,6 +20,7 @@ PICTURES = {
     "forced": ("cycles", "friction", "loops", "balance"),
     "ring-down": ("decays", "balance"),
     "stepped-sine": ("loss", "stiffness", "distribution"),
+    "loops": ("loops", "history"),
 }
 """The pictures of each kind of records."""
 

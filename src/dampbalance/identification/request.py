@@ -25,6 +25,7 @@ IN_WORDS = {
     "forced": "forced records",
     "ring-down": "free decays",
     "stepped-sine": "tables of a stepped sine",
+    "loops": "measured loops",
 }
 """Kinds of records, as messages call them."""
 

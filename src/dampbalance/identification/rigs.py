@@ -122,7 +122,7 @@ def of_a_mount(
 
     joint : the fit with the contact to the ground.   k : N/m.   of_drive : options of `load`.
     """
-    sure = joint.waveforms_hold and joint.mass_fits and not joint.explained
+    sure = joint.waveforms_hold and not joint.explained
     driven = any("force" in record.quantities for record in records)
     if sure or driven or masses.moving is None or masses.on_base is not None:
         return

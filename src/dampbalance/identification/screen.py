@@ -107,7 +107,9 @@ def damping_of(k: float, mass: tuple[float, float], c: float, levels: Sequence[L
         sentences.append(
             f"{known}, f_n = {hertz} Hz{zeta}. If that is not your rig, a gain, a unit or k is wrong."
         )
-    sizes = sorted((level for level in levels if level.W > 0.0), key=lambda level: level.X)
+    sizes = sorted(
+        (level for level in levels if level.W > 0.0 and k > 0.0), key=lambda level: level.X
+    )
     if sizes:
         ends = sizes[:: len(sizes) - 1 or 1]
         at = [

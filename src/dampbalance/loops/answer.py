@@ -1,0 +1,424 @@
+"""The contact from measured loops of force against displacement: answer, history, and rows of the balance.
+
+A cycle is a row of the balance, ∮ f dx = a F_k + b c with a = 4(X − Z_m) and b = ∮ ẋ² dt; the shape of the loop gives
+K_z. There is no oscillator: neither mass nor the stiffness of a spring is needed.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from types import ModuleType
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+
+from ..arguments import flag
+from ..arrays import Array
+from ..balance import Rows
+from ..identification.answer import (
+    CONFIDENCE,
+    UNKNOWN,
+    USELESS,
+    Answer,
+    Balance,
+    Interval,
+    ParameterEstimate,
+    covariance_of,
+)
+from ..identification.identified import Identified, Picture
+from ..identification.level import Level
+from ..identification.request import Stated, mapping_option, records_of
+from ..identification.sensitivities import Fault
+from ..law.terms import FRICTION
+from ..project.wording import Remark, listed, number_text, percent, with_error
+from ..records.mapping import MappingLike
+from ..records.measured import MeasuredRecord
+from ..records.quantities import quantity
+from ..records.quantities import with_error as read_with_error
+from .fit import (
+    SLIDERS,
+    Design,
+    Loop,
+    LoopFit,
+    fall_with_speed,
+    fit_gradual,
+    fit_slider,
+    predicts_better,
+    slips,
+)
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from ..records.measured import RecordLike
+
+# of F_k: the steps between the sliders of a gradual contact leave a tenth of it. What more falls with the speed trades
+# with c, and its true size is not known from a fall that is seen
+_FALLS = 0.005
+_SAME_LEVEL = 0.05  # by which amplitudes of one level differ at the most
+_SETTLED = 3.0  # scatters from the later cycles, within which a cycle is steady
+_TREND = 4.0  # standard errors of a trend that is worth a sentence
+
+
+_COMPARED = {
+    "one slider": "One slider predicts cycles that are left out as well as many do, or better.",
+    "gradual": "Many sliders, a contact that yields gradually, predict cycles that are left out better than one does.",
+}
+
+
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class LoopOutcome(Identified):
+    """The answers to measured loops, and all that they come from.
+
+    loops : of all records.   fits : of each contact, by name, the one to use first.   normal_force : N, with its
+    standard uncertainty; None where it was not given.
+    """
+
+    loops: tuple[Loop, ...]
+    fits: Mapping[str, LoopFit]
+    normal_force: tuple[float, float] | None
+
+    kind: ClassVar[Mapping[str, str]] = {"kind": "loops"}
+    mass_tests: ClassVar[bool] = False
+
+    @property
+    def fit(self) -> LoopFit:
+        """The fit of the answer."""
+        return self.fits[next(iter(self.approaches))]
+
+    @property
+    def law(self) -> dict[str, float]:
+        """F_k, K_z and c, as `Oscillator` takes them: the response of an oscillator of mass m on a spring k with this
+        contact is `steady_orbit(Oscillator(m=m, k=k, **found.law), motion)`. A c that is not known, or may not be
+        positive, is zero."""
+        c = self.values.get("c", 0.0)
+        return {
+            "F_k": self.values["F_k"],
+            "K_z": self.values["K_z"],
+            "c": max(c, 0.0) if c == c else 0.0,
+        }
+
+    @property
+    def friction_coefficient(self) -> tuple[float, Interval]:
+        """μ = F_k/N and its interval of 95 %; NaN without a normal force."""
+        if self.normal_force is None:
+            return math.nan, Interval(math.nan, math.nan)
+        (N, error), F = self.normal_force, self.answer.parameters[FRICTION]
+        mu, of_N = F.value / N, self.answer.parameters[FRICTION].value / N * error / N
+        scaled = ParameterEstimate(
+            mu, F.standard_error / N, Interval(F.interval.low / N, F.interval.high / N)
+        )
+        return mu, scaled.wider(of_N).interval
+
+    def history(self) -> pd.DataFrame:
+        """Return a line for each cycle of each record: amplitude, energy lost, friction force that makes up for it,
+        mean force and the way travelled so far. Use it to see running-in, wear and heating.
+
+        F_k of a cycle is (∮ f dx − c ∮ ẋ² dt)/4(X − Z_m − g), with c, Z_m and the gap g of all cycles.
+        """
+        import pandas as pd  # slow to import
+
+        tables = []
+        for loop in self.loops:
+            a, b, W = row_of(loop, self.fit)
+            F = (W - self.law["c"] * b) / np.where(a > 0.0, a, np.nan)
+            mean = [loop.f[loop.cycle == i].mean() for i in range(loop.cycles)]
+            columns = {"record": loop.name, "cycle": np.arange(2, loop.cycles + 2)}
+            columns |= {"X_m": loop.amplitudes, "W_J": W, "F_k_N": F, "mean_force_N": mean}
+            tables.append(pd.DataFrame(columns).assign(travel_m=4.0 * np.cumsum(loop.amplitudes)))
+        return pd.concat(tables, ignore_index=True)
+
+    def findings(self) -> dict[str, Any]:
+        """What the loops show beyond the answers: springs, gap, sliders, μ, history, and the records."""
+        mu, interval = self.friction_coefficient
+        return {
+            "contacts": {
+                name: {
+                    "r_m": fit.r[fit.kappa > 0.0],
+                    "kappa_N_per_m": fit.kappa[fit.kappa > 0.0],
+                    "residual_rms_N": fit.rms,
+                }
+                for name, fit in self.fits.items()
+            },
+            "friction_coefficient": mu,
+            "friction_coefficient_interval": interval,
+            "history": self.history().to_dict("list"),
+            "records": [
+                {"record": loop.name, "cycles": loop.cycles, "force_sign_changed": loop.flipped}
+                for loop in self.loops
+            ],
+        }
+
+    @property
+    def check(self) -> str:
+        """The sentence on which contact predicts cycles better."""
+        return self.rig[0]
+
+    @property
+    def levels(self) -> list[Level]:
+        """The mean cycle of each amplitude in each record."""
+        levels, c = [], self.law["c"]
+        for loop in self.loops:
+            X, (_, b, W) = loop.amplitudes, row_of(loop, self.fit)
+            steps = np.round(np.log(X / X.max()) / _SAME_LEVEL)
+            for step in np.unique(steps):
+                own = steps == step
+                duration = np.median(np.bincount(loop.cycle[loop.cycle >= 0])[own])
+                omega = 2.0 * math.pi / (duration * float(loop.t[1] - loop.t[0]))
+                lost = float(W[own].mean())
+                of = float(X[own].mean()), omega, lost, lost - c * float(b[own].mean())
+                levels.append(Level(loop.name, *of))
+        return levels
+
+    def shifts(self, faults: Mapping[str, Fault], name: str) -> dict[str, dict[str, float]]:
+        """Return the changes of an answer with faults of gain: all are in proportion to the force, c and K_z inversely
+        so to the displacement."""
+        return {
+            what: {
+                s: fault.drive - fault.response * (s != FRICTION)
+                for s in self.estimates[name].parameters
+            }
+            for what, fault in faults.items()
+            if fault.drive or fault.response
+        }
+
+    @property
+    def pictures(self) -> dict[str, Picture]:
+        """loops : force over displacement with the model.   history : friction force of each cycle."""
+        words = f"force against displacement of {listed([loop.name for loop in self.loops])}"
+        return {
+            "loops": Picture(f"{words}, and the contact fitted", (self.loops, self.fit)),
+            "history": Picture("friction force of each cycle", (self.history(),)),
+        }
+
+    @property
+    def drawings(self) -> ModuleType:
+        """The module of these pictures."""
+        from . import pictures  # slow to import
+
+        return pictures
+
+
+def identify_loops(
+    records: RecordLike | Sequence[RecordLike],
+    stiffness: Stated | None = None,
+    *,
+    mapping: MappingLike = None,
+    mass: Stated | None = None,
+    normal_force: Stated | None = None,
+    fixture_stiffness: float | str | None = None,
+    backlash: bool = True,
+) -> LoopOutcome:
+    """Identify F_k, K_z and c of a contact on a test machine from loops of force against displacement: a record of five
+    cycles or more of any periodic motion, or several at other amplitudes and speeds.
+
+    records : as `read_records` returns or takes them, with a force and the displacement or velocity across the contact.
+    stiffness, mass : leave both out: loops have no oscillator, and a spring in parallel to the contact is identified.
+    mapping : what the records do not say of their channels, where they are read here.
+    normal_force : N, alone or with its standard uncertainty; then μ = F_k/N is known, too.
+    fixture_stiffness : N/m, of a fixture in series whose deflection the displacement includes.
+    backlash : whether a dead band in the fixture is looked for, and named where it is there.
+
+    Raises ValueError (for a record, `RecordError`) naming argument or record, what is wrong and the remedy: a record
+    without force or displacement, of fewer than five cycles, a stiffness or a mass.
+
+    >>> import numpy as np
+    >>> from dampbalance.loops import identify_loops
+    >>> t = np.linspace(0.0, 10.0, 4001)
+    >>> x, z = 1e-3 * np.sin(2.0 * np.pi * t), np.zeros(t.size)
+    >>> for i in range(1, t.size):  # a slider that gives way at 0.2 mm
+    ...     z[i] = np.clip(z[i - 1] + x[i] - x[i - 1], -2e-4, 2e-4)
+    >>> found = identify_loops({"time_s": t, "displacement_m": x, "force_N": 5e4 * z})
+    >>> round(found.values["F_k"], 3), round(found.values["K_z"], -2)
+    (10.0, 50000.0)
+    """
+    for name, value in {"stiffness": stiffness, "mass": mass}.items():
+        if value is not None:
+            raise ValueError(
+                f"{name} (--{name}) is for an oscillator, and these are measured loops: leave it out, a spring in "
+                "parallel to the contact is identified"
+            )
+    normal = None if normal_force is None else read_with_error("normal_force", normal_force)
+    series = None if fixture_stiffness is None else quantity("fixture_stiffness", fixture_stiffness)
+    backlash = flag("backlash", backlash)
+    read = records_of("loops", records, mapping)
+    loops = tuple(_loop(record, series) for record in read)
+    design = Design(loops)
+    slider, gradual = fit_slider(design, backlash=backlash), fit_gradual(design)
+    fits = {"one slider": slider, "gradual": gradual}
+    if predicts_better(gradual, slider):
+        fits = {"gradual": gradual, "one slider": slider}
+    first = next(iter(fits.values()))
+    found = LoopOutcome(
+        k=math.nan,
+        sources=tuple(record.name for record in read),
+        estimates={name: _answer(name, fit, design) for name, fit in fits.items()},
+        reference=None,
+        warnings=tuple(_warned(first, design, loops)),
+        head=(
+            f"{sum(loop.cycles for loop in loops)} cycles of {len(loops)} measured "
+            f"loop{'s' * (len(loops) > 1)}; the answer first, with 95 % intervals"
+        ),
+        rig=[
+            _COMPARED[next(iter(fits))],
+            *_rig(first, loops),
+        ],
+        settings={"confidence": CONFIDENCE},
+        records=tuple(read),
+        options={
+            "kind": "loops",
+            "normal_force_N": normal and normal[0],
+            "fixture_stiffness_N_per_m": series,
+            "backlash": backlash,
+            "mapping": mapping_option(mapping),
+        },
+        loops=loops,
+        fits=fits,
+        normal_force=normal,
+    )
+    mu, (low, high) = found.friction_coefficient
+    said = [] if math.isnan(mu) else [f"μ = F_k/N = {with_error(mu, 0.5 * (high - low))} at 95 %."]
+    return replace(found, rig=[found.in_words(words) for words in (*found.rig, *said)])
+
+
+def row_of(loop: Loop, fit: LoopFit) -> tuple[Array, Array, Array]:
+    """Return a, b and W of the balance of each cycle, m, m²/s and J, with the sliders of a fit."""
+    force, reach = fit.kappa * fit.r, fit.r + fit.values.get("g", 0.0)
+    slid = np.maximum(np.subtract.outer(loop.amplitudes, reach), 0.0)
+    return 4.0 * slid @ force / (np.sum(force) or 1.0), loop.by_cycle(loop.v), loop.lost
+
+
+def _loop(record: MeasuredRecord, series: float | None) -> Loop:
+    """Return the loop of a record.   series : stiffness of the fixture, N/m."""
+    channels = record.whole()
+    moving = [q for q in ("displacement", "velocity") if q in record.quantities]
+    if "force" not in record.quantities or not moving:
+        raise ValueError(
+            f"{record.name} has {listed([*record.quantities])}: a measured loop needs the force and the displacement "
+            "or velocity across the contact; name them in its mapping"
+        )
+    motion, force = channels[moving[0]], channels["force"]
+    t, x, f = motion.t, motion.values, force.values
+    if not np.array_equal(force.t, t):
+        f = np.interp(t, force.t, f)
+    if moving[0] == "velocity":
+        x = np.append(0.0, np.cumsum(0.5 * (x[1:] + x[:-1]) * np.diff(t)))
+        x = x - np.polyval(np.polyfit(t, x, 1), t)
+    if series:
+        # the deflection of the fixture has the sign of the force that the contact makes
+        way = math.copysign(1.0, float(np.trapezoid(f - f.mean(), x)))
+        x = x - way * (f - f.mean()) / series
+    return Loop.of(record.name, t, x, f)
+
+
+def _answer(name: str, fit: LoopFit, design: Design) -> Answer:
+    """The answer of a contact: its numbers with intervals, and the rows of its cycles."""
+    from scipy.stats import t as student  # slow to import
+
+    notes = list[Remark]()
+    # half as many sliders show how much of the numbers is a matter of their spacing
+    other = fit_gradual(design, SLIDERS // 2) if name == "gradual" else fit
+    reach = float(student.ppf(0.5 + 0.5 * CONFIDENCE, fit.freedom))
+
+    def estimate(symbol: str) -> ParameterEstimate:
+        value, error = fit.values.get(symbol, math.nan), fit.errors.get(symbol, math.nan)
+        determined = error > 0.0 and (symbol == "c" or (slips(fit) and value > 0.0))
+        if not determined:
+            return UNKNOWN
+        high = value + reach * error
+        if symbol == "K_z" and reach * error >= value:
+            high = math.inf
+        known = ParameterEstimate(value, error, Interval(value - reach * error, high))
+        off = abs(other.values[symbol] - value)
+        if symbol == "K_z" and name == "one slider":
+            # a sharp reversal between two samples moves Z_m by up to a quarter of their distance
+            off = 0.25 * max(loop.step for loop in design.loops) / float(fit.r[0]) * value
+        return known.wider(off)
+
+    parameters = {s: estimate(s) for s in (FRICTION, "c", "K_z")}
+    if not slips(fit):
+        words = (
+            "the contact does not slip in these loops: raise the amplitude to determine F_k and K_z"
+        )
+        notes.append(Remark(words))
+    elif not design.with_c:
+        words = "the speed is the same in all of the motion: c is not determined, and F_k includes c times this speed"
+        notes.append(Remark(words))
+    elif parameters["c"] is UNKNOWN:
+        notes.append(Remark("c is not told from a contact that yields gradually: vary the speed"))
+    rows = [row_of(loop, fit) for loop in design.loops]
+    a, b, W = (np.concatenate(of) for of in zip(*rows, strict=True))
+    names = tuple(loop.name for loop in design.loops for _ in range(loop.cycles))
+    scatter = np.concatenate([np.full(of[2].size, np.std(of[2], ddof=1)) for of in rows])
+    balance = Balance(Rows({FRICTION: a, "c": b}, W), scatter, names)
+    merit = {
+        "residual": fit.rms / float(np.std(design.f)),
+        "k_N_per_m": fit.values["k"],
+        "k_standard_error_N_per_m": fit.errors["k"],
+    }
+    if "g" in fit.values:
+        merit |= {"gap_m": 2.0 * fit.values["g"], "gap_standard_error_m": 2.0 * fit.errors["g"]}
+    symbols = [s for s, p in parameters.items() if p is not UNKNOWN]
+    order = [n for n in (FRICTION, "c", "K_z") if n in fit.errors]
+    at = [order.index(s) for s in symbols]
+    covariance = covariance_of(parameters, symbols, fit.covariance[np.ix_(at, at)])
+    return Answer(name, parameters, covariance, tuple(notes), balance, merit=merit)
+
+
+def _warned(fit: LoopFit, design: Design, loops: Sequence[Loop]) -> Iterator[Remark]:
+    """Yield remarks on the sign of the force, and on what no contact of the model explains."""
+    if flipped := [loop.name for loop in loops if loop.flipped]:
+        yield Remark(
+            "the force of {} has the other sign, as energy would be gained: it is changed",
+            listed(flipped),
+        )
+    fall, shift = fall_with_speed(design, fit) if slips(fit) else (0.0, 0.0)
+    if abs(fall) > _FALLS:
+        yield Remark(
+            "the friction at rest is {} of F_k {} than at speed: F_k is that of one speed, and c no damper",
+            percent(abs(fall), 2),
+            "larger" if fall > 0.0 else "smaller",
+            doubts={"": math.inf if fall > 0.0 else max(-fall, abs(shift)), "c": math.inf},
+        )
+    share = fit.rms / abs(fit.values[FRICTION] or 1.0)
+    if share > USELESS:
+        yield Remark(
+            "the contact leaves a residual of {} of F_k, rms: the loops have a shape that no slider with spring and "
+            "damper has; look at them in the report",
+            percent(share, 2),
+            doubts={"": share},
+        )
+
+
+def _rig(fit: LoopFit, loops: Sequence[Loop]) -> Iterator[str]:
+    """Yield sentences on spring, gap, and the history of the cycles."""
+    of, errors = fit.values, fit.errors
+    yield f"A spring of k = {with_error(of['k'], errors['k'])} N/m acts in parallel to the contact."
+    if "g" in of:
+        gap = with_error(2e3 * of["g"], 2e3 * errors["g"])
+        yield f"The fixture has a backlash: a dead band of {gap} mm in the displacement."
+    for loop in loops:
+        per_cycle = loop.lost, loop.by_cycle(loop.v), loop.amplitudes
+        lost, b, X = (float(np.median(of)) for of in per_cycle)
+        yield (
+            f"{loop.name}: a cycle of X = {number_text(1e3 * X, 4)} mm loses {number_text(lost, 4)} J, as a viscous "
+            f"damper of {number_text(lost / b, 4)} N s/m would."
+        )
+    for loop in loops:
+        W, n = loop.lost, np.arange(loop.cycles)
+        level = np.abs(loop.amplitudes / np.median(loop.amplitudes) - 1.0) < _SAME_LEVEL
+        if level.sum() < loop.cycles or loop.cycles < 8:
+            continue  # levels differ, or too few cycles for a trend
+        half = W[loop.cycles // 2 :]
+        scatter = 1.4826 * float(np.median(np.abs(half - np.median(half)))) or float(np.ptp(half))
+        off = np.abs(W - np.median(half)) > _SETTLED * scatter
+        start = int(np.flatnonzero(off[: loop.cycles // 2]).max(initial=-1)) + 1
+        slope, covariance = np.polyfit(n, W, 1, cov=True)
+        error = math.sqrt(covariance[0, 0])
+        words = f"{loop.name}: the loss per cycle is steady from cycle {start + 2} on"
+        if abs(slope[0]) > _TREND * error:
+            change = 100.0 * slope[0] / float(W.mean())
+            words += f", with a trend of {number_text(change, 2)} % per cycle over all cycles"
+        yield words + "."

@@ -1,0 +1,138 @@
+"""The fit of measured loops, against loops whose contact was written down."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from dampbalance.loops.fit import (
+    Design,
+    Loop,
+    fit_gradual,
+    fit_slider,
+    play,
+    predicts_better,
+    slips,
+    turning_points,
+)
+
+F_K, K_Z, K, C, X, RATE = 10.0, 5e4, 300.0, 3.0, 1e-3, 500.0
+T = np.arange(0.0, 20.0, 1.0 / RATE)
+SINE = X * np.sin(2.0 * np.pi * T)
+TRIANGLE = X * (4.0 * np.abs((T + 0.25) % 1.0 - 0.5) - 1.0)
+
+
+def stepped(x, r):
+    """Deflection of a slider, sample by sample."""
+    z = np.zeros(x.size)
+    for i in range(1, x.size):
+        z[i] = min(max(z[i - 1] + x[i] - x[i - 1], -r), r)
+    return z
+
+
+def loop(x=SINE, *, seed=0, noise=0.01, c=C, gap=0.0, sign=1.0, contact=((K_Z, F_K / K_Z),)):
+    """A loop with noise, an offset and a drift."""
+    force = K * x + c * np.gradient(x, T) + 0.7 + 0.02 * T
+    for kappa, r in contact:
+        z = stepped(x, r + gap)
+        force = force + kappa * np.sign(z) * np.maximum(np.abs(z) - gap, 0.0)
+    noisy = force + noise * F_K * np.random.default_rng(seed).normal(size=T.size)
+    return Loop.of("loop", T, x, sign * noisy)
+
+
+def fitted(*loops, backlash=False):
+    return fit_slider(Design(loops), backlash=backlash)
+
+
+def test_play_is_that_of_single_steps_for_any_motion():
+    x = np.cumsum(np.random.default_rng(1).normal(size=400))
+    r = np.array([0.3, 2.0, 50.0])
+    np.testing.assert_allclose(play(x, r), [stepped(x, one) for one in r], atol=1e-12)
+
+
+def test_reversals_are_returns_by_more_than_noise():
+    x = SINE + 1e-5 * np.random.default_rng(2).normal(size=T.size)
+    turns = turning_points(x, 0.04 * 2 * X)
+    assert turns.size == 40
+    # a peak of a sine is flat: the noise moves it by √(2·10⁻⁵·3.5/X)/2π of a period, 0.04 s, at the most
+    assert np.abs(T[turns] - (0.25 + 0.5 * np.arange(40))).max() < 0.05
+
+
+@pytest.mark.parametrize("x", [SINE, 0.5 * SINE], ids=["full", "half"])
+def test_a_slider_with_spring_and_damper_is_identified(x):
+    fit = fitted(loop(x))
+    # requirement at 1 % of noise: F_k within 1 %, K_z within 5 %
+    assert fit.values["F_k"] == pytest.approx(F_K, rel=0.01)
+    assert fit.values["K_z"] == pytest.approx(K_Z, rel=0.05)
+    for symbol, true in {"F_k": F_K, "K_z": K_Z, "k": K, "c": C}.items():
+        # five standard errors are exceeded once in 20,000 cases of 19 degrees of freedom
+        assert abs(fit.values[symbol] - true) < 5.0 * fit.errors[symbol], symbol
+
+
+def test_intervals_hold_the_truth_as_often_as_they_say():
+    from scipy.stats import t as student
+
+    inside = []
+    for seed in range(60):
+        fit = fitted(loop(seed=seed))
+        reach = student.ppf(0.975, fit.freedom)
+        inside += [
+            abs(fit.values[s] - true) < reach * fit.errors[s]
+            for s, true in {"F_k": F_K, "K_z": K_Z, "c": C}.items()
+        ]
+    # 180 with a probability of 95 %, three of a fit being one: 4 σ = 4·√(0.95·0.05/60) is 11 %
+    assert np.mean(inside) > 0.84
+
+
+def test_a_force_of_the_other_sign_is_turned():
+    own, other = loop(), loop(sign=-1.0)
+    assert (own.flipped, other.flipped) == (False, True)
+    np.testing.assert_array_equal(own.f, other.f)
+
+
+def test_a_dead_band_is_named_where_it_is_and_nowhere_else():
+    fit = fitted(loop(gap=1e-4), backlash=True)
+    assert fit.values["g"] == pytest.approx(1e-4, rel=0.01)
+    assert fit.values["K_z"] == pytest.approx(K_Z, rel=0.05)
+    assert fit.values["F_k"] == pytest.approx(F_K, rel=0.01)
+    assert [s for s in range(10) if "g" in fitted(loop(seed=s), backlash=True).values] == []
+
+
+def test_a_triangle_does_not_determine_c():
+    design = Design([loop(TRIANGLE)])
+    assert not design.with_c
+    fit = fit_slider(design, backlash=False)
+    assert fit.values["F_k"] == pytest.approx(F_K + C * 4.0 * X, rel=0.01)
+    assert fit.values["K_z"] == pytest.approx(K_Z, rel=0.05)
+
+
+def test_two_speeds_of_a_triangle_determine_c():
+    slow = TRIANGLE[: T.size // 2].repeat(2)[: T.size]
+    design = Design([loop(TRIANGLE, c=300.0), loop(slow, c=300.0, seed=1)])
+    assert design.with_c
+    fit = fit_slider(design, backlash=False)
+    assert fit.values["c"] == pytest.approx(300.0, rel=0.05)
+    assert fit.values["F_k"] == pytest.approx(F_K, rel=0.02)
+
+
+def test_many_sliders_are_chosen_where_there_are_many():
+    contact = [(1e4, 1e-5 * 60 * 0.7**j) for j in range(8)]
+    design = Design([loop(contact=contact)])
+    gradual = fit_gradual(design)
+    assert predicts_better(gradual, fit_slider(design, backlash=False))
+    assert gradual.values["F_k"] == pytest.approx(sum(a * r for a, r in contact), rel=0.02)
+    assert gradual.values["K_z"] == pytest.approx(8e4, rel=0.05)
+
+
+def test_one_slider_is_kept_where_there_is_one():
+    design = Design([loop()])
+    assert not predicts_better(fit_gradual(design), fit_slider(design, backlash=False))
+
+
+def test_a_contact_that_only_sticks_has_no_friction_force():
+    assert not slips(fitted(loop(0.15 * SINE, noise=1e-3)))
+
+
+def test_too_few_cycles_are_refused():
+    with pytest.raises(ValueError, match="makes 2 cycles between reversals, and 5 are needed"):
+        Loop.of("short", T[:1750], SINE[:1750], SINE[:1750])
