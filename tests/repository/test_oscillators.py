@@ -30,7 +30,7 @@ def test_the_printed_numbers_are_those_of_other_oscillators():
     numbers, shares = counted(count, seed=1)
     assert PRINTED["ranges"] == numbers["ranges"]
     for key in ("F_k.fourier", "c.fourier"):
-        # fifty times as many oscillators reach further into the corners: samples of this size had half of it or more
+        # fifty times as many reach further into the corners: two samples of this size had about half of it or more
         assert 0.3 < numbers["largest"][key] / PRINTED["largest"][key] <= 1.0
     # what each band holds of evenly spread logarithms of ω/ω_n
     parts = {"all": 1.0, "resonance": math.log(1.05 / 0.95), "above": math.log(3.0 / 1.5)}
