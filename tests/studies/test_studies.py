@@ -88,6 +88,16 @@ def test_no_number_is_missing_without_a_regime_that_says_why(computed):
     assert (missing == (slipping < 2)).all()
 
 
+@pytest.mark.parametrize("levels", [1, 2, 50])  # 50, the most: as digits, its patterns overflow
+def test_the_regimes_of_all_levels_are_named_in_their_order(levels):
+    words = np.random.default_rng(levels).choice([*cases.REGIME_NAMES], (levels, 400))
+    words[1:, :50] = words[0, :50]  # alike at all levels
+    words[:-1, 50:100] = words[:-1, :1]  # alike but for the last
+    named = [[cases.REGIME_NAMES[word] for word in case] for case in words.T]
+    expected = [names[0] if len({*names}) == 1 else ", ".join(names) for names in named]
+    assert evaluate._regime_names(words.astype(object)).tolist() == expected
+
+
 @pytest.mark.parametrize("bounds", [(0, 7), (7, 40), (13, 14)])
 def test_a_case_does_not_depend_on_its_chunk_or_the_threads(make, bounds):
     whole = evaluate.evaluate(make(SOBOL), 0, 40, threads=2)

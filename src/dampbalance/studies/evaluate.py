@@ -49,7 +49,8 @@ def evaluate(study: Study, start: int, stop: int, threads: int | None = None) ->
     slices = (cases_between(study, first, min(first + _SLICE, stop)) for first in firsts)
     parts = [_evaluate(cases, threads) for cases in slices]
     names = [column.name for column in case_columns(study)]
-    return pd.DataFrame({name: np.concatenate([part[name] for part in parts]) for name in names})
+    columns = {name: np.concatenate([part[name] for part in parts]) for name in names}
+    return pd.DataFrame(columns, copy=False)  # one block of all columns would take a copy
 
 
 def in_parts(
@@ -198,9 +199,14 @@ def _read_out_rules(values: Mapping[str, Words]) -> list[tuple[Integers, ReadOut
 
 def _regime_names(words: Words) -> Words:
     """The regime of each case: one name if all levels are alike, else the names of all levels."""
-    kinds, patterns = pd.MultiIndex.from_arrays(list(words)).factorize()
+    codes, kinds = pd.factorize(words.ravel())
+    levels = codes.reshape(words.shape)
+    pattern = levels[0]
+    for level in levels[1:]:  # numbered anew at each level: digits of all levels would overflow
+        pattern, _ = pd.factorize(pattern * len(kinds) + level)
+    _, first, pattern = np.unique(pattern, return_index=True, return_inverse=True)
     names = []
-    for pattern in patterns:
-        levels = [REGIME_NAMES.get(word, NOT_READ) for word in pattern]
-        names.append(levels[0] if len(set(levels)) == 1 else ", ".join(levels))
-    return np.array(names, dtype=object)[kinds]
+    for case in words[:, first].T:
+        regimes = [REGIME_NAMES.get(word, NOT_READ) for word in case]
+        names.append(regimes[0] if len(set(regimes)) == 1 else ", ".join(regimes))
+    return np.array(names, dtype=object)[pattern]
