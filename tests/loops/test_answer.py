@@ -111,3 +111,17 @@ def test_measured_loops_agree_with_readings_by_hand():
     assert 4e-3 < damper.answer.merit["gap_m"] < 5.5e-3
     assert 14e3 < damper.values["F_k"] < 17e3
     assert damper.verdicts["F_k"].verdict == "doubtful"
+
+
+def test_the_history_has_no_friction_for_a_cycle_between_two_levels():
+    t = np.arange(0.0, 40.0, 0.005)
+    x = np.where(t < 20.0, 0.0005, 0.0015) * np.sin(np.pi * t)
+    z, K_z, F_k = 0.0, 2e5, 12.0
+    f = []
+    for step in np.diff(x, prepend=0.0):
+        z = min(max(z + step, -F_k / K_z), F_k / K_z)
+        f.append(K_z * z)
+    history = identify_loops({"time_s": t, "displacement_m": x, "force_N": np.array(f)}).history()
+    known = history["F_k_N"].dropna()
+    assert history["F_k_N"].isna().sum() == 1  # where the level steps
+    np.testing.assert_allclose(known, F_k, rtol=0.01)  # samples do not meet the reversals

@@ -116,14 +116,15 @@ class LoopOutcome(Identified):
         """Return a line for each cycle of each record: amplitude, energy lost, friction force that makes up for it,
         mean force and the way travelled so far. Use it to see running-in, wear and heating.
 
-        F_k of a cycle is (∮ f dx − c ∮ ẋ² dt)/4(X − Z_m − g), with c, Z_m and the gap g of all cycles.
+        F_k of a cycle is (∮ f dx − c ∮ ẋ² dt)/4(X − Z_m − g), with c, Z_m and the gap g of all cycles; NaN for a cycle
+        that is not closed, as between two levels.
         """
         import pandas as pd  # slow to import
 
         tables = []
         for loop in self.loops:
             a, b, W = row_of(loop, self.fit)
-            F = (W - self.law["c"] * b) / np.where(a > 0.0, a, np.nan)
+            F = (W - self.law["c"] * b) / np.where((a > 0.0) & loop.closed, a, np.nan)
             mean = [loop.f[loop.cycle == i].mean() for i in range(loop.cycles)]
             columns = {"record": loop.name, "cycle": np.arange(2, loop.cycles + 2)}
             columns |= {"X_m": loop.amplitudes, "W_J": W, "F_k_N": F, "mean_force_N": mean}

@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from ..arrays import Array, Integers
+from ..arrays import Array, Integers, Mask
 
 MOST_BLOCKS = 24
 """Blocks of cycles of a jackknife: Student's t of so many is close to the normal distribution."""
@@ -29,6 +29,7 @@ FEWEST_CYCLES = 4
 
 # of the range of x: a reversal is a return by more, so that levels of 1 : 20 are read
 _SWING = 0.04
+_CLOSED = 0.05  # of the range of a cycle, between its ends
 # noise of x over its range from which on it is smoothed: else z reverses with it
 _SMOOTHED = 1e-3
 _OF_PERIOD, _OF_PERIOD_V = 40, 16  # windows of x and ẋ are these parts of a period
@@ -149,6 +150,12 @@ class Loop:
         """Typical distance of samples next to a reversal, by which a sharp one may be missed, m."""
         turns = turning_points(self.x, _SWING * float(np.ptp(self.x)))
         return float(np.median(np.abs(np.diff(self.x))[turns[1:-1]]))
+
+    @property
+    def closed(self) -> Mask:
+        """Which cycles end where they began, by a part of their amplitude."""
+        own = [self.x[self.cycle == i] for i in range(self.cycles)]
+        return np.array([abs(x[-1] - x[0]) < _CLOSED * np.ptp(x) for x in own])
 
     @property
     def amplitudes(self) -> Array:
