@@ -1,6 +1,6 @@
 # Set up the environment and rebuild everything: `make`. What else there is: `make help`.
 # Needed on the machine: Python 3.11 or newer with its venv module, make, git.
-# Measurements of others, as examples: `make -C examples/frame`, `make -C examples/beam`.
+# Measurements of others, as examples: `make -C examples/frame`, `make -C examples/beam`, `make -C examples/loops`.
 
 PYTHON ?= python3
 CORES ?= all
