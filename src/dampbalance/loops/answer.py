@@ -39,6 +39,7 @@ from ..records.quantities import quantity
 from ..records.quantities import with_error as read_with_error
 from .fit import (
     SLIDERS,
+    WITHIN,
     Design,
     Loop,
     LoopFit,
@@ -58,6 +59,7 @@ if TYPE_CHECKING:
 # with c, and its true size is not known from a fall that is seen
 _FALLS = 0.005
 _SAME_LEVEL = 0.05  # by which amplitudes of one level differ at the most
+_STIFFEST, _SOFTEST = 0.02, 0.5  # r/X of sliders, where the stiffest and the softest are left out
 _SETTLED = 3.0  # scatters from the later cycles, within which a cycle is steady
 _TREND = 4.0  # standard errors of a trend that is worth a sentence
 
@@ -255,7 +257,7 @@ def identify_loops(
     found = LoopOutcome(
         k=math.nan,
         sources=tuple(record.name for record in read),
-        estimates={name: _answer(name, fit, design) for name, fit in fits.items()},
+        estimates={name: _answer(name, fit, design, slider) for name, fit in fits.items()},
         reference=None,
         warnings=tuple(_warned(first, design, loops)),
         head=(
@@ -314,13 +316,20 @@ def _loop(record: MeasuredRecord, series: float | None) -> Loop:
     return Loop.of(record.name, t, x, f)
 
 
-def _answer(name: str, fit: LoopFit, design: Design) -> Answer:
-    """The answer of a contact: its numbers with intervals, and the rows of its cycles."""
+def _answer(name: str, fit: LoopFit, design: Design, slider: LoopFit) -> Answer:
+    """The answer of a contact: its numbers with intervals, and the rows of its cycles.   slider : the fit of one."""
     from scipy.stats import t as student  # slow to import
 
     notes = list[Remark]()
-    # half as many sliders show how much of the numbers is a matter of their spacing
-    other = fit_gradual(design, SLIDERS // 2) if name == "gradual" else fit
+    # half as many sliders, and none of the softest or of the stiffest, show what their choice does to the numbers; and
+    # one slider what yielding does to c
+    others = []
+    if name == "gradual":
+        fewer = (WITHIN[0], _SOFTEST), (_STIFFEST, WITHIN[1])
+        others = [
+            fit_gradual(design, SLIDERS // 2),
+            *(fit_gradual(design, within=w) for w in fewer),
+        ]
     reach = float(student.ppf(0.5 + 0.5 * CONFIDENCE, fit.freedom))
 
     def estimate(symbol: str) -> ParameterEstimate:
@@ -332,7 +341,8 @@ def _answer(name: str, fit: LoopFit, design: Design) -> Answer:
         if symbol == "K_z" and reach * error >= value:
             high = math.inf
         known = ParameterEstimate(value, error, Interval(value - reach * error, high))
-        off = abs(other.values[symbol] - value)
+        compared = [*others, slider] if symbol == "c" and others else others
+        off = max((abs(other.values[symbol] - value) for other in compared), default=0.0)
         if symbol == "K_z" and name == "one slider":
             # a sharp reversal between two samples moves Z_m by up to a quarter of their distance
             off = 0.25 * max(loop.step for loop in design.loops) / float(fit.r[0]) * value

@@ -39,7 +39,7 @@ _CERTAIN = 4.0  # standard errors by which friction loses energy, or a sign is w
 # of the samples of a cycle: fewer do not show the force at which the contact slips
 _SLIPPING = 0.02
 SLIDERS = 40  # of a gradual contact, in geometric steps: finer ones are not told apart
-_STIFFEST, _SOFTEST = 0.01, 0.7  # r/X of them: softer sliders are hardly told from a spring
+WITHIN = 0.01, 0.7  # r/X of them: softer sliders are hardly told from a spring
 # of a scatter between blocks alone, below which another contact predicts them better
 _P_SIMPLER = 0.01
 _P_CONSTANT = 0.001  # for three laws of speed, each of which may win by chance
@@ -331,12 +331,14 @@ def _of_slider(
     return _made(design, values, changes, contact, A @ out.T, model, slipping, s)
 
 
-def fit_gradual(design: Design, count: int = SLIDERS) -> LoopFit:
+def fit_gradual(
+    design: Design, count: int = SLIDERS, within: tuple[float, float] = WITHIN
+) -> LoopFit:
     """Fit many sliders in parallel by least squares, refitted without each block; neither they nor spring and damper
-    push."""
+    push.   within : the smallest and the largest r/X of them."""
     from scipy.optimize import nnls  # slow to import
 
-    r = design.X * np.geomspace(_STIFFEST, _SOFTEST, count)
+    r = design.X * np.geomspace(*within, count)
     x, *offsets = design.base
     damper = [design.v] if design.with_c else []
     A = np.array([*(design.sliders(r) / r[:, None]), x, *damper, *offsets]).T
