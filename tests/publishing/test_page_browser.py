@@ -291,7 +291,7 @@ def test_a_report_fits_a_phone_and_shows_its_pictures(browser, measured):
     drawn = view.evaluate(
         "Promise.all([...document.images].map(async (one) => { await one.decode(); return one.naturalWidth; }))"
     )
-    assert len(drawn) == 4
+    assert len(drawn) == 5  # four pictures, and the rig
     assert min(drawn) > 0
     view.context.close()
 

@@ -150,7 +150,7 @@ def dampbalance(extended, *commands):
 def test_measured_records_are_identified_with_it(extended):
     records = [f"config/records/example/level{level}.csv" for level in range(1, 6)]
     options = ["--stiffness", "2310", "--approach", "toy", "--approach", "direct"]
-    options += ["--terms", "F_k,c,c_4", "--output", "found"]
+    options += ["--terms", "F_k,c,c_4", "--details", "--output", "found"]
     assert "c_4 (N s⁴/m⁴)" in dampbalance(extended, ["identify", *records, *options])
     document = json.loads((extended.folder / "found/identification.json").read_text("utf-8"))
     for approach in ("toy", "direct"):
