@@ -75,7 +75,7 @@ CASE = Case.from_config(config)
 FREQUENCIES = list(CASE.frequencies_hz)
 RESULTS = f"results/{CASE.name}"
 LOGS = f"results/logs/{CASE.name}"
-# Of what is not built Snakemake's report names one file, and not how to build it.
+# Snakemake's report names one file that is not built, and not how to build it.
 REPORT = any(argument.partition("=")[0] == "--report" for argument in sys.argv)
 if REPORT and not Path(RESULTS).is_dir():
     raise WorkflowError(

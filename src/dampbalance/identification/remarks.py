@@ -444,8 +444,8 @@ class Limit:
 
 
 def limits(answers: Mapping[str, Answer], warnings: Sequence[Remark]) -> list[Limit]:
-    """What limits the answers, each thing once, what may change a number most first; of equal effect, notes on answers
-    before warnings on records and on all of them.
+    """Return what limits the answers, each thing once, beginning with what may change a number most; of equal effect,
+    notes on answers come before warnings on records and on all of them.
 
     Sentences that differ only in their numbers become one, with the range of each number.
     """

@@ -18,7 +18,7 @@ from .loading import load
 from .oscillator import JointFit, joint_fit
 
 Held: TypeAlias = Literal["ground", "base"]
-"""What holds the other end of a contact or a damper."""
+"""Either end of a rig that holds the other side of a contact or a damper."""
 
 
 class Masses(NamedTuple):
@@ -72,7 +72,7 @@ def require_base(records: Sequence[MeasuredRecord], what: str, remedy: str) -> N
     """Raise ValueError for the first record that a force drives.   what : of the settings needs a base that moves."""
     for record in records:
         if "force" in record.quantities:
-            raise ValueError(f"{record.name}: a force drives; {what}: {remedy}")
+            raise ValueError(f"{record.name}: a force drives; {what}: {remedy[0].lower()}{remedy[1:]}")
 
 
 def masses_of(records: Sequence[MeasuredRecord], options: Mapping[str, Any]) -> Masses:

@@ -90,8 +90,8 @@ def agreement_of(answers: Mapping[str, Answer]) -> str:
 
 
 def damping_of(k: float, mass: tuple[float, float], c: float, levels: Sequence[Level]) -> list[str]:
-    """What a test engineer asks for first, in sentences: mass, natural frequency and damping ratio, and the damping of
-    the smallest and the largest level.
+    """Return in sentences the mass, the natural frequency and the damping ratio, which a test engineer asks for first,
+    and the damping of the smallest and the largest level.
 
     k : N/m.   mass : with its standard error, kg; NaN where it is not known.   c : N s/m.
     """

@@ -134,7 +134,7 @@ class LoopOutcome(Identified):
         return pd.concat(tables, ignore_index=True)
 
     def findings(self) -> dict[str, Any]:
-        """What the loops show beyond the answers: springs, gap, sliders, μ, history, and the records."""
+        """Return what the loops show beyond the answers: springs, gap, sliders, μ, history, and the records."""
         mu, interval = self.friction_coefficient
         return {
             "contacts": {
