@@ -72,7 +72,9 @@ def require_base(records: Sequence[MeasuredRecord], what: str, remedy: str) -> N
     """Raise ValueError for the first record that a force drives.   what : of the settings needs a base that moves."""
     for record in records:
         if "force" in record.quantities:
-            raise ValueError(f"{record.name}: a force drives; {what}: {remedy[0].lower()}{remedy[1:]}")
+            raise ValueError(
+                f"{record.name}: a force drives; {what}: {remedy[0].lower()}{remedy[1:]}"
+            )
 
 
 def masses_of(records: Sequence[MeasuredRecord], options: Mapping[str, Any]) -> Masses:
