@@ -64,13 +64,14 @@ _UNEXTENDED = {"g": 0.0, "fall": 0.0, "v_S": 0.3, "n": math.inf}
 
 EXTENSIONS: dict[str, dict[str, tuple[float, ...]]] = {
     "gap": {"g": (0.03, 0.1, 0.2, 0.3)},
-    "fall": {"fall": (0.3,), "v_S": _STRIBECK},
+    "fall": {"fall": (0.1, 0.4), "v_S": _STRIBECK},
     "knee": {"n": (1.0, 3.0)},
     "c_2": {},
     "m": {},
 }
 """Extensions of one slider by name: the parameters of its shape that become free, and where their search starts."""
 
+_AROUND = 0.4, 0.6, 0.75, 0.9, 1.0, 1.15  # of Z_m before, where the search of an extension starts
 _LOGARITHMIC = {"Z": (1e-3, 3.0), "v_S": (0.03, 1.5), "n": (0.5, 30.0)}
 """Parameters whose logarithm is searched, and their limits; Z is Z_m over X."""
 
@@ -405,13 +406,10 @@ class Slider:
         from scipy.optimize import minimize  # slow to import
 
         newest = EXTENSIONS[self.extensions[-1]] if self.extensions else {}
-        if self.extensions and not newest:
-            starts = [shape["Z"]]
-        else:
-            starts = np.geomspace(0.004, 1.0, 12 if newest else 20).tolist()
+        around = shape["Z"] * np.array(_AROUND) if self.extensions else np.geomspace(0.004, 1.0, 20)
         grid = [
             self.at({**shape, "Z": Z, **dict(zip(newest, of, strict=True))})
-            for Z in starts
+            for Z in around.tolist()
             for of in itertools.product(*newest.values())
         ]
         best = min(grid, key=cost)
