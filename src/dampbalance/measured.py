@@ -20,6 +20,7 @@ from .loops.answer import identify_loops as identify_loops
 from .project.wording import listed
 from .records.mapping import MappingLike
 from .records.measured import MeasuredRecord, as_records
+from .records.measurement import ACCOMPANYING
 
 if TYPE_CHECKING:
     from .records.measured import RecordLike
@@ -135,8 +136,9 @@ def identify(
 
 
 def _is_loop(record: MeasuredRecord) -> bool:
-    """Whether a record holds nothing but force and displacement, both of which keep moving."""
-    return {*record.quantities} == {"force", "displacement"} and keeps_moving(record)
+    """Whether a record holds force and displacement that keep moving, and nothing else but a normal force."""
+    moving = {*record.quantities} - {*ACCOMPANYING}
+    return moving == {"force", "displacement"} and keeps_moving(record)
 
 
 def _misplaced(kind: str, name: str) -> str:

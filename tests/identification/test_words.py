@@ -12,8 +12,8 @@ import pytest
 from dampbalance import BaseMotion, Oscillator, identify, measured_ring_down, steady_orbit
 from dampbalance.fit.score import Departure
 from dampbalance.identification.decay_laws import condition_of
-from dampbalance.joints.contact import Sliders
 from dampbalance.joints.synthetic import stepped_sine
+from dampbalance.law.parallel_sliders import Sliders
 from dampbalance.motion.jit import interpreted
 from dampbalance.project.wording import sentence
 from dampbalance.records.synthetic import measured_orbit

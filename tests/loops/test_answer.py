@@ -38,6 +38,22 @@ def test_the_friction_coefficient_has_the_uncertainties_of_both_forces():
     assert 0.5 * (high - low) == pytest.approx(1.96 * 0.5 / 20.0, rel=0.05)  # that of N dominates
 
 
+def test_a_channel_of_the_normal_force_gives_the_friction_coefficient_of_each_cycle(tmp_path):
+    """Read from a file by its heading; N grows by a tenth, and so does the friction."""
+    N = 20.0 * (1.0 + 0.1 * T / T[-1])
+    force = table(c=0.0)["force_N"]
+    file = tmp_path / "loops.csv"
+    columns = np.column_stack([T, SINE, force * N / 20.0, N])
+    np.savetxt(
+        file, columns, delimiter=",", header="t (s),x (m),Friction (N),Normal (N)", comments=""
+    )
+    found = identify(file)
+    assert found.friction_coefficient[0] == pytest.approx(0.5, rel=0.01)
+    mu = found.history()["friction_coefficient"]
+    # the spring in parallel and the offset grow with N here, and are not friction: 3 % of F_k
+    assert mu.min() == pytest.approx(0.5, rel=0.03) == mu.max()
+
+
 def test_a_fixture_in_series_makes_the_contact_look_softer():
     stiff = identify_loops(table(c=0.0), fixture_stiffness=2e5)
     # springs in series: 1/K_z + 1/k_s of the fixture is what the loop shows; the spring k adds 1 %
@@ -58,7 +74,9 @@ def test_the_contact_goes_into_a_response():
         steady_orbit(Oscillator(m=2.0, k=2310.0, **law), BaseMotion(Y=0.01, omega=30.0)).X
         for law in (found.law, {"F_k": F_K, "K_z": K_Z, "c": C})
     ]
-    assert of[0] == pytest.approx(of[1], rel=0.01)  # as F_k is within 1 %
+    assert of[0] == pytest.approx(
+        of[1], rel=0.02
+    )  # F_k is within 1 %, c within a third of its small value
 
 
 def test_the_history_follows_a_friction_force_that_falls():

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from dampbalance.joints.contact import Sliders
+from dampbalance.law.parallel_sliders import Sliders
 from dampbalance.joints.synthetic import stepped_sine
 
 table = stepped_sine(

@@ -16,7 +16,7 @@ from ..motion.law_steady import Response
 from ..motion.orbit import Orbit, steady_orbit
 from ..motion.sliders import SlidersOrbit, sliders_orbit
 from ..records.errors import RecordError
-from ..records.measurement import QUANTITIES, ROTATING, Measurement
+from ..records.measurement import EXCITATIONS, RESPONSES, ROTATING, Measurement
 from ..records.synthetic import measured_orbit
 from ..records.writers import write
 from .options import coefficients, quantity, sliders, whole
@@ -69,7 +69,7 @@ ARGUMENTS: dict[str, dict[str, Any]] = {
     "--seed": {"type": whole("seed"), "default": 0, "help": "of the noise (default: %(default)s)"},
     "--channel": {
         "action": "append",
-        "choices": [*QUANTITIES, *ROTATING],
+        "choices": [*EXCITATIONS, *RESPONSES, *ROTATING],
         "help": f"a quantity; may be repeated (default: {', '.join(_CHANNELS)})",
     },
     "--decimals": {

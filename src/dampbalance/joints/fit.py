@@ -14,10 +14,10 @@ import numpy as np
 
 from ..arrays import Array, Complexes
 from ..identification.law_comparison import as_good
+from ..law.parallel_sliders import Sliders, secant
 from ..law.terms import symbols_in_words
 from ..project.wording import number_text, part
 from ..signals.one_thread import one_thread
-from .contact import Sliders, secant
 from .lines import (
     LESS,
     Contact,

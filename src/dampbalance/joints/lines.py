@@ -27,8 +27,8 @@ import numpy as np
 from scipy import optimize
 
 from ..arrays import Array, Complexes, Integers, Mask
+from ..law.parallel_sliders import secant
 from ..law.terms import FRICTION, term
-from .contact import secant
 
 Contact = Literal["none", "one slider", "gradual"]
 

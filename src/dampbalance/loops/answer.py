@@ -62,6 +62,7 @@ _SAME_LEVEL = 0.05  # by which amplitudes of one level differ at the most
 _STIFFEST, _SOFTEST = 0.02, 0.5  # r/X of sliders, where the stiffest and the softest are left out
 _SETTLED = 3.0  # scatters from the later cycles, within which a cycle is steady
 _WIDER = 1e-4  # part of the deflections at which sliders slip, of a difference quotient
+_CERTAIN = 4.0  # standard errors by which a damping is negative
 _TREND = 4.0  # standard errors of a trend that is worth a sentence
 
 
@@ -138,14 +139,17 @@ class LoopOutcome(Identified):
         for loop, model in zip(self.loops, self.fit.models, strict=True):
             a, b, W = row_of(loop, self.fit)
             F = (W - self.law["c"] * b) / np.where((a > 0.0) & loop.closed, a, np.nan)
-            own = [(loop.f[loop.cycle == i], loop.x[loop.cycle == i]) for i in range(loop.cycles)]
-            stiffness = [np.cov(f, x)[0, 1] / np.var(x, ddof=1) for f, x in own]
+            x, f = (of - loop.means(of)[loop.cycle] for of in (loop.x, loop.f))
+            stiffness = loop.means(f * x) / loop.means(x**2)
             K_z = self.fit.values["K_z"] * self._stiffer(loop, model)
             columns = {"record": loop.name, "cycle": np.arange(2, loop.cycles + 2)}
             columns |= {"X_m": loop.amplitudes, "W_J": W, "F_k_N": F}
-            columns |= {"K_z_N_per_m": K_z, "mean_force_N": [f.mean() for f, _ in own]}
+            columns |= {"K_z_N_per_m": K_z, "mean_force_N": loop.means(loop.f)}
             columns |= {"equivalent_damping_N_s_per_m": W / b}
             columns |= {"equivalent_stiffness_N_per_m": stiffness}
+            if loop.N is not None:
+                N = loop.means(loop.N)
+                columns |= {"normal_force_N": N, "friction_coefficient": F / N}
             tables.append(pd.DataFrame(columns).assign(travel_m=4.0 * np.cumsum(loop.amplitudes)))
         return pd.concat(tables, ignore_index=True)
 
@@ -248,7 +252,8 @@ def identify_loops(
     records : as `read_records` returns or takes them, with a force and the displacement or velocity across the contact.
     stiffness, mass : leave both out: loops have no oscillator, and a spring in parallel to the contact is identified.
     mapping : what the records do not say of their channels, where they are read here.
-    normal_force : N, alone or with its standard uncertainty; then μ = F_k/N is known, too.
+    normal_force : N, alone or with its standard uncertainty, instead of a channel normal_force of the records; with
+    either μ = F_k/N is known, too.
     fixture_stiffness : N/m, of a fixture in series whose deflection the displacement includes.
     backlash : whether a dead band in the fixture is looked for, and named where it is there.
 
@@ -276,6 +281,9 @@ def identify_loops(
     backlash = flag("backlash", backlash)
     read = records_of("loops", records, mapping)
     loops = tuple(_loop(record, series) for record in read)
+    if normal is None and all(loop.N is not None for loop in loops):
+        means = np.concatenate([loop.means(loop.N) for loop in loops if loop.N is not None])
+        normal = float(means.mean()), float(means.std(ddof=1) / math.sqrt(means.size))
     design = Design(loops)
     slider, gradual = fit_slider(design, backlash=backlash), fit_gradual(design)
     fits = {"one slider": slider, "gradual": gradual}
@@ -341,7 +349,9 @@ def _loop(record: MeasuredRecord, series: float | None) -> Loop:
         # the deflection of the fixture has the sign of the force that the contact makes
         way = math.copysign(1.0, float(np.trapezoid(f - f.mean(), x)))
         x = x - way * (f - f.mean()) / series
-    return Loop.of(record.name, t, x, f)
+    N = channels["normal_force"] if "normal_force" in record.quantities else None
+    loop = Loop.of(record.name, t, x, f)
+    return replace(loop, N=None if N is None else np.abs(np.interp(t, N.t, N.values)))
 
 
 def _answer(name: str, fit: LoopFit, design: Design, slider: LoopFit) -> Answer:
@@ -419,6 +429,10 @@ def _warned(fit: LoopFit, design: Design, loops: Sequence[Loop]) -> Iterator[Rem
             "larger" if fall > 0.0 else "smaller",
             doubts={"": math.inf if fall > 0.0 else max(-fall, abs(shift)), "c": math.inf},
         )
+    c, error = fit.values.get("c", 0.0), fit.errors.get("c", 0.0)
+    if c < -_CERTAIN * error:
+        words = "the fit has a negative damping, c = {} N s/m: the loops have a shape that no contact and damper have"
+        yield Remark(words, with_error(c, error), doubts={"c": math.inf})
     share = fit.rms / abs(fit.values[FRICTION] or 1.0)
     if share > USELESS:
         yield Remark(

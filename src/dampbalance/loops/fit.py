@@ -1,6 +1,6 @@
 """Fit of a contact to measured loops: variable projection, and a jackknife over blocks of cycles.
 
-    f = Σ κ_j z_j + k x + c ẋ + c_2 ẋ|ẋ| + m ẍ + offset + drift t,      ż_j = ẋ while |z_j| < r_j, else z_j = ±r_j
+    f = Σ κ_j z_j + k x + c ẋ + c_2 ẋ|ẋ| + m ẍ + drift t + offsets,      ż_j = ẋ while |z_j| < r_j, else z_j = ±r_j
 
 One slider, that of the paper, has κ = K_z and r = Z_m = F_k/K_z; a gradual contact has many. One slider may be
 extended:
@@ -10,9 +10,9 @@ extended:
 - a friction force F_k + F_S e^{−(ẋ/v_S)²}, which falls with the speed (Stribeck);
 - a rounded knee (Bouc and Wen, `motion/play.py`) of sharpness n.
 
-All is linear except Z_m, g, F_S/F_k, v_S and n, over which the sum of squares is profiled. An extension is kept where
-it predicts blocks of cycles that are left out clearly better. Stick-slip noise and ripple are no white noise: errors
-come from the scatter between blocks.
+Each record has a drift, and each cycle an offset of its own. All is linear except Z_m, g, F_S/F_k, v_S and n, over
+which the sum of squares is profiled. An extension is kept where it predicts blocks of cycles that are left out clearly
+better. Stick-slip noise and ripple are no white noise: errors come from the scatter between blocks.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array, Integers, Mask
-from ..joints.contact import Sliders
+from ..law.parallel_sliders import Sliders
 from ..motion.play import play
 
 MOST_BLOCKS = 24
@@ -144,7 +144,7 @@ class Loop:
 
     t : s.   x : displacement, smoothed where it is noisy, m.   through : that of corners between samples, m.   v :
     velocity, m/s.   f : force, N, its sign such that energy is lost.   cycle : number of the cycle of each sample; −1
-    outside of those that are fitted.
+    outside of those that are fitted.   N : normal force, N, where it was measured.
     """
 
     name: str
@@ -154,7 +154,8 @@ class Loop:
     v: Array
     f: Array
     cycle: Integers
-    flipped: bool
+    flipped: bool = False
+    N: Array | None = None
 
     @classmethod
     def of(cls, name: str, t: Array, x: Array, f: Array) -> Loop:
@@ -181,7 +182,7 @@ class Loop:
             x = savgol_filter(x, smooth, 3)
         cycle = np.searchsorted(minima[1:], np.arange(x.size), side="right") - 1
         cycle[minima[-1] :] = -1
-        loop = cls(name, t, x, corners(x, turns, noise), np.asarray(v), f, cycle, False)
+        loop = cls(name, t, x, corners(x, turns, noise), np.asarray(v), f, cycle)
         lost = loop.lost
         gains = lost.mean() < -_CERTAIN * lost.std(ddof=1) / math.sqrt(lost.size)
         return replace(loop, f=-f, flipped=True) if gains else loop
@@ -199,6 +200,10 @@ class Loop:
         cycle = np.repeat([-1, 0], own.size)
         t = float(self.t[1] - self.t[0]) * np.arange(x.size)
         return replace(self, t=t, x=x, through=x[1:], v=v, f=0.0 * x, cycle=cycle)
+
+    def means(self, values: Array) -> Array:
+        """Return the mean of values in each cycle, (cycles,)."""
+        return np.array([np.mean(values[self.cycle == i]) for i in range(self.cycles)])
 
     def by_cycle(self, values: Array) -> Array:
         """Return ∮ values dx of each cycle, (cycles,)."""
@@ -276,28 +281,37 @@ class Design:
         """Stack the cycles of the loops."""
         self.loops = loops
         self.inside = [loop.cycle >= 0 for loop in loops]
-        self.f = self.stacked([loop.f for loop in loops])
+        first = np.cumsum([0, *(loop.cycles for loop in loops)])
+        pairs = zip(loops, first, strict=False)
+        self.cycle = self.stacked([loop.cycle + n for loop, n in pairs]).astype(int)
+        self.blocks = min(MOST_BLOCKS, int(first[-1]))
+        self.block = self.cycle * self.blocks // int(first[-1])
+        self.force = self.stacked([loop.f for loop in loops])
+        self.f = self.centred(self.force)
         self.X = max(float(loop.amplitudes.max()) for loop in loops)
         self.fastest = max(float(np.abs(loop.v).max()) for loop in loops)
-        own = list[Array]()
-        for i, loop in enumerate(loops):
-            for column in (np.ones(loop.t.size), (loop.t - loop.t.mean()) / np.ptp(loop.t)):
-                own.append(
-                    self.stacked([column if i == j else 0.0 * of.t for j, of in enumerate(loops)])
-                )
-        self.base = [self.stacked([loop.x for loop in loops]), *own]
+        drifts = [
+            self.stacked([of.t / np.ptp(of.t) if of is loop else 0.0 * of.t for of in loops])
+            for loop in loops
+        ]
+        x = self.stacked([loop.x for loop in loops])
+        self.base = [self.centred(column) for column in (x, *drifts)]
         self.v = self.stacked([loop.v for loop in loops])
         a = self.stacked([np.gradient(loop.v, loop.t) for loop in loops])
-        self.motions = {"c": self.v, "c_2": self.v * np.abs(self.v), "m": a}
-        first = np.cumsum([0, *(loop.cycles for loop in loops)])
-        cycle = self.stacked([loop.cycle + n for loop, n in zip(loops, first, strict=False)])
-        self.blocks = min(MOST_BLOCKS, int(first[-1]))
-        self.block = (cycle * self.blocks // int(first[-1])).astype(int)
+        motions = {"c": self.v, "c_2": self.v * np.abs(self.v), "m": a}
+        self.motions = {name: self.centred(column) for name, column in motions.items()}
 
     def stacked(self, of_loops: Sequence[Array]) -> Array:
         """Return the samples inside cycles of values of each loop, (…, n)."""
         pairs = zip(of_loops, self.inside, strict=True)
         return np.concatenate([np.asarray(of)[..., own] for of, own in pairs], axis=-1)
+
+    def centred(self, values: Array) -> Array:
+        """Return values less their mean in each cycle, as an offset of each cycle of its own leaves them, (…, n)."""
+        rows = np.atleast_2d(values)
+        count = np.bincount(self.cycle)
+        means = [(np.bincount(self.cycle, row) / count)[self.cycle] for row in rows]
+        return np.asarray((rows - means).reshape(np.shape(values)))
 
     def share(self, contact: Contact) -> Array:
         """Return the force of a contact over its F_k in all loops, (n,)."""
@@ -333,7 +347,7 @@ class Design:
         return tuple(name for name in EXTENSIONS if open_to[name])
 
     def linear(self, names: Sequence[str]) -> list[Array]:
-        """Return the columns other than friction: x, offsets, drifts, and the terms named."""
+        """Return the columns other than friction: x, drifts, and the terms named."""
         return [*self.base, *(self.motions[name] for name in names)]
 
 
@@ -373,7 +387,7 @@ class Slider:
         f = design.f - Q @ (Q.T @ design.f)
 
         def cost(at: Array) -> float:
-            s = design.share(self.contact(self.shape_at(at, shape)))
+            s = design.centred(design.share(self.contact(self.shape_at(at, shape))))
             s = s - Q @ (Q.T @ s)
             left = float(f @ f - (s @ f) ** 2 / max(float(s @ s), 1e-300))
             return math.log(max(left, 1e-14 * float(f @ f)))
@@ -423,13 +437,13 @@ class Slider:
         """Return the fit; one step of Gauss and Newton leaves a block out."""
         design, at, step = self.design, self.at(self.shape), 1e-4
         s = design.share(self.contact(self.shape))
-        A = np.array([s, *design.linear(self.linear)]).T
+        A = np.array([design.centred(s), *design.linear(self.linear)]).T
         p = np.linalg.lstsq(A, design.f)[0]
         ends = [(at + step * e, at - step * e) for e in np.eye(at.size)]
         shares = [
             [design.share(self.contact(self.shape_at(p, self.shape))) for p in of] for of in ends
         ]
-        slopes = [p[0] * (up - down) / (2.0 * step) for up, down in shares]
+        slopes = [p[0] * design.centred(up - down) / (2.0 * step) for up, down in shares]
         J, model = np.column_stack([A, *slopes]), A @ p
         out = _without_each_block(J, design.f - model, design.block, design.blocks)
         names, n = ["k", *self.linear], p.size - len(self.linear)
@@ -480,11 +494,11 @@ def fit_gradual(
     from scipy.optimize import nnls  # slow to import
 
     r = design.X * np.geomspace(*within, count)
-    x, *offsets = design.base
+    x, *drifts = design.base
     linear = ["c"] * design.with_c
     damper = [design.motions[name] for name in linear]
     z = design.stacked([Contact(r, 1.0 / r).forces(loop) for loop in design.loops])
-    A = np.array([*z, x, *damper, *offsets]).T
+    A = np.array([*design.centred(z), x, *damper, *drifts]).T
     positive = count + 1 + len(damper)
     scale = np.sqrt(np.mean(A**2, axis=0)) + 1e-300
     A = A / scale
@@ -550,7 +564,7 @@ def _made(
         covariance=covariance[np.ix_(at, at)],
         freedom=design.blocks - 1,
         without=without,
-        models=tuple(np.split(model, ends)),
+        models=tuple(np.split(design.force - left, ends)),
         total=float(left @ left),
         slipping=slipping,
         predicted=design.by_block(ahead),
@@ -561,12 +575,12 @@ def fall_with_speed(design: Design, fit: LoopFit) -> tuple[float, float]:
     """Return by which part of F_k the friction is larger at rest than at speed, negative for a rise, where a term
     F_k e^{−(ẋ/v_S)²} predicts blocks that are left out clearly better (Stribeck), and by which part F_k changes then;
     else zeros."""
-    left, share = design.f - np.concatenate(fit.models), design.share(fit.contact)
+    left, share = design.force - np.concatenate(fit.models), design.share(fit.contact)
     changes, best = (0.0, 0.0), fit.predicted
     for part in _STRIBECK:
         at_rest = share * np.exp(-((design.v / (part * design.fastest)) ** 2))
         A = np.array(
-            [at_rest, share, *design.linear([name for name in fit.linear if name != "k"])]
+            [*design.centred(np.array([at_rest, share])), *design.linear([*fit.linear][1:])]
         ).T
         p = np.linalg.lstsq(A, left)[0]
         out = _without_each_block(A, left - A @ p, design.block, design.blocks)

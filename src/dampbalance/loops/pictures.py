@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -47,13 +48,15 @@ def loss(loops: Sequence[Loop], fit: LoopFit) -> Figure:
     axes = place(figure, 22.0, 20.0, 150.0, 56.0)
     reach = float(student.ppf(0.975, fit.freedom))
     X = np.linspace(0.0, 1.1 * max(float(loop.amplitudes.max()) for loop in loops), 40)[1:]
+    size, unit = (1.0, "J") if loops[0].lost.mean() > 1.0 else (1e3, "mJ")
     for loop, colour in zip(loops, itertools.cycle(_COLOURS)):
         W, error = fit.loss(loop, X)
-        axes.plot(1e3 * loop.amplitudes, 1e3 * loop.lost, "o", color=colour, markersize=3.0)
-        axes.plot(1e3 * X, 1e3 * W, color=colour, label=loop.name)
-        band = 1e3 * (W - reach * error), 1e3 * (W + reach * error)
+        measured = 1e3 * loop.amplitudes[loop.closed], size * loop.lost[loop.closed]
+        axes.plot(*measured, "o", color=colour, markersize=3.0)
+        axes.plot(1e3 * X, size * W, color=colour, label=Path(loop.name).name)
+        band = size * (W - reach * error), size * (W + reach * error)
         axes.fill_between(1e3 * X, *band, color=colour, alpha=0.25, linewidth=0.0)
-    axes.set(xlabel="amplitude, $X$ (mm)", ylabel="energy lost per cycle, $W$ (mJ)")
+    axes.set(xlabel="amplitude, $X$ (mm)", ylabel=f"energy lost per cycle, $W$ ({unit})")
     axes.set(xlim=(0.0, None), ylim=(0.0, None))
     return explained(figure, [(axes, axes)], scale=1.0)
 
@@ -62,22 +65,17 @@ def loss(loops: Sequence[Loop], fit: LoopFit) -> Figure:
 def history(table: pd.DataFrame) -> Figure:
     """Friction force that makes up for the loss of each cycle, and stiffness of the contact in it, against the number
     of the cycle."""
-    figure = page(DOUBLE_COLUMN, 112.0)
+    figure = page(DOUBLE_COLUMN, 118.0)
     for bottom, column, size, label in (
-        (64.0, "F_k_N", 1.0, "friction force, $F_k$ (N)"),
+        (72.0, "F_k_N", 1.0, "friction force, $F_k$ (N)"),
         (20.0, "K_z_N_per_m", 1e-3, "stiffness, $K_z$ (N/mm)"),
     ):
         axes = place(figure, 22.0, bottom, 150.0, 40.0)
-        for (name, own), colour in zip(
-            table.groupby("record", sort=False), itertools.cycle(_COLOURS)
-        ):
-            axes.plot(
-                own["cycle"],
-                size * own[column],
-                "o-",
-                color=colour,
-                markersize=3.0,
-                label=str(name),
+        records = table.groupby("record", sort=False)
+        for (name, own), colour in zip(records, itertools.cycle(_COLOURS)):
+            (line,) = axes.plot(
+                own["cycle"], size * own[column], "o-", color=colour, markersize=3.0
             )
+            line.set_label(Path(str(name)).name)
         axes.set(xlabel="cycle", ylabel=label)
     return explained(figure, [(axes, axes)], scale=1.0)

@@ -45,6 +45,7 @@ _MEANINGS = {word: meaning for meaning, words in WORDS.items() for word in words
 _HINTS = {"reference": "base"} | dict.fromkeys(
     ("hammer", "load", "friction", "reibung", "reibkraft"), "force"
 )
+_NORMAL = "normal", "normalkraft"  # of a channel in a unit of force
 _PASSED_OVER = "angular"  # of an angular velocity: the unit says so
 _BODIES = ("base", "mass", "relative")
 _SHORTEST = 3  # letters of a word that may be part of another
@@ -101,6 +102,8 @@ def quantity_of(raw: RawChannel, *, all_words: bool = True) -> str | None:
     a displacement.
     """
     words, meanings = words_of(raw.name), _MEANINGS if all_words else _HINTS | _MEANINGS
+    if {*words} & {*_NORMAL} and by_unit(raw) == "force":
+        return "normal_force"
     words = [word for word in words if word != _PASSED_OVER] or words
     words = ["" if word == "in" else word for word in words[:-1]] + words[-1:]  # a preposition
     if not (all_words or len(words) == 1):

@@ -28,10 +28,13 @@ RESPONSES = ABSOLUTE | RELATIVE
 """What the mass does, at least one of these. Where a force drives, and in a free decay, the base is at rest and a
 relative motion is an absolute one."""
 
-QUANTITIES = EXCITATIONS | RESPONSES
+ACCOMPANYING = {"normal_force": "N"}
+"""What is recorded beside: the force that presses a contact together."""
+
+QUANTITIES = EXCITATIONS | RESPONSES | ACCOMPANYING
 """Every quantity that a channel may hold, with the SI unit of its values."""
 
-ROTATING = {ROTATION.key(quantity): quantity for quantity in QUANTITIES}
+ROTATING = {ROTATION.key(quantity): quantity for quantity in EXCITATIONS | RESPONSES}
 """Quantities of a record that rotates, angle, torque, …, and what each stands for in the equations of a translation."""
 
 ORDERS = {q: [*ABSOLUTE.values()].index(unit) for q, unit in QUANTITIES.items() if unit != "N"}

@@ -22,8 +22,8 @@ from .errors import LARGEST
 from .measurement import (
     ABSOLUTE,
     EXCITATIONS,
-    QUANTITIES,
     RELATIVE,
+    RESPONSES,
     ROTATING,
     Channel,
     Measurement,
@@ -68,7 +68,7 @@ def measured_orbit(
     motion = orbit.motion
     rate_hz, cycles = number("rate_hz", rate_hz), number("cycles", cycles)
     start = number("start", start)
-    channels = names("channels", channels, (*QUANTITIES, *ROTATING))
+    channels = names("channels", channels, (*EXCITATIONS, *RESPONSES, *ROTATING))
     parts, random = _parts(noise, channels), _random(seed)
     samples = cycles * motion.period * rate_hz
     if not samples * (1 + len(channels)) <= LARGEST:
@@ -179,7 +179,7 @@ def _parts(noise: object, channels: Sequence[str]) -> dict[str, float]:
     if not isinstance(noise, Mapping):
         return dict.fromkeys(channels, number("noise", noise))
     parts = mapping("noise", noise, "a mapping of quantities to numbers")
-    names("quantities", list(parts), (*QUANTITIES, *ROTATING))
+    names("quantities", list(parts), (*EXCITATIONS, *RESPONSES, *ROTATING))
     return {q: number("noise", part, f"noise of {q}") for q, part in parts.items()}
 
 
