@@ -29,6 +29,7 @@ from ..motion.fixed_step import simulate
 from ..motion.jit import interpreted
 from ..motion.law_decays import rounding
 from ..motion.orbit import Orbit
+from ..motion.play import play
 from ..signals.clean import of_record
 
 _OSCILLATOR: dict[str, Any] = {"m": 2.42, "c": 40.0, "k": 2310.0, "K_z": 208000.0, "F_k": 1.28}
@@ -56,8 +57,8 @@ def harmonics() -> None:
 
 
 def rest() -> None:
-    """Features of an orbit, responses to a distorted drive and with several sliders, and free decays under friction and
-    other laws."""
+    """Features of an orbit, responses to a distorted drive and with several sliders, free decays under friction and
+    other laws, and a contact under a prescribed motion."""
     orbit = _orbit()
     distorted_harmonics(orbit, np.array([orbit.X, 0.01 * orbit.X], dtype=complex), 3)
     several = sliders_orbit(Oscillator(**_OSCILLATOR), BaseMotion(0.004, _OMEGA), [1e-5], [1e5])
@@ -65,6 +66,7 @@ def rest() -> None:
     osc = Oscillator(**_OSCILLATOR | {"c": 1.0, "F_k": 0.5})
     decay = measured_ring_down(osc, x=0.01, rate_hz=500.0, duration=2.0, noise=0.01)
     identify(decay, osc.k, laws=True)
+    play(np.zeros(3), np.zeros(2), 1.0, math.inf, np.ones(3))
 
 
 PARTS = {"steady": steady, "harmonics": harmonics, "rest": rest}
