@@ -5,16 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from dampbalance.loops.cycles import Loop, corners, turning_points
 from dampbalance.loops.fit import (
     Design,
-    Loop,
     Slider,
-    corners,
     fit_gradual,
     fit_slider,
     predicts_better,
     slips,
-    turning_points,
 )
 from dampbalance.motion.play import play
 

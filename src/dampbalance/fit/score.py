@@ -53,7 +53,7 @@ def departures_from(
     noise_known: bool,
     freedom: float | None = None,
 ) -> list[Departure]:
-    """What each further coefficient would explain, those that the data do not show left out.
+    """Return what each further coefficient would explain, those that the data do not show left out.
 
     Use it to see whether the model of a fit accounts for the data; the values hold to first order.
 

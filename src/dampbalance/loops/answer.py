@@ -37,11 +37,11 @@ from ..records.mapping import MappingLike
 from ..records.measured import MeasuredRecord
 from ..records.quantities import quantity
 from ..records.quantities import with_error as read_with_error
+from .cycles import Loop
 from .fit import (
     SLIDERS,
     WITHIN,
     Design,
-    Loop,
     LoopFit,
     fall_with_speed,
     fit_gradual,
@@ -355,7 +355,8 @@ def _loop(record: MeasuredRecord, series: float | None) -> Loop:
 
 
 def _answer(name: str, fit: LoopFit, design: Design, slider: LoopFit) -> Answer:
-    """The answer of a contact: its numbers with intervals, and the rows of its cycles.   slider : the fit of one."""
+    """Return the answer of a contact: its numbers with intervals, and the rows of its cycles. slider : the fit of
+    one."""
     from scipy.stats import t as student  # slow to import
 
     notes = list[Remark]()

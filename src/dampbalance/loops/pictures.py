@@ -12,7 +12,8 @@ from matplotlib.figure import Figure
 from scipy.stats import t as student
 
 from ..figures.style import DOUBLE_COLUMN, SLIP, STICK, explained, page, place, styled
-from .fit import Loop, LoopFit
+from .cycles import Loop
+from .fit import LoopFit
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -23,8 +24,8 @@ _COLOURS = (SLIP, STICK, "0.3", "0.6")  # of records, in turn
 
 @styled()
 def loops(loops: Sequence[Loop], fit: LoopFit) -> Figure:
-    """Force against displacement: samples (grey), and the contact fitted to each record, at its median amplitude;
-    below, the residual of that cycle."""
+    """Return the force against displacement: samples (grey), and the contact fitted to each record, at its median
+    amplitude; below, the residual of that cycle."""
     figure = page(DOUBLE_COLUMN, 122.0)
     axes, below = place(figure, 22.0, 50.0, 150.0, 66.0), place(figure, 22.0, 20.0, 150.0, 24.0)
     for number, (loop, model) in enumerate(zip(loops, fit.models, strict=True)):
@@ -42,8 +43,8 @@ def loops(loops: Sequence[Loop], fit: LoopFit) -> Figure:
 
 @styled()
 def loss(loops: Sequence[Loop], fit: LoopFit) -> Figure:
-    """Energy lost per cycle against the amplitude: each cycle (dots), and the contact fitted, with its band of 95 %,
-    for a motion like that of each record."""
+    """Return the energy lost per cycle against the amplitude: each cycle (dots), and the contact fitted, with its band
+    of 95 %, for a motion like that of each record."""
     figure = page(DOUBLE_COLUMN, 82.0)
     axes = place(figure, 22.0, 20.0, 150.0, 56.0)
     reach = float(student.ppf(0.975, fit.freedom))
@@ -63,8 +64,8 @@ def loss(loops: Sequence[Loop], fit: LoopFit) -> Figure:
 
 @styled()
 def history(table: pd.DataFrame) -> Figure:
-    """Friction force that makes up for the loss of each cycle, and stiffness of the contact in it, against the number
-    of the cycle."""
+    """Return the friction force that makes up for the loss of each cycle, and stiffness of the contact in it, against
+    the number of the cycle."""
     figure = page(DOUBLE_COLUMN, 118.0)
     for bottom, column, size, label in (
         (72.0, "F_k_N", 1.0, "friction force, $F_k$ (N)"),
