@@ -68,16 +68,16 @@ class Record:
         return float(self.t[-1] - self.t[0]) / (self.t.size - 1)
 
     def signals(self) -> dict[str, Array]:
-        """The signals that are there, by name, t first."""
+        """Return the signals that are there, by name, t first."""
         present = {field.name: getattr(self, field.name) for field in fields(self)}
         return {name: signal for name, signal in present.items() if signal is not None}
 
     def samples(self, start: int, stop: int) -> Self:
-        """The part of the record from sample `start` up to, not including, `stop`."""
+        """Return the part of the record from sample `start` up to, not including, `stop`."""
         return type(self)(**{name: signal[start:stop] for name, signal in self.signals().items()})
 
     def to_frame(self) -> pd.DataFrame:
-        """The record as a data frame, one row per sample, columns named with their units (`RECORD_COLUMNS`)."""
+        """Return the record as a data frame, one row per sample, columns named with their units (`RECORD_COLUMNS`)."""
         import pandas as pd  # slow to import, and needed for tables only
 
         return pd.DataFrame(
@@ -86,7 +86,7 @@ class Record:
 
     @classmethod
     def from_frame(cls, frame: pd.DataFrame) -> Self:
-        """The record that `to_frame` described. Raises ValueError naming a column that is missing or not known."""
+        """Return the record that `to_frame` described. Raises ValueError naming a column that is missing or not known."""
         known = list(RECORD_COLUMNS.values())
         if unknown := [str(name) for name in frame.columns if name not in known]:
             raise ValueError(f"unknown record columns {unknown}; known are {known}")
@@ -104,7 +104,7 @@ class Record:
 
 
 def _signal(name: str, values: ArrayLike) -> Array:
-    """A read-only float copy of the signal, one-dimensional and finite."""
+    """Return a read-only float copy of the signal, one-dimensional and finite."""
     try:
         signal = floats(values).copy()
     except ValueError as error:

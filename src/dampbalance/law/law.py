@@ -1,4 +1,4 @@
-"""Which terms a law has, which of their coefficients are known, and which belong to a group of records only."""
+"""Terms of a law, with the coefficients that are known and those that belong to a group of records only."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ class Law:
         return tuple(key for term in self.terms for key in self.keys_of(term))
 
     def term(self, symbol: str) -> Term:
-        """The term of the law that has a symbol."""
+        """Return the term of the law that has a symbol."""
         return self.terms[self.terms.index(symbol)]
 
     @property
@@ -85,17 +85,17 @@ class Law:
         return tuple(term for term in self.terms if term != FRICTION and not term.linear)
 
     def key(self, symbol: str, record: int) -> Term:
-        """The key of the coefficient that a term has for a record, counted from 0."""
+        """Return the key of the coefficient that a term has for a record, counted from 0."""
         term, labels = self.term(symbol), self.groups.get(symbol)
         return term if labels is None else term.of_group(labels[record])
 
     def keys_of(self, symbol: str) -> tuple[Term, ...]:
-        """The keys of all coefficients of a term."""
+        """Return the keys of all coefficients of a term."""
         term, labels = self.term(symbol), self.groups.get(symbol)
         return (term,) if labels is None else tuple(map(term.of_group, dict.fromkeys(labels)))
 
     def require_labels(self, records: int) -> None:
-        """ValueError where the groups of a term have not one label for each of so many records."""
+        """Raise ValueError where the groups of a term have not one label for each of so many records."""
         for symbol, labels in self.groups.items():
             if len(labels) != records:
                 raise ValueError(
@@ -103,7 +103,7 @@ class Law:
                 )
 
     def require(self, frequencies_hz: Sequence[float], *, by_balance: bool = True) -> None:
-        """ValueError where records at these frequencies cannot tell the terms apart, whatever they hold.
+        """Raise ValueError where records at these frequencies cannot tell the terms apart, whatever they hold.
 
         by_balance : whether a balance is to do so, which needs a row for each; else the waveforms may.
         """
@@ -132,7 +132,7 @@ def law_of(
     given: Mapping[str, float] | None,
     groups: Mapping[str, Sequence[str] | str] | None,
 ) -> Law:
-    """The law that is asked for.
+    """Return the law that is asked for.
 
     terms : default, F_k, c and those that are given; the others as in `Law`. Names and labels may be a text with commas
     between them. Raises ValueError naming what is wrong.

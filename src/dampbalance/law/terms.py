@@ -121,23 +121,23 @@ class Term(str):
         self.__dict__.update({name: derived[name] for name in to_derive}, order=order)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """A copy of a built-in term is that term again, as its functions cannot be pickled."""
+        """Make the copy of a built-in term that term itself, as its functions cannot be pickled."""
         if self.symbol in KNOWN_TERMS:
             return term, (str(self),)
         return _restored, (str(self), self.__dict__)
 
     def of_group(self, group: str) -> Term:
-        """The coefficient that the term has for a group of records: F_k[250 g]."""
+        """Return the coefficient that the term has for a group of records: F_k[250 g]."""
         of = {"group": group, "integral": f"{self.integral}[{group}]"}
         return _restored(f"{self.symbol}[{group}]", self.__dict__ | of)
 
     def slope(self, v: Any, w: Any, k: Any, omega: Any) -> Any:
-        """∂h/∂ẋ, as h a function of (ẋ, ẏ, k, ω)."""
+        """Return ∂h/∂ẋ, as h a function of (ẋ, ẏ, k, ω)."""
         assert self.force is not None
         return self.force(1.0, 0.0, k, omega) * self.order * np.abs(v) ** (self.order - 1)
 
     def harmonic(self, omega: Any, X: Any, Y: Any, phi: Any, k: Any) -> Any:
-        """g of a harmonic motion, numbers or arrays; rad/s, m, m, rad, N/m."""
+        """Return g of a harmonic motion, numbers or arrays; rad/s, m, m, rad, N/m."""
         assert self.force is not None
         n, of_mass = self.order, self.force(1.0, 0.0, k, omega)
         to_base = self.force(0.0, 1.0, k, omega) / of_mass if self.linear else 0.0
@@ -166,14 +166,15 @@ class Term(str):
 
 
 def _restored(key: str, state: Mapping[str, Any]) -> Term:
-    """A term of that text, which knows what another one did; nothing is checked again."""
+    """Return a term of that text, which knows what another one did; nothing is checked again."""
     made = str.__new__(Term, key)
     made.__dict__.update(state)
     return made
 
 
 def _power_of(symbol: str, force: Force) -> tuple[float, bool]:
-    """The power of the velocity that a force grows with, and whether it depends on nothing else, neither k nor ω.
+    """Return the power of the velocity that a force grows with, and whether it depends on nothing else, neither k nor
+    ω.
 
     Raises ValueError for a force that is none of a term.
     """
@@ -211,14 +212,14 @@ def _power_of(symbol: str, force: Force) -> tuple[float, bool]:
 
 
 def _power(unit: str, power: float) -> str:
-    """m⁴, s^1.5."""
+    """Return a unit to a power: m⁴, s^1.5."""
     if power == 1:
         return unit
     return f"{unit}^{power:g}" if power not in range(10) else unit + "⁰¹²³⁴⁵⁶⁷⁸⁹"[int(power)]
 
 
 def _cycle_integral(order: float) -> float:
-    """∮ |cos θ|ⁿ⁺¹ dθ over a cycle, n : order."""
+    """Return ∮ |cos θ|ⁿ⁺¹ dθ over a cycle, n : order."""
     if order >= 2.0:
         return order / (order + 1.0) * _cycle_integral(order - 2.0)
     if order in (0.0, 1.0):
@@ -249,8 +250,8 @@ FRICTION = "F_k"
 
 
 def term(key: str) -> Term:
-    """The term behind a key: the key itself where it is a term; else a built-in one by its symbol, or by its symbol and
-    the group of records that it belongs to, F_k[250 g].
+    """Return the term behind a key: the key itself where it is a term; else a built-in one by its symbol, or by its
+    symbol and the group of records that it belongs to, F_k[250 g].
 
     Raises ValueError for a symbol that is not known, and for another term by the name of a built-in one.
     """
@@ -270,7 +271,7 @@ def term(key: str) -> Term:
 
 
 def in_order(symbols: Iterable[str]) -> tuple[Term, ...]:
-    """These terms, each once: the built-in ones in the order of `KNOWN_TERMS`, then others as they come. Raises
+    """Return these terms, each once: the built-in ones in the order of `KNOWN_TERMS`, then others as they come. Raises
     ValueError for one that is not known, and for two terms of one symbol."""
     asked: dict[str, Term] = {}
     for one in map(term, symbols):
@@ -281,8 +282,8 @@ def in_order(symbols: Iterable[str]) -> tuple[Term, ...]:
 
 
 def symbols_in_words(symbols: Sequence[str]) -> str:
-    """Symbols as a sentence names them: "F_k", "F_k and c", "F_k, c and c_2". Texts use `project.wording.listed`, which
-    stands on a higher floor and does without the libraries that this module imports."""
+    """Return symbols as a sentence names them: "F_k", "F_k and c", "F_k, c and c_2". Texts use
+    `project.wording.listed`, which stands on a higher floor and does without the libraries that this module imports."""
     return " and ".join([", ".join(symbols[:-1]), symbols[-1]] if len(symbols) > 1 else symbols)
 
 
@@ -300,7 +301,7 @@ def of_harmonics(
     k: float,
     variance: Array | None = None,
 ) -> Array:
-    """g of a term from the harmonics of r motions x = Re Σ x_n e^{inωt}, y likewise, (r,).
+    """Return g of a term from the harmonics of r motions x = Re Σ x_n e^{inωt}, y likewise, (r,).
 
     Terms that are linear in ẋ and ẏ by Parseval's theorem, ∮ẋ² dt = πω Σ n²|x_n|² and ∮ẏẋ dt = πω Σ n² Re x_n y_n*;
     others from the velocity at equidistant phases.

@@ -11,7 +11,7 @@ from .law_steady import Response, steady_response
 
 
 def law_response(oscillator: Oscillator, motion: BaseMotion, law: Mapping[str, float]) -> Response:
-    """The steady response of an oscillator under a law; use it to sample a motion with `measured_orbit`.
+    """Return the steady response of an oscillator under a law; use it to sample a motion with `measured_orbit`.
 
     law : term, or symbol of one, → coefficient of the terms besides friction and c, which are the oscillator's, SI.
 

@@ -50,7 +50,7 @@ _RIGID = 1e-11  # of X: microstick lines below it are rounding
 
 @cache
 def _rule(points: int) -> tuple[Array, Array, Array]:
-    """Gauss's points and weights on (0, 1), and the integrals from 0 to each point by the values at all of them."""
+    """Return Gauss's points and weights on (0, 1), and the integrals from 0 to each point by the values at all of them."""
     nodes, weights, coefficients = _polynomials(points)
     integrals = legendre.legval(nodes, legendre.legint(coefficients, lbnd=-1)).T
     return 0.5 * (1.0 + nodes), 0.5 * weights, np.asarray(0.5 * integrals, dtype=np.float64)
@@ -58,7 +58,8 @@ def _rule(points: int) -> tuple[Array, Array, Array]:
 
 @cache
 def _integrals(points: int) -> tuple[Array, Array, Array]:
-    """Gauss's points and the end, 1, and the first and second integrals from 0 to each by the values at the points."""
+    """Return Gauss's points and the end, 1, and the first and second integrals from 0 to each by the values at the
+    points."""
     nodes, weights, integral = _rule(points)
     once = np.vstack([integral, weights])
     return np.append(nodes, 1.0), once, once @ integral
@@ -66,7 +67,7 @@ def _integrals(points: int) -> tuple[Array, Array, Array]:
 
 @cache
 def _finer(points: int, more: int) -> tuple[Array, Array, Array]:
-    """Points and weights of a finer rule, and the values at its points by those at the points of a coarse one."""
+    """Return points and weights of a finer rule, and the values at its points by those at the points of a coarse one."""
     nodes, weights, _ = _polynomials(more)
     values = legendre.legval(nodes, _polynomials(points)[2])
     return 0.5 * (1.0 + nodes), 0.5 * weights, np.asarray(values.T)
@@ -74,7 +75,8 @@ def _finer(points: int, more: int) -> tuple[Array, Array, Array]:
 
 @cache
 def _polynomials(points: int) -> tuple[Array, Array, Array]:
-    """Gauss's points and weights on (−1, 1), and the coefficients of Legendre's polynomials by values at the points."""
+    """Return Gauss's points and weights on (−1, 1), and the coefficients of Legendre's polynomials by values at the
+    points."""
     nodes, weights = (np.asarray(of, dtype=np.float64) for of in legendre.leggauss(points))
     n = np.arange(points)
     values = np.asarray(legendre.legvander(nodes, points - 1).T, dtype=np.float64)
@@ -97,8 +99,8 @@ class Further(NamedTuple):
     def force(
         self, u: Array, v: Array, X: float, sticks: Mask, o: Oscillator
     ) -> tuple[Array, Array, Array, Array]:
-        """The forces at x + X = u and ẋ = v ≥ 0 after the reversal at −X, N, and their derivatives by u, v and X, (n,)
-        each. In stick, friction acts the way that it did before the turn."""
+        """Return the forces at x + X = u and ẋ = v ≥ 0 after the reversal at −X, N, and their derivatives by u, v and
+        X, (n,) each. In stick, friction acts the way that it did before the turn."""
         part = 0.5 * o.K_z / o.F_k * u * sticks
         falling = o.F_k * self.falling * np.exp(np.minimum(-v / self.speed, 0.0))
         by_x = 3.0 * self.k_3 * (u - X) ** 2
@@ -150,7 +152,8 @@ class System:
     def of(
         cls, orbit: Orbit, linear: float, others: Mapping[str, float], further: Further = NOTHING
     ) -> Self:
-        """The equations of the response near an orbit. Raises NoSteadyOrbit for one of a kind that is not followed."""
+        """Return the equations of the response near an orbit. Raises NoSteadyOrbit for one of a kind that is not
+        followed."""
         o, half = orbit.oscillator, 0.5 * orbit.motion.period
         if orbit.regime not in (Regime.ONE_SLIP, Regime.NO_SLIP, Regime.NO_FRICTION):
             raise NoSteadyOrbit(
@@ -172,7 +175,7 @@ class System:
         return self.orbit.regime != Regime.NO_SLIP
 
     def start(self) -> Array:
-        """The unknowns in the motion of the orbit."""
+        """Return the unknowns in the motion of the orbit."""
         omega, ends = self.orbit.motion.omega, [0.0, 0.5 * self.orbit.motion.period]
         if len(self.lengths) == 2:
             ends.insert(1, self.orbit.t_s)
@@ -181,8 +184,8 @@ class System:
         return np.concatenate([a, [self.orbit.X, 0.0], ends[1:-1]])
 
     def half_cycle(self, q: Array, *, slopes: bool = True) -> HalfCycle:
-        """The motion that the unknowns describe, from rest.   slopes : whether its derivatives are wanted; else none
-        have columns."""
+        """Return the motion that the unknowns describe, from rest.   slopes : whether its derivatives are wanted; else
+        none have columns."""
         half, size, first = 0.5 * self.orbit.motion.period, q.size if slopes else 0, 0
         two = len(self.lengths) == 2
         ends = [0.0, q[-1], half] if two else [0.0, half]
@@ -214,7 +217,7 @@ class System:
         return HalfCycle(t, u, v, a, by_t, by_u, by_v, np.array(at), np.array(by_at))
 
     def equations(self, q: Array, *, slopes: bool = True) -> tuple[Array, Array]:
-        """Return what is left of the equations, N, and, where they are wanted, their derivatives."""
+        """Return the residuals of the equations, N, and, where they are wanted, their derivatives."""
         o, motion = self.orbit.oscillator, self.orbit.motion
         of = self.half_cycle(q, slopes=slopes)
         n, X, ends, by_ends = of.t.size, q[of.t.size], of.at, of.by_at
@@ -255,7 +258,7 @@ class System:
         return left, np.vstack([matrix, *by_last])
 
     def harmonics(self, q: Array, count: int) -> Complexes:
-        """x_n, n = 1, 3 … 2 count − 1, in the phases of the orbit, m, (count,)."""
+        """Return x_n, n = 1, 3 … 2 count − 1, in the phases of the orbit, m, (count,)."""
         omega, half, first = self.orbit.motion.omega, 0.5 * self.orbit.motion.period, 0
         n, x = np.arange(1.0, 2.0 * count, 2.0), np.zeros(count, complex)
         ends = [0.0, q[-1], half] if len(self.lengths) == 2 else [0.0, half]
@@ -270,7 +273,7 @@ class System:
         return x
 
     def state(self, q: Array, t: Array) -> tuple[Array, Array, Array, Array]:
-        """(x, ẋ, ẍ, z) at times t after the reversal at −X, 0 to π/ω, s, (n,)."""
+        """Return (x, ẋ, ẍ, z) at times t after the reversal at −X, 0 to π/ω, s, (n,)."""
         o, at, first = self.orbit.oscillator, self.half_cycle(q, slopes=False).at, 0
         X, begun = q[sum(self.lengths)], np.vstack([np.zeros(3), at])
         x, v, a, z = np.empty((4, t.size))
@@ -291,7 +294,7 @@ class System:
         return x, v, a, z
 
     def _contact(self, of: HalfCycle, X: float) -> tuple[Array, Array, Array | float]:
-        """The force of the contact at the points, N, and its derivatives by x + X and X, N/m."""
+        """Return the force of the contact at the points, N, and its derivatives by x + X and X, N/m."""
         o, n = self.orbit.oscillator, of.t.size
         if not self.slips:
             return o.K_z * (of.u - X), np.full(n, o.K_z), -o.K_z
@@ -375,7 +378,7 @@ class Response:
         return 2.0 * float(self.system.half_cycle(self.unknowns, slopes=False).at[0, 1])
 
     def harmonics(self, count: int) -> Complexes:
-        """x_n of x = Re Σ x_n e^{inωt}, n = 1, 3 … 2 count − 1, m, shape (count,); y = Y cos ωt."""
+        """Return x_n of x = Re Σ x_n e^{inωt}, n = 1, 3 … 2 count − 1, m, shape (count,); y = Y cos ωt."""
         turn = np.exp(1j * np.arange(1, 2 * count, 2) * self.advance)
         if self.system is not None and self.unknowns is not None:
             return self.system.harmonics(self.unknowns, count) * turn
@@ -394,7 +397,7 @@ class Response:
         return BaseMotion(base.Y * math.cos(self.advance + self.turned), base.omega)
 
     def state(self, t: ArrayLike) -> State:
-        """(x, ẋ, ẍ, z) at the times t, s, any shape; y = Y cos ωt."""
+        """Return (x, ẋ, ẍ, z) at the times t, s, any shape; y = Y cos ωt."""
         times, omega = numbers("t", t), self.orbit.motion.omega
         if self.system is None or self.unknowns is None:
             return self.orbit.state(times + self.advance / omega)
@@ -406,7 +409,7 @@ class Response:
 
     @property
     def swings(self) -> float:
-        """How often the mass swings on contact and spring in half a cycle, while it sticks."""
+        """Number of swings of the mass on contact and spring in half a cycle, while it sticks."""
         (t, s), par = self.orbit.phases.T[:2].tolist(), self.orbit.parameters
         ends = zip(t, [*t[1:], math.pi / par.omega], s, strict=True)
         stuck = math.fsum(end - start for start, end, slips in ends if not slips)
@@ -422,7 +425,7 @@ def steady_response(
     further: Further = NOTHING,
     most_radians: float = MOST_RADIANS,
 ) -> Response:
-    """The steady response of an oscillator under a law.
+    """Return the steady response of an oscillator under a law.
 
     law : symbol → coefficient of the terms besides friction and c, which are the oscillator's, SI.
     near : a response from which to start.   further : forces besides those of the law and the oscillator.
@@ -461,7 +464,7 @@ def steady_response(
 
 
 def _equivalent(oscillator: Oscillator, base: BaseMotion, others: Mapping[str, float]) -> Orbit:
-    """The orbit with the linear damper that takes nearly the work of the other terms."""
+    """Return the orbit with the linear damper that takes nearly the work of the other terms."""
     extra, X = 0.0, base.Y
     for repetition in range(_EQUIVALENCES):
         work = math.fsum(
@@ -477,8 +480,8 @@ def _equivalent(oscillator: Oscillator, base: BaseMotion, others: Mapping[str, f
 
 @np.errstate(over="ignore")  # a step that leads so far is halved like any other
 def _solved(system: System, near: Response | None) -> tuple[Array, Array]:
-    """The unknowns of the response and the derivatives of its equations, by Newton's method from the orbit, or from a
-    response near; from one that is very near, with its derivatives."""
+    """Return the unknowns of the response and the derivatives of its equations, by Newton's method from the orbit, or
+    from a response near; from one that is very near, with its derivatives."""
     orbit, q, n = system.orbit, system.start(), sum(system.lengths)
     if (
         near is not None
@@ -516,7 +519,7 @@ def _solved(system: System, near: Response | None) -> tuple[Array, Array]:
 
 
 def _scale(q: Array, n: int) -> Array:
-    """Sizes of the unknowns, of which n are accelerations."""
+    """Return sizes of the unknowns, of which n are accelerations."""
     return np.append(np.full(n, np.abs(q[:n]).max()), [q[n], 1.0, *q[n + 2 :]])
 
 
@@ -532,7 +535,7 @@ def _require_kind(system: System, q: Array) -> None:
 
 
 def added_by_base(base: Complexes, response: Response, count: int) -> Complexes:
-    """Δ_n, n = 1, 3 … 2 count − 1, m: what harmonics of the base add to those of a motion, (count,).
+    """Return Δ_n, n = 1, 3 … 2 count − 1, m: what harmonics of the base add to those of a motion, (count,).
 
     base : y_n, n = 2, 3 …, m, phases counted from the peak of the fundamental.   response : the motion under the
     fundamental alone.

@@ -128,7 +128,7 @@ class Orbits:
         return "\n    ".join([head, *lines, *more])
 
     def _repr_html_(self) -> str:
-        """The same as a table, with all features."""
+        """Return the arguments and all features as a table."""
         html: str = self.to_frame().to_html(max_rows=2 * _SHOWN, float_format="{:.6g}".format)
         return html
 

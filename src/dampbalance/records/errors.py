@@ -1,4 +1,4 @@
-"""What reading and writing records may complain about, and what a record can be: sizes, times and values beyond which
+"""Errors of reading and writing records, and the bounds of a record: sizes, times and values beyond which
 something is wrong with the file, not with the rig.
 
 Sizes are looked at before anything is read. The bounds of values leave room for any squared number that the reading
@@ -20,7 +20,7 @@ class RecordWarning(UserWarning):
 
 
 def library(name: str, purpose: str) -> Any:
-    """A module that only some formats need. Raises RecordError naming the extra when it is not installed."""
+    """Import a module that only some formats need. Raises RecordError naming the extra when it is not installed."""
     try:
         return importlib.import_module(name)
     except ImportError:
@@ -41,7 +41,7 @@ LONGEST_NAME = 1000  # characters of a channel's name
 
 
 def require_size(path: object, numbers: int) -> None:
-    """RecordError for a record of more numbers than are taken into memory."""
+    """Raise RecordError for a record of more numbers than are taken into memory."""
     if numbers > LARGEST:
         much = f"{numbers:,} numbers, more than {LARGEST:,}"
         raise RecordError(f"{path}: the channels read would be {much}; give a part of the record")

@@ -57,7 +57,7 @@ class ChannelRule:
 
 @dataclass(frozen=True)
 class RecordMapping:
-    """How to read a record; the file itself decides what is None or empty.
+    """Instructions for reading a record; the file itself decides what is None or empty.
 
     source : the file it stands in.   channels : by quantity.   time, time_unit : the common time channel.
     sample_rate_hz : instead of a time channel.   delimiter ("\\t", "whitespace", …), decimal, header_lines : of a text
@@ -88,15 +88,15 @@ next to the record, if any."""
 
 
 def find_mapping(record: str | Path) -> Path | None:
-    """The mapping next to a record: run1.csv.yaml, run1.yaml or channels.yaml, the first that exists."""
+    """Return the mapping next to a record: run1.csv.yaml, run1.yaml or channels.yaml, the first that exists."""
     record = Path(record)
     names = (f"{record.name}.yaml", f"{record.stem}.yaml", FOLDER_FILE)
     return next((file for name in names if (file := record.with_name(name)).is_file()), None)
 
 
 def mapping_for(record: str | Path, mapping: MappingLike = None) -> RecordMapping:
-    """The mapping given (itself, as a document or as a file), else the one next to the record, else an empty one.
-    Raises RecordError naming file, key and remedy."""
+    """Return the mapping given (itself, as a document or as a file), else the one next to the record, else an empty
+    one. Raises RecordError naming file, key and remedy."""
     if isinstance(mapping, RecordMapping | Mapping):
         return mapping if isinstance(mapping, RecordMapping) else mapping_from(mapping)
     if mapping is not None:
@@ -106,7 +106,8 @@ def mapping_for(record: str | Path, mapping: MappingLike = None) -> RecordMappin
 
 
 def mapping_file(record: str | Path, mapping: MappingLike = None) -> Path | None:
-    """The file that the mapping of a record stands in, the one given or the one next to the record; None for none.
+    """Return the file that the mapping of a record stands in, the one given or the one next to the record; None for
+    none.
 
     Where records stand in a folder that is not yours, their mappings stand in another, which is given instead of one.
     """
@@ -117,7 +118,7 @@ def mapping_file(record: str | Path, mapping: MappingLike = None) -> Path | None
 
 
 def parts_of(record: str | Path, mapping: RecordMapping) -> dict[Path, RecordMapping]:
-    """Each file of a record with the part of its mapping that is about it."""
+    """Return each file of a record with the part of its mapping that is about it."""
     record = Path(record)
     files: dict[Path, dict[str, ChannelRule]] = {}
     for quantity, rule in mapping.channels.items():
@@ -129,7 +130,7 @@ def parts_of(record: str | Path, mapping: RecordMapping) -> dict[Path, RecordMap
 
 
 def read_mapping(file: str | Path) -> RecordMapping:
-    """The mapping of a YAML file. Raises RecordError naming file, key and remedy."""
+    """Return the mapping of a YAML file. Raises RecordError naming file, key and remedy."""
     from ..project.documents import ConfigurationError, read_yaml
 
     try:
@@ -142,7 +143,8 @@ def read_mapping(file: str | Path) -> RecordMapping:
 
 
 def mapping_from(document: Any, source: str = "mapping") -> RecordMapping:
-    """The mapping that a document describes. Raises RecordError with a line for each problem: source, key, remedy."""
+    """Return the mapping that a document describes. Raises RecordError with a line for each problem: source, key,
+    remedy."""
     from ..project.documents import against_schema, in_lines, read_schema
 
     problems = against_schema(document, read_schema(SCHEMA)) or list(_contradictions(document))
@@ -174,7 +176,7 @@ def _rule(stated: Mapping[str, Any]) -> ChannelRule:
 
 
 def _contradictions(document: Mapping[str, Any]) -> Iterable[tuple[tuple[str | int, ...], str]]:
-    """What no schema can say: units that do not fit, keys that exclude each other."""
+    """Yield the problems that a schema cannot state: units that do not fit, keys that exclude each other."""
     channels = document.get("channels", {})
     columns = document.get("table", {})
     sections = {"channels": channels, "table": columns}
@@ -230,7 +232,7 @@ def _contradictions(document: Mapping[str, Any]) -> Iterable[tuple[tuple[str | i
 
 
 def _seconds(delay: float | str) -> float:
-    """A delay in s: a number, or a text of a number and a unit of time. Raises UnitError."""
+    """Return a delay in s: a number, or a text of a number and a unit of time. Raises UnitError."""
     if not isinstance(delay, str):
         return float(delay)
     match = re.fullmatch(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S+)\s*", delay)
@@ -242,7 +244,7 @@ def _seconds(delay: float | str) -> float:
 
 
 def _poles(stated: Mapping[str, Any]) -> Iterator[complex]:
-    """The poles of a filter, rad/s."""
+    """Yield the poles of a filter, rad/s."""
     if "corner_hz" in stated:
         order = stated.get("order", 1)
         for j in range(order):

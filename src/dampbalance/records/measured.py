@@ -67,7 +67,7 @@ class MeasuredRecord:
         return TRANSLATION if self.measurement is None else self.measurement.coordinate
 
     def to_frame(self) -> pd.DataFrame:
-        """The samples: a column for each channel, named with its SI unit, and their times, time_s, as index.
+        """Return the samples: a column for each channel, named with its SI unit, and their times, time_s, as index.
 
         Raises ValueError where the channels have times of their own.
         """
@@ -84,12 +84,12 @@ class MeasuredRecord:
         return pd.DataFrame(columns, index=pd.Index(t, name="time_s"))
 
     def whole(self) -> Measurement:
-        """All its channels."""
+        """Return all channels of the record."""
         assert self.measurement is not None
         return self.measurement
 
     def __repr__(self) -> str:
-        """What it holds, in a line."""
+        """Return the contents of the record in a line."""
         held = listed([self.coordinate.text(quantity) for quantity in self.quantities])
         t = max((self.whole()[q].t for q in self.quantities), key=len)
         sampled = f"{t.size:,} samples from {t[0]:.4g} s to {t[-1]:.4g} s at {mean_rate(t):.6g} Hz"
@@ -163,7 +163,7 @@ def _in_memory(
     free: bool,
     reader: ReaderOfTables | None,
 ) -> MeasuredRecord:
-    """The record of signals in memory, the `number`-th of several, under a name that is not taken."""
+    """Return the record of signals in memory, the `number`-th of several, under a name that is not taken."""
     if not (is_table(record) or isinstance(record, Measurement)):
         remedy = "give the path of a file, a pandas DataFrame, or a mapping of names to arrays"
         raise RecordError(f"record {number} is a {type(record).__name__}; {remedy}")
@@ -205,7 +205,7 @@ def _of_file(
 
 
 def _digests(path: Path, rules: RecordMapping, mapping: MappingLike) -> dict[str, Any]:
-    """Digests of a file, of the file that names its channels, and of others that hold some."""
+    """Return digests of a file, of the file that names its channels, and of others that hold some."""
     file = mapping_file(path, mapping)
     others = [part for part in parts_of(path, rules) if part != path]
     more = [{"file": str(part), "sha256": sha256(part)} for part in others]
@@ -217,7 +217,7 @@ def _digests(path: Path, rules: RecordMapping, mapping: MappingLike) -> dict[str
 
 @contextmanager
 def _told(name: str) -> Iterator[list[Remark]]:
-    """What readers find odd about a record, once each, without its name; filled when the block ends."""
+    """Collect the warnings of readers about a record, once each, without its name, when the block ends."""
     said: list[Remark] = []
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", RecordWarning)

@@ -41,7 +41,7 @@ _GAP, _JITTER = 1.5, 0.5  # steps: from here on a sample is missing, or in anoth
 
 
 def sample_times(rate_hz: float, start: float, first: int, count: int) -> Array:
-    """Times, s, of `count` samples from number `first` on; the sample number 0 is taken at `start`."""
+    """Return times, s, of `count` samples from number `first` on; the sample number 0 is taken at `start`."""
     number = np.arange(first, first + count, dtype=np.float64)
     steps = round(start * rate_hz)
     if steps / rate_hz == start:  # one division leads to 0.102, and not to 0.10200000000000001
@@ -50,13 +50,13 @@ def sample_times(rate_hz: float, start: float, first: int, count: int) -> Array:
 
 
 def mean_rate(t: Array) -> float:
-    """Samples per second of a channel with these times, s."""
+    """Return samples per second of a channel with these times, s."""
     return (t.size - 1) / float(t[-1] - t[0])
 
 
 @dataclass(frozen=True, slots=True)
 class Correction:
-    """What a channel does to a signal on its way into the file, as far as it is known.
+    """Known effect of a channel on a signal on its way into the file.
 
     A channel with gain G, delay d and filters turns a harmonic e^{iωt} into H(iω) e^{iωt},
 
@@ -76,7 +76,7 @@ class Correction:
     delay_error: float = 0.0
 
     def response(self, omega: ArrayLike) -> Complexes:
-        """H(iω) at any ω, rad/s; where a high-pass filter lets nothing through (ω = 0), without it."""
+        """Return H(iω) at any ω, rad/s; where a high-pass filter lets nothing through (ω = 0), without it."""
         s = 1j * np.asarray(omega, dtype=np.float64)
         response: Complexes = self.gain * np.exp(-s * self.delay)
         for p in self.low_pass:
@@ -145,7 +145,7 @@ class Channel:
 
 
 def _uneven(t: Array) -> str:
-    """How times, (n,), are none of samples in about equal steps, with the remedy; "" where they are."""
+    """Say why times, (n,), are not in about equal steps, with the remedy; "" where they are."""
     steps = np.diff(t)
     step, least, most = float(np.median(steps)), int(np.argmin(steps)), int(np.argmax(steps))
     off = np.abs(t - np.linspace(t[0], t[-1], t.size))
@@ -213,7 +213,7 @@ class Measurement:
 
     @classmethod
     def of(cls, source: str, channels: Iterable[Channel]) -> Measurement:
-        """A measurement of the channels given. Raises ValueError when two hold the same quantity."""
+        """Return a measurement of the channels given. Raises ValueError when two hold the same quantity."""
         by_quantity: dict[str, Channel] = {}
         for channel in items("channels", channels, "a sequence of channels"):
             instance("each of the channels", channel, Channel)

@@ -85,7 +85,7 @@ class Proposal:
         return any(q in RESPONSES for q in self.chosen)
 
     def lines(self) -> list[str]:
-        """The mapping in YAML, each line with its reason, and what is left aside."""
+        """Return the mapping in YAML, each line with its reason, and what is left aside."""
         driving = [q for q in self.chosen if q in EXCITATIONS]
         lines = ["channels:" if driving else "channels:  # none that drives: those of a free decay"]
         for quantity in (q for q in QUANTITIES if q in self.chosen):
@@ -109,7 +109,7 @@ class Proposal:
         return [*lines, *aside[:LISTED], *more]
 
     def _first_drives(self, names: Mapping[int, str | None]) -> dict[int, str]:
-        """The first of several channels that names call alike, none the mass, is the base's where no name drives."""
+        """Make the first of several channels that names call alike, none the mass, the drive where no name says one."""
         first: dict[int, str] = {}
         if any(name in EXCITATIONS for name in names.values()):
             return first
@@ -147,7 +147,7 @@ class Proposal:
         self.why[i] = f"another channel is taken for {wanted}" if wanted else reason
 
     def _in_unit(self, i: int, quantity: str) -> tuple[str, str, str]:
-        """Unit, scale and remark of a channel in the mapping."""
+        """Return the unit, scale and remark of a channel in the mapping."""
         raw, unit, values = self.channels[i], QUANTITIES[quantity], self.samples.values[i]
         own = find_motion(raw.unit or "")
         if own and own.counterpart == DIMENSIONS[quantity]:
@@ -160,7 +160,7 @@ class Proposal:
         return "mm" if large else unit, "", "; unit guessed, the file has none"
 
     def _time(self) -> list[str]:
-        """The line about times, if one is needed."""
+        """Return the line about times, if one is needed."""
         if self.mapping.sample_rate_hz is not None:
             return []
         times = [i for i in range(len(self.channels)) if self._is_time(i)]
@@ -178,7 +178,7 @@ class Proposal:
         return [f"{line}{unit}}}  # {shows}unit guessed, the file has none"]
 
     def _is_time(self, i: int) -> bool:
-        """Whether a channel is taken for the times: by the mapping, name or unit, or as the only one that rises."""
+        """Return whether a channel is taken for the times: by the mapping, name or unit, or as the only one that rises."""
         if self.mapping.time is not None:
             return self.mapping.time in (i + 1, self.channels[i].name)
         if self.is_time is None:
@@ -186,7 +186,7 @@ class Proposal:
         return self.is_time(self.channels[i])
 
     def _which(self, i: int) -> str:
-        """A channel as a mapping names it: by its name, or by its number where that is long or not its alone."""
+        """Return a channel as a mapping names it: by its name, or by its number where that is long or not its alone."""
         name = self.channels[i].name
         if self.keys.count(self.keys[i]) > 1 or len(name) > _LONGEST:
             return str(i + 1)
@@ -214,7 +214,7 @@ def unclear(roles: Roles, what: str) -> RecordError:
 
 
 def suggested_mapping(file: Table, mapping: RecordMapping) -> str:
-    """A mapping in YAML for a table whose mapping, so far, names no channels: each line with its reason. Raises
+    """Return a mapping in YAML for a table whose mapping, so far, names no channels: each line with its reason. Raises
     RecordError where the mapping names channels already, or the table has no response."""
     roles = Roles(file, mapping)
     if mapping.channels:

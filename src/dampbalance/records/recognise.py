@@ -1,4 +1,4 @@
-"""From an open table to the channels of a measurement in SI units: the one place where a record is checked.
+"""The channels of a measurement in SI units from an open table: the one place where a record is checked.
 
 Mapping, headings, units and samples say which channel holds what; each must have its unit and its times, and samples
 that are finite, within bounds, in equal steps, not constant, and no integers that ran over. Times that were rounded to
@@ -128,7 +128,7 @@ def picks_of(file: Table, mapping: RecordMapping, *, entire: bool = True) -> tup
 
 
 def _pick(roles: Roles, quantity: str, index: int, rule: ChannelRule) -> Pick:
-    """The pick of a channel with the times that the mapping or the file gives it."""
+    """Return the pick of a channel with the times that the mapping or the file gives it."""
     raw = roles.channels[index]
     if raw.stamps:
         raise RecordError(
@@ -161,9 +161,9 @@ def _pick(roles: Roles, quantity: str, index: int, rule: ChannelRule) -> Pick:
 
 
 def _guesses(roles: Roles, picks: Sequence[Pick]) -> Iterator[str]:
-    """Say what was taken for what without a name for it, and what was left out: the axis taken of three; signals as
-    long as those read that no name distinguished; a displacement or velocity that only its unit tells, which may be
-    that against a base that moves."""
+    """Yield the guesses about channels without a clear name, and the channels left out: the axis taken of three;
+    signals as long as those read that no name distinguished; a displacement or velocity that only its unit tells, which
+    may be that against a base that moves."""
     names = [shortened(full_name(raw)) for raw in roles.channels]
     for axis in (i for i, why in roles.axes.items() if not why):
         said = "is taken for the acceleration of the mass, the axis with the most motion"
@@ -187,7 +187,7 @@ def _guesses(roles: Roles, picks: Sequence[Pick]) -> Iterator[str]:
 
 
 def _find(roles: Roles, which: Which, key: str) -> int:
-    """The channel of that name or number."""
+    """Return the index of the channel with a name or number."""
     said, path, channels = f"{roles.mapping.source}: {key}:", roles.path, roles.channels
     if isinstance(which, int):
         if 1 <= which <= len(channels):
@@ -209,7 +209,7 @@ def _find(roles: Roles, which: Which, key: str) -> int:
 
 
 def _unit(roles: Roles, raw: RawChannel, given: str | None, quantity: str) -> float:
-    """SI units per unit of the channel."""
+    """Return SI units per unit of the channel."""
     text = given or unit_of(raw)
     channel = f"{roles.path}: channel {shortened(raw.name)}"
     key = "time" if quantity == "time" else f"channels.{quantity}"
@@ -230,7 +230,7 @@ def _unit(roles: Roles, raw: RawChannel, given: str | None, quantity: str) -> fl
 
 
 def _channels(file: Table, picks: Sequence[Pick]) -> Iterator[Channel]:
-    """All samples of the picked channels, checked as `recognise` says."""
+    """Yield all samples of the picked channels, checked as `recognise` says."""
     columns = file.columns(_wanted(picks))
     sharing: dict[tuple[object, ...], Pick] = {}  # the first of those that share their times
     for pick in picks:
@@ -253,7 +253,7 @@ def _channels(file: Table, picks: Sequence[Pick]) -> Iterator[Channel]:
 
 
 def _checked(file: Table, pick: Pick, columns: Mapping[int, Array]) -> Channel:
-    """The channel of these columns, checked. Raises RecordError as `recognise`."""
+    """Return the channel of these columns, checked. Raises RecordError as `recognise`."""
     values = columns[pick.index]
     if values.size < 3:
         remedy = "that is no record"
@@ -277,7 +277,7 @@ def _checked(file: Table, pick: Pick, columns: Mapping[int, Array]) -> Channel:
 
 
 def _require_moving(channel: str, pick: Pick, values: Array, unit: str) -> None:
-    """RecordError for a channel that is constant, or as good as that."""
+    """Raise RecordError for a channel that is constant, exactly or except for rounding."""
     low, high = float(values.min()), float(values.max())
     span, constant = high - low, f"{low:g} in all {values.size} samples"
     if not span:
@@ -292,7 +292,7 @@ def _require_moving(channel: str, pick: Pick, values: Array, unit: str) -> None:
 
 
 def _in_si(file: Table, index: int, values: Array, factor: float, bound: float, unit: str) -> Array:
-    """The values in SI, finite and within the bound either way."""
+    """Return the values in SI, finite and within the bound either way."""
     with np.errstate(over="ignore", invalid="ignore"):  # a damaged file has signalling NaN, too
         signal = values * factor
     bad = np.flatnonzero(~(np.abs(signal) <= bound))
@@ -310,7 +310,7 @@ def _in_si(file: Table, index: int, values: Array, factor: float, bound: float, 
 
 
 def _require_no_overflow(file: Table, pick: Pick, values: Array) -> None:
-    """No jump through nearly the whole range of an integer type, from its one end to the other."""
+    """Raise RecordError for a jump through nearly the whole range of an integer type, from its one end to the other."""
     jumps = np.abs(np.diff(values))
     i = int(np.argmax(jumps))
     bits = next((bits for bits in _BITS if np.ptp(values) < 2.0**bits), 0)
@@ -324,7 +324,7 @@ def _require_no_overflow(file: Table, pick: Pick, values: Array) -> None:
 
 
 def _require_rate(t: Array, where: str) -> None:
-    """RecordError for times in steps that no recorder has.   where : file and channel."""
+    """Raise RecordError for times in steps that no recorder has.   where : file and channel."""
     step = float(np.median(np.diff(t)))
     if step > 0.0 and not errors.LOWEST_RATE <= 1.0 / step <= errors.HIGHEST_RATE:
         raise RecordError(
@@ -333,20 +333,20 @@ def _require_rate(t: Array, where: str) -> None:
 
 
 def _wanted(picks: Sequence[Pick]) -> list[int]:
-    """The channels to read, signals and times."""
+    """Return the channels to read, signals and times."""
     return sorted({i for pick in picks for i in (pick.index, pick.time) if i is not None})
 
 
 def _without_empty_end(columns: Mapping[int, Array]) -> dict[int, Array]:
-    """The columns without the rows at the end that are empty in all, as a shorter time base leaves them."""
+    """Return the columns without the rows at the end that are empty in all, as a shorter time base leaves them."""
     present = np.flatnonzero(~np.all([np.isnan(column) for column in columns.values()], axis=0))
     end = int(present[-1]) + 1 if present.size else 0
     return {i: column[:end] for i, column in columns.items()}
 
 
 def _in_equal_steps(t: Array, where: str) -> Array:
-    """The times of a channel: t_i = t_0 + i Δt by least squares, where it holds these rounded to too few digits, as
-    stamps in ms of 20,000 samples a second are.
+    """Return the times of a channel: t_i = t_0 + i Δt by least squares, where it holds these rounded to too few digits,
+    as stamps in ms of 20,000 samples a second are.
 
     It does if all are multiples of a decimal resolution q apart and none is further than that from the line. Rounding
     errors of up to q/2 put the slope off by 3q/2T at the most, T being the length of the record; they rarely conspire
@@ -381,7 +381,7 @@ def _in_equal_steps(t: Array, where: str) -> Array:
 
 
 def _are_multiples(steps: Array, q: float) -> bool:
-    """Whether all steps are multiples of q, none but zero being lost."""
+    """Return whether all steps are multiples of q, none but zero being lost."""
     multiples = np.round(steps / q)
     lost = (multiples == 0.0) & (steps > 0.0)
     return not lost.any() and bool(np.abs(steps / q - multiples).max() < _INTEGER)

@@ -1,4 +1,4 @@
-"""Which channel of a table holds what, by headings and units, and by samples where these do not say it: constants,
+"""The roles of the channels of a table, by headings and units, and by samples where these do not say it: constants,
 counters, times, the axes of an accelerometer."""
 
 from __future__ import annotations
@@ -76,7 +76,7 @@ class Samples:
 
 
 def _samples(file: Table, wanted: Sequence[int]) -> dict[int, Array] | None:
-    """The samples of some channels; None where they cannot be read."""
+    """Return the samples of some channels; None where they cannot be read."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RecordWarning)  # comes where the record is read
         try:
@@ -86,7 +86,7 @@ def _samples(file: Table, wanted: Sequence[int]) -> dict[int, Array] | None:
 
 
 def equal_step(values: Array) -> float | None:
-    """The step of values that rise in equal steps, as times and counters do; None for others."""
+    """Return the step of values that rise in equal steps, as times and counters do; None for others."""
     if values.size < _FEWEST:
         return None
     line = np.linspace(values[0], values[-1], values.size)
@@ -96,7 +96,7 @@ def equal_step(values: Array) -> float | None:
 
 
 def first_of(names: Sequence[str]) -> str:
-    """Names in a row, the first 20 of them."""
+    """Return names in a row, the first 20 of them."""
     more = len(names) - LISTED
     return ", ".join(names[:LISTED]) + f" and {more} more" * (more > 0)
 
@@ -198,7 +198,7 @@ class Roles:
         require_one_coordinate(str(self.path), coordinates)
 
     def named(self, i: int) -> str | None:
-        """The quantity that a heading names, also in other words, if its unit is not of another one."""
+        """Return the quantity that a heading names, also in other words, if its unit is not of another one."""
         raw, unit = self.channels[i], by_unit(self.channels[i])
         if i in self.axes:
             return "acceleration"
@@ -207,7 +207,7 @@ class Roles:
         return quantity if fits else None
 
     def time_of(self, index: int) -> int | None:
-        """The time channel of another: the one named after it, else the nearest before it, else the first."""
+        """Return the time channel of another: the one named after it, else the nearest before it, else the first."""
         key = self.keys[index]
         own = {f"{key}_time", f"time_{key}", f"time_of_{key}", f"t_{key}", f"{key}_t"}
         named = [i for i, name in enumerate(self.keys) if name in own]
@@ -217,11 +217,11 @@ class Roles:
         return next(iter(named or before[-1:] or times), None)
 
     def spare(self, used: Collection[int]) -> list[int]:
-        """The channels that are not used and may hold a motion or a force."""
+        """Return the channels that are not used and may hold a motion or a force."""
         return [i for i in range(len(self.channels)) if i not in used and self.may_move(i)]
 
     def may_move(self, i: int) -> bool:
-        """Whether a channel may hold a motion or a force: no time, no temperature, no counter, nothing constant."""
+        """Return whether a channel may hold a motion or a force: no time, no temperature, no counter, nothing constant."""
         if holds_time(self.channels[i]):
             return False
         return i not in self.samples.aside and not self.axes.get(i)

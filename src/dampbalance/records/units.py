@@ -147,15 +147,15 @@ class UnitError(ValueError):
 
 
 def find_unit(text: str, dimension: str | None = None) -> Unit | None:
-    """The unit that a text spells, or None.   dimension : of rad/s, which is a frequency unless it is asked for as an
-    angular velocity."""
+    """Return the unit that a text spells, or None.   dimension : of rad/s, which is a frequency unless it is asked for
+    as an angular velocity."""
     plain = _plain(text) if len(text.strip()) <= _LONGEST else ""
     unit = _EXACT.get(plain) or _FOLDED.get(plain.casefold())
     return _RATE if unit and unit.name == _RATE.name and dimension == _RATE.dimension else unit
 
 
 def find_motion(text: str) -> Unit | None:
-    """The unit that a text spells, or None; rad/s is one of an angular velocity."""
+    """Return the unit that a text spells, or None; rad/s is one of an angular velocity."""
     return find_unit(text, _RATE.dimension)
 
 
@@ -168,7 +168,7 @@ def find_other(text: str) -> str | None:
 
 
 def unit_for(text: str, quantity: str, dimension: str | None = None) -> Unit:
-    """The unit that a text spells, fit for a quantity of `DIMENSIONS`, or for any other of the given dimension.
+    """Return the unit that a text spells, fit for a quantity of `DIMENSIONS`, or for any other of the given dimension.
 
     Raises UnitError: not known (with the nearest known one), or of another dimension.
     """
@@ -217,12 +217,12 @@ def split_label(label: str) -> tuple[str, str | None]:
 
 
 def column_name(quantity: str, coordinate: Coordinate = TRANSLATION) -> str:
-    """The column of a quantity in SI units, acceleration_m_per_s2 or angular_acceleration_rad_per_s2."""
+    """Return the column of a quantity in SI units, acceleration_m_per_s2 or angular_acceleration_rad_per_s2."""
     return coordinate.key(named_with_unit(quantity, QUANTITIES[quantity]))
 
 
 def _plain(text: str) -> str:
-    """One spelling for all ways to write powers, products and quotients."""
+    """Return one spelling for all ways to write powers, products and quotients."""
     text = re.sub(r"\s+", " ", text.strip().strip("[](){}"))
     text = text.replace("μ", "µ").replace("²", "2").replace("^", "").replace("**", "")
     text = text.replace("_per_", "/").replace(" per ", "/").replace("⁻¹", "-1").replace("⁻2", "-2")
@@ -268,8 +268,8 @@ the motion per force; a level is a number without one."""
 
 
 def table_factor(text: str, quantity: str) -> float:
-    """SI units per unit of a column of a table, as a text spells it: µm/N for a receptance, of which µm is enough.
-    Raises UnitError as `unit_for`."""
+    """Return SI units per unit of a column of a table, as a text spells it: µm/N for a receptance, of which µm is
+    enough. Raises UnitError as `unit_for`."""
     motion, _, force = text.strip().rpartition("/")
     if (
         quantity in PER_FORCE
@@ -293,8 +293,8 @@ _OUTSIDE = r"(?![^(]*\))"  # brackets
 
 
 def factor_to(si: str, text: str) -> tuple[float, Coordinate]:
-    """SI units per unit that a text spells, any product or quotient of units, lbf/in, N/(mm/s) or kg·m²; and whether
-    that is the unit of a translation, or the one of a rotation in its place: N m/rad for N/m, kg m² for kg.
+    """Return SI units per unit that a text spells, any product or quotient of units, lbf/in, N/(mm/s) or kg·m²; and
+    whether that is the unit of a translation, or the one of a rotation in its place: N m/rad for N/m, kg m² for kg.
 
     si : the SI unit of a translation.   Raises UnitError for a unit of another dimension, or an unknown one.
     """
@@ -311,7 +311,8 @@ def factor_to(si: str, text: str) -> tuple[float, Coordinate]:
 
 @cache
 def _readings(text: str) -> dict[tuple[int, ...], float]:
-    """What a text may mean: factor to SI by exponents of kg, m and s. "lb" is a mass and a force; Hz is 2π rad/s."""
+    """Return the meanings that a text may have: factor to SI by exponents of kg, m and s. "lb" is a mass and a force;
+    Hz is 2π rad/s."""
     readings: dict[tuple[int, ...], float] = {}
     if unit := find_motion(text):
         turns = _TURN if unit.dimension == "frequency" else 1.0

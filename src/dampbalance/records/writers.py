@@ -58,7 +58,7 @@ def write(path: str | Path, measurement: Measurement) -> Path:
 
 
 def _columns_of(measurement: Measurement) -> dict[str, Array]:
-    """The signals by column name, times first: time_s for all channels, or displacement_time_s before each."""
+    """Return the signals by column name, times first: time_s for all channels, or displacement_time_s before each."""
     channels = [measurement[q] for q in QUANTITIES if q in measurement]
     shared = all(np.array_equal(channel.t, channels[0].t) for channel in channels)
     columns: dict[str, Array] = {}

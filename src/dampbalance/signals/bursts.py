@@ -46,7 +46,7 @@ class Signal:
 
     @property
     def clipped(self) -> Mask:
-        """Which samples lie at a limit, (n,)."""
+        """Mask of the samples that lie at a limit, (n,)."""
         return (self.values <= self.limits[0]) | (self.values >= self.limits[1])
 
     @property
@@ -55,7 +55,7 @@ class Signal:
         return float(self.t[-1] - self.t[0]) / (self.t.size - 1)
 
     def between(self, start: float, end: float) -> Signal:
-        """The samples from `start` to `end`, s."""
+        """Return the samples from `start` to `end`, s."""
         inside = slice(*np.searchsorted(self.t, [start, end]))
         return replace(self, t=self.t[inside], values=self.values[inside])
 
@@ -95,15 +95,15 @@ class NoDecay(ValueError):
 
 
 def too_few_samples(a_cycle: float) -> str:
-    """A sentence where a cycle has fewer samples than a decay needs; empty where it has enough."""
+    """Return a sentence where a cycle has fewer samples than a decay needs, "" where it has enough."""
     if a_cycle >= SAMPLES_A_CYCLE:
         return ""
     return f"it has {a_cycle:.2g} samples a cycle, {SAMPLES_A_CYCLE} are needed: sample faster"
 
 
 def noise_of(values: Array) -> float:
-    """Standard deviation of white noise on a smooth signal, from the third differences in the quietest part of the
-    record; at least that of rounding and of the steps in which it was digitised."""
+    """Return the standard deviation of white noise on a smooth signal, from the third differences in the quietest part
+    of the record; at least that of rounding and of the steps in which it was digitised."""
     steps = np.diff(np.unique(values))
     digits = float(steps.min()) / math.sqrt(12.0) if steps.size else 0.0
     third = np.abs(np.diff(values, 3))
@@ -114,12 +114,12 @@ def noise_of(values: Array) -> float:
 
 
 def least_noise(values: Array) -> float:
-    """Least standard deviation that the noise of a signal is taken to have."""
+    """Return the least standard deviation that the noise of a signal is taken to have."""
     return LEAST_NOISE * float(np.ptp(values))
 
 
 def bursts_of(signal: Signal) -> list[Burst]:
-    """The bursts of a channel in order of time. Raises NoDecay, which gives the reason.
+    """Return the bursts of a channel in order of time. Raises NoDecay, which gives the reason.
 
     Where less than half of them are there without higher modes, the others are beats of these.
     """
@@ -131,7 +131,7 @@ def bursts_of(signal: Signal) -> list[Burst]:
 
 
 def _bursts_of(signal: Signal, smooth_over: float) -> list[Burst]:
-    """The bursts of a channel that is smoothed over a part of a cycle."""
+    """Return the bursts of a channel that is smoothed over a part of a cycle."""
     from scipy.ndimage import maximum_filter1d, minimum_filter1d  # slow to import, all of them
     from scipy.signal import savgol_filter
 
@@ -184,7 +184,7 @@ def _bursts_of(signal: Signal, smooth_over: float) -> list[Burst]:
 
 
 def _peaks(swing: Array, length: int, least: float) -> list[int]:
-    """Indices where the swing has a local maximum above `least`, after having been much smaller."""
+    """Return indices where the swing has a local maximum above `least`, after having been much smaller."""
     from scipy.ndimage import maximum_filter1d
 
     around = maximum_filter1d(swing, 4 * length + 1, mode="nearest")
@@ -199,7 +199,7 @@ def _peaks(swing: Array, length: int, least: float) -> list[int]:
 
 
 def _frequency(signal: Signal) -> float:
-    """Frequency of the motion, Hz: weighted mean over the band with the most energy."""
+    """Return the frequency of the motion, Hz: weighted mean over the band with the most energy."""
     values = signal.values - signal.values.mean()
     size = values.size
     power = np.abs(np.fft.rfft(values, 1 << (size - 1).bit_length())) ** 2

@@ -48,13 +48,13 @@ _UNCONNECTED = "the transducer was not connected, or the wrong column was read"
 
 
 def require_signal(quantity: str, values: Array) -> None:
-    """ValueError when the values are all the same."""
+    """Raise ValueError when the values are all the same."""
     if not np.ptp(values) > 0.0:
         raise ValueError(f"{quantity} is constant ({values[0]:.6g}): {_UNCONNECTED}")
 
 
 def require_distinct(quantity: str, values: Array, driving: str, drive: Array) -> None:
-    """ValueError when a response is the excitation itself, scaled or with another offset: no rig moves like that."""
+    """Raise ValueError when a response is the excitation itself, scaled or with another offset: no rig moves like that."""
     count = min(values.size, drive.size)
     x, y = values[:count] - values[:count].mean(), drive[:count] - drive[:count].mean()
     square = float(y @ y)
@@ -103,14 +103,14 @@ def frequency(
 
 @lru_cache(maxsize=64)
 def _significant_for(freedom: int) -> float:
-    """Standard errors that are as rare as SIGNIFICANT ones, where so many degrees of freedom give the errors."""
+    """Return standard errors that are as rare as SIGNIFICANT ones, where so many degrees of freedom give the errors."""
     return float(-special.stdtrit(freedom, NEVER))
 
 
 def checked_cycles(
     channels: Mapping[str, CycleHarmonics], weights: Array, omega: float
 ) -> Iterator[Remark]:
-    """Warnings about cycles that are missing, and about the signals in the others.
+    """Yield warnings about cycles that are missing, and about the signals in the others.
 
     weights : cycles in each row that all channels have.   omega : of the drive, rad/s.   Raises ValueError when fewer
     than three cycles can be used, or a channel does not oscillate with the drive.
@@ -153,14 +153,14 @@ def checked_cycles(
 
 
 def is_clipped(harmonics: CycleHarmonics) -> bool:
-    """Whether the signal is cut off at a level in most cycles."""
+    """Return whether the signal is cut off at a level in most cycles."""
     return harmonics.clipped >= _CLIPPED_CYCLES
 
 
 def consistency(
     moved: dict[str, Complexes], weights: Array, omega: float
 ) -> tuple[dict[str, float], list[Remark]]:
-    """Whether displacement, velocity and acceleration are those of one motion: (skew of each in s, warnings).
+    """Check whether displacement, velocity and acceleration belong to one motion: (skew of each in s, warnings).
 
     moved : harmonics of each response as displacements, rows × harmonics. A channel that is significantly off in time
     or gain is corrected in place to agree with the first; ValueError when it is too far off to be a matter of either.
@@ -217,7 +217,7 @@ class _Change(NamedTuple):
 
 
 def _change(rows: Complexes, weights: Array, parts: float) -> _Change:
-    """The change of the rows along a line, a parabola and the difference between the first eighth and the rest.
+    """Return the change of the rows along a line, a parabola and the difference between the first eighth and the rest.
 
     Under white noise, the sum of squares of the real and imaginary parts along these three, over the variance, has an F
     distribution. The variance is that of successive differences, which a slow change does not raise, in the quieter
@@ -242,14 +242,14 @@ def _change(rows: Complexes, weights: Array, parts: float) -> _Change:
 
 @lru_cache(maxsize=8)
 def _slow(size: int) -> Array:
-    """An orthonormal basis of the slow changes of so many rows, without the constant, (rows, 3)."""
+    """Return an orthonormal basis of the slow changes of so many rows, without the constant, (rows, 3)."""
     s, first = np.linspace(-1.0, 1.0, size), np.arange(size) < max(1, size // 8)
     return np.linalg.qr(np.column_stack([np.ones(size), s, s**2, first]))[0][:, 1:]
 
 
 def few_bits(quantity: str, values: Array, noise: float) -> Iterator[Remark]:
-    """A warning where a converter with coarse steps recorded a signal: its rounding errors repeat from cycle to cycle,
-    and no scatter shows them. Noise of half a step and more makes them random.
+    """Yield a warning where a converter with coarse steps recorded a signal: its rounding errors repeat from cycle to
+    cycle, and no scatter shows them. Noise of half a step and more makes them random.
 
     noise : standard deviation, in the unit of the values.
     """
@@ -281,7 +281,7 @@ class Unsettled(ValueError):
 def steadiness(
     Y: Complexes, X: Complexes, times: Array, weights: Array, period: float, skipped: int = 0
 ) -> tuple[tuple[float, float], list[Remark]]:
-    """Whether the fundamentals of base and response stay as they are, against the scatter from cycle to cycle
+    """Check whether the fundamentals of base and response are steady, against the scatter from cycle to cycle
     (`_change`): the standard deviations of those that do not, over the record and as parts of them, and warnings.
 
     skipped : cycles that were left out before.
@@ -326,7 +326,7 @@ def steadiness(
 
 
 def plausible(Y: float, X: float, omega: float, driven_by: str) -> Iterator[Remark]:
-    """Warnings where amplitudes Y, X (m) are not those of a test bench: a unit may be wrong.
+    """Yield warnings where amplitudes Y, X (m) are not those of a test bench: a unit may be wrong.
 
     A wrong unit of all channels alike scales F_k, and nothing else: only the size can betray it. Accelerations of more
     than 100 g are nothing odd at high frequencies; speeds of tens of m/s are, and they become usual ones by a unit that
@@ -341,7 +341,7 @@ def plausible(Y: float, X: float, omega: float, driven_by: str) -> Iterator[Rema
 
 
 def harmonic_drive(mean: Complexes, error: Array, driven_by: str) -> Iterator[Remark]:
-    """A warning when base or force has more than one frequency: not all that is read counts its harmonics."""
+    """Yield a warning when base or force has more than one frequency: not all that is read counts its harmonics."""
     what = "the force" if driven_by == "force" else "the base motion"
     relative = _significant(mean, error)[2:]
     if relative.any():
@@ -360,7 +360,8 @@ def harmonic_drive(mean: Complexes, error: Array, driven_by: str) -> Iterator[Re
 
 
 def highest_of_base(mean: Complexes, error: Array) -> int:
-    """The highest harmonic of the base that stands out of its error; 1 where there is none beyond the fundamental.
+    """Return the highest harmonic of the base that stands out of its error; 1 where there is none beyond the
+    fundamental.
 
     Its work is of first order in the harmonic, so that ones far too small for a warning are counted, too.
     """
@@ -369,7 +370,8 @@ def highest_of_base(mean: Complexes, error: Array) -> int:
 
 
 def symmetry(mean: Complexes, error: Array) -> Iterator[Remark]:
-    """A warning when the response has even harmonics: friction or stiffness then differ between the two directions."""
+    """Yield a warning when the response has even harmonics: friction or stiffness then differ between the two
+    directions."""
     even = _significant(mean, error)[2::2]
     if even.any():
         yield Remark(
@@ -382,14 +384,15 @@ def symmetry(mean: Complexes, error: Array) -> Iterator[Remark]:
 
 
 def _significant(mean: Complexes, error: Array) -> Array:
-    """Size of each harmonic over the fundamental; 0 where it does not matter or does not stand out of its error."""
+    """Return the size of each harmonic over the fundamental; 0 where it does not matter or does not stand out of its
+    error."""
     relative = np.abs(mean) / abs(mean[1])
     real = (relative > _HARMONIC_MATTERS) & (np.abs(mean) > SIGNIFICANT * error)
     return np.where(real, relative, 0.0)
 
 
 def work(Y: complex, X: complex, Y_error: float, X_error: float) -> Iterator[Remark]:
-    """A warning when the base does not put work into the mass."""
+    """Yield a warning when the base does no work on the mass."""
     sine = -math.sin(math.atan2((X / Y).imag, (X / Y).real))
     error = math.hypot(X_error / abs(X), Y_error / abs(Y))
     if sine <= -SIGNIFICANT * error:
@@ -401,5 +404,5 @@ def work(Y: complex, X: complex, Y_error: float, X_error: float) -> Iterator[Rem
 
 
 def weighted_mean(rows: Complexes | Array, weights: Array) -> Any:
-    """Mean of the rows, each with its weight: a number of rows (n,), an array (h,) of rows (n, h)."""
+    """Return the mean of the rows, each with its weight: a number of rows (n,), an array (h,) of rows (n, h)."""
     return weights @ rows / weights.sum()

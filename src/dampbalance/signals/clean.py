@@ -59,7 +59,7 @@ def of_record(
     reading: ReadAt = "interpolated",
     slip_samples: int = 1,
 ) -> Features:
-    """Features of one steady response, read off a clean record of y, x, v and acceleration.
+    """Return features of one steady response, read off a clean record of y, x, v and acceleration.
 
     The cycle read is the first whole one that begins with a forward reversal (v from − to +, at x = −X).
 
@@ -95,7 +95,7 @@ def of_record(
         )
 
     def lock_in(signal: Array, n: int) -> complex:
-        """X_n e^{−iφ_n} of the signal over all whole cycles from the reversal on."""
+        """Return X_n e^{−iφ_n} of the signal over all whole cycles from the reversal on."""
         duration = per_cycle * math.floor((signal.size - 1 - cycle.start) / per_cycle)
         first = math.floor(cycle.start)
         kept = signal[first : math.ceil(cycle.start + duration) + 1]

@@ -1,4 +1,4 @@
-"""From a measurement to the harmonics of its steady state, with a warning for every fault of the record.
+"""The harmonics of the steady state of a measurement, with a warning for every fault of the record.
 
 Each channel is worked on in its own times: nothing is resampled. The drive frequency comes from the excitation; the
 harmonics from least squares, cycle by cycle (`cycles.py`); a slow drift of the offset is removed with what it adds to
@@ -120,11 +120,11 @@ class SteadyRecord:
         return multiples.pop() if len(multiples) == 1 else 0.0
 
     def mean(self, rows: Complexes) -> Complexes:
-        """Mean of the rows, each with its weight."""
+        """Return the mean of the rows, each with its weight."""
         return weighted_mean(rows, self.weights)
 
     def x_of(self, n: Integers) -> Complexes:
-        """Harmonics x_n of any orders, m, (h,), their phases counted from the peak of the base."""
+        """Return harmonics x_n of any orders, m, (h,), their phases counted from the peak of the base."""
         base = self.mean(self.Y[:, 1:2])[0]
         return self.mean(self.X)[n] * np.exp(-1j * n * np.angle(base))
 
@@ -138,7 +138,7 @@ def condition(
     skip_cycles: int = 0,
     base_mass: float | None = None,
 ) -> SteadyRecord:
-    """The steady state of a measurement.
+    """Return the steady state of a measurement.
 
     k : stiffness, N/m.   frequency_hz : the nominal drive frequency, compared with that of the excitation.
     skip_cycles : cycles left out at the start, when the motion has not settled.   base_mass : m, kg, where the contact
@@ -160,8 +160,8 @@ def condition(
 
 
 def in_equal_steps(channel: Channel, warnings: list[Remark]) -> Channel:
-    """The channel with times in equal steps: itself where they are; with a warning where they are off by more than the
-    rounding of times to few digits."""
+    """Return the channel with times in equal steps: itself where they are; with a warning where they are off by more
+    than the rounding of times to few digits."""
     t = np.linspace(channel.t[0], channel.t[-1], channel.t.size)
     off = float(np.abs(channel.t - t).max()) / (t[1] - t[0])
     if off <= _EXACT:
@@ -182,8 +182,8 @@ def _steady(
     base_mass: float | None,
     warnings: list[Remark],
 ) -> SteadyRecord:
-    """The steady record that harmonics are: in the rows that all channels have, in the time and at the frequency of the
-    drive, without drift, as displacements.
+    """Return the steady record that harmonics are: in the rows that all channels have, in the time and at the frequency
+    of the drive, without drift, as displacements.
 
     skipped : cycles left out at the start, as asked for.   warnings : on the samples; others are added.
     """
@@ -294,7 +294,7 @@ def _harmonics_of(
     skip_cycles: int,
     warnings: list[Remark],
 ) -> dict[str, CycleHarmonics]:
-    """The harmonics of every channel, by quantity, at the drive frequency of the leading part of the record."""
+    """Return the harmonics of every channel, by quantity, at the drive frequency of the leading part of the record."""
     drive = channels[driving]
     omega, error, cycles, begin = frequency_of(drive.t, drive.values, driving)
     period = 2.0 * math.pi / omega
@@ -325,7 +325,8 @@ def _harmonics_of(
 
 
 def _passed(quantity: str, harmonics: CycleHarmonics, omega: float) -> Complexes:
-    """What gain, delay and filters of a channel make of each harmonic, up to the highest that the filters pass."""
+    """Return the response of gain, delay and filters of a channel at each harmonic, up to the highest that the filters
+    pass."""
     correction = harmonics.correction or Correction()
     response = correction.response(omega * np.arange(harmonics.coefficients.shape[1]))
     passed = np.abs(response) > _FILTERED_OUT * correction.gain
@@ -338,7 +339,7 @@ def _passed(quantity: str, harmonics: CycleHarmonics, omega: float) -> Complexes
 
 
 def _of_displacement(quantity: str, count: int, omega: float, k: float) -> Complexes:
-    """What the harmonics of a quantity are multiplied with to be those of a displacement, m per unit; the mean of a
+    """Return the factors that turn the harmonics of a quantity into those of a displacement, m per unit; the mean of a
     rate counts as 0."""
     if quantity == "force":
         return np.full(count, 1.0 / k + 0j)
@@ -347,8 +348,8 @@ def _of_displacement(quantity: str, count: int, omega: float, k: float) -> Compl
 
 
 def _drifts(means: Sequence[Array], times: Array, weights: Array) -> Array:
-    """Slope and half the second derivative of a drifting offset in each row, 1/s and 1/s², (channels, rows, 2), from a
-    parabola through its means, (rows,) for each channel.   times : middle of the rows, s."""
+    """Return the slope and half the second derivative of a drifting offset in each row, 1/s and 1/s², (channels, rows,
+    2), from a parabola through its means, (rows,) for each channel.   times : middle of the rows, s."""
     degree, at = 2 if len(times) >= 8 else 1, times - times.mean()
     fitted = np.polyfit(at, np.transpose(means), degree, w=np.sqrt(weights))
     bend = fitted[0][:, None] * (degree == 2) * np.ones(at.size)
@@ -356,7 +357,8 @@ def _drifts(means: Sequence[Array], times: Array, weights: Array) -> Array:
 
 
 def _error(rows: Complexes, weights: Array) -> Array:
-    """Standard deviation of the real and of the imaginary part of the mean of each harmonic, from its scatter.
+    """Return the standard deviation of the real and of the imaginary part of the mean of each harmonic, from its
+    scatter.
 
     Smoothed over five neighbouring harmonics: of few cycles, each by itself would be a poor estimate.
     """
@@ -368,7 +370,7 @@ def _error(rows: Complexes, weights: Array) -> Array:
 
 
 def _scatter(rows: Complexes, weights: Array) -> Array:
-    """Variance of the real and of the imaginary part of each harmonic in one cycle."""
+    """Return the variance of the real and of the imaginary part of each harmonic in one cycle."""
     off = np.abs(rows - weighted_mean(rows, weights)) ** 2
     return weights @ off / (2.0 * (len(rows) - 1))
 
@@ -376,7 +378,7 @@ def _scatter(rows: Complexes, weights: Array) -> Array:
 def _combined(
     moved: Mapping[str, Complexes], errors: Mapping[str, Array]
 ) -> tuple[Complexes, Array]:
-    """The mean of the harmonics of all responses, weighted by inverse variance, and its standard deviations.
+    """Return the mean of the harmonics of all responses, weighted by inverse variance, and its standard deviations.
 
     errors : standard deviations of the mean of each harmonic.
     """
@@ -393,8 +395,8 @@ def _combined(
 
 
 def _bandwidth(mean: Complexes, error: Array, lowest: int = 1) -> int:
-    """The highest odd (lowest = 1) or even (2) harmonic that stands out of the noise (`CLEAR_HARMONIC`); two in a row
-    may be hidden."""
+    """Return the highest odd (lowest = 1) or even (2) harmonic that stands out of the noise (`CLEAR_HARMONIC`); two in
+    a row may be hidden."""
     orders = np.arange(lowest, len(mean), 2)
     clear = orders[(orders == lowest) | (np.abs(mean[orders]) > CLEAR_HARMONIC * error[orders])]
     ends = clear[np.diff(clear, append=math.inf) > 6]

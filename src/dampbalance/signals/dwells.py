@@ -80,13 +80,13 @@ def dwells_of(t: Array, values: Array) -> list[Dwell]:
 
 
 def _alike(one: Dwell, other: Dwell) -> bool:
-    """Whether two dwells are parts of one."""
+    """Return whether two dwells are parts of one."""
     steps = (one.amplitude / other.amplitude, one.hertz / other.hertz)
     return all(abs(math.log(step)) < 0.5 * _STEP for step in steps)
 
 
 def _steps(smooth: Array) -> Array:
-    """Numbers of the cycles before a step: where the medians on both sides differ by more than `_STEP`, at its
+    """Return numbers of the cycles before a step: where the medians on both sides differ by more than `_STEP`, at its
     steepest.   smooth : ln amplitude and ln period of each cycle, freed of single outliers, (2, n)."""
     ahead = smooth[:, 3:] - smooth[:, :-3]  # over three cycles, as a step is seldom within one
     size = np.abs(ahead).max(axis=0)
@@ -99,7 +99,7 @@ def _steps(smooth: Array) -> Array:
 
 
 def _cycles(t: Array, values: Array) -> tuple[Array, Array, Array]:
-    """Times of the upward crossings, s, (n + 1,), and amplitude and period of the cycles between them, (n,)."""
+    """Return times of the upward crossings, s, (n + 1,), and amplitude and period of the cycles between them, (n,)."""
     s = values - 0.5 * np.sum(np.quantile(values, (0.02, 0.98)))
     power = np.abs(np.fft.rfft(s)[1:]) ** 2
     clear = power > max(_OF_NOISE * float(np.median(power)), _OF_LARGEST * float(power.max()))

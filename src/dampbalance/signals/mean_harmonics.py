@@ -62,19 +62,19 @@ class Means:
     bias: Array
 
     def __getitem__(self, kept: Any) -> Means:
-        """Those of some drawings, by a list or a mask."""
+        """Return the means of some drawings, by a list or a mask."""
         return Means(*(getattr(self, part.name)[kept] for part in fields(self)))
 
     def followed_by(self, other: Means) -> Means:
-        """These means and, after them, others of the same record."""
+        """Return these means and, after them, others of the same record."""
         names = [part.name for part in fields(self)]
         return Means(*(np.concatenate([getattr(of, n) for of in (self, other)]) for n in names))
 
     def changed(
         self, drive: Array, response: Array, turn: Array, lever: Array, of_base: float = 0.0
     ) -> Means:
-        """One mean as r: base and response grown by the factors 1 + drive and 1 + response, the response turned by
-        `turn`, rad at the drive frequency, n times that at harmonic n; each (r,).
+        """Return one mean as r of them: base and response grown by the factors 1 + drive and 1 + response, the response
+        turned by `turn`, rad at the drive frequency, n times that at harmonic n; each (r,).
 
         lever : growth of what the drive does, the motion of the base by itself staying as it is.
         of_base : how many times the fundamental of the base was added to what was measured of the response.
@@ -203,8 +203,8 @@ class Reading:
         return replace(means, Y=np.array([self.lines.Y]), x=self.lines.x[None])
 
     def resampled(self, count: int, rng: np.random.Generator) -> Means:
-        """`count` bootstrap replicates of the means: of rows drawn with replacement, with random errors of the size
-        that a record which is not steady leaves in all of them alike."""
+        """Return `count` bootstrap replicates of the means: of rows drawn with replacement, with random errors of the
+        size that a record which is not steady leaves in all of them alike."""
         drawn, stretch = bootstrap(len(self.steady.weights), count, rng)
         means = self._drawn(drawn * self.steady.weights, stretch, 2.0)
         hidden = self._hidden
@@ -238,7 +238,7 @@ class Reading:
         )
 
     def _with(self, means: Means, off: Array | Complexes) -> Means:
-        """Means with errors in the order of `_hidden`, (r, e); the phase of the base has none."""
+        """Return means with errors in the order of `_hidden`, (r, e); the phase of the base has none."""
         Y, x, even, base = np.split(
             off, np.cumsum([1, means.x.shape[1], means.even.shape[1]]), axis=1
         )
@@ -247,7 +247,7 @@ class Reading:
         )
 
     def left_out(self) -> Means:
-        """Jackknife replicates of the means: without one group of rows after the other.
+        """Return jackknife replicates of the means: without one group of rows after the other.
 
         g groups (all rows, or 400): (g − 1)/g Σ (p_j − p̄)² over the replicates is the variance of any p.
         """
@@ -258,7 +258,7 @@ class Reading:
         return self._drawn(np.where(member == np.arange(groups)[:, None], 0.0, weights), 1.0, 1.0)
 
     def moved(self, means: Means) -> Array:
-        """Changes of the unknowns of the fit with these means of the record, (p, r), to first order."""
+        """Return changes of the unknowns of the fit with these means of the record, (p, r), to first order."""
         waveform = self.waveform
         if waveform is None:
             return np.zeros((0, len(means.Y)))
@@ -271,7 +271,7 @@ class Reading:
 
     @one_thread
     def features_of(self, means: Means, moved: Array | None = None) -> Features:
-        """The features of means of the record.
+        """Return the features of means of the record.
 
         moved : changes of the unknowns of the fit with them, (p, r); default, those by this record alone.
         """
@@ -324,7 +324,7 @@ class Reading:
 
     @one_thread
     def averaged_cycle(self, points: int = 720) -> dict[str, Array]:
-        """One cycle as the harmonics of the record and, beyond them, the waveform give it, for plots.
+        """Return one cycle as the harmonics of the record and, beyond them, the waveform give it, for plots.
 
         phase : ωt, the peak of the base at 0, rad.   x, v, acceleration : m, m/s, m/s².   y, w : of the base and its
         velocity, m, m/s.
@@ -336,12 +336,12 @@ class Reading:
         return cycle | {"y": of_base["x"], "w": of_base["v"]}
 
     def fitted_cycle(self, waveform: Waveform, points: int = 720) -> dict[str, Array]:
-        """One cycle of a waveform fitted to this record, in the columns of `averaged_cycle` without the base."""
+        """Return one cycle of a waveform fitted to this record, in the columns of `averaged_cycle` without the base."""
         x = waveform.tail
         return self._cycle(np.arange(1.0, 2.0 * x.size, 2.0), x, points)
 
     def _cycle(self, n: Array, x: Complexes, points: int) -> dict[str, Array]:
-        """Re Σ x_n e^{inθ} with its first two derivatives by time."""
+        """Return re Σ x_n e^{inθ} with its first two derivatives by time."""
         theta = np.linspace(0.0, 2.0 * math.pi, points, endpoint=False)
         rate, turned = 1j * n * self.steady.omega, np.exp(1j * np.outer(n, theta))
         cycle = {"phase": theta}
@@ -354,7 +354,8 @@ class Reading:
         return 0 if self.waveform is None else len(self.waveform.by_data)
 
     def series(self, means: Means, moved: Array | None = None) -> Series:
-        """The harmonics of r means of the response: the record's own, odd ones beyond them those of the waveform.
+        """Return the harmonics of r means of the response: the record's own, odd ones beyond them those of the
+        waveform.
 
         moved : as for `features_of`.
         """
@@ -377,7 +378,7 @@ class Reading:
 
     @one_thread
     def _drawn(self, drawn: Array, stretch: float, bias: float) -> Means:
-        """Means with the weights `drawn` of the rows, (r, rows), their deviations stretched."""
+        """Return means with the weights `drawn` of the rows, (r, rows), their deviations stretched."""
         steady, lines = self.steady, self.lines
         drawn = drawn / drawn.sum(axis=1, keepdims=True)
 
@@ -399,7 +400,7 @@ class Reading:
         )
 
     def _onset(self, means: Means, moved: Array) -> tuple[str, Array, Array]:
-        """Regime, L, (V_s, t_s, λ) of each mean, (r,) and (3, r); NaN where nothing slips.
+        """Return the regime, L, (V_s, t_s, λ) of each mean, (r,) and (3, r); NaN where nothing slips.
 
         L and λ grow with ρ²: the square of its error is taken off, twice where replicates have it twice.
         """
@@ -425,7 +426,7 @@ def read_features(
     frequency_hz: float | None = None,
     skip_cycles: int = 0,
 ) -> Reading:
-    """Features of the response of one measurement.
+    """Return features of the response of one measurement.
 
     k : stiffness, N/m.   frequency_hz : the nominal drive frequency, to compare with that of the excitation.
     skip_cycles : cycles left out at the start.   Raises ValueError naming the source when the record cannot be used.

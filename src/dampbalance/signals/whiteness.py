@@ -26,8 +26,8 @@ _SIGMAS, _SYSTEMATIC = 6.0, 0.05  # of the least of several such medians
 def averages(
     residuals: Sequence[Array], widths: Sequence[int], lost: int
 ) -> tuple[float, int, int]:
-    """F ratio of the averages of residuals, over so many samples in each, to the scatter about them, and its two
-    numbers of degrees of freedom.
+    """Return the F ratio of the averages of residuals, over so many samples in each, to the scatter about them, and its
+    two numbers of degrees of freedom.
 
     lost : degrees of freedom that the fit has taken.
     """
@@ -45,7 +45,8 @@ def averages(
 
 
 def chance_of_averages(residuals: Sequence[Array], widths: Sequence[int], lost: int) -> float:
-    """Probability that averages of white noise over these widths, or half, a quarter … of them, are as large."""
+    """Return the probability that averages of white noise over these widths, or half, a quarter … of them, are as
+    large."""
     chances = []
     while True:
         ratio, first, rest = averages(residuals, widths, lost)
@@ -56,7 +57,7 @@ def chance_of_averages(residuals: Sequence[Array], widths: Sequence[int], lost: 
 
 
 def chance_of_lines(residuals: Sequence[Array]) -> float:
-    """Probability that a spectrum of white noise has as sharp a line (Fisher's test)."""
+    """Return the probability that a spectrum of white noise has as sharp a line (Fisher's test)."""
     chances = [1.0]
     for residual in residuals:
         power = np.abs(np.fft.rfft(residual)[1:-1]) ** 2
@@ -69,7 +70,7 @@ def chance_of_lines(residuals: Sequence[Array]) -> float:
 
 
 def louder(residual: Array, values: Array, noise: float) -> float:
-    """How many times the noise of the samples themselves a residual is, where that is more than chance makes; else 1.
+    """Return the ratio of a residual to the noise of the samples themselves, where it exceeds chance; else 1.
 
     residual : in units of `noise`.   values : the samples.
     """

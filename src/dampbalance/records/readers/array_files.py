@@ -44,7 +44,8 @@ _NO_NUMBERS = (b"char", b"logical", "char", "logical")  # classes of MATLAB
 
 
 def hdf5_file(path: Path) -> Table:
-    """An HDF5 file, or one of MATLAB 7.3: every array of numbers in it is a channel, by its path.
+    """Return the table of an HDF5 file, or of one of MATLAB 7.3: every array of numbers in it is a channel, by its
+    path.
 
     Unit and sampling rate are attributes of the array, or of the groups that hold it, or scalars next to it.
     """
@@ -70,8 +71,8 @@ def hdf5_file(path: Path) -> Table:
 
 
 def _datasets(h5py: Any, file: Any) -> Iterator[tuple[str, Any, dict[str, object]]]:
-    """Every array of real numbers in a file: its path, itself and the attributes of its groups. Each is visited once,
-    by hard links alone."""
+    """Yield every array of real numbers in a file: its path, itself and the attributes of its groups. Each is visited
+    once, by hard links alone."""
     visited: list[tuple[str, Any]] = []
     file.visititems(lambda name, item: visited.append((name, item)))
     groups = {"": _attributes(file)}
@@ -91,7 +92,7 @@ def _datasets(h5py: Any, file: Any) -> Iterator[tuple[str, Any, dict[str, object
 
 
 def _attributes(item: Any) -> dict[str, object]:
-    """The attributes that may tell unit or timing."""
+    """Return the attributes that may tell unit or timing."""
     return {
         name: item.attrs[name]
         for name in item.attrs
@@ -100,9 +101,9 @@ def _attributes(item: Any) -> dict[str, object]:
 
 
 def matlab_file(path: Path) -> Table:
-    """A MATLAB 5 file: every real array in it is a channel, a field of a structure by "structure.field", with [1], [2],
-    … behind it where there is an array of structures. Where texts next to a matrix name its signals, they are called
-    by them. Raises RecordError for arrays too large for memory."""
+    """Return the table of a MATLAB 5 file: every real array in it is a channel, a field of a structure by
+    "structure.field", with [1], [2], … behind it where there is an array of structures. Where texts next to a matrix
+    name its signals, they are called by them. Raises RecordError for arrays too large for memory."""
     from scipy.io import whosmat  # slow to import
 
     reader = library("pymatreader", "MATLAB")
@@ -128,8 +129,8 @@ def matlab_file(path: Path) -> Table:
 
 
 def _unrolled(held: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any, str]]:
-    """Fields by their paths, with their units or "". Arrays of structures or of arrays have [1], [2], … behind them;
-    the signals of a matrix, and of the structure of one signal, the names that stand next to them."""
+    """Yield fields by their paths, with their units or "". Arrays of structures or of arrays have [1], [2], … behind
+    them; the signals of a matrix, and of the structure of one signal, the names that stand next to them."""
     labels, units = (
         next(
             (one for key, value in held.items() if key.lower() in keys and (one := _texts(value))),
@@ -164,7 +165,7 @@ def _unrolled(held: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, A
 
 
 def _texts(value: Any) -> list[str]:
-    """The texts of a field of MATLAB, one or several; none where it holds something else."""
+    """Return the texts of a field of MATLAB, one or several; none where it holds something else."""
     several = [value] if isinstance(value, str) else value
     if not isinstance(several, list | np.ndarray) or not all(
         isinstance(one, str) for one in several
@@ -174,8 +175,9 @@ def _texts(value: Any) -> list[str]:
 
 
 def numpy_file(path: Path) -> Table:
-    """An array of NumPy, or an archive of several: each is a channel, and so is each field or column of one that has
-    them; single numbers are rate, step or first time. Pickles are not loaded: arrays of objects are passed over."""
+    """Return the table of an array of NumPy, or of an archive of several: each is a channel, and so is each field or
+    column of one that has them; single numbers are rate, step or first time. Pickles are not loaded: arrays of objects
+    are passed over."""
     with intact(path, "NumPy"), open(path, "rb") as stream:
         if stream.read(2) == b"PK":
             with zipfile.ZipFile(stream) as packed:
@@ -197,7 +199,7 @@ def numpy_file(path: Path) -> Table:
 
 
 def _plain(load: Callable[[], Any]) -> Any:
-    """The array that a function loads; None for one of objects."""
+    """Return the array that a function loads; None for one of objects."""
     try:
         return load()
     except ValueError as error:
@@ -207,8 +209,9 @@ def _plain(load: Callable[[], Any]) -> Any:
 
 
 def json_file(path: Path) -> Table:
-    """Columns by name, as lists or as pandas writes them, or rows: mappings of names to cells, or lists of cells.
-    Points in time are texts, 2026-03-01T12:00:00.5; other texts and single values, except a rate, are passed over."""
+    """Return the table of a JSON file: columns by name, as lists or as pandas writes them, or rows: mappings of names
+    to cells, or lists of cells. Points in time are texts, 2026-03-01T12:00:00.5; other texts and single values, except
+    a rate, are passed over."""
     import pandas as pd  # slow to import
 
     if (size := path.stat().st_size) > _LARGEST_JSON:
@@ -235,7 +238,7 @@ def json_file(path: Path) -> Table:
 
 
 def _table(path: Path, held: Any, what: str) -> Table:
-    """The table of arrays in a file, without what is no signal and no rate."""
+    """Return the table of arrays in a file, without what is no signal and no rate."""
     if isinstance(held, Mapping):
         held = {
             str(name): values

@@ -32,8 +32,8 @@ _NO_SIZE = (0, 0xFFFFFFFF)  # what a program writes that does not know how long 
 
 
 def parquet_file(path: Path) -> Table:
-    """A Parquet file; the unit of a column from its field's metadata, else from its name. Points in time are read as s
-    from the first on."""
+    """Return the table of a Parquet file; the unit of a column from its field's metadata, else from its name. Points in
+    time are read as s from the first on."""
     types, parquet = (library(f"pyarrow.{name}", "Parquet") for name in ("types", "parquet"))
 
     def is_time(kind: Any) -> bool:
@@ -75,11 +75,11 @@ def parquet_file(path: Path) -> Table:
 
 
 def uff_file(path: Path) -> Table:
-    """A universal file: its time responses, data sets 58, with even or uneven abscissa, in text or binary. A channel
-    is called by the ID line or the component in which the channels differ and by its ordinate's label, or what the data
-    type says; by node and direction as well, where that leaves several alike or says not what moves. Of a file without
-    time responses its frequency responses: frequency, receptance, mobility or accelerance, and phase, "1/phase" of the
-    first of several."""
+    """Return the table of a universal file: its time responses, data sets 58, with even or uneven abscissa, in text or
+    binary. A channel is called by the ID line or the component in which the channels differ and by its ordinate's
+    label, or what the data type says; by node and direction as well, where that leaves several alike or says not what
+    moves. Of a file without time responses its frequency responses: frequency, receptance, mobility or accelerance, and
+    phase, "1/phase" of the first of several."""
     pyuff = library("pyuff", "a universal file")
     channels, arrays = [], []
     with intact(path, "a universal file"):
@@ -124,8 +124,8 @@ def uff_file(path: Path) -> Table:
 
 
 def _tidied(raw: bytes) -> bytes:
-    """The bytes of a universal file as the library reads them: heads in UTF-8; where no data set is binary, lines
-    without blanks at their ends, which it would take for numbers, and ended by a line feed alone."""
+    """Return the bytes of a universal file as the library reads them: heads in UTF-8; where no data set is binary,
+    lines without blanks at their ends, which it would take for numbers, and ended by a line feed alone."""
 
     def in_utf8(head: re.Match[bytes]) -> bytes:
         try:
@@ -139,8 +139,8 @@ def _tidied(raw: bytes) -> bytes:
 
 
 def _names(sets: Sequence[dict[str, Any]]) -> list[str]:
-    """The names of time responses: the first ID line, or the component of the response, in which they differ (the
-    third line is the date), and the label of the ordinate, unless the line has it already."""
+    """Return the names of time responses: the first ID line, or the component of the response, in which they differ
+    (the third line is the date), and the label of the ordinate, unless the line has it already."""
     keys = [k for k in _NAMING if len({_stated(item, k) for item in sets}) > 1] or ["id1"]
     raws = []
     for item in sets:
@@ -164,7 +164,8 @@ def _names(sets: Sequence[dict[str, Any]]) -> list[str]:
 
 
 def _degree(item: dict[str, Any], of: str) -> str:
-    """The degree of freedom of a response ("rsp") or of its reference ("ref"), node 2 +Z; "" where none is stated."""
+    """Return the degree of freedom of a response ("rsp") or of its reference ("ref"), node 2 +Z; "" where none is
+    stated."""
     node, direction = int(item[f"{of}_node"]), int(item[f"{of}_dir"])
     axis = ("", "X", "Y", "Z", "RX", "RY", "RZ")[min(abs(direction), 6)]
     parts = [
@@ -176,7 +177,7 @@ def _degree(item: dict[str, Any], of: str) -> str:
 
 
 def _frequency_response(item: dict[str, Any]) -> Iterator[tuple[str, str | None, Array]]:
-    """Frequency, amplitude and phase of a frequency response: name, unit and values."""
+    """Yield frequency, amplitude and phase of a frequency response: name, unit and values."""
     H, over = np.asarray(item["data"]), _stated(item, "orddenom_axis_units_lab") or "N"
     name = _RESPONSE_TYPES.get(int(item["ordinate_spec_data_type"]), "response")
     unit = _stated(item, "ordinate_axis_units_lab")
@@ -186,7 +187,8 @@ def _frequency_response(item: dict[str, Any]) -> Iterator[tuple[str, str | None,
 
 
 def tdms_file(path: Path) -> Table:
-    """A TDMS file: its channels, "group/channel" if there are several groups; step and unit are properties."""
+    """Return the table of a TDMS file: its channels, "group/channel" if there are several groups; step and unit are
+    properties."""
     nptdms, log = library("nptdms", "TDMS"), library("nptdms.log", "TDMS").log_manager
     # what the library complains about, and would read nevertheless; nothing of it reaches the screen
     complaints = io.StringIO()
@@ -225,7 +227,8 @@ def tdms_file(path: Path) -> Table:
 
 
 def wav_file(path: Path) -> Table:
-    """A WAV file: its channels are "channel 1", …, without unit; integers become parts of full scale, −1 to 1."""
+    """Return the table of a WAV file: its channels are "channel 1", …, without unit; integers become parts of full
+    scale, −1 to 1."""
     from scipy.io import wavfile
 
     with open(path, "rb") as stream:
@@ -256,13 +259,14 @@ def wav_file(path: Path) -> Table:
 
 
 def _stated(item: dict[str, str], *keys: str) -> str | None:
-    """The first text under these keys; a universal file says NONE for nothing."""
+    """Return the first text under these keys; a universal file says NONE for nothing."""
     texts = (item[key].strip() for key in keys)
     return next((text for text in texts if text.upper() not in ("", "NONE")), None)
 
 
 def lvm_file(path: Path) -> Table:
-    """A text file of LabVIEW: the channels of its one segment, with names and units, in the steps of its header."""
+    """Return the table of a text file of LabVIEW: the channels of its one segment, with names and units, in the steps
+    of its header."""
     reader = library("lvm_read", "a text file of LabVIEW")
     with intact(path, "a text file of LabVIEW"):
         document = reader.read(str(path), read_from_pickle=False, dump_file=False)

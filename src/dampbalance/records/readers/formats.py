@@ -1,4 +1,4 @@
-"""Which format a file has: by its suffix, and checked against what it begins with."""
+"""The format of a file, from its suffix, checked against its first bytes."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ FORMATS = {
 
 
 def format_by_suffix(path: Path) -> str:
-    """The short name of the format that the suffix stands for. Raises RecordError naming the suffixes known."""
+    """Return the short name of the format that the suffix stands for. Raises RecordError naming the suffixes known."""
     for name, kind in FORMATS.items():
         if path.suffix.lower() in kind.suffixes:
             return name
@@ -58,7 +58,7 @@ def format_by_suffix(path: Path) -> str:
 
 
 def content_of(path: Path) -> str | None:
-    """What the first bytes of a file say it is, matlab73 or a key of FORMATS; None for another format."""
+    """Return the format that the first bytes of a file show, matlab73 or a key of FORMATS; None for another format."""
     with open(path, "rb") as stream:
         head = stream.read(_HEAD)
     if re.match(rb"PK\x03\x04.{26}[^\x00]*?\.npy", head, re.DOTALL):
@@ -78,7 +78,7 @@ def content_of(path: Path) -> str | None:
 
 
 def require_showable(path: Path) -> None:
-    """RecordError for a name with control characters: it would stand in every report and figure."""
+    """Raise RecordError for a name with control characters: it would stand in every report and figure."""
     if visible(str(path)) != str(path):
         raise RecordError(
             f"{shortened(str(path), 200)}: its name has characters that cannot be shown; choose another"
@@ -86,8 +86,8 @@ def require_showable(path: Path) -> None:
 
 
 def checked_format(path: Path) -> str:
-    """The content (`content_of`) of a regular file that is there, not empty, and what its name says it is. Raises
-    RecordError otherwise."""
+    """Return the content (`content_of`) of a regular file that is there, not empty, and what its name says it is.
+    Raises RecordError otherwise."""
     require_showable(path)
     try:
         if path.is_dir():
