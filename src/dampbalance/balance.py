@@ -66,7 +66,8 @@ class Rows:
             raise ValueError(f"given {unknown} are no terms of these rows: {list(self.terms)}")
 
     def __getitem__(self, index: Any) -> Rows:
-        """Return the rows at `index`, an index of arrays: [[1, 0]] is two rows in that order, [:, 0] those of a case."""
+        """Return the rows at `index`, an index of arrays: [[1, 0]] is two rows in that order, [:, 0] those of a
+        case."""
         return replace(
             self,
             terms={symbol: integral[index] for symbol, integral in self.terms.items()},

@@ -86,7 +86,8 @@ class Record:
 
     @classmethod
     def from_frame(cls, frame: pd.DataFrame) -> Self:
-        """Return the record that `to_frame` described. Raises ValueError naming a column that is missing or not known."""
+        """Return the record that `to_frame` described. Raises ValueError naming a column that is missing or not
+        known."""
         known = list(RECORD_COLUMNS.values())
         if unknown := [str(name) for name in frame.columns if name not in known]:
             raise ValueError(f"unknown record columns {unknown}; known are {known}")

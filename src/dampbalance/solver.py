@@ -202,7 +202,8 @@ def _factorised(A: Array) -> tuple[Array, Array, Array, Array]:
 
 
 def _inverse_of_normal(R: Array, scale: Array) -> Array:
-    """Return (AᵀA)⁻¹ = H Hᵀ, (p, p, cases); H: inverse of the upper triangular R, in the units of the unscaled columns."""
+    """Return (AᵀA)⁻¹ = H Hᵀ, (p, p, cases); H: inverse of the upper triangular R, in the units of the unscaled
+    columns."""
     p, cases = scale.shape
     H, product = np.zeros((p, p, cases)), np.empty((p, p, cases))
     for column in range(p):

@@ -35,7 +35,7 @@ _CONVERGED = 1e-11  # of the displacement, velocity over ω and deflection over 
 def _motion(
     t: float, start: tuple[float, float], of_phase: tuple[float, float, float], drive: Complexes
 ) -> tuple[float, float]:
-    """Displacement gained, m, and velocity, m/s, a time t after the start of a phase.
+    """Return the displacement gained, m, and velocity, m/s, a time t after the start of a phase.
 
     start : ẋ, m/s, and constant force per mass, m/s², at the start.   of_phase : δ, Ω², ω.   drive : harmonic force per
     mass at the start, n = 1, 2, 3 …, m/s².
@@ -54,8 +54,8 @@ def _motion(
 
 @jit
 def _step(h: float, of_phase: tuple[float, float, float], count: int) -> Complexes:
-    """What a step of length h adds to (displacement, velocity) by ẋ, by the constant force and by each harmonic of the
-    drive, per mass, (2, 2 + count); the effect of a harmonic is the real part of its product with this."""
+    """Return what a step of length h adds to (displacement, velocity) by ẋ, by the constant force and by each harmonic
+    of the drive, per mass, (2, 2 + count); the effect of a harmonic is the real part of its product with this."""
     delta, Omega2, omega = of_phase
     J, S, R = step_response(h, delta, Omega2)
     by = np.empty((2, 2 + count), dtype=np.complex128)
@@ -67,7 +67,7 @@ def _step(h: float, of_phase: tuple[float, float, float], count: int) -> Complex
 
 @jit
 def _after(here: tuple[float, float], by: Complexes, drive: Complexes) -> tuple[float, float]:
-    """`_motion` after a step."""
+    """Return what `_motion` does, after a step."""
     u = here[0] * by[0, 0].real + here[1] * by[0, 1].real
     v = here[0] * by[1, 0].real + here[1] * by[1, 1].real
     for i in range(drive.size):
@@ -86,8 +86,8 @@ def _crossing(
     drive: Complexes,
     sticks: bool,
 ) -> float:
-    """The time in a step at which the deflection, in stick, or the velocity, in slip, passes a level, by the rule of
-    false position with Illinois weights.
+    """Return the time in a step at which the deflection, in stick, or the velocity, in slip, passes a level, by the
+    rule of false position with Illinois weights.
 
     level : z at the start of the step, in stick, the sign of the level, and its size.   end : length of the step and
     how far beyond the level it ends.   Others are as for `_motion`.
@@ -114,7 +114,7 @@ def _crossing(
 
 @jit
 def _turned(y: Complexes, turn: complex, scale: float) -> Complexes:
-    """scale · y_n turnⁿ, n = 1, 2, 3 …"""
+    """Return scale · y_n turnⁿ, n = 1, 2, 3 …"""
     turned, power = np.empty_like(y), turn
     for i in range(y.size):
         turned[i] = scale * y[i] * power
@@ -133,7 +133,8 @@ def _period(
     phases: Array,
     jacobian: Array,
 ) -> tuple[int, float, float, float]:
-    """(number of phases, x, ẋ, z) after a period from base phase θ on; `jacobian` (3, 3) receives the derivative.
+    """Return (number of phases, x, ẋ, z) after a period from base phase θ on; `jacobian` (3, 3) receives the
+    derivative.
 
     Rows of `phases` receive (t, s, x, ẋ, z). The number is 0 where there are more phases, or steps in one, than can be
     followed. Perturbations pass events as in `period_map.half_period_map`.
@@ -201,7 +202,8 @@ def _period(
 def _steady(
     state: tuple[float, float, float], theta: float, y: Complexes, par: Parameters, phases: Array
 ) -> int:
-    """Number of phases of the steady period from base phase θ on, written to `phases`; 0 where it was not found."""
+    """Return number of phases of the steady period from base phase θ on, written to `phases`; 0 where it was not
+    found."""
     x, v, z = state
     Z_m, jacobian = par.F_k / par.K_z, np.empty((3, 3))
     size = abs(x)
@@ -223,7 +225,8 @@ def _steady(
 def _in_stick(
     phases: Array, theta: float, y: Complexes, par: Parameters, count: int
 ) -> tuple[Array, Complexes]:
-    """ẋ dt at the nodes of Gauss's rule in all stick phases of a period, and e^{−iψ} there, ψ the phase of the base."""
+    """Return ẋ dt at the nodes of Gauss's rule in all stick phases of a period, and e^{−iψ} there, ψ the phase of the
+    base."""
     fastest = 2.0 * math.sqrt((par.k + par.K_z) / par.m) + 2.0 * (count + y.size) * par.omega
     ends, panels = np.empty(len(phases)), np.zeros(len(phases), dtype=np.int64)
     for i in range(len(phases)):
@@ -252,7 +255,7 @@ def _in_stick(
 
 
 def distorted_harmonics(orbit: Orbit, base: Complexes, count: int) -> Complexes:
-    """x_n, n = 1, 2 … count, m, of the steady motion of an orbit's oscillator under a base of several harmonics.
+    """Return x_n, n = 1, 2 … count, m, of the steady motion of an orbit's oscillator under a base of several harmonics.
 
     orbit : the motion under Re base[0] e^{iωt} alone, from which the search starts.   base : y_n, n = 1, 2 …, m; y_1 is
     real.   count : number of harmonics, even ones among them.

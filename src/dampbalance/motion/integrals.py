@@ -1,4 +1,4 @@
-"""What is read off an exact orbit: extremes, slip onset, energy terms and harmonics, phase by phase.
+"""Features of an exact orbit: extremes, slip onset, energy terms and harmonics, phase by phase.
 
 An orbit is given by the phases of its half cycle from the reversal at −X: rows (t, s, x, ẋ, z). Within a phase the
 velocity is ẋ = Re[V e^{iψ}] + q̇(t), ψ = θ + ωt the phase of the base and q the free motion, q̈ + 2δq̇ + Ω²q = 0. Its

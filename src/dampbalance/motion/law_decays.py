@@ -56,21 +56,22 @@ _MOST_EVENTS = 4096  # a motion with more is none that samples show
 
 @jit
 def rounding(u: Any, F_k: float, K_z: float) -> Any:
-    """Force of an Iwan contact of stiffness 2K_z, less that of a Jenkins contact of stiffness K_z, at a distance u ≥ 0
-    from a reversal, N: 2F_k s(1 − s), s = K_z u/(2F_k) ≤ 1. Both have yielded there; a number or an array."""
+    """Return the force of an Iwan contact of stiffness 2K_z, less that of a Jenkins contact of stiffness K_z, at a
+    distance u ≥ 0 from a reversal, N: 2F_k s(1 − s), s = K_z u/(2F_k) ≤ 1. Both have yielded there; a number or an
+    array."""
     s = np.minimum(0.5 * K_z / F_k * u, 1.0)
     return 2.0 * F_k * s * (1.0 - s)
 
 
 @jit
 def _persisting(v: float, p: Coefficients) -> float:
-    """The part e^(−|ẋ|/v) of what friction is larger by at rest that persists at a speed."""
+    """Return the part e^(−|ẋ|/v) of the excess of friction at rest that persists at a speed."""
     return math.exp(-abs(v) / p[_SPEED]) if p[_SPEED] > 0.0 else 0.0
 
 
 @jit
 def _added(x: float, v: float, sticks: bool, p: Coefficients) -> tuple[float, float, float]:
-    """The force that is not linear, and its derivatives by x and ẋ."""
+    """Return the force that is not linear, and its derivatives by x and ẋ."""
     size = abs(v)
     sign = 1.0 if v > 0.0 else (-1.0 if v < 0.0 else 0.0)
     force = (p[0] * size + p[1] * v * v) * v + p[2] * size + (p[3] + p[4] * x) * x * x
@@ -144,8 +145,8 @@ def _linear_step(
     by_rho: float,
     par: Parameters,
 ) -> None:
-    """A step like that of `_step` without `ADDED`: the motion is exact, and Simpson's rule integrates what acts on the
-    derivatives by c, ρ and m.   by_rho : acceleration that ρ adds by displacement."""
+    """Take a step like that of `_step` without `ADDED`: the motion is exact, and Simpson's rule integrates what acts on
+    the derivatives by c, ρ and m.   by_rho : acceleration that ρ adds by displacement."""
     h, J, S, R = w[flow, 0], w[flow, 4], w[flow, 5], w[flow, 6]
     C, D = 1.0 - Omega2 * J, -Omega2 * S
     for i in range(rows):
@@ -200,7 +201,7 @@ def _step(
     p: Coefficients,
     linear: bool,
 ) -> None:
-    """A step of length h of the motion and its derivatives.
+    """Take a step of length h of the motion and its derivatives.
 
     here, there : rows of the states.   rows : of a state, 1 for the motion alone, else 1 + n.
     flow : row of the responses of the phase, which are computed unless they are those of such a step.
@@ -274,7 +275,7 @@ def law_decay(
     coefficients: Array,
     unknowns: int,
 ) -> Array:
-    """x, ẋ or ẍ (order 0, 1, 2) of a free decay at ascending times ≥ 0, and derivatives, (n, 1 + unknowns).
+    """Return x, ẋ or ẍ (order 0, 1, 2) of a free decay at ascending times ≥ 0, and derivatives, (n, 1 + unknowns).
 
     NaN from where the contact rattles on.
 

@@ -50,7 +50,8 @@ _RIGID = 1e-11  # of X: microstick lines below it are rounding
 
 @cache
 def _rule(points: int) -> tuple[Array, Array, Array]:
-    """Return Gauss's points and weights on (0, 1), and the integrals from 0 to each point by the values at all of them."""
+    """Return Gauss's points and weights on (0, 1), and the integrals from 0 to each point by the values at all of
+    them."""
     nodes, weights, coefficients = _polynomials(points)
     integrals = legendre.legval(nodes, legendre.legint(coefficients, lbnd=-1)).T
     return 0.5 * (1.0 + nodes), 0.5 * weights, np.asarray(0.5 * integrals, dtype=np.float64)
@@ -67,7 +68,8 @@ def _integrals(points: int) -> tuple[Array, Array, Array]:
 
 @cache
 def _finer(points: int, more: int) -> tuple[Array, Array, Array]:
-    """Return points and weights of a finer rule, and the values at its points by those at the points of a coarse one."""
+    """Return points and weights of a finer rule, and the values at its points by those at the points of a coarse
+    one."""
     nodes, weights, _ = _polynomials(more)
     values = legendre.legval(nodes, _polynomials(points)[2])
     return 0.5 * (1.0 + nodes), 0.5 * weights, np.asarray(values.T)

@@ -136,7 +136,8 @@ class Orbit:
         return self._measures.W
 
     def harmonic(self, n: int) -> tuple[float, float]:
-        """Return (X_n, φ_n) of x = Σ X_n cos(nωt − φ_n), m and rad, for n = 1, 3, 5. Even harmonics vanish by symmetry."""
+        """Return (X_n, φ_n) of x = Σ X_n cos(nωt − φ_n), m and rad, for n = 1, 3, 5. Even harmonics vanish by
+        symmetry."""
         if whole("n", n) not in (1, 3, 5):
             raise ValueError(f"harmonic n must be 1, 3 or 5, got {n!r}")
         return getattr(self._measures, f"X_{int(n)}"), getattr(self._measures, f"phi_{int(n)}")

@@ -35,7 +35,7 @@ _Quartic = tuple[float, float, float, float, float]
 
 
 class Cycle(NamedTuple):
-    """What is read in one cycle, names and units as in `Features`; NaN where it was not reached.
+    """Readings of one cycle, names and units as in `Features`; NaN where it was not reached.
 
     trouble : 0, or why no slip onset was read.   how_many : of what the reason counts.
     start : place of the reversal at −X, counted in samples.

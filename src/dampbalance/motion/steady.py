@@ -46,7 +46,7 @@ def solve_steady(par: Parameters, most_radians: float = MOST_RADIANS) -> tuple[i
 
 @jit
 def solve_closed(par: Parameters, phases: Array) -> tuple[int, int, float]:
-    """As `solve_steady`, of an orbit without slip, without friction or with one slip onset per half cycle; the regime
+    """Solve as `solve_steady` an orbit without slip, without friction or with one slip onset per half cycle; the regime
     is NO_CLOSED_FORM for any other. A kernel of its own: few need the other, which takes as long to compile."""
     Z_m = par.F_k / par.K_z
     if Z_m == 0.0:
@@ -66,7 +66,7 @@ def solve_closed(par: Parameters, phases: Array) -> tuple[int, int, float]:
 
 @jit
 def solve_otherwise(par: Parameters, phases: Array, most_radians: float) -> tuple[int, int, float]:
-    """As `solve_steady`, of an orbit that slips, by its events."""
+    """Solve as `solve_steady` an orbit that slips, by its events."""
     found, count, theta = solve_general(par, phases, most_radians)
     if not found:
         return _NOT_FOUND, 0, 0.0

@@ -178,7 +178,8 @@ class Proposal:
         return [f"{line}{unit}}}  # {shows}unit guessed, the file has none"]
 
     def _is_time(self, i: int) -> bool:
-        """Return whether a channel is taken for the times: by the mapping, name or unit, or as the only one that rises."""
+        """Return whether a channel is taken for the times: by the mapping, name or unit, or as the only one that
+        rises."""
         if self.mapping.time is not None:
             return self.mapping.time in (i + 1, self.channels[i].name)
         if self.is_time is None:

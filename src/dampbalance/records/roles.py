@@ -221,7 +221,8 @@ class Roles:
         return [i for i in range(len(self.channels)) if i not in used and self.may_move(i)]
 
     def may_move(self, i: int) -> bool:
-        """Return whether a channel may hold a motion or a force: no time, no temperature, no counter, nothing constant."""
+        """Return whether a channel may hold a motion or a force: no time, no temperature, no counter, nothing
+        constant."""
         if holds_time(self.channels[i]):
             return False
         return i not in self.samples.aside and not self.axes.get(i)

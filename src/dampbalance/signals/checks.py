@@ -54,7 +54,8 @@ def require_signal(quantity: str, values: Array) -> None:
 
 
 def require_distinct(quantity: str, values: Array, driving: str, drive: Array) -> None:
-    """Raise ValueError when a response is the excitation itself, scaled or with another offset: no rig moves like that."""
+    """Raise ValueError when a response is the excitation itself, scaled or with another offset: no rig moves like
+    that."""
     count = min(values.size, drive.size)
     x, y = values[:count] - values[:count].mean(), drive[:count] - drive[:count].mean()
     square = float(y @ y)

@@ -159,7 +159,8 @@ def _keyed(table: Sequence[list[str]]) -> dict[str, list[str]]:
 
 
 def _stated_rate(table: Sequence[list[str]], decimal: str) -> float | None:
-    """Return samples per second as a line of a header gives them, or the interval between them; None where none does."""
+    """Return samples per second as a line of a header gives them, or the interval between them; None where none
+    does."""
     for key, cells in _keyed(table).items():
         number, _, unit = cells[1].partition(" ")
         step = key in (*STEP_NAMES, "interval")
