@@ -313,27 +313,33 @@ _SHORTEST = 1.0 / 256.0  # part of such a step
 _EQUIVALENCES = 3  # repetitions that bring c_e near that of the response
 
 
+class Solution(NamedTuple):
+    """The equations of a response, the unknowns that solve them, and their derivatives there, or near."""
+
+    system: System
+    unknowns: Array
+    matrix: Array
+
+
 @dataclass(frozen=True, eq=False)
 class Response:
     """The steady response of an oscillator with a law.
 
     orbit : exact, of the oscillator with the equivalent linear damper.   advance : phase by which the base of that
-    orbit is before the real one, rad.   system, unknowns, matrix : the equations of the response, where it is no orbit,
-    what solves them, and their derivatives.
+    orbit is before the real one, rad.   solution : of the equations of the response; None where it is an orbit.
     """
 
     orbit: Orbit
     advance: float
-    system: System | None = field(default=None, repr=False)
-    unknowns: Array | None = field(default=None, repr=False)
-    matrix: Array | None = field(default=None, repr=False)
+    solution: Solution | None = field(default=None, repr=False)
 
     @cached_property
     def change(self) -> Complexes | None:
         """x_n less that of the orbit, n = 1, 3 … 63, with the phases of the orbit, m; None where there is none."""
-        if self.system is None or self.unknowns is None:
+        if self.solution is None:
             return None
-        return self.system.harmonics(self.unknowns, HARMONICS) - self.orbit.harmonics(HARMONICS)
+        system, q, _ = self.solution
+        return system.harmonics(q, HARMONICS) - self.orbit.harmonics(HARMONICS)
 
     @property
     def turned(self) -> float:
@@ -343,10 +349,11 @@ class Response:
     @cached_property
     def _at(self) -> tuple[float, float, float, float] | None:
         """X, β, V_s and t_s of a response that is no orbit."""
-        if self.system is None or self.unknowns is None:
+        if self.solution is None:
             return None
-        X, beta, *onset = self.unknowns[sum(self.system.lengths) :].tolist()
-        V_s = self.system.half_cycle(self.unknowns, slopes=False).at[0, 2] if onset else 0.0
+        system, q, _ = self.solution
+        X, beta, *onset = q[sum(system.lengths) :].tolist()
+        V_s = system.half_cycle(q, slopes=False).at[0, 2] if onset else 0.0
         t_s = onset[0] if onset else 0.0
         return (X, beta, float(V_s), t_s) if self.slips else (X, beta, math.nan, math.nan)
 
@@ -373,17 +380,18 @@ class Response:
     @property
     def stick_travel(self) -> float:
         """λ = 4X − a, m: what sticking takes from the travel of a cycle."""
-        if self.system is None or self.unknowns is None:
+        if self.solution is None:
             return 4.0 * self.orbit.X - self.orbit.a
-        if len(self.system.lengths) == 1:
+        system, q, _ = self.solution
+        if len(system.lengths) == 1:
             return 4.0 * self.orbit.oscillator.Z_m
-        return 2.0 * float(self.system.half_cycle(self.unknowns, slopes=False).at[0, 1])
+        return 2.0 * float(system.half_cycle(q, slopes=False).at[0, 1])
 
     def harmonics(self, count: int) -> Complexes:
         """Return x_n of x = Re Σ x_n e^{inωt}, n = 1, 3 … 2 count − 1, m, shape (count,); y = Y cos ωt."""
         turn = np.exp(1j * np.arange(1, 2 * count, 2) * self.advance)
-        if self.system is not None and self.unknowns is not None:
-            return self.system.harmonics(self.unknowns, count) * turn
+        if self.solution is not None:
+            return self.solution.system.harmonics(self.solution.unknowns, count) * turn
         x = self.orbit.harmonics(count)
         return x * turn if self.advance else x
 
@@ -401,12 +409,13 @@ class Response:
     def state(self, t: ArrayLike) -> State:
         """Return (x, ẋ, ẍ, z) at the times t, s, any shape; y = Y cos ωt."""
         times, omega = numbers("t", t), self.orbit.motion.omega
-        if self.system is None or self.unknowns is None:
+        if self.solution is None:
             return self.orbit.state(times + self.advance / omega)
         half = math.pi / omega
         since = np.mod(times.ravel() + (self.advance - self.orbit.theta) / omega, 2.0 * half)
         mirrored = since >= half
-        state = self.system.state(self.unknowns, np.clip(since - half * mirrored, 0.0, half))
+        system, q, _ = self.solution
+        state = system.state(q, np.clip(since - half * mirrored, 0.0, half))
         return State(*(np.where(mirrored, -of, of).reshape(times.shape) for of in state))
 
     @property
@@ -455,14 +464,14 @@ def steady_response(
     if not others and further == NOTHING:
         own = replace(oscillator, c=linear)
         return Response(steady_orbit_near(own, base, start, most_radians=most_radians), advance)
-    if near is not None and near.system is not None:
+    if near is not None and near.solution is not None:
         extra = near.orbit.oscillator.c - linear
         orbit = steady_orbit(replace(oscillator, c=linear + max(extra, 0.0)), base)
     else:
         orbit, near = _equivalent(replace(oscillator, c=linear), base, others), None
     system = System.of(orbit, linear, others, further)
-    unknowns, matrix = _solved(system, near)
-    return Response(orbit, advance - unknowns[sum(system.lengths) + 1], system, unknowns, matrix)
+    solution = _solved(system, near)
+    return Response(orbit, advance - solution.unknowns[sum(system.lengths) + 1], solution)
 
 
 def _equivalent(oscillator: Oscillator, base: BaseMotion, others: Mapping[str, float]) -> Orbit:
@@ -481,22 +490,18 @@ def _equivalent(oscillator: Oscillator, base: BaseMotion, others: Mapping[str, f
 
 
 @np.errstate(over="ignore")  # a step that leads so far is halved like any other
-def _solved(system: System, near: Response | None) -> tuple[Array, Array]:
+def _solved(system: System, near: Response | None) -> Solution:
     """Return the unknowns of the response and the derivatives of its equations, by Newton's method from the orbit, or
     from a response near; from one that is very near, with its derivatives."""
     orbit, q, n = system.orbit, system.start(), sum(system.lengths)
-    if (
-        near is not None
-        and near.unknowns is not None
-        and near.matrix is not None
-        and near.unknowns.size == q.size
-    ):
-        q = near.unknowns.copy()
+    if near is not None and near.solution and near.solution.unknowns.size == q.size:
+        _, q, matrix = near.solution
+        q = q.copy()
         q[n + 1] -= math.remainder(orbit.theta - near.orbit.theta, 2.0 * math.pi)
-        step = -np.linalg.solve(near.matrix, system.equations(q, slopes=False)[0])
+        step = -np.linalg.solve(matrix, system.equations(q, slopes=False)[0])
         if float(np.abs(step / _scale(q, n)).max()) < _BESIDE:
             _require_kind(system, q + step)
-            return q + step, near.matrix
+            return Solution(system, q + step, matrix)
     left, matrix = system.equations(q)
     for _ in range(_MOST):
         step, before, part = -np.linalg.solve(matrix, left), np.linalg.norm(left), 1.0
@@ -506,7 +511,7 @@ def _solved(system: System, near: Response | None) -> tuple[Array, Array]:
         if size < _CONVERGED_STATE:
             q = q + step
             _require_kind(system, q)
-            return q, matrix
+            return Solution(system, q, matrix)
         left, matrix = system.equations(q + step)
         # a step as long is halved until it brings the equations nearer to balance
         while size > _FAR and part > _SHORTEST:

@@ -206,9 +206,8 @@ def _by_processor(views: Sequence[Array], threads: int | None) -> tuple[Array, C
     def solve(start: int) -> None:
         block = slice(start, start + _BLOCK)
         inputs = tuple(view.flat[block] for view in views)
-        part = np.empty(
-            (len(out), len(inputs[0]))
-        )  # contiguous: for another layout Numba would compile anew
+        # contiguous: for another layout Numba would compile anew
+        part = np.empty((len(out), len(inputs[0])))
         if _solve_closed_forms(inputs, part, regime[block]):
             _solve_others(inputs, part, regime[block])
         out[:, block] = part

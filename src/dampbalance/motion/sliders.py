@@ -36,9 +36,8 @@ MOST_SLIDERS = 200
 """Elements of a contact; the time for an orbit, a tenth of a second for so many, grows as the cube of their number."""
 
 _MOST_MAPS = 2000  # pairs of half periods; Newton's method takes ten or so
-_SHORTEST = (
-    1e-12  # of half a period: a last phase shorter than this is the rounding of the half period
-)
+# of half a period: a last phase shorter than this is the rounding of the half period
+_SHORTEST = 1e-12
 
 
 class Sliding(NamedTuple):

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 
 from ..arguments import floats, instance, items, mapping, one_of, text
 from ..arrays import Array, Complexes, ReadOnly
+from ..record import uneven
 from .coordinate import ROTATION, TRANSLATION, Coordinate
 from .errors import LARGEST_VALUE, LATEST, RecordError
 
@@ -37,7 +38,7 @@ ROTATING = {ROTATION.key(quantity): quantity for quantity in QUANTITIES}
 ORDERS = {q: [*ABSOLUTE.values()].index(unit) for q, unit in QUANTITIES.items() if unit != "N"}
 """How many times a motion is derived by time: 0 for a displacement, 2 for an acceleration."""
 
-_GAP, _JITTER = 1.5, 0.5  # steps: from here on a sample is missing, or in another one's place
+_JITTER = 0.5  # steps: from here on a sample is in another one's place
 
 
 def sample_times(rate_hz: float, start: float, first: int, count: int) -> Array:
@@ -132,8 +133,9 @@ class Channel:
                 beyond = f", beyond {bound:g}" if np.isfinite(array[i]) else ""
                 what = f"{what} {i} (counted from 0) is {array[i]}{beyond}"
                 raise ValueError(f"{this}: {what}; cut the record before it, or repair it")
-        if problem := _uneven(self.t):
-            raise ValueError(f"{this}: its time {problem}")
+        problem, remedy = uneven(self.t, _JITTER)
+        if problem:
+            raise ValueError(f"{this}: its time {problem}; {remedy}")
 
     def __len__(self) -> int:
         return self.values.size
@@ -144,30 +146,6 @@ class Channel:
         return self.coordinate.unit(QUANTITIES[self.quantity])
 
 
-def _uneven(t: Array) -> str:
-    """Say why times, (n,), are not in about equal steps, with the remedy; "" where they are."""
-    steps = np.diff(t)
-    step, least, most = float(np.median(steps)), int(np.argmin(steps)), int(np.argmax(steps))
-    off = np.abs(t - np.linspace(t[0], t[-1], t.size))
-    worst = int(np.argmax(off))
-    if steps[least] <= 0.0:
-        return (
-            f"does not increase from sample {least} to {least + 1} ({t[least]:.12g} s, {t[least + 1]:.12g} s); give "
-            "sample_rate_hz instead if it has too few digits"
-        )
-    if steps[most] > _GAP * step:
-        return (
-            f"has a gap of {steps[most]:g} s after {t[most]:.12g} s (sample {most}), its step is {step:g} s; use the "
-            "part before or after it"
-        )
-    if off[worst] > _JITTER * step:
-        return (
-            f"is not in equal steps: {t[worst]:.12g} s (sample {worst}) is {off[worst]:.2g} s off the grid of "
-            f"{step:g} s; resample the record, or give sample_rate_hz instead if only the digits are too few"
-        )
-    return ""
-
-
 def require_one_coordinate(source: str, coordinates: Mapping[str, Coordinate]) -> None:
     """Raise RecordError where some channels rotate and others do not.   coordinates : by the names of the channels."""
     first: dict[Coordinate, str] = {}
@@ -175,8 +153,8 @@ def require_one_coordinate(source: str, coordinates: Mapping[str, Coordinate]) -
         first.setdefault(coordinate, name)
     if len(first) > 1:
         raise RecordError(
-            f"{source}: {first[ROTATION]!r} is of a rotation and {first[TRANSLATION]!r} of a translation, and one "
-            "record has one of them: name the channels to read in its mapping"
+            f"{source}: {first[ROTATION]!r} rotates and {first[TRANSLATION]!r} moves along a line, and a record does "
+            "one of the two: name the channels to read in its mapping"
         )
 
 

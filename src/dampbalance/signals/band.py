@@ -92,20 +92,3 @@ def freedom(band: Band, duration: float) -> float:
     values (Welch–Satterthwaite with |H|⁴).
     """
     return 2.0 * (band.high - band.low) * duration
-
-
-def noise_variance(residual: Array, dt: float, band: Band, unknowns: float = 0.0) -> float:
-    """Return the variance σ² per sample of white noise whose part in the band is as large as a residual.
-
-    With it σ² (JᵀJ)⁻¹, J filtered like the residual, is the covariance of a fit. The sum of squares is σ² times
-    0.873 × `freedom` less one for each unknown: the filter takes more than its corners say.
-
-    residual : filtered, in the unit of the samples.   unknowns : that were fitted to them.
-    """
-    left = NOISE_PASSED * freedom(band, residual.size * dt) - unknowns
-    if not left > 0.0:
-        raise ValueError(
-            f"{residual.size * dt:.4g} s hold fewer independent values between {band.low:.4g} and {band.high:.4g} Hz "
-            f"than the {unknowns:g} unknowns: use a longer decay"
-        )
-    return float(np.sum(residual**2)) / left

@@ -45,9 +45,8 @@ def integrals(f: Array, dt: float, places: Array) -> Array:
     """
     end = (f.shape[-1] - 1) // 2 * 2
     first, middle, last = f[..., :end:2], f[..., 1:end:2], f[..., 2 : end + 1 : 2]
-    whole = np.zeros(
-        (*f.shape[:-1], end // 2 + 1)
-    )  # integrals of the pairs before each, in samples
+    # integrals of the pairs before each, in samples
+    whole = np.zeros((*f.shape[:-1], end // 2 + 1))
     np.cumsum((first + 4.0 * middle + last) / 3.0, axis=-1, out=whole[..., 1:])
     pair = np.minimum(places.astype(np.intp) // 2, end // 2 - 1)
     into = places - 2.0 * pair
