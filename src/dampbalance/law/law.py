@@ -99,7 +99,7 @@ class Law:
         for symbol, labels in self.groups.items():
             if len(labels) != records:
                 raise ValueError(
-                    f"the groups of {symbol} name {len(labels)} records, and there are {records}: one label for each"
+                    f"the groups of {symbol} have {len(labels)} labels for {records} records: give one for each"
                 )
 
     def require(self, frequencies_hz: Sequence[float], *, by_balance: bool = True) -> None:
@@ -116,7 +116,7 @@ class Law:
                 "alike, c = eta k/omega: leave out one of them, or add records at another frequency"
             )
         if not self.unknowns:
-            raise ValueError("every coefficient is given: there is nothing to identify")
+            raise ValueError("every coefficient is given: leave out one, to identify it")
         if by_balance and count < len(self.unknowns):
             needed = {1: "one level", 2: "two levels"}.get(
                 len(self.unknowns), f"{len(self.unknowns)} levels"

@@ -27,8 +27,6 @@ def law_response(oscillator: Oscillator, motion: BaseMotion, law: Mapping[str, f
         if of.group is not None:
             raise ValueError(f"{symbol} is the {words} of a group of records: name the term alone")
         if symbol in (FRICTION, "c"):
-            raise ValueError(
-                f"the {words} is that of the oscillator: set Oscillator.{symbol}, not the law's"
-            )
+            raise ValueError(f"the {words} belongs to the oscillator: set Oscillator.{symbol}")
         coefficients[symbol] = number("given", p, f"{symbol} ({words})")
     return steady_response(oscillator, motion, coefficients)

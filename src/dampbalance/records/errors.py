@@ -44,4 +44,4 @@ def require_size(path: object, numbers: int) -> None:
     """Raise RecordError for a record of more numbers than are taken into memory."""
     if numbers > LARGEST:
         much = f"{numbers:,} numbers, more than {LARGEST:,}"
-        raise RecordError(f"{path}: the channels read would be {much}; give a part of the record")
+        raise RecordError(f"{path}: the channels hold {much}; give a part of the record")

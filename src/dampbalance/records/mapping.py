@@ -209,7 +209,7 @@ def _contradictions(document: Mapping[str, Any]) -> Iterable[tuple[tuple[str | i
                 problem = "needs corner_hz, with its order, or poles_rad_per_s: one of the two"
                 yield (*key, part), problem
             elif "order" in stated and "corner_hz" not in stated:
-                problem = "order goes with corner_hz; poles_rad_per_s are as many as they are"
+                problem = "order belongs to corner_hz, poles_rad_per_s have none; leave it out"
                 yield (*key, part), problem
     rotating = [q for q in channels if q in ROTATING]
     if rotating and (others := [q for q in channels if q not in ROTATING]):
@@ -228,7 +228,7 @@ def _contradictions(document: Mapping[str, Any]) -> Iterable[tuple[tuple[str | i
             problem = f"{rule['channel']!r} is {other} already; a channel holds one quantity"
             yield ("channels", quantity, "channel"), problem
     if document.get("delimiter") == "," == document.get("decimal"):
-        yield ("decimal",), "the same as the delimiter; a file has two different marks"
+        yield ("decimal",), "is the delimiter, too; give two different marks"
 
 
 def _seconds(delay: float | str) -> float:

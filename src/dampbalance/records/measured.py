@@ -116,7 +116,7 @@ def in_words_of_records(
         if len(first) > 1:
             rotating, other = first[ROTATION], first[TRANSLATION]
             raise RecordError(
-                f"{rotating} is of a rotation and {other} of a translation: identify them separately"
+                f"{rotating} rotates and {other} moves along a line: identify them separately"
             )
         try:
             return identified(records, *args, **more)

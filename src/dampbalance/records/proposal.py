@@ -87,7 +87,7 @@ class Proposal:
     def lines(self) -> list[str]:
         """Return the mapping in YAML, each line with its reason, and what is left aside."""
         driving = [q for q in self.chosen if q in EXCITATIONS]
-        lines = ["channels:" if driving else "channels:  # none that drives: those of a free decay"]
+        lines = ["channels:" if driving else "channels:  # a free decay, without an excitation"]
         for quantity in (q for q in QUANTITIES if q in self.chosen):
             i = self.chosen[quantity]
             unit, scale, remark = self._in_unit(i, quantity)
@@ -126,7 +126,7 @@ class Proposal:
         raw, of_unit = self.channels[i], by_unit(self.channels[i])
         driven = any(q in EXCITATIONS for q in self.chosen)
         if of_unit is None and raw.unit and not find_other(raw.unit):
-            self.why[i] = f"its unit, {shortened(raw.unit)}, is that of no motion and no force"
+            self.why[i] = f"its unit, {shortened(raw.unit)}, is none of a motion or a force"
             return
         fitting = ["base_displacement"] * (not driven) + ["displacement"] * (not self.complete)
         reason = "neither name nor unit says what it is"

@@ -166,7 +166,7 @@ def _guesses(roles: Roles, picks: Sequence[Pick]) -> Iterator[str]:
     may be that against a base that moves."""
     names = [shortened(full_name(raw)) for raw in roles.channels]
     for axis in (i for i, why in roles.axes.items() if not why):
-        said = "is taken for the acceleration of the mass, the axis with the most motion"
+        said = "is used as the acceleration of the mass, as it is the axis with the most motion"
         yield f"{names[axis]} {said}; name another in {roles.where} if the mass moves along it"
     sizes = {roles.channels[pick.index].size for pick in picks}
     used = {i for pick in picks for i in (pick.index, pick.time)} | {*roles.axes}
@@ -181,7 +181,7 @@ def _guesses(roles: Roles, picks: Sequence[Pick]) -> Iterator[str]:
     moving = "force" not in chosen and any(q in EXCITATIONS for q in chosen)
     for quantity in ("displacement", "velocity"):
         if moving and quantity in chosen and roles.named(chosen[quantity]) is None:
-            said = f"is taken for the {quantity} of the mass against the ground, as nothing else is left"
+            said = f"is taken for the {quantity} of the mass against the ground, as no other channel can be"
             remedy = f"say relative_{quantity} in {roles.where} if it is measured against the base"
             yield f"{names[chosen[quantity]]} {said}; {remedy}"
 
@@ -284,7 +284,7 @@ def _require_moving(channel: str, pick: Pick, values: Array, unit: str) -> None:
         raise RecordError(f"{channel} is constant, {constant}; check transducer and mapping")
     if (swing := span * abs(pick.factor)) < errors.SMALLEST_RANGE:
         raise RecordError(
-            f"{channel} moves by {swing:.3g} {unit} in all, too little to mean anything; check its unit and scale"
+            f"{channel} moves by {swing:.3g} {unit} in all, less than a transducer resolves; check its unit and scale"
         )
     if span < errors.FINEST * max(abs(low), abs(high)):
         remedy = "check transducer and mapping, or take off its offset"
@@ -371,8 +371,8 @@ def _in_equal_steps(t: Array, where: str) -> Array:
     if np.ptp(t - line) > _WITHIN * q or bound > _ACCURATE:
         return t
     rounded = Remark(
-        "{} is rounded to {:.3g} s, its samples are {:.3g} s apart: {:.9g} samples a second are taken, from the line "
-        "through it, off by {:.3g} ppm at the most; give sample_rate_hz if known",
+        "{} is rounded to {:.3g} s at steps of {:.3g} s: a straight line through it gives {:.9g} samples a second, to "
+        "within {:.3g} ppm; give sample_rate_hz if known",
         *(where, q, step, 1.0 / step, 1e6 * bound),
         doubts={"": bound},
     )

@@ -58,7 +58,7 @@ class Samples:
             for i in everything[:_TRIED]:
                 self.values |= _samples(file, [i]) or {i: np.empty(0)}
                 if not self.values[i].size:
-                    self.aside[i] = "it holds what is no number"
+                    self.aside[i] = "it does not hold numbers"
         for i, values in self.values.items():
             raw, known = file.channels[i], values[np.isfinite(values)]
             if (other := unusable(raw)) is not None:

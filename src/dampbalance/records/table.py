@@ -135,8 +135,7 @@ def require_channels(path: Path, count: int) -> None:
 
 
 def signals_in(
-    path: Path,
-    arrays: Iterable[tuple[str, tuple[int, ...], dict[str, object], str | None]],
+    path: Path, arrays: Iterable[tuple[str, tuple[int, ...], dict[str, object], str | None]]
 ) -> tuple[list[RawChannel], list[Callable[[Any], Any]]]:
     """Return the channels of arrays (name, shape, attributes, unit), and what gives each out of all arrays by their
     names: an array itself, or its rows or columns if it has two. A signal runs along the longer side."""

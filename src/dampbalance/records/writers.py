@@ -42,7 +42,7 @@ def write(path: str | Path, measurement: Measurement) -> Path:
         )
     if corrected := [q for q in measurement if measurement[q].correction]:
         raise RecordError(
-            f"{path}: cannot hold that the {corrected[0]} is to be corrected for gain, delay or filters; keep the "
+            f"{path}: cannot store the correction of the {corrected[0]} for gain, delay or filters; keep the "
             "original with its mapping"
         )
     columns = _columns_of(measurement)

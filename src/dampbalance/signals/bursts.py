@@ -64,13 +64,12 @@ class Signal:
 class Burst:
     """A free decay, located roughly.
 
-    turn : time of a turn of the free motion, s.   side : ±1, where it turns.   swing : of the motion to the next turn,
-    m.   period : of the motion, s.   earliest, end : the burst begins and ends between these times, s.
+    turn : time of a turn of the free motion, s.   swing : of the motion to the next turn, m.   period : of the motion,
+    s.   earliest, end : the burst begins and ends between these times, s.
     last : whether no other burst follows.
     """
 
     turn: float
-    side: float
     swing: float
     period: float
     earliest: float
@@ -152,7 +151,7 @@ def _bursts_of(signal: Signal, smooth_over: float) -> list[Burst]:
     )
     peaks = _peaks(swing, length, least)
     if not peaks:
-        raise NoDecay("nothing in it stands out of the noise and decays")
+        raise NoDecay("no decaying motion in it exceeds the noise")
     # over two windows lies a whole cycle, and its largest swing
     widest = maximum_filter1d(swing, length, origin=ahead, mode="nearest")
     if all(
@@ -168,11 +167,9 @@ def _bursts_of(signal: Signal, smooth_over: float) -> list[Burst]:
         if signal.order == 1:
             half = 0.5 * (smooth[one] + smooth[other]) * (smooth[one] * smooth[other] > 0.0)
             turn = one + int(np.argmax((smooth[one:other] - half) * (smooth[one] - half) <= 0.0))
-        side = math.copysign(1.0, smooth[other] - smooth[one])
         bursts.append(
             Burst(
                 turn=float(signal.t[turn]),
-                side=-side if signal.order else side,
                 swing=float(swing[i]) * (period / (2.0 * math.pi)) ** signal.order,
                 period=period,
                 earliest=float(signal.t[before]),
@@ -214,7 +211,7 @@ def _frequency(signal: Signal) -> float:
     best = int(np.argmax(band))
     if not band[best] > 0.0:
         raise NoDecay(
-            f"no oscillation in it stands out of the noise; one of fewer than {SAMPLES_A_CYCLE} samples a cycle may not"
+            f"no oscillation in it exceeds the noise; one of fewer than {SAMPLES_A_CYCLE} samples a cycle may be missed"
         )
     inside = slice(low[best], high[best])
     return float(np.sum(f[inside] * energy[inside]) / np.sum(energy[inside]))

@@ -62,8 +62,8 @@ def require_distinct(quantity: str, values: Array, driving: str, drive: Array) -
     factor = float(x @ y) / square if square > 0.0 else 0.0
     if np.abs(x - factor * y).max() < ROUNDING * np.abs(x).max():
         raise ValueError(
-            f"{quantity} is {driving} itself, times {factor:.6g}: one channel was read as both; say in the mapping "
-            "which holds which"
+            f"{quantity} is {driving} itself, times {factor:.6g}: both were read from one channel; name the channel "
+            "of each in the mapping"
         )
 
 
@@ -95,8 +95,8 @@ def frequency(
     if abs(off) > max(_MATTERS, _significant_for(max(1, cycles - 2)) * spread / hertz):
         size = f"{signed(1e6 * off)} ppm" if abs(off) < 1e-3 else f"{signed(100.0 * off, 2)} %"
         yield Remark(
-            f"{words} ({{}}): it was rounded, or the clock of the generator or the recorder is off; the frequency "
-            "found is used",
+            f"{words} ({{}}): the given one was rounded, or the clock of the generator or the recorder is off; the "
+            "measured frequency is used",
             *(at, spread, given, Shown(off, size)),
             doubts={"": abs(off)},
         )
@@ -158,16 +158,12 @@ def is_clipped(harmonics: CycleHarmonics) -> bool:
     return harmonics.clipped >= _CLIPPED_CYCLES
 
 
-def consistency(
-    moved: dict[str, Complexes], weights: Array, omega: float
-) -> tuple[dict[str, float], list[Remark]]:
-    """Check whether displacement, velocity and acceleration belong to one motion: (skew of each in s, warnings).
+def consistency(moved: dict[str, Complexes], weights: Array, omega: float) -> Iterator[Remark]:
+    """Yield warnings where displacement, velocity and acceleration are not those of one motion.
 
     moved : harmonics of each response as displacements, rows × harmonics. A channel that is significantly off in time
     or gain is corrected in place to agree with the first; ValueError when it is too far off to be a matter of either.
     """
-    skew: dict[str, float] = {}
-    warnings: list[Remark] = []
     first, *others = moved
     reference = moved[first][:, 1]
     mean = weighted_mean(reference, weights)
@@ -179,27 +175,25 @@ def consistency(
         gain, phase = abs(ratio), math.atan2(ratio.imag, ratio.real)
         if abs(gain - 1.0) > _AMPLITUDE_WRONG or abs(phase) > _PHASE_WRONG:
             raise ValueError(
-                f"{name} contradicts {first}: at the drive frequency it stands for {gain:.4g} times the motion, "
+                f"{name} contradicts {first}: at the drive frequency it shows {gain:.4g} times the motion, "
                 f"{signed(math.degrees(phase), 1)}° apart; check units, sign and calibration, or leave one of the two "
                 "out"
             )
         late = abs(phase) > max(SIGNIFICANT * error, _MATTERS)
         scaled = abs(gain - 1.0) > max(SIGNIFICANT * error, _GAIN_MATTERS)
         if late:
-            skew[name] = -phase / omega
             words = (
-                "{} {} {} by {:.1f} ± {:.1g} µs: shifted to agree; whether the excitation is in time with either, a "
-                "record cannot tell"
+                "{} {} {} by {:.1f} ± {:.1g} µs: shifted to agree; a record cannot show whether the excitation is in "
+                "time with either"
             )
-            lags = "lags" if skew[name] > 0.0 else "leads"
-            sizes = (name, lags, first, 1e6 * abs(skew[name]), 1e6 * error / omega)
-            warnings.append(Remark(words, *sizes, doubts={"": abs(phase)}))
+            lags = "lags" if phase < 0.0 else "leads"
+            sizes = (name, lags, first, 1e6 * abs(phase) / omega, 1e6 * error / omega)
+            yield Remark(words, *sizes, doubts={"": abs(phase)})
         if scaled:
-            words = "{} stands for {:.5f} times the motion of {}: scaled to agree; check the calibration"
-            warnings.append(Remark(words, name, gain, first, doubts={"": abs(gain - 1.0)}))
+            words = "{} shows {:.5f} times the motion of {}: scaled to agree; check the calibration"
+            yield Remark(words, name, gain, first, doubts={"": abs(gain - 1.0)})
         n = np.arange(moved[name].shape[1])
         moved[name] = moved[name] * np.exp(-1j * n * phase * late) / (gain if scaled else 1.0)
-    return skew, warnings
 
 
 class _Change(NamedTuple):
@@ -260,8 +254,8 @@ def few_bits(quantity: str, values: Array, noise: float) -> Iterator[Remark]:
     whole = np.round(steps / step)
     if (np.abs(steps / step - whole) <= _LATTICE * whole).all():
         yield Remark(
-            "{} has {:.1f} effective bits, below 12, and no noise of the size of a step: rounding repeats in each "
-            "cycle, and standard errors do not show it; lower the measuring range",
+            "{} has {:.1f} effective bits, below 12, and its noise is less than half a step: the rounding error "
+            "repeats in each cycle, and standard errors miss it; lower the measuring range",
             *(quantity, math.log2(span / step)),
             doubts={"": step / span},
         )
@@ -305,7 +299,7 @@ def steadiness(
             "(chance of that in noise: {})"
         )
         if found.turn > _TURNS_ALONE * found.size:
-            words += "; its phase alone drifts, as if two clocks had sampled the channels or friction grew"
+            words += "; only its phase drifts, as with two sampling clocks or growing friction"
         chance = Shown(found.chance, "below 1e-6" if found.chance < 1e-6 else f"{found.chance:.1g}")
         sizes: tuple[str | float, ...] = (name, part(found.size), part(found.turn), chance)
         # of a change in proportion to time, from end to end, and to either side of the mean
@@ -348,7 +342,7 @@ def harmonic_drive(mean: Complexes, error: Array, driven_by: str) -> Iterator[Re
     if relative.any():
         yield Remark(
             "{} is not harmonic: {} distortion, most of it harmonic {} ({}); direct "
-            "integration and the fit of one oscillator count all its harmonics, everything else the fundamental only",
+            "integration and the fit of one oscillator include all its harmonics, all others the fundamental only",
             *(
                 what,
                 part(math.hypot(*relative)),
@@ -376,8 +370,8 @@ def symmetry(mean: Complexes, error: Array) -> Iterator[Remark]:
     even = _significant(mean, error)[2::2]
     if even.any():
         yield Remark(
-            "the response is not symmetric: harmonic {} is {} of the fundamental; direct integration counts the "
-            "even harmonics, everything else is read off the symmetric part",
+            "the response is not symmetric: harmonic {} is {} of the fundamental; direct integration includes the "
+            "even harmonics, all other results are those of the symmetric part",
             *(2 * int(np.argmax(even)) + 2, part(even.max())),
             doubts={"": float(even.max())},
             spares=_BY_HARMONICS,
@@ -398,8 +392,8 @@ def work(Y: complex, X: complex, Y_error: float, X_error: float) -> Iterator[Rem
     error = math.hypot(X_error / abs(X), Y_error / abs(Y))
     if sine <= -SIGNIFICANT * error:
         yield _doubtful(
-            "the response leads the excitation (sin φ₁ = {:.4f}), so that no work is put in: is a sign turned, or are "
-            "two channels exchanged?",
+            "the response leads the excitation (sin φ₁ = {:.4f}), so that the base takes work out: check the sign of "
+            "each channel, and whether two are exchanged",
             sine,
         )
 

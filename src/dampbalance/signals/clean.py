@@ -27,15 +27,7 @@ from ..arrays import Array
 from ..features import Features, of_numbers
 from ..motion.integrals import wrapped
 from ..motion.regime import Regime
-from ..motion.sampled import (
-    LATE,
-    NO_CORNER,
-    NO_CYCLE,
-    REVERSALS,
-    SHORT_STICK,
-    integral,
-    read_cycle,
-)
+from ..motion.sampled import LATE, NO_CORNER, NO_CYCLE, REVERSALS, SHORT_STICK, integral, read_cycle
 from ..record import Record
 
 ReadAt = Literal["interpolated", "sample"]
@@ -53,11 +45,7 @@ _TROUBLES = {
 
 
 def of_record(
-    record: Record,
-    omega: float,
-    k: float,
-    reading: ReadAt = "interpolated",
-    slip_samples: int = 1,
+    record: Record, omega: float, k: float, reading: ReadAt = "interpolated", slip_samples: int = 1
 ) -> Features:
     """Return features of one steady response, read off a clean record of y, x, v and acceleration.
 

@@ -41,12 +41,7 @@ from ..records.measurement import (
 )
 from . import checks
 from .checks import ROUNDING, weighted_mean
-from .cycles import (
-    CycleHarmonics,
-    cycle_harmonics,
-    frequency_offset,
-    powers,
-)
+from .cycles import CycleHarmonics, cycle_harmonics, frequency_offset, powers
 from .drive import LEADING, frequency_of, step_of
 from .one_thread import one_thread
 
@@ -78,7 +73,6 @@ class SteadyRecord:
     where the response is symmetric.   base_bandwidth : the highest harmonic of the base, 1 where it is harmonic.
     channels : harmonics of each channel, corrected, by quantity.
     noise_rms : of the samples, by quantity, in the unit of the channel.
-    skew : by how much each response lags the first, s, as corrected (only where it is significant).
     of_base : by how many times the motion Y of the drive the displacement that each response was turned into differs
     from what was measured, 1 for one measured against the base; by quantity.   base_mass : as for `condition`.
     warnings : what is wrong with the record, one sentence each, which says what it leaves in doubt.
@@ -103,7 +97,6 @@ class SteadyRecord:
     base_bandwidth: int
     channels: Mapping[str, CycleHarmonics]
     noise_rms: Mapping[str, float]
-    skew: Mapping[str, float]
     of_base: Mapping[str, float]
     base_mass: float | None
     warnings: tuple[Remark, ...]
@@ -167,7 +160,7 @@ def in_equal_steps(channel: Channel, warnings: list[Remark]) -> Channel:
     if off <= _EXACT:
         return channel
     if off > GRID_TOLERANCE:
-        words = "{}: times are not uniform, they lie up to {} of a step off equal steps, which are taken"
+        words = "{}: times are up to {} of a step off equal steps, which are used instead"
         warnings.append(Remark(words, visible(channel.name), part(off)))
     return replace(channel, t=t)
 
@@ -230,14 +223,13 @@ def _steady(
         ratio = base_mass * omega**2 / k
         Y = Y * (ratio * np.arange(Y.shape[1]) ** 2.0)
         of_base = {q: of / ratio for q, of in of_base.items()}
-    skew, inconsistencies = checks.consistency(moved, weights, omega)
+    warnings += checks.consistency(moved, weights, omega)
     errors = {q: _error(of, weights) for q, of in moved.items()}
     if len(set(of_base.values())) == 1:  # else the error of the base is in some only
         for q, error in own.items():
             errors[q][1] = error
     X, X_error = _combined(moved, errors)
     mean_Y, mean_X = weighted_mean(Y, weights), weighted_mean(X, weights)
-    warnings += inconsistencies
     if samples[driving].coordinate == TRANSLATION:  # nothing bounds an angle
         warnings += checks.plausible(abs(mean_Y[1]), abs(mean_X[1]), omega, driving)
     period = 2.0 * math.pi / base.omega
@@ -280,7 +272,6 @@ def _steady(
         base_bandwidth=checks.highest_of_base(mean_Y, Y_error),
         channels=dict(channels) | corrected,
         noise_rms=noise_rms,
-        skew=skew,
         of_base=of_base,
         base_mass=base_mass,
         warnings=tuple(warnings),
@@ -332,8 +323,8 @@ def _passed(quantity: str, harmonics: CycleHarmonics, omega: float) -> Complexes
     passed = np.abs(response) > _FILTERED_OUT * correction.gain
     if not passed[1]:
         raise ValueError(
-            f"{quantity}: its filter leaves less than {_FILTERED_OUT:g} of the {omega / (2.0 * math.pi):.4g} Hz of the "
-            "drive: check its corner or poles in the mapping"
+            f"{quantity}: its filter passes less than {_FILTERED_OUT:g} of the drive, {omega / (2.0 * math.pi):.4g} "
+            "Hz; check its corner or poles in the mapping"
         )
     return response if passed.all() else response[: int(np.argmin(passed))]
 

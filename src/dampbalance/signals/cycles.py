@@ -147,13 +147,13 @@ def drive_frequency(t: Array, values: Array, dt: float) -> tuple[float, float]:
         cycles = math.floor((t[-1] - t[0] + dt * (1.0 + 1e-6)) * hertz)
         if cycles < FEWEST_CYCLES:
             raise ValueError(
-                f"the signal is {t[-1] - t[0]:.4g} s long, {cycles} whole cycles of the {hertz:.4g} Hz found in it; at "
+                f"the signal is {t[-1] - t[0]:.4g} s long, {cycles} whole cycles of its {hertz:.4g} Hz; at "
                 f"least {FEWEST_CYCLES} are needed"
             )
         highest = min(3, math.floor(per_cycle / 4.0))
         if highest < 1:
             raise ValueError(
-                f"{per_cycle:.1f} samples per cycle of the {hertz:.4g} Hz found are too few"
+                f"{per_cycle:.1f} samples per cycle at {hertz:.4g} Hz are too few: sample faster"
             )
         harmonics = cycle_harmonics(
             t, values, omega, start=float(t[0]), dt=dt, harmonics=highest, cycles=cycles
@@ -212,7 +212,7 @@ class _Cycles:
                 f"{self.period / dt:.1f} samples per cycle are too few for {harmonics} harmonics"
             )
         if self.shortest > _MOST_AT_ONCE:  # and the drive is not what it seems
-            raise ValueError(f"{self.shortest} samples per cycle are more than can be worked on")
+            raise ValueError(f"{self.shortest} samples per cycle are more than {_MOST_AT_ONCE}")
         self.longest = self.shortest + 2  # rounding of times may give and take a sample
         self.drift = np.zeros((2, harmonics + 1), dtype=np.complex128)
         self.n, self.last = np.arange(harmonics + 1), np.arange(self.shortest, self.longest)

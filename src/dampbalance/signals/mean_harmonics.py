@@ -420,11 +420,7 @@ class Reading:
 
 
 def read_features(
-    measurement: Measurement,
-    k: float,
-    *,
-    frequency_hz: float | None = None,
-    skip_cycles: int = 0,
+    measurement: Measurement, k: float, *, frequency_hz: float | None = None, skip_cycles: int = 0
 ) -> Reading:
     """Return features of the response of one measurement.
 

@@ -15,29 +15,15 @@ from typing import Any
 import numpy as np
 
 from ..errors import RecordError, library, require_size
-from ..table import (
-    TIMING_NAMES,
-    UNIT_NAMES,
-    Table,
-    intact,
-    signals_file,
-    signals_in,
-    unit_among,
-)
+from ..table import TIMING_NAMES, UNIT_NAMES, Table, intact, signals_file, signals_in, unit_among
 from ..units import split_label
 
 _LARGEST_JSON = 400_000_000  # bytes, of which the numbers take ten times as many in memory
 _BYTES = 8  # of a number
 # fields of MATLAB that name the signals next to them, and those that hold their times
 _LABELS = (
-    "names",
-    "name",
-    "labels",
-    "label",
-    "channels",
-    "channelnames",
-    "channel_names",
-    "signalnames",
+    *("names", "name", "labels", "label"),
+    *("channels", "channelnames", "channel_names", "signalnames"),
 )
 _TIMES = ("t", "time", "times", "timestamp", "timestamps", "zeit")
 _NO_NUMBERS = (b"char", b"logical", "char", "logical")  # classes of MATLAB
@@ -215,8 +201,8 @@ def json_file(path: Path) -> Table:
     import pandas as pd  # slow to import
 
     if (size := path.stat().st_size) > _LARGEST_JSON:
-        much = f"{size / 1e6:.3g} MB, more than {_LARGEST_JSON / 1e6:g}"
-        raise RecordError(f"{path}: has {much} MB, which JSON may have; save it as CSV or HDF5")
+        much = f"{size / 1e6:.3g} MB, more than the {_LARGEST_JSON / 1e6:g} MB"
+        raise RecordError(f"{path}: has {much} that are read as JSON; save it as CSV or HDF5")
     with intact(path, "JSON"):
         held = json.loads(path.read_bytes())
         if isinstance(held, dict) and {"columns", "data"} <= held.keys():

@@ -271,7 +271,7 @@ def lvm_file(path: Path) -> Table:
     with intact(path, "a text file of LabVIEW"):
         document = reader.read(str(path), read_from_pickle=False, dump_file=False)
         if document["Segments"] != 1:
-            remedy = "a record is one: keep that of one level"
+            remedy = "a record has one: keep that of one level"
             raise RecordError(f"{path}: holds {document['Segments']} segments; {remedy}")
         segment = document[0]
         names = [name.strip() for name in segment["Channel names"]]

@@ -108,7 +108,7 @@ def checked_format(path: Path) -> str:
         much = f"{size / 1e9:.3g} GB, more than the {LARGEST_FILE / 1e9:g} GB"
         raise RecordError(f"{path}: has {much} that are read; give a part of the record")
     if content is None:
-        remedy = "its first bytes are of no format known here, perhaps it is damaged"
+        remedy = "its first bytes are those of no known format; it may be damaged"
         raise RecordError(f"{path}: is not {kind.title}, as its name says; {remedy}")
     if content not in kind.contents:
         known = FORMATS["matlab" if content == "matlab73" else content]

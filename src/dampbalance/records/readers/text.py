@@ -35,9 +35,8 @@ _SAMPLE_CHARACTERS = 2_000_000
 _ROWS_TO_AGREE = 20
 _COMMENTS = "#%"
 _BRACKETS = "[](){} "
-_SLOWEST = (
-    20.0  # Hz: nothing is sampled more slowly; an interval without a unit is in ms then, or a count
-)
+# Hz: nothing is sampled more slowly; an interval without a unit is in ms then, or a count
+_SLOWEST = 20.0
 # first cells of the lines of names and of units in the header of a logger
 _NAMES, _UNITS = ("channel_name", "channel_names", "channel", "name"), ("unit", "units")
 _MISSING = {"", "na", "n/a", "null", "none"} | {
@@ -222,8 +221,8 @@ def _no_rows(path: Path, lines: Sequence[str], comment: str, mapping: RecordMapp
     skipped = mapping.header_lines
     where = "" if skipped is None else f" after {skipped} header lines"
     return (
-        f"{path}: holds no rows of at least two numbers{where}; texts are not read, nor dates but as "
-        "2026-03-01T12:00:00.5: export the times in seconds, or say delimiter, decimal and header_lines in a mapping"
+        f"{path}: holds no rows of at least two numbers{where}; neither texts nor dates are read, except "
+        "2026-03-01T12:00:00.5: export the times in seconds, or state delimiter, decimal and header_lines in a mapping"
     )
 
 
@@ -384,7 +383,7 @@ def _complaint(
     path, width = layout.path, len(channels)
     for number, cells in layout.rows():
         if any(cells[width:]) or len(cells) <= max(wanted):
-            remedy = "mend it, or cut the file before it"
+            remedy = "repair it, or cut the file before it"
             return f"{path}: line {number} has {len(cells)} cells, the others {width}; {remedy}"
         for i in wanted:
             cell, time = cells[i], channels[i].stamps
