@@ -251,7 +251,7 @@ class Approach(str):
     rows: Callable[[Features, ArrayLike], Rows]
     label: str = ""
     takes_phase: bool = False
-    terms: Sequence[str] | str = ("F_k", "c")  # of (6)
+    terms: Sequence[str] | str = ("F_k", "c")  # those of (6)
     integral: Callable[[Features, ArrayLike, str], Array] | None = None
 
     def __new__(cls, name: str, *_: Any, **__: Any) -> Approach:
@@ -350,7 +350,7 @@ APPROACHES: dict[str, Approach] = {
 """The built-in approaches by the name that configurations and tables know them by: to add one is a function and an
 entry here."""
 
-_TAKEN = ("simpson", "fit")  # what approaches are compared with
+_TAKEN = ("simpson", "fit")  # answers that approaches are compared with
 
 
 def approach(name: str) -> Approach:

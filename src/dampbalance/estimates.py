@@ -39,7 +39,7 @@ def estimate_columns() -> list[str]:
         # least squares of more levels than terms only
         *(term.error_column for term in TERMS.values()),
         "residual",  # ‖A p − W‖ / ‖W‖
-        "K_z_N_per_m",  # from F_k and the mean length of the microstick line
+        "K_z_N_per_m",  # F_k over the mean length of the microstick line
         "note",  # why a number is missing
     ]
 

@@ -97,7 +97,7 @@ def solve(rows: Rows) -> Estimate:
         estimate = _solved(current)
         again = rows.weighted(estimate.values).weights
         assert again is not None
-        again = np.where(np.isfinite(again), again, weights)  # of rows without errors
+        again = np.where(np.isfinite(again), again, weights)  # rows without errors keep theirs
         change = np.where(rows.usable, np.abs(again / weights - 1.0), 0.0).max(axis=0)
         moving &= change > _SETTLED  # a case that has settled stays, whatever the others do
         if not moving.any():

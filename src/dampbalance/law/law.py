@@ -10,7 +10,7 @@ from ..arguments import items, mapping, names, number
 from .terms import FRICTION, Term, in_order, symbols_in_words, term
 
 _GIVEN = "a mapping of symbols to coefficients"
-_ONE_AMPLITUDE = 1.001  # of two frequencies: nearer ones are one
+_ONE_AMPLITUDE = 1.001  # ratio of two frequencies: nearer ones count as one
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,7 @@ class Law:
             named = getattr(self, name)
             for symbol in named:
                 if symbol not in self.terms:
-                    term(symbol)  # which says what is known
+                    term(symbol)  # raises with the known ones
                     raise ValueError(
                         f"{symbol} is {what} and no term of the law: add it to the terms {', '.join(self.terms)}"
                     )

@@ -287,7 +287,7 @@ def symbols_in_words(symbols: Sequence[str]) -> str:
     return " and ".join([", ".join(symbols[:-1]), symbols[-1]] if len(symbols) > 1 else symbols)
 
 
-_POINTS_OF_TERM = 512  # of a cycle, at least; |ẋ|³ has a jump in its third derivative, and the rule an error of 1e-9
+_POINTS_OF_TERM = 512  # least number in a cycle; |ẋ|³ has a jump in its third derivative, and the rule an error of 1e-9
 _PER_HARMONIC = 8
 
 

@@ -23,12 +23,12 @@ from .orbit import NoSteadyOrbit, Orbit
 from .regime import Regime
 
 _STEPS_PER_RADIAN = 4.0
-_MOST_STEPS = 100_000  # of a phase: a contact so stiff stands for a rigid one
+_MOST_STEPS = 100_000  # steps in a phase: a contact that takes more is as good as rigid
 _MOST_PHASES = 512
-_MOST_TRIALS = 60  # of the time of an event, of which about eight are needed
-_ROUNDING = 1e-14  # of what an event's quantity changes by in a step
+_MOST_TRIALS = 60  # trials for the time of an event; about eight are needed
+_ROUNDING = 1e-14  # relative to the change of an event's quantity in a step
 _NEWTON = 40
-_CONVERGED = 1e-11  # of the displacement, velocity over ω and deflection over a period
+_CONVERGED = 1e-11  # relative to the displacement: change of the state over a period
 
 
 @jit
@@ -184,7 +184,7 @@ def _period(
         J, S, R = step_response(high, delta, kappa / par.m)
         for j in range(3):
             dx, dv, dz = jacobian[0, j], jacobian[1, j], jacobian[2, j]
-            offset = dz - dx if sticks else 0.0  # of the contact point: constant in stick
+            offset = dz - dx if sticks else 0.0  # the contact point stays in stick
             pull = par.K_z / par.m * offset
             jacobian[0, j] = (1.0 - kappa / par.m * J) * dx + S * dv - J * pull
             jacobian[1, j] = -kappa / par.m * S * dx + R * dv - S * pull
@@ -215,7 +215,7 @@ def _steady(
         if abs(off[0]) + abs(off[1]) / par.omega + abs(off[2]) < _CONVERGED * size:
             return count
         step = np.linalg.solve(np.eye(3) - jacobian, off)
-        if not abs(step[0]) + abs(step[1]) / par.omega < size:  # nor is NaN
+        if not abs(step[0]) + abs(step[1]) / par.omega < size:  # NaN is not
             step = off
         x, v, z = x + step[0], v + step[1], min(max(z + step[2], -Z_m), Z_m)
     return 0

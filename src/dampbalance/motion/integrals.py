@@ -29,7 +29,7 @@ PANEL = 8.0
 """Radians of the fastest oscillation of an integrand: 12 Gauss points are then exact to rounding."""
 
 GAUSS_NODES, GAUSS_WEIGHTS = (np.ascontiguousarray(a) for a in np.polynomial.legendre.leggauss(12))
-"""Of the rule on [−1, 1]."""
+"""Gauss's rule on [−1, 1]."""
 
 
 class Measures(NamedTuple):

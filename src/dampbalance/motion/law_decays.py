@@ -33,10 +33,10 @@ DECAY_UNKNOWNS = (*OSCILLATOR_UNKNOWNS, "x", "v", "w", *ADDED)
 preload w of the contact spring, and `ADDED`."""
 
 LINEAR_UNKNOWNS = len(OSCILLATOR_UNKNOWNS) + 3
-"""How many of these a fit of friction and viscous damping needs."""
+"""Number of these that a fit of friction and viscous damping needs."""
 
 Coefficients = tuple[float, float, float, float, float, float, float, float]
-"""Those of `ADDED`."""
+"""Values of the coefficients in `ADDED`."""
 
 _START_X, _START_V, _START_PRELOAD = range(len(OSCILLATOR_UNKNOWNS), LINEAR_UNKNOWNS)
 _FIRST_ADDED = LINEAR_UNKNOWNS
@@ -44,13 +44,13 @@ _FALLING, _SPEED, _GRADUAL = range(5, len(ADDED))
 # Rows of the work space, (15, 1 + n): a row is the motion, or a force on it, and its n derivatives. It is handed on
 # whole, as each array that is handed on costs as much as a tenth of a step.
 _STAGE, _HALF = 0, 4  # accelerations of the four stages of a step; x and ẋ after half of it
-_HELD, _CONSTANT = 6, 7  # of a phase, see `_hold`
+_HELD, _CONSTANT = 6, 7  # constants of a phase, see `_hold`
 _STATE = 8  # x − x₀ and ẋ here, and there
 _FLOW = 12  # h, J, S, R over h/2, J, S, R over h: of slip, of stick, of a step to an event
-_RADIANS = 0.3  # of a phase that a step takes at the most: derivatives are then exact to 1e-5
+_RADIANS = 0.3  # longest step, in radians of a phase: derivatives are then exact to 1e-5
 _EQUAL = 1e-10  # relative difference of two steps that rounding makes between thousands of times
 _NEWTONS = 20
-_REACHED = 1e-13  # of a step: an event is located
+_REACHED = 1e-13  # steps: an event is located to this
 _MOST_EVENTS = 4096  # a motion with more is none that samples show
 
 
@@ -287,7 +287,7 @@ def law_decay(
     w = np.zeros((15, rows))
     c = coefficients
     p = (c[0], c[1], c[2], c[3], c[4], c[5], c[6], c[7])
-    # for a literal each kernel would be compiled once more
+    # a literal would have each kernel compiled once more
     here, there, stage = int(np.int64(_STATE)), int(np.int64(_STATE + 2)), int(np.int64(_STAGE))
     w[_HELD, 0], w[here + 1, 0] = x, v
     w[_HELD, 1 + _START_X], w[here + 1, 1 + _START_V] = 1.0, 1.0

@@ -41,11 +41,11 @@ from .regime import Regime
 from .states import State
 
 HARMONICS = 32
-"""Odd harmonics of what other terms add to an orbit."""
+"""Number of odd harmonics of the change that other terms make to an orbit."""
 
 # Points of a phase: exact for the 63rd harmonic over half a cycle and more.
 _POINTS, _MOST_POINTS = 40, 400
-_RIGID = 1e-11  # of X: microstick lines below it are rounding
+_RIGID = 1e-11  # relative to X: shorter microstick lines are rounding
 
 
 @cache
@@ -306,9 +306,10 @@ class System:
 
 
 _MOST = 40  # steps
-_CONVERGED_STATE = 1e-8  # of the unknowns: what a step as short leaves, its square, is rounding
-_BESIDE = 1e-5  # of the unknowns: what a step as short leaves with derivatives from there, its square, is 1e-10
-_FAR = 0.3  # of the unknowns: a step as long may lead away
+# relative to the unknowns: a step as short leaves its square, which is rounding
+_CONVERGED_STATE = 1e-8
+_BESIDE = 1e-5  # relative to the unknowns: a step as short, with derivatives from there, leaves its square, 1e-10
+_FAR = 0.3  # relative to the unknowns: a step as long may lead away
 _SHORTEST = 1.0 / 256.0  # part of such a step
 _EQUIVALENCES = 3  # repetitions that bring c_e near that of the response
 
@@ -558,7 +559,7 @@ def added_by_base(base: Complexes, response: Response, count: int) -> Complexes:
         with interpreted(False):  # it takes hundreds of steps
             change = distorted_harmonics(orbit, y, 2 * count)[::2] - orbit.harmonics(count)
     except NoSteadyOrbit:
-        # as if it slipped on
+        # approximately, with a contact that always slips
         own, rates = orbit.oscillator, n * orbit.motion.omega
         forced = np.zeros(2 * count, dtype=np.complex128)
         forced[1 : y.size] = own.k * y[1 : forced.size]

@@ -17,8 +17,9 @@ from .events import PHASE_T, PHASE_V, PHASE_X
 ACCEPTED = 1e-12
 """Energy norm of s + Φ(s), relative to that of s, where rounding stops the descent."""
 
-_CONVERGED = 1e-14  # the same, where nothing is left to gain
-_SINGULAR = 1e-9  # of 1 + ∂Φ/∂s, about π times the damping ratio: less is rounding
+_CONVERGED = 1e-14  # relative energy norm at which the descent ends
+# least singular value of 1 + ∂Φ/∂s, about π times the damping ratio: less is rounding
+_SINGULAR = 1e-9
 
 
 def mirrored_state(

@@ -28,9 +28,9 @@ from .period_map import half_period_map
 from .regime import Regime
 from .steady import NO_CLOSED_FORM, solve_closed
 
-_MOST_PHASES = 256  # of half a cycle
+_MOST_PHASES = 256  # phases of half a cycle
 _MOST_MAPS = 8
-# as in `period_map`, and the shortest last phase as in `steady`
+# tolerances of `period_map`, and the shortest last phase of `steady`
 _CONVERGED, _ACCEPTED, _SHORTEST = 1e-14, 1e-12, 1e-12
 
 

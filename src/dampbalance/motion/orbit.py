@@ -33,7 +33,7 @@ RANGES = {
     "K_z_over_k": (1e-4, 1e8),
     "F_k_over_kY": (1e-6, 1e6),
 }
-"""Where the exact solution is known to hold: the energy balance of 1,400 orbits drawn from here closes to 1e-6."""
+"""Ranges in which the exact solution is tested: the energy balance of 1,400 orbits drawn from here closes to 1e-6."""
 
 MOST_EVENTS = 2e4
 """Highest natural frequency on the contact over that of the drive: a stiff contact chatters, event by event."""
@@ -41,7 +41,7 @@ MOST_EVENTS = 2e4
 FEATURES = ("X", "X_s", "V_s", "t_s", "phi", "phi_zero_crossing", "a", "b", "W")
 SHOWN_FIRST = ("X", "phi", "W")
 _SIGNS = {"v": r"\dot x", "acceleration": r"\ddot x"}
-_POINTS = 2001  # of a period that is drawn
+_POINTS = 2001  # points of a period that is drawn
 
 
 class NoSteadyOrbit(ArithmeticError):

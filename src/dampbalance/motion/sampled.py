@@ -28,7 +28,7 @@ _SIDE = 4  # samples of one phase through which its acceleration is continued
 _FEWEST = 3  # stick samples below which there is no line to meet the corner
 
 NO_CYCLE, REVERSALS, NO_CORNER, SHORT_STICK, LATE = range(1, 6)
-"""Why a cycle or its slip onsets could not be read."""
+"""Reasons why a cycle or its slip onsets could not be read."""
 
 _Cubic = tuple[Any, Any, Any, Any]
 _Quartic = tuple[float, float, float, float, float]

@@ -36,7 +36,7 @@ MOST_SLIDERS = 200
 """Elements of a contact; the time for an orbit, a tenth of a second for so many, grows as the cube of their number."""
 
 _MOST_MAPS = 2000  # pairs of half periods; Newton's method takes ten or so
-# of half a period: a last phase shorter than this is the rounding of the half period
+# relative to half a period: a shorter last phase is the rounding of the half period
 _SHORTEST = 1e-12
 
 
@@ -80,7 +80,8 @@ def _pass(state: Array, s: float, theta: float, limit: float, of: Sliding, carri
     """Take a state to the end of its phase, or to `limit`, s; return the duration.   carried : as for `follow`."""
     par, z, changes = of.par, state[2:], carried[2:]
     phase = _phase(state, s, theta, of)
-    lower, upper = -math.inf, math.inf  # of the displacement gained, while no other element slips
+    # bounds of the displacement gained, while no other element slips
+    lower, upper = -math.inf, math.inf
     for j in range(z.size):
         if s * z[j] < of.r[j]:
             lower, upper = max(lower, -of.r[j] - z[j]), min(upper, of.r[j] - z[j])

@@ -21,10 +21,10 @@ from .regime import Regime
 
 MAX_PHASES = 16384  # of a period; an orbit with more events is reported as not found
 NO_CLOSED_FORM = 255
-"""What `solve_closed` returns as the regime of an orbit that `solve_otherwise` must find."""
+"""Regime that `solve_closed` returns for an orbit that `solve_otherwise` must find."""
 
 _NOT_FOUND, _ONE_SLIP, _SEVERAL_SLIPS, _NO_SLIP, _NO_FRICTION = map(int, Regime)
-# Of half a period: a last phase shorter than this is the rounding of the half period.
+# Part of half a period: a shorter last phase is the rounding of the half period.
 _SHORTEST = 1e-12
 
 

@@ -22,8 +22,8 @@ from .integrals import GAUSS_NODES, GAUSS_WEIGHTS, PANEL
 from .jit import jit
 from .regime import Regime
 
-_RADIANS = 4.0  # of the fastest of Ω, 2δ and ω: a series so long loses two digits at most
-_TERMS = 36  # with which such a series ends below rounding
+_RADIANS = 4.0  # radians of the fastest of Ω, 2δ and ω: a series so long loses two digits at most
+_TERMS = 36  # terms of such a series, the last below rounding
 _PLACES = 0.5 * (1.0 + GAUSS_NODES)
 # Velocity of a series of the displacement over a panel, times the weight of Gauss's rule, (terms, places).
 _RATES = (np.arange(_TERMS) * _PLACES[:, None] ** np.maximum(np.arange(_TERMS) - 1.0, 0.0)).T

@@ -45,7 +45,7 @@ _MEANINGS = {word: meaning for meaning, words in WORDS.items() for word in words
 _HINTS = {"reference": "base"} | dict.fromkeys(
     ("hammer", "load", "friction", "reibung", "reibkraft"), "force"
 )
-_PASSED_OVER = "angular"  # of an angular velocity: the unit says so
+_PASSED_OVER = "angular"  # the unit shows that a velocity is angular
 _BODIES = ("base", "mass", "relative")
 _SHORTEST = 3  # letters of a word that may be part of another
 _TIME = re.compile(

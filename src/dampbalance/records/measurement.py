@@ -19,14 +19,14 @@ from .coordinate import ROTATION, TRANSLATION, Coordinate
 from .errors import LARGEST_VALUE, LATEST, RecordError
 
 EXCITATIONS = {"base_displacement": "m", "base_acceleration": "m/s²", "force": "N"}
-"""What drives the oscillator, one of these, or none in a free decay; a force f stands for the base motion y = f/k."""
+"""Excitations: one of these drives the oscillator, none in a free decay; a force f stands for a base motion y = f/k."""
 
 ABSOLUTE = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s²"}  # against the ground
 RELATIVE = {f"relative_{quantity}": unit for quantity, unit in ABSOLUTE.items()}
-"""What the mass does against the base, x − y: what a transducer between the two reads."""
+"""Motions of the mass relative to the base, x − y, which a transducer between the two reads."""
 
 RESPONSES = ABSOLUTE | RELATIVE
-"""What the mass does, at least one of these. Where a force drives, and in a free decay, the base is at rest and a
+"""Responses of the mass, at least one of these. Where a force drives, and in a free decay, the base is at rest and a
 relative motion is an absolute one."""
 
 QUANTITIES = EXCITATIONS | RESPONSES
@@ -36,7 +36,7 @@ ROTATING = {ROTATION.key(quantity): quantity for quantity in QUANTITIES}
 """Quantities of a record that rotates, angle, torque, …, and what each stands for in the equations of a translation."""
 
 ORDERS = {q: [*ABSOLUTE.values()].index(unit) for q, unit in QUANTITIES.items() if unit != "N"}
-"""How many times a motion is derived by time: 0 for a displacement, 2 for an acceleration."""
+"""Order of the time derivative of each motion: 0 for a displacement, 2 for an acceleration."""
 
 _JITTER = 0.5  # steps: from here on a sample is in another one's place
 
@@ -127,7 +127,7 @@ class Channel:
         if self.t.size < 2:
             raise ValueError(f"{this} has {self.t.size} samples; a signal needs at least 2")
         for array, what, bound in ((self.t, "time", LATEST), (self.values, "value", LARGEST_VALUE)):
-            within = np.abs(array) <= bound  # nor is NaN
+            within = np.abs(array) <= bound  # NaN is not
             if not within.all():
                 i = int(np.argmin(within))
                 beyond = f", beyond {bound:g}" if np.isfinite(array[i]) else ""

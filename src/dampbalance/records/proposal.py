@@ -36,7 +36,7 @@ from .units import DIMENSIONS, find_motion, find_other, find_unit
 _YAML_WORDS = ("y", "n", "yes", "no", "on", "off", "true", "false", "null")
 _LONGEST = 60  # characters of a name; a channel with a longer one is called by its number
 _IN_MM = 0.05  # half the range of a displacement: more is in mm, less in m
-# by the least step: nothing is sampled at less than 20 Hz
+# least step in each unit, as nothing is sampled at less than 20 Hz
 _TIME_UNITS = {"µs": 50.0, "ms": 0.05, "s": 0.0}
 _BY_NAME, _BY_UNIT = "by its name", "by its unit"
 _RESPONSE_OF = {"base_displacement": "displacement", "base_acceleration": "acceleration"}
@@ -57,7 +57,7 @@ class Proposal:
         self.why = dict(self.samples.aside) | {i: why for i, why in roles.axes.items() if why}
         ways = (names_time, holds_time)
         self.is_time = next((way for way in ways if any(map(way, self.channels))), None)
-        # what names say goes first, then units
+        # names take precedence over units
         names = {i: roles.named(i) for i in range(len(self.channels)) if roles.may_move(i)}
         chosen, twice = roles.told_apart
         for quantity, i in ({} if twice else chosen).items():
@@ -133,7 +133,7 @@ class Proposal:
         if of_unit is not None:
             reason, one = _BY_UNIT, DIMENSIONS[of_unit]
             fitting = [q for q in (*EXCITATIONS, *ABSOLUTE) if DIMENSIONS[q] == one]
-        if named in EXCITATIONS:  # what drives is no response
+        if named in EXCITATIONS:  # an excitation is no response
             fitting = []
         for quantity in filter(None, [named, *fitting]):
             taken = driven if quantity in EXCITATIONS else quantity in self.chosen

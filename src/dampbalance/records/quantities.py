@@ -16,7 +16,8 @@ from ..arguments import NUMBERS, Bounds, number, refuse, shown
 from .coordinate import Coordinate
 from .units import UnitError, factor_to
 
-_AS_WEIGHED = 0.005  # of a mass: what holds and drives it, and half of its springs, move along and are seldom weighed
+# relative uncertainty of a mass: fixture, driver and half of the springs move along and are seldom weighed
+_AS_WEIGHED = 0.005
 _UNCERTAIN = r"\s*(?:±|\+/?[-−])\s*"  # between a number and its standard uncertainty
 _THOUSAND = r"[ '_\u00a0\u202f]"  # marks of thousands that are no decimal marks
 _NUMBER = re.compile(

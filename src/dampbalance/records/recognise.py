@@ -36,12 +36,12 @@ from .roles import LISTED, Roles, first_of
 from .table import RawChannel, Table
 from .units import DIMENSIONS, UNITS, VOLTAGE, UnitError, find_other, unit_for
 
-_BITS = (8, 16, 24, 32, 64)  # of the integers that converters and files have
-# of their range: no oscillation passes through so much of it from one sample to the next
+_BITS = (8, 16, 24, 32, 64)  # integers that converters and files have
+# part of their range: no oscillation passes through so much of it from one sample to the next
 _WRAPPED = 0.9
-_INTEGER = 0.01  # of the resolution: room for the rounding of its multiples to floats
+_INTEGER = 0.01  # part of the resolution: room for the rounding of its multiples to floats
 _WITHIN = 1.5  # resolutions; rounding, and what the line is off by itself
-_ACCURATE = 1e-3  # of the rate, that it may be off by at the most: c is then off by as much
+_ACCURATE = 1e-3  # largest relative error of the rate; c has the same one
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,7 +105,7 @@ def picks_of(file: Table, mapping: RecordMapping, *, entire: bool = True) -> tup
         if twice:
             raise unclear(roles, twice)
         if mapping.free:
-            # what may drive is read, where its unit says how, to see that it stands still
+            # a possible excitation with a known unit is read as well, to see that it stands still
             moving = [q for q in EXCITATIONS if q in chosen and by_unit(roles.channels[chosen[q]])]
             chosen = {q: i for q, i in chosen.items() if q in (*RESPONSES, *moving[:1])}
         rules = {quantity: ChannelRule(channel=index + 1) for quantity, index in chosen.items()}
@@ -195,7 +195,7 @@ def _find(roles: Roles, which: Which, key: str) -> int:
         remedy = f"{path} has {len(channels)}: {roles.overview}"
         raise RecordError(f"{said} there is no channel {which}; {remedy}")
     names = [(raw.name, full_name(raw), raw.label or raw.name) for raw in channels]
-    for spelt in (str, key_of):  # as it stands, else without regard to case, blanks and path
+    for spelt in (str, key_of):  # verbatim, else without regard to case, blanks and path
         matches = [i for i, own in enumerate(names) if spelt(which) in map(spelt, own)]
         if len(matches) == 1:
             return matches[0]

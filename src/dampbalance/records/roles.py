@@ -30,14 +30,14 @@ from .table import Table
 from .units import DIMENSIONS
 
 LISTED = 20  # channels in a message
-# words of the absolute value of three axes, and by what part of itself that is rounded
+# words for the absolute value of three axes, and its relative rounding error
 _OF_AXES = (
     *("absolute", "abs", "absolut", "total", "magnitude", "norm"),
     *("resultant", "resultierende"),
 )
 _ABSOLUTE = 1e-3
 _FEWEST = 4  # samples of which it shows that they rise in equal steps
-_ROUNDED = 0.6  # of a step, by which times with too few digits are off
+_ROUNDED = 0.6  # steps; times with too few digits are off by less
 _TRIED = 20  # channels that are read one by one where some column holds a text
 
 
@@ -183,7 +183,7 @@ class Roles:
         if not driving and len(forces) == 1 and len(left) == 2 - bool(answering):
             chosen["force"] = forces[0]
         if not chosen and len(left) == 1 and (q := by_unit(self.channels[left[0]])) in ABSOLUTE:
-            return {str(q): left[0]}, ""  # of a free decay
+            return {str(q): left[0]}, ""  # the record is a free decay
         others = {i: self.named(i) or by_unit(self.channels[i]) for i in left if i not in forces}
         answers = {q: i for i, q in others.items() if q in RESPONSES}
         single = len([q for q in others.values() if q in answers]) == 1 and not answering

@@ -314,7 +314,7 @@ def _samples(values: Any) -> tuple[Any, bool]:
     if isinstance(values, list | tuple):
         values = [None if one is np.ma.masked else one for one in values]
     kind = str(getattr(values, "dtype", ""))
-    if kind.startswith(("datetime64", "timestamp")):  # of NumPy or pandas, of Arrow
+    if kind.startswith(("datetime64", "timestamp")):  # NumPy or pandas; Arrow
         masked = np.ma.getmask(values)
         values = np.array(values, dtype="datetime64[ns]")
         values[masked] = np.datetime64("NaT")

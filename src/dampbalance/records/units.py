@@ -126,7 +126,7 @@ _OTHER_SPELLINGS = {
 }
 
 
-VOLTAGE = "a voltage"  # what any transducer may give: the `scale` of a mapping makes a motion of it
+VOLTAGE = "a voltage"  # any transducer may give one: the `scale` of a mapping makes a motion of it
 
 _OTHERS = {
     "a temperature": ("°C", "degC", "deg C", "C", "K", "°F", "degF", "deg F"),
@@ -208,7 +208,7 @@ def split_label(label: str) -> tuple[str, str | None]:
     parts = re.split(r"[_\s]", label)
     for start in range(1, len(parts)):  # the longest ending that is a unit: "m_per_s2" before "s2"
         ending = "_".join(parts[start:])
-        # of other units no single letter, which may be a place or a phase: x_A, x_C
+        # a single letter may be a place or a phase, x_A, x_C: only a unit of motion counts
         if ending.lower() != "in" and (
             find_unit(ending) or (len(ending) > 1 and find_other(ending))
         ):
@@ -283,7 +283,7 @@ def table_factor(text: str, quantity: str) -> float:
 
 # --- products and quotients of units -----------------------------------------------------------------
 
-_EXPONENTS = {  # of kg, m and s in the SI unit of a dimension; an angle has none
+_EXPONENTS = {  # kg, m and s in the SI unit of a dimension; an angle has none
     **{"length": (0, 1, 0), "velocity": (0, 1, -1), "acceleration": (0, 1, -2)},
     **{"angle": (0, 0, 0), "angular velocity": (0, 0, -1), "angular acceleration": (0, 0, -2)},
     **{"force": (1, 1, -2), "torque": (1, 2, -2), "time": (0, 0, 1), "frequency": (0, 0, -1)},

@@ -28,7 +28,8 @@ _LOW, _HIGH = 0.35, 2.6
 # Largest corner relative to the sampling rate: anti-alias filters begin here, and half the rate is the end.
 _BELOW_NYQUIST = 0.4
 
-_ORDER = 3  # of the Butterworth filter: steep enough for a second mode at four times the frequency, 4 % of it left
+# order of the Butterworth filter: 4 % of a second mode at four times the frequency passes
+_ORDER = 3
 
 NOISE_PASSED = 5.0 * np.pi / 18.0
 """Mean square of white noise after the filter, relative to that of the noise within its corners: ∫du / (1 + u⁶)² over

@@ -15,16 +15,17 @@ import numpy as np
 from ..arrays import Array, Mask
 from .thresholds import RARE_LINE
 
-_BAND = 1.25  # half of its width as a ratio: a decay is no sharp line
-_WINDOW = 0.6  # of a cycle, in which a decay passes two turns
+_BAND = 1.25  # ratio of its upper end to its centre: a decay is no sharp line
+_WINDOW = 0.6  # cycles, in which a decay passes two turns
 # Part of a cycle over which the samples are smoothed: a parabola follows a turn to 1e-4 of its swing, and over half a
 # cycle to a tenth, which also takes off a mode of three times the frequency, whose beats look like bursts.
 _SMOOTH, _SMOOTHER = 1.0 / 8.0, 1.0 / 2.0
 _CLEAR_DEVIATIONS = 8.0  # standard deviations of the smoothed signal
-_SMALLEST_BURST = 0.03  # of the largest burst: smaller ones tell little of F_k
-_DECAYED = 0.85  # of its first swing: what a decay falls below; a steady motion with noise does not
-_RISE = 0.6  # of a burst's swing: what came before is below it, or it is a beat
-_QUIET_SAMPLES = 200  # of a part, at least, whose median is then known to 11 %
+_SMALLEST_BURST = 0.03  # relative to the largest burst: smaller ones tell little of F_k
+# relative to its first swing: a decay falls below it, a steady motion with noise does not
+_DECAYED = 0.85
+_RISE = 0.6  # relative to a burst's swing: the motion before is smaller, or it is a beat
+_QUIET_SAMPLES = 200  # least number in a part, whose median is then known to 11 %
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +79,7 @@ class Burst:
 
 
 QUIET_PARTS = 8
-"""Of a record, in the quietest of which its noise is looked for."""
+"""Parts of a record; its noise is that of the quietest one."""
 
 
 SAMPLES_A_CYCLE = 10
@@ -141,7 +142,7 @@ def _bursts_of(signal: Signal, smooth_over: float) -> list[Burst]:
         raise NoDecay("it is shorter than a cycle of its own motion")
     # a polynomial through the first samples swings wider than they do where a blow falls among them
     smooth = savgol_filter(signal.values, width, 2, mode="nearest")
-    # of the samples from each on
+    # the filters look at the samples from each one on
     ahead = -(length // 2)
     swing = maximum_filter1d(smooth, length, origin=ahead, mode="nearest")
     swing -= minimum_filter1d(smooth, length, origin=ahead, mode="nearest")

@@ -22,27 +22,27 @@ from .thresholds import NEVER, P_DRIFT, SIGNIFICANT
 FEW_CYCLES = 10
 """Number of cycles below which the scatter between cycles gives no trustworthy interval."""
 
-# Of a frequency, of an amplitude over the record, and of a phase in rad: of the loss at a loss factor of 2 %, a per
-# mille. From it on a change is reported and widens intervals.
+# Change of a frequency, an amplitude (both relative) or a phase in rad that alters the loss by a per mille at a loss
+# factor of 2 %. From it on a change is reported and widens intervals.
 _MATTERS = 2e-5
-_GAIN_MATTERS = 1e-4  # of F_k and c, which are as wrong as the gain
+_GAIN_MATTERS = 1e-4  # relative error of F_k and c, which are as wrong as the gain
 _FREQUENCY_WRONG = 0.05  # no clock is off by so much, and a wrong column or rate is by more
-_AMPLITUDE_WRONG = 0.1  # by which channels contradict each other, or a record has no steady motion
+_AMPLITUDE_WRONG = 0.1  # relative: channels contradict each other, or a record has no steady motion
 _PHASE_WRONG = 0.5  # rad: no delay of a channel, but a sign or another quantity
 _TURNS_ALONE = 5.0  # times as much as the amplitude changes: what two clocks do, and a friction force that grows
-_HARMONIC_MATTERS = 1e-3  # of the fundamental
-_BASE_COUNTS = 1e-6  # of the fundamental: what the file or the rounding of a time may leave
-_CLIPPED_CYCLES = 0.5  # of all: in most of them, the range is too small
+_HARMONIC_MATTERS = 1e-3  # relative to the fundamental
+_BASE_COUNTS = 1e-6  # relative to the fundamental; the rounding of a file or a time may leave less
+_CLIPPED_CYCLES = 0.5  # part of all cycles: if most are clipped, the range is too small
 _LARGEST_AMPLITUDE = 0.5  # m, some ten times what shakers of long stroke do
 _LARGEST_SPEED = 10.0  # m/s, some three times what the fastest shakers do
 
-# What puts everything in doubt, by how much is not known.
+# A remark that puts every number in doubt, by an unknown amount.
 _doubtful = partial(Remark, doubts={"": math.inf})
 _BY_HARMONICS = ("direct",)  # the answer that counts harmonics which the others leave out
 
 _FINE = 1 << 12  # steps of a converter of 12 bits; as many samples show them
-_LATTICE = 0.01  # of a step, by which a value may be off a whole number of them
-ROUNDING = 1e-9  # of a signal: what rounding leaves between two copies of it, and noise cannot be distinguished from
+_LATTICE = 0.01  # steps by which a value may be off a whole number of them
+ROUNDING = 1e-9  # relative to a signal: rounding differs by less between two copies of it
 
 _UNCONNECTED = "the transducer was not connected, or the wrong column was read"
 
@@ -286,7 +286,7 @@ def steadiness(
     size, parts_of, warnings = len(Y), [0.0, 0.0], list[Remark]()
     if size < 4:
         return (0.0, 0.0), warnings
-    # of the excitation, whose phase is that of the record, only the amplitude varies
+    # the excitation sets the phase of the record, so that only its amplitude varies
     amplitude = np.abs(Y)
     for i, (name, rows, parts) in enumerate(
         (("the excitation", amplitude + 0j, 1.0), ("the response", X / (Y / amplitude), 2.0))
@@ -302,9 +302,9 @@ def steadiness(
             words += "; only its phase drifts, as with two sampling clocks or growing friction"
         chance = Shown(found.chance, "below 1e-6" if found.chance < 1e-6 else f"{found.chance:.1g}")
         sizes: tuple[str | float, ...] = (name, part(found.size), part(found.turn), chance)
-        # of a change in proportion to time, from end to end, and to either side of the mean
+        # a change in proportion to time has these standard deviations: from end to end, and to either side of the mean
         parts_of[i] = max(found.size / math.sqrt(12.0), found.turn / math.sqrt(3.0))
-        # where the phasor stays within its scatter about the mean of the second half
+        # it has settled where the phasor stays within its scatter about the mean of the second half
         late = rows[size // 2 :].mean()
         scatter = 4.0 * math.sqrt(parts * found.noise) + 1e-6 * abs(late)
         outside = 1 + np.flatnonzero(np.abs(rows - late) > scatter)

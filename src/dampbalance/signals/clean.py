@@ -31,7 +31,7 @@ from ..motion.sampled import LATE, NO_CORNER, NO_CYCLE, REVERSALS, SHORT_STICK, 
 from ..record import Record
 
 ReadAt = Literal["interpolated", "sample"]
-"""How an event is located: between samples, or at the first sample after it."""
+"""Ways to locate an event: between samples, or at the first sample after it."""
 
 CYCLES_TO_READ = 3
 """Periods that a record of a steady response needs: one to wait for the reversal, one to read, one for the lock-in."""
@@ -94,7 +94,7 @@ def of_record(
     base = lock_in(record.y, 1)
     if not abs(base) > 0.0:
         raise ValueError(f"the base does not move at ω = {omega:g} rad/s: y has no fundamental")
-    lag = -cmath.phase(base)  # of y behind cos ωt, zero in a simulation
+    lag = -cmath.phase(base)  # y lags cos ωt by it; zero in a simulation
     harmonics = {n: lock_in(record.x, n) for n in (1, 3, 5)}
     numbers = cycle._asdict()
     trouble, how_many, _ = (numbers.pop(name) for name in ("trouble", "how_many", "start"))

@@ -52,10 +52,11 @@ cycle limits it too."""
 CLEAR_HARMONIC = 4.0
 """Standard deviations by which a harmonic stands out of the noise: by chance one in 16,000 does."""
 
-_HARMONICS_OF_BASE = 9  # of the base: what amplifiers and shakers distort is in the lowest
-_FILTERED_OUT = 1e-3  # of a harmonic that passes a filter: below it, the rest is noise
-_EXACT = 1e-6  # of a step: times that are off by less are those of equal steps
-_FREQUENCY_COUNTS = 0.3  # of the noise of the fundamental: less would widen intervals by 5 %
+_HARMONICS_OF_BASE = 9  # amplifiers and shakers distort the lowest ones
+_FILTERED_OUT = 1e-3  # least gain of a filter: a harmonic that passes with less is noise
+_EXACT = 1e-6  # steps: times that are off by less are taken as equal steps
+# relative to the noise of the fundamental: less would widen intervals by 5 %
+_FREQUENCY_COUNTS = 0.3
 
 
 @dataclass(frozen=True, eq=False)
@@ -201,7 +202,7 @@ def _steady(
         channel = channels[q]
         of[:, 1:] -= slope @ channel.drift[:, 1:]
         of *= turn[:, : of.shape[1]]
-        # of white noise, from the scatter of the harmonics between rows
+        # the samples have white noise, so that the scatter of the harmonics between rows gives its size
         per_cycle = 2.0 * math.pi / (channel.omega * channel.dt)
         noise_rms[q] = math.sqrt(float(np.median(_scatter(of, weights)[1:])) * 0.5 * per_cycle)
         warnings += checks.few_bits(q, samples[q].values, noise_rms[q])
@@ -235,10 +236,10 @@ def _steady(
     period = 2.0 * math.pi / base.omega
     parts, unsteady = checks.steadiness(Y[:, 1], X[:, 1], times, weights, period, skipped)
     warnings += unsteady
-    # which motion of those in a record that is not steady its mean stands for is known no better
+    # the mean of an unsteady record represents its motion no better than that
     Y_hidden, X_hidden = parts[0] * np.abs(mean_Y), parts[1] * np.abs(mean_X)
     Y_error = np.hypot(_error(Y, weights), Y_hidden)
-    # nor is that of the frequency: ∂ln x/∂ω = 2mω x/(kY) with mω² = k − Re kY/x, much where the damping is light
+    # the frequency has an error, too: ∂ln x/∂ω = 2mω x/(kY) with mω² = k − Re kY/x, large where the damping is light
     gain = mean_X[1] / mean_Y[1]
     by_frequency = 2.0 * abs(mean_X[1] * gain) * abs(1.0 - (1.0 / gain).real) * omega_error / omega
     if by_frequency > _FREQUENCY_COUNTS * X_error[1]:

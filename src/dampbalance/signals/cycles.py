@@ -39,8 +39,9 @@ _JUMPS = 2.0
 _AROUND = 8  # cycles that a cycle is compared with: enough for a median, and near enough for a slow change
 # Rms of the residual, as a part of the range, that a signal without noise may leave (because of drift, say).
 _HARMLESS = 1e-3
-FEWEST_CYCLES = 3  # of which a scatter has two degrees of freedom
-_REFINEMENTS = 4  # of the frequency, each thousands of times smaller than the one before: two do, save for few cycles
+FEWEST_CYCLES = 3  # their scatter has two degrees of freedom
+# corrections of the frequency, each thousands of times smaller than the last: two suffice, save for few cycles
+_REFINEMENTS = 4
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,7 +16,7 @@ LEADING = 1 << 18  # samples from which the drive frequency is first estimated
 _ENOUGH = 8  # cycles of these; from fewer the spectrum may take one number of cycles for another
 _COARSER = 4  # times: samples that are averaged where the cycles are too few
 _STRETCH = 1 << 16  # samples that show whether a drive moves
-_STRETCHES = 16  # of a record that are looked at
+_STRETCHES = 16  # stretches of a record that are examined
 # A part of the largest deviation: a drive that is this near to rest for 95 % of the time strikes; a steady one is for
 # 3 %.
 _AT_REST = 0.05

@@ -18,13 +18,13 @@ from ..arrays import Array
 _BAND, _WIDEST = 0.05, 0.4
 # Power of a line of the spectrum that is motion: over the median, which is noise, and over the largest one.
 _OF_NOISE, _OF_LARGEST = 20.0, 0.003
-_SMOOTHED = 0.1  # of the shortest cycle: a moving average takes 2 % off a sine
-# of amplitude or frequency that begins another dwell; smaller ones are drifts and beats
+_SMOOTHED = 0.1  # part of the shortest cycle: a moving average takes 2 % off a sine
+# step of amplitude or frequency that begins another dwell; smaller ones are drifts and beats
 _STEP = math.log(1.15)
 _FLAT = 0.02  # standard deviation of ln amplitude or ln period within a dwell, beyond that of noise
 _FEWEST = 8  # cycles of a dwell, of which the motion needs some to settle
 _HELD = 0.6  # part of the cycles that lies in dwells, in a record that consists of them
-_SWEPT = math.log(1.2)  # of the frequency from end to end, of a drive that sweeps
+_SWEPT = math.log(1.2)  # change of the frequency from end to end, of a drive that sweeps
 
 
 class Dwell(NamedTuple):

@@ -176,7 +176,7 @@ class Reading:
         none = np.zeros((1, 0), dtype=np.complex128)
         Y = np.array([waveform.Y])
         means = Means(Y, x[None, : self.lines.n.size], none, none, np.zeros(1))
-        # with the phase of its own base
+        # its phases count from its own base
         alone = replace(self, waveform=replace(waveform, tail=x))
         return alone.features_of(means, np.zeros((self._unknowns, 1)))
 
@@ -278,7 +278,7 @@ class Reading:
         moved = self.moved(means) if moved is None else moved
         steady, series = self.steady, self.series(means, moved)
         squares = series.squares
-        amplitudes = np.zeros((3, len(means.Y)))  # as far as the sampling reaches
+        amplitudes = np.zeros((3, len(means.Y)))  # zero where the sampling does not reach
         first = squares[:, series.n % 2.0 > 0.0][:, :3]
         amplitudes[: first.shape[1]] = np.sqrt(np.maximum(first, 0.0)).T
         lag = -np.angle(series.x[:, 0])

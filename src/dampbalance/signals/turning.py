@@ -16,9 +16,9 @@ import numpy as np
 
 from ..arrays import Array, Complexes
 
-# Where its peak is looked for: five for each of the highest harmonics, 91 and less.
+# Points of the search for a peak: five for each of the highest harmonics, 91 and less.
 _POINTS_OF_CYCLE = 1024
-_NEAR_END = 0.005  # of the range: so close to an end, and four times the noise, a mass counts as resting there
+_NEAR_END = 0.005  # part of the range: so close to an end, and four times the noise, a mass counts as resting
 _NOISE_AT_END = 4.0  # standard deviations: a sample in 16,000 lies beyond
 _RESTING = 2.0  # times as long as a harmonic motion is as close to its end
 _LONGEST_STEP = 0.5  # rad: the longest step towards a zero
@@ -65,7 +65,7 @@ def turning_points(series: Series, *, rests: bool) -> tuple[Array, Array]:
     if np.all(series.n % 2.0):
         return high, top
     low, depth = _end(series, -1.0, rests)
-    asymmetry = (low - high) % (2.0 * math.pi) - math.pi  # of the times from one to the other
+    asymmetry = (low - high) % (2.0 * math.pi) - math.pi  # one takes longer than the other
     return high + 0.5 * asymmetry, 0.5 * (top + depth)
 
 

@@ -20,7 +20,7 @@ from .bursts import QUIET_PARTS, noise_of
 _SHARE_OF_ROUNDING = 0.1
 _FEWEST_RESIDUALS = 400  # samples, from which the third differences of a record tell its noise
 _MEDIAN = 1.77  # relative error of the median of n third differences, times √n
-_SIGMAS, _SYSTEMATIC = 6.0, 0.05  # of the least of several such medians
+_SIGMAS, _SYSTEMATIC = 6.0, 0.05  # error of the least of several such medians
 
 
 def averages(
@@ -61,7 +61,7 @@ def chance_of_lines(residuals: Sequence[Array]) -> float:
     chances = [1.0]
     for residual in residuals:
         power = np.abs(np.fft.rfft(residual)[1:-1]) ** 2
-        # what is left of a record without noise is rounding
+        # a record without noise leaves rounding errors
         total = max(float(power.sum()), _SHARE_OF_ROUNDING * residual.size * power.size)
         if power.size > 2:
             share = float(power.max()) / total

@@ -18,8 +18,8 @@ from ..errors import RecordError, library, require_size
 from ..table import TIMING_NAMES, UNIT_NAMES, Table, intact, signals_file, signals_in, unit_among
 from ..units import split_label
 
-_LARGEST_JSON = 400_000_000  # bytes, of which the numbers take ten times as many in memory
-_BYTES = 8  # of a number
+_LARGEST_JSON = 400_000_000  # bytes; the numbers take ten times as many in memory
+_BYTES = 8  # size of a number
 # fields of MATLAB that name the signals next to them, and those that hold their times
 _LABELS = (
     *("names", "name", "labels", "label"),

@@ -20,15 +20,15 @@ from ..headings import quantity_of, words_of
 from ..table import RawChannel, Table, described, intact, unit_among
 from ..units import split_label
 
-# of universal files: the function types of a time response and of a frequency response, what a channel without a name
+# universal files: the function types of a time response and of a frequency response, what a channel without a name
 # holds, and what a frequency response is of that per force
 _TIME_RESPONSE, _FREQUENCY_RESPONSE = 1, 4
 _SPECIFIC_TYPES = {8: "displacement", 9: "force", 11: "velocity", 12: "acceleration", 13: "force"}
 _RESPONSE_TYPES = {8: "receptance", 11: "mobility", 12: "accelerance"}
-# where it says what a time response is, besides the label of its ordinate
+# fields that name a time response, besides the label of its ordinate
 _NAMING = ("id1", "id2", "rsp_ent_name", "id4", "id5")
 _UFF_HEAD = re.compile(rb"(?m)^    58.*\n(?:.*\n){11}")
-_NO_SIZE = (0, 0xFFFFFFFF)  # what a program writes that does not know how long a WAV will become
+_NO_SIZE = (0, 0xFFFFFFFF)  # a program writes these before it knows how long a WAV will become
 
 
 def parquet_file(path: Path) -> Table:
@@ -190,7 +190,7 @@ def tdms_file(path: Path) -> Table:
     """Return the table of a TDMS file: its channels, "group/channel" if there are several groups; step and unit are
     properties."""
     nptdms, log = library("nptdms", "TDMS"), library("nptdms.log", "TDMS").log_manager
-    # what the library complains about, and would read nevertheless; nothing of it reaches the screen
+    # the library complains about files that it reads nevertheless; this keeps it off the screen
     complaints = io.StringIO()
     log.console_handler.setStream(complaints)
     log.console_handler.setFormatter(None)  # the bare messages

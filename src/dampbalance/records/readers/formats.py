@@ -62,7 +62,7 @@ def content_of(path: Path) -> str | None:
     with open(path, "rb") as stream:
         head = stream.read(_HEAD)
     if re.match(rb"PK\x03\x04.{26}[^\x00]*?\.npy", head, re.DOTALL):
-        return "npz"  # by the name of the first file in it
+        return "npz"  # the name of the first file in it shows that
     for content, beginnings in _BEGINNINGS.items():
         if head.startswith(beginnings):
             return content

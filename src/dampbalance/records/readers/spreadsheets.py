@@ -22,8 +22,8 @@ from .text import columns_of, timed
 
 _DAYS = (datetime.datetime, datetime.date, datetime.time, datetime.timedelta)
 _EPOCH = datetime.datetime(1900, 1, 1)
-_MOST_CELLS = 12_500_000  # of a sheet, with some 100 bytes of memory for each
-_ROWS_THAT_COUNT = 20  # of a sheet, by which a column of times is told from one that counts samples
+_MOST_CELLS = 12_500_000  # cells of a sheet, with some 100 bytes of memory for each
+_ROWS_THAT_COUNT = 20  # rows that distinguish a column of times from one that counts samples
 _CELL = re.compile(rb'<c r="([A-Z]{1,3})([0-9]{1,7})"')
 
 
@@ -63,7 +63,7 @@ def spreadsheet_file(path: Path) -> Table:
     def column(i: int) -> Array:
         cells = [row[i] for row in table]
         if channels[i].stamps:
-            # from the first point in time of the column, or its first span
+            # times count from the first point in time of the column, or its first span
             spans = (_span(c) - _span(cells[0]) if isinstance(c, _DAYS) else None for c in cells)
             return np.array([math.nan if s is None else s.total_seconds() for s in spans])
         for number, cell in enumerate(cells, start=first + 1):

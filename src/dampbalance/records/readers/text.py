@@ -145,7 +145,8 @@ def columns_of(path: Path, table: Sequence[list[str]], width: int) -> list[RawCh
         unit = units[i].strip(_BRACKETS) or own
         unnamed = "time" if i in times else f"column {i + 1}"
         columns.append(RawChannel(name or unnamed, unit, label=label))
-    for key, along in (("horizontal_units", True), ("vertical_units", False)):  # of an oscilloscope
+    # headings of an oscilloscope
+    for key, along in (("horizontal_units", True), ("vertical_units", False)):
         places = [i for i, raw in enumerate(columns) if names_time(raw) == along and not raw.unit]
         for i, unit in zip(places, keyed.get(key, [])[1:], strict=False):
             columns[i] = replace(columns[i], unit=unit or None)
@@ -234,7 +235,7 @@ def _encoding(path: Path) -> str:
     if head.startswith((b"\xff\xfe", b"\xfe\xff")):
         return "utf-16"
     try:
-        codecs.getincrementaldecoder("utf-8")().decode(head)  # whose end may cut a character in two
+        codecs.getincrementaldecoder("utf-8")().decode(head)  # the end may cut a character in two
     except UnicodeDecodeError:
         return "cp1252"
     return "utf-8-sig"
