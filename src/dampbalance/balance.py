@@ -47,8 +47,8 @@ class Rows:
 
     terms : symbol of p_j → g_j, its integral over a period, in m for F_k (a) and m²/s for c (b).   W : input work, J.
     weights : of the squares of the rows' misfits, 1/J²; None weighs all alike, as (9).
-    covariance : of the errors of (g_1 … g_p, W), in the order of the terms, (p + 1, p + 1, L, …); where it is given, a
-    row weighs as much as its misfit is sure, see `weighted`.
+    covariance : of the errors of (g_1 … g_p, W), in the order of the terms, (p + 1, p + 1, L, …); where it is given,
+    rows are weighted by inverse variance, see `weighted`.
     given : symbol → value of the coefficients that are known and not to be identified.
 
     Raises ValueError for a given coefficient that is no term of the rows.
@@ -117,7 +117,7 @@ class Rows:
         Raises ValueError where there is no covariance.
         """
         if self.covariance is None:
-            raise ValueError("rows without a covariance have no weights of their own")
+            raise ValueError("rows without a covariance have no weights: give their covariance")
         known = {**self.given, **coefficients}
         p = [np.asarray(known[symbol]) for symbol in self.terms] + [np.asarray(-1.0)]
         variance = sum(
@@ -190,7 +190,7 @@ def fourier(features: Features, k: ArrayLike) -> Rows:
         W = πkY X_1 sin φ_1               (5) by orthogonality, exactly: the other harmonics do no net work against y
 
     x = Σ X_n cos(nωt − φ_n). Even harmonics are absent from a symmetric response. What is cut
-    off makes b too small, by 1.2e-4 of itself or less for the paper's responses, and so F_k too large, by 5e-4 or less.
+    off makes b too small, by 1.2e-4 (relative) or less for the paper's responses, and F_k too large, by 5e-4 or less.
 
     features : X, X_s, X_1, X_3, X_5, Y (m), phi_fundamental (rad), omega (rad/s).   k : stiffness, N/m.
     """
@@ -327,7 +327,8 @@ def _of_harmonic_motion(features: Features, k: ArrayLike, symbol: str) -> Array:
 
 
 def _of_three_harmonics(features: Features, k: ArrayLike, symbol: str) -> Array:
-    """Return g of a term that the amplitudes of three harmonics tell: structural damping, and the relative velocity."""
+    """Return g of a term that the amplitudes of three harmonics determine: structural damping, and the relative
+    velocity."""
     b = viscous_integral(features.omega, {1: features.X_1, 3: features.X_3, 5: features.X_5})
     if symbol == "eta":
         return np.asarray(np.asarray(k) / features.omega * b)

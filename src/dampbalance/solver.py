@@ -6,9 +6,9 @@ is the pair-wise one of (8), of which (15)–(19) are special cases; with more i
 equations written in (9) would square a condition number that is 20 to 100 for the paper's levels and grows without
 bound as levels approach each other.
 
-Equation (9) weighs all rows alike, and so the highest level, whose misfit has the largest error, weighs most. Rows of
-which the covariance of their errors is known weigh as much as they are sure: with the inverse of the variance of
-Σ g_j p_j − W. It depends on the p_j, and so the solution is repeated with the weights that the last one gives.
+Equation (9) weights all rows alike, so that the highest level, whose misfit has the largest error, dominates. Rows
+whose error covariance is known are weighted by inverse variance, 1/var(Σ g_j p_j − W). The variance depends on the p_j,
+so that the solution is repeated with the weights of the last one.
 
 A case is solved by itself: the cases next to it change no bit of its estimate.
 """
@@ -36,7 +36,7 @@ _MOST_WEIGHINGS = 20  # each brings the weights nearer by a factor of 100 or so
 _SETTLED = 1e-9  # relative change of the weights
 
 # Responses are one and the same when a column of A, scaled to unit length, encloses with those before it an angle below
-# this: what tells them apart is rounding. Two levels that differ by one part in a million enclose 5e-7.
+# this: they differ by rounding. Two levels that differ by one part in a million enclose 5e-7.
 SINGULAR = 1e-12
 
 _CASES_AT_ONCE = 16384  # cases at once: enough of them for arrays to be quick, few enough for the processor's cache
@@ -46,7 +46,7 @@ _CASES_AT_ONCE = 16384  # cases at once: enough of them for arrays to be quick, 
 class Estimate:
     """Coefficients identified from rows of the balance, for one case or an array of cases.
 
-    values : symbol → coefficient, SI unit, in the shape of the cases; NaN where the rows do not tell.
+    values : symbol → coefficient, SI unit, in the shape of the cases; NaN where the rows do not determine it.
     residual : ‖A p − W‖ / ‖W‖, the paper's normalised root mean squared residual, of rows times the root of their
     weights.   covariance : of the values in their order, (p, p, …), from the scatter of the rows about the fit; NaN
     without more rows than values.   n : number of rows that entered.
@@ -248,7 +248,7 @@ def least_squares(rows: Rows) -> Estimate:
     if math.isnan(estimate.residual):
         raise ValueError(
             f"the {usable} usable responses are one and the same, or nothing slides in any of them: "
-            f"{symbols_in_words(unknowns)} cannot be told apart; use levels that differ and slip"
+            f"{symbols_in_words(unknowns)} cannot be distinguished; use levels that differ and slip"
         )
     return estimate
 
@@ -271,12 +271,12 @@ def pair(rows: Rows, i: int, j: int) -> Estimate:
         unknowns = list(estimate.values)
         if len(unknowns) > 2:
             raise ValueError(
-                f"pair {pair_label(i, j)}: two levels do not tell {symbols_in_words(unknowns)} apart; "
+                f"pair {pair_label(i, j)}: two levels do not distinguish {symbols_in_words(unknowns)}; "
                 "give all but two of them"
             )
         raise ValueError(
             f"pair {pair_label(i, j)}: levels {i + 1} and {j + 1} give the same response, or nothing slides in either: "
-            f"{symbols_in_words(unknowns)} cannot be told apart; use two levels that differ and slip"
+            f"{symbols_in_words(unknowns)} cannot be distinguished; use two levels that differ and slip"
         )
     return estimate
 

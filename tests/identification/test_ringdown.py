@@ -401,7 +401,10 @@ def test_gain_delay_and_filters_are_taken_off():
     ("values", "message"),
     [
         (lambda t, x: 1e-3 * np.sin(14.0 * t), "swings as far at its end as at its start"),
-        (lambda t, x: np.random.default_rng(1).standard_normal(t.size), "stands out of the noise"),
+        (
+            lambda t, x: np.random.default_rng(1).standard_normal(t.size),
+            "no oscillation in it exceeds the noise",
+        ),
         (lambda t, x: x[-1] + 1e-6 * np.random.default_rng(1).standard_normal(t.size), "noise"),
     ],
 )

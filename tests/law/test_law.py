@@ -1,4 +1,4 @@
-"""What a law may be, and what records must be to tell its terms apart."""
+"""Laws that are possible, and the records that distinguish their terms."""
 
 from __future__ import annotations
 

@@ -157,7 +157,7 @@ def steadiness(Y, X, cycles_per_row=1):
 def test_steady_noise_rarely_looks_like_a_change(which, monkeypatch):
     """At the level of 10 % false alarms are 10 % at most, and, the level being cautious, not much fewer than 2 %."""
     monkeypatch.setattr(checks, "P_DRIFT", 0.1)
-    monkeypatch.setattr(checks, "_MATTERS", 0.0)
+    monkeypatch.setattr(checks, "_SMALLEST_CHANGE", 0.0)
     rng = np.random.default_rng(7)
     alarms, runs, size = 0, 1000, 64
     for _ in range(runs):

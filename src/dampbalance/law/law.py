@@ -10,7 +10,7 @@ from ..arguments import items, mapping, names, number
 from .terms import FRICTION, Term, in_order, symbols_in_words, term
 
 _GIVEN = "a mapping of symbols to coefficients"
-_ONE_AMPLITUDE = 1.001  # ratio of two frequencies: nearer ones count as one
+_SAME_FREQUENCY = 1.001  # ratio of two frequencies: nearer ones count as one
 
 
 @dataclass(frozen=True)
@@ -103,14 +103,14 @@ class Law:
                 )
 
     def require(self, frequencies_hz: Sequence[float], *, by_balance: bool = True) -> None:
-        """Raise ValueError where records at these frequencies cannot tell the terms apart, whatever they hold.
+        """Raise ValueError where records at these frequencies cannot distinguish the terms, whatever they hold.
 
         by_balance : whether a balance is to do so, which needs a row for each; else the waveforms may.
         """
         count = len(frequencies_hz)
         self.require_labels(count)
         alike = [s for s in ("c", "eta") if s in self.terms and s not in self.given]
-        if len(alike) > 1 and max(frequencies_hz) < _ONE_AMPLITUDE * min(frequencies_hz):
+        if len(alike) > 1 and max(frequencies_hz) < _SAME_FREQUENCY * min(frequencies_hz):
             raise ValueError(
                 f"at one frequency ({frequencies_hz[0]:.4g} Hz) structural damping eta and viscous damping c act "
                 "alike, c = eta k/omega: leave out one of them, or add records at another frequency"

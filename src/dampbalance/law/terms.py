@@ -53,7 +53,7 @@ class Term(str):
         h(ẋ, ẏ, k, ω) = h_1(k, ω) |ẋ|ⁿ⁻¹ ẋ,    for n = 1 also  h_x(k, ω) ẋ + h_y(k, ω) ẏ
 
     since the fit scales a response with its level; g = ∮ h ẋ dt, ∂h/∂ẋ and n follow from h. A force that saturates, or
-    depends on the displacement or the history, is none. Free decays determine F_k, c, c_2 and c_3 alone, and the
+    depends on the displacement or the history, is no term. Free decays determine F_k, c, c_2 and c_3 alone, and the
     Fourier approach, which has three harmonics only, gives no estimate of it.
 
     symbol : of the coefficient, a name of letters, digits and "_".
@@ -176,7 +176,7 @@ def _power_of(symbol: str, force: Force) -> tuple[float, bool]:
     """Return the power of the velocity that a force grows with, and whether it depends on nothing else, neither k nor
     ω.
 
-    Raises ValueError for a force that is none of a term.
+    Raises ValueError for a force that is not that of a term.
     """
     v = np.array([[-2.0, -0.5, 0.25], [0.5, 1.0, 2.0]])
 
@@ -310,11 +310,11 @@ def of_harmonics(
     variance : of the noise in each complex x_n, m², (r, h); what it adds to the powers of ẋ in the mean is taken off:
     ẋ² by σ², |ẋ|³ by 3σ²|ẋ|, ẋ⁴ by 6σ²ẋ², σ² = ½ω² Σ n² var x_n.
 
-    Raises ValueError for friction, whose travel no harmonics tell.
+    Raises ValueError for friction, whose travel harmonics do not determine.
     """
     of_term = term(symbol)
     if of_term.force is None:
-        raise ValueError(f"{FRICTION} has no integral that harmonics tell")
+        raise ValueError(f"{FRICTION} has no integral that follows from harmonics")
     variance = np.zeros((1, n.size)) if variance is None else variance
     if of_term.linear:
         square = math.pi * omega * ((np.abs(x) ** 2 - variance) @ n**2)

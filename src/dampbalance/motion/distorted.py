@@ -3,7 +3,7 @@
 Use it where the motion of a shaker is distorted and the distortion is measured. Within a phase the oscillator is
 linear, so that the motion is the sum of the free motion and of the responses of `flow.py` to each harmonic. Even
 harmonics break the symmetry of the half cycles: the steady motion is the fixed point of the flow over a whole period,
-found by Newton's method from the motion under the fundamental alone. Events are bracketed by steps short beside every
+found by Newton's method from the motion under the fundamental alone. Events are bracketed by steps shorter than every
 time scale of the phase, and located by false position; an excursion that begins and ends within one step is missed.
 """
 
@@ -32,27 +32,6 @@ _CONVERGED = 1e-11  # relative to the displacement: change of the state over a p
 
 
 @jit
-def _motion(
-    t: float, start: tuple[float, float], of_phase: tuple[float, float, float], drive: Complexes
-) -> tuple[float, float]:
-    """Return the displacement gained, m, and velocity, m/s, a time t after the start of a phase.
-
-    start : ẋ, m/s, and constant force per mass, m/s², at the start.   of_phase : δ, Ω², ω.   drive : harmonic force per
-    mass at the start, n = 1, 2, 3 …, m/s².
-    """
-    (v0, f0), (delta, Omega2, omega) = start, of_phase
-    J, S, R = step_response(t, delta, Omega2)
-    u, v = v0 * S + f0 * J, v0 * R + f0 * S
-    for i in range(drive.size):
-        A = drive[i]
-        if A != 0j:
-            P, rate = harmonic_response(t, (i + 1) * omega, delta, Omega2, J, S)
-            u += A.real * P.real - A.imag * P.imag
-            v += A.real * rate.real - A.imag * rate.imag
-    return u, v
-
-
-@jit
 def _step(h: float, of_phase: tuple[float, float, float], count: int) -> Complexes:
     """Return what a step of length h adds to (displacement, velocity) by ẋ, by the constant force and by each harmonic
     of the drive, per mass, (2, 2 + count); the effect of a harmonic is the real part of its product with this."""
@@ -67,7 +46,7 @@ def _step(h: float, of_phase: tuple[float, float, float], count: int) -> Complex
 
 @jit
 def _after(here: tuple[float, float], by: Complexes, drive: Complexes) -> tuple[float, float]:
-    """Return what `_motion` does, after a step."""
+    """Return displacement and velocity after a step, from (ẋ, constant force per mass) at its start."""
     u = here[0] * by[0, 0].real + here[1] * by[0, 1].real
     v = here[0] * by[1, 0].real + here[1] * by[1, 1].real
     for i in range(drive.size):
@@ -75,6 +54,18 @@ def _after(here: tuple[float, float], by: Complexes, drive: Complexes) -> tuple[
         u += A.real * P.real - A.imag * P.imag
         v += A.real * rate.real - A.imag * rate.imag
     return u, v
+
+
+@jit
+def _motion(
+    t: float, start: tuple[float, float], of_phase: tuple[float, float, float], drive: Complexes
+) -> tuple[float, float]:
+    """Return the displacement gained, m, and velocity, m/s, a time t after the start of a phase.
+
+    start : ẋ, m/s, and constant force per mass, m/s², at the start.   of_phase : δ, Ω², ω.   drive : harmonic force per
+    mass at the start, n = 1, 2, 3 …, m/s².
+    """
+    return _after(start, _step(t, of_phase, drive.size), drive)
 
 
 @jit

@@ -51,7 +51,7 @@ _RADIANS = 0.3  # longest step, in radians of a phase: derivatives are then exac
 _EQUAL = 1e-10  # relative difference of two steps that rounding makes between thousands of times
 _NEWTONS = 20
 _REACHED = 1e-13  # steps: an event is located to this
-_MOST_EVENTS = 4096  # a motion with more is none that samples show
+_MOST_EVENTS = 4096  # samples do not resolve a motion with more
 
 
 @jit

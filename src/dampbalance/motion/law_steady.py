@@ -483,8 +483,8 @@ def _equivalent(oscillator: Oscillator, base: BaseMotion, others: Mapping[str, f
             float(p * term(s).harmonic(base.omega, X, 0.0, 0.0, oscillator.k))
             for s, p in others.items()
         )
-        found = work / (math.pi * base.omega * X**2)
-        extra = 0.5 * (extra + found) if repetition else found
+        coefficient = work / (math.pi * base.omega * X**2)
+        extra = 0.5 * (extra + coefficient) if repetition else coefficient
         orbit = steady_orbit(replace(oscillator, c=oscillator.c + extra), base)
         X = orbit.X
     return orbit

@@ -32,7 +32,7 @@ def library(name: str, purpose: str) -> Any:
 LARGEST = 200_000_000  # numbers in a record, samples × channels with times: 1.6 GB of memory
 LARGEST_FILE = 4_000_000_000  # bytes: as many numbers as text, with some twenty characters each
 LARGEST_VALUE = 1e15  # SI unit of the quantity; no signal goes beyond it
-SMALLEST_RANGE = 1e-15  # SI unit of the quantity; a signal whose values lie closer together is none
+SMALLEST_RANGE = 1e-15  # SI unit of the quantity; values closer together than that are no signal
 FINEST = 1e-10  # relative to the largest value; a smaller range is rounding
 LATEST = 1e12  # s, time of a sample, either way from zero: 30,000 years
 LOWEST_RATE, HIGHEST_RATE = 1e-6, 1e12  # samples per second

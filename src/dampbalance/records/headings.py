@@ -105,11 +105,11 @@ def quantity_of(raw: RawChannel, *, all_words: bool = True) -> str | None:
     words = ["" if word == "in" else word for word in words[:-1]] + words[-1:]  # a preposition
     if not (all_words or len(words) == 1):
         words = [word for word in words if word in meanings and len(word) > 1]
-    found = {meanings.get(word, "") for word in words}
-    bodies, quantities = found & {*_BODIES}, found - {*_BODIES}
+    roles = {meanings.get(word, "") for word in words}
+    bodies, quantities = roles & {*_BODIES}, roles - {*_BODIES}
     if not all_words and len(bodies) > 1:
         bodies = {"relative"}
-    if len(bodies) > 1 or len(quantities) > 1 or not found or "" in found:
+    if len(bodies) > 1 or len(quantities) > 1 or not roles or "" in roles:
         return None
     body, quantity = "".join(bodies), "".join(quantities) or by_unit(raw)
     if quantity is None and (body == "base" or not all_words):

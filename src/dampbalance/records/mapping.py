@@ -177,9 +177,8 @@ def _rule(stated: Mapping[str, Any]) -> ChannelRule:
 
 def _contradictions(document: Mapping[str, Any]) -> Iterable[tuple[tuple[str | int, ...], str]]:
     """Yield the problems that a schema cannot state: units that do not fit, keys that exclude each other."""
-    channels = document.get("channels", {})
-    columns = document.get("table", {})
-    sections = {"channels": channels, "table": columns}
+    sections = {of: document.get(of, {}) for of in ("channels", "table")}
+    channels, columns = sections.values()
     rules: dict[tuple[str | int, ...], Any] = {
         (of, q): r for of in sections for q, r in sections[of].items()
     }
@@ -190,10 +189,8 @@ def _contradictions(document: Mapping[str, Any]) -> Iterable[tuple[tuple[str | i
     if columns and channels:
         yield ("table",), "not together with channels; keep one"
     if columns and ("frequency" not in columns or "phase" not in columns):
-        yield (
-            ("table",),
-            f"needs frequency and phase, and a response ({', '.join(TABLE_DIMENSIONS)})",
-        )
+        needed = ", ".join(TABLE_DIMENSIONS)
+        yield ("table",), f"needs frequency and phase, and a response ({needed})"
     for key, rule in {**rules, ("time",): document.get("time", {})}.items():
         unit = partial(table_factor if key[0] == "table" else unit_for, quantity=str(key[-1]))
         readers = ("unit", unit), ("delay", _seconds), ("delay_uncertainty", _seconds)

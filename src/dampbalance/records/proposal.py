@@ -59,7 +59,7 @@ class Proposal:
         self.is_time = next((way for way in ways if any(map(way, self.channels))), None)
         # names take precedence over units
         names = {i: roles.named(i) for i in range(len(self.channels)) if roles.may_move(i)}
-        chosen, twice = roles.told_apart
+        chosen, twice = roles.by_names
         for quantity, i in ({} if twice else chosen).items():
             unit = by_unit(self.channels[i])
             fits = unit and DIMENSIONS[unit] == DIMENSIONS[quantity]
@@ -85,7 +85,7 @@ class Proposal:
         return any(q in RESPONSES for q in self.chosen)
 
     def lines(self) -> list[str]:
-        """Return the mapping in YAML, each line with its reason, and what is left aside."""
+        """Return the mapping in YAML, each line with its reason, and the channels left out."""
         driving = [q for q in self.chosen if q in EXCITATIONS]
         lines = ["channels:" if driving else "channels:  # a free decay, without an excitation"]
         for quantity in (q for q in QUANTITIES if q in self.chosen):
@@ -126,7 +126,7 @@ class Proposal:
         raw, of_unit = self.channels[i], by_unit(self.channels[i])
         driven = any(q in EXCITATIONS for q in self.chosen)
         if of_unit is None and raw.unit and not find_other(raw.unit):
-            self.why[i] = f"its unit, {shortened(raw.unit)}, is none of a motion or a force"
+            self.why[i] = f"its unit, {shortened(raw.unit)}, is no unit of motion or force"
             return
         fitting = ["base_displacement"] * (not driven) + ["displacement"] * (not self.complete)
         reason = "neither name nor unit says what it is"

@@ -17,7 +17,7 @@ from .coordinate import Coordinate
 from .units import UnitError, factor_to
 
 # relative uncertainty of a mass: fixture, driver and half of the springs move along and are seldom weighed
-_AS_WEIGHED = 0.005
+_MASS_UNCERTAINTY = 0.005
 _UNCERTAIN = r"\s*(?:±|\+/?[-−])\s*"  # between a number and its standard uncertainty
 _THOUSAND = r"[ '_\u00a0\u202f]"  # marks of thousands that are no decimal marks
 _NUMBER = re.compile(
@@ -150,4 +150,4 @@ def mass_with_error(value: object) -> tuple[float, float]:
     read = read_quantity("mass", str(value))
     if read.error is not None:
         return with_error("mass", value)
-    return read.value, max(0.5 * read.last_digit, _AS_WEIGHED * read.value)
+    return read.value, max(0.5 * read.last_digit, _MASS_UNCERTAINTY * read.value)

@@ -39,9 +39,10 @@ from .units import DIMENSIONS, UNITS, VOLTAGE, UnitError, find_other, unit_for
 _BITS = (8, 16, 24, 32, 64)  # integers that converters and files have
 # part of their range: no oscillation passes through so much of it from one sample to the next
 _WRAPPED = 0.9
-_INTEGER = 0.01  # part of the resolution: room for the rounding of its multiples to floats
-_WITHIN = 1.5  # resolutions; rounding, and what the line is off by itself
-_ACCURATE = 1e-3  # largest relative error of the rate; c has the same one
+# part of the resolution: room for the rounding of its multiples to floats
+_MULTIPLE_TOLERANCE = 0.01
+_LINE_TOLERANCE = 1.5  # resolutions; rounding, and what the line is off by itself
+_MAX_RATE_ERROR = 1e-3  # largest relative error of the rate; c has the same one
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,7 +102,7 @@ def picks_of(file: Table, mapping: RecordMapping, *, entire: bool = True) -> tup
             q: _find(roles, rule.channel, f"channels.{q}.channel") for q, rule in rules.items()
         }
     else:
-        chosen, twice = roles.told_apart
+        chosen, twice = roles.by_names
         if twice:
             raise unclear(roles, twice)
         if mapping.free:
@@ -112,7 +113,7 @@ def picks_of(file: Table, mapping: RecordMapping, *, entire: bool = True) -> tup
     driving, answering = ([q for q in of if q in chosen] for of in (EXCITATIONS, RESPONSES))
     if entire and len(driving) > 1:
         raise unclear(roles, f"finds {' and '.join(driving)}")
-    # a channel without a name may drive: only where there is none left is it a free decay
+    # a channel without a name may be the excitation: only without such a channel is the record a free decay
     known = mapping.channels or mapping.free
     unnamed = answering and not known and roles.spare(chosen.values())
     if entire and not driving and (unnamed or not answering):
@@ -162,12 +163,12 @@ def _pick(roles: Roles, quantity: str, index: int, rule: ChannelRule) -> Pick:
 
 def _guesses(roles: Roles, picks: Sequence[Pick]) -> Iterator[str]:
     """Yield the guesses about channels without a clear name, and the channels left out: the axis taken of three;
-    signals as long as those read that no name distinguished; a displacement or velocity that only its unit tells, which
+    signals as long as those read that no name distinguished; a displacement or velocity that only its unit shows, which
     may be that against a base that moves."""
     names = [shortened(full_name(raw)) for raw in roles.channels]
     for axis in (i for i, why in roles.axes.items() if not why):
-        said = "is used as the acceleration of the mass, as it is the axis with the most motion"
-        yield f"{names[axis]} {said}; name another in {roles.where} if the mass moves along it"
+        use = "is used as the acceleration of the mass, as it is the axis with the most motion"
+        yield f"{names[axis]} {use}; name another in {roles.where} if the mass moves along it"
     sizes = {roles.channels[pick.index].size for pick in picks}
     used = {i for pick in picks for i in (pick.index, pick.time)} | {*roles.axes}
     if unused := [
@@ -181,19 +182,19 @@ def _guesses(roles: Roles, picks: Sequence[Pick]) -> Iterator[str]:
     moving = "force" not in chosen and any(q in EXCITATIONS for q in chosen)
     for quantity in ("displacement", "velocity"):
         if moving and quantity in chosen and roles.named(chosen[quantity]) is None:
-            said = f"is taken for the {quantity} of the mass against the ground, as no other channel can be"
+            use = f"is taken for the {quantity} of the mass against the ground, as no other channel can be"
             remedy = f"say relative_{quantity} in {roles.where} if it is measured against the base"
-            yield f"{names[chosen[quantity]]} {said}; {remedy}"
+            yield f"{names[chosen[quantity]]} {use}; {remedy}"
 
 
 def _find(roles: Roles, which: Which, key: str) -> int:
     """Return the index of the channel with a name or number."""
-    said, path, channels = f"{roles.mapping.source}: {key}:", roles.path, roles.channels
+    at, path, channels = f"{roles.mapping.source}: {key}:", roles.path, roles.channels
     if isinstance(which, int):
         if 1 <= which <= len(channels):
             return which - 1
         remedy = f"{path} has {len(channels)}: {roles.overview}"
-        raise RecordError(f"{said} there is no channel {which}; {remedy}")
+        raise RecordError(f"{at} there is no channel {which}; {remedy}")
     names = [(raw.name, full_name(raw), raw.label or raw.name) for raw in channels]
     for spelt in (str, key_of):  # verbatim, else without regard to case, blanks and path
         matches = [i for i, own in enumerate(names) if spelt(which) in map(spelt, own)]
@@ -202,10 +203,10 @@ def _find(roles: Roles, which: Which, key: str) -> int:
         if matches:
             numbers = " and ".join(str(i + 1) for i in matches[:LISTED])
             raise RecordError(
-                f"{said} {path} has {len(matches)} channels {shortened(which)}, numbers {numbers}; give one"
+                f"{at} {path} has {len(matches)} channels {shortened(which)}, numbers {numbers}; give one"
             )
     remedy = f"it has {roles.overview}"
-    raise RecordError(f"{said} {path} has no channel {shortened(which)}; {remedy}")
+    raise RecordError(f"{at} {path} has no channel {shortened(which)}; {remedy}")
 
 
 def _unit(roles: Roles, raw: RawChannel, given: str | None, quantity: str) -> float:
@@ -368,7 +369,7 @@ def _in_equal_steps(t: Array, where: str) -> Array:
     if not step > 0.0:  # underflow
         return t
     bound = 1.5 * q / (step * t.size)
-    if np.ptp(t - line) > _WITHIN * q or bound > _ACCURATE:
+    if np.ptp(t - line) > _LINE_TOLERANCE * q or bound > _MAX_RATE_ERROR:
         return t
     rounded = Remark(
         "{} is rounded to {:.3g} s at steps of {:.3g} s: a straight line through it gives {:.9g} samples a second, to "
@@ -384,4 +385,4 @@ def _are_multiples(steps: Array, q: float) -> bool:
     """Return whether all steps are multiples of q, none but zero being lost."""
     multiples = np.round(steps / q)
     lost = (multiples == 0.0) & (steps > 0.0)
-    return not lost.any() and bool(np.abs(steps / q - multiples).max() < _INTEGER)
+    return not lost.any() and bool(np.abs(steps / q - multiples).max() < _MULTIPLE_TOLERANCE)

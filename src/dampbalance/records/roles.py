@@ -60,15 +60,15 @@ class Samples:
                 if not self.values[i].size:
                     self.aside[i] = "it does not hold numbers"
         for i, values in self.values.items():
-            raw, known = file.channels[i], values[np.isfinite(values)]
+            raw, finite = file.channels[i], values[np.isfinite(values)]
             if (other := unusable(raw)) is not None:
                 self.aside[i] = other
-            elif holds_time(raw) or known.size < _FEWEST:
+            elif holds_time(raw) or finite.size < _FEWEST:
                 continue
-            elif not np.ptp(known):
-                self.aside[i] = f"constant, {known[0]:g}"
-            elif (step := equal_step(known)) is not None:
-                counts = step == 1.0 and not np.any(known % 1.0)
+            elif not np.ptp(finite):
+                self.aside[i] = f"constant, {finite[0]:g}"
+            elif (step := equal_step(finite)) is not None:
+                counts = step == 1.0 and not np.any(finite % 1.0)
                 kind = "a counter" if counts else "a time"
                 self.aside[i] = f"rises by {step:.6g} from sample to sample: {kind}"
                 if not counts:
@@ -102,7 +102,7 @@ def first_of(names: Sequence[str]) -> str:
 
 
 class Roles:
-    """The channels of a table, as their names, units and samples tell them apart.
+    """The channels of a table, distinguished by their names, units and samples.
 
     keys : their names, to compare.   overview : of them, for messages.   where : the file of the mapping, or the one to
     write.
@@ -151,7 +151,7 @@ class Roles:
         return why | {most: ""}
 
     @cached_property
-    def told_apart(self) -> tuple[dict[str, int], str]:
+    def by_names(self) -> tuple[dict[str, int], str]:
         """Quantity → channel, by the names; of a single signal by its unit, if that is one of a response. And which
         two are taken for the same quantity, if any.
 

@@ -129,7 +129,7 @@ def measured_ring_down(
     channels : displacement, velocity and acceleration, or angle, angular_velocity and angular_acceleration of an
     oscillator that rotates, whose x and v are in rad and rad/s.
 
-    Raises ValueError for a number outside its range, a channel that is none of the mass, and where the mass does not
+    Raises ValueError for a number outside its range, a channel that is not one of the mass, and where the mass does not
     start or no sample is left.
 
     >>> from dampbalance import Oscillator, measured_ring_down

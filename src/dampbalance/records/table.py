@@ -50,7 +50,7 @@ class RawChannel:
     """A channel as the file has it.
 
     name : without its unit.   label : with it, as it stands there.   unit : as spelt there, or None.
-    size : number of samples, or None if only reading tells.
+    size : number of samples, or None if it shows only on reading.
     rate_hz : samples per second, or None if the file does not say.   start : time of its first sample, s.
     stamps : whether it holds points in time, or spans of it; read as s from the first on.
     fault : of the rate, the step or the first time that the file states; "" for none.
@@ -91,9 +91,8 @@ class Table:
             warnings.warn(RecordWarning(self.oddity), stacklevel=2)
         missing = [i for i in wanted if i not in self.loaded]
         with intact(self.path, self.what):
-            arrays = (
-                [np.asarray(v, dtype=np.float64) for v in self.load(missing)] if missing else []
-            )
+            loaded = self.load(missing) if missing else []
+            arrays = [np.asarray(values, dtype=np.float64) for values in loaded]
         require_size(self.path, sum(map(len, arrays)))
         self.loaded.update(zip(missing, arrays, strict=True))
         return {i: self.loaded[i] for i in wanted}
@@ -169,7 +168,7 @@ def described(
     folder: str = "",
 ) -> RawChannel:
     """Return the channel of `size` samples with that label, its timing among the attributes, whatever they are called;
-    with a fault where a rate, a step or a first time is none.
+    with a fault where a rate, a step or a first time is no number in its range.
 
     unit : instead of the label's.   folder : that it stands in, up to its last slash.
     """
@@ -251,9 +250,8 @@ def signals_file(name: str, signals: Signals | Table) -> Table:
         try:
             return floats(arrays[i]).copy()  # the caller's may change
         except ValueError as error:
-            raise RecordError(
-                f"{path}: column {shortened(channels[i].label)} holds {error}"
-            ) from None
+            column = f"{path}: column {shortened(channels[i].label)}"
+            raise RecordError(f"{column} holds {error}") from None
 
     return Table(path, channels, lambda wanted: [read(i) for i in wanted], "arrays")
 
@@ -267,7 +265,7 @@ def _signals_of(path: Path, label: str, values: Any) -> Iterator[tuple[str, Any,
         yield label, array, stamps
         return
     if array.ndim != 2:
-        remedy = "give each signal a name of its own"
+        remedy = "give each signal its own name"
         raise RecordError(f"{path}: {shortened(label)} has the shape {array.shape}; {remedy}")
     rows = array.T if array.shape[0] > array.shape[1] else array
     require_channels(path, len(rows))

@@ -75,14 +75,9 @@ UNITS = tuple(
         "acceleration": {f"{name}/s²": _LENGTHS[name] for name in ("m", "cm", "mm", "in", "ft")}
         | {"g": _STANDARD_GRAVITY, "mg": 1e-3 * _STANDARD_GRAVITY},
         "force": {
-            "N": 1.0,
-            "µN": 1e-6,
-            "mN": 1e-3,
-            "daN": 10.0,
-            "kN": 1e3,
-            "kgf": _STANDARD_GRAVITY,
-        }
-        | {"lbf": _POUND_FORCE, "ozf": _POUND_FORCE / 16.0, "kip": 1e3 * _POUND_FORCE},
+            **{"N": 1.0, "µN": 1e-6, "mN": 1e-3, "daN": 10.0, "kN": 1e3, "kgf": _STANDARD_GRAVITY},
+            **{"lbf": _POUND_FORCE, "ozf": _POUND_FORCE / 16.0, "kip": 1e3 * _POUND_FORCE},
+        },
         "time": {"s": 1.0, "ms": 1e-3, "µs": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0},
         "angle": _ANGLES,
         "angular velocity": {"rad/s": 1.0, "deg/s": _ANGLES["deg"], "rpm": _TURN / 60.0},
@@ -195,7 +190,7 @@ def split_label(label: str) -> tuple[str, str | None]:
     """Name and unit of a column header: "x [mm]", "x (mm)", "x/mm", "x, mm", "x in mm" and "x_mm" give ("x", "mm").
 
     What stands in brackets is the unit, known or not, except a number, which counts; elsewhere only a known one is.
-    The word "in" at the end is none: disp_in goes with disp_out. None: there is no unit.
+    The word "in" at the end is no unit: disp_in goes with disp_out. None stands for no unit.
     """
     label = label.strip()
     if len(label) > LONGEST_NAME:
@@ -209,9 +204,8 @@ def split_label(label: str) -> tuple[str, str | None]:
     for start in range(1, len(parts)):  # the longest ending that is a unit: "m_per_s2" before "s2"
         ending = "_".join(parts[start:])
         # a single letter may be a place or a phase, x_A, x_C: only a unit of motion counts
-        if ending.lower() != "in" and (
-            find_unit(ending) or (len(ending) > 1 and find_other(ending))
-        ):
+        is_unit = find_unit(ending) or (len(ending) > 1 and find_other(ending))
+        if is_unit and ending.lower() != "in":
             return label[: len("_".join(parts[:start]))], ending
     return label, None
 
@@ -271,12 +265,8 @@ def table_factor(text: str, quantity: str) -> float:
     """Return SI units per unit of a column of a table, as a text spells it: µm/N for a receptance, of which µm is
     enough. Raises UnitError as `unit_for`."""
     motion, _, force = text.strip().rpartition("/")
-    if (
-        quantity in PER_FORCE
-        and motion
-        and (unit := find_unit(force))
-        and unit.dimension == "force"
-    ):
+    unit = find_unit(force)
+    if quantity in PER_FORCE and motion and unit and unit.dimension == "force":
         return unit_for(motion, quantity, PER_FORCE[quantity]).factor / unit.factor
     return unit_for(text, quantity, TABLE_DIMENSIONS[quantity]).factor
 

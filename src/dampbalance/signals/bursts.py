@@ -21,7 +21,7 @@ _WINDOW = 0.6  # cycles, in which a decay passes two turns
 # cycle to a tenth, which also takes off a mode of three times the frequency, whose beats look like bursts.
 _SMOOTH, _SMOOTHER = 1.0 / 8.0, 1.0 / 2.0
 _CLEAR_DEVIATIONS = 8.0  # standard deviations of the smoothed signal
-_SMALLEST_BURST = 0.03  # relative to the largest burst: smaller ones tell little of F_k
+_SMALLEST_BURST = 0.03  # relative to the largest burst: smaller ones determine F_k poorly
 # relative to its first swing: a decay falls below it, a steady motion with noise does not
 _DECAYED = 0.85
 _RISE = 0.6  # relative to a burst's swing: the motion before is smaller, or it is a beat
@@ -84,7 +84,7 @@ QUIET_PARTS = 8
 
 SAMPLES_A_CYCLE = 10
 """At 8, three of five accelerations after a release gave F_k 15 % low: the third differences of so few samples a cycle,
-which tell the noise, are mostly motion. At 10 and 12 none did; at 14 and 16 some are as wrong, it is not known why."""
+which measure the noise, are mostly motion. At 10 and 12 none did; at 14 and 16 some are as wrong; why is unknown."""
 
 LEAST_NOISE = 3e-6
 """Noise relative to the motion, below which it is no transducer's."""
@@ -139,7 +139,7 @@ def _bursts_of(signal: Signal, smooth_over: float) -> list[Burst]:
     width = max(5, 2 * round(0.5 * smooth_over * period / signal.dt) + 1)
     length = max(4, round(_WINDOW * period / signal.dt))
     if signal.values.size < 2 * max(width, length):
-        raise NoDecay("it is shorter than a cycle of its own motion")
+        raise NoDecay("it is shorter than a cycle of its motion")
     # a polynomial through the first samples swings wider than they do where a blow falls among them
     smooth = savgol_filter(signal.values, width, 2, mode="nearest")
     # the filters look at the samples from each one on

@@ -24,14 +24,16 @@ FEW_CYCLES = 10
 
 # Change of a frequency, an amplitude (both relative) or a phase in rad that alters the loss by a per mille at a loss
 # factor of 2 %. From it on a change is reported and widens intervals.
-_MATTERS = 2e-5
-_GAIN_MATTERS = 1e-4  # relative error of F_k and c, which are as wrong as the gain
+_SMALLEST_CHANGE = 2e-5
+_SMALLEST_GAIN_ERROR = 1e-4  # relative error of F_k and c, which are as wrong as the gain
 _FREQUENCY_WRONG = 0.05  # no clock is off by so much, and a wrong column or rate is by more
 _AMPLITUDE_WRONG = 0.1  # relative: channels contradict each other, or a record has no steady motion
 _PHASE_WRONG = 0.5  # rad: no delay of a channel, but a sign or another quantity
-_TURNS_ALONE = 5.0  # times as much as the amplitude changes: what two clocks do, and a friction force that grows
-_HARMONIC_MATTERS = 1e-3  # relative to the fundamental
-_BASE_COUNTS = 1e-6  # relative to the fundamental; the rounding of a file or a time may leave less
+# ratio of the changes of phase and amplitude beyond which two clocks, or a growing friction force, are the likely cause
+_PHASE_OVER_AMPLITUDE = 5.0
+_SMALLEST_HARMONIC = 1e-3  # relative to the fundamental
+# relative to the fundamental; the rounding of a file or a time may leave less
+_SMALLEST_BASE_HARMONIC = 1e-6
 _CLIPPED_CYCLES = 0.5  # part of all cycles: if most are clipped, the range is too small
 _LARGEST_AMPLITUDE = 0.5  # m, some ten times what shakers of long stroke do
 _LARGEST_SPEED = 10.0  # m/s, some three times what the fastest shakers do
@@ -92,7 +94,7 @@ def frequency(
         raise ValueError(
             f"{words.format(at, spread, given)}: wrong frequency, wrong column, or a wrong sampling rate"
         )
-    if abs(off) > max(_MATTERS, _significant_for(max(1, cycles - 2)) * spread / hertz):
+    if abs(off) > max(_SMALLEST_CHANGE, _significant_for(max(1, cycles - 2)) * spread / hertz):
         size = f"{signed(1e6 * off)} ppm" if abs(off) < 1e-3 else f"{signed(100.0 * off, 2)} %"
         yield Remark(
             f"{words} ({{}}): the given one was rounded, or the clock of the generator or the recorder is off; the "
@@ -179,8 +181,8 @@ def consistency(moved: dict[str, Complexes], weights: Array, omega: float) -> It
                 f"{signed(math.degrees(phase), 1)}° apart; check units, sign and calibration, or leave one of the two "
                 "out"
             )
-        late = abs(phase) > max(SIGNIFICANT * error, _MATTERS)
-        scaled = abs(gain - 1.0) > max(SIGNIFICANT * error, _GAIN_MATTERS)
+        late = abs(phase) > max(SIGNIFICANT * error, _SMALLEST_CHANGE)
+        scaled = abs(gain - 1.0) > max(SIGNIFICANT * error, _SMALLEST_GAIN_ERROR)
         if late:
             words = (
                 "{} {} {} by {:.1f} ± {:.1g} µs: shifted to agree; a record cannot show whether the excitation is in "
@@ -230,7 +232,7 @@ def _change(rows: Complexes, weights: Array, parts: float) -> _Change:
     chance = 2.0 * float(special.fdtrc(3.0 * parts, freedom, statistic / (3.0 * parts)))
     change = basis @ along
     grown, turned = float(np.ptp(np.abs(change + mean))), float(np.abs(change).max())
-    matters = max(grown, turned) >= _MATTERS * abs(mean)
+    matters = max(grown, turned) >= _SMALLEST_CHANGE * abs(mean)
     shows = matters and chance <= P_DRIFT
     return _Change(chance, grown / abs(mean), turned / abs(mean), noise, shows)
 
@@ -291,30 +293,30 @@ def steadiness(
     for i, (name, rows, parts) in enumerate(
         (("the excitation", amplitude + 0j, 1.0), ("the response", X / (Y / amplitude), 2.0))
     ):
-        found = _change(rows, weights, parts)
-        if not found.shows:
+        change = _change(rows, weights, parts)
+        if not change.shows:
             continue
         words = (
             "{} is not steady: its amplitude changes by {}, its phasor by up to {} during the record "
             "(chance of that in noise: {})"
         )
-        if found.turn > _TURNS_ALONE * found.size:
+        if change.turn > _PHASE_OVER_AMPLITUDE * change.size:
             words += "; only its phase drifts, as with two sampling clocks or growing friction"
-        chance = Shown(found.chance, "below 1e-6" if found.chance < 1e-6 else f"{found.chance:.1g}")
-        sizes: tuple[str | float, ...] = (name, part(found.size), part(found.turn), chance)
+        chance = Shown(p := change.chance, "below 1e-6" if p < 1e-6 else f"{p:.1g}")
+        sizes: tuple[str | float, ...] = (name, part(change.size), part(change.turn), chance)
         # a change in proportion to time has these standard deviations: from end to end, and to either side of the mean
-        parts_of[i] = max(found.size / math.sqrt(12.0), found.turn / math.sqrt(3.0))
+        parts_of[i] = max(change.size / math.sqrt(12.0), change.turn / math.sqrt(3.0))
         # it has settled where the phasor stays within its scatter about the mean of the second half
         late = rows[size // 2 :].mean()
-        scatter = 4.0 * math.sqrt(parts * found.noise) + 1e-6 * abs(late)
+        scatter = 4.0 * math.sqrt(parts * change.noise) + 1e-6 * abs(late)
         outside = 1 + np.flatnonzero(np.abs(rows - late) > scatter)
         if outside.size and outside[-1] < size // 2:
             after = round(outside[-1] * (times[-1] - times[0]) / (size - 1) / period)
             words += SETTLES
             sizes = (*sizes, after, skipped + after)
-        elif found.size > _AMPLITUDE_WRONG:
+        elif change.size > _AMPLITUDE_WRONG:
             words += "; leave out cycles at its start (--skip-cycles), or record again after the motion has settled"
-        if found.size > _AMPLITUDE_WRONG:
+        if change.size > _AMPLITUDE_WRONG:
             raise Unsettled(words.format(*sizes), int(sizes[-1]) if SETTLES in words else 0)
         warnings.append(Remark(words, *sizes, doubts={"": parts_of[i]}))
     return (parts_of[0], parts_of[1]), warnings
@@ -340,15 +342,11 @@ def harmonic_drive(mean: Complexes, error: Array, driven_by: str) -> Iterator[Re
     what = "the force" if driven_by == "force" else "the base motion"
     relative = _significant(mean, error)[2:]
     if relative.any():
+        largest = int(np.argmax(relative)) + 2
         yield Remark(
             "{} is not harmonic: {} distortion, most of it harmonic {} ({}); direct "
             "integration and the fit of one oscillator include all its harmonics, all others the fundamental only",
-            *(
-                what,
-                part(math.hypot(*relative)),
-                int(np.argmax(relative)) + 2,
-                part(relative.max()),
-            ),
+            *(what, part(math.hypot(*relative)), largest, part(relative.max())),
             doubts={"": math.hypot(*relative)},
             spares=(*_BY_HARMONICS, "maximum likelihood"),
         )
@@ -360,7 +358,7 @@ def highest_of_base(mean: Complexes, error: Array) -> int:
 
     Its work is of first order in the harmonic, so that ones far too small for a warning are counted, too.
     """
-    clear = np.abs(mean) > np.maximum(SIGNIFICANT * error, _BASE_COUNTS * abs(mean[1]))
+    clear = np.abs(mean) > np.maximum(SIGNIFICANT * error, _SMALLEST_BASE_HARMONIC * abs(mean[1]))
     return max(1, int(np.flatnonzero(clear)[-1]))
 
 
@@ -382,7 +380,7 @@ def _significant(mean: Complexes, error: Array) -> Array:
     """Return the size of each harmonic over the fundamental; 0 where it does not matter or does not stand out of its
     error."""
     relative = np.abs(mean) / abs(mean[1])
-    real = (relative > _HARMONIC_MATTERS) & (np.abs(mean) > SIGNIFICANT * error)
+    real = (relative > _SMALLEST_HARMONIC) & (np.abs(mean) > SIGNIFICANT * error)
     return np.where(real, relative, 0.0)
 
 

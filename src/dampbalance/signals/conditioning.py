@@ -56,7 +56,7 @@ _HARMONICS_OF_BASE = 9  # amplifiers and shakers distort the lowest ones
 _FILTERED_OUT = 1e-3  # least gain of a filter: a harmonic that passes with less is noise
 _EXACT = 1e-6  # steps: times that are off by less are taken as equal steps
 # relative to the noise of the fundamental: less would widen intervals by 5 %
-_FREQUENCY_COUNTS = 0.3
+_SMALLEST_FREQUENCY_PART = 0.3
 
 
 @dataclass(frozen=True, eq=False)
@@ -242,7 +242,7 @@ def _steady(
     # the frequency has an error, too: ∂ln x/∂ω = 2mω x/(kY) with mω² = k − Re kY/x, large where the damping is light
     gain = mean_X[1] / mean_Y[1]
     by_frequency = 2.0 * abs(mean_X[1] * gain) * abs(1.0 - (1.0 / gain).real) * omega_error / omega
-    if by_frequency > _FREQUENCY_COUNTS * X_error[1]:
+    if by_frequency > _SMALLEST_FREQUENCY_PART * X_error[1]:
         X_hidden[1] = math.hypot(X_hidden[1], by_frequency)
     X_error = np.hypot(X_error, X_hidden)
     warnings += checks.harmonic_drive(mean_Y, Y_error, driving)

@@ -29,7 +29,7 @@ from ..records.measurement import Correction
 
 Numbers = TypeVar("Numbers", Array, Complexes)
 
-_MOST_ROWS = 2048  # more tell no more of the scatter, and cost time in each bootstrap
+_MOST_ROWS = 2048  # more rows do not improve the scatter, and cost time in each bootstrap
 _MOST_AT_ONCE = 1 << 20  # samples worked on at once: 8 MB an array
 _OUTLYING = 1.5  # mean square of a cycle about its harmonics, relative to the others, where a spike is looked for
 # Equal samples in a row that may be a drop-out: fewer are noise in the steps of a converter.

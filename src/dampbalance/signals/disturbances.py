@@ -83,7 +83,7 @@ def lines_of(residual: Array, dt: float, f_n: float, f_stuck: float = 0.0) -> li
         of_model = abs(frequency - f_n * multiple) < _APART * f_n
         of_model &= multiple % 2 == 1 or multiple == 2  # odd: a contact alike in both directions
         of_model |= abs(frequency - f_stuck) < width
-        # hum is as steady at a multiple as elsewhere; at the frequency itself it cannot be told from a residual
+        # hum is as steady at a multiple as elsewhere; at the frequency itself it looks like a residual
         if line is not None and (not of_model or (line.kind == "mains" and multiple > 1)):
             lines.append(line)
     return lines
@@ -130,12 +130,13 @@ def _clearest(
 
 
 def _fitted(rest: Array, dt: float, frequency: float) -> tuple[Line | None, Array]:
-    """Return the line near a frequency, fitted by least squares, and its samples; no line where it is none."""
+    """Return the line near a frequency, fitted by least squares, and its samples; None instead of the line where it is
+    a pulse."""
     from scipy.optimize import least_squares  # slow to import
 
     t = np.arange(rest.size) / rest.size
     duration = rest.size * dt
-    # means of an eighth of a cycle hold all that tells frequency and decay
+    # means of an eighth of a cycle determine frequency and decay as well
     every = max(1, math.floor(_OF_CYCLE / (frequency * dt)))
     means, times = averaged(rest, every), averaged(t, every)
     scale = math.sqrt(float(means @ means))

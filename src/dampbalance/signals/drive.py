@@ -29,7 +29,7 @@ def stands_still(values: Array) -> bool:
     spectrum.
 
     Stretches from the whole record are looked at: a recorder may begin long before the drive does. Blows are brief; a
-    spike of one or two samples is none.
+    spike of one or two samples is no blow.
     """
     if values.size > 2:
         # the middle one of each three neighbours

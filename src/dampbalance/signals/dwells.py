@@ -57,7 +57,7 @@ def dwells_of(t: Array, values: Array) -> list[Dwell]:
     dwells: list[Dwell] = []
     held = first = 0
     for last in [*(_steps(smooth) + 1), amplitude.size]:
-        inside = slice(first + 1, last - 1)  # the cycles beside a step belong to neither
+        inside = slice(first + 1, last - 1)  # the cycles next to a step belong to neither
         if last - first >= _FEWEST and (np.std(logs[:, inside], axis=1) <= limit).all():
             a, p = np.exp(np.median(logs[:, inside], axis=1)).tolist()
             dwell = Dwell(float(edges[first + 1]), float(edges[last - 1]), a, 1.0 / p)
@@ -89,12 +89,12 @@ def _steps(smooth: Array) -> Array:
     steepest.   smooth : ln amplitude and ln period of each cycle, freed of single outliers, (2, n)."""
     ahead = smooth[:, 3:] - smooth[:, :-3]  # over three cycles, as a step is seldom within one
     size = np.abs(ahead).max(axis=0)
-    found = []
+    steps = []
     while size.size and size.max() > _STEP:
         at = int(np.argmax(size))
-        found.append(at + 1)
+        steps.append(at + 1)
         size[max(0, at - 3) : at + 4] = 0.0
-    return np.array(sorted(found), dtype=np.intp)
+    return np.array(sorted(steps), dtype=np.intp)
 
 
 def _cycles(t: Array, values: Array) -> tuple[Array, Array, Array]:
@@ -111,8 +111,8 @@ def _cycles(t: Array, values: Array) -> tuple[Array, Array, Array]:
     if band > _WIDEST * largest:  # noise would make crossings
         return np.empty(0), np.empty(0), np.empty(0)
     side = np.where(smooth > band, 1, np.where(smooth < -band, -1, 0))
-    known = np.flatnonzero(side)
-    rises = known[1:][(side[known[1:]] > 0) & (side[known[:-1]] < 0)]
+    outside = np.flatnonzero(side)
+    rises = outside[1:][(side[outside[1:]] > 0) & (side[outside[:-1]] < 0)]
     if rises.size < 2:
         return np.empty(0), np.empty(0), np.empty(0)
     sums = np.concatenate([[[0.0], [0.0]], np.cumsum([s, s**2], axis=1)], axis=1)

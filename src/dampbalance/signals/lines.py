@@ -51,7 +51,7 @@ class Lines:
 
     @property
     def relative_error(self) -> float:
-        """Relative standard deviation of Y/x_1: what was measured of the response has an error of its own, and the base
+        """Relative standard deviation of Y/x_1: the measured response has an independent error, and the base
         that was added to it that of the base."""
         of_base = self.Y_error * abs(1.0 / self.Y - self.of_base / self.x[0])
         return math.hypot(self.x_error[0] / abs(self.x[0]), of_base)

@@ -216,7 +216,7 @@ class Reading:
         off = np.hstack([of_base, *(one + 1j * other for one, other in pairs)])
         return self._with(means, off * hidden)
 
-    def shaken(self) -> list[Means]:
+    def with_hidden_errors(self) -> list[Means]:
         """Return the mean with each error that no scatter between rows shows, up and down, as one more set of groups of
         a jackknife; nothing where there are no such errors."""
         errors = np.diag(self._hidden)[self._hidden > 0.0]

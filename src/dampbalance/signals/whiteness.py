@@ -18,7 +18,7 @@ from .bursts import QUIET_PARTS, noise_of
 
 # Least variance that is taken for noise, relative to its stated one: what a record without noise leaves is rounding.
 _SHARE_OF_ROUNDING = 0.1
-_FEWEST_RESIDUALS = 400  # samples, from which the third differences of a record tell its noise
+_FEWEST_RESIDUALS = 400  # samples from which the third differences of a record measure its noise
 _MEDIAN = 1.77  # relative error of the median of n third differences, times √n
 _SIGMAS, _SYSTEMATIC = 6.0, 0.05  # error of the least of several such medians
 
@@ -69,7 +69,7 @@ def chance_of_lines(residuals: Sequence[Array]) -> float:
     return min(1.0, len(residuals) * min(chances))
 
 
-def louder(residual: Array, values: Array, noise: float) -> float:
+def excess_over_noise(residual: Array, values: Array, noise: float) -> float:
     """Return the ratio of a residual to the noise of the samples themselves, where it exceeds chance; else 1.
 
     residual : in units of `noise`.   values : the samples.

@@ -78,7 +78,7 @@ def _datasets(h5py: Any, file: Any) -> Iterator[tuple[str, Any, dict[str, object
 
 
 def _attributes(item: Any) -> dict[str, object]:
-    """Return the attributes that may tell unit or timing."""
+    """Return the attributes that may state unit or timing."""
     return {
         name: item.attrs[name]
         for name in item.attrs
@@ -117,12 +117,9 @@ def matlab_file(path: Path) -> Table:
 def _unrolled(held: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any, str]]:
     """Yield fields by their paths, with their units or "". Arrays of structures or of arrays have [1], [2], … behind
     them; the signals of a matrix, and of the structure of one signal, the names that stand next to them."""
+    texts = [(key.lower(), _texts(value)) for key, value in held.items()]
     labels, units = (
-        next(
-            (one for key, value in held.items() if key.lower() in keys and (one := _texts(value))),
-            [],
-        )
-        for keys in (_LABELS, UNIT_NAMES)
+        next((of for key, of in texts if key in keys and of), []) for keys in (_LABELS, UNIT_NAMES)
     )
     for name, value in held.items():
         if isinstance(value, Mapping):

@@ -39,6 +39,8 @@ def parquet_file(path: Path) -> Table:
     def is_time(kind: Any) -> bool:
         return bool(types.is_timestamp(kind) or types.is_duration(kind))
 
+    numeric = types.is_integer, types.is_floating, types.is_decimal, is_time
+
     def channel(field: Any) -> RawChannel:
         if is_time(field.type):
             return RawChannel(field.name, "s", size, label=field.name, stamps=True)
@@ -51,12 +53,7 @@ def parquet_file(path: Path) -> Table:
 
     def numbers(column: Any, kind: Any, name: str) -> Any:
         held = kind.value_type if types.is_dictionary(kind) else kind
-        if not (
-            types.is_integer(held)
-            or types.is_floating(held)
-            or types.is_decimal(held)
-            or is_time(held)
-        ):
+        if not any(is_kind(held) for is_kind in numeric):
             what = shortened(str(kind))[1:-1]
             raise RecordError(f"{path}: column {shortened(name)} holds {what}, not numbers")
         values = column.to_numpy()
@@ -144,9 +141,8 @@ def _names(sets: Sequence[dict[str, Any]]) -> list[str]:
     keys = [k for k in _NAMING if len({_stated(item, k) for item in sets}) > 1] or ["id1"]
     raws = []
     for item in sets:
-        label = _stated(item, "ordinate_axis_lab") or _SPECIFIC_TYPES.get(
-            int(item["ordinate_spec_data_type"]), "data"
-        )
+        kind = _SPECIFIC_TYPES.get(int(item["ordinate_spec_data_type"]), "data")
+        label = _stated(item, "ordinate_axis_lab") or kind
         own = _stated(item, keys[0]) or ""
         # a label has 20 characters at most
         has = label.casefold() in own.casefold() or {*words_of(label)} <= {*words_of(own)}

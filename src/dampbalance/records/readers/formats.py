@@ -18,7 +18,7 @@ _BEGINNINGS: dict[str, bytes | tuple[bytes, ...]] = {
     "lvm": (b"LabVIEW Measurement", b"\xef\xbb\xbfLabVIEW Measurement"),
     "npy": b"\x93NUMPY",
 }
-_HEAD = 4096  # bytes that tell: a user block of a few kB may precede HDF5
+_HEAD = 4096  # bytes that are examined: a user block of a few kB may precede HDF5
 
 
 class Format(NamedTuple):
