@@ -101,9 +101,8 @@ class Features:
 
     def with_phase(self, phase: str) -> Self:
         """Return these features with `phi` the phase named: "reversal", "zero_crossing" or "fundamental"."""
-        return self.replaced(
-            phi=getattr(self, f"phi_{one_of('phase', phase, get_args(PhaseKind))}")
-        )
+        kind = one_of("phase", phase, get_args(PhaseKind))
+        return self.replaced(phi=getattr(self, f"phi_{kind}"))
 
     def with_common(self, *names: str) -> Self:
         """Return these features, each of those named replaced by its mean over the levels that have it, case by case.

@@ -95,12 +95,8 @@ class Record:
         known = list(RECORD_COLUMNS.values())
         if unknown := [str(name) for name in frame.columns if name not in known]:
             raise ValueError(f"unknown record columns {unknown}; known are {known}")
-        missing = [
-            RECORD_COLUMNS[name]
-            for name in ("t", "y", "x")
-            if RECORD_COLUMNS[name] not in frame.columns
-        ]
-        if missing:
+        needed = (RECORD_COLUMNS[name] for name in ("t", "y", "x"))
+        if missing := [column for column in needed if column not in frame.columns]:
             raise ValueError(f"a record needs the columns {missing}, found {list(frame.columns)}")
         signals: Any = {
             name: frame[col] for name, col in RECORD_COLUMNS.items() if col in frame.columns

@@ -118,13 +118,10 @@ class Law:
         if not self.unknowns:
             raise ValueError("every coefficient is given: leave out one, to identify it")
         if by_balance and count < len(self.unknowns):
-            needed = {1: "one level", 2: "two levels"}.get(
-                len(self.unknowns), f"{len(self.unknowns)} levels"
-            )
-            raise ValueError(
-                f"{symbols_in_words(self.unknowns)} need responses at {needed} or "
-                f"more, got {count}: add records at other amplitudes"
-            )
+            n = len(self.unknowns)
+            levels = {1: "one level", 2: "two levels"}.get(n, f"{n} levels")
+            needed = f"{symbols_in_words(self.unknowns)} need responses at {levels} or more"
+            raise ValueError(f"{needed}, got {count}: add records at other amplitudes")
 
 
 def law_of(

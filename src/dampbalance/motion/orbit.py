@@ -201,10 +201,8 @@ class Orbit:
             np.linspace(0.0, 2.0 * half, _POINTS), [*begins, *(half + begins)]
         )
         (drawn_line,) = ax.plot(*line(whole_period), **style)
-        stick: dict[str, Any] = {
-            "color": drawn_line.get_color(),
-            "linewidth": 2.5 * drawn_line.get_linewidth(),
-        }
+        width = 2.5 * drawn_line.get_linewidth()
+        stick: dict[str, Any] = {"color": drawn_line.get_color(), "linewidth": width}
         for i in np.flatnonzero(self.phases[:, PHASE_S] == 0.0):
             for of_half in (0.0, half):
                 ax.plot(*line(of_half + np.linspace(begins[i], ends[i], 100)), **stick)

@@ -226,9 +226,8 @@ def _common_shape(arrays: list[Array]) -> tuple[int, ...]:
     try:
         return np.broadcast_shapes(*(a.shape for a in arrays))
     except ValueError:
-        shapes = ", ".join(
-            f"{name} {a.shape}" for name, a in zip(Parameters._fields, arrays, strict=True)
-        )
+        named = zip(Parameters._fields, arrays, strict=True)
+        shapes = ", ".join(f"{name} {a.shape}" for name, a in named)
         raise ValueError(f"the arguments do not broadcast to one shape: {shapes}") from None
 
 

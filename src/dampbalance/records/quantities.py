@@ -54,9 +54,8 @@ def read_quantity(name: str, text: str, unit: str | None = None) -> Quantity:
     unit : SI, where the table states none.   Raises ValueError naming the argument, the text, and what is understood.
     """
     bounds = NUMBERS[name] if unit is None else NUMBERS[name]._replace(unit=unit)
-    inner, _, behind = re.sub(r"^\s*\(", "", text).partition(
-        ")" if text.strip()[:1] == "(" else "\0"
-    )
+    end = ")" if text.strip()[:1] == "(" else "\0"
+    inner, _, behind = re.sub(r"^\s*\(", "", text).partition(end)
     written = [(_NUMBER.match(part), part) for part in re.split(_UNCERTAIN, inner.strip())]
     parts = [(_decimal(of, name), part[of.end() :] or behind) for of, part in written if of]
     if not len(parts) == len(written) <= 2:

@@ -241,21 +241,17 @@ _FOLDS = Counter(map(str.casefold, {*_EXACT, *_OTHER_UNITS})) + Counter(_ALIKE)
 _FOLDED = {key.casefold(): unit for key, unit in _EXACT.items() if _FOLDS[key.casefold()] == 1}
 
 DIMENSIONS = {q: _EXACT[_plain(unit)].dimension for q, unit in (QUANTITIES | {"time": "s"}).items()}
-DIMENSIONS |= {
-    q: next(own for own, other in _COUNTERPARTS.items() if other == DIMENSIONS[of])
-    for q, of in ROTATING.items()
-}
+_ROTATIONAL = {other: own for own, other in _COUNTERPARTS.items()}
+DIMENSIONS |= {q: _ROTATIONAL[DIMENSIONS[of]] for q, of in ROTATING.items()}
 """Dimension of what a channel may hold."""
 
 PER_FORCE = {"receptance": "length", "mobility": "velocity", "accelerance": "acceleration"}
 TABLE_DIMENSIONS = {
-    "frequency": "frequency",
-    "force": "force",
+    **{"frequency": "frequency", "force": "force"},
     **{f"base_{q}": DIMENSIONS[q] for q in ABSOLUTE},
     **{q: DIMENSIONS[q] for q in ABSOLUTE},
     **PER_FORCE,
-    "phase": "angle",
-    "level": "",
+    **{"phase": "angle", "level": ""},
 }
 """Dimension of what a column of a table of steady responses may hold: of receptance, mobility and accelerance that of
 the motion per force; a level is a number without one."""

@@ -146,10 +146,8 @@ def _bursts_of(signal: Signal, smooth_over: float) -> list[Burst]:
     ahead = -(length // 2)
     swing = maximum_filter1d(smooth, length, origin=ahead, mode="nearest")
     swing -= minimum_filter1d(smooth, length, origin=ahead, mode="nearest")
-    least = max(
-        _SMALLEST_BURST * float(swing.max()),
-        _CLEAR_DEVIATIONS * 1.5 * signal.noise / math.sqrt(width),
-    )
+    clear = _CLEAR_DEVIATIONS * 1.5 * signal.noise / math.sqrt(width)
+    least = max(_SMALLEST_BURST * float(swing.max()), clear)
     peaks = _peaks(swing, length, least)
     if not peaks:
         raise NoDecay("no decaying motion in it exceeds the noise")

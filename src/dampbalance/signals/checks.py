@@ -290,9 +290,8 @@ def steadiness(
         return (0.0, 0.0), warnings
     # the excitation sets the phase of the record, so that only its amplitude varies
     amplitude = np.abs(Y)
-    for i, (name, rows, parts) in enumerate(
-        (("the excitation", amplitude + 0j, 1.0), ("the response", X / (Y / amplitude), 2.0))
-    ):
+    both = ("the excitation", amplitude + 0j, 1.0), ("the response", X / (Y / amplitude), 2.0)
+    for i, (name, rows, parts) in enumerate(both):
         change = _change(rows, weights, parts)
         if not change.shows:
             continue

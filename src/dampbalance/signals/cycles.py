@@ -98,9 +98,8 @@ def cycle_harmonics(
     work = _Cycles(omega, dt, harmonics)
     # a cycle is complete when the next sample would lie beyond it
     complete = math.floor((t[-1] + dt * (1.0 + 1e-6) - start) / work.period)
-    edges = np.searchsorted(
-        t, start + np.arange(min(complete, cycles) + 1) * work.period - 1e-6 * dt
-    )
+    starts = start + np.arange(min(complete, cycles) + 1) * work.period
+    edges = np.searchsorted(t, starts - 1e-6 * dt)
     count = max(0, edges.size - 1)
     at_once = max(1, _MOST_AT_ONCE // work.longest)
     rows, clipped = np.zeros((count, harmonics + 2), dtype=np.complex128), 0
@@ -176,13 +175,9 @@ def frequency_offset(harmonics: CycleHarmonics) -> tuple[float, float]:
     usable = harmonics.weights > 0.0
     if np.count_nonzero(usable) < FEWEST_CYCLES:
         return 0.0, math.nan
-    (slope, _), covariance = np.polyfit(
-        harmonics.times[usable],
-        np.unwrap(np.angle(harmonics.coefficients[usable, 1])),
-        1,
-        w=np.sqrt(harmonics.weights[usable]),
-        cov=True,
-    )
+    phase = np.unwrap(np.angle(harmonics.coefficients[usable, 1]))
+    w = np.sqrt(harmonics.weights[usable])
+    (slope, _), covariance = np.polyfit(harmonics.times[usable], phase, 1, w=w, cov=True)
     return float(slope), math.sqrt(covariance[0, 0])
 
 

@@ -292,6 +292,7 @@ class Reading:
         shared = series.n <= orders.size
         x[:, series.n[shared].astype(np.intp)] = series.x[:, shared]
         beyond = (means.base.conj() * x[:, 2:]).imag @ orders[1:]
+        motion = series.n, series.x, orders, base, steady.omega, steady.k, series.variance
         return of_numbers(
             steady.omega,
             regime,
@@ -307,19 +308,11 @@ class Reading:
             X_r=X - length,
             V_r=-V_s,
             t_r=t_s,
-            X_1=amplitudes[0],
-            X_3=amplitudes[1],
-            X_5=amplitudes[2],
+            **dict(zip(("X_1", "X_3", "X_5"), amplitudes, strict=True)),
             a=4.0 * X - stick_travel,
             b=math.pi * steady.omega * (squares @ series.n**2),
             W=-math.pi * steady.k * (means.Y * series.x[:, 0].imag + beyond),
-            integrals={
-                symbol: of_harmonics(
-                    *(symbol, series.n, series.x, orders, base),
-                    *(steady.omega, steady.k, series.variance),
-                )
-                for symbol in self.terms
-            },
+            integrals={symbol: of_harmonics(symbol, *motion) for symbol in self.terms},
         )
 
     @one_thread
@@ -391,13 +384,9 @@ class Reading:
         Y = stretched(steady.Y[:, 1:2])
         last = max(int(lines.n[-1]), steady.even_bandwidth, steady.base_bandwidth)
         turn = powers((np.abs(Y) / Y)[:, 0], 1 + last)
-        return Means(
-            np.abs(Y[:, 0]),
-            stretched(steady.X[:, lines.n]) * turn[:, lines.n],
-            stretched(steady.X[:, even]) * turn[:, even],
-            stretched(steady.Y[:, higher]) * turn[:, higher],
-            np.full(len(drawn), bias),
-        )
+        parts = (steady.X, lines.n), (steady.X, even), (steady.Y, higher)
+        x, even_x, base = (stretched(of[:, n]) * turn[:, n] for of, n in parts)
+        return Means(np.abs(Y[:, 0]), x, even_x, base, np.full(len(drawn), bias))
 
     def _onset(self, means: Means, moved: Array) -> tuple[str, Array, Array]:
         """Return the regime, L, (V_s, t_s, λ) of each mean, (r,) and (3, r); NaN where nothing slips.

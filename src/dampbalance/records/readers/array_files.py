@@ -79,11 +79,7 @@ def _datasets(h5py: Any, file: Any) -> Iterator[tuple[str, Any, dict[str, object
 
 def _attributes(item: Any) -> dict[str, object]:
     """Return the attributes that may state unit or timing."""
-    return {
-        name: item.attrs[name]
-        for name in item.attrs
-        if name.lower() in TIMING_NAMES or name.lower() in UNIT_NAMES
-    }
+    return {n: item.attrs[n] for n in item.attrs if n.lower() in TIMING_NAMES | {*UNIT_NAMES}}
 
 
 def matlab_file(path: Path) -> Table:
@@ -105,11 +101,8 @@ def matlab_file(path: Path) -> Table:
             fields[name] = value
             units[name] = unit
     scalars = {n.rpartition(".")[2]: value for n, value in fields.items() if np.size(value) == 1}
-    arrays = [
-        (n, v.shape, scalars, units[n] or None)
-        for n, v in fields.items()
-        if isinstance(v, np.ndarray)
-    ]
+    shaped = {n: v for n, v in fields.items() if isinstance(v, np.ndarray)}
+    arrays = [(n, v.shape, scalars, units[n] or None) for n, v in shaped.items()]
     channels, signals = signals_in(path, arrays)
     return Table(path, channels, lambda wanted: [signals[i](fields) for i in wanted], "MATLAB")
 
@@ -150,11 +143,9 @@ def _unrolled(held: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, A
 def _texts(value: Any) -> list[str]:
     """Return the texts of a field of MATLAB, one or several; none where it holds something else."""
     several = [value] if isinstance(value, str) else value
-    if not isinstance(several, list | np.ndarray) or not all(
-        isinstance(one, str) for one in several
-    ):
-        return []
-    return [str(one).strip() for one in several]
+    listed = isinstance(several, list | np.ndarray)
+    texts = listed and all(isinstance(one, str) for one in several)
+    return [str(one).strip() for one in several] if texts else []
 
 
 def numpy_file(path: Path) -> Table:
