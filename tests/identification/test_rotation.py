@@ -204,11 +204,11 @@ def test_names_of_records_stay_as_they_are(forced):
 def test_an_angle_and_a_displacement_are_no_record(release, orbits):
     t, angles = release
     both = {"time_s": t, "angle_deg": angles, "force_N": np.sin(t)}
-    with pytest.raises(RecordError, match=r"'angle.*' is of a rotation and 'force.*' of a trans"):
+    with pytest.raises(RecordError, match=r"'angle.*' rotates and 'force.*' moves along a line"):
         identify(both, 1.0)
-    with pytest.raises(ValueError, match="'angle' is of a rotation and 'force' of a translation"):
+    with pytest.raises(ValueError, match="'angle' rotates and 'force' moves along a line"):
         Measurement.of("run", [Channel("angle", t, angles), Channel("force", t, np.sin(t))])
-    with pytest.raises(ValueError, match="'angle' is of a rotation and 'displacement' of a tran"):
+    with pytest.raises(ValueError, match="'angle' rotates and 'displacement' moves along a line"):
         Measurement.of("run", [Channel(q, t, angles) for q in ("angle", "displacement")])
     rules = {"channels": {"angle": {"channel": "angle"}, "force": {"channel": "force"}}}
     with pytest.raises(RecordError, match="holds angle and force: a record rotates or moves along"):
@@ -217,7 +217,7 @@ def test_an_angle_and_a_displacement_are_no_record(release, orbits):
         measured_orbit(orbits[0], channels=(f"base_{of}", of), **FORCED)
         for of in ("angle", "displacement")
     ]
-    with pytest.raises(RecordError, match=r"is of a rotation and record 2.* identify them sep"):
+    with pytest.raises(RecordError, match=r"rotates and record 2.* identify them separately"):
         identify(
             [
                 records[0],

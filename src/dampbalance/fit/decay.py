@@ -34,7 +34,7 @@ from ..signals.band import freedom as freedom_in_band
 from ..signals.bursts import Signal, least_noise
 from ..signals.coupling import ac_coupled, ac_start
 from ..signals.thresholds import P_OF_THE_MODEL
-from ..signals.whiteness import chance_of_averages, chance_of_lines, louder
+from ..signals.whiteness import chance_of_averages, chance_of_lines, excess_over_noise
 from ..solver import NORMAL_95
 from .climb import GAIN, MOST_EVALUATIONS, Climb, ClimbBounds
 from .fit import Fit
@@ -508,7 +508,9 @@ class RingFit(Fit):
         """How many times the noise that the samples show themselves the residual is; 1 where it is that noise."""
         if self.problem.band is not None:
             return 1.0
-        return max(louder(r, signal.values, signal.noise) for _, signal, r in self.residuals())
+        return max(
+            excess_over_noise(r, signal.values, signal.noise) for _, signal, r in self.residuals()
+        )
 
     @cached_property
     def residual_share(self) -> float:

@@ -368,7 +368,7 @@ def read_samples(readings: Sequence[Reading]) -> Samples[Sample]:
     groups of rows, the waveforms of all records following."""
     means, left = [reading.mean for reading in readings], []
     for j, reading in enumerate(readings):
-        for others in (reading.left_out(), *reading.shaken()):
+        for others in (reading.left_out(), *reading.with_hidden_errors()):
             each = [mean[[0] * len(others.Y)] for mean in means]
             each[j] = others
             left.append(sample_of(readings, each))

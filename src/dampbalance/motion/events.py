@@ -19,7 +19,7 @@ PHASE_T, PHASE_S, PHASE_X, PHASE_V, PHASE_Z = range(5)
 """Columns of an array of phases, a row for the start of each: time, state of the contact, x, ẋ, z."""
 
 MOST_RADIANS = 2e7
-"""Of the fastest motion of an oscillator, that are followed to find one orbit: seconds of computing."""
+"""Radians of the fastest motion of an oscillator that are followed to find an orbit: seconds of computing."""
 
 _STEPS_PER_RADIAN = 2.5
 _HALVINGS = 60

@@ -69,7 +69,7 @@ class Scheme:
     velocity_lag: float = 0.0
 
     def balance_bias(self, osc: Oscillator, omega: float, h: float) -> float:
-        """What W/b of the sampled x, v of a linear steady motion exceeds c by, N s/m, to first order in h.
+        """Return the excess of W/b over c, N s/m, of the sampled x, v of a linear steady motion, to first order in h.
 
         W/b = ∮ky v/∮v² = c + m h [d ω² − lag (ω² − ω_n²)]: damping of the scheme, and the part of the velocity that
         its lag turns into phase with the spring and inertia forces. omega : rad/s.   h : s.
@@ -184,7 +184,7 @@ def simulate(
 def largest_growth(
     scheme: str, step: float, c_over_m: float, k_over_m: float, contact_over_m: float = 0.0
 ) -> float:
-    """By how much a free oscillation grows in a step of a scheme, the spectral radius of its map; 1 if it decays.
+    """Return the growth of a free oscillation in a step of a scheme, the spectral radius of its map; 1 if it decays.
 
     step : s.   c_over_m : 1/s.   k_over_m, contact_over_m : k/m and, in stick, K_z/m, 1/s².
     """

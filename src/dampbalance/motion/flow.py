@@ -169,7 +169,7 @@ def _harmonic_response_resonant(
 
 
 class Phase(NamedTuple):
-    """What the motion within one phase depends on.
+    """Numbers that determine the motion within one phase.
 
     v0 : initial velocity, m/s.   f0, A : constant and harmonic force per mass at the start, m/s².
     delta : 1/s.   Omega2 : 1/s².   omega : rad/s.

@@ -1,4 +1,4 @@
-"""What is read off an exact orbit: extremes, slip onset, energy terms and harmonics, phase by phase.
+"""Features of an exact orbit: extremes, slip onset, energy terms and harmonics, phase by phase.
 
 An orbit is given by the phases of its half cycle from the reversal at −X: rows (t, s, x, ẋ, z). Within a phase the
 velocity is ẋ = Re[V e^{iψ}] + q̇(t), ψ = θ + ωt the phase of the base and q the free motion, q̈ + 2δq̇ + Ω²q = 0. Its
@@ -29,7 +29,7 @@ PANEL = 8.0
 """Radians of the fastest oscillation of an integrand: 12 Gauss points are then exact to rounding."""
 
 GAUSS_NODES, GAUSS_WEIGHTS = (np.ascontiguousarray(a) for a in np.polynomial.legendre.leggauss(12))
-"""Of the rule on [−1, 1]."""
+"""Gauss's rule on [−1, 1]."""
 
 
 class Measures(NamedTuple):

@@ -28,14 +28,14 @@ _SIDE = 4  # samples of one phase through which its acceleration is continued
 _FEWEST = 3  # stick samples below which there is no line to meet the corner
 
 NO_CYCLE, REVERSALS, NO_CORNER, SHORT_STICK, LATE = range(1, 6)
-"""Why a cycle or its slip onsets could not be read."""
+"""Reasons why a cycle or its slip onsets could not be read."""
 
 _Cubic = tuple[Any, Any, Any, Any]
 _Quartic = tuple[float, float, float, float, float]
 
 
 class Cycle(NamedTuple):
-    """What is read in one cycle, names and units as in `Features`; NaN where it was not reached.
+    """Readings of one cycle, names and units as in `Features`; NaN where it was not reached.
 
     trouble : 0, or why no slip onset was read.   how_many : of what the reason counts.
     start : place of the reversal at −X, counted in samples.

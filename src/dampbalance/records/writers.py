@@ -42,7 +42,7 @@ def write(path: str | Path, measurement: Measurement) -> Path:
         )
     if corrected := [q for q in measurement if measurement[q].correction]:
         raise RecordError(
-            f"{path}: cannot hold that the {corrected[0]} is to be corrected for gain, delay or filters; keep the "
+            f"{path}: cannot store the correction of the {corrected[0]} for gain, delay or filters; keep the "
             "original with its mapping"
         )
     columns = _columns_of(measurement)
@@ -58,7 +58,7 @@ def write(path: str | Path, measurement: Measurement) -> Path:
 
 
 def _columns_of(measurement: Measurement) -> dict[str, Array]:
-    """The signals by column name, times first: time_s for all channels, or displacement_time_s before each."""
+    """Return the signals by column name, times first: time_s for all channels, or displacement_time_s before each."""
     channels = [measurement[q] for q in QUANTITIES if q in measurement]
     shared = all(np.array_equal(channel.t, channels[0].t) for channel in channels)
     columns: dict[str, Array] = {}
