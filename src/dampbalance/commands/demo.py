@@ -42,7 +42,7 @@ _RECORD = (
     *("0.1", "--channel", "base_displacement", "--channel", "displacement", "--channel"),
     *("acceleration", "--decimals", "6"),
 )
-"""Of each record, as of those in config/records/example."""
+"""Options of each record, as for those in config/records/example."""
 
 
 def run(options: argparse.Namespace) -> None:
@@ -52,7 +52,7 @@ def run(options: argparse.Namespace) -> None:
     found = folder / "found"
     again = ["--overwrite"] * options.overwrite
     require_room(folder, [one.name for one in (*records, found)], "" if again else "--overwrite")
-    with interpreted():  # what was not compiled yet shall not be waited for
+    with interpreted():  # runs at once what is not compiled yet
         for seed, (record, level) in enumerate(zip(records, _LEVELS_MM, strict=True), start=1):
             motion = ("--amplitude", f"{level / 1000:g}", "--seed", f"{seed}")
             _run("simulate", str(record), *motion, *_RECORD, *again)

@@ -93,8 +93,10 @@ _SCREEN = Path("-")
 
 
 def run(options: argparse.Namespace) -> bool:
-    """Identify, show the table or the document, write the results; or write a mapping. Returns whether there is an
-    answer."""
+    """Identify, show the table or the document, and write the results; or write a mapping.
+
+    Returns whether there is an answer.
+    """
     if options.write_mapping is not None:
         _write_mapping(options)
         return True
@@ -165,7 +167,7 @@ def _write_mapping(options: argparse.Namespace) -> None:
 
 
 def _labels(text: str) -> dict[str, str]:
-    """A type of argument: a term and a label for each record, F_k=A,A,B."""
+    """Parse an argument: a term and a label for each record, F_k=A,A,B."""
     name, equals, labels = text.partition("=")
     if not equals:
         raise argparse.ArgumentTypeError(
@@ -175,7 +177,7 @@ def _labels(text: str) -> dict[str, str]:
 
 
 def _checked(name: str, text: str) -> str:
-    """A reader of a number that stays a text, with its unit and its digits, once it can be read."""
+    """Check that a text is a number, and return it as it stands, with its unit and its digits."""
     with_error(name, text)
     return text
 
@@ -234,8 +236,10 @@ _OPTIONS: dict[str, dict[str, Any]] = {
 
 
 def _arguments() -> Iterator[tuple[str, dict[str, Any]]]:
-    """Each argument of `_HELP`, with its group; an option that is not given leaves no trace, so that the defaults are
-    those of the functions that identify."""
+    """Yield each argument of `_HELP`, with its group; an option that is not given leaves no trace.
+
+    So the defaults are those of the functions that identify.
+    """
     group = ""
     for line in _HELP.splitlines():
         if line.endswith(":"):

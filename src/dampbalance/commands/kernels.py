@@ -40,13 +40,13 @@ def _orbit() -> Orbit:
 
 
 def steady() -> None:
-    """Steady responses, alone and many at a time."""
+    """Compute steady responses, alone and many at a time."""
     measured_orbit(_orbit(), rate_hz=1000.0, cycles=8.0)
     steady_orbits(**_OSCILLATOR, Y=[1e-5, 0.0006, 0.004], omega=_OMEGA)
 
 
 def harmonics() -> None:
-    """Harmonics of steady responses, which fits follow, and fixed steps with what is read of them."""
+    """Compute harmonics of steady responses, which fits follow, and fixed steps with what is read of them."""
     with interpreted():
         orbit = _orbit()
     orbit.harmonics(3)
@@ -56,8 +56,7 @@ def harmonics() -> None:
 
 
 def rest() -> None:
-    """Features of an orbit, responses to a distorted drive and with several sliders, and free decays under friction and
-    other laws."""
+    """Compute features of an orbit, responses to a distorted drive and with several sliders, and free decays."""
     orbit = _orbit()
     distorted_harmonics(orbit, np.array([orbit.X, 0.01 * orbit.X], dtype=complex), 3)
     several = sliders_orbit(Oscillator(**_OSCILLATOR), BaseMotion(0.004, _OMEGA), [1e-5], [1e5])
@@ -88,7 +87,7 @@ def main(names: list[str]) -> None:
 
 
 def _started(*command: str) -> subprocess.Popen[bytes]:
-    """A silent process that outlives this one."""
+    """Return a silent process that outlives this one."""
     return subprocess.Popen(
         command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, process_group=0
     )

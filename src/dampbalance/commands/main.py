@@ -36,7 +36,7 @@ class _Parser(argparse.ArgumentParser):
 
 
 def parser(named: Collection[str] = tuple(COMMANDS)) -> argparse.ArgumentParser:
-    """The parser of the command line; of its commands, only those that are named know their arguments."""
+    """Return the parser of the command line; of its commands, only those that are named know their arguments."""
     top = _Parser(
         prog="dampbalance",
         description="Friction and viscous damping of a vibrating system from the balance of energy over one period.",
@@ -62,8 +62,10 @@ def parser(named: Collection[str] = tuple(COMMANDS)) -> argparse.ArgumentParser:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run one command; returns the exit code: 0; 1 for records that give no answer; 2 for what could not be done, with
-    one line that says why."""
+    """Run one command and return its exit code.
+
+    It is 0 for success, 1 for records that give no answer, and 2, after one line that says why, for an error.
+    """
     arguments = sys.argv[1:] if arguments is None else arguments
     options = parser(arguments).parse_args(arguments)
     try:

@@ -133,7 +133,7 @@ def save(options: argparse.Namespace, measurement: Measurement) -> None:
 def oscillator(
     options: argparse.Namespace, law: dict[str, float], friction: float = FRICTION
 ) -> Oscillator:
-    """The oscillator of the options; it takes friction and c out of a law that gives them.
+    """Return the oscillator of the options; it takes friction and c out of a law that gives them.
 
     friction : F_k, N, where neither options nor law give it.
     """
@@ -155,7 +155,7 @@ def _steady(
     law: dict[str, float],
     elements: list[tuple[float, float]] | None,
 ) -> Orbit | Response | SlidersOrbit:
-    """The steady response: exact where the law is friction and c."""
+    """Return the steady response: exact where the law is friction and c."""
     if elements:
         return sliders_orbit(osc, motion, *zip(*elements, strict=True))
     if not law:

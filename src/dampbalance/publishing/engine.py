@@ -40,7 +40,7 @@ _PACKAGE = Path(__file__).parents[1]
 # Optimisation is for wasm32 and left to llvmlite.
 _NUMBA = {"NUMBA_OPT": "0", "NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": ""}
 
-# What kernels need of Numba's runtime: memory for arrays, all of which is free again at the next `reset`.
+# The part of Numba's runtime that kernels need: memory for arrays, all of which is free again at the next `reset`.
 _RUNTIME = """
 typedef struct { long long count; void *destructor, *its_argument, *data; long long size; } Info;
 extern unsigned char __heap_base;
@@ -67,7 +67,7 @@ void NRT_MemInfo_call_dtor(Info *info) {}
 
 
 def _kernels() -> list[tuple[Any, tuple[Any, ...]]]:
-    """The kernels that the page calls, and the types of their arguments."""
+    """Return the kernels that the page calls, and the types of their arguments."""
     from numba import types as numba_types
 
     types: Any = numba_types
@@ -116,7 +116,7 @@ def build(folder: Path) -> None:
 
 
 def source_digests(modules: list[str]) -> Mapping[str, str]:
-    """SHA-256 of modules of the package, named by their paths in it."""
+    """Return the SHA-256 of modules of the package, named by their paths in it."""
     return {name: hashlib.sha256((_PACKAGE / name).read_bytes()).hexdigest() for name in modules}
 
 
@@ -152,7 +152,7 @@ def _write_object(path: Path) -> list[str]:
 
 
 def _without_python(assembly: str) -> str:
-    """A module without its target and without what its exceptions say, in which there are addresses of this process."""
+    """Return a module without its target and the texts of exceptions, which hold addresses of this process."""
     assembly = re.sub(r"^target .*$", "", assembly, flags=re.MULTILINE)
     said = r"^ *store ptr (?:@\.const\.picklebuf|%)\S*, ptr %excinfo, .*$"
     return re.sub(said, "", assembly, flags=re.MULTILINE)

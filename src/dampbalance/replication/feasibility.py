@@ -1,4 +1,4 @@
-"""Whether a configuration can be simulated: checks that need the mechanics, made before anything runs."""
+"""Checks whether a configuration can be simulated, those that need the mechanics, made before anything runs."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ FEWEST_PER_CYCLE = 100
 """Steps in a period below which neither a reversal nor a slip onset is resolved."""
 
 MOST_GROWTH = 10.0
-"""By how much a scheme may let an oscillation grow that the equations let decay."""
+"""Largest factor by which a scheme may let an oscillation grow that the equations let decay."""
 
-_BALANCE = 1e-6  # of the energy put in: what an orbit may miss by rounding
+_BALANCE = 1e-6  # share of the energy put in: an orbit may miss it by rounding
 
 
 def check_feasible(case: Case, files: Iterable[str | Path]) -> list[str]:
@@ -65,7 +65,7 @@ def check_feasible(case: Case, files: Iterable[str | Path]) -> list[str]:
 
 
 def _orbit(osc: Oscillator, motion: BaseMotion) -> Orbit:
-    """The exact orbit, by Python as far as that goes: a handful takes less time than loading what is compiled."""
+    """Return the exact orbit, by Python as far as that goes: for a few, loading compiled code takes longer."""
     try:
         with interpreted():
             orbit = steady_orbit(osc, motion)
@@ -77,7 +77,7 @@ def _orbit(osc: Oscillator, motion: BaseMotion) -> Orbit:
 
 
 def _out_of_range(case: Case) -> Iterator[Problem]:
-    """Where the numbers leave the space in which the exact solution is known to hold."""
+    """Return where the numbers leave the space in which the exact solution is known to hold."""
     osc = case.oscillator
     ratios = [case.omega(name) / osc.omega_n for name in case.frequencies_hz]
     K_z: tuple[str, ...] = ("oscillator", "K_z_N_per_m")
@@ -98,7 +98,7 @@ def _out_of_range(case: Case) -> Iterator[Problem]:
 
 
 def _wrong_steps(case: Case) -> Iterator[Problem]:
-    """Where the fixed-step simulation would take too long, or be none."""
+    """Return where the fixed-step simulation would take too long, or be none."""
     numerics, osc, levels = case.numerics, case.oscillator, len(case.levels_m)
     step = ("as_published", "step_s")
     coarsest = 1.0 / (max(case.frequencies_hz.values()) * FEWEST_PER_CYCLE)

@@ -43,7 +43,7 @@ class Cases(NamedTuple):
 
 
 def cases_between(study: Study, start: int, stop: int) -> Cases:
-    """The cases start … stop − 1 of a study."""
+    """Return the cases start … stop − 1 of a study."""
     fixed = {name: np.full(stop - start, value) for name, value in study.fixed.items()}
     values: dict[str, Words] = fixed | case_values(study.blocks, start, stop)
     si = in_si({name: values[name].astype(float) for name in mechanical(values)})
@@ -93,11 +93,11 @@ class Column(NamedTuple):
 
 
 _CONTACT_STIFFNESS = Term(CONTACT, None, "contact stiffness", "N/m")
-"""What columns say of K_z, which is no term of a damping law."""
+"""Describes K_z, which is no term of a damping law, for the columns."""
 
 
 def identified_by(symbol: str) -> Term:
-    """What can be identified: a term of a damping law, or K_z, by its symbol."""
+    """Return what can be identified: a term of a damping law, or K_z, by its symbol."""
     return _CONTACT_STIFFNESS if symbol == CONTACT else term(symbol)
 
 
@@ -115,7 +115,7 @@ _OF_TERMS = {
 
 
 def case_columns(study: Study) -> list[Column]:
-    """The columns of the table of cases, in their order."""
+    """Return the columns of the table of cases, in their order."""
     names, columns = study.axis_names, [Column("case", "1", "number of the case, counted from 0")]
     columns += map(_of_parameter, names)
     if "parameters" in study.columns:
@@ -165,7 +165,7 @@ class StudySize(NamedTuple):
 
 
 def size_of(study: Study) -> StudySize:
-    """The size of a study. Bytes are an upper bound: constant columns and repeated words pack to next to nothing.
+    """Return the size of a study, whose bytes are an upper bound: constant columns and repeated words pack well.
 
     Eight bytes for every number that can differ from case to case, one or two for words and case numbers.
     """
@@ -177,7 +177,7 @@ def size_of(study: Study) -> StudySize:
 
 
 def chunk_bounds(study: Study, chunk: int) -> tuple[int, int]:
-    """First case of a chunk and the one after its last."""
+    """Return the first case of a chunk and the one after its last."""
     start = chunk * study.chunk_cases
     return start, min(start + study.chunk_cases, study.cases)
 
@@ -202,6 +202,6 @@ def check_size(study: Study, size: StudySize, folder: str | Path, file: str | Pa
 
 
 def size_in_words(count: float) -> str:
-    """A number of bytes with a unit that suits it, e.g. 1.2 GB."""
+    """Return a number of bytes with a unit that suits it, e.g. 1.2 GB."""
     power = next((p for p in range(5) if count < 1000.0 ** (p + 1)), 5)
     return f"{count / 1000.0**power:.3g} {('bytes', 'kB', 'MB', 'GB', 'TB', 'PB')[power]}"

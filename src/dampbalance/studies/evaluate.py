@@ -39,7 +39,7 @@ _SLICE = 16_384  # cases worked on at a time: their arrays stay in the processor
 
 
 def evaluate(study: Study, start: int, stop: int, threads: int | None = None) -> pd.DataFrame:
-    """The cases start … stop − 1 of a study as a table with the columns of `case_columns`.
+    """Return the cases start … stop − 1 of a study as a table with the columns of `case_columns`.
 
     threads : for the exact orbits. The numbers depend neither on them nor on start and stop.
     """
@@ -56,14 +56,15 @@ def evaluate(study: Study, start: int, stop: int, threads: int | None = None) ->
 def in_parts(
     study: Study, start: int, stop: int, threads: int | None = None
 ) -> Iterator[pd.DataFrame]:
-    """Like `evaluate`, PART cases at a time, so that memory does not grow with the number of cases."""
+    """Evaluate like `evaluate`, PART cases at a time, so that memory does not grow with the number of cases."""
     for first in range(start, stop, PART):
         yield evaluate(study, first, min(first + PART, stop), threads)
 
 
 def responses_of(study: Study, start: int, stop: int, threads: int | None = None) -> pd.DataFrame:
-    """The responses of the cases start … stop − 1, from which `evaluate` identifies: a row for each case and level,
-    with the axes, the level counted from 1 and the features, in columns named with their units.
+    """Return the responses of the cases start … stop − 1, from which `evaluate` identifies.
+
+    The table has a row for each case and level: the axes, the level counted from 1 and the features, names with units.
     """
     parts = []
     for first in range(start, stop, _SLICE):
@@ -113,8 +114,10 @@ def _evaluate(cases: Cases, threads: int | None) -> dict[str, Any]:
 
 
 def _with_errors(rows: Rows, drawn: Rows, weighted: bool) -> tuple[Estimate, dict[str, Array]]:
-    """The estimate from rows, weighted by the scatter of replicates or not, and its standard errors by the replicates,
-    which take the weights of the rows."""
+    """Return the estimate from rows, weighted by the scatter of replicates or not, and its standard errors.
+
+    These come from the replicates, which take the weights of the rows.
+    """
     if weighted:
         rows = replace(rows, covariance=drawn.scatter())
     estimate = solve(rows)
@@ -128,7 +131,7 @@ def _with_errors(rows: Rows, drawn: Rows, weighted: bool) -> tuple[Estimate, dic
 def _results(
     fit: Fit, estimates: Mapping[str, Array], errors: Mapping[str, Array], si: Mapping[str, Array]
 ) -> dict[str, Array]:
-    """The columns of a fit: coefficients and their relative errors; with standard errors also these, and whether
+    """Return the columns of a fit: coefficients and their relative errors; with standard errors also these, and whether
     estimate ± 1.96 standard errors holds the true value."""
     table = {}
     for symbol, value in estimates.items():
@@ -147,7 +150,7 @@ def _results(
 
 
 def _responses(cases: Cases, threads: int | None) -> Responses:
-    """The responses of the cases; all except the exact ones are computed one after the other, by `responses`."""
+    """Return the responses of the cases; all except the exact ones are computed one after the other, by `responses`."""
     si, study = cases.si, cases.study
     terms = {symbol for fit in study.fits for symbol in fit.terms} - TERMS.keys()
     if study.route.kind == "exact" and not terms and not of_law(cases.values):
@@ -163,8 +166,10 @@ def _responses(cases: Cases, threads: int | None) -> Responses:
 def _rows(
     fit: Fit, responses: Features, k: Array, rules: Sequence[tuple[Integers, ReadOut]]
 ) -> Rows:
-    """Rows of the balance that the approach of a fit forms from features, which are rounded, each case by its rules,
-    and have the mean φ and t_s of the levels where the fit wants them common."""
+    """Return the rows of the balance that the approach of a fit forms from features.
+
+    Each case is rounded by its rules; where the fit wants φ and t_s common, all levels have their mean.
+    """
     if fit.approach == SIMPSON:
         return direct(responses, k)
     seen = responses.with_phase(fit.phase) if fit.phase else responses
@@ -185,7 +190,7 @@ def _rows(
 
 
 def _read_out_rules(values: Mapping[str, Words]) -> list[tuple[Integers, ReadOut]]:
-    """(cases, rules of reading) for each different set of rules among the cases; empty without rules."""
+    """Return (cases, rules of reading) for each different set of rules among the cases; empty without rules."""
     names = [name for name in values if parameter(name).kind == "read_out"]
     rules = []
     if names:
@@ -198,7 +203,7 @@ def _read_out_rules(values: Mapping[str, Words]) -> list[tuple[Integers, ReadOut
 
 
 def _regime_names(words: Words) -> Words:
-    """The regime of each case: one name if all levels are alike, else the names of all levels."""
+    """Return the regime of each case: one name if all levels are alike, else the names of all levels."""
     codes, kinds = pd.factorize(words.ravel())
     levels = codes.reshape(words.shape)
     pattern = levels[0]

@@ -1,4 +1,4 @@
-"""What can be wrong with the YAML file of a study, found before anything runs; and the figure of a file without one.
+"""Reads the YAML file of a study, finds faults before anything runs, and chooses the figure of a file without one.
 
 The schema (study.schema.yaml) says which keys there are, and what each may hold. This module checks
 what takes more than one key to see: axes that contradict each other, a route that lacks a parameter, a figure
@@ -60,13 +60,15 @@ MOST_SAMPLES_READ = 1_000_000
 MOST_NUMBERS = 200_000_000
 """Numbers that a job holds at a time: cases × columns, or × replicates × levels × features."""
 
-_FEATURES = 20  # of a replicate
+_FEATURES = 20  # numbers that a replicate has
 _USUAL_PANELS = 6  # an axis of more values gets an axis of the usual figure
 
 
 def read_study(path: str | Path, paper_file: str | Path) -> Study:
-    """The study of a YAML file, named after the file; without a figure, it gets the first of the usual ones that can be
-    drawn. Its text is the template next to the file, NAME.md.j2, if there is one.
+    """Return the study of a YAML file, named after the file.
+
+    Without a figure, it gets the first of the usual ones that can be drawn. Its text is the template next to the
+    file, NAME.md.j2, if there is one.
 
     paper_file : the configuration of the paper's case, whose oscillator, first frequency and levels stand for what the
     study leaves out.
@@ -82,8 +84,7 @@ def read_study(path: str | Path, paper_file: str | Path) -> Study:
 
 
 def with_usual_figure(study: Study, kind: str = "") -> Study:
-    """Return the study with the first of the usual figures that can be drawn, of a kind where it is named; without a
-    figure where there is none."""
+    """Return the study with the first of the usual figures, of a kind where it is named, that can be drawn, if any."""
     figures = (of for of in _usual_figures(study) if kind in ("", of["kind"]))
     drawn = (replace(study, figure=figure) for figure in figures)
     return next((one for one in drawn if not any(_wrong_figure(one))), study)
@@ -92,7 +93,7 @@ def with_usual_figure(study: Study, kind: str = "") -> Study:
 def problems(
     document: Any, schema: Mapping[str, Any], paper: Mapping[str, Any]
 ) -> Sequence[Problem]:
-    """Everything that is wrong with a study's document, (key, text) each; nothing if it can be run.
+    """Return everything that is wrong with a study's document, (key, text) each; nothing if it can be run.
 
     One kind after the other: what is wrong with the axes would make nonsense of what the figure refers to.
     """
@@ -129,7 +130,7 @@ def _wrong_axes(axes: Sequence[Mapping[str, Any]]) -> Iterator[Problem]:
 
 
 def _wrong_axis(key: KeyPath, name: str, spec: Mapping[str, Any]) -> Iterator[Problem]:
-    """What is wrong with the values or the range of an axis."""
+    """Return what is wrong with the values or the range of an axis."""
     given = [(key, spec.get("values", [])), ((*key, "also"), spec.get("also", []))]
     given += [((*key, end), [spec[end]]) for end in ("from", "to") if end in spec]
     wrong = [
@@ -168,7 +169,7 @@ def _wrong_values(document: Mapping[str, Any]) -> Iterator[Problem]:
 
 
 def _contradictions(document: Mapping[str, Any], study: Study) -> Iterator[Problem]:
-    """What does not go together: levels, route, rules of reading, laws, fits, weights, terms of the balance."""
+    """Yield what does not go together: levels, route, rules of reading, laws, fits, weights, terms of the balance."""
     estimation = document.get("estimation", {})
     given = {*document.get("base", {}), *study.axis_names} & {"Y_m", "F_k_over_kY"}
     if given and not study.levels_relative:
@@ -198,7 +199,7 @@ def _contradictions(document: Mapping[str, Any], study: Study) -> Iterator[Probl
 
 
 def _wrong_route(document: Mapping[str, Any], study: Study) -> Iterator[Problem]:
-    """What does not fit the route: parameters and settings that are missing, or that mean nothing to it."""
+    """Yield what does not fit the route: parameters and settings that are missing, or that mean nothing to it."""
     used, wanted, section = study.parameters, study.route, document.get("route", {})
     nothing = f"means nothing to the route {wanted.kind}"
     for names in wanted.needs:
@@ -221,7 +222,7 @@ def _wrong_route(document: Mapping[str, Any], study: Study) -> Iterator[Problem]
 
 
 def _wrong_sizes(_: object, study: Study) -> Iterator[Problem]:
-    """What is too much: the numbers at the corners of the box that the axes span, the records, the chunks."""
+    """Yield what is too much: the numbers at the corners of the box that the axes span, the records, the chunks."""
     given = mechanical(study.parameters)
     corners = np.array(list(product(*map(study.extent, given)))).T
     si = in_si(dict(zip(given, corners, strict=True)))
@@ -321,7 +322,7 @@ def _wrong_figure(study: Study) -> Iterator[Problem]:
 
 
 def _not_drawn(study: Study, name: str) -> str:
-    """Why the figure cannot be drawn along an axis; nothing if it can."""
+    """Return why the figure cannot be drawn along an axis; nothing if it can."""
     kind = study.figure["kind"]
     if name not in study.axis_names:
         return f"{shortened(name)} is not an axis of this study"
@@ -338,7 +339,7 @@ def _not_drawn(study: Study, name: str) -> str:
 
 
 def _usual_figures(study: Study) -> Iterator[dict[str, Any]]:
-    """Figures that suit the axes of a study, the most telling first, as its file would ask for them; some may be
+    """Yield figures that suit the axes of a study, the most telling first, as its file would ask for them; some may be
     refused.
 
     Steps of several schemes: the error of c against the step. Runs that differ by their
@@ -374,7 +375,7 @@ def _usual_figures(study: Study) -> Iterator[dict[str, Any]]:
 
 
 def _selected(study: Study, spec: Mapping[str, Any]) -> int:
-    """How many cases the conditions on listed axes leave."""
+    """Return how many cases the conditions on listed axes leave."""
     left = 1
     for block in study.blocks:
         kept = block.count
@@ -400,7 +401,7 @@ def wrong_selection(study: Study, key: KeyPath, spec: Mapping[str, Any]) -> Iter
 
 
 def _not_selected(study: Study, name: str, wanted: Any) -> str:
-    """Why cases cannot be chosen by a value of an axis, or by two bounds; nothing if they can."""
+    """Return why cases cannot be chosen by a value of an axis, or by two bounds; nothing if they can."""
     if name not in study.axis_names:
         return "not an axis of this study"
     is_word, values = parameter(name).is_word, study.values_of(name)

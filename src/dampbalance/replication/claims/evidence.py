@@ -1,4 +1,4 @@
-"""How much the agreement with print proves: agreement by chance, free choices, and the inputs behind Table 3.
+"""Measures what the agreement with print proves: agreement by chance, free choices, and the inputs behind Table 3.
 
 Everything is counted from the table of claims and from the configuration.
 """
@@ -50,7 +50,7 @@ def chance(claims: pd.DataFrame) -> dict[str, float]:
 
 
 def _made_otherwise(claims: pd.DataFrame) -> pd.Series:
-    """Which computed numbers stand in columns that came about by another route than the exact one.
+    """Return which computed numbers stand in columns that came about by another route than the exact one.
 
     A column that is judged by the exact route and has a number that it does not give is among them: V_s.
     """
@@ -133,7 +133,7 @@ def inputs_of_table_3(
     printed = claims[claims["id"].str.startswith("table3.")].set_index("id")["printed"]
 
     def given(features: Features, minus: bool = False) -> int:
-        """How many numbers of Table 3 the features give."""
+        """Return how many numbers of Table 3 the features give."""
         table = estimates(features, features, replace(case, pairs=PAIRS))
         route, count = RouteTables({}, {"omega1": table}), 0
         for approach, q, pair in product(HARMONIC, IDENTIFIED_QUANTITIES, PAIR_LABELS):

@@ -1,4 +1,4 @@
-"""From a printed number and what the routes give for it to the best verdict of `verdicts.VERDICTS` that it earns.
+"""Finds the best verdict of `verdicts.VERDICTS` that a printed number earns by what the routes give for it.
 
 The rule is the same for every number: the best verdict that holds. A route gives the printed digits when it lies
 within half a unit of the last of them, whether or not the column came about by this route; how many may do so by chance
@@ -103,7 +103,7 @@ class Claim:
     contradiction: str = ""
 
     def value(self, route: str) -> float:
-        """The number of a route, NaN if it gives none."""
+        """Return the number of a route, NaN if it gives none."""
         return self.values.get(route, math.nan)
 
     @property
@@ -112,15 +112,15 @@ class Claim:
         return [route for route in ROUTE_NAMES if not math.isnan(self.value(route))]
 
     def show(self, route: str) -> str:
-        """The value of a route, written like the printed number with a few more digits; "" if there is none."""
+        """Return the value of a route, written like the printed number with a few more digits; "" if there is none."""
         return self.row.number.show(self.value(route))
 
     def off(self, route: str) -> float:
-        """Distance of a route from print, in units of the last digit, signed."""
+        """Return the distance of a route from print, in units of the last digit, signed."""
         return (self.value(route) - self.row.number.value) / self.row.number.unit
 
     def off_relative(self, route: str) -> float:
-        """Distance of a route from the printed number, of the latter, signed."""
+        """Return the distance of a route from the printed number, relative to the latter, signed."""
         return self.value(route) / self.row.number.value - 1.0
 
     @property
@@ -176,7 +176,7 @@ class Claim:
 
 
 def verdict(claim: Claim) -> ClaimVerdict:
-    """The best verdict that the claim earns."""
+    """Return the best verdict that the claim earns."""
     if claim.contradiction or claim.route not in claim.routes:
         return DIFFERS
     if claim.undecided:
@@ -193,7 +193,7 @@ def verdict(claim: Claim) -> ClaimVerdict:
 
 
 def explanation(claim: Claim) -> str:
-    """Why the claim has its verdict, in a sentence or two, from the numbers of its row."""
+    """Return why the claim has its verdict, in a sentence or two, from the numbers of its row."""
     if claim.holds is not None:
         return claim.cause
     decided = verdict(claim)
@@ -220,7 +220,7 @@ def explanation(claim: Claim) -> str:
 
 
 def _column(claim: Claim) -> str:
-    """How the number lies by which the column came about, where another one decides; "" otherwise."""
+    """Return how the number lies by which the column came about, where another one decides; "" otherwise."""
     if claim.deciding == claim.route:
         return ""
     arose = f"its column came about {ROUTE_NAMES[claim.route]}"
@@ -230,7 +230,7 @@ def _column(claim: Claim) -> str:
 
 
 def _distance(claim: Claim, route: str) -> str:
-    """How far a route lies from the printed number, in words: units of the last digit if few, else per cent."""
+    """Return how far a route lies from the printed number, in words: units of the last digit if few, else per cent."""
     units = claim.off(route)
     side = "above" if units > 0 else "below"
     if abs(units) < 20.0:
@@ -256,7 +256,7 @@ NOTHING = "nothing says why"
 
 
 def phase_read(number: Printed, omega: float) -> tuple[Tolerance, ...]:
-    """φ as the difference of two instants that were each read to the nearest unit of time.   omega : rad/s."""
+    """Allow φ as the difference of two instants that were each read to the nearest unit of time.   omega : rad/s."""
     value, step, far = number.value, omega * PHASE_UNIT_S, omega * NEAR_PHASE_S
     how = f"a difference of two instants, each to the nearest {1e3 * PHASE_UNIT_S:g} ms, is known to {step:.4f} rad"
     beyond = f"{how}; it is less than {1e3 * NEAR_PHASE_S:g} ms off, and {NOTHING}"
@@ -267,7 +267,7 @@ def phase_read(number: Printed, omega: float) -> tuple[Tolerance, ...]:
 
 
 def propagated(allowed: NumberRange | None, number: Printed) -> tuple[Tolerance, ...]:
-    """F_k or c of a pair in the range that the rest of Table 2 allows, if any."""
+    """Allow F_k or c of a pair in the range that the rest of Table 2 allows, if any."""
     if allowed is None:
         return ()
     reason = f"digits that are not printed leave {range_text(allowed, number)}"
@@ -275,7 +275,7 @@ def propagated(allowed: NumberRange | None, number: Printed) -> tuple[Tolerance,
 
 
 def simulated(number: Printed, case: Case) -> tuple[Tolerance, ...]:
-    """A number of Table 2 close to print without a reason.   case : for ω1 and the step of the simulation."""
+    """Allow a number of Table 2 close to print without a reason.   case : for ω1 and the step of the simulation."""
     value, share = number.value, case.numerics.step_s * case.omega("omega1") / (2.0 * math.pi)
     far = min(NEAR_UNITS * number.unit, share * abs(value))
     near = f"less than {NEAR_UNITS:g} units and {share:.1e} of itself, a step in a period"
@@ -283,5 +283,5 @@ def simulated(number: Printed, case: Case) -> tuple[Tolerance, ...]:
 
 
 def range_text(ends: NumberRange, number: Printed) -> str:
-    """A range as text, with two digits more than are printed."""
+    """Return a range as text, with two digits more than are printed."""
     return " to ".join(number.show(end, 2) for end in ends)
