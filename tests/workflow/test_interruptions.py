@@ -114,7 +114,7 @@ def test_a_job_killed_for_want_of_memory_is_told(copy):
         half_written.touch()
         said, _ = run.communicate(timeout=PATIENCE)
     assert run.returncode != 0
-    assert "A job was killed, as a rule because memory ran out: use fewer cores" in said
+    assert "A job was killed, usually because memory ran out: use fewer cores" in said
     assert not half_written.exists()
     assert said.splitlines()[-1].endswith("the same command goes on from there.")
 

@@ -25,7 +25,7 @@ if PUBLISHED and workflow.is_main_process:
         )
     if CASE.numerics.tabulated.get("t_s_unit_s") is None:
         raise WorkflowError(
-            f"{where} is compared with t_s as it was cut: as_published.tabulated.t_s_unit_s is needed; {other}."
+            f"{where} has t_s cut off: set as_published.tabulated.t_s_unit_s; {other}."
         )
     try:
         check_printed(printed.read_published(Path(PUBLISHED)))

@@ -87,7 +87,7 @@ def failures():
         if not Path(f"{MEASURED_FILES}/{name}/.complete").exists():
             log = Path(log_file(f"identify_{name}"))
             lines = log.read_text(encoding="utf-8").split("\n") if log.exists() else []
-            filled = [line for line in lines if line.strip()] or ["it was not reached"]
+            filled = [line for line in lines if line.strip()] or ["its job did not start"]
             errors[name] = filled[-1].removeprefix("error: ")
     return errors
 

@@ -19,10 +19,10 @@ COMMANDS = {
     "simulate": "write a record with known truth",
     "release": "write a record of a free decay with known truth",
 }
-"""Each is a module of this room, loaded when it is called: what it needs takes longer to load than help to show."""
+"""Modules of this room, each loaded only when it is called: its imports take longer than showing help."""
 
 _LONGEST = 1000  # characters of a line
-_NO_MEMORY = "the memory does not suffice: ask for less, or give shorter records"
+_NO_MEMORY = "memory ran out: ask for less, or give shorter records"
 
 
 class _Parser(argparse.ArgumentParser):
@@ -30,9 +30,9 @@ class _Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """Say what is wrong, and leave with status 2."""
-        said = re.sub(r"^argument (-\S+):(?= must| =| takes)", r"\1", message)
-        said = said.removeprefix("argument ")
-        self.exit(2, f"{self.prog}: error: {cut(visible(said), _LONGEST)}\n")
+        message = re.sub(r"^argument (-\S+):(?= must| =| takes)", r"\1", message)
+        message = message.removeprefix("argument ")
+        self.exit(2, f"{self.prog}: error: {cut(visible(message), _LONGEST)}\n")
 
 
 def parser(named: Collection[str] = tuple(COMMANDS)) -> argparse.ArgumentParser:
@@ -40,7 +40,7 @@ def parser(named: Collection[str] = tuple(COMMANDS)) -> argparse.ArgumentParser:
     top = _Parser(
         prog="dampbalance",
         description="Friction and viscous damping of a vibrating system from the balance of energy over one period.",
-        epilog="dampbalance COMMAND --help tells more.",
+        epilog="See dampbalance COMMAND --help.",
     )
     top.add_argument("--version", action="version", version=f"dampbalance {__version__}")
     commands = top.add_subparsers(dest="command", required=True, metavar="COMMAND")

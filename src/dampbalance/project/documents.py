@@ -136,7 +136,7 @@ def _beyond_bounds(document: Any) -> str:
 
 @functools.cache
 def read_schema(file: str | Path) -> Any:
-    """Returns a schema of this project, which needs no bounds and is read once."""
+    """Return a schema of this project, which needs no bounds and is read once."""
     return _parser().load(Path(file))
 
 
@@ -148,7 +148,7 @@ def _one_line(text: str) -> str:
 def against_schema(
     document: Any, schema: Mapping[str, Any], approaches: Iterable[str] = ()
 ) -> list[Problem]:
-    """Returns what is wrong with a document by its JSON schema, or because no value can be so; in a fixed order.
+    """Return what is wrong with a document by its JSON schema, or because no value can be so; in a fixed order.
 
     approaches : names that the schema's `registered: approach` or `registered: check` allows; `registered: term` allows
     those of KNOWN_TERMS.

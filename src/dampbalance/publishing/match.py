@@ -44,7 +44,7 @@ def match_picture(counts: Sequence[Count]) -> str:
         ".part { text-anchor: end; } .total { fill: var(--muted); } .all { font-weight: 600; }",
         "</style>",
         f'<rect width="{PICTURE_WIDTH}" height="{height}" fill="{variable("paper")}"/>',
-        f'<text class="all" x="{LEFT}" y="22">{total.computed} computed numbers, and how a rebuild meets them</text>',
+        f'<text class="all" x="{LEFT}" y="22">{total.computed} computed numbers, by the verdict of the rebuild</text>',
     ]
     for row, count in enumerate(shown):
         lines += _bar(

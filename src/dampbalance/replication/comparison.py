@@ -87,7 +87,7 @@ def approaches_markdown(table: pd.DataFrame, title: str) -> str:
     ):
         lines += [f"## {heading}", "", _side_by_side(table, column), ""]
     lines += [
-        "From exact features: what is left is the error of the approach. Phase: the lag of x behind y of the velocity "
+        "From exact features, so each error is that of the approach. Phase: the lag of x behind y of the velocity "
         "reversal, of the displacement's zero crossing, or of its fundamental; φ and t_s of each level, or their mean.",
         "",
     ]

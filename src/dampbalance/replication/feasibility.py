@@ -77,7 +77,7 @@ def _orbit(osc: Oscillator, motion: BaseMotion) -> Orbit:
 
 
 def _out_of_range(case: Case) -> Iterator[Problem]:
-    """Return where the numbers leave the space in which the exact solution is known to hold."""
+    """Yield where the numbers leave the space in which the exact solution is known to hold."""
     osc = case.oscillator
     ratios = [case.omega(name) / osc.omega_n for name in case.frequencies_hz]
     K_z: tuple[str, ...] = ("oscillator", "K_z_N_per_m")
@@ -89,8 +89,8 @@ def _out_of_range(case: Case) -> Iterator[Problem]:
     ):
         low, high = RANGES[name]
         for value in (value for value in values if not low <= value <= high):
-            known = f"the exact solution holds from {low:g} to {high:g}"
-            yield key, f"makes {name} {value:.3g}; {known}"
+            bounds = f"the exact solution holds from {low:g} to {high:g}"
+            yield key, f"makes {name} {value:.3g}; {bounds}"
     events = math.sqrt(1.0 + osc.K_z / osc.k) / min(ratios)
     if events > MOST_EVENTS:
         text = f"sets the natural frequency on the contact at {events:.3g} times that of the drive"
@@ -98,7 +98,7 @@ def _out_of_range(case: Case) -> Iterator[Problem]:
 
 
 def _wrong_steps(case: Case) -> Iterator[Problem]:
-    """Return where the fixed-step simulation would take too long, or be none."""
+    """Yield where the fixed-step simulation would take too long, or fail."""
     numerics, osc, levels = case.numerics, case.oscillator, len(case.levels_m)
     step = ("as_published", "step_s")
     coarsest = 1.0 / (max(case.frequencies_hz.values()) * FEWEST_PER_CYCLE)
@@ -116,7 +116,7 @@ def _wrong_steps(case: Case) -> Iterator[Problem]:
             yield key, f"{text}; {remedy}"
     for name, value in printed_coefficients(case).items():
         if value <= 0.0:
-            text = f"leaves nothing of {name}; keep more decimals, or all (null)"
+            text = f"rounds {name} to zero; keep more decimals, or all (null)"
             yield ("as_published", f"{name}_decimals"), text
     # unstable is a scheme that lets grow what decays: in slip over the whole simulation, in stick over a period at most
     for phase, K_z, cycles in (("slip", 0.0, numerics.cycles), ("stick", osc.K_z, 1)):

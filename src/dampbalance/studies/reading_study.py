@@ -130,7 +130,7 @@ def _wrong_axes(axes: Sequence[Mapping[str, Any]]) -> Iterator[Problem]:
 
 
 def _wrong_axis(key: KeyPath, name: str, spec: Mapping[str, Any]) -> Iterator[Problem]:
-    """Return what is wrong with the values or the range of an axis."""
+    """Yield what is wrong with the values or the range of an axis."""
     given = [(key, spec.get("values", [])), ((*key, "also"), spec.get("also", []))]
     given += [((*key, end), [spec[end]]) for end in ("from", "to") if end in spec]
     wrong = [
@@ -201,7 +201,7 @@ def _contradictions(document: Mapping[str, Any], study: Study) -> Iterator[Probl
 def _wrong_route(document: Mapping[str, Any], study: Study) -> Iterator[Problem]:
     """Yield what does not fit the route: parameters and settings that are missing, or that mean nothing to it."""
     used, wanted, section = study.parameters, study.route, document.get("route", {})
-    nothing = f"means nothing to the route {wanted.kind}"
+    unused = f"is not used by the route {wanted.kind}"
     for names in wanted.needs:
         if used.isdisjoint(names):
             yield ("route",), f"{wanted.kind} needs {' or '.join(names)}, here or as an axis"
@@ -210,12 +210,12 @@ def _wrong_route(document: Mapping[str, Any], study: Study) -> Iterator[Problem]
     taken = {*wanted.optional, *(name for names in wanted.needs for name in names)}
     for name in sorted(used):
         if parameter(name).kind == "numerics" and name not in taken:
-            yield ("route",), f"{name} {nothing}"
+            yield ("route",), f"{name} {unused}"
         if parameter(name).kind == "read_out" and wanted.is_noisy:
-            yield ("read_out", name), f"{nothing}: noise is its limit"
+            yield ("read_out", name), f"{unused}: noise is its limit"
     others = {key for each in STUDY_ROUTES.values() for key in each.settings} - {*wanted.settings}
     for name in filter(others.__contains__, section):
-        yield ("route", name), f"{nothing}; leave it out"
+        yield ("route", name), f"{unused}; leave it out"
 
 
 # --- sizes -------------------------------------------------------------------------------------------
@@ -327,7 +327,7 @@ def _not_drawn(study: Study, name: str) -> str:
     if name not in study.axis_names:
         return f"{shortened(name)} is not an axis of this study"
     if parameter(name).is_word:
-        return f"{name} holds words: take an axis of numbers, and {name} for the panels"
+        return f"{name} has words as values: take an axis of numbers, and {name} for the panels"
     (low, high), values = study.extent(name), study.values_of(name)
     if not low < high:
         return f"{name} has one value; take an axis with two at least"
@@ -349,7 +349,7 @@ def _usual_figures(study: Study) -> Iterator[dict[str, Any]]:
     """
     if {"scheme", "step_s"} <= set(study.axis_names):
         yield {"kind": "steps", "x": "step_s"}
-    # paired axes go in step: one of them stands for all
+    # paired axes vary together: one of them stands for all
     blocks = [[*block.axes][: None if isinstance(block, Sampled) else 1] for block in study.blocks]
     values = {name: [*dict.fromkeys(study.values_of(name))] for names in blocks for name in names}
     sizes = {name: len(listed) or math.inf for name, listed in values.items() if len(listed) != 1}
@@ -396,7 +396,9 @@ def wrong_selection(study: Study, key: KeyPath, spec: Mapping[str, Any]) -> Iter
     ]
     yield from wrong
     if not wrong and not _selected(study, spec):
-        text = "selects no case: paired axes go in step, and bounds must have a value between them"
+        text = (
+            "selects no case: paired axes vary together, and bounds must have a value between them"
+        )
         yield key, text
 
 

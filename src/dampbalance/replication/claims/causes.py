@@ -35,7 +35,7 @@ def backward_euler(case: Case, values: Mapping[str, float]) -> str:
     effective = effective_damping(case, case.omega("omega1"))
     return (
         f"Backward Euler, {1e6 * case.numerics.step_s:g} µs: c acts as c + mω²h = {effective:.4f}; "
-        f"as published lies {as_published / exact - 1.0:+.1e} of itself from exact."
+        f"as published deviates from exact by a relative {as_published / exact - 1.0:+.1e}."
     )
 
 
@@ -91,7 +91,7 @@ def slip_time_as_read(t_s: float, step: float, number: Printed) -> str:
     return (
         f"The microstick phase lasts {1e3 * t_s:.3f} ms, without a step of {1e6 * step:g} µs at each end "
         f"{1e3 * between:.3f} ms; the print keeps whole tenths."
-        + " This number chose that these steps are taken off; its agreement is no evidence."
+        + " Leaving out these steps was chosen to give this number; its agreement is no evidence."
         * chosen
     )
 
@@ -150,8 +150,9 @@ def starting_sample(case: Case, level: int) -> str:
     count = case.numerics.after_slip(level - 1)
     samples = "a sample" if count == 1 else f"{count} samples"
     return (
-        f"Begun {samples} after slip is seen, in the cycle that starts in period {case.numerics.cycles - 2}: "
-        "chosen for this number, of which only the fraction of a sample is evidence."
+        f"The integral begins {samples} after slip is seen, in the cycle that starts in period "
+        f"{case.numerics.cycles - 2}. "
+        "This start was chosen to give this number; only its fraction of a sample is evidence."
     )
 
 
@@ -213,7 +214,7 @@ def cut_off(value: float, number: Printed) -> str:
     """State where the printed digits are those of `value` cut off and rounding would give others."""
     units = value / number.unit
     if math.floor(units) == round(number.value / number.unit) != round(units):
-        return f"{number.show(value, 2)} cut off, not rounded, has the printed digits."
+        return f"{number.show(value, 2)} has the printed digits if cut off, not rounded."
     return ""
 
 
@@ -288,6 +289,6 @@ def rules_at_work(
         named = [first, *(what for what in others if abs(shifts[what]) >= 0.5 * row.number.unit)]
         digits = row.number.decimals + 1
         shares = (f"{what} ({shifts[what]:+.{digits}f} {row.unit})" for what in named)
-        return f"What moves it: {', '.join(shares)}."
+        return f"Shares of its deviation from exact: {', '.join(shares)}."
 
     return sentence

@@ -134,5 +134,5 @@ def _because(claim: Claim) -> str:
     if claim.contradiction:
         return "it now disagrees with the paper’s own numbers"
     if claim.strays:
-        return "what the printed inputs give for it is now too far off"
-    return "the rest of its table now leaves another range for it"
+        return "the printed inputs now give a number too far from it"
+    return "the rest of its table now allows another range for it"

@@ -70,7 +70,7 @@ def refuted(published: Published, case: Case) -> dict[str, str]:
         restored = _restored(features.replaced(**many), published, case, approaches)
         for place in reversed(np.flatnonzero(restored)):  # the first of a cell comes last
             refutations[cells[place // len(_OTHER_DIGITS)][-1]] = (
-                f"The least squares that the paper prints come out with {others[place]} here, not as printed."
+                f"The printed least squares follow from {others[place]} here, not from the printed number."
             )
     return refutations
 

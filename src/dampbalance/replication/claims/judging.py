@@ -141,7 +141,7 @@ class Claim:
 
     @property
     def strays(self) -> list[str]:
-        """The routes that lie further than LEASH from where they belong.
+        """The routes that deviate by more than MAX_DEVIATION_OF_OTHER_ROUTES.
 
         That of the column is among them only where another one decides.
         """
@@ -198,7 +198,7 @@ def explanation(claim: Claim) -> str:
         return claim.cause
     decided = verdict(claim)
     if claim.route not in claim.routes:
-        return f"No number {ROUTE_NAMES[claim.route]}."
+        return f"The route “{ROUTE_NAMES[claim.route]}” gives no number."
     route = claim.route if decided is DIFFERS else claim.deciding
     far, why = f"{ROUTE_NAMES[route].capitalize()}: {_distance(claim, route)}", claim.cause
     if decided in VERDICT_BY.values():
@@ -210,9 +210,9 @@ def explanation(claim: Claim) -> str:
     if decided is DIFFERS:
         strays = " and ".join(f"{ROUTE_NAMES[r]} {_distance(claim, r)}" for r in claim.strays)
         why = claim.contradiction or (
-            f"Too far for the deviation that is named: {strays}."
+            f"More than the named deviation explains: {strays}."
             if strays
-            else "No bound reaches so far, and no other number of the paper contradicts it."
+            else "It exceeds every bound, and no other number of the paper contradicts the print."
         )
     elif decided is not LAST_DIGIT and claim.tolerance:
         far += f"; {claim.tolerance.reason}"
@@ -252,14 +252,14 @@ NEAR_PHASE_S = 2e-4
 NEAR_UNITS = 10.0
 """Units of the last digit: a simulated number that is less far off is right in all digits but the last."""
 
-NOTHING = "nothing says why"
+UNKNOWN = "the cause is unknown"
 
 
 def phase_read(number: Printed, omega: float) -> tuple[Tolerance, ...]:
     """Allow φ as the difference of two instants that were each read to the nearest unit of time.   omega : rad/s."""
     value, step, far = number.value, omega * PHASE_UNIT_S, omega * NEAR_PHASE_S
-    how = f"a difference of two instants, each to the nearest {1e3 * PHASE_UNIT_S:g} ms, is known to {step:.4f} rad"
-    beyond = f"{how}; it is less than {1e3 * NEAR_PHASE_S:g} ms off, and {NOTHING}"
+    how = f"two instants, each to the nearest {1e3 * PHASE_UNIT_S:g} ms, fix the phase to {step:.4f} rad"
+    beyond = f"{how}; it is less than {1e3 * NEAR_PHASE_S:g} ms off, and {UNKNOWN}"
     return (
         Tolerance(value - step, value + step, how, READING),
         Tolerance(value - far, value + far, beyond, UNEXPLAINED),
@@ -270,7 +270,7 @@ def propagated(allowed: NumberRange | None, number: Printed) -> tuple[Tolerance,
     """Allow F_k or c of a pair in the range that the rest of Table 2 allows, if any."""
     if allowed is None:
         return ()
-    reason = f"digits that are not printed leave {range_text(allowed, number)}"
+    reason = f"unprinted digits allow {range_text(allowed, number)}"
     return (Tolerance(*allowed, reason, PROPAGATED),)
 
 
@@ -278,8 +278,8 @@ def simulated(number: Printed, case: Case) -> tuple[Tolerance, ...]:
     """Allow a number of Table 2 close to print without a reason.   case : for ω1 and the step of the simulation."""
     value, share = number.value, case.numerics.step_s * case.omega("omega1") / (2.0 * math.pi)
     far = min(NEAR_UNITS * number.unit, share * abs(value))
-    near = f"less than {NEAR_UNITS:g} units and {share:.1e} of itself, a step in a period"
-    return (Tolerance(value - far, value + far, f"{near}; {NOTHING}", UNEXPLAINED),)
+    near = f"less than {NEAR_UNITS:g} units and a relative {share:.1e}, one step in a period"
+    return (Tolerance(value - far, value + far, f"{near}; {UNKNOWN}", UNEXPLAINED),)
 
 
 def range_text(ends: NumberRange, number: Printed) -> str:

@@ -21,7 +21,7 @@ CLAIM_COLUMNS = (
 )
 """Those of claims.csv. agrees : the routes that give the printed digits of a computed number, the best first.
 judged : the route by which the number's column came about.   off_… : how far it lies from a computed number as printed,
-of itself and in units of the last digit."""
+relative and in units of the last digit."""
 SEPARATOR = "; "
 """Between the routes in the column `agrees`."""
 
@@ -70,7 +70,7 @@ def claims_markdown(frame: pd.DataFrame) -> str:
 
 _HEADS = (
     *("where", "quantity", "printed", *ROUTE_NAMES.values(), "verdict", "why"),
-    *("kind", "agrees", "judged", "off, of itself", "off, units"),
+    *("kind", "agrees", "judged", "off, relative", "off, units"),
 )
 
 
@@ -107,16 +107,16 @@ def summary(frame: pd.DataFrame, offences: pd.DataFrame) -> str:
         "",
         pd.DataFrame(table).T.to_string(),
         "",
-        f"Of {total.given} given inputs the configuration holds {total.given_held}; "
-        f"of {total.statements} statements {total.statements_held} hold.",
+        f"The configuration has {total.given_held} of {total.given} given inputs; "
+        f"{total.statements_held} of {total.statements} statements hold.",
         "",
     ]
     if rest := [row for row in frame.to_dict("records") if row["verdict"] not in HOLDING]:
-        lines.append("What no route gives, or the paper refutes (why: claims.md)")
+        lines.append("Numbers that no route gives, or that the paper refutes (reasons: claims.md)")
         units = [f"{row['off_units']} units" for row in rest]
         lines += _aligned([_HEAD, *map(_open, rest, units)])
     if len(offences):
-        lines += ["", "All that are worse than on record:", *("  " + offences["message"])]
+        lines += ["", "All numbers worse than on record:", *("  " + offences["message"])]
     return "\n".join(lines) + "\n"
 
 
@@ -138,7 +138,7 @@ def _opening(frame: pd.DataFrame, offences: pd.DataFrame) -> list[str]:
     ]
     return [
         f"{len(offences)} of {len(frame)} {WORSE}; the results are built.",
-        "For a case of your own, `published: null` in the configuration compares with nothing.",
+        "For your own case, set `published: null` in the configuration: then nothing is compared.",
         *_aligned([_HEAD, *rows]),
     ]
 

@@ -57,9 +57,15 @@ _MEANING_OF_VERDICTS = {
     "last digit": ("±1", "One unit off in the last printed digit."),
     "reading": ("r", "Within the resolution with which the number was read off a plot."),
     "propagated": ("u", "The rebuild’s own number lies in the range that unprinted digits leave."),
-    "unexplained": ("?", "Near, within a bound fixed beforehand, but nothing says why it is off."),
-    "undecided": ("≷", "A statement that holds or not within what the print leaves open."),
-    "differs": ("✗", "None of these, or against the paper’s own numbers; see the evidence."),
+    "unexplained": (
+        "?",
+        "Near, within a bound fixed beforehand; the cause of the deviation is unknown.",
+    ),
+    "undecided": ("≷", "A statement that the print neither confirms nor refutes."),
+    "differs": (
+        "✗",
+        "None of these, or contradicted by the paper’s own numbers; see the evidence.",
+    ),
 }
 VERDICTS = {name: ClaimVerdict(name, *of) for name, of in _MEANING_OF_VERDICTS.items()}
 """Every verdict by its name, best first."""
@@ -73,9 +79,9 @@ HOLDING = tuple(verdict.name for verdict in VERDICT_BY.values())
 
 ClaimKind = Literal["given", "computed", "statement"]
 KINDS: dict[ClaimKind, str] = {
-    "given": "An input, which the configuration holds. It is listed and checked, and does not count.",
+    "given": "An input of the configuration. It is listed and checked, but not counted.",
     "computed": "A number that follows from the inputs: these are counted.",
-    "statement": "A bound or a word, judged by a rule of its own.",
+    "statement": "A bound or a word, judged by a separate rule.",
 }
 """The kinds of claims and what they are."""
 
