@@ -218,8 +218,8 @@ def _explain(error: ValidationError) -> Iterable[Problem]:
         keys = list(schema["properties"])
         for name in value:
             if name not in keys:
-                known = ", ".join(keys)
-                yield (*key, str(name)), f"unknown key{_nearest(name, keys)}; known here: {known}"
+                text = f"unknown key{_nearest(name, keys)}; known here: {', '.join(keys)}"
+                yield (*key, str(name)), text
     elif error.validator == "required":
         for name in wanted:
             if name not in value:

@@ -154,8 +154,8 @@ def _write_object(path: Path) -> list[str]:
 def _without_python(assembly: str) -> str:
     """Return a module without its target and the texts of exceptions, which hold addresses of this process."""
     assembly = re.sub(r"^target .*$", "", assembly, flags=re.MULTILINE)
-    said = r"^ *store ptr (?:@\.const\.picklebuf|%)\S*, ptr %excinfo, .*$"
-    return re.sub(said, "", assembly, flags=re.MULTILINE)
+    texts = r"^ *store ptr (?:@\.const\.picklebuf|%)\S*, ptr %excinfo, .*$"
+    return re.sub(texts, "", assembly, flags=re.MULTILINE)
 
 
 if __name__ == "__main__":

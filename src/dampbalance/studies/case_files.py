@@ -70,8 +70,8 @@ def column_of(cases: CasesLike, name: str) -> Words:
 def terms_of(cases: CasesLike) -> list[str]:
     """Return the symbols of the coefficients, K_z among them, whose errors the table of cases holds."""
     columns = cases.columns if isinstance(cases, pd.DataFrame) else pq.read_schema(cases).names
-    held = {column.partition("_relative_error__")[0] for column in columns}
-    return [symbol for symbol in (*KNOWN_TERMS, CONTACT) if symbol in held]
+    symbols = {column.partition("_relative_error__")[0] for column in columns}
+    return [symbol for symbol in (*KNOWN_TERMS, CONTACT) if symbol in symbols]
 
 
 def write_parts(
@@ -89,8 +89,8 @@ def write_parts(
                 values = frame[field.name].to_numpy()
                 if pa.types.is_dictionary(field.type):
                     codes, words = pd.factorize(values, sort=True)
-                    held = pa.array(codes, pa.int32()), pa.array(list(words), pa.string())
-                    arrays.append(pa.DictionaryArray.from_arrays(*held))
+                    coded = pa.array(codes, pa.int32()), pa.array(list(words), pa.string())
+                    arrays.append(pa.DictionaryArray.from_arrays(*coded))
                 else:
                     arrays.append(pa.array(values, field.type))
             table = pa.Table.from_arrays(arrays, schema=schema)

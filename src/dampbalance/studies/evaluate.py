@@ -194,10 +194,10 @@ def _read_out_rules(values: Mapping[str, Words]) -> list[tuple[Integers, ReadOut
     names = [name for name in values if parameter(name).kind == "read_out"]
     rules = []
     if names:
-        held = pd.DataFrame({name: values[name].astype(float) for name in names})
-        for row, cases in held.groupby(names):
-            kept = zip(names, np.array(row).tolist(), strict=True)
-            section = {name: int(x) if parameter(name).whole else x for name, x in kept}
+        frame = pd.DataFrame({name: values[name].astype(float) for name in names})
+        for row, cases in frame.groupby(names):
+            pairs = zip(names, np.array(row).tolist(), strict=True)
+            section = {name: int(x) if parameter(name).whole else x for name, x in pairs}
             rules.append((cases.index.to_numpy(), ReadOut.from_config(section)))
     return rules
 

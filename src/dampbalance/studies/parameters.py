@@ -137,9 +137,9 @@ class Coefficient(str):
     @classmethod
     def of(cls, term: Term) -> Coefficient:
         """Return the coefficient of a term."""
-        made = cls(term.column)
-        made.term = term
-        return made
+        coefficient = cls(term.column)
+        coefficient.term = term
+        return coefficient
 
 
 def parameter(name: str) -> Parameter:

@@ -87,7 +87,7 @@ def with_usual_figure(study: Study, kind: str = "") -> Study:
     """Return the study with the first of the usual figures, of a kind where it is named, that can be drawn, if any."""
     figures = (of for of in _usual_figures(study) if kind in ("", of["kind"]))
     drawn = (replace(study, figure=figure) for figure in figures)
-    return next((one for one in drawn if not any(_wrong_figure(one))), study)
+    return next((figure for figure in drawn if not any(_wrong_figure(figure))), study)
 
 
 def problems(
@@ -250,11 +250,11 @@ def _wrong_sizes(_: object, study: Study) -> Iterator[Problem]:
         if samples * kept > MOST_SAMPLES_READ or samples * cycles > most:
             text = f"{name} makes records of {samples * cycles:.3g} samples"
             yield ("route",), f"{text}; take fewer cycles, or samples further apart"
-    held = len(case_columns(study))
+    each = len(case_columns(study))  # numbers in memory for a case
     if study.route.is_noisy:
-        held = max(held, study.replicates * len(study.levels) * _FEATURES)
-    part, enough = min(study.chunk_cases, study.cases, PART), max(1, MOST_NUMBERS // held)
-    if part * held > MOST_NUMBERS:
+        each = max(each, study.replicates * len(study.levels) * _FEATURES)
+    part, enough = min(study.chunk_cases, study.cases, PART), max(1, MOST_NUMBERS // each)
+    if part * each > MOST_NUMBERS:
         text = f"{part:,} cases at a time do not fit in memory; take {enough:,} at most"
         yield ("chunk_cases",), text
 
@@ -376,14 +376,14 @@ def _usual_figures(study: Study) -> Iterator[dict[str, Any]]:
 
 def _selected(study: Study, spec: Mapping[str, Any]) -> int:
     """Return how many cases the conditions on listed axes leave."""
-    left = 1
+    cases = 1
     for block in study.blocks:
-        kept = block.count
+        points = block.count
         if isinstance(block, Listed):
-            values = {name: np.asarray(held) for name, held in block.axes.items()}
-            kept = int(np.count_nonzero(selected(values, spec)))
-        left *= kept
-    return left
+            values = {name: np.asarray(listed) for name, listed in block.axes.items()}
+            points = int(np.count_nonzero(selected(values, spec)))
+        cases *= points
+    return cases
 
 
 def wrong_selection(study: Study, key: KeyPath, spec: Mapping[str, Any]) -> Iterator[Problem]:

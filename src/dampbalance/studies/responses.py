@@ -142,8 +142,8 @@ def _simulated(cases: Cases, osc: Oscillator, motion: BaseMotion, case: int) -> 
         step = motion.period / float(values["steps_per_cycle"][case])
     if not 0.0 < step < motion.period:
         raise StepTooCoarse
-    kept = {"cycles": cases.study.cycles, "keep_cycles": CYCLES_TO_READ}
-    return simulate(osc, motion, scheme=str(values["scheme"][case]), step=step, **kept)
+    lengths = {"cycles": cases.study.cycles, "keep_cycles": CYCLES_TO_READ}
+    return simulate(osc, motion, scheme=str(values["scheme"][case]), step=step, **lengths)
 
 
 def _sampled(cases: Cases, osc: Oscillator, motion: BaseMotion, case: int) -> Record:
@@ -232,12 +232,11 @@ def _with_one_oscillator(
     if readings:
         whole = joint_fit([reading.lines for reading in readings], k, departures=False)
         shared = with_common_fit(readings, whole)
-        means = [one.mean.followed_by(one.resampled(count, random)) for one in shared]
+        means = [each.mean.followed_by(each.resampled(count, random)) for each in shared]
         features = sample_of(shared, means).features
-        of_all = features[:, 0], features[:, 1:]
         if not whole.waveforms_hold:
-            of_all = of_all[0].replaced(a=np.nan), of_all[1].replaced(a=np.nan)
-        points, replicates = [of_all[0], *points], [of_all[1], *replicates]
+            features = features.replaced(a=np.nan)
+        points, replicates = [features[:, 0], *points], [features[:, 1:], *replicates]
     last = [isinstance(reading, str) for reading in read]
     levels = np.argsort(np.argsort(last, kind="stable"))
     return stack(points)[levels], stack(replicates)[levels], whole

@@ -144,15 +144,15 @@ def selected(values: Mapping[str, Words], spec: Mapping[str, Any]) -> Mask:
 
     Axes that have no values here do not count.
     """
-    kept = np.ones(len(next(iter(values.values()))), dtype=bool)
+    mask = np.ones(len(next(iter(values.values()))), dtype=bool)
     for name, wanted in spec.get("at", {}).items():
         if name in values:
             here = values[name]
-            kept &= here == wanted if isinstance(wanted, str) else is_value(here, wanted)
+            mask &= here == wanted if isinstance(wanted, str) else is_value(here, wanted)
     for name, (low, high) in spec.get("between", {}).items():
         if name in values:
-            kept &= (values[name] >= low) & (values[name] <= high)
-    return kept
+            mask &= (values[name] >= low) & (values[name] <= high)
+    return mask
 
 
 # --- routes ------------------------------------------------------------------------------------------

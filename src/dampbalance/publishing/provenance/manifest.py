@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 import platform
 import re
 import subprocess
@@ -46,14 +45,10 @@ _LEFT_BEHIND = re.compile(r"__pycache__|\.ipynb_checkpoints|.*\.egg-info|\.DS_St
 
 def files_of(root: str | Path, names: Iterable[str] = PROJECT) -> list[str]:
     """Return the files below `names` in the folder `root`, as sorted relative paths with slashes, without caches."""
-    found = [name for name in names if Path(root, name).is_file()]
-    for name in names:
-        for folder, below, files in os.walk(Path(root, name)):
-            below[:] = [one for one in below if not _LEFT_BEHIND.fullmatch(one)]
-            here = Path(folder).relative_to(root).as_posix()
-            kept = [file for file in files if not _LEFT_BEHIND.fullmatch(file)]
-            found += [f"{here}/{file}" for file in kept if os.path.isfile(f"{folder}/{file}")]
-    return sorted(found)
+    starts = [Path(root, name) for name in names]
+    paths = [path for start in starts for path in (start, *start.rglob("*")) if path.is_file()]
+    files = [path.relative_to(root) for path in paths]
+    return sorted(f.as_posix() for f in files if not any(map(_LEFT_BEHIND.fullmatch, f.parts)))
 
 
 def digest_of(data: Any) -> str:

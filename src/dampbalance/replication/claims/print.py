@@ -195,7 +195,7 @@ def read_published(folder: Path) -> Published:
 
 def read_texts(path: Path, columns: tuple[str, ...]) -> pd.DataFrame:
     """Return a table with these columns, every cell the text that it is. Raises ValueError for anything else."""
-    problem = f"needed is a file of this name, of {_MOST_BYTES:,} bytes at most"
+    problem = f"the file is missing, or has more than {_MOST_BYTES:,} bytes"
     if path.is_file() and path.stat().st_size <= _MOST_BYTES:
         try:
             frame = pd.read_csv(path, dtype=str, keep_default_na=False, encoding="utf-8")
@@ -205,8 +205,8 @@ def read_texts(path: Path, columns: tuple[str, ...]) -> pd.DataFrame:
         else:
             if tuple(frame.columns) == columns:
                 return frame
-            found = ", ".join(frame.columns)[:120]
-            problem = f"expected the columns {', '.join(columns)}, found {found}"
+            present = ", ".join(frame.columns)[:120]
+            problem = f"expected the columns {', '.join(columns)}, found {present}"
     raise ValueError(f"{path.name}: {problem}")
 
 

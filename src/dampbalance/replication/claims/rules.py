@@ -382,8 +382,8 @@ def _stated(row: Row, values: Mapping[str, float], judged: tuple[bool, str], cau
 
 def _each(values: Mapping[str, float]) -> str:
     """Return the errors by the routes in words."""
-    known = {ROUTE_NAMES[route]: value for route, value in values.items() if not math.isnan(value)}
-    return ", ".join(f"{value:.3f} % {words}" for words, value in known.items())
+    present = ((route, value) for route, value in values.items() if not math.isnan(value))
+    return ", ".join(f"{value:.3f} % {ROUTE_NAMES[route]}" for route, value in present)
 
 
 class Rule(NamedTuple):
@@ -469,10 +469,10 @@ def check_printed(printed: Published) -> None:
 
 def _problem(row: Row) -> str:
     """Return the column of the first cell that its rule does not know, and why; "" if there is none."""
-    known: dict[str, Iterable[str]] = {"rule": RULES}
+    allowed: dict[str, Iterable[str]] = {"rule": RULES}
     if rule := RULES.get(row.rule):
-        known = {"kind": (rule.kind,), "symbol": rule.symbols, "approach": rule.approaches}
-    for column, words in known.items():
+        allowed = {"kind": (rule.kind,), "symbol": rule.symbols, "approach": rule.approaches}
+    for column, words in allowed.items():
         if (text := getattr(row, column)) not in words:
             listed = ", ".join(word or "none" for word in words)
             return f"{column}: {cut(text, LONGEST)!r} is not known to its rule; known are {listed}"
