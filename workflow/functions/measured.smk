@@ -99,7 +99,7 @@ def refuse_of(name, *key, text):
 
 def matching(pattern):
     """Return the files that match a pattern, relative to the folder of the run."""
-    if Path(pattern).is_file():  # whatever brackets its name has
+    if Path(pattern).is_file():  # its name may have brackets
         return [pattern]
     return glob.glob(pattern)
 

@@ -63,7 +63,7 @@ forced records:
 --frequency     known drive frequency, Hz, or "210 rpm"; compared with that of each record
 --groups        a coefficient for each group of records: F_k=A,A,B, a label per record; may be repeated
 --contact-to    base for a mount, whose spring, damper and friction all sit on the table (default: ground)
---damper-to     base for a damper on the table beside a contact to the ground (default: where the contact is)
+--damper-to     base for a damper on the table while the contact is to the ground (default: as the contact)
 --fixture-mass  mass between a load cell and the vibrating mass, kg, or "0.4 lb"
 --approach      an approach; may be repeated (default: all)
 --skip-cycles   cycles left out at the start of each record, where the motion has not settled (default: 0)

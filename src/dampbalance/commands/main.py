@@ -26,7 +26,7 @@ _NO_MEMORY = "memory ran out: ask for less, or give shorter records"
 
 
 class _Parser(argparse.ArgumentParser):
-    """A parser whose errors are one line that fits a screen, whatever was typed."""
+    """A parser that shows any error as one line that fits a screen."""
 
     def error(self, message: str) -> NoReturn:
         """Say what is wrong, and leave with status 2."""

@@ -61,7 +61,7 @@ def coefficients(text: str) -> dict[str, float]:
                 f"must be symbols with their coefficients, as in c_2=40,eta=0.02, got {shortened(part)}"
             )
         try:
-            unit = term(symbol).unit  # one of a group is refused where the response is computed
+            unit = term(symbol).unit  # a grouped term is refused later, by the response
             if symbol in values:
                 raise ValueError(f"{symbol} stands there twice: give it once")
             values[symbol] = read_number("given", value, unit)

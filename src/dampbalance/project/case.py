@@ -110,7 +110,7 @@ def _oscillator(section: Mapping[str, float]) -> Oscillator:
     return Oscillator(*(section[key] for key in keys))
 
 
-# Field of a case → section and key of the configuration, and what makes the one from the other.
+# Field of a case → section and key of the configuration, and the function that makes the field.
 _CASE_FIELDS: dict[str, tuple[str, str, Callable[[Any], Any]]] = {
     "name": ("", "case", str),
     "oscillator": ("", "oscillator", _oscillator),
@@ -173,7 +173,7 @@ def _contradictions(config: Mapping[str, Any]) -> Iterable[Problem]:
             yield ("excitation", "levels_m", i), text
     names = [frequency["name"] for frequency in config["excitation"]["frequencies"]]
     for i, name in enumerate(names):
-        # some file systems take capital and small letters for the same
+        # some file systems do not distinguish capital and small letters
         if name.casefold() in map(str.casefold, names[:i]):
             text = f"{name} stands twice, capital or small; give each its own"
             yield ("excitation", "frequencies", i, "name"), text

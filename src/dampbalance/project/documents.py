@@ -53,7 +53,7 @@ def refuse(key: KeyPath, text: str, files: Iterable[str | Path]) -> NoReturn:
 
 
 class _Constructor(SafeConstructor):
-    """Makes plain values, within bounds; an error names its line, that of a date or a number, too."""
+    """Makes plain values, within bounds; every error names its line."""
 
     def construct_object(self, node: Node, deep: bool = False) -> Any:
         try:
@@ -304,7 +304,7 @@ def _line_of(key: KeyPath, node: Node | None) -> str:
     return f"line {mark.line + 1}: " if mark else ""
 
 
-# python -m … FILE …: `make`, as Snakemake answers an unreadable file with a traceback
+# `make` runs python -m … FILE …, because Snakemake shows a traceback for an unreadable file
 if __name__ == "__main__":
     try:
         documents_of(sys.argv[1:])

@@ -18,7 +18,7 @@ _LOWERED = str.maketrans("0123456789ksmn", "₀₁₂₃₄₅₆₇₈₉ₖₛ
 _SMALLEST, _LARGEST = -6, 9  # powers of ten between which a number is written out
 _DIGITS = 15  # significant digits of a float
 _MANTISSA = 6  # decimals of a number with a power of ten
-_MANY_TIMES = 1000  # beyond it the very number tells nothing more
+_MANY_TIMES = 1000  # larger factors are not distinguished
 
 
 def ten_to(exponent: int) -> str:
@@ -88,7 +88,7 @@ def signed(value: float, decimals: int = 0) -> str:
 
 
 class Shown(float):
-    """A number that a sentence shows in a form of its own, whatever its template says."""
+    """A number that a sentence shows in its own form, independent of the template."""
 
     text: str
 
@@ -152,7 +152,6 @@ def rounded(value: float, spread: float) -> str:
     if not spread > 0.0:
         return written(value, ".6g")
     size = math.floor(math.log10(max(abs(value), spread)))
-    # the digits of a float
     decimals = min(1 - math.floor(math.log10(spread)), _DIGITS - size)
     value = round(value, decimals)
     if _SMALLEST <= size < _LARGEST:
@@ -181,7 +180,7 @@ class Remark(str):
     template : the sentence with a place for each number and each word, "{} drifts by {:.2g} %"; without numbers and
     words, the sentence itself.   of : numbers and words.   source : name of the record; empty where the sentence is
     about no single one.   words : the sentence without that name.
-    doubts : symbol → by which part of itself what is said may change that number, infinite where that is not known; the
+    doubts : symbol → relative change of that number that the remark may mean, infinite where it is unknown; the
     symbol "" stands for every number.   spares : names of the answers that it does not concern.
     """
 

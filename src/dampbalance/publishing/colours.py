@@ -68,5 +68,5 @@ def css_variables(mode: Mode) -> str:
 
 
 def variable(name: str) -> str:
-    """Return how a style or an SVG attribute refers to a colour, so that it follows light and dark by itself."""
+    """Return how a style or an SVG attribute refers to a colour, so that it follows light and dark mode."""
     return f"var(--{name})"

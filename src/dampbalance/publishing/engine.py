@@ -3,7 +3,8 @@
 Numba translates each kernel to LLVM's intermediate representation, without optimising it for this machine; llvmlite
 optimises that for wasm32 and makes an object file, and the linker and C library of the package `ziglang` make a module
 of it that imports nothing. `make engine` does this in an environment with ziglang in addition to the locked packages.
-The module is kept with the sources, as few need another one: beside it stands what it was made of, and a test compares.
+The module is kept with the sources, because few need to build it. A record next to it lists its sources, and a test
+compares.
 
 A kernel keeps Numba's calling convention, which `static/engine.js` follows: it takes the address of its result, the
 address of what an exception says, and its arguments, an array as (0, 0, size, bytes of an item, address, shape,
@@ -94,7 +95,7 @@ def build(folder: Path) -> None:
         modules.add(Path(function.__code__.co_filename).relative_to(_PACKAGE).as_posix())
         return numba.njit(function)
 
-    jit._compiled = compiled  # without the cache, which does not know how far Numba optimised
+    jit._compiled = compiled  # without the cache, whose entries may be optimised otherwise
     with tempfile.TemporaryDirectory() as scratch:
         names = _write_object(Path(scratch, "kernels.o"))
         Path(scratch, "runtime.c").write_text(_RUNTIME, encoding="utf-8")

@@ -89,7 +89,7 @@ def _environment(folder: Path) -> dict[str, str]:
     profile = folder / "ipython" / "profile_default"
     profile.mkdir(parents=True)
     (profile / "ipython_kernel_config.py").write_text(KERNEL_SETTINGS, encoding="utf-8")
-    # names inside a picture follow from its content; what a user has set counts no more than that of IPython
+    # names inside a picture follow from its content; settings of the user are ignored like those of IPython
     (folder / "matplotlibrc").write_text("svg.hashsalt: dampbalance\n", encoding="utf-8")
     return os.environ | {
         "MATPLOTLIBRC": str(folder / "matplotlibrc"),

@@ -45,7 +45,7 @@ def build_site(root: str | Path, target: str | Path) -> None:
         shutil.copy(root / TOUR, stage / "explain")
         report = (root / REPORT_PAGE).read_text(encoding="utf-8")
         (stage / "extra/files").mkdir(parents=True)
-        # The copy stands alone: of links to files next to the original their text stays.
+        # The copy stands alone: links to files next to the original become plain text.
         (stage / "extra/files/report.html").write_text(_LOCAL_LINK.sub(r"\1", report), "utf-8")
         for place in PREPARED:
             run = stage / "extra/run" / place

@@ -183,7 +183,7 @@ def _at_samples(records: Sequence[Record], case: Case, frequency: str, cycle: in
     omega, k = case.omega(frequency), case.oscillator.k
     read = []
     for level, record in enumerate(records):
-        period = 2.0 * math.pi / (omega * case.numerics.step_s)  # in steps
+        period = 2.0 * math.pi / (omega * case.numerics.step_s)  # steps in a period
         end = len(record) - round(cycle * period)
         kept = slice(max(end - math.ceil(CYCLES_TO_READ * period) - 1, 0), end)
         time, *signals = record.signals().values()

@@ -4,7 +4,7 @@ The paper compares its approaches at resonance, with one definition of the phase
 gives off resonance, where the harmonic ones fail for three reasons: the phase of the velocity reversal stands for that
 of the fundamental, one phase for those of all levels (in the pairs; the paper's least squares takes each level's own),
 and the peak X for the amplitude X_1. `cause_shifts` says what each costs, `mends` what helps. Its features are exact,
-so that what is left is the error of the approach.
+so that each error is that of the approach.
 """
 
 from __future__ import annotations

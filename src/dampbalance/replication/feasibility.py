@@ -69,9 +69,9 @@ def _orbit(osc: Oscillator, motion: BaseMotion) -> Orbit:
     try:
         with interpreted():
             orbit = steady_orbit(osc, motion)
-            if math.isfinite(orbit.X):  # the features are computed with it
+            if math.isfinite(orbit.X):  # computing X computes the features, too
                 return orbit
-    except (ArithmeticError, ValueError):  # an overflow, say, where machine code goes on with ∞
+    except (ArithmeticError, ValueError):  # such as an overflow, where machine code goes on with ∞
         pass
     return steady_orbit(osc, motion)
 
@@ -118,9 +118,9 @@ def _wrong_steps(case: Case) -> Iterator[Problem]:
         if value <= 0.0:
             text = f"rounds {name} to zero; keep more decimals, or all (null)"
             yield ("as_published", f"{name}_decimals"), text
-    # unstable is a scheme that lets grow what decays: in slip over the whole simulation, in stick over a period at most
+    # A scheme is unstable if it lets a decaying motion grow: in slip over all cycles, in stick over one at most.
     for phase, K_z, cycles in (("slip", 0.0, numerics.cycles), ("stick", osc.K_z, 1)):
-        with interpreted():  # a dozen steps: loading what is compiled takes longer
+        with interpreted():  # a dozen steps: loading compiled code takes longer
             growth = largest_growth(
                 numerics.scheme,
                 numerics.step_s,

@@ -215,7 +215,7 @@ def markdown(table: pd.DataFrame, title: str) -> str:
     """Return the table as the paper lays it out, in Markdown: a line per route, with marks for the verdicts."""
     parts = [f"# {title}", ""]
     for quantities, block in blocks(table):
-        units = block["unit"]  # those of its first row come first
+        units = block["unit"]  # the units of the first row come first
         heads = [label_with_unit(q, unit) for q, unit in zip(quantities, units, strict=False)]
         lines = []
         for row, cells in block.groupby("row", sort=False):

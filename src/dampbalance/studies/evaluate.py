@@ -44,7 +44,7 @@ def evaluate(study: Study, start: int, stop: int, threads: int | None = None) ->
     threads : for the exact orbits. The numbers depend neither on them nor on start and stop.
     """
     firsts: Iterable[int] = range(start, stop, _SLICE)
-    if stop - start > _SLICE:  # else the cases themselves are followed, where they take long
+    if stop - start > _SLICE:  # otherwise the slow routes follow their cases
         firsts = followed(firsts, (stop - start) / _SLICE, "slices")
     slices = (cases_between(study, first, min(first + _SLICE, stop)) for first in firsts)
     parts = [_evaluate(cases, threads) for cases in slices]
@@ -107,7 +107,7 @@ def _evaluate(cases: Cases, threads: int | None) -> dict[str, Any]:
         else:
             drawn = _rows(fit, replicates, si["k"][:, None], ())[of_levels]
             estimate, errors = _with_errors(rows, drawn, fit.weights == WEIGHTED)
-        if len(rows.W) > len(estimate.values):  # else only rounding is left
+        if len(rows.W) > len(estimate.values):  # otherwise the residual is mere rounding
             table[f"residual__{fit.label}"] = estimate.residual
         table |= _results(fit, estimate.values, errors, si)
     return table

@@ -81,7 +81,7 @@ OF_LAW = {term.column: term for term in KNOWN_TERMS.values() if term not in TERM
 """Coefficients of further terms of the damping law, zero where they are not set: parameter → term."""
 
 _NOISE = "rms of the noise of each channel over that of its signal"
-_RUN = "number of the run: the same but for its noise"
+_RUN = "number of the run: only its noise differs"
 _SLIP_RANGE = "longest over shortest deflection at which a part of the contact slips, r_max/r_min"
 
 PARAMETERS: dict[str, Parameter] = {
@@ -143,7 +143,7 @@ class Coefficient(str):
 
 
 def parameter(name: str) -> Parameter:
-    """Return the parameter of a name: one of PARAMETERS, or the coefficient of a term of one's own."""
+    """Return the parameter of a name: one of PARAMETERS, or the coefficient of a user's term."""
     return _of_law(name.term) if isinstance(name, Coefficient) else PARAMETERS[name]
 
 

@@ -61,7 +61,7 @@ MOST_NUMBERS = 200_000_000
 """Numbers that a job holds at a time: cases × columns, or × replicates × levels × features."""
 
 _FEATURES = 20  # numbers that a replicate has
-_USUAL_PANELS = 6  # an axis of more values gets an axis of the usual figure
+_USUAL_PANELS = 6  # more values are drawn along an axis, not as panels
 
 
 def read_study(path: str | Path, paper_file: str | Path) -> Study:

@@ -202,7 +202,7 @@ def study(
     document = {"title": "study()", **_document(stated, own)}
     schema = _with_terms(read_schema(STUDY_SCHEMA), own)
     if wrong := list(problems(document, schema, PAPER_CASE)):
-        if isinstance(axes, Mapping):  # whose blocks have no number
+        if isinstance(axes, Mapping):  # the blocks of a mapping have no number
             wrong = [(key[:1] + key[2:] if key[0] == "axes" else key, text) for key, text in wrong]
         raise ConfigurationError(in_lines(wrong, {"study()": document}))
     settings = Study.of("study", document, PAPER_CASE)

@@ -22,7 +22,7 @@ from ..words import rendered
 from .crate import crate
 from .manifest import ARCHIVED_VERSION
 
-# Bytes; larger results are not packed, because a rebuild makes them again and the manifest has their digests
+# bytes; larger results are left out: a rebuild makes them again, and the manifest has their digests
 LARGEST_PACKED = 5_000_000
 TIME = 315_532_800  # s, time of every file: 1980-01-01, the earliest that all formats can hold
 TAR = (
@@ -50,7 +50,7 @@ def pack(
     run, made = manifest["run"], manifest["reproducible"]
     sizes = {result["path"]: result["bytes"] for result in made["results"]}
     packed = [file for file, size in sizes.items() if size <= LARGEST_PACKED]
-    # a job ended when its files were written; files of an unpacked archive have no such time
+    # A job ended when its files were written; files of an unpacked archive have no such time.
     times = {file: Path(file).stat().st_mtime for file in packed}
     with TemporaryDirectory() as top, replacing(path) as temporary:
         folder = Path(top, name)

@@ -30,7 +30,7 @@ _FOLLOWS = {
     "refuted": ("table1", "table2", "text"),
     "by_table_2": ("table2",),
     "by_table_3": ("table1", "table3", "text"),
-    "misfits": (),  # from Tables 1 and 3, but for causes alone
+    "misfits": (),  # depends on Tables 1 and 3, and serves causes only
     "unread": (),
 }
 """Cached property of `Sources` → parts of the paper whose printed numbers it depends on."""

@@ -189,13 +189,15 @@ class _Table:
         self._value, self._unit = np.array(numbers).T
         at, unit = self._value[: self.inputs], self._unit[: self.inputs]
         self.off, self.slopes = self._linear(at)
-        for _ in range(2):  # steps to where the number furthest off print is the fewest units off
+        for _ in range(2):  # steps that bring the worst number closer to print
             program = self._nearest()
             if program.x is None:
                 break
             at = at + unit * program.x[:-1]
             there = self._linear(at)
-            if not all(np.isfinite(part).all() for part in there):  # where formulas have no value
+            if not all(
+                np.isfinite(part).all() for part in there
+            ):  # the formulas have no value there
                 break
             self.off, self.slopes = there
 
@@ -207,8 +209,7 @@ class _Table:
     def ranges(self, wanted: Iterable[str]) -> dict[str, NumberRange | None]:
         """Return the range that all other printed numbers leave for each wanted one, by id."""
         program = self._nearest()
-        # Where the numbers do not agree, those that determine by how much contradict each other whatever else is left
-        # out.
+        # Where the numbers do not agree, those that determine the misfit contradict each other in any case.
         agree = program.x is None or program.x[-1] <= 0.5 + 1e-6
         at_odds = np.flatnonzero(program.ineqlin.marginals) % len(self.off)
         ranges: dict[str, NumberRange | None] = {}

@@ -32,19 +32,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from ...project.case import Case
+from . import verdicts
 from .print import Printed, Row
-from .verdicts import (
-    DIFFERS,
-    LAST_DIGIT,
-    PROPAGATED,
-    READING,
-    REPRODUCED,
-    ROUTE_NAMES,
-    UNDECIDED,
-    UNEXPLAINED,
-    VERDICT_BY,
-    ClaimVerdict,
-)
+from .verdicts import ROUTE_NAMES, ClaimVerdict
 
 NumberRange = tuple[float, float]
 
@@ -178,18 +168,18 @@ class Claim:
 def verdict(claim: Claim) -> ClaimVerdict:
     """Return the best verdict that the claim earns."""
     if claim.contradiction or claim.route not in claim.routes:
-        return DIFFERS
+        return verdicts.DIFFERS
     if claim.undecided:
-        return UNDECIDED
+        return verdicts.UNDECIDED
     if claim.holds is not None:
-        return VERDICT_BY[claim.route] if claim.holds else DIFFERS
+        return verdicts.VERDICT_BY[claim.route] if claim.holds else verdicts.DIFFERS
     if claim.strays:
-        return DIFFERS
+        return verdicts.DIFFERS
     if claim.deciding in claim.agreeing:
-        return VERDICT_BY[claim.deciding]
+        return verdicts.VERDICT_BY[claim.deciding]
     if claim.one_unit_off:
-        return LAST_DIGIT
-    return claim.tolerance.verdict if claim.tolerance else DIFFERS
+        return verdicts.LAST_DIGIT
+    return claim.tolerance.verdict if claim.tolerance else verdicts.DIFFERS
 
 
 def explanation(claim: Claim) -> str:
@@ -199,22 +189,22 @@ def explanation(claim: Claim) -> str:
     decided = verdict(claim)
     if claim.route not in claim.routes:
         return f"The route “{ROUTE_NAMES[claim.route]}” gives no number."
-    route = claim.route if decided is DIFFERS else claim.deciding
+    route = claim.route if decided is verdicts.DIFFERS else claim.deciding
     far, why = f"{ROUTE_NAMES[route].capitalize()}: {_distance(claim, route)}", claim.cause
-    if decided in VERDICT_BY.values():
+    if decided in verdicts.VERDICT_BY.values():
         how = f"Exactly {claim.show('exact')}, which rounds to {claim.row.printed}."
-        if decided is not REPRODUCED:
+        if decided is not verdicts.REPRODUCED:
             exact = f" (exact: {_distance(claim, 'exact')})" if "exact" in claim.routes else ""
             how = f"Obtained {ROUTE_NAMES[route]}{exact}."
         return " ".join(filter(None, [how, _column(claim), why]))
-    if decided is DIFFERS:
+    if decided is verdicts.DIFFERS:
         strays = " and ".join(f"{ROUTE_NAMES[r]} {_distance(claim, r)}" for r in claim.strays)
         why = claim.contradiction or (
             f"More than the named deviation explains: {strays}."
             if strays
             else "It exceeds every bound, and no other number of the paper contradicts the print."
         )
-    elif decided is not LAST_DIGIT and claim.tolerance:
+    elif decided is not verdicts.LAST_DIGIT and claim.tolerance:
         far += f"; {claim.tolerance.reason}"
     return f"{far}. {why}".strip()
 
@@ -261,8 +251,8 @@ def phase_read(number: Printed, omega: float) -> tuple[Tolerance, ...]:
     how = f"two instants, each to the nearest {1e3 * PHASE_UNIT_S:g} ms, fix the phase to {step:.4f} rad"
     beyond = f"{how}; it is less than {1e3 * NEAR_PHASE_S:g} ms off, and {UNKNOWN}"
     return (
-        Tolerance(value - step, value + step, how, READING),
-        Tolerance(value - far, value + far, beyond, UNEXPLAINED),
+        Tolerance(value - step, value + step, how, verdicts.READING),
+        Tolerance(value - far, value + far, beyond, verdicts.UNEXPLAINED),
     )
 
 
@@ -271,7 +261,7 @@ def propagated(allowed: NumberRange | None, number: Printed) -> tuple[Tolerance,
     if allowed is None:
         return ()
     reason = f"unprinted digits allow {range_text(allowed, number)}"
-    return (Tolerance(*allowed, reason, PROPAGATED),)
+    return (Tolerance(*allowed, reason, verdicts.PROPAGATED),)
 
 
 def simulated(number: Printed, case: Case) -> tuple[Tolerance, ...]:
@@ -279,7 +269,7 @@ def simulated(number: Printed, case: Case) -> tuple[Tolerance, ...]:
     value, share = number.value, case.numerics.step_s * case.omega("omega1") / (2.0 * math.pi)
     far = min(NEAR_UNITS * number.unit, share * abs(value))
     near = f"less than {NEAR_UNITS:g} units and a relative {share:.1e}, one step in a period"
-    return (Tolerance(value - far, value + far, f"{near}; {UNKNOWN}", UNEXPLAINED),)
+    return (Tolerance(value - far, value + far, f"{near}; {UNKNOWN}", verdicts.UNEXPLAINED),)
 
 
 def range_text(ends: NumberRange, number: Printed) -> str:

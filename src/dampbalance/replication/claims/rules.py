@@ -179,7 +179,7 @@ def harmonic_pair(sources: Sources, row: Row) -> Claim:
         row,
         values,
         "as_published",
-        # The read-outs of Table 1 have fewer digits than those behind Table 3; without the slip exact is elsewhere.
+        # The read-outs of Table 1 have fewer digits than those behind Table 3; the exact route has no slip of sign.
         shown_only=("from_print",),
         expected={"exact": correct} if slip else {},
         cause=f"{slip} {sources.rules_at_work(row)}".strip(),
@@ -213,7 +213,7 @@ def printed_least_squares(sources: Sources, row: Row) -> Claim:
     inputs = "Table 2's integrals" if row.approach == "direct" else "Table 1's read-outs"
     moved = causes.printed_inputs(values, inputs, row.number)
     cause = f"{moved} {causes.cut_off(values['from_print'], row.number)}".strip()
-    # The residual comes from the rounding of the printed tables; without it, its size is another.
+    # The residual comes from the rounding of the printed tables; other routes give another size.
     shown_only = ROUTES if row.symbol == RESIDUAL.symbol else ()
     return _from_print(row, values, cause, shown_only=shown_only)
 

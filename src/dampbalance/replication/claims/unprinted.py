@@ -1,7 +1,7 @@
 """Random draws of read-outs that the paper does not print: could they keep a bound that it states?
 
 At ω2 and ω3 the paper states errors of its two-point formulas without the read-outs behind them. A bound is open where
-some read-outs that it may have used keep it and others do not. The formulas are those of Table 3, with one φ and one
+some read-outs that it may have used keep it and others do not. The formulas are taken from Table 3, with one φ and one
 t_s for all levels; X of each level and the one φ are drawn uniformly about their exact values, and X + X_s stays exact.
 """
 
