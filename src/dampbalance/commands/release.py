@@ -37,7 +37,7 @@ ARGUMENTS: dict[str, dict[str, Any]] = {
     "--seed": OF_FORCED["--seed"],
     "--channel": {
         "action": "append",
-        "choices": [*ABSOLUTE, *(q for q, of in ROTATING.items() if of in ABSOLUTE)],
+        "choices": [*ABSOLUTE, *(q for q, linear in ROTATING.items() if linear in ABSOLUTE)],
         "help": "a quantity; may be repeated (default: displacement)",
     },
     "--overwrite": OF_FORCED["--overwrite"],

@@ -144,7 +144,7 @@ def times(value: float) -> str:
 def written(value: float, spec: str) -> str:
     """Return a number in a form such as ".3g" as people write it, −0.5 or 1.65·10³."""
     text = minus(format(value, spec))
-    return re.sub(r"e([+-]\d+)", lambda of: f"{TIMES}{ten_to(int(of[1]))}", text)
+    return re.sub(r"e([+-]\d+)", lambda match: f"{TIMES}{ten_to(int(match[1]))}", text)
 
 
 def rounded(value: float, spread: float) -> str:
@@ -215,12 +215,12 @@ class Remark(str):
     @property
     def kind(self) -> tuple[str, ...]:
         """Its template and its words, without numbers and record: equal for remarks that `merged` may join."""
-        return self.template, *(one for one in self.of if isinstance(one, str))
+        return self.template, *(value for value in self.of if isinstance(value, str))
 
 
 def merged(remarks: Sequence[Remark]) -> str:
     """Return the words of remarks of one kind, each number that differs among them as its range, "2 to 7"."""
-    ranges = map(_Range, zip(*(one.of for one in remarks), strict=True))
+    ranges = map(_Range, zip(*(remark.of for remark in remarks), strict=True))
     return Remark(remarks[0].template, *ranges).words
 
 
@@ -251,7 +251,7 @@ def dotted(values: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, An
 def minus(text: str) -> str:
     """Return text whose numbers have a true minus sign, and zeros none."""
     return re.sub(
-        r"(?<![\w.])-(\d[\d.]*)", lambda of: MINUS * bool(of[1].strip("0.")) + of[1], text
+        r"(?<![\w.])-(\d[\d.]*)", lambda match: MINUS * bool(match[1].strip("0.")) + match[1], text
     )
 
 

@@ -189,8 +189,8 @@ def _at_samples(records: Sequence[Record], case: Case, frequency: str, cycle: in
         time, *signals = record.signals().values()
         cut = np.stack([signal[kept] for signal in signals])
         after = case.numerics.after_slip(level)
-        of = read_cycle(cut, float(time[kept.start]), record.dt, omega, k, False, after)
-        read.append(of_numbers(omega, "", V_s=of.V_s, a=of.a, b=of.b, W=of.W))
+        values = read_cycle(cut, float(time[kept.start]), record.dt, omega, k, False, after)
+        read.append(of_numbers(omega, "", V_s=values.V_s, a=values.a, b=values.b, W=values.W))
     return stack(read)
 
 
@@ -288,11 +288,11 @@ def trial_table(case: Case, frequency: str) -> pd.DataFrame:
     Columns trial, scheme, step_s (s), c_N_s_per_m say which one a row belongs to.
     """
     tables: list[dict[Any, Any]] = []
-    for trial, of in (("as_published", case), *trials(case, frequency)):
+    for trial, rival in (("as_published", case), *trials(case, frequency)):
         count = _CYCLES if trial == "as_published" else _TRIAL_CYCLES
-        setting = {"scheme": of.numerics.scheme, "step_s": of.numerics.step_s}
-        which = {"trial": trial, **setting, "c_N_s_per_m": of.oscillator.c}
-        tables.append(which | dict(cycle_table(of, frequency, count).items()))
+        setting = {"scheme": rival.numerics.scheme, "step_s": rival.numerics.step_s}
+        which = {"trial": trial, **setting, "c_N_s_per_m": rival.oscillator.c}
+        tables.append(which | dict(cycle_table(rival, frequency, count).items()))
     return _stacked(tables)
 
 

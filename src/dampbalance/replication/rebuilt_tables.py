@@ -244,7 +244,7 @@ def blocks(table: pd.DataFrame) -> Iterator[tuple[list[str], pd.DataFrame]]:
 class _Cell(NamedTuple):
     row: str
     quantity: str
-    of: Quantity
+    column: Quantity
     which: Mapping[str, Any]  # arguments of RouteTables.feature or .estimate
 
 

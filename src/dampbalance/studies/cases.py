@@ -120,7 +120,7 @@ def case_columns(study: Study) -> list[Column]:
     columns += map(_of_parameter, names)
     if "parameters" in study.columns:
         known = {*names} if study.levels_relative else {*names, "Y_m"}
-        columns += [Column(*of) for of in SI_COLUMNS.values() if of[0] not in known]
+        columns += [Column(*column) for column in SI_COLUMNS.values() if column[0] not in known]
         columns += map(_of_parameter, of_law(study.fixed))
     kinds = ", ".join(REGIME_NAMES.values())
     regimes = f"kind of response at each level, one word if all are alike: {kinds}"
@@ -130,9 +130,9 @@ def case_columns(study: Study) -> list[Column]:
         how = " ".join(part.replace("_", " ") for part in fit.parts)
         terms = [identified_by(symbol) for symbol in fit.identified]
         for kind in (kind for kind in _OF_TERMS if kind in study.columns):
-            for one in (of for of in terms if kind == "estimates" or of.symbol in true):
+            for identified in (t for t in terms if kind == "estimates" or t.symbol in true):
                 for described in _OF_TERMS[kind]:
-                    name, unit, meaning = (text.format(one) for text in described)
+                    name, unit, meaning = (text.format(identified) for text in described)
                     columns.append(Column(f"{name}__{fit.label}", unit, f"{meaning}; {how}"))
         if "residuals" in study.columns:
             columns.append(Column(f"residual__{fit.label}", "1", f"‖A p − W‖/‖W‖; {how}"))
@@ -140,8 +140,8 @@ def case_columns(study: Study) -> list[Column]:
 
 
 def _of_parameter(name: str) -> Column:
-    of = parameter(name)
-    return Column(name, of.unit, of.meaning, words=of.is_word)
+    p = parameter(name)
+    return Column(name, p.unit, p.meaning, words=p.is_word)
 
 
 # --- sizes -------------------------------------------------------------------------------------------

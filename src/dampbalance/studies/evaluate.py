@@ -71,11 +71,11 @@ def responses_of(study: Study, start: int, stop: int, threads: int | None = None
         cases = cases_between(study, first, min(first + _SLICE, stop))
         levels, count = cases.Y.shape
         columns = {"case": cases.numbers} | {name: cases.values[name] for name in study.axis_names}
-        table: dict[str, Any] = {name: np.repeat(of, levels) for name, of in columns.items()}
+        table: dict[str, Any] = {name: np.repeat(x, levels) for name, x in columns.items()}
         table["level"] = np.tile(np.arange(levels) + 1, count)
         seen = _responses(cases, threads).features.to_columns()
-        table |= {name: np.asarray(of).T.ravel() for name, of in seen.items()}
-        table["regime"] = np.array([REGIME_NAMES.get(of, NOT_READ) for of in table["regime"]])
+        table |= {name: np.asarray(column).T.ravel() for name, column in seen.items()}
+        table["regime"] = np.array([REGIME_NAMES.get(word, NOT_READ) for word in table["regime"]])
         parts.append(pd.DataFrame(table))
     return pd.concat(parts, ignore_index=True)
 
@@ -91,7 +91,7 @@ def _evaluate(cases: Cases, threads: int | None) -> dict[str, Any]:
     for fit in study.fits:
         table[f"residual__{fit.label}"] = np.full(len(cases.numbers), np.nan)
         if fit.approach == LIKELIHOOD:
-            values, errors = ({s: of[s] for s in fit.identified} for of in responses.likelihood)
+            values, errors = ({s: x[s] for s in fit.identified} for x in responses.likelihood)
             table |= _results(fit, values, errors, si)
             continue
         read, replicates = responses.features, responses.drawn
@@ -125,7 +125,7 @@ def _with_errors(rows: Rows, drawn: Rows, weighted: bool) -> tuple[Estimate, dic
         weights = rows.weighted(estimate.values).weights
         assert weights is not None
         drawn = replace(drawn, weights=np.broadcast_to(weights[..., None], drawn.W.shape))
-    return estimate, {s: of.std(axis=1, ddof=1) for s, of in solve(drawn).values.items()}
+    return estimate, {s: values.std(axis=1, ddof=1) for s, values in solve(drawn).values.items()}
 
 
 def _results(
@@ -154,9 +154,9 @@ def _responses(cases: Cases, threads: int | None) -> Responses:
     si, study = cases.si, cases.study
     terms = {symbol for fit in study.fits for symbol in fit.terms} - TERMS.keys()
     if study.route.kind == "exact" and not terms and not of_law(cases.values):
-        of: dict[str, Any] = {name: si[name] for name in ("m", "c", "k", "K_z", "F_k", "omega")}
+        args: dict[str, Any] = {name: si[name] for name in ("m", "c", "k", "K_z", "F_k", "omega")}
         return Responses(
-            of_orbits(steady_orbits(**of, Y=cases.Y, threads=threads), cases.Y, si["omega"])
+            of_orbits(steady_orbits(**args, Y=cases.Y, threads=threads), cases.Y, si["omega"])
         )
     from .responses import ROUTES_TO_RESPONSES  # slow to import
 
@@ -177,8 +177,8 @@ def _rows(
     if rules:
         changed = {name: np.empty(seen.X.shape) for name in READ}
         for cases, read_out in rules:
-            of = read_out.common if common else read_out.apply
-            read = of(seen[:, cases])
+            rule = read_out.common if common else read_out.apply
+            read = rule(seen[:, cases])
             for name, array in changed.items():
                 array[:, cases] = getattr(read, name)
         seen = seen.replaced(**changed)

@@ -85,7 +85,7 @@ def read_study(path: str | Path, paper_file: str | Path) -> Study:
 
 def with_usual_figure(study: Study, kind: str = "") -> Study:
     """Return the study with the first of the usual figures, of a kind where it is named, that can be drawn, if any."""
-    figures = (of for of in _usual_figures(study) if kind in ("", of["kind"]))
+    figures = (figure for figure in _usual_figures(study) if kind in ("", figure["kind"]))
     drawn = (replace(study, figure=figure) for figure in figures)
     return next((figure for figure in drawn if not any(_wrong_figure(figure))), study)
 

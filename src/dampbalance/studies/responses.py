@@ -179,13 +179,13 @@ def measured_responses(cases: Cases, _: Iterable[str]) -> Responses:
         points.append(point)
         replicates.append(replicate)
         if whole is not None and (answer := whole.answer):
-            for row, of in zip(fitted, (answer.values, answer.standard_errors), strict=True):
-                row[:, case] = [of[symbol] for symbol in _OF_FIT]
+            for row, by_symbol in zip(fitted, (answer.values, answer.standard_errors), strict=True):
+                row[:, case] = [by_symbol[symbol] for symbol in _OF_FIT]
         if by_simpson:
             integrals = _by_simpson(records, osc.k, study.replicates, random)
             pairs = zip((point, replicate), integrals, strict=True)
-            plain.append([seen.replaced(**dict(zip("abW", of, strict=True))) for seen, of in pairs])
-    values, errors = (dict(zip(_OF_FIT, of, strict=True)) for of in fitted)
+            plain.append([seen.replaced(a=a, b=b, W=W) for seen, (a, b, W) in pairs])
+    values, errors = (dict(zip(_OF_FIT, numbers, strict=True)) for numbers in fitted)
     simpson = tuple(side_by_side(parts) for parts in zip(*plain, strict=True))
     return Responses(side_by_side(points), side_by_side(replicates), simpson, (values, errors))
 

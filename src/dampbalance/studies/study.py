@@ -85,7 +85,7 @@ class StudyResult:
             dimension = next(iter(block.axes)) if isinstance(block, Listed) else f"sample_{number}"
             sizes[dimension] = block.count
             points = block.at(np.arange(block.count))
-            coords |= {name: (dimension, of) for name, of in points.items()}
+            coords |= {name: (dimension, values) for name, values in points.items()}
         shape, dims, fits = tuple(sizes.values()), tuple(sizes), [fit.label for fit in study.fits]
         coords |= {"fit": fits, "level": np.arange(len(study.levels)) + 1}
         for column in case_columns(study):
@@ -218,10 +218,10 @@ def study(
 def _with_terms(schema: Any, own: Sequence[str]) -> Any:
     """Return the schema with the coefficients of other terms as parameters, wherever it has that of a built-in one."""
     if isinstance(schema, list):
-        return [_with_terms(of, own) for of in schema]
+        return [_with_terms(part, own) for part in schema]
     if not isinstance(schema, dict):
         return schema
-    copy = {key: _with_terms(of, own) for key, of in schema.items()}
+    copy = {key: _with_terms(part, own) for key, part in schema.items()}
     return copy | dict.fromkeys(own, copy["eta"]) if "eta" in copy else copy
 
 
@@ -232,10 +232,10 @@ def _document(given: Mapping[str, Any], own: list[str]) -> dict[str, Any]:
     """
     document: dict[str, Any] = _plain(given, own)
     if isinstance(document["axes"], dict):
-        document["axes"] = [{name: of} for name, of in document["axes"].items()]
+        document["axes"] = [{name: spec} for name, spec in document["axes"].items()]
     for block in document["axes"] if isinstance(document["axes"], list) else ():
         if isinstance(block, dict):
-            block |= {name: {"values": of} for name, of in block.items() if isinstance(of, list)}
+            block |= {name: {"values": x} for name, x in block.items() if isinstance(x, list)}
     if isinstance(document.get("route"), str):
         document["route"] = {"kind": document["route"]}
     estimation = document.get("estimation")
@@ -256,15 +256,16 @@ def _plain(value: Any, own: list[str], depth: int = 0) -> Any:
     if depth > _DEEPEST:
         raise ValueError(f"study(): more than {_DEEPEST} lists and mappings inside each other")
     if isinstance(value, Oscillator):
-        value = {named_with_unit(name, UNITS[name]): of for name, of in asdict(value).items()}
+        value = {named_with_unit(name, UNITS[name]): x for name, x in asdict(value).items()}
     if hasattr(value, "tolist") and not isinstance(value, type):
         value = value.tolist()
     if isinstance(value, Mapping):
         keys = [Coefficient.of(term(key)) if isinstance(key, Term) else str(key) for key in value]
         own += [key for key in keys if isinstance(key, Coefficient)]
         return {
-            key: _plain(of, own, depth + 1) for key, of in zip(keys, value.values(), strict=True)
+            key: _plain(item, own, depth + 1)
+            for key, item in zip(keys, value.values(), strict=True)
         }
     if isinstance(value, list | tuple | range):
-        return [_plain(of, own, depth + 1) for of in value]
+        return [_plain(item, own, depth + 1) for item in value]
     return value if isinstance(value, str | int | float | None) else shown(value)

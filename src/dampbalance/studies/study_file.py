@@ -78,7 +78,7 @@ class Sampled:
         """Return the values of each parameter at the points `index`."""
         first = int(index.min())
         shares = self._shares(first, int(index.max()) - first + 1)[index - first]
-        return {name: of.at(shares[:, i]) for i, (name, of) in enumerate(self.axes.items())}
+        return {name: bounds.at(shares[:, i]) for i, (name, bounds) in enumerate(self.axes.items())}
 
     def _shares(self, start: int, count: int) -> Array:
         dimension = len(self.axes)
@@ -453,10 +453,10 @@ def _fits(estimation: Mapping[str, Any], way: Route) -> Iterator[Fit]:
     contacts = estimation.get("contact", [COMPLIANT])
     weights = estimation.get("weights", [WEIGHTED]) if way.is_noisy else [""]
     terms = list(dict.fromkeys(map(in_order, estimation.get("terms", [()]))))
-    for one in map(approach, estimation.get("approaches", APPROACHES)):
-        choices = of_phase if one.takes_phase else ([""], [""])
+    for chosen in map(approach, estimation.get("approaches", APPROACHES)):
+        choices = of_phase if chosen.takes_phase else ([""], [""])
         for choice in product(*choices, contacts, weights, levels, terms):
-            yield Fit(one, *choice)
+            yield Fit(chosen, *choice)
     of_yardsticks = {SIMPSON: (RIGID, EQUAL), LIKELIHOOD: (COMPLIANT, "")}
     for name in estimation.get("yardsticks", []):
         if name == CONTACT:

@@ -260,7 +260,7 @@ def rules_at_work(
     """
     if "omega1" not in exact_route.features or unrounded.empty:
         return lambda row: ""
-    configured = {key: of for key, of in case.numerics.two_point.items() if of is not None}
+    configured = {key: rule for key, rule in case.numerics.two_point.items() if rule is not None}
 
     def pairs(frame: pd.DataFrame, *keys: str) -> RouteTables:
         features = Features.from_frame(frame)
@@ -271,9 +271,9 @@ def rules_at_work(
 
     exact, unread = pairs(exact_route.features["omega1"]), pairs(unrounded)
     read = {
-        one: pairs(unrounded, *one.keys)
-        for one in _READ
-        if not configured.keys().isdisjoint(one.keys)
+        feature: pairs(unrounded, *feature.keys)
+        for feature in _READ
+        if not configured.keys().isdisjoint(feature.keys)
     }
 
     def sentence(row: Row) -> str:
@@ -281,8 +281,8 @@ def rules_at_work(
             return tables.estimate(COLUMN_OF[row.symbol], row.approach, pair=row.id.line)
 
         shifts = {"the simulation": value(unread) - value(exact)}
-        for one, tables in read.items():
-            shifts[one.shown(tables, row.id.line)] = value(tables) - value(unread)
+        for feature, tables in read.items():
+            shifts[feature.shown(tables, row.id.line)] = value(tables) - value(unread)
         if not all(map(math.isfinite, shifts.values())):
             return ""
         first, *others = sorted(shifts, key=lambda what: -abs(shifts[what]))

@@ -58,7 +58,7 @@ def judged(sources: Sources, name: str, text: str) -> dict[str, Claim]:
     """
     part = part_of(name)
     changed = replace(sources, published=sources.published.changed({name: text}))
-    kept = {once: getattr(sources, once) for once, of in _FOLLOWS.items() if part not in of}
+    kept = {name: getattr(sources, name) for name in _FOLLOWS if part not in _FOLLOWS[name]}
     vars(changed).update(kept, rules_at_work=lambda row: "")
     parts = _JUDGED.get(part, (part,))
     rows = changed.published.rows.values()
@@ -123,7 +123,7 @@ def packed(sources: Sources, names: Iterable[str]) -> dict[str, Any]:
         changes.append([*change, place("sets", others)])
     return {
         "verdicts": ranks,
-        "was": {name: ranks.index(of) for name, of in was.items()},
+        "was": {name: ranks.index(earlier) for name, earlier in was.items()},
         **{name: list(pool) for name, pool in pools.items()},
         "numbers": numbers,
     }

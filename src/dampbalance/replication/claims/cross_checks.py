@@ -155,7 +155,7 @@ def _table_3(published: Published, case: Case, rows: Mapping[str, str]) -> _Tabl
     def of_inputs(values: Array) -> Array:
         numbers = dict(zip(read, values[:-2].reshape(3, len(Y), -1), strict=True))
         numbers |= {"Y": Y, "phi": values[-2], "t_s": values[-1]}
-        every = {name: np.broadcast_to(of, numbers["X"].shape) for name, of in numbers.items()}
+        every = {name: np.broadcast_to(x, numbers["X"].shape) for name, x in numbers.items()}
         features = of_numbers(omega, "", **every)
         systems = (APPROACHES_OF_TABLE_3[row](features, case.oscillator.k) for row in rows.values())
         return np.vstack([values, *map(_estimates, systems)])

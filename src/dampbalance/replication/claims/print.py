@@ -190,7 +190,7 @@ def read_published(folder: Path) -> Published:
             )
     if (twice := frame["id"][frame["id"].duplicated()]).any():
         raise ValueError(f"{FILE}: id {twice.iloc[0]} appears twice; each needs its own name")
-    return Published({name: Row(ClaimId(name), *of) for name, *of in frame.to_numpy()})
+    return Published({name: Row(ClaimId(name), *cells) for name, *cells in frame.to_numpy()})
 
 
 def read_texts(path: Path, columns: tuple[str, ...]) -> pd.DataFrame:

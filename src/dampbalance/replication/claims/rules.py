@@ -10,6 +10,7 @@ names does.
 from __future__ import annotations
 
 import math
+import operator
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -255,13 +256,10 @@ ROUTE = "as_published"
 
 _BOUNDS = {"less than": +1.0, "more than": -1.0}
 COMPARISONS: dict[str, dict[str, Callable[[float, float], bool]]] = {
-    "change": {
-        "degraded": lambda one, other: one > other,
-        "improved": lambda one, other: one < other,
-    },
-    "truth": {"true": lambda one, other: one < other, "false": lambda one, other: not one < other},
+    "change": {"degraded": operator.gt, "improved": operator.lt},
+    "truth": {"true": operator.lt, "false": operator.ge},
 }
-"""Rule → printed word → when it holds of two errors."""
+"""Rule → printed word → comparison of an error with its reference by which the word holds."""
 
 
 def bound_holds(row: Row, value: float) -> tuple[bool, str]:
@@ -281,10 +279,10 @@ def bound_holds(row: Row, value: float) -> tuple[bool, str]:
     return tight, f'"{word}": the bound is the value rounded as it is printed, or one unit looser'
 
 
-def word_holds(row: Row, one: float, other: float) -> tuple[bool, str]:
+def word_holds(row: Row, error: float, reference: float) -> tuple[bool, str]:
     """Return whether a word holds for how two errors of ROUTE compare, and the rule that judges it.
 
-    one, other : the error off and near resonance, or that of direct integration and the least of the other approaches.
+    error, reference : off and near resonance, or of direct integration and the best of the other approaches.
     Raises ValueError for a word that the rule of the row does not know.
     """
     words = COMPARISONS[row.rule]
@@ -293,14 +291,14 @@ def word_holds(row: Row, one: float, other: float) -> tuple[bool, str]:
             f"{FILE}: {row.id}: cannot judge the word {row.printed!r}; known are {', '.join(words)}"
         )
     what = ": the error against that near resonance" if row.rule == "change" else ""
-    return words[row.printed](one, other), f'"{row.printed}"{what}'
+    return words[row.printed](error, reference), f'"{row.printed}"{what}'
 
 
 def bound(sources: Sources, row: Row) -> Claim:
     """Judge bounds on the errors of the two-point formulas with common φ and t_s, at ω1 and at other frequencies."""
     if row.symbol in TERMS:
         osc, pairs = sources.case.oscillator, sources.pairs.items()
-        values = {name: largest_errors(of.pairs(), osc)[row.symbol] for name, of in pairs}
+        values = {name: largest_errors(route.pairs(), osc)[row.symbol] for name, route in pairs}
         cause = f"Largest error in the fifteen pairs: {_each(values)}."
         return _stated(row, values, bound_holds(row, values[ROUTE]), cause)
     values = _worst(sources, sources.routes, frequency=row.symbol)

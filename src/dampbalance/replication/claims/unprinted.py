@@ -73,14 +73,14 @@ def drawn(
 
 def open_to(drawn: Sequence[Drawn]) -> bool:
     """Return whether some read-outs keep a bound and others do not, for at least one of the spreads."""
-    return any(RARE <= of.share <= 1.0 - RARE for of in drawn)
+    return any(RARE <= spread.share <= 1.0 - RARE for spread in drawn)
 
 
 def exceedances_in_words(drawn: Sequence[Drawn], bound: str) -> str:
     """Return sentences on how often the bound, as printed, is exceeded."""
     cases = [
-        f"{100.0 * of.share:.0f} % with X ± {1e6 * of.X_m:g} µm and phi ± {of.phi_rad:g} rad"
-        for of in drawn
+        f"{100.0 * spread.share:.0f} % with X ± {1e6 * spread.X_m:g} µm and phi ± {spread.phi_rad:g} rad"
+        for spread in drawn
     ]
     return (
         "The read-outs at this frequency are not printed. Of "

@@ -67,7 +67,7 @@ _MEANING_OF_VERDICTS = {
         "None of these, or contradicted by the paper’s own numbers; see the evidence.",
     ),
 }
-VERDICTS = {name: ClaimVerdict(name, *of) for name, of in _MEANING_OF_VERDICTS.items()}
+VERDICTS = {name: ClaimVerdict(name, *texts) for name, texts in _MEANING_OF_VERDICTS.items()}
 """Every verdict by its name, best first."""
 REPRODUCED, SIMULATED, FROM_PRINT, LAST_DIGIT, READING, *_WORSE = VERDICTS.values()
 PROPAGATED, UNEXPLAINED, UNDECIDED, DIFFERS = _WORSE
