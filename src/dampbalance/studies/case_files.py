@@ -7,7 +7,6 @@ order of chunks.
 
 from __future__ import annotations
 
-import functools
 import json
 import shutil
 from collections import Counter
@@ -35,31 +34,14 @@ compressing them takes longer than computing them."""
 
 
 def stretches(cases: CasesLike, names: Sequence[str]) -> Iterator[dict[str, Words]]:
-    """Yield the columns named, row group by row group, in the order of the cases.
-
-    Memory does not grow with their number. An array is not to be changed: paragraphs and figures get the same one.
-    """
+    """Yield the columns named, row group by row group, in the order of the cases: memory is that of a row group."""
     if isinstance(cases, pd.DataFrame):
         yield {name: cases[name].to_numpy() for name in names}
         return
-    file, wanted = (str(cases), Path(cases).stat().st_mtime_ns), list(dict.fromkeys(names))
-    for group in range(_metadata_of(*file).num_row_groups):
-        yield {name: _column(*file, group, name) for name in wanted}
-
-
-@functools.lru_cache(maxsize=16)
-def _metadata_of(cases: str, changed: int) -> pq.FileMetaData:
-    """Return Parquet metadata, cached because parsing it is slower than reading a column."""
-    return pq.read_metadata(cases)
-
-
-@functools.lru_cache(maxsize=256)  # each column has 1 MB or less
-def _column(cases: str, changed: int, group: int, name: str) -> Words:
-    """Return a column of a row group of such a file."""
-    with pq.ParquetFile(cases, metadata=_metadata_of(cases, changed)) as file:
-        column = np.asarray(file.read_row_group(group, columns=[name])[name].to_numpy())
-    column.flags.writeable = False
-    return column
+    with pq.ParquetFile(cases) as file:
+        for group in range(file.num_row_groups):
+            table = file.read_row_group(group, columns=list(dict.fromkeys(names)))
+            yield {name: table[name].to_numpy() for name in names}
 
 
 def column_of(cases: CasesLike, name: str) -> Words:
