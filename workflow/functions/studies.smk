@@ -42,8 +42,8 @@ def study_plan(name):
     file = Path(study_file(name))
     if not re.fullmatch(r"(?!.*(.{1,3})\1{19}$)[A-Za-z0-9][A-Za-z0-9_-]{0,59}", name):
         raise WorkflowError(
-            f"{file}: the name of a study is letters, digits, '-' and '_', 60 at most, with nothing 20 times in a row at its "
-            "end; rename the file"
+            f"{file}: the name of a study must be letters, digits, '-' and '_', 60 at most, with nothing 20 times in a row at "
+            "its end; rename the file"
         )
     if not file.exists():
         known = ", ".join(STUDIES)
@@ -76,7 +76,7 @@ if workflow.is_main_process:
     ]
     if REPORT and unbuilt:
         raise WorkflowError(
-            f"--report: of the studies {', '.join(unbuilt)} are not built. Build them first, with --cores all in place of --report."
+            f"--report: not built are the studies {', '.join(unbuilt)}. Build them first, with --cores all in place of --report."
         )
 
 

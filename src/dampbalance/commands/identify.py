@@ -145,14 +145,14 @@ def _write_mapping(options: argparse.Namespace) -> None:
 
     file: Path = options.write_mapping
     if file.suffix != ".yaml":
-        raise ValueError(f"--write-mapping {file}: a mapping ends in .yaml; choose such a name")
+        raise ValueError(f"--write-mapping {file}: the name of a mapping must end in .yaml")
     tables = options.kind == "recognised" and recognised_as_table(
         options.records[0], options.mapping
     )
     if tables or options.kind == "stepped-sine":
         raise ValueError(
-            f"{options.records[0]} is a table of a stepped sine, and --write-mapping writes a mapping for signals: "
-            "name the columns under `table` where they are not recognised"
+            f"{options.records[0]} is a table of a stepped sine, and --write-mapping drafts mappings of signals only: "
+            "write the mapping by hand, with the columns under `table`"
         )
     require_room(file.parent, [file.name], "" if options.overwrite else "--overwrite")
     text = mapping_to_start_from(options.records[0], options.mapping)

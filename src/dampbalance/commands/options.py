@@ -63,7 +63,7 @@ def coefficients(text: str) -> dict[str, float]:
         try:
             unit = term(symbol).unit  # a grouped term is refused later, by the response
             if symbol in values:
-                raise ValueError(f"{symbol} stands there twice: give it once")
+                raise ValueError(f"{symbol} appears twice: give it once")
             values[symbol] = read_number("given", value, unit)
         except ValueError as error:
             words = str(error)
