@@ -346,7 +346,7 @@ TERMS = "symbols with their coefficients, as in c_2=40,eta=0.02"
         ("--law", "c_2=40,", f"must be {TERMS}"),
         ("--law", "c_7=1", "unknown term 'c_7'; known are F_k, c, c_r, c_2, c_3, eta"),
         ("--law", "c_2=-1", "c_2 must be a number, 0 to 1e+30, got -1"),
-        ("--law", "c_2=1,c_2=3", "c_2 stands there twice"),
+        ("--law", "c_2=1,c_2=3", "c_2 appears twice"),
     ],
 )
 def test_options_of_a_simulation_have_bounds(option, value, wanted, tmp_path, capsys):
@@ -458,7 +458,7 @@ def test_a_mapping_to_start_from_is_saved_and_used(tmp_path, capsys, answer):
             ["identify", other, *command[1:], "--write-mapping", mapping],
             "level1.csv has no channel",
         ),
-        ([*command, "--write-mapping", files[0]], "a mapping ends in .yaml"),
+        ([*command, "--write-mapping", files[0]], "must end in .yaml"),
     ):
         assert message in answer(*wrong, code=2)
     assert sorted(tmp_path.iterdir()) == sorted([*files, other])
