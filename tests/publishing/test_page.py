@@ -351,7 +351,9 @@ def test_the_story_of_the_digits_is_that_of_the_article(html):
     # findings: the printed phase is that of the reversal within 0.004 rad
     assert np.abs(column(-3, "printed") - column(-3, "reversal")).max() < 0.004
     assert phase[1][-1] == slip[1][-1] == "printed"
-    np.testing.assert_allclose(column(-2, "printed"), column(-2, "whole 0.1 ms inside"), rtol=1e-5)
+    np.testing.assert_allclose(
+        column(-2, "printed"), column(-2, "rounded down to 0.1 ms"), rtol=1e-5
+    )
     for symbol in ("Fk", "c"):
         assert np.abs(column(-1, f"{symbol}, +")).max() < 0.5
         assert np.abs(column(-1, f"{symbol}, −")).min() > 3.0

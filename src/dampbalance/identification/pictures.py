@@ -204,10 +204,10 @@ def balance(answers: Mapping[str, Answer], two: bool) -> Figure:
     left.set_xlim(left=0.0)
     left.xaxis.set_major_locator(MaxNLocator(6))
     left.set_xlabel("$a/b$ (s/m)" if two else "$W$ (J)")
-    left.set_ylabel("$W/b$ (N s/m)" if two else "energy lost, by the law (J)")
+    left.set_ylabel("$W/b$ (N s/m)" if two else "energy lost by the fitted law (J)")
     right.axhline(0.0, color=FAINT, linewidth=0.6, zorder=0)
     right.set_xlabel("row")
-    right.set_ylabel("residual / standard deviation")
+    right.set_ylabel(r"residual/$\sigma$")
     right.xaxis.set_major_locator(MaxNLocator(integer=True))
     largest = max((abs(v) for v in right.get_ylim()), default=1.0)
     if largest > 20.0:
@@ -260,7 +260,7 @@ def _with_residual(
     """Below a panel of samples what a fit leaves of them, over the standard deviation of the noise."""
     below.plot(along, left, ".", **_DOTS)
     below.axhline(0.0, color=SLIP, linewidth=0.6)
-    below.set_ylabel("left/σ", labelpad=1.0, fontsize=7.5)
+    below.set_ylabel(r"residual/$\sigma$", labelpad=4.0, fontsize=7.0)
     below.yaxis.set_major_locator(MaxNLocator(3, integer=True, prune="upper"))
     for frame in (axes, below):
         frame.set_xlim(*ends)
