@@ -9,7 +9,7 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 from hypothesis import given, settings
-from matplotlib import pyplot
+from matplotlib import colormaps, pyplot
 
 from analytic.cases import SEVERAL_SLIPS, dimensions, drawn, orbit_of
 from dampbalance import (
@@ -256,13 +256,38 @@ def test_they_show_values_first_and_all_in_a_frame():
     assert repr(steady_orbits(**{**AT_TWO_LEVELS, "Y": [], "omega": 22.0})) == "Orbits  shape (0,)"
 
 
+@pytest.mark.parametrize(
+    ("low", "high", "scale"),
+    [(20.0, 40.0, np.asarray), (12.0, 130.0, np.log)],  # over a decade by the logarithm
+)
+def test_many_lines_are_coloured_by_the_argument_of_most_values(low, high, scale):
+    omegas = np.linspace(low, high, 40)
+    orbits = steady_orbits(PAPER, Y=np.linspace(0.004, 0.012, 50)[:, None], omega=omegas)
+    axes = orbits.plot("phi_zero_crossing", "Y")
+    assert axes.get_ylabel() == r"$\varphi_{\mathrm{zero\ crossing}}$ (rad)"
+    (bar,) = (other for other in axes.figure.axes if other is not axes)
+    assert bar.get_ylabel() == r"$\omega$ (rad/s)"
+    assert bar.get_ylim() == pytest.approx((low, high))
+    place = (scale(omegas) - scale(low)) / (scale(high) - scale(low))
+    colours = [line.get_color() for line in axes.get_lines()]
+    # one of 256 colours: neighbours differ by less than 0.02
+    np.testing.assert_allclose(colours, colormaps["viridis"](place), atol=0.02)
+    assert axes.get_legend() is None
+    plain = orbits.plot("X", "Y", color="k")
+    assert len(plain.figure.axes) == 1
+    pyplot.close("all")
+
+
 def test_a_feature_is_drawn_against_what_varies():
     orbits = steady_orbits(**AT_TWO_LEVELS)
     axes = orbits.plot()  # the frequencies are more
-    assert axes.get_xlabel() == "omega (rad/s)"
+    assert axes.get_xlabel() == r"$\omega$ (rad/s)"
     for level, line in enumerate(axes.get_lines()):
         np.testing.assert_array_equal(line.get_xydata().T, [[22.0, 31.0, 40.0], orbits.X[level]])
-    assert [text.get_text() for text in axes.get_legend().texts] == ["Y = 0.0002 m", "Y = 0.004 m"]
+    assert [text.get_text() for text in axes.get_legend().texts] == [
+        "$Y$ = 0.0002 m",
+        "$Y$ = 0.004 m",
+    ]
     other = pyplot.figure().add_subplot()
     assert orbits.plot("W", "Y", ax=other, color="r") is other
     assert [line.get_color() for line in other.get_lines()] == ["r"] * 3

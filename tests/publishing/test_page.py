@@ -41,6 +41,23 @@ def tree(html):
 # --- what it says ----------------------------------------------------------------------------------
 
 
+RAISED = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def typeset(text):
+    """As the page sets numbers: 2.9E-3 is 2.9·10⁻³."""
+    small = re.compile(r"(\d)[eE]-0*(\d+)")
+    return small.sub(lambda of: f"{of[1]}·10⁻{of[2].translate(RAISED)}", wording.minus(text))
+
+
+def test_powers_of_ten_are_set_as_in_print(html):
+    assert "2.9·10⁻³" in html
+    # except in the configuration, which is set as JSON, and in code
+    unset = r"<(script|style|template)\b.*?</\1>|<table class=.configuration.*?</table>|<[^>]*>"
+    text = re.sub(unset, " ", html, flags=re.DOTALL)
+    assert not re.search(r"\d[eE][-+]?\d", text)
+
+
 def test_every_claim_has_its_row_and_its_reason(tree, made):
     rows = {e["id"]: e for e in tree.named("tr", "li") if "data-kind" in e}
     claims = made.claims.set_index("id")
@@ -53,13 +70,13 @@ def test_every_claim_has_its_row_and_its_reason(tree, made):
         if claim["kind"] == "given":  # no verdict to filter by, and nothing to open
             assert row["tag"] == "li"
             assert row["data-verdict"] == ""
-            assert wording.minus(claim["printed"]) in row["text"]
+            assert typeset(claim["printed"]) in row["text"]
             continue
         assert row["data-verdict"] == claim["verdict"]
         text = " ".join(row["text"].split())
-        assert wording.minus(claim["printed"]) in text
+        assert typeset(claim["printed"]) in text
         # Symbols are set in HTML: compare what is not one.
-        reason = words.reason(wording.minus(claim["explanation"])).striptags()
+        reason = words.reason(typeset(claim["explanation"])).striptags()
         assert " ".join(reason.split()) in text
         assert "()" not in text  # a pure number has no unit
 
@@ -75,7 +92,7 @@ def test_the_headline_counts_what_is_computed(tree, made):
     proof = " ".join(tree.one("p", id="proof")["text"].split())
     assert f"the simulation gives {routes['simulation']} numbers" in proof
     assert (
-        f"{luck['expected']:.1f}, is expected to agree in the last, too, and {luck['observed']} do"
+        f"{luck['expected']:.1f}, is expected to agree in the last as well, and {luck['observed']} do"
         in proof
     )
     besides = tree.one("p", class_="besides")["text"]
@@ -100,7 +117,7 @@ def test_every_printed_cell_of_a_table_leads_to_its_claim(tree, made):
     for button in buttons:
         claim = claims.loc[button["popovertarget"].removeprefix("why.")]
         assert button["text"].startswith(
-            wording.minus(claim["printed"]) + VERDICTS[claim["verdict"]].mark
+            typeset(claim["printed"]) + VERDICTS[claim["verdict"]].mark
         )
         assert claim["verdict"] in button["text"]  # in words, not by colour alone
     shown = {button["popovertarget"].removeprefix("why.") for button in buttons}
@@ -142,13 +159,13 @@ def test_off_resonance_the_page_states_three_causes_and_what_each_costs(tree, ma
     # findings, derived by independent code: +4.0 % without the first two at 3.5 Hz, from where they shift F_k by −20.2
     # and −21.6 points; +12.2 and −66.2 points from −0.36 % at 11.1 Hz; the paper's own fit +0.68, −16.2 and +11.8 %
     for sentence in (
-        "At 4.92 Hz the third alone puts Fk off by +1.42 %; from there the first shifts it by −0.7 percentage "
+        "At 4.92 Hz the third alone changes Fk by +1.42 %; from there the first shifts it by −0.7 percentage "
         "points",
-        "At 3.5 Hz the third alone puts Fk off by +3.99 %; from there the first shifts it by −20.2 percentage points, "
+        "At 3.5 Hz the third alone changes Fk by +3.99 %; from there the first shifts it by −20.2 percentage points, "
         "the second by −21.6, and both together by −23.5.",
-        "At 11.1 Hz the third alone puts Fk off by −0.356 %; from there the first shifts it by +12.2 percentage "
+        "At 11.1 Hz the third alone changes Fk by −0.356 %; from there the first shifts it by +12.2 percentage "
         "points, the second by −66.2, and both together by −65.5.",
-        "the second does not touch, is off by +0.678 %, −16.2 % and +11.8 %.",
+        "the second does not affect, is off by +0.678 %, −16.2 % and +11.8 %.",
     ):
         assert sentence in text
     shown = comparison.mends(made.approaches, CASE.frequencies_hz)
@@ -351,7 +368,9 @@ def test_the_story_of_the_digits_is_that_of_the_article(html):
     # findings: the printed phase is that of the reversal within 0.004 rad
     assert np.abs(column(-3, "printed") - column(-3, "reversal")).max() < 0.004
     assert phase[1][-1] == slip[1][-1] == "printed"
-    np.testing.assert_allclose(column(-2, "printed"), column(-2, "whole 0.1 ms inside"), rtol=1e-5)
+    np.testing.assert_allclose(
+        column(-2, "printed"), column(-2, "rounded down to 0.1 ms"), rtol=1e-5
+    )
     for symbol in ("Fk", "c"):
         assert np.abs(column(-1, f"{symbol}, +")).max() < 0.5
         assert np.abs(column(-1, f"{symbol}, −")).min() > 3.0

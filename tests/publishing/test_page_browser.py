@@ -6,10 +6,12 @@ Skipped where no Chromium is installed; publishing/chromium.py says where it loo
 from __future__ import annotations
 
 import io
+import itertools
 import re
 
 import pypdf
 import pytest
+from PIL import Image
 
 from dampbalance import identify
 from dampbalance.replication.claims.verdicts import KINDS
@@ -208,6 +210,45 @@ def test_links_lead_to_headings_below_the_bar(opened, viewport):
     page.locator("[id='study-frequency']").wait_for(state="visible")
     page.evaluate("document.querySelectorAll('details').forEach(one => { one.open = true; })")
     assert page.evaluate("document.documentElement.scrollWidth") == viewport["width"]
+
+
+UNFOLD = "document.querySelectorAll('.fold, .more').forEach(one => { one.open = true; })"
+TAGS = "all => all.map(one => one.getBoundingClientRect()).map(({ x, y, width, height }) => [x, y, width, height])"
+
+
+def test_labels_of_the_levels_keep_apart_on_a_phone(opened):
+    page = opened(PHONE)
+    page.evaluate(UNFOLD)
+    page.wait_for_selector("#off_resonance.ready .plane .tag")
+    boxes = page.eval_on_selector_all("#off_resonance .plane .tag", TAGS)
+    assert len(boxes) == 6  # five levels, and the truth
+    for (x, y, wide, high), (u, v, *size) in itertools.combinations(boxes, 2):
+        beside = x + wide <= u or u + size[0] <= x
+        assert (
+            beside or y + 0.8 * high <= v or v + 0.8 * size[1] <= y
+        )  # a box has room above letters
+
+
+@pytest.mark.parametrize("viewport", [PHONE, DESK], ids=["phone", "desk"])
+def test_tables_that_scroll_say_so_and_no_others(opened, viewport):
+    page = opened(viewport)
+    page.evaluate(UNFOLD)
+    wider = "one.scrollWidth > one.clientWidth + 1"
+    shown = "[...document.querySelectorAll('.wide, .drawing')].filter(one => one.checkVisibility())"
+    page.wait_for_function(
+        f"() => {shown}.every(one => ({wider}) === one.classList.contains('scrolls'))"
+    )
+    names = page.evaluate(f"{shown}.filter(one => {wider}).map(one => one.ariaLabel)")
+    assert ("Integrals of Table 2" in names) == (viewport is PHONE)
+
+
+def test_no_line_stands_beside_a_table_that_fits(opened):
+    page = opened()
+    table = page.locator("#integrator .pair-of-tables .wide").first
+    table.scroll_into_view_if_needed()
+    picture = Image.open(io.BytesIO(table.screenshot())).convert("RGB")
+    edge = [picture.getpixel((picture.width - 1, y)) for y in range(2, 12)]  # next to the caption
+    assert set(edge) == {picture.getpixel((picture.width // 2, 1))}
 
 
 def test_print_shows_every_row_and_reason_on_white(page, made, computed):

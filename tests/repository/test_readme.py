@@ -9,10 +9,11 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from dampbalance import identify
+from dampbalance import Oscillator, identify, measured_ring_down
 from dampbalance.estimates import estimate_table
 from dampbalance.figures import figure3, save
 from dampbalance.figures.rig_drawings import rigs
+from dampbalance.project.wording import with_error
 from dampbalance.replication.claims import evidence, unprinted
 from dampbalance.replication.claims.rules import Sources
 from dampbalance.replication.claims.table import claims_table
@@ -89,10 +90,23 @@ def test_what_the_agreement_proves_is_as_counted():
         assert words in text
 
 
+def decay_with_fit():
+    """A free decay, few samples with much noise, the fit, and above it the answer next to the truth."""
+    truth = Oscillator(m=2.42, c=1.0, k=2310.0, K_z=208_000.0, F_k=0.5)
+    decay = measured_ring_down(truth, x=0.01, rate_hz=250.0, duration=2.6, noise=0.02, seed=1)
+    answer = identify(decay, stiffness=truth.k)
+    figure = answer.draw("decays")
+    words = [
+        f"${symbol}$ = {with_error(0.5 * (low + high), 0.5 * (high - low))} {unit} (true: {true:g})"
+        for symbol, unit, true in (("F_k", "N", truth.F_k), ("c", "N s/m", truth.c))
+        for low, high in [answer.intervals[symbol]]
+    ]
+    figure.axes[0].set_title(", ".join(words), parse_math=True, size=9.0)
+    return figure
+
+
 def test_the_pictures_are_those_that_are_drawn(tmp_path):
-    records = sorted((ROOT / "config/records/example").glob("level*.csv"))
-    loops = identify(records, stiffness=PAPER.k, frequency=FREQUENCIES_HZ["omega2"])
-    drawn = {"figure3": figure3(orbits_at()), "friction": loops.draw("friction"), "rigs": rigs()}
+    drawn = {"figure3": figure3(orbits_at()), "decay": decay_with_fit(), "rigs": rigs()}
     for name, figure in drawn.items():
         save(figure, tmp_path / f"{name}.svg", tmp_path / f"{name}.png")
         new, shown = (

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from matplotlib import colormaps, colors
 
+from dampbalance.figures import looks
 from dampbalance.figures.style import STYLE
 from dampbalance.studies.shown import maps
 from dampbalance.studies.shown.study_figure import study_figure
@@ -110,6 +111,74 @@ def test_the_colours_of_maps_grow_darker_with_the_error_also_without_colour():
     assert (np.diff(signed[51:]) < 0.0).all()
     red, _, blue = colors.to_rgb(colormaps[maps.SIGNED](1.0))
     assert red > blue  # too large is red
+
+
+X, T, V = "X_s", "t_s", "V_s"
+ERRORS = {
+    X: lambda x: 0.01 * (x - 1.6),
+    T: lambda x: 0.0102 * (x - 1.6),  # 2 % larger: 0.009 of a decade
+    V: lambda x: np.where(x < 2.5, 0.01, 0.02) * (x - 1.6),  # agrees up to 2.5
+    "fourier": lambda x: np.full_like(x, -0.002),
+}
+
+
+@pytest.fixture(scope="module")
+def curves(make, computed):
+    """The axes of F_k of a figure of curves with errors that are given, and the labels of its legend."""
+    document = {"axes": [{"omega_over_omega_n": {"from": 0.5, "to": 3.0, "count": 126}}]}
+    document |= {"estimation": {"approaches": [*ERRORS]}}
+    x = np.linspace(0.5, 3.0, 126)
+    columns = {
+        f"F_k_relative_error__{fit.label}": ERRORS[fit.approach](x) for fit in make(document).fits
+    }
+    study, _, path = computed(document, **columns)
+    figure = study_figure(study, path)
+    labels = [text.get_text() for text in figure.legends[0].get_texts()]
+    return figure.axes[0], labels
+
+
+def shown_lines(axes, look):
+    """The lines of a colour that are seen: the curve, and then its marks."""
+    lines = [line for line in axes.lines if line.get_visible() and line.get_color() == look.colour]
+    return lines[0], lines[1:]
+
+
+def test_one_curve_stands_for_harmonic_approaches_where_they_agree(curves):
+    axes, labels = curves
+    assert labels[:4] == ["$X_s$, $t_s$, $V_s$", "$X_s$", "$t_s$", "$V_s$"]
+    common, _ = shown_lines(axes, looks.HARMONIC_LOOK)
+    x, y = (np.asarray(of) for of in common.get_data())
+    np.testing.assert_allclose(y[x < 2.49], np.abs(x[x < 2.49] - 1.6), atol=1e-9)
+    assert np.isnan(y[x > 2.51]).all()
+    for name in (X, T, V):  # from the last place where all agree
+        alone, _ = shown_lines(axes, looks.LOOKS[name])
+        seen = x[np.isfinite(alone.get_ydata())]
+        assert (seen[0], seen[-1]) == pytest.approx((2.48, 3.0))
+
+
+def test_open_marks_show_that_an_estimate_is_too_small(curves):
+    axes, labels = curves
+    assert labels[-2:] == ["too large", "too small"]
+    for look, large in (
+        (looks.HARMONIC_LOOK, lambda x: x > 1.6),
+        (looks.LOOKS["fourier"], lambda x: 0 * x > 1),
+    ):
+        _, marks = shown_lines(axes, look)
+        assert marks
+        for line in marks:
+            filled = line.get_markerfacecolor() == look.colour
+            assert np.all(large(line.get_xdata()) == filled)
+            assert np.all(line.get_ydata() > 0.0)
+
+
+def test_the_axis_of_curves_holds_all_sizes_and_their_values_keep_the_sign(curves):
+    axes, _ = curves
+    assert axes.get_yscale() == "log"
+    low, high = axes.get_ylim()
+    assert low <= 0.2  # of Fourier; sizes next to the change of sign may lie below
+    assert high > 2.8
+    (fourier,) = (line for line in axes.lines if line.get_gid() == "Fourier")
+    assert set(fourier.get_ydata()) == {-0.2}
 
 
 ALONG = {

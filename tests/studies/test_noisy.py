@@ -321,6 +321,8 @@ def test_the_figure_shows_95_percent_of_the_errors_and_the_coverage_of_each_line
             table[name] = rng.standard_normal(n) * table["noise"]
         if "covered" in name:
             table[name] = (rng.random(n) < 0.8).astype(float)
+    rigid = X_S.replace("X_s", "X_s__rigid")
+    table.loc[table["noise"] == table["noise"].min(), f"c_covered__{rigid}"] = 0.0
     _, _, path = computed(changed, table)
 
     figure = study_figure(study, path)
@@ -328,7 +330,6 @@ def test_the_figure_shows_95_percent_of_the_errors_and_the_coverage_of_each_line
     places = itertools.product(("F_k", "c"), (4.92, 3.5), ("errors", "coverage"))
     assert list(axes) == ["{} {} {}".format(*place) for place in places]
     fits = study.fits_of(study.figure)
-    rigid = X_S.replace("X_s", "X_s__rigid")
     assert [fit.label for fit in fits] == [rigid, DIRECT, "fit__maximum_likelihood"]
     at = table[table["frequency_hz"] == 3.5].groupby("noise")
     drawn = {what: axes[f"c 3.5 {what}"].containers for what in ("errors", "coverage")}
@@ -342,11 +343,15 @@ def test_the_figure_shows_95_percent_of_the_errors_and_the_coverage_of_each_line
         share = at[f"c_covered__{fit.label}"].mean().to_numpy()
         points, _, (bars,) = drawn["coverage"][i]
         assert points.get_ydata() == pytest.approx(100.0 * share)
-        bounds = [statistics.share_interval(round(30 * of), 30) for of in share]
-        ends = np.array(bars.get_segments())[:, :, 1]
+        marked = points.get_markevery()  # a share of zero has a tick in place of mark and bar
+        assert marked == np.flatnonzero(share).tolist()
+        bounds = [statistics.share_interval(round(30 * of), 30) for of in share[marked]]
+        ends = np.array([bars.get_segments()[place] for place in marked])[:, :, 1]
         assert ends == pytest.approx(100.0 * np.array(bounds))
         # neighbouring lines stand apart
         assert i == 0 or np.all(points.get_xdata() > drawn["coverage"][i - 1][0].get_xdata() * 1.05)
+    ticks = [line for line in axes["c 3.5 coverage"].lines if line.get_marker() == "|"]
+    assert [line.get_ydata().tolist() for line in ticks] == [[0.0], [], []]
     labels = [text.get_text() for text in figure.legends[0].get_texts()]
     assert labels == ["$X_s$, rigid", "direct", "fit alone"]
     assert "95 % of the errors" in alternative_text(study)

@@ -20,7 +20,7 @@ class Look:
 
     colour, marker : in print, as matplotlib names them.
     series : what the page's style sheet calls its colour, which is `light` or `dark` as the reader has it.
-    shape : of its marks in the page's instruments.   width : of its curve, points; unequal where curves coincide.
+    shape : of its marks in the page's instruments.
     """
 
     colour: str
@@ -29,14 +29,13 @@ class Look:
     light: str
     dark: str
     shape: str
-    width: float = 0.9
 
 
 LOOKS = {
     "direct": Look("#000000", "D", "direct", "#1a2027", "#e7ebf0", "diamond"),
-    "X_s": Look("#0B4F8A", "o", "X-s", "#0b5fa5", "#6fb1f2", "circle", 2.4),
-    "t_s": Look("#D55E00", "s", "t-s", "#c75000", "#ff9a4d", "square", 1.5),
-    "V_s": Look("#3DAA8B", "^", "V-s", "#1f8468", "#56cfac", "triangle-up", 0.7),
+    "X_s": Look("#0B4F8A", "o", "X-s", "#0b5fa5", "#6fb1f2", "circle"),
+    "t_s": Look("#D55E00", "s", "t-s", "#c75000", "#ff9a4d", "square"),
+    "V_s": Look("#3DAA8B", "^", "V-s", "#1f8468", "#56cfac", "triangle-up"),
     "fourier": Look("#EDA900", "P", "fourier", "#946a00", "#f2c14e", "cross"),
     "simpson": Look("#C51B7D", "s", "other-3", "#b3126b", "#f58cc0", "square"),
     "fit": Look("#8A5A2B", "*", "other-2", "#7a4a21", "#d9a679", "triangle-left"),
@@ -46,6 +45,8 @@ SPARE = (
     Look("#8A5A2B", "<", "other-2", "#7a4a21", "#d9a679", "triangle-left"),
     Look("#C51B7D", ">", "other-3", "#b3126b", "#f58cc0", "triangle-right"),
 )
+HARMONIC_LOOK = Look("#6A4C93", "p", "other", "#8e4fc0", "#cf9ff0", "circle")
+"""One curve for all harmonic approaches, where they agree."""
 
 SCHEME_LOOKS = {
     "backward-euler": ("backward Euler", LOOKS["X_s"]),

@@ -125,7 +125,7 @@ def _instants(axes: Axes, e: Evidence) -> None:
     axes.axhline(0.0, color=PRINTED["color"], lw=0.6, ls=":")
     axes.set_ylim(-0.42, 0.62)
     axes.legend(loc="upper center", fontsize=7.5, handletextpad=0.4, labelspacing=0.2)
-    axes.set_ylabel("instant of printed $a$ (steps)")
+    axes.set_ylabel("sampling instant of $a$ (steps)")
 
 
 def _integrals(axes: Axes, e: Evidence) -> None:
@@ -146,7 +146,7 @@ def _integrals(axes: Axes, e: Evidence) -> None:
         printed = off(e.printed(f"table2.{column[0]}."), column)
         _named(axes, Y, printed, f"${column[0]}$ printed", **PRINTED | {"marker": marker})
     # Named near the level where the lines of W and b are clear of each other.
-    _words(axes, 8.0, {"backward Euler": -1.9, "explicit Euler": 1.95, "the others": 0.6})
+    _words(axes, 8.0, {"backward Euler": -1.9, "explicit Euler": 1.95, "other schemes": 0.6})
     axes.set_ylim(-4.6, 3.2)
     axes.legend(loc="lower center", ncols=2, fontsize=7.5, handletextpad=0.1, columnspacing=0.8)
     axes.set_ylabel("deviation from exact ($10^{-4}$)")
@@ -215,7 +215,7 @@ def _slip_time(axes: Axes, e: Evidence, step_s: float, unit_s: float) -> None:
     inside = np.floor((t - 2.0 * step_s) / unit_s + 1e-9) * unit_s
     bar: dict[str, Any] = {"marker": "_", "ms": 9.0, "mew": 1.4, "ls": "none", "color": REBUILT}
     _named(axes, Y, 1e3 * t, "exact", color=OTHER, ls="--")
-    _named(axes, Y, 1e3 * inside, f"whole {1e3 * unit_s:g} ms inside", **bar)
+    _named(axes, Y, 1e3 * inside, f"rounded down to {1e3 * unit_s:g} ms", **bar)
     _named(axes, Y, 1e3 * e.printed("table1.t_s."), "printed", **PRINTED)
     axes.legend(loc="upper right", fontsize=7.5, labelspacing=0.2, handlelength=1.6)
     axes.set_ylabel("$t_s$ (ms)")
@@ -251,7 +251,7 @@ def _sign(axes: Axes, e: Evidence) -> None:
     tight = {"columnspacing": 0.6, "handletextpad": 0.1, "labelspacing": 0.15}
     axes.legend(loc="upper right", ncols=2, fontsize=7.0, **tight)
     axes.set_xlabel("pair of levels, columns by $V_s$")
-    axes.set_ylabel("off by units of last digit", labelpad=1.0)
+    axes.set_ylabel("deviation (units of last digit)", labelpad=1.0)
 
 
 class Damping(NamedTuple):

@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..project.files import replacing
-from .looks import LOOKS, SPARE
+from .looks import HARMONIC_LOOK, LOOKS, SPARE
 from .values import values, with_values
 
 if TYPE_CHECKING:
@@ -216,7 +216,7 @@ DARK: dict[str, str] = {
     GREY: "#4A525C",
     COOL: "#242C36",
     WARM: "#43301F",
-    **{look.colour: look.dark for look in (*LOOKS.values(), *SPARE)},
+    **{look.colour: look.dark for look in (*LOOKS.values(), *SPARE, HARMONIC_LOOK)},
 }
 """Colour on white paper → colour on a dark screen, as #RRGGBB. Colour maps of errors are the same on both."""
 

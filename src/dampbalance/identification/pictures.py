@@ -53,6 +53,7 @@ _SHOWN |= {
 _LONGEST_TITLE = 60  # characters
 _MOST_DECAYS = 24  # panels
 _BOTTOM, _TOP = 18.0, 7.0  # mm
+_APART = 2.0  # mm, of a panel from its lower one, so that their labels along y do not touch
 _HIGHER = {1: 1.6, 2: 1.3, 3: 1.0}  # panels abreast → how much higher each is
 _FINE = 2880  # points of a cycle: its corners are between two of them
 _AT_REST = 1.5  # periods of rest that are shown after the motion
@@ -69,7 +70,7 @@ def cycles(
 
     Of several response channels the sharpest is shown. The phase is that of the base, whose peak is at 0.
     """
-    figure, panels = _panels_of_records(records, "phase of the drive (°)", below=9.0)
+    figure, panels = _panels_of_records(records, "phase of the drive (°)", below=11.0)
     for i, (record, reading, (axes, below)) in enumerate(
         zip(records, readings, panels, strict=True)
     ):
@@ -204,10 +205,10 @@ def balance(answers: Mapping[str, Answer], two: bool) -> Figure:
     left.set_xlim(left=0.0)
     left.xaxis.set_major_locator(MaxNLocator(6))
     left.set_xlabel("$a/b$ (s/m)" if two else "$W$ (J)")
-    left.set_ylabel("$W/b$ (N s/m)" if two else "energy lost, by the law (J)")
+    left.set_ylabel("$W/b$ (N s/m)" if two else "energy lost by the fitted law (J)")
     right.axhline(0.0, color=FAINT, linewidth=0.6, zorder=0)
     right.set_xlabel("row")
-    right.set_ylabel("residual / standard deviation")
+    right.set_ylabel(r"residual/$\sigma$")
     right.xaxis.set_major_locator(MaxNLocator(integer=True))
     largest = max((abs(v) for v in right.get_ylim()), default=1.0)
     if largest > 20.0:
@@ -227,7 +228,7 @@ def decays(fit: RingFit, turns: Sequence[tuple[Array, Array]]) -> Figure:
     """
     shown = fit.decays[:_MOST_DECAYS]
     last_channel = {i: (signal, residual) for i, signal, residual in fit.residuals()}
-    figure, panels = _panels([one.source for one in shown], 30.0, 12.0, below=9.0)
+    figure, panels = _panels([one.source for one in shown], 30.0, 12.0, below=11.0)
     for i, one in enumerate(shown):
         (axes, below), (signal, residual) = panels[i], last_channel[i]
         symbol, factor, unit, _ = _SHOWN[signal.quantity]
@@ -261,7 +262,7 @@ def _with_residual(
     """Below a panel of samples what a fit leaves of them, over the standard deviation of the noise."""
     below.plot(along, left, ".", **_DOTS)
     below.axhline(0.0, color=SLIP, linewidth=0.6)
-    below.set_ylabel("left/σ", labelpad=1.0, fontsize=7.5)
+    below.set_ylabel(r"residual/$\sigma$", labelpad=4.0, fontsize=7.0)
     below.yaxis.set_major_locator(MaxNLocator(3, integer=True, prune="upper"))
     for frame in (axes, below):
         frame.set_xlim(*ends)
@@ -301,7 +302,8 @@ def _panels(
         row, column = divmod(i, across)
         left, bottom = 13.0 + pitch * column, top - height - row * step
         axes = place(figure, left, bottom, pitch - 16.0, height)
-        lower = place(figure, left, bottom - below, pitch - 16.0, below) if below else axes
+        size = pitch - 16.0, below - _APART
+        lower = place(figure, left, bottom - below, *size) if below else axes
         # a name is no mathematics, whatever it holds
         axes.set_title(cut(title, _LONGEST_TITLE), pad=3.0, y=1.0, parse_math=False)
         panels.append((axes, lower))

@@ -49,7 +49,7 @@ def distribution(fits: Mapping[str, ContactFit]) -> Figure:
         r, kappa = 1e3 * fit.r, 1e-3 * fit.kappa
         axes.vlines(r, 0.0, kappa, color=colour, linewidth=0.8)
         axes.plot(r, kappa, "o", color=colour, markersize=3.0, label=name)
-    axes.set(xscale="log", xlabel="begins to slip at $r$ (mm)", ylabel=r"stiffness $\kappa$ (N/mm)")
+    axes.set(xscale="log", xlabel="slip onset $r$ (mm)", ylabel=r"stiffness $\kappa$ (N/mm)")
     axes.set_ylim(bottom=0.0)
     return explained(figure, [(axes, axes)], scale=1.0)
 

@@ -40,7 +40,10 @@ MOST_EVENTS = 2e4
 
 FEATURES = ("X", "X_s", "V_s", "t_s", "phi", "phi_zero_crossing", "a", "b", "W")
 SHOWN_FIRST = ("X", "phi", "W")
-_SIGNS = {"v": r"\dot x", "acceleration": r"\ddot x"}
+_SIGNS = {
+    **{"v": r"\dot x", "acceleration": r"\ddot x", "phi": r"\varphi", "omega": r"\omega"},
+    "zero_crossing": r"\mathrm{zero\ crossing}",
+}
 _POINTS = 2001  # points of a period that is drawn
 
 
@@ -206,8 +209,7 @@ class Orbit:
         for i in np.flatnonzero(self.phases[:, PHASE_S] == 0.0):
             for of_half in (0.0, half):
                 ax.plot(*line(of_half + np.linspace(begins[i], ends[i], 100)), **stick)
-        for name, label in ((against, ax.set_xlabel), (quantity, ax.set_ylabel)):
-            label(f"${_SIGNS.get(name, name)}$ ({UNITS[name]})")
+        ax.set(xlabel=axis_label(against), ylabel=axis_label(quantity))
         return ax
 
     def __repr__(self) -> str:
@@ -243,6 +245,18 @@ class Orbit:
             float(data["theta"]),
             np.array(data["phases"], dtype=float).reshape(-1, 5),
         )
+
+
+def symbol(name: str) -> str:
+    """Return the symbol of a quantity in TeX: phi_1 becomes $\\varphi_{1}$."""
+    letter, _, index = name.partition("_")
+    subscript = f"_{{{_SIGNS.get(index, index)}}}" if index else ""
+    return f"${_SIGNS.get(letter, letter)}{subscript}$"
+
+
+def axis_label(name: str) -> str:
+    """Return the label of an axis: the symbol of a quantity, and its unit."""
+    return f"{symbol(name)} ({UNITS[name]})"
 
 
 def in_words(features: Any, names: Sequence[str], index: Any = None) -> str:

@@ -19,13 +19,14 @@ from ..model import UNITS, Oscillator, Parameters, named_with_unit
 from .events import MOST_RADIANS
 from .integrals import Measures, write_measures
 from .jit import jit
-from .orbit import SHOWN_FIRST, in_words
+from .orbit import SHOWN_FIRST, axis_label, in_words, symbol
 from .regime import Regime
 from .steady import MAX_PHASES, NO_CLOSED_FORM, solve_closed, solve_otherwise
 
 if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.axes import Axes
+    from matplotlib.cm import ScalarMappable
 
 _SHOWN, _NAMED = 5, 10  # cases that a repr lists, and lines that a legend names, at most
 _BLOCK = 4096  # cases handed to a thread at a time: the scratch memory stays below a megabyte
@@ -81,7 +82,7 @@ class Orbits:
         self, feature: str = "X", against: str = "", *, ax: Axes | None = None, **style: Any
     ) -> Axes:
         """Draw a feature against an argument that varies, SI units, and return the axes: a line for each set of the
-        others.
+        others. A legend names up to ten lines; more are coloured by the argument of most values, with a colour bar.
 
         feature : name of a field.   against : name of an argument; default, the one that has the most values.
         ax : axes to draw in; default, new ones of pyplot.   style : properties of the lines, as in `Axes.plot`.
@@ -104,14 +105,20 @@ class Orbits:
         )
         if sets.shape[1] == x.size:  # they vary with it
             sets, member = sets[:0, :1], np.zeros(x.size, dtype=np.intp)
+        colours = None
+        if sets.shape[1] > _NAMED and not {"color", "c"} & style.keys():
+            by = max(others, key=lambda name: np.unique(others[name]).size)
+            colours = _colour_bar(ax, by, others[by])
         for i, values in enumerate(sets.T):
             those = np.flatnonzero(member.ravel() == i)
             those = those[np.argsort(x[those], kind="stable")]
-            named = [f"{n} = {v:.4g} {UNITS[n]}" for n, v in zip(others, values, strict=False)]
+            named = [
+                f"{symbol(n)} = {v:.4g} {UNITS[n]}" for n, v in zip(others, values, strict=False)
+            ]
             label = {"label": ", ".join(named)} if named and sets.shape[1] <= _NAMED else {}
-            ax.plot(x[those], y[those], **(label | style))
-        ax.set_xlabel(f"{against} ({UNITS[against]})")
-        ax.set_ylabel(f"{feature} ({UNITS[feature]})")
+            look = {"color": colours.to_rgba(others[by][those[0]])} if colours else label
+            ax.plot(x[those], y[those], **(look | style))
+        ax.set(xlabel=axis_label(against), ylabel=axis_label(feature))
         if ax.get_legend_handles_labels()[1]:
             ax.legend()
         return ax
@@ -131,6 +138,17 @@ class Orbits:
         """Return the arguments and all features as a table."""
         html: str = self.to_frame().to_html(max_rows=2 * _SHOWN, float_format="{:.6g}".format)
         return html
+
+
+def _colour_bar(axes: Axes, name: str, values: Array) -> ScalarMappable:
+    """Draw a bar of colours for the values of an argument, and return it; logarithmic over a factor of ten or more."""
+    from matplotlib import cm, colors  # slow to import
+
+    low, high = float(values.min()), float(values.max())
+    norm = colors.LogNorm if low > 0.0 and high >= 10.0 * low else colors.Normalize
+    colours = cm.ScalarMappable(norm(low, high), "viridis")
+    axes.figure.colorbar(colours, ax=axes, label=axis_label(name))
+    return colours
 
 
 def steady_orbits(

@@ -47,6 +47,7 @@ SCRIPTS = (
     *("oscillator.js", "off_resonance.js", "integrator.js", "digits.js"),
 )
 
+_POWER = re.compile(r"\b(\d[\d.]*)[eE]([-+]?\d+)\b")
 _METADATA = re.compile("<metadata.*?</metadata>", re.DOTALL)
 _DESCRIPTION = "<dc:description>(.*?)</dc:description>"
 # what an attribute in single quotes and a data URL both take as it is; % and # would end or change the latter
@@ -173,7 +174,7 @@ def _parts(
                 for cell in rows.to_dict("records")
             }
             printed = [
-                (minus(text), judged.VERDICTS[cell["verdict"]] if text else None, claim)
+                (_typeset(text), judged.VERDICTS[cell["verdict"]] if text else None, claim)
                 for claim, cell in cells.items()
                 for text in [cell["printed"]]
             ]
@@ -184,7 +185,7 @@ def _parts(
                     for claim, cell in cells.items()
                 )
                 lines.append(
-                    (judged.ROUTE_NAMES[route], [(minus(text), None, "") for text in texts])
+                    (judged.ROUTE_NAMES[route], [(_typeset(text), None, "") for text in texts])
                 )
             groups.append((label, lines))
         columns = list(zip(quantities, map(unit_text, block["unit"]), strict=False))
@@ -242,7 +243,7 @@ def _cell(value: float | str | None) -> Markup:
     """A value or the name of a place."""
     if isinstance(value, str):
         return words.from_tex(value)
-    return escape("" if value is None else f"{value:g}".replace("-", "−"))
+    return escape("" if value is None else _typeset(f"{value:g}"))
 
 
 def _environment(case: str, page: str) -> jinja2.Environment:
@@ -256,7 +257,7 @@ def _environment(case: str, page: str) -> jinja2.Environment:
         "quantity": words.quantity_markup,
         "reason": words.reason,
         "symbol": words.symbol,
-        "minus": minus,
+        "minus": _typeset,
         "here": lambda path: posixpath.relpath(path.format(case=case), posixpath.dirname(page)),
         "at_case": lambda path: path.format(case=case),
         "approach": lambda key: words.rich_markup(label_of(key)),
@@ -267,6 +268,11 @@ def _environment(case: str, page: str) -> jinja2.Environment:
         "error": _error,
     }
     return environment
+
+
+def _typeset(text: str) -> str:
+    """Text whose numbers have a true minus sign, and powers of ten as printed: 2.9E-3 is 2.9·10⁻³."""
+    return minus(_POWER.sub(lambda of: wording.scientific(of[1], int(of[2])), text))
 
 
 def _error(error: float, signed: bool = True) -> str:

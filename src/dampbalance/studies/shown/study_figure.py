@@ -4,7 +4,7 @@ runs, or what `maps` draws."""
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -16,8 +16,25 @@ from matplotlib.ticker import NullFormatter
 
 from ...arrays import Array, Integers
 from ...balance import takes_phase
-from ...figures.grid import NAMED, clear_labels, decades_axis, grid, logarithmic_ticks, signed_axis
-from ...figures.looks import SCHEME_LOOKS, bounded_label, in_maths, label_of, look_of, named
+from ...figures.grid import (
+    NAMED,
+    ROOM,
+    clear_labels,
+    decades_axis,
+    grid,
+    logarithmic_ticks,
+    signed_axis,
+)
+from ...figures.looks import (
+    HARMONIC_LOOK,
+    SCHEME_LOOKS,
+    Look,
+    bounded_label,
+    in_maths,
+    label_of,
+    look_of,
+    named,
+)
 from ...figures.series import (
     COMMON,
     EXACT,
@@ -49,11 +66,12 @@ from ..study_file import Fit, Study, selected
 from .maps import error_map
 from .statistics import groups, spread_of, worst_errors
 
-LEAST_LOGARITHMIC, MOST_DRAWN = (
-    1e-3,
-    1e3,
-)  # %: a smaller error is drawn on a linear axis, a larger one not at all
+MOST_DRAWN = 1e3  # %: a larger error is not drawn
 FEW = 24  # cases on a curve up to which each is marked
+MARKS = 6  # on a curve of more
+ALIKE = 0.05  # decades: less than half a millimetre in a panel of five, so that curves would lie upon each other
+BRIEF = 0.08  # of a curve
+HARMONIC = "harmonic"  # the curve that stands for all approaches that take a phase
 PHASE_WORDS = {
     "reversal": "phase of the velocity reversal",
     "zero_crossing": "phase of the zero crossing",
@@ -78,7 +96,7 @@ def alternative_text(study: Study) -> str:
     identified = f"the identified {listed([*symbols])}"
     x, y = (parameter(figure.get(axis, figure["x"])).meaning for axis in ("x", "y"))
     shown = {
-        "curves": f"error of {identified} against {x}",
+        "curves": f"size of the error of {identified} against {x}, with filled marks where it is too large",
         "steps": f"error of {identified} against {x}",
         "map": f"error of {identified} over {x} and {y}, with lines at powers of ten",
         "scatter": f"size that 95 % of the errors of {identified} do not exceed, and coverage, against {x}",
@@ -91,68 +109,135 @@ def alternative_text(study: Study) -> str:
 
 @styled()
 def error_curves(study: Study, cases: CasesLike) -> Figure:
-    """Relative error, %, with its sign, along the axis x; a row of panels per term, a curve per approach.
+    """Draw the size of the relative error, %, along the axis x; a row of panels per term, a curve per approach.
 
     Columns of panels: phase definitions, or the values of another axis. Solid: φ and t_s common to the levels, where
-    it has such curves; dashed: of each level. Where a curve stands for several fits (all pairs) it is the worst. An
-    approach of which every curve is exact is named in the legend, with the bound of its error, and not drawn.
+    it has such curves; dashed: of each level. Filled marks: too large; open marks: too small. Where the harmonic
+    approaches agree, one curve stands for them all. Where a curve stands for several fits (all pairs) it is the worst.
+    An approach of which every curve is exact is named in the legend, with the bound of its error, and not drawn.
     """
     figure, x = study.figure, column_of(cases, study.figure["x"])
     fits, places = study.fits_of(figure), np.unique(x)
     identified = {fit.approach: fit.identified for fit in fits}
     symbols = [s for s in terms_of(cases) if any(s in of for of in identified.values())]
+    harmonic = [approach for approach in identified if takes_phase(approach)]
     sharings = [name for name in SHARINGS if any(fit.sharing == name for fit in fits)]
-    lines = [
-        (number, approach, sharing)
-        for number, approach in enumerate(identified)
-        for sharing in (sharings if takes_phase(approach) else [""])
-    ]
+    looks = {HARMONIC: HARMONIC_LOOK} | {approach: look_of(approach) for approach in identified}
     shown = list(_panels(study, cases))
     panels = grid(len(symbols), len(shown))
     exact: dict[str, float] = {}
     drawn: set[str] = set()
     for row, symbol in enumerate(symbols):
-        here, errors = [], []
+        here, sizes = [], []
         for column, (title, phase, those) in enumerate(shown):
             here.append(axes := panels.panel(row, column))
-            for number, approach, sharing in lines:
-                if symbol not in identified[approach]:
-                    continue
-                which = {"of": symbol, "approach": approach, "sharing": sharing}
-                which |= {"phase": phase} if phase else {}
-                error = 100.0 * worst_errors(study, cases, {**figure, **which})[those]
-                largest = float(np.nanmax(np.abs(error), initial=0.0))
-                if largest < EXACT:
-                    exact[approach] = max(largest, exact.get(approach, 0.0))
-                    continue
-                drawn.add(approach)
-                errors.append(error)
-                second = sharing == INDIVIDUAL and len(sharings) > 1
-                style = _curve_style(approach, number, second, few=len(those) <= FEW)
-                axes.plot(x[those], error, gid=named(approach, sharing), **style)
+            curves: dict[str, dict[str, Array]] = {}
+            for approach in (name for name in identified if symbol in identified[name]):
+                for sharing in sharings if approach in harmonic else [""]:
+                    which = {"of": symbol, "approach": approach, "sharing": sharing}
+                    which |= {"phase": phase} if phase else {}
+                    error = 100.0 * worst_errors(study, cases, {**figure, **which})[those]
+                    largest = float(np.nanmax(np.abs(error), initial=0.0))
+                    if largest < EXACT:
+                        exact[approach] = max(largest, exact.get(approach, 0.0))
+                        continue
+                    curves.setdefault(sharing, {})[approach] = error
+                    sizes.append(np.abs(error))
+                    # invisible: the errors with their signs, which the page lists
+                    axes.plot(x[those], error, gid=named(approach, sharing), visible=False)
+            for sharing, errors in curves.items():
+                dashed = sharing == INDIVIDUAL and len(sharings) > 1
+                for name, error in _with_common_curve(errors, harmonic).items():
+                    drawn.add(name)
+                    offset = ([*looks].index(name) + 0.3 + 0.4 * dashed) / len(looks)
+                    _draw_size(axes, x[those], error, looks[name], dashed, offset)
             if row == 0 and title:
                 axes.set_title(title, pad=12.0 if figure.get("marks") else 4.0)
+        low, high = decades(sizes, EXACT, MOST_DRAWN, cut=0.02)
         for column, axes in enumerate(here):
             _x_axis(axes, figure["x"], places, last=column == len(shown) - 1)
-            signed_axis(axes, signed_scale(errors, LEAST_LOGARITHMIC, MOST_DRAWN, cut=0.02))
+            decades_axis(axes, (low, ROOM * high))
             axes.tick_params(labelbottom=row == len(symbols) - 1, labelleft=column == 0)
             _marks(axes, study, label=row == 0)
         panels.name_row(here[0], f"error of ${symbol}$ (%)")
     clear_labels(here)
     panels.text_below(parameter(figure["x"]).label)
-    # the approaches by colour, those that are not drawn by the bound of their error; φ and t_s by the line
-    handles = []
-    for key in identified:
-        look, bound = look_of(key), None if key in drawn else exact.get(key)
-        style = {"lw": 1.2, "marker": look.marker, "ms": 3.2} if bound is None else {"lw": 0.0}
-        label = in_maths(label_of(key)) if bound is None else bounded_label(key, bound)
-        handles.append(Line2D([], [], color=look.colour, label=label, **style))
-    for name, fill in ((COMMON, FAINT), (INDIVIDUAL, PAPER_COLOUR)) if len(sharings) > 1 else ():
-        style = {"ls": DASHED if name == INDIVIDUAL else "-", "marker": "o", "ms": 3.2, "mfc": fill}
+    # the approaches by colour, those that are not drawn by the bound of their error; φ and t_s by the line; the sign
+    label_of_common = ", ".join(in_maths(label_of(name)) for name in harmonic)
+    handles = [
+        _handle(label_of_common if name == HARMONIC else in_maths(label_of(name)), look)
+        for name, look in looks.items()
+        if name in drawn
+    ]
+    handles += [
+        Line2D([], [], lw=0.0, label=bounded_label(name, bound))
+        for name, bound in exact.items()
+        if name not in drawn and not (name in harmonic and HARMONIC in drawn)
+    ]
+    for name, style in ((COMMON, "-"), (INDIVIDUAL, DASHED)) if len(sharings) > 1 else ():
         label = rf"{name} $\varphi$, $t_s$"
-        handles.append(Line2D([], [], color=FAINT, lw=0.9, label=label, **style))
+        handles.append(Line2D([], [], color=FAINT, lw=0.9, ls=style, label=label))
+    for name, fill in (("too large", FAINT), ("too small", PAPER_COLOUR)):
+        mark: dict[str, Any] = {"marker": "o", "ms": 3.6, "mfc": fill, "color": FAINT}
+        handles.append(Line2D([], [], lw=0.0, label=name, **mark))
     panels.legend_below(handles, columnspacing=1.2, handlelength=1.8, handletextpad=0.5)
     return panels.figure
+
+
+def _with_common_curve(curves: Mapping[str, Array], harmonic: Sequence[str]) -> dict[str, Array]:
+    """Replace the harmonic curves by one, their median, where they have the same sign and sizes that agree.
+
+    A stretch shorter than BRIEF where they do not, as around a change of sign, is not shown. The curves of single
+    approaches reach to the first place where they agree, so that no gap remains.
+    """
+    from scipy.ndimage import binary_closing  # slow to import
+
+    names = [name for name in curves if name in harmonic]
+    if len(names) < 2:
+        return dict(curves)
+    errors = np.array([curves[name] for name in names])
+    spread = np.ptp(np.log10(np.maximum(np.abs(errors), EXACT)), axis=0)
+    alike = (spread < ALIKE) & (np.ptp(np.sign(errors), axis=0) == 0.0)
+    brief = 1 + 2 * int(0.5 * BRIEF * alike.size)
+    alike = binary_closing(np.pad(alike, brief, constant_values=True), np.ones(brief, bool))[
+        brief:-brief
+    ]
+    alike &= np.isfinite(errors).all(axis=0)
+    padded = np.pad(alike | np.isnan(errors).all(axis=0), 1, constant_values=True)
+    replaced = padded[:-2] & padded[1:-1] & padded[2:]
+    common = np.where(alike, np.median(errors, axis=0), np.nan)
+    separate = {name: np.where(replaced & (name in names), np.nan, e) for name, e in curves.items()}
+    return {
+        name: error
+        for name, error in {HARMONIC: common, **separate}.items()
+        if np.isfinite(error).any()
+    }
+
+
+def _draw_size(axes: Axes, x: Array, error: Array, look: Look, dashed: bool, offset: float) -> None:
+    """Draw the size of an error as a curve with marks, filled where it is positive and open where it is negative.
+
+    Few cases are marked each; of more, marks are spread over each stretch of one sign.   offset : of the marks from
+    those of other curves, as a share of their distance.
+    """
+    style: dict[str, Any] = {"color": look.colour, "lw": 0.9, "ls": DASHED if dashed else "-"}
+    axes.plot(x, np.abs(error), **style)
+    known = np.flatnonzero(np.isfinite(error))
+    ends = (np.diff(known) > 1) | (np.diff(np.sign(error[known])) != 0.0)
+    step = 1 if len(x) <= FEW else len(x) // MARKS
+    for stretch in np.split(known, np.flatnonzero(ends) + 1):
+        marked = stretch[int(offset * step) :: step]
+        if not marked.size and stretch.size > step // 4:
+            marked = stretch[[stretch.size // 2]]
+        if marked.size:
+            fill = look.colour if error[stretch[0]] > 0.0 else PAPER_COLOUR
+            mark = {"marker": look.marker, "ms": 3.6, "mew": 0.7, "mfc": fill, "ls": ""}
+            axes.plot(x[marked], np.abs(error[marked]), **style | mark)
+
+
+def _handle(label: str, look: Look) -> Line2D:
+    """The entry of an approach in a legend."""
+    return Line2D([], [], color=look.colour, label=label, lw=1.2, marker=look.marker, ms=3.6)
 
 
 def _panels(study: Study, cases: CasesLike) -> Iterator[tuple[str, str, Integers]]:
@@ -174,24 +259,6 @@ def _panels(study: Study, cases: CasesLike) -> Iterator[tuple[str, str, Integers
                 f"{of.name} = {of.shown(value)}" if of.symbol else f"{of.name}: {of.shown(value)}"
             )
             yield title, phase, order[values[order] == value]
-
-
-def _curve_style(approach: str, number: int, second: bool, few: bool) -> dict[str, Any]:
-    """The look of a curve, with the marks of its approach: at every case, or apart from those of the other approaches.
-
-    second : whether it is the dashed one of two of this approach.   few : whether each case can be marked.
-    """
-    look = look_of(approach)
-    style: dict[str, Any] = {"color": look.colour, "marker": look.marker, "mew": 0.7}
-    style |= {"lw": look.width, "ms": 3.2, "ls": DASHED if second else "-"}
-    style |= {
-        "zorder": 3.0 - 0.1 * look.width
-    }  # wide ones below narrow ones that coincide with them
-    style |= {"mfc": PAPER_COLOUR if second else look.colour}
-    if not few:  # with an edge, which keeps them visible on curves that coincide
-        edge = look.colour if second else PAPER_COLOUR
-        style |= {"markevery": (0.03 + 0.04 * number, 0.2), "ms": 4.0, "mec": edge}
-    return style
 
 
 def _x_axis(axes: Axes, name: str, places: Array, last: bool) -> None:
@@ -305,7 +372,15 @@ def errors_of_runs(study: Study, cases: CasesLike) -> Figure:
                     axes.set_ylim(-6.0, 106.0)
                     axes.set_yticks([0.0, 50.0, _CONFIDENCE])
                     # without lines, which would cross each other
-                    axes.errorbar(shift * x, share, yerr=abs(share - ends), **style | {"ls": ""})
+                    missed = share == 0.0
+                    reach = np.where(missed, np.nan, np.abs(share - ends))
+                    marked = np.flatnonzero(~missed).tolist()
+                    axes.errorbar(
+                        shift * x, share, yerr=reach, **style | {"ls": "", "markevery": marked}
+                    )
+                    # at zero only a short line, so that marks do not hide each other
+                    tick: dict[str, Any] = {"marker": "|", "ls": "", "ms": 4.0}
+                    axes.plot(shift * x[missed], share[missed], color=style["color"], **tick)
             drawn.append(errors)
             if column == 0:
                 panels.name_row(errors, f"95 % of errors of ${symbol}$ below (%)")

@@ -6,7 +6,7 @@
 const kit = (() => {
   'use strict';
   const power = (_, exponent) => `·10${[...exponent].map((sign) => '⁻⁰¹²³⁴⁵⁶⁷⁸⁹'['-0123456789'.indexOf(sign)]).join('')}`;
-  const raised = (text) => text.replace(/e\+?(.*)/, power); // as project/wording.py writes numbers
+  const raised = (text) => text.replace(/e\+?(-?\d+)/i, power).replace(/^-/, '−'); // as project/wording.py writes numbers
   const number = (value, digits = 4) => {
     if (!value || !Number.isFinite(value)) return value === 0 ? '0' : '–';
     return raised(Math.abs(value) < 10 ** digits ? value.toPrecision(digits) : value.toFixed(0)).replace('-', '−');
@@ -199,6 +199,6 @@ const kit = (() => {
     requestAnimationFrame(() => requestAnimationFrame(() => { if (location.hash.slice(1).split('?')[0] === id) root.scrollIntoView(); }));
   }
 
-  return { instrument, number, percent, rich, response, rows, solve, element, plot, key, PHASES, finite, mean };
+  return { instrument, number, percent, raised, rich, response, rows, solve, element, plot, key, PHASES, finite, mean };
 })();
 if (typeof module !== 'undefined') module.exports = kit;

@@ -39,7 +39,7 @@ kit.instrument('off_resonance', (it) => {
       (${percent(truth(fit, 'F_k'))}) and <b><i>c</i> = ${number(fit.c)}\u00a0N\u00a0s/m</b> (${percent(truth(fit, 'c'))}) by least squares over
       ${fit.n} levels; the worst pair is off by ${percent(worst, '')} in ${rich('F_k')}. The true values are ${set.F_k}\u00a0N and ${set.c}\u00a0N\u00a0s/m.
       ${apart < 0.5 * off ? `The pairs are within ${percent(apart, '')} of each other, and all of them are wrong.` : ''}
-      ${step === 'fundamental' ? `What is left is the third cause, the harmonics: ${rich('X')} stands for the amplitude of the fundamental. With that amplitude instead,
+      ${step === 'fundamental' ? `The third cause remains, the harmonics: ${rich('X')} stands for the amplitude of the fundamental. With that amplitude instead,
       ${percent(truth(sine, 'F_k'))} remain, which the harmonics in <i>b</i> account for; the Fourier balance has both.` : ''}`);
     it.write('.solutions', estimates.map(([look, one]) => kit.key(look, `${rich(look.label)} ${percent(truth(one, 'F_k'))}`)).join(''));
     lines(now, estimates);
@@ -55,12 +55,17 @@ kit.instrument('off_resonance', (it) => {
     const [x, y] = [around('F_k', set.F_k || 1e-3), around('c', 0.2 * set.c || 1e-3)];
     const plane = kit.plot(drawings.plane, { x, y, labels: ['F_k, N', 'c, N s/m'], truth: [set.F_k, set.c] });
     plane.text(x[1], set.c, 'truth', { dx: -4, dy: -5, 'text-anchor': 'end', class: 'tag' });
+    const taken = []; // by labels, in pixels
+    const free = ([F, c]) => F > x[0] && c < y[1] && taken.every(([u, v]) => Math.abs(plane.X(F) - u) > 46 || Math.abs(plane.Y(c) - v) > 15);
     all.forEach(({ a, b, W }, i) => {
       if (!Number.isFinite(a + b + W)) return;
       const at = (F) => (W - a * F) / b;
       plane.line(x.map((F) => [F, at(F)]), 'level');
-      const place = Math.min(x[1], (W - b * y[0]) / a) - (0.07 + 0.1 * (i % 2)) * (x[1] - x[0]); // before it leaves the picture
-      plane.text(place, at(place), `${millimetres(responses[i])} mm`, { dy: 4, 'text-anchor': 'middle', class: 'tag' });
+      const end = Math.min(x[1], (W - b * y[0]) / a); // where it leaves the picture
+      const spot = Array.from({ length: 17 }, (_, n) => end - (0.08 + 0.05 * n) * (x[1] - x[0])).map((F) => [F, at(F)]).find(free);
+      if (!spot) return;
+      taken.push([plane.X(spot[0]), plane.Y(spot[1])]);
+      plane.text(...spot, `${millimetres(responses[i])} mm`, { dy: 4, 'text-anchor': 'middle', class: 'tag' });
     });
     for (const [look, one] of estimates) plane.dot(one.F_k, one.c, 'fit', look.shape, `fill:${look.colour}`);
     for (const one of pairs) plane.dot(one.F_k, one.c, 'pair');

@@ -16,6 +16,12 @@
     return plain([row.id, symbol, row.textContent, copy.textContent].join(' '));
   };
 
+  // What is wider than its box says so.
+  const sizes = new ResizeObserver((all) => {
+    for (const box of new Set(all.map(({ target }) => target.closest('.wide, .drawing')))) box.classList.toggle('scrolls', box.scrollWidth > box.clientWidth + 1);
+  });
+  for (const one of document.querySelectorAll(':is(.wide, .drawing), :is(.wide, .drawing) > *')) sizes.observe(one);
+
   // Sections are folded on a phone; a link opens what it leads to.
   if (matchMedia('(max-width: 46rem)').matches) {
     for (const one of document.querySelectorAll('.fold')) one.open = one.parentElement.matches('#instruments, #oscillator');
