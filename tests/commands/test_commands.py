@@ -398,21 +398,13 @@ def test_a_record_that_cannot_be_used_is_one_clear_error(name, tmp_path, capsys)
     assert not output.exists()
 
 
-ODD = {
-    "is a unit wrong (mm taken for m)?": lambda t: t.assign(
-        **{c: 1e3 * t[c] for c in t.columns if c != "time_s"}
-    ),
-    "displacement is clipped": lambda t: t.assign(
-        displacement_m=t["displacement_m"].clip(-3e-3, 3e-3)
-    ),
-}
-
-
-@pytest.mark.parametrize("message", ODD)
-def test_what_looks_odd_is_reported(message, tmp_path, answer):
-    said = answer("identify", *spoiled(tmp_path, ODD[message]), *COMMON, code=1)
+def test_what_looks_odd_is_reported(tmp_path, answer):
+    clipped = spoiled(
+        tmp_path, lambda t: t.assign(displacement_m=t.displacement_m.clip(-3e-3, 3e-3))
+    )
+    said = answer("identify", *clipped, *COMMON, code=1)
     assert said.startswith("No answer: ")
-    assert message in said.partition("\n")[0]
+    assert "displacement is clipped" in said.partition("\n")[0]
 
 
 ONE, TWO = RECORDS[0], [*RECORDS[:2], *COMMON]

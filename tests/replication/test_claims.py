@@ -45,11 +45,6 @@ from replication.routes import (
 
 
 @pytest.fixture(scope="module")
-def claims():
-    return judged()
-
-
-@pytest.fixture(scope="module")
 def recorded():
     return read_record(PUBLISHED / "verdicts.csv")
 
@@ -295,13 +290,8 @@ def test_a_parameter_that_only_rounds_to_the_printed_one_is_found(recorded):
 @pytest.mark.parametrize(
     ("id_", "new", "now"),
     [
-        ("table1.X.3", "0.00608", "differs"),
         ("table1.Y.1", "0.005", "differs"),
-        ("table2.b.3", "0.00356284", "differs"),
-        ("table2.W.2", "0.19139124", "differs"),
-        ("table2.c.2-3", "90.0174", "differs"),
         ("table3.X_s.F_k.2-3", "1.298", "last digit"),
-        ("text.F_k_ts_ls", "1.285122", "differs"),
         ("text.residual_direct_ls", "9.1588e-07", "differs"),
         ("text.max_error_F_k", "50", "differs"),
         ("text.max_error_c", "9", "differs"),
@@ -315,6 +305,7 @@ def test_a_parameter_that_only_rounds_to_the_printed_one_is_found(recorded):
     ],
 )
 def test_a_changed_printed_digit_is_found(recorded, id_, new, now):
+    """Every last digit of a computed number is changed in test_mutations.py; here statements and what is given."""
     offences = check_claims(judged(PRINT.changed({id_: new})), recorded).set_index("id")
     assert id_ in offences.index
     assert offences.loc[id_, "now"] == now
