@@ -117,7 +117,7 @@ class Project:
             at[name] = value[0]
         else:
             del at[name]
-        path.write_text(json.dumps(document), encoding="utf-8")
+        write_json(path, document)
 
     def run(
         self,

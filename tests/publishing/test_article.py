@@ -13,8 +13,9 @@ from pathlib import Path
 
 import pytest
 from pypdf import PdfReader
+from pypdf.generic import ArrayObject, IndirectObject
 
-from dampbalance.figures.style import DARK, follows_the_screen
+from dampbalance.figures.style import DARK, STYLE, follows_the_screen
 from dampbalance.publishing.article import compiling
 from publishing.article_case import INPUTS, SOURCES
 from replication.routes import ROOT
@@ -339,17 +340,78 @@ def test_every_figure_can_be_read_and_has_a_dark_partner_of_each_colour(article)
         assert all(f": {colour}" in rules for colour in colours)
 
 
-def test_values_are_links_to_the_files_and_rules_that_the_last_page_names(reader):
-    links = [
-        note.get_object()
-        for page in reader.pages
-        for note in page.get("/Annots", [])
-        if note.get_object()["/Subtype"] == "/Link"
-    ]
-    assert len(links) > 600
-    text = reader.pages[-1].extract_text()
+def test_each_number_names_the_line_of_its_file(article, values):
+    """A line of JSON holds one entry; one of a table holds the entries that choose the row, and the number."""
+    for value in values.values():
+        text = (article.folder / value["file"]).read_text(encoding="utf-8")
+        line = text.split("\n")[value["line"] - 1]
+        entry = raw(article, value)
+        if "pointer" in value:
+            name = value["pointer"].rpartition("/")[2]
+            key = "" if name.isdigit() else json.dumps(name) + ": "
+            shown = key + json.dumps(entry, ensure_ascii=False)
+            assert line.strip().removesuffix(",") == shown, value["key"]
+        else:
+            (cells,) = csv.reader([line])
+            assert {entry, *value["row"].values()} <= {*cells}, value["key"]
+
+
+def chunks(page) -> list[tuple[str, float, float]]:
+    """The pieces of text of a page, with the places where they begin."""
+    pieces = []
+
+    def keep(text, cm, tm, *_):
+        x, y = tm[4], tm[5]
+        place = (cm[0] * x + cm[2] * y + cm[4], cm[1] * x + cm[3] * y + cm[5])
+        pieces.append((text.strip(), *place))
+
+    page.extract_text(visitor_text=keep)
+    return [piece for piece in pieces if piece[0]]
+
+
+def test_numbers_are_links_to_their_lines(values, reader):
+    """The number that a link covers, and the one at the place to which it leads: text and line of one value."""
+    pairs = {(value["text"], str(value["line"])) for value in values.values()}
+    at = {page.indirect_reference.idnum: number for number, page in enumerate(reader.pages)}
+    pages = [chunks(page) for page in reader.pages]
+    followed = set()
+    for page, pieces in zip(reader.pages, pages, strict=True):
+        for note in (note.get_object() for note in page.get("/Annots", [])):
+            if not isinstance(note.get("/Dest"), ArrayObject | IndirectObject):
+                continue
+            aim, _, x, y, _ = note["/Dest"].get_object()
+            left, low, right, high = note["/Rect"]
+            covered = [t for t, u, v in pieces if left - 0.5 <= u < right and low <= v <= high]
+            # A destination lies 10 pt above the line of writing, and the number of a line within 7 mm of it.
+            aimed = [
+                t for t, u, v in pages[at[aim.idnum]] if abs(v + 10.0 - y) < 0.6 and 0 <= u - x < 22
+            ]
+            if len(covered) == 1 and aimed and aimed[0].isdigit():
+                followed.add((covered[0], aimed[0]))
+    assert followed - pairs == set()
+    assert len(followed) > 300
+    text = "".join(page.extract_text() for page in reader.pages[-6:])
     assert "article/evidence.json" in text
     assert "article_numbers" in text
+
+
+def test_the_article_is_set_in_the_face_of_its_figures(reader):
+    """Text and letters of equations; only what the face lacks is from another."""
+    fonts = [
+        font.get_object()["/BaseFont"].partition("+")[2]
+        for font in reader.pages[3]["/Resources"]["/Font"].values()
+    ]
+    assert any(font.startswith(f"{STYLE['font.family']}-Regular") for font in fonts)
+    assert any(font.startswith(f"{STYLE['font.family']}-Italic") for font in fonts)
+
+
+def test_the_summary_for_editors_fills_one_page(reader):
+    first, second = (" ".join(page.extract_text().split()) for page in reader.pages[:2])
+    parts = ("Question.", "What we did.", "What we found.", "What is new.", "Data and code.")
+    assert all(part in first for part in parts)
+    assert "the dampbalance authors" in first
+    assert "Data and code." not in second
+    assert second.startswith("[Re] Balancing energy")
 
 
 def test_a_changed_result_changes_the_page(article, tmp_path):

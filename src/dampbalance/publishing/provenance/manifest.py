@@ -176,14 +176,18 @@ ADDRESSES = {
 def software(citation: Mapping[str, Any]) -> dict[str, Any]:
     """Return {version, licence, authors, addresses} as a citation file (CFF 1.2) states them.
 
-    authors : names in the order of the file.   addresses : repository, page, archive, doi and commit, those stated.
-    Raises KeyError for a file without version, license or authors.
+    authors : names in the order of the file.   addresses : repository, page, archive, doi, commit and contact, those
+    stated. Raises KeyError for a file without version, license or authors.
     """
+    contacts = [
+        f"{author_name(one)} {one.get('email', '')}".strip() for one in citation.get("contact", [])
+    ]
     return {
         "version": str(citation["version"]),
         "licence": str(citation["license"]),
         "authors": [author_name(author) for author in citation["authors"]],
-        "addresses": {ADDRESSES[k]: str(citation[k]) for k in ADDRESSES if citation.get(k)},
+        "addresses": {ADDRESSES[k]: str(citation[k]) for k in ADDRESSES if citation.get(k)}
+        | ({"contact": ", ".join(contacts)} if contacts else {}),
     }
 
 
