@@ -1,8 +1,9 @@
 """Measured loops of contacts on a test machine, from time stepping that uses nothing of the package.
 
-Jenkins's element, Iwan's distribution of them (uniform in the force at which each yields), Bouc and Wen's model with
-n = 1 and 2, and a slider whose friction falls with the speed (Stribeck). Motions are sines of one or two amplitudes and triangles; forces
-have an offset, a drift, noise of 1 % and, of a half of them, the other sign; a fixture may have a backlash.
+The contacts are Jenkins's element, Iwan's distribution of them (uniform in the force at which each yields), Bouc and
+Wen's model with n = 1 and 2, and a slider whose friction falls with the speed (Stribeck). Motions are sines of one or
+two amplitudes and triangles; forces have an offset, a drift, noise of 1 % and, of a half of them, the other sign; a
+fixture may have a backlash.
 """
 
 from __future__ import annotations
