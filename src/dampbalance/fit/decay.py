@@ -446,8 +446,7 @@ class RingFit(Fit):
         return self.problem.places(i)
 
     def phases(self, i: int, end: float | None = None) -> Array:
-        """Return rows (t, s, x, ẋ, z) of the motion of decay i, t from its start on, to its end or to another one,
-        s."""
+        """Return rows (t, s, x, ẋ, z) of the motion of decay i, t from its start, to its end or another one, s."""
         one = self.decays[i]
         until = (one.end if end is None else end) - one.start
         return phases_of(self.point_of(i), self.point[self.places(i)], self.k, until)
@@ -459,8 +458,7 @@ class RingFit(Fit):
         return float(last[PHASE_T]) if last[PHASE_S] == 0.0 else math.inf
 
     def at_rest(self, i: int, end: float | None = None) -> float:
-        """Return the time, s, one cycle after the mass of decay i came to rest; infinite where it moves up to the
-        end."""
+        """Return the time, s, one cycle after the mass of decay i came to rest; infinite where it moves to the end."""
         one = self.decays[i]
         return one.start + self.sticks_from(i, end) + _AFTER_REST * one.period
 
