@@ -1,4 +1,4 @@
-"""Everything the balances say of one frequency: every approach, pair by pair and by least squares, as one table."""
+"""The table of all that the balances give at one frequency: every approach, pair by pair and by least squares."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Sampled signals of one response: what an experiment, or a fixed-step simulation, hands to whoever reads features.
+"""Signals of one response in samples, from which features are read: those of an experiment or a fixed-step simulation.
 
 A record holds the base motion y and the response x on a uniform time grid, and the velocity and acceleration where
 they are known. It knows nothing of the oscillator: `signals/clean.py` reads features off it.

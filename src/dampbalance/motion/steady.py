@@ -29,7 +29,7 @@ _SHORTEST = 1e-12
 
 
 def solve_steady(par: Parameters, most_radians: float = MOST_RADIANS) -> tuple[int, Array, float]:
-    """(regime, phases, θ) of the steady orbit, no phases where none was found.
+    """Return (regime, phases, θ) of the steady orbit, no phases where none was found.
 
     phases : of its half cycle from the reversal at −X, rows (t, s, x, ẋ, z), see `dampbalance.motion.events.run`.
     θ : phase of the base at that reversal, rad.
@@ -78,8 +78,8 @@ def solve_otherwise(par: Parameters, phases: Array, most_radians: float) -> tupl
 
 @jit
 def _linear(par: Parameters, kappa: float, s: float, phases: Array) -> tuple[float, float]:
-    """(X, θ) of the orbit without events on stiffness κ, and its half cycle written to `phases`; X is infinite at the
-    resonance of an undamped oscillator.
+    """Return (X, θ) of the orbit without events on stiffness κ, and its half cycle written to `phases`; X is infinite
+    at the resonance of an undamped oscillator.
 
     X e^{−iφ} = kY / (κ − mω² + icω);  θ = φ − π is the phase of the base at the reversal at −X.
     """

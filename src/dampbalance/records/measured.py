@@ -1,4 +1,4 @@
-"""Measured records as an identification takes them: from files of any format, tables of pandas, or arrays."""
+"""Records of measurements as an identification takes them: from files of any format, tables of pandas, or arrays."""
 
 from __future__ import annotations
 

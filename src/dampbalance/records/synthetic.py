@@ -1,4 +1,4 @@
-"""Simulated measurements: the exact steady motion or a free decay, sampled, with noise. Always labelled as such.
+"""Measurements by simulation: the exact steady motion or a free decay, sampled, with noise. Always labelled as such.
 
 They serve to try an estimator on records whose truth is known. The white noise of the channels is independent.
 """

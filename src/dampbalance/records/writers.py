@@ -1,4 +1,4 @@
-"""Writing a measurement as delimited text or for MATLAB: complete or not at all, the same bytes every time.
+"""Writers of measurements as delimited text or for MATLAB: complete or not at all, the same bytes every time.
 
 Values are written in SI units, as 64-bit floats, with names that `read` recognises (displacement_m), next to the times.
 pandas writes other formats from such a text: `pandas.read_csv("run.csv").to_parquet("run.parquet")`.

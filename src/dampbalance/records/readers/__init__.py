@@ -1,4 +1,4 @@
-"""Reading records of every format that laboratories have into a `Measurement` in SI units.
+"""Readers of every record format that laboratories have, into a `Measurement` in SI units.
 
 measurement = read("level1.mat")                    # mapping next to it, or names and units in the file
 """
