@@ -34,8 +34,6 @@ from processes import in_time
 from records.formats import write_columns
 from records.workbooks import row, xlsx
 
-pytestmark = pytest.mark.usefixtures("coarse")
-
 NAMES = ("time_s", "base_displacement_m", "displacement_m")
 RULES = {"base_displacement": {"channel": 1, "unit": "m"}, "displacement": {"channel": 2, "unit": "m"}}  # fmt: skip
 LONGEST = 2000  # characters of an error on a screen

@@ -52,7 +52,7 @@ def test_diffrax_solves_the_same_problem(method, exact):
     assert worst_error(getattr(peer_diffrax, method)(CASES), exact) < 1e-7
 
 
-def test_peers_write_what_they_measured(tmp_path, monkeypatch, coarse):
+def test_peers_write_what_they_measured(tmp_path, monkeypatch):
     found = {peers.REFERENCE: (64, peers.ours(1)), "scipy, shooting": (1, peer_scipy.shooting)}
     monkeypatch.setattr(peers, "solvers", lambda size: (found, ["a peer"]))
     peers.run(tmp_path, repetitions=2, exact_cases=1)
@@ -101,7 +101,7 @@ IMPORT_TIMES = (
 
 
 @pytest.mark.slow
-def test_identification_writes_what_it_measured(tmp_path, monkeypatch, capsys, coarse):
+def test_identification_writes_what_it_measured(tmp_path, monkeypatch, capsys):
     def here(script, arguments, *options):
         """In this process, where all is imported: a new one takes seconds."""
         monkeypatch.setattr("sys.argv", ["-c", *arguments])
