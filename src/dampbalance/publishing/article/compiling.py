@@ -38,13 +38,8 @@ def compiler(source: Source, root: str | Path, inputs: Inputs) -> typst.Compiler
     order that changes from call to call, and lays a document out again when it differs.
     """
     given = {"given": json.dumps(inputs)}
-    return typst.Compiler(
-        source,
-        root=str(root),
-        font_paths=[Path(get_data_path(), "fonts/ttf")],
-        ignore_system_fonts=True,
-        sys_inputs=given,
-    )
+    fonts = typst.Fonts(include_system_fonts=False, font_paths=[Path(get_data_path(), "fonts/ttf")])
+    return typst.Compiler(source, root=str(root), font_paths=fonts, sys_inputs=given)
 
 
 def query(source: Source, root: str | Path, inputs: Inputs, selector: str, field: str) -> list[Any]:
