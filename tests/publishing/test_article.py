@@ -1,4 +1,4 @@
-"""The built article: what it prints is what its files say, and the PDF is an archive that can be read aloud."""
+"""The built article prints the numbers of its files, and the PDF is an archive that can be read aloud."""
 
 from __future__ import annotations
 
@@ -32,13 +32,13 @@ def values(article) -> dict:
 
 @lru_cache
 def content(path: Path) -> object:
-    """A result file, read without the code under test: the rows of a table as text, or a document."""
+    """Return a result file, read without the code under test: the rows of a table as text, or a document."""
     with path.open(encoding="utf-8", newline="") as stream:
         return list(csv.DictReader(stream)) if path.suffix == ".csv" else json.load(stream)
 
 
 def raw(article, value: dict) -> object:
-    """The entry in the file that a value names."""
+    """Return the entry in the file that a value names."""
     entry = content(article.folder / value["file"])
     if "pointer" in value:
         for name in value["pointer"].split("/")[1:]:
@@ -53,7 +53,7 @@ ASCII = str.maketrans("−⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "--0123456789", "\u20
 
 
 def number(text: str) -> tuple[float, float]:
-    """The printed number and one unit of its last digit."""
+    """Return the printed number and one unit of its last digit."""
     mantissa, _, exponent = text.translate(ASCII).replace("10-", "10^-").partition("·10")
     if not exponent and mantissa.startswith("10^"):
         return 10.0 ** int(mantissa[3:]), 0.0
@@ -65,7 +65,7 @@ WORDS = ["no", "one", "two", "three", "four", "five", "six", "seven", "eight", "
 
 
 def agrees(value: dict, entry: object) -> bool:
-    """Whether the printed text is that entry: rounded, in the scale stated, below a bound, or word for word."""
+    """Return whether the printed text is that entry: rounded, in the scale stated, below a bound, or word for word."""
     style = value["style"]
     if style["form"] == "text":
         return value["text"] == str(entry)
@@ -202,7 +202,7 @@ BY_HAND = {
 
 
 def test_the_values_speak_of_the_case(values):
-    """That keys, places, scales and the numbers behind them are right: compared with what is known otherwise."""
+    """Keys, places, scales and the numbers behind them agree with numbers that are known otherwise."""
     assert {key: values[key]["text"] for key in BY_HAND} == BY_HAND
 
 
@@ -236,7 +236,7 @@ def test_the_readme_has_the_numbers_of_the_article(values, words, key):
 
 @pytest.mark.parametrize("quantity", ["F_k", "c"])
 def test_one_bound_holds_for_all_errors_of_direct_integration(values, quantity):
-    """What the text states is the largest of those in the table, over frequencies, pairs and fits."""
+    """The text states the largest of those in the table, over frequencies, pairs and fits."""
     in_table = [
         number(value["text"])[0]
         for key, value in values.items()
@@ -273,7 +273,7 @@ def reader(article) -> PdfReader:
 
 
 def attachments(reader: PdfReader) -> dict[str, bytes]:
-    """The attached files by name."""
+    """Return the attached files by name."""
     return {Path(name).name: contents[0] for name, contents in reader.attachments.items()}
 
 
@@ -303,7 +303,7 @@ def test_the_article_is_an_archive_with_the_claims_in_it(article, reader):
 
 
 def structure(element) -> list[dict]:
-    """All elements of the tree in which a PDF says what is a heading, a table, a figure."""
+    """Return all elements of the tree in which a PDF says what is a heading, a table, a figure."""
     element = element.get_object()
     if not isinstance(element, dict) or ("/S" not in element and "/K" not in element):
         return []
@@ -327,7 +327,7 @@ def test_every_equation_and_figure_can_be_read_aloud(article, reader):
 
 
 def test_every_figure_can_be_read_and_has_a_dark_partner_of_each_colour(article):
-    """Those of the article and of its studies: no text lies on another, and no colour is not of the palette."""
+    """In figures of the article and of its studies no text lies on another, and every colour is of the palette."""
     files = [*article.folder.glob("results/**/*.svg")]
     assert len(files) == len(article.faults) == 14
     assert {name for name, found in article.faults.items() if found} == set()
@@ -357,7 +357,7 @@ def test_each_number_names_the_line_of_its_file(article, values):
 
 
 def chunks(page) -> list[tuple[str, float, float]]:
-    """The pieces of text of a page, with the places where they begin."""
+    """Return the pieces of text of a page, with the places where they begin."""
     pieces = []
 
     def keep(text, cm, tm, *_):
@@ -370,7 +370,7 @@ def chunks(page) -> list[tuple[str, float, float]]:
 
 
 def test_numbers_are_links_to_their_lines(values, reader):
-    """The number that a link covers, and the one at the place to which it leads: text and line of one value."""
+    """A link covers the text of a value and leads to the number of its line."""
     pairs = {(value["text"], str(value["line"])) for value in values.values()}
     at = {page.indirect_reference.idnum: number for number, page in enumerate(reader.pages)}
     pages = [chunks(page) for page in reader.pages]
@@ -396,7 +396,7 @@ def test_numbers_are_links_to_their_lines(values, reader):
 
 
 def test_the_article_is_set_in_the_face_of_its_figures(reader):
-    """Text and letters of equations; only what the face lacks is from another."""
+    """The face sets the text and the letters of equations."""
     fonts = [
         font.get_object()["/BaseFont"].partition("+")[2]
         for font in reader.pages[3]["/Resources"]["/Font"].values()

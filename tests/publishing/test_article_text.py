@@ -23,7 +23,7 @@ HELPERS = ("template.typ", "values.typ", "numbers.typ")
 
 
 def sources() -> dict[str, str]:
-    """The texts of the article; the other sources hold no prose, which a test of their own sees to."""
+    """Return the texts of the article; a separate test sees to it that the other sources contain no prose."""
     files = [path for path in sorted(ARTICLE.rglob("*.typ")) if path.name not in HELPERS]
     return {
         path.relative_to(ARTICLE).as_posix(): path.read_text(encoding="utf-8") for path in files
@@ -94,7 +94,7 @@ def test_every_exception_says_why():
 
 @pytest.mark.parametrize("file", HELPERS)
 def test_layout_and_lookup_hold_no_prose(file):
-    """What they show comes from values; else a number could hide there."""
+    """They show values only; else a number could hide there."""
     text = (ARTICLE / file).read_text(encoding="utf-8")
     shown = re.findall(r"\[([^\[\]#]*)\]", text)
     assert [words for words in shown if re.search(r"\d", words)] == []
@@ -118,7 +118,7 @@ def test_no_semicolon_is_lost():
 
 
 def test_every_reference_is_cited():
-    """That every citation has its reference typst sees to."""
+    """Typst sees to it that every citation has its reference."""
     references = yaml.safe_load((ARTICLE / "references.yml").read_text(encoding="utf-8"))
     cited = set(re.findall(r"@([a-z]+\d{4})\b", "\n".join(sources().values())))
     assert cited == references.keys()
@@ -189,7 +189,7 @@ def test_nothing_is_stated_that_the_citation_lacks():
 
 
 def printed(cases) -> list[str]:
-    """The entries as typst prints them.   cases : entry of a result file, form, and what else the style states."""
+    """Return entries as typst prints them.   cases : entry of a result file, form, and further parts of the style."""
     source = b"""#import "numbers.typ": *
         #metadata(json(bytes(sys.inputs.given)).map(((raw, form, more)) => printed(raw, style(form, ..more))))<text>"""
     return compiling.query(source, ARTICLE, cases, "<text>", "value")[0]
@@ -229,7 +229,7 @@ def test_numbers_are_printed_in_their_form():
 
 
 def by_python(raw: object, form: str, digits: int) -> str:
-    """A number in a form by Python's own formatting, which rounds half to even; ASCII, without spaces."""
+    """Return a number in a form by Python's own formatting, which rounds half to even; ASCII, without spaces."""
     number = Decimal(str(raw))
     if form == "fixed":
         text = f"{number:.{digits}f}"
@@ -291,7 +291,7 @@ leapfrog,rounded,1,90.3
 
 @pytest.fixture
 def value_of(tmp_path):
-    """A function from a key to its value in a folder that lacks one of three listed results."""
+    """Return a function from a key to its value in a folder that lacks one of three listed results."""
     (tmp_path / "results/article").mkdir(parents=True)
     for name in ("values.typ", "numbers.typ"):
         shutil.copy(ARTICLE / name, tmp_path)
