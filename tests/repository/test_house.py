@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import re
 from graphlib import CycleError, TopologicalSorter
+from importlib import import_module
 
 import pytest
 
@@ -26,8 +27,21 @@ def test_an_import_from_a_higher_floor_would_be_seen():
 
 
 def test_the_picture_shows_the_rooms_and_what_they_import():
-    """A new arrow is either a mistake, or `python -m house` in `trials` draws it."""
+    """A new arrow is either a mistake, or `PYTHONPATH=trials:tests python -m house` draws it."""
     assert f"<dc:description>{described()}</dc:description>" in PICTURE.read_text(encoding="utf-8")
+
+
+def test_the_guide_names_what_is_there():
+    guide = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    guide = guide.split("## Four ways through the house")[1].split("## Style")[0]
+    names = set(re.findall(r"`((?:[a-z_]+\.)+(?!yaml|csv|parquet|py|md)\w+)`", guide))
+    paths = set(re.findall(r"`([a-z_]+(?:/[a-z_]+)*\.py)`", guide))
+    assert {"motion.orbit.steady_orbit", "fit.steady_search"} <= names
+    for name in names:
+        module, _, last = f"dampbalance.{name}".rpartition(".")
+        assert f"{module}.{last}" in MODULES or hasattr(import_module(module), last), name
+    places = PACKAGE, ROOT / "paper/site/symptoms", ROOT
+    assert [path for path in paths if not any((place / path).exists() for place in places)] == []
 
 
 @pytest.mark.parametrize("room", ["joints", "loops"])
