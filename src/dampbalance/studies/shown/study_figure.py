@@ -199,9 +199,7 @@ def _with_common_curve(curves: Mapping[str, Array], harmonic: Sequence[str]) -> 
     spread = np.ptp(np.log10(np.maximum(np.abs(errors), EXACT)), axis=0)
     alike = (spread < ALIKE) & (np.ptp(np.sign(errors), axis=0) == 0.0)
     brief = 1 + 2 * int(0.5 * BRIEF * alike.size)
-    alike = binary_closing(np.pad(alike, brief, constant_values=True), np.ones(brief, bool))[
-        brief:-brief
-    ]
+    alike = binary_closing(np.pad(alike, brief, mode="edge"), np.ones(brief, bool))[brief:-brief]
     alike &= np.isfinite(errors).all(axis=0)
     padded = np.pad(alike | np.isnan(errors).all(axis=0), 1, constant_values=True)
     replaced = padded[:-2] & padded[1:-1] & padded[2:]
