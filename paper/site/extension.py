@@ -31,7 +31,7 @@ from dampbalance.balance import APPROACHES, checks
 from dampbalance.law.terms import KNOWN_TERMS
 from dampbalance.project.wording import SYMBOL, in_markdown, markdown_table
 from dampbalance.publishing.site import PAGES
-from dampbalance.publishing.words import rich_markup
+from dampbalance.publishing.words import symbol as symbol_markup
 
 WIDTH = 120  # letters of a line of output that is not a row of a table: what commands write their help in
 COPIED = "extra"  # the folder next to the pages that Sphinx copies unchanged
@@ -263,11 +263,15 @@ _AS_IT_IS = (
 )
 
 
+_SYMBOLS = re.compile(rf"{SYMBOL.pattern}|(?<![\w’'.(-])[bcWXYkxy](?![\w’'-])")
+"""Symbols of running text, single letters among them unless they may be units, articles or names of panels."""
+
+
 def _set_symbols(app: Sphinx, tree: nodes.document, page: str) -> None:
     """The symbols of running text as nodes of their own."""
     for node in list(tree.findall(nodes.Text)):
         text = node.astext()
-        symbols = list(SYMBOL.finditer(text))
+        symbols = list(_SYMBOLS.finditer(text))
         if not symbols or _within(node, _AS_IT_IS):
             continue
         parts: list[nodes.Node] = []
@@ -279,7 +283,7 @@ def _set_symbols(app: Sphinx, tree: nodes.document, page: str) -> None:
 
 
 def _symbol(translator: HTML5Translator, node: Symbol) -> None:
-    translator.body.append(str(rich_markup(node.astext())))
+    translator.body.append(str(symbol_markup(node.astext())))
     raise nodes.SkipNode
 
 

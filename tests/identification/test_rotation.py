@@ -20,11 +20,11 @@ from dampbalance.commands.main import main
 from dampbalance.identification.table_of_sets import summarise
 from dampbalance.measured import read_records
 from dampbalance.model import UNITS as OF_TRANSLATION
-from dampbalance.motion.jit import interpreted
 from dampbalance.records.coordinate import ROTATION, TRANSLATION
 from dampbalance.records.errors import RecordError
 from dampbalance.records.measurement import Channel, Measurement
 from dampbalance.records.writers import write
+from identification.releases import compiled  # noqa: F401
 
 MASS, LENGTH, GRAVITY = 0.8, 0.15, 9.81  # of the bob, kg, from the pivot to it, m; m/s²
 PENDULUM = Oscillator(
@@ -34,12 +34,6 @@ PENDULUM = Oscillator(
 RATE, ANGLE, NOISE = 250.0, 0.15, 2e-4  # Hz, rad, rad
 FORCED = {"rate_hz": 200.0, "cycles": 20.0, "noise": 0.003}
 LEVELS = (0.02, 0.05, 0.12)  # rad
-
-
-@pytest.fixture(scope="module", autouse=True)
-def compiled():
-    with interpreted(False):
-        yield
 
 
 @pytest.fixture(scope="module")

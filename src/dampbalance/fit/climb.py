@@ -42,7 +42,7 @@ _SHRINK = 0.2
 
 
 class ClimbBounds(NamedTuple):
-    """What a climb may do with the unknowns, (p,) each.
+    """Limits of a climb for the unknowns, (p,) each.
 
     free : which of them move; the others keep their values.   lower, upper : least and greatest values; −∞ for one
     that may be negative, a phase or a logarithm.   scale : size below which an unknown counts as zero.

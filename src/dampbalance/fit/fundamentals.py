@@ -230,13 +230,13 @@ def _starts(problem: HarmonicProblem, near: Array | None) -> list[Array]:
 
 
 def _data(problem: HarmonicProblem) -> tuple[Complexes, Array]:
-    """Z of each record, N/m, and the standard error of its real and of its imaginary part, (n,)."""
+    """Return Z of each record, N/m, and the standard error of its real and of its imaginary part, (n,)."""
     Z = np.array([problem.k * one.Y / one.x[0] for one in problem.lines])
     return Z, np.abs(Z) * np.array([one.relative_error for one in problem.lines])
 
 
 def _describing(problem: HarmonicProblem, points: Array, motion: Complexes) -> Complexes:
-    """Z of each record by the describing function, N/m, (…, n).   points : (…, p).   motion : x_1, m, (n,)."""
+    """Return Z of each record by the describing function, N/m, (…, n).   points : (…, p).   motion : x_1, m, (n,)."""
     omega, Y = np.transpose([(one.omega, one.Y) for one in problem.lines])
     X, phi = np.abs(motion), -np.angle(motion)
 
@@ -257,7 +257,7 @@ def _describing(problem: HarmonicProblem, points: Array, motion: Complexes) -> C
 
 
 def _read(problem: HarmonicProblem, points: Array, Z: Complexes) -> Complexes:
-    """Z of each record as its channels read it, with what a spring that is not linear adds, N/m, (…, n)."""
+    """Return Z of each record as its channels read it, with what a spring that is not linear adds, N/m, (…, n)."""
     omega, X = np.transpose([(one.omega, abs(one.x[0])) for one in problem.lines])
     k_3, delay = (points[..., problem.names.index(name)] for name in ("k_3", "delay"))
     return np.asarray((Z + 0.75 * k_3[..., None] * X**2) * np.exp(1j * omega * delay[..., None]))
@@ -266,7 +266,7 @@ def _read(problem: HarmonicProblem, points: Array, Z: Complexes) -> Complexes:
 def _linearised(
     problem: HarmonicProblem, point: Array, scale: Array, correction: Complexes
 ) -> tuple[Complexes, Complexes]:
-    """Z of each record, N/m, (n,), and its derivatives by the common unknowns that are fitted, (p, n).
+    """Return Z of each record, N/m, (n,), and its derivatives by the common unknowns that are fitted, (p, n).
 
     scale : sizes below which an unknown counts as zero.   correction : of the describing function, N/m, (n,).
     """

@@ -1,4 +1,4 @@
-"""What every fit of one oscillator to records has in common, steady or free: values, errors, intervals."""
+"""Common part of every fit of one oscillator to records, steady or free: values, errors, intervals."""
 
 from __future__ import annotations
 

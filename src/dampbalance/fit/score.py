@@ -26,7 +26,7 @@ _RANK = 1e-9  # of the largest singular value
 
 @dataclass(frozen=True, slots=True)
 class Departure:
-    """What a further coefficient would explain of the data.
+    """Share of the data that a further coefficient would explain.
 
     symbol : of the coefficient, or words for it.   value, error : in its unit.   p : probability in noise of a
     coefficient as large, either way.   slopes : change of the unknowns of the fit with the coefficient, by name.

@@ -202,7 +202,8 @@ class Swings:
         return np.array([0.0, v, 1.0 + math.copysign(1.0, v)])
 
     def oscillator(self, k: float) -> tuple[float, float, float]:
-        """F_k, c and m by the line through the pairs of swings; friction and damping in halves where that bends."""
+        """Return F_k, c and m by the line through the pairs of swings; friction and damping in halves where that
+        bends."""
         D = self.sizes if self.sizes.size > 1 else self.swing * np.array([1.0, 1.0 - _LOST_UNKNOWN])
         ratio, lost = np.polyfit(D[:-1], D[1:], 1) if D.size > 2 else (1.0, 0.0)
         if not (_LEAST_RATIO < ratio < 1.0 and lost < 0.0):

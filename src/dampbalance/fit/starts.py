@@ -98,8 +98,8 @@ def _all_responses(
 def _responses_to_contact(
     candidates: Array, lines: Sequence[Lines], k: float, shares: Shares
 ) -> tuple[Complexes, Mask]:
-    """Like `_all_responses`, without an orbit: x_n = (kY δ_n1 − f_n)/(k − n²ω²m + inωc) with the harmonics f_n of the
-    force K_z z that the contact has in the motion as it was read."""
+    """Return what `_all_responses` does, without an orbit: x_n = (kY δ_n1 − f_n)/(k − n²ω²m + inωc) with the harmonics
+    f_n of the force K_z z that the contact has in the motion as it was read."""
     F_k, c, K_z, m = candidates.T
     n = np.array(_COMPARED_HARMONICS)
     turn = np.exp((-2j * math.pi / _POINTS_OF_CONTACT) * np.outer(n, np.arange(_POINTS_OF_CONTACT)))

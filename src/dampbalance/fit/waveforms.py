@@ -144,7 +144,7 @@ class HarmonicProblem:
         return np.array([equivalent_coefficient(symbol, one, self.k) for one in self.lines])
 
     def friction(self, points: Array) -> Array:
-        """F_k of points, (p, …), N; the mean over the groups, where it has some."""
+        """Return F_k of points, (p, …), N; the mean over the groups, where it has some."""
         places = [self.names.index(key) for key in self.law.keys_of(FRICTION)]
         return points[places].mean(axis=0)
 

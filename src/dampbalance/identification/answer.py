@@ -135,7 +135,7 @@ class Balance:
 
 @dataclass(frozen=True, eq=False)
 class Answer:
-    """What one approach, or the fit of maximum likelihood, identifies.
+    """Numbers that one approach, or the fit of maximum likelihood, identifies.
 
     name : of the approach.
     parameters : by symbol, SI units: the coefficients of the law (F_k in N, c in N s/m, …) and K_z, N/m.
@@ -288,12 +288,12 @@ def covariance_of(
 
 
 def unit_of(key: str) -> str:
-    """SI unit of an identified parameter: a coefficient by its key, or K_z."""
+    """Return SI unit of an identified parameter: a coefficient by its key, or K_z."""
     return "N/m" if key == "K_z" else term(key).unit
 
 
 def column(symbol: str, what: str = "") -> str:
-    """F_k_standard_error_N: what a number says of a parameter, and its unit."""
+    """Return F_k_standard_error_N: what a number says of a parameter, and its unit."""
     return named_with_unit(f"{symbol}{what}", unit_of(symbol))
 
 

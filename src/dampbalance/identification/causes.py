@@ -155,7 +155,7 @@ class Explanation:
 
     @property
     def doubts(self) -> dict[str, float]:
-        """By what part of themselves numbers may be off that the fit has no way to tell."""
+        """Relative errors that numbers may have without a trace in the fit."""
         fit = self.fit
         doubts: dict[str, float] = {}
         # F_k is in proportion to the size of the motion, which no gain of a relative response asks for

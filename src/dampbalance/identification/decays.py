@@ -249,7 +249,7 @@ def identify_ring_downs(
     stiffness_error: float = 0.0,
     laws: bool = False,
 ) -> DecayOutcome:
-    """F_k, c and K_z from records of free decays, one or more.
+    """Return F_k, c and K_z from records of free decays, one or more.
 
     k : stiffness, N/m.
     mass : kg, if it is known; the fit takes it where it is known better than the decays know it, and they agree.

@@ -109,7 +109,7 @@ class ForcedOutcome(Identified):
     microstick: Microstick
 
     def findings(self) -> dict[str, Any]:
-        """Microstick line, features of each record."""
+        """Return the microstick line and the features of each record."""
         line = self.microstick
         return {
             "microstick": {
@@ -547,7 +547,7 @@ def _shape_bias(
 def _stiffness(
     samples: Samples[Sample], estimates: Samples[Estimate], law: Law, line: Microstick
 ) -> tuple[ParameterEstimate, tuple[Array, ...] | None]:
-    """K_z = 2F_k/L (10), from the root of its inverse, whose errors are nearly normal, and that root without groups.
+    """Return K_z = 2F_k/L (10), from the root of its inverse, which is nearly normal, and that root without groups.
 
     Where the microstick line is not resolved, K_z is a lower limit and there are no roots.
     """

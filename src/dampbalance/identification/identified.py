@@ -1,4 +1,4 @@
-"""What an identification hands over, whatever the kind of its records: answers, tables, sentences, pictures, files."""
+"""Results of an identification, whatever the kind of its records: answers, tables, sentences, pictures, files."""
 
 from __future__ import annotations
 
@@ -237,7 +237,7 @@ class Identified(ABC):
 
     @property
     def mass_error(self) -> float:
-        """Its standard error, kg; zero where the fit takes the mass that was given."""
+        """The standard error of the mass, kg; zero where the fit takes the mass that was given."""
         return float((self.reference or self.answer).merit.get("m_standard_error_kg", math.nan))
 
     @property
@@ -399,12 +399,12 @@ class Identified(ABC):
 
     @property
     def limits(self) -> list[Limit]:
-        """What limits the answers, each thing once."""
+        """Limits of the answers, each once."""
         return limits(self.approaches, self.warnings)
 
     @property
     def limiting(self) -> list[str]:
-        """What limits the answers, in sentences: "*" begins a note on answers, "warning:" all else."""
+        """Limits of the answers, in sentences: "*" begins a note on answers, "warning:" all else."""
         return [
             ("* " if of.kind == "approaches" else "warning: ")
             + self.in_words(in_a_sentence(of, self.sources))

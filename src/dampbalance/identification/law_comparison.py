@@ -396,7 +396,7 @@ def _generalised(
 
 
 def _rejected(p: Sequence[float]) -> list[bool]:
-    """Holm's procedure: the smallest p, the second … are rejected while below BUDGET/n, BUDGET/(n − 1) …"""
+    """Return Holm's procedure: the smallest p, the second … are rejected while below BUDGET/n, BUDGET/(n − 1) …"""
     order = sorted(range(len(p)), key=lambda i: p[i])
     rejected = [False] * len(p)
     for rank, i in enumerate(order):

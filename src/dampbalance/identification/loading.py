@@ -166,7 +166,7 @@ def excerpt(record: MeasuredRecord, quantity: str, steady: SteadyRecord) -> tupl
 
 
 def correction_of(record: MeasuredRecord, quantity: str) -> Correction:
-    """Gain, delay and filters of a channel as they are known: its own, or what the mapping states."""
+    """Return gain, delay and filters of a channel as they are known: its own, or what the mapping states."""
     own = None if record.measurement is None else record.measurement[quantity].correction
     rule = record.rules.channels.get(quantity)
     return own or (rule.correction if rule else None) or Correction()

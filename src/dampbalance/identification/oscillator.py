@@ -99,7 +99,7 @@ class JointFit:
 
     @property
     def notes(self) -> tuple[Remark, ...]:
-        """What a reader must know before using the numbers of the fit."""
+        """Remarks that a reader needs before using the numbers of the fit."""
         fit = self._best
         if fit is None or self.linear:
             return ()
@@ -316,7 +316,7 @@ class Sample:
 
 @dataclass(frozen=True, eq=False)
 class Samples(Generic[Of]):
-    """What n records give, features at first, with what its errors are computed from.
+    """Features of n records, with the inputs of their errors.
 
     point : as read.   left : for each record, without one group of its rows after the other.
     """

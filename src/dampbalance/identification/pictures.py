@@ -136,7 +136,7 @@ def friction(
 def loops(
     records: Sequence[MeasuredRecord], readings: Sequence[Reading], shared: Microstick
 ) -> Figure:
-    """Acceleration against displacement, a panel per record: the averaged cycle, and the lines fitted to it.
+    """Draw acceleration against displacement, a panel per record: the averaged cycle, and the lines fitted to it.
 
     The steep line from a reversal is the microstick line, of slope −(k + K_z)/m; where it ends slip begins (dot). It
     has the length `shared` by all records; where that is not resolved, no line is drawn.
@@ -259,7 +259,7 @@ def _with_residual(
     symbol: str,
     unit: str,
 ) -> None:
-    """Below a panel of samples what a fit leaves of them, over the standard deviation of the noise."""
+    """Draw, below a panel of samples, the residuals of a fit, over the standard deviation of the noise."""
     below.plot(along, left, ".", **_DOTS)
     below.axhline(0.0, color=SLIP, linewidth=0.6)
     below.set_ylabel(r"residual/$\sigma$", labelpad=4.0, fontsize=7.0)

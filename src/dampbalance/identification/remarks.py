@@ -1,4 +1,4 @@
-"""What a reader must know before using a number: notes on answers, warnings on records, and both as a list without
+"""Remarks that a reader needs before using a number: notes on answers, warnings on records, and both as a list without
 repetitions.
 
 A sentence on the oscillator is given only where the fit of one oscillator to all records supports it.
@@ -309,7 +309,7 @@ _MISTAKEN = {  # quantity and its unit → how many times the given number is to
 
 
 def of_masses(implied: float, given: float) -> str:
-    """records imply 3.1000 kg, you gave 3.098 kg (0.06 % less)"""
+    """Return records imply 3.1000 kg, you gave 3.098 kg (0.06 % less)"""
     ratio, off = given / implied, given / implied - 1.0
     if not 0.5 < ratio < 2.0:
         how = f"{max(ratio, 1.0 / ratio):.3g} times as {'much' if ratio > 1.0 else 'little'}"

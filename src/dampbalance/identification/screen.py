@@ -61,7 +61,8 @@ def answer_in_words(answer: Answer) -> str:
 
 
 def _with_half_width(symbol: str, p: ParameterEstimate) -> str:
-    """F_k = 1.2803 ± 0.0011 N, with the interval itself where it is not symmetric; a limit; nothing for no value."""
+    """Return F_k = 1.2803 ± 0.0011 N, with the interval itself where it is not symmetric; a limit; nothing for no
+    value."""
     low, high = p.interval
     half, middle = 0.5 * (high - low), 0.5 * (high + low)
     if math.isnan(p.value):
@@ -212,5 +213,5 @@ def interval_of(parameter: ParameterEstimate) -> str:
 
 
 def headed(symbol: str) -> str:
-    """F_k (N): the head of a column of a table."""
+    """Return F_k (N): the head of a column of a table."""
     return wording.label_with_unit(symbol, unit_of(symbol))

@@ -199,8 +199,8 @@ class ContactFit:
 
 
 def _interval(value: Array, drawn: Array) -> tuple[Array, Array]:
-    """Interval of 95 % from replicates along the first axis, after the law that they are drawn about: by their standard
-    deviation and by their bias, which smoothing causes; it is not subtracted, as it is uncertain itself."""
+    """Return interval of 95 % from replicates along the first axis, after the law that they are drawn about: by their
+    standard deviation and by their bias, which smoothing causes; it is not subtracted, as it is uncertain itself."""
     bias = np.mean(drawn[1:], axis=0) - drawn[0]
     half = _NORMAL * np.hypot(np.std(drawn[1:], axis=0, ddof=1), bias)
     return value - half, value + half

@@ -160,7 +160,7 @@ class StiffnessRows:
         return self.lines.of_mode(self.R) if self.R else self.lines
 
     def measured(self, Z: Complexes) -> Complexes:
-        """Changes of the measured Z by those of the mode's, (n, …)."""
+        """Return changes of the measured Z by those of the mode's, (n, …)."""
         return np.asarray(((1.0 - self.R * self.lines.Z) ** 2 * Z.T).T)
 
     def weighted(self, Z: Complexes) -> Array:
@@ -190,7 +190,7 @@ class StiffnessRows:
         return self.weighted(self.mode.Z - self.known)
 
     def law(self, point: Point) -> Complexes:
-        """Z of the mode by a law."""
+        """Return Z of the mode by a law."""
         linear = self.columns(self.free) @ point.linear
         return np.asarray(self.known + linear + secant(self.mode.X, point.r) @ point.kappa)
 
@@ -349,7 +349,8 @@ class Design:
         return min(points, key=lambda point: point.chi_square)
 
     def _across(self, free: tuple[bool, ...]) -> tuple[Array, Array, Array]:
-        """Orthonormal free columns; those of sliders without their part along these; inverse squares of the rest."""
+        """Return orthonormal free columns; those of sliders without their part along these; inverse squares of the
+        rest."""
         if free in self.kept:
             return self.kept[free]
         q, columns = np.linalg.qr(self.linear[:, list(free)])[0], self.tried
@@ -432,14 +433,15 @@ class ContactEstimate:
         return [(mask, self._part(~mask)) for mask in masks if not mask.all()]
 
     def held_out(self, smoothing: float) -> list[Misfit]:
-        """Misfit of each level to the law of the others."""
+        """Return misfit of each level to the law of the others."""
         return [
             self.rows[mask].misfit(others.solve(others.rows.target, smoothing))
             for mask, others in self._levels
         ]
 
     def smoothed(self) -> ContactEstimate:
-        """With the smoothing that levels, or generalised cross-validation where they are few, ask for."""
+        """Return the fit with the smoothing that levels, or generalised cross-validation where they are few, ask
+        for."""
         if len(self._levels) >= _LEVELS:
             scores = [np.mean([one.score for one in self.held_out(s)]) for s in _SMOOTHINGS]
         else:

@@ -135,7 +135,7 @@ class SteppedRecord(MeasuredRecord):
     table: SteppedTable = field(kw_only=True)
 
     def to_frame(self) -> pd.DataFrame:
-        """Its lines: see `SteppedTable`."""
+        """Return the lines: see `SteppedTable`."""
         return self.table.to_frame()
 
     def whole(self) -> Measurement:
@@ -234,7 +234,7 @@ class _Table:
         return RecordError(f"{self.file.path}: {line}{words}")
 
     def _named(self) -> Iterator[tuple[str, int]]:
-        """Quantities and their columns, by the mapping: of one name in several groups, or of a matrix."""
+        """Yield quantities and their columns, by the mapping: of one name in several groups, or of a matrix."""
         for quantity, rule in self.rules.table.items():
             for role, which in ((quantity, rule.channel), (quantity + _ERROR, rule.standard_error)):
                 yield from ((role, i) for i in self._matching(which, role))
@@ -255,7 +255,7 @@ class _Table:
         )
 
     def _factor(self, role: str) -> float:
-        """SI units per unit of a column; of a standard error those of its quantity."""
+        """Return SI units per unit of a column; of a standard error those of its quantity."""
         quantity = role.removesuffix(_ERROR)
         rule = self.rules.table.get(quantity, ChannelRule(1))
         raw = self.file.channels[next(iter(self.columns[quantity].values()))]

@@ -214,7 +214,7 @@ class Remark(str):
 
     @property
     def kind(self) -> tuple[str, ...]:
-        """Its template and its words, without numbers and record: equal for remarks that `merged` may join."""
+        """Template and words of a remark, without numbers and record: equal for remarks that `merged` may join."""
         return self.template, *(value for value in self.of if isinstance(value, str))
 
 

@@ -49,7 +49,7 @@ class Parameter:
 
     @property
     def name(self) -> str:
-        """Its symbol, in TeX, or its meaning where it has none."""
+        """Symbol of the parameter in TeX, or its meaning where it has none."""
         return f"${self.symbol}$" if self.symbol else self.meaning
 
     @property
