@@ -60,7 +60,7 @@ class PageContent:
 
     case : as configured.   config : the merged configuration, to be listed.
     claims : `claims.csv` as text, or None for a case with nothing printed.
-    tables : frequency → name → frame of `printed_tables.COLUMNS`.   approaches : tables/approaches.csv.
+    tables : frequency → name → frame of `rebuilt_tables.COLUMNS`.   approaches : tables/approaches.csv.
     figures : name → SVG by `figures.style.save`: figure3, estimation_error, and where something is printed glance and
     numerics.
     evidence : `derived_numbers`, which the article argues with.   shown : study → its numbers and its paragraph, as
@@ -162,7 +162,7 @@ def _parts(
     groups : a row's label and its lines, (route, cells) each, the printed one first where there is one; a cell is its
     text, and for a printed number the verdict and the claim that gives the reason.
 
-    table : a frame of `printed_tables.COLUMNS`, `printed` as text.   name : table1, table2, table3 or statistics.
+    table : a frame of `rebuilt_tables.COLUMNS`, `printed` as text.   name : table1, table2, table3 or statistics.
     claims : id → row of the table of claims, from which the cells take their digits on the way, {} for none.
     """
     places = {row: place for place, row in enumerate(dict.fromkeys(table["row"]), start=1)}
