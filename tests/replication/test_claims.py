@@ -35,7 +35,6 @@ from replication.routes import (
     PAPER,
     PRINT,
     as_published,
-    as_read,
     case_of,
     exact,
     judged,
@@ -230,7 +229,7 @@ def test_summary_counts_and_lists_what_is_left_open(claims, recorded):
 
 
 def test_summary_opens_with_the_worst_in_lines_that_fit_a_screen(recorded):
-    changed = judged(oscillator=replace(PAPER, F_k=1.4))
+    changed = judged(oscillator=replace(PAPER, F_k=1.02 * PAPER.F_k))
     offences = check_claims(changed, recorded)
     text = summary(changed, offences)
     opening, _, rest = text.partition("\n\n")
@@ -325,7 +324,7 @@ def test_a_flipped_sign_in_a_row_is_found(monkeypatch, recorded, approach):
     for approaches in (balance.APPROACHES, authors.APPROACHES_OF_TABLE_3):
         if approaches[approach] is right:
             monkeypatch.setitem(approaches, approach, replace(right, rows=flipped))
-    computed = (exact, as_read, as_published, sources_of)
+    computed = (exact, as_published, sources_of)  # what is read off the simulation has no rows
     try:
         for route in computed:
             route.cache_clear()
