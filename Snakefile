@@ -16,14 +16,14 @@ from snakemake.utils import min_version
 
 min_version("9.0")
 
-# Of this file. On disk: schemas and sources are read as files, also by another workflow that uses this one as a module.
+# The folder of this file must be on disk: schemas and sources are read as files, also when this workflow is a module.
 ROOT = Path(str(workflow.current_basedir)).resolve()
 if not ROOT.is_dir():
     raise WorkflowError(
         f"{workflow.current_basedir} is no folder on this machine: clone the project, and name the Snakefile of the clone."
     )
 
-# Of a workflow that uses this one as a module: what it builds by default.
+# The default target of a workflow that uses this one as a module.
 FIRST_RULE = workflow.default_target
 
 
@@ -50,7 +50,7 @@ include: "workflow/rules/provenance.smk"
 
 
 onsuccess:
-    # What was done, as far as it has something to say: the messages of its rules stand in the log.
+    # The log holds the messages of the rules that ran.
     done = "".join(Path(file).read_text(encoding="utf-8") for file in log)
     if fresh := [name for name in MEASURED if f"records of {name}" in done]:
         show_tables(fresh)
@@ -75,15 +75,15 @@ onerror:
     # A job that was killed leaves a temporary file. No other job of this run is alive.
     for folder in (RESULTS, STUDY_RESULTS):
         remove_unfinished(folder)
-    said = "".join(Path(file).read_text(encoding="utf-8") for file in log)
-    if any(f"records of {name}" in said for name in MEASURED):
+    logged = "".join(Path(file).read_text(encoding="utf-8") for file in log)
+    if any(f"records of {name}" in logged for name in MEASURED):
         print(overview_with_failures())
-    if "SIGKILL" in said or "exit status 137" in said:
+    if "SIGKILL" in logged or "exit status 137" in logged:
         print(
-            "A job was killed, as a rule because memory ran out: use fewer cores, or smaller chunks of a study."
+            "A job was killed, usually because memory ran out: use fewer cores, or smaller chunks of a study."
         )
     print(
-        "What was complete is kept. When the cause is mended, the same command goes on from there."
+        "Finished results are kept. Remove the cause, then repeat the command: it continues from there."
     )
     sys.exit(1)
 
@@ -91,8 +91,8 @@ onerror:
 rule all:
     default_target: FIRST_RULE is None
     input:
-        # What others are made of is asked for as well: a job that fails removes its results, and Snakemake misses them only
-        # when they are asked for by themselves.
+        # Intermediate results are inputs as well: a job that fails removes its results, and Snakemake misses them only when
+        # they are inputs here.
         [*rules.orbits.input, *rules.records.input, *rules.features.input] if not MEASURED else [],
         rules.estimates.input if not MEASURED else [],
         rules.tables.output if not MEASURED else [],

@@ -49,12 +49,6 @@ def sum_of_no_floats():
     builtins.sum = plain
 
 
-@pytest.fixture
-def coarse(monkeypatch):
-    """Pictures of few dots, for tests of their texts, or of whether they are there."""
-    monkeypatch.setattr("dampbalance.figures.style.EXPORT_DPI", 30)
-
-
 SLOW = (Path(__file__).parent / "slow.txt").read_text(encoding="utf-8").split()
 """Functions that took 0.4 s in one case, or 2 s in all, when they were last measured; one that is missing is named
 at the end of a long run. Files whose fixtures build or start something mark themselves."""

@@ -121,7 +121,7 @@ def _edges(name: str) -> Array:
 
 
 def _by_name(values: Mapping[tuple[str, ...], float]) -> dict[str, float]:
-    """The values by the parts of their keys, as F_k.X_s.reversal and F_k.fourier."""
+    """Return the values by the parts of their keys, as F_k.X_s.reversal and F_k.fourier."""
     return {".".join(filter(None, key)): value for key, value in values.items()}
 
 

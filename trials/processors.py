@@ -58,8 +58,8 @@ INSIDE = "--inside"
 
 
 def traits() -> dict[str, Any]:
-    """What this process computes with: features of NumPy; targets of OpenBLAS and of Numba, which keeps its kernels by
-    them; a digest of the last bits of the C library's functions."""
+    """Return what this process computes with: features of NumPy; targets of OpenBLAS and of Numba, which keeps its
+    kernels by them; a digest of the last bits of the C library's functions."""
     import scipy.linalg  # noqa: F401  has a separate OpenBLAS
     from numba.core.registry import cpu_target
     from numpy._core._multiarray_umath import __cpu_features__
@@ -76,12 +76,12 @@ def traits() -> dict[str, Any]:
 
 
 def lacking(name: str, here: dict[str, Any]) -> set[str]:
-    """NumPy's features that a process has and the processor of that name has not."""
+    """Return NumPy's features that a process has and the processor of that name has not."""
     return here["numpy"] & set(PROCESSORS[name]["NPY_DISABLE_CPU_FEATURES"].split())
 
 
 def check(name: str) -> None:
-    """RuntimeError unless this process computes as on the processor of that name."""
+    """Raise RuntimeError unless this process computes as on the processor of that name."""
     settings, here = PROCESSORS[name], traits()
     wrong = [f"NumPy uses {feature}" for feature in sorted(lacking(name, here))]
     if here["openblas"] != {settings["OPENBLAS_CORETYPE"]}:
@@ -95,7 +95,7 @@ def check(name: str) -> None:
 
 
 def _libm_without(variable: str) -> str:
-    """The C library's digest in a process without that variable."""
+    """Return the C library's digest in a process without that variable."""
     program = "import processors; print(processors.traits()['libm'])"
     environment = {key: value for key, value in os.environ.items() if key != variable}
     found = subprocess.run(
@@ -117,7 +117,7 @@ def run(name: str, arguments: list[str]) -> int:
 
 
 def main(arguments: list[str]) -> int:
-    """The command line."""
+    """Return the command line."""
     if arguments[:1] == [INSIDE]:
         check(arguments[1])
         os.chdir(ROOT)

@@ -27,25 +27,25 @@ the read-outs of simulations the last digits change, and what follows from them.
 
 
 def names_of(*folders: Path) -> list[str]:
-    """Every file below any of the folders, by its path in it."""
+    """Return every file below any of the folders, by its path in it."""
     files = (path.relative_to(top) for top in folders for path in top.rglob("*") if path.is_file())
     return sorted({file.as_posix() for file in files})
 
 
 def different(first: Path, second: Path) -> list[str]:
-    """Files of two folders that differ, or are in one of them only."""
+    """Return files of two folders that differ, or are in one of them only."""
     return [name for name in names_of(first, second) if not _same(first / name, second / name)]
 
 
 def digests(folder: Path) -> str:
-    """The SHA-256 digests of the tables of a case in its folder, as `sha256sum` writes and checks them."""
+    """Return the SHA-256 digests of the tables of a case in its folder, as `sha256sum` writes and checks them."""
     files = sorted(file for pattern in DIGESTED for file in folder.glob(pattern))
     return "".join(f"{sha256(file)}  {file.relative_to(folder).as_posix()}\n" for file in files)
 
 
 def furthest(first: Path, second: Path) -> tuple[float, str]:
-    """The largest |a − b|/max(|a|, |b|) of the numbers of two files, and the column or pointer where it is; ∞ where
-    something else differs or the files are of another kind."""
+    """Return the largest |a − b|/max(|a|, |b|) of the numbers of two files, and the column or pointer where it is; ∞
+    where something else differs or the files are of another kind."""
     one, other = (dict(_values(path)) for path in (first, second))
     if not one or one.keys() != other.keys():
         return math.inf, ""
@@ -53,7 +53,7 @@ def furthest(first: Path, second: Path) -> tuple[float, str]:
 
 
 def of_the_run(first: Path, second: Path) -> bool:
-    """Whether two files that differ may: manifests of a case with the same reproducible part."""
+    """Return whether two files that differ may: manifests of a case with the same reproducible part."""
     if first.name != "manifest.json":
         return False
     parts = [json.loads(path.read_text(encoding="utf-8")) for path in (first, second)]
@@ -67,7 +67,7 @@ def _same(first: Path, second: Path) -> bool:
 
 
 def _values(path: Path) -> Iterator[tuple[str, Any]]:
-    """(column, its values) of a table, (pointer, value) of a document, nothing of other files."""
+    """Yield (column, its values) of a table, (pointer, value) of a document, nothing of other files."""
     if path.suffix == ".json":
         yield from _leaves(json.loads(path.read_text(encoding="utf-8")), "")
     elif path.suffix in (".csv", ".parquet"):
@@ -100,7 +100,7 @@ def _apart(first: Any, second: Any) -> float:
 
 
 def compare(first: Path, second: Path) -> int:
-    """What differs, on stdout."""
+    """Return what differs, on stdout."""
     every, unequal = names_of(first, second), different(first, second)
     allowed = 0
     for name in unequal:

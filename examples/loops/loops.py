@@ -35,8 +35,9 @@ FORCED = 0.0002, 0.001, 0.004  # m, amplitudes of its base
 
 def tribometer(folder: Path) -> dict[str, np.ndarray]:
     """Return the samples of the tribometer in SI; the force has the sign of the file."""
-    _, _, x, f = np.loadtxt(folder / "tribometer.txt", skiprows=1, unpack=True)
-    return {"time_s": np.arange(x.size) / RATE, "displacement_m": 1e-3 * x, "force_N": 1e-6 * f}
+    _, N, x, f = np.loadtxt(folder / "tribometer.txt", skiprows=1, unpack=True)
+    moved = {"time_s": np.arange(x.size) / RATE, "displacement_m": 1e-3 * x}
+    return {**moved, "force_N": 1e-6 * f, "normal_force_N": 1e-6 * N}
 
 
 def by_hand(x: np.ndarray, f: np.ndarray) -> dict[str, float]:
@@ -115,7 +116,7 @@ def draw(found: Identified, file: Path) -> None:
 def main(data: Path, results: Path) -> None:
     """Write page, numbers and pictures."""
     samples = tribometer(data)
-    wear = identify(samples, kind="loops", normal_force=5.0)
+    wear = identify(samples, kind="loops")
     damper = identify([data / name for name in DAMPER], kind="loops")
     moves = np.abs(np.gradient(samples["displacement_m"], samples["time_s"])) > 0.0
     first, last = np.flatnonzero(moves)[[0, -1]]

@@ -1,4 +1,4 @@
-"""What an argument of a public function may be: one table of numbers, and one reader for each kind of argument.
+"""Checks of the arguments of public functions: one table of numbers, and one reader for each kind of argument.
 
 A reader gives the value in one plain form, or raises ValueError naming the argument, what would be right and what was
 given. A masked or missing element of an array (None, NA) is NaN, wherever an array is read.
@@ -27,7 +27,7 @@ _WORD = 2**63 - 1  # the largest integer of an array
 
 
 class Bounds(NamedTuple):
-    """What a number may be.   unit : SI.   low, high : both allowed.   remedy : what else to do about a wrong one."""
+    """Bounds of a number.   unit : SI.   low, high : both allowed.   remedy : what else to do about a wrong one."""
 
     unit: str = ""
     low: float = SMALLEST
@@ -35,7 +35,7 @@ class Bounds(NamedTuple):
     remedy: str = ""
 
     def __str__(self) -> str:
-        """What would be right, for a message."""
+        """Return the bounds in words, for a message."""
         whole = "whole " * isinstance(self.low, int)
         positive = "positive " * (self.low > 0 and not whole)
         of = f" of {self.unit}" * bool(self.unit)
@@ -77,7 +77,7 @@ NUMBERS: Mapping[str, Bounds] = {
 
 
 def number(name: str, value: object, label: str = "") -> float:
-    """A number of the table as a float.   label : what messages call it; default, its name."""
+    """Return a number of the table as a float.   label : what messages call it; default, its name."""
     bounds = NUMBERS[name]
     if type(value) is float and bounds.low <= value <= bounds.high:  # nearly always
         return value
@@ -93,7 +93,7 @@ def number(name: str, value: object, label: str = "") -> float:
 
 
 def whole(name: str, value: object) -> int:
-    """A whole number of the table, which may be written as 5e8."""
+    """Return a whole number of the table, which may be written as 5e8."""
     bounds = NUMBERS[name]
     if isinstance(value, float | np.floating) and float(value).is_integer():
         value = int(value)
@@ -105,7 +105,8 @@ def whole(name: str, value: object) -> int:
 
 
 def numbers(name: str, value: object, *, missing: bool = False, signed: bool = False) -> Array:
-    """A number of the table, or an array of them of any shape.   missing : whether one may be, which is then NaN.
+    """Return a number of the table, or an array of them of any shape.   missing : whether one may be, which is then
+    NaN.
     signed : whether it may be negative all the same, as the estimate of a positive number may.
     """
     bounds = NUMBERS[name]
@@ -123,7 +124,7 @@ def numbers(name: str, value: object, *, missing: bool = False, signed: bool = F
 
 
 def floats(values: Any) -> Array:
-    """Real numbers as an array of floats, a copy only where it must be; a masked or missing one is NaN.
+    """Return real numbers as an array of floats, a copy only where it must be; a masked or missing one is NaN.
 
     Raises ValueError saying what they are instead: "texts".
     """
@@ -151,7 +152,7 @@ _NO_NUMBERS = "what are not numbers"
 
 
 def _float(value: Any) -> float:
-    """An element of an array of objects."""
+    """Return an element of an array of objects."""
     if value is None or value is np.ma.masked or type(value).__name__ == "NAType":
         return math.nan
     if isinstance(value, str | bytes):
@@ -165,21 +166,21 @@ def _float(value: Any) -> float:
 
 
 def flag(name: str, value: object) -> bool:
-    """True or False."""
+    """Return True or False."""
     if not isinstance(value, bool | np.bool_):
         refuse(name, "True or False", value)
     return bool(value)
 
 
 def one_of(name: str, value: object, known: Collection[str]) -> str:
-    """One of several names."""
+    """Return one of several names."""
     if not isinstance(value, str) or value not in known:
         refuse(name, f"one of {', '.join(known)}", value)
     return value
 
 
 def names(name: str, value: object, known: Collection[str] = ()) -> tuple[str, ...]:
-    """Names in their order: a sequence, or a text with commas between them, as on the command line.
+    """Return names in their order: a sequence, or a text with commas between them, as on the command line.
 
     known : of which they are, unless any will do.
     """
@@ -198,7 +199,7 @@ def names(name: str, value: object, known: Collection[str] = ()) -> tuple[str, .
 
 
 def items(name: str, value: object, wanted: str) -> Iterator[Any]:
-    """What a sequence, or anything else that has an order, holds."""
+    """Return the items of a sequence, or of anything else that has an order."""
     unordered = isinstance(value, str | bytes | Mapping | set | frozenset | type)
     if unordered or not isinstance(value, Iterable) or getattr(value, "shape", None) == ():
         refuse(name, wanted, value)
@@ -206,14 +207,14 @@ def items(name: str, value: object, wanted: str) -> Iterator[Any]:
 
 
 def mapping(name: str, value: object, wanted: str) -> dict[str, Any]:
-    """A mapping whose keys are texts."""
+    """Return a mapping whose keys are texts."""
     if not isinstance(value, Mapping) or not all(isinstance(key, str) for key in value):
         refuse(name, wanted, value)
     return dict(value)
 
 
 def instance(name: str, value: object, kind: type[Kind]) -> Kind:
-    """An object of a class of this package."""
+    """Return an object of a class of this package."""
     if not isinstance(value, kind):
         article = "an" if kind.__name__[0] in "AEIOU" else "a"
         refuse(name, f"{article} {kind.__name__}", value)
@@ -221,7 +222,7 @@ def instance(name: str, value: object, kind: type[Kind]) -> Kind:
 
 
 def path(name: str, value: object, wanted: str) -> Path:
-    """The path of a file or a folder, whose names have 255 bytes at most."""
+    """Return the path of a file or a folder, whose names have 255 bytes at most."""
     if not isinstance(value, str | os.PathLike):
         refuse(name, wanted, value)
     text = os.fspath(value)
@@ -233,14 +234,14 @@ def path(name: str, value: object, wanted: str) -> Path:
 
 
 def text(name: str, value: object) -> str:
-    """A text."""
+    """Return a text."""
     if not isinstance(value, str):
         refuse(name, "a text", value)
     return value
 
 
 def shown(value: object) -> str:
-    """A value as Python writes it, in one line of bounded length: for messages."""
+    """Return a value as Python writes it, in one line of bounded length: for messages."""
     return " ".join(_REPR.repr(value).replace("\\n", " ").split())
 
 
@@ -249,6 +250,6 @@ _REPR.maxstring = _REPR.maxother = 60
 
 
 def refuse(label: str, wanted: object, value: object, more: str = "") -> NoReturn:
-    """ValueError naming the argument, what would be right and what was given."""
+    """Raise ValueError naming the argument, what would be right and what was given."""
     remedy = f"; {wanted.remedy}" if isinstance(wanted, Bounds) and wanted.remedy else ""
     raise ValueError(f"{label} must be {wanted}, got {shown(value)}{more}{remedy}")

@@ -14,7 +14,7 @@ Mask = NDArray[np.bool_]
 Codes = NDArray[np.uint8]
 Integers = NDArray[np.int64]
 Words = NDArray[Any]
-"""Words or other objects."""
+"""Array of words or other objects."""
 
 Key = TypeVar("Key")
 Value = TypeVar("Value", covariant=True)

@@ -1,4 +1,4 @@
-"""From features to rows of the energy balance, one function per approach.
+"""Rows of the energy balance from features, one function per approach.
 
 Over one period of a steady response the work put in through the base is lost to friction and to the damper:
 
@@ -47,8 +47,8 @@ class Rows:
 
     terms : symbol of p_j → g_j, its integral over a period, in m for F_k (a) and m²/s for c (b).   W : input work, J.
     weights : of the squares of the rows' misfits, 1/J²; None weighs all alike, as (9).
-    covariance : of the errors of (g_1 … g_p, W), in the order of the terms, (p + 1, p + 1, L, …); where it is given, a
-    row weighs as much as its misfit is sure, see `weighted`.
+    covariance : of the errors of (g_1 … g_p, W), in the order of the terms, (p + 1, p + 1, L, …); where it is given,
+    rows are weighted by inverse variance, see `weighted`.
     given : symbol → value of the coefficients that are known and not to be identified.
 
     Raises ValueError for a given coefficient that is no term of the rows.
@@ -66,7 +66,8 @@ class Rows:
             raise ValueError(f"given {unknown} are no terms of these rows: {list(self.terms)}")
 
     def __getitem__(self, index: Any) -> Rows:
-        """The rows at `index`, an index of arrays: [[1, 0]] is two rows in that order, [:, 0] those of a case."""
+        """Return the rows at `index`, an index of arrays: [[1, 0]] is two rows in that order, [:, 0] those of a
+        case."""
         return replace(
             self,
             terms={symbol: integral[index] for symbol, integral in self.terms.items()},
@@ -79,19 +80,19 @@ class Rows:
 
     @property
     def usable(self) -> Mask:
-        """Which rows can enter an estimate: all their numbers are finite."""
+        """Mask of the rows that can enter an estimate: all their numbers are finite."""
         finite = [np.isfinite(array) for array in (*self.terms.values(), self.W)]
         usable: Mask = np.logical_and.reduce(finite)
         return usable
 
     def misfit(self, coefficients: Mapping[str, ArrayLike]) -> Array:
-        """Σ g_j p_j − W, J, for these coefficients, by symbol."""
+        """Return Σ g_j p_j − W, J, for these coefficients, by symbol."""
         work = sum(np.asarray(p) * self.terms[symbol] for symbol, p in coefficients.items())
         return np.asarray(work - self.W)
 
     def of_law(self, law: Law) -> Rows:
-        """The rows with a column for each coefficient of the law: where a term has groups, one for each of them, zero
-        in the rows of the others; its given coefficients are known."""
+        """Return the rows with a column for each coefficient of the law: where a term has groups, one for each of them,
+        zero in the rows of the others; its given coefficients are known."""
         columns: dict[str, Array] = {}
         for key in law.keys:
             columns[key] = integral = self.terms[key.symbol]
@@ -102,19 +103,21 @@ class Rows:
         return replace(self, terms=columns, given={**self.given, **law.given})
 
     def scatter(self) -> Array:
-        """Covariance of (g_1 … g_p, W) over the last axis, that of replicates of the rows: (p + 1, p + 1, L, …)."""
+        """Return the covariance of (g_1 … g_p, W) over the last axis, that of replicates of the rows: (p + 1, p + 1, L,
+        …)."""
         parts = np.stack([*self.terms.values(), self.W])
         parts = parts - parts.mean(axis=-1, keepdims=True)
         covariance: Array = np.einsum("i...r,j...r->ij...", parts, parts) / (parts.shape[-1] - 1)
         return covariance
 
     def weighted(self, coefficients: Mapping[str, ArrayLike]) -> Rows:
-        """The rows with the weights that their covariance gives them, 1/var(Σ g_j p_j − W), p_j : `coefficients`.
+        """Return the rows with the weights that their covariance gives them, 1/var(Σ g_j p_j − W), p_j :
+        `coefficients`.
 
         Raises ValueError where there is no covariance.
         """
         if self.covariance is None:
-            raise ValueError("rows without a covariance have no weights of their own")
+            raise ValueError("rows without a covariance have no weights: give their covariance")
         known = {**self.given, **coefficients}
         p = [np.asarray(known[symbol]) for symbol in self.terms] + [np.asarray(-1.0)]
         variance = sum(
@@ -127,7 +130,7 @@ class Rows:
 
 
 def direct(features: Features, k: ArrayLike) -> Rows:
-    """Rows of the direct integration: nothing is assumed of the shape of x(t).
+    """Return rows of the direct integration: nothing is assumed of the shape of x(t).
 
         a = 2 ∫ |ẋ| dt, t_s … t_2      (7a, whose lower limit is printed t_i)
         b = ∫ ẋ² dt, W = ∫ k y ẋ dt    (7b), (5), both over the period from t_1
@@ -138,7 +141,7 @@ def direct(features: Features, k: ArrayLike) -> Rows:
 
 
 def slip_displacement(features: Features, k: ArrayLike) -> Rows:
-    """Rows of the harmonic-response-X_s approach: a = 2(X − X_s), with (13) and (14).
+    """Return rows of the harmonic-response-X_s approach: a = 2(X − X_s), with (13) and (14).
 
     features : X, X_s (m, X_s < 0), Y (m), phi (rad), omega (rad/s).   k : stiffness, N/m.
     """
@@ -146,7 +149,7 @@ def slip_displacement(features: Features, k: ArrayLike) -> Rows:
 
 
 def slip_time(features: Features, k: ArrayLike) -> Rows:
-    """Rows of the harmonic-response-t_s approach: a = 2X(1 + cos ωt_s), with (11) and (14).
+    """Return rows of the harmonic-response-t_s approach: a = 2X(1 + cos ωt_s), with (11) and (14).
 
     t_s counts from the velocity reversal at x = −X, as in (17) and (18). In (11) it is an absolute time:
     −cos(ωt_s − φ) there is +cos ωt_s here, because the reversal is at ωt = φ + π.
@@ -159,7 +162,7 @@ def slip_time(features: Features, k: ArrayLike) -> Rows:
 
 
 def slip_velocity(features: Features, k: ArrayLike) -> Rows:
-    """Rows of the harmonic-response-V_s approach: a = 2X(1 + √((ωX)² − V_s²)/(ωX)), with (12) and (14).
+    """Return rows of the harmonic-response-V_s approach: a = 2X(1 + √((ωX)² − V_s²)/(ωX)), with (12) and (14).
 
     A V_s above ωX has no place in a harmonic motion of amplitude X: such a row is NaN.
 
@@ -169,7 +172,7 @@ def slip_velocity(features: Features, k: ArrayLike) -> Rows:
 
 
 def slip_velocity_as_printed(features: Features, k: ArrayLike) -> Rows:
-    """Rows behind the V_s columns of the paper's Table 3, which hold a slip of sign: not an approach to use.
+    """Return rows behind the V_s columns of the paper's Table 3, which hold a slip of sign: not an approach to use.
 
     The paper defines α = ωX + √((ωX)² − V_s²) with (19); the printed columns come out, to the last digit, with a plus
     under the root. It makes a larger than 4X, farther than a body between ±X can slide. The error lowers F_k, by chance
@@ -179,7 +182,7 @@ def slip_velocity_as_printed(features: Features, k: ArrayLike) -> Rows:
 
 
 def fourier(features: Features, k: ArrayLike) -> Rows:
-    """Rows of the Fourier energy balance: no shape of x(t) is assumed, but that the base moves as y = Y cos ωt.
+    """Return rows of the Fourier energy balance: no shape of x(t) is assumed, but that the base moves as y = Y cos ωt.
 
         a = 2(X − X_s)                    as the X_s approach: ẋ keeps its sign from slip onset to reversal, so (7a)
                                           telescopes, exactly, for two reversals and one onset per half cycle
@@ -187,7 +190,7 @@ def fourier(features: Features, k: ArrayLike) -> Rows:
         W = πkY X_1 sin φ_1               (5) by orthogonality, exactly: the other harmonics do no net work against y
 
     x = Σ X_n cos(nωt − φ_n). Even harmonics are absent from a symmetric response. What is cut
-    off makes b too small, by 1.2e-4 of itself or less for the paper's responses, and so F_k too large, by 5e-4 or less.
+    off makes b too small, by 1.2e-4 (relative) or less for the paper's responses, and F_k too large, by 5e-4 or less.
 
     features : X, X_s, X_1, X_3, X_5, Y (m), phi_fundamental (rad), omega (rad/s).   k : stiffness, N/m.
     """
@@ -198,7 +201,7 @@ def fourier(features: Features, k: ArrayLike) -> Rows:
 
 
 def viscous_integral(omega: ArrayLike, harmonics: Mapping[int, Array]) -> Array:
-    """b = ∮ ẋ² dt = πω Σ n² X_n² of x = Σ X_n cos(nωt − φ_n), m²/s: (7b) by Parseval's theorem.
+    """Return b = ∮ ẋ² dt = πω Σ n² X_n² of x = Σ X_n cos(nωt − φ_n), m²/s: (7b) by Parseval's theorem.
 
     omega : ω, rad/s.   harmonics : n → X_n, m, each of shape (n,).
     """
@@ -248,7 +251,7 @@ class Approach(str):
     rows: Callable[[Features, ArrayLike], Rows]
     label: str = ""
     takes_phase: bool = False
-    terms: Sequence[str] | str = ("F_k", "c")  # of (6)
+    terms: Sequence[str] | str = ("F_k", "c")  # those of (6)
     integral: Callable[[Features, ArrayLike, str], Array] | None = None
 
     def __new__(cls, name: str, *_: Any, **__: Any) -> Approach:
@@ -261,7 +264,7 @@ class Approach(str):
         self.__dict__.update(of, terms=in_order(names("terms", self.terms)))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """A copy of a built-in approach is that approach again."""
+        """Make the copy of a built-in approach that approach itself."""
         if APPROACHES.get(self) is self:
             return approach, (self.name,)
         return Approach, tuple(self.__dict__.values())
@@ -269,7 +272,7 @@ class Approach(str):
     def __call__(
         self, features: Features, k: ArrayLike, terms: Sequence[str] | str | None = None
     ) -> Rows:
-        """The rows that this approach obtains from `features`, with the stiffness k, N/m.
+        """Return the rows that this approach obtains from `features`, with the stiffness k, N/m.
 
         terms : default, its own. Where it knows no form of a term, its column is NaN.
         """
@@ -287,7 +290,7 @@ class Approach(str):
         return replace(rows, terms=columns)
 
     def _rows(self, features: Features, k: ArrayLike) -> Rows:
-        """The rows that its function returns. Raises ValueError where these are none."""
+        """Return the rows that its function returns. Raises ValueError where these are none."""
         shape = features.X.shape
         try:
             rows = self.rows(features, k)
@@ -313,18 +316,19 @@ class Approach(str):
 
 
 def _integrated(features: Features, k: ArrayLike, symbol: str) -> Array:
-    """g of a term as it was integrated from the records; NaN where it was not."""
+    """Return g of a term as it was integrated from the records; NaN where it was not."""
     return features.integrals.get(symbol, np.full(features.W.shape, np.nan))
 
 
 def _of_harmonic_motion(features: Features, k: ArrayLike, symbol: str) -> Array:
-    """g of a term for x = X cos(ωt − φ)."""
+    """Return g of a term for x = X cos(ωt − φ)."""
     f = features
     return np.asarray(term(symbol).harmonic(f.omega, f.X, f.Y, f.phi, np.asarray(k)))
 
 
 def _of_three_harmonics(features: Features, k: ArrayLike, symbol: str) -> Array:
-    """g of a term that the amplitudes of three harmonics tell: structural damping, and the relative velocity."""
+    """Return g of a term that the amplitudes of three harmonics determine: structural damping, and the relative
+    velocity."""
     b = viscous_integral(features.omega, {1: features.X_1, 3: features.X_3, 5: features.X_5})
     if symbol == "eta":
         return np.asarray(np.asarray(k) / features.omega * b)
@@ -347,11 +351,11 @@ APPROACHES: dict[str, Approach] = {
 """The built-in approaches by the name that configurations and tables know them by: to add one is a function and an
 entry here."""
 
-_TAKEN = ("simpson", "fit")  # what approaches are compared with
+_TAKEN = ("simpson", "fit")  # answers that approaches are compared with
 
 
 def approach(name: str) -> Approach:
-    """The approach behind a name: the name itself where it is an approach; else a built-in one.
+    """Return the approach behind a name: the name itself where it is an approach; else a built-in one.
 
     Raises ValueError for a name that is not known, and for another approach by a name that is taken or of another form.
     """
@@ -392,13 +396,14 @@ def checks(asked: Sequence[str] | str | None = None) -> tuple[Approach, ...]:
 
 
 def takes_phase(name: str) -> bool:
-    """Whether estimates by an approach, or the built-in one of that name, depend on a choice of the phase φ."""
+    """Return whether estimates by an approach, or the built-in one of that name, depend on a choice of the phase φ."""
     known = name if isinstance(name, Approach) else APPROACHES.get(name)
     return known is None or known.takes_phase
 
 
 def _harmonic(features: Features, k: ArrayLike, a: Array) -> Rows:
-    """Friction travel a, with the viscous integral b = πωX² of (11)–(13) and the input work W = πkYX sin φ of (14)."""
+    """Return the friction travel a, with the viscous integral b = πωX² of (11)–(13) and the input work W = πkYX sin φ
+    of (14)."""
     X = features.X
     b = np.pi * features.omega * X**2
     W = np.pi * np.asarray(k) * features.Y * X * np.sin(features.phi)
@@ -406,7 +411,7 @@ def _harmonic(features: Features, k: ArrayLike, a: Array) -> Rows:
 
 
 def _travel_from_velocity(features: Features, sign: float) -> Array:
-    """a = 2X(1 + √(1 ± (V_s/ωX)²)): with the minus, cos ωt_s written in terms of V_s = ωX sin ωt_s."""
+    """Return a = 2X(1 + √(1 ± (V_s/ωX)²)): with the minus, cos ωt_s written in terms of V_s = ωX sin ωt_s."""
     X = features.X
     with np.errstate(invalid="ignore"):  # V_s > ωX: NaN, as documented
         cosine = np.sqrt(1.0 + sign * (features.V_s / (features.omega * X)) ** 2)

@@ -1,4 +1,4 @@
-"""Everything the balances say of one frequency: every approach, pair by pair and by least squares, as one table."""
+"""The table of all that the balances give at one frequency: every approach, pair by pair and by least squares."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 
 def estimate_columns() -> list[str]:
-    """Columns of a table of estimates, in order."""
+    """Return columns of a table of estimates, in order."""
     return [
         "approach",  # a key of APPROACHES
         "kind",  # pair, mean, std (of the pairs: columns of coefficients hold the deviations) or least_squares
@@ -39,7 +39,7 @@ def estimate_columns() -> list[str]:
         # least squares of more levels than terms only
         *(term.error_column for term in TERMS.values()),
         "residual",  # ‖A p − W‖ / ‖W‖
-        "K_z_N_per_m",  # from F_k and the mean length of the microstick line
+        "K_z_N_per_m",  # F_k over the mean length of the microstick line
         "note",  # why a number is missing
     ]
 
@@ -53,7 +53,8 @@ def estimate_table(
     approaches: Sequence[str] = (),
     common_approaches: Sequence[Approach] = (),
 ) -> pd.DataFrame:
-    """Everything the balances say of one frequency: each approach, pair-wise and least squares, one tidy row each.
+    """Return everything the balances say of one frequency: each approach, pair-wise and least squares, one tidy row
+    each.
 
     features : of n responses with their individual φ and t_s.   k : stiffness, N/m.   chosen : pairs, counted from 0.
     common : the same responses with one φ and one t_s; default: the means over the responses that slip.
@@ -82,7 +83,7 @@ def estimate_table(
 def _records(
     name: str, phase: str, rows: Rows, features: Features, chosen: Sequence[Pair]
 ) -> list[dict[str, object]]:
-    """The lines of the table for one approach: its pairs, their mean and deviation, the least squares."""
+    """Return the lines of the table for one approach: its pairs, their mean and deviation, the least squares."""
     swing = features.X + features.X_s
     head: dict[str, object] = {"approach": name, "phase": phase, "note": ""}
     records, estimates = [], []
@@ -116,7 +117,8 @@ def _in_columns(values: Mapping[str, Any]) -> dict[str, object]:
 
 
 def _numbers(estimate: Estimate, swing: Array) -> dict[str, object]:
-    """An estimate as columns of the table; `swing` are the lengths X + X_s of its responses' microstick lines, m."""
+    """Return an estimate as columns of the table; `swing` are the lengths X + X_s of its responses' microstick lines,
+    m."""
     K_z = math.nan
     if "F_k" in estimate.values:
         K_z = float(contact_stiffness(estimate["F_k"], float(swing.mean()), 0.0))

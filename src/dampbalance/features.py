@@ -93,20 +93,19 @@ class Features:
         return len(self.Y)
 
     def replaced(self, **values: ArrayLike) -> Self:
-        """These features, except those given by name; they are broadcast as everywhere."""
+        """Return these features, except those given by name; they are broadcast as everywhere."""
         unknown = sorted(set(values) - set(FEATURE_COLUMNS))
         if unknown:
             raise ValueError(f"unknown features {unknown}; known are {list(FEATURE_COLUMNS)}")
         return replace(self, **values)  # type: ignore[arg-type]
 
     def with_phase(self, phase: str) -> Self:
-        """These features with `phi` the phase named: "reversal", "zero_crossing" or "fundamental"."""
-        return self.replaced(
-            phi=getattr(self, f"phi_{one_of('phase', phase, get_args(PhaseKind))}")
-        )
+        """Return these features with `phi` the phase named: "reversal", "zero_crossing" or "fundamental"."""
+        kind = one_of("phase", phase, get_args(PhaseKind))
+        return self.replaced(phi=getattr(self, f"phi_{kind}"))
 
     def with_common(self, *names: str) -> Self:
-        """These features, each of those named replaced by its mean over the levels that have it, case by case.
+        """Return these features, each of those named replaced by its mean over the levels that have it, case by case.
 
         `with_common("phi", "t_s")` is the common phase and slip time of Eqs. (16), (18), (19). A response that lacks
         the feature goes on lacking it.
@@ -121,7 +120,7 @@ class Features:
         return self.replaced(**common)
 
     def rigid(self) -> Self:
-        """These features as a model of a rigid contact takes them: X_s = −X, V_s = 0, t_s = 0, and so a = 4X.
+        """Return these features as a model of a rigid contact takes them: X_s = −X, V_s = 0, t_s = 0, and so a = 4X.
 
         The limit of every approach, and no other approach: what is known of the motion itself (X, φ, b, W) stays.
         Where the contact is compliant, a = 4X − 4Z_m, and the model takes 4Z_m too much.
@@ -130,7 +129,7 @@ class Features:
         return self.replaced(X_s=-X, X_r=X, a=4.0 * X, **dict.fromkeys(_AT_ONSET, none))
 
     def __getitem__(self, index: Any) -> Self:
-        """The responses at `index`, an index of arrays: [[1, 0]] is two levels in that order, [:, i] a case."""
+        """Return the responses at `index`, an index of arrays: [[1, 0]] is two levels in that order, [:, i] a case."""
         return replace(
             self,
             **{name: getattr(self, name)[index] for name in _FIELDS},
@@ -138,19 +137,19 @@ class Features:
         )
 
     def to_columns(self) -> dict[str, Any]:
-        """The features by column, named with their units (`FEATURE_COLUMNS`), ω first and the regime last."""
+        """Return the features by column, named with their units (`FEATURE_COLUMNS`), ω first and the regime last."""
         columns = {column: getattr(self, name) for name, column in _COLUMNS.items()}
         return {**columns, _REGIME: list(self.regime)}
 
     def to_frame(self) -> pd.DataFrame:
-        """One row per response, with the columns of `to_columns`."""
+        """Return one row per response, with the columns of `to_columns`."""
         import pandas as pd  # slow to import, and needed for tables only
 
         return pd.DataFrame(self.to_columns())
 
     @classmethod
     def from_frame(cls, frame: pd.DataFrame) -> Self:
-        """The features that `to_frame` described. Raises ValueError: a column missing, or no row."""
+        """Return the features that `to_frame` described. Raises ValueError: a column missing, or no row."""
         if missing := [c for c in (*_COLUMNS.values(), _REGIME) if c not in frame.columns]:
             found = list(frame.columns)
             raise ValueError(f"a table of features needs the columns {missing}, found {found}")
@@ -172,7 +171,7 @@ _FIELDS = (*_COLUMNS, _REGIME)
 
 
 def _fitted(name: str, given: Any, kind: Any, shape: tuple[int, ...]) -> Any:
-    """Values as a read-only array of that shape."""
+    """Return values as a read-only array of that shape."""
     try:
         if type(given) is np.ndarray and given.dtype == kind:  # nearly always
             values = given
@@ -193,7 +192,7 @@ def _fitted(name: str, given: Any, kind: Any, shape: tuple[int, ...]) -> Any:
 
 
 def of_orbit(orbit: Orbit) -> Features:
-    """Features of one exact steady orbit, exact to rounding.
+    """Return features of one exact steady orbit, exact to rounding.
 
     The orbit is symmetric, x(t + T/2) = −x(t): reverse slip is the mirror image of forward slip.
     """
@@ -203,7 +202,8 @@ def of_orbit(orbit: Orbit) -> Features:
 
 
 def of_orbits(orbits: Orbits, Y: Array, omega: Array) -> Features:
-    """Features of many exact steady orbits.   Y : m, omega : rad/s, of each, any shapes that broadcast to theirs."""
+    """Return features of many exact steady orbits.   Y : m, omega : rad/s, of each, any shapes that broadcast to
+    theirs."""
     words = np.array([str(regime) for regime in Regime], dtype=object)
     amplitudes = orbits.X_1, orbits.X_3, orbits.X_5
     Y = np.broadcast_to(Y, orbits.X.shape)
@@ -213,7 +213,8 @@ def of_orbits(orbits: Orbits, Y: Array, omega: Array) -> Features:
 def _of_either(
     orbit: Any, omega: Any, Y: Array, regime: Any, lag: Any, amplitudes: Sequence[Any]
 ) -> Features:
-    """Features of an `Orbit` or of `Orbits`.   lag : of the fundamental, rad.   amplitudes : of the harmonics, m."""
+    """Return features of an `Orbit` or of `Orbits`.   lag : of the fundamental, rad.   amplitudes : of the harmonics,
+    m."""
     names = ("X", "X_s", "V_s", "t_s", "phi", "phi_zero_crossing", "a", "b", "W")
     return Features(
         omega=omega,
@@ -230,31 +231,32 @@ def _of_either(
 
 
 def of_numbers(omega: ArrayLike, regime: ArrayLike, **numbers: Any) -> Features:
-    """Features from their numbers by name, of one response or of arrays; one that is not given does not exist (NaN)."""
+    """Return features from their numbers by name, of one response or of arrays; one that is not given does not exist
+    (NaN)."""
     values: dict[str, Any] = dict.fromkeys(FEATURE_COLUMNS, np.nan) | numbers
     values["Y"] = np.atleast_1d(np.asarray(values["Y"], dtype=np.float64))
     return Features(omega=omega, regime=regime, **values)  # type: ignore[arg-type]
 
 
 def wrapped_phase(angle: ArrayLike) -> Array:
-    """The angles plus multiples of 2π, in [−π/2, 3π/2): lags near 0 and near π both lie well inside."""
+    """Return the angles plus multiples of 2π, in [−π/2, 3π/2): lags near 0 and near π both lie well inside."""
     return np.asarray((np.asarray(angle) + 0.5 * np.pi) % (2.0 * np.pi) - 0.5 * np.pi)
 
 
 def side_by_side(parts: Sequence[Features]) -> Features:
-    """The responses of all parts, each of shape (n,), as cases: shape (n, number of parts)."""
+    """Return the responses of all parts, each of shape (n,), as cases: shape (n, number of parts)."""
     return _stacked(parts, partial(np.stack, axis=1))
 
 
 def stack(parts: Sequence[Features]) -> Features:
-    """The responses of all parts, in order, as levels. Raises ValueError when there is none."""
+    """Return the responses of all parts, in order, as levels. Raises ValueError when there is none."""
     if not parts:
         raise ValueError("there are no responses: give at least one")
     return _stacked(parts, np.concatenate)
 
 
 def _stacked(parts: Sequence[Features], join: Callable[..., Any]) -> Features:
-    """The arrays of all parts joined, with the integrals that all parts have."""
+    """Return the arrays of all parts joined, with the integrals that all parts have."""
     shared = [s for s in parts[0].integrals if all(s in part.integrals for part in parts)]
     return Features(
         **{name: join([getattr(part, name) for part in parts]) for name in _FIELDS},

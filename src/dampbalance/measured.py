@@ -20,6 +20,7 @@ from .loops.answer import identify_loops as identify_loops
 from .project.wording import listed
 from .records.mapping import MappingLike
 from .records.measured import MeasuredRecord, as_records
+from .records.measurement import ACCOMPANYING
 
 if TYPE_CHECKING:
     from .records.measured import RecordLike
@@ -47,7 +48,7 @@ def read_records(
     tables: bool | None = None,
     free: bool = False,
 ) -> tuple[MeasuredRecord, ...]:
-    """Measured records, ready for `identify`: from files, tables of pandas, or arrays.
+    """Return measured records, ready for `identify`: from files, tables of pandas, or arrays.
 
     records : one, or several. Each is the path of a file in any format (`config/records/README.md`); a pandas
     DataFrame; a mapping of names to arrays; an array with named fields, or a plain one of columns; a `Table`, as
@@ -135,12 +136,13 @@ def identify(
 
 
 def _is_loop(record: MeasuredRecord) -> bool:
-    """Whether a record holds nothing but force and displacement, both of which keep moving."""
-    return {*record.quantities} == {"force", "displacement"} and keeps_moving(record)
+    """Return whether a record holds force and displacement that keep moving, and nothing else but a normal force."""
+    moving = {*record.quantities} - {*ACCOMPANYING}
+    return moving == {"force", "displacement"} and keeps_moving(record)
 
 
 def _misplaced(kind: str, name: str) -> str:
-    """The reason why an argument does not apply to a kind of records; empty where it does."""
+    """Return the reason why an argument does not apply to a kind of records; empty where it does."""
     if name in OPTIONS[kind]:
         return ""
     kinds = [IN_WORDS[other] for other, parameters in OPTIONS.items() if name in parameters]

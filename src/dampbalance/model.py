@@ -46,7 +46,7 @@ _EXPONENTS = str.maketrans("²³⁴⁵⁶⁷⁸⁹", "23456789", "^")
 
 
 def named_with_unit(name: str, unit: str) -> str:
-    """A name for a column or key: what it holds, then its unit, as in c_N_s_per_m; no unit, no ending."""
+    """Return a name for a column or key: what it holds, then its unit, as in c_N_s_per_m; no unit, no ending."""
     name = name.replace("[", "_").replace("]", "").replace(" ", "_")
     ending = unit.replace(" ", "_").replace("/", "_per_").translate(_EXPONENTS)
     return f"{name}_{ending}" if ending else name
@@ -112,7 +112,7 @@ class BaseMotion:
         return 2.0 * math.pi / self.omega
 
     def y(self, t: ArrayLike) -> Array:
-        """Displacement of the base, m, at the times t, s (any shape)."""
+        """Return the displacement of the base, m, at the times t, s (any shape)."""
         return self.Y * np.cos(self.omega * numbers("t", t))
 
 
@@ -129,7 +129,8 @@ class Parameters(NamedTuple):
 
 
 def parameters(oscillator: Oscillator, motion: BaseMotion | None) -> Parameters:
-    """The numbers of an oscillator and its excitation; None for a base at rest, Y = 0. Raises ValueError for others."""
+    """Return the numbers of an oscillator and its excitation; None for a base at rest, Y = 0. Raises ValueError for
+    others."""
     o = instance("oscillator", oscillator, Oscillator)
     if motion is not None:
         instance("motion", motion, BaseMotion)

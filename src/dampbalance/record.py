@@ -1,4 +1,4 @@
-"""Sampled signals of one response: what an experiment, or a fixed-step simulation, hands to whoever reads features.
+"""Signals of one response in samples, from which features are read: those of an experiment or a fixed-step simulation.
 
 A record holds the base motion y and the response x on a uniform time grid, and the velocity and acceleration where
 they are known. It knows nothing of the oscillator: `signals/clean.py` reads features off it.
@@ -32,6 +32,8 @@ GRID_TOLERANCE = 0.05
 """Part of a step by which a time stamp may be off the uniform grid: room for times written with few digits, while a
 missing or doubled sample (one whole step) is still found."""
 
+_GAP = 1.5  # steps: from here on a sample is missing
+
 
 @dataclass(frozen=True, eq=False)
 class Record:
@@ -57,7 +59,9 @@ class Record:
         for name, signal in self.signals().items():
             if signal.size != self.t.size:
                 raise ValueError(f"Record.{name} has {signal.size} samples, t has {self.t.size}")
-        _require_uniform(self.t)
+        problem, _ = uneven(self.t, GRID_TOLERANCE)
+        if problem:
+            raise ValueError(f"Record.t {problem}; resample the record to equal steps")
 
     def __len__(self) -> int:
         return self.t.size
@@ -68,16 +72,16 @@ class Record:
         return float(self.t[-1] - self.t[0]) / (self.t.size - 1)
 
     def signals(self) -> dict[str, Array]:
-        """The signals that are there, by name, t first."""
+        """Return the signals that are there, by name, t first."""
         present = {field.name: getattr(self, field.name) for field in fields(self)}
         return {name: signal for name, signal in present.items() if signal is not None}
 
     def samples(self, start: int, stop: int) -> Self:
-        """The part of the record from sample `start` up to, not including, `stop`."""
+        """Return the part of the record from sample `start` up to, not including, `stop`."""
         return type(self)(**{name: signal[start:stop] for name, signal in self.signals().items()})
 
     def to_frame(self) -> pd.DataFrame:
-        """The record as a data frame, one row per sample, columns named with their units (`RECORD_COLUMNS`)."""
+        """Return the record as a data frame, one row per sample, columns named with their units (`RECORD_COLUMNS`)."""
         import pandas as pd  # slow to import, and needed for tables only
 
         return pd.DataFrame(
@@ -86,16 +90,13 @@ class Record:
 
     @classmethod
     def from_frame(cls, frame: pd.DataFrame) -> Self:
-        """The record that `to_frame` described. Raises ValueError naming a column that is missing or not known."""
+        """Return the record that `to_frame` described. Raises ValueError naming a column that is missing or not
+        known."""
         known = list(RECORD_COLUMNS.values())
         if unknown := [str(name) for name in frame.columns if name not in known]:
             raise ValueError(f"unknown record columns {unknown}; known are {known}")
-        missing = [
-            RECORD_COLUMNS[name]
-            for name in ("t", "y", "x")
-            if RECORD_COLUMNS[name] not in frame.columns
-        ]
-        if missing:
+        needed = (RECORD_COLUMNS[name] for name in ("t", "y", "x"))
+        if missing := [column for column in needed if column not in frame.columns]:
             raise ValueError(f"a record needs the columns {missing}, found {list(frame.columns)}")
         signals: Any = {
             name: frame[col] for name, col in RECORD_COLUMNS.items() if col in frame.columns
@@ -104,7 +105,7 @@ class Record:
 
 
 def _signal(name: str, values: ArrayLike) -> Array:
-    """A read-only float copy of the signal, one-dimensional and finite."""
+    """Return a read-only float copy of the signal, one-dimensional and finite."""
     try:
         signal = floats(values).copy()
     except ValueError as error:
@@ -121,23 +122,29 @@ def _signal(name: str, values: ArrayLike) -> Array:
     return signal
 
 
-def _require_uniform(t: Array) -> None:
+def uneven(t: Array, jitter: float) -> tuple[str, str]:
+    """Say why times, s, (n,), are not in about equal steps, and how to remedy that; "", "" where they are.
+
+    jitter : by how much of a step a time may be off.
+    """
     steps = np.diff(t)
-    dt = float(np.median(steps))
-    i = int(np.argmin(steps))
-    if steps[i] <= 0.0:
-        raise ValueError(
-            f"Record.t must increase, but sample {i + 1} follows {t[i]:g} s with {t[i + 1]:g} s"
+    step, least, most = float(np.median(steps)), int(np.argmin(steps)), int(np.argmax(steps))
+    off = np.abs(t - np.linspace(t[0], t[-1], t.size))
+    worst = int(np.argmax(off))
+    if steps[least] <= 0.0:
+        times = f"({t[least]:.12g} s, {t[least + 1]:.12g} s)"
+        remedy = "give sample_rate_hz instead if it has too few digits"
+        return f"does not increase from sample {least} to {least + 1} {times}", remedy
+    if steps[most] > _GAP * step:
+        place = f"after {t[most]:.12g} s (sample {most})"
+        gap = f"has a gap of {steps[most]:g} s {place}, its step is {step:g} s"
+        return gap, "use the part before or after it"
+    if off[worst] > jitter * step:
+        place = (
+            f"{t[worst]:.12g} s (sample {worst}) is {off[worst]:.2g} s off the grid of {step:g} s"
         )
-    i = int(np.argmax(steps))
-    if steps[i] > 1.5 * dt:
-        raise ValueError(
-            f"Record.t has a gap of {steps[i]:g} s after {t[i]:g} s (sample {i}), the step is {dt:g} s"
+        remedy = (
+            "resample the record, or give sample_rate_hz instead if only the digits are too few"
         )
-    grid = np.linspace(t[0], t[-1], t.size)
-    i = int(np.argmax(np.abs(t - grid)))
-    if abs(t[i] - grid[i]) > GRID_TOLERANCE * dt:
-        raise ValueError(
-            f"Record.t is not uniform: sample {i}, {t[i]:g} s, lies {abs(t[i] - grid[i]):.2g} s off the grid of "
-            f"{dt:g} s steps; resample the record to equal steps"
-        )
+        return f"is not in equal steps: {place}", remedy
+    return "", ""

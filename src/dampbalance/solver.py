@@ -1,4 +1,4 @@
-"""From rows of the energy balance to its coefficients: Eqs. (8), (9) and the corrected (10).
+"""The coefficients of the energy balance from its rows: Eqs. (8), (9) and the corrected (10).
 
 One solver serves every approach and every use: A p = W with a column of A for each term that is not given, solved by an
 orthogonal factorisation of the matrix with its columns scaled to unit length. With as many rows as columns the solution
@@ -6,9 +6,9 @@ is the pair-wise one of (8), of which (15)–(19) are special cases; with more i
 equations written in (9) would square a condition number that is 20 to 100 for the paper's levels and grows without
 bound as levels approach each other.
 
-Equation (9) weighs all rows alike, and so the highest level, whose misfit has the largest error, weighs most. Rows of
-which the covariance of their errors is known weigh as much as they are sure: with the inverse of the variance of
-Σ g_j p_j − W. It depends on the p_j, and so the solution is repeated with the weights that the last one gives.
+Equation (9) weights all rows alike, so that the highest level, whose misfit has the largest error, dominates. Rows
+whose error covariance is known are weighted by inverse variance, 1/var(Σ g_j p_j − W). The variance depends on the p_j,
+so that the solution is repeated with the weights of the last one.
 
 A case is solved by itself: the cases next to it change no bit of its estimate.
 """
@@ -36,7 +36,7 @@ _MOST_WEIGHINGS = 20  # each brings the weights nearer by a factor of 100 or so
 _SETTLED = 1e-9  # relative change of the weights
 
 # Responses are one and the same when a column of A, scaled to unit length, encloses with those before it an angle below
-# this: what tells them apart is rounding. Two levels that differ by one part in a million enclose 5e-7.
+# this: they differ by rounding. Two levels that differ by one part in a million enclose 5e-7.
 SINGULAR = 1e-12
 
 _CASES_AT_ONCE = 16384  # cases at once: enough of them for arrays to be quick, few enough for the processor's cache
@@ -46,7 +46,7 @@ _CASES_AT_ONCE = 16384  # cases at once: enough of them for arrays to be quick, 
 class Estimate:
     """Coefficients identified from rows of the balance, for one case or an array of cases.
 
-    values : symbol → coefficient, SI unit, in the shape of the cases; NaN where the rows do not tell.
+    values : symbol → coefficient, SI unit, in the shape of the cases; NaN where the rows do not determine it.
     residual : ‖A p − W‖ / ‖W‖, the paper's normalised root mean squared residual, of rows times the root of their
     weights.   covariance : of the values in their order, (p, p, …), from the scatter of the rows about the fit; NaN
     without more rows than values.   n : number of rows that entered.
@@ -74,14 +74,14 @@ class Estimate:
         ]
 
     def standard_error(self, symbol: str) -> Array:
-        """Standard error of a coefficient: root of the diagonal of the covariance."""
+        """Return the standard error of a coefficient: root of the diagonal of the covariance."""
         j = list(self.values).index(symbol)
         error: Array = np.sqrt(self.covariance[j, j])
         return error
 
 
 def solve(rows: Rows) -> Estimate:
-    """The coefficients that fit the usable rows of each case best, p = (AᵀA)⁻¹ Aᵀ W, Eq. (9).
+    """Return the coefficients that fit the usable rows of each case best, p = (AᵀA)⁻¹ Aᵀ W, Eq. (9).
 
     rows : of shape (L, …), the cases behind the first axis. Rows with a NaN are left out. A case with fewer usable rows
     than unknowns, or whose rows describe one and the same response, has NaN. Where the rows have a covariance, each
@@ -97,7 +97,7 @@ def solve(rows: Rows) -> Estimate:
         estimate = _solved(current)
         again = rows.weighted(estimate.values).weights
         assert again is not None
-        again = np.where(np.isfinite(again), again, weights)  # of rows without errors
+        again = np.where(np.isfinite(again), again, weights)  # rows without errors keep theirs
         change = np.where(rows.usable, np.abs(again / weights - 1.0), 0.0).max(axis=0)
         moving &= change > _SETTLED  # a case that has settled stays, whatever the others do
         if not moving.any():
@@ -107,7 +107,7 @@ def solve(rows: Rows) -> Estimate:
 
 
 def _solved(rows: Rows) -> Estimate:
-    """As `solve`, with the weights that the rows have."""
+    """Solve rows with the weights that they have."""
     symbols = [symbol for symbol in rows.terms if symbol not in rows.given]
     shape, cases = rows.W.shape, rows.W.shape[1:]
     flat = (shape[0], math.prod(cases))
@@ -138,7 +138,8 @@ def _solved(rows: Rows) -> Estimate:
 def _solve_cases(
     columns: Array, right: Array, full: Array, n: Integers
 ) -> tuple[Array, Array, Array]:
-    """(values (p, cases), residual (cases,), covariance (p, p, cases)) of n usable rows of each case, the others zero.
+    """Return (values (p, cases), residual (cases,), covariance (p, p, cases)) of n usable rows of each case, the others
+    zero.
 
     columns : of A, (p, L, cases).   right : W without what is given, full : all of W, (L, cases).
 
@@ -159,7 +160,7 @@ def _solve_cases(
 
 @np.errstate(divide="ignore", invalid="ignore", over="ignore", under="ignore")
 def _solve_block(A: Array, W: Array, full: Array, n: Integers) -> tuple[Array, Array, Array]:
-    """As `_solve_cases`, of one block."""
+    """Solve one block of cases as in `_solve_cases`."""
     Q, R, scale, smallest = _factorised(A)
     values, rest = np.zeros(scale.shape), W
     for _ in range(2):
@@ -181,8 +182,8 @@ def _solve_block(A: Array, W: Array, full: Array, n: Integers) -> tuple[Array, A
 
 
 def _factorised(A: Array) -> tuple[Array, Array, Array, Array]:
-    """(Q, R, scale, smallest) of A (p, L, cases): the reciprocal lengths of its columns, and the smallest sine of the
-    angle that a column makes with those before it, NaN for a column of zeros."""
+    """Return (Q, R, scale, smallest) of A (p, L, cases): the reciprocal lengths of its columns, and the smallest sine
+    of the angle that a column makes with those before it, NaN for a column of zeros."""
     p, _, cases = A.shape
     Q, R, scale = np.empty(A.shape), np.zeros((p, p, cases)), np.empty((p, cases))
     smallest = np.ones(cases)
@@ -201,7 +202,8 @@ def _factorised(A: Array) -> tuple[Array, Array, Array, Array]:
 
 
 def _inverse_of_normal(R: Array, scale: Array) -> Array:
-    """(AᵀA)⁻¹ = H Hᵀ, (p, p, cases); H: inverse of the upper triangular R, in the units of the unscaled columns."""
+    """Return (AᵀA)⁻¹ = H Hᵀ, (p, p, cases); H: inverse of the upper triangular R, in the units of the unscaled
+    columns."""
     p, cases = scale.shape
     H, product = np.zeros((p, p, cases)), np.empty((p, p, cases))
     for column in range(p):
@@ -218,7 +220,7 @@ def _inverse_of_normal(R: Array, scale: Array) -> Array:
 
 
 def _dot(u: Array, v: Array) -> Array:
-    """Σ u v over the rows of arrays (L, cases), in their order."""
+    """Return Σ u v over the rows of arrays (L, cases), in their order."""
     total = np.zeros(u.shape[1:])
     for a, b in zip(u, v, strict=True):
         total += a * b
@@ -226,12 +228,13 @@ def _dot(u: Array, v: Array) -> Array:
 
 
 def _ratio(x: Array | float, y: Array) -> Array:
-    """x/y; NaN over zero, which a singular case has anyhow."""
+    """Return x/y; NaN over zero, which a singular case has anyhow."""
     return np.where(y != 0.0, x / y, np.nan)
 
 
 def least_squares(rows: Rows) -> Estimate:
-    """The coefficients that fit all usable rows of one case best: `solve`, with an error where there is no solution.
+    """Return the coefficients that fit all usable rows of one case best: `solve`, with an error where there is no
+    solution.
 
     Raises ValueError for fewer usable rows than unknowns, or when all usable rows describe the same response.
     """
@@ -245,13 +248,13 @@ def least_squares(rows: Rows) -> Estimate:
     if math.isnan(estimate.residual):
         raise ValueError(
             f"the {usable} usable responses are one and the same, or nothing slides in any of them: "
-            f"{symbols_in_words(unknowns)} cannot be told apart; use levels that differ and slip"
+            f"{symbols_in_words(unknowns)} cannot be distinguished; use levels that differ and slip"
         )
     return estimate
 
 
 def pair(rows: Rows, i: int, j: int) -> Estimate:
-    """F_k and c from the two responses i and j (counted from 0), Eq. (8).
+    """Return F_k and c from the two responses i and j (counted from 0), Eq. (8).
 
         F_k = (b_j W_i − b_i W_j)/Δ,   c = (a_i W_j − a_j W_i)/Δ,   Δ = a_i b_j − a_j b_i
 
@@ -268,12 +271,12 @@ def pair(rows: Rows, i: int, j: int) -> Estimate:
         unknowns = list(estimate.values)
         if len(unknowns) > 2:
             raise ValueError(
-                f"pair {pair_label(i, j)}: two levels do not tell {symbols_in_words(unknowns)} apart; "
+                f"pair {pair_label(i, j)}: two levels do not distinguish {symbols_in_words(unknowns)}; "
                 "give all but two of them"
             )
         raise ValueError(
             f"pair {pair_label(i, j)}: levels {i + 1} and {j + 1} give the same response, or nothing slides in either: "
-            f"{symbols_in_words(unknowns)} cannot be told apart; use two levels that differ and slip"
+            f"{symbols_in_words(unknowns)} cannot be distinguished; use two levels that differ and slip"
         )
     return estimate
 
@@ -281,7 +284,8 @@ def pair(rows: Rows, i: int, j: int) -> Estimate:
 def mean_and_deviation(
     estimates: Sequence[Mapping[str, ArrayLike]],
 ) -> tuple[dict[str, float], dict[str, float]]:
-    """Mean and standard deviation (divisor n − 1, NaN for n = 1) of estimates by symbol, as the paper has of its pairs.
+    """Return the mean and standard deviation (divisor n − 1, NaN for n = 1) of estimates by symbol, as the paper has of
+    its pairs.
 
     estimates : the values of each, by symbol. Raises ValueError when there are none.
     """
@@ -293,7 +297,7 @@ def mean_and_deviation(
 
 
 def contact_stiffness(F_k: ArrayLike, X: ArrayLike, X_s: ArrayLike) -> Array:
-    """Stiffness of the contact from the length of its microstick line, K_z = 2F_k/(X + X_s), N/m.
+    """Return the stiffness of the contact from the length of its microstick line, K_z = 2F_k/(X + X_s), N/m.
 
     Eq. (10), corrected: from the reversal at −X to the onset of slip at X_s the contact spring swings from −Z_m to +Z_m
     with F_k = K_z Z_m. The paper prints the inverse without the 2, which has the unit of a compliance.
@@ -307,12 +311,12 @@ def contact_stiffness(F_k: ArrayLike, X: ArrayLike, X_s: ArrayLike) -> Array:
 
 
 def pair_label(i: int, j: int) -> str:
-    """The paper's name of the pair of responses i, j: levels counted from 1, e.g. "1-2"."""
+    """Return the paper's name of the pair of responses i, j: levels counted from 1, e.g. "1-2"."""
     return f"{i + 1}-{j + 1}"
 
 
 def levels_of(label: str) -> tuple[int, ...]:
-    """The levels, counted from 1, of a pair by its label."""
+    """Return the levels, counted from 1, of a pair by its label."""
     return tuple(map(int, label.split("-")))
 
 

@@ -346,7 +346,7 @@ TERMS = "symbols with their coefficients, as in c_2=40,eta=0.02"
         ("--law", "c_2=40,", f"must be {TERMS}"),
         ("--law", "c_7=1", "unknown term 'c_7'; known are F_k, c, c_r, c_2, c_3, eta"),
         ("--law", "c_2=-1", "c_2 must be a number, 0 to 1e+30, got -1"),
-        ("--law", "c_2=1,c_2=3", "c_2 stands there twice"),
+        ("--law", "c_2=1,c_2=3", "c_2 appears twice"),
     ],
 )
 def test_options_of_a_simulation_have_bounds(option, value, wanted, tmp_path, capsys):
@@ -398,21 +398,13 @@ def test_a_record_that_cannot_be_used_is_one_clear_error(name, tmp_path, capsys)
     assert not output.exists()
 
 
-ODD = {
-    "is a unit wrong (mm taken for m)?": lambda t: t.assign(
-        **{c: 1e3 * t[c] for c in t.columns if c != "time_s"}
-    ),
-    "displacement is clipped": lambda t: t.assign(
-        displacement_m=t["displacement_m"].clip(-3e-3, 3e-3)
-    ),
-}
-
-
-@pytest.mark.parametrize("message", ODD)
-def test_what_looks_odd_is_reported(message, tmp_path, answer):
-    said = answer("identify", *spoiled(tmp_path, ODD[message]), *COMMON, code=1)
+def test_what_looks_odd_is_reported(tmp_path, answer):
+    clipped = spoiled(
+        tmp_path, lambda t: t.assign(displacement_m=t.displacement_m.clip(-3e-3, 3e-3))
+    )
+    said = answer("identify", *clipped, *COMMON, code=1)
     assert said.startswith("No answer: ")
-    assert message in said.partition("\n")[0]
+    assert "displacement is clipped" in said.partition("\n")[0]
 
 
 ONE, TWO = RECORDS[0], [*RECORDS[:2], *COMMON]
@@ -458,7 +450,7 @@ def test_a_mapping_to_start_from_is_saved_and_used(tmp_path, capsys, answer):
             ["identify", other, *command[1:], "--write-mapping", mapping],
             "level1.csv has no channel",
         ),
-        ([*command, "--write-mapping", files[0]], "a mapping ends in .yaml"),
+        ([*command, "--write-mapping", files[0]], "must end in .yaml"),
     ):
         assert message in answer(*wrong, code=2)
     assert sorted(tmp_path.iterdir()) == sorted([*files, other])

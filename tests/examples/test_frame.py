@@ -9,6 +9,7 @@ import pandas as pd
 import pytest
 
 from examples.running import DATA, script_of
+from folders import ROOT
 from signals.stopping import Stopping, steady
 
 frame = script_of("frame")
@@ -27,6 +28,7 @@ NUMBERS = pd.DataFrame(
     },
     index=list(frame.LOADS),
 )
+COEFFICIENT = 0.323  # slope of the friction force over the load, over g
 
 
 def test_the_line_through_forces_on_a_line_is_that_line():
@@ -63,6 +65,19 @@ def test_a_motion_is_predicted_as_another_integrator_has_it(forward, monkeypatch
     np.testing.assert_allclose(found, x, atol=2e-3 * steady(of).range)
 
 
+def test_the_readme_quotes_the_numbers_of_the_records():
+    text = " ".join((ROOT / "examples/frame/README.md").read_text(encoding="utf-8").split())
+    growth = 100.0 * (NUMBERS["second"] / NUMBERS["first"] - 1.0)[NUMBERS["drifts"]]
+    linear, constant, repeated = 100.0 * NUMBERS[["linear", "constant", "repeated"]].mean()
+    for words in (
+        f"a coefficient of friction of {COEFFICIENT:.2f}",
+        f"by {growth.min():.1f} to {growth.max():.1f} % from the first to the second half",
+        f"the mean error is {linear:.0f} % instead of {constant:.0f} % of the amplitude",
+        f"differ by {repeated:.0f} %",
+    ):
+        assert words in text
+
+
 @pytest.mark.skipif(
     not RECORDS.is_dir(), reason="no records of the frame: examples/frame/README.md"
 )
@@ -71,7 +86,7 @@ def test_the_numbers_of_the_records(tmp_path):
     numbers = json.loads((tmp_path / "frame.json").read_text(encoding="utf-8"))
     # Three or four digits are noted. No oscillator explains these records within their noise; should rounding lead a
     # processor to another one that comes nearly as near, F_k moves by up to a standard error, 3e-3.
-    assert numbers["line"]["coefficient"] == pytest.approx(0.323, rel=1e-2)
+    assert numbers["line"]["coefficient"] == pytest.approx(COEFFICIENT, rel=1e-2)
     assert numbers["line"]["intercept_interval_N"][1] < 0.0
     for row in numbers["loads"]:
         F_k, first, second, F_0, drifts, *errors = NUMBERS.loc[row["load"]]

@@ -89,7 +89,7 @@ CASES = {
 }
 
 
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("name", NUISANCES)
 def test_each_is_found_with_its_size_and_the_oscillator_behind_it(name):
     size, osc, made = CASES[name]
     fit = fit_records(list(made()), osc.k)

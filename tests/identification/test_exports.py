@@ -191,7 +191,7 @@ def test_a_decay_of_one_channel(header, columns, tmp_path):
     held = others(channel.t) | {"displacement": channel.values}
     file = Export(header, columns).write(tmp_path / "decay.csv", held)
     text = mapping_to_start_from(file)
-    assert text.startswith("channels:  # none that drives: those of a free decay\n")
+    assert text.startswith("channels:  # a free decay, without an excitation\n")
     mapping = yaml.safe_load(text)
     for given in (None, mapping) if "/" in header else (mapping,):
         found = identify(file, LOOSE.k, mapping=given)
@@ -219,7 +219,7 @@ def test_a_column_that_is_no_number_is_left_aside(tmp_path):
     lines[3000] = ",".join([*lines[3000].split(",")[:3], "overflow"])
     file.write_text("\n".join(lines))
     mapping = mapping_to_start_from(file)
-    assert "# left aside: 'State': it holds what is no number" in mapping
+    assert "# left aside: 'State': it does not hold numbers" in mapping
     assert "time: {channel: Time, unit: s}  # rises by 0.001 from sample to sample" in mapping
     assert list(read(file, yaml.safe_load(mapping))) == ["base_displacement", "acceleration"]
 

@@ -22,7 +22,7 @@ from dampbalance.identification.half_cycles import rows_of
 from dampbalance.records.measurement import Channel, Correction, Measurement
 from dampbalance.records.synthetic import measured_orbit, measured_ring_down
 from dampbalance.records.writers import write
-from dampbalance.signals.bursts import Signal, bursts_of, noise_of
+from dampbalance.signals.bursts import Signal
 from dampbalance.signals.cycles import clipped, flat_tops
 from dampbalance.signals.mean_harmonics import read_features
 from fit.exact import fitted, point_of
@@ -173,7 +173,7 @@ def test_releases_that_scatter_have_friction_forces_of_their_own(scattering):
     words = next(line for line in found.rig if "do not share one friction force" in line)
     assert f"{scatter:.2g} N" in words
     assert "1.34" in words
-    assert words in found.report() or "do not share one friction force" in found.report()
+    assert "do not share one friction force" in found.report()
 
 
 def test_releases_of_one_record_may_scatter():
@@ -223,9 +223,6 @@ def test_derivatives_by_friction_forces_are_those_of_the_samples(scattering):
 def test_a_blow_soon_after_the_first_sample_is_identified(decay, lasts):
     for instant in (0.0, 0.06):
         measured = struck(replace(decay, F_k=0.1), instant, lasts)
-        a = measured["acceleration"]
-        signal = Signal("acceleration", 2, a.t, a.values, noise_of(a.values))
-        assert bursts_of(signal)[0].side > 0.0, instant  # pushed forward, it first turns there
         found = identify_ring_downs([measured], decay.k)
         assert found.fit.adequate, instant
         off = found.values["F_k"] - 0.1
@@ -404,7 +401,10 @@ def test_gain_delay_and_filters_are_taken_off():
     ("values", "message"),
     [
         (lambda t, x: 1e-3 * np.sin(14.0 * t), "swings as far at its end as at its start"),
-        (lambda t, x: np.random.default_rng(1).standard_normal(t.size), "stands out of the noise"),
+        (
+            lambda t, x: np.random.default_rng(1).standard_normal(t.size),
+            "no oscillation in it exceeds the noise",
+        ),
         (lambda t, x: x[-1] + 1e-6 * np.random.default_rng(1).standard_normal(t.size), "noise"),
     ],
 )

@@ -145,25 +145,21 @@ def of_no_oscillator(errors=None):
     return corrected(records, errors or {})
 
 
-@pytest.mark.parametrize(
-    ("stiffness", "errors"),
-    [("2310±23.1", {}), (2310.0, {"base_displacement": {"gain_error": 0.01}})],
-    ids=["stiffness", "gain"],
-)
-def test_uncertainties_are_stated_for_records_that_no_oscillator_fits(stiffness, errors):
+def test_uncertainties_are_stated_for_records_that_no_oscillator_fits():
     """The shifts of such a fit are not known; those of the balance are."""
-    plain, stated = (
-        identify(of_no_oscillator(of), k) for of, k in (({}, 2310.0), (errors, stiffness))
+    gain = {"base_displacement": {"gain_error": 0.01}}
+    plain, *both = (
+        identify(of_no_oscillator(errors), stiffness)
+        for errors, stiffness in (({}, 2310.0), ({}, "2310±23.1"), (gain, 2310.0))
     )
     assert not plain.joint.waveforms_hold
-    fits = (one.approaches["maximum likelihood"] for one in (plain, stated))
-    assert next(fits).standard_errors == next(fits).standard_errors
-    c, (without, with_it) = (
-        plain.approaches["direct"].values["c"],
-        (one.approaches["direct"].standard_errors["c"] for one in (plain, stated)),
-    )
-    # W, and c with it, is in proportion to k and to the drive
-    assert math.sqrt(with_it**2 - without**2) == pytest.approx(0.01 * abs(c), rel=0.02)
+    fit, direct = (plain.approaches[name] for name in ("maximum likelihood", "direct"))
+    for stated in both:
+        assert stated.approaches["maximum likelihood"].standard_errors == fit.standard_errors
+        with_it = stated.approaches["direct"].standard_errors["c"]
+        added = math.sqrt(with_it**2 - direct.standard_errors["c"] ** 2)
+        # W, and c with it, is in proportion to k and to the drive
+        assert added == pytest.approx(0.01 * abs(direct.values["c"]), rel=0.02)
 
 
 def test_a_mass_that_the_fit_takes_adds_its_uncertainty():

@@ -12,23 +12,17 @@ import pytest
 from dampbalance import BaseMotion, Oscillator, identify, measured_ring_down, steady_orbit
 from dampbalance.fit.score import Departure
 from dampbalance.identification.decay_laws import condition_of
-from dampbalance.joints.contact import Sliders
 from dampbalance.joints.synthetic import stepped_sine
-from dampbalance.motion.jit import interpreted
+from dampbalance.law.parallel_sliders import Sliders
 from dampbalance.project.wording import sentence
 from dampbalance.records.synthetic import measured_orbit
 from identification.levels import changed, measured
+from identification.releases import compiled  # noqa: F401
 from paper_case import PAPER
 from slips import slips
 
 QUICK = {"approaches": ["direct"]}
 FORCED = ("force", "displacement")
-
-
-@pytest.fixture(autouse=True, scope="module")
-def compiled():
-    with interpreted(False):
-        yield
 
 
 def texts_of(found):

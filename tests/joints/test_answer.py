@@ -16,9 +16,9 @@ from dampbalance import Oscillator, identify, measured_ring_down, read_records
 from dampbalance.identification.outputs import REPORT, TABLES, outputs_of
 from dampbalance.identification.sensitivities import FAULTS, Fault
 from dampbalance.joints import identify_joint
-from dampbalance.joints.contact import Sliders
 from dampbalance.joints.fit import fit_contact
 from dampbalance.joints.synthetic import stepped_sine
+from dampbalance.law.parallel_sliders import Sliders
 from folders import ROOT
 
 OSCILLATOR = {"m": 2.0, "c": 6.0, "k": 180_000.0}

@@ -133,7 +133,7 @@ def test_what_noise_adds_to_an_integral_is_taken_off(term):
 
 def test_the_travel_of_friction_is_no_matter_of_harmonics():
     n = np.ones(1)
-    with pytest.raises(ValueError, match="F_k has no integral that harmonics tell"):
+    with pytest.raises(ValueError, match="F_k has no integral that follows from harmonics"):
         of_harmonics("F_k", n, n[None] + 0j, n, n[None] + 0j, 1.0, 1.0)
 
 

@@ -38,6 +38,22 @@ def test_the_friction_coefficient_has_the_uncertainties_of_both_forces():
     assert 0.5 * (high - low) == pytest.approx(1.96 * 0.5 / 20.0, rel=0.05)  # that of N dominates
 
 
+def test_a_channel_of_the_normal_force_gives_the_friction_coefficient_of_each_cycle(tmp_path):
+    """Read from a file by its heading; N grows by a tenth, and so does the friction."""
+    N = 20.0 * (1.0 + 0.1 * T / T[-1])
+    force = table(c=0.0)["force_N"]
+    file = tmp_path / "loops.csv"
+    columns = np.column_stack([T, SINE, force * N / 20.0, N])
+    np.savetxt(
+        file, columns, delimiter=",", header="t (s),x (m),Friction (N),Normal (N)", comments=""
+    )
+    found = identify(file)
+    assert found.friction_coefficient[0] == pytest.approx(0.5, rel=0.01)
+    mu = found.history()["friction_coefficient"]
+    # the spring in parallel and the offset grow with N here, and are not friction: 3 % of F_k
+    assert mu.min() == pytest.approx(0.5, rel=0.03) == mu.max()
+
+
 def test_a_fixture_in_series_makes_the_contact_look_softer():
     stiff = identify_loops(table(c=0.0), fixture_stiffness=2e5)
     # springs in series: 1/K_z + 1/k_s of the fixture is what the loop shows; the spring k adds 1 %
@@ -58,7 +74,9 @@ def test_the_contact_goes_into_a_response():
         steady_orbit(Oscillator(m=2.0, k=2310.0, **law), BaseMotion(Y=0.01, omega=30.0)).X
         for law in (found.law, {"F_k": F_K, "K_z": K_Z, "c": C})
     ]
-    assert of[0] == pytest.approx(of[1], rel=0.01)  # as F_k is within 1 %
+    assert of[0] == pytest.approx(
+        of[1], rel=0.02
+    )  # F_k is within 1 %, c within a third of its small value
 
 
 def test_the_history_follows_a_friction_force_that_falls():
@@ -77,16 +95,82 @@ def test_another_shape_is_doubtful_and_not_silent():
     assert found.verdicts["F_k"].verdict == "doubtful"
 
 
-def test_a_friction_that_falls_with_the_speed_is_doubtful():
-    v = np.gradient(SINE, T)
-    force = np.zeros(T.size)
-    for i in range(1, T.size):  # 40 % more at rest than at speed
-        top = F_K * (1.0 + 0.4 * math.exp(-((v[i] / (0.3 * np.abs(v).max())) ** 2)))
-        force[i] = min(max(force[i - 1] + K_Z * (SINE[i] - SINE[i - 1]), -top), top)
-    noisy = force + 0.01 * F_K * np.random.default_rng(3).normal(size=T.size)
-    found = identify_loops({"time_s": T, "displacement_m": SINE, "force_N": noisy})
-    assert found.verdicts["F_k"].verdict == "doubtful"
-    assert "larger than at speed" in found.text()
+def stepped_with_speed(top, x=SINE):
+    """Force of a slider of K_z whose friction follows top(ẋ), sample by sample, with 1 % of noise."""
+    v, force = np.gradient(x, T), np.zeros(T.size)
+    for i in range(1, T.size):
+        limit = top(v[i])
+        force[i] = min(max(force[i - 1] + K_Z * (x[i] - x[i - 1]), -limit), limit)
+    return force + 0.01 * F_K * np.random.default_rng(3).normal(size=T.size), v
+
+
+def test_a_friction_that_falls_with_the_speed_is_identified():
+    v_S = 0.3 * 2.0 * np.pi * X
+    force, _ = stepped_with_speed(lambda v: F_K * (1.0 + 0.4 * math.exp(-((v / v_S) ** 2))))
+    found = identify_loops({"time_s": T, "displacement_m": SINE, "force_N": force})
+    for symbol, true in {"F_k": F_K, "K_z": K_Z}.items():
+        low, high = found.intervals[symbol]
+        assert low < true < high, symbol
+        assert found.verdicts[symbol].verdict == "usable"
+    for symbol, true in {"F_S": 0.4 * F_K, "v_S": v_S}.items():
+        # five standard errors are exceeded once in 20,000 cases of 18 degrees of freedom
+        assert abs(found.fit.values[symbol] - true) < 5.0 * found.fit.errors[symbol], symbol
+    assert "The friction falls with the speed" in found.text()
+
+
+def test_a_quadratic_damper_and_a_moving_mass_are_identified():
+    """Of two frequencies, as m ẍ is a spring at one."""
+    fast = X * np.sin(4.0 * np.pi * T)
+    records = []
+    for x, omega in ((SINE, 2.0 * np.pi), (fast, 4.0 * np.pi)):
+        force, v = stepped_with_speed(lambda v: F_K, x)
+        more = 3e4 * v * np.abs(v) - 20.0 * omega**2 * x
+        records.append({"time_s": T, "displacement_m": x, "force_N": force + more})
+    found = identify_loops(records)
+    for symbol, true in {"F_k": F_K, "K_z": K_Z, "c": 0.0, "c_2": 3e4, "m": 20.0}.items():
+        assert abs(found.fit.values[symbol] - true) < 5.0 * found.fit.errors[symbol], symbol
+    assert "A quadratic damper of c_2" in found.text()
+
+
+def test_a_rounded_knee_is_named_and_goes_into_a_response_as_sliders():
+    z, n, force = 0.0, 2.0, []
+    for dx in np.diff(np.interp(np.arange(0.0, T[-1], 5e-5), T, SINE), prepend=0.0):
+        z += K_Z / F_K * dx * (1.0 - abs(z) ** n * (z * dx > 0.0))
+        force.append(F_K * z)
+    f = np.array(force)[:: round(T[1] / 5e-5)][: T.size - 1]
+    noise = 0.01 * F_K * np.random.default_rng(4).normal(size=f.size)
+    found = identify_loops({"time_s": T[:-1], "displacement_m": SINE[:-1], "force_N": f + noise})
+    for symbol, true in {"F_k": F_K, "K_z": K_Z, "n": n}.items():
+        assert abs(found.fit.values[symbol] - true) < 5.0 * found.fit.errors[symbol], symbol
+    assert "The knee of the loop is rounded" in found.text()
+    # the same loss as the contact at the amplitude of the record, by sliders of the gradual contact
+    r, kappa = found.sliders["r"], found.sliders["kappa"]
+    lost = 4.0 * float(np.maximum(X - r, 0.0) @ (kappa * r))
+    assert lost == pytest.approx(np.trapezoid(f[-500:], SINE[:-1][-500:]), rel=0.01)
+
+
+def test_the_loss_of_another_amplitude_is_predicted():
+    found = identify_loops([table(), table(0.5 * SINE)])
+    X_new = np.array([0.3, 0.8, 1.2]) * X
+    W, error = found.fit.loss(found.loops[0], X_new)
+    # 4F_k(X − Z_m) + πcωX² of a sine
+    true = 4.0 * F_K * (X_new - F_K / K_Z) + math.pi * C * 2.0 * math.pi * X_new**2
+    assert (
+        np.abs(W / true - 1.0).max() < 0.005
+    )  # noise of 1 %, and a cycle that does not start at its end
+    assert (np.abs(W - true) < 6.0 * error).all()
+
+
+def test_the_history_follows_a_stiffness_that_falls():
+    fall = np.where(T < 10.0, 1.0, 0.8)
+    z, force = 0.0, []
+    for i, dx in enumerate(np.diff(SINE, prepend=0.0)):
+        z = min(max(z + K_Z * fall[i] * dx, -F_K), F_K)
+        force.append(z)
+    found = identify_loops({"time_s": T, "displacement_m": SINE, "force_N": np.array(force)})
+    K = found.history()["K_z_N_per_m"].to_numpy()
+    # one step of Gauss and Newton from the mean: second order in ±10 %
+    assert np.median(K[-5:]) / np.median(K[:5]) == pytest.approx(0.8, abs=0.02)
 
 
 def test_report_and_pictures_are_written(tmp_path):

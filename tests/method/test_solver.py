@@ -280,7 +280,7 @@ def test_three_columns_of_which_one_says_nothing_are_not_solved(singular):
     estimate = solve(rows)
     assert np.isnan([*estimate.values.values(), estimate.residual]).all()
     assert np.isnan(estimate.covariance).all()
-    with pytest.raises(ValueError, match="in any of them: F_k, c and c_2 cannot be told apart"):
+    with pytest.raises(ValueError, match="in any of them: F_k, c and c_2 cannot be distinguished"):
         least_squares(rows)
 
 
@@ -421,8 +421,8 @@ REFUSED = {
     "F_k, c and c_2 need at least three usable responses, got 2 of 2": lambda: least_squares(
         drawn_rows(9, 4)[[0, 1]]
     ),
-    "pair 2-4: two levels do not tell F_k, c and c_2 apart; give all but two of them": lambda: pair(
-        drawn_rows(9, 4), 1, 3
+    "pair 2-4: two levels do not distinguish F_k, c and c_2; give all but two of them": lambda: (
+        pair(drawn_rows(9, 4), 1, 3)
     ),
     "^F_k need at least one usable": lambda: least_squares(empty("F_k")),
     "^F_k, c and d need at least three usable": lambda: least_squares(empty("F_k", "c", "d")),

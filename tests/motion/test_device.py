@@ -69,32 +69,24 @@ def test_on_a_GPU(fetch):
     assert_same_as_the_processor(2500, fetch)
 
 
-def in_simulator(call: str) -> None:
-    """Run a function of this module where Numba simulates CUDA, which it decides when it is imported."""
-    program = f"from motion import test_device\ntest_device.{call}"
-    folders = os.pathsep.join(path for path in sys.path if path)
-    output_of(sys.executable, "-c", program, NUMBA_ENABLE_CUDASIM="1", PYTHONPATH=folders)
-
-
-@pytest.mark.parametrize("fetch", [True, False])
-def test_in_the_simulator(fetch):
-    in_simulator(f"assert_same_as_the_processor(200, fetch={fetch})")
-
-
-def blocks_and_shapes() -> None:
-    """Several blocks, a last one that is not full, no axis at all and no case at all."""
+def in_simulator() -> None:
+    """Compare results that are fetched and that stay, of several blocks, a last one that is not full, no axis at all
+    and no case at all. To be called where Numba simulates CUDA, which it decides when it is imported."""
     from dampbalance.motion import device
 
-    device._BLOCK = 150
-    assert_same_as_the_processor(100, fetch=True)
+    assert_same_as_the_processor(60, fetch=False)
+    device._BLOCK = 60
+    assert_same_as_the_processor(40, fetch=True)
     case = {name: values.flat[-1] for name, values in cases(1).items()}
     with interpreted():
         assert steady_orbits(**case, device="cuda").X.shape == ()
         assert steady_orbits(**case | {"Y": []}, device="cuda").X.shape == (0,)
 
 
-def test_blocks_and_shapes_in_the_simulator():
-    in_simulator("blocks_and_shapes()")
+def test_in_the_simulator():
+    program = "from motion import test_device\ntest_device.in_simulator()"
+    folders = os.pathsep.join(path for path in sys.path if path)
+    output_of(sys.executable, "-c", program, NUMBA_ENABLE_CUDASIM="1", PYTHONPATH=folders)
 
 
 def test_without_a_GPU_no_result_of_the_processor_passes_for_one(monkeypatch):

@@ -82,7 +82,7 @@ def test_several_onsets_under_a_law_that_is_not_linear_are_refused():
     ("law", "message"),
     [
         ({"c_7": 1.0}, "unknown term 'c_7'; known are F_k, c"),
-        ({"F_k": 1.0}, "friction force is that of the oscillator"),
+        ({"F_k": 1.0}, "friction force belongs to the oscillator"),
         ({"c": 1.0}, "set Oscillator.c"),
         ({"c_2": -1.0}, "c_2 .quadratic damping. must be a number, 0 to .*, got -1"),
         ({"c_3": math.inf}, "c_3 .* must be a number, 0 to .*, got inf"),

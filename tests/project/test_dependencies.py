@@ -7,8 +7,6 @@ import json
 import sys
 from pathlib import Path
 
-import pytest
-
 from dampbalance.project.dependencies import package_modules
 from folders import ROOT
 from processes import output_of
@@ -51,26 +49,20 @@ for statements, faces in json.load(sys.stdin):
 """
 
 
-@pytest.fixture(scope="module")
-def loaded():
-    """The files of the package that the imports of each script load, in a fresh Python."""
-    told = []
-    for script in SCRIPTS:
+def test_nothing_that_python_loads_is_missing():
+    """The files of the package that the imports of each script load, in a fresh Python, are among those listed."""
+    told, listed = [], [package_modules(script, ROOT / "src") for script in SCRIPTS]
+    for script, names in zip(SCRIPTS, listed, strict=True):
         tree = ast.parse(script.read_text(encoding="utf-8"))
         imports = [node for node in tree.body if isinstance(node, ast.Import | ast.ImportFrom)]
-        listed = package_modules(script, ROOT / "src")
         faces = {  # but for those that the script takes names from
             str(init.parent.relative_to(ROOT / "src")).replace("/", "."): str(init.parent)
             for init in (ROOT / "src/dampbalance").rglob("__init__.py")
-            if str(init.relative_to(ROOT / "src")) not in listed
+            if str(init.relative_to(ROOT / "src")) not in names
         }
         told.append(["\n".join(map(ast.unparse, imports)), faces])
     lines = output_of(sys.executable, "-c", PROGRAM, given=json.dumps(told)).splitlines()
-    return dict(zip(SCRIPTS, map(json.loads, lines), strict=True))
-
-
-@pytest.mark.parametrize("script", SCRIPTS, ids=lambda path: path.stem)
-def test_nothing_that_python_loads_is_missing(script, loaded):
-    files = {str(Path(file).relative_to(ROOT / "src")) for file in loaded[script]}
-    assert files  # every script makes use of the package
-    assert files <= set(package_modules(script, ROOT / "src"))
+    for script, names, line in zip(SCRIPTS, listed, lines, strict=True):
+        loaded = {str(Path(file).relative_to(ROOT / "src")) for file in json.loads(line)}
+        assert loaded, f"{script} makes no use of the package"
+        assert loaded <= set(names), script

@@ -34,7 +34,7 @@ def test_a_script_tells_a_trouble_in_one_line():
     assert script("raise MemoryError").count("\n") == 1
     said = script("f = open('/dev/full', 'w', buffering=1); f.write('x\\n')")
     assert said == (
-        "error: a file cannot be written, as the disk is full: make room, then go on with the same command\n"
+        "error: a file cannot be written, as the disk is full: make room, then repeat the same command\n"
     )
 
 

@@ -76,7 +76,7 @@ class Project:
 
     @property
     def faults(self) -> dict[str, list[list[str]]]:
-        """Of the legibility of each figure, by its file, as they were found when it was drawn."""
+        """Return the faults in the legibility of each figure, by its file, as found when it was drawn."""
         files = self.folder.glob("faults/*.json")
         return {file.stem: json.loads(file.read_text(encoding="utf-8")) for file in files}
 
@@ -89,20 +89,21 @@ class Project:
         return self.folder / f"{RESULTS}/article.pdf"
 
     def printed(self) -> dict[str, dict[str, Any]]:
-        """Every value that the article prints, by key, with the place from which typst read it."""
+        """Return every value that the article prints, by key, with the place from which typst read it."""
         values = self.query("<value>", "value")
         return {value["key"]: value for value in values}
 
     def query(self, selector: str, field: str) -> list[Any]:
-        """A field of every element of the compiled article that a selector matches, as the rule `article` compiles it:
-        what typst has laid out in this process it does not lay out again."""
+        """Return a field of every element of the compiled article that a selector matches.
+
+        The article is compiled like by the rule `article`, so that typst does not lay it out again in this process."""
         with compiling.article_next_to_results(
             self.source.parent, self.folder / "results"
         ) as source:
             return compiling.query(source, source.parents[1], INPUTS, selector, field)
 
     def copy(self, folder: Path) -> Project:
-        """The article and its results in another folder."""
+        """Copy the article and its results to another folder."""
         for name in ("paper/article", "results"):
             shutil.copytree(self.folder / name, folder / name)
         return Project(folder)
@@ -117,7 +118,7 @@ class Project:
             at[name] = value[0]
         else:
             del at[name]
-        path.write_text(json.dumps(document), encoding="utf-8")
+        write_json(path, document)
 
     def run(
         self,
@@ -127,7 +128,7 @@ class Project:
         /,
         **params: object,
     ) -> None:
-        """A script of the workflow, as its rule would run it."""
+        """Run a script of the workflow as its rule would."""
         for file in output.values():
             (self.folder / file).parent.mkdir(parents=True, exist_ok=True)
         job = {"input": inputs, "params": params, "output": output}
@@ -138,7 +139,7 @@ class Project:
             runpy.run_path(str(file), {"snakemake": snakemake}, "__main__")
 
     def save(self, figure: Figure, svg: str | Path, png: object, alt: str) -> None:
-        """As `style.save`, without a bitmap, which takes longer to write than all else here."""
+        """Save a figure like `style.save`, without a bitmap, which takes longer to write than all else here."""
         file = self.folder / svg
         name = file.stem if file.stem != "figure" else file.parent.name
         write_json(self.folder / f"faults/{name}.json", faults(figure))
@@ -146,13 +147,13 @@ class Project:
         style.save_svg(figure, file, alt)
 
     def typeset(self, output: str = f"{RESULTS}/article.pdf") -> None:
-        """The rule `article`."""
+        """Typeset the article like the rule `article`."""
         params = {"folder": "paper/article", "results": "results", "inputs": INPUTS | FOLDERS}
         self.run("article", {"pdf": output}, {}, **params)
 
 
 def build(folder: Path) -> None:
-    """All that the article needs, and the article, in an empty folder."""
+    """Build the article, and all that it needs, in an empty folder."""
     project = Project(folder)
     shutil.copytree(ROOT / "paper/article", folder / "paper/article")
     for name in ("config", "src", "workflow", "CITATION.cff"):
@@ -165,7 +166,7 @@ def build(folder: Path) -> None:
 
 
 def _routes(folder: Path) -> None:
-    """features, estimates, claims and tables."""
+    """Write features, estimates, claims and tables."""
     routes = {"exact": exact(PAPER), "as_published": as_published(PAPER)}
     claims = judged()
     frames: dict[str, Any] = {"claims": claims}
@@ -184,7 +185,7 @@ def _routes(folder: Path) -> None:
 
 
 def _studies(project: Project) -> tuple[list[str], list[str]]:
-    """The cases of each study, and the file that describes it."""
+    """Compute the studies; return the cases of each, and the file that describes it."""
     cases, files, folder = [], [], project.folder
     for name in OF_ARTICLE:
         study, table = computed(name, folder / STUDIES, COARSER.get(name, ("", "")))
@@ -199,7 +200,7 @@ def _studies(project: Project) -> tuple[list[str], list[str]]:
 
 
 def _numbers(project: Project, cases: list[str], files: list[str]) -> None:
-    """schemes.csv, evidence.json, studies.json, environment.json, and the article's own figures."""
+    """Write schemes.csv, evidence.json, studies.json, environment.json, and the article's own figures."""
     article, names = f"{RESULTS}/article", ("numerics", "glance")
     inputs = {
         "claims": f"{RESULTS}/claims.csv",
@@ -232,7 +233,7 @@ def _numbers(project: Project, cases: list[str], files: list[str]) -> None:
 
 
 def _figures(project: Project) -> None:
-    """The paper's figures, as their script draws them."""
+    """Draw the paper's figures like their script."""
     folder = f"{RESULTS}/figures"
     orbits = [steady_orbit(PAPER, motion) for motion in CASE.motions(FIRST)]
     others = {

@@ -1,4 +1,4 @@
-"""The built article: what it prints is what its files say, and the PDF is an archive that can be read aloud."""
+"""The built article prints the numbers of its files, and the PDF is an archive that can be read aloud."""
 
 from __future__ import annotations
 
@@ -13,8 +13,9 @@ from pathlib import Path
 
 import pytest
 from pypdf import PdfReader
+from pypdf.generic import ArrayObject, IndirectObject
 
-from dampbalance.figures.style import DARK, follows_the_screen
+from dampbalance.figures.style import DARK, STYLE, follows_the_screen
 from dampbalance.publishing.article import compiling
 from publishing.article_case import INPUTS, SOURCES
 from replication.routes import ROOT
@@ -31,13 +32,13 @@ def values(article) -> dict:
 
 @lru_cache
 def content(path: Path) -> object:
-    """A result file, read without the code under test: the rows of a table as text, or a document."""
+    """Return a result file, read without the code under test: the rows of a table as text, or a document."""
     with path.open(encoding="utf-8", newline="") as stream:
         return list(csv.DictReader(stream)) if path.suffix == ".csv" else json.load(stream)
 
 
 def raw(article, value: dict) -> object:
-    """The entry in the file that a value names."""
+    """Return the entry in the file that a value names."""
     entry = content(article.folder / value["file"])
     if "pointer" in value:
         for name in value["pointer"].split("/")[1:]:
@@ -52,7 +53,7 @@ ASCII = str.maketrans("−⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "--0123456789", "\u20
 
 
 def number(text: str) -> tuple[float, float]:
-    """The printed number and one unit of its last digit."""
+    """Return the printed number and one unit of its last digit."""
     mantissa, _, exponent = text.translate(ASCII).replace("10-", "10^-").partition("·10")
     if not exponent and mantissa.startswith("10^"):
         return 10.0 ** int(mantissa[3:]), 0.0
@@ -64,7 +65,7 @@ WORDS = ["no", "one", "two", "three", "four", "five", "six", "seven", "eight", "
 
 
 def agrees(value: dict, entry: object) -> bool:
-    """Whether the printed text is that entry: rounded, in the scale stated, below a bound, or word for word."""
+    """Return whether the printed text is that entry: rounded, in the scale stated, below a bound, or word for word."""
     style = value["style"]
     if style["form"] == "text":
         return value["text"] == str(entry)
@@ -201,7 +202,7 @@ BY_HAND = {
 
 
 def test_the_values_speak_of_the_case(values):
-    """That keys, places, scales and the numbers behind them are right: compared with what is known otherwise."""
+    """Keys, places, scales and the numbers behind them agree with numbers that are known otherwise."""
     assert {key: values[key]["text"] for key in BY_HAND} == BY_HAND
 
 
@@ -235,7 +236,7 @@ def test_the_readme_has_the_numbers_of_the_article(values, words, key):
 
 @pytest.mark.parametrize("quantity", ["F_k", "c"])
 def test_one_bound_holds_for_all_errors_of_direct_integration(values, quantity):
-    """What the text states is the largest of those in the table, over frequencies, pairs and fits."""
+    """The text states the largest of those in the table, over frequencies, pairs and fits."""
     in_table = [
         number(value["text"])[0]
         for key, value in values.items()
@@ -272,7 +273,7 @@ def reader(article) -> PdfReader:
 
 
 def attachments(reader: PdfReader) -> dict[str, bytes]:
-    """The attached files by name."""
+    """Return the attached files by name."""
     return {Path(name).name: contents[0] for name, contents in reader.attachments.items()}
 
 
@@ -302,7 +303,7 @@ def test_the_article_is_an_archive_with_the_claims_in_it(article, reader):
 
 
 def structure(element) -> list[dict]:
-    """All elements of the tree in which a PDF says what is a heading, a table, a figure."""
+    """Return all elements of the tree in which a PDF says what is a heading, a table, a figure."""
     element = element.get_object()
     if not isinstance(element, dict) or ("/S" not in element and "/K" not in element):
         return []
@@ -326,7 +327,7 @@ def test_every_equation_and_figure_can_be_read_aloud(article, reader):
 
 
 def test_every_figure_can_be_read_and_has_a_dark_partner_of_each_colour(article):
-    """Those of the article and of its studies: no text lies on another, and no colour is not of the palette."""
+    """In figures of the article and of its studies no text lies on another, and every colour is of the palette."""
     files = [*article.folder.glob("results/**/*.svg")]
     assert len(files) == len(article.faults) == 14
     assert {name for name, found in article.faults.items() if found} == set()
@@ -339,17 +340,78 @@ def test_every_figure_can_be_read_and_has_a_dark_partner_of_each_colour(article)
         assert all(f": {colour}" in rules for colour in colours)
 
 
-def test_values_are_links_to_the_files_and_rules_that_the_last_page_names(reader):
-    links = [
-        note.get_object()
-        for page in reader.pages
-        for note in page.get("/Annots", [])
-        if note.get_object()["/Subtype"] == "/Link"
-    ]
-    assert len(links) > 600
-    text = reader.pages[-1].extract_text()
+def test_each_number_names_the_line_of_its_file(article, values):
+    """A line of JSON holds one entry; one of a table holds the entries that choose the row, and the number."""
+    for value in values.values():
+        text = (article.folder / value["file"]).read_text(encoding="utf-8")
+        line = text.split("\n")[value["line"] - 1]
+        entry = raw(article, value)
+        if "pointer" in value:
+            name = value["pointer"].rpartition("/")[2]
+            key = "" if name.isdigit() else json.dumps(name) + ": "
+            shown = key + json.dumps(entry, ensure_ascii=False)
+            assert line.strip().removesuffix(",") == shown, value["key"]
+        else:
+            (cells,) = csv.reader([line])
+            assert {entry, *value["row"].values()} <= {*cells}, value["key"]
+
+
+def chunks(page) -> list[tuple[str, float, float]]:
+    """Return the pieces of text of a page, with the places where they begin."""
+    pieces = []
+
+    def keep(text, cm, tm, *_):
+        x, y = tm[4], tm[5]
+        place = (cm[0] * x + cm[2] * y + cm[4], cm[1] * x + cm[3] * y + cm[5])
+        pieces.append((text.strip(), *place))
+
+    page.extract_text(visitor_text=keep)
+    return [piece for piece in pieces if piece[0]]
+
+
+def test_numbers_are_links_to_their_lines(values, reader):
+    """A link covers the text of a value and leads to the number of its line."""
+    pairs = {(value["text"], str(value["line"])) for value in values.values()}
+    at = {page.indirect_reference.idnum: number for number, page in enumerate(reader.pages)}
+    pages = [chunks(page) for page in reader.pages]
+    followed = set()
+    for page, pieces in zip(reader.pages, pages, strict=True):
+        for note in (note.get_object() for note in page.get("/Annots", [])):
+            if not isinstance(note.get("/Dest"), ArrayObject | IndirectObject):
+                continue
+            aim, _, x, y, _ = note["/Dest"].get_object()
+            left, low, right, high = note["/Rect"]
+            covered = [t for t, u, v in pieces if left - 0.5 <= u < right and low <= v <= high]
+            # A destination lies 10 pt above the line of writing, and the number of a line within 7 mm of it.
+            aimed = [
+                t for t, u, v in pages[at[aim.idnum]] if abs(v + 10.0 - y) < 0.6 and 0 <= u - x < 22
+            ]
+            if len(covered) == 1 and aimed and aimed[0].isdigit():
+                followed.add((covered[0], aimed[0]))
+    assert followed - pairs == set()
+    assert len(followed) > 300
+    text = "".join(page.extract_text() for page in reader.pages[-6:])
     assert "article/evidence.json" in text
     assert "article_numbers" in text
+
+
+def test_the_article_is_set_in_the_face_of_its_figures(reader):
+    """The face sets the text and the letters of equations."""
+    fonts = [
+        font.get_object()["/BaseFont"].partition("+")[2]
+        for font in reader.pages[3]["/Resources"]["/Font"].values()
+    ]
+    assert any(font.startswith(f"{STYLE['font.family']}-Regular") for font in fonts)
+    assert any(font.startswith(f"{STYLE['font.family']}-Italic") for font in fonts)
+
+
+def test_the_summary_for_editors_fills_one_page(reader):
+    first, second = (" ".join(page.extract_text().split()) for page in reader.pages[:2])
+    parts = ("Question.", "What we did.", "What we found.", "What is new.", "Data and code.")
+    assert all(part in first for part in parts)
+    assert "the dampbalance authors" in first
+    assert "Data and code." not in second
+    assert second.startswith("[Re] Balancing energy")
 
 
 def test_a_changed_result_changes_the_page(article, tmp_path):

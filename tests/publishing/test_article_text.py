@@ -23,7 +23,7 @@ HELPERS = ("template.typ", "values.typ", "numbers.typ")
 
 
 def sources() -> dict[str, str]:
-    """The texts of the article; the other sources hold no prose, which a test of their own sees to."""
+    """Return the texts of the article; a separate test sees to it that the other sources contain no prose."""
     files = [path for path in sorted(ARTICLE.rglob("*.typ")) if path.name not in HELPERS]
     return {
         path.relative_to(ARTICLE).as_posix(): path.read_text(encoding="utf-8") for path in files
@@ -94,7 +94,7 @@ def test_every_exception_says_why():
 
 @pytest.mark.parametrize("file", HELPERS)
 def test_layout_and_lookup_hold_no_prose(file):
-    """What they show comes from values; else a number could hide there."""
+    """They show values only; else a number could hide there."""
     text = (ARTICLE / file).read_text(encoding="utf-8")
     shown = re.findall(r"\[([^\[\]#]*)\]", text)
     assert [words for words in shown if re.search(r"\d", words)] == []
@@ -118,7 +118,7 @@ def test_no_semicolon_is_lost():
 
 
 def test_every_reference_is_cited():
-    """That every citation has its reference typst sees to."""
+    """Typst sees to it that every citation has its reference."""
     references = yaml.safe_load((ARTICLE / "references.yml").read_text(encoding="utf-8"))
     cited = set(re.findall(r"@([a-z]+\d{4})\b", "\n".join(sources().values())))
     assert cited == references.keys()
@@ -156,19 +156,32 @@ def test_authors_and_addresses_are_those_of_the_citation():
         ],
         "repository-code": "a place",
         "commit": "0123abc",
+        "contact": [{"name": "a group", "email": "a@b"}, {"family-names": "Vries"}],
     }
     assert software(stated) == {
         "version": "1.2.0",
         "licence": "BSD-3-Clause",
         "authors": ["Ada de Vries", "a group"],
-        "addresses": {"repository": "a place", "commit": "0123abc"},
+        "addresses": {
+            "repository": "a place",
+            "commit": "0123abc",
+            "contact": "a group a@b, Vries",
+        },
     }
 
 
 def test_nothing_is_stated_that_the_citation_lacks():
     own = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
     assert software(own)["version"] == dampbalance.__version__
-    known = {"repository-code", "repository", "url", "repository-artifact", "doi", "commit"}
+    known = {
+        "repository-code",
+        "repository",
+        "url",
+        "repository-artifact",
+        "doi",
+        "commit",
+        "contact",
+    }
     assert len(software(own)["addresses"]) == len(known & own.keys())
 
 
@@ -176,7 +189,7 @@ def test_nothing_is_stated_that_the_citation_lacks():
 
 
 def printed(cases) -> list[str]:
-    """The entries as typst prints them.   cases : entry of a result file, form, and what else the style states."""
+    """Return entries as typst prints them.   cases : entry of a result file, form, and further parts of the style."""
     source = b"""#import "numbers.typ": *
         #metadata(json(bytes(sys.inputs.given)).map(((raw, form, more)) => printed(raw, style(form, ..more))))<text>"""
     return compiling.query(source, ARTICLE, cases, "<text>", "value")[0]
@@ -216,7 +229,7 @@ def test_numbers_are_printed_in_their_form():
 
 
 def by_python(raw: object, form: str, digits: int) -> str:
-    """A number in a form by Python's own formatting, which rounds half to even; ASCII, without spaces."""
+    """Return a number in a form by Python's own formatting, which rounds half to even; ASCII, without spaces."""
     number = Decimal(str(raw))
     if form == "fixed":
         text = f"{number:.{digits}f}"
@@ -256,7 +269,18 @@ def test_numbers_are_rounded_as_python_rounds_them():
 # --- where it comes from -------------------------------------------------------------------------
 
 FILES = {
-    "results/article/evidence.json": '{"setting": {"m": 2.42, "k": "stiff", "levels_mm": [4]}}',
+    "results/article/evidence.json": """{
+ "setting": {
+  "m": 2.42,
+  "levels_mm": [
+   4,
+   6.5
+  ],
+  "k": "stiff",
+  "K_z": 5
+ }
+}
+""",
     "results/article/schemes.csv": """scheme,coefficients,level,c_N_s_per_m
 rk4,rounded,1,90.1
 leapfrog,rounded,1,90.2
@@ -267,7 +291,7 @@ leapfrog,rounded,1,90.3
 
 @pytest.fixture
 def value_of(tmp_path):
-    """A function from a key to its value in a folder that lacks one of three listed results."""
+    """Return a function from a key to its value in a folder that lacks one of three listed results."""
     (tmp_path / "results/article").mkdir(parents=True)
     for name in ("values.typ", "numbers.typ"):
         shutil.copy(ARTICLE / name, tmp_path)
@@ -288,10 +312,12 @@ def test_a_value_names_its_place(value_of):
     assert mass["text"] == "2.42"
     assert mass["unit"] == "kg"
     assert (mass["file"], mass["pointer"]) == ("results/article/evidence.json", "/setting/m")
+    assert [value_of(key)["line"] for key in ("m", "level.0", "level.1", "K_z")] == [3, 5, 6, 9]
     damping = value_of("c.rk4")
     assert damping["text"] == "90.1000"
     assert damping["row"] == {"scheme": "rk4", "coefficients": "rounded", "level": "1"}
     assert (damping["column"], damping["rule"], damping["source"]) == ("c_N_s_per_m", "a rule", 2)
+    assert damping["line"] == 2
 
 
 @pytest.mark.parametrize(
@@ -299,7 +325,7 @@ def test_a_value_names_its_place(value_of):
     [
         ("c.leapfrog", r"article/schemes\.csv: 2 rows with .*leapfrog.*, the article needs one"),
         ("c.euler", r"article/schemes\.csv: 0 rows with .*euler.*, the article needs one"),
-        ("level.1", r"results/article/evidence\.json: nothing at /setting/levels_mm/1"),
+        ("level.2", r"results/article/evidence\.json: nothing at /setting/levels_mm/2"),
         ("dev.a", r"results/article/evidence\.json: nothing at /integrals/a/printed/last"),
         ("k", r'k: results/article/evidence\.json: /setting/k: "stiff" is not a number'),
         ("within", r"file not found .*results/article/studies\.json"),

@@ -34,8 +34,6 @@ from processes import in_time
 from records.formats import write_columns
 from records.workbooks import row, xlsx
 
-pytestmark = pytest.mark.usefixtures("coarse")
-
 NAMES = ("time_s", "base_displacement_m", "displacement_m")
 RULES = {"base_displacement": {"channel": 1, "unit": "m"}, "displacement": {"channel": 2, "unit": "m"}}  # fmt: skip
 LONGEST = 2000  # characters of an error on a screen
@@ -157,7 +155,7 @@ COLUMNS = {
     "huge": ({"y": 1e150 * Y, "x": 1e150 * X}, r"beyond 1e\+15 m, and so are"),
     "the largest": ({"x": ALTERNATING}, r"1e\+308, beyond 1e\+15 m"),
     "one value": ({"x": np.where(np.arange(X.size) == 77, 1e160, X)}, r"(line 79|sample 78): .*1e\+160"),
-    "tiny": ({"y": 1e-150 * Y, "x": 1e-150 * X}, "too little to mean anything"),
+    "tiny": ({"y": 1e-150 * Y, "x": 1e-150 * X}, "less than a transducer resolves"),
     "subnormal": ({"x": 5e-322 * X}, "constant|too little"),
     "constant except for rounding": ({"x": 1.0 + 1e-13 * (X > 0)}, "constant except for rounding"),
     "infinite": ({"y": np.where(Y > 0, Y, -np.inf)}, "is infinite"),
@@ -211,9 +209,9 @@ def many_arrays(path):
     ("name", "fill", "message"),
     [
         ("far.xlsx", far_cell, "XFD1048576, makes a sheet of 1,048,576 × 16,384 cells"),
-        ("bad.h5", packed_zeros, "would be 3,000,000,000 numbers, more than 200,000,000; give a part"),
+        ("bad.h5", packed_zeros, "channels hold 3,000,000,000 numbers, more than 200,000,000; give a part"),
         ("bad.csv", rows_of_zeros, "has 4 GB, more than the 4 GB that are read; give a part"),
-        ("bad.mat", many_arrays, "would be 1,073,741,824 numbers, more than"),
+        ("bad.mat", many_arrays, "channels hold 1,073,741,824 numbers, more than"),
     ],
 )  # fmt: skip
 def test_a_file_too_large_for_memory_says_so(name, fill, message, tmp_path):

@@ -128,7 +128,7 @@ def force(more=None, **rule):
         ({"time": {"unit": "mm"}}, r"time\.unit: 'mm' is a unit of length, but time needs"),
         ({"sample_rate_hz": 0}, r"sample_rate_hz: 0 is not allowed. Samples per second"),
         ({"sample_rate_hz": float("inf")}, r"sample_rate_hz: inf is not a finite number"),
-        ({"delimiter": ",", "decimal": ","}, r"decimal: the same as the delimiter"),
+        ({"delimiter": ",", "decimal": ","}, r"decimal: is the delimiter, too"),
         ({"delimiter": "::"}, r"delimiter: '::' .*one character"),
         ({"decimal": "'"}, r"decimal: \"'\" is not allowed"),
         ({"header_lines": -1}, r"header_lines: -1 is not allowed"),

@@ -310,7 +310,7 @@ def refused(path, match, mapping=None):
         ("Dear reader,\nthere is nothing here.\n", r"holds no rows of at least two numbers"),
         ("2021-05-04 10:00:00,1,2\n2021-05-04 10:00:01,2,2\n", r"finds no excitation"),
         ("time,y [m],x [m]\n" + "4.5.2021 10:00,1,2\n" * 3, r"'4\.5\.2021 10:00' is a date that can be read in"),
-        ("time,y [m],x [m]\n" + "monday,1,2\n" * 3, r"texts are not read, nor dates but as 2026-03-01T12"),
+        ("time,y [m],x [m]\n" + "monday,1,2\n" * 3, r"neither texts nor dates are read, except 2026-03-01T12"),
         (HEADER + "0.0,1.0,2.0\n0.001,2.0,3.0\n", r"has 2 samples"),
         (HEADER.replace("[g]", "[gee]") + rows(), r"'acc': unknown unit 'gee'.*known for acceleration"),
         (HEADER.replace("[g]", "[mm/s]") + rows(), r"'mm/s' is a unit of velocity, but acceleration needs"),
@@ -501,12 +501,12 @@ def test_a_file_that_is_not_what_its_name_says(tmp_path, suffix):
 def test_bytes_of_no_format(tmp_path, suffix):
     path = tmp_path / f"run{suffix}"
     path.write_bytes(bytes(range(256)) * 20)
-    refused(path, "its first bytes are of no format known here")
+    refused(path, "its first bytes are those of no known format")
     path.write_bytes(b"")
     refused(path, "is empty")
 
 
-CUT_SHORT = r"cut short|damaged|incomplete|no format known"
+CUT_SHORT = r"cut short|damaged|incomplete|no known format"
 CUT = [(suffix, None) for suffix in SAMPLES if suffix != ".csv"] + [(".mat", "matlab73")]
 
 

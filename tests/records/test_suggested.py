@@ -112,9 +112,9 @@ REFUSED = [
     # case counts
     (["y [mm]", "x [Nm]"], r"'Nm' is a unit of torque, but", None),
     # one record rotates or moves along a line
-    (["Laser [mm]", "Torque [Nm]"], r"'Torque' is of a rotation and 'Laser' of a trans", None),
-    (["x [mm]", "force [N]", "angle [deg]"], r"'angle' is of a rotation and 'x' of a trans", None),
-    (["base [mm]", "speed [rpm]"], r"'speed' is of a rotation and 'base' of a translation", None),
+    (["Laser [mm]", "Torque [Nm]"], r"'Torque' rotates and 'Laser' moves along a line", None),
+    (["x [mm]", "force [N]", "angle [deg]"], r"'angle' rotates and 'x' moves along a line", None),
+    (["base [mm]", "speed [rpm]"], r"'speed' rotates and 'base' moves along a line", None),
     (["y [mm]", "x [MN]"], r"unknown unit 'MN' \(did you mean mN\?\)", None),
     (["y [mm]", "force [KN]"], r"finds base_displacement and force", None),
     (["force [KN]", "x [mm]"], r"unknown unit 'KN' \(did you mean kN\?\)", None),

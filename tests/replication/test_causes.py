@@ -24,8 +24,8 @@ OTHER_SCHEME = replace(CASE, numerics=replace(CASE.numerics, scheme="rk4"))
 EFFECTIVE = 37.19 * 2.42 + 2.42 * (2.0 * math.pi * 4.92) ** 2 * 5e-6
 MISFITS = {"plus": 0.4, "minus": 4.03, "minus alone": 0.34}
 CYCLE = (
-    "after slip is seen, in the cycle that starts in period 24: chosen for this number, of which only the fraction of "
-    "a sample is evidence."
+    "after slip is seen, in the cycle that starts in period 24. This start was chosen to give this number; only its "
+    "fraction of a sample is evidence."
 )
 MARKS = np.array([0.01130, 0.01135])
 CORNER = "Read at the corner of the acceleration-velocity plot: the first slipping sample has"
@@ -37,8 +37,8 @@ NOT_ALLOWED = "The rest of Table 2, within its rounding, allows 1.27400 to 1.286
     [
         (
             causes.backward_euler(CASE, {"exact": 2.0, "as_published": 2.0002}),
-            f"Backward Euler, 5 µs: c acts as c + mω²h = {EFFECTIVE:.4f}; as published lies +1.0e-04 of itself from "
-            "exact.",
+            f"Backward Euler, 5 µs: c acts as c + mω²h = {EFFECTIVE:.4f}; as published deviates from exact by a "
+            "relative +1.0e-04.",
         ),
         (causes.backward_euler(OTHER_SCHEME, {"exact": 2.0, "as_published": 2.0002}), ""),
         (causes.backward_euler(CASE, {"exact": 2.0, "as_published": math.nan}), ""),
@@ -57,7 +57,7 @@ NOT_ALLOWED = "The rest of Table 2, within its rounding, allows 1.27400 to 1.286
         (
             causes.slip_time_as_read(3.004e-3, 5e-6, T),  # whole tenths of it would be 3.0
             "The microstick phase lasts 3.004 ms, without a step of 5 µs at each end 2.994 ms; the print keeps whole "
-            "tenths. This number chose that these steps are taken off; its agreement is no evidence.",
+            "tenths. Leaving out these steps was chosen to give this number; its agreement is no evidence.",
         ),
         (causes.slip_time_as_read(3.011e-3, 5e-6, T), ""),  # 3.001 ms
         (causes.slip_time_as_read(math.nan, 5e-6, T), ""),
@@ -104,9 +104,9 @@ NOT_ALLOWED = "The rest of Table 2, within its rounding, allows 1.27400 to 1.286
             "Table 1, as printed, move it by +0.0100 from exact.",
         ),
         (causes.printed_inputs({"from_print": math.nan, "exact": 1.0}, "Table 1", C), ""),
-        (causes.starting_sample(CASE, 1), f"Begun a sample {CYCLE}"),
-        (causes.starting_sample(CASE, 3), f"Begun 2 samples {CYCLE}"),
-        (causes.cut_off(90.040254, C), "90.040254 cut off, not rounded, has the printed digits."),
+        (causes.starting_sample(CASE, 1), f"The integral begins a sample {CYCLE}"),
+        (causes.starting_sample(CASE, 3), f"The integral begins 2 samples {CYCLE}"),
+        (causes.cut_off(90.040254, C), "90.040254 has the printed digits if cut off, not rounded."),
         (causes.cut_off(90.040244, C), ""),
         (causes.cut_off(90.04034, C), ""),
     ],

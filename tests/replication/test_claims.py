@@ -45,11 +45,6 @@ from replication.routes import (
 
 
 @pytest.fixture(scope="module")
-def claims():
-    return judged()
-
-
-@pytest.fixture(scope="module")
 def recorded():
     return read_record(PUBLISHED / "verdicts.csv")
 
@@ -130,9 +125,9 @@ def test_the_column_agrees_names_every_route_that_rounds_to_print(claims):
 
 def test_a_number_says_where_it_chose_its_own_rule(claims):
     """t_s of level 4, which alone would be a tenth more; and where a begins, level by level."""
-    chose = claims["id"][claims["explanation"].str.contains("This number chose")]
+    chose = claims["id"][claims["explanation"].str.contains("Leaving out these steps")]
     assert chose.tolist() == ["table1.t_s.4"]
-    chosen = claims["id"][claims["explanation"].str.contains("chosen for this number")]
+    chosen = claims["id"][claims["explanation"].str.contains("This start was chosen")]
     assert chosen.tolist() == [f"table2.a.{level}" for level in range(1, 6)]
 
 
@@ -142,7 +137,7 @@ def test_what_nothing_explains_says_how_near_it_is(claims):
         f"table1.phi.{level}" for level in (1, 3, 5)
     }
     assert W_and_phi <= set(rows.index)
-    assert rows["explanation"].str.contains("nothing says why").all()
+    assert rows["explanation"].str.contains("the cause is unknown").all()
     W = rows.filter(like="table2.W.", axis="index")["off_units"].astype(float)
     assert W.tolist() == pytest.approx([-1.5, -6.5, 2.6, 3.3, 4.9], abs=0.05)
 
@@ -150,7 +145,7 @@ def test_what_nothing_explains_says_how_near_it_is(claims):
 def test_only_a_rebuilt_number_in_the_range_that_print_leaves_is_propagated(claims):
     rows = claims.set_index("id")
     assert rows.index[rows["verdict"] == "propagated"].tolist() == ["table2.F_k.3-4"]
-    assert "leave 1.28002281 to 1.28003634" in rows["explanation"]["table2.F_k.3-4"]
+    assert "allow 1.28002281 to 1.28003634" in rows["explanation"]["table2.F_k.3-4"]
 
 
 def test_one_route_judges_all_statements_and_print_does_not_decide_on_the_70_per_cent(claims):
@@ -295,13 +290,8 @@ def test_a_parameter_that_only_rounds_to_the_printed_one_is_found(recorded):
 @pytest.mark.parametrize(
     ("id_", "new", "now"),
     [
-        ("table1.X.3", "0.00608", "differs"),
         ("table1.Y.1", "0.005", "differs"),
-        ("table2.b.3", "0.00356284", "differs"),
-        ("table2.W.2", "0.19139124", "differs"),
-        ("table2.c.2-3", "90.0174", "differs"),
         ("table3.X_s.F_k.2-3", "1.298", "last digit"),
-        ("text.F_k_ts_ls", "1.285122", "differs"),
         ("text.residual_direct_ls", "9.1588e-07", "differs"),
         ("text.max_error_F_k", "50", "differs"),
         ("text.max_error_c", "9", "differs"),
@@ -315,6 +305,7 @@ def test_a_parameter_that_only_rounds_to_the_printed_one_is_found(recorded):
     ],
 )
 def test_a_changed_printed_digit_is_found(recorded, id_, new, now):
+    """Every last digit of a computed number is changed in test_mutations.py; here statements and what is given."""
     offences = check_claims(judged(PRINT.changed({id_: new})), recorded).set_index("id")
     assert id_ in offences.index
     assert offences.loc[id_, "now"] == now

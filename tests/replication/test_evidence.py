@@ -11,12 +11,7 @@ import pytest
 from dampbalance.replication.claims import evidence, unprinted
 from dampbalance.replication.claims.print import Printed
 from paper_case import LEVELS, PAIRS, PAPER, features_at
-from replication.routes import CASE, CONFIG, PRINT, exact, judged, unrounded
-
-
-@pytest.fixture(scope="module")
-def claims():
-    return judged()
+from replication.routes import CASE, CONFIG, PRINT, exact, unrounded
 
 
 def test_routes_are_counted_apart_from_verdicts(claims):

@@ -85,42 +85,23 @@ def test_eq_8(a, b, W):
     assert_same(solved(rows), eq_8(a_i, a_j, b_i, b_j, *W), rows)
 
 
+@pytest.mark.parametrize(
+    ("formula", "row", "onset", "shared"),
+    [
+        (eq_15, slip_displacement, "X_s", ()),
+        (eq_16, slip_displacement, "X_s", ("phi",)),
+        (eq_17, slip_time, "t_s", ()),
+        (eq_18, slip_time, "t_s", ("psi", "phi")),
+        (eq_19, slip_velocity, "V_s", ("phi",)),
+    ],
+)
 @given(r=responses)
-def test_eq_15(r):
-    features, p = two(r)
-    rows = slip_displacement(features, r["k"])
-    assert_same(
-        solved(rows), eq_15(r["k"], r["omega"], *p["Y"], *p["X"], *p["X_s"], *p["phi"]), rows
+def test_eq_15_to_19(formula, row, onset, shared, r):
+    """shared : what both responses have in common, which the formula takes once."""
+    features, p = two(r | {f"{name}_2": r[f"{name}_1"] for name in shared})
+    rows = row(features, r["k"])
+    onsets, phases = (
+        p[name][: 1 if angle in shared else 2] for name, angle in ((onset, "psi"), ("phi", "phi"))
     )
-
-
-@given(r=responses)
-def test_eq_16(r):
-    features, p = two({**r, "phi_2": r["phi_1"]})
-    rows = slip_displacement(features, r["k"])
-    expected = eq_16(r["k"], r["omega"], *p["Y"], *p["X"], *p["X_s"], p["phi"][0])
-    assert_same(solved(rows), expected, rows)
-
-
-@given(r=responses)
-def test_eq_17(r):
-    features, p = two(r)
-    rows = slip_time(features, r["k"])
-    F_k = eq_17(r["k"], r["omega"], *p["Y"], *p["X"], *p["t_s"], *p["phi"])
-    assert_same(solved(rows), (F_k,), rows)
-
-
-@given(r=responses)
-def test_eq_18(r):
-    features, p = two({**r, "phi_2": r["phi_1"], "psi_2": r["psi_1"]})
-    rows = slip_time(features, r["k"])
-    expected = eq_18(r["k"], r["omega"], *p["Y"], *p["X"], p["t_s"][0], p["phi"][0])
-    assert_same(solved(rows), expected, rows)
-
-
-@given(r=responses)
-def test_eq_19(r):
-    features, p = two({**r, "phi_2": r["phi_1"]})
-    rows = slip_velocity(features, r["k"])
-    expected = eq_19(r["k"], r["omega"], *p["Y"], *p["X"], *p["V_s"], p["phi"][0])
-    assert_same(solved(rows), expected, rows)
+    expected = formula(r["k"], r["omega"], *p["Y"], *p["X"], *onsets, *phases)
+    assert_same(solved(rows), expected if formula is not eq_17 else (expected,), rows)

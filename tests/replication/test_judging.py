@@ -25,7 +25,7 @@ from dampbalance.replication.claims.verdicts import PROPAGATED, READING, UNEXPLA
 from replication.routes import CASE, PRINT, claim
 
 NEAR = Tolerance(1.26, 1.30, "read so", READING)
-WIDE = Tolerance(1.2, 1.4, "nothing says why", UNEXPLAINED)
+WIDE = Tolerance(1.2, 1.4, "the cause is unknown", UNEXPLAINED)
 ELSEWHERE = {"exact": 1.28, "expected": {"as_published": 1.325}}
 READ = {"route": "as_published", "half_unit": math.nan, "tolerances": (NEAR,)}
 """A column that was read more coarsely than it is printed: the digits of its own route say nothing."""
@@ -118,7 +118,7 @@ def above(units: str) -> str:
     return f"{units} of the last digit above print"
 
 
-NOTHING = "No bound reaches so far, and no other number of the paper contradicts it."
+NOTHING = "It exceeds every bound, and no other number of the paper contradicts the print."
 EXPLAINED = {"exact": 1.31, "tolerances": (WIDE,), "cause": "So read."}
 
 
@@ -164,7 +164,7 @@ EXPLAINED = {"exact": 1.31, "tolerances": (WIDE,), "cause": "So read."}
         ("1.28", by_authors(1.2801), "Obtained as published."),
         # a last digit needs no tolerance and another does
         ("1.28", EXPLAINED | {"exact": 1.294}, f"Exact: {above('1.4 units')}. So read."),
-        ("1.28", EXPLAINED, f"Exact: {above('3 units')}; nothing says why. So read."),
+        ("1.28", EXPLAINED, f"Exact: {above('3 units')}; the cause is unknown. So read."),
         # what differs is contradicted by the paper, or says that it is not
         (
             "1.28",
@@ -176,11 +176,11 @@ EXPLAINED = {"exact": 1.31, "tolerances": (WIDE,), "cause": "So read."}
             by_authors(1.283, exact=1.28, contradiction="The mean needs 1.31."),
             f"As published: {above('3 units')}. The mean needs 1.31.",
         ),
-        ("1.28", {}, "No number exact."),
+        ("1.28", {}, "The route “exact” gives no number."),
         (
             "1.280",
             {"exact": 1.28, "as_published": 1.2935},
-            "Exact: 0 units of the last digit below print. Too far for the deviation that is named: as published "
+            "Exact: 0 units of the last digit below print. More than the named deviation explains: as published "
             f"{above('14 units')}.",
         ),
     ],
@@ -209,7 +209,7 @@ def test_a_phase_lies_within_its_resolution(side):
     ):
         assert verdict_of(tolerances, 1.522 + side * OMEGA * 1e-3 * ms) is expected
     assert "0.05 ms" in tolerances[0].reason
-    assert "nothing says why" in tolerances[1].reason
+    assert "the cause is unknown" in tolerances[1].reason
 
 
 def on_marks(values, half_units, unit):

@@ -10,7 +10,7 @@ import pandas as pd
 import pytest
 
 from benchmarks import __main__ as command
-from benchmarks import identification, peer_scipy, peers
+from benchmarks import gpu, identification, peer_scipy, peers
 from benchmarks.cases import forty_digits, sweep, worst_error
 from benchmarks.measuring import Contestant, interleaved, ratios
 from benchmarks.shooting import broyden
@@ -52,7 +52,19 @@ def test_diffrax_solves_the_same_problem(method, exact):
     assert worst_error(getattr(peer_diffrax, method)(CASES), exact) < 1e-7
 
 
-def test_peers_write_what_they_measured(tmp_path, monkeypatch, coarse):
+def test_without_a_gpu_the_benchmark_says_why(tmp_path, monkeypatch):
+    for installed, words in (
+        (None, "numba-cuda is not installed"),
+        ("there", "finds no NVIDIA GPU"),
+    ):
+        monkeypatch.setattr(gpu, "find_spec", lambda name, installed=installed: installed)
+        if installed and not gpu.missing():
+            pytest.skip("there is a GPU: make bench BENCH_ARGS=gpu")
+        gpu.run(tmp_path)
+        assert words in (tmp_path / "gpu.md").read_text(encoding="utf-8")
+
+
+def test_peers_write_what_they_measured(tmp_path, monkeypatch):
     found = {peers.REFERENCE: (64, peers.ours(1)), "scipy, shooting": (1, peer_scipy.shooting)}
     monkeypatch.setattr(peers, "solvers", lambda size: (found, ["a peer"]))
     peers.run(tmp_path, repetitions=2, exact_cases=1)
@@ -101,7 +113,7 @@ IMPORT_TIMES = (
 
 
 @pytest.mark.slow
-def test_identification_writes_what_it_measured(tmp_path, monkeypatch, capsys, coarse):
+def test_identification_writes_what_it_measured(tmp_path, monkeypatch, capsys):
     def here(script, arguments, *options):
         """In this process, where all is imported: a new one takes seconds."""
         monkeypatch.setattr("sys.argv", ["-c", *arguments])

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ast
 import importlib
 import re
 
@@ -51,19 +50,19 @@ def test_every_equation_names_a_function_and_a_test(line):
     assert named_tests(tests)
 
 
-@pytest.mark.parametrize("name", named_functions(TEXT))
-def test_every_function_exists(name):
-    module = module_of(name)
-    found = importlib.import_module(f"dampbalance.{module}")
-    for part in name.removeprefix(f"{module}.").split("."):
-        assert hasattr(found, part), f"dampbalance.{name} does not exist"
-        found = getattr(found, part)
+def test_every_function_exists():
+    for name in named_functions(TEXT):
+        module = module_of(name)
+        found = importlib.import_module(f"dampbalance.{module}")
+        for part in name.removeprefix(f"{module}.").split("."):
+            assert hasattr(found, part), f"dampbalance.{name} does not exist"
+            found = getattr(found, part)
 
 
-@pytest.mark.parametrize(("file", "test"), named_tests(TEXT))
-def test_every_test_exists(file, test):
-    tree = ast.parse((ROOT / file).read_text(encoding="utf-8"))
-    assert test in {node.name for node in tree.body if isinstance(node, ast.FunctionDef)}
+def test_every_test_exists():
+    for file, test in named_tests(TEXT):
+        text = (ROOT / file).read_text(encoding="utf-8")
+        assert re.search(rf"^def {test}\(", text, re.MULTILINE), f"{file}::{test}"
 
 
 # (4) is computed nowhere by itself: it is the step from the forces to the balance (5).

@@ -4,108 +4,55 @@ from __future__ import annotations
 
 import ast
 import re
-from functools import cache
-from graphlib import TopologicalSorter
-from pathlib import Path
+from graphlib import CycleError, TopologicalSorter
+from importlib import import_module
 
 import pytest
 
 from folders import ROOT
+from house import FACE, MODULES, PACKAGE, PICTURE, described, graph, imported, rooms
 
-SOURCE = ROOT / "src"
-PACKAGE = SOURCE / "dampbalance"
-
-# From the ground up. The method is the files at the root; a room is a folder.
-FLOORS = (
-    "arrays",
-    "arguments",
-    "model",
-    "record",
-    "law",
-    "motion",
-    "features",
-    "balance",
-    "solver",
-    "estimates",
-    "project",
-    "records",
-    "signals",
-    "fit",
-    "figures",
-    "identification",
-    "joints",
-    "loops",
-    "measured",
-    "replication",
-    "studies",
-    "publishing",
-    "commands",
-)
 MOST_ROOT_MODULES = 11
-MODULES = {
-    ".".join(path.relative_to(SOURCE).with_suffix("").parts).removesuffix(".__init__"): path
-    for path in sorted(PACKAGE.rglob("*.py"))
-}
-VERSION = {"dampbalance"}  # the face of the package, from which others take the version alone
 
 
-def imported(module: str, path: Path, text: str | None = None) -> set[str]:
-    """The modules of the package that a module imports, anywhere in it."""
-    package = module.split(".") if path.name == "__init__.py" else module.split(".")[:-1]
-    found = set()
-    for node in ast.walk(ast.parse(text or path.read_text(encoding="utf-8"))):
-        if not isinstance(node, ast.ImportFrom):
-            continue
-        base = package[: len(package) - node.level + 1] if node.level else []
-        start = ".".join([*base, *([node.module] if node.module else [])])
-        for alias in node.names:
-            inner = f"{start}.{alias.name}"
-            found.add(inner if inner in MODULES else start)
-    return {name for name in found if name in MODULES} - {module}
-
-
-@cache
-def graph() -> dict[str, set[str]]:
-    return {module: imported(module, path) for module, path in MODULES.items()}
-
-
-def floor(module: str) -> int:
-    return FLOORS.index(module.split(".")[1])
-
-
-def test_every_room_has_its_floor():
-    rooms = {module.split(".")[1] for module in MODULES if "." in module}
-    assert rooms - {"__main__"} == set(FLOORS)
-
-
-def test_nothing_is_imported_from_a_higher_floor():
-    upward = [
-        f"{module} imports {other}"
-        for module, others in graph().items()
-        for other in others
-        if module not in (*VERSION, "dampbalance.__main__")
-        and other not in VERSION
-        and floor(other) > floor(module)
-    ]
-    assert upward == []
+def test_no_room_imports_one_that_stands_on_it():
+    TopologicalSorter(rooms()).prepare()
 
 
 def test_an_import_from_a_higher_floor_would_be_seen():
     text = "def late():\n    from .measured import identify\n"
-    found = imported("dampbalance.solver", PACKAGE / "solver.py", text)
-    assert found == {"dampbalance.measured"}
-    assert floor(found.pop()) > floor("dampbalance.solver")
+    assert imported("dampbalance.solver", PACKAGE / "solver.py", text) == {"dampbalance.measured"}
+    with pytest.raises(CycleError):
+        TopologicalSorter(rooms() | {"solver": {"measured"}}).prepare()
+
+
+def test_the_picture_shows_the_rooms_and_what_they_import():
+    """A new arrow is either a mistake, or `PYTHONPATH=trials:tests python -m house` draws it."""
+    assert f"<dc:description>{described()}</dc:description>" in PICTURE.read_text(encoding="utf-8")
+
+
+def test_the_guide_names_what_is_there():
+    guide = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    guide = guide.split("## Four ways through the house")[1].split("## Style")[0]
+    names = set(re.findall(r"`((?:[a-z_]+\.)+(?!yaml|csv|parquet|py|md)\w+)`", guide))
+    paths = set(re.findall(r"`([a-z_]+(?:/[a-z_]+)*\.py)`", guide))
+    assert {"motion.orbit.steady_orbit", "fit.steady_search"} <= names
+    for name in names:
+        module, _, last = f"dampbalance.{name}".rpartition(".")
+        assert f"{module}.{last}" in MODULES or hasattr(import_module(module), last), name
+    places = PACKAGE, ROOT / "paper/site/symptoms", ROOT
+    assert [path for path in paths if not any((place / path).exists() for place in places)] == []
 
 
 @pytest.mark.parametrize("room", ["joints", "loops"])
 def test_joints_and_loops_are_known_to_the_module_that_hands_records_over_and_to_no_other(room):
     inside = {module for module in MODULES if module.split(".")[1:2] == [room]}
     importing = {module for module, others in graph().items() if others & inside}
-    assert importing - inside - VERSION == {"dampbalance.measured"}
+    assert importing - inside - FACE == {"dampbalance.measured"}
 
 
 def test_no_import_runs_in_a_circle():
-    TopologicalSorter({m: others - VERSION for m, others in graph().items()}).prepare()
+    TopologicalSorter({m: others - FACE for m, others in graph().items()}).prepare()
 
 
 def test_the_method_is_a_handful_of_files():
@@ -134,14 +81,10 @@ def scripts_of_rules() -> list[tuple[str, str, str]]:
     return found
 
 
-@pytest.mark.parametrize(("file", "rule", "script"), scripts_of_rules())
-def test_a_script_stands_where_its_rule_says(file, rule, script):
-    assert script == f"{file}/{rule}.py"
-    assert (ROOT / "workflow/scripts" / script).is_file()
-
-
-def test_every_script_has_its_rule():
+def test_a_script_stands_where_its_rule_says_and_every_script_has_one():
+    rules = scripts_of_rules()
+    assert [script for file, rule, script in rules if script != f"{file}/{rule}.py"] == []
     scripts = (ROOT / "workflow/scripts").rglob("*.py")
     assert {path.relative_to(ROOT / "workflow/scripts").as_posix() for path in scripts} == {
-        script for _, _, script in scripts_of_rules()
+        script for _, _, script in rules
     }

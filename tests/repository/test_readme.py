@@ -18,13 +18,17 @@ from dampbalance.replication.claims import evidence, unprinted
 from dampbalance.replication.claims.rules import Sources
 from dampbalance.replication.claims.table import claims_table
 from dampbalance.replication.claims.verdicts import VERDICTS, counts
+from dampbalance.replication.comparison import approaches_table, off_resonance
 from dampbalance.replication.rebuilt_tables import RouteTables
+from dampbalance.studies.reading_study import read_study
 from folders import ROOT
 from paper_case import FREQUENCIES_HZ, OMEGA, PAIRS, PAPER, features_at, orbits_at
 from replication.routes import CASE, PRINT, exact, judged, unrounded
 
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 RESULTS = (ROOT / "results/README.md").read_text(encoding="utf-8")
+STUDIES = (ROOT / "config/studies/README.md").read_text(encoding="utf-8")
+GALLERY = (ROOT / "paper/site/studies.md").read_text(encoding="utf-8")
 LIBRARY = (ROOT / "paper/site/start/oscillators.md").read_text(encoding="utf-8")
 
 
@@ -130,6 +134,51 @@ def test_the_errors_quoted_are_those_found(hertz, worst):
     direct = table[(table["approach"] == "direct") & table["kind"].isin(["pair", "least_squares"])]
     assert (direct["F_k_N"] / PAPER.F_k - 1.0).abs().max() < 1e-10
     assert (direct["c_N_s_per_m"] / PAPER.c - 1.0).abs().max() < 1e-10
+
+
+def test_the_causes_of_failure_have_the_sizes_quoted():
+    features = {name: features_at(hertz) for name, hertz in FREQUENCIES_HZ.items()}
+    table = approaches_table(features, CASE)
+    at, below, above = off_resonance(table, FREQUENCIES_HZ)
+    largest = table.loc[table["approach"] == "fourier", "F_k_largest_pair_error_percent"].max()
+    text = " ".join(RESULTS.split())
+    for words in (
+        f"F_k off by {at['peak']} at 4.92 Hz, {below['peak']} at 3.5 Hz and {above['peak']} at 11.1 Hz",
+        f"F_k by {below['which']} percentage points at 3.5 Hz and by {above['which']} at 11.1 Hz",
+        f"the second by {below['shared']} and {above['shared']},",
+        f"and both together by {below['both']} and {above['both']}:",
+        f"errs by {at['paper']}, {below['paper']} and {above['paper']}.",
+        f"from every pair of levels within {largest:.2g} %",
+    ):
+        assert words in text
+
+
+def test_the_speed_is_the_one_measured():
+    """The fastest peer of all ways that were tried, and a million cases on two threads."""
+    lines = (ROOT / "trials/benchmarks/README.md").read_text(encoding="utf-8").splitlines()
+    rows = [line.strip("| ").split(" | ") for line in lines if line.startswith("| ")]
+    peers = [
+        row for row in rows if len(row) == 8 and row[0].startswith(("heyoka", "diffrax", "scipy"))
+    ]
+    slower = min(float(row[5].replace(",", "")) for row in peers)
+    (millions,) = (float(row[6]) for row in rows if len(row) == 7 and row[:2] == ["1,000,000", "2"])
+    assert len(peers) == 11
+    assert 1.0 <= millions < 1.5
+    assert (
+        "solves a million cases per second on two cores, "
+        f"about {round(slower, -1):.0f} times as many as the fastest general solver"
+    ) in " ".join(README.split())
+
+
+def test_the_table_of_studies_counts_their_cases():
+    rows = re.findall(r"^\| `(\w+\.yaml)` \| .* \| ([\d,]+) \|$", STUDIES, re.MULTILINE)
+    folder = ROOT / "config/studies"
+    assert {file: int(count.replace(",", "")) for file, count in rows} == {
+        path.name: read_study(path, ROOT / "config/config.yaml").cases
+        for path in folder.glob("*.yaml")
+    }
+    shown = re.findall(r"results/studies/(\w+)/summary\.md", GALLERY)
+    assert shown == sorted(path.stem for path in folder.glob("*.yaml"))
 
 
 def examples() -> dict[str, str]:

@@ -3,7 +3,7 @@ starts something is slow."""
 
 from __future__ import annotations
 
-import ast
+import re
 
 import pytest
 
@@ -36,14 +36,10 @@ def test_what_must_always_hold_is_not_left_to_the_night():
     assert [name for name in NIGHTLY if name.startswith(NEVER_NIGHTLY)] == []
 
 
-@pytest.mark.parametrize("file", sorted({name.partition("::")[0] for name in [*SLOW, *NIGHTLY]}))
-def test_every_test_that_is_listed_is_there(file):
-    text = (ROOT / "tests" / file).read_text(encoding="utf-8")
-    listed = {name.partition("::")[2] for name in [*SLOW, *NIGHTLY] if name.startswith(f"{file}::")}
-    assert (
-        listed - {n.name for n in ast.walk(ast.parse(text)) if isinstance(n, ast.FunctionDef)}
-        == set()
-    )
+def test_every_test_that_is_listed_is_there():
+    for file, _, test in (name.partition("::") for name in [*SLOW, *NIGHTLY]):
+        text = (ROOT / "tests" / file).read_text(encoding="utf-8")
+        assert re.search(rf"^def {test or '.*'}\(", text, re.MULTILINE), f"{file}::{test}"
 
 
 def test_what_builds_or_starts_something_is_slow(request):

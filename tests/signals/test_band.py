@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from dampbalance.signals.band import Band, filtered, freedom, noise_variance
+from dampbalance.signals.band import NOISE_PASSED, Band, filtered, freedom
 
 DT = 1e-3
 BAND = Band.about(5.0, DT)
@@ -73,32 +73,9 @@ def test_the_noise_and_its_freedom():
     sigma, sizes = 0.3, []
     for _ in range(400):
         noise = filtered(sigma * rng.standard_normal(1000), DT, BAND)
-        sizes.append(noise_variance(noise, DT, BAND))
+        sizes.append(np.sum(noise**2) / (NOISE_PASSED * freedom(BAND, 1.0)))
     expected = freedom(BAND, 1.0)
     assert expected == pytest.approx(22.5)
     # relative variance 2/n of a variance with n degrees of freedom; five standard errors
     assert np.mean(sizes) == pytest.approx(sigma**2, rel=5.0 * np.sqrt(2.0 / expected / 400))
     assert 2.0 * sigma**4 / np.var(sizes) == pytest.approx(expected, rel=5.0 * np.sqrt(2.0 / 400))
-
-
-def test_a_fitted_line_has_the_covariance_that_the_noise_variance_says():
-    rng = np.random.default_rng(44)
-    # a sine and a cosine of 5 Hz in white noise: variance of each coefficient 2σ²/n
-    wave = 2.0 * np.pi * 5.0 * T[:2000]
-    columns = filtered(np.stack([np.cos(wave), np.sin(wave)], axis=1), DT, BAND)
-    inverse = np.linalg.inv(columns.T @ columns)
-    off, stated = [], []
-    for _ in range(400):
-        noise = filtered(rng.standard_normal(2000), DT, BAND)
-        fitted = inverse @ (columns.T @ noise)
-        off.append(fitted**2)
-        left = noise - columns @ fitted
-        stated.append(noise_variance(left, DT, BAND, unknowns=2) * np.diag(inverse))
-    # 800 squares: five standard errors are 5·√(2/800) = 25 %
-    assert np.mean(off) == pytest.approx(np.mean(stated), rel=0.25)
-    assert np.mean(stated) == pytest.approx(2.0 / 2000, rel=0.05)
-
-
-def test_too_short_a_stretch_says_so():
-    with pytest.raises(ValueError, match="than the 9 unknowns: use a longer decay"):
-        noise_variance(np.ones(100), DT, BAND, unknowns=9)

@@ -129,7 +129,7 @@ def test_harmonics_that_a_filter_does_not_pass_are_none():
     x = _sampled(HARMONICS, correction.response, "displacement")
     count = 1 + math.floor(20.0 * 1e3 ** (1 / 8) / (OMEGA / (2.0 * math.pi)))
     assert _conditioned(x, correction).X.shape[1] == count
-    lost = r"x: displacement: its filter leaves less than 0\.001 of the 4\.9"
+    lost = r"x: displacement: its filter passes less than 0\.001 of the drive, 4\.9"
     with pytest.raises(ValueError, match=lost):
         _conditioned(x, _correction(low_pass={"corner_hz": 0.01, "order": 3}))
 
@@ -147,7 +147,7 @@ def test_harmonics_that_a_filter_does_not_pass_are_none():
         ("low_pass: {order: 2}", "channels.displacement.low_pass: needs corner_hz"),
         ("low_pass: {corner_hz: 5, order: 0}", "channels.displacement.low_pass.order"),
         ("low_pass: {corner_hz: 5, poles_rad_per_s: [-3]}", "one of the two"),
-        ("low_pass: {poles_rad_per_s: [-3], order: 1}", "order goes with corner_hz"),
+        ("low_pass: {poles_rad_per_s: [-3], order: 1}", "order belongs to corner_hz"),
         ("low_pass: {poles_rad_per_s: [3]}", "channels.displacement.low_pass.poles_rad_per_s[1]"),
         ("low_pass: {poles_rad_per_s: [[0, 3]]}", "low_pass.poles_rad_per_s[1]"),
         ("low_pass: {poles_rad_per_s: [[-1, 2, 3]]}", "low_pass.poles_rad_per_s[1]"),
@@ -189,6 +189,6 @@ def test_a_mapping_corrects_a_file(tmp_path):
 def test_what_needs_a_correction_yet_is_not_written(tmp_path):
     correction = _correction(gain=2)
     made = [Channel(q, T, np.cos(T), q, correction) for q in ("force", "displacement")]
-    with pytest.raises(RecordError, match="cannot hold that the force is to be corrected"):
+    with pytest.raises(RecordError, match="cannot store the correction of the force"):
         write(tmp_path / "out.csv", Measurement.of("x", made))
     assert not list(tmp_path.iterdir())

@@ -131,11 +131,11 @@ def test_replicates_depend_on_the_seed_alone():
 def test_an_error_that_all_cycles_share_enters_like_a_group_that_is_left_out():
     """(g − 1)/g of the squares about the mean are the squares of the errors, whatever their number."""
     reading = _read(_orbit(), 0.01)
-    assert reading.shaken() == []
+    assert reading.with_hidden_errors() == []
     steady = reading.steady
     hidden = 1e-6 * np.arange(1.0, steady.X_hidden.size + 1.0)
     base = np.where(np.arange(steady.Y_hidden.size) == 1, 3e-6, 0.0)
-    (means,) = Reading(replace(steady, X_hidden=hidden, Y_hidden=base)).shaken()
+    (means,) = Reading(replace(steady, X_hidden=hidden, Y_hidden=base)).with_hidden_errors()
     groups = len(means.Y)
     for values, expected in (
         (means.x.real, hidden[reading.lines.n]),

@@ -10,7 +10,7 @@ from dampbalance.signals.whiteness import (
     averages,
     chance_of_averages,
     chance_of_lines,
-    louder,
+    excess_over_noise,
 )
 
 SIZE, WIDTH = 4000, 16
@@ -66,6 +66,6 @@ def test_a_residual_louder_than_the_samples_is_named(digits):
     own = noise_of(samples)
     assert own == pytest.approx(0.01, rel=0.25) if digits is None else own < 0.02
     left = noise(4)
-    assert louder(left, samples, 0.01) == 1.0
-    assert louder(left, samples, 0.053) == pytest.approx(0.053 / own, rel=0.05)
-    assert louder(left[:100], samples[:100], 0.053) == 1.0  # too few to tell
+    assert excess_over_noise(left, samples, 0.01) == 1.0
+    assert excess_over_noise(left, samples, 0.053) == pytest.approx(0.053 / own, rel=0.05)
+    assert excess_over_noise(left[:100], samples[:100], 0.053) == 1.0  # too few to tell

@@ -128,7 +128,7 @@ def test_a_digit_a_sign_and_a_parameter_that_change_fail_the_check_and_are_named
 @pytest.mark.parametrize(
     ("asked", "named"),
     [
-        (["studies"], r"of the studies contact_stiffness, .*noise, .* are not built"),
+        (["studies"], r"not built are the studies contact_stiffness, .*noise, "),
         (["all", "--configfile", "tests/workflow/small.yaml"], r"results/small is not built"),
     ],
 )

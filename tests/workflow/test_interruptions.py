@@ -114,9 +114,9 @@ def test_a_job_killed_for_want_of_memory_is_told(copy):
         half_written.touch()
         said, _ = run.communicate(timeout=PATIENCE)
     assert run.returncode != 0
-    assert "A job was killed, as a rule because memory ran out: use fewer cores" in said
+    assert "A job was killed, usually because memory ran out: use fewer cores" in said
     assert not half_written.exists()
-    assert said.splitlines()[-1].endswith("the same command goes on from there.")
+    assert said.splitlines()[-1].endswith("repeat the command: it continues from there.")
 
 
 @pytest.fixture
@@ -134,7 +134,7 @@ def test_a_full_disk(mounting):
     )
     assert "as the disk is full: make room" in done.stderr
     assert "Traceback" not in done.stderr
-    assert "results/small" not in done.stdout.rpartition("goes on from there.")[2]
+    assert "results/small" not in done.stdout.rpartition("continues from there.")[2]
 
 
 @pytest.mark.parametrize(

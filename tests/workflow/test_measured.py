@@ -188,7 +188,7 @@ def test_what_the_schema_forbids_is_refused_at_once_before_anything_runs(built):
         ({"records": ["data/none*.csv"]}, "measured[1].records[1]: no file data/none*.csv: name"),
         ({"kind": "ring-down"}, "measured[1].frequency_hz: is for forced records"),
         ({"given": {"c_2": 1.0}, "terms": ["F_k", "c"]}, "c_2 is given and no term of the law"),
-        ({"groups": {"F_k": ["a", "b"]}}, "the groups of F_k name 2 records, and there are 5"),
+        ({"groups": {"F_k": ["a", "b"]}}, "the groups of F_k have 2 labels for 5 records"),
     ],
 )
 def test_a_set_that_contradicts_itself_is_refused_before_anything_runs(built, change, message):

@@ -158,7 +158,7 @@ def test_the_printed_numbers_are_all_read_and_none_may_be_missing(named):
     (named.folder / "paper/published/printed.csv").unlink()
     for folder, expected in (
         ("paper/printed", "published: paper/printed is not a folder with printed numbers"),
-        ("paper/published", "paper/published/printed.csv: needed is a file of this name"),
+        ("paper/published", "paper/published/printed.csv: the file is missing"),
     ):
         status, said = dry_run(
             named, {"case": "paper", "published": folder}, "results/paper/summary.txt"

@@ -106,7 +106,7 @@ def test_the_pipeline_shows_it(extended):
     assert abs(fit["c_4_N_s4_per_m4"]) < 1e-6
     pairs = table[(table["approach"] == "toy") & (table["kind"] == "pair")]
     assert pairs["F_k_N"].isna().all()
-    assert pairs["note"].str.contains("two levels do not tell F_k, c and c_4 apart").all()
+    assert pairs["note"].str.contains("two levels do not distinguish F_k, c and c_4").all()
     assert "toy" in (results / "tables/approaches.md").read_text(encoding="utf-8")
     assert "with a toy" in (results / "figures/estimation_error.svg").read_text(encoding="utf-8")
 

@@ -37,14 +37,14 @@ class Sweep:
         return [BaseMotion(float(Y), float(w)) for Y, w in zip(self.Y, self.omega, strict=True)]
 
     def arguments(self) -> dict[str, float | np.ndarray]:
-        """Of `steady_orbits`."""
+        """Return arguments of `steady_orbits`."""
         o = PAPER
         fixed = {name: getattr(o, name) for name in ("m", "c", "k", "K_z", "F_k")}
         return {**fixed, "Y": self.Y, "omega": self.omega}
 
 
 def sweep(n: int) -> Sweep:
-    """The first n points of a Sobol sequence over the sweep."""
+    """Return the first n points of a Sobol sequence over the sweep."""
     points = qmc.Sobol(2, rng=np.random.default_rng(SEED)).random_base2(math.ceil(math.log2(n)))[:n]
     (f_low, f_high), (Y_low, Y_high) = FREQUENCIES_HZ, LEVELS_M
     return Sweep(
@@ -61,7 +61,7 @@ class Guess(NamedTuple):
 
 
 def good_guess(motion: BaseMotion) -> Guess:
-    """(k − mω²)² X² + (cωX + 4F_k/π)² = (kY)²,  tan φ = (cωX + 4F_k/π) / ((k − mω²) X),  θ = φ − π."""
+    """Return (k − mω²)² X² + (cωX + 4F_k/π)² = (kY)²,  tan φ = (cωX + 4F_k/π) / ((k − mω²) X),  θ = φ − π."""
     o, w = PAPER, motion.omega
     reactance, resistance, friction = o.k - o.m * w * w, o.c * w, 4.0 * o.F_k / math.pi
     square = reactance**2 + resistance**2
@@ -71,7 +71,7 @@ def good_guess(motion: BaseMotion) -> Guess:
 
 
 def forty_digits(cases: Sweep) -> np.ndarray:
-    """FEATURES of the cases, (n, 7), solved to forty digits and then rounded: see tests/analytic/README.md."""
+    """Return FEATURES of the cases, (n, 7), solved to forty digits and then rounded: see tests/analytic/README.md."""
     from analytic.forty_digits import solve
 
     rows = []
@@ -85,10 +85,10 @@ def forty_digits(cases: Sweep) -> np.ndarray:
 
 
 def wrapped(phi):
-    """A lag, rad, or an array of them, in [−π/2, 3π/2)."""
+    """Return a lag, rad, or an array of them, in [−π/2, 3π/2)."""
     return (phi + 0.5 * math.pi) % (2.0 * math.pi) - 0.5 * math.pi
 
 
 def worst_error(features: np.ndarray, exact: np.ndarray) -> float:
-    """Largest relative error of any feature of any case."""
+    """Return largest relative error of any feature of any case."""
     return float(np.max(np.abs(features[: len(exact)] / exact - 1.0)))

@@ -74,7 +74,7 @@ _IMPORTED = re.compile(r"import time:\s*(\d+) \|\s*\d+ \|\s*(\S+)")
 
 
 def measurements(samples: int) -> list[Measurement]:
-    """One simulated measurement of `samples` samples for each level: displacements of base and mass."""
+    """Return one simulated measurement of `samples` samples for each level: displacements of base and mass."""
     return [
         measured_orbit(
             steady_orbit(PAPER, BaseMotion(Y, OMEGA)),
@@ -88,13 +88,13 @@ def measurements(samples: int) -> list[Measurement]:
 
 
 def record(measurement: Measurement) -> Record:
-    """The same samples as the reference fit takes them."""
+    """Return the same samples as the reference fit takes them."""
     y, x = measurement["base_displacement"], measurement["displacement"]
     return Record(t=y.t, y=y.values, x=x.values)
 
 
 def contestants(samples: int) -> list[Contestant]:
-    """What is timed; a case is the whole set of five levels."""
+    """Return what is timed; a case is the whole set of five levels."""
     given = measurements(samples)
     k = PAPER.k
     readings = [read_features(measurement, k) for measurement in given]
@@ -110,7 +110,8 @@ def contestants(samples: int) -> list[Contestant]:
 
 
 def errors(samples: int) -> pd.DataFrame:
-    """Columns name, then of F_k and of c the relative error and the standard error that each approach reports."""
+    """Return columns name, then of F_k and of c the relative error and the standard error that each approach
+    reports."""
     given = measurements(samples)
     found = identify_readings([read_features(m, PAPER.k) for m in given], PAPER.k)
     fit, truth = found.joint.fit, {"F_k": PAPER.F_k, "c": PAPER.c}
@@ -131,8 +132,8 @@ def errors(samples: int) -> pd.DataFrame:
 
 
 def start_up(samples: int, repetitions: int) -> tuple[pd.DataFrame, pd.DataFrame]:
-    """Columns quantity, wall_s, best_wall_s, cpu_s (median, least, median) of import and first call, the kernels being
-    compiled already; and of the import, columns package, seconds, by `python -X importtime`."""
+    """Return columns quantity, wall_s, best_wall_s, cpu_s (median, least, median) of import and first call, the kernels
+    being compiled already; and of the import, columns package, seconds, by `python -X importtime`."""
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "levels.npy"
         np.save(file, [[r.t, r.y, r.x] for r in map(record, measurements(samples))])
@@ -148,7 +149,7 @@ def start_up(samples: int, repetitions: int) -> tuple[pd.DataFrame, pd.DataFrame
 
 
 def imports(told: str) -> pd.DataFrame:
-    """Columns package, seconds: the times of `-X importtime`, summed over the modules of each package."""
+    """Return columns package, seconds: the times of `-X importtime`, summed over the modules of each package."""
     seconds: dict[str, float] = {}
     for own, module in _IMPORTED.findall(told):
         package = module.split(".")[0]
@@ -198,7 +199,7 @@ def text(
 
 @styled()
 def figure(summary: pd.DataFrame, starting: pd.DataFrame, svg: Path, png: Path) -> None:
-    """One bar for each time, processor time filled, wall time as a line; the time asked for dashed."""
+    """Draw one bar for each time, processor time filled, wall time as a line; the time asked for dashed."""
     drawn = page(150.0, 14.0 + 6.0 * (len(summary) + 2))
     axes = place(drawn, 58.0, 11.0, 88.0, 6.0 * (len(summary) + 2))
     steps = starting.head(2)

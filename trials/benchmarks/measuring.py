@@ -28,8 +28,8 @@ class Contestant:
 
 
 def interleaved(contestants: list[Contestant], repetitions: int) -> pd.DataFrame:
-    """Columns repetition, name, cases, wall_s_per_case (what a user waits for) and cpu_s_per_case (of all threads;
-    what the work costs, whoever else uses the machine)."""
+    """Return columns repetition, name, cases, wall_s_per_case (what a user waits for) and cpu_s_per_case (of all
+    threads; what the work costs, whoever else uses the machine)."""
     rows = []
     for repetition in range(repetitions):
         for contestant in contestants:
@@ -42,7 +42,7 @@ def interleaved(contestants: list[Contestant], repetitions: int) -> pd.DataFrame
 
 
 def medians(timings: pd.DataFrame) -> pd.DataFrame:
-    """Columns name, cases and the median of each time, in the order of the contestants."""
+    """Return columns name, cases and the median of each time, in the order of the contestants."""
     names = timings["name"].unique()
     grouped = timings.groupby("name")
     table = grouped[list(TIMES)].median()
@@ -51,7 +51,8 @@ def medians(timings: pd.DataFrame) -> pd.DataFrame:
 
 
 def ratios(timings: pd.DataFrame, reference: str, time_column: str) -> pd.DataFrame:
-    """Cost of each contestant in units of the reference's in the same repetition: columns name, low, median, high."""
+    """Return cost of each contestant in units of the reference's in the same repetition: columns name, low, median,
+    high."""
     table = timings.pivot(index="repetition", columns="name", values=time_column)
     relative = table.div(table[reference], axis=0)
     spread = {"low": relative.min(), "median": relative.median(), "high": relative.max()}
@@ -60,17 +61,17 @@ def ratios(timings: pd.DataFrame, reference: str, time_column: str) -> pd.DataFr
 
 
 def cores() -> int:
-    """Those this process may use."""
+    """Return those this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def load() -> str:
-    """How many processes wanted a processor in the last minute."""
+    """Return how many processes wanted a processor in the last minute."""
     return f"{os.getloadavg()[0]:.1f}" if hasattr(os, "getloadavg") else "unknown"
 
 
 def machine() -> str:
-    """Processor, cores, operating system, load and versions, in one line."""
+    """Return processor, cores, operating system, load and versions, in one line."""
     model = platform.processor() or platform.machine()
     information = Path("/proc/cpuinfo")
     if information.exists():
@@ -92,7 +93,7 @@ def machine() -> str:
 
 
 def quantity(seconds: float) -> str:
-    """A duration with three digits and a fitting unit."""
+    """Return a duration with three digits and a fitting unit."""
     for unit, size in (("s", 1.0), ("ms", 1e-3), ("µs", 1e-6)):
         if seconds >= size:
             return f"{seconds / size:.3g} {unit}"
@@ -100,11 +101,11 @@ def quantity(seconds: float) -> str:
 
 
 def rounded(ratio: float) -> str:
-    """A ratio with three digits."""
+    """Return a ratio with three digits."""
     return f"{float(f'{ratio:.3g}'):,.0f}" if ratio >= 100.0 else f"{ratio:.3g}"
 
 
 def markdown(header: list[str], rows: list[list[object]]) -> str:
-    """A table; the first column is text, the others are numbers."""
+    """Return a table; the first column is text, the others are numbers."""
     cells = [[str(cell) for cell in row] for row in rows]
     return markdown_table(header, cells, "l" + "r" * (len(header) - 1)) + "\n"

@@ -31,7 +31,7 @@ def _rate(t, y, args):
 
 
 def _end(t, y, args, **_):
-    """What rises through zero at the end of a phase: −s ẋ in slip, (z + u)² − Z_m² in stick, over Z_m²."""
+    """Return what rises through zero at the end of a phase: −s ẋ in slip, (z + u)² − Z_m² in stick, over Z_m²."""
     (u, v, _, _), (_, _, _, _, s, z) = y, args
     u = u / PAPER.Z_m
     return jnp.where(s == 0.0, z * z - 1.0 + u * (2.0 * z + u), -s * v)
@@ -43,7 +43,7 @@ _EVENT = diffrax.Event(_end, optimistix.Newton(rtol=1e-11, atol=1e-12), directio
 
 
 def _phase(t, until, x, v, z, s, Y, omega, event=_EVENT):
-    """(t, gain u, ẋ, ∫ẋ² dt, ∫kyẋ dt) at the end of the phase from (x, ẋ, z Z_m) at time t in state s."""
+    """Return (t, gain u, ẋ, ∫ẋ² dt, ∫kyẋ dt) at the end of the phase from (x, ẋ, z Z_m) at time t in state s."""
     o = PAPER
     kappa = jnp.where(s == 0.0, o.k + o.K_z, o.k) / o.m
     force = (o.k * x + o.F_k * jnp.where(s == 0.0, z, s)) / o.m
@@ -90,7 +90,7 @@ def _settle(t, x, z, Y, omega):
 
 
 def _shoot(t, x, _, Y, omega):
-    """From the guess: rest at x = −X at time t."""
+    """Return the orbit found from the guess: rest at x = −X at time t."""
     half, X_guess = jnp.pi / omega, -x
 
     def half_cycle(u, theta):
@@ -131,7 +131,7 @@ _shoot_all = equinox.filter_jit(jax.vmap(_shoot))
 
 
 def _solve(solve_all, cases: Sweep, starts: np.ndarray) -> np.ndarray:
-    """starts : (n, 3), (t, x, z/Z_m) of each case at rest."""
+    """Return the orbits of cases.   starts : (n, 3), (t, x, z/Z_m) of each case at rest."""
     features = np.empty((len(cases), 7))
     order = np.argsort(cases.omega)
     for first in range(0, len(order), BATCH):

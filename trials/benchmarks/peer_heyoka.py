@@ -24,7 +24,7 @@ _KAPPA, _FORCE, _E_V, _E_UU, _E_U, _E_1, _OMEGA, _DRIVE = range(8)
 
 
 def _system():
-    """Equations for (u, ẋ, ∫ẋ² dt, ∫kyẋ dt), u gained since the phase began, and what is zero at its end."""
+    """Return equations for (u, ẋ, ∫ẋ² dt, ∫kyẋ dt), u gained since the phase began, and what is zero at its end."""
     u, v, b, W = hy.make_vars("u", "v", "b", "W")
     par, o = hy.par, PAPER
     drive = par[_DRIVE] * hy.cos(par[_OMEGA] * hy.time)
@@ -51,20 +51,20 @@ def _batch_integrator(callback, lanes):
 
 
 def _stick(pars, x, z):
-    """The phase from x, z ends where (z + u)² = Z_m²."""
+    """Make the phase from x, z, which ends where (z + u)² = Z_m²."""
     r = z / _Z_M
     force = _STIFFNESS * x + _CONTACT * r
     pars[:6] = _STIFFNESS + _CONTACT / _Z_M, force, 0.0, _Z_M**-2, 2.0 * r / _Z_M, r * r - 1.0
 
 
 def _slip(pars, x, s, ends):
-    """The phase from x ends where −s ẋ = 0, or never."""
+    """Make the phase from x, which ends where −s ẋ = 0, or never."""
     force = _STIFFNESS * x + s * _CONTACT
     pars[:6] = _STIFFNESS, force, -s if ends else 0.0, 0.0, 0.0, 0.0 if ends else -1.0
 
 
 def _batches(cases: Sweep, lanes: int):
-    """Members of each batch, by frequency, and the same padded to its width: the last batch repeats its cases."""
+    """Yield members of each batch, by frequency, and the same padded to its width: the last batch repeats its cases."""
     order = np.argsort(cases.omega)
     for first in range(0, len(order), lanes):
         members = order[first : first + lanes]
@@ -72,7 +72,7 @@ def _batches(cases: Sweep, lanes: int):
 
 
 class _Case:
-    """What the callback of one settling case keeps from phase to phase."""
+    """State that the callback of one settling case keeps from phase to phase."""
 
     def __init__(self, motion, from_rest: bool) -> None:
         self.half = math.pi / motion.omega
@@ -152,7 +152,7 @@ class Settling:
 
 
 class SettlingBatch:
-    """The same for a batch; it ends when its last case is steady."""
+    """State for a batch, which ends when its last case is steady."""
 
     def __init__(self, from_rest: bool) -> None:
         self._from_rest = from_rest
@@ -207,7 +207,7 @@ class Shooting:
         return True
 
     def _half_cycle(self, X, t, half):
-        """x and ẋ half a period after rest at −X."""
+        """Return x and ẋ half a period after rest at −X."""
         integrator = self._integrator
         self._x = -X
         _stick(self._pars, -X, -_Z_M)
@@ -237,7 +237,7 @@ class Shooting:
 
 
 class ShootingBatch:
-    """The same for a batch; it ends when its last case is found."""
+    """State for a batch, which ends when its last case is found."""
 
     def __init__(self) -> None:
         self._lanes = hy.recommended_simd_size()

@@ -18,8 +18,8 @@ MOST_HALF_CYCLES = 400
 
 
 def _integrate(motion, t, end, x, v, z, s, events=True):
-    """One phase from (x, ẋ, z) at time t in state s: (t, gain u, ẋ, ∫ẋ² dt, ∫k y ẋ dt) at its end, and whether an
-    event ended it."""
+    """Return one phase from (x, ẋ, z) at time t in state s: (t, gain u, ẋ, ∫ẋ² dt, ∫k y ẋ dt) at its end, and whether
+    an event ended it."""
     o, Y, omega = PAPER, motion.Y, motion.omega
     kappa, base = (o.k + o.K_z, o.k * x + o.K_z * z) if s == 0 else (o.k, o.k * x + s * o.F_k)
 
@@ -45,7 +45,7 @@ def _integrate(motion, t, end, x, v, z, s, events=True):
 
 
 def _features(motion, t_0, onset, t_1, x_1, b, W):
-    """FEATURES of the half cycle from the reversal at t_0 to that at (t_1, x_1), with slip onset (t, x, ẋ)."""
+    """Return FEATURES of the half cycle from the reversal at t_0 to that at (t_1, x_1), with slip onset (t, x, ẋ)."""
     t, x, v = onset
     phi = wrapped(motion.omega * t_1 + (0.0 if x_1 > 0.0 else math.pi))
     return abs(x_1), abs(v), t - t_0, phi, 2.0 * abs(x_1 - x), 2.0 * b, 2.0 * W

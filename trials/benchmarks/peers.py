@@ -43,7 +43,7 @@ def ours(threads: int) -> Solver:
 
 
 def solvers(size: float) -> tuple[dict[str, tuple[int, Solver]], list[str]]:
-    """(how many cases each solver does in one go, and the solver) by name, ours on one thread first; peers not
+    """Return (how many cases each solver does in one go, and the solver) by name, ours on one thread first; peers not
     installed.
 
     size : a factor on all numbers of cases.
@@ -80,7 +80,7 @@ def solvers(size: float) -> tuple[dict[str, tuple[int, Solver]], list[str]]:
 def measure(
     exact_cases: int, repetitions: int, size: float
 ) -> tuple[pd.DataFrame, pd.DataFrame, list[str]]:
-    """Timings of every repetition; their summary with the worst error of each method; missing peers."""
+    """Return timings of every repetition; their summary with the worst error of each method; missing peers."""
     found, missing = solvers(size)
     all_cases = sweep(max(exact_cases, *(n for n, _ in found.values())))
     exact = forty_digits(all_cases.take(exact_cases))
@@ -95,8 +95,8 @@ def measure(
 
 
 def summarised(timings: pd.DataFrame) -> pd.DataFrame:
-    """Columns name, cases, median times, and ratios, low, median and high: of processor and of wall time to ours on one
-    thread (cpu_ratio_, wall_ratio_), of wall time to ours on all cores (all_cores_ratio_)."""
+    """Return columns name, cases, median times, and ratios, low, median and high: of processor and of wall time to ours
+    on one thread (cpu_ratio_, wall_ratio_), of wall time to ours on all cores (all_cores_ratio_)."""
     summary = medians(timings)
     all_cores = [name for name in summary["name"] if name.startswith("dampbalance")][-1]
     for prefix, reference, time in (
@@ -138,7 +138,7 @@ def table(summary: pd.DataFrame, missing: list[str], exact_cases: int, repetitio
 
 @styled()
 def figure(summary: pd.DataFrame, svg: Path, png: Path) -> None:
-    """Processor time per case and worst error of each method: further left is faster, lower is more accurate."""
+    """Draw processor time per case and worst error of each method: further left is faster, lower is more accurate."""
     drawn = page(150.0, 82.0)
     axes = place(drawn, 18.0, 13.0, 76.0, 64.0)
     for i, row in enumerate(summary.itertuples(index=False), start=1):

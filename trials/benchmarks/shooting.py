@@ -19,21 +19,21 @@ Residual = Callable[[Number, Number], tuple[Number, Number]]
 
 
 def first_jacobian(residual: Residual, u: Number, v: Number, f: Number, g: Number) -> Jacobian:
-    """(∂f/∂u, ∂f/∂v, ∂g/∂u, ∂g/∂v) by forward differences; f, g = residual(u, v)."""
+    """Return (∂f/∂u, ∂f/∂v, ∂g/∂u, ∂g/∂v) by forward differences; f, g = residual(u, v)."""
     f_u, g_u = residual(u + DIFFERENCE, v)
     f_v, g_v = residual(u, v + DIFFERENCE)
     return tuple(change / DIFFERENCE for change in (f_u - f, f_v - f, g_u - g, g_v - g))
 
 
 def newton_step(jacobian: Jacobian, f: Number, g: Number) -> tuple[Number, Number]:
-    """(δu, δv) that brings the linear model to zero."""
+    """Return (δu, δv) that brings the linear model to zero."""
     a, b, c, d = jacobian
     det = a * d - b * c
     return (b * g - d * f) / det, (c * f - a * g) / det
 
 
 def broyden_update(jacobian: Jacobian, du: Number, dv: Number, f: Number, g: Number) -> Jacobian:
-    """The Jacobian nearest to the last one that explains the residual (f, g) after the step (δu, δv)."""
+    """Return the Jacobian nearest to the last one that explains the residual (f, g) after the step (δu, δv)."""
     a, b, c, d = jacobian
     square = du * du + dv * dv + _NOTHING
     return a + f * du / square, b + f * dv / square, c + g * du / square, d + g * dv / square
@@ -42,7 +42,7 @@ def broyden_update(jacobian: Jacobian, du: Number, dv: Number, f: Number, g: Num
 def broyden(
     residual: Residual, u: Number, v: Number, settled: Callable[[Number, Number], bool]
 ) -> tuple[Number, Number]:
-    """(u, v) at which the residual is settled; the last call of `residual` is the one there."""
+    """Return (u, v) at which the residual is settled; the last call of `residual` is the one there."""
     f, g = residual(u, v)
     jacobian = first_jacobian(residual, u, v, f, g)
     for _ in range(MOST_STEPS):

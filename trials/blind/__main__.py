@@ -36,7 +36,7 @@ from .truths import SEED
 def _rows(
     work: Callable[[Any], list[dict[str, object]]], runs: Sequence[Any], processes: int
 ) -> pd.DataFrame:
-    """Rows of all runs, in their order."""
+    """Return rows of all runs, in their order."""
     rows: list[dict[str, object]] = []
     with multiprocessing.get_context("spawn").Pool(processes) as pool:
         for of_run in followed(pool.imap(work, runs, chunksize=1), len(runs), "sets"):
@@ -69,7 +69,7 @@ def faulty(options: argparse.Namespace) -> str:
 
 
 def other(options: argparse.Namespace) -> str:
-    """Other ways to the same numbers, on three sets."""
+    """Return other ways to the same numbers, on three sets."""
     rows = _rows(others.compared, others.SETS, options.processes)
     rows.to_csv(options.output / "others.csv", index=False)
     return others.table(rows)

@@ -34,7 +34,7 @@ START, SLIPS, FREQUENCY, OFFSET, SHIFT, REAL, IMAGINARY, COSINE, SINE = range(9)
 
 @njit(cache=True)
 def _phase(zeta, r, K, F, t, x, v, z, s, row):
-    """Constants of the phase that starts at time t."""
+    """Set the constants of the phase that starts at time t."""
     kappa = 1.0 + K if s == 0.0 else 1.0
     shift = x - z if s == 0.0 else 0.0
     offset = -shift / kappa if s == 0.0 else -s * F
@@ -51,7 +51,7 @@ def _phase(zeta, r, K, F, t, x, v, z, s, row):
 
 @njit(cache=True)
 def _motion(zeta, r, row, t):
-    """(u, u′, u″) in a phase at time t; u is z in stick, x in slip."""
+    """Return (u, u′, u″) in a phase at time t; u is z in stick, x in slip."""
     since, w = t - row[START], row[FREQUENCY]
     cosine, sine = math.cos(r * t), math.sin(r * t)
     forced = row[REAL] * cosine - row[IMAGINARY] * sine
@@ -66,7 +66,7 @@ def _motion(zeta, r, row, t):
 
 @njit(cache=True)
 def _bisected(zeta, r, row, low, high, which, level, sign):
-    """Last time at which sign·(motion[which] − level) is not yet positive, in a bracket where it becomes so."""
+    """Return last time at which sign·(motion[which] − level) is not yet positive, in a bracket where it becomes so."""
     while True:
         middle = 0.5 * (low + high)
         if not low < middle < high:
@@ -135,7 +135,8 @@ def _advance(zeta, r, K, F, state, begin, end, rows):
 
 @njit(cache=True)
 def _settle(zeta, r, K, F, rows):
-    """Phases of the steady period from ωt = 0 on, and the state at its start; −1 phases where it does not repeat."""
+    """Return phases of the steady period from ωt = 0 on, and the state at its start; −1 phases where it does not
+    repeat."""
     period = 2.0 * math.pi / r
     # the motion of a contact that sticks: the answer where it does, a start where not
     _phase(zeta, r, K, F, 0.0, 0.0, 0.0, 0.0, 0.0, rows[0])
@@ -161,7 +162,7 @@ def _settle(zeta, r, K, F, rows):
 
 @njit(cache=True)
 def _sampled(zeta, r, rows, times, out):
-    """(x, x′, x″) at times within [0, T], any order, into out (3, n)."""
+    """Write (x, x′, x″) at times within [0, T], any order, into out (3, n)."""
     starts = rows[:, START]
     for i in range(len(times)):
         row = rows[max(np.searchsorted(starts, times[i], "right") - 1, 0)]
@@ -198,7 +199,7 @@ class Cycle:
         return float(lasts[self.phases[:, SLIPS] == 0.0].sum() / period)
 
     def state(self, phase: np.ndarray) -> np.ndarray:
-        """(x, x′, x″), (3, n), at phases ωt, rad."""
+        """Return (x, x′, x″), (3, n), at phases ωt, rad."""
         times = np.mod(phase, 2.0 * math.pi) / self.r
         out = np.empty((3, times.size))
         _sampled(self.zeta, self.r, self.phases, times, out)
@@ -206,7 +207,7 @@ class Cycle:
 
 
 def steady_cycle(zeta: float, r: float, K: float, F: float) -> Cycle:
-    """The steady cycle at damping ratio ζ < 1, ω/ω_n = r, K_z/k = K and F_k/kY = F > 0."""
+    """Return the steady cycle at damping ratio ζ < 1, ω/ω_n = r, K_z/k = K and F_k/kY = F > 0."""
     rows = np.empty((_MOST_EVENTS, 9))
     count, start = _settle(zeta, r, K, F, rows)
     if count < 0:

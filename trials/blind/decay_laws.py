@@ -53,8 +53,8 @@ _CONDITION = "The values are those of friction and viscous damping"
 
 
 def outcome(run: tuple[str, int, int, bool]) -> list[dict[str, object]]:
-    """A row for a set: what was said, how far off its values are, which law was chosen.   run : term, number, seed, and
-    whether the laws are compared, which takes most of the time."""
+    """Return a row for a set: what was said, how far off its values are, which law was chosen.   run : term, number,
+    seed, and whether the laws are compared, which takes most of the time."""
     term, index, seed, compared = run
     decay = draw(index, seed)
     random = np.random.default_rng((_SHARE, seed, index))
@@ -110,7 +110,7 @@ def outcome(run: tuple[str, int, int, bool]) -> list[dict[str, object]]:
 
 
 def table(rows: pd.DataFrame) -> str:
-    """By term, in sets: what was said, how many are silently wrong, and which law was chosen."""
+    """Return a table by term, in sets: what was said, how many are silently wrong, and which law was chosen."""
     lines = []
     for term, some in rows.groupby("term", sort=False):
         known = some[some["usable"].notna()]
@@ -155,7 +155,8 @@ def table(rows: pd.DataFrame) -> str:
 
 
 def table_of_contacts(rows: pd.DataFrame) -> str:
-    """By contact, in sets: which numbers are usable, which of these are wrong, and which are so without a word."""
+    """Return a table by contact, in sets: which numbers are usable, which of these are wrong, and which are so without
+    a word."""
     lines = []
     for contact, some in rows.groupby("term", sort=False):
         known = some[some["usable"].notna()]

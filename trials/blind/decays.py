@@ -93,7 +93,7 @@ def draw(index: int, seed: int = SEED) -> Decay:
 
 
 def departing(decay: Decay, field: str, order: int, share: float) -> Decay:
-    """The decay with a further term, which would take a share of the loss of the motion without it.
+    """Return the decay with a further term, which would take a share of the loss of the motion without it.
 
     field : of `Departure`.   order : power of the velocity, or of the displacement in a spring, that its force grows
     with; the share of a spring is that of its force in the force at the start.
@@ -109,7 +109,7 @@ def departing(decay: Decay, field: str, order: int, share: float) -> Decay:
 
 
 def falling(decay: Decay, part: float, speed: float) -> Decay:
-    """The decay with friction that falls with speed, F_k (1 + part · e^(−|ẋ|/v_s)) (Stribeck).
+    """Return the decay with friction that falls with speed, F_k (1 + part · e^(−|ẋ|/v_s)) (Stribeck).
 
     speed : v_s over the largest speed of the motion without it.
     """
@@ -118,7 +118,7 @@ def falling(decay: Decay, part: float, speed: float) -> Decay:
 
 
 def clean(decay: Decay) -> tuple[np.ndarray, list[float]]:
-    """(x, x′, x″) of the record, (3, n), and the times at which the mass comes free, s."""
+    """Return (x, x′, x″) of the record, (3, n), and the times at which the mass comes free, s."""
     step, Z_m = 1.0 / decay.rate_hz, decay.F_k / decay.K_z
     parts: list[np.ndarray] = []
     x = z = 0.0
@@ -152,7 +152,7 @@ def _held(x: float, count: int) -> np.ndarray:
 
 
 def _pulled(start: float, end: float, lasts: float, step: float) -> np.ndarray:
-    """A hand that moves the mass from one place to another, after it has grasped it for as long."""
+    """Return a hand that moves the mass from one place to another, after it has grasped it for as long."""
     n = max(4, round(lasts / step))
     turn = np.arange(n) * (math.pi / n)
     rate = math.pi / (n * step)
@@ -163,7 +163,8 @@ def _pulled(start: float, end: float, lasts: float, step: float) -> np.ndarray:
 
 
 def record(decay: Decay, seed: int | None = None) -> tuple[Measurement, list[float]]:
-    """The record with its noise, and the times at which the mass comes free, s.   seed : default, that of the set."""
+    """Return the record with its noise, and the times at which the mass comes free, s.   seed : default, that of the
+    set."""
     signals, free = clean(decay)
     t = np.arange(signals.shape[1]) / decay.rate_hz
     channels = []

@@ -44,7 +44,7 @@ _STUCK = 2.0  # times the last peak that may be one of a mass that sticks
 
 
 def peaks_of(decay: Decay, measured: Measurement, free: list[float]) -> tuple[Peaks, float]:
-    """The peaks of each decay in the first channel, and the mean frequency between them, rad/s."""
+    """Return the peaks of each decay in the first channel, and the mean frequency between them, rad/s."""
     channel = measured.responses[0]
     order = ANSWERS.index(channel.quantity)
     width = max(5, round(0.1 * decay.rate_hz * 2.0 * math.pi / decay.omega_n) | 1)
@@ -77,21 +77,21 @@ def peaks_of(decay: Decay, measured: Measurement, free: list[float]) -> tuple[Pe
 
 
 def _damping(ratio: float, omega: float, k: float) -> float:
-    """c of a decay by `ratio` from peak to peak, ω_d = omega."""
+    """Return c of a decay by `ratio` from peak to peak, ω_d = omega."""
     beta = -math.log(min(max(ratio, 1e-9), 1.0)) / math.pi
     zeta = beta / math.hypot(1.0, beta)
     return 2.0 * zeta * k / (omega / math.sqrt(1.0 - zeta * zeta))
 
 
 def logarithmic(peaks: Peaks, omega: float, k: float) -> Found:
-    """The logarithmic decrement."""
+    """Return the logarithmic decrement."""
     slopes = [np.polyfit(np.arange(x.size), np.log(x), 1)[0] for _, x in peaks if x.size > 1]
     c = _damping(math.exp(float(np.mean(slopes))), omega, k) if slopes else math.nan
     return {"F_k": math.nan, "c": c}
 
 
 def envelope(peaks: Peaks, omega: float, k: float) -> Found:
-    """Exponential and linear decay added, fitted to the peaks of each decay; the mean of them."""
+    """Return exponential and linear decay added, fitted to the peaks of each decay; the mean of them."""
     found = []
     for t, x in peaks:
         if x.size < 4:
@@ -112,7 +112,7 @@ def envelope(peaks: Peaks, omega: float, k: float) -> Found:
 
 
 def two_decrements(peaks: Peaks, omega: float, k: float) -> Found:
-    """The line through the pairs of successive peaks that the contact slips between."""
+    """Return the line through the pairs of successive peaks that the contact slips between."""
     pairs = [pair for _, x in peaks for pair in itertools.pairwise(x) if pair[1] > _STUCK * x[-1]]
     if len(pairs) < 2:
         return {"F_k": math.nan, "c": math.nan}
@@ -129,7 +129,7 @@ WAYS = {
 
 
 def above_the_optimum(fit: RingFit, decay: Decay) -> float:
-    """χ² of a fit above the lowest that climbs from the truth reach, on the same samples with the same noise."""
+    """Return χ² of a fit above the lowest that climbs from the truth reach, on the same samples with the same noise."""
     problem, ends = fit.problem, []
     for load in (None, 0.0, 1.0, 2.0):
         start = fit.point.copy()
@@ -145,7 +145,7 @@ def above_the_optimum(fit: RingFit, decay: Decay) -> float:
 
 
 def tried(index: int, seed: int = SEED) -> list[dict[str, object]]:
-    """Rows of all ways on one set: value, standard error, interval and verdict of F_k, c and K_z."""
+    """Return rows of all ways on one set: value, standard error, interval and verdict of F_k, c and K_z."""
     decay = draw(index, seed)
     measured, free = record(decay, seed)
     of_set: dict[str, object] = {
@@ -188,7 +188,7 @@ def tried(index: int, seed: int = SEED) -> list[dict[str, object]]:
 
 
 def table(rows: pd.DataFrame) -> str:
-    """Errors by way, coverage and efficiency by channel, in markdown."""
+    """Return Errors by way, coverage and efficiency by channel, in markdown."""
     known = rows.dropna(subset=["symbol"]).copy()
     known["error"] = (known["value"] / known["true"] - 1.0).abs()
     lines = [

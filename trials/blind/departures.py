@@ -44,7 +44,7 @@ Motion = Callable[[Truth, int], CubicSpline]
 
 
 def _on(name: str) -> Motion:
-    """A contact of `gradual.CONTACTS`."""
+    """Return a contact of `gradual.CONTACTS`."""
 
     def motion(t: Truth, level: int) -> CubicSpline:
         return steady_on(CONTACTS[name](t.K_z, t.F_k), t.m, t.c, t.k, t.Y[level], t.omega)
@@ -53,7 +53,8 @@ def _on(name: str) -> Motion:
 
 
 def _other(departure: Departure) -> Motion:
-    """A departure in units of c, k, the displacement of a linear oscillator at the highest level, and its speed."""
+    """Return a departure in units of c, k, the displacement of a linear oscillator at the highest level, and its
+    speed."""
 
     def motion(t: Truth, level: int) -> CubicSpline:
         X = t.k * t.Y[-1] / abs(complex(t.k - t.m * t.omega**2, t.c * t.omega))
@@ -127,7 +128,7 @@ class Departed(Level):
         return CubicSpline(phases, whole, axis=1, bc_type="periodic")
 
     def signal(self, quantity: str, phase: np.ndarray) -> np.ndarray:
-        """A channel without noise at phases ωt, SI."""
+        """Return a channel without noise at phases ωt, SI."""
         if quantity in ANSWERS:
             at = np.mod(phase - self.how.late, 2.0 * math.pi)
             return self.how.gain * self.motion(at)[ANSWERS.index(quantity)]
@@ -155,7 +156,7 @@ def drawn(index: int, seed: int = SEED) -> Truth:
 
 
 def outcome(run: tuple[str, int, int]) -> list[dict[str, object]]:
-    """A row for a set.   run : name of the departure, number, seed."""
+    """Return a row for a set.   run : name of the departure, number, seed."""
     name, index, seed = run
     truth, how = drawn(index, seed), DEPARTURES[name]
     row: dict[str, object] = {"departure": name, "set": index, "noise": truth.noise}
@@ -188,7 +189,7 @@ def outcome(run: tuple[str, int, int]) -> list[dict[str, object]]:
 
 
 def table(rows: pd.DataFrame) -> str:
-    """By departure, in sets: what is doubted, what is wrong, and what is wrong without a word."""
+    """Return a table by departure, in sets: what is doubted, what is wrong, and what is wrong without a word."""
     lines = []
     for name, some in rows.groupby("departure", sort=False):
         known = some[some["F_k_usable"].notna()]

@@ -59,7 +59,7 @@ class Run(NamedTuple):
 
 
 def replicate(run: Run) -> list[dict[str, object]]:
-    """Rows of one drawing, as of `score.outcome`, with the standard error of the bound."""
+    """Return rows of one drawing, as of `score.outcome`, with the standard error of the bound."""
     truth = TRUTHS[run.truth]
     measurements = records(truth, (SEED, run.replicate))
     result = identify_readings([read_features(one, truth.k) for one in measurements], truth.k)
@@ -68,7 +68,7 @@ def replicate(run: Run) -> list[dict[str, object]]:
 
 
 def bound(truth: Truth) -> dict[str, float]:
-    """Standard errors that no unbiased estimate falls below, by symbol, SI; the mass is not known."""
+    """Return standard errors that no unbiased estimate falls below, by symbol, SI; the mass is not known."""
     oscillator = Oscillator(truth.m, truth.c, truth.k, truth.K_z, truth.F_k)
     # the errors of a Fourier coefficient of n samples: σ √(2/n)
     part = math.sqrt(2.0 / round(_CYCLES * truth.rate_hz * 2.0 * math.pi / truth.omega))
@@ -82,7 +82,7 @@ def bound(truth: Truth) -> dict[str, float]:
 
 
 def table(rows: pd.DataFrame) -> str:
-    """Efficiency (variance of the bound over the mean square error), bias in standard errors, and coverage.
+    """Return efficiency (variance of the bound over the mean square error), bias in standard errors, and coverage.
 
     Those of K_z are of K_z^{−1/2}, in which it is nearly normal; 0 stands for a lower limit.
     """
@@ -106,7 +106,7 @@ def table(rows: pd.DataFrame) -> str:
 
 
 def _in_bounds(rows: pd.DataFrame) -> pd.DataFrame:
-    """Rows with their error in standard errors of the bound (size), and whether the interval holds the truth."""
+    """Return rows with their error in standard errors of the bound (size), and whether the interval holds the truth."""
     rows = rows.copy()
     bounds = {place: bound(TRUTHS[place]) for place in rows["truth"].unique()}
     power = rows["symbol"].map(_POWERS).fillna(1.0)
@@ -117,7 +117,7 @@ def _in_bounds(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def _cells(group: pd.DataFrame) -> list[str]:
-    """Efficiency, bias and coverage of F_k, c and K_z, and how often there is no K_z."""
+    """Return efficiency, bias and coverage of F_k, c and K_z, and how often there is no K_z."""
     shown = []
     for symbol in SYMBOLS:
         part = group[(group["symbol"] == symbol) & group["value"].notna()]

@@ -67,7 +67,7 @@ class Fault:
     stated: float | None = None
 
     def records(self, truth: Truth, drawing: int) -> list[Measurement]:
-        """The records with this fault; the noise is the same for all faults."""
+        """Return the records with this fault; the noise is the same for all faults."""
         return [self._record(level, i, drawing) for i, level in enumerate(self.levels(truth))]
 
     def _record(self, level: Level, place: int, drawing: int) -> Measurement:
@@ -84,7 +84,7 @@ class Fault:
 
 
 def _delayed(quantity: str, delay: float, stretch: float = 0.0) -> Any:
-    """The channel late by `delay` seconds, and sampled by a clock that is slow by a part `stretch`."""
+    """Return the channel late by `delay` seconds, and sampled by a clock that is slow by a part `stretch`."""
 
     def late(level: Level, channel: str, t: Values) -> Values:
         return _exact(level, channel, t * (1.0 - stretch) - delay if channel == quantity else t)
@@ -93,7 +93,7 @@ def _delayed(quantity: str, delay: float, stretch: float = 0.0) -> Any:
 
 
 def _filtered(quantity: str, order: int, hertz: float, kind: str) -> Any:
-    """The channel behind an analogue Butterworth filter that has settled."""
+    """Return the channel behind an analogue Butterworth filter that has settled."""
     poles = signal.butter(order, 2.0 * math.pi * hertz, kind, analog=True)
 
     def behind(level: Level, channel: str, t: Values) -> Values:
@@ -111,7 +111,7 @@ def _filtered(quantity: str, order: int, hertz: float, kind: str) -> Any:
 
 
 def _with(quantity: str, change: Callable[[Level, Values, Values], Values]) -> Any:
-    """The channel changed: change(level, t, values)."""
+    """Return the channel changed: change(level, t, values)."""
 
     def changed(level: Level, channel: str, t: Values) -> Values:
         values = _exact(level, channel, t)
@@ -153,7 +153,7 @@ def _relative(level: Level, t: Values, values: Values) -> Values:
 
 
 def _converter(span: float | None) -> Any:
-    """12 bits over ±span (m), or over 1.25 times the largest value."""
+    """Return 12 bits over ±span (m), or over 1.25 times the largest value."""
 
     def converted(channel: str, t: Values, values: Values) -> tuple[Values, Values]:
         step = (span or 1.25 * np.abs(values).max()) / 2**11
@@ -163,7 +163,7 @@ def _converter(span: float | None) -> Any:
 
 
 def _dropped(kind: str) -> Any:
-    """Twenty stretches of ten samples: zero, held, or missing."""
+    """Return twenty stretches of ten samples: zero, held, or missing."""
 
     def dropped(channel: str, t: Values, values: Values) -> tuple[Values, Values]:
         begins = (np.arange(20) * values.size) // 20 + 137
@@ -186,7 +186,7 @@ def _spikes(channel: str, t: Values, values: Values) -> tuple[Values, Values]:
 
 
 def _coloured(channel: str, t: Values, values: Values) -> tuple[Values, Values]:
-    """Noise of 1 % more, whose power falls with 1/f."""
+    """Return noise of 1 % more, whose power falls with 1/f."""
     random = np.random.default_rng((SEED, values.size, len(channel)))
     spectrum = np.fft.rfft(random.standard_normal(values.size))
     spectrum[1:] /= np.sqrt(np.arange(1, spectrum.size))
@@ -206,7 +206,8 @@ def _clock(part: float) -> Any:
 
 
 def _other(departure: Departure) -> Any:
-    """Motion of another oscillator; its departure is in units of c, k, the highest displacement and its speed."""
+    """Return motion of another oscillator; its departure is in units of c, k, the highest displacement and its
+    speed."""
 
     def moved(level: Level, channel: str, t: Values) -> Values:
         truth = level.truth
@@ -234,7 +235,7 @@ def _starting(level: Level, channel: str, t: Values) -> Values:
 
 
 def _each(**factors: Sequence[float]) -> Any:
-    """Levels whose oscillators differ: factors of a parameter, one per level."""
+    """Return levels whose oscillators differ: factors of a parameter, one per level."""
 
     def unequal(truth: Truth) -> list[Level]:
         changed = [
@@ -247,7 +248,7 @@ def _each(**factors: Sequence[float]) -> Any:
 
 
 def _low(truth: Truth) -> list[Level]:
-    """The lowest level so low that the contact holds."""
+    """Return the lowest level so low that the contact holds."""
     return levels(replace(truth, Y=(4e-4, *truth.Y[1:])))
 
 
@@ -319,7 +320,7 @@ RUNS = [Run(truth, fault, drawing) for drawing, truth, fault in itertools.produc
 
 
 def tried(run: Run) -> list[dict[str, object]]:
-    """Rows of one drawing, as of `score.outcome`."""
+    """Return rows of one drawing, as of `score.outcome`."""
     fault, truth = FAULTS[run.fault], TRUTHS[run.truth]
     own: dict[str, object] = {"name": fault.name} | run._asdict()
     k = fault.k * truth.k
@@ -336,7 +337,7 @@ def tried(run: Run) -> list[dict[str, object]]:
 
 
 def table(rows: pd.DataFrame, approach: str) -> str:
-    """Error of each parameter in % and in standard errors, and the words, shortened, in markdown."""
+    """Return Error of each parameter in % and in standard errors, and the words, shortened, in markdown."""
     rows = rows.fillna({"notes": "", "warnings": ""})
     lines = [
         f"Errors of {approach} in % (in standard errors), medians of {rows['drawing'].nunique()} drawings of the "
@@ -355,7 +356,7 @@ def table(rows: pd.DataFrame, approach: str) -> str:
 
 
 def _cells(group: pd.DataFrame, approach: str) -> list[str]:
-    """Errors and words of one fault."""
+    """Return Errors and words of one fault."""
     own = group[group["approach"] == approach]
     if own.empty:
         return ["–"] * 4 + [f"refused: {_short(group['warnings'].iloc[0])}"]
@@ -369,7 +370,7 @@ def _cells(group: pd.DataFrame, approach: str) -> list[str]:
 
 
 def _error(drawn: pd.DataFrame) -> str:
-    """Median error of the drawings; a limit or nothing where most of them have no value."""
+    """Return median error of the drawings; a limit or nothing where most of them have no value."""
     value, true = drawn["value"].median(), drawn["true"].iloc[0]
     if drawn["value"].isna().mean() > 0.5:
         return "none"
@@ -386,7 +387,7 @@ def _short(words: str, length: int = 110) -> str:
 
 
 def _listed(words: list[str]) -> str:
-    """Each sentence once whatever its numbers are, without the name of its record, with how often it is said."""
+    """Return each sentence once whatever its numbers are, without the name of its record, with how often it is said."""
     alike: dict[str, list[str]] = {}
     for sentence in words:
         head, _, rest = sentence.partition(": ")

@@ -95,7 +95,8 @@ class Rig(NamedTuple):
 
 @njit(cache=True)
 def _pushed(f, u, t, x, v, rig, element):
-    """The force of an element after a displacement u one way, at the time t, the displacement x and the speed v."""
+    """Return the force of an element after a displacement u one way, at the time t, the displacement x and the speed
+    v."""
     K, F, kind = element
     if kind > 0.0:
         return _moved(f, u, element)
@@ -109,7 +110,7 @@ def _pushed(f, u, t, x, v, rig, element):
 
 @njit(cache=True)
 def _accelerations(t, state, u, f, rig, contact):
-    """x″ and s″ of a state (x, x′, s, s′), the contact moved by u since its forces were f."""
+    """Return x″ and s″ of a state (x, x′, s, s′), the contact moved by u since its forces were f."""
     x, v, s, w = state
     force = rig.c * (v - w)
     for j in range(f.size):
@@ -186,16 +187,17 @@ class Field(Linear):
     mass_given: bool
 
     def random(self, stream: int) -> np.random.Generator:
-        """A generator of this set: 1 for sizes of the imperfection, 2 + i for what differs from level to level."""
+        """Return a generator of this set: 1 for sizes of the imperfection, 2 + i for what differs from level to
+        level."""
         return np.random.default_rng((_FIELD, self.seed, self.index, int(self.forced), stream))
 
     def has(self, kind: str) -> bool:
-        """Whether the set has an imperfection."""
+        """Return whether the set has an imperfection."""
         return kind == self.kind or (self.kind == ALL and kind in _MILD)
 
 
 def kind_of(index: int, forced: bool) -> str:
-    """The kind of set number `index` ≥ 0."""
+    """Return the kind of set number `index` ≥ 0."""
     kinds = FORCED if forced else DECAYS
     return kinds[index % len(kinds)] if index < EACH * len(kinds) else CLEAN
 
@@ -260,7 +262,7 @@ def draw(index: int, forced: bool, seed: int) -> Field:
 
 
 def stiffness_given(one: Field) -> float:
-    """k as a laboratory gives it, N/m."""
+    """Return k as a laboratory gives it, N/m."""
     if one.kind == STIFFNESS:
         return one.k * (1.0 + 0.03 * one.random(1).choice([-1.0, 1.0]))
     rig, _ = rig_of(one)
@@ -269,7 +271,7 @@ def stiffness_given(one: Field) -> float:
 
 
 def rig_of(one: Field, level: int = 0) -> tuple[Rig, np.ndarray]:
-    """The numbers of the equations at a level, and the contact; sizes are drawn alike for all levels."""
+    """Return the numbers of the equations at a level, and the contact; sizes are drawn alike for all levels."""
     random = one.random(1)
     spread, sign = log_uniform(random), float(random.choice([-1.0, 1.0]))
     top = abs(one.X)
@@ -302,7 +304,7 @@ def rig_of(one: Field, level: int = 0) -> tuple[Rig, np.ndarray]:
 
 
 def motion(one: Field, level: int = 0) -> tuple[np.ndarray, np.ndarray]:
-    """Times, s, since the release or since phase 0 of the drive, and (x, x′, x″), (3, n).
+    """Return times, s, since the release or since phase 0 of the drive, and (x, x′, x″), (3, n).
 
     A decay has a lead, at negative times: the mass is held for a period, or it rests; in a set with a pre-trigger it
     rests longer, and a hand pulls it out. A forced test has a lead of `_LEAD` periods, unless it has not settled:
@@ -357,7 +359,7 @@ def motion(one: Field, level: int = 0) -> tuple[np.ndarray, np.ndarray]:
 def _ringing(
     one: Field, t: np.ndarray, v: np.ndarray, spread: Callable[[float, float], float]
 ) -> np.ndarray:
-    """A second mode, of amplitude 1 after a kick: by the release, or by each reversal of the friction."""
+    """Return a second mode, of amplitude 1 after a kick: by the release, or by each reversal of the friction."""
     omega, zeta = spread(4.0, 9.0) * one.omega, spread(0.005, 0.02)
     kicks = [(0.0, 1.0)]
     if one.forced:
@@ -372,14 +374,14 @@ def _ringing(
 
 
 def _drifting(length: float, t: np.ndarray, random: np.random.Generator) -> np.ndarray:
-    """An offset and a drift that slows down, as of a sensor that warms up, each a few per cent."""
+    """Return an offset and a drift that slows down, as of a sensor that warms up, each a few per cent."""
     signs = random.choice([-1.0, 1.0], 2)
     warm = 1.0 - np.exp(-(t - t[0]) / (random.uniform(0.3, 2.0) * length))
     return signs[0] * random.uniform(0.02, 0.1) + signs[1] * random.uniform(0.01, 0.05) * warm
 
 
 def sensed(one: Field, t: np.ndarray, signals: np.ndarray, level: int = 0) -> np.ndarray:
-    """The signal as the sensor and its amplifier hand it over.   t, signals : of `motion`."""
+    """Return the signal as the sensor and its amplifier hand it over.   t, signals : of `motion`."""
     clean = signals[ANSWERS.index(one.answer)]
     sizes, random = one.random(1), one.random(100 + level)
     any_size, part = log_uniform(sizes), 0.3 if one.kind == ALL else 1.0
@@ -415,7 +417,7 @@ def sensed(one: Field, t: np.ndarray, signals: np.ndarray, level: int = 0) -> np
 
 
 def _recorded(one: Field, values: np.ndarray, peak: float) -> np.ndarray:
-    """A channel within the range of the recorder.   peak : largest value in all records."""
+    """Return a channel within the range of the recorder.   peak : largest value in all records."""
     sizes = one.random(3)
     if one.has(CLIPPED):
         top = sizes.uniform(0.7, 0.95) * peak
@@ -427,7 +429,8 @@ def _recorded(one: Field, values: np.ndarray, peak: float) -> np.ndarray:
 
 
 def records(one: Field) -> list[Measurement]:
-    """The records of a set: a decay, or one for each level. A decay begins within half a period after the release."""
+    """Return the records of a set: a decay, or one for each level. A decay begins within half a period after the
+    release."""
     channels = []
     for level in range(max(1, len(one.Y))):
         random = one.random(200 + level)

@@ -1,4 +1,4 @@
-"""What `identify` makes of records as laboratories have them (`field.py`), and an afternoon's analysis beside it.
+"""Answers of `identify` to records as laboratories have them (`field.py`), and an afternoon's analysis beside it.
 
 The simple analysis of a decay filters the record between half and twice the natural frequency (Butterworth, forwards
 and back), divides by ωⁿ for the displacement, and fits D_{i+1} = e^{−βπ} D_i − g to the distances D_i of successive
@@ -48,7 +48,7 @@ Numbers = tuple[float, float]
 
 
 def simple_decay(measured: Measurement, k: float, m: float | None) -> Numbers:
-    """The line through the distances of successive turns of the filtered record."""
+    """Return the line through the distances of successive turns of the filtered record."""
     channel = measured.responses[0]
     rate = (len(channel) - 1) / float(channel.t[-1] - channel.t[0])
     values = channel.values - channel.values[-len(channel) // _TAIL :].mean()
@@ -89,7 +89,7 @@ def simple_decay(measured: Measurement, k: float, m: float | None) -> Numbers:
 
 
 def _fundamental(channel: Channel, omega: float) -> complex:
-    """Complex amplitude of the displacement that the second half of a channel, which is steadier, shows."""
+    """Return complex amplitude of the displacement that the second half of a channel, which is steadier, shows."""
     t, values = channel.t[len(channel) // 2 :], channel.values[len(channel) // 2 :]
     columns = [np.cos(omega * t), np.sin(omega * t), np.ones(t.size), t - t.mean()]
     a, b, *_ = np.linalg.lstsq(np.column_stack(columns), values, rcond=None)[0]
@@ -98,7 +98,7 @@ def _fundamental(channel: Channel, omega: float) -> complex:
 
 
 def simple_forced(measured: list[Measurement], k: float, omega: float) -> Numbers:
-    """The balance of energy of the fundamentals, weighted by 1/W."""
+    """Return the balance of energy of the fundamentals, weighted by 1/W."""
     rows, works = [], []
     for record in measured:
         x, y = _fundamental(record.responses[0], omega), _fundamental(record.excitation, omega)
@@ -121,7 +121,7 @@ def warm() -> None:
 
 
 def outcome(run: tuple[bool, int, int]) -> list[dict[str, object]]:
-    """A row for a set: what `identify` and the simple analysis say.   run : forced, number, seed."""
+    """Return a row for a set: what `identify` and the simple analysis say.   run : forced, number, seed."""
     forced, index, seed = run
     one = draw(index, forced, seed)
     measured, k = records(one), stiffness_given(one)
@@ -150,7 +150,8 @@ def outcome(run: tuple[bool, int, int]) -> list[dict[str, object]]:
 
 
 def table(rows: pd.DataFrame) -> str:
-    """By kind, in sets: whom the answer helps, and how the simple analysis does; errors and times; in markdown."""
+    """Return a table by kind, in sets: whom the answer helps, and how the simple analysis does; errors and times; in
+    markdown."""
     parts = [_of_kinds(some) for _, some in rows.groupby("records", sort=False)]
     return "\n\n".join(parts) + "\n"
 

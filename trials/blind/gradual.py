@@ -32,23 +32,23 @@ Contact = np.ndarray
 
 
 def two_sliders(K_z: float, F_k: float) -> Contact:
-    """Half of the stiffness yields at a quarter of the friction."""
+    """Return half of the stiffness yields at a quarter of the friction."""
     return np.array([(0.5 * K_z, 0.25 * F_k, 0.0), (0.5 * K_z, 0.75 * F_k, 0.0)])
 
 
 def iwan(K_z: float, F_k: float) -> Contact:
-    """Sliders of one stiffness whose yield forces are spread evenly between zero and the largest (Iwan 1966)."""
+    """Return sliders of one stiffness whose yield forces are spread evenly between zero and the largest (Iwan 1966)."""
     share = (2.0 * np.arange(_SLIDERS) + 1.0) / _SLIDERS**2
     return np.array([(K_z / _SLIDERS, part * F_k, 0.0) for part in share])
 
 
 def dahl(K_z: float, F_k: float) -> Contact:
-    """Dahl's contact, which is LuGre's with a friction that does not depend on the speed."""
+    """Return Dahl's contact, which is LuGre's with a friction that does not depend on the speed."""
     return np.array([(K_z, F_k, 1.0)])
 
 
 def bouc_wen(n: int) -> Callable[[float, float], Contact]:
-    """Bouc's and Wen's contact with the exponent n, 1 or 2."""
+    """Return Bouc's and Wen's contact with the exponent n, 1 or 2."""
     return lambda K_z, F_k: np.array([(K_z, F_k, 1.0 + n)])
 
 
@@ -63,7 +63,7 @@ CONTACTS: dict[str, Callable[[float, float], Contact]] = {
 
 @njit(cache=True)
 def _moved(f, u, element):
-    """The force of an element after a displacement u one way."""
+    """Return the force of an element after a displacement u one way."""
     K, F, kind = element
     if kind == 0.0:
         return min(max(f + K * u, -F), F)
@@ -92,7 +92,8 @@ def _acceleration(x, v, u, phase, f, numbers, contact):
 
 @njit(cache=True)
 def _follow(numbers, contact, start, f, count, h, out):
-    """Steps of h seconds from (x, v) and the forces f, which change; (x, v, x″) of the last ones into out, (3, n)."""
+    """Return steps of h seconds from (x, v) and the forces f, which change; (x, v, x″) of the last ones into out, (3,
+    n)."""
     omega, first = numbers[4], count - out.shape[1]
     x, v = start
     for i in range(count):
@@ -118,7 +119,7 @@ def _follow(numbers, contact, start, f, count, h, out):
 def steady_on(
     contact: Contact, m: float, c: float, k: float, Y: float, omega: float
 ) -> CubicSpline:
-    """(x, x′, x″) of the steady period as a periodic function of ωt, SI."""
+    """Return (x, x′, x″) of the steady period as a periodic function of ωt, SI."""
     out, f, state = np.empty((3, STEPS)), np.zeros(len(contact)), (0.0, 0.0)
     numbers, step = (m, c, k, Y, omega), 2.0 * math.pi / omega / STEPS
     for _ in range(_MOST_PERIODS):
@@ -141,7 +142,7 @@ def ring_down_on(
     step: float,
     lasts: float,
 ) -> np.ndarray:
-    """(x, x′, x″) of a free motion from (x, v) on, sampled each `step` seconds, (3, n), SI.
+    """Return (x, x′, x″) of a free motion from (x, v) on, sampled each `step` seconds, (3, n), SI.
 
     f : forces of the elements at the start, N.   lasts : s.
     """

@@ -54,13 +54,13 @@ class Iwan:
         return self.F_S * (1.0 + self.beta) / (self.K_T * (self.beta + q))
 
     def _density(self) -> tuple[float, float]:
-        """R and S."""
+        """Return R and S."""
         q = (self.chi + 1.0) / (self.chi + 2.0)
         R = self.F_S * (self.chi + 1.0) / (self.largest ** (self.chi + 2.0) * (self.beta + q))
         return R, self.F_S / self.largest * self.beta / (self.beta + q)
 
     def first_loading(self, x: np.ndarray) -> np.ndarray:
-        """F_b, N."""
+        """Return F_b, N."""
         R, S = self._density()
         chi, u = self.chi, np.minimum(x, self.largest)
         slipped = R * u ** (chi + 2.0) / (chi + 2.0)
@@ -68,7 +68,7 @@ class Iwan:
         return np.asarray(slipped + u * held)
 
     def loss(self, X: float) -> float:
-        """Energy per cycle, J."""
+        """Return energy per cycle, J."""
         R, S = self._density()
         top = min(X, self.largest)
         # φ = top s^{1/(χ + 1)} takes the singularity of φ^χ away
@@ -79,7 +79,7 @@ class Iwan:
         return float(weight @ (4.0 * phi * (X - phi))) + jump
 
     def in_phase(self, X: float) -> float:
-        """Stiffness of the fundamental, N/m."""
+        """Return stiffness of the fundamental, N/m."""
         x = X * np.cos(_ANGLES)
         force = self.first_loading(np.array(X)) - 2.0 * self.first_loading(0.5 * (X - x))
         return float(2.0 * np.mean(force * np.cos(_ANGLES)) / X)
@@ -93,11 +93,11 @@ class Slider:
     K_z: float
 
     def loss(self, X: float) -> float:
-        """Energy per cycle, J."""
+        """Return energy per cycle, J."""
         return 4.0 * self.F_k * max(X - self.F_k / self.K_z, 0.0)
 
     def in_phase(self, X: float) -> float:
-        """Stiffness of the fundamental, N/m, from the corners of the parallelogram."""
+        """Return stiffness of the fundamental, N/m, from the corners of the parallelogram."""
         x = X * np.cos(_ANGLES)
         force = np.maximum(self.K_z * (x - X) + min(self.F_k, self.K_z * X), -self.F_k)
         return float(2.0 * np.mean(force * np.cos(_ANGLES)) / X)
@@ -119,20 +119,20 @@ class Truth:
     noise: float
 
     def loss(self, X: float, omega: float) -> float:
-        """Energy per cycle, J."""
+        """Return energy per cycle, J."""
         return self.joint.loss(X) + math.pi * self.c * omega * X**2
 
     def in_phase(self, X: float) -> float:
-        """Stiffness of the fundamental, N/m."""
+        """Return stiffness of the fundamental, N/m."""
         return self.k + 0.75 * self.k_3 * X**2 + self.joint.in_phase(X)
 
     def Z(self, X: float, omega: float) -> complex:
-        """Dynamic stiffness, N/m."""
+        """Return dynamic stiffness, N/m."""
         quadrature = self.loss(X, omega) / (math.pi * X**2)
         return complex(self.in_phase(X) - self.m * omega**2, quadrature)
 
     def amplitude(self, force: float, omega: float, largest: float) -> float:
-        """X that a force drives, m."""
+        """Return X that a force drives, m."""
 
         def excess(ln_X: float) -> float:
             X = math.exp(ln_X)
@@ -180,7 +180,7 @@ def draw(index: int, seed: int) -> Truth:
 
 
 def table_of(truth: Truth, seed: int) -> SteppedLines:
-    """The lines, with noise on the real and the imaginary part of each Z, as a part of |Z|."""
+    """Return the lines, with noise on the real and the imaginary part of each Z, as a part of |Z|."""
     largest = 1e-3
     rows = [
         (w, truth.amplitude(force, w, largest), level)
@@ -196,7 +196,7 @@ def table_of(truth: Truth, seed: int) -> SteppedLines:
 
 
 def outcome(run: tuple[int, int]) -> list[dict[str, object]]:
-    """One row of a set, by its number and the seed: what was drawn, what is supported, errors and coverage."""
+    """Return one row of a set, by its number and the seed: what was drawn, what is supported, errors and coverage."""
     index, seed = run
     truth = draw(index, seed)
     lines = table_of(truth, seed)
@@ -227,7 +227,7 @@ def outcome(run: tuple[int, int]) -> list[dict[str, object]]:
 
 
 def _bands(truth: Truth, fit: ContactFit) -> dict[str, object]:
-    """Error of the loss within the range, at resonance, and the shares of bands that hold the truth."""
+    """Return Error of the loss within the range, at resonance, and the shares of bands that hold the truth."""
     X = np.geomspace(*fit.X_range, _INSIDE)
     stiffness = np.array([truth.in_phase(x) for x in X])
     omega = np.sqrt(stiffness / truth.m)
@@ -242,7 +242,7 @@ def _bands(truth: Truth, fit: ContactFit) -> dict[str, object]:
 
 
 def table(rows: pd.DataFrame) -> str:
-    """Errors and coverage by joint and noise, and which contact was supported, in markdown."""
+    """Return Errors and coverage by joint and noise, and which contact was supported, in markdown."""
     fits = rows[rows["refused"] == ""]
     heads = [
         "joint, fitted as it is",

@@ -86,7 +86,7 @@ class Drawn:
         )
 
     def shares(self) -> dict[str, np.ndarray]:
-        """What each term takes of the work put in, by level; friction takes the rest."""
+        """Return what each term takes of the work put in, by level; friction takes the rest."""
         found = {}
         for symbol, p in self.coefficients.items():
             parts = []
@@ -121,7 +121,8 @@ def draw(law: str, drawing: int, seed: int = SEED) -> Drawn:
 
 
 def _candidate(law: str, random: np.random.Generator) -> Drawn:
-    """An oscillator whose terms share the work as wanted at its middle amplitude, if its motion were harmonic."""
+    """Return an oscillator whose terms share the work as wanted at its middle amplitude, if its motion were
+    harmonic."""
     spread = log_uniform(random)
     m, omega_n = spread(0.1, 10.0), 2.0 * math.pi * spread(1.0, 50.0)
     k = m * omega_n**2
@@ -149,7 +150,7 @@ def _candidate(law: str, random: np.random.Generator) -> Drawn:
 
 
 def _shares(count: int, random: np.random.Generator) -> np.ndarray:
-    """Parts of the work, each within SHARE."""
+    """Return parts of the work, each within SHARE."""
     while True:
         parts = random.dirichlet(np.full(count, 4.0))
         if parts.min() >= SHARE[0] and parts.max() <= SHARE[1]:
@@ -157,8 +158,8 @@ def _shares(count: int, random: np.random.Generator) -> np.ndarray:
 
 
 def law_records(law: str, drawing: int, seed: int = SEED) -> list[Measurement]:
-    """The records of a set: base and mass displaced, 100 cycles of about 200 samples from anywhere in the cycle, 1 % of
-    white noise on both channels."""
+    """Return the records of a set: base and mass displaced, 100 cycles of about 200 samples from anywhere in the cycle,
+    1 % of white noise on both channels."""
     truth = draw(law, drawing, seed)
     random = np.random.default_rng((_NOISE, seed, list(LAWS).index(law), drawing))
     records = []
@@ -177,7 +178,7 @@ def law_records(law: str, drawing: int, seed: int = SEED) -> list[Measurement]:
 
 
 def outcome(run: tuple[str, int]) -> list[dict[str, object]]:
-    """Which law `compare_laws` chooses for the records of a set.   run : law and number of the set."""
+    """Return which law `compare_laws` chooses for the records of a set.   run : law and number of the set."""
     law, drawing = run
     measurements, k = law_records(law, drawing), draw(law, drawing).k
     began = time.process_time()
@@ -192,18 +193,18 @@ def outcome(run: tuple[str, int]) -> list[dict[str, object]]:
 
 
 def named(symbols: Iterable[str]) -> str:
-    """The name of a law by its terms."""
+    """Return the name of a law by its terms."""
     return " + ".join(["F_k", *(symbol for symbol in symbols if symbol != "F_k")])
 
 
 def confusion(count: int, laws: Sequence[str] = tuple(LAWS)) -> pd.DataFrame:
-    """Which law is chosen in `count` sets of each: columns law, set, chosen, seconds."""
+    """Return which law is chosen in `count` sets of each: columns law, set, chosen, seconds."""
     return pd.DataFrame([row for law in laws for i in range(count) for row in outcome((law, i))])
 
 
 def table(rows: pd.DataFrame) -> str:
-    """True law × chosen law, in sets, with the parts that are right and that have a term too many, each with its own
-    95 % interval."""
+    """Return true law × chosen law, in sets, with the parts that are right and that have a term too many, each with its
+    own 95 % interval."""
     counts = pd.crosstab(rows["law"], rows["chosen"])
     others = sorted(set(counts.columns) - set(LAWS))
     columns = [*LAWS, *others]
@@ -229,7 +230,7 @@ def table(rows: pd.DataFrame) -> str:
 
 
 def _share(count: int, sets: int) -> str:
-    """A part of so many sets, %, with its own 95 % interval."""
+    """Return a part of so many sets, %, with its own 95 % interval."""
     if not sets:
         return "–"
     interval = binomtest(int(count), int(sets)).proportion_ci()
@@ -237,5 +238,5 @@ def _share(count: int, sets: int) -> str:
 
 
 def _terms(law: str) -> frozenset[str]:
-    """The terms of a law by its name; none for words."""
+    """Return the terms of a law by its name; none for words."""
     return frozenset(law.split(" + ")) if law.startswith("F_k") else frozenset()

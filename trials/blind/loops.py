@@ -1,9 +1,9 @@
 """Measured loops of contacts on a test machine, from time stepping that uses nothing of the package.
 
-Jenkins's element, Iwan's distribution of them (uniform in the force at which each yields), Bouc and Wen's model with
-n = 1 and 2, and a slider whose friction falls with the speed (Stribeck), which is none of the package's laws: its
-numbers must be doubtful or within their intervals. Motions are sines of one or two amplitudes and triangles; forces
-have an offset, a drift, noise of 1 % and, of a half of them, the other sign; a fixture may have a backlash.
+The contacts are Jenkins's element, Iwan's distribution of them (uniform in the force at which each yields), Bouc and
+Wen's model with n = 1 and 2, and a slider whose friction falls with the speed (Stribeck). Motions are sines of one or
+two amplitudes and triangles; forces have an offset, a drift, noise of 1 % and, of a half of them, the other sign; a
+fixture may have a backlash.
 """
 
 from __future__ import annotations
@@ -41,8 +41,12 @@ def _force(contact: str, x: np.ndarray, step: float, F: float, K: float, X: floa
             many = np.clip(many + K * dx, -F * shares, F * shares)
             force[i] = many.mean()
         elif contact.startswith("Bouc"):
-            # ż = ẋ (1 − |z|ⁿ (½ + ½ sgn(zẋ))), in small steps
-            z += K / F * dx * (1.0 - abs(z) ** power * (0.5 + 0.5 * math.copysign(1.0, z * dx)))
+            # ż = ẋ (1 − |z|ⁿ (½ + ½ sgn(zẋ))), by the midpoint rule in small steps
+            middle = z
+            for part in (0.5, 1.0):
+                grows = 0.5 + 0.5 * math.copysign(1.0, middle * dx)
+                middle = z + part * K / F * dx * (1.0 - abs(middle) ** power * grows)
+            z = middle
             force[i] = F * z
         elif contact == "backlash":
             reach = F / K + gap

@@ -26,7 +26,7 @@ _REPEATS = 1e-9  # of the displacement
 
 
 class Departure(NamedTuple):
-    """What differs from the model.
+    """Departures from the model.
 
     quadratic : c₂, N s²/m².   even, cubic : k₂, N/m², k₃, N/m³.   third, second : Y₃/Y, Y₂/Y.
     falling, speed : s and v_s, m/s.   bouc_wen : n, 0 for a Jenkins contact.
@@ -52,7 +52,7 @@ NO_DEPARTURE = Departure()
 
 @njit(cache=True)
 def _limit(v, numbers, departure):
-    """Largest |z| of a Jenkins contact at a speed."""
+    """Return largest |z| of a Jenkins contact at a speed."""
     falling = departure[4] * math.exp(-abs(v) / departure[5]) if departure[4] != 0.0 else 0.0
     return numbers[4] / numbers[3] * (1.0 + falling)
 
@@ -119,12 +119,12 @@ def _numbers(truth: Truth, level: int) -> tuple[float, ...]:
 
 
 def steady_signals(truth: Truth, level: int, departure: Departure) -> CubicSpline:
-    """(x, x′, x″) of the steady period of a level as a periodic function of ωt, SI."""
+    """Return (x, x′, x″) of the steady period of a level as a periodic function of ωt, SI."""
     return steady(_numbers(truth, level), departure)
 
 
 def steady(numbers: tuple[float, ...], departure: Departure) -> CubicSpline:
-    """As `steady_signals`, of (m, c, k, K_z, F_k, Y, ω)."""
+    """Return what `steady_signals` does, of (m, c, k, K_z, F_k, Y, ω)."""
     state = (0.0, 0.0, 0.0)
     out = np.empty((3, STEPS))
     for _ in range(_MOST_PERIODS):
@@ -139,7 +139,7 @@ def steady(numbers: tuple[float, ...], departure: Departure) -> CubicSpline:
 
 
 def from_rest(truth: Truth, level: int, periods: int) -> CubicSpline:
-    """(x, x′, x″) from rest at ωt = 0 on, over `periods` periods, as a function of ωt, SI."""
+    """Return (x, x′, x″) from rest at ωt = 0 on, over `periods` periods, as a function of ωt, SI."""
     out = np.empty((3, periods * STEPS))
     _run(_numbers(truth, level), Departure(), (0.0, 0.0, 0.0), periods, out)
     phases = np.arange(periods * STEPS) * (2.0 * math.pi / STEPS)
@@ -155,7 +155,7 @@ def ring_down(
     z: float | None = None,
     departure: Departure = NO_DEPARTURE,
 ) -> np.ndarray:
-    """(x, x′, x″) of a free motion from (x, v) on, sampled each `step` seconds, (3, n), SI; no drive.
+    """Return (x, x′, x″) of a free motion from (x, v) on, sampled each `step` seconds, (3, n), SI; no drive.
 
     z : deflection of the contact; by default that after a pull to x > 0.
     """

@@ -52,7 +52,7 @@ _RELEASE = 30.0  # F_k/k: from less, too few reversals tell viscous from dry fri
 def simulated(
     p: np.ndarray, k: float, omega: float, drive: complex, phase: np.ndarray
 ) -> np.ndarray:
-    """Steady x of one level at phases ωt under y = Re(drive e^{iωt})."""
+    """Return steady x of one level at phases ωt under y = Re(drive e^{iωt})."""
     m, c, F_k, K_z = p
     Y, lead, Z_m = abs(drive), math.atan2(drive.imag, drive.real), F_k / K_z
 
@@ -77,7 +77,7 @@ def simulated(
 
 
 def simulated_fit(truth: Truth, measured: list[Measurement]) -> Found:
-    """All samples fitted by a simulation."""
+    """Return all samples fitted by a simulation."""
     parts = []
     for one in measured:
         phase = truth.omega * one["base_displacement"].t
@@ -105,7 +105,8 @@ def simulated_fit(truth: Truth, measured: list[Measurement]) -> Found:
 
 
 def free_decay(truth: Truth, measured: list[Measurement]) -> Found:
-    """Line through successive reversals of free decays.   measured : the records whose time the decays may take."""
+    """Return line through successive reversals of free decays.   measured : the records whose time the decays may
+    take."""
     highest = levels(truth)[-1]
     sigma = highest.sigma("displacement")
     begin = max(highest.rms("displacement") * math.sqrt(2.0), _RELEASE * truth.F_k / truth.k)
@@ -152,7 +153,7 @@ def free_decay(truth: Truth, measured: list[Measurement]) -> Found:
 
 
 def identified(approach: str) -> Callable[[Truth, list[Measurement]], Found]:
-    """An approach of `identify`."""
+    """Return an approach of `identify`."""
 
     def run(truth: Truth, measured: list[Measurement]) -> Found:
         result = identify_readings([read_features(one, truth.k) for one in measured], truth.k)
@@ -163,7 +164,7 @@ def identified(approach: str) -> Callable[[Truth, list[Measurement]], Found]:
 
 
 def compared(index: int) -> list[dict[str, object]]:
-    """Rows of the ways on one set."""
+    """Return rows of the ways on one set."""
     truth = draw(index)
     measured = records(truth)
     ways = {f"identify, {approach}": identified(approach) for approach in HELD}
@@ -184,7 +185,7 @@ def compared(index: int) -> list[dict[str, object]]:
 
 
 def table(rows: pd.DataFrame) -> str:
-    """Error ± standard error in %, and processor time, in markdown."""
+    """Return Error ± standard error in %, and processor time, in markdown."""
     lines = []
     for (index, way), group in rows.groupby(["set", "way"], sort=False):
         truth = draw(int(index))

@@ -33,7 +33,7 @@ class Level:
         )
 
     def signal(self, quantity: str, phase: np.ndarray) -> np.ndarray:
-        """A channel without noise at phases ωt, SI."""
+        """Return a channel without noise at phases ωt, SI."""
         truth = self.truth
         y = truth.Y[self.level] * np.cos(phase)
         if quantity == "base_displacement":
@@ -46,11 +46,11 @@ class Level:
         return truth.Y[self.level] * truth.omega_n**order * self.cycle.state(phase)[order]
 
     def rms(self, quantity: str) -> float:
-        """Of the channel without noise."""
+        """Return that of the channel without noise."""
         return float(np.sqrt(np.mean(self.signal(quantity, _phases()) ** 2)))
 
     def sigma(self, quantity: str) -> float:
-        """Standard deviation of the noise of a channel."""
+        """Return standard deviation of the noise of a channel."""
         truth = self.truth
         if not truth.equal:
             return truth.noise * self.rms(quantity)
@@ -59,12 +59,12 @@ class Level:
 
     @property
     def samples(self) -> int:
-        """Of each channel."""
+        """The value of each channel."""
         truth = self.truth
         return round(truth.cycles[self.level] * truth.rate_hz * 2.0 * math.pi / truth.omega)
 
     def third(self, quantity: str) -> float:
-        """Amplitude of the third harmonic of an answer over the standard error that the record gives it."""
+        """Return amplitude of the third harmonic of an answer over the standard error that the record gives it."""
         phase = _phases()
         amplitude = 2.0 * abs(np.mean(self.signal(quantity, phase) * np.exp(-3j * phase)))
         return float(amplitude / (self.sigma(quantity) * math.sqrt(2.0 / self.samples)))
@@ -75,12 +75,13 @@ def _phases() -> np.ndarray:
 
 
 def levels(truth: Truth) -> list[Level]:
-    """The levels of a set, in the order of their amplitudes."""
+    """Return the levels of a set, in the order of their amplitudes."""
     return [Level(truth, i) for i in range(len(truth.Y))]
 
 
 def record(level: Level, seed: int | tuple[int, ...] | None = None) -> Measurement:
-    """The record of one level, with the noise of (seed, set, level, channel).   seed : default, that of the set."""
+    """Return the record of one level, with the noise of (seed, set, level, channel).   seed : default, that of the
+    set."""
     truth = level.truth
     t = np.arange(level.samples) / truth.rate_hz
     phase = truth.omega * t + 2.0 * math.pi * truth.start[level.level]
@@ -95,5 +96,5 @@ def record(level: Level, seed: int | tuple[int, ...] | None = None) -> Measureme
 
 
 def records(truth: Truth, seed: int | tuple[int, ...] | None = None) -> list[Measurement]:
-    """The records of a set, one for each level."""
+    """Return the records of a set, one for each level."""
     return [record(level, seed) for level in levels(truth)]

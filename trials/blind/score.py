@@ -1,4 +1,4 @@
-"""What `identify` makes of the sets: one row for each set, approach and parameter, and the table of aims."""
+"""Answers of `identify` to the sets: one row for each set, approach and parameter, and the table of aims."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ GROUPS = ("noise", "answers", "drive")
 
 
 def outcome(index: int) -> list[dict[str, object]]:
-    """Rows of one set: what was drawn, what came out, what was said."""
+    """Return rows of one set: what was drawn, what came out, what was said."""
     truth = draw(index)
     drawn = levels(truth)
     of_set: dict[str, object] = {
@@ -68,7 +68,8 @@ def outcome(index: int) -> list[dict[str, object]]:
 
 
 def numbers(result: ForcedOutcome, truth: Truth) -> Iterator[dict[str, object]]:
-    """Approach, symbol, truth, value, its error and interval, and the words: the one place that knows a result."""
+    """Yield approach, symbol, truth, value, its error and interval, and the words: the one place that knows a
+    result."""
     first = next(iter(result.approaches.values()))
     found = [(FIRST, first.parameters, first.notes)]
     found += [(name, e.parameters, e.notes) for name, e in result.estimates.items()]
@@ -89,7 +90,7 @@ def numbers(result: ForcedOutcome, truth: Truth) -> Iterator[dict[str, object]]:
 
 
 def _of_fit(result: ForcedOutcome) -> dict[str, ParameterEstimate]:
-    """What the fit to all records identifies, the mass m, kg, among it."""
+    """Return what the fit to all records identifies, the mass m, kg, among it."""
     fit = result.joint.fit
     if fit is None or result.reference is None:
         return {}
@@ -97,7 +98,7 @@ def _of_fit(result: ForcedOutcome) -> dict[str, ParameterEstimate]:
 
 
 def judged(rows: pd.DataFrame) -> pd.DataFrame:
-    """Rows of `outcome` with their errors, these in standard errors (sizes), and whether anything was said."""
+    """Return rows of `outcome` with their errors, these in standard errors (sizes), and whether anything was said."""
     rows = rows.fillna({"notes": "", "warnings": ""})
     rows["error"] = rows["value"] - rows["true"]
     rows["sizes"] = rows["error"].abs() / rows["standard_error"]
@@ -112,7 +113,7 @@ def judged(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def table(rows: pd.DataFrame) -> str:
-    """The table of aims, in markdown.   rows : of `outcome`."""
+    """Return the table of aims, in markdown.   rows : of `outcome`."""
     rows = judged(rows)
     kinds = rows.groupby("set")["kind"].first().value_counts()
     parts = [f"{kinds.sum()} sets: {', '.join(f'{n} {kind}' for kind, n in kinds.items())}"]
@@ -123,7 +124,7 @@ def table(rows: pd.DataFrame) -> str:
 
 
 def _coverage(own: pd.DataFrame, name: str) -> str:
-    """Coverage of the intervals by group, all sets and those where nothing was remarked."""
+    """Return coverage of the intervals by group, all sets and those where nothing was remarked."""
     known = own[np.isfinite(own["value"]) & np.isfinite(own["standard_error"])]
     heads = [f"{name}: coverage, %", "", *SYMBOLS, "F_k, nothing remarked", *SYMBOLS[1:]]
     groups = [("all", "", known)]
@@ -138,7 +139,7 @@ def _coverage(own: pd.DataFrame, name: str) -> str:
 
 
 def _share(part: pd.DataFrame) -> str:
-    """Percentage of intervals that hold the truth, with its own 95 % interval, of how many."""
+    """Return percentage of intervals that hold the truth, with its own 95 % interval, of how many."""
     if part.empty:
         return "–"
     count, of = int(held(part).sum()), len(part)
@@ -147,12 +148,12 @@ def _share(part: pd.DataFrame) -> str:
 
 
 def held(rows: pd.DataFrame) -> pd.Series:
-    """Whether the interval of each row holds the truth."""
+    """Return whether the interval of each row holds the truth."""
     return (rows["low"] <= rows["true"]) & (rows["true"] <= rows["high"])
 
 
 def _errors(rows: pd.DataFrame) -> str:
-    """Median and 90 % quantile of the relative error by approach, and the largest in standard errors."""
+    """Return median and 90 % quantile of the relative error by approach, and the largest in standard errors."""
     known = rows[np.isfinite(rows["value"])].copy()
     known["relative"] = 100.0 * known["error"].abs() / known["true"]
     heads = ["abs. error, %", "", "0.1 % noise: median, 90 %", "1 %", "5 %"]
@@ -172,7 +173,8 @@ def _errors(rows: pd.DataFrame) -> str:
 
 
 def faults(rows: pd.DataFrame) -> dict[str, tuple[list[int], int]]:
-    """What should not be there at all: the sets in which it is, and how many it could be in.   rows : `judged`."""
+    """Return what should not be there at all: the sets in which it is, and how many it could be in.   rows :
+    `judged`."""
     sets = rows.groupby("set").first()
     slips = rows["kind"] != "nothing slips"
     sound = rows[rows["approach"].isin(HELD) & slips]

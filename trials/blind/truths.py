@@ -1,4 +1,4 @@
-"""What the blind set holds: each set of records drawn by (seed, index) alone."""
+"""Content of the blind set: each set of records drawn by (seed, index) alone."""
 
 from __future__ import annotations
 
@@ -66,12 +66,12 @@ class Truth(Linear):
     equal: bool
 
     def parameter(self, symbol: str) -> float:
-        """The true value of F_k, c, K_z or m."""
+        """Return the true value of F_k, c, K_z or m."""
         return {"F_k": self.F_k, "c": self.c, "K_z": self.K_z, "m": self.m}[symbol]
 
 
 def log_uniform(random: np.random.Generator) -> Callable[[float, float], float]:
-    """Draws a number between two others, its logarithm uniform."""
+    """Return draws a number between two others, its logarithm uniform."""
     return lambda low, high: float(math.exp(random.uniform(math.log(low), math.log(high))))
 
 

@@ -57,7 +57,7 @@ def compute(folder: Path, study: str, how: tuple[str, ...]) -> float:
 
 
 def main(study: str, parent: Path | None, changes: Path | None) -> int:
-    """Both runs, and what came out, on stdout."""
+    """Return both runs, and what came out, on stdout."""
     top = Path(tempfile.mkdtemp(prefix="same_bytes.", dir=parent))
     try:
         results = []

@@ -65,7 +65,7 @@ class Bench:
         self.files = [name for name in names if not any(word in name for word in SHOWN.split())]
 
     def run(self, *tests: str, interpreted: bool, limit: float | None = None) -> tuple[int, Any]:
-        """(pytest's exit status, what `watch` recorded); TimeoutExpired after `limit` seconds."""
+        """Return (pytest's exit status, what `watch` recorded); TimeoutExpired after `limit` seconds."""
         self.report.unlink(missing_ok=True)
         environment = os.environ | {
             "PYTHONPATH": f"{self.project / 'src'}{os.pathsep}{Path(__file__).parents[1]}",
@@ -93,7 +93,7 @@ class Bench:
         return done.returncode, json.loads(text)
 
     def _passing(self, file: str, interpreted: bool = False) -> dict[str, Any]:
-        """The records of the tests of a file that pass without an error in the package."""
+        """Return the records of the tests of a file that pass without an error in the package."""
         status, records = self.run(file, interpreted=interpreted)
         if status not in (0, 5):
             failed = [name for name, test in records.items() if "failed" in test["outcomes"]]
@@ -101,7 +101,7 @@ class Bench:
         return {name: test for name, test in records.items() if {*test["outcomes"]} == {"passed"}}
 
     def trial(self, mutant: Mutant, budget: float) -> tuple[str, str]:
-        """("killed", the test that failed), ("timed out", "") or ("survived", the number of tests).
+        """Return ("killed", the test that failed), ("timed out", "") or ("survived", the number of tests).
 
         Tests that call the function of the mutant, or else its module, come first, then the others in their files.
         """
@@ -137,19 +137,19 @@ def _file(test: str) -> str:
 
 
 def modules() -> list[str]:
-    """The modules of the method, below the package."""
+    """Return the modules of the method, below the package."""
     package = ROOT / PACKAGE
     paths = {path.relative_to(package) for pattern in METHOD for path in package.glob(pattern)}
     return sorted(p.as_posix() for p in paths if "drawing" not in p.stem and p.stem[0] != "_")
 
 
 def mutants_of(module: str) -> list[Mutant]:
-    """All mutants of a module."""
+    """Return all mutants of a module."""
     return [*mutants(module, (ROOT / PACKAGE / module).read_bytes())]
 
 
 def equivalent(mutant: Mutant) -> str:
-    """Why nobody could notice the mutant, according to `equivalent.yaml`; empty where somebody could."""
+    """Return why nobody could notice the mutant, according to `equivalent.yaml`; empty where somebody could."""
     for entry in EQUIVALENT.get(mutant.module, []):
         if all(getattr(mutant, key) == entry[key] for key in entry.keys() - {"reason"}):
             return entry["reason"]
@@ -157,7 +157,7 @@ def equivalent(mutant: Mutant) -> str:
 
 
 def table(trials: list[tuple[Mutant, str, str]], seed: int) -> str:
-    """The number of mutants by room and verdict, and the survivors, as Markdown."""
+    """Return the number of mutants by room and verdict, and the survivors, as Markdown."""
     rooms = [mutant.module.rpartition("/")[0] or mutant.module for mutant, _, _ in trials]
     verdicts = [verdict for _, verdict, _ in trials]
     counts = pd.crosstab(rooms, verdicts, margins=True, margins_name="all")

@@ -45,17 +45,17 @@ class Mutant:
         return f"{self.module}:{self.number} `{self.before}` → `{self.after}` in `{self.line}`"
 
     def source(self, original: bytes) -> bytes:
-        """The source of the module with the error in it."""
+        """Return the source of the module with the error in it."""
         return original[: self.place.start] + self.text.encode() + original[self.place.stop :]
 
     def rank(self, seed: int) -> str:
-        """The key by which a sample is drawn; an edit of another line of the module does not change it."""
+        """Return the key by which a sample is drawn; an edit of another line of the module does not change it."""
         words = seed, self.module, self.where, self.line, self.column, self.before, self.after
         return hashlib.sha256("\0".join(map(str, words)).encode()).hexdigest()
 
 
 def mutants(module: str, source: bytes) -> Iterator[Mutant]:
-    """All mutants of a module."""
+    """Yield all mutants of a module."""
     lines = source.splitlines(keepends=True)
     starts = [0, *accumulate(map(len, lines))]
     for where, node, changed in _changes(ast.parse(source), ""):
@@ -67,7 +67,7 @@ def mutants(module: str, source: bytes) -> Iterator[Mutant]:
 
 
 def _changes(node: ast.AST, where: str) -> Iterator[tuple[str, Any, ast.AST]]:
-    """The function, the node and its replacement, for every error in a node and in all that it holds."""
+    """Yield the function, the node and its replacement, for every error in a node and in all that it holds."""
     if isinstance(node, (ast.FunctionDef, ast.ClassDef)):
         where = f"{where}.{node.name}".lstrip(".")
     # A formatted string gives its parts no positions of their own before Python 3.12.
@@ -85,7 +85,7 @@ def _changes(node: ast.AST, where: str) -> Iterator[tuple[str, Any, ast.AST]]:
 
 
 def _of_node(node: ast.AST) -> Iterator[tuple[ast.AST, ast.AST]]:
-    """The errors that can be put into one node, as pairs of a node and its replacement."""
+    """Yield the errors that can be put into one node, as pairs of a node and its replacement."""
     other = _COUNTERPART.get(type(getattr(node, "op", node)).__name__, "")
     match node:
         case ast.Compare():

@@ -32,7 +32,7 @@ def _note(frame, event, _):
 
 
 def _called():
-    """The functions called, as "module:name", with the kernels that compiled kernels may call."""
+    """Return the functions called, as "module:name", with the kernels that compiled kernels may call."""
     every = [*kernels]
     for function in (kernel.py_func for kernel in every):
         codes.add(function.__code__)

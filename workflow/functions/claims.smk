@@ -1,4 +1,4 @@
-# Which printed numbers there are to compare with, and when they were compared last.
+# The printed numbers to compare with, and the time of the last comparison.
 import time
 
 PUBLISHED = project_file(config["published"]) if config["published"] else None
@@ -25,7 +25,7 @@ if PUBLISHED and workflow.is_main_process:
         )
     if CASE.numerics.tabulated.get("t_s_unit_s") is None:
         raise WorkflowError(
-            f"{where} is compared with t_s as it was cut: as_published.tabulated.t_s_unit_s is needed; {other}."
+            f"{where} has t_s cut off: set as_published.tabulated.t_s_unit_s; {other}."
         )
     try:
         check_printed(printed.read_published(Path(PUBLISHED)))
@@ -35,7 +35,7 @@ if PUBLISHED and workflow.is_main_process:
 
 
 def published_files(wildcards):
-    """The printed numbers, without the verdicts on record, which only the check compares with."""
+    """Return the files of printed numbers, without the verdicts on record, which only the check reads."""
     files = sorted(Path(PUBLISHED).glob("*.csv"))
     return [str(file) for file in files if file.name != "verdicts.csv"]
 
@@ -44,7 +44,7 @@ SUMMARY = Path(RESULTS, "summary.txt")
 
 
 def compared_at():
-    """When the verdicts were compared last, ns; None if they never were."""
+    """Return the time of the last comparison of verdicts, ns; None if there was none."""
     return SUMMARY.stat().st_mtime_ns if SUMMARY.is_file() else None
 
 
@@ -52,6 +52,6 @@ COMPARED_BEFORE = compared_at()
 
 
 def rerun_while_worse(wildcards):
-    """None if the last comparison passed; otherwise the time, so that `check` runs again."""
+    """Return None if the last comparison passed; otherwise the time, so that `check` runs again."""
     worse = SUMMARY.is_file() and WORSE in SUMMARY.read_text(encoding="utf-8")
     return time.time_ns() if worse else None

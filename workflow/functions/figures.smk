@@ -1,6 +1,6 @@
 # Files of figures.
 def figure_files(name, title):
-    """The SVG and the PNG of a figure, <name>_svg and <name>_png. title : what the report calls it."""
+    """Return the SVG and the PNG of a figure, <name>_svg and <name>_png. title : its name in the report."""
     return {
         f"{name}_svg": report(
             f"{RESULTS}/figures/{name}.svg",

@@ -1,4 +1,4 @@
-# Sets of measured records: their files, and what is wrong with them before anything is read.
+# Sets of measured records: their files, and checks of them before anything is read.
 import glob
 import logging
 
@@ -27,22 +27,22 @@ FROM = "relative to the folder of the run"
 
 
 def kind_of(name):
-    """The kind of records of a set: forced, ring-down for free decays, stepped-sine for tables, or loops."""
+    """Return the kind of records of a set: forced, ring-down for free decays, stepped-sine for tables, or loops."""
     return MEASURED[name].get("kind", "forced")
 
 
 def sets_of(kind):
-    """The names of the sets of a kind, for a wildcard; one that no set can have where there is none."""
+    """Return a pattern for the names of the sets of a kind; one that matches no name where there is none."""
     return "|".join(name for name in MEASURED if kind_of(name) == kind) or "[.]"
 
 
 def set_files(name, kind):
-    """The results of a set of a kind."""
+    """Return the results of a set of a kind."""
     return [f"{MEASURED_FILES}/{name}/{file}" for file in outputs_of(kind)]
 
 
 def measured_files():
-    """The results of all sets."""
+    """Return the results of all sets."""
     return [
         *(file for name in MEASURED for file in set_files(name, kind_of(name))),
         *(f"{MEASURED_FILES}/{name}/.complete" for name in MEASURED),
@@ -50,7 +50,7 @@ def measured_files():
 
 
 def show_tables(names):
-    """Print the tables of sets, and that of all where there are several."""
+    """Print the tables of sets, and the table of all where there are several."""
     several = [f"{MEASURED_FILES}/{SET_SUMMARY}"] if len(MEASURED) > 1 else []
     for file in [*(f"{MEASURED_FILES}/{name}/{SET_SUMMARY}" for name in names), *several]:
         if Path(file).is_file():
@@ -58,7 +58,7 @@ def show_tables(names):
 
 
 class NothingToDo(logging.Filter):
-    """Shows the table again when nothing was to be done: Snakemake says so, and calls no hook."""
+    """Shows the table again when nothing was to be done, as Snakemake then calls no hook."""
 
     def filter(self, record):
         if record.getMessage() == NOTHING_TO_BE_DONE_MSG and not workflow.dryrun:
@@ -71,7 +71,7 @@ if MEASURED and workflow.is_main_process:
 
 
 def overview_with_failures():
-    """Write and return what became of each set when some could not be identified; the next run makes it anew."""
+    """Write and return the table of all sets when some could not be identified; the next run makes it anew."""
     folder = Path(MEASURED_FILES)
     folder.mkdir(parents=True, exist_ok=True)
     text = summarise(folder, failures())
@@ -81,14 +81,14 @@ def overview_with_failures():
 
 
 def failures():
-    """Set → why it could not be identified in the run that ends, as its log says; "" where it was."""
+    """Return, for each set, why it could not be identified, from its log; "" where it was."""
     errors = dict.fromkeys(MEASURED, "")
     for name in MEASURED:
         if not Path(f"{MEASURED_FILES}/{name}/.complete").exists():
             log = Path(log_file(f"identify_{name}"))
             lines = log.read_text(encoding="utf-8").split("\n") if log.exists() else []
-            said = [line for line in lines if line.strip()] or ["it was not reached"]
-            errors[name] = said[-1].removeprefix("error: ")
+            filled = [line for line in lines if line.strip()] or ["its job did not start"]
+            errors[name] = filled[-1].removeprefix("error: ")
     return errors
 
 
@@ -98,15 +98,15 @@ def refuse_of(name, *key, text):
 
 
 def matching(pattern):
-    """The files that a pattern finds from the folder of the run on."""
-    if Path(pattern).is_file():  # whatever brackets its name has
+    """Return the files that match a pattern, relative to the folder of the run."""
+    if Path(pattern).is_file():  # its name may have brackets
         return [pattern]
     return glob.glob(pattern)
 
 
 def record_files(name):
-    """The records of a set, sorted; each pattern must find some."""
-    found = []
+    """Return the records of a set, sorted; each pattern must match some."""
+    records = []
     for i, pattern in enumerate(MEASURED[name]["records"]):
         files = sorted(file for file in matching(pattern) if not file.endswith((".yaml", ".md")))
         for folder in filter(os.path.isdir, files):
@@ -114,20 +114,20 @@ def record_files(name):
         if not files:
             text = f"no file {pattern}: name files, or a pattern, {FROM}"
             refuse_of(name, "records", i, text=text)
-        found.extend(file for file in files if file not in found)
-    return found
+        records.extend(file for file in files if file not in records)
+    return records
 
 
 def mapping_files(name):
-    """The files that name the channels of a set, and those of its records that they name beside these."""
+    """Return the mappings of a set, and the further files of its records that these name."""
     records, given = record_files(name), MEASURED[name].get("mapping")
-    found = {mapping_file(file, given) for file in records} - {None}
+    mappings = {mapping_file(file, given) for file in records} - {None}
     parts = {part for file in records for part in parts_of(file, mapping_for(file, given))}
-    return sorted(str(file) for file in found | (parts - {Path(file) for file in records}))
+    return sorted(str(file) for file in mappings | (parts - {Path(file) for file in records}))
 
 
 def require_files(name):
-    """Refuse a set that names a file which is not there: Snakemake misses none as long as the results are there."""
+    """Refuse a set that names a missing file: Snakemake does not miss it as long as the results are there."""
     given = MEASURED[name].get("mapping")
     if given and not Path(given).exists():
         refuse_of(name, "mapping", text=f"no file or folder {given}: name one, {FROM}")

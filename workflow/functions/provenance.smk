@@ -6,14 +6,14 @@ from dampbalance import __version__ as VERSION
 from dampbalance.publishing.provenance.manifest import COMPUTING, PROJECT, code_version, files_of
 from snakemake.io import is_flagged
 
-# A configuration that another workflow hands over stands in no file of its own; as merged it is in the manifest.
+# A configuration that another workflow hands over stands in no file; the manifest has it as merged.
 GIVEN_FILES = [os.path.relpath(file) for file in [BASE_CONFIG, *OVERRIDING]]
 MANIFEST = f"{RESULTS}/manifest.json"
 ARCHIVE_NAME = f"dampbalance-{VERSION}" + ("" if CASE.name == "paper" else f"-{CASE.name}")
 
 
 def own_name(file):
-    """A file as the manifest names it: a result from the folder of the run on, a file of the project from there on."""
+    """Return a file's name in the manifest: relative to the folder of the run for results, else to the project."""
     if file.startswith("results/"):
         return file
     path = Path(os.path.abspath(file))
@@ -22,7 +22,7 @@ def own_name(file):
 
 @functools.cache
 def jobs_behind_everything():
-    """The jobs behind `rule all`, each {rule, script, inputs, outputs}, found from the rules as Snakemake finds them.
+    """Return the jobs behind `rule all`, each {rule, script, inputs, outputs}, as Snakemake resolves its rules.
 
     Inputs leave out the package's modules (they are sources), outputs what is temporary.
     """
@@ -55,13 +55,13 @@ def jobs_behind_everything():
 
 
 def everything_built(wildcards):
-    """All results of this case, and of the studies that it draws on."""
+    """Return all results of this case, and of the studies that it draws on."""
     return [file for job in jobs_behind_everything() for file in job["outputs"]]
 
 
 @functools.cache
 def sources_of(names):
-    """Files of the project below `names`, and configurations given on the command line: name → path."""
+    """Return files of the project below `names`, and configurations given on the command line: name → path."""
     own = {name: project_file(name) for name in files_of(ROOT, names)}
     given = {own_name(file): file for file in GIVEN_FILES}
     return own | {name: path for name, path in given.items() if not name.startswith("..")}

@@ -12,29 +12,29 @@ SMALL_STUDIES = [
     *("frequency", "level", "damping", "contact_stiffness", "rigid_contact"),
     *("read_out", "step_size"),
 ]
-# A chunk from a cache is one that they computed: of the environment Snakemake knows nothing.
+# A cached chunk is valid for these libraries only; Snakemake does not know their versions.
 STUDY_LIBRARIES = {name: version(name) for name in ("numpy", "scipy", "numba", "pandas", "pyarrow")}
 
 
 def study_file(name):
-    """The file of a study."""
+    """Return the file of a study."""
     return project_file(f"config/studies/{name}.yaml")
 
 
 def study_files(names):
-    """Files of studies as inputs of a rule."""
+    """Return files of studies as inputs of a rule."""
     return [*map(study_file, names)]
 
 
 def study_texts(names):
-    """The templates of their paragraphs, as far as they have one."""
+    """Return the templates of the paragraphs of studies that have one."""
     texts = (Path(study_file(name)).with_suffix(".md.j2") for name in names)
     return [str(path) for path in texts if path.exists()]
 
 
 @functools.cache
 def study_plan(name):
-    """(study, its size), checked against the schema and the free disk; one clear error for a file that is wrong."""
+    """Return (study, its size), checked against the schema and the free disk; one clear error for a file that is wrong."""
     from dampbalance.studies.cases import check_size, size_of
     from dampbalance.studies.reading_study import read_study
     from dampbalance.studies.shown.paragraph import template_of
@@ -42,8 +42,8 @@ def study_plan(name):
     file = Path(study_file(name))
     if not re.fullmatch(r"(?!.*(.{1,3})\1{19}$)[A-Za-z0-9][A-Za-z0-9_-]{0,59}", name):
         raise WorkflowError(
-            f"{file}: the name of a study is letters, digits, '-' and '_', 60 at most, with nothing 20 times in a row at its "
-            "end; rename the file"
+            f"{file}: the name of a study must be letters, digits, '-' and '_', 60 at most, with nothing 20 times in a row at "
+            "its end; rename the file"
         )
     if not file.exists():
         known = ", ".join(STUDIES)
@@ -60,7 +60,7 @@ def study_plan(name):
 
 
 def requested_studies():
-    """The studies that the command line names; the targets are not known otherwise at this point."""
+    """Return the studies that the command line names, from which alone the targets follow at this point."""
     if "studies" in sys.argv:
         return STUDIES
     prefix = f"{STUDY_RESULTS}/"
@@ -76,18 +76,18 @@ if workflow.is_main_process:
     ]
     if REPORT and unbuilt:
         raise WorkflowError(
-            f"--report: of the studies {', '.join(unbuilt)} are not built. Build them first, with --cores all in place of --report."
+            f"--report: not built are the studies {', '.join(unbuilt)}. Build them first, with --cores all in place of --report."
         )
 
 
 def study_settings(name):
-    """What the numbers of a study follow from: a change of them, and of nothing else, computes it again."""
+    """Return all that the numbers of a study follow from: only a change of it computes the study again."""
     study, _ = study_plan(name)
     return {"settings": study.settings, "fixed": study.fixed, "levels": study.levels}
 
 
 def study_chunks(wildcards):
-    """The chunks of a study, in their order; none of a study that one job computes as a whole."""
+    """Return the chunks of a study in their order; none where one job computes the whole study."""
     _, size = study_plan(wildcards.study)
     if size.chunks == 1:
         return []
@@ -98,13 +98,16 @@ def study_chunks(wildcards):
 
 
 def chunk_memory_mb(wildcards, attempt):
-    """0.5 GB for the script, whatever the size of the chunk, 0.6 GB for the Snakemakes that start it on a cluster, half
-    as much again to be safe; more at a retry. Measured: config/studies/CLUSTER.md."""
+    """Return the memory of a job, MB; more at a retry.
+
+    0.5 GB for the script, whatever the size of the chunk, 0.6 GB for the Snakemakes that start it on a cluster, half as
+    much again to be safe. Measured: config/studies/CLUSTER.md.
+    """
     return 1650 * attempt
 
 
 def title_of(name):
-    """What the report calls a study, for a job: no study is read before a report is made."""
+    """Return the function that gives a study's name in the report: no study is read before a report is made."""
 
     def title(wildcards):
         from dampbalance.project.wording import plain_text  # needed for a report only
@@ -115,17 +118,17 @@ def title_of(name):
 
 
 def study_title(wildcards):
-    """What the report calls the study of a job."""
+    """Return the name in the report of the study of a job."""
     return title_of(wildcards.study)(wildcards)
 
 
 def study_svg(path, title):
-    """The figure of a study, which the report shows."""
+    """Return the figure of a study, which the report shows."""
     return report(path, caption="../report/study.rst", category="Studies", labels=title)
 
 
 def study_figure_files(wildcards):
-    """The figure of a study, if its file asks for one."""
+    """Return the figure of a study, if its file asks for one."""
     study, _ = study_plan(wildcards.study)
     folder = f"{STUDY_RESULTS}/{wildcards.study}"
     return [f"{folder}/figure.svg", f"{folder}/figure.png"] if study.figure else []

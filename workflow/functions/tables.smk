@@ -1,15 +1,15 @@
-# Files of the tables, and what the report calls them.
+# Files of the tables, and their names in the report.
 TABLES = ["table1", "table2", "table3", "statistics"]
 
 
 def table_files(extension):
-    """results/<case>/tables/table1.csv … for the first frequency, table1_<frequency>.csv … for the others; approaches.csv."""
+    """Return the tables: table1.csv … at the first frequency, table1_<frequency>.csv … at the others; approaches.csv."""
     names = [f"{name}{CASE.suffix(hz)}" for hz in FREQUENCIES for name in TABLES]
     return [f"{RESULTS}/tables/{name}.{extension}" for name in [*names, "approaches"]]
 
 
 def reported_table(file):
-    """A table with what the report calls it."""
+    """Return a table with its name in the report."""
 
     def title(wildcards):
         # Needed for a report only.

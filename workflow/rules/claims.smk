@@ -34,7 +34,7 @@ rule claims:
         "../scripts/claims/claims.py"
 
 
-# Every digit of the tables one up and one down: a minute of judging, of which the result is kept on record for the page
+# Every digit of the tables one up and one down: a minute of judging, whose result is kept on record for the page
 # (paper/published/README.md).
 rule misprints:
     input:

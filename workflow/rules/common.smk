@@ -1,6 +1,6 @@
-# What all rules share: the project's files, the checked configuration, names of results, and which modules a script depends on.
+# Shared by all rules: the project's files, the checked configuration, names of results, and the modules behind a script.
 #
-# Results go below the folder in which the workflow runs; what the project brings along is taken from its own folder, ROOT. The
+# Results go below the folder in which the workflow runs; the project's own files are taken from its folder, ROOT. The
 # two differ under `snakemake --directory`, and when another workflow uses this one as a module (config/README.md).
 import copy
 import logging
@@ -32,7 +32,7 @@ if Path(sys.executable).exists():
 
 
 def project_file(name):
-    """A file of the project, as a path from the folder in which the workflow runs."""
+    """Return a file of the project as a path from the folder in which the workflow runs."""
     return os.path.relpath(ROOT / name)
 
 
@@ -42,7 +42,7 @@ BASE_CONFIG = project_file("config/config.yaml")
 OVERRIDING = list(workflow.overwrite_configfiles)
 CONFIG_FILES = [BASE_CONFIG, *OVERRIDING]
 
-# Another workflow that uses this one as a module hands over what differs from the paper's case; it may stand in no file.
+# Another workflow that uses this one as a module hands over only keys that differ from the paper's case, maybe in no file.
 other = Path(workflow.main_snakefile).resolve()
 if other not in (ROOT / "Snakefile", ROOT / "workflow/Snakefile"):
     # Merged like a file of the command line, whose keys come first.
@@ -81,13 +81,13 @@ if REPORT and not Path(RESULTS).is_dir():
     raise WorkflowError(
         f"--report: {RESULTS} is not built. Build it first, with --cores all in place of --report."
     )
-FIRST = 10  # priority of what leads to the paper's tables and verdicts: they are seen before the studies are computed
-NEXT = 5  # of studies, and of what article and page wait for: jobs that nothing waits for fill the gaps
+FIRST = 10  # priority of jobs for the paper's tables and verdicts: these are seen before the studies are computed
+NEXT = 5  # priority of studies and inputs of article and page: jobs that nothing waits for fill the gaps
 ENVIRONMENT = "../envs/dampbalance.yaml"
 
 
 class OneLineAJob(logging.Filter):
-    """Writes one line when a job starts, with the share of jobs that are done, in place of Snakemake's eight."""
+    """Writes one line when a job starts, with the share of finished jobs, in place of Snakemake's eight."""
 
     DROPPED = (LogEvent.JOB_STARTED, LogEvent.JOB_FINISHED, LogEvent.PROGRESS, LogEvent.RUN_INFO)
     done = 0.0
@@ -108,34 +108,34 @@ if workflow.is_main_process:
 
 
 def of_case(*fields):
-    """Those fields of the case as a rule's parameter: a change of any other does not rerun it."""
+    """Return these fields of the case as a rule's parameter: a change of any other does not rerun it."""
     return excerpt(config, *fields)
 
 
 def log_file(job, extension="log"):
-    """What a job says, or how long it took (tsv)."""
+    """Return the log of a job, or the file of its benchmark (tsv)."""
     return f"{LOGS}/{job}.{extension}"
 
 
 def study_log(job, extension="log"):
-    """The same of a job of a study."""
+    """Return the log of a job of a study, like `log_file`."""
     return f"results/logs/studies/{{study}}/{job}.{extension}"
 
 
 def of_routes(kind):
-    """The tables of features or estimates, of both routes at every frequency."""
+    """Return the tables of features or estimates, of both routes at every frequency."""
     return expand(
         f"{RESULTS}/{kind}/{{route}}/{{frequency}}.csv", route=ROUTES, frequency=FREQUENCIES
     )
 
 
 def script_modules(script):
-    """Package files that a script depends on, as inputs of its rule: an edit of any of them reruns it, no other does."""
+    """Return the package files that a script depends on, as inputs of its rule: only their edits rerun it."""
     return modules_behind(f"workflow/scripts/{script}")
 
 
 def modules_behind(file):
-    """Package files that a Python file of the project depends on."""
+    """Return the package files that a Python file of the project depends on."""
     return [*map(str, package_modules(ROOT / file, ROOT / "src", relative_to=Path.cwd()))]
 
 

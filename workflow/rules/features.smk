@@ -1,5 +1,5 @@
-# What is read off the responses: X, X_s, V_s, t_s, phases, harmonics and the integrals a, b, W. One job reads all frequencies of a
-# route: what comes after needs them all, and reading takes less time than starting.
+# Features of the responses: X, X_s, V_s, t_s, phases, harmonics and the integrals a, b, W. One job reads all frequencies of a
+# route: later rules need them all, and reading takes less time than starting.
 
 
 rule features_exact:

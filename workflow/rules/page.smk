@@ -1,6 +1,6 @@
 # The page that shows a case to people who read.
 #
-# The page shows the small studies of the paper's oscillator, seconds each, never the map over a million. A case of one's own,
+# The page shows the small studies of the paper's oscillator, seconds each, never the map over a million. A user's case,
 # with nothing printed to compare with, gets a page without verdicts and studies: snakemake page --configfile …
 
 PAGE_PARTS = sorted(

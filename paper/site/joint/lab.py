@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from dampbalance.joints.contact import Sliders
 from dampbalance.joints.synthetic import stepped_sine
+from dampbalance.law.parallel_sliders import Sliders
 
 table = stepped_sine(
     {"m": 2.0, "c": 6.0, "k": 180_000.0},

@@ -30,7 +30,7 @@ ARGUMENTS: dict[str, dict[str, Any]] = {
         "help": "where records and results go (default: %(default)s)",
     },
     "--open": {"action": "store_true", "help": "show the report in the browser"},
-    "--overwrite": {"action": "store_true", "help": "replace what is there already"},
+    "--overwrite": {"action": "store_true", "help": "replace existing records and results"},
 }
 
 _LEVELS_MM = (4, 6, 8, 10, 12)
@@ -42,23 +42,25 @@ _RECORD = (
     *("0.1", "--channel", "base_displacement", "--channel", "displacement", "--channel"),
     *("acceleration", "--decimals", "6"),
 )
-"""Of each record, as of those in config/records/example."""
+"""Options of each record, as for those in config/records/example."""
 
 
 def run(options: argparse.Namespace) -> None:
     """Simulate, identify, and say where the report is, or show it."""
     folder: Path = options.folder
     records = [folder / f"level{level}.csv" for level, _ in enumerate(_LEVELS_MM, start=1)]
-    found = folder / "found"
+    results = folder / "found"
     again = ["--overwrite"] * options.overwrite
-    require_room(folder, [one.name for one in (*records, found)], "" if again else "--overwrite")
-    with interpreted():  # what was not compiled yet shall not be waited for
+    require_room(
+        folder, [file.name for file in (*records, results)], "" if again else "--overwrite"
+    )
+    with interpreted():  # runs at once what is not compiled yet
         for seed, (record, level) in enumerate(zip(records, _LEVELS_MM, strict=True), start=1):
             motion = ("--amplitude", f"{level / 1000:g}", "--seed", f"{seed}")
             _run("simulate", str(record), *motion, *_RECORD, *again)
     given = ["--stiffness", f"{_STIFFNESS:g}", "--mass", f"{_MASS:g}", "--frequency", "3.5"]
-    given += ["--output", str(found)]
-    report = found / REPORT
+    given += ["--output", str(results)]
+    report = results / REPORT
     print(f"\n$ dampbalance identify {shlex.quote(str(folder))}/level*.csv {shlex.join(given)}")
     _run("identify", *map(str, records), *given, *again)
     print(

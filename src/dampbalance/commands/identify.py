@@ -23,18 +23,18 @@ EPILOG = """\
 A record is one file per level of excitation: a channel that drives (base_displacement, base_acceleration or force) and
 at least one of the mass (displacement, velocity, acceleration; relative_displacement, … where it was measured against
 the base). Formats: CSV, TSV, Parquet, MATLAB, HDF5, universal file 58, TDMS, LabVIEW's text, WAV, NumPy,
-JSON, spreadsheets. What a file does not say of its channels stands in a small YAML file next to it, NAME.yaml or
-channels.yaml, which --write-mapping writes for you to correct.
+JSON, spreadsheets. Where a file does not describe its channels, a small YAML file next to it does, NAME.yaml or
+channels.yaml; --write-mapping drafts one for you to correct.
 
   dampbalance identify level*.csv --stiffness 2310 --frequency 3.5 --output found
 
-A record whose driving channel is missing, or holds noise or the blows of a hammer alone, is one of free decays, one or
-several after releases or blows:
+A record whose driving channel is missing, or shows only noise or blows of a hammer, is taken for free decays after
+releases or blows:
 
   dampbalance identify decay.csv --stiffness 2310
 
-Records of an angle, an angular velocity (rpm, °/s) or a torque are those of an oscillator that rotates: give its
-stiffness in N m/rad, and as its mass the moment of inertia in kg m²; the friction torque is called T_k:
+Records of an angle, an angular velocity (rpm, °/s) or a torque belong to a rotating oscillator: give its stiffness in
+N m/rad, and as its mass the moment of inertia in kg m²; the friction torque is called T_k:
 
   dampbalance identify pendulum.csv --stiffness 1.18 --mass 0.019
 
@@ -43,7 +43,7 @@ amplitude of the response, phase, and level; with a force it needs no stiffness:
 
   dampbalance identify levels.csv
 
-Loops of a contact on a test machine, with force and displacement and no stiffness, need nothing else:
+Loops of force against displacement, from a test machine, need no stiffness:
 
   dampbalance identify loops.csv
 
@@ -52,49 +52,51 @@ The exit status is 0 with an answer, 1 where the records give none (the cause is
 
 
 _HELP = f"""\
-records         a file, one per level; as many as there are coefficients, or more; of a free decay one is enough
+records         one file per level, at least as many as coefficients; one is enough for a free decay
 all records:
 --kind          forced records, free decays, tables of a stepped sine, or measured loops (default: recognised)
 --stiffness     k, N/m (of a rotation N m/rad), or 5.2±0.1, "29.7 lbf/in", "5.2 N/mm ± 1 %%"; it scales F_k and c
---mass          tests k, or gives it: kg (of a rotation inertia, kg m²), "6.8 lb", 2.42±0.01 (else 0.5 %%, half a digit)
+--mass          checks k, or gives it: kg (of a rotation kg m²), "6.8 lb", 2.42±0.01 (else 0.5 %%, half a digit)
 --mapping       file or folder that names the channels of the records (default: the file next to each)
---write-mapping write a mapping to start from to this file, with a reason for each channel, and do nothing else
+--write-mapping write a draft of a mapping to this file, with a reason for each channel, and do nothing else
 forced records:
---frequency     known drive frequency, Hz, or "210 rpm"; compared with the one found in each record
+--frequency     known drive frequency, Hz, or "210 rpm"; compared with that of each record
 --groups        a coefficient for each group of records: F_k=A,A,B, a label per record; may be repeated
 --contact-to    base for a mount, whose spring, damper and friction all sit on the table (default: ground)
---damper-to     base for a damper on the table beside a contact to the ground (default: where the contact is)
---fixture-mass  what sits between a load cell and the mass, kg, or "0.4 lb"
+--damper-to     base for a damper on the table while the contact is to the ground (default: as the contact)
+--fixture-mass  mass between a load cell and the vibrating mass, kg, or "0.4 lb"
 --approach      an approach; may be repeated (default: all)
 --skip-cycles   cycles left out at the start of each record, where the motion has not settled (default: 0)
 forced records or free decays:
 --laws          compare laws of one or two terms, with and without friction, and name the one that the records support
 forced records or tables of a stepped sine:
---terms         of the damping law, such as F_k,c,c_2 (default: F_k,c); known: {", ".join(KNOWN_TERMS)}
---given         a coefficient that is known, such as c=0.669, SI; may be repeated
+--terms         terms of the damping law, such as F_k,c,c_2 (default: F_k,c); known: {", ".join(KNOWN_TERMS)}
+--given         a known coefficient, such as c=0.669, SI; may be repeated
 tables of a stepped sine:
 --contact       one slider, many that slip one after the other, or the one that the lines support (default: both)
 --no-hardening  the spring does not stiffen with the amplitude
---residual      other modes of the structure move the driven point, too
+--residual      include other modes of the structure, which also move the driven point
 measured loops:
---normal-force  N, or 5.0±0.1, for the friction coefficient
---fixture-stiffness  of a fixture in series, whose deflection is measured, too, N/m
+--normal-force  normal force, N, or 5.0±0.1, for the friction coefficient
+--fixture-stiffness  stiffness of a fixture in series whose deflection is also measured, N/m
 --no-backlash   the fixture has no dead band
 results:
 --details       show the answer of every approach and all that limits them, instead of one screen
 --output        write {", ".join(OUTPUTS)} there
 --no-figures    write no pictures: they take longer than all the rest
---json          write {TABLES[0]} to this file, too; - shows it instead of the table
+--json          write {TABLES[0]} to this file as well; - shows it instead of the table
 --report        write the report, one page of HTML with everything, to this file
---overwrite     replace results that are there already
+--overwrite     replace existing results
 """
 
 _SCREEN = Path("-")
 
 
 def run(options: argparse.Namespace) -> bool:
-    """Identify, show the table or the document, write the results; or write a mapping. Returns whether there is an
-    answer."""
+    """Identify, show the table or the document, and write the results; or write a mapping.
+
+    Returns whether there is an answer.
+    """
     if options.write_mapping is not None:
         _write_mapping(options)
         return True
@@ -110,14 +112,14 @@ def run(options: argparse.Namespace) -> bool:
         require_room(file.parent, [file.name], permission)
     stated = {name for each in OPTIONS.values() for name in each} & vars(options).keys()
     result = identify(kind=options.kind, **{name: getattr(options, name) for name in stated})
-    said = json_text(result.document())
-    shown, width = said, shutil.get_terminal_size().columns
+    answer = json_text(result.document())
+    shown, width = answer, shutil.get_terminal_size().columns
     if options.json != _SCREEN:
         shown = result.text() if options.details else result.screen(width, details="--details")
     print(shown, end="")
     places, drawn = [], ""
     if document is not None:
-        write_text(document, said)
+        write_text(document, answer)
         places.append(str(document))
     if folder is not None:
         files = result.save(folder, figures=not options.no_figures, overwrite=options.overwrite)
@@ -143,14 +145,14 @@ def _write_mapping(options: argparse.Namespace) -> None:
 
     file: Path = options.write_mapping
     if file.suffix != ".yaml":
-        raise ValueError(f"--write-mapping {file}: a mapping ends in .yaml; choose such a name")
+        raise ValueError(f"--write-mapping {file}: the name of a mapping must end in .yaml")
     tables = options.kind == "recognised" and recognised_as_table(
         options.records[0], options.mapping
     )
     if tables or options.kind == "stepped-sine":
         raise ValueError(
-            f"{options.records[0]} is a table of a stepped sine, and --write-mapping writes a mapping for signals: "
-            "name the columns under `table` where they are not recognised"
+            f"{options.records[0]} is a table of a stepped sine, and --write-mapping drafts mappings of signals only: "
+            "write the mapping by hand, with the columns under `table`"
         )
     require_room(file.parent, [file.name], "" if options.overwrite else "--overwrite")
     text = mapping_to_start_from(options.records[0], options.mapping)
@@ -165,7 +167,7 @@ def _write_mapping(options: argparse.Namespace) -> None:
 
 
 def _labels(text: str) -> dict[str, str]:
-    """A type of argument: a term and a label for each record, F_k=A,A,B."""
+    """Parse an argument: a term and a label for each record, F_k=A,A,B."""
     name, equals, labels = text.partition("=")
     if not equals:
         raise argparse.ArgumentTypeError(
@@ -175,7 +177,7 @@ def _labels(text: str) -> dict[str, str]:
 
 
 def _checked(name: str, text: str) -> str:
-    """A reader of a number that stays a text, with its unit and its digits, once it can be read."""
+    """Check that a text is a number, and return it as it stands, with its unit and its digits."""
     with_error(name, text)
     return text
 
@@ -234,8 +236,10 @@ _OPTIONS: dict[str, dict[str, Any]] = {
 
 
 def _arguments() -> Iterator[tuple[str, dict[str, Any]]]:
-    """Each argument of `_HELP`, with its group; an option that is not given leaves no trace, so that the defaults are
-    those of the functions that identify."""
+    """Yield each argument of `_HELP`, with its group; an option that is not given leaves no trace.
+
+    So the defaults are those of the functions that identify.
+    """
     group = ""
     for line in _HELP.splitlines():
         if line.endswith(":"):

@@ -1,7 +1,7 @@
 """Compile all kernels: python -m dampbalance.commands.kernels, once per installation; `make` does it in its set-up.
 
 A kernel is compiled when it is first called, and kept. Here small cases call them: first, in two processes, those that
-the rebuild needs; then, while whoever waited goes on, those of free decays and distorted drives.
+the rebuild needs; then, in the background, those of free decays and distorted drives.
 """
 
 from __future__ import annotations
@@ -14,21 +14,14 @@ from typing import Any
 
 import numpy as np
 
-from .. import (
-    BaseMotion,
-    Oscillator,
-    identify,
-    measured_orbit,
-    measured_ring_down,
-    sliders_orbit,
-    steady_orbit,
-    steady_orbits,
-)
+import dampbalance as db
+
 from ..motion.distorted import distorted_harmonics
 from ..motion.fixed_step import simulate
 from ..motion.jit import interpreted
 from ..motion.law_decays import rounding
 from ..motion.orbit import Orbit
+from ..motion.play import play
 from ..signals.clean import of_record
 
 _OSCILLATOR: dict[str, Any] = {"m": 2.42, "c": 40.0, "k": 2310.0, "K_z": 208000.0, "F_k": 1.28}
@@ -36,17 +29,17 @@ _OMEGA = 2.0 * math.pi * 4.92
 
 
 def _orbit() -> Orbit:
-    return steady_orbit(Oscillator(**_OSCILLATOR), BaseMotion(0.004, _OMEGA))
+    return db.steady_orbit(db.Oscillator(**_OSCILLATOR), db.BaseMotion(0.004, _OMEGA))
 
 
 def steady() -> None:
-    """Steady responses, alone and many at a time."""
-    measured_orbit(_orbit(), rate_hz=1000.0, cycles=8.0)
-    steady_orbits(**_OSCILLATOR, Y=[1e-5, 0.0006, 0.004], omega=_OMEGA)
+    """Compute steady responses, alone and many at a time."""
+    db.measured_orbit(_orbit(), rate_hz=1000.0, cycles=8.0)
+    db.steady_orbits(**_OSCILLATOR, Y=[1e-5, 0.0006, 0.004], omega=_OMEGA)
 
 
 def harmonics() -> None:
-    """Harmonics of steady responses, which fits follow, and fixed steps with what is read of them."""
+    """Compute harmonics of steady responses, which fits follow, and fixed steps with their read-outs."""
     with interpreted():
         orbit = _orbit()
     orbit.harmonics(3)
@@ -56,15 +49,17 @@ def harmonics() -> None:
 
 
 def rest() -> None:
-    """Features of an orbit, responses to a distorted drive and with several sliders, and free decays under friction and
-    other laws."""
+    """Compute features of an orbit, responses to a distorted drive and with several sliders, decays, and loops."""
     orbit = _orbit()
     distorted_harmonics(orbit, np.array([orbit.X, 0.01 * orbit.X], dtype=complex), 3)
-    several = sliders_orbit(Oscillator(**_OSCILLATOR), BaseMotion(0.004, _OMEGA), [1e-5], [1e5])
-    measured_orbit(several, rate_hz=1000.0, cycles=2.0)
-    osc = Oscillator(**_OSCILLATOR | {"c": 1.0, "F_k": 0.5})
-    decay = measured_ring_down(osc, x=0.01, rate_hz=500.0, duration=2.0, noise=0.01)
-    identify(decay, osc.k, laws=True)
+    several = db.sliders_orbit(
+        db.Oscillator(**_OSCILLATOR), db.BaseMotion(0.004, _OMEGA), [1e-5], [1e5]
+    )
+    db.measured_orbit(several, rate_hz=1000.0, cycles=2.0)
+    osc = db.Oscillator(**_OSCILLATOR | {"c": 1.0, "F_k": 0.5})
+    decay = db.measured_ring_down(osc, x=0.01, rate_hz=500.0, duration=2.0, noise=0.01)
+    db.identify(decay, osc.k, laws=True)
+    play(np.zeros(3), np.zeros(2), 1.0, math.inf, np.ones(3))
 
 
 PARTS = {"steady": steady, "harmonics": harmonics, "rest": rest}
@@ -88,7 +83,7 @@ def main(names: list[str]) -> None:
 
 
 def _started(*command: str) -> subprocess.Popen[bytes]:
-    """A silent process that outlives this one."""
+    """Return a silent process that outlives this one."""
     return subprocess.Popen(
         command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, process_group=0
     )

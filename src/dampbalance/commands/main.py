@@ -19,28 +19,28 @@ COMMANDS = {
     "simulate": "write a record with known truth",
     "release": "write a record of a free decay with known truth",
 }
-"""Each is a module of this room, loaded when it is called: what it needs takes longer to load than help to show."""
+"""Modules of this room, each loaded only when it is called: its imports take longer than showing help."""
 
 _LONGEST = 1000  # characters of a line
-_NO_MEMORY = "the memory does not suffice: ask for less, or give shorter records"
+_NO_MEMORY = "memory ran out: ask for less, or give shorter records"
 
 
 class _Parser(argparse.ArgumentParser):
-    """A parser whose errors are one line that fits a screen, whatever was typed."""
+    """A parser that shows any error as one line that fits a screen."""
 
     def error(self, message: str) -> NoReturn:
         """Say what is wrong, and leave with status 2."""
-        said = re.sub(r"^argument (-\S+):(?= must| =| takes)", r"\1", message)
-        said = said.removeprefix("argument ")
-        self.exit(2, f"{self.prog}: error: {cut(visible(said), _LONGEST)}\n")
+        message = re.sub(r"^argument (-\S+):(?= must| =| takes)", r"\1", message)
+        message = message.removeprefix("argument ")
+        self.exit(2, f"{self.prog}: error: {cut(visible(message), _LONGEST)}\n")
 
 
 def parser(named: Collection[str] = tuple(COMMANDS)) -> argparse.ArgumentParser:
-    """The parser of the command line; of its commands, only those that are named know their arguments."""
+    """Return the parser of the command line; of its commands, only those that are named know their arguments."""
     top = _Parser(
         prog="dampbalance",
         description="Friction and viscous damping of a vibrating system from the balance of energy over one period.",
-        epilog="dampbalance COMMAND --help tells more.",
+        epilog="See dampbalance COMMAND --help.",
     )
     top.add_argument("--version", action="version", version=f"dampbalance {__version__}")
     commands = top.add_subparsers(dest="command", required=True, metavar="COMMAND")
@@ -62,8 +62,10 @@ def parser(named: Collection[str] = tuple(COMMANDS)) -> argparse.ArgumentParser:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run one command; returns the exit code: 0; 1 for records that give no answer; 2 for what could not be done, with
-    one line that says why."""
+    """Run one command and return its exit code.
+
+    It is 0 for success, 1 for records that give no answer, and 2, after one line that says why, for an error.
+    """
     arguments = sys.argv[1:] if arguments is None else arguments
     options = parser(arguments).parse_args(arguments)
     try:

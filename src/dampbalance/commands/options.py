@@ -37,7 +37,7 @@ def whole(name: str) -> Callable[[str], int]:
 
 
 def _plain(text: str) -> float | str:
-    """The number that a text holds, or the text."""
+    """Return the number that a text holds, or the text."""
     for kind in (int, float):
         with suppress(ValueError):
             return kind(text)
@@ -52,7 +52,7 @@ def quantity(name: str, default: float | None, words: str, **more: Any) -> dict[
 
 
 def coefficients(text: str) -> dict[str, float]:
-    """A type of argument: coefficients of the terms of a law by symbol, SI, as in c_2=40,eta=0.02."""
+    """Parse an argument: coefficients of the terms of a law by symbol, SI, as in c_2=40,eta=0.02."""
     values: dict[str, float] = {}
     for part in re.split(r",(?=[^,]*=|$)", text):  # other commas are decimal marks
         symbol, equals, value = (piece.strip() for piece in part.partition("="))
@@ -61,9 +61,9 @@ def coefficients(text: str) -> dict[str, float]:
                 f"must be symbols with their coefficients, as in c_2=40,eta=0.02, got {shortened(part)}"
             )
         try:
-            unit = term(symbol).unit  # one of a group is refused where the response is computed
+            unit = term(symbol).unit  # a grouped term is refused later, by the response
             if symbol in values:
-                raise ValueError(f"{symbol} stands there twice: give it once")
+                raise ValueError(f"{symbol} appears twice: give it once")
             values[symbol] = read_number("given", value, unit)
         except ValueError as error:
             words = str(error)
@@ -74,7 +74,7 @@ def coefficients(text: str) -> dict[str, float]:
 
 
 def sliders(text: str) -> list[tuple[float, float]]:
-    """A type of argument: (r, κ) of Jenkins elements, m and N/m, as in 1e-5:40000,5e-5:8000."""
+    """Parse an argument: (r, κ) of Jenkins elements, m and N/m, as in 1e-5:40000,5e-5:8000."""
     pairs: list[tuple[float, float]] = []
     for part in text.split(","):
         r, colon, kappa = part.partition(":")

@@ -16,25 +16,25 @@ from ..motion.law_steady import Response
 from ..motion.orbit import Orbit, steady_orbit
 from ..motion.sliders import SlidersOrbit, sliders_orbit
 from ..records.errors import RecordError
-from ..records.measurement import QUANTITIES, ROTATING, Measurement
+from ..records.measurement import EXCITATIONS, RESPONSES, ROTATING, Measurement
 from ..records.synthetic import measured_orbit
 from ..records.writers import write
 from .options import coefficients, quantity, sliders, whole
 
 EPILOG = """\
-Each record is exact except for its noise, which is white, of every channel by itself. The oscillator is that of the
-paper unless options say otherwise. With a --channel such as base_angle and angle it rotates: kg m², N m s/rad, N m/rad,
-N m and rad then stand for kg, N s/m, N/m, N and m.
+Each record is exact except for white noise, independent in every channel. The oscillator is that of the paper unless
+options say otherwise. With a --channel such as base_angle and angle it rotates: kg m², N m s/rad, N m/rad, N m and rad
+then stand for kg, N s/m, N/m, N and m.
 
 With --law the damping is that of its terms, c among them (c is 0 unless the law or --damping gives it); the contact
 keeps its --friction unless the law gives F_k. The terms, their coefficients in SI units: c on the velocity of the mass,
 c_r on that relative to the base, c_2 quadratic, c_3 cubic, eta structural, a loss factor.
 
-  dampbalance simulate level1.csv --frequency 3.5 --amplitude 0.004 --noise 0.01 --seed 1
 With --sliders the contact yields gradually: Jenkins elements in parallel, each a spring of kappa that slips at a
 deflection of r, so that the friction force of all is the sum of kappa × r. They are the whole contact unless
 --friction adds the oscillator's own element, with --contact-stiffness.
 
+  dampbalance simulate level1.csv --frequency 3.5 --amplitude 0.004 --noise 0.01 --seed 1
   dampbalance simulate level1.csv --frequency 3.5 --amplitude 0.004 --law c_2=40,eta=0.02
   dampbalance simulate level1.csv --frequency 3.5 --amplitude 0.004 --sliders 1e-5:40000,5e-5:8000,2e-4:2000
 """
@@ -45,8 +45,8 @@ _CHANNELS = ("base_displacement", "displacement")
 
 ARGUMENTS: dict[str, dict[str, Any]] = {
     "record": {"type": Path, "metavar": "FILE", "help": ".csv or other text, or .mat"},
-    "--frequency": quantity("frequency", None, "of the drive, Hz", required=True, metavar="HZ"),
-    "--amplitude": quantity("Y", None, "of the base, m", required=True, metavar="Y"),
+    "--frequency": quantity("frequency", None, "drive frequency, Hz", required=True, metavar="HZ"),
+    "--amplitude": quantity("Y", None, "amplitude of the base, m", required=True, metavar="Y"),
     "--mass": quantity("m", 2.42, "m, kg"),
     "--damping": quantity("c", None, f"c, N s/m (default: {DAMPING:g}; with --law 0)"),
     "--stiffness": quantity("k", 2310.0, "k, N/m"),
@@ -63,13 +63,17 @@ ARGUMENTS: dict[str, dict[str, Any]] = {
         "help": "Jenkins elements, m:N/m, see below; not with --law",
     },
     "--rate": quantity("rate_hz", 5000.0, "samples per second"),
-    "--cycles": quantity("cycles", 100.0, "of the drive"),
+    "--cycles": quantity("cycles", 100.0, "cycles of the drive"),
     "--start": quantity("start", 0.0, "time of the first sample, s"),
-    "--noise": quantity("noise", 0.0, "rms over that of the channel"),
-    "--seed": {"type": whole("seed"), "default": 0, "help": "of the noise (default: %(default)s)"},
+    "--noise": quantity("noise", 0.0, "rms, relative to that of the channel"),
+    "--seed": {
+        "type": whole("seed"),
+        "default": 0,
+        "help": "seed of the noise (default: %(default)s)",
+    },
     "--channel": {
         "action": "append",
-        "choices": [*QUANTITIES, *ROTATING],
+        "choices": [*EXCITATIONS, *RESPONSES, *ROTATING],
         "help": f"a quantity; may be repeated (default: {', '.join(_CHANNELS)})",
     },
     "--decimals": {
@@ -77,7 +81,7 @@ ARGUMENTS: dict[str, dict[str, Any]] = {
         "metavar": "N",
         "help": "round the values, in SI units, to N decimals",
     },
-    "--overwrite": {"action": "store_true", "help": "replace a file that is there already"},
+    "--overwrite": {"action": "store_true", "help": "replace an existing file"},
 }
 
 
@@ -86,7 +90,7 @@ def run(options: argparse.Namespace) -> None:
     require_new(options)
     law = dict(options.law or {})
     if options.sliders and options.law:
-        raise ValueError("--sliders and --law cannot be followed together: leave out one")
+        raise ValueError("--sliders and --law cannot be combined: leave out one")
     osc = oscillator(options, law, 0.0 if options.sliders else FRICTION)
     motion = BaseMotion(Y=options.amplitude, omega=2.0 * math.pi * options.frequency)
     cycle = f"a cycle of {options.frequency:g} Hz"
@@ -133,7 +137,7 @@ def save(options: argparse.Namespace, measurement: Measurement) -> None:
 def oscillator(
     options: argparse.Namespace, law: dict[str, float], friction: float = FRICTION
 ) -> Oscillator:
-    """The oscillator of the options; it takes friction and c out of a law that gives them.
+    """Return the oscillator of the options; it takes friction and c out of a law that gives them.
 
     friction : F_k, N, where neither options nor law give it.
     """
@@ -155,7 +159,7 @@ def _steady(
     law: dict[str, float],
     elements: list[tuple[float, float]] | None,
 ) -> Orbit | Response | SlidersOrbit:
-    """The steady response: exact where the law is friction and c."""
+    """Return the steady response: exact where the law is friction and c."""
     if elements:
         return sliders_orbit(osc, motion, *zip(*elements, strict=True))
     if not law:

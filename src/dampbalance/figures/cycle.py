@@ -50,7 +50,7 @@ class Branch(NamedTuple):
 
 
 def branches(orbit: Orbit) -> list[Branch]:
-    """The phases of one cycle, in order, from the reversal at −X at time t_1 on; neighbours share an instant."""
+    """Return the phases of one cycle, in order, from the reversal at −X at time t_1 on; neighbours share an instant."""
     half = 0.5 * orbit.motion.period
     edges = np.append(orbit.phases[:, PHASE_T], half)
     cycle = []
@@ -63,13 +63,13 @@ def branches(orbit: Orbit) -> list[Branch]:
 
 
 def whole_cycle(cycle: Sequence[Branch]) -> State:
-    """The states of all phases, one after the other."""
+    """Return the states of all phases, one after the other."""
     return State(*map(np.concatenate, zip(*(branch.state for branch in cycle), strict=True)))
 
 
 @styled()
 def friction_velocity_loop(orbit: Orbit) -> Figure:
-    """Figure 2: friction force f = K_z z against velocity ẋ over one cycle, (a) whole, (b) around ẋ = 0.
+    """Draw figure 2: friction force f = K_z z against velocity ẋ over one cycle, (a) whole, (b) around ẋ = 0.
 
     Marked as in the paper are the onsets C (t_1) of forward microstick, D (t_s) of forward slip, A (t_2) of
     backward microstick and B (t_r) of backward slip. Without slip there is nothing to mark: the loop is drawn
@@ -134,7 +134,7 @@ def friction_velocity_loop(orbit: Orbit) -> Figure:
 
 @styled()
 def figure3(orbits: Sequence[Orbit]) -> Figure:
-    """Figure 3: acceleration against (a) displacement, (b) its microsticking line, (c) velocity, (d) its corner.
+    """Draw figure 3: acceleration against (a) displacement, (b) its microsticking line, (c) velocity, (d) its corner.
 
     orbits : the responses of one frequency, one per excitation level. (b) and (d) enlarge the first that slips
     and mark where −X_i, X_is and V_is are read: the microsticking line runs from −X_i to X_is, the corner
@@ -191,7 +191,7 @@ def figure3(orbits: Sequence[Orbit]) -> Figure:
 
 
 def _draw(over_x: Axes, over_v: Axes, orbit: Orbit, **look: Any) -> list[Branch]:
-    """A loop over the displacement, and over the velocity."""
+    """Return a loop over the displacement, and over the velocity."""
     look["gid"] = f"$Y$ = {1e3 * orbit.motion.Y:g} mm"
     cycle = branches(orbit)
     for state, colour in ((branch.state, branch.colour) for branch in cycle):
@@ -201,7 +201,7 @@ def _draw(over_x: Axes, over_v: Axes, orbit: Orbit, **look: Any) -> list[Branch]
 
 
 def _mark(axes: Axes, x: float, y: float, text: str, label: str, side: str) -> None:
-    """A ring on the curve at (x, y), and a dashed line down to the axis with its symbol."""
+    """Draw a ring on the curve at (x, y), and a dashed line down to the axis with its symbol."""
     low = axes.get_ylim()[0]
     axes.plot([x, x], [low, y], color=FAINT, lw=0.7, ls=DASHED, zorder=1, label=label)
     axes.plot(x, y, **_RING)
@@ -209,7 +209,7 @@ def _mark(axes: Axes, x: float, y: float, text: str, label: str, side: str) -> N
 
 
 def _name_loop(a: Axes, c: Axes, orbit: Orbit, cycle: Sequence[Branch], first: bool) -> None:
-    """The level of a loop: in (a) above its right end, in (c) inside it where ẍ = 0."""
+    """Write the level of a loop: in (a) above its right end, in (c) inside it where ẍ = 0."""
     level, states = f"{orbit.motion.Y * 1e3:g}", whole_cycle(cycle)
     text, x, ha = (f"$Y$ = {level} mm", -6, "left") if first else (level, 0, "center")
     end = orbit.X * 1e3, float(np.max(states.acceleration[states.x > 0.98 * orbit.X]))
@@ -223,7 +223,7 @@ def _name_loop(a: Axes, c: Axes, orbit: Orbit, cycle: Sequence[Branch], first: b
 
 
 def _show_where(axes: Axes, zoomed: Axes, letter: str, **place: Any) -> None:
-    """Frame in a panel what its neighbour enlarges, and name it."""
+    """Mark in a panel what its neighbour enlarges, and name it."""
     (left, right), (low, high) = zoomed.get_xlim(), zoomed.get_ylim()
     size = right - left, high - low
     axes.add_patch(Rectangle((left, low), *size, fill=False, ec=INK, lw=0.5, zorder=4))
@@ -243,7 +243,7 @@ def _name_and_arrow(axes: Axes, x: Array, y: Array, name: str) -> None:
 
 
 def _arrow_along(axes: Axes, x: Array, y: Array, share: float, colour: str) -> None:
-    """An arrow head on a curve, at this share of its way along x."""
+    """Draw an arrow head on a curve, at this share of its way along x."""
     target = x[0] + share * (x[-1] - x[0])
     n = max(1, int(np.argmin(np.abs(x - target))))
     arrow(axes, (float(x[n - 1]), float(y[n - 1])), (float(x[n]), float(y[n])), colour)

@@ -39,7 +39,7 @@ def estimation_error(
     frequencies_hz: Mapping[str, float],
     levels_m: Sequence[float],
 ) -> Figure:
-    """Relative error of each term's coefficient, %, of every pair of levels and of all levels together.
+    """Draw relative error of each term's coefficient, %, of every pair of levels and of all levels together.
 
     A row of panels per term, a column per frequency. Filled markers: φ and t_s common to all levels; open: those of
     each level. Approaches that know no such choice (`balance.takes_phase`) are filled. Errors have their sign; an
@@ -103,7 +103,7 @@ def estimation_error(
 
 
 def _relative(table: pd.DataFrame, column: str, true: float) -> ErrorsOfPairs:
-    """estimate/true − 1 in %, of the pairs and of the least squares, those that exist."""
+    """Return estimate/true − 1 in %, of the pairs and of the least squares, those that exist."""
     errors: ErrorsOfPairs = {}
     for row in table[table["kind"].isin(["pair", "least_squares"])].to_dict("records"):
         error = 100.0 * (float(row[column]) / true - 1.0)
@@ -115,7 +115,7 @@ def _relative(table: pd.DataFrame, column: str, true: float) -> ErrorsOfPairs:
 def _draw(
     axes: Axes, errors: ErrorsOfPairs, key: str, approaches: Sequence[str], pairs: Sequence[str]
 ) -> None:
-    """One approach: pairs of neighbouring levels joined by a line, all else by itself."""
+    """Draw one approach: pairs of neighbouring levels joined by a line, all else by itself."""
     others = [name for name in approaches if name != "direct"]
     step = min(0.18, 0.8 / max(1, len(others)))  # of an approach from the next, in places
     shift = step * (others.index(key) - 0.5 * (len(others) - 1)) if key in others else 0.0
@@ -133,7 +133,8 @@ def _draw(
 
 
 def _drawing(key: str, phase: str, joined: bool = True) -> dict[str, Any]:
-    """Filled and solid for common features and for approaches that know no choice of them; else open and dashed."""
+    """Return the look of an approach: filled and solid for common features and for approaches that know no choice of
+    them; else open and dashed."""
     look = look_of(key)
     filled = phase == COMMON or not takes_phase(key)
     marks = {"marker": look.marker, "ms": 3.2 if look.marker in "Ds" else 3.8, "mew": 0.7}
@@ -143,7 +144,7 @@ def _drawing(key: str, phase: str, joined: bool = True) -> dict[str, Any]:
 
 
 def _legend(panels: Grid, approaches: Sequence[str], exact: Mapping[str, float]) -> None:
-    """The approaches by colour and marker, an exact one with the power of ten that it stays below; common and
+    """Draw the approaches by colour and marker, an exact one with the power of ten that it stays below; common and
     individual features by filling."""
 
     def handle(key: str, phase: str) -> Line2D:
@@ -171,5 +172,5 @@ def _legend(panels: Grid, approaches: Sequence[str], exact: Mapping[str, float])
 
 
 def _is_step(pair: str) -> bool:
-    """Whether a pair "i-j" is one of neighbouring levels."""
+    """Return whether a pair "i-j" is one of neighbouring levels."""
     return pair != ALL and abs(int(np.diff(levels_of(pair))[0])) == 1

@@ -45,7 +45,7 @@ class Grid:
     def panel(
         self, row: int, column: int, low: float = 0.0, high: float | None = None, rows: int = 1
     ) -> Axes:
-        """Axes in a row (from the top) and a column, all of the panel or what lies between two levels of it, mm.
+        """Return axes in a row (from the top) and a column, all of the panel or what lies between two levels of it, mm.
 
         rows : how many of them, upwards, the panel covers.
         """
@@ -55,7 +55,7 @@ class Grid:
         return place(self.figure, left, bottom + low, self.width, top - low)
 
     def tall(self, rows: int) -> float:
-        """The height of so many rows with the gaps between them, mm."""
+        """Return the height of so many rows with the gaps between them, mm."""
         return max(0.0, rows * (self.height + ROW_GAP) - ROW_GAP)
 
     def name_row(self, axes: Axes, label: str) -> None:
@@ -64,11 +64,11 @@ class Grid:
         axes.yaxis.set_label_coords(-11.0 / self.width, 0.5)
 
     def text_below(self, text: str, level: float = TEXT_LEVEL) -> None:
-        """A line of text below the panels, so many mm above the lower edge of the page."""
+        """Write a line of text below the panels, so many mm above the lower edge of the page."""
         self.figure.text(*self._middle(level), text, ha="center", va="center")
 
     def legend_below(self, handles: Sequence[Any], **options: Any) -> None:
-        """The legend of all panels at the foot of the page, in as few lines as it fits into."""
+        """Draw the legend of all panels at the foot of the page, in as few lines as it fits into."""
         lines = math.ceil(len(handles) / ENTRIES)
         self.figure.legend(
             handles=handles,
@@ -79,7 +79,7 @@ class Grid:
         )
 
     def _middle(self, level: float) -> tuple[float, float]:
-        """The point below the middle of the panels, `level` mm above the edge, in shares of the page."""
+        """Return the point below the middle of the panels, `level` mm above the edge, in shares of the page."""
         middle = self.left + 0.5 * (DOUBLE_COLUMN - self.left - self.right)
         return middle / DOUBLE_COLUMN, level * MM / self.figure.get_figheight()
 
@@ -94,8 +94,8 @@ def grid(
     height: float = 44.0,
     most: float = math.inf,
 ) -> Grid:
-    """An empty page for so many panels of this height, mm, over its whole width; no higher than wide, and than `most`,
-    where that is given."""
+    """Return an empty page for so many panels of this height, mm, over its whole width; no higher than wide, and than
+    `most`, where that is given."""
     width = (DOUBLE_COLUMN - left - right - (columns - 1) * COLUMN_GAP) / columns
     height = height if math.isinf(most) else min(width, most)
     figure = page(DOUBLE_COLUMN, bottom + rows * height + (rows - 1) * ROW_GAP + TOP)
@@ -132,7 +132,7 @@ def clear_labels(row: Sequence[Axes]) -> None:
 
 
 def signed_axis(axes: Axes, scale: SignedScale) -> None:
-    """An axis of errors of either sign, with a line at zero and a faint one at each power of ten."""
+    """Make an axis of errors of either sign, with a line at zero and a faint one at each power of ten."""
     axes.set_yscale(
         "asinh", linear_width=LINEAR_SHARE * scale.linear
     )  # to ±linear as far as a decade
@@ -148,18 +148,18 @@ def signed_axis(axes: Axes, scale: SignedScale) -> None:
 
 
 def _steps(tick: float, scale: SignedScale) -> int:
-    """How many decades the larger end of an axis lies beyond a tick."""
+    """Return how many decades the larger end of an axis lies beyond a tick."""
     return round(math.log10(max(scale.high, -scale.low) / abs(tick)))
 
 
 def _power(value: float) -> str:
-    """A power of ten with its sign, or zero."""
+    """Return a power of ten with its sign, or zero."""
     sign = "-" if value < 0.0 else ""
     return rf"${sign}10^{{{round(math.log10(abs(value)))}}}$" if value else "$0$"
 
 
 def decades_axis(axes: Axes, limits: tuple[float, float]) -> None:
-    """A logarithmic axis of sizes between limits, with a tick and a faint line at each power of ten."""
+    """Make a logarithmic axis of sizes between limits, with a tick and a faint line at each power of ten."""
     axes.set_yscale("log")
     axes.set_ylim(*limits)
     axes.yaxis.set_major_locator(LogLocator(base=10.0, numticks=20))

@@ -59,7 +59,7 @@ SCHEME_LOOKS = {
 
 
 def look_of(approach: str, among: Iterable[str] = ()) -> Look:
-    """The look of an approach: its own, or a spare one by its place among the approaches that have none.
+    """Return the look of an approach: its own, or a spare one by its place among the approaches that have none.
 
     among : approaches that are drawn, besides the built-in ones.
     """
@@ -71,18 +71,20 @@ def look_of(approach: str, among: Iterable[str] = ()) -> Look:
 
 
 def label_of(approach: str) -> str:
-    """The name that an approach is called by: its label, that of the built-in one of the name, or else its name."""
+    """Return the name that an approach is called by: its label, that of the built-in one of the name, or else its
+    name."""
     known = approach if isinstance(approach, Approach) else APPROACHES.get(approach)
     return known.label if known else approach
 
 
 def named(approach: str, sharing: str) -> str:
-    """What a line shows: an approach, and whether levels share φ and t_s; "" for one that knows no such choice."""
+    """Return what a line shows: an approach, and whether levels share φ and t_s; "" for one that knows no such
+    choice."""
     return in_maths(label_of(approach)) + (rf", {sharing} $\varphi$, $t_s$" if sharing else "")
 
 
 def in_maths(text: str) -> str:
-    """Text with its symbols set as matplotlib's mathematics, X_s as $X_s$.
+    """Return text with its symbols set as matplotlib's mathematics, X_s as $X_s$.
 
     The page has `words.rich_markup` and `wording.plain_text`.
     """
@@ -90,6 +92,6 @@ def in_maths(text: str) -> str:
 
 
 def bounded_label(approach: str, bound: float) -> str:
-    """The label of an exact approach with the power of ten that its errors stay below.   bound : of them, %."""
+    """Return the label of an exact approach with the power of ten that its errors stay below.   bound : of them, %."""
     power = math.ceil(math.log10(max(bound, 1e-14)))
     return rf"{in_maths(label_of(approach))} (below $10^{{{power}}}$ %)"

@@ -56,7 +56,7 @@ BOTTOMS, ROW_HEIGHTS = (69.0, 11.0), 38.0
 
 
 class Evidence(NamedTuple):
-    """What the figure is drawn from, all at the first frequency.
+    """Inputs of the figure, all at the first frequency.
 
     claims : the table of claims, as text (id, printed).   exact : features.   estimates : as published.
     schemes : of `replication.authors_route.scheme_table`.   steps : cases of the study of the step, with columns
@@ -72,11 +72,11 @@ class Evidence(NamedTuple):
     instants: pd.DataFrame
 
     def printed(self, prefix: str) -> np.ndarray:
-        """The printed numbers whose identifier begins so, in order."""
+        """Return the printed numbers whose identifier begins so, in order."""
         return self.texts(prefix).astype(float).to_numpy()
 
     def texts(self, prefix: str) -> pd.Series:
-        """These numbers as they are printed."""
+        """Return these numbers as they are printed."""
         return self.claims.loc[self.claims["id"].str.startswith(prefix), "printed"]
 
 
@@ -84,7 +84,7 @@ class Evidence(NamedTuple):
 def numerics(
     evidence: Evidence, oscillator: Oscillator, step_s: float, t_s_unit_s: float
 ) -> Figure:
-    """Six panels (a)–(f): sampling instants, integrals by scheme, step, phase, slip time, sign.
+    """Draw six panels (a)–(f): sampling instants, integrals by scheme, step, phase, slip time, sign.
 
     step_s : of the rebuilt simulation, s.   t_s_unit_s : the unit in which t_s was read, s.
     """
@@ -104,12 +104,12 @@ def numerics(
 
 
 def _named(axes: Axes, x: Any, y: Any, name: str, **look: Any) -> None:
-    """A line by its name, in the legend and among the values that the SVG keeps."""
+    """Name a line, in the legend and among the values that the SVG keeps."""
     axes.plot(x, y, label=name, gid=name, **look)
 
 
 def _instants(axes: Axes, e: Evidence) -> None:
-    """(a) Where within a step each printed a is sampled, by the rebuild and its rivals, in the last cycle."""
+    """Draw (a): where within a step each printed a is sampled, by the rebuild and its rivals, in the last cycle."""
     last = e.instants[e.instants["cycle"] == 0]
     # The first simulation of each trial: Runge–Kutta, the second by hand, lies on the trapezoidal rule.
     first = {str(name): rows.iloc[: len(e.exact)] for name, rows in last.groupby("trial")}
@@ -129,7 +129,7 @@ def _instants(axes: Axes, e: Evidence) -> None:
 
 
 def _integrals(axes: Axes, e: Evidence) -> None:
-    """(b) W and b: deviation from exact, 1e-4 of it, printed and by each scheme."""
+    """Draw (b) W and b: deviation from exact, 1e-4 of it, printed and by each scheme."""
 
     def off(values: Any, column: str) -> np.ndarray:
         return np.asarray(1e4 * (np.asarray(values) / e.exact[column].to_numpy() - 1.0))
@@ -153,13 +153,13 @@ def _integrals(axes: Axes, e: Evidence) -> None:
 
 
 def _words(axes: Axes, x: float, at: Mapping[str, float]) -> None:
-    """Words for the curves, each at its height."""
+    """Write words for the curves, each at its height."""
     for words, y in at.items():
         axes.text(x, y, words, ha="center", va="center", size=7.5, color=INK)
 
 
 def _steps(axes: Axes, e: Evidence, oscillator: Oscillator, step_s: float) -> None:
-    """(c) The error of c by direct integration against the step, with the law mω²h and the printed c."""
+    """Draw (c): the error of c by direct integration against the step, with the law mω²h and the printed c."""
     from .grid import signed_axis  # of matplotlib, and the page takes the evidence alone
 
     error = e.steps["c_N_s_per_m"] * e.steps["c_relative_error__direct__least_squares"]
@@ -192,7 +192,7 @@ def _steps(axes: Axes, e: Evidence, oscillator: Oscillator, step_s: float) -> No
 
 
 def _phase(axes: Axes, e: Evidence) -> None:
-    """(d) The printed φ and the three phases it might be."""
+    """Draw (d): the printed φ and the three phases it might be."""
     from matplotlib import ticker  # slow to import, and the page takes the evidence alone
 
     Y = 1e3 * e.exact["Y_m"]
@@ -210,7 +210,7 @@ def _phase(axes: Axes, e: Evidence) -> None:
 
 
 def _slip_time(axes: Axes, e: Evidence, step_s: float, unit_s: float) -> None:
-    """(e) t_s exact, without a step at each end, in whole units; and as printed."""
+    """Draw (e): t_s exact, without a step at each end, in whole units; and as printed."""
     Y, t = 1e3 * e.exact["Y_m"].to_numpy(), e.exact["t_s_s"].to_numpy()
     inside = np.floor((t - 2.0 * step_s) / unit_s + 1e-9) * unit_s
     bar: dict[str, Any] = {"marker": "_", "ms": 9.0, "mew": 1.4, "ls": "none", "color": REBUILT}
@@ -222,7 +222,7 @@ def _slip_time(axes: Axes, e: Evidence, step_s: float, unit_s: float) -> None:
 
 
 def _sign(axes: Axes, e: Evidence) -> None:
-    """(f) The pairs by V_s, as computed with either sign, less the printed number, in units of its last digit."""
+    """Draw (f): the pairs by V_s, as computed with either sign, less the printed number, in units of its last digit."""
     pairs = e.estimates[(e.estimates["kind"] == "pair") & (e.estimates["phase"] == "common")]
     prefixes = {term: f"table3.V_s.{term.symbol}." for term in TERMS.values()}
     terms = [term for term, prefix in prefixes.items() if e.printed(prefix).size]
@@ -268,7 +268,7 @@ class Damping(NamedTuple):
 def glance(
     damping: Damping, errors: Mapping[str, Sequence[float]], frequencies: Sequence[float]
 ) -> Figure:
-    """Two panels: (a) the damping, true, with that of the scheme, rebuilt and printed; (b) errors of F_k.
+    """Draw two panels: (a) the damping, true, with that of the scheme, rebuilt and printed; (b) errors of F_k.
 
     errors : label → error of F_k at each frequency, %, with sign; up to four labels.   frequencies : Hz.
     """

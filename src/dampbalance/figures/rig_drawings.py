@@ -19,14 +19,14 @@ _WALL = 31.5
 
 
 def _box(axes: Axes, left: float, right: float, fill: str, name: str = "") -> None:
-    """A part that moves as a whole."""
+    """Draw a part that moves as a whole."""
     size = right - left, _HIGH - _LOW
     axes.add_patch(Rectangle((left, _LOW), *size, fc=fill, ec=INK, lw=_LINE))
     axes.text(0.5 * (left + right), 0.5 * (_LOW + _HIGH), name, ha="center", va="center")
 
 
 def _wall(axes: Axes) -> None:
-    """The ground, on the right."""
+    """Draw the ground, on the right."""
     axes.plot([_WALL, _WALL], [_LOW, _HIGH], color=INK, lw=_LINE)
     size = 2.5, _HIGH - _LOW
     axes.add_patch(Rectangle((_WALL, _LOW), *size, fc="none", ec=FAINT, lw=0.0, hatch="//////"))
@@ -50,7 +50,7 @@ def _damper(axes: Axes, left: float, right: float, name: str) -> None:
 
 
 def _contact(axes: Axes, left: float, right: float) -> None:
-    """The spring K_z of the contact, in series with the slider that holds F_k."""
+    """Draw the spring K_z of the contact, in series with the slider that holds F_k."""
     slider = right - 4.0
     _spring(axes, left, slider, _CONTACT, "$K_z$", STICK)
     axes.add_patch(Rectangle((slider, _CONTACT - 1.8), 3.6, 3.6, fc=WARM, ec=STICK, lw=_LINE))
@@ -136,7 +136,7 @@ _RIGS: dict[str, tuple[str, Callable[[Axes], None]]] = {
 
 @styled()
 def rigs(*names: str) -> Figure:
-    """The rigs that are covered: what drives, what holds spring, damper and contact, and what to give.
+    """Draw the rigs that are covered: what drives, what holds spring, damper and contact, and what to give.
 
     names : of those to draw; default, all.
     """

@@ -26,7 +26,7 @@ TOP_LEVEL = 42.0  # of the arrows for y and x
 
 @styled()
 def schematic() -> Figure:
-    """Figure 1: base-excited oscillator with viscous damping and a compliant friction contact (Jenkins element).
+    """Draw figure 1: base-excited oscillator with viscous damping and a compliant friction contact (Jenkins element).
 
     The spring k joins the mass to the base, which moves by y; the damper c joins it to the ground; the contact
     spring K_z, of deflection z, joins it to a slider that the ground holds back by a friction force f of at most

@@ -19,7 +19,7 @@ EXACT = 1e-5  # %: an approach nowhere worse than this is exact to rounding (whi
 def decades(
     sizes: Sequence[Array], floor: float = 0.0, ceiling: float = math.inf, cut: float = 0.0
 ) -> tuple[float, float]:
-    """Limits of a logarithmic axis: whole decades around sizes, within bounds.
+    """Return limits of a logarithmic axis: whole decades around sizes, within bounds.
 
     cut : share of the sizes, the smallest, that may lie below the axis.
     """
@@ -51,7 +51,8 @@ class SignedScale(NamedTuple):
 def signed_scale(
     errors: Sequence[Array], floor: float, ceiling: float, cut: float = 0.0
 ) -> SignedScale:
-    """The axis that holds errors, whole decades around those of either sign; the arguments are those of `decades`."""
+    """Return the axis that holds errors, whole decades around those of either sign; the arguments are those of
+    `decades`."""
     linear, top = decades([np.abs(some) for some in errors], floor, ceiling, cut)
     known = np.concatenate([np.empty(0), *errors])
     known = known[np.isfinite(known)]
@@ -64,14 +65,16 @@ def signed_scale(
 
 
 def is_logarithmic(places: Sequence[float] | Array) -> bool:
-    """Whether the logarithms of values, in ascending order, are spread evenly rather than the values themselves."""
+    """Return whether the logarithms of values, in ascending order, are spread evenly rather than the values
+    themselves."""
     if len(places) < 3 or places[0] <= 0.0 or places[-1] / places[0] < 5.0:
         return False
     return is_even(np.log(places))
 
 
 def is_even(places: Array) -> bool:
-    """Whether most steps between values, in ascending order, are alike; single values in between do not matter."""
+    """Return whether most steps between values, in ascending order, are alike; single values in between do not
+    matter."""
     steps = np.diff(places)
     usual = np.median(steps)
     return bool(np.median(np.abs(steps - usual)) < 0.05 * usual)

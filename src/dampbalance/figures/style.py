@@ -62,7 +62,8 @@ for _ticks in ("xtick", "ytick"):
 
 @contextmanager
 def styled() -> Iterator[None]:
-    """Decorator of the functions that draw: they use STYLE on matplotlib's own defaults, and nothing of the user's."""
+    """Yield decorator of the functions that draw: they use STYLE on matplotlib's own defaults, and nothing of the
+    user's."""
     import matplotlib.style  # slow to import, and not needed for the colours of this module
 
     with matplotlib.style.context(STYLE, after_reset=True):
@@ -75,7 +76,7 @@ _SHOWN_BY_PYPLOT: ContextVar[bool] = ContextVar("shown by pyplot", default=False
 
 @contextmanager
 def lacking_glyphs() -> Iterator[None]:
-    """While this holds, a name in a script that the font lacks is drawn as boxes without a warning."""
+    """Let a name in a script that the font lacks is drawn as boxes without a warning."""
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", r"Glyph .* missing from font", UserWarning)
         yield
@@ -83,7 +84,7 @@ def lacking_glyphs() -> Iterator[None]:
 
 @contextmanager
 def drawn_in(axes: Iterable[Axes | None] | None) -> Iterator[None]:
-    """While this holds, a picture is drawn where a caller wants it: in these axes, one for each panel in order, or on a
+    """Draw pictures where a caller wants it: in these axes, one for each panel in order, or on a
     figure of pyplot where there are None. A panel for which there are no axes is drawn on a page that is not kept."""
     token = _PANELS.set(None if axes is None else iter(axes))
     shown = _SHOWN_BY_PYPLOT.set(axes is None)
@@ -95,7 +96,7 @@ def drawn_in(axes: Iterable[Axes | None] | None) -> Iterator[None]:
 
 
 def page(width: float, height: float) -> Figure:
-    """An empty figure of the given size, mm. A notebook shows it as it shows those of pyplot."""
+    """Draw an empty figure of the given size, mm. A notebook shows it as it shows those of pyplot."""
     if _SHOWN_BY_PYPLOT.get():
         from matplotlib import pyplot  # slow to import
 
@@ -110,7 +111,7 @@ def page(width: float, height: float) -> Figure:
 
 
 def place(figure: Figure, left: float, bottom: float, width: float, height: float) -> Axes:
-    """Axes whose frame has its lower left corner and its size at these places of the page, mm."""
+    """Return axes whose frame has its lower left corner and its size at these places of the page, mm."""
     if (panel := next(_PANELS.get() or iter(()), None)) is not None:
         return panel
     wide, high = (float(size) / MM for size in figure.get_size_inches())
@@ -118,7 +119,7 @@ def place(figure: Figure, left: float, bottom: float, width: float, height: floa
 
 
 def panel_letter(axes: Axes, letter: str) -> Text:
-    """The letter of a panel, (a), (b) …, above the upper left corner of its frame."""
+    """Return the letter of a panel, (a), (b) …, above the upper left corner of its frame."""
     look = {"xycoords": "axes fraction", "weight": "bold"}
     return note(axes, f"({letter})", (0.0, 1.0), (0.0, 3.0), **look)
 
@@ -132,13 +133,13 @@ def note(
     va: str = "bottom",
     **look: Any,
 ) -> Text:
-    """Words next to a place in the axes, shifted from it by points."""
+    """Return words next to a place in the axes, shifted from it by points."""
     look |= {"ha": ha, "va": va}
     return axes.annotate(text, xy=at, xytext=shift, textcoords="offset points", **look)
 
 
 def explained(figure: Figure, panels: Sequence[tuple[Axes, Axes]], scale: float = 2.0) -> Figure:
-    """The figure with a legend at its foot of all that its panels show, marks so many times as large."""
+    """Draw the figure with a legend at its foot of all that its panels show, marks so many times as large."""
     named = {
         label: handle
         for axes, _ in panels
@@ -156,13 +157,13 @@ def arrow(
     colour: str,
     head: str = "-|>,head_length=0.4,head_width=0.18",
 ) -> None:
-    """An arrow between two points, in the units of the axes."""
+    """Draw an arrow between two points, in the units of the axes."""
     properties = {"arrowstyle": head, "lw": 0.8, "color": colour, "shrinkA": 0, "shrinkB": 0}
     axes.annotate("", xy=end, xytext=start, arrowprops=properties)
 
 
 def omega_of(frequency: str) -> str:
-    """A frequency of the configuration as a symbol in TeX: omega1 becomes \\omega_{1}; "" for other names."""
+    """Return a frequency of the configuration as a symbol in TeX: omega1 becomes \\omega_{1}; "" for other names."""
     number = frequency.removeprefix("omega")
     return rf"\omega_{{{number}}}" if frequency.startswith("omega") and number.isdigit() else ""
 
@@ -222,7 +223,7 @@ DARK: dict[str, str] = {
 
 
 def follows_the_screen(svg: str) -> str:
-    """An SVG file of matplotlib that is drawn in the dark colours where the reader prefers them.
+    """Return an SVG file of matplotlib that is drawn in the dark colours where the reader prefers them.
 
     Rules of CSS replace the colours, which matplotlib writes into the `style` of each element. Text in the ink has no
     colour there: it takes the `fill` of what is around it.

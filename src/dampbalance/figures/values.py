@@ -29,8 +29,9 @@ _ELEMENT = '<metadata id="values">{}</metadata>'
 
 
 def values(figure: Figure) -> list[dict[str, Any]]:
-    """The panels of a figure whose lines have names, each with what is drawn in it. The figure has been drawn before:
-    only then do its axes know their limits. Values are read upwards, or to the right where places are named along y.
+    """Return the panels of a figure whose lines have names, each with what is drawn in it. The figure has been drawn
+    before: only then do its axes know their limits. Values are read upwards, or to the right where places are named
+    along y.
 
     title : above the panel.
     x, y : what the places are, and what the values.
@@ -42,13 +43,13 @@ def values(figure: Figure) -> list[dict[str, Any]]:
 
 
 def read_values(svg: str) -> list[dict[str, Any]]:
-    """What `values` gave for the figure that an SVG shows; nothing for an SVG without values."""
+    """Return what `values` gave for the figure that an SVG shows; nothing for an SVG without values."""
     element = re.search(_ELEMENT.format("(.*?)"), svg, re.DOTALL)
     return json.loads(html.unescape(element[1])) if element else []
 
 
 def with_values(svg: str, panels: list[dict[str, Any]]) -> str:
-    """The SVG with the values of its panels in it."""
+    """Return the SVG with the values of its panels in it."""
     text = json.dumps(panels, ensure_ascii=False, separators=(",", ":"))
     return svg.replace(" <defs>", f" {_ELEMENT.format(html.escape(text, quote=False))}\n <defs>", 1)
 
@@ -64,7 +65,7 @@ def _panel(axes: Axes, lines: list[Line2D]) -> dict[str, Any]:
 
 
 def _blocks(axes: Axes, lines: list[Line2D], up: bool) -> Iterator[dict[str, Any]]:
-    """Lines by their places; those of one name follow one another."""
+    """Yield lines by their places; those of one name follow one another."""
     joined: dict[str, list[Any]] = {}
     for line in lines:
         x, y = (np.asarray(of, dtype=float) for of in line.get_data()[:: 1 if up else -1])
@@ -88,7 +89,8 @@ def _blocks(axes: Axes, lines: list[Line2D], up: bool) -> Iterator[dict[str, Any
 
 
 def _places(axes: Axes, places: Any, up: bool) -> list[Any]:
-    """Values along the axis, or the names of its ticks, where these are as many as the places or stand at 0, 1, 2 …"""
+    """Return values along the axis, or the names of its ticks, where these are as many as the places or stand at 0, 1,
+    2 …"""
     from matplotlib.ticker import FixedLocator  # slow to import, and the page reads values only
 
     axis: Axis = axes.xaxis if up else axes.yaxis
@@ -102,7 +104,7 @@ def _places(axes: Axes, places: Any, up: bool) -> list[Any]:
 
 
 def _label(axes: Axes, which: str) -> str:
-    """The label of an axis: its own, or what stands for all panels of the row or below all."""
+    """Return the label of an axis: its own, or what stands for all panels of the row or below all."""
     figure: Any = axes.get_figure()
     if which == "x":
         below = next((text.get_text() for text in figure.texts), "")

@@ -42,7 +42,7 @@ _SHRINK = 0.2
 
 
 class ClimbBounds(NamedTuple):
-    """What a climb may do with the unknowns, (p,) each.
+    """Limits of a climb for the unknowns, (p,) each.
 
     free : which of them move; the others keep their values.   lower, upper : least and greatest values; −∞ for one
     that may be negative, a phase or a logarithm.   scale : size below which an unknown counts as zero.
@@ -112,8 +112,8 @@ def climb(
 def _step(
     point: Array, products: Array, damping: float, bounds: ClimbBounds, trial: Array
 ) -> tuple[float, float]:
-    """What a full step promises in −log L, and its largest change of an unknown relative to it; `trial` receives the
-    point after a damped step."""
+    """Return what a full step promises in −log L, and its largest change of an unknown relative to it; `trial` receives
+    the point after a damped step."""
     p = point.size
     moving, n = np.empty(p, dtype=np.int64), 0
     for j in range(p):
@@ -139,8 +139,8 @@ def _step(
 
 @jit
 def _damped(products: Array, moving: Integers, damping: float) -> Array:
-    """The solution of the damped equations in the unknowns that move, by Cholesky's factorisation of their information
-    scaled to unit diagonal."""
+    """Return the solution of the damped equations in the unknowns that move, by Cholesky's factorisation of their
+    information scaled to unit diagonal."""
     n, p = moving.size, products.shape[0] - 1
     root, step, length = np.zeros((n, n)), np.empty(n), np.empty(n)
     for i in range(n):

@@ -34,7 +34,7 @@ from ..signals.band import freedom as freedom_in_band
 from ..signals.bursts import Signal, least_noise
 from ..signals.coupling import ac_coupled, ac_start
 from ..signals.thresholds import P_OF_THE_MODEL
-from ..signals.whiteness import chance_of_averages, chance_of_lines, louder
+from ..signals.whiteness import chance_of_averages, chance_of_lines, excess_over_noise
 from ..solver import NORMAL_95
 from .climb import GAIN, MOST_EVALUATIONS, Climb, ClimbBounds
 from .fit import Fit
@@ -99,19 +99,19 @@ class Decay:
     whole: Decay | None = None
 
     def cut(self, start: float, end: float) -> Decay:
-        """The part of the decay between two times, s."""
+        """Return the part of the decay between two times, s."""
         signals = tuple(one.between(start, end) for one in self.signals)
         return replace(self, start=start, end=end, signals=signals, whole=self.whole or self)
 
     def until(self, end: float) -> Decay:
-        """The decay up to a later time, s, at most the next release."""
+        """Return the decay up to a later time, s, at most the next release."""
         whole = self.whole or self
         pairs = zip(whole.signals, self.signals, strict=True)
         signals = tuple(replace(one, noise=own.noise) for one, own in pairs)
         return replace(self, signals=signals).cut(self.start, min(end, whole.end))
 
     def thinned(self, most: int = _THINNED) -> Decay:
-        """The decay with every n-th sample, about 64 a cycle and no more than `most`."""
+        """Return the decay with every n-th sample, about 64 a cycle and no more than `most`."""
         signals = []
         for one in self.signals:
             n = max(1, int(self.period / (_A_CYCLE * one.dt)), round(one.t.size / most))
@@ -166,25 +166,25 @@ class DecayProblem:
         return [first + one.friction if one.friction else F_K for one in self.decays]
 
     def places(self, i: int) -> slice:
-        """Places of the start state x, ẋ, w of decay i in the point."""
+        """Return places of the start state x, ẋ, w of decay i in the point."""
         first = self.size - STATE * (len(self.decays) - i)
         return slice(first, first + STATE)
 
     def is_free(self, name: str) -> bool:
-        """Whether a common unknown is to be found."""
+        """Return whether a common unknown is to be found."""
         return name in self.free
 
     def thinned(self) -> DecayProblem:
-        """The problem with as many samples as a search needs."""
+        """Return the problem with as many samples as a search needs."""
         most = _THINNED // len(self.decays)
         return replace(self, decays=tuple(one.thinned(most) for one in self.decays))
 
     def with_free(self, *names: str) -> DecayProblem:
-        """The problem with further unknowns free."""
+        """Return the problem with further unknowns free."""
         return replace(self, free=(*self.free, *(s for s in names if s not in self.free)))
 
     def point(self, common: Array, offsets: Array, states: Iterable[Array]) -> Array:
-        """The point of an oscillator (F_k, c, ρ, m, …), offsets and start states, without further terms."""
+        """Return the point of an oscillator (F_k, c, ρ, m, …), offsets and start states, without further terms."""
         point = np.zeros(self.size)
         point[: common.size] = common
         point[len(COMMON) : len(COMMON) + offsets.size] = offsets
@@ -194,7 +194,7 @@ class DecayProblem:
         return point if given else self.falling_over(point, FALLS[0])
 
     def falling_over(self, point: Array, part: float) -> Array:
-        """The point with a part of the largest speed of the decays as that over which friction falls."""
+        """Return the point with a part of the largest speed of the decays as that over which friction falls."""
         states = point[point.size - STATE * len(self.decays) :].reshape(-1, STATE)
         top = np.hypot(states[:, 0] * math.sqrt(self.k / point[M]), states[:, 1]).max()
         moved = point.copy()
@@ -202,8 +202,8 @@ class DecayProblem:
         return moved
 
     def columns(self, point: Array, *, added: bool = False) -> Array:
-        """Derivatives of the residuals (model − sample)/σ by the unknowns, and these residuals, (samples, p + 1), decay
-        by decay, channel by channel; NaN where the contact rattles.
+        """Return derivatives of the residuals (model − sample)/σ by the unknowns, and these residuals, (samples, p +
+        1), decay by decay, channel by channel; NaN where the contact rattles.
 
         added : whether derivatives by `FURTHER` are wanted that are not free.
         """
@@ -250,7 +250,7 @@ class DecayProblem:
         return bool(np.isfinite(out).all())
 
     def moving(self) -> Mask:
-        """Which unknowns move: in the band of the mode there is no offset."""
+        """Return which unknowns move: in the band of the mode there is no offset."""
         free = np.ones(self.size, dtype=np.bool_)
         free[: len(COMMON)] = [symbol in self.free for symbol in COMMON]
         if self.band is not None:
@@ -262,8 +262,8 @@ class DecayProblem:
         return free
 
     def bounds(self, start: Array) -> ClimbBounds:
-        """The bounds of a climb from a start: F_k, c, damping that grows with the speed and friction that falls with it
-        are not negative."""
+        """Return the bounds of a climb from a start: F_k, c, damping that grows with the speed and friction that falls
+        with it are not negative."""
         F_k, _, rho, m = start[: len(OSCILLATOR_UNKNOWNS)].tolist()
         critical, omega = math.sqrt(self.k * m), math.sqrt(self.k / m)
         lower, upper = np.full(start.size, -math.inf), np.full(start.size, math.inf)
@@ -299,8 +299,8 @@ class DecayProblem:
         return ClimbBounds(self.moving(), lower, upper, scale)
 
     def scan(self, point: Array) -> Array:
-        """Values of ρ at which χ² may have a minimum: coarse over all contacts, and fine about that of a point, whose
-        ringing after the mass came to rest is a quarter of a cycle more or less from one to the next."""
+        """Return values of ρ at which χ² may have a minimum: coarse over all contacts, and fine about that of a point,
+        whose ringing after the mass came to rest is a quarter of a cycle more or less from one to the next."""
         stiffness, m = self.k * _SCAN, float(point[M])
         one = self.decays[0]
         t = phases_of(point, point[self.places(0)], self.k, one.end - one.start)[-1, PHASE_T]
@@ -327,7 +327,7 @@ class DecayProblem:
         return math.fsum(NOISE_PASSED * freedom_in_band(self.band, duration) for duration in lasts)
 
     def fit(self, end: Climb) -> RingFit:
-        """The fit at the end of a climb."""
+        """Return the fit at the end of a climb."""
         moving = self.moving()
         products = end.products[:-1, :-1] * np.outer(moving, moving)
         return RingFit(
@@ -343,7 +343,7 @@ class DecayProblem:
     def climb(
         self, start: Array, *, gain: float = GAIN, most: int = MOST_EVALUATIONS
     ) -> RingFit | None:
-        """The fit in which a climb from a start ends; None where the model has no motion there."""
+        """Return the fit in which a climb from a start ends; None where the model has no motion there."""
         end = climb_on(self, start, gain=gain, most=most)
         return None if end is None else self.fit(end)
 
@@ -408,7 +408,7 @@ class RingFit(Fit):
         return ScatteringMean.of(self.frictions, covariance)
 
     def value(self, name: str) -> float:
-        """A common unknown, in its unit; of several friction forces their mean."""
+        """Return a common unknown, in its unit; of several friction forces their mean."""
         return self.friction.value if name == "F_k" else super().value(name)
 
     @property
@@ -423,13 +423,13 @@ class RingFit(Fit):
         return covariance
 
     def point_of(self, i: int) -> Array:
-        """The point with the friction force of decay i in the place of F_k."""
+        """Return the point with the friction force of decay i in the place of F_k."""
         point = self.point.copy()
         point[F_K] = point[self.friction_places[i]]
         return point
 
     def interval(self, name: str) -> tuple[float, float]:
-        """95 % interval of a common unknown, in its unit, over all minima that are within its χ²."""
+        """Return the 95 % interval of a common unknown, in its unit, over all minima that are within its χ²."""
         low, high = super().interval(name)
         if name == "F_k" and self.frictions.size > 1:
             return self.friction.interval
@@ -442,28 +442,28 @@ class RingFit(Fit):
         return low, high
 
     def places(self, i: int) -> slice:
-        """Places of the start state x, ẋ, w of decay i in the point."""
+        """Return places of the start state x, ẋ, w of decay i in the point."""
         return self.problem.places(i)
 
     def phases(self, i: int, end: float | None = None) -> Array:
-        """Rows (t, s, x, ẋ, z) of the motion of decay i, t from its start on, to its end or to another one, s."""
+        """Return rows (t, s, x, ẋ, z) of the motion of decay i, t from its start, to its end or another one, s."""
         one = self.decays[i]
         until = (one.end if end is None else end) - one.start
         return phases_of(self.point_of(i), self.point[self.places(i)], self.k, until)
 
     def sticks_from(self, i: int, end: float | None = None) -> float:
-        """The time, s after its start, from which on the mass of decay i sticks; infinite where it moves up to the end
-        of the decay, or to another one, s."""
+        """Return the time, s after its start, from which on the mass of decay i sticks; infinite where it moves up to
+        the end of the decay, or to another one, s."""
         last = self.phases(i, end)[-1]
         return float(last[PHASE_T]) if last[PHASE_S] == 0.0 else math.inf
 
     def at_rest(self, i: int, end: float | None = None) -> float:
-        """The time, s, one cycle after the mass of decay i came to rest; infinite where it moves up to the end."""
+        """Return the time, s, one cycle after the mass of decay i came to rest; infinite where it moves to the end."""
         one = self.decays[i]
         return one.start + self.sticks_from(i, end) + _AFTER_REST * one.period
 
     def residuals(self) -> list[tuple[int, Signal, Array]]:
-        """Number of the decay, channel and residual of each channel of each decay."""
+        """Return the number of the decay, channel and residual of each channel of each decay."""
         channels = [(i, signal) for i, one in enumerate(self.decays) for signal in one.signals]
         ends = np.cumsum([signal.t.size for _, signal in channels])
         return [(*channels[j], r) for j, r in enumerate(np.split(self.residual, ends[:-1]))]
@@ -506,7 +506,9 @@ class RingFit(Fit):
         """How many times the noise that the samples show themselves the residual is; 1 where it is that noise."""
         if self.problem.band is not None:
             return 1.0
-        return max(louder(r, signal.values, signal.noise) for _, signal, r in self.residuals())
+        return max(
+            excess_over_noise(r, signal.values, signal.noise) for _, signal, r in self.residuals()
+        )
 
     @cached_property
     def residual_share(self) -> float:
@@ -517,7 +519,8 @@ class RingFit(Fit):
 
 
 def with_noise_of(fit: RingFit) -> RingFit:
-    """The fit with the noise of each channel estimated from its residual: climbed on where the channels are several."""
+    """Return the fit with the noise of each channel estimated from its residual: climbed on where the channels are
+    several."""
     problem, sums = fit.problem, dict[int, Array]()
     for _, signal, residual in fit.residuals():
         total = sums.setdefault(signal.offset, np.zeros(2))
@@ -560,12 +563,12 @@ def departures_of(fit: RingFit) -> list[Departure]:
 
 
 def further_of(point: Array) -> Array:
-    """The coefficients of `ADDED` in a point."""
+    """Return the coefficients of `ADDED` in a point."""
     return point[len(OSCILLATOR_UNKNOWNS) : len(OSCILLATOR_UNKNOWNS) + len(ADDED)]
 
 
 def contact_chord(rho: float, k: float) -> float:
-    """The step in ρ over which its derivative is taken; 0 where that is the derivative itself.
+    """Return the step in ρ over which its derivative is taken; 0 where that is the derivative itself.
 
     Close to a rigid contact the motion depends on K_z^{−1} = ρ², and a chord replaces the slope, which vanishes.
     """
@@ -574,13 +577,13 @@ def contact_chord(rho: float, k: float) -> float:
 
 
 def numbers_of(point: Array, k: float, friction: int = F_K) -> Parameters:
-    """The oscillator of a point.   friction : place of its friction force."""
+    """Return the oscillator of a point.   friction : place of its friction force."""
     _, c, rho, m = point[: len(OSCILLATOR_UNKNOWNS)].tolist()
     return Parameters(m, c, k, rho**-2, float(point[friction]), 0.0, 0.0)
 
 
 def phases_of(point: Array, state: Array, k: float, until: float) -> Array:
-    """Rows (t, s, x, ẋ, z) of the motion from a start state (x, ẋ, w) at t = 0 on, without further terms.
+    """Return rows (t, s, x, ẋ, z) of the motion from a start state (x, ẋ, w) at t = 0 on, without further terms.
 
     Raises ValueError where the contact rattles on.
     """

@@ -26,7 +26,7 @@ class Fit(OscillatorFit):
         return tuple(self.problem.names)
 
     def interval(self, name: str) -> tuple[float, float]:
-        """95 % interval of a common unknown, in its unit, with Student's t: the residual shows the noise."""
+        """Return the 95 % interval of a common unknown, in its unit, with Student's t: the residual shows the noise."""
         reach = float(special.stdtrit(max(self.freedom, 1.0), 0.975)) * self.error(name)
         return self.value(name) - reach, self.value(name) + reach
 

@@ -98,7 +98,7 @@ class FundamentalFit(OscillatorFit):
         }
 
     def has(self, departure: str) -> bool:
-        """Whether a departure is fitted along: any filter turns the phase like a delay."""
+        """Return whether a departure is fitted along: any filter turns the phase like a delay."""
         return ("delay" if departure in ("corner", "low_pass") else departure) in self.departures
 
     @cached_property
@@ -118,7 +118,7 @@ class FundamentalFit(OscillatorFit):
         return math.sqrt(float(np.sum(self.residual**2)) / self.freedom)
 
     def interval(self, name: str) -> tuple[float, float]:
-        """95 % interval of a common unknown, in its unit, with Student's t for the scatter of the rows."""
+        """Return the 95 % interval of a common unknown, in its unit, with Student's t for the scatter of the rows."""
         reach = float(self.reach[self.names.index(name)])
         return self.value(name) - reach, self.value(name) + reach
 
@@ -134,8 +134,8 @@ class FundamentalFit(OscillatorFit):
 def fit_fundamentals(
     lines: Sequence[Lines], k: float, law: Law | None = None
 ) -> FundamentalFit | None:
-    """The oscillator whose fundamentals are closest, with the departures that they show; None where the levels are too
-    few to show how well they fit.
+    """Return the oscillator whose fundamentals are closest, with the departures that they show; None where the levels
+    are too few to show how well they fit.
 
     lines : of n records.   k : stiffness, N/m.   law : default, F_k and c.
     """
@@ -159,8 +159,8 @@ def fit_fundamentals(
 
 
 def _shows(fit: FundamentalFit, better: FundamentalFit | None = None) -> bool:
-    """Whether one more unknown explains more than chance would have it, next to noise and what is left of the rows; or,
-    without it, whether one could."""
+    """Return whether one more unknown explains more than chance would have it, next to noise and what is left of the
+    rows; or, without it, whether one could."""
     if better is None:
         return bool(special.chdtrc(1.0, fit.chi_square) < P_CAUSE)
     freedom = better.freedom if better.misfit > 1.0 else 1e6  # F is χ² then
@@ -169,8 +169,8 @@ def _shows(fit: FundamentalFit, better: FundamentalFit | None = None) -> bool:
 
 
 def _with(problem: HarmonicProblem, near: Array | None = None) -> FundamentalFit | None:
-    """The fit with the unknowns that a problem frees; None without degrees of freedom left.   near : a point to start
-    from, too."""
+    """Return the fit with the unknowns that a problem frees; None without degrees of freedom left. near : a point to
+    start from, too."""
     lines, damping = problem.lines, len(problem.law.unknowns)
     # stiffness, mass and the departures come from the in-phase rows, damping from those in quadrature
     freedom = np.array([len(lines) - len(problem.freed), len(lines) - damping])
@@ -209,8 +209,8 @@ def _with(problem: HarmonicProblem, near: Array | None = None) -> FundamentalFit
 
 
 def _starts(problem: HarmonicProblem, near: Array | None) -> list[Array]:
-    """Points to start from: a point near, or those that balance the work of the fundamentals, the closest of some
-    contact stiffnesses; with each turn of the phase where that is fitted."""
+    """Return points to start from: a point near, or those that balance the work of the fundamentals, the closest of
+    some contact stiffnesses; with each turn of the phase where that is fitted."""
     points = [near] if near is not None else []
     if near is None:
         lines = [
@@ -230,13 +230,13 @@ def _starts(problem: HarmonicProblem, near: Array | None) -> list[Array]:
 
 
 def _data(problem: HarmonicProblem) -> tuple[Complexes, Array]:
-    """Z of each record, N/m, and the standard error of its real and of its imaginary part, (n,)."""
+    """Return Z of each record, N/m, and the standard error of its real and of its imaginary part, (n,)."""
     Z = np.array([problem.k * one.Y / one.x[0] for one in problem.lines])
     return Z, np.abs(Z) * np.array([one.relative_error for one in problem.lines])
 
 
 def _describing(problem: HarmonicProblem, points: Array, motion: Complexes) -> Complexes:
-    """Z of each record by the describing function, N/m, (…, n).   points : (…, p).   motion : x_1, m, (n,)."""
+    """Return Z of each record by the describing function, N/m, (…, n).   points : (…, p).   motion : x_1, m, (n,)."""
     omega, Y = np.transpose([(one.omega, one.Y) for one in problem.lines])
     X, phi = np.abs(motion), -np.angle(motion)
 
@@ -257,7 +257,7 @@ def _describing(problem: HarmonicProblem, points: Array, motion: Complexes) -> C
 
 
 def _read(problem: HarmonicProblem, points: Array, Z: Complexes) -> Complexes:
-    """Z of each record as its channels read it, with what a spring that is not linear adds, N/m, (…, n)."""
+    """Return Z of each record as its channels read it, with what a spring that is not linear adds, N/m, (…, n)."""
     omega, X = np.transpose([(one.omega, abs(one.x[0])) for one in problem.lines])
     k_3, delay = (points[..., problem.names.index(name)] for name in ("k_3", "delay"))
     return np.asarray((Z + 0.75 * k_3[..., None] * X**2) * np.exp(1j * omega * delay[..., None]))
@@ -266,7 +266,7 @@ def _read(problem: HarmonicProblem, points: Array, Z: Complexes) -> Complexes:
 def _linearised(
     problem: HarmonicProblem, point: Array, scale: Array, correction: Complexes
 ) -> tuple[Complexes, Complexes]:
-    """Z of each record, N/m, (n,), and its derivatives by the common unknowns that are fitted, (p, n).
+    """Return Z of each record, N/m, (n,), and its derivatives by the common unknowns that are fitted, (p, n).
 
     scale : sizes below which an unknown counts as zero.   correction : of the describing function, N/m, (n,).
     """
@@ -281,7 +281,7 @@ def _linearised(
 
 
 def _fundamental(problem: HarmonicProblem, point: Array, i: int) -> complex:
-    """x_1 of the exact motion of a record without departures, with what the harmonics of its base add, m.
+    """Return x_1 of the exact motion of a record without departures, with what the harmonics of its base add, m.
 
     Raises NO_MOTION.
     """
@@ -306,7 +306,7 @@ class _End(NamedTuple):
 
 
 def _fitted(problem: HarmonicProblem, start: Array) -> _End | None:
-    """The end of a climb to the fundamentals; None where there is no motion."""
+    """Return the end of a climb to the fundamentals; None where there is no motion."""
     Z, error = _data(problem)
     unit = np.abs(Z) * math.sqrt(float(np.mean((error / np.abs(Z)) ** 2)))
     motion = np.array([one.x[0] for one in problem.lines])

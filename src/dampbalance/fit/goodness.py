@@ -16,7 +16,7 @@ from ..signals.thresholds import P_OF_THE_MODEL
 def linear_misfit(
     lines: Sequence[Lines], k: float, terms: Sequence[str] = ("c",)
 ) -> tuple[float, int]:
-    """χ² of the records about a linear oscillator, and its degrees of freedom.
+    """Return χ² of the records about a linear oscillator, and its degrees of freedom.
 
     It has (k + K − mω² + iωΣ p_j h_j) x_1 = kY, K ≥ 0 the stiffness of a contact that only sticks, and likewise at nω
     where the base has a harmonic y_n; no other harmonics.
@@ -53,12 +53,12 @@ def linear_misfit(
 
 
 def improbable(chi_square: float, freedom: int, lines: Sequence[Lines]) -> bool:
-    """Whether noise makes a χ² as large as this hardly ever (`P_OF_THE_MODEL`)."""
+    """Return whether noise makes a χ² as large as this hardly ever (`P_OF_THE_MODEL`)."""
     return probability(chi_square, freedom, lines) < P_OF_THE_MODEL
 
 
 def probability(chi_square: float, freedom: int, lines: Sequence[Lines]) -> float:
-    """Probability of a χ² as large as this in noise; 1 without freedom.
+    """Return the probability of a χ² as large as this in noise; 1 without freedom.
 
     The errors come from a number of rows, and so it has an F distribution.
     """

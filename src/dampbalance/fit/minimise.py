@@ -31,14 +31,14 @@ _SAME = 0.5  # standard errors: two climbs that end so close ended in one minimu
 
 
 def climb_on(problem: Any, start: Array, held: Sequence[int] = (), **options: Any) -> Climb | None:
-    """The end of a climb from a start on a problem.   held : unknowns that keep their values."""
+    """Return the end of a climb from a start on a problem.   held : unknowns that keep their values."""
     bounds = problem.bounds(start)
     bounds.free[[*held]] = False
     return climb(problem.products, start, bounds, **options)
 
 
 def distinct(ends: Iterable[Climb | None], names: int, above: float = _ABOVE) -> list[Climb]:
-    """The lowest ends of climbs that differ in their common unknowns, at most ten, the lowest first.
+    """Return the lowest ends of climbs that differ in their common unknowns, at most ten, the lowest first.
 
     names : number of common unknowns.   above : of χ², beyond the lowest, from where on ends are left out.
     """
@@ -58,8 +58,8 @@ def distinct(ends: Iterable[Climb | None], names: int, above: float = _ABOVE) ->
 
 
 def inverse_information(information: Array, errors: Array) -> Array:
-    """The covariance of unknowns with this information, (p, p), and prior standard errors, (p,); zero for an unknown on
-    which nothing depends."""
+    """Return the covariance of unknowns with this information, (p, p), and prior standard errors, (p,); zero for an
+    unknown on which nothing depends."""
     sizes = np.diag(information)
     free = np.flatnonzero(sizes > 1e-150)  # on what is smaller nothing depends
     some = information[np.ix_(free, free)] + np.diag(errors[free] ** -2)
@@ -73,13 +73,13 @@ def inverse_information(information: Array, errors: Array) -> Array:
 
 
 def climbs(problem: Any, starts: Iterable[Array], above: float = _ABOVE) -> list[Climb]:
-    """The distinct ends of climbs from some starts, not quite to the end."""
+    """Return the distinct ends of climbs from some starts, not quite to the end."""
     ends = (climb_on(problem, start, gain=WAY, most=_ON_THEWAY) for start in starts)
     return distinct(ends, len(problem.names), above)
 
 
 def minimise(problem: Any, starts: Iterable[Array], scanned: str = "rho") -> list[Any]:
-    """The minima that climbs from some starts and a scan find, the lowest first; empty where there is no motion.
+    """Return the minima that climbs from some starts and a scan find, the lowest first; empty where there is no motion.
 
     Use it for the last fit of a search; the first of the list is the answer, the others are as good within 30 of χ².
 
@@ -102,7 +102,7 @@ def minimise(problem: Any, starts: Iterable[Array], scanned: str = "rho") -> lis
 
 
 def minima_along(problem: Any, point: Array, name: str) -> list[Array]:
-    """Points at the minima of χ² along the stiffness whose inverse root is an unknown, the lowest ten."""
+    """Return points at the minima of χ² along the stiffness whose inverse root is an unknown, the lowest ten."""
     j = problem.names.index(name)
     values = np.sort(np.append(problem.scan(point), point[j]))
     ends: list[Climb] = []

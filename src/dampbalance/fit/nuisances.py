@@ -50,7 +50,7 @@ FORCES = ("friction_speed", "c_2", "k_3", "gradual")
 
 
 def units_of(k: float, m: float, omega: float, X: float) -> dict[str, float]:
-    """Size of each nuisance that changes a motion by about as much as itself.
+    """Return the size of each nuisance that changes a motion by about as much as itself.
 
     k, m : of the oscillator, N/m and kg.   omega, X : of the fastest record, rad/s, and of the largest motion, m.
     """

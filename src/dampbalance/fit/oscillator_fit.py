@@ -1,4 +1,4 @@
-"""What every fit of one oscillator to records has in common, steady or free: values, errors, intervals."""
+"""Common part of every fit of one oscillator to records, steady or free: values, errors, intervals."""
 
 from __future__ import annotations
 
@@ -43,16 +43,16 @@ class OscillatorFit(ABC):
         return self.covariance[: len(self.names), : len(self.names)]
 
     def value(self, name: str) -> float:
-        """A common unknown, in its unit."""
+        """Return a common unknown, in its unit."""
         return float(self.point[self.names.index(name)])
 
     def error(self, name: str) -> float:
-        """Standard error of a common unknown, in its unit; 0 where it was given."""
+        """Return the standard error of a common unknown, in its unit; 0 where it was given."""
         at = self.names.index(name)
         return math.sqrt(self.common_covariance[at, at])
 
     def interval(self, name: str) -> tuple[float, float]:
-        """95 % interval of a common unknown, in its unit."""
+        """Return the 95 % interval of a common unknown, in its unit."""
         reach = NORMAL_95 * self.error(name)
         return self.value(name) - reach, self.value(name) + reach
 

@@ -26,7 +26,7 @@ class ScatteringMean(NamedTuple):
 
     @classmethod
     def of(cls, values: Array, covariance: Array) -> ScatteringMean:
-        """The mean of values with this covariance of their fit, (n, n).
+        """Return the mean of values with this covariance of their fit, (n, n).
 
         The error of the fit that is common to all does not show in their scatter, and the scatter is not in the
         covariance: both are added in quadrature, which counts what is independent in the fit twice.

@@ -26,7 +26,7 @@ _RANK = 1e-9  # of the largest singular value
 
 @dataclass(frozen=True, slots=True)
 class Departure:
-    """What a further coefficient would explain of the data.
+    """Share of the data that a further coefficient would explain.
 
     symbol : of the coefficient, or words for it.   value, error : in its unit.   p : probability in noise of a
     coefficient as large, either way.   slopes : change of the unknowns of the fit with the coefficient, by name.
@@ -53,7 +53,7 @@ def departures_from(
     noise_known: bool,
     freedom: float | None = None,
 ) -> list[Departure]:
-    """What each further coefficient would explain, those that the data do not show left out.
+    """Return what each further coefficient would explain, those that the data do not show left out.
 
     Use it to see whether the model of a fit accounts for the data; the values hold to first order.
 

@@ -82,8 +82,8 @@ _K3_GAIN = 15.0  # of χ²: what k_3 must explain, 4 standard errors
 def separate_fits(
     source: str, signals: Sequence[Signal], k: float
 ) -> tuple[list[RingFit], list[Burst]]:
-    """A fit of each free decay in the channels of a record by itself, in their order, and the bursts that no oscillator
-    fits or in which nothing slips.
+    """Return a fit of each free decay in the channels of a record by itself, in their order, and the bursts that no
+    oscillator fits or in which nothing slips.
 
     source : of the record.   signals : its channels, their offsets numbered through all records.   k : N/m.
     Raises NoDecay.
@@ -114,7 +114,7 @@ def separate_fits(
 
 
 def sound(fit: RingFit) -> bool:
-    """Whether the residual is small next to the motion, or noise."""
+    """Return whether the residual is small next to the motion, or noise."""
     if fit.problem.band is None:
         return fit.adequate
     return fit.freedom > _FEWEST_FREE and fit.residual_share < _OTHER_MOTION
@@ -128,7 +128,7 @@ def _of_burst(
     k: float,
     surest: RingFit | None,
 ) -> RingFit | None:
-    """The fit of a burst, from its release on; None where no oscillator moves as far as it does.
+    """Return the fit of a burst, from its release on; None where no oscillator moves as far as it does.
 
     surest : the fit of another burst, to start from as well.
     """
@@ -189,7 +189,7 @@ class Swings:
         self.speeds = signs * np.append(tops, tops[-1:]) * 2.0 * math.pi / self.period
 
     def _displacement(self, part: Signal) -> Array:
-        """The displacement in the band of the mode, m, of a channel of any order."""
+        """Return the displacement in the band of the mode, m, of a channel of any order."""
         band = Band.about(1.0 / max(self.period, _SHORTEST * part.dt), part.dt)
         x = filtered(part.values, part.dt, band)
         for _ in range(part.order):
@@ -197,12 +197,13 @@ class Swings:
         return np.asarray(x)
 
     def start_at(self, t: float) -> Array:
-        """The state x, ẋ, w at the zero next to a time."""
+        """Return the state x, ẋ, w at the zero next to a time."""
         v = float(self.speeds[int(np.argmin(np.abs(self.zeros - t)))])
         return np.array([0.0, v, 1.0 + math.copysign(1.0, v)])
 
     def oscillator(self, k: float) -> tuple[float, float, float]:
-        """F_k, c and m by the line through the pairs of swings; friction and damping in halves where that bends."""
+        """Return F_k, c and m by the line through the pairs of swings; friction and damping in halves where that
+        bends."""
         D = self.sizes if self.sizes.size > 1 else self.swing * np.array([1.0, 1.0 - _LOST_UNKNOWN])
         ratio, lost = np.polyfit(D[:-1], D[1:], 1) if D.size > 2 else (1.0, 0.0)
         if not (_LEAST_RATIO < ratio < 1.0 and lost < 0.0):
@@ -217,7 +218,7 @@ class Swings:
 def _grown(
     whole: Decay, swings: Swings, start: float, k: float, surest: RingFit | None = None
 ) -> RingFit | None:
-    """The best fit of a decay from the middle of a swing on, over windows that grow."""
+    """Return the best fit of a decay from the middle of a swing on, over windows that grow."""
     F_k, c, m = swings.oscillator(k)
     state = swings.start_at(start)
     v = float(state[1])
@@ -264,7 +265,7 @@ def _grown(
 
 
 def _until_rest(problem: DecayProblem, fit: RingFit) -> DecayProblem:
-    """The problem without the samples long after the mass came to rest."""
+    """Return the problem without the samples long after the mass came to rest."""
     decays = []
     for i, one in enumerate(problem.decays):
         end = fit.at_rest(i, one.end)
@@ -273,7 +274,7 @@ def _until_rest(problem: DecayProblem, fit: RingFit) -> DecayProblem:
 
 
 def to_the_end(fit: RingFit) -> RingFit:
-    """The fit of the same decays with what follows after the mass came to rest, where its ringing shows K_z.
+    """Return the fit of the same decays with what follows after the mass came to rest, where its ringing shows K_z.
 
     The tails grow for as long as they follow the motion, so that the phase of the ringing is known from one to the
     next: a hand that touches the mass ends them. Where no ringing stands out of the noise, the fit stays as it is.
@@ -313,8 +314,8 @@ def to_the_end(fit: RingFit) -> RingFit:
 
 
 def _gain(fit: RingFit, predicted: RingFit, i: int, since: float) -> float:
-    """The fall of χ² from a level to the ringing in the samples of decay i from a time on, s; −∞ where the fit leaves
-    more than noise there, or where the ringing that was predicted is not there."""
+    """Return the fall of χ² from a level to the ringing in the samples of decay i from a time on, s; −∞ where the fit
+    leaves more than noise there, or where the ringing that was predicted is not there."""
     square = at_level = expected = n = 0.0
     pairs = zip(fit.residuals(), predicted.residuals(), strict=True)
     for (j, signal, residual), (*_, before) in pairs:
@@ -334,12 +335,12 @@ def _gain(fit: RingFit, predicted: RingFit, i: int, since: float) -> float:
 
 
 def _first(fits: Sequence[RingFit]) -> RingFit | None:
-    """The lowest of some minima, which keeps those in mind that are nearly as low."""
+    """Return the lowest of some minima, which keeps those in mind that are nearly as low."""
     return replace(fits[0], minima=tuple(fits[1:])) if fits else None
 
 
 def _from_earlier(fit: RingFit, whole: Decay, earliest: float) -> RingFit:
-    """The fit with the start moved back for as long as the samples follow the motion."""
+    """Return the fit with the start moved back for as long as the samples follow the motion."""
     problem = fit.problem
     (one,) = problem.decays
     sigma = {signal.offset: signal.noise for signal in one.signals}
@@ -375,7 +376,7 @@ def _from_earlier(fit: RingFit, whole: Decay, earliest: float) -> RingFit:
 
 
 def _refit(fit: RingFit, part: Decay) -> RingFit | None:
-    """The fit of a decay that begins a step earlier, with the contact loaded in one way or another."""
+    """Return the fit of a decay that begins a step earlier, with the contact loaded in one way or another."""
     problem = replace(fit.problem, decays=(part,))
     start = _before(fit.point, fit.k, fit.decays[0].start - part.start)
     best = problem.climb(start, gain=_ROUGH, most=12)
@@ -388,8 +389,8 @@ def _refit(fit: RingFit, part: Decay) -> RingFit | None:
 
 
 def _doubted(fits: Sequence[RingFit], longer: RingFit | None) -> int:
-    """Number of steps back that are in doubt, 0 where the samples follow the motion, judged by the contribution of the
-    last step, or of the last three, to χ²."""
+    """Return the number of steps back that are in doubt, 0 where the samples follow the motion, judged by the
+    contribution of the last step, or of the last three, to χ²."""
     if longer is None:
         return 1
     for count in (1, _SEVERAL):
@@ -401,7 +402,8 @@ def _doubted(fits: Sequence[RingFit], longer: RingFit | None) -> int:
 
 
 def _before(point: Array, k: float, step: float) -> Array:
-    """The point with about the start state a step earlier: slipping backwards, and from the other side at a turn."""
+    """Return the point with about the start state a step earlier: slipping backwards, and from the other side at a
+    turn."""
     F_k, c, _, m = point[: len(OSCILLATOR_UNKNOWNS)].tolist()
     x, v, preload = point[-STATE:].tolist()
     side = math.copysign(1.0, v if v != 0.0 else preload - 1.0)
@@ -420,7 +422,7 @@ def _before(point: Array, k: float, step: float) -> Array:
 def _band_from_earliest(
     whole: Decay, swings: Swings, starts: Sequence[float], fit: RingFit
 ) -> RingFit | None:
-    """The fit in the band of the mode, from the earliest swing on that the release does not disturb."""
+    """Return the fit in the band of the mode, from the earliest swing on that the release does not disturb."""
     dt = max(signal.dt for signal in whole.signals)
     band = Band.about(1.0 / whole.period, dt)
     # a fit that the release has led astray may rest too early
@@ -451,7 +453,7 @@ def _band_from_earliest(
 
 
 def in_the_band(fit: RingFit) -> RingFit | None:
-    """The fit of the same decays in the band of the mode."""
+    """Return the fit of the same decays in the band of the mode."""
     one = fit.decays[0]
     dt = max(signal.dt for decay in fit.decays for signal in decay.signals)
     problem = replace(fit.problem, band=Band.about(1.0 / one.period, dt)).with_free("k_3")
@@ -460,7 +462,7 @@ def in_the_band(fit: RingFit) -> RingFit | None:
 
 
 def with_one_more(fit: RingFit) -> RingFit | None:
-    """The fit with that of `FURTHER` freed that lowers χ² most; None where none can be followed."""
+    """Return the fit with that of `FURTHER` freed that lowers χ² most; None where none can be followed."""
     problems = [
         fit.problem.with_free(symbol) for symbol in FURTHER if symbol not in fit.problem.free
     ]
@@ -473,7 +475,7 @@ def with_one_more(fit: RingFit) -> RingFit | None:
 
 
 def without_spring(fit: RingFit) -> RingFit:
-    """The fit without k_3, unless that explains enough."""
+    """Return the fit without k_3, unless that explains enough."""
     less = replace(fit.problem, free=tuple(name for name in fit.problem.free if name != "k_3"))
     start = fit.point.copy()
     start[COMMON.index("k_3")] = 0.0
@@ -484,12 +486,12 @@ def without_spring(fit: RingFit) -> RingFit:
 
 
 def slips_of(fit: RingFit) -> int:
-    """Number of phases in which the mass of a separate fit slips."""
+    """Return the number of phases in which the mass of a separate fit slips."""
     return int(np.count_nonzero(fit.phases(0)[:, PHASE_S]))
 
 
 def fit_all(fits: Sequence[RingFit]) -> tuple[RingFit | None, list[Decay]]:
-    """One oscillator for the decays with these separate fits, and what is no decay at all.
+    """Return one oscillator for the decays with these separate fits, and what is no decay at all.
 
     The decays share c, K_z and m, and F_k unless forces of their own are likelier by more than chance. A hand that
     moves the mass from one place to another can look like half a cycle of another oscillator: what slips in a few half
@@ -516,7 +518,7 @@ def fit_all(fits: Sequence[RingFit]) -> tuple[RingFit | None, list[Decay]]:
 
 
 def _of_all(fits: Sequence[RingFit]) -> RingFit | None:
-    """The fit of all decays, with a friction force for each where the likelihood asks for it."""
+    """Return the fit of all decays, with a friction force for each where the likelihood asks for it."""
     if len(fits) == 1:
         return fits[0]
     whole = _fitted_together(fits, own_frictions=False)
@@ -527,8 +529,8 @@ def _of_all(fits: Sequence[RingFit]) -> RingFit | None:
 
 
 def _same(whole: RingFit, parts: Sequence[RingFit]) -> bool:
-    """Whether the unknowns that a fit has less than fits of its parts are not missed: its χ² lies above theirs by no
-    more than chance makes of as many."""
+    """Return whether the unknowns that a fit has less than fits of its parts are not missed: its χ² lies above theirs
+    by no more than chance makes of as many."""
     fewer = sum(np.count_nonzero(fit.free) for fit in parts) - np.count_nonzero(whole.free)
     excess = whole.chi_square - math.fsum(fit.chi_square for fit in parts)
     noise = max(1.0, *(fit.misfit for fit in parts))
@@ -536,7 +538,7 @@ def _same(whole: RingFit, parts: Sequence[RingFit]) -> bool:
 
 
 def _fitted_together(fits: Sequence[RingFit], *, own_frictions: bool = False) -> RingFit | None:
-    """The fit of all decays, with one friction force or one for each: from the minima of each in turn."""
+    """Return the fit of all decays, with one friction force or one for each: from the minima of each in turn."""
     decays = tuple(replace(fit.decays[0], friction=i * own_frictions) for i, fit in enumerate(fits))
     bands = [fit.problem.band for fit in fits if fit.problem.band is not None]
     free = dict.fromkeys(name for fit in fits for name in fit.problem.free)

@@ -52,7 +52,8 @@ class Shares(NamedTuple):
 def starts(
     lines: Sequence[Lines], k: float, shares: Shares | None = None, *, wide: bool = False
 ) -> Array:
-    """(F_k, c, K_z, m) of oscillators that respond like the records, (n, 4), the closest first; each slips in one.
+    """Return (F_k, c, K_z, m) of oscillators that respond like the records, (n, 4), the closest first; each slips in
+    one.
 
     k : N/m.   shares : of F_k and of c that each record has; default, all of both.   wide : the closest of
     each contact stiffness, with masses over three decades in addition to those that follow from the fundamental,
@@ -82,7 +83,8 @@ def starts(
 def _all_responses(
     candidates: Array, lines: Sequence[Lines], k: float, shares: Shares
 ) -> tuple[Complexes, Mask]:
-    """x_1, x_3, x_5 of each candidate under the base of each record, (n, L, 3), m, and which slip in one of them."""
+    """Return x_1, x_3, x_5 of each candidate under the base of each record, (n, L, 3), m, and which slip in one of
+    them."""
     F_k, c, K_z, m = candidates.T[:, :, None]
     F_k, c = F_k * shares.friction, c * shares.damping
     omega, Y = np.array([(one.omega, one.Y) for one in lines]).T
@@ -96,8 +98,8 @@ def _all_responses(
 def _responses_to_contact(
     candidates: Array, lines: Sequence[Lines], k: float, shares: Shares
 ) -> tuple[Complexes, Mask]:
-    """Like `_all_responses`, without an orbit: x_n = (kY δ_n1 − f_n)/(k − n²ω²m + inωc) with the harmonics f_n of the
-    force K_z z that the contact has in the motion as it was read."""
+    """Return what `_all_responses` does, without an orbit: x_n = (kY δ_n1 − f_n)/(k − n²ω²m + inωc) with the harmonics
+    f_n of the force K_z z that the contact has in the motion as it was read."""
     F_k, c, K_z, m = candidates.T
     n = np.array(_COMPARED_HARMONICS)
     turn = np.exp((-2j * math.pi / _POINTS_OF_CONTACT) * np.outer(n, np.arange(_POINTS_OF_CONTACT)))
@@ -127,7 +129,8 @@ def _responses_to_contact(
 
 
 def _waveform(one: Lines) -> Array:
-    """The displacement over a cycle from the peak of the base, by the harmonics that stand out of the noise, m."""
+    """Return the displacement over a cycle from the peak of the base, by the harmonics that stand out of the noise,
+    m."""
     spectrum, taken = np.zeros(_POINTS_OF_CONTACT // 2 + 1, dtype=np.complex128), one.clear
     taken &= one.n < spectrum.size - 1
     spectrum[one.n[taken]] = 0.5 * _POINTS_OF_CONTACT * one.x[taken]
@@ -135,7 +138,7 @@ def _waveform(one: Lines) -> Array:
 
 
 def _candidates(lines: Sequence[Lines], k: float, shares: Shares, wide: bool) -> Array:
-    """(F_k, c, K_z, m) that balance the work, (n, 4)."""
+    """Return the (F_k, c, K_z, m) that balance the work, (n, 4)."""
     fundamental = np.array([one.x[0] for one in lines])
     omega, Y, X, b = np.array([(one.omega, one.Y, *_peak_and_viscous(one)) for one in lines]).T
     W = -math.pi * k * Y * fundamental.imag
@@ -168,7 +171,8 @@ def _candidates(lines: Sequence[Lines], k: float, shares: Shares, wide: bool) ->
 
 
 def _not_negative(a: Array, b: Array) -> tuple[Array, Array]:
-    """The two non-negative numbers with which each row of a, and b, (…, L), together are closest to ones; (…, 1)."""
+    """Return the two non-negative numbers with which each row of a, and b, (…, L), together are closest to ones; (…,
+    1)."""
     columns = np.stack(np.broadcast_arrays(a, b), axis=-1)
     (aa, bb), ab = np.moveaxis(np.sum(columns**2, axis=-2), -1, 0), np.sum(a * b, axis=-1)
     of_a, of_b = np.moveaxis(np.sum(columns, axis=-2), -1, 0)
@@ -183,7 +187,7 @@ def _not_negative(a: Array, b: Array) -> tuple[Array, Array]:
 
 
 def _peak_and_viscous(one: Lines) -> tuple[float, float]:
-    """(X, b) of the harmonics that stand out of the noise, m and m²/s."""
+    """Return (X, b) of the harmonics that stand out of the noise, m and m²/s."""
     x = np.where(one.clear, one.x, 0.0)
     squares = np.maximum(np.abs(x) ** 2 - 2.0 * one.x_error**2, 0.0)
     return float(np.max(_waveform(one))), math.pi * one.omega * float(squares @ one.n**2)

@@ -45,7 +45,7 @@ def fit_records(
     thorough: bool = True,
     near: WaveformFit | None = None,
 ) -> WaveformFit | None:
-    """The oscillator of largest likelihood; None where no oscillator that slips responds like the records.
+    """Return the oscillator of largest likelihood; None where no oscillator that slips responds like the records.
 
     lines : of n ≥ 1 records.   k : stiffness, N/m.   law : whose coefficients are fitted; default, F_k and c.
     thorough : whether more and more starts are tried until one leads to an oscillator that the records may be of, or so
@@ -90,7 +90,7 @@ def fit_at_truth(
     errors: Sequence[tuple[float, float]],
     given: Collection[str] = ("m",),
 ) -> WaveformFit | None:
-    """The fit to the exact harmonics of an oscillator, at its own values; None where nothing slips.
+    """Return the fit to the exact harmonics of an oscillator, at its own values; None where nothing slips.
 
     Use its standard errors to judge how much an estimate makes of records of base displacement and displacement: no
     unbiased estimate has a smaller covariance (the Cramér–Rao bound; Kay, *Fundamentals of Statistical Signal
@@ -116,9 +116,9 @@ def fit_at_truth(
 
 
 def of_all_stiffnesses(fit: WaveformFit) -> WaveformFit:
-    """The best fit that is found along K_z, from a fifth to five times that of a fit, in steps that miss no minimum,
-    and from one that is nearer to the records again; the fit itself where none is better, or the mass hardly swings
-    while it sticks."""
+    """Return the best fit that is found along K_z, from a fifth to five times that of a fit, in steps that miss no
+    minimum, and from one that is nearer to the records again; the fit itself where none is better, or the mass hardly
+    swings while it sticks."""
     budget, evaluations = np.array([_EFFORT]), fit.evaluations
     problem, chi_square = replace(fit.problem, budget=budget, near={}), math.inf
     while fit.chi_square < (1.0 - _NEARER) * chi_square - _LOWER:
@@ -131,8 +131,8 @@ def of_all_stiffnesses(fit: WaveformFit) -> WaveformFit:
 
 
 def fit_quickly(problem: HarmonicProblem, near: WaveformFit | None) -> WaveformFit | None:
-    """The fit of a law, to compare many: from the optimum of one that it contains, where that is adequate; else from
-    the closest candidate of `starts`, and from the other fit again where that is closer to the records. It is not
+    """Return the fit of a law, to compare many: from the optimum of one that it contains, where that is adequate; else
+    from the closest candidate of `starts`, and from the other fit again where that is closer to the records. It is not
     refined where it ends far from them.
 
     near : the fit with the other law, if there is one.
@@ -150,7 +150,8 @@ def fit_quickly(problem: HarmonicProblem, near: WaveformFit | None) -> WaveformF
 def _ends(
     problem: HarmonicProblem, points: Iterable[Array], most: int, enough: float = 0.0
 ) -> list[WaveformFit]:
-    """The fits that climbs from these points end in, up to one that is adequate, that with the smallest χ² first.
+    """Return the fits that climbs from these points end in, up to one that is adequate, that with the smallest χ²
+    first.
 
     most : evaluations at each softening.   enough : χ² below which no other start is tried.
     """
@@ -167,13 +168,13 @@ def _ends(
 
 
 def _best(ends: Sequence[WaveformFit]) -> WaveformFit | None:
-    """The fit with the smallest χ², with the evaluations of all."""
+    """Return the fit with the smallest χ², with the evaluations of all."""
     best = min(ends, key=lambda end: end.chi_square, default=None)
     return best and replace(best, evaluations=sum(end.evaluations for end in ends))
 
 
 def _as_candidate(fit: WaveformFit) -> Array:
-    """(F_k, c, K_z, m) of an oscillator that loses about as much."""
+    """Return (F_k, c, K_z, m) of an oscillator that loses about as much."""
     damping = math.fsum(
         fit.value(key) / equivalent_coefficient(key, fit.lines[0], fit.k)
         for key in fit.law.keys
@@ -184,8 +185,8 @@ def _as_candidate(fit: WaveformFit) -> Array:
 
 
 def _shares_of(problem: HarmonicProblem) -> Shares:
-    """Shares of F_k and c in each record: the friction of its group over the mean of all groups, if all work went into
-    friction; the work of the terms that are not given, over the median of the records."""
+    """Return shares of F_k and c in each record: the friction of its group over the mean of all groups, if all work
+    went into friction; the work of the terms that are not given, over the median of the records."""
     law, lines = problem.law, problem.lines
     labels = law.groups.get(FRICTION, ("",) * len(lines))
     alone = np.array([max(-one.Y * one.x[0].imag / abs(one.x[0]), 1e-9 * one.Y) for one in lines])
@@ -202,8 +203,8 @@ def _shares_of(problem: HarmonicProblem) -> Shares:
 def refit(
     fit: WaveformFit, free: Collection[str] = (), given: Mapping[str, float] | None = None
 ) -> WaveformFit | None:
-    """The fit that a climb from a fit leads to with nuisances left free, or with unknowns given; None where it has no
-    motion, or nothing slips.
+    """Return the fit that a climb from a fit leads to with nuisances left free, or with unknowns given; None where it
+    has no motion, or nothing slips.
 
     Use it to ask what a departure would explain: `fit.chi_square` falls by its share of χ², `value(name)` and
     `error(name)` are its size, and F_k, c and K_z those without it. What was fitted or given before stays so.
@@ -221,7 +222,7 @@ def refit(
 
 
 def fit_from(problem: HarmonicProblem, start: Array) -> WaveformFit | None:
-    """The fit that a climb from a point ends in; None where it has no motion, or nothing slips."""
+    """Return the fit that a climb from a point ends in; None where it has no motion, or nothing slips."""
     return _climbed(problem, start, (0.0,))
 
 
@@ -234,7 +235,7 @@ def _climbed(
     last: int = MOST_EVALUATIONS,
     budget: Array | None = None,
 ) -> WaveformFit | None:
-    """The fit that a climb from there ends in.
+    """Return the fit that a climb from there ends in.
 
     hopeless : χ² per datum from which on it is not refined.
     most : evaluations at each softening.   last : evaluations without any.

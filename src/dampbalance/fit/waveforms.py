@@ -115,11 +115,11 @@ class HarmonicProblem:
         return sum(2 + 2 * one.n.size for one in self.lines)
 
     def thinned(self) -> HarmonicProblem:
-        """The problem itself: harmonics are few."""
+        """Return the problem itself: harmonics are few."""
         return self
 
     def is_free(self, name: str) -> bool:
-        """Whether a common unknown is fitted."""
+        """Return whether a common unknown is fitted."""
         return bool(self.free[self.names.index(name)])
 
     @cached_property
@@ -140,11 +140,11 @@ class HarmonicProblem:
         return places
 
     def equivalents(self, symbol: str) -> Array:
-        """`equivalent_coefficient` of a term in each record, (n,)."""
+        """Return the `equivalent_coefficient` of a term in each record, (n,)."""
         return np.array([equivalent_coefficient(symbol, one, self.k) for one in self.lines])
 
     def friction(self, points: Array) -> Array:
-        """F_k of points, (p, …), N; the mean over the groups, where it has some."""
+        """Return F_k of points, (p, …), N; the mean over the groups, where it has some."""
         places = [self.names.index(key) for key in self.law.keys_of(FRICTION)]
         return points[places].mean(axis=0)
 
@@ -160,7 +160,7 @@ class HarmonicProblem:
         return max(one.omega * float(abs(one.x[0])) for one in self.lines)
 
     def response(self, point: Array, record: int, near: Response | None = None) -> Response:
-        """The motion of a record under the fundamental of its base.   near : a motion from which to start.
+        """Return the motion of a record under the fundamental of its base.   near : a motion from which to start.
 
         Raises NO_MOTION.
         """
@@ -189,8 +189,8 @@ class HarmonicProblem:
         count: int,
         added: Complexes | None = None,
     ) -> Complexes:
-        """Harmonics n = 1, 3 … of a record as it reads them, m, (count,), from its motion: with what the harmonics of
-        the base and the nuisances add, turned by ψ.
+        """Return harmonics n = 1, 3 … of a record as it reads them, m, (count,), from its motion: with what the
+        harmonics of the base and the nuisances add, turned by ψ.
 
         added : what the harmonics of the base add, where that is known.
         """
@@ -229,7 +229,7 @@ class HarmonicProblem:
         return here, slopes
 
     def start(self, candidate: Array, relative: Array) -> Array:
-        """The point of an oscillator (F_k, c, K_z, m) of `starts`.
+        """Return the point of an oscillator (F_k, c, K_z, m) of `starts`.
 
         relative : friction of each record over F_k.   The work of c is shared out among the terms that are not given.
         """
@@ -250,7 +250,7 @@ class HarmonicProblem:
         return point
 
     def _units(self, point: Array) -> Array:
-        """Size below which an unknown counts as zero, (size,)."""
+        """Return the size below which an unknown counts as zero, (size,)."""
         m = float(point[self.names.index("m")])
         fastest = max(self.lines, key=lambda one: one.omega)
         X = max(float(abs(one.x[0])) for one in self.lines)
@@ -268,7 +268,7 @@ class HarmonicProblem:
         return units
 
     def bounds(self, point: Array) -> ClimbBounds:
-        """The bounds of a climb from a point; the least ρ stands for a rigid contact."""
+        """Return the bounds of a climb from a point; the least ρ stands for a rigid contact."""
         lower, upper = np.zeros(self.size), np.full(self.size, math.inf)
         for at, one in zip(self.at, self.lines, strict=True):
             lower[at[FRICTION]] = 1e-9 * point[at[FRICTION]]
@@ -281,7 +281,7 @@ class HarmonicProblem:
         return ClimbBounds(self.free.copy(), lower, upper, self._units(point))
 
     def scan(self, point: Array) -> Array:
-        """Values of ρ at which to look for other minima of χ², to a fifth and to five times the K_z of a point.
+        """Return values of ρ at which to look for other minima of χ², to a fifth and to five times the K_z of a point.
 
         A contact that sticks for N swings rings in step with the records at every K_z that changes N by one,
         Δ ln K_z = 2/N: four steps lead from one of them to the next. Near the point kinks of χ² lie close together.
@@ -300,7 +300,7 @@ class HarmonicProblem:
         return whole is not None
 
     def evaluate(self, point: Array) -> Array | None:
-        """Derivatives of the residuals by the unknowns that are fitted and, in the last column, the residuals
+        """Return derivatives of the residuals by the unknowns that are fitted and, in the last column, the residuals
         themselves, (n, p + 1); None where nothing slips, there is no orbit, the contact rattles, or no evaluation is
         left."""
         if self.budget[0] <= 0.0:
@@ -313,7 +313,7 @@ class HarmonicProblem:
         return np.vstack(blocks) if slips else None
 
     def _follow(self, point: Array, i: int) -> Response:
-        """The motion of a record.   Raises NO_MOTION, perhaps after a long search."""
+        """Return the motion of a record.   Raises NO_MOTION, perhaps after a long search."""
         try:
             response = self.response(point, i, self.near.get(i))
         except NoSteadyOrbit:
@@ -332,7 +332,7 @@ class HarmonicProblem:
         self.budget[0] -= cost / len(self.lines)
 
     def _block(self, point: Array, i: int) -> Array:
-        """The rows of a record: |Y|, its phase, Re x_n, Im x_n.   Raises NO_MOTION."""
+        """Return the rows of a record: |Y|, its phase, Re x_n, Im x_n.   Raises NO_MOTION."""
         self._follow(point, i)
         one, at, count = self.lines[i], self.at[i], self.lines[i].n.size
         # slopes leave out how the harmonics of the base, which are small, act otherwise beside a point
@@ -363,7 +363,8 @@ class HarmonicProblem:
         return block
 
     def fit(self, end: Climb) -> WaveformFit | None:
-        """The fit at the end of a climb, with the errors of the records as they are; None where it has no motion."""
+        """Return the fit at the end of a climb, with the errors of the records as they are; None where it has no
+        motion."""
         point = end.point
         problem = replace(self, softening=0.0, budget=np.array([math.inf]))
         here = problem.evaluate(point)
@@ -392,7 +393,8 @@ class HarmonicProblem:
 
 
 def equivalent_coefficient(symbol: str, one: Lines, k: float) -> float:
-    """Coefficient of a term that dissipates about as much in a record as a damper of 1 N s/m, from its fundamental."""
+    """Return the coefficient of a term that dissipates about as much in a record as a damper of 1 N s/m, from its
+    fundamental."""
     if symbol == FRICTION:
         return 1.0
     X = abs(one.x[0])

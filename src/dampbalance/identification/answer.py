@@ -76,12 +76,13 @@ class ParameterEstimate:
         return half / abs(self.value) if self.value else math.inf
 
     def holding(self, other: Interval) -> ParameterEstimate:
-        """The estimate with an interval that holds another one, too."""
+        """Return the estimate with an interval that holds another one, too."""
         low, high = self.interval
         return replace(self, interval=Interval(min(low, other.low), max(high, other.high)))
 
     def wider(self, size: float) -> ParameterEstimate:
-        """The estimate with an independent error of this standard deviation more, in quadrature at either end."""
+        """Return the estimate with an independent error of this standard deviation more, in quadrature at either
+        end."""
         if not (size > 0.0 and math.isfinite(self.value)):
             return self
         reach = NORMAL_95 * size
@@ -110,7 +111,7 @@ class Verdict(NamedTuple):
     within: float = math.nan
 
     def document(self) -> dict[str, Any]:
-        """The verdict by the keys of the document."""
+        """Return the verdict by the keys of the document."""
         return {
             "verdict": self.verdict,
             "within_percent": 100.0 * self.within,
@@ -134,7 +135,7 @@ class Balance:
 
 @dataclass(frozen=True, eq=False)
 class Answer:
-    """What one approach, or the fit of maximum likelihood, identifies.
+    """Numbers that one approach, or the fit of maximum likelihood, identifies.
 
     name : of the approach.
     parameters : by symbol, SI units: the coefficients of the law (F_k in N, c in N s/m, …) and K_z, N/m.
@@ -241,7 +242,7 @@ def answer_of_fit(
     name: str = REFERENCE,
     **merit: Any,
 ) -> Answer:
-    """The answer of a fit of maximum likelihood.
+    """Return the answer of a fit of maximum likelihood.
 
     coefficients : keys.   doubt : why K_z is not to be trusted.   merit : what else the fit identifies.
     """
@@ -267,7 +268,7 @@ def answer_of_fit(
 
 
 def normal(value: float, error: float) -> ParameterEstimate:
-    """A number whose error has a normal distribution."""
+    """Return a number whose error has a normal distribution."""
     reach = NORMAL_95 * error
     return ParameterEstimate(value, error, Interval(value - reach, value + reach))
 
@@ -287,17 +288,17 @@ def covariance_of(
 
 
 def unit_of(key: str) -> str:
-    """SI unit of an identified parameter: a coefficient by its key, or K_z."""
+    """Return SI unit of an identified parameter: a coefficient by its key, or K_z."""
     return "N/m" if key == "K_z" else term(key).unit
 
 
 def column(symbol: str, what: str = "") -> str:
-    """F_k_standard_error_N: what a number says of a parameter, and its unit."""
+    """Return F_k_standard_error_N: what a number says of a parameter, and its unit."""
     return named_with_unit(f"{symbol}{what}", unit_of(symbol))
 
 
 def limit(symbol: str, parameter: ParameterEstimate) -> str:
-    """A number that has a limit only, in words: "F_k < 0.0001 N"."""
+    """Return a number that has a limit only, in words: "F_k < 0.0001 N"."""
     low, high = parameter.interval
     above = math.isinf(high)
     shown = number_text(low, 4) if above else number_text(high, 2)
@@ -305,7 +306,7 @@ def limit(symbol: str, parameter: ParameterEstimate) -> str:
 
 
 def _judged(symbol: str, parameter: ParameterEstimate, notes: Sequence[str]) -> Verdict:
-    """The verdict on a number by itself; notes say why there is none. The only place that decides it."""
+    """Return the verdict on a number by itself; notes say why there is none. The only place that decides it."""
     if math.isnan(parameter.value):
         return Verdict(NONE, "; ".join(notes) or f"these records do not determine {symbol}")
     low, high = parameter.interval

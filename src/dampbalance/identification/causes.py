@@ -65,7 +65,7 @@ class Cause(NamedTuple):
     negative: str = ""
 
     def sized(self, value: float, error: float) -> str:
-        """The words with a size and its standard error, or that the records do not determine it."""
+        """Return the words with a size and its standard error, or that the records do not determine it."""
         words = self.negative if value < 0.0 else ""
         value, error = (abs(value) if words else value) * self.unit, error * self.unit
         if not error < abs(value):
@@ -155,7 +155,7 @@ class Explanation:
 
     @property
     def doubts(self) -> dict[str, float]:
-        """By what part of themselves numbers may be off that the fit has no way to tell."""
+        """Relative errors that numbers may have without a trace in the fit."""
         fit = self.fit
         doubts: dict[str, float] = {}
         # F_k is in proportion to the size of the motion, which no gain of a relative response asks for
@@ -222,8 +222,8 @@ def explanations(
 
 
 def moves(fit: WaveformFit | FundamentalFit) -> bool:
-    """Whether all motions of a fit are found again from nothing, under the drives that were read: its features, and
-    the travel that its sticking takes, need them."""
+    """Return whether all motions of a fit are found again from nothing, under the drives that were read: its features,
+    and the travel that its sticking takes, need them."""
     try:
         return bool(fit.responses)
     except NO_MOTION:
@@ -231,8 +231,8 @@ def moves(fit: WaveformFit | FundamentalFit) -> bool:
 
 
 def _converged(fit: WaveformFit | None) -> WaveformFit | None:
-    """The fit that further climbs lead to, until one ends in an optimum: one that takes more than three is no guide,
-    nor is one that stays far from the records."""
+    """Return the fit that further climbs lead to, until one ends in an optimum: one that takes more than three is no
+    guide, nor is one that stays far from the records."""
     for _ in range(3):
         if fit is None or fit.converged:
             break
@@ -244,8 +244,8 @@ def _converged(fit: WaveformFit | None) -> WaveformFit | None:
 
 
 def _like(near: FundamentalFit) -> Iterator[tuple[tuple[str, ...], Array]]:
-    """The departures of a fit to the fundamentals, and the filter that turns the phase of the first record as far as
-    its delay does, each with a point."""
+    """Yield the departures of a fit to the fundamentals, and the filter that turns the phase of the first record as far
+    as its delay does, each with a point."""
     names, point = near.departures, near.point
     if names:
         yield names, point
@@ -262,7 +262,7 @@ def _like(near: FundamentalFit) -> Iterator[tuple[tuple[str, ...], Array]]:
 
 
 def _with(fit: WaveformFit, name: str) -> WaveformFit | None:
-    """The fit with a departure left free.
+    """Return the fit with a departure left free.
 
     The turn of a phase trades with c and m along a valley of χ² that is as narrow as the noise and curved, in which a
     climb from no turn crawls: it begins at the oscillator that has the turn of the score test, or what of it leaves
@@ -277,19 +277,19 @@ def _with(fit: WaveformFit, name: str) -> WaveformFit | None:
 
 
 def _least(name: str) -> float:
-    """The fall of χ² from which on a departure is there; one that has one sign only has half of the chances."""
+    """Return the fall of χ² from which on a departure is there; one that has one sign only has half of the chances."""
     p = P_CAUSE if name in (GRADUAL, *TURNS) else P_DEPARTURE
     return float(special.chdtri(1.0, 2.0 * p if name in ONE_SIGNED else p))
 
 
 def _may_be(name: str, one: Departure) -> bool:
-    """Whether a departure of that size can be; a contact that yields more suddenly than at once is none."""
+    """Return whether a departure of that size can be; a contact that yields more suddenly than at once is none."""
     low, high = NUISANCES[name]
     return low < one.value and (one.value < high or name == GRADUAL)
 
 
 def remark_on(found: Sequence[Explanation], fall: float) -> Remark:
-    """The sentence on departures that explain the records, the first of which is in the answer.
+    """Return the sentence on departures that explain the records, the first of which is in the answer.
 
     fall : of χ².
     """
@@ -304,7 +304,7 @@ def remark_on(found: Sequence[Explanation], fall: float) -> Remark:
 
 
 def doubts_of(one: Departure, fit: OscillatorFit) -> Mapping[str, float]:
-    """By what part of itself a departure that is not fitted may move each number: to first order, and without bound
+    """Return by what part a departure that is not fitted may move each number: to first order, and without bound
     where it imitates friction and damping. A spring or a contact that yields otherwise moves neither; the contact is
     then as much stiffer after a reversal."""
     if one.symbol in ("corner", "friction_speed"):
@@ -315,8 +315,8 @@ def doubts_of(one: Departure, fit: OscillatorFit) -> Mapping[str, float]:
 
 
 def condition_on_contact(fit: OscillatorFit, tested: Iterable[Departure]) -> list[str]:
-    """A sentence where K_z depends on the contact yielding at once by more than its interval shows, and the records
-    could not tell one that yields gradually from it; none where they could.
+    """Return a sentence where K_z depends on the contact yielding at once by more than its interval shows, and the
+    records could not tell one that yields gradually from it; none where they could.
 
     It is a condition and no doubt, as of all numbers on the gains: K_z and its interval are those of the contact that
     was asked for, which moves like one that yields gradually and is stiffer after a reversal.   tested : all that was
@@ -349,8 +349,8 @@ def changes(one: Departure, fit: OscillatorFit, value: float) -> dict[str, float
 
 
 def likeliest(fit: WaveformFit) -> Departure | None:
-    """The departure that explains most of what a fit leaves that is not adequate, to first order; None where none
-    explains a part that is worth a word."""
+    """Return the departure that explains most of what a fit leaves that is not adequate, to first order; None where
+    none explains a part that is worth a word."""
     best = max(fit.departures.values(), key=lambda one: abs(one.size), default=None)
     excess = fit.chi_square - fit.freedom
     return best if best is not None and best.size**2 > LIKELY * excess else None

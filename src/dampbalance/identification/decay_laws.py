@@ -59,7 +59,8 @@ _REMEDY = "give decays from higher up, or with less noise"
 
 
 def with_departures(fit: RingFit) -> tuple[RingFit, list[Remark]]:
-    """The fit with further coefficients that the residual speaks for, one after the other, and a sentence on each.
+    """Return the fit with further coefficients that the residual speaks for, one after the other, and a sentence on
+    each.
 
     What another coefficient that explains the decays as well does to the numbers belongs to the sentence.
     """
@@ -82,7 +83,7 @@ def with_departures(fit: RingFit) -> tuple[RingFit, list[Remark]]:
 
 
 def _likeliest(fit: RingFit) -> RingFit | None:
-    """The fit with the further coefficient that lowers χ² most."""
+    """Return the fit with the further coefficient that lowers χ² most."""
     ends = [*filter(None, [with_one_more(fit)]), *_freed(fit, fit.point, _FALLING)]
     return min(ends, key=lambda one: one.chi_square, default=None)
 
@@ -90,8 +91,8 @@ def _likeliest(fit: RingFit) -> RingFit | None:
 def _freed(
     fit: RingFit, start: Array, symbol: str, free: Sequence[str] | None = None
 ) -> list[RingFit]:
-    """The fit with a further coefficient, from a start; friction that falls with the speed with that speed fixed at
-    several values, and those that explain the decays as well among its `minima`. Empty where it is free already.
+    """Return the fit with a further coefficient, from a start; friction that falls with the speed with that speed fixed
+    at several values, and those that explain the decays as well among its `minima`. Empty where it is free already.
 
     free : names of the other unknowns that move; default, those of the fit.
     """
@@ -110,7 +111,7 @@ def _freed(
 
 
 def _along(fit: RingFit, symbol: str) -> str:
-    """The sentence on a coefficient that is fitted along."""
+    """Return the sentence on a coefficient that is fitted along."""
     words, unit = _words(symbol)
     size = f"{with_error(fit.value(symbol), fit.error(symbol))}{unit}"
     if symbol in DECAY_TERMS:
@@ -131,7 +132,8 @@ def _along(fit: RingFit, symbol: str) -> str:
 
 
 def _as_well(fit: RingFit, symbol: str) -> dict[str, float]:
-    """Relative changes of the numbers with another coefficient that explains the decays as well in place of one."""
+    """Return relative changes of the numbers with another coefficient that explains the decays as well in place of
+    one."""
     doubts: dict[str, float] = {}
     of = (symbol, _SPEED) if symbol == _FALLING else (symbol,)
     without = tuple(name for name in fit.problem.free if name not in of)
@@ -149,8 +151,8 @@ def _as_well(fit: RingFit, symbol: str) -> dict[str, float]:
 
 
 def doubts_of(fit: RingFit, further: Sequence[Departure]) -> list[Remark]:
-    """A sentence where friction and viscous damping do not account for the decays and what does cannot be fitted along,
-    with what it may change.
+    """Return a sentence where friction and viscous damping do not account for the decays and what does cannot be fitted
+    along, with what it may change.
 
     further : what each further coefficient explains.
     """
@@ -177,7 +179,7 @@ def doubts_of(fit: RingFit, further: Sequence[Departure]) -> list[Remark]:
 
 
 def shortcomings_of(fit: RingFit) -> list[Remark]:
-    """A sentence where the decays are not those of one oscillator even in the band of the mode."""
+    """Return a sentence where the decays are not those of one oscillator even in the band of the mode."""
     if sound(fit):
         return []
     return [
@@ -190,8 +192,8 @@ def shortcomings_of(fit: RingFit) -> list[Remark]:
 
 
 def _shown(fit: RingFit, further: Sequence[Departure]) -> list[Departure]:
-    """The coefficients that are no chance, and can be: an AC coupling and a friction that falls have one sign, and with
-    such a friction damping that falls with the speed is none but the friction at another speed."""
+    """Return the coefficients that are no chance, and can be: an AC coupling and a friction that falls have one sign,
+    and with such a friction damping that falls with the speed is none but the friction at another speed."""
     positive = [_FALLING, CORNER]
     positive += [s for s in DECAY_TERMS if _FALLING in fit.problem.free]
     return [
@@ -204,7 +206,7 @@ def _shown(fit: RingFit, further: Sequence[Departure]) -> list[Departure]:
 
 
 def _words(symbol: str) -> tuple[str, str]:
-    """A coefficient in words, and its unit after a space."""
+    """Return a coefficient in words, and its unit after a space."""
     if symbol == GRADUAL:
         return "a contact that yields gradually", ""
     if symbol in _OTHERS:
@@ -214,8 +216,8 @@ def _words(symbol: str) -> tuple[str, str]:
 
 
 def condition_of(fit: RingFit, further: Iterable[Departure]) -> tuple[str, dict[str, float]]:
-    """A sentence where F_k, c or K_z depend on the damping being viscous by more than the noise shows, and the decays
-    are too few or too noisy to tell; and by how much, by name, in the units of the fit. Empty where they do not.
+    """Return a sentence where F_k, c or K_z depend on the damping being viscous by more than the noise shows, and the
+    decays are too few or too noisy to tell; and by how much, by name, in the units of the fit. Empty where they do not.
 
     Only a hint of it counts, which one in twenty sound decays give: what none shows would widen all intervals, though
     most dampers are viscous. It is no doubt: values are those of the law that was asked for, and what another would
@@ -258,7 +260,8 @@ def with_effects(answer: Answer, fit: RingFit, effects: Mapping[str, float]) -> 
 
 
 def _changed(fit: RingFit, name: str, by: float) -> str:
-    """By how much an unknown changes, for a sentence; ρ as the stiffness that it stands for. None becomes negative."""
+    """Return by how much an unknown changes, for a sentence; ρ as the stiffness that it stands for. None becomes
+    negative."""
     value = fit.value(name)
     moved = max(value + by, 0.0)
     if name == "rho":  # K_z = ρ^{−2}
@@ -313,7 +316,8 @@ def compare_decay_laws(fit: RingFit) -> LawComparison:
 def fit_law(
     fit: RingFit, terms: Sequence[str], starts: Sequence[Array] | None = None
 ) -> RingFit | None:
-    """The oscillator with a law, no coefficient negative, to the decays of a fit; None where no climb leads to one.
+    """Return the oscillator with a law, no coefficient negative, to the decays of a fit; None where no climb leads to
+    one.
 
     terms : of `DECAY_TERMS`.   starts : points to climb from; default, that of the fit.
     """
@@ -351,7 +355,7 @@ def _tested(
     rise: float,
     law: Mapping[str, tuple[float, float]] | None = None,
 ) -> LawTest:
-    """The test of a law by what χ² rises by from that of all terms, in the noise that these leave.
+    """Return the test of a law by what χ² rises by from that of all terms, in the noise that these leave.
 
     law : its coefficients, where it has a fit.
     """

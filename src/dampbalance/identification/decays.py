@@ -95,8 +95,8 @@ class DecayOutcome(Identified):
     kind: ClassVar[Mapping[str, str]] = {"kind": "ring-down"}
 
     def findings(self) -> dict[str, Any]:
-        """List what each further coefficient would explain, the standard deviation of the friction forces, 0 where all
-        decays share one, and the decays of each record."""
+        """Return list what each further coefficient would explain, the standard deviation of the friction forces, 0
+        where all decays share one, and the decays of each record."""
         decays = [(one.source, self._decay(i)) for i, one in enumerate(self.fit.decays)]
         return {
             "departures": [asdict(one) for one in self.departures],
@@ -143,8 +143,9 @@ class DecayOutcome(Identified):
         return levels
 
     def shifts(self, faults: Mapping[str, Fault], name: str) -> dict[str, dict[str, float]]:
-        """What faults of all records do to either answer: m, c, k, K_z and F_k times a number are an oscillator of the
-        same motion, and F_k is in proportion to the motion. When a decay began is not known: a delay does nothing."""
+        """Return what faults of all records do to either answer: m, c, k, K_z and F_k times a number are an oscillator
+        of the same motion, and F_k is in proportion to the motion. When a decay began is not known: a delay does
+        nothing."""
         fit = self.fit
         lighter = dict.fromkeys(("F_k", "c", "K_z"), 0.0)
         if fit.error("m") == 0.0 and any(of.stiffness or of.mass for of in faults.values()):
@@ -218,7 +219,7 @@ def identify_decays(
 @in_words_of_records
 @interpreted(False)  # a motion of thousands of samples, hundreds of times
 def _of_records(records: tuple[MeasuredRecord, ...], options: Mapping[str, Any]) -> DecayOutcome:
-    """The answers to records that are read.   options : by the keys of a configuration."""
+    """Return the answers to records that are read.   options : by the keys of a configuration."""
     k, mass = options["stiffness_N_per_m"], options["mass_kg"]
     if k is None:
         options, k = with_stiffness_by_mass(partial(_of_records, records), options)
@@ -248,7 +249,7 @@ def identify_ring_downs(
     stiffness_error: float = 0.0,
     laws: bool = False,
 ) -> DecayOutcome:
-    """F_k, c and K_z from records of free decays, one or more.
+    """Return F_k, c and K_z from records of free decays, one or more.
 
     k : stiffness, N/m.
     mass : kg, if it is known; the fit takes it where it is known better than the decays know it, and they agree.
@@ -332,7 +333,7 @@ def identify_ring_downs(
 
 
 def _unclear(record: Measurement) -> str:
-    """How a record without a decay is reported."""
+    """Return how a record without a decay is reported."""
     if record.driven:
         return f"{visible(record.excitation.name)} stands still, and no free decay was found"
     return (
@@ -341,7 +342,7 @@ def _unclear(record: Measurement) -> str:
 
 
 def _signal(record: Measurement, channel: Channel, offset: int, warnings: list[Remark]) -> Signal:
-    """A channel of the mass, evenly sampled and with its known gain and delay taken off.   offset : its number."""
+    """Return a channel of the mass, evenly sampled and with its known gain and delay taken off. offset : its number."""
     correction = channel.correction
     channel = in_equal_steps(channel, warnings)
     t, values = channel.t, channel.values
@@ -354,7 +355,8 @@ def _signal(record: Measurement, channel: Channel, offset: int, warnings: list[R
 
 
 def _before_the_filters(values: Array, dt: float, correction: Correction) -> Array:
-    """The values that a channel had before its gain and its filters, to a drift, which the band of a mode leaves out.
+    """Return the values that a channel had before its gain and its filters, to a drift, which the band of a mode leaves
+    out.
 
     What it lets through by less than a fifth is left out: the inverse would show noise alone there.
     """
@@ -371,7 +373,7 @@ def _before_the_filters(values: Array, dt: float, correction: Correction) -> Arr
 
 
 def _with_mass(fit: RingFit, mass: float) -> RingFit | None:
-    """The fit with a mass that is given, from the same minimum."""
+    """Return the fit with a mass that is given, from the same minimum."""
     start = fit.point.copy()
     start[M] = mass
     free = tuple(name for name in fit.problem.free if name != "m")
@@ -385,7 +387,7 @@ def _solved(
     rig: Sequence[str],
     warnings: Sequence[Remark],
 ) -> DecayOutcome:
-    """The rows solved, with notes, and warnings and sentences on the rig in addition to these."""
+    """Return the rows solved, with notes, and warnings and sentences on the rig in addition to these."""
     values, covariance, misfit, freedom, interval = _least_squares(rows)
     further = departures_of(fit)
     fit_notes = shortcomings_of(fit)
@@ -481,7 +483,7 @@ def _solved(
 
 
 def lines_in(fit: RingFit) -> list[Remark]:
-    """A sentence on each line in what the fit leaves outside the band of the mode: it moves no number."""
+    """Return a sentence on each line in what the fit leaves outside the band of the mode: it moves no number."""
     if fit.problem.band is None:
         return []
     remarks = []
@@ -496,7 +498,7 @@ def lines_in(fit: RingFit) -> list[Remark]:
 
 
 def _scatter_of(fit: RingFit) -> list[str]:
-    """A sentence on the friction forces of the decays where they do not share one."""
+    """Return a sentence on the friction forces of the decays where they do not share one."""
     if fit.frictions.size == 1:
         return []
     mean, errors = fit.friction, np.sqrt(np.diag(fit.covariance)[fit.friction_places])
@@ -512,8 +514,8 @@ def _scatter_of(fit: RingFit) -> list[str]:
 def _least_squares(
     rows: RingRows,
 ) -> tuple[dict[str, float], Array, float, int, Interval | None]:
-    """(F_k and c by symbol, their covariance, χ² per degree of freedom, degrees of freedom, interval of F_k where it is
-    the mean of several friction forces)."""
+    """Return (F_k and c by symbol, their covariance, χ² per degree of freedom, degrees of freedom, interval of F_k
+    where it is the mean of several friction forces)."""
     scale = np.sqrt(np.diag(rows.covariance))
     scale = np.where(scale > 0.0, scale, 1.0)
     # rows that share half cycles may nearly be one

@@ -109,7 +109,7 @@ class ForcedOutcome(Identified):
     microstick: Microstick
 
     def findings(self) -> dict[str, Any]:
-        """Microstick line, features of each record."""
+        """Return the microstick line and the features of each record."""
         line = self.microstick
         return {
             "microstick": {
@@ -150,7 +150,7 @@ class ForcedOutcome(Identified):
         }
 
     def _loops(self, mass: float | None = None) -> list[dict[str, Array]]:
-        """The columns of `friction_loops` for each record."""
+        """Return the columns of `friction_loops` for each record."""
         values, loops = {**self.answer.values, **self.law.given}, []
         fit = None if self.joint.linear else self.joint.fit
         for i, reading in enumerate(self.readings):
@@ -178,7 +178,7 @@ class ForcedOutcome(Identified):
         return levels
 
     def shifts(self, faults: Mapping[str, Fault], name: str) -> dict[str, dict[str, float]]:
-        """What faults of all records do to an answer; nothing is known of a fit that is not that of the waveforms."""
+        """Return what faults of all records do to an answer; of a fit only where it is that of the waveforms."""
         if name == FUNDAMENTALS and self.joint.fundamentals is not None:
             return shifts_of_fundamentals(self.readings, self.joint.fundamentals, faults)
         if name in self.estimates:
@@ -313,7 +313,7 @@ def identify_forced(
 def _of_records(
     records: tuple[MeasuredRecord, ...], law: Law, options: Mapping[str, Any]
 ) -> ForcedOutcome:
-    """The answers to records that are read.   options : by the keys of a configuration."""
+    """Return the answers to records that are read.   options : by the keys of a configuration."""
     if options["stiffness_N_per_m"] is None:
         require_base(records, "stiffness is missing, and a mass alone gives none then", STATIC_TEST)
         options, k = with_stiffness_by_mass(partial(_of_records, records, law), options)
@@ -353,7 +353,7 @@ def identify_readings(
     mass_error: float = 0.0,
     stiffness_error: float = 0.0,
 ) -> ForcedOutcome:
-    """The coefficients of a damping law and K_z from the features of n measured responses, with intervals.
+    """Return the coefficients of a damping law and K_z from the features of n measured responses, with intervals.
 
     Use `identify_forced` for records; this function is for readings that are at hand, as in studies.
 
@@ -471,7 +471,7 @@ def _answer(
     samples: Samples[Sample],
     line: Microstick,
 ) -> Answer:
-    """The answer of one approach, with standard errors and intervals."""
+    """Return the answer of one approach, with standard errors and intervals."""
     sources = tuple(reading.steady.source for reading in readings)
     rows = samples.map(lambda sample: rows_of(sample.features))
     point, usable = rows.point, rows.point.usable
@@ -503,7 +503,7 @@ def _answer(
     shared = weights if weighted else np.ones(len(weights))
 
     def weighed(of: Rows) -> Estimate:
-        """The estimates from r times rows, (n, r), weighted like those of the records, (n,)."""
+        """Return the estimates from r times rows, (n, r), weighted like those of the records, (n,)."""
         return solve(replace(of, weights=np.broadcast_to(shared[:, None], of.W.shape)))
 
     estimates = Samples(estimate, tuple(map(weighed, rows.left)))
@@ -531,7 +531,7 @@ def _answer(
 def _shape_bias(
     rows_of: LawRows, joint: JointFit, readings: Sequence[Reading], weights: Array, used: Mask
 ) -> dict[str, float]:
-    """Relative error of each coefficient that the approach finds in the exact responses of the joint fit."""
+    """Return the relative error of each coefficient that the approach finds in the exact responses of the joint fit."""
     fit = joint.fit
     if fit is None or not joint.waveforms_hold:
         return {}
@@ -547,7 +547,7 @@ def _shape_bias(
 def _stiffness(
     samples: Samples[Sample], estimates: Samples[Estimate], law: Law, line: Microstick
 ) -> tuple[ParameterEstimate, tuple[Array, ...] | None]:
-    """K_z = 2F_k/L (10), from the root of its inverse, whose errors are nearly normal, and that root without groups.
+    """Return K_z = 2F_k/L (10), from the root of its inverse, which is nearly normal, and that root without groups.
 
     Where the microstick line is not resolved, K_z is a lower limit and there are no roots.
     """
@@ -585,7 +585,7 @@ def _parameters(estimates: Samples[Estimate]) -> dict[str, ParameterEstimate]:
 
 
 def _parameter(values: Samples[Array]) -> ParameterEstimate:
-    """Standard error and interval of one number.
+    """Return the standard error and interval of one number.
 
     The variances that the records contribute, v_i of g_i groups, give the degrees of freedom of their sum,
     (Σ v_i)²/Σ v_i²/(g_i − 1) (Welch–Satterthwaite), and the degrees of freedom the quantile of Student's t.

@@ -126,7 +126,8 @@ def rows_of(fit: RingFit) -> RingRows:
 
 
 def _pairs(D: Array) -> tuple[Array, Array, Array]:
-    """The difference and the sum of each two neighbours as matrices, (n − 1, n), and D₀D₁/(D₀ + D₁), (n − 1, 1)."""
+    """Return the difference and the sum of each two neighbours as matrices, (n − 1, n), and D₀D₁/(D₀ + D₁), (n − 1,
+    1)."""
     one, other = np.eye(D.size)[:-1], np.eye(D.size)[1:]
     return one - other, one + other, 1.0 / ((one + other) @ (1.0 / D))[:, None]
 
@@ -227,7 +228,7 @@ def swings_of(signal: Signal, period: float, least: float) -> Swings:
 
 
 def _turns(v: Array, half: float) -> Array:
-    """Places where a velocity changes its sign, counted in samples, as long as they are half a cycle apart."""
+    """Return places where a velocity changes its sign, counted in samples, as long as they are half a cycle apart."""
     i = np.flatnonzero(v[:-1] * v[1:] < 0.0)
     zeros = i + v[i] / (v[i] - v[i + 1])
     # noise makes three of one

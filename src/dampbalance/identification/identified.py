@@ -1,4 +1,4 @@
-"""What an identification hands over, whatever the kind of its records: answers, tables, sentences, pictures, files."""
+"""Results of an identification, whatever the kind of its records: answers, tables, sentences, pictures, files."""
 
 from __future__ import annotations
 
@@ -128,7 +128,7 @@ class Identified(ABC):
         return self.records[0].coordinate if self.records else TRANSLATION
 
     def in_words(self, text: str) -> str:
-        """A sentence in the words and units of the coordinate; names of records stay."""
+        """Return a sentence in the words and units of the coordinate; names of records stay."""
         return self.coordinate.text(text, self._names)
 
     @cached_property
@@ -140,7 +140,8 @@ class Identified(ABC):
 
     @abstractmethod
     def findings(self) -> dict[str, Any]:
-        """What was read off the records and follows from them, for the document; `records` has an entry for each."""
+        """Return what was read off the records and follows from them, for the document; `records` has an entry for
+        each."""
 
     @property
     @abstractmethod
@@ -236,7 +237,7 @@ class Identified(ABC):
 
     @property
     def mass_error(self) -> float:
-        """Its standard error, kg; zero where the fit takes the mass that was given."""
+        """The standard error of the mass, kg; zero where the fit takes the mass that was given."""
         return float((self.reference or self.answer).merit.get("m_standard_error_kg", math.nan))
 
     @property
@@ -313,8 +314,8 @@ class Identified(ABC):
         return pd.DataFrame(columns, index=pd.Index(names, name="row"))
 
     def to_frame(self) -> pd.DataFrame:
-        """A line for each approach and each number: approach, symbol, unit, value, standard_error, low and high (the
-        interval of 95 %), verdict, within_percent, reason."""
+        """Return a line for each approach and each number: approach, symbol, unit, value, standard_error, low and high
+        (the interval of 95 %), verdict, within_percent, reason."""
         import pandas as pd  # slow to import
 
         return pd.DataFrame(
@@ -338,14 +339,14 @@ class Identified(ABC):
         return None, {}
 
     def document(self) -> dict[str, Any]:
-        """Everything, as plain data for JSON, what `identification.json` holds; SI units, named in the keys; what is
-        not known is null."""
+        """Return everything, as plain data for JSON, what `identification.json` holds; SI units, named in the keys;
+        what is not known is null."""
         shown: dict[str, Any] = self.coordinate.document(self._document(), self._names)
         return shown
 
     @interpreted(calls=QUICK)
     def _document(self) -> dict[str, Any]:
-        """The document with the names of a translation."""
+        """Return the document with the names of a translation."""
         answers, findings = {n: entries(a) for n, a in self.approaches.items()}, self.findings()
         for entry, record in zip(findings["records"], self.records, strict=bool(self.records)):
             entry |= record.files or {}
@@ -379,7 +380,7 @@ class Identified(ABC):
         return plain(everything)
 
     def estimates_table(self) -> list[dict[str, Any]]:
-        """A row for each answer, the one to use first: value, standard errors and interval of each parameter, in
+        """Return a row for each answer, the one to use first: value, standard errors and interval of each parameter, in
         columns named with units, and the verdict on each; None where an answer has no such number."""
         rows = []
         for name, answer in self.approaches.items():
@@ -398,12 +399,12 @@ class Identified(ABC):
 
     @property
     def limits(self) -> list[Limit]:
-        """What limits the answers, each thing once."""
+        """Limits of the answers, each once."""
         return limits(self.approaches, self.warnings)
 
     @property
     def limiting(self) -> list[str]:
-        """What limits the answers, in sentences: "*" begins a note on answers, "warning:" all else."""
+        """Limits of the answers, in sentences: "*" begins a note on answers, "warning:" all else."""
         return [
             ("* " if of.kind == "approaches" else "warning: ")
             + self.in_words(in_a_sentence(of, self.sources))
@@ -411,9 +412,9 @@ class Identified(ABC):
         ]
 
     def text(self) -> str:
-        """All sentences and tables for a screen, what `--details` shows and summary.txt holds: the answers with their
-        95 % intervals and verdicts, a line each, then what limits them; where there is no answer, the causes first and
-        the numbers last."""
+        """Return all sentences and tables for a screen, what `--details` shows and summary.txt holds: the answers with
+        their 95 % intervals and verdicts, a line each, then what limits them; where there is no answer, the causes
+        first and the numbers last."""
         tests, sentences = [*map(self.in_words, comparison(self.laws))], self.limiting
         numbers = [self.head, "", *self._table(), "", *self.rig]
         numbers += ["", *tests] if tests else []
@@ -424,7 +425,7 @@ class Identified(ABC):
         return "\n\n".join("\n".join(part) for part in parts if part) + "\n"
 
     def _table(self) -> list[str]:
-        """The lines of the table of all answers."""
+        """Return the lines of the table of all answers."""
         return aligned(
             [[*map(self.coordinate.text, line)] for line in answers_table(self.approaches)]
         )
@@ -435,8 +436,8 @@ class Identified(ABC):
         return agreement_of(self.approaches)
 
     def screen(self, width: int = 80, *, details: str = "the method text") -> str:
-        """One screen: the answer, what it says of the rig, what checks it, at most three causes of doubt with their
-        remedies, and where the rest is. Where there is no answer, the cause comes first and the numbers last.
+        """Return one screen: the answer, what it says of the rig, what checks it, at most three causes of doubt with
+        their remedies, and where the rest is. Where there is no answer, the cause comes first and the numbers last.
 
         width : of a line, characters; tables are not wrapped.   details : what shows the rest.
         """
@@ -479,11 +480,11 @@ class Identified(ABC):
         return self.screen().rstrip("\n")
 
     def _repr_html_(self) -> str:
-        """The table for a notebook."""
+        """Return the table for a notebook."""
         return self._page("notebook")
 
     def _page(self, template: str, **content: Any) -> str:
-        """A page in the words and units of the coordinate; drawings stay as they are."""
+        """Return a page in the words and units of the coordinate; drawings stay as they are."""
         from .report import page_of  # slow to import
 
         pieces = re.split(r"(data:[^\"]*)", page_of(template, found=self, **content))
@@ -492,7 +493,7 @@ class Identified(ABC):
         )
 
     def draw(self, name: str) -> Figure:
-        """One of the pictures, on a page of its own; `plot` draws in axes that are given."""
+        """Return one of the pictures, on a page of its own; `plot` draws in axes that are given."""
         from matplotlib.text import Text  # slow to import
 
         from ..figures.style import lacking_glyphs
@@ -563,15 +564,15 @@ class Identified(ABC):
         return [folder / name for name in (*TABLES, *pictures)]
 
     def report(self) -> str:
-        """The report as one page of HTML that needs no other file: verdict, numbers, pictures, what limits the answer
-        and what to do next, damping of each level, effect of faults, settings. Use it to hand a result to others;
-        `save` writes it as report.html."""
+        """Return the report as one page of HTML that needs no other file: verdict, numbers, pictures, what limits the
+        answer and what to do next, damping of each level, effect of faults, settings. Use it to hand a result to
+        others; `save` writes it as report.html."""
         with TemporaryDirectory() as folder:
             return self._report(Path(folder), png=False)
 
     @interpreted(calls=QUICK)
     def _report(self, folder: Path, png: bool = True) -> str:
-        """The report, and the pictures in a folder."""
+        """Return the report, and the pictures in a folder."""
         # slow to import, and needed for pictures only
         from ..figures.style import lacking_glyphs, save, save_svg
         from .pictures import DPI
@@ -590,8 +591,8 @@ class Identified(ABC):
 
 
 def _worth(answer: Answer) -> tuple[float, ...]:
-    """The reasons for which an answer is chosen: coefficients that are usable, that have a bounded error, that have a
-    value; and of two that are equal in these the fit, where it is an answer."""
+    """Return the reasons for which an answer is chosen: coefficients that are usable, that have a bounded error, that
+    have a value; and of two that are equal in these the fit, where it is an answer."""
     verdicts = [answer.verdicts[symbol] for symbol in answer.coefficients]
     usable = sum(one.verdict == USABLE for one in verdicts)
     bounded = sum(math.isfinite(one.within) for one in verdicts)

@@ -88,14 +88,14 @@ class LawTest:
         return None if test is None or math.isnan(test.p) else test
 
     def p_of(self, *names: str) -> float:
-        """The p-value of tests together, of all unless some are named: the smallest one, times their number; 0 where
-        one cannot be made."""
+        """Return the p-value of tests together, of all unless some are named: the smallest one, times their number; 0
+        where one cannot be made."""
         tests = [self.tests.get(name) for name in names or self.tests]
         known = [t.p for t in tests if t is not None and not math.isnan(t.p)]
         return 0.0 if None in tests else min([1.0, *(len(known) * p for p in known)])
 
     def document(self) -> dict[str, Any]:
-        """The tests for JSON."""
+        """Return the tests for JSON."""
         return {
             "terms": self.terms,
             **{
@@ -145,7 +145,7 @@ class LawComparison:
         return max((tuple(test.tests) for test in self.tests), key=len)
 
     def words(self) -> list[str]:
-        """What follows from the tests, in sentences."""
+        """Return what follows from the tests, in sentences."""
         sentences = [words for words in (self.left_out, self.caution) if words]
         if self.chosen is None:
             return [*sentences, self._nothing_fits()]
@@ -188,7 +188,7 @@ class LawComparison:
         )
 
     def document(self) -> dict[str, Any]:
-        """The comparison for JSON."""
+        """Return the comparison for JSON."""
         return {
             "chosen": self.chosen,
             "by": self.by,
@@ -201,7 +201,7 @@ class LawComparison:
 
 
 def words_of(terms: Sequence[str]) -> str:
-    """A law by what its terms are: "friction force and viscous damping (F_k, c)"."""
+    """Return a law by what its terms are: "friction force and viscous damping (F_k, c)"."""
     words = listed([term(symbol).words for symbol in terms])
     return f"{words} ({', '.join(terms)})"
 
@@ -309,7 +309,7 @@ def compare_laws(
 
 
 def chosen_of(tests: Sequence[LawTest], left_out: str, **more: Any) -> LawComparison:
-    """What follows from the tests of laws: Holm's procedure, and the smallest law that it does not reject.
+    """Return what follows from the tests of laws: Holm's procedure, and the smallest law that it does not reject.
 
     more : other fields of the comparison.
     """
@@ -343,7 +343,7 @@ def chosen_of(tests: Sequence[LawTest], left_out: str, **more: Any) -> LawCompar
 
 
 def _as_stiff(test: LawTest, best: LawTest) -> bool:
-    """Whether a law has the stiffness of the records as well as another does, or none was fitted to tell."""
+    """Return whether a law has the stiffness of the records as well as another does, or none was fitted to tell."""
     a, b = np.array(test.in_phase), np.array(best.in_phase)
     return a.size != b.size or a.size < 2 or as_good(a, b) or float(np.mean(a - b)) < _APART
 
@@ -351,7 +351,7 @@ def _as_stiff(test: LawTest, best: LawTest) -> bool:
 def _by_balance(
     terms: tuple[str, ...], law: Law, readings: Sequence[Reading], joint: JointFit
 ) -> LawTest:
-    """The test of one law by the balance.
+    """Return the test of one law by the balance.
 
     terms : of it; `law` may have a friction force that stands for none.   joint : with the oscillator that has it, or
     none, whose rows need no onset of slip.
@@ -396,7 +396,7 @@ def _generalised(
 
 
 def _rejected(p: Sequence[float]) -> list[bool]:
-    """Holm's procedure: the smallest p, the second … are rejected while below BUDGET/n, BUDGET/(n − 1) …"""
+    """Return Holm's procedure: the smallest p, the second … are rejected while below BUDGET/n, BUDGET/(n − 1) …"""
     order = sorted(range(len(p)), key=lambda i: p[i])
     rejected = [False] * len(p)
     for rank, i in enumerate(order):
@@ -407,7 +407,7 @@ def _rejected(p: Sequence[float]) -> list[bool]:
 
 
 def as_good(scores: Array, others: Array) -> bool:
-    """Whether the misfits of a law to levels are no larger than another's, within one standard error of the difference
-    over levels."""
+    """Return whether the misfits of a law to levels are no larger than another's, within one standard error of the
+    difference over levels."""
     worse = scores - others
     return float(np.mean(worse)) <= float(np.std(worse, ddof=1)) / math.sqrt(worse.size)

@@ -32,7 +32,8 @@ class Level(NamedTuple):
         return self.W / (math.pi * self.omega * self.X**2)
 
     def loss_factor(self, k: float) -> float:
-        """Energy lost in a cycle over 2π times the largest energy in the spring, η = W/(πkX²) = c_eq ω/k; Q = 1/η.
+        """Return the energy lost in a cycle over 2π times the largest energy in the spring, η = W/(πkX²) = c_eq ω/k; Q
+        = 1/η.
 
         Nashif, Jones & Henderson, Vibration Damping (1985), Sec. 3. A viscous damper at the natural frequency has
         η = 2ζ.   k : of the spring, N/m; what the contact stores is not counted.
@@ -40,7 +41,7 @@ class Level(NamedTuple):
         return self.W / (math.pi * k * self.X**2)
 
     def document(self, k: float, m: float) -> dict[str, Any]:
-        """All measures for the document.   m : kg; NaN where it is not known, and the damping ratio with it."""
+        """Return all measures for the document.   m : kg; NaN where it is not known, and the damping ratio with it."""
         eta = self.loss_factor(k)
         return {
             "level": self.name,
@@ -56,7 +57,7 @@ class Level(NamedTuple):
 
 
 def damping_ratio(c: float, k: float, m: float) -> float:
-    """Fraction of critical damping, ζ = c/(2√(km)): of the oscillator with its contact loose.
+    """Return the fraction of critical damping, ζ = c/(2√(km)): of the oscillator with its contact loose.
 
     Inman, Engineering Vibration, Sec. 1.3.   c : N s/m.   k : N/m.   m : kg.
 

@@ -30,7 +30,8 @@ _LEFT_OUT = "a channel is clipped: the record is left out; raise the measuring r
 
 
 def keeps_moving(record: MeasuredRecord) -> bool:
-    """Whether the excitation channel of a record keeps moving; in a free decay it is missing, constant or strikes."""
+    """Return whether the excitation channel of a record keeps moving; in a free decay it is missing, constant or
+    strikes."""
     return record.driven and not stands_still(record.whole().excitation.values)
 
 
@@ -65,7 +66,7 @@ def levels_of(record: MeasuredRecord) -> tuple[MeasuredRecord, ...]:
 
 
 def _between(measurement: Measurement, dwell: Dwell, source: str) -> Measurement:
-    """The part of all channels in a dwell, as a measurement of its own."""
+    """Return the part of all channels in a dwell, as a measurement of its own."""
     channels = {}
     for quantity in measurement:
         channel = measurement[quantity]
@@ -83,7 +84,7 @@ def load(
     skip_cycles: int = 0,
     base_mass: float | None = None,
 ) -> Reading:
-    """The features of a record.
+    """Return the features of a record.
 
     k : stiffness, N/m.   frequency_hz : the known drive frequency, compared with the one in the record; default, that
     of the mapping.   skip_cycles : left out at the start.   base_mass : as for `condition`.
@@ -119,8 +120,8 @@ def load(
 
 
 def _settled(read: Callable[[int], SteadyRecord], skipped: int) -> tuple[int, SteadyRecord | None]:
-    """The cycles after which the motion has settled, 0 where it has from the first one read on; and the record, None
-    where it changes too much to be read."""
+    """Return the cycles after which the motion has settled, 0 where it has from the first one read on; and the record,
+    None where it changes too much to be read."""
     try:
         steady = read(skipped)
     except ValueError as error:
@@ -165,7 +166,7 @@ def excerpt(record: MeasuredRecord, quantity: str, steady: SteadyRecord) -> tupl
 
 
 def correction_of(record: MeasuredRecord, quantity: str) -> Correction:
-    """Gain, delay and filters of a channel as they are known: its own, or what the mapping states."""
+    """Return gain, delay and filters of a channel as they are known: its own, or what the mapping states."""
     own = None if record.measurement is None else record.measurement[quantity].correction
     rule = record.rules.channels.get(quantity)
     return own or (rule.correction if rule else None) or Correction()

@@ -99,7 +99,7 @@ class JointFit:
 
     @property
     def notes(self) -> tuple[Remark, ...]:
-        """What a reader must know before using the numbers of the fit."""
+        """Remarks that a reader needs before using the numbers of the fit."""
         fit = self._best
         if fit is None or self.linear:
             return ()
@@ -176,7 +176,7 @@ def joint_fit(
     departures: bool = True,
     frames: bool = False,
 ) -> JointFit:
-    """The oscillator behind the records.
+    """Return the oscillator behind the records.
 
     The records determine the mass by themselves, often better than scales do: the fit takes a mass that is given only
     where it is known better than that, and the records agree with it.
@@ -196,7 +196,7 @@ def joint_fit(
     alone = None if linear else alone
 
     def penalty(one: OscillatorFit) -> float:
-        """χ² that the mass given adds: the square of its difference in standard errors."""
+        """Return the χ² that the mass given adds: the square of its difference in standard errors."""
         low, high = one.interval("m")
         error = 0.5 * (high - low) / NORMAL_95
         apart = math.hypot(error, mass_error, stiffness_error / k * one.m)
@@ -228,7 +228,7 @@ def joint_fit(
 def _searched(
     lines: Sequence[Lines], k: float, law: Law, slips: bool
 ) -> tuple[WaveformFit | None, FundamentalFit | None]:
-    """The fit to the waveforms and, where that is not adequate, the fit to the fundamentals.
+    """Return the fit to the waveforms and, where that is not adequate, the fit to the fundamentals.
 
     slips : whether the records are not those of a linear oscillator. A wide search is then worth its time where the
     fundamentals give no start, or where the mass rings while it sticks, so that χ² has many minima.
@@ -316,7 +316,7 @@ class Sample:
 
 @dataclass(frozen=True, eq=False)
 class Samples(Generic[Of]):
-    """What n records give, features at first, with what its errors are computed from.
+    """Features of n records, with the inputs of their errors.
 
     point : as read.   left : for each record, without one group of its rows after the other.
     """
@@ -325,7 +325,7 @@ class Samples(Generic[Of]):
     left: tuple[Of, ...]
 
     def map(self, of: Callable[[Of], To]) -> Samples[To]:
-        """What a function makes of each."""
+        """Return what a function makes of each."""
         return Samples(of(self.point), tuple(map(of, self.left)))
 
 
@@ -364,11 +364,11 @@ def covariance_of_rows(left: Sequence[Rows]) -> Array:
 
 
 def read_samples(readings: Sequence[Reading]) -> Samples[Sample]:
-    """Features of readings that share the waveforms of a joint fit (`with_common_fit`), as read and without groups of
-    rows, the waveforms of all records following."""
+    """Return features of readings that share the waveforms of a joint fit (`with_common_fit`), as read and without
+    groups of rows, the waveforms of all records following."""
     means, left = [reading.mean for reading in readings], []
     for j, reading in enumerate(readings):
-        for others in (reading.left_out(), *reading.shaken()):
+        for others in (reading.left_out(), *reading.with_hidden_errors()):
             each = [mean[[0] * len(others.Y)] for mean in means]
             each[j] = others
             left.append(sample_of(readings, each))
@@ -377,7 +377,7 @@ def read_samples(readings: Sequence[Reading]) -> Samples[Sample]:
 
 
 def sample_of(readings: Sequence[Reading], means: Sequence[Means]) -> Sample:
-    """Features of n records from r means of each, (n, r)."""
+    """Return features of n records from r means of each, (n, r)."""
     moved = np.sum([r.moved(m) for r, m in zip(readings, means, strict=True)], axis=0)
     features = stack([r.features_of(m, moved)[None] for r, m in zip(readings, means, strict=True)])
     waveforms = [reading.waveform for reading in readings if reading.waveform is not None]
@@ -391,7 +391,7 @@ def sample_of(readings: Sequence[Reading], means: Sequence[Means]) -> Sample:
 
 
 def microstick(samples: Samples[Sample]) -> Microstick:
-    """The length of the microstick line, and whether it stands out of its noise."""
+    """Return the length of the microstick line, and whether it stands out of its noise."""
     F_k, rho = float(samples.point.F_k[0]), float(samples.point.rho[0])
     left = [np.stack([s.rho, 2.0 * s.F_k * s.rho * np.abs(s.rho)]) for s in samples.left]
     error, of_length = np.sqrt(np.diag(jackknifed(left))).tolist()

@@ -26,12 +26,12 @@ PICTURES = {
 
 
 def pictures_of(figures: Iterable[str]) -> tuple[str, ...]:
-    """The files of figures of those names."""
+    """Return the files of figures of those names."""
     return tuple(f"{name}.{suffix}" for name in figures for suffix in ("svg", "png"))
 
 
 def outputs_of(kind: str) -> tuple[str, ...]:
-    """The files that an identification of records of a kind is written to."""
+    """Return the files that an identification of records of a kind is written to."""
     return (*TABLES, *pictures_of(PICTURES[kind]), REPORT)
 
 

@@ -64,7 +64,7 @@ _DOTS: dict[str, Any] = {"color": FAINT, "markersize": 1.0, "rasterized": True}
 def cycles(
     records: Sequence[MeasuredRecord], readings: Sequence[Reading], fit: WaveformFit | None = None
 ) -> Figure:
-    """Each record folded onto one cycle of the drive (dots), its averaged cycle (line), and that of the fitted
+    """Return each record folded onto one cycle of the drive (dots), its averaged cycle (line), and that of the fitted
     oscillator (dashes); below, what the fit leaves of the samples, over the standard deviation of the noise. Without a
     fit, what the averaged cycle leaves. A panel per record.
 
@@ -110,8 +110,8 @@ def friction(
     loops: Sequence[Mapping[str, Array]],
     fit: WaveformFit | None = None,
 ) -> Figure:
-    """Friction force against displacement, a panel per record: what the averaged cycle leaves of the forces (line), the
-    loop K_z z of the fitted oscillator (dashes), and where it begins to slip (dots).
+    """Return the friction force against displacement, a panel per record: what the averaged cycle leaves of the forces
+    (line), the loop K_z z of the fitted oscillator (dashes), and where it begins to slip (dots).
 
     loops : columns of `friction_loops` of the records.
     """
@@ -136,7 +136,7 @@ def friction(
 def loops(
     records: Sequence[MeasuredRecord], readings: Sequence[Reading], shared: Microstick
 ) -> Figure:
-    """Acceleration against displacement, a panel per record: the averaged cycle, and the lines fitted to it.
+    """Draw acceleration against displacement, a panel per record: the averaged cycle, and the lines fitted to it.
 
     The steep line from a reversal is the microstick line, of slope −(k + K_z)/m; where it ends slip begins (dot). It
     has the length `shared` by all records; where that is not resolved, no line is drawn.
@@ -166,7 +166,7 @@ def loops(
 
 @styled()
 def balance(answers: Mapping[str, Answer], two: bool) -> Figure:
-    """The rows of the balance, and their residuals.
+    """Return the rows of the balance, and their residuals.
 
     (a) W/b against a/b: a F_k + b c = W is a straight line of slope F_k that meets the axis at c. The line is that of
     the first answer. Of another law, what its terms take, Σ g_j p_j, against W; the line is where they are equal.
@@ -220,8 +220,9 @@ def balance(answers: Mapping[str, Answer], two: bool) -> Figure:
 
 @styled()
 def decays(fit: RingFit, turns: Sequence[tuple[Array, Array]]) -> Figure:
-    """Each decay (dots), the motion of the oscillator of largest likelihood (line) and the turns read for the balance
-    (rings); below, what the fit leaves, over the standard deviation of the noise. A panel per decay, the first 24.
+    """Return each decay (dots), the motion of the oscillator of largest likelihood (line) and the turns read for the
+    balance (rings); below, what the fit leaves, over the standard deviation of the noise. A panel per decay, the first
+    24.
 
     turns : of each decay, rows (t, x), s and m, and their errors.
     """
@@ -258,7 +259,7 @@ def _with_residual(
     symbol: str,
     unit: str,
 ) -> None:
-    """Below a panel of samples what a fit leaves of them, over the standard deviation of the noise."""
+    """Draw, below a panel of samples, the residuals of a fit, over the standard deviation of the noise."""
     below.plot(along, left, ".", **_DOTS)
     below.axhline(0.0, color=SLIP, linewidth=0.6)
     below.set_ylabel(r"residual/$\sigma$", labelpad=4.0, fontsize=7.0)
@@ -272,7 +273,7 @@ def _with_residual(
 def _panels_of_records(
     records: Sequence[MeasuredRecord], xlabel: str, below: float = 0.0
 ) -> tuple[Figure, list[tuple[Axes, Axes]]]:
-    """A panel for each record; the lowest of each column has the label of the abscissa."""
+    """Return a panel for each record; the lowest of each column has the label of the abscissa."""
     figure, panels = _panels([record.label for record in records], 34.0, 9.0, below)
     for _, lowest in panels[-_across(len(panels)) :]:
         lowest.set_xlabel(xlabel)
@@ -280,14 +281,14 @@ def _panels_of_records(
 
 
 def _across(count: int) -> int:
-    """How many of so many panels stand abreast."""
+    """Return how many of so many panels stand abreast."""
     return 2 if count == 4 else min(count, 3)
 
 
 def _panels(
     titles: Sequence[str], height: float, gap: float, below: float = 0.0
 ) -> tuple[Figure, list[tuple[Axes, Axes]]]:
-    """A panel for each title, with a lower one where it has a height, mm; else that is the panel.
+    """Return a panel for each title, with a lower one where it has a height, mm; else that is the panel.
 
     height : of a panel, mm, where three stand abreast; fewer are wider and higher.   gap : between rows of them, mm.
     """

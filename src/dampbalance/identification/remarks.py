@@ -1,4 +1,4 @@
-"""What a reader must know before using a number: notes on answers, warnings on records, and both as a list without
+"""Remarks that a reader needs before using a number: notes on answers, warnings on records, and both as a list without
 repetitions.
 
 A sentence on the oscillator is given only where the fit of one oscillator to all records supports it.
@@ -56,7 +56,7 @@ _UNITS = {
 
 
 def notes_on(answer: Answer, readings: Sequence[Reading], joint: JointFit) -> Iterator[Remark]:
-    """What a reader must know, in addition to the notes of an approach, before using its answer."""
+    """Yield what a reader must know, in addition to the notes of an approach, before using its answer."""
     clipped = [
         f"{quantity} of {reading.steady.source}"
         for reading in readings
@@ -93,13 +93,13 @@ def notes_on(answer: Answer, readings: Sequence[Reading], joint: JointFit) -> It
 
 
 def by_scatter(coefficients: Mapping[str, ParameterEstimate], misfit: float) -> dict[str, float]:
-    """By what part of itself each coefficient may be off where the rows scatter as much as this χ² per degree of
+    """Return by what part each coefficient may be off where the rows scatter as much as this χ² per degree of
     freedom says: its interval, as many times as wide."""
     return {symbol: math.sqrt(misfit) * p.within for symbol, p in coefficients.items()}
 
 
 def _by_half_the_stick(answer: Answer, readings: Sequence[Reading]) -> dict[str, float]:
-    """By what part of itself each coefficient changes where the stick distance λ = 4X − a is off by half of it."""
+    """Return by what part each coefficient changes where the stick distance λ = 4X − a is off by half of it."""
     assert answer.balance is not None
     rows, errors = answer.balance.rows, answer.balance.errors
     weights = np.where(errors > 0.0, errors, 1.0) ** -2.0
@@ -118,7 +118,7 @@ def _by_half_the_stick(answer: Answer, readings: Sequence[Reading]) -> dict[str,
 def forbidden(
     coefficients: Mapping[str, ParameterEstimate], clipped: Sequence[str], suspects: str
 ) -> list[Remark]:
-    """A sentence on each coefficient whose whole interval is negative, with the likely cause.
+    """Return a sentence on each coefficient whose whole interval is negative, with the likely cause.
 
     clipped : names of clipped signals.   suspects : what else may be wrong, "a gain or the stiffness".
     """
@@ -137,7 +137,7 @@ def forbidden(
 
 
 def _shape(answer: Answer) -> Iterator[Remark]:
-    """A sentence where the shape of x(t) that an approach assumes costs more than its interval shows."""
+    """Yield a sentence where the shape of x(t) that an approach assumes costs more than its interval shows."""
     parts: list[str] = []
     sizes: list[Any] = []
     doubts: dict[str, float] = {}
@@ -165,7 +165,7 @@ def agreement(
     joint: JointFit,
     answers: Mapping[str, Answer],
 ) -> Iterator[Remark]:
-    """Warnings on all records together: what the joint fit shows, which levels fail, where answers contradict."""
+    """Yield warnings on all records together: what the joint fit shows, which levels fail, where answers contradict."""
     yield from _on_the_oscillator(readings, joint)
     if still := _numbered(reading.slips is False for reading in readings):
         yield Remark(
@@ -209,12 +209,12 @@ def agreement(
 
 
 def _numbered(which: Iterable[bool]) -> str:
-    """Numbers of the records for which something holds: "1, 3"."""
+    """Return numbers of the records for which something holds: "1, 3"."""
     return ", ".join(str(i) for i, holds in enumerate(which, 1) if holds)
 
 
 def _on_the_oscillator(readings: Sequence[Reading], joint: JointFit) -> Iterator[Remark]:
-    """Warnings from the joint fit."""
+    """Yield warnings from the joint fit."""
     if joint.linear:
         yield Remark(
             "the records are those of a linear oscillator within their noise: the contact only sticks, or there is no "
@@ -240,7 +240,7 @@ def _on_the_oscillator(readings: Sequence[Reading], joint: JointFit) -> Iterator
 def _none_fits(
     readings: Sequence[Reading], fit: WaveformFit, alone: FundamentalFit | None
 ) -> Remark:
-    """The sentence on records that no oscillator explains, whatever departure it has.
+    """Return the sentence on records that no oscillator explains, whatever departure it has.
 
     alone : the fit to their fundamentals, whose numbers the likeliest departure moves to first order.
     """
@@ -264,7 +264,7 @@ def _none_fits(
 
 
 def on_mass(fit: OscillatorFit, mass: float, by_force: bool = False) -> Remark:
-    """The warning that a mass is not that of the records, and that each number may be off by as much.
+    """Return the warning that a mass is not that of the records, and that each number may be off by as much.
 
     m, c, k, K_z and F_k times a number are an oscillator of the same motion: where the mass is right, the stiffness is
     likely wrong, and all numbers by as much.
@@ -282,8 +282,8 @@ def on_mass(fit: OscillatorFit, mass: float, by_force: bool = False) -> Remark:
 
 
 def _mistaken_unit(ratio: float, k: float, mass: float) -> str:
-    """A question about the unit of stiffness or mass where their ratio to those of the records is that of two units;
-    else nothing."""
+    """Return a question about the unit of stiffness or mass where their ratio to those of the records is that of two
+    units; else nothing."""
     asked = [
         f"{name} {number_text(value, 3)} {unit}"
         for (name, unit), factor in _MISTAKEN.items()
@@ -309,7 +309,7 @@ _MISTAKEN = {  # quantity and its unit → how many times the given number is to
 
 
 def of_masses(implied: float, given: float) -> str:
-    """records imply 3.1000 kg, you gave 3.098 kg (0.06 % less)"""
+    """Return records imply 3.1000 kg, you gave 3.098 kg (0.06 % less)"""
     ratio, off = given / implied, given / implied - 1.0
     if not 0.5 < ratio < 2.0:
         how = f"{max(ratio, 1.0 / ratio):.3g} times as {'much' if ratio > 1.0 else 'little'}"
@@ -324,8 +324,8 @@ def of_masses(implied: float, given: float) -> str:
 
 
 def _wrong_unit(readings: Sequence[Reading], joint: JointFit) -> Iterator[Remark]:
-    """A question about the unit of a channel where the mass moves much more or less than the base, and another unit of
-    one of them explains the records as well as any oscillator does."""
+    """Yield a question about the unit of a channel where the mass moves much more or less than the base, and another
+    unit of one of them explains the records as well as any oscillator does."""
     lines, fit = [reading.lines for reading in readings], joint.fit
     gains = [float(abs(one.x[0])) / one.Y for one in lines]
     # of X/Y, or its inverse, to doubt units of records that no oscillator explains; of others, 300 takes a Q of 300 or
@@ -382,16 +382,15 @@ def contradiction(
 
 
 def _sine(rows: Rows) -> float:
-    """The smallest sine of the angle that a column of the balance makes with those before it."""
+    """Return the smallest sine of the angle that a column of the balance makes with those before it."""
     columns = [g[rows.usable] for symbol, g in rows.terms.items() if symbol not in rows.given]
     unit = np.column_stack([g / np.linalg.norm(g) for g in columns])
     return float(np.min(np.abs(np.diag(np.linalg.qr(unit)[1]))))
 
 
 def doubted(answers: Mapping[str, Answer], warnings: Sequence[Remark]) -> dict[str, Answer]:
-    """The answers with their intervals widened by what their notes and the warnings can do to each number, and with a
-    doubt where that is more than the interval and than `USELESS`, or is not known.
-    """
+    """Return the answers with their intervals widened by what their notes and the warnings can do to each number, and
+    with a doubt where that is more than the interval and than `USELESS`, or is not known."""
     return {
         name: _doubted(answer, [*(w for w in warnings if name not in w.spares), *answer.notes])
         for name, answer in answers.items()
@@ -399,7 +398,7 @@ def doubted(answers: Mapping[str, Answer], warnings: Sequence[Remark]) -> dict[s
 
 
 def _doubted(answer: Answer, remarks: Iterable[Remark]) -> Answer:
-    """The answer with what remarks can do to its numbers."""
+    """Return the answer with what remarks can do to its numbers."""
     kinds = _by_kind(remark for remark in remarks if remark.doubts)
     parameters = {s: _shifted(s, p, kinds) for s, p in answer.parameters.items()}
     # which way a shift goes is not known: it correlates nothing
@@ -411,7 +410,7 @@ def _doubted(answer: Answer, remarks: Iterable[Remark]) -> Answer:
 
 
 def _shifted(symbol: str, p: ParameterEstimate, kinds: Sequence[list[Remark]]) -> ParameterEstimate:
-    """A number with what remarks can do to it: the largest shift of each kind, all kinds in quadrature."""
+    """Return a number with what remarks can do to it: the largest shift of each kind, all kinds in quadrature."""
     shifts = [max(r.doubts.get(symbol, r.doubts.get("", 0.0)) for r in of) for of in kinds]
     shifts = [math.inf if math.isnan(shift) else shift for shift in shifts]
     total = math.hypot(*shifts)
@@ -461,13 +460,14 @@ def limits(answers: Mapping[str, Answer], warnings: Sequence[Remark]) -> list[Li
 
 
 def _effect(remarks: Iterable[Remark]) -> float:
-    """The part of itself by which what remarks say may change a number most; infinite where that is not known."""
+    """Return the part of itself by which what remarks say may change a number most; infinite where that is not
+    known."""
     shifts = [shift for remark in remarks for shift in remark.doubts.values()]
     return max((math.inf if math.isnan(shift) else shift for shift in shifts), default=0.0)
 
 
 def _by_kind(remarks: Iterable[Remark]) -> list[list[Remark]]:
-    """Remarks that say the same put together."""
+    """Return remarks that say the same put together."""
     alike: dict[tuple[str, ...], list[Remark]] = {}
     for remark in remarks:
         alike.setdefault(remark.kind, []).append(remark)
@@ -475,7 +475,7 @@ def _by_kind(remarks: Iterable[Remark]) -> list[list[Remark]]:
 
 
 def in_a_sentence(limit: Limit, sources: Sequence[str]) -> str:
-    """A limit as one sentence that names what it concerns.   sources : of all records."""
+    """Return a limit as one sentence that names what it concerns.   sources : of all records."""
     if not limit.of:
         return limit.words
     named = listed(limit.of)

@@ -49,7 +49,7 @@ _COLOURS = {  # on paper, on a dark screen: contrast of text of at least 4.5 : 1
 
 
 def page_of(template: str, **content: Any) -> str:
-    """A page, or a part of one, as HTML.
+    """Return a page, or a part of one, as HTML.
 
     template : "report" (of what `Identified` has, its document and its drawings as SVG),
     "notebook".   content : what the template shows.
@@ -59,7 +59,7 @@ def page_of(template: str, **content: Any) -> str:
 
 
 def rich(text: str) -> Markup:
-    """Text of a sentence or a symbol, its symbols set."""
+    """Return the text of a sentence or a symbol, its symbols set."""
     return Markup(in_html(text))
 
 
@@ -71,8 +71,8 @@ def _known(value: float | None) -> float:
 
 
 def _verdict(answer: Answer, warnings: Sequence[Remark]) -> tuple[str, str]:
-    """The whole result in a sentence: which numbers can be used, with their values, and the first reason where others
-    cannot; and the class of the paragraph."""
+    """Return the whole result in a sentence: which numbers can be used, with their values, and the first reason where
+    others cannot; and the class of the paragraph."""
     groups: dict[str, list[str]] = {USABLE: [], DOUBTFUL: [], NONE: []}
     for symbol, one in answer.verdicts.items():
         groups[one.verdict].append(symbol)
@@ -98,17 +98,17 @@ def _verdict(answer: Answer, warnings: Sequence[Remark]) -> tuple[str, str]:
 
 
 def _clause(text: str) -> str:
-    """What a sentence says first."""
+    """Return what a sentence says first."""
     return text.partition(";")[0]
 
 
 def _names(sources: Sequence[str]) -> str:
-    """The names of a few records, or how many there are."""
+    """Return the names of a few records, or how many there are."""
     return f"{len(sources)} records" if len(sources) > 3 else listed([*map(_short, sources)])
 
 
 def _short(source: str) -> str:
-    """The name of a file without its folder; of a record from elsewhere all of it, whatever slashes it has."""
+    """Return the name of a file without its folder; of a record from elsewhere all of it, whatever slashes it has."""
     path = PurePath(source)
     return visible(path.name if path.suffix else source)
 
@@ -132,8 +132,8 @@ def _part(p: ParameterEstimate) -> str:
 
 
 def _first_check(answer: Answer, effects: Mapping[str, Any]) -> list[str]:
-    """What helps most: a sentence on the fault that the numbers feel most, against what their intervals allow; none
-    where they allow all of them."""
+    """Return what helps most: a sentence on the fault that the numbers feel most, against what their intervals allow;
+    none where they allow all of them."""
     felt = [("", 1.0)]
     for effect in effects.values():
         for symbol, p in answer.parameters.items():
@@ -147,7 +147,7 @@ def _first_check(answer: Answer, effects: Mapping[str, Any]) -> list[str]:
 
 
 def _explained(sentences: Iterable[str]) -> list[str]:
-    """Where the site explains the symptoms that sentences name; none where they name none."""
+    """Return where the site explains the symptoms that sentences name; none where they name none."""
     if not (names := symptoms_in(sentences)):
         return []
     return [
@@ -157,7 +157,7 @@ def _explained(sentences: Iterable[str]) -> list[str]:
 
 
 def _rig(options: Mapping[str, Any], rotates: bool) -> str:
-    """The drawing of the rig that records are taken to be of, SVG; empty where none is drawn."""
+    """Return the drawing of the rig that records are taken to be of, SVG; empty where none is drawn."""
     from ..figures.rig_drawings import LOAD_CELL, MOUNT, RELEASE, TO_GROUND, rigs  # slow to import
 
     kind = options.get("kind", "forced")

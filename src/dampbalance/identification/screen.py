@@ -20,7 +20,7 @@ _SKEW = 0.1  # of the half width, by which a value may lie off the middle of an 
 
 
 def answers_table(answers: Mapping[str, Answer]) -> list[tuple[str, ...]]:
-    """The values with their intervals and verdicts, a line for each answer below a line of heads."""
+    """Return the values with their intervals and verdicts, a line for each answer below a line of heads."""
     symbols = dict.fromkeys(s for answer in answers.values() for s in answer.parameters)
     order = sorted(symbols, key=lambda symbol: symbol == "K_z")  # the contact last
     lines = [("", *map(headed, order), "verdict")]
@@ -31,14 +31,14 @@ def answers_table(answers: Mapping[str, Answer]) -> list[tuple[str, ...]]:
 
 
 def aligned(table: Sequence[Sequence[str]]) -> list[str]:
-    """The lines of a table with columns of equal width."""
+    """Return the lines of a table with columns of equal width."""
     widths = [max(map(len, column)) for column in zip(*table, strict=True)]
     return ["  ".join(map(str.ljust, line, widths)).rstrip() for line in table]
 
 
 def in_one(verdicts: Mapping[str, Verdict]) -> str:
-    """The verdicts on several parameters for a line of a table: "usable within 1.2 %", or "usable within 0.3 %: F_k, c;
-    none: K_z", where the number that is known least decides."""
+    """Return the verdicts on several parameters for a line of a table: "usable within 1.2 %", or "usable within 0.3 %:
+    F_k, c; none: K_z", where the number that is known least decides."""
     by_word: dict[str, list[str]] = {}
     for symbol, one in verdicts.items():
         by_word.setdefault(one.verdict, []).append(symbol)
@@ -52,8 +52,8 @@ def in_one(verdicts: Mapping[str, Verdict]) -> str:
 
 
 def answer_in_words(answer: Answer) -> str:
-    """The values with their intervals of 95 %, and how far they can be used, in a sentence: "F_k = 2.100 ± 0.010 N, …
-    at 95 %: usable within 0.6 %."; after a doubt its first reason."""
+    """Return the values with their intervals of 95 %, and how far they can be used, in a sentence: "F_k = 2.100 ± 0.010
+    N, … at 95 %: usable within 0.6 %."; after a doubt its first reason."""
     values = [_with_half_width(symbol, p) for symbol, p in answer.parameters.items()]
     doubts = [v.reason for v in answer.verdicts.values() if v.verdict != USABLE]
     why = f", as {doubts[0].partition(';')[0]}" if doubts and doubts[0] else ""
@@ -61,7 +61,8 @@ def answer_in_words(answer: Answer) -> str:
 
 
 def _with_half_width(symbol: str, p: ParameterEstimate) -> str:
-    """F_k = 1.2803 ± 0.0011 N, with the interval itself where it is not symmetric; a limit; nothing for no value."""
+    """Return F_k = 1.2803 ± 0.0011 N, with the interval itself where it is not symmetric; a limit; nothing for no
+    value."""
     low, high = p.interval
     half, middle = 0.5 * (high - low), 0.5 * (high + low)
     if math.isnan(p.value):
@@ -74,7 +75,7 @@ def _with_half_width(symbol: str, p: ParameterEstimate) -> str:
 
 
 def agreement_of(answers: Mapping[str, Answer]) -> str:
-    """By how much the next answer with values differs from the first one, in a sentence."""
+    """Return by how much the next answer with values differs from the first one, in a sentence."""
     answer, *others = answers.values()
     for other in others:
         apart = [
@@ -123,8 +124,8 @@ def damping_of(k: float, mass: tuple[float, float], c: float, levels: Sequence[L
 
 
 def wrapped(lines: Sequence[str], width: int) -> list[str]:
-    """Lines broken at a width, but not between a number and its unit; those of a table, which have two spaces between
-    columns, are not."""
+    """Return lines broken at a width, but not between a number and its unit; those of a table, which have two spaces
+    between columns, are not."""
     broken = []
     for line in lines:
         if "  " in line:
@@ -140,7 +141,7 @@ def wrapped(lines: Sequence[str], width: int) -> list[str]:
 
 
 def comparison(laws: LawComparison | None) -> list[str]:
-    """What follows from a comparison of laws, then a line for each law with its tests."""
+    """Return what follows from a comparison of laws, then a line for each law with its tests."""
     if laws is None:
         return []
     table = [["law", *laws.names, "", "coefficients"]]
@@ -188,13 +189,13 @@ def implied(fit: OscillatorFit, given_mass: float | None = None) -> list[str]:
 
 
 def with_interval(parameter: ParameterEstimate) -> str:
-    """1.2807 [1.2784, 1.2831]: digits down to a tenth of the interval's half width."""
+    """Return "1.2807 [1.2784, 1.2831]": digits down to a tenth of the interval's half width."""
     value, interval = value_of(parameter), interval_of(parameter)
     return value if interval == "–" else f"{value} {interval}"
 
 
 def value_of(parameter: ParameterEstimate) -> str:
-    """1.2807: the value alone; "> 30000" for a lower limit, a dash for none."""
+    """Return "1.2807", the value alone; "> 30000" for a lower limit, a dash for none."""
     value, (low, high) = parameter.value, parameter.interval
     if math.isfinite(low) and not math.isfinite(high):
         return f"> {rounded(low, low)}"
@@ -204,7 +205,7 @@ def value_of(parameter: ParameterEstimate) -> str:
 
 
 def interval_of(parameter: ParameterEstimate) -> str:
-    """[1.2784, 1.2831]: the interval alone; a dash where an end is not known."""
+    """Return "[1.2784, 1.2831]", the interval alone; a dash where an end is not known."""
     if not all(map(math.isfinite, (parameter.value, *parameter.interval))):
         return "–"
     low, high = parameter.interval
@@ -212,5 +213,5 @@ def interval_of(parameter: ParameterEstimate) -> str:
 
 
 def headed(symbol: str) -> str:
-    """F_k (N): the head of a column of a table."""
+    """Return F_k (N): the head of a column of a table."""
     return wording.label_with_unit(symbol, unit_of(symbol))

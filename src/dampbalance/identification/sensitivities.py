@@ -31,7 +31,7 @@ _STEP = 1e-3  # of each fault: small enough for first order, large compared with
 
 @lru_cache(maxsize=1)  # asked for by the report and by its remarks
 def _with_mass(fit: WaveformFit, m: float) -> WaveformFit | None:
-    """The fit with the mass given, kg."""
+    """Return the fit with the mass given, kg."""
     return refit(fit, given={"m": m})
 
 
@@ -69,7 +69,7 @@ def sensitivities(
     answer: Answer,
     faults: Mapping[str, Fault] = FAULTS,
 ) -> dict[str, dict[str, float]]:
-    """By how much each fault changes what a balance identifies, relative to it: fault → symbol → number.
+    """Return by how much each fault changes what a balance identifies, relative to it: fault → symbol → number.
 
     NaN where rows or waveforms do not determine it.
 
@@ -96,8 +96,8 @@ def sensitivities(
 def shifts_of_fit(
     readings: Sequence[Reading], fit: WaveformFit, faults: Mapping[str, Fault]
 ) -> dict[str, dict[str, float]]:
-    """By how much each fault changes what the fit to all records identifies, relative to it: fault → symbol → number,
-    "m" for the mass.
+    """Return by how much each fault changes what the fit to all records identifies, relative to it: fault → symbol →
+    number, "m" for the mass.
 
     m, c, k, K_z and F_k times a number are an oscillator of the same motion: with the mass left free all of them follow
     an error of k, and with the mass given that of an error of the mass the other way.
@@ -128,7 +128,7 @@ def shifts_of_fit(
 def shifts_of_fundamentals(
     readings: Sequence[Reading], fit: FundamentalFit, faults: Mapping[str, Fault]
 ) -> dict[str, dict[str, float]]:
-    """By how much each fault changes what the fit to the fundamentals identifies; as `shifts_of_fit`."""
+    """Return by how much each fault changes what the fit to the fundamentals identifies; as `shifts_of_fit`."""
     means = [_faulty(reading, list(faults.values())) for reading in readings]
     stiffness = np.array([mean.Y / mean.x[:, 0] for mean in means])
     moved = fit.moved(stiffness[:, 1:] / stiffness[:, :1] - 1.0) / _STEP
@@ -139,12 +139,12 @@ def shifts_of_fundamentals(
 
 
 def _by_fault(names: Iterable[str], of: Mapping[str, Array]) -> dict[str, dict[str, float]]:
-    """What each fault does, from what all of them do to each number, (faults,)."""
+    """Return what each fault does, from what all of them do to each number, (faults,)."""
     return {name: {s: float(by[i]) for s, by in of.items()} for i, name in enumerate(names)}
 
 
 def _faulty(reading: Reading, faults: list[Fault]) -> Means:
-    """The means of a record as read, and with each of the faults, a thousandth of each.
+    """Return the means of a record as read, and with each of the faults, a thousandth of each.
 
     A force f moves the mass like the base motion f/k: an error of k is one of that motion; and so is one of the mass m
     that stands on a base which moves, where f is −mÿ.

@@ -39,8 +39,8 @@ _UNTESTED = {
 
 
 def with_stated_uncertainties(found: Outcome) -> Outcome:
-    """An identification whose errors, intervals and covariances hold what its options and the mappings of its records
-    state, and which says on what it depends."""
+    """Return an identification whose errors, intervals and covariances hold what its options and the mappings of its
+    records state, and which says on what it depends."""
     stiffness = found.options["stiffness_standard_error_N_per_m"] / found.k
     m, m_error = (found.options[name] for name in ("mass_kg", "mass_standard_error_kg"))
     of_mass = m_error / m if m else 0.0
@@ -66,8 +66,8 @@ def with_stated_uncertainties(found: Outcome) -> Outcome:
 
 
 def _stated_of_channels(found: Identified) -> dict[str, float]:
-    """Standard uncertainties that mappings state: of the gains of base or force (drive) and of the mass's channels
-    (response), as parts of them, and of the delay between both (late), s.
+    """Return standard uncertainties that mappings state: of the gains of base or force (drive) and of the mass's
+    channels (response), as parts of them, and of the delay between both (late), s.
 
     The largest counts where records or channels differ: channels of the mass are averaged, and which of them an error
     is of, is not known.
@@ -83,7 +83,7 @@ def _stated_of_channels(found: Identified) -> dict[str, float]:
 
 
 def widened(answer: Answer, shifts: Mapping[str, Mapping[str, float]]) -> Answer:
-    """The answer with its covariance widened by shifts, relative to its values, by fault and symbol."""
+    """Return the answer with its covariance widened by shifts, relative to its values, by fault and symbol."""
     symbols = list(answer.parameters)
     values = np.array([answer.parameters[s].value for s in symbols])
     off = np.array([[of.get(s, 0.0) for s in symbols] for of in shifts.values()])
@@ -105,8 +105,8 @@ def widened(answer: Answer, shifts: Mapping[str, Mapping[str, float]]) -> Answer
 
 
 def _conditional(found: Identified, stiffness: bool, mass: bool) -> tuple[str, str]:
-    """A sentence on what the numbers depend on and records hardly test, with what to state or give, and one on how
-    much they depend on it; empty where it is stated and tested.
+    """Return a sentence on what the numbers depend on and records hardly test, with what to state or give, and one on
+    how much they depend on it; empty where it is stated and tested.
 
     stiffness : whether its uncertainty is stated.   mass : whether it is given.
     """

@@ -59,7 +59,7 @@ def _table(
     silent: Collection[str],
     coordinate: Coordinate,
 ) -> list[list[str]]:
-    """The lines of sets of one coordinate, from the rows of the answers to use.
+    """Return the lines of sets of one coordinate, from the rows of the answers to use.
 
     failed, silent : sets that could not be identified, and those that give no answer.
     """
@@ -85,7 +85,7 @@ def _table(
 
 
 def _parameter(row: Mapping[Any, Any], symbol: str, coordinate: Coordinate) -> ParameterEstimate:
-    """A number of a row of the table of estimates."""
+    """Return a number of a row of the table of estimates."""
     value, low, high = (
         float(row.get(coordinate.key(column(symbol, end)), math.nan))
         for end in ("", "_low", "_high")

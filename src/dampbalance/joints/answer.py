@@ -99,7 +99,8 @@ class SteppedOutcome(Identified):
         return pd.DataFrame({"X_m": X, **columns})
 
     def findings(self) -> dict[str, Any]:
-        """Which contact the lines support, by how each predicts levels that are left out; their sliders; the tables."""
+        """Return which contact the lines support, by how each predicts levels that are left out; their sliders; the
+        tables."""
         compared: dict[str, Any] = {}
         if self.compared is not None:
             compared = {
@@ -321,7 +322,7 @@ _UNCOMPARED = Remark(
 
 
 def _lines(tables: Sequence[SteppedRecord], k: float | None) -> tuple[SteppedLines, Integers]:
-    """All lines of the tables, and the table of each."""
+    """Return all lines of the tables, and the table of each."""
     levels = [
         (i, one.table.by_force, of) for i, one in enumerate(tables) for of in one.table.levels
     ]
@@ -387,7 +388,8 @@ def _answer(
     compared: ContactComparison | None,
     tested: Sequence[Remark],
 ) -> Answer:
-    """The answer of a contact: its numbers, and its rows of the balance, without what other modes add to them."""
+    """Return the answer of a contact: its numbers, and its rows of the balance, without what other modes add to
+    them."""
     notes, of = [*tested], lines.of_mode(fit.values.get("R", 0.0))
     if compared is not None and name != compared.supported:
         words = f"the lines support another contact: {compared.supported}"
@@ -429,7 +431,7 @@ _SPRING_UNITS = {"k": "N_per_m", "m": "kg", "k_3": "N_per_m3", "R": "m_per_N"}
 
 
 def _estimate(symbol: str, fit: ContactFit) -> ParameterEstimate:
-    """A number of a fit: F_k and K_z of the sliders that slip at the amplitudes seen, or a coefficient."""
+    """Return a number of a fit: F_k and K_z of the sliders that slip at the amplitudes seen, or a coefficient."""
     if symbol not in fit.intervals:
         return UNKNOWN
     interval = Interval(*fit.intervals[symbol])

@@ -14,10 +14,10 @@ import numpy as np
 
 from ..arrays import Array, Complexes
 from ..identification.law_comparison import as_good
+from ..law.parallel_sliders import Sliders, secant
 from ..law.terms import symbols_in_words
 from ..project.wording import number_text, part
 from ..signals.one_thread import one_thread
-from .contact import Sliders, secant
 from .lines import (
     LESS,
     Contact,
@@ -114,7 +114,8 @@ class ContactFit:
         return self.sliders.F_k
 
     def loss(self, X: Array | float, omega: Array | float) -> Band:
-        """Energy lost per cycle at amplitudes X, m, and angular frequencies, rad/s, with its interval, J, each (n,).
+        """Return the energy lost per cycle at amplitudes X, m, and angular frequencies, rad/s, with its interval, J,
+        each (n,).
 
         Raises ValueError outside of the amplitudes seen.
         """
@@ -123,8 +124,8 @@ class ContactFit:
         return self._band(X, omega, self.terms, lambda Z: math.pi * X**2 * Z.imag)
 
     def stiffness(self, X: Array | float, omega: Array | float = 0.0) -> Band:
-        """Stiffness of the fundamental, k + ¾k_3X² − mω² + Σ κ Re D, at amplitudes X, m, with its interval, N/m, each
-        (n,).
+        """Return the stiffness of the fundamental, k + ¾k_3X² − mω² + Σ κ Re D, at amplitudes X, m, with its interval,
+        N/m, each (n,).
 
         omega : rad/s. At 0 the error is mostly that of k. Lines near a resonance tell k and mω² far less well than
         their difference: at the resonance the interval shows how well the change with X is known.
@@ -137,7 +138,7 @@ class ContactFit:
 
     @one_thread
     def changed(self, Z: Complexes, X: float = 1.0, **given: float) -> dict[str, float]:
-        """Unknowns, K_z and F_k of the fit with the same smoothing to other lines, by name.
+        """Return unknowns, K_z and F_k of the fit with the same smoothing to other lines, by name.
 
         Use it for what gains, phases and given values do to an answer.
 
@@ -198,8 +199,8 @@ class ContactFit:
 
 
 def _interval(value: Array, drawn: Array) -> tuple[Array, Array]:
-    """Interval of 95 % from replicates along the first axis, after the law that they are drawn about: by their standard
-    deviation and by their bias, which smoothing causes; it is not subtracted, as it is uncertain itself."""
+    """Return interval of 95 % from replicates along the first axis, after the law that they are drawn about: by their
+    standard deviation and by their bias, which smoothing causes; it is not subtracted, as it is uncertain itself."""
     bias = np.mean(drawn[1:], axis=0) - drawn[0]
     half = _NORMAL * np.hypot(np.std(drawn[1:], axis=0, ddof=1), bias)
     return value - half, value + half
@@ -245,7 +246,7 @@ def _asked(
     mass: float | None,
     hardening: bool,
 ) -> StiffnessRows:
-    """Rows of what was asked for, with the errors to start from. Raises ValueError."""
+    """Return rows of what was asked for, with the errors to start from. Raises ValueError."""
     low, high = lines.X.min(), lines.X.max()
     alike = high < _ALIKE * low
     if contact != "none" and alike:
@@ -275,7 +276,7 @@ def _asked(
 
 
 def _fitted(found: ContactEstimate, terms: tuple[str, ...], residual: bool) -> ContactFit:
-    """The estimate with its intervals, from replicates of the lines about a law that is smoothed less still."""
+    """Return the estimate with its intervals, from replicates of the lines about a law that is smoothed less still."""
     rows, point, contact = found.rows, found.point, found.design.contact
     design = _with_R(found) if residual else found.design
     about = design.solve(rows.target, LESS * found.smoothing)
@@ -331,12 +332,13 @@ def _fitted(found: ContactEstimate, terms: tuple[str, ...], residual: bool) -> C
 
 
 def _noise(size: int) -> Array:
-    """Standard normal errors of the rows of replicates, (_DRAWS, size)."""
+    """Return standard normal errors of the rows of replicates, (_DRAWS, size)."""
     return np.random.default_rng(_SEED).standard_normal((_DRAWS, size))
 
 
 def _of_k(found: ContactEstimate, residual: bool) -> tuple[float, float] | None:
-    """Where k is given, that of the same contact with k free and the χ² that it saves, with the errors of that fit.
+    """Return where k is given, that of the same contact with k free and the χ² that it saves, with the errors of that
+    fit.
 
     A gradual contact holds a slider that sticks: with it, only a k that is too large is contradicted.
     """
@@ -353,7 +355,7 @@ def _of_k(found: ContactEstimate, residual: bool) -> tuple[float, float] | None:
 
 
 def _with_R(found: ContactEstimate) -> Design:
-    """The design with R among its unknowns."""
+    """Return the design with R among its unknowns."""
     change = _of_receptance(found)
     return replace(found.design, direction=change / np.linalg.norm(change))
 
@@ -379,11 +381,11 @@ class ContactTrial:
     held_out: tuple[Misfit, ...]
 
     def scores(self, which: str = "score") -> Array:
-        """Mean square misfit of each level, in standard errors."""
+        """Return mean square misfit of each level, in standard errors."""
         return np.array([getattr(misfit, which) for misfit in self.held_out])
 
     def as_good_as(self, other: ContactTrial, which: str = "score") -> bool:
-        """Whether levels are predicted as well, within one standard error of the difference."""
+        """Return whether levels are predicted as well, within one standard error of the difference."""
         return as_good(self.scores(which), other.scores(which))
 
 
@@ -408,7 +410,7 @@ class ContactComparison:
         return next(trial for trial in self.trials if trial.name == name)
 
     def words(self) -> str:
-        """The result in one sentence."""
+        """Return the result in one sentence."""
         chosen = self[self.supported]
         loss, stiffness = chosen.fit.misfit[:2]
         said = (
@@ -503,7 +505,7 @@ def compare_contacts(
 
 
 def _one_slider_is_enough(one: ContactEstimate, gradual: ContactEstimate, residual: bool) -> float:
-    """Probability, if one slider is the truth, that a gradual contact fits better by as much as it does."""
+    """Return probability, if one slider is the truth, that a gradual contact fits better by as much as it does."""
     designs = [
         (_with_R(found) if residual else found.design, found.smoothing) for found in (one, gradual)
     ]

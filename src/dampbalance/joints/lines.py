@@ -27,8 +27,8 @@ import numpy as np
 from scipy import optimize
 
 from ..arrays import Array, Complexes, Integers, Mask
+from ..law.parallel_sliders import secant
 from ..law.terms import FRICTION, term
-from .contact import secant
 
 Contact = Literal["none", "one slider", "gradual"]
 
@@ -72,7 +72,7 @@ class SteppedLines:
         return replace(self, **parts)
 
     def of_mode(self, R: float) -> SteppedLines:
-        """The lines without the residual receptance R, m/N, of the other modes."""
+        """Return the lines without the residual receptance R, m/N, of the other modes."""
         ratio = 1.0 - R * self.Z
         return replace(self, X=self.X * np.abs(ratio), Z=self.Z / ratio)
 
@@ -160,11 +160,11 @@ class StiffnessRows:
         return self.lines.of_mode(self.R) if self.R else self.lines
 
     def measured(self, Z: Complexes) -> Complexes:
-        """Changes of the measured Z by those of the mode's, (n, …)."""
+        """Return changes of the measured Z by those of the mode's, (n, …)."""
         return np.asarray(((1.0 - self.R * self.lines.Z) ** 2 * Z.T).T)
 
     def weighted(self, Z: Complexes) -> Array:
-        """Columns (n, …) of the mode's Z as rows of the measured, (2n, …)."""
+        """Return columns (n, …) of the mode's Z as rows of the measured, (2n, …)."""
         Z = self.measured(Z)
         return np.concatenate([(Z.real.T / self.sigma[0]).T, (Z.imag.T / self.sigma[1]).T])
 
@@ -190,7 +190,7 @@ class StiffnessRows:
         return self.weighted(self.mode.Z - self.known)
 
     def law(self, point: Point) -> Complexes:
-        """Z of the mode by a law."""
+        """Return Z of the mode by a law."""
         linear = self.columns(self.free) @ point.linear
         return np.asarray(self.known + linear + secant(self.mode.X, point.r) @ point.kappa)
 
@@ -204,7 +204,7 @@ class StiffnessRows:
 
 
 def _nnls(A: Array, y: Array) -> Array:
-    """Coefficients ≥ 0 of least squares."""
+    """Return coefficients ≥ 0 of least squares."""
     size = np.linalg.norm(A, axis=0)
     size[size == 0.0] = 1.0
     return np.asarray(optimize.nnls(A / size, y, maxiter=100 * A.shape[1])[0] / size)
@@ -225,7 +225,7 @@ class Design:
 
     @classmethod
     def of(cls, rows: StiffnessRows, contact: Contact) -> Design:
-        """The design with the grid of r that the amplitudes of the lines ask for."""
+        """Return the design with the grid of r that the amplitudes of the lines ask for."""
         low, high = rows.mode.X.min(), rows.mode.X.max()
         if contact == "one slider":
             return cls(rows, contact, np.geomspace(_RIGID * low, high, _PROFILE + 1)[:-1])
@@ -233,7 +233,7 @@ class Design:
         return cls(rows, contact, nodes)
 
     def without_R(self, A: Array) -> Array:
-        """Rows without their part along the change with R, where R is free."""
+        """Return rows without their part along the change with R, where R is free."""
         b = self.direction
         return A if b is None else A - np.multiply.outer(b, b @ A)
 
@@ -261,7 +261,7 @@ class Design:
         return np.hstack([hats, np.eye(at.size)[:, -1:]]) if self.stuck else hats
 
     def sliders(self, r: Array) -> Array:
-        """Rows of sliders of unit stiffness, (2n, j).   r : m, (j,)."""
+        """Return rows of sliders of unit stiffness, (2n, j).   r : m, (j,)."""
         return self.without_R(self.rows.weighted(secant(self.rows.mode.X, r)))
 
     @cached_property
@@ -291,7 +291,7 @@ class Design:
         return q, triangle
 
     def solve(self, target: Array, smoothing: float = 0.0) -> Point:
-        """The unknowns of largest likelihood for one right side.
+        """Return the unknowns of largest likelihood for one right side.
 
         smoothing : of a gradual contact, weight of the second differences.
         """
@@ -310,16 +310,16 @@ class Design:
         return Point(p[:own], p[own:], self.r, kappa, chi_square)
 
     def solve_each(self, targets: Iterable[Array], smoothing: float = 0.0) -> list[Point]:
-        """The unknowns of largest likelihood for each of several right sides."""
+        """Return the unknowns of largest likelihood for each of several right sides."""
         return [self.solve(target, smoothing) for target in targets]
 
     def with_slider(self, ln_r: float, target: Array) -> Point:
-        """The unknowns of largest likelihood with one slider of this r, m."""
+        """Return the unknowns of largest likelihood with one slider of this r, m."""
         r = np.exp([ln_r])
         return self._with_slider(r, self.sliders(r), self.without_R(target))
 
     def with_each_slider(self, target: Array) -> list[Point]:
-        """The unknowns of largest likelihood with each of the sliders that are tried."""
+        """Return the unknowns of largest likelihood with each of the sliders that are tried."""
         y, each = self.without_R(target), np.arange(self.nodes.size)[:, None]
         return [self._with_slider(self.nodes[i], self.tried[:, i], y) for i in each]
 
@@ -329,7 +329,7 @@ class Design:
         return Point(p[:-1], p[-1:], r, p[-1:], float(np.sum((A @ p - y) ** 2)))
 
     def _one_slider(self, y: Array) -> Point:
-        """The best r of those tried, polished between its neighbours."""
+        """Return the best r of those tried, polished between its neighbours."""
         tried, free = np.log(self.nodes), np.ones(self.linear.shape[1], dtype=np.bool_)
         for _ in range(2):  # again without the linear unknowns that are at their bound
             q, across, inverse = self._across(tuple(free.tolist()))
@@ -349,7 +349,8 @@ class Design:
         return min(points, key=lambda point: point.chi_square)
 
     def _across(self, free: tuple[bool, ...]) -> tuple[Array, Array, Array]:
-        """Orthonormal free columns; those of sliders without their part along these; inverse squares of the rest."""
+        """Return orthonormal free columns; those of sliders without their part along these; inverse squares of the
+        rest."""
         if free in self.kept:
             return self.kept[free]
         q, columns = np.linalg.qr(self.linear[:, list(free)])[0], self.tried
@@ -374,7 +375,7 @@ class Design:
 
 
 def _scatter(rows: StiffnessRows, left: Complexes, unknowns: int) -> Array:
-    """Standard errors of the real and the imaginary part of each Z, (2, n), from what the law leaves of them.
+    """Return standard errors of the real and the imaginary part of each Z, (2, n), from what the law leaves of them.
 
     Var Re = α + β|Z|², Var Im = γ(Im Z)² + δ|Z|²: an error of the law in N/m or as a part of the loss, and one of
     the measurement; by largest likelihood (multiplicative updates). Where lines state their errors, these count, times
@@ -416,7 +417,7 @@ class ContactEstimate:
         return self.design.rows
 
     def scatter(self, residual: bool) -> Array:
-        """Standard errors of the rows that its misfit shows, N/m, (2, n).   residual : whether R is an unknown."""
+        """Return standard errors of the rows that its misfit shows, N/m, (2, n). residual : whether R is an unknown."""
         own, point = self.rows, self.point
         used = np.count_nonzero(np.concatenate([point.linear, point.nodes])) + residual
         left = own.measured(own.law(point) - own.mode.Z)
@@ -432,14 +433,15 @@ class ContactEstimate:
         return [(mask, self._part(~mask)) for mask in masks if not mask.all()]
 
     def held_out(self, smoothing: float) -> list[Misfit]:
-        """Misfit of each level to the law of the others."""
+        """Return misfit of each level to the law of the others."""
         return [
             self.rows[mask].misfit(others.solve(others.rows.target, smoothing))
             for mask, others in self._levels
         ]
 
     def smoothed(self) -> ContactEstimate:
-        """With the smoothing that levels, or generalised cross-validation where they are few, ask for."""
+        """Return the fit with the smoothing that levels, or generalised cross-validation where they are few, ask
+        for."""
         if len(self._levels) >= _LEVELS:
             scores = [np.mean([one.score for one in self.held_out(s)]) for s in _SMOOTHINGS]
         else:
@@ -450,7 +452,7 @@ class ContactEstimate:
         )
 
     def _generalised(self, smoothing: float) -> np.floating:
-        """χ² over the square of the degrees of freedom that are left."""
+        """Return χ² over the square of the degrees of freedom that are left."""
         point = self.design.solve(self.rows.target, smoothing)
         active = np.concatenate([point.linear, point.nodes]) > 0.0
         A, L = self.design.joined[:, active], smoothing * self.design.roughness[:, active]
@@ -463,7 +465,7 @@ class ContactEstimate:
 def estimated(
     rows: StiffnessRows, contact: Contact, residual: bool, steps: int = _ITERATIONS
 ) -> ContactEstimate:
-    """The fit of a contact, its errors iterated; with one step, those of the rows are kept."""
+    """Return the fit of a contact, its errors iterated; with one step, those of the rows are kept."""
     most = _LARGEST_RECEPTANCE / float(np.abs(rows.lines.Z).max())
     tried = np.linspace(-most, most, _RECEPTANCES) if residual else np.zeros(1)
     smoothing = LESS * float(np.median(_SMOOTHINGS))

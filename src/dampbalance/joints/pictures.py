@@ -18,8 +18,8 @@ from .lines import SteppedLines
 
 @styled()
 def loss(lines: SteppedLines, fits: Mapping[str, ContactFit]) -> Figure:
-    """Energy lost per cycle against the amplitude: each line of a table (dots, darker at higher levels), and the law of
-    each contact with its band of 95 %, at the median frequency."""
+    """Return the energy lost per cycle against the amplitude: each line of a table (dots, darker at higher levels), and
+    the law of each contact with its band of 95 %, at the median frequency."""
     omega = float(np.median(lines.omega))
     laws = {name: partial(fit.loss, omega=omega) for name, fit in fits.items()}
     look = {"yscale": "log", "ylabel": "energy lost per cycle, $W$ (mJ)"}
@@ -28,8 +28,8 @@ def loss(lines: SteppedLines, fits: Mapping[str, ContactFit]) -> Figure:
 
 @styled()
 def stiffness(lines: SteppedLines, fits: Mapping[str, ContactFit]) -> Figure:
-    """Stiffness against the amplitude: (F/X) cos φ + mω² of each line (dots, darker at higher levels), with the mass m
-    of the first contact, and the law of each contact at the median frequency, with its band of 95 %."""
+    """Return the stiffness against the amplitude: (F/X) cos φ + mω² of each line (dots, darker at higher levels), with
+    the mass m of the first contact, and the law of each contact at the median frequency, with its band of 95 %."""
     m, omega = next(iter(fits.values())).values["m"], float(np.median(lines.omega))
 
     def law(fit: ContactFit, X: Array) -> Band:
@@ -42,7 +42,7 @@ def stiffness(lines: SteppedLines, fits: Mapping[str, ContactFit]) -> Figure:
 
 @styled()
 def distribution(fits: Mapping[str, ContactFit]) -> Figure:
-    """Stiffness of the sliders of each contact against the amplitude at which each begins to slip."""
+    """Return the stiffness of the sliders of each contact against the amplitude at which each begins to slip."""
     figure = page(DOUBLE_COLUMN, 82.0)
     axes = place(figure, 22.0, 20.0, 150.0, 56.0)
     for (name, fit), colour in zip(fits.items(), (SLIP, STICK), strict=False):
@@ -62,7 +62,7 @@ def _against_amplitude(
     factor: float,
     look: Mapping[str, str],
 ) -> Figure:
-    """Values of the lines, and laws with their bands, all a factor times as large.   look : of the axes."""
+    """Return values of the lines, and laws with their bands, all a factor times as large.   look : of the axes."""
     figure = page(DOUBLE_COLUMN, 92.0)
     axes = place(figure, 22.0, 20.0, 150.0, 66.0)
     largest = [lines.X[lines.level == i].max() for i in range(len(lines.names))]

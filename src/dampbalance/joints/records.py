@@ -112,7 +112,8 @@ class SteppedTable:
         return self.quantities[0] == "force"
 
     def to_frame(self) -> pd.DataFrame:
-        """The lines: level, frequency_Hz, force_N or base_displacement_m, displacement_m, phase_rad (of the lag)."""
+        """Return the lines: level, frequency_Hz, force_N or base_displacement_m, displacement_m, phase_rad (of the
+        lag)."""
         import pandas as pd  # slow to import
 
         columns = [(of.omega / (2.0 * math.pi), of.drive, of.X, of.phi) for of in self.levels]
@@ -134,7 +135,7 @@ class SteppedRecord(MeasuredRecord):
     table: SteppedTable = field(kw_only=True)
 
     def to_frame(self) -> pd.DataFrame:
-        """Its lines: see `SteppedTable`."""
+        """Return the lines: see `SteppedTable`."""
         return self.table.to_frame()
 
     def whole(self) -> Measurement:
@@ -153,7 +154,8 @@ class SteppedRecord(MeasuredRecord):
 def read_lines(
     file: Table, rules: RecordMapping, label: str, stated: bool = False
 ) -> SteppedRecord | None:
-    """The record of an open file that is a table of steady responses, as stated or by its columns; None for another.
+    """Return the record of an open file that is a table of steady responses, as stated or by its columns; None for
+    another.
 
     Raises RecordError as `read_table`.
     """
@@ -165,14 +167,14 @@ def read_lines(
 
 
 def recognised_as_table(path: Path, mapping: MappingLike) -> bool:
-    """Whether `read_records` takes a file for a table of steady responses to a stepped sine."""
+    """Return whether `read_records` takes a file for a table of steady responses to a stepped sine."""
     rules = mapping_for(path, mapping)
     return is_table_of_lines(readers.table(path, rules), rules)
 
 
 def is_table_of_lines(file: Table, rules: RecordMapping) -> bool:
-    """Whether a file is a table of steady responses: by its mapping, or by columns of frequency and phase, and none of
-    times."""
+    """Return whether a file is a table of steady responses: by its mapping, or by columns of frequency and phase, and
+    none of times."""
     if rules.table or rules.channels:
         return bool(rules.table)
     roles = {_role(raw) for raw in file.channels}
@@ -180,7 +182,7 @@ def is_table_of_lines(file: Table, rules: RecordMapping) -> bool:
 
 
 def read_table(file: Table, rules: RecordMapping, label: str) -> SteppedTable:
-    """The table in an open file, in SI units.
+    """Return the table in an open file, in SI units.
 
     rules : what the file does not say.   label : of a level that has no name of its own.
 
@@ -227,12 +229,12 @@ class _Table:
         self.factors = {q: self._factor(q) for q in self.columns if q != "level"}
 
     def _error(self, words: str, row: int | None = None) -> RecordError:
-        """An error on the file, or on a row of a column."""
+        """Return an error on the file, or on a row of a column."""
         line = "" if row is None else f"{self.file.place(row)}: "
         return RecordError(f"{self.file.path}: {line}{words}")
 
     def _named(self) -> Iterator[tuple[str, int]]:
-        """Quantities and their columns, by the mapping: of one name in several groups, or of a matrix."""
+        """Yield quantities and their columns, by the mapping: of one name in several groups, or of a matrix."""
         for quantity, rule in self.rules.table.items():
             for role, which in ((quantity, rule.channel), (quantity + _ERROR, rule.standard_error)):
                 yield from ((role, i) for i in self._matching(which, role))
@@ -253,7 +255,7 @@ class _Table:
         )
 
     def _factor(self, role: str) -> float:
-        """SI units per unit of a column; of a standard error those of its quantity."""
+        """Return SI units per unit of a column; of a standard error those of its quantity."""
         quantity = role.removesuffix(_ERROR)
         rule = self.rules.table.get(quantity, ChannelRule(1))
         raw = self.file.channels[next(iter(self.columns[quantity].values()))]
@@ -270,7 +272,7 @@ class _Table:
         return math.sqrt(2.0) * factor if "rms" in words else factor
 
     def read(self, label: str) -> SteppedTable:
-        """The table, with the lag φ of the displacement in each line."""
+        """Return the table, with the lag φ of the displacement in each line."""
         levels = [*self._levels(label)]
         phases = np.concatenate([level.phi for level in levels])
         low, high, radians = float(phases.min()), float(phases.max()), self.factors["phase"] == 1.0
@@ -292,7 +294,7 @@ class _Table:
         )
 
     def _levels(self, label: str) -> Iterator[SteppedLevel]:
-        """Each level, with phases as recorded, rad: of each group or column of a matrix, or of each
+        """Yield each level, with phases as recorded, rad: of each group or column of a matrix, or of each
         value of a column of levels."""
         wanted = sorted({i for of in self.columns.values() for i in of.values()})
         values = self.file.columns(wanted)
@@ -321,7 +323,7 @@ class _Table:
     def _level(
         self, name: str, own: Mapping[str, int], columns: Mapping[str, Array], rows: Integers
     ) -> SteppedLevel:
-        """The lines of a level, checked, with phases as recorded, rad."""
+        """Return the lines of a level, checked, with phases as recorded, rad."""
         si = {q: columns[q][rows] * factor for q, factor in self.factors.items()}
         omega = si["frequency"]
         rising = np.append(True, np.diff(omega) * np.sign(omega[-1] - omega[0] or 1.0) > 0.0)
@@ -430,6 +432,6 @@ def _parts(name: str) -> tuple[str, str, int]:
 
 
 def _called(place: Place) -> str:
-    """The name of a level by its group and number."""
+    """Return the name of a level by its group and number."""
     group, number = place
     return " ".join(filter(None, [re.split("[/.]", group)[-1] or "level", str(number or "")]))

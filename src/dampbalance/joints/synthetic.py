@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from ..arrays import Array
-from .contact import Sliders
+from ..law.parallel_sliders import Sliders
 
 
 def stepped_sine(
@@ -20,7 +20,7 @@ def stepped_sine(
     noise: float = 0.0,
     seed: int = 0,
 ) -> dict[str, Array]:
-    """A table of steady responses to a stepped sine whose amplitude is controlled, columns by name, a line each.
+    """Return a table of steady responses to a stepped sine whose amplitude is controlled, columns by name, a line each.
 
     At an amplitude X and a frequency ω/2π the force is |Z| X and the displacement lags it by arg Z, with the dynamic
     stiffness Z = k + ¾k_3X² − mω² + iωc + Σ κ D(X/r) of the fundamental (`contact.py`).

@@ -1,1 +1,1 @@
-"""Damping laws that are linear in their coefficients: their terms, and which of them are known or grouped."""
+"""Damping laws that are linear in their coefficients, which of them are known or grouped; sliders in parallel."""

@@ -1,4 +1,4 @@
-"""Which terms a law has, which of their coefficients are known, and which belong to a group of records only."""
+"""Terms of a law, with the coefficients that are known and those that belong to a group of records only."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from ..arguments import items, mapping, names, number
 from .terms import FRICTION, Term, in_order, symbols_in_words, term
 
 _GIVEN = "a mapping of symbols to coefficients"
-_ONE_AMPLITUDE = 1.001  # of two frequencies: nearer ones are one
+_SAME_FREQUENCY = 1.001  # ratio of two frequencies: nearer ones count as one
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,7 @@ class Law:
             named = getattr(self, name)
             for symbol in named:
                 if symbol not in self.terms:
-                    term(symbol)  # which says what is known
+                    term(symbol)  # raises with the known ones
                     raise ValueError(
                         f"{symbol} is {what} and no term of the law: add it to the terms {', '.join(self.terms)}"
                     )
@@ -71,7 +71,7 @@ class Law:
         return tuple(key for term in self.terms for key in self.keys_of(term))
 
     def term(self, symbol: str) -> Term:
-        """The term of the law that has a symbol."""
+        """Return the term of the law that has a symbol."""
         return self.terms[self.terms.index(symbol)]
 
     @property
@@ -85,46 +85,43 @@ class Law:
         return tuple(term for term in self.terms if term != FRICTION and not term.linear)
 
     def key(self, symbol: str, record: int) -> Term:
-        """The key of the coefficient that a term has for a record, counted from 0."""
+        """Return the key of the coefficient that a term has for a record, counted from 0."""
         term, labels = self.term(symbol), self.groups.get(symbol)
         return term if labels is None else term.of_group(labels[record])
 
     def keys_of(self, symbol: str) -> tuple[Term, ...]:
-        """The keys of all coefficients of a term."""
+        """Return the keys of all coefficients of a term."""
         term, labels = self.term(symbol), self.groups.get(symbol)
         return (term,) if labels is None else tuple(map(term.of_group, dict.fromkeys(labels)))
 
     def require_labels(self, records: int) -> None:
-        """ValueError where the groups of a term have not one label for each of so many records."""
+        """Raise ValueError where the groups of a term have not one label for each of so many records."""
         for symbol, labels in self.groups.items():
             if len(labels) != records:
                 raise ValueError(
-                    f"the groups of {symbol} name {len(labels)} records, and there are {records}: one label for each"
+                    f"the groups of {symbol} have {len(labels)} labels for {records} records: give one for each"
                 )
 
     def require(self, frequencies_hz: Sequence[float], *, by_balance: bool = True) -> None:
-        """ValueError where records at these frequencies cannot tell the terms apart, whatever they hold.
+        """Raise ValueError where records at these frequencies cannot distinguish the terms, whatever they hold.
 
         by_balance : whether a balance is to do so, which needs a row for each; else the waveforms may.
         """
         count = len(frequencies_hz)
         self.require_labels(count)
         alike = [s for s in ("c", "eta") if s in self.terms and s not in self.given]
-        if len(alike) > 1 and max(frequencies_hz) < _ONE_AMPLITUDE * min(frequencies_hz):
+        if len(alike) > 1 and max(frequencies_hz) < _SAME_FREQUENCY * min(frequencies_hz):
             raise ValueError(
                 f"at one frequency ({frequencies_hz[0]:.4g} Hz) structural damping eta and viscous damping c act "
                 "alike, c = eta k/omega: leave out one of them, or add records at another frequency"
             )
         if not self.unknowns:
-            raise ValueError("every coefficient is given: there is nothing to identify")
+            raise ValueError("every coefficient is given: leave out one, to identify it")
         if by_balance and count < len(self.unknowns):
-            needed = {1: "one level", 2: "two levels"}.get(
-                len(self.unknowns), f"{len(self.unknowns)} levels"
-            )
-            raise ValueError(
-                f"{symbols_in_words(self.unknowns)} need responses at {needed} or "
-                f"more, got {count}: add records at other amplitudes"
-            )
+            n = len(self.unknowns)
+            levels = {1: "one level", 2: "two levels"}.get(n, f"{n} levels")
+            needed = f"{symbols_in_words(self.unknowns)} need responses at {levels} or more"
+            raise ValueError(f"{needed}, got {count}: add records at other amplitudes")
 
 
 def law_of(
@@ -132,7 +129,7 @@ def law_of(
     given: Mapping[str, float] | None,
     groups: Mapping[str, Sequence[str] | str] | None,
 ) -> Law:
-    """The law that is asked for.
+    """Return the law that is asked for.
 
     terms : default, F_k, c and those that are given; the others as in `Law`. Names and labels may be a text with commas
     between them. Raises ValueError naming what is wrong.

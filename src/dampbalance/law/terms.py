@@ -53,7 +53,7 @@ class Term(str):
         h(ẋ, ẏ, k, ω) = h_1(k, ω) |ẋ|ⁿ⁻¹ ẋ,    for n = 1 also  h_x(k, ω) ẋ + h_y(k, ω) ẏ
 
     since the fit scales a response with its level; g = ∮ h ẋ dt, ∂h/∂ẋ and n follow from h. A force that saturates, or
-    depends on the displacement or the history, is none. Free decays determine F_k, c, c_2 and c_3 alone, and the
+    depends on the displacement or the history, is no term. Free decays determine F_k, c, c_2 and c_3 alone, and the
     Fourier approach, which has three harmonics only, gives no estimate of it.
 
     symbol : of the coefficient, a name of letters, digits and "_".
@@ -121,23 +121,23 @@ class Term(str):
         self.__dict__.update({name: derived[name] for name in to_derive}, order=order)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """A copy of a built-in term is that term again, as its functions cannot be pickled."""
+        """Make the copy of a built-in term that term itself, as its functions cannot be pickled."""
         if self.symbol in KNOWN_TERMS:
             return term, (str(self),)
         return _restored, (str(self), self.__dict__)
 
     def of_group(self, group: str) -> Term:
-        """The coefficient that the term has for a group of records: F_k[250 g]."""
+        """Return the coefficient that the term has for a group of records: F_k[250 g]."""
         of = {"group": group, "integral": f"{self.integral}[{group}]"}
         return _restored(f"{self.symbol}[{group}]", self.__dict__ | of)
 
     def slope(self, v: Any, w: Any, k: Any, omega: Any) -> Any:
-        """∂h/∂ẋ, as h a function of (ẋ, ẏ, k, ω)."""
+        """Return ∂h/∂ẋ, as h a function of (ẋ, ẏ, k, ω)."""
         assert self.force is not None
         return self.force(1.0, 0.0, k, omega) * self.order * np.abs(v) ** (self.order - 1)
 
     def harmonic(self, omega: Any, X: Any, Y: Any, phi: Any, k: Any) -> Any:
-        """g of a harmonic motion, numbers or arrays; rad/s, m, m, rad, N/m."""
+        """Return g of a harmonic motion, numbers or arrays; rad/s, m, m, rad, N/m."""
         assert self.force is not None
         n, of_mass = self.order, self.force(1.0, 0.0, k, omega)
         to_base = self.force(0.0, 1.0, k, omega) / of_mass if self.linear else 0.0
@@ -166,16 +166,17 @@ class Term(str):
 
 
 def _restored(key: str, state: Mapping[str, Any]) -> Term:
-    """A term of that text, which knows what another one did; nothing is checked again."""
+    """Return a term of that text, which knows what another one did; nothing is checked again."""
     made = str.__new__(Term, key)
     made.__dict__.update(state)
     return made
 
 
 def _power_of(symbol: str, force: Force) -> tuple[float, bool]:
-    """The power of the velocity that a force grows with, and whether it depends on nothing else, neither k nor ω.
+    """Return the power of the velocity that a force grows with, and whether it depends on nothing else, neither k nor
+    ω.
 
-    Raises ValueError for a force that is none of a term.
+    Raises ValueError for a force that is not that of a term.
     """
     v = np.array([[-2.0, -0.5, 0.25], [0.5, 1.0, 2.0]])
 
@@ -211,14 +212,14 @@ def _power_of(symbol: str, force: Force) -> tuple[float, bool]:
 
 
 def _power(unit: str, power: float) -> str:
-    """m⁴, s^1.5."""
+    """Return a unit to a power: m⁴, s^1.5."""
     if power == 1:
         return unit
     return f"{unit}^{power:g}" if power not in range(10) else unit + "⁰¹²³⁴⁵⁶⁷⁸⁹"[int(power)]
 
 
 def _cycle_integral(order: float) -> float:
-    """∮ |cos θ|ⁿ⁺¹ dθ over a cycle, n : order."""
+    """Return ∮ |cos θ|ⁿ⁺¹ dθ over a cycle, n : order."""
     if order >= 2.0:
         return order / (order + 1.0) * _cycle_integral(order - 2.0)
     if order in (0.0, 1.0):
@@ -249,8 +250,8 @@ FRICTION = "F_k"
 
 
 def term(key: str) -> Term:
-    """The term behind a key: the key itself where it is a term; else a built-in one by its symbol, or by its symbol and
-    the group of records that it belongs to, F_k[250 g].
+    """Return the term behind a key: the key itself where it is a term; else a built-in one by its symbol, or by its
+    symbol and the group of records that it belongs to, F_k[250 g].
 
     Raises ValueError for a symbol that is not known, and for another term by the name of a built-in one.
     """
@@ -270,7 +271,7 @@ def term(key: str) -> Term:
 
 
 def in_order(symbols: Iterable[str]) -> tuple[Term, ...]:
-    """These terms, each once: the built-in ones in the order of `KNOWN_TERMS`, then others as they come. Raises
+    """Return these terms, each once: the built-in ones in the order of `KNOWN_TERMS`, then others as they come. Raises
     ValueError for one that is not known, and for two terms of one symbol."""
     asked: dict[str, Term] = {}
     for one in map(term, symbols):
@@ -281,12 +282,12 @@ def in_order(symbols: Iterable[str]) -> tuple[Term, ...]:
 
 
 def symbols_in_words(symbols: Sequence[str]) -> str:
-    """Symbols as a sentence names them: "F_k", "F_k and c", "F_k, c and c_2". Texts use `project.wording.listed`, which
-    stands on a higher floor and does without the libraries that this module imports."""
+    """Return symbols as a sentence names them: "F_k", "F_k and c", "F_k, c and c_2". Texts use
+    `project.wording.listed`, which stands on a higher floor and does without the libraries that this module imports."""
     return " and ".join([", ".join(symbols[:-1]), symbols[-1]] if len(symbols) > 1 else symbols)
 
 
-_POINTS_OF_TERM = 512  # of a cycle, at least; |ẋ|³ has a jump in its third derivative, and the rule an error of 1e-9
+_POINTS_OF_TERM = 512  # least number in a cycle; |ẋ|³ has a jump in its third derivative, and the rule an error of 1e-9
 _PER_HARMONIC = 8
 
 
@@ -300,7 +301,7 @@ def of_harmonics(
     k: float,
     variance: Array | None = None,
 ) -> Array:
-    """g of a term from the harmonics of r motions x = Re Σ x_n e^{inωt}, y likewise, (r,).
+    """Return g of a term from the harmonics of r motions x = Re Σ x_n e^{inωt}, y likewise, (r,).
 
     Terms that are linear in ẋ and ẏ by Parseval's theorem, ∮ẋ² dt = πω Σ n²|x_n|² and ∮ẏẋ dt = πω Σ n² Re x_n y_n*;
     others from the velocity at equidistant phases.
@@ -309,11 +310,11 @@ def of_harmonics(
     variance : of the noise in each complex x_n, m², (r, h); what it adds to the powers of ẋ in the mean is taken off:
     ẋ² by σ², |ẋ|³ by 3σ²|ẋ|, ẋ⁴ by 6σ²ẋ², σ² = ½ω² Σ n² var x_n.
 
-    Raises ValueError for friction, whose travel no harmonics tell.
+    Raises ValueError for friction, whose travel harmonics do not determine.
     """
     of_term = term(symbol)
     if of_term.force is None:
-        raise ValueError(f"{FRICTION} has no integral that harmonics tell")
+        raise ValueError(f"{FRICTION} has no integral that follows from harmonics")
     variance = np.zeros((1, n.size)) if variance is None else variance
     if of_term.linear:
         square = math.pi * omega * ((np.abs(x) ** 2 - variance) @ n**2)

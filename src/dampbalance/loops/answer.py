@@ -37,11 +37,11 @@ from ..records.mapping import MappingLike
 from ..records.measured import MeasuredRecord
 from ..records.quantities import quantity
 from ..records.quantities import with_error as read_with_error
+from .cycles import Loop
 from .fit import (
     SLIDERS,
     WITHIN,
     Design,
-    Loop,
     LoopFit,
     fall_with_speed,
     fit_gradual,
@@ -61,6 +61,8 @@ _FALLS = 0.005
 _SAME_LEVEL = 0.05  # by which amplitudes of one level differ at the most
 _STIFFEST, _SOFTEST = 0.02, 0.5  # r/X of sliders, where the stiffest and the softest are left out
 _SETTLED = 3.0  # scatters from the later cycles, within which a cycle is steady
+_WIDER = 1e-4  # part of the deflections at which sliders slip, of a difference quotient
+_CERTAIN = 4.0  # standard errors by which a damping is negative
 _TREND = 4.0  # standard errors of a trend that is worth a sentence
 
 
@@ -103,6 +105,14 @@ class LoopOutcome(Identified):
         }
 
     @property
+    def sliders(self) -> dict[str, Array]:
+        """The contact as `sliders_orbit` takes it where it yields gradually or its knee is rounded, r (m) and κ (N/m):
+        `sliders_orbit(Oscillator(m=m, k=k, K_z=1.0, F_k=0.0, c=found.law["c"]), motion, **found.sliders)`."""
+        fit = self.fit if math.isinf(self.fit.contact.n) else self.fits["gradual"]
+        own = fit.contact.kappa > 0.0
+        return {"r": fit.contact.r[own], "kappa": fit.contact.kappa[own]}
+
+    @property
     def friction_coefficient(self) -> tuple[float, Interval]:
         """μ = F_k/N and its interval of 95 %; NaN without a normal force."""
         if self.normal_force is None:
@@ -116,22 +126,42 @@ class LoopOutcome(Identified):
 
     def history(self) -> pd.DataFrame:
         """Return a line for each cycle of each record: amplitude, energy lost, friction force that makes up for it,
-        mean force and the way travelled so far. Use it to see running-in, wear and heating.
+        stiffness of the contact, mean force, the viscous damper and the spring that would do the same, and the way
+        travelled so far. Use it to see running-in, wear and heating.
 
-        F_k of a cycle is (∮ f dx − c ∮ ẋ² dt)/4(X − Z_m − g), with c, Z_m and the gap g of all cycles; NaN for a cycle
-        that is not closed, as between two levels.
+        F_k of a cycle is (W − c ∮ ẋ² dt)/a, with c and the shape of the contact of all cycles; NaN for a cycle that is
+        not closed, as between two levels. K_z comes from the residual in the cycle: one step of Gauss and Newton in
+        size and width of the contact.
         """
         import pandas as pd  # slow to import
 
         tables = []
-        for loop in self.loops:
+        for loop, model in zip(self.loops, self.fit.models, strict=True):
             a, b, W = row_of(loop, self.fit)
             F = (W - self.law["c"] * b) / np.where((a > 0.0) & loop.closed, a, np.nan)
-            mean = [loop.f[loop.cycle == i].mean() for i in range(loop.cycles)]
+            x, f = (of - loop.means(of)[loop.cycle] for of in (loop.x, loop.f))
+            stiffness = loop.means(f * x) / loop.means(x**2)
+            K_z = self.fit.values["K_z"] * self._stiffer(loop, model)
             columns = {"record": loop.name, "cycle": np.arange(2, loop.cycles + 2)}
-            columns |= {"X_m": loop.amplitudes, "W_J": W, "F_k_N": F, "mean_force_N": mean}
+            columns |= {"X_m": loop.amplitudes, "W_J": W, "F_k_N": F}
+            columns |= {"K_z_N_per_m": K_z, "mean_force_N": loop.means(loop.f)}
+            columns |= {"equivalent_damping_N_s_per_m": W / b}
+            columns |= {"equivalent_stiffness_N_per_m": stiffness}
+            if loop.N is not None:
+                N = loop.means(loop.N)
+                columns |= {"normal_force_N": N, "friction_coefficient": F / N}
             tables.append(pd.DataFrame(columns).assign(travel_m=4.0 * np.cumsum(loop.amplitudes)))
         return pd.concat(tables, ignore_index=True)
+
+    def _stiffer(self, loop: Loop, model: Array) -> Array:
+        """Return K_z of each cycle over that of all.   model : force of the fit in the cycles."""
+        contact, own = self.fit.contact, loop.cycle >= 0
+        share = contact.share(loop)
+        wider = (replace(contact, r=contact.r * (1.0 + _WIDER)).share(loop) - share) / _WIDER
+        A = np.array([share, wider, np.ones(share.size)])[:, own].T
+        left, cycle = loop.f[own] - model, loop.cycle[own]
+        moved = [np.linalg.lstsq(A[cycle == i], left[cycle == i])[0] for i in range(loop.cycles)]
+        return np.array([1.0 + (F - width) / contact.F_k for F, width, _ in moved])
 
     def findings(self) -> dict[str, Any]:
         """Return what the loops show beyond the answers: springs, gap, sliders, μ, history, and the records."""
@@ -139,8 +169,8 @@ class LoopOutcome(Identified):
         return {
             "contacts": {
                 name: {
-                    "r_m": fit.r[fit.kappa > 0.0],
-                    "kappa_N_per_m": fit.kappa[fit.kappa > 0.0],
+                    "r_m": fit.contact.r[fit.contact.kappa > 0.0],
+                    "kappa_N_per_m": fit.contact.kappa[fit.contact.kappa > 0.0],
                     "residual_rms_N": fit.rms,
                 }
                 for name, fit in self.fits.items()
@@ -189,11 +219,13 @@ class LoopOutcome(Identified):
 
     @property
     def pictures(self) -> dict[str, Picture]:
-        """loops : force over displacement with the model.   history : friction force of each cycle."""
+        """loops : force over displacement with the model, and its residual.   loss : against the amplitude, with band.
+        history : friction force and stiffness of each cycle."""
         words = f"force against displacement of {listed([loop.name for loop in self.loops])}"
         return {
             "loops": Picture(f"{words}, and the contact fitted", (self.loops, self.fit)),
-            "history": Picture("friction force of each cycle", (self.history(),)),
+            "loss": Picture("energy lost per cycle against the amplitude", (self.loops, self.fit)),
+            "history": Picture("friction force and stiffness of each cycle", (self.history(),)),
         }
 
     @property
@@ -220,7 +252,8 @@ def identify_loops(
     records : as `read_records` returns or takes them, with a force and the displacement or velocity across the contact.
     stiffness, mass : leave both out: loops have no oscillator, and a spring in parallel to the contact is identified.
     mapping : what the records do not say of their channels, where they are read here.
-    normal_force : N, alone or with its standard uncertainty; then μ = F_k/N is known, too.
+    normal_force : N, alone or with its standard uncertainty, instead of a channel normal_force of the records; with
+    either μ = F_k/N is known, too.
     fixture_stiffness : N/m, of a fixture in series whose deflection the displacement includes.
     backlash : whether a dead band in the fixture is looked for, and named where it is there.
 
@@ -248,6 +281,9 @@ def identify_loops(
     backlash = flag("backlash", backlash)
     read = records_of("loops", records, mapping)
     loops = tuple(_loop(record, series) for record in read)
+    if normal is None and all(loop.N is not None for loop in loops):
+        means = np.concatenate([loop.means(loop.N) for loop in loops if loop.N is not None])
+        normal = float(means.mean()), float(means.std(ddof=1) / math.sqrt(means.size))
     design = Design(loops)
     slider, gradual = fit_slider(design, backlash=backlash), fit_gradual(design)
     fits = {"one slider": slider, "gradual": gradual}
@@ -287,10 +323,10 @@ def identify_loops(
 
 
 def row_of(loop: Loop, fit: LoopFit) -> tuple[Array, Array, Array]:
-    """Return a, b and W of the balance of each cycle, m, m²/s and J, with the sliders of a fit."""
-    force, reach = fit.kappa * fit.r, fit.r + fit.values.get("g", 0.0)
-    slid = np.maximum(np.subtract.outer(loop.amplitudes, reach), 0.0)
-    return 4.0 * slid @ force / (np.sum(force) or 1.0), loop.by_cycle(loop.v), loop.lost
+    """Return a, b and W of the balance of each cycle, m, m²/s and J, with the contact of a fit; W is less what a
+    quadratic damper takes."""
+    quadratic = fit.linear.get("c_2", 0.0) * loop.by_cycle(np.abs(loop.v) * loop.v)
+    return loop.by_cycle(fit.contact.share(loop)), loop.by_cycle(loop.v), loop.lost - quadratic
 
 
 def _loop(record: MeasuredRecord, series: float | None) -> Loop:
@@ -313,11 +349,14 @@ def _loop(record: MeasuredRecord, series: float | None) -> Loop:
         # the deflection of the fixture has the sign of the force that the contact makes
         way = math.copysign(1.0, float(np.trapezoid(f - f.mean(), x)))
         x = x - way * (f - f.mean()) / series
-    return Loop.of(record.name, t, x, f)
+    N = channels["normal_force"] if "normal_force" in record.quantities else None
+    loop = Loop.of(record.name, t, x, f)
+    return replace(loop, N=None if N is None else np.abs(np.interp(t, N.t, N.values)))
 
 
 def _answer(name: str, fit: LoopFit, design: Design, slider: LoopFit) -> Answer:
-    """The answer of a contact: its numbers with intervals, and the rows of its cycles.   slider : the fit of one."""
+    """Return the answer of a contact: its numbers with intervals, and the rows of its cycles. slider : the fit of
+    one."""
     from scipy.stats import t as student  # slow to import
 
     notes = list[Remark]()
@@ -343,9 +382,6 @@ def _answer(name: str, fit: LoopFit, design: Design, slider: LoopFit) -> Answer:
         known = ParameterEstimate(value, error, Interval(value - reach * error, high))
         compared = [*others, slider] if symbol == "c" and others else others
         off = max((abs(other.values[symbol] - value) for other in compared), default=0.0)
-        if symbol == "K_z" and name == "one slider":
-            # a sharp reversal between two samples moves Z_m by up to a quarter of their distance
-            off = 0.25 * max(loop.step for loop in design.loops) / float(fit.r[0]) * value
         return known.wider(off)
 
     parameters = {s: estimate(s) for s in (FRICTION, "c", "K_z")}
@@ -385,7 +421,8 @@ def _warned(fit: LoopFit, design: Design, loops: Sequence[Loop]) -> Iterator[Rem
             "the force of {} has the other sign, as energy would be gained: it is changed",
             listed(flipped),
         )
-    fall, shift = fall_with_speed(design, fit) if slips(fit) else (0.0, 0.0)
+    many = fit.contact.r.size > 1  # the friction of one slider may fall with the speed
+    fall, shift = fall_with_speed(design, fit) if many and slips(fit) else (0.0, 0.0)
     if abs(fall) > _FALLS:
         yield Remark(
             "the friction at rest is {} of F_k {} than at speed: F_k is that of one speed, and c no damper",
@@ -393,6 +430,10 @@ def _warned(fit: LoopFit, design: Design, loops: Sequence[Loop]) -> Iterator[Rem
             "larger" if fall > 0.0 else "smaller",
             doubts={"": math.inf if fall > 0.0 else max(-fall, abs(shift)), "c": math.inf},
         )
+    c, error = fit.values.get("c", 0.0), fit.errors.get("c", 0.0)
+    if c < -_CERTAIN * error:
+        words = "the fit has a negative damping, c = {} N s/m: the loops have a shape that no contact and damper have"
+        yield Remark(words, with_error(c, error), doubts={"c": math.inf})
     share = fit.rms / abs(fit.values[FRICTION] or 1.0)
     if share > USELESS:
         yield Remark(
@@ -407,6 +448,19 @@ def _rig(fit: LoopFit, loops: Sequence[Loop]) -> Iterator[str]:
     """Yield sentences on spring, gap, and the history of the cycles."""
     of, errors = fit.values, fit.errors
     yield f"A spring of k = {with_error(of['k'], errors['k'])} N/m acts in parallel to the contact."
+    if "n" in of:
+        n = with_error(of["n"], errors["n"])
+        yield f"The knee of the loop is rounded, as in the contact of Bouc and Wen with n = {n}."
+    if "F_S" in of:
+        size, speed = with_error(of["F_S"], errors["F_S"]), with_error(of["v_S"], errors["v_S"])
+        yield (
+            f"The friction falls with the speed: at rest it is larger by F_S = {size} N, which falls off over v_S = "
+            f"{speed} m/s; F_k is that at high speed."
+        )
+    if "c_2" in of:
+        yield f"A quadratic damper of c_2 = {with_error(of['c_2'], errors['c_2'])} N s²/m² acts beside the viscous one."
+    if "m" in of:
+        yield f"A mass of m = {with_error(of['m'], errors['m'])} kg moves between contact and load cell."
     if "g" in of:
         gap = with_error(2e3 * of["g"], 2e3 * errors["g"])
         yield f"The fixture has a backlash: a dead band of {gap} mm in the displacement."
@@ -418,7 +472,7 @@ def _rig(fit: LoopFit, loops: Sequence[Loop]) -> Iterator[str]:
             f"damper of {number_text(lost / b, 4)} N s/m would."
         )
     for loop in loops:
-        W, n = loop.lost, np.arange(loop.cycles)
+        W, cycles = loop.lost, np.arange(loop.cycles)
         level = np.abs(loop.amplitudes / np.median(loop.amplitudes) - 1.0) < _SAME_LEVEL
         if level.sum() < loop.cycles or loop.cycles < 8:
             continue  # levels differ, or too few cycles for a trend
@@ -426,10 +480,10 @@ def _rig(fit: LoopFit, loops: Sequence[Loop]) -> Iterator[str]:
         scatter = 1.4826 * float(np.median(np.abs(half - np.median(half)))) or float(np.ptp(half))
         off = np.abs(W - np.median(half)) > _SETTLED * scatter
         start = int(np.flatnonzero(off[: loop.cycles // 2]).max(initial=-1)) + 1
-        slope, covariance = np.polyfit(n, W, 1, cov=True)
+        slope, covariance = np.polyfit(cycles, 100.0 * W / W.mean(), 1, cov=True)
         error = math.sqrt(covariance[0, 0])
         words = f"{loop.name}: the loss per cycle is steady from cycle {start + 2} on"
         if abs(slope[0]) > _TREND * error:
-            change = 100.0 * slope[0] / float(W.mean())
-            words += f", with a trend of {number_text(change, 2)} % per cycle over all cycles"
+            trend = with_error(float(slope[0]), error)
+            words += f", with a trend of {trend} % per cycle over all cycles"
         yield words + "."

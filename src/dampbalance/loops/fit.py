@@ -1,196 +1,142 @@
 """Fit of a contact to measured loops: variable projection, and a jackknife over blocks of cycles.
 
-    f = Σ κ_j z_j + k x + c ẋ + offset + drift t,      ż_j = ẋ while |z_j| < r_j, else z_j = ±r_j
+    f = Σ κ_j z_j + k x + c ẋ + c_2 ẋ|ẋ| + m ẍ + drift t + offsets,      ż_j = ẋ while |z_j| < r_j, else z_j = ±r_j
 
-One slider, that of the paper, has κ = K_z and r = Z_m = F_k/K_z; a gradual contact has many. With a dead band of half
-width g in series, as the backlash of a fixture makes it, deflection of spring and gap is a play operator of half width
-Z_m + g, and the force K_z times what lies beyond the gap. All is linear except Z_m and g, over which the sum of squares
-is profiled. Stick-slip noise and ripple are no white noise: errors come from the scatter between blocks of cycles.
+One slider, that of the paper, has κ = K_z and r = Z_m = F_k/K_z; a gradual contact has many. One slider may be
+extended:
+
+- a dead band of half width g in series, as the backlash of a fixture makes it: the deflection of spring and gap is a
+  play of half width Z_m + g, and the force K_z times the part beyond the gap;
+- a friction force F_k + F_S e^{−(ẋ/v_S)²}, which falls with the speed (Stribeck);
+- a rounded knee (Bouc and Wen, `motion/play.py`) of sharpness n.
+
+Each record has a drift, and each cycle an offset of its own. All is linear except Z_m, g, F_S/F_k, v_S and n, over
+which the sum of squares is profiled. An extension is kept where it predicts blocks of cycles that are left out clearly
+better. Stick-slip noise and ripple are no white noise: errors come from the scatter between blocks.
 """
 
 from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from ..arrays import Array, Integers, Mask
+from ..arrays import Array, Integers
+from ..law.parallel_sliders import Sliders
+from ..motion.play import play
+from .cycles import Loop
 
 MOST_BLOCKS = 24
 """Blocks of cycles of a jackknife: Student's t of so many is close to the normal distribution."""
 
-FEWEST_CYCLES = 4
-"""Complete cycles, the first left out: of fewer the scatter between them says nothing."""
-
-# of the range of x: a reversal is a return by more, so that levels of 1 : 20 are read
-_SWING = 0.04
-_CLOSED = 0.05  # of the range of a cycle, between its ends
-# noise of x over its range from which on it is smoothed: else z reverses with it
-_SMOOTHED = 1e-3
-_OF_PERIOD, _OF_PERIOD_V = 40, 16  # windows of x and ẋ are these parts of a period
 # part of X between reversals, and quartiles of the speed there, which of a sine are 21 % apart
 _BETWEEN, _STEADY = 0.8, 0.1
-_CERTAIN = 4.0  # standard errors by which friction loses energy, or a sign is wrong
+_INDEPENDENT = 0.1  # of a column, which no combination of those before it makes
+_CERTAIN = 4.0  # standard errors of F_k that is there
 # of the samples of a cycle: fewer do not show the force at which the contact slips
 _SLIPPING = 0.02
+_KNEE = 0.98  # of F_k: a rounded knee counts as slip from here on
 SLIDERS = 40  # of a gradual contact, in geometric steps: finer ones are not told apart
 WITHIN = 0.01, 0.7  # r/X of them: softer sliders are hardly told from a spring
 # of a scatter between blocks alone, below which another contact predicts them better
 _P_SIMPLER = 0.01
-_P_CONSTANT = 0.001  # for three laws of speed, each of which may win by chance
+_P_EXTENDED = 0.002  # for five extensions, each of which may win by chance
+_LESS = 0.05  # of the sum of squares: an extension that takes less does not matter, however certain it is
+_P_CONSTANT = 0.001  # for three laws of speed of a contact of many sliders
 _STRIBECK = (0.1, 0.3, 0.7)  # speeds at which friction has fallen, over the largest one
 
+_UNEXTENDED = {"g": 0.0, "fall": 0.0, "v_S": 0.3, "n": math.inf}
+"""The shape of one slider that is not extended: g over X, F_S over F_k, v_S over the largest speed, sharpness n."""
 
-def turning_points(x: Array, least: float) -> Integers:
-    """Return the indices of the reversals of x that are followed by a return of more than `least`."""
-    found, at, way = list[int](), 0, 0
-    for i, value in enumerate(x.tolist()):
-        ahead = (value - x[at]) * (way or 1.0)
-        if way == 0 and abs(value - x[at]) > least:
-            way, at = (1 if value > x[at] else -1), i
-        elif way and ahead >= 0.0:
-            at = i
-        elif way and ahead < -least:
-            found.append(at)
-            way, at = -way, i
-    return np.array(found, dtype=int)
+EXTENSIONS: dict[str, dict[str, tuple[float, ...]]] = {
+    "gap": {"g": (0.03, 0.1, 0.2, 0.3)},
+    "fall": {"fall": (0.1, 0.4), "v_S": _STRIBECK},
+    "knee": {"n": (1.0, 3.0)},
+    "c_2": {},
+    "m": {},
+}
+"""Extensions of one slider by name: the parameters of its shape that become free, and where their search starts."""
 
-
-def play(x: Array, r: Array) -> Array:
-    """Return the deflections of sliders that start relaxed, exact for a motion that is monotone between samples.
-
-    x : displacement, m, (n,).   r : deflections at which they slip, m, (j,).   Returns z, m, (j, n).
-    """
-    steps = np.diff(x)
-    (moving,) = np.nonzero(steps)
-    turns = moving[1:][np.diff(np.sign(steps[moving])) != 0.0]
-    z, now = np.zeros((r.size, x.size)), np.zeros(r.size)
-    ends = [0, *turns.tolist(), x.size - 1]
-    for start, end in itertools.pairwise(ends):
-        z[:, start : end + 1] = now[:, None] + (x[start : end + 1] - x[start])
-        np.clip(z[:, start : end + 1], -r[:, None], r[:, None], z[:, start : end + 1])
-        now = z[:, end]
-    return z
-
-
-def slack(z: Array, g: float) -> Array:
-    """Return the part of a deflection beyond a gap of half width g, m."""
-    return np.asarray(np.sign(z) * np.maximum(np.abs(z) - g, 0.0))
+_AROUND = 0.4, 0.6, 0.75, 0.9, 1.0, 1.15  # of Z_m before, where the search of an extension starts
+_LOGARITHMIC = {"Z": (1e-3, 3.0), "v_S": (0.03, 1.5), "n": (0.5, 30.0)}
+"""Parameters whose logarithm is searched, and their limits; Z is Z_m over X."""
 
 
 @dataclass(frozen=True, eq=False)
-class Loop:
-    """A record of force and displacement, ready for the fit.
+class Contact(Sliders):
+    """Sliders in parallel, and how they are extended.
 
-    t : s.   x : displacement, smoothed where it is noisy, m.   v : velocity, m/s.   f : force, N, its sign such that
-    energy is lost.   cycle : number of the cycle of each sample; −1 outside of those that are fitted.
+    g : half width of a gap in series, m.   fall, v_S : F_S/F_k and speed, m/s, of a friction that falls with it.   n :
+    sharpness of the knee, ∞ of sliders.
     """
 
-    name: str
-    t: Array
-    x: Array
-    v: Array
-    f: Array
-    cycle: Integers
-    flipped: bool
+    g: float = 0.0
+    fall: float = 0.0
+    v_S: float = 1.0
+    n: float = math.inf
 
-    @classmethod
-    def of(cls, name: str, t: Array, x: Array, f: Array) -> Loop:
-        """Return the loop of samples in equal steps.   Raises ValueError for too few cycles."""
-        from scipy.signal import savgol_filter  # slow to import
+    def forces(self, loop: Loop) -> Array:
+        """Return the force of each element, N, (j, n)."""
+        fallen = 1.0 + self.fall * np.exp(-((loop.v / self.v_S) ** 2))
+        out = np.empty((self.r.size, loop.x.size))
+        for j, (r, kappa) in enumerate(zip(self.r, self.kappa, strict=True)):
+            z = play(loop.x, loop.through, r + self.g, self.n, (r * fallen + self.g) / (r + self.g))
+            out[j] = kappa * np.sign(z) * np.maximum(np.abs(z) - self.g, 0.0)
+        return out
 
-        third = np.diff(x, 3)  # σ√20 of white noise
-        noise = 1.4826 * float(np.median(np.abs(third - np.median(third)))) / math.sqrt(20.0)
-        least = _SWING * float(np.ptp(x))
-        turns = turning_points(x, least)
-        minima = turns[int(x[turns[0]] > x[turns[1]]) :: 2] if turns.size > 2 else turns[:0]
-        if minima.size < FEWEST_CYCLES + 2:
-            raise ValueError(
-                f"{name}: the displacement makes {max(minima.size - 1, 0)} cycles between reversals, and "
-                f"{FEWEST_CYCLES + 1} are needed at least: a contact shows its stiffness after a reversal, and its "
-                "scatter from cycle to cycle"
-            )
-        period = float(np.median(np.diff(minima)))
-        smooth, smooth_v = (2 * int(period / of / 2) + 1 for of in (_OF_PERIOD, _OF_PERIOD_V))
-        v = np.gradient(x, t)
-        if smooth_v > 3:
-            v = savgol_filter(x, smooth_v, 3, deriv=1, delta=(t[-1] - t[0]) / (t.size - 1))
-        if noise > _SMOOTHED * np.ptp(x) and smooth > 3:
-            x = savgol_filter(x, smooth, 3)
-        cycle = np.searchsorted(minima[1:], np.arange(x.size), side="right") - 1
-        cycle[minima[-1] :] = -1
-        loop = cls(name, t, x, np.asarray(v), f, cycle, False)
-        lost = loop.lost
-        gains = lost.mean() < -_CERTAIN * lost.std(ddof=1) / math.sqrt(lost.size)
-        return replace(loop, f=-f, flipped=True) if gains else loop
-
-    @property
-    def cycles(self) -> int:
-        """Number of cycles that are fitted."""
-        return int(self.cycle.max()) + 1
-
-    def by_cycle(self, values: Array) -> Array:
-        """Return ∮ values dx of each cycle, (cycles,)."""
-        pieces = np.append(0.5 * (values[1:] + values[:-1]) * np.diff(self.x), 0.0)
-        return np.array([np.sum(pieces[self.cycle == i]) for i in range(self.cycles)])
-
-    @property
-    def lost(self) -> Array:
-        """Energy lost in each cycle, ∮ f dx without the drift of the force, J."""
-        own = self.cycle >= 0
-        return self.by_cycle(self.f - np.polyval(np.polyfit(self.t[own], self.f[own], 1), self.t))
-
-    @property
-    def step(self) -> float:
-        """Typical distance of samples next to a reversal, by which a sharp one may be missed, m."""
-        turns = turning_points(self.x, _SWING * float(np.ptp(self.x)))
-        return float(np.median(np.abs(np.diff(self.x))[turns[1:-1]]))
-
-    @property
-    def closed(self) -> Mask:
-        """Which cycles end where they began, by a part of their amplitude."""
-        own = [self.x[self.cycle == i] for i in range(self.cycles)]
-        return np.array([abs(x[-1] - x[0]) < _CLOSED * np.ptp(x) for x in own])
-
-    @property
-    def amplitudes(self) -> Array:
-        """X of each cycle, m."""
-        own = [self.x[self.cycle == i] for i in range(self.cycles)]
-        return np.array([0.5 * np.ptp(x) for x in own])
+    def share(self, loop: Loop) -> Array:
+        """Return the force of all elements over F_k, (n,)."""
+        return np.asarray(self.forces(loop).sum(axis=0) / (self.F_k or 1.0))
 
 
 @dataclass(frozen=True, eq=False)
 class LoopFit:
     """A contact fitted to loops.
 
-    values, errors : by symbol: F_k (N), K_z (N/m), k (N/m), c (N s/m; only where it is determined), g (m).
+    contact : of all blocks.   linear : coefficients of the terms beyond friction and spring, by symbol.
+    values, errors : by symbol: F_k (N), K_z (N/m), k (N/m), and what is free of c (N s/m), c_2 (N s²/m²), m (kg), g
+    (m), F_S (N), v_S (m/s) and n.
     covariance : of F_k, c and K_z as far as determined.   freedom : blocks less one, of Student's t.
-    r, kappa : of the sliders, m and N/m.   residual : N, of the samples fitted, a part each loop.   total : RSS, N².
-    slipping : share of the samples in slip.   predicted : sum of squares of each block by the fit to the others, N².
+    without : contact and linear coefficients without each block.   models : force of each loop in its cycles, N.
+    total : RSS, N².   slipping : share of the samples in slip.   predicted : sum of squares of each block by the fit to
+    the others, N².
     """
 
+    contact: Contact
+    linear: Mapping[str, float]
     values: dict[str, float]
     errors: dict[str, float]
     covariance: Array
     freedom: int
-    r: Array
-    kappa: Array
+    without: Sequence[tuple[Contact, Mapping[str, float]]] = field(repr=False)
     models: tuple[Array, ...]
     total: float
     slipping: float
     predicted: Array
-    samples: int
-    share: Array
 
     @property
     def rms(self) -> float:
         """Root mean square of the residual, N."""
-        return math.sqrt(self.total / self.samples)
+        return math.sqrt(self.total / sum(model.size for model in self.models))
+
+    def loss(self, loop: Loop, X: Array) -> tuple[Array, Array]:
+        """Return the energy lost per cycle at amplitudes X, m, of a motion like that of a loop, and its standard error,
+        J, each (n,)."""
+        motions = [loop.scaled(of) for of in X.tolist()]
+        found = [(self.contact, self.linear), *self.without]
+        W = np.array([[lost(of, *one).item() for of in motions] for one in found])
+        return W[0], np.sqrt(np.diag(_covariance(W[1:])))
+
+
+def lost(loop: Loop, contact: Contact, linear: Mapping[str, float]) -> Array:
+    """Return the energy that a contact and dampers take in each cycle of a motion, J, (cycles,)."""
+    damped = linear.get("c", 0.0) + linear.get("c_2", 0.0) * np.abs(loop.v)
+    return loop.by_cycle(contact.F_k * contact.share(loop) + damped * loop.v)
 
 
 class Design:
@@ -200,33 +146,45 @@ class Design:
         """Stack the cycles of the loops."""
         self.loops = loops
         self.inside = [loop.cycle >= 0 for loop in loops]
-        self.f = self.stacked([loop.f for loop in loops])
-        self.X = max(float(loop.amplitudes.max()) for loop in loops)
-        common = [self.stacked([getattr(loop, n) for loop in loops]) for n in ("x", "v")]
-        own = list[Array]()
-        for i, loop in enumerate(loops):
-            for column in (np.ones(loop.t.size), (loop.t - loop.t.mean()) / np.ptp(loop.t)):
-                own.append(
-                    self.stacked([column if i == j else 0.0 * of.t for j, of in enumerate(loops)])
-                )
-        self.base = [common[0], *own]
-        self.v = common[1]
         first = np.cumsum([0, *(loop.cycles for loop in loops)])
-        cycle = self.stacked([loop.cycle + n for loop, n in zip(loops, first, strict=False)])
+        pairs = zip(loops, first, strict=False)
+        self.cycle = self.stacked([loop.cycle + n for loop, n in pairs]).astype(int)
         self.blocks = min(MOST_BLOCKS, int(first[-1]))
-        self.block = (cycle * self.blocks // int(first[-1])).astype(int)
+        self.block = self.cycle * self.blocks // int(first[-1])
+        self.force = self.stacked([loop.f for loop in loops])
+        self.f = self.centred(self.force)
+        self.X = max(float(loop.amplitudes.max()) for loop in loops)
+        self.fastest = max(float(np.abs(loop.v).max()) for loop in loops)
+        drifts = [
+            self.stacked([of.t / np.ptp(of.t) if of is loop else 0.0 * of.t for of in loops])
+            for loop in loops
+        ]
+        x = self.stacked([loop.x for loop in loops])
+        self.base = [self.centred(column) for column in (x, *drifts)]
+        self.v = self.stacked([loop.v for loop in loops])
+        a = self.stacked([np.gradient(loop.v, loop.t) for loop in loops])
+        motions = {"c": self.v, "c_2": self.v * np.abs(self.v), "m": a}
+        self.motions = {name: self.centred(column) for name, column in motions.items()}
 
     def stacked(self, of_loops: Sequence[Array]) -> Array:
-        """Return the samples inside cycles of values of each loop."""
-        return np.concatenate(
-            [np.asarray(of)[own] for of, own in zip(of_loops, self.inside, strict=True)]
-        )
+        """Return the samples inside cycles of values of each loop, (…, n)."""
+        pairs = zip(of_loops, self.inside, strict=True)
+        return np.concatenate([np.asarray(of)[..., own] for of, own in pairs], axis=-1)
 
-    def sliders(self, r: Array) -> Array:
-        """Return the deflections of sliders in all loops, m, (j, n)."""
-        return np.hstack(
-            [play(of.x, r)[:, own] for of, own in zip(self.loops, self.inside, strict=True)]
-        )
+    def centred(self, values: Array) -> Array:
+        """Return values less their mean in each cycle, as an offset of each cycle of its own leaves them, (…, n)."""
+        rows = np.atleast_2d(values)
+        count = np.bincount(self.cycle)
+        means = [(np.bincount(self.cycle, row) / count)[self.cycle] for row in rows]
+        return np.asarray((rows - means).reshape(np.shape(values)))
+
+    def share(self, contact: Contact) -> Array:
+        """Return the force of a contact over its F_k in all loops, (n,)."""
+        return self.stacked([contact.share(loop) for loop in self.loops])
+
+    def by_block(self, left: Array) -> Array:
+        """Return the sum of squares of each block, (blocks,)."""
+        return np.array([np.sum(left[self.block == b] ** 2) for b in range(self.blocks)])
 
     @cached_property
     def with_c(self) -> bool:
@@ -238,17 +196,24 @@ class Design:
         low, middle, high = np.percentile(np.concatenate(speeds), (25.0, 50.0, 75.0))
         return bool(high - low > _STEADY * middle)
 
-    @property
-    def linear(self) -> list[Array]:
-        """The columns other than friction: x, offsets, drifts, and ẋ where it is determined."""
-        return [*self.base, *([self.v] if self.with_c else [])]
+    @cached_property
+    def extensions(self) -> tuple[str, ...]:
+        """Names of the extensions that these motions determine: at one frequency m ẍ is a spring, and of two speeds no
+        curve is told from a line."""
 
-    def solved(self, s: Array) -> tuple[Array, float]:
-        """Return the coefficients with a column s of friction, and the sum of squares."""
-        A = np.array([s, *self.linear]).T
-        p = np.linalg.lstsq(A, self.f)[0]
-        left = self.f - A @ p
-        return p, float(left @ left)
+        def independent(y: Array, columns: Sequence[Array]) -> bool:
+            A = np.array(columns).T
+            rest = y - A @ np.linalg.lstsq(A, y)[0]
+            return float(rest @ rest) > _INDEPENDENT**2 * float(y @ y)
+
+        curved = self.with_c and independent(self.motions["c_2"], [self.v, np.sign(self.v)])
+        inertia = independent(self.motions["m"], self.base)
+        open_to = {"gap": True, "fall": curved, "knee": True, "c_2": curved, "m": inertia}
+        return tuple(name for name in EXTENSIONS if open_to[name])
+
+    def linear(self, names: Sequence[str]) -> list[Array]:
+        """Return the columns other than friction: x, drifts, and the terms named."""
+        return [*self.base, *(self.motions[name] for name in names)]
 
 
 def _without_each_block(A: Array, left: Array, block: Integers, blocks: int) -> Array:
@@ -266,69 +231,124 @@ def _without_each_block(A: Array, left: Array, block: Integers, blocks: int) -> 
 
 
 def _covariance(out: Array) -> Array:
-    """Return the covariance of the jackknife, (n − 1)/n Σ δ δᵀ."""
+    """Return the covariance of the jackknife, (n − 1)/n Σ δ δᵀ.   out : numbers without each block, (n, p)."""
     delta = out - out.mean(axis=0)
     return np.asarray((len(out) - 1.0) / len(out) * delta.T @ delta)
 
 
-def fit_slider(design: Design, *, backlash: bool) -> LoopFit:
-    """Fit one slider, with a dead band in series where asked for and where the sum of squares falls clearly by it."""
-    from scipy.optimize import minimize  # slow to import
+class Slider:
+    """One slider with the extensions named, whose shape is searched.   linear : names of its linear terms."""
 
-    X = design.X
+    def __init__(
+        self,
+        design: Design,
+        extensions: Sequence[str] = (),
+        shape: Mapping[str, float] = _UNEXTENDED,
+    ) -> None:
+        self.design, self.extensions = design, extensions
+        self.free = ["Z", *(name for of in extensions for name in EXTENSIONS[of])]
+        self.linear = ["c"] * design.with_c + [of for of in extensions if of in design.motions]
+        Q = np.linalg.qr(np.array(design.linear(self.linear)).T)[0]
+        f = design.f - Q @ (Q.T @ design.f)
 
-    def column(at: Array) -> Array:
-        Z, g = X * math.exp(min(at[0], 1.0)), X * abs(at[1])
-        return slack(design.sliders(np.array([Z + g]))[0], g) / Z
+        def cost(at: Array) -> float:
+            s = design.centred(design.share(self.contact(self.shape_at(at, shape))))
+            s = s - Q @ (Q.T @ s)
+            left = float(f @ f - (s @ f) ** 2 / max(float(s @ s), 1e-300))
+            return math.log(max(left, 1e-14 * float(f @ f)))
 
-    def cost(at: Array) -> float:
-        return math.log(design.solved(column(at))[1] + 1e-300)
+        self.shape = self._searched(cost, shape)
 
-    def searched(gaps: Sequence[float]) -> Array:
-        grid = [np.array([z, g]) for z in np.linspace(math.log(0.004), 0.0, 20) for g in gaps]
+    def contact(self, shape: Mapping[str, float], F_k: float = 1.0) -> Contact:
+        """Return the contact of a shape."""
+        X, Z = self.design.X, self.design.X * shape["Z"]
+        speed = self.design.fastest * shape["v_S"]
+        r, kappa = np.array([Z]), np.array([F_k / Z])
+        return Contact(r, kappa, X * shape["g"], shape["fall"], speed, shape["n"])
+
+    def shape_at(self, at: Array, shape: Mapping[str, float]) -> dict[str, float]:
+        """Return a shape whose free parameters are at these values, logarithms of some."""
+        moved = dict(shape)
+        for name, value in zip(self.free, at.tolist(), strict=True):
+            if name in _LOGARITHMIC:
+                low, high = _LOGARITHMIC[name]
+                value = min(max(math.exp(min(value, 10.0)), low), high)
+            moved[name] = abs(value) if name == "g" else value
+        return moved
+
+    def at(self, shape: Mapping[str, float]) -> Array:
+        """Return the free parameters of a shape, the inverse of `shape_at`."""
+        pairs = [(name, shape[name]) for name in self.free]
+        return np.array([math.log(v) if name in _LOGARITHMIC else v for name, v in pairs])
+
+    def _searched(self, cost: Any, shape: Mapping[str, float]) -> dict[str, float]:
+        from scipy.optimize import minimize  # slow to import
+
+        newest = EXTENSIONS[self.extensions[-1]] if self.extensions else {}
+        around = shape["Z"] * np.array(_AROUND) if self.extensions else np.geomspace(0.004, 1.0, 20)
+        grid = [
+            self.at({**shape, "Z": Z, **dict(zip(newest, of, strict=True))})
+            for Z in around.tolist()
+            for of in itertools.product(*newest.values())
+        ]
         best = min(grid, key=cost)
-        free = 2 if gaps[-1] else 1
-        simplex = np.vstack([best, best + np.diag([0.2, 0.03])])[: free + 1, :free]
-        options = {"initial_simplex": simplex, "xatol": 1e-6, "fatol": 1e-10}
+        steps = np.diag([0.03 if name == "g" else 0.2 for name in self.free])
         search: Any = minimize  # its stubs know no function of an array of any shape
-        way = {"method": "Nelder-Mead", "options": options}
-        at = search(lambda p: cost(np.append(p, 0.0)), best[:free], **way).x
-        return np.array([at[0], abs(at[1]) if free == 2 else 0.0])
+        simplex = np.vstack([best, best + steps])
+        options = {"initial_simplex": simplex, "xatol": 1e-6, "fatol": 1e-10}
+        return self.shape_at(search(cost, best, method="Nelder-Mead", options=options).x, shape)
 
-    simple = _of_slider(design, column, searched([0.0]), gap=False)
-    if not backlash:
-        return simple
-    other = _of_slider(design, column, searched([0.03, 0.1, 0.2, 0.3]), gap=True)
-    return other if other.values["F_k"] > 0.0 and predicts_better(other, simple) else simple
+    def fit(self) -> LoopFit:
+        """Return the fit; one step of Gauss and Newton leaves a block out."""
+        design, at, step = self.design, self.at(self.shape), 1e-4
+        s = design.share(self.contact(self.shape))
+        A = np.array([design.centred(s), *design.linear(self.linear)]).T
+        p = np.linalg.lstsq(A, design.f)[0]
+        ends = [(at + step * e, at - step * e) for e in np.eye(at.size)]
+        shares = [
+            [design.share(self.contact(self.shape_at(p, self.shape))) for p in of] for of in ends
+        ]
+        slopes = [p[0] * design.centred(up - down) / (2.0 * step) for up, down in shares]
+        J, model = np.column_stack([A, *slopes]), A @ p
+        out = _without_each_block(J, design.f - model, design.block, design.blocks)
+        names, n = ["k", *self.linear], p.size - len(self.linear)
+        places = [1, *range(n, p.size)]
+
+        def found(change: Array) -> tuple[Contact, dict[str, float]]:
+            shape = self.shape_at(at + change[p.size :], self.shape)
+            linear = dict(zip(names, (p + change[: p.size])[places].tolist(), strict=True))
+            return self.contact(shape, float(p[0] + change[0])), linear
+
+        contact, linear = found(np.zeros(at.size + p.size))
+        without = [found(change) for change in out]
+        slipping = (
+            float(np.mean(np.abs(s) > 1.0 - 1e-9))
+            if math.isinf(contact.n)
+            else float(np.mean(np.abs(s) > _KNEE))
+        )
+        return _made(design, (contact, linear), without, model, J @ out.T, slipping)
 
 
-def _of_slider(
-    design: Design, column: Callable[[Array], Array], at: Array, *, gap: bool
-) -> LoopFit:
-    """Return the fit at ln Z_m/X and g/X; one step of Gauss and Newton leaves a block out, with the columns
-    F_k ∂s/∂ln Z_m and F_k ∂s/∂(g/X)."""
-    (p, _), s, step = design.solved(column(at)), column(at), 1e-4
-    slopes = [
-        p[0] * (column(at + step * e) - column(at - step * e)) / (2.0 * step)
-        for e in np.eye(2)[: 1 + gap]
-    ]
-    A, model = np.array([s, *slopes, *design.linear]).T, np.array([s, *design.linear]).T @ p
-    out = _without_each_block(A, design.f - model, design.block, design.blocks)
-    n, F_k, Z = 1 + len(slopes), float(p[0]), design.X * math.exp(at[0])
-    K_z = F_k / Z
-    changes = {
-        "F_k": out[:, 0],
-        "K_z": K_z * (out[:, 0] / F_k - out[:, 1]),
-        "k": out[:, n],
-        **({"c": out[:, -1]} if design.with_c else {}),
-        **({"g": design.X * out[:, 2]} if gap else {}),
-    }
-    values = {"F_k": F_k, "K_z": K_z, "k": float(p[1])}
-    values |= {"c": float(p[-1])} if design.with_c else {}
-    values |= {"g": design.X * float(at[1])} if gap else {}
-    slipping = float(np.mean(np.abs(s) > 1.0 - 1e-9))
-    contact = np.array([Z]), np.array([K_z])
-    return _made(design, values, changes, contact, A @ out.T, model, slipping, s)
+def fit_slider(design: Design, *, backlash: bool = True) -> LoopFit:
+    """Fit one slider, and extend it as long as an extension predicts cycles that are left out clearly better."""
+    best = Slider(design)
+    fit, open_to = best.fit(), [of for of in design.extensions if backlash or of != "gap"]
+    while open_to:
+        tried = [Slider(design, (*best.extensions, of), best.shape) for of in open_to]
+        fits = [one.fit() for one in tried]
+        better = [
+            i
+            for i, of in enumerate(fits)
+            if min(of.values[s] for s in ("F_k", "F_S", "c_2", "m") if s in of.values) > 0.0
+            and of.total < (1.0 - _LESS) * fit.total
+            and predicts_better(of, fit, _P_EXTENDED)
+        ]
+        if not better:
+            break
+        first = min(better, key=lambda i: float(fits[i].predicted.sum()))
+        best, fit = tried[first], fits[first]
+        open_to.pop(first)
+    return fit
 
 
 def fit_gradual(
@@ -339,9 +359,11 @@ def fit_gradual(
     from scipy.optimize import nnls  # slow to import
 
     r = design.X * np.geomspace(*within, count)
-    x, *offsets = design.base
-    damper = [design.v] if design.with_c else []
-    A = np.array([*(design.sliders(r) / r[:, None]), x, *damper, *offsets]).T
+    x, *drifts = design.base
+    linear = ["c"] * design.with_c
+    damper = [design.motions[name] for name in linear]
+    z = design.stacked([Contact(r, 1.0 / r).forces(loop) for loop in design.loops])
+    A = np.array([*design.centred(z), x, *damper, *drifts]).T
     positive = count + 1 + len(damper)
     scale = np.sqrt(np.mean(A**2, axis=0)) + 1e-300
     A = A / scale
@@ -360,56 +382,57 @@ def fit_gradual(
 
     G, y = grams.sum(axis=0), sides.sum(axis=0)
     p = solved(G, y)
-    out = np.array([solved(G - g, y - s) - p for g, s in zip(grams, sides, strict=True)])
-    model, moved = A @ p, A @ out.T
-    p, out = p / scale, out / scale
-    forces = slice(None, count)
+    out = np.array([solved(G - g, y - s) for g, s in zip(grams, sides, strict=True)])
 
-    def numbers(of: Array) -> dict[str, Array]:
-        found = {"F_k": of[..., forces].sum(axis=-1), "K_z": (of[..., forces] / r).sum(axis=-1)}
-        found["k"] = of[..., count]
-        return found | ({"c": of[..., count + 1]} if damper else {})
+    def found(p: Array) -> tuple[Contact, dict[str, float]]:
+        return Contact(r, p[:count] / r), dict(
+            zip(["k", *linear], p[count:positive].tolist(), strict=True)
+        )
 
-    values = {name: float(of) for name, of in numbers(p).items()}
-    largest = r[p[forces] > 0.0].max(initial=0.0)
-    slipping = float(np.mean(np.abs(design.sliders(np.array([largest]))[0]) > largest * (1 - 1e-9)))
-    share = (A[:, forces] * scale[forces]) @ p[forces] / (values["F_k"] or 1.0)
-    return _made(design, values, numbers(out), (r, p[forces] / r), moved, model, slipping, share)
+    contact, k = found(p / scale)
+    largest = int(np.flatnonzero(contact.kappa).max(initial=0))
+    slipping = float(np.mean(np.abs(z[largest]) > 1.0 - 1e-9))
+    without = [found(of) for of in out / scale]
+    return _made(design, (contact, k), without, A @ p, A @ (out - p).T, slipping)
+
+
+def _numbers(contact: Contact, linear: Mapping[str, float]) -> dict[str, float]:
+    """Return the numbers of a contact by symbol."""
+    extra = {"g": contact.g, "F_S": contact.fall * contact.F_k, "v_S": contact.v_S, "n": contact.n}
+    free = {"g": contact.g != 0.0, "n": math.isfinite(contact.n)}
+    known = {name: of for name, of in extra.items() if free.get(name, contact.fall != 0.0)}
+    return {"F_k": contact.F_k, "K_z": contact.K_z, **linear, **known}
 
 
 def _made(
     design: Design,
-    values: dict[str, float],
-    changes: dict[str, Array],
-    contact: tuple[Array, Array],
-    moved: Array,
+    found: tuple[Contact, Mapping[str, float]],
+    without: Sequence[tuple[Contact, Mapping[str, float]]],
     model: Array,
+    moved: Array,
     slipping: float,
-    share: Array,
 ) -> LoopFit:
     """Return a fit with the errors that its changes without each block make.   moved : changes of the model, (n, b)."""
-    covariance = _covariance(np.array([*changes.values()]).T)
-    errors = dict(zip(changes, np.sqrt(np.diag(covariance)).tolist(), strict=True))
-    names = [n for n in ("F_k", "c", "K_z") if n in changes]
-    at = [[*changes].index(n) for n in names]
+    values = _numbers(*found)
+    names = [*values]
+    out = np.array([[_numbers(*of).get(name, math.nan) for name in names] for of in without])
+    covariance = _covariance(out)
+    at = [names.index(name) for name in ("F_k", "c", "K_z") if name in names]
     left = design.f - model
-    without = left - moved[np.arange(left.size), design.block]
-    predicted = np.array([np.sum(without[design.block == b] ** 2) for b in range(design.blocks)])
+    ahead = left - moved[np.arange(left.size), design.block]
     ends = np.cumsum([own.sum() for own in design.inside])[:-1]
-    models, covariance = tuple(np.split(model, ends)), covariance[np.ix_(at, at)]
     return LoopFit(
+        contact=found[0],
+        linear=found[1],
         values=values,
-        errors=errors,
-        covariance=covariance,
+        errors=dict(zip(names, np.sqrt(np.diag(covariance)).tolist(), strict=True)),
+        covariance=covariance[np.ix_(at, at)],
         freedom=design.blocks - 1,
-        r=contact[0],
-        kappa=contact[1],
-        models=models,
+        without=without,
+        models=tuple(np.split(design.force - left, ends)),
         total=float(left @ left),
         slipping=slipping,
-        predicted=predicted,
-        samples=left.size,
-        share=share,
+        predicted=design.by_block(ahead),
     )
 
 
@@ -417,30 +440,33 @@ def fall_with_speed(design: Design, fit: LoopFit) -> tuple[float, float]:
     """Return by which part of F_k the friction is larger at rest than at speed, negative for a rise, where a term
     F_k e^{−(ẋ/v_S)²} predicts blocks that are left out clearly better (Stribeck), and by which part F_k changes then;
     else zeros."""
-    from scipy.stats import ttest_rel  # slow to import
-
-    left = design.f - np.concatenate(fit.models)
+    left, share = design.force - np.concatenate(fit.models), design.share(fit.contact)
     changes, best = (0.0, 0.0), fit.predicted
     for part in _STRIBECK:
-        at_rest = fit.share * np.exp(-((design.v / (part * np.abs(design.v).max())) ** 2))
-        A = np.array([at_rest, fit.share, *design.linear]).T
+        at_rest = share * np.exp(-((design.v / (part * design.fastest)) ** 2))
+        A = np.array(
+            [*design.centred(np.array([at_rest, share])), *design.linear([*fit.linear][1:])]
+        ).T
         p = np.linalg.lstsq(A, left)[0]
         out = _without_each_block(A, left - A @ p, design.block, design.blocks)
-        without = left - np.sum(A * (p + out[design.block]), axis=1)
-        of = np.array([np.sum(without[design.block == b] ** 2) for b in range(design.blocks)])
-        test = ttest_rel(fit.predicted, of, alternative="greater")
-        if test.pvalue < _P_CONSTANT and of.sum() < best.sum():
+        ahead = left - np.sum(A * (p + out[design.block]), axis=1)
+        of = design.by_block(ahead)
+        if _less(of, fit.predicted, _P_CONSTANT) and of.sum() < best.sum():
             changes, best = (float(p[0]) / fit.values["F_k"], float(p[1]) / fit.values["F_k"]), of
     return changes
 
 
-def predicts_better(one: LoopFit, other: LoopFit) -> bool:
-    """Return whether a fit predicts blocks of cycles that are left out better than another one does, by the scatter of
-    the differences between blocks."""
+def _less(one: Array, other: Array, p: float) -> bool:
+    """Return whether sums of squares of blocks are smaller than others, by the scatter of their differences."""
     from scipy.stats import ttest_rel  # slow to import
 
-    test = ttest_rel(other.predicted, one.predicted, alternative="greater")
-    return bool(test.pvalue < _P_SIMPLER)
+    return bool(ttest_rel(other, one, alternative="greater").pvalue < p)
+
+
+def predicts_better(one: LoopFit, other: LoopFit, p: float = _P_SIMPLER) -> bool:
+    """Return whether a fit predicts blocks of cycles that are left out better than another one does, by the scatter of
+    the differences between blocks.   p : probability of a scatter alone."""
+    return _less(one.predicted, other.predicted, p)
 
 
 def slips(fit: LoopFit) -> bool:

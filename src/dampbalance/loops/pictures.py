@@ -1,44 +1,82 @@
-"""Pictures of measured loops: force against displacement with the contact fitted, and the history of the cycles."""
+"""Pictures of measured loops: force against displacement with the contact fitted, loss, and history of the cycles."""
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.figure import Figure
+from scipy.stats import t as student
 
 from ..figures.style import DOUBLE_COLUMN, SLIP, STICK, explained, page, place, styled
-from .fit import Loop, LoopFit
+from .cycles import Loop
+from .fit import LoopFit
 
 if TYPE_CHECKING:
     import pandas as pd
 
 
+_COLOURS = (SLIP, STICK, "0.3", "0.6")  # of records, in turn
+
+
 @styled()
 def loops(loops: Sequence[Loop], fit: LoopFit) -> Figure:
-    """Force against displacement: samples (grey), and the contact fitted to each record, at its median amplitude."""
-    figure = page(DOUBLE_COLUMN, 92.0)
-    axes = place(figure, 22.0, 20.0, 150.0, 66.0)
+    """Return the force against displacement: samples (grey), and the contact fitted to each record, at its median
+    amplitude; below, the residual of that cycle."""
+    figure = page(DOUBLE_COLUMN, 122.0)
+    axes, below = place(figure, 22.0, 50.0, 150.0, 66.0), place(figure, 22.0, 20.0, 150.0, 24.0)
     for number, (loop, model) in enumerate(zip(loops, fit.models, strict=True)):
         own = loop.cycle >= 0
         labels = (None, None) if number else ("measured", "contact fitted")
-        x = 1e3 * loop.x[own]
-        axes.plot(x, loop.f[own], ".", color="0.6", markersize=1.5, label=labels[0])
+        x, f = 1e3 * loop.x[own], loop.f[own]
+        axes.plot(x, f, ".", color="0.6", markersize=1.5, label=labels[0])
         typical = loop.cycle[own] == np.argsort(loop.amplitudes)[loop.cycles // 2]
         axes.plot(x[typical], model[typical], color=SLIP, label=labels[1])
-    axes.set(xlabel="displacement (mm)", ylabel="force (N)")
+        below.plot(x[typical], (f - model)[typical], color=SLIP, linewidth=0.6)
+    axes.set(ylabel="force (N)", xticklabels=[])
+    below.set(xlabel="displacement (mm)", ylabel="residual (N)", xlim=axes.get_xlim())
+    return explained(figure, [(axes, axes)], scale=1.0)
+
+
+@styled()
+def loss(loops: Sequence[Loop], fit: LoopFit) -> Figure:
+    """Return the energy lost per cycle against the amplitude: each cycle (dots), and the contact fitted, with its band
+    of 95 %, for a motion like that of each record."""
+    figure = page(DOUBLE_COLUMN, 82.0)
+    axes = place(figure, 22.0, 20.0, 150.0, 56.0)
+    reach = float(student.ppf(0.975, fit.freedom))
+    X = np.linspace(0.0, 1.1 * max(float(loop.amplitudes.max()) for loop in loops), 40)[1:]
+    size, unit = (1.0, "J") if loops[0].lost.mean() > 1.0 else (1e3, "mJ")
+    for loop, colour in zip(loops, itertools.cycle(_COLOURS)):
+        W, error = fit.loss(loop, X)
+        measured = 1e3 * loop.amplitudes[loop.closed], size * loop.lost[loop.closed]
+        axes.plot(*measured, "o", color=colour, markersize=3.0)
+        axes.plot(1e3 * X, size * W, color=colour, label=Path(loop.name).name)
+        band = size * (W - reach * error), size * (W + reach * error)
+        axes.fill_between(1e3 * X, *band, color=colour, alpha=0.25, linewidth=0.0)
+    axes.set(xlabel="amplitude, $X$ (mm)", ylabel=f"energy lost per cycle, $W$ ({unit})")
+    axes.set(xlim=(0.0, None), ylim=(0.0, None))
     return explained(figure, [(axes, axes)], scale=1.0)
 
 
 @styled()
 def history(table: pd.DataFrame) -> Figure:
-    """Friction force of each cycle that makes up for its loss, against the number of the cycle."""
-    figure = page(DOUBLE_COLUMN, 82.0)
-    axes = place(figure, 22.0, 20.0, 150.0, 56.0)
-    for (name, own), colour in zip(
-        table.groupby("record", sort=False), (SLIP, STICK, "0.3", "0.6") * len(table), strict=False
+    """Return the friction force that makes up for the loss of each cycle, and stiffness of the contact in it, against
+    the number of the cycle."""
+    figure = page(DOUBLE_COLUMN, 118.0)
+    for bottom, column, size, label in (
+        (72.0, "F_k_N", 1.0, "friction force, $F_k$ (N)"),
+        (20.0, "K_z_N_per_m", 1e-3, "stiffness, $K_z$ (N/mm)"),
     ):
-        axes.plot(own["cycle"], own["F_k_N"], "o-", color=colour, markersize=3.0, label=str(name))
-    axes.set(xlabel="cycle", ylabel="friction force, $F_k$ (N)")
+        axes = place(figure, 22.0, bottom, 150.0, 40.0)
+        records = table.groupby("record", sort=False)
+        for (name, own), colour in zip(records, itertools.cycle(_COLOURS)):
+            (line,) = axes.plot(
+                own["cycle"], size * own[column], "o-", color=colour, markersize=3.0
+            )
+            line.set_label(Path(str(name)).name)
+        axes.set(xlabel="cycle", ylabel=label)
     return explained(figure, [(axes, axes)], scale=1.0)

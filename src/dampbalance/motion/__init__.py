@@ -1,1 +1,1 @@
-"""How the oscillator moves: exactly (orbits, transients), and by the fixed steps that the paper's numbers come from."""
+"""Motion of the oscillator: exact (orbits, transients), and by the fixed steps that the paper's numbers come from."""

@@ -84,7 +84,7 @@ def solve_on_device(
     size, rows = math.prod(shape), len(Measures._fields)
     values, ends = np.concatenate([a.ravel() for a in arrays]), np.cumsum([a.size for a in arrays])
     parts = np.split(values, ends[:-1])
-    axes = (1, *shape)  # as there is no array without axes for CUDA
+    axes = (1, *shape)  # CUDA has no array without axes
     views = [
         np.broadcast_to(part.reshape(a.shape), axes) for part, a in zip(parts, arrays, strict=True)
     ]

@@ -3,7 +3,7 @@
 Use it where the motion of a shaker is distorted and the distortion is measured. Within a phase the oscillator is
 linear, so that the motion is the sum of the free motion and of the responses of `flow.py` to each harmonic. Even
 harmonics break the symmetry of the half cycles: the steady motion is the fixed point of the flow over a whole period,
-found by Newton's method from the motion under the fundamental alone. Events are bracketed by steps short beside every
+found by Newton's method from the motion under the fundamental alone. Events are bracketed by steps shorter than every
 time scale of the phase, and located by false position; an excursion that begins and ends within one step is missed.
 """
 
@@ -23,39 +23,18 @@ from .orbit import NoSteadyOrbit, Orbit
 from .regime import Regime
 
 _STEPS_PER_RADIAN = 4.0
-_MOST_STEPS = 100_000  # of a phase: a contact so stiff stands for a rigid one
+_MOST_STEPS = 100_000  # steps in a phase: a contact that takes more is as good as rigid
 _MOST_PHASES = 512
-_MOST_TRIALS = 60  # of the time of an event, of which about eight are needed
-_ROUNDING = 1e-14  # of what an event's quantity changes by in a step
+_MOST_TRIALS = 60  # trials for the time of an event; about eight are needed
+_ROUNDING = 1e-14  # relative to the change of an event's quantity in a step
 _NEWTON = 40
-_CONVERGED = 1e-11  # of the displacement, velocity over ω and deflection over a period
-
-
-@jit
-def _motion(
-    t: float, start: tuple[float, float], of_phase: tuple[float, float, float], drive: Complexes
-) -> tuple[float, float]:
-    """Displacement gained, m, and velocity, m/s, a time t after the start of a phase.
-
-    start : ẋ, m/s, and constant force per mass, m/s², at the start.   of_phase : δ, Ω², ω.   drive : harmonic force per
-    mass at the start, n = 1, 2, 3 …, m/s².
-    """
-    (v0, f0), (delta, Omega2, omega) = start, of_phase
-    J, S, R = step_response(t, delta, Omega2)
-    u, v = v0 * S + f0 * J, v0 * R + f0 * S
-    for i in range(drive.size):
-        A = drive[i]
-        if A != 0j:
-            P, rate = harmonic_response(t, (i + 1) * omega, delta, Omega2, J, S)
-            u += A.real * P.real - A.imag * P.imag
-            v += A.real * rate.real - A.imag * rate.imag
-    return u, v
+_CONVERGED = 1e-11  # relative to the displacement: change of the state over a period
 
 
 @jit
 def _step(h: float, of_phase: tuple[float, float, float], count: int) -> Complexes:
-    """What a step of length h adds to (displacement, velocity) by ẋ, by the constant force and by each harmonic of the
-    drive, per mass, (2, 2 + count); the effect of a harmonic is the real part of its product with this."""
+    """Return what a step of length h adds to (displacement, velocity) by ẋ, by the constant force and by each harmonic
+    of the drive, per mass, (2, 2 + count); the effect of a harmonic is the real part of its product with this."""
     delta, Omega2, omega = of_phase
     J, S, R = step_response(h, delta, Omega2)
     by = np.empty((2, 2 + count), dtype=np.complex128)
@@ -67,7 +46,7 @@ def _step(h: float, of_phase: tuple[float, float, float], count: int) -> Complex
 
 @jit
 def _after(here: tuple[float, float], by: Complexes, drive: Complexes) -> tuple[float, float]:
-    """`_motion` after a step."""
+    """Return displacement and velocity after a step, from (ẋ, constant force per mass) at its start."""
     u = here[0] * by[0, 0].real + here[1] * by[0, 1].real
     v = here[0] * by[1, 0].real + here[1] * by[1, 1].real
     for i in range(drive.size):
@@ -75,6 +54,18 @@ def _after(here: tuple[float, float], by: Complexes, drive: Complexes) -> tuple[
         u += A.real * P.real - A.imag * P.imag
         v += A.real * rate.real - A.imag * rate.imag
     return u, v
+
+
+@jit
+def _motion(
+    t: float, start: tuple[float, float], of_phase: tuple[float, float, float], drive: Complexes
+) -> tuple[float, float]:
+    """Return the displacement gained, m, and velocity, m/s, a time t after the start of a phase.
+
+    start : ẋ, m/s, and constant force per mass, m/s², at the start.   of_phase : δ, Ω², ω.   drive : harmonic force per
+    mass at the start, n = 1, 2, 3 …, m/s².
+    """
+    return _after(start, _step(t, of_phase, drive.size), drive)
 
 
 @jit
@@ -86,8 +77,8 @@ def _crossing(
     drive: Complexes,
     sticks: bool,
 ) -> float:
-    """The time in a step at which the deflection, in stick, or the velocity, in slip, passes a level, by the rule of
-    false position with Illinois weights.
+    """Return the time in a step at which the deflection, in stick, or the velocity, in slip, passes a level, by the
+    rule of false position with Illinois weights.
 
     level : z at the start of the step, in stick, the sign of the level, and its size.   end : length of the step and
     how far beyond the level it ends.   Others are as for `_motion`.
@@ -114,7 +105,7 @@ def _crossing(
 
 @jit
 def _turned(y: Complexes, turn: complex, scale: float) -> Complexes:
-    """scale · y_n turnⁿ, n = 1, 2, 3 …"""
+    """Return scale · y_n turnⁿ, n = 1, 2, 3 …"""
     turned, power = np.empty_like(y), turn
     for i in range(y.size):
         turned[i] = scale * y[i] * power
@@ -133,7 +124,8 @@ def _period(
     phases: Array,
     jacobian: Array,
 ) -> tuple[int, float, float, float]:
-    """(number of phases, x, ẋ, z) after a period from base phase θ on; `jacobian` (3, 3) receives the derivative.
+    """Return (number of phases, x, ẋ, z) after a period from base phase θ on; `jacobian` (3, 3) receives the
+    derivative.
 
     Rows of `phases` receive (t, s, x, ẋ, z). The number is 0 where there are more phases, or steps in one, than can be
     followed. Perturbations pass events as in `period_map.half_period_map`.
@@ -183,7 +175,7 @@ def _period(
         J, S, R = step_response(high, delta, kappa / par.m)
         for j in range(3):
             dx, dv, dz = jacobian[0, j], jacobian[1, j], jacobian[2, j]
-            offset = dz - dx if sticks else 0.0  # of the contact point: constant in stick
+            offset = dz - dx if sticks else 0.0  # the contact point stays in stick
             pull = par.K_z / par.m * offset
             jacobian[0, j] = (1.0 - kappa / par.m * J) * dx + S * dv - J * pull
             jacobian[1, j] = -kappa / par.m * S * dx + R * dv - S * pull
@@ -201,7 +193,8 @@ def _period(
 def _steady(
     state: tuple[float, float, float], theta: float, y: Complexes, par: Parameters, phases: Array
 ) -> int:
-    """Number of phases of the steady period from base phase θ on, written to `phases`; 0 where it was not found."""
+    """Return number of phases of the steady period from base phase θ on, written to `phases`; 0 where it was not
+    found."""
     x, v, z = state
     Z_m, jacobian = par.F_k / par.K_z, np.empty((3, 3))
     size = abs(x)
@@ -213,7 +206,7 @@ def _steady(
         if abs(off[0]) + abs(off[1]) / par.omega + abs(off[2]) < _CONVERGED * size:
             return count
         step = np.linalg.solve(np.eye(3) - jacobian, off)
-        if not abs(step[0]) + abs(step[1]) / par.omega < size:  # nor is NaN
+        if not abs(step[0]) + abs(step[1]) / par.omega < size:  # NaN is not
             step = off
         x, v, z = x + step[0], v + step[1], min(max(z + step[2], -Z_m), Z_m)
     return 0
@@ -223,7 +216,8 @@ def _steady(
 def _in_stick(
     phases: Array, theta: float, y: Complexes, par: Parameters, count: int
 ) -> tuple[Array, Complexes]:
-    """ẋ dt at the nodes of Gauss's rule in all stick phases of a period, and e^{−iψ} there, ψ the phase of the base."""
+    """Return ẋ dt at the nodes of Gauss's rule in all stick phases of a period, and e^{−iψ} there, ψ the phase of the
+    base."""
     fastest = 2.0 * math.sqrt((par.k + par.K_z) / par.m) + 2.0 * (count + y.size) * par.omega
     ends, panels = np.empty(len(phases)), np.zeros(len(phases), dtype=np.int64)
     for i in range(len(phases)):
@@ -252,7 +246,7 @@ def _in_stick(
 
 
 def distorted_harmonics(orbit: Orbit, base: Complexes, count: int) -> Complexes:
-    """x_n, n = 1, 2 … count, m, of the steady motion of an orbit's oscillator under a base of several harmonics.
+    """Return x_n, n = 1, 2 … count, m, of the steady motion of an orbit's oscillator under a base of several harmonics.
 
     orbit : the motion under Re base[0] e^{iωt} alone, from which the search starts.   base : y_n, n = 1, 2 …, m; y_1 is
     real.   count : number of harmonics, even ones among them.

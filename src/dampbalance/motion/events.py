@@ -19,7 +19,7 @@ PHASE_T, PHASE_S, PHASE_X, PHASE_V, PHASE_Z = range(5)
 """Columns of an array of phases, a row for the start of each: time, state of the contact, x, ẋ, z."""
 
 MOST_RADIANS = 2e7
-"""Of the fastest motion of an oscillator, that are followed to find one orbit: seconds of computing."""
+"""Radians of the fastest motion of an oscillator that are followed to find an orbit: seconds of computing."""
 
 _STEPS_PER_RADIAN = 2.5
 _HALVINGS = 60
@@ -30,7 +30,8 @@ _Motion = tuple[float, float, float, float, float]  # u, u̇, ü and the next tw
 
 @jit
 def contact_state(x: float, v: float, z: float, theta: float, par: Parameters) -> float:
-    """State s of the contact at (x, ẋ, z): slip when z is at its limit and the mass moves on, or is about to."""
+    """Return the state s of the contact at (x, ẋ, z): slip when z is at its limit and the mass moves on, or is about
+    to."""
     Z_m = par.F_k / par.K_z
     if abs(z) < Z_m:
         return 0.0
@@ -47,7 +48,7 @@ def contact_state(x: float, v: float, z: float, theta: float, par: Parameters) -
 
 @jit
 def _motion(t: float, phase: Phase) -> _Motion:
-    """u and its derivatives at time t of a phase."""
+    """Return u and its derivatives at time t of a phase."""
     u, v = move(t, phase)
     omega, damping = phase.omega, 2.0 * phase.delta
     force = phase.A * unit(omega * t)
@@ -58,8 +59,9 @@ def _motion(t: float, phase: Phase) -> _Motion:
 
 @jit
 def locate(which: int, level: float, low: float, high: float, start: float, phase: Phase) -> float:
-    """Time at which the derivative of u of order `which`, 0 to 3, crosses `level`, by Newton's method kept inside the
-    bracket; it is beyond the level at `high` alone.   start : a time near it; one outside stands for the middle."""
+    """Return the time at which the derivative of u of order `which`, 0 to 3, crosses `level`, by Newton's method kept
+    inside the bracket; it is beyond the level at `high` alone.   start : a time near it; one outside stands for the
+    middle."""
     beyond = _motion(high, phase)[which] > level
     t = start if low < start < high else 0.5 * (low + high)
     for _ in range(100):
@@ -83,7 +85,8 @@ def locate(which: int, level: float, low: float, high: float, start: float, phas
 def _turns(
     which: int, low: float, high: float, at_low: _Motion, at_high: _Motion, phase: Phase
 ) -> tuple[float, float]:
-    """The times in (low, high) at which u (which = 0) or u̇ (which = 1) has an extremum, at most two; `high` for none.
+    """Return the times in (low, high) at which u (which = 0) or u̇ (which = 1) has an extremum, at most two; `high` for
+    none.
 
     at_low, at_high : `_motion` at both ends.
     """
@@ -104,7 +107,7 @@ def _turns(
 
 @jit
 def _just_inside(which: int, lower: float, upper: float, before: float, phase: Phase) -> float:
-    """A time before `before` at which a motion that starts on the edge of [lower, upper] is within it; 0 if it
+    """Return a time before `before` at which a motion that starts on the edge of [lower, upper] is within it; 0 if it
     leaves at once."""
     t = before
     for _ in range(_HALVINGS):
@@ -116,7 +119,7 @@ def _just_inside(which: int, lower: float, upper: float, before: float, phase: P
 
 @jit
 def _first_turn(v0: float, f0: float, delta: float, w: float) -> tuple[float, float]:
-    """(time, ±1): when a free motion first turns, and which way it goes until then.
+    """Return (time, ±1): when a free motion first turns, and which way it goes until then.
 
     u̇ = e^{−δt} (v₀ cos wt + (f₀ − δv₀)/w sin wt) with w² = Ω² − δ² > 0.
     """
@@ -126,8 +129,8 @@ def _first_turn(v0: float, f0: float, delta: float, w: float) -> tuple[float, fl
 
 @jit
 def _free_end(which: int, lower: float, upper: float, phase: Phase) -> tuple[float, float]:
-    """(duration, level): when u (which = 0) or u̇ (which = 1) of a free under-damped motion leaves [lower, upper], and
-    at which bound; infinite where it never does.
+    """Return (duration, level): when u (which = 0) or u̇ (which = 1) of a free under-damped motion leaves [lower,
+    upper], and at which bound; infinite where it never does.
 
     Its velocity has its zeros half a period apart, and each swing about the rest position is smaller than the one
     before: a contact that sticks slips in one of the first two swings, or never again.
@@ -157,8 +160,8 @@ def _free_end(which: int, lower: float, upper: float, phase: Phase) -> tuple[flo
 def leaving(
     which: int, lower: float, upper: float, limit: float, phase: Phase
 ) -> tuple[bool, float, float]:
-    """(whether, t, level): whether u (which = 0) or u̇ (which = 1) leaves [lower, upper] before `limit`, s, when, and at
-    which of the two; t is the limit, except for rounding, where it stays within."""
+    """Return (whether, t, level): whether u (which = 0) or u̇ (which = 1) leaves [lower, upper] before `limit`, s,
+    when, and at which of the two; t is the limit, except for rounding, where it stays within."""
     if phase.A == 0j and phase.delta < _UNDER * math.sqrt(phase.Omega2):
         t, level = _free_end(which, lower, upper, phase)
         return t < limit, min(t, limit), level
@@ -190,7 +193,8 @@ def leaving(
 def phase_end(
     s: float, x: float, v: float, z: float, theta: float, limit: float, par: Parameters
 ) -> tuple[float, float, float, float]:
-    """(duration, x, ẋ, z) at the end of the phase that starts at (x, ẋ, z) with the contact in state s, or at `limit`.
+    """Return (duration, x, ẋ, z) at the end of the phase that starts at (x, ẋ, z) with the contact in state s, or at
+    `limit`.
 
     A stick phase lasts while −Z_m ≤ z ≤ Z_m, a slip phase while ẋ does not change sign; at the event the equality
     is exact.
@@ -222,7 +226,7 @@ def write_phase(phases: Array, i: int, t: float, s: float, x: float, v: float, z
 
 @jit
 def read_phase(phases: Array, i: int) -> tuple[float, float, float, float, float]:
-    """(t, s, x, ẋ, z) of row i of `phases`."""
+    """Return (t, s, x, ẋ, z) of row i of `phases`."""
     return (
         phases[i, PHASE_T],
         phases[i, PHASE_S],

@@ -69,7 +69,7 @@ class Scheme:
     velocity_lag: float = 0.0
 
     def balance_bias(self, osc: Oscillator, omega: float, h: float) -> float:
-        """What W/b of the sampled x, v of a linear steady motion exceeds c by, N s/m, to first order in h.
+        """Return the excess of W/b over c, N s/m, of the sampled x, v of a linear steady motion, to first order in h.
 
         W/b = ∮ky v/∮v² = c + m h [d ω² − lag (ω² − ω_n²)]: damping of the scheme, and the part of the velocity that
         its lag turns into phase with the spring and inertia forces. omega : rad/s.   h : s.
@@ -93,7 +93,7 @@ SCHEMES: dict[str, Scheme] = {
 def one_step(
     code: int, u: tuple[float, float], p: tuple[float, float, float], C: float, K: float, h: float
 ) -> tuple[float, float]:
-    """u = (x, v) after a step h of the scheme with this code, from u at its start.
+    """Return u = (x, v) after a step h of the scheme with this code, from u at its start.
 
     p : force per mass at the start, middle and end of the step, m/s².   C : 1/s.   K : 1/s².   h : s.
     """
@@ -131,7 +131,8 @@ def simulate(
     k_over_m: float | None = None,
     stick_samples: int = MIN_STICK_SAMPLES,
 ) -> Record:
-    """The response from rest, by a fixed-step scheme: t, y, x, v and acceleration of the last `keep_cycles` cycles.
+    """Return the response from rest, by a fixed-step scheme: t, y, x, v and acceleration of the last `keep_cycles`
+    cycles.
 
     At t = 0 the mass is at rest at x = 0, the contact relaxed and sticking, the base at its peak (y = Y cos ωt).
     Sample n is at t = n · step. The acceleration is that of Eqs. (1), (2) at the sample, with the law of the step that
@@ -184,7 +185,7 @@ def simulate(
 def largest_growth(
     scheme: str, step: float, c_over_m: float, k_over_m: float, contact_over_m: float = 0.0
 ) -> float:
-    """By how much a free oscillation grows in a step of a scheme, the spectral radius of its map; 1 if it decays.
+    """Return the growth of a free oscillation in a step of a scheme, the spectral radius of its map; 1 if it decays.
 
     step : s.   c_over_m : 1/s.   k_over_m, contact_over_m : k/m and, in stick, K_z/m, 1/s².
     """
@@ -194,7 +195,7 @@ def largest_growth(
 
 @jit
 def _linear_map(code: int, C: float, K: float, h: float) -> Array:
-    """The (2, 5) matrix of one step, on (u, p): its columns are the steps of unit vectors."""
+    """Return the (2, 5) matrix of one step, on (u, p): its columns are the steps of unit vectors."""
     law, unit = np.empty((2, 5)), np.zeros(5)
     for i in range(5):
         unit[:] = 0.0
@@ -217,7 +218,7 @@ class _Contact(NamedTuple):
 
 @jit
 def _after(x: float, v: float, contact: _Contact, Z_m: float) -> _Contact:
-    """The contact after a step that ended at x and v: sticking, slipping, or switched from one to the other."""
+    """Return the contact after a step that ended at x and v: sticking, slipping, or switched from one to the other."""
     sticks, direction, X_t, z_0 = contact
     z = z_0 + x - X_t
     if sticks and abs(z) > Z_m:

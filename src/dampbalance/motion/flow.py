@@ -36,20 +36,21 @@ _RESONANT_BELOW = 0.1  # of |Ω² − ω² + 2iδω| / (Ω² + ω²): more than 
 
 @jit
 def unit(angle: float) -> complex:
-    """e^{i angle}; angle : rad."""
+    """Return e^{i angle}; angle : rad."""
     return complex(math.cos(angle), math.sin(angle))
 
 
 @jit
 def inverse(real: float, imaginary: float) -> complex:
-    """1/(real + i imaginary), without the scaling of a complex division: its square must not over- or underflow."""
+    """Return 1/(real + i imaginary), without the scaling of a complex division: its square must not over- or
+    underflow."""
     square = real * real + imaginary * imaginary
     return complex(real / square, -imaginary / square)
 
 
 @jit
 def step_response(t: float, delta: float, Omega2: float) -> tuple[float, float, float]:
-    """Step response J, impulse response S = J̇ and R = J̈ of J̈ + 2δJ̇ + Ω²J = 1 at time t ≥ 0.
+    """Return the step response J, impulse response S = J̇ and R = J̈ of J̈ + 2δJ̇ + Ω²J = 1 at time t ≥ 0.
 
     Under-, critically and over-damped alike. t : s.   delta : 1/s, ≥ 0.   Omega2 : 1/s², > 0.
     """
@@ -62,7 +63,7 @@ def step_response(t: float, delta: float, Omega2: float) -> tuple[float, float, 
 
 @jit
 def _step_response_series(t: float, delta: float, Omega2: float) -> tuple[float, float]:
-    """J and J̇ from the Taylor series, n(n−1) jₙ = −2δ (n−1) jₙ₋₁ − Ω² jₙ₋₂ after j₂ = ½."""
+    """Return J and J̇ from the Taylor series, n(n−1) jₙ = −2δ (n−1) jₙ₋₁ − Ω² jₙ₋₂ after j₂ = ½."""
     before, term = 0.0, 0.5 * t * t
     J, S_t = term, 2.0 * term
     for n in range(3, 14):
@@ -75,7 +76,8 @@ def _step_response_series(t: float, delta: float, Omega2: float) -> tuple[float,
 
 @jit
 def _step_response_closed(t: float, delta: float, Omega2: float) -> tuple[float, float]:
-    """J = (1 − e^{−δt} cosh σt − δJ̇)/Ω² and J̇ = e^{−δt} sinh(σt)/σ, σ² = δ² − Ω² of either sign, without overflow."""
+    """Return J = (1 − e^{−δt} cosh σt − δJ̇)/Ω² and J̇ = e^{−δt} sinh(σt)/σ, σ² = δ² − Ω² of either sign, without
+    overflow."""
     z = (delta * delta - Omega2) * t * t
     if z > _CRITICAL_BELOW:  # by the decay rates δ ± σ, whose product is Ω²
         sigma = math.sqrt(z) / t
@@ -102,7 +104,7 @@ def _step_response_closed(t: float, delta: float, Omega2: float) -> tuple[float,
 def harmonic_response(
     t: float, omega: float, delta: float, Omega2: float, J: float, S: float
 ) -> tuple[complex, complex]:
-    """Response P to a unit harmonic force and its derivative Ṗ at time t ≥ 0; J, S from `step_response`.
+    """Return the response P to a unit harmonic force and its derivative Ṗ at time t ≥ 0; J, S from `step_response`.
 
     P = [(e^{iωt} − 1) + Ω²J − iωS] / D,  D = Ω² − ω² + 2iδω, unless that would cancel: D or t is small.
     """
@@ -131,7 +133,7 @@ def harmonic_response(
 def _harmonic_response_series(
     t: float, last: int, omega: float, delta: float, Omega2: float
 ) -> tuple[complex, complex]:
-    """P and Ṗ from the Taylor series, n(n−1) pₙ = (iω)ⁿ⁻²/(n−2)! − 2δ (n−1) pₙ₋₁ − Ω² pₙ₋₂ after p₂ = ½."""
+    """Return P and Ṗ from the Taylor series, n(n−1) pₙ = (iω)ⁿ⁻²/(n−2)! − 2δ (n−1) pₙ₋₁ − Ω² pₙ₋₂ after p₂ = ½."""
     before, term = 0j, complex(0.5 * t * t, 0.0)
     force = complex(t * t, 0.0)
     P, P_t = term, 2.0 * term
@@ -148,7 +150,8 @@ def _harmonic_response_series(
 def _harmonic_response_resonant(
     t: float, omega: float, delta: float, Omega2: float
 ) -> tuple[complex, complex]:
-    """P and Ṗ, under-damped, by the roots λ, λ̄ = −δ ± iσ:  P = (∫ e^{λ(t−s)+iωs} ds − ∫ e^{λ̄(t−s)+iωs} ds) / (2iσ).
+    """Return P and Ṗ, under-damped, by the roots λ, λ̄ = −δ ± iσ:  P = (∫ e^{λ(t−s)+iωs} ds − ∫ e^{λ̄(t−s)+iωs} ds) /
+    (2iσ).
 
     The first integral is t e^{λt} (e^w − 1)/w with w = (iω − λ) t, regular at resonance.
     """
@@ -169,7 +172,7 @@ def _harmonic_response_resonant(
 
 
 class Phase(NamedTuple):
-    """What the motion within one phase depends on.
+    """Numbers that determine the motion within one phase.
 
     v0 : initial velocity, m/s.   f0, A : constant and harmonic force per mass at the start, m/s².
     delta : 1/s.   Omega2 : 1/s².   omega : rad/s.
@@ -185,7 +188,7 @@ class Phase(NamedTuple):
 
 @jit
 def phase_start(s: float, x: float, v: float, z: float, turn: complex, par: Parameters) -> Phase:
-    """The phase that starts at (x, ẋ, z) with the contact in state s, when the base is at Re[Y turn].
+    """Return the phase that starts at (x, ẋ, z) with the contact in state s, when the base is at Re[Y turn].
 
     x, z : m.   v : m/s.   turn : e^{iθ}; y = Y cos(θ + ωt) from the start of the phase on.
     """
@@ -198,7 +201,7 @@ def phase_start(s: float, x: float, v: float, z: float, turn: complex, par: Para
 
 @jit
 def move(t: float, phase: Phase) -> tuple[float, float]:
-    """Displacement gained u, m, and velocity, m/s, a time t after the start of a phase."""
+    """Return the displacement gained u, m, and velocity, m/s, a time t after the start of a phase."""
     v0, f0, A, delta, Omega2, omega = phase
     J, S, R = step_response(t, delta, Omega2)
     if A == 0j:  # the base is at rest

@@ -1,4 +1,4 @@
-"""What is read off an exact orbit: extremes, slip onset, energy terms and harmonics, phase by phase.
+"""Features of an exact orbit: extremes, slip onset, energy terms and harmonics, phase by phase.
 
 An orbit is given by the phases of its half cycle from the reversal at −X: rows (t, s, x, ẋ, z). Within a phase the
 velocity is ẋ = Re[V e^{iψ}] + q̇(t), ψ = θ + ωt the phase of the base and q the free motion, q̈ + 2δq̇ + Ω²q = 0. Its
@@ -29,7 +29,7 @@ PANEL = 8.0
 """Radians of the fastest oscillation of an integrand: 12 Gauss points are then exact to rounding."""
 
 GAUSS_NODES, GAUSS_WEIGHTS = (np.ascontiguousarray(a) for a in np.polynomial.legendre.leggauss(12))
-"""Of the rule on [−1, 1]."""
+"""Gauss's rule on [−1, 1]."""
 
 
 class Measures(NamedTuple):
@@ -54,7 +54,7 @@ class Measures(NamedTuple):
 
 @jit
 def measure(phases: Array, count: int, theta: float, par: Parameters) -> Measures:
-    """Features of the orbit whose half cycle from the reversal at −X has the given phases.
+    """Return features of the orbit whose half cycle from the reversal at −X has the given phases.
 
     phases : (≥ count, 5), rows (t, s, x, ẋ, z), SI.   theta : phase of the base at the reversal, rad.
 
@@ -114,7 +114,8 @@ def measure(phases: Array, count: int, theta: float, par: Parameters) -> Measure
 def write_measures(
     out: Array, i: int, phases: Array, count: int, theta: float, par: Parameters
 ) -> None:
-    """Column i of `out`: the measures of an orbit with `count` phases in its half cycle, NaN where there is none."""
+    """Write column i of `out`: the measures of an orbit with `count` phases in its half cycle, NaN where there is
+    none."""
     if count == 0:
         for row in range(len(out)):
             out[row, i] = np.nan
@@ -125,7 +126,7 @@ def write_measures(
 
 @jit
 def _amplitude_and_lag(harmonic: complex) -> tuple[float, float]:
-    """X_n and φ_n of X_n e^{−iφ_n}."""
+    """Return X_n and φ_n of X_n e^{−iφ_n}."""
     return abs(harmonic), -math.atan2(harmonic.imag, harmonic.real)
 
 
@@ -137,8 +138,8 @@ def _by_ends(
     turns: tuple[complex, complex],
     drive: float,
 ) -> tuple[float, float, complex, complex, complex]:
-    """∫ ẋ² dt of the forced motion and of the whole, and ∫ ẋ e^{inψ} dt, n = 1, 3, 5, over a phase, from the values
-    at its ends.
+    """Return ∫ ẋ² dt of the forced motion and of the whole, and ∫ ẋ e^{inψ} dt, n = 1, 3, 5, over a phase, from the
+    values at its ends.
 
     end : displacement gained, m, and ẋ, m/s, at the end.   turns : e^{iψ} at the start and end, ψ phase of the base.
     drive : kY/m, m/s².
@@ -177,7 +178,7 @@ def _by_ends(
 
 @jit
 def _over_i(z: complex, rate: float) -> complex:
-    """z / (i · rate)."""
+    """Return z / (i · rate)."""
     return complex(z.imag / rate, -z.real / rate)
 
 
@@ -189,7 +190,7 @@ def _free_integral(
     sigma: float,
     phase: Phase,
 ) -> complex:
-    """∫ q̇ e^{iσt} dt over a phase, from q, q̇ and e^{iσt} at its start and end."""
+    """Return ∫ q̇ e^{iσt} dt over a phase, from q, q̇ and e^{iσt} at its start and end."""
     q0, w0, q1, w1 = ends
     delta, Omega2 = phase.delta, phase.Omega2
     difference = turn1 * complex(Omega2 * q1, sigma * w1) - turn0 * complex(Omega2 * q0, sigma * w0)
@@ -200,7 +201,8 @@ def _free_integral(
 def _by_gauss(
     duration: float, phase: Phase, start: complex
 ) -> tuple[float, complex, complex, complex]:
-    """The integrals of `_by_ends`, except that of the forced motion, by Gauss's rule; not for over-damped phases.
+    """Return the integrals of `_by_ends`, except that of the forced motion, by Gauss's rule; not for over-damped
+    phases.
 
     start : e^{iψ} at the start.
     """
@@ -225,5 +227,5 @@ def _by_gauss(
 
 @jit
 def wrapped(angle: float) -> float:
-    """The angle plus a multiple of 2π, in [−π/2, 3π/2)."""
+    """Return the angle plus a multiple of 2π, in [−π/2, 3π/2)."""
     return (angle + 0.5 * math.pi) % (2.0 * math.pi) - 0.5 * math.pi

@@ -30,7 +30,7 @@ _target = threading.local()  # .cuda : whether this thread compiles for a GPU
 
 
 def _sources() -> list[Path]:
-    """The modules that kernels are made of: this room, what it imports from the root, and the climb."""
+    """Return the modules that kernels are made of: this room, what it imports from the root, and the climb."""
     root = ("arguments", "arrays", "model", "record")
     rooms = (*sorted(_PACKAGE.glob("motion/*.py")), *_PACKAGE.glob("fit/climb.py"))
     return [*(_PACKAGE / f"{name}.py" for name in root), *rooms]
@@ -46,7 +46,8 @@ def _source_digest() -> str:
 
 
 def _cache_folder() -> Path | None:
-    """Where compiled kernels are kept: beside the package if that can be written, else the user's cache folder."""
+    """Return the folder of compiled kernels: next to the package if that can be written, else in the user's cache
+    folder."""
     parents = [_PACKAGE / "__pycache__"]
     with contextlib.suppress(RuntimeError):  # a user without a home
         user_cache = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
@@ -64,7 +65,7 @@ def _cache_folder() -> Path | None:
 
 @functools.cache
 def _folder() -> Path | None:
-    """The cache folder of this process; while there is nothing in it yet, a word on why the first call takes long."""
+    """Return the cache folder of this process; while it is empty, print why the first call takes long."""
     folder = _cache_folder()
     if folder is None:
         kept = "again in every process, as no folder for them can be written"
@@ -78,7 +79,7 @@ def _folder() -> Path | None:
 
 
 def _compiled(function: Callable[..., object]) -> Any:
-    """The dispatcher of Numba: no global lock held, strict IEEE arithmetic, cached on disk."""
+    """Return the dispatcher of Numba: no global lock held, strict IEEE arithmetic, cached on disk."""
     import numba
     from numba.core import config
 
@@ -114,7 +115,7 @@ class _Kernel:
 
     @property
     def _numba_type_(self) -> Any:
-        """What Numba asks of a name that a kernel uses."""
+        """Type that Numba asks of a name that a kernel uses."""
         if not getattr(_target, "cuda", False):
             return self.dispatcher._numba_type_
         if self._on_device is None:

@@ -33,10 +33,10 @@ DECAY_UNKNOWNS = (*OSCILLATOR_UNKNOWNS, "x", "v", "w", *ADDED)
 preload w of the contact spring, and `ADDED`."""
 
 LINEAR_UNKNOWNS = len(OSCILLATOR_UNKNOWNS) + 3
-"""How many of these a fit of friction and viscous damping needs."""
+"""Number of these that a fit of friction and viscous damping needs."""
 
 Coefficients = tuple[float, float, float, float, float, float, float, float]
-"""Those of `ADDED`."""
+"""Values of the coefficients in `ADDED`."""
 
 _START_X, _START_V, _START_PRELOAD = range(len(OSCILLATOR_UNKNOWNS), LINEAR_UNKNOWNS)
 _FIRST_ADDED = LINEAR_UNKNOWNS
@@ -44,33 +44,34 @@ _FALLING, _SPEED, _GRADUAL = range(5, len(ADDED))
 # Rows of the work space, (15, 1 + n): a row is the motion, or a force on it, and its n derivatives. It is handed on
 # whole, as each array that is handed on costs as much as a tenth of a step.
 _STAGE, _HALF = 0, 4  # accelerations of the four stages of a step; x and ẋ after half of it
-_HELD, _CONSTANT = 6, 7  # of a phase, see `_hold`
+_HELD, _CONSTANT = 6, 7  # constants of a phase, see `_hold`
 _STATE = 8  # x − x₀ and ẋ here, and there
 _FLOW = 12  # h, J, S, R over h/2, J, S, R over h: of slip, of stick, of a step to an event
-_RADIANS = 0.3  # of a phase that a step takes at the most: derivatives are then exact to 1e-5
+_RADIANS = 0.3  # longest step, in radians of a phase: derivatives are then exact to 1e-5
 _EQUAL = 1e-10  # relative difference of two steps that rounding makes between thousands of times
 _NEWTONS = 20
-_REACHED = 1e-13  # of a step: an event is located
-_MOST_EVENTS = 4096  # a motion with more is none that samples show
+_REACHED = 1e-13  # steps: an event is located to this
+_MOST_EVENTS = 4096  # samples do not resolve a motion with more
 
 
 @jit
 def rounding(u: Any, F_k: float, K_z: float) -> Any:
-    """Force of an Iwan contact of stiffness 2K_z, less that of a Jenkins contact of stiffness K_z, at a distance u ≥ 0
-    from a reversal, N: 2F_k s(1 − s), s = K_z u/(2F_k) ≤ 1. Both have yielded there; a number or an array."""
+    """Return the force of an Iwan contact of stiffness 2K_z, less that of a Jenkins contact of stiffness K_z, at a
+    distance u ≥ 0 from a reversal, N: 2F_k s(1 − s), s = K_z u/(2F_k) ≤ 1. Both have yielded there; a number or an
+    array."""
     s = np.minimum(0.5 * K_z / F_k * u, 1.0)
     return 2.0 * F_k * s * (1.0 - s)
 
 
 @jit
 def _persisting(v: float, p: Coefficients) -> float:
-    """The part e^(−|ẋ|/v) of what friction is larger by at rest that persists at a speed."""
+    """Return the part e^(−|ẋ|/v) of the excess of friction at rest that persists at a speed."""
     return math.exp(-abs(v) / p[_SPEED]) if p[_SPEED] > 0.0 else 0.0
 
 
 @jit
 def _added(x: float, v: float, sticks: bool, p: Coefficients) -> tuple[float, float, float]:
-    """The force that is not linear, and its derivatives by x and ẋ."""
+    """Return the force that is not linear, and its derivatives by x and ẋ."""
     size = abs(v)
     sign = 1.0 if v > 0.0 else (-1.0 if v < 0.0 else 0.0)
     force = (p[0] * size + p[1] * v * v) * v + p[2] * size + (p[3] + p[4] * x) * x * x
@@ -144,8 +145,8 @@ def _linear_step(
     by_rho: float,
     par: Parameters,
 ) -> None:
-    """A step like that of `_step` without `ADDED`: the motion is exact, and Simpson's rule integrates what acts on the
-    derivatives by c, ρ and m.   by_rho : acceleration that ρ adds by displacement."""
+    """Take a step like that of `_step` without `ADDED`: the motion is exact, and Simpson's rule integrates what acts on
+    the derivatives by c, ρ and m.   by_rho : acceleration that ρ adds by displacement."""
     h, J, S, R = w[flow, 0], w[flow, 4], w[flow, 5], w[flow, 6]
     C, D = 1.0 - Omega2 * J, -Omega2 * S
     for i in range(rows):
@@ -200,7 +201,7 @@ def _step(
     p: Coefficients,
     linear: bool,
 ) -> None:
-    """A step of length h of the motion and its derivatives.
+    """Take a step of length h of the motion and its derivatives.
 
     here, there : rows of the states.   rows : of a state, 1 for the motion alone, else 1 + n.
     flow : row of the responses of the phase, which are computed unless they are those of such a step.
@@ -274,7 +275,7 @@ def law_decay(
     coefficients: Array,
     unknowns: int,
 ) -> Array:
-    """x, ẋ or ẍ (order 0, 1, 2) of a free decay at ascending times ≥ 0, and derivatives, (n, 1 + unknowns).
+    """Return x, ẋ or ẍ (order 0, 1, 2) of a free decay at ascending times ≥ 0, and derivatives, (n, 1 + unknowns).
 
     NaN from where the contact rattles on.
 
@@ -286,7 +287,7 @@ def law_decay(
     w = np.zeros((15, rows))
     c = coefficients
     p = (c[0], c[1], c[2], c[3], c[4], c[5], c[6], c[7])
-    # for a literal each kernel would be compiled once more
+    # a literal would have each kernel compiled once more
     here, there, stage = int(np.int64(_STATE)), int(np.int64(_STATE + 2)), int(np.int64(_STAGE))
     w[_HELD, 0], w[here + 1, 0] = x, v
     w[_HELD, 1 + _START_X], w[here + 1, 1 + _START_V] = 1.0, 1.0

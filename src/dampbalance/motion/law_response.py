@@ -11,7 +11,7 @@ from .law_steady import Response, steady_response
 
 
 def law_response(oscillator: Oscillator, motion: BaseMotion, law: Mapping[str, float]) -> Response:
-    """The steady response of an oscillator under a law; use it to sample a motion with `measured_orbit`.
+    """Return the steady response of an oscillator under a law; use it to sample a motion with `measured_orbit`.
 
     law : term, or symbol of one, → coefficient of the terms besides friction and c, which are the oscillator's, SI.
 
@@ -27,8 +27,6 @@ def law_response(oscillator: Oscillator, motion: BaseMotion, law: Mapping[str, f
         if of.group is not None:
             raise ValueError(f"{symbol} is the {words} of a group of records: name the term alone")
         if symbol in (FRICTION, "c"):
-            raise ValueError(
-                f"the {words} is that of the oscillator: set Oscillator.{symbol}, not the law's"
-            )
+            raise ValueError(f"the {words} belongs to the oscillator: set Oscillator.{symbol}")
         coefficients[symbol] = number("given", p, f"{symbol} ({words})")
     return steady_response(oscillator, motion, coefficients)

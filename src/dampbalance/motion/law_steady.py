@@ -41,16 +41,17 @@ from .regime import Regime
 from .states import State
 
 HARMONICS = 32
-"""Odd harmonics of what other terms add to an orbit."""
+"""Number of odd harmonics of the change that other terms make to an orbit."""
 
 # Points of a phase: exact for the 63rd harmonic over half a cycle and more.
 _POINTS, _MOST_POINTS = 40, 400
-_RIGID = 1e-11  # of X: microstick lines below it are rounding
+_RIGID = 1e-11  # relative to X: shorter microstick lines are rounding
 
 
 @cache
 def _rule(points: int) -> tuple[Array, Array, Array]:
-    """Gauss's points and weights on (0, 1), and the integrals from 0 to each point by the values at all of them."""
+    """Return Gauss's points and weights on (0, 1), and the integrals from 0 to each point by the values at all of
+    them."""
     nodes, weights, coefficients = _polynomials(points)
     integrals = legendre.legval(nodes, legendre.legint(coefficients, lbnd=-1)).T
     return 0.5 * (1.0 + nodes), 0.5 * weights, np.asarray(0.5 * integrals, dtype=np.float64)
@@ -58,7 +59,8 @@ def _rule(points: int) -> tuple[Array, Array, Array]:
 
 @cache
 def _integrals(points: int) -> tuple[Array, Array, Array]:
-    """Gauss's points and the end, 1, and the first and second integrals from 0 to each by the values at the points."""
+    """Return Gauss's points and the end, 1, and the first and second integrals from 0 to each by the values at the
+    points."""
     nodes, weights, integral = _rule(points)
     once = np.vstack([integral, weights])
     return np.append(nodes, 1.0), once, once @ integral
@@ -66,7 +68,8 @@ def _integrals(points: int) -> tuple[Array, Array, Array]:
 
 @cache
 def _finer(points: int, more: int) -> tuple[Array, Array, Array]:
-    """Points and weights of a finer rule, and the values at its points by those at the points of a coarse one."""
+    """Return points and weights of a finer rule, and the values at its points by those at the points of a coarse
+    one."""
     nodes, weights, _ = _polynomials(more)
     values = legendre.legval(nodes, _polynomials(points)[2])
     return 0.5 * (1.0 + nodes), 0.5 * weights, np.asarray(values.T)
@@ -74,7 +77,8 @@ def _finer(points: int, more: int) -> tuple[Array, Array, Array]:
 
 @cache
 def _polynomials(points: int) -> tuple[Array, Array, Array]:
-    """Gauss's points and weights on (−1, 1), and the coefficients of Legendre's polynomials by values at the points."""
+    """Return Gauss's points and weights on (−1, 1), and the coefficients of Legendre's polynomials by values at the
+    points."""
     nodes, weights = (np.asarray(of, dtype=np.float64) for of in legendre.leggauss(points))
     n = np.arange(points)
     values = np.asarray(legendre.legvander(nodes, points - 1).T, dtype=np.float64)
@@ -97,8 +101,8 @@ class Further(NamedTuple):
     def force(
         self, u: Array, v: Array, X: float, sticks: Mask, o: Oscillator
     ) -> tuple[Array, Array, Array, Array]:
-        """The forces at x + X = u and ẋ = v ≥ 0 after the reversal at −X, N, and their derivatives by u, v and X, (n,)
-        each. In stick, friction acts the way that it did before the turn."""
+        """Return the forces at x + X = u and ẋ = v ≥ 0 after the reversal at −X, N, and their derivatives by u, v and
+        X, (n,) each. In stick, friction acts the way that it did before the turn."""
         part = 0.5 * o.K_z / o.F_k * u * sticks
         falling = o.F_k * self.falling * np.exp(np.minimum(-v / self.speed, 0.0))
         by_x = 3.0 * self.k_3 * (u - X) ** 2
@@ -150,7 +154,8 @@ class System:
     def of(
         cls, orbit: Orbit, linear: float, others: Mapping[str, float], further: Further = NOTHING
     ) -> Self:
-        """The equations of the response near an orbit. Raises NoSteadyOrbit for one of a kind that is not followed."""
+        """Return the equations of the response near an orbit. Raises NoSteadyOrbit for one of a kind that is not
+        followed."""
         o, half = orbit.oscillator, 0.5 * orbit.motion.period
         if orbit.regime not in (Regime.ONE_SLIP, Regime.NO_SLIP, Regime.NO_FRICTION):
             raise NoSteadyOrbit(
@@ -172,7 +177,7 @@ class System:
         return self.orbit.regime != Regime.NO_SLIP
 
     def start(self) -> Array:
-        """The unknowns in the motion of the orbit."""
+        """Return the unknowns in the motion of the orbit."""
         omega, ends = self.orbit.motion.omega, [0.0, 0.5 * self.orbit.motion.period]
         if len(self.lengths) == 2:
             ends.insert(1, self.orbit.t_s)
@@ -181,8 +186,8 @@ class System:
         return np.concatenate([a, [self.orbit.X, 0.0], ends[1:-1]])
 
     def half_cycle(self, q: Array, *, slopes: bool = True) -> HalfCycle:
-        """The motion that the unknowns describe, from rest.   slopes : whether its derivatives are wanted; else none
-        have columns."""
+        """Return the motion that the unknowns describe, from rest.   slopes : whether its derivatives are wanted; else
+        none have columns."""
         half, size, first = 0.5 * self.orbit.motion.period, q.size if slopes else 0, 0
         two = len(self.lengths) == 2
         ends = [0.0, q[-1], half] if two else [0.0, half]
@@ -214,7 +219,7 @@ class System:
         return HalfCycle(t, u, v, a, by_t, by_u, by_v, np.array(at), np.array(by_at))
 
     def equations(self, q: Array, *, slopes: bool = True) -> tuple[Array, Array]:
-        """Return what is left of the equations, N, and, where they are wanted, their derivatives."""
+        """Return the residuals of the equations, N, and, where they are wanted, their derivatives."""
         o, motion = self.orbit.oscillator, self.orbit.motion
         of = self.half_cycle(q, slopes=slopes)
         n, X, ends, by_ends = of.t.size, q[of.t.size], of.at, of.by_at
@@ -255,7 +260,7 @@ class System:
         return left, np.vstack([matrix, *by_last])
 
     def harmonics(self, q: Array, count: int) -> Complexes:
-        """x_n, n = 1, 3 … 2 count − 1, in the phases of the orbit, m, (count,)."""
+        """Return x_n, n = 1, 3 … 2 count − 1, in the phases of the orbit, m, (count,)."""
         omega, half, first = self.orbit.motion.omega, 0.5 * self.orbit.motion.period, 0
         n, x = np.arange(1.0, 2.0 * count, 2.0), np.zeros(count, complex)
         ends = [0.0, q[-1], half] if len(self.lengths) == 2 else [0.0, half]
@@ -270,7 +275,7 @@ class System:
         return x
 
     def state(self, q: Array, t: Array) -> tuple[Array, Array, Array, Array]:
-        """(x, ẋ, ẍ, z) at times t after the reversal at −X, 0 to π/ω, s, (n,)."""
+        """Return (x, ẋ, ẍ, z) at times t after the reversal at −X, 0 to π/ω, s, (n,)."""
         o, at, first = self.orbit.oscillator, self.half_cycle(q, slopes=False).at, 0
         X, begun = q[sum(self.lengths)], np.vstack([np.zeros(3), at])
         x, v, a, z = np.empty((4, t.size))
@@ -291,7 +296,7 @@ class System:
         return x, v, a, z
 
     def _contact(self, of: HalfCycle, X: float) -> tuple[Array, Array, Array | float]:
-        """The force of the contact at the points, N, and its derivatives by x + X and X, N/m."""
+        """Return the force of the contact at the points, N, and its derivatives by x + X and X, N/m."""
         o, n = self.orbit.oscillator, of.t.size
         if not self.slips:
             return o.K_z * (of.u - X), np.full(n, o.K_z), -o.K_z
@@ -301,11 +306,20 @@ class System:
 
 
 _MOST = 40  # steps
-_CONVERGED_STATE = 1e-8  # of the unknowns: what a step as short leaves, its square, is rounding
-_BESIDE = 1e-5  # of the unknowns: what a step as short leaves with derivatives from there, its square, is 1e-10
-_FAR = 0.3  # of the unknowns: a step as long may lead away
+# relative to the unknowns: a step as short leaves its square, which is rounding
+_CONVERGED_STATE = 1e-8
+_BESIDE = 1e-5  # relative to the unknowns: a step as short, with derivatives from there, leaves its square, 1e-10
+_FAR = 0.3  # relative to the unknowns: a step as long may lead away
 _SHORTEST = 1.0 / 256.0  # part of such a step
 _EQUIVALENCES = 3  # repetitions that bring c_e near that of the response
+
+
+class Solution(NamedTuple):
+    """The equations of a response, the unknowns that solve them, and their derivatives there, or near."""
+
+    system: System
+    unknowns: Array
+    matrix: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -313,22 +327,20 @@ class Response:
     """The steady response of an oscillator with a law.
 
     orbit : exact, of the oscillator with the equivalent linear damper.   advance : phase by which the base of that
-    orbit is before the real one, rad.   system, unknowns, matrix : the equations of the response, where it is no orbit,
-    what solves them, and their derivatives.
+    orbit is before the real one, rad.   solution : of the equations of the response; None where it is an orbit.
     """
 
     orbit: Orbit
     advance: float
-    system: System | None = field(default=None, repr=False)
-    unknowns: Array | None = field(default=None, repr=False)
-    matrix: Array | None = field(default=None, repr=False)
+    solution: Solution | None = field(default=None, repr=False)
 
     @cached_property
     def change(self) -> Complexes | None:
         """x_n less that of the orbit, n = 1, 3 … 63, with the phases of the orbit, m; None where there is none."""
-        if self.system is None or self.unknowns is None:
+        if self.solution is None:
             return None
-        return self.system.harmonics(self.unknowns, HARMONICS) - self.orbit.harmonics(HARMONICS)
+        system, q, _ = self.solution
+        return system.harmonics(q, HARMONICS) - self.orbit.harmonics(HARMONICS)
 
     @property
     def turned(self) -> float:
@@ -338,10 +350,11 @@ class Response:
     @cached_property
     def _at(self) -> tuple[float, float, float, float] | None:
         """X, β, V_s and t_s of a response that is no orbit."""
-        if self.system is None or self.unknowns is None:
+        if self.solution is None:
             return None
-        X, beta, *onset = self.unknowns[sum(self.system.lengths) :].tolist()
-        V_s = self.system.half_cycle(self.unknowns, slopes=False).at[0, 2] if onset else 0.0
+        system, q, _ = self.solution
+        X, beta, *onset = q[sum(system.lengths) :].tolist()
+        V_s = system.half_cycle(q, slopes=False).at[0, 2] if onset else 0.0
         t_s = onset[0] if onset else 0.0
         return (X, beta, float(V_s), t_s) if self.slips else (X, beta, math.nan, math.nan)
 
@@ -368,17 +381,18 @@ class Response:
     @property
     def stick_travel(self) -> float:
         """λ = 4X − a, m: what sticking takes from the travel of a cycle."""
-        if self.system is None or self.unknowns is None:
+        if self.solution is None:
             return 4.0 * self.orbit.X - self.orbit.a
-        if len(self.system.lengths) == 1:
+        system, q, _ = self.solution
+        if len(system.lengths) == 1:
             return 4.0 * self.orbit.oscillator.Z_m
-        return 2.0 * float(self.system.half_cycle(self.unknowns, slopes=False).at[0, 1])
+        return 2.0 * float(system.half_cycle(q, slopes=False).at[0, 1])
 
     def harmonics(self, count: int) -> Complexes:
-        """x_n of x = Re Σ x_n e^{inωt}, n = 1, 3 … 2 count − 1, m, shape (count,); y = Y cos ωt."""
+        """Return x_n of x = Re Σ x_n e^{inωt}, n = 1, 3 … 2 count − 1, m, shape (count,); y = Y cos ωt."""
         turn = np.exp(1j * np.arange(1, 2 * count, 2) * self.advance)
-        if self.system is not None and self.unknowns is not None:
-            return self.system.harmonics(self.unknowns, count) * turn
+        if self.solution is not None:
+            return self.solution.system.harmonics(self.solution.unknowns, count) * turn
         x = self.orbit.harmonics(count)
         return x * turn if self.advance else x
 
@@ -394,19 +408,20 @@ class Response:
         return BaseMotion(base.Y * math.cos(self.advance + self.turned), base.omega)
 
     def state(self, t: ArrayLike) -> State:
-        """(x, ẋ, ẍ, z) at the times t, s, any shape; y = Y cos ωt."""
+        """Return (x, ẋ, ẍ, z) at the times t, s, any shape; y = Y cos ωt."""
         times, omega = numbers("t", t), self.orbit.motion.omega
-        if self.system is None or self.unknowns is None:
+        if self.solution is None:
             return self.orbit.state(times + self.advance / omega)
         half = math.pi / omega
         since = np.mod(times.ravel() + (self.advance - self.orbit.theta) / omega, 2.0 * half)
         mirrored = since >= half
-        state = self.system.state(self.unknowns, np.clip(since - half * mirrored, 0.0, half))
+        system, q, _ = self.solution
+        state = system.state(q, np.clip(since - half * mirrored, 0.0, half))
         return State(*(np.where(mirrored, -of, of).reshape(times.shape) for of in state))
 
     @property
     def swings(self) -> float:
-        """How often the mass swings on contact and spring in half a cycle, while it sticks."""
+        """Number of swings of the mass on contact and spring in half a cycle, while it sticks."""
         (t, s), par = self.orbit.phases.T[:2].tolist(), self.orbit.parameters
         ends = zip(t, [*t[1:], math.pi / par.omega], s, strict=True)
         stuck = math.fsum(end - start for start, end, slips in ends if not slips)
@@ -422,7 +437,7 @@ def steady_response(
     further: Further = NOTHING,
     most_radians: float = MOST_RADIANS,
 ) -> Response:
-    """The steady response of an oscillator under a law.
+    """Return the steady response of an oscillator under a law.
 
     law : symbol → coefficient of the terms besides friction and c, which are the oscillator's, SI.
     near : a response from which to start.   further : forces besides those of the law and the oscillator.
@@ -450,48 +465,44 @@ def steady_response(
     if not others and further == NOTHING:
         own = replace(oscillator, c=linear)
         return Response(steady_orbit_near(own, base, start, most_radians=most_radians), advance)
-    if near is not None and near.system is not None:
+    if near is not None and near.solution is not None:
         extra = near.orbit.oscillator.c - linear
         orbit = steady_orbit(replace(oscillator, c=linear + max(extra, 0.0)), base)
     else:
         orbit, near = _equivalent(replace(oscillator, c=linear), base, others), None
     system = System.of(orbit, linear, others, further)
-    unknowns, matrix = _solved(system, near)
-    return Response(orbit, advance - unknowns[sum(system.lengths) + 1], system, unknowns, matrix)
+    solution = _solved(system, near)
+    return Response(orbit, advance - solution.unknowns[sum(system.lengths) + 1], solution)
 
 
 def _equivalent(oscillator: Oscillator, base: BaseMotion, others: Mapping[str, float]) -> Orbit:
-    """The orbit with the linear damper that takes nearly the work of the other terms."""
+    """Return the orbit with the linear damper that takes nearly the work of the other terms."""
     extra, X = 0.0, base.Y
     for repetition in range(_EQUIVALENCES):
         work = math.fsum(
             float(p * term(s).harmonic(base.omega, X, 0.0, 0.0, oscillator.k))
             for s, p in others.items()
         )
-        found = work / (math.pi * base.omega * X**2)
-        extra = 0.5 * (extra + found) if repetition else found
+        coefficient = work / (math.pi * base.omega * X**2)
+        extra = 0.5 * (extra + coefficient) if repetition else coefficient
         orbit = steady_orbit(replace(oscillator, c=oscillator.c + extra), base)
         X = orbit.X
     return orbit
 
 
 @np.errstate(over="ignore")  # a step that leads so far is halved like any other
-def _solved(system: System, near: Response | None) -> tuple[Array, Array]:
-    """The unknowns of the response and the derivatives of its equations, by Newton's method from the orbit, or from a
-    response near; from one that is very near, with its derivatives."""
+def _solved(system: System, near: Response | None) -> Solution:
+    """Return the unknowns of the response and the derivatives of its equations, by Newton's method from the orbit, or
+    from a response near; from one that is very near, with its derivatives."""
     orbit, q, n = system.orbit, system.start(), sum(system.lengths)
-    if (
-        near is not None
-        and near.unknowns is not None
-        and near.matrix is not None
-        and near.unknowns.size == q.size
-    ):
-        q = near.unknowns.copy()
+    if near is not None and near.solution and near.solution.unknowns.size == q.size:
+        _, q, matrix = near.solution
+        q = q.copy()
         q[n + 1] -= math.remainder(orbit.theta - near.orbit.theta, 2.0 * math.pi)
-        step = -np.linalg.solve(near.matrix, system.equations(q, slopes=False)[0])
+        step = -np.linalg.solve(matrix, system.equations(q, slopes=False)[0])
         if float(np.abs(step / _scale(q, n)).max()) < _BESIDE:
             _require_kind(system, q + step)
-            return q + step, near.matrix
+            return Solution(system, q + step, matrix)
     left, matrix = system.equations(q)
     for _ in range(_MOST):
         step, before, part = -np.linalg.solve(matrix, left), np.linalg.norm(left), 1.0
@@ -501,7 +512,7 @@ def _solved(system: System, near: Response | None) -> tuple[Array, Array]:
         if size < _CONVERGED_STATE:
             q = q + step
             _require_kind(system, q)
-            return q, matrix
+            return Solution(system, q, matrix)
         left, matrix = system.equations(q + step)
         # a step as long is halved until it brings the equations nearer to balance
         while size > _FAR and part > _SHORTEST:
@@ -516,7 +527,7 @@ def _solved(system: System, near: Response | None) -> tuple[Array, Array]:
 
 
 def _scale(q: Array, n: int) -> Array:
-    """Sizes of the unknowns, of which n are accelerations."""
+    """Return sizes of the unknowns, of which n are accelerations."""
     return np.append(np.full(n, np.abs(q[:n]).max()), [q[n], 1.0, *q[n + 2 :]])
 
 
@@ -532,7 +543,7 @@ def _require_kind(system: System, q: Array) -> None:
 
 
 def added_by_base(base: Complexes, response: Response, count: int) -> Complexes:
-    """Δ_n, n = 1, 3 … 2 count − 1, m: what harmonics of the base add to those of a motion, (count,).
+    """Return Δ_n, n = 1, 3 … 2 count − 1, m: what harmonics of the base add to those of a motion, (count,).
 
     base : y_n, n = 2, 3 …, m, phases counted from the peak of the fundamental.   response : the motion under the
     fundamental alone.
@@ -548,7 +559,7 @@ def added_by_base(base: Complexes, response: Response, count: int) -> Complexes:
         with interpreted(False):  # it takes hundreds of steps
             change = distorted_harmonics(orbit, y, 2 * count)[::2] - orbit.harmonics(count)
     except NoSteadyOrbit:
-        # as if it slipped on
+        # approximately, with a contact that always slips
         own, rates = orbit.oscillator, n * orbit.motion.omega
         forced = np.zeros(2 * count, dtype=np.complex128)
         forced[1 : y.size] = own.k * y[1 : forced.size]

@@ -17,14 +17,15 @@ from .events import PHASE_T, PHASE_V, PHASE_X
 ACCEPTED = 1e-12
 """Energy norm of s + Φ(s), relative to that of s, where rounding stops the descent."""
 
-_CONVERGED = 1e-14  # the same, where nothing is left to gain
-_SINGULAR = 1e-9  # of 1 + ∂Φ/∂s, about π times the damping ratio: less is rounding
+_CONVERGED = 1e-14  # relative energy norm at which the descent ends
+# least singular value of 1 + ∂Φ/∂s, about π times the damping ratio: less is rounding
+_SINGULAR = 1e-9
 
 
 def mirrored_state(
     closure: Callable[[Array], tuple[Array, Array]], start: Array, weights: Array, most: int
 ) -> Array | None:
-    """The state s with Φ(s) = −s; None if it is not found within `most` steps, or any amplitude would do.
+    """Return the state s with Φ(s) = −s; None if it is not found within `most` steps, or any amplitude would do.
 
     A Newton step that leads away is replaced by −Φ(s), which is never farther from the orbit than s.
 
@@ -53,8 +54,8 @@ def mirrored_state(
 
 
 def reversal(phases: Sequence[Array], period: float) -> tuple[float, list[float]] | None:
-    """(t, state) of the reversal at −X, s, among the phases of a period; None where the velocity has no zero at the
-    start of one.   phases : rows (t, s, x, ẋ, z …).
+    """Return (t, state) of the reversal at −X, s, among the phases of a period; None where the velocity has no zero at
+    the start of one.   phases : rows (t, s, x, ẋ, z …).
 
     Within a period both extremes occur, unless one is at its start: the other, mirrored, gives the reversal at −X.
     """

@@ -28,9 +28,9 @@ from .period_map import half_period_map
 from .regime import Regime
 from .steady import NO_CLOSED_FORM, solve_closed
 
-_MOST_PHASES = 256  # of half a cycle
+_MOST_PHASES = 256  # phases of half a cycle
 _MOST_MAPS = 8
-# as in `period_map`, and the shortest last phase as in `steady`
+# tolerances of `period_map`, and the shortest last phase of `steady`
 _CONVERGED, _ACCEPTED, _SHORTEST = 1e-14, 1e-12, 1e-12
 
 
@@ -41,8 +41,8 @@ def steady_orbit_near(
     *,
     most_radians: float = MOST_RADIANS,
 ) -> Orbit:
-    """`steady_orbit`, to rounding, of an oscillator that differs little from that of an orbit `near`: several times
-    faster where both slip more than once in a half cycle. One that is far away, or None, costs little time."""
+    """Return `steady_orbit`, to rounding, of an oscillator that differs little from that of an orbit `near`: several
+    times faster where both slip more than once in a half cycle. One that is far away, or None, costs little time."""
     if near is not None and near.regime is Regime.SEVERAL_SLIPS:
         par, phases = parameters(oscillator, motion), np.empty((_MOST_PHASES, 5))
         fastest = max(math.sqrt((par.k + par.K_z) / par.m), par.c / par.m, par.omega)
@@ -57,8 +57,8 @@ def steady_orbit_near(
 
 
 def _follow(par: Parameters, phases: Array, near: Orbit) -> tuple[int, float]:
-    """(number of phases, θ) of the orbit by Newton's method from the reversal of another; `phases` receives its half
-    cycle. The number is 0 where that leads to no orbit, or to a reversal that is not its farthest."""
+    """Return (number of phases, θ) of the orbit by Newton's method from the reversal of another; `phases` receives its
+    half cycle. The number is 0 where that leads to no orbit, or to a reversal that is not its farthest."""
     x, theta, before = float(near.phases[0, PHASE_X]), near.theta, math.inf
     half, Z_m, D = math.pi / par.omega, par.F_k / par.K_z, np.empty((3, 3))
     for _ in range(_MOST_MAPS):

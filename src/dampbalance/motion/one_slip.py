@@ -30,8 +30,8 @@ _TOLERANCE = 4e-15  # of log |p|/Y: a few units of rounding
 
 @jit
 def solve_one_slip(par: Parameters) -> tuple[bool, float, float, float, float]:
-    """(found, τ, X, θ, V_s) of the one-slip orbit; `found` is False where Newton finds no such orbit or it is not
-    valid.
+    """Return (found, τ, X, θ, V_s) of the one-slip orbit; `found` is False where Newton finds no such orbit or it is
+    not valid.
 
     τ : s.   X : m.   θ : phase of the base at the reversal at −X, rad.   V_s : velocity at slip onset, m/s.
     """
@@ -68,7 +68,7 @@ def solve_one_slip(par: Parameters) -> tuple[bool, float, float, float, float]:
 
 @jit
 def _first_guess(par: Parameters) -> float:
-    """τ of a harmonic motion of amplitude X: 1 − cos ωτ = 2 Z_m/X, X from harmonic balance with a rigid Coulomb
+    """Return τ of a harmonic motion of amplitude X: 1 − cos ωτ = 2 Z_m/X, X from harmonic balance with a rigid Coulomb
     contact.
 
     (k − mω²)² X² + (cωX + 4F_k/π)² = (kY)²; where that has no solution, X of the linear oscillator that never slips.
@@ -136,7 +136,7 @@ def _half_cycle(tau: float, par: Parameters) -> tuple[float, float, float, float
 
 @jit
 def _is_forward(tau: float, X: float, theta: float, V_s: float, par: Parameters) -> bool:
-    """Whether ẋ > 0 between the two ends of the half cycle of a solution."""
+    """Return whether ẋ > 0 between the two ends of the half cycle of a solution."""
     omega, Z_m = par.omega, par.F_k / par.K_z
     stick = phase_start(0.0, -X, 0.0, -Z_m, unit(theta), par)
     if not velocity_keeps_sign(tau, stick, V_s):
@@ -147,7 +147,7 @@ def _is_forward(tau: float, X: float, theta: float, V_s: float, par: Parameters)
 
 @jit
 def velocity_keeps_sign(duration: float, phase: Phase, scale: float) -> bool:
-    """Whether the velocity of a phase stays positive between its ends, of which either may be a rest.
+    """Return whether the velocity of a phase stays positive between its ends, of which either may be a rest.
 
     The phase is sampled at least 2.5 times per radian; between samples, the cubic through velocities and
     accelerations bounds it. A minimum above zero by less than 1e-6 of `scale` counts as a change of sign, which
@@ -182,7 +182,7 @@ def velocity_keeps_sign(duration: float, phase: Phase, scale: float) -> bool:
 
 @jit
 def _cubic_minimum(f0: float, d0: float, f1: float, d1: float, h: float) -> float:
-    """Minimum on [0, h] of the cubic with values f0, f1 and slopes d0 < 0 < d1 at its ends."""
+    """Return the minimum on [0, h] of the cubic with values f0, f1 and slopes d0 < 0 < d1 at its ends."""
     secant = (f1 - f0) / h
     A = 3.0 * (d0 + d1 - 2.0 * secant)  # slope of the cubic: d0 + B s + A s², s = t/h
     B = d1 - d0 - A

@@ -33,7 +33,7 @@ RANGES = {
     "K_z_over_k": (1e-4, 1e8),
     "F_k_over_kY": (1e-6, 1e6),
 }
-"""Where the exact solution is known to hold: the energy balance of 1,400 orbits drawn from here closes to 1e-6."""
+"""Ranges in which the exact solution is tested: the energy balance of 1,400 orbits drawn from here closes to 1e-6."""
 
 MOST_EVENTS = 2e4
 """Highest natural frequency on the contact over that of the drive: a stiff contact chatters, event by event."""
@@ -44,7 +44,7 @@ _SIGNS = {
     **{"v": r"\dot x", "acceleration": r"\ddot x", "phi": r"\varphi", "omega": r"\omega"},
     "zero_crossing": r"\mathrm{zero\ crossing}",
 }
-_POINTS = 2001  # of a period that is drawn
+_POINTS = 2001  # points of a period that is drawn
 
 
 class NoSteadyOrbit(ArithmeticError):
@@ -139,23 +139,24 @@ class Orbit:
         return self._measures.W
 
     def harmonic(self, n: int) -> tuple[float, float]:
-        """(X_n, φ_n) of x = Σ X_n cos(nωt − φ_n), m and rad, for n = 1, 3, 5. Even harmonics vanish by symmetry."""
+        """Return (X_n, φ_n) of x = Σ X_n cos(nωt − φ_n), m and rad, for n = 1, 3, 5. Even harmonics vanish by
+        symmetry."""
         if whole("n", n) not in (1, 3, 5):
             raise ValueError(f"harmonic n must be 1, 3 or 5, got {n!r}")
         return getattr(self._measures, f"X_{int(n)}"), getattr(self._measures, f"phi_{int(n)}")
 
     def harmonics(self, count: int) -> Complexes:
-        """x_n of x = Re Σ x_n e^{inωt}, n = 1, 3 … 2 count − 1, m, shape (count,); x_n = X_n e^{−iφ_n}."""
+        """Return x_n of x = Re Σ x_n e^{inωt}, n = 1, 3 … 2 count − 1, m, shape (count,); x_n = X_n e^{−iφ_n}."""
         n = whole("count", count)
         return steady_harmonics(self.phases, self.theta, self.parameters, self.regime, n)
 
     def state(self, t: ArrayLike) -> State:
-        """(x, ẋ, ẍ, z) at the times t, s, any shape; y = Y cos ωt."""
+        """Return (x, ẋ, ẍ, z) at the times t, s, any shape; y = Y cos ωt."""
         times = numbers("t", t)
         return State(*(row.reshape(times.shape) for row in self.states(times.ravel())))
 
     def states(self, times: Array) -> Array:
-        """x, ẋ, ẍ, z at times that are known to be numbers, s (n,), as rows (4, n): for loops of many calls."""
+        """Return x, ẋ, ẍ, z at times that are known to be numbers, s (n,), as rows (4, n): for loops of many calls."""
         period = self.motion.period
         since = np.mod(times - self.theta / self.motion.omega, period)
         mirrored = since >= 0.5 * period
@@ -164,8 +165,8 @@ class Orbit:
         return np.negative(rows, out=rows, where=mirrored)
 
     def to_frame(self) -> pd.DataFrame:
-        """One row: the oscillator, its excitation and the features of the orbit, in columns named with their units, and
-        the regime in words. `pandas.concat` puts the rows of several orbits together."""
+        """Return one row: the oscillator, its excitation and the features of the orbit, in columns named with their
+        units, and the regime in words. `pandas.concat` puts the rows of several orbits together."""
         import pandas as pd  # slow to import
 
         numbers = self.parameters._asdict() | {name: getattr(self, name) for name in FEATURES}
@@ -203,10 +204,8 @@ class Orbit:
             np.linspace(0.0, 2.0 * half, _POINTS), [*begins, *(half + begins)]
         )
         (drawn_line,) = ax.plot(*line(whole_period), **style)
-        stick: dict[str, Any] = {
-            "color": drawn_line.get_color(),
-            "linewidth": 2.5 * drawn_line.get_linewidth(),
-        }
+        width = 2.5 * drawn_line.get_linewidth()
+        stick: dict[str, Any] = {"color": drawn_line.get_color(), "linewidth": width}
         for i in np.flatnonzero(self.phases[:, PHASE_S] == 0.0):
             for of_half in (0.0, half):
                 ax.plot(*line(of_half + np.linspace(begins[i], ends[i], 100)), **stick)
@@ -214,20 +213,20 @@ class Orbit:
         return ax
 
     def __repr__(self) -> str:
-        """The values, then what they belong to."""
+        """Return the values, then the oscillator and its excitation."""
         first = f"{in_words(self, SHOWN_FIRST)}: {self.regime}"
         others = in_words(self, [name for name in FEATURES if name not in SHOWN_FIRST])
         return "Orbit  " + "\n       ".join([first, others, f"{self.oscillator}, {self.motion}"])
 
     def _repr_html_(self) -> str:
-        """The same as a table."""
+        """Return the values and the arguments as a table."""
         frame = self.to_frame()
         values_first = frame.columns[np.roll(np.arange(frame.shape[1]), -len(self.parameters))]
         html: str = frame[values_first].T.to_html(header=False, float_format="{:.6g}".format)
         return html
 
     def to_dict(self) -> dict[str, Any]:
-        """The orbit as plain numbers and lists, from which `from_dict` makes it again, bit for bit."""
+        """Return the orbit as plain numbers and lists, from which `from_dict` makes it again, bit for bit."""
         return {
             "oscillator": asdict(self.oscillator),
             "motion": asdict(self.motion),
@@ -238,7 +237,7 @@ class Orbit:
 
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> Self:
-        """The orbit that `to_dict` described."""
+        """Return the orbit that `to_dict` described."""
         return cls(
             Oscillator(**data["oscillator"]),
             BaseMotion(**data["motion"]),
@@ -261,7 +260,7 @@ def axis_label(name: str) -> str:
 
 
 def in_words(features: Any, names: Sequence[str], index: Any = None) -> str:
-    """Features with their units, X = 0.002728 m; of an array that at `index`."""
+    """Return features with their units, X = 0.002728 m; of an array that at `index`."""
     words = []
     for name in names:
         value = getattr(features, name)
@@ -271,14 +270,14 @@ def in_words(features: Any, names: Sequence[str], index: Any = None) -> str:
 
 
 def read_orbits(path: str | Path) -> list[Orbit]:
-    """The orbits of a JSON file that holds a list of `Orbit.to_dict`."""
+    """Return the orbits of a JSON file that holds a list of `Orbit.to_dict`."""
     return [Orbit.from_dict(data) for data in json.loads(Path(path).read_text(encoding="utf-8"))]
 
 
 def steady_orbit(
     oscillator: Oscillator, motion: BaseMotion, *, most_radians: float = MOST_RADIANS
 ) -> Orbit:
-    """The exact steady response to harmonic base motion, in any regime.
+    """Return the exact steady response to harmonic base motion, in any regime.
 
     most_radians : of the fastest motion of the oscillator, that are followed in search of an orbit with several slips
     per half cycle; the default takes seconds. Choose fewer where an orbit that takes long is not worth the wait.

@@ -65,8 +65,8 @@ class Orbits:
         return tuple(name for name, of in self.given.items() if of.size and np.ptp(of) > 0.0)
 
     def to_frame(self) -> pd.DataFrame:
-        """A row for each case, the last axis running fastest: the arguments, the features and the regime in words, in
-        columns named with their units."""
+        """Return a row for each case, the last axis running fastest: the arguments, the features and the regime in
+        words, in columns named with their units."""
         import pandas as pd  # slow to import
 
         features = {name: getattr(self, name) for name in Measures._fields}
@@ -124,7 +124,7 @@ class Orbits:
         return ax
 
     def __repr__(self) -> str:
-        """The values of the first cases, with the arguments that vary."""
+        """Return the values of the first cases, with the arguments that vary."""
         lines = []
         for index in itertools.islice(np.ndindex(self.X.shape), _SHOWN):
             of = ", ".join(f"{n} = {self.given[n][index]:.4g} {UNITS[n]}" for n in self.varied)
@@ -135,7 +135,7 @@ class Orbits:
         return "\n    ".join([head, *lines, *more])
 
     def _repr_html_(self) -> str:
-        """The same as a table, with all features."""
+        """Return the arguments and all features as a table."""
         html: str = self.to_frame().to_html(max_rows=2 * _SHOWN, float_format="{:.6g}".format)
         return html
 
@@ -216,7 +216,7 @@ def steady_orbits(
 
 
 def _by_processor(views: Sequence[Array], threads: int | None) -> tuple[Array, Codes]:
-    """The rows (15, n) of `Measures` and the regimes (n,) of all cases of arrays of one shape."""
+    """Return the rows (15, n) of `Measures` and the regimes (n,) of all cases of arrays of one shape."""
     size = views[0].size
     out = np.empty((len(Measures._fields), size))
     regime = np.empty(size, dtype=np.uint8)
@@ -224,9 +224,8 @@ def _by_processor(views: Sequence[Array], threads: int | None) -> tuple[Array, C
     def solve(start: int) -> None:
         block = slice(start, start + _BLOCK)
         inputs = tuple(view.flat[block] for view in views)
-        part = np.empty(
-            (len(out), len(inputs[0]))
-        )  # contiguous: for another layout Numba would compile anew
+        # contiguous: for another layout Numba would compile anew
+        part = np.empty((len(out), len(inputs[0])))
         if _solve_closed_forms(inputs, part, regime[block]):
             _solve_others(inputs, part, regime[block])
         out[:, block] = part
@@ -245,15 +244,15 @@ def _common_shape(arrays: list[Array]) -> tuple[int, ...]:
     try:
         return np.broadcast_shapes(*(a.shape for a in arrays))
     except ValueError:
-        shapes = ", ".join(
-            f"{name} {a.shape}" for name, a in zip(Parameters._fields, arrays, strict=True)
-        )
+        named = zip(Parameters._fields, arrays, strict=True)
+        shapes = ", ".join(f"{name} {a.shape}" for name, a in named)
         raise ValueError(f"the arguments do not broadcast to one shape: {shapes}") from None
 
 
 @jit
 def _solve_closed_forms(inputs: tuple[Array, ...], out: Array, regime: Codes) -> int:
-    """How many cases are left to `_solve_others`: those whose regime is NO_CLOSED_FORM then.
+    """Solve what has a closed form; return how many cases, now of the regime NO_CLOSED_FORM, are left to
+    `_solve_others`.
 
     inputs : the arrays (n,) of `Parameters`.   Rows of `out` (15, n) receive the fields of `Measures`.
     """
@@ -271,7 +270,7 @@ def _solve_closed_forms(inputs: tuple[Array, ...], out: Array, regime: Codes) ->
 
 @jit
 def _solve_others(inputs: tuple[Array, ...], out: Array, regime: Codes) -> None:
-    """The cases that `_solve_closed_forms` left; arguments as there."""
+    """Solve the cases that `_solve_closed_forms` left; arguments as there."""
     phases = np.empty((MAX_PHASES, 5))
     for i, of_case in enumerate(zip(*inputs)):  # noqa: B905 (no strict= in compiled code)
         if regime[i] == NO_CLOSED_FORM:

@@ -34,8 +34,8 @@ _ACCEPTED = 1e-12  # like `_CONVERGED`, where rounding stops the descent
 def half_period_map(
     x: float, v: float, z: float, theta: float, par: Parameters, phases: Array, jacobian: Array
 ) -> tuple[int, float, float, float]:
-    """(number of phases, x, ẋ, z) after half a period; `jacobian` (3, 3) receives the derivative. The number is 0
-    on overflow.
+    """Return (number of phases, x, ẋ, z) after half a period; `jacobian` (3, 3) receives the derivative. The number is
+    0 on overflow.
 
     The vector field is continuous across slip onset and reversal, so that perturbations pass events unchanged,
     except δz, which slip wipes out.
@@ -93,7 +93,7 @@ def solve_period_map(
     phases: Array,
     most_radians: float = MOST_RADIANS,
 ) -> tuple[bool, float, float, float]:
-    """(found, x, ẋ, z): the state at base phase θ of the steady orbit, by Newton from the given state.
+    """Return (found, x, ẋ, z): the state at base phase θ of the steady orbit, by Newton from the given state.
 
     phases : scratch rows for `events.run`; their number bounds the events in half a period.
     most_radians : of the fastest motion of the oscillator, that are followed in search of the state.
@@ -135,7 +135,7 @@ def solve_period_map(
 
 @jit
 def solve_general(par: Parameters, phases: Array, most_radians: float) -> tuple[bool, int, float]:
-    """(found, number of phases, θ) of the steady orbit from its reversal at −X; `phases` receives half a cycle.
+    """Return (found, number of phases, θ) of the steady orbit from its reversal at −X; `phases` receives half a cycle.
 
     θ : phase of the base at that reversal, rad. `found` is False, too, for an orbit that never slips.
     most_radians : as for `solve_period_map`.

@@ -1,4 +1,4 @@
-"""Which kind of steady orbit an oscillator has: the reason why a feature exists or does not."""
+"""Kinds of steady orbits: the reason why a feature exists or does not."""
 
 from __future__ import annotations
 

@@ -28,14 +28,14 @@ _SIDE = 4  # samples of one phase through which its acceleration is continued
 _FEWEST = 3  # stick samples below which there is no line to meet the corner
 
 NO_CYCLE, REVERSALS, NO_CORNER, SHORT_STICK, LATE = range(1, 6)
-"""Why a cycle or its slip onsets could not be read."""
+"""Reasons why a cycle or its slip onsets could not be read."""
 
 _Cubic = tuple[Any, Any, Any, Any]
 _Quartic = tuple[float, float, float, float, float]
 
 
 class Cycle(NamedTuple):
-    """What is read in one cycle, names and units as in `Features`; NaN where it was not reached.
+    """Readings of one cycle, names and units as in `Features`; NaN where it was not reached.
 
     trouble : 0, or why no slip onset was read.   how_many : of what the reason counts.
     start : place of the reversal at −X, counted in samples.
@@ -77,7 +77,7 @@ def read_cycle(
     between: bool,
     slip_samples: int,
 ) -> Cycle:
-    """The first whole cycle of a record that begins with a forward reversal.
+    """Return the first whole cycle of a record that begins with a forward reversal.
 
     signals : y, x, v and acceleration, (4, n).   t0 : time of the first sample, s.   dt : step, s.   between : whether
     events are read between samples.
@@ -127,7 +127,7 @@ def read_cycle(
 
 @jit
 def _first_reversal(x: Array, v: Array, per_cycle: float) -> int:
-    """The last sample before the reversal at −X in the first whole cycle; −1 where there is no whole cycle."""
+    """Return the last sample before the reversal at −X in the first whole cycle; −1 where there is no whole cycle."""
     found, end = -1, math.inf
     for n in range(_SIDE - 1, v.size - 1 - math.ceil(per_cycle)):
         if n < end and v[n] < 0.0 <= v[n + 1]:
@@ -142,7 +142,7 @@ def _first_reversal(x: Array, v: Array, per_cycle: float) -> int:
 def _reversal(
     x: Array, v: Array, acceleration: Array, dt: float, n: int, between: bool
 ) -> _Instant:
-    """The velocity reversal between samples n and n + 1."""
+    """Return the velocity reversal between samples n and n + 1."""
     if not between:
         return _Instant(n + 1.0, x[n + 1], v[n + 1])
     a0, a1, a2, a3 = _shifted(_through(acceleration, n - _SIDE + 1, n), _SIDE - 1.0)
@@ -161,7 +161,7 @@ def _onset(
     n_next: int,
     between: bool,
 ) -> tuple[int, int, _Instant]:
-    """(trouble, how many, slip onset) between two reversals: where the slope of the acceleration breaks."""
+    """Return (trouble, how many, slip onset) between two reversals: where the slope of the acceleration breaks."""
     first = n_reversal + 1
     nowhere = _Instant(math.nan, math.nan, math.nan)
     bend = np.empty(max(n_next - first - 1, 0))
@@ -196,7 +196,7 @@ def _onset(
 
 @jit
 def _upward_zero(x: Array, first: int, last: int, between: bool) -> float:
-    """Place of the first upward zero of x after samples `first` to `last`; NaN when x keeps its sign."""
+    """Return the place of the first upward zero of x after samples `first` to `last`; NaN when x keeps its sign."""
     for n in range(first, last + 1):
         if x[n] < 0.0 <= x[n + 1]:
             if not between:
@@ -208,7 +208,7 @@ def _upward_zero(x: Array, first: int, last: int, between: bool) -> float:
 
 @jit
 def _through(signal: NDArray[Any], first: int, last: int) -> _Cubic:
-    """The coefficients of the polynomial through three or four samples, in the steps since `first`."""
+    """Return the coefficients of the polynomial through three or four samples, in the steps since `first`."""
     f0, f1, f2 = signal[first], signal[first + 1], signal[first + 2]
     second = f2 - 2.0 * f1 + f0
     third = signal[first + 3] - 3.0 * f2 + 3.0 * f1 - f0 if last - first == 3 else 0.0 * f0
@@ -217,7 +217,7 @@ def _through(signal: NDArray[Any], first: int, last: int) -> _Cubic:
 
 @jit
 def _shifted(cubic: _Cubic, g: float) -> _Cubic:
-    """The coefficients of a cubic in the steps since a place g steps later."""
+    """Return the coefficients of a cubic in the steps since a place g steps later."""
     c0, c1, c2, c3 = cubic
     return (
         c0 + g * (c1 + g * (c2 + g * c3)),
@@ -235,14 +235,15 @@ def _value(p: _Quartic, t: float) -> float:
 
 @jit
 def _mean(p: _Quartic) -> _Quartic:
-    """The polynomial whose value at t is the mean of p from 0 to t."""
+    """Return the polynomial whose value at t is the mean of p from 0 to t."""
     p0, p1, p2, p3, p4 = p
     return p0, p1 / 2.0, p2 / 3.0, p3 / 4.0, p4 / 5.0
 
 
 @jit
 def _root(p: _Quartic, near: float) -> float:
-    """The root of a polynomial to which Newton's method leads from `near`, if it lies within two steps; else `near`."""
+    """Return the root of a polynomial to which Newton's method leads from `near`, if it lies within two steps; else
+    `near`."""
     _, p1, p2, p3, p4 = p
     t, step = near, 1.0
     for _ in range(50):
@@ -256,7 +257,7 @@ def _root(p: _Quartic, near: float) -> float:
 
 @jit
 def integral(f: NDArray[Any], dt: float, start: float, stop: float) -> Any:
-    """∫ f dt from place `start` to place `stop`, counted in samples from 0 and not necessarily whole.
+    """Return ∫ f dt from place `start` to place `stop`, counted in samples from 0 and not necessarily whole.
 
     Between whole samples: Simpson's composite rule (an odd number of intervals ends with the three-point rule for
     the last one). The parts of an interval at the two ends: the cubic through the four samples around it. Error
@@ -279,7 +280,7 @@ def integral(f: NDArray[Any], dt: float, start: float, stop: float) -> Any:
 
 @jit
 def _cubic_part(f: NDArray[Any], start: float, stop: float) -> Any:
-    """∫ of the cubic through the four samples around [start, stop], a range within one or two intervals."""
+    """Return ∫ of the cubic through the four samples around [start, stop], a range within one or two intervals."""
     first = min(max(math.floor(start) - 1, 0), f.size - 4)
     c0, c1, c2, c3 = _through(f, first, first + 3)
     u, w = start - first, stop - first

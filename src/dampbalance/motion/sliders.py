@@ -36,13 +36,12 @@ MOST_SLIDERS = 200
 """Elements of a contact; the time for an orbit, a tenth of a second for so many, grows as the cube of their number."""
 
 _MOST_MAPS = 2000  # pairs of half periods; Newton's method takes ten or so
-_SHORTEST = (
-    1e-12  # of half a period: a last phase shorter than this is the rounding of the half period
-)
+# relative to half a period: a shorter last phase is the rounding of the half period
+_SHORTEST = 1e-12
 
 
 class Sliding(NamedTuple):
-    """What kernels must know: the oscillator and its excitation, r_j, m, and κ_j, N/m, of the elements, (n,)."""
+    """Numbers that kernels take: the oscillator and its excitation, r_j, m, and κ_j, N/m, of the elements, (n,)."""
 
     par: Parameters
     r: Array
@@ -51,7 +50,8 @@ class Sliding(NamedTuple):
 
 @jit
 def _slip(state: Array, theta: float, of: Sliding) -> float:
-    """±1 where elements slip that way, or are about to, at a state and base phase θ; 0 where all of them stick."""
+    """Return ±1 where elements slip that way, or are about to, at a state and base phase θ; 0 where all of them
+    stick."""
     par, way = of.par, state[1]
     if way == 0.0:
         way = par.k * (par.Y * math.cos(theta) - state[0])
@@ -65,7 +65,7 @@ def _slip(state: Array, theta: float, of: Sliding) -> float:
 
 @jit
 def _phase(state: Array, s: float, theta: float, of: Sliding) -> Phase:
-    """The phase that starts at a state and base phase θ, in which the elements with z_j = s r_j slip."""
+    """Return the phase that starts at a state and base phase θ, in which the elements with z_j = s r_j slip."""
     par, stiffness, force = of.par, of.par.k, -of.par.k * state[0]
     for j in range(of.r.size):
         force -= of.kappa[j] * state[2 + j]
@@ -77,10 +77,11 @@ def _phase(state: Array, s: float, theta: float, of: Sliding) -> Phase:
 
 @jit
 def _pass(state: Array, s: float, theta: float, limit: float, of: Sliding, carried: Array) -> float:
-    """Take a state to the end of its phase, or to `limit`, s; the duration.   carried : as for `follow`."""
+    """Take a state to the end of its phase, or to `limit`, s; return the duration.   carried : as for `follow`."""
     par, z, changes = of.par, state[2:], carried[2:]
     phase = _phase(state, s, theta, of)
-    lower, upper = -math.inf, math.inf  # of the displacement gained, while no other element slips
+    # bounds of the displacement gained, while no other element slips
+    lower, upper = -math.inf, math.inf
     for j in range(z.size):
         if s * z[j] < of.r[j]:
             lower, upper = max(lower, -of.r[j] - z[j]), min(upper, of.r[j] - z[j])
@@ -119,7 +120,8 @@ def _pass(state: Array, s: float, theta: float, limit: float, of: Sliding, carri
 def follow(
     state: Array, theta: float, end: float, of: Sliding, phases: Array, carried: Array
 ) -> int:
-    """Take a state on for a time `end`, s, from the base phase θ; the number of phases, 0 where their rows run out.
+    """Take a state on for a time `end`, s, from the base phase θ; return the number of phases, 0 where their rows run
+    out.
 
     state : (x, ẋ, z_1 … z_n), changed in place.   phases : row i receives (t, s, x, ẋ, z_1 … z_n) at the start of phase
     i.   carried : changes of the state, (2 + n, any number), taken along to its end. The forces are continuous across
@@ -140,7 +142,7 @@ def follow(
 
 @jit
 def _states(times: Array, phases: Array, theta: float, of: Sliding) -> Array:
-    """x, ẋ, ẍ and Σ κ_j z_j / Σ κ_j at `times` (n,), the rows of an array (4, n); θ at the time zero."""
+    """Return x, ẋ, ẍ and Σ κ_j z_j / Σ κ_j at `times` (n,), the rows of an array (4, n); θ at the time zero."""
     par, out, last = of.par, np.empty((4, times.size)), -1
     rows = np.searchsorted(phases[:, PHASE_T], times, side="right") - 1
     for i in range(times.size):
@@ -183,14 +185,14 @@ class SlidersOrbit:
 
     @property
     def friction_loss(self) -> float:
-        """What the sliders take per cycle, J: each κ_j r_j times the distance that it slides, which is 4 (X − r_j), or
-        zero for r_j > X, where the mass reverses once per half cycle."""
+        """Energy that the sliders take per cycle, J: each κ_j r_j times the distance that it slides, which is 4 (X −
+        r_j), or zero for r_j > X, where the mass reverses once per half cycle."""
         gained = np.abs(np.diff(np.append(self.phases[:, PHASE_X], self.X)))
         slips = self.phases[:, [PHASE_S]] * self.phases[:, PHASE_Z:] >= self.r
         return 2.0 * float(gained @ slips @ (self.kappa * self.r))
 
     def state(self, t: ArrayLike) -> State:
-        """(x, ẋ, ẍ, z) at the times t, s, any shape; y = Y cos ωt.   z : Σ κ_j z_j / Σ κ_j, m."""
+        """Return (x, ẋ, ẍ, z) at the times t, s, any shape; y = Y cos ωt.   z : Σ κ_j z_j / Σ κ_j, m."""
         times, half = numbers("t", t), 0.5 * self.motion.period
         since = np.mod(times.ravel() - self.theta / self.motion.omega, 2.0 * half)
         mirrored = since >= half
@@ -203,7 +205,8 @@ class SlidersOrbit:
 def sliders_orbit(
     oscillator: Oscillator, motion: BaseMotion, r: ArrayLike, kappa: ArrayLike
 ) -> SlidersOrbit:
-    """The exact steady response to harmonic base motion of an oscillator on several Jenkins elements in parallel.
+    """Return the exact steady response to harmonic base motion of an oscillator on several Jenkins elements in
+    parallel.
 
     Use it for a contact that yields gradually, as bolted joints do, in place of `steady_orbit`. The elements stand next
     to the oscillator's own K_z and F_k; give that F_k = 0 where they are the whole contact, and its K_z has no effect.
@@ -258,7 +261,7 @@ def sliders_orbit(
 
 
 def spread_contact(oscillator: Oscillator, ratio: float, count: int = 32) -> tuple[Array, Array]:
-    """(r, κ) of elements that share the K_z and F_k of an oscillator and slip one after the other.
+    """Return (r, κ) of elements that share the K_z and F_k of an oscillator and slip one after the other.
 
     κ_j = K_z/n each, ln r_j evenly spaced, r_n/r_1 = ratio, and Σ κ_j r_j = F_k > 0. With ratio 1 they are its contact.
     """

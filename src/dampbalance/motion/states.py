@@ -28,7 +28,7 @@ class State(NamedTuple):
 
 @jit
 def states_in_phases(times: Array, phases: Array, theta: float, par: Parameters) -> Array:
-    """x, ẋ, ẍ, z at `times` (n,), the rows of an array (4, n).
+    """Return x, ẋ, ẍ, z at `times` (n,), the rows of an array (4, n).
 
     phases : (count, 5), rows (t, s, x, ẋ, z).   theta : phase of the base at t = 0.   Times before the first phase
     are not allowed.

@@ -21,15 +21,15 @@ from .regime import Regime
 
 MAX_PHASES = 16384  # of a period; an orbit with more events is reported as not found
 NO_CLOSED_FORM = 255
-"""What `solve_closed` returns as the regime of an orbit that `solve_otherwise` must find."""
+"""Regime that `solve_closed` returns for an orbit that `solve_otherwise` must find."""
 
 _NOT_FOUND, _ONE_SLIP, _SEVERAL_SLIPS, _NO_SLIP, _NO_FRICTION = map(int, Regime)
-# Of half a period: a last phase shorter than this is the rounding of the half period.
+# Part of half a period: a shorter last phase is the rounding of the half period.
 _SHORTEST = 1e-12
 
 
 def solve_steady(par: Parameters, most_radians: float = MOST_RADIANS) -> tuple[int, Array, float]:
-    """(regime, phases, θ) of the steady orbit, no phases where none was found.
+    """Return (regime, phases, θ) of the steady orbit, no phases where none was found.
 
     phases : of its half cycle from the reversal at −X, rows (t, s, x, ẋ, z), see `dampbalance.motion.events.run`.
     θ : phase of the base at that reversal, rad.
@@ -46,7 +46,7 @@ def solve_steady(par: Parameters, most_radians: float = MOST_RADIANS) -> tuple[i
 
 @jit
 def solve_closed(par: Parameters, phases: Array) -> tuple[int, int, float]:
-    """As `solve_steady`, of an orbit without slip, without friction or with one slip onset per half cycle; the regime
+    """Solve as `solve_steady` an orbit without slip, without friction or with one slip onset per half cycle; the regime
     is NO_CLOSED_FORM for any other. A kernel of its own: few need the other, which takes as long to compile."""
     Z_m = par.F_k / par.K_z
     if Z_m == 0.0:
@@ -66,7 +66,7 @@ def solve_closed(par: Parameters, phases: Array) -> tuple[int, int, float]:
 
 @jit
 def solve_otherwise(par: Parameters, phases: Array, most_radians: float) -> tuple[int, int, float]:
-    """As `solve_steady`, of an orbit that slips, by its events."""
+    """Solve as `solve_steady` an orbit that slips, by its events."""
     found, count, theta = solve_general(par, phases, most_radians)
     if not found:
         return _NOT_FOUND, 0, 0.0
@@ -78,8 +78,8 @@ def solve_otherwise(par: Parameters, phases: Array, most_radians: float) -> tupl
 
 @jit
 def _linear(par: Parameters, kappa: float, s: float, phases: Array) -> tuple[float, float]:
-    """(X, θ) of the orbit without events on stiffness κ, and its half cycle written to `phases`; X is infinite at the
-    resonance of an undamped oscillator.
+    """Return (X, θ) of the orbit without events on stiffness κ, and its half cycle written to `phases`; X is infinite
+    at the resonance of an undamped oscillator.
 
     X e^{−iφ} = kY / (κ − mω² + icω);  θ = φ − π is the phase of the base at the reversal at −X.
     """

@@ -22,8 +22,8 @@ from .integrals import GAUSS_NODES, GAUSS_WEIGHTS, PANEL
 from .jit import jit
 from .regime import Regime
 
-_RADIANS = 4.0  # of the fastest of Ω, 2δ and ω: a series so long loses two digits at most
-_TERMS = 36  # with which such a series ends below rounding
+_RADIANS = 4.0  # radians of the fastest of Ω, 2δ and ω: a series so long loses two digits at most
+_TERMS = 36  # terms of such a series, the last below rounding
 _PLACES = 0.5 * (1.0 + GAUSS_NODES)
 # Velocity of a series of the displacement over a panel, times the weight of Gauss's rule, (terms, places).
 _RATES = (np.arange(_TERMS) * _PLACES[:, None] ** np.maximum(np.arange(_TERMS) - 1.0, 0.0)).T
@@ -56,8 +56,8 @@ def steady_harmonics(
 
 @jit
 def _stuck(phases: Array, theta: float, par: Parameters, count: int) -> tuple[Array, Array]:
-    """The Taylor series of the displacement in stick over the part of each panel that has passed, (panels, terms), and
-    the phase ψ of the base at the start of the panel and its advance, (panels, 2)."""
+    """Return the Taylor series of the displacement in stick over the part of each panel that has passed, (panels,
+    terms), and the phase ψ of the base at the start of the panel and its advance, (panels, 2)."""
     half, longest, stiff = math.pi / par.omega, len(phases), par.k + par.K_z
     fastest = max(math.sqrt(stiff / par.m), par.c / par.m, par.omega)
     integrand = 2.0 * math.sqrt(stiff / par.m) + 2.0 * count * par.omega
@@ -85,7 +85,8 @@ def _stuck(phases: Array, theta: float, par: Parameters, count: int) -> tuple[Ar
 def _follow(
     h: float, psi: float, gained: float, rate: float, force: float, par: Parameters, series: Array
 ) -> tuple[float, float]:
-    """(u, u̇) a time h after the base phase ψ, from u̇̇ = f + Re[A e^{iψ}] − 2δu̇ − Ω²u, whose series goes to `series`:
+    """Return (u, u̇) a time h after the base phase ψ, from u̇̇ = f + Re[A e^{iψ}] − 2δu̇ − Ω²u, whose series goes to
+    `series`:
 
     n(n−1) uₙ = h² fₙ₋₂ − 2δh (n−1) uₙ₋₁ − Ω²h² uₙ₋₂
     """

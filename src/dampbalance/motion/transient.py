@@ -33,7 +33,7 @@ class Trajectory:
     end: float
 
     def state(self, t: ArrayLike) -> State:
-        """(x, ẋ, ẍ, z) at the times t, s, any shape, within the span of the trajectory."""
+        """Return (x, ẋ, ẍ, z) at the times t, s, any shape, within the span of the trajectory."""
         times = numbers("t", t)
         start = self.phases[0, PHASE_T]
         if times.size and not (times.min() >= start and times.max() <= self.end):
@@ -53,7 +53,7 @@ def transient(
     z: float = 0.0,
     start: float = 0.0,
 ) -> Trajectory:
-    """The exact motion from the state (x, ẋ, z) at time `start` to `end`, s; y = Y cos ωt.
+    """Return the exact motion from the state (x, ẋ, z) at time `start` to `end`, s; y = Y cos ωt.
 
     motion : of the base; None for a free decay, y = 0.
     x : displacement, m.   v : velocity, m/s.   z : deflection of the contact spring, m, |z| ≤ Z_m.

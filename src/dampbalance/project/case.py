@@ -28,7 +28,7 @@ _FOLDERS_IN_USE = ("paper", "studies", "archive", "benchmarks", "site")
 
 @dataclass(frozen=True)
 class Numerics:
-    """How the authors computed: the section `as_published`. Decimals that are None stand for all of them.
+    """The authors' numerics: the section `as_published`. Decimals that are None stand for all of them.
 
     scheme : a key of `fixed_step.SCHEMES`.   step_s : s.   cycles : simulated from rest.
     c_over_m_decimals, k_over_m_decimals : kept of c/m (1/s) and k/m (1/s²).
@@ -46,13 +46,13 @@ class Numerics:
     two_point: Mapping[str, Any]
 
     def after_slip(self, level: int) -> int:
-        """Samples after slip is seen at which a begins; 1 at a level without an entry.   level : counted from 0."""
+        """Return how many samples after slip onset a begins; 1 without an entry.   level : counted from 0."""
         return self.slip_samples[level] if level < len(self.slip_samples) else 1
 
 
 @dataclass(frozen=True)
 class Case:
-    """What a configuration describes. A field is NOT_GIVEN when the case was made from an excerpt without it.
+    """The case that a configuration describes. A field is NOT_GIVEN when the case was made from an excerpt without it.
 
     name : of the folder of the results.   oscillator : the system.
     frequencies_hz : drive frequencies by name.   levels_m : amplitudes Y.
@@ -70,7 +70,7 @@ class Case:
 
     @classmethod
     def from_config(cls, config: Mapping[str, Any]) -> Self:
-        """The case of a configuration that `check_case` has passed, or of an `excerpt` of one."""
+        """Return the case of a configuration that `check_case` has passed, or of an `excerpt` of one."""
         fields = {}
         for field, (section, name, make) in _CASE_FIELDS.items():
             part = config.get(section, {}) if section else config
@@ -79,20 +79,20 @@ class Case:
         return cls(**fields)
 
     def omega(self, frequency: str) -> float:
-        """Circular drive frequency ω = 2πf, rad/s."""
+        """Return the circular drive frequency ω = 2πf, rad/s."""
         return 2.0 * math.pi * self.frequencies_hz[frequency]
 
     def motions(self, frequency: str) -> list[BaseMotion]:
-        """The base motions of one frequency, in the order of the levels."""
+        """Return the base motions of one frequency, in the order of the levels."""
         return [BaseMotion(Y=Y, omega=self.omega(frequency)) for Y in self.levels_m]
 
     def suffix(self, frequency: str) -> str:
-        """What the file names of its tables end with: nothing at the first frequency, which is the paper's."""
+        """Return the end of the file names of its tables: nothing at the first frequency, which is the paper's."""
         return "" if frequency == next(iter(self.frequencies_hz)) else f"_{frequency}"
 
 
 def excerpt(config: Mapping[str, Any], *fields: str) -> dict[str, Any]:
-    """The part of a configuration from which `Case.from_config` makes these fields, and no other.
+    """Return the part of a configuration from which `Case.from_config` makes these fields, and no other.
 
     Rules of the workflow hand it to their scripts: a change elsewhere in the configuration then reruns nothing.
 
@@ -110,7 +110,7 @@ def _oscillator(section: Mapping[str, float]) -> Oscillator:
     return Oscillator(*(section[key] for key in keys))
 
 
-# Field of a case → section and key of the configuration, and what makes the one from the other.
+# Field of a case → section and key of the configuration, and the function that makes the field.
 _CASE_FIELDS: dict[str, tuple[str, str, Callable[[Any], Any]]] = {
     "name": ("", "case", str),
     "oscillator": ("", "oscillator", _oscillator),
@@ -158,7 +158,7 @@ def require_own_case(overriding: Iterable[str | Path]) -> None:
 
 
 def _contradictions(config: Mapping[str, Any]) -> Iterable[Problem]:
-    """What no schema can say: keys that do not fit each other."""
+    """Yield what no schema can say: keys that do not fit each other."""
     levels = config["excitation"]["levels_m"]
     for i, pair in enumerate(config["estimation"]["pairs"]):
         for position in pair:
@@ -173,7 +173,7 @@ def _contradictions(config: Mapping[str, Any]) -> Iterable[Problem]:
             yield ("excitation", "levels_m", i), text
     names = [frequency["name"] for frequency in config["excitation"]["frequencies"]]
     for i, name in enumerate(names):
-        # some file systems take capital and small letters for the same
+        # some file systems do not distinguish capital and small letters
         if name.casefold() in map(str.casefold, names[:i]):
             text = f"{name} stands twice, capital or small; give each its own"
             yield ("excitation", "frequencies", i, "name"), text

@@ -1,4 +1,4 @@
-"""Which files of the package a script depends on, read from their import statements.
+"""Finds the files of the package that a script depends on, from their import statements.
 
 A workflow that reruns a step when its script changes must rerun it, too, when a module that the script uses
 changes, and only then. A package's `__init__` hands names on; it counts where a script takes names from it, not where
@@ -17,7 +17,7 @@ from pathlib import Path
 def package_modules(
     script: str | Path, source: str | Path, relative_to: str | Path | None = None
 ) -> list[str]:
-    """Files of the packages below `source` that `script` imports, directly or through others, sorted.
+    """Return files of the packages below `source` that `script` imports, directly or through others, sorted.
 
     script : a Python file.   source : folder that holds the packages, e.g. `src`.   relative_to : folder the paths
     start from.
@@ -48,7 +48,7 @@ def _imported_files(file: str, changed: int, source: str) -> frozenset[str]:
         names.add(base)
         if os.path.isdir(
             _path(base, source)
-        ):  # of a module, or of another package, names are no files here
+        ):  # names in a module, or in another package, are no files here
             names |= {f"{base}.{name}" for name in re.findall(r"\w+", taken)}
     files = set()
     for name in names:

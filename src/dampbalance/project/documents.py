@@ -26,13 +26,13 @@ from ..law.terms import KNOWN_TERMS
 from .wording import cut, shortened
 
 KeyPath = tuple[str | int, ...]
-Problem = tuple[KeyPath, str]  # a key, and what is wrong with it and what would be right
-MOST_BYTES = 100_000  # of a file that is read; the longest one of the project has 20 kB
+Problem = tuple[KeyPath, str]  # a key, its fault and the remedy
+MOST_BYTES = 100_000  # the longest file of the project has 20 kB
 MOST_VALUES = 20_000  # keys and values in a file, those that aliases repeat counted each time
 DEEPEST = 20  # lists and mappings inside each other; the schemas go down to seven
-_LARGEST = 2**63 - 1  # what an integer of the arrays holds
+_LARGEST = 2**63 - 1  # the largest integer of an array
 _LINE_LENGTHS, _KEY = 300, 40  # characters of a message, and of a key in it
-_MESSAGES = 20  # of a file that is wrong all over
+_MESSAGES = 20  # shown of a file that is wrong all over
 _NAMES = 'Use letters, digits, "-" and "_".'
 _UNSEEN = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\ud800-\udfff\ufffe\uffff]")
 """Control characters, halves of characters, and what is no character, as escapes such as "\\0" write them."""
@@ -53,7 +53,7 @@ def refuse(key: KeyPath, text: str, files: Iterable[str | Path]) -> NoReturn:
 
 
 class _Constructor(SafeConstructor):
-    """Makes plain values, within bounds; an error names its line, that of a date or a number, too."""
+    """Makes plain values, within bounds; every error names its line."""
 
     def construct_object(self, node: Node, deep: bool = False) -> Any:
         try:
@@ -75,7 +75,7 @@ def _parser() -> YAML:
 
 
 def read_yaml(file: str | Path) -> Any:
-    """Returns the document of a YAML file, {} for an empty one: keys that stand once, plain values.
+    """Return the document of a YAML file, {} for an empty one: keys that stand once, plain values.
 
     A file is read within bounds (MOST_BYTES, MOST_VALUES, DEEPEST): none takes long, or much memory.
 
@@ -119,7 +119,7 @@ _TOO_DEEP = f"has more than {DEEPEST} lists and mappings inside each other"
 
 
 def _beyond_bounds(document: Any) -> str:
-    """Why a document is not used: how much it holds, or how deep; "" if it may be."""
+    """Return why a document is not used: how much it holds, or how deep; "" if it may be."""
     count, waiting = 0, [(document, 0)]
     while waiting:
         value, depth = waiting.pop()
@@ -136,19 +136,19 @@ def _beyond_bounds(document: Any) -> str:
 
 @functools.cache
 def read_schema(file: str | Path) -> Any:
-    """Returns a schema of this project, which needs no bounds and is read once."""
+    """Return a schema of this project, which needs no bounds and is read once."""
     return _parser().load(Path(file))
 
 
 def _one_line(text: str) -> str:
-    """Text in a line that fits a screen."""
+    """Return the text in a line that fits a screen."""
     return cut(_UNSEEN.sub("\N{REPLACEMENT CHARACTER}", " ".join(text.split())), _LINE_LENGTHS)
 
 
 def against_schema(
     document: Any, schema: Mapping[str, Any], approaches: Iterable[str] = ()
 ) -> list[Problem]:
-    """Returns what is wrong with a document by its JSON schema, or because no value can be so; in a fixed order.
+    """Return what is wrong with a document by its JSON schema, or because no value can be so; in a fixed order.
 
     approaches : names that the schema's `registered: approach` or `registered: check` allows; `registered: term` allows
     those of KNOWN_TERMS.
@@ -164,10 +164,10 @@ def against_schema(
 
 
 def _validator(schema: Mapping[str, Any], approaches: list[str]) -> Any:
-    """A validator that knows our keyword `registered`: the value is the name of an approach, or of a term of a law, or
-    among those of `also` next to it.
+    """Return a validator that knows our keyword `registered`.
 
-    An integer is one to Python (2.0 is none), and a pattern holds for the whole text, its last line end too.
+    Its value is the name of an approach, of a term of a law, or one of those of `also` next to it. An
+    integer is one to Python (2.0 is none), and a pattern holds for the whole text, its last line end too.
     """
 
     def check(_: Any, kind: str, value: Any, node: Any) -> Iterable[ValidationError]:
@@ -191,7 +191,7 @@ def _validator(schema: Mapping[str, Any], approaches: list[str]) -> Any:
 
 
 def in_lines(problems: Iterable[Problem], documents: Mapping[str, Any]) -> str:
-    """A line for each problem, "file: line N: key: what is wrong, what would be right", and no more than fit a screen.
+    """Return a line for each problem, "file: line N: key: wrong, right", and no more than fit a screen.
 
     documents : file → what it says, merged in this order, the last one winning: they show where a key is set.
     """
@@ -218,8 +218,8 @@ def _explain(error: ValidationError) -> Iterable[Problem]:
         keys = list(schema["properties"])
         for name in value:
             if name not in keys:
-                known = ", ".join(keys)
-                yield (*key, str(name)), f"unknown key{_nearest(name, keys)}; known here: {known}"
+                text = f"unknown key{_nearest(name, keys)}; known here: {', '.join(keys)}"
+                yield (*key, str(name)), text
     elif error.validator == "required":
         for name in wanted:
             if name not in value:
@@ -245,8 +245,10 @@ def _of_numbers(wanted: str | list[str]) -> bool:
 
 
 def _as_number(text: object) -> str:
-    """How to write a number that is text to YAML, which wants a mantissa with a point, and an exponent with a sign;
-    nothing for what is no number."""
+    """Return how to write a number that YAML takes for text; nothing for what is no number.
+
+    YAML wants a mantissa with a point, and an exponent with a sign.
+    """
     try:
         float(text if isinstance(text, str) else "")
     except ValueError:
@@ -257,7 +259,7 @@ def _as_number(text: object) -> str:
 
 
 def _impossible(value: Any, key: KeyPath = ()) -> Iterable[Problem]:
-    """The numbers that no array can hold, and the text that no page can show."""
+    """Yield the numbers that no array can hold, and the text that no page can show."""
     if isinstance(value, Mapping | list):
         for name, item in value.items() if isinstance(value, Mapping) else enumerate(value):
             yield from _impossible(item, (*key, name))
@@ -270,7 +272,7 @@ def _impossible(value: Any, key: KeyPath = ()) -> Iterable[Problem]:
 
 
 def _dotted(key: KeyPath) -> str:
-    """The key as a person writes it, list positions counted from 1."""
+    """Return the key as a person writes it, list positions counted from 1."""
     text = ""
     for part in key:
         text += f"[{part + 1}]" if isinstance(part, int) else f".{cut(str(part), _KEY)}"
@@ -278,7 +280,7 @@ def _dotted(key: KeyPath) -> str:
 
 
 def _depth(key: KeyPath, document: Any) -> int:
-    """How many parts of a key a document sets."""
+    """Return how many parts of a key a document sets."""
     for depth, part in enumerate(key):
         try:
             document = document[part]
@@ -288,7 +290,7 @@ def _depth(key: KeyPath, document: Any) -> int:
 
 
 def _line_of(key: KeyPath, node: Node | None) -> str:
-    """Where a key stands in a tree of nodes, "line 3: "; nothing for the top level."""
+    """Return where a key stands in a tree of nodes, "line 3: "; nothing for the top level."""
     mark = None
     for part in key:
         if isinstance(node, MappingNode):
@@ -302,7 +304,7 @@ def _line_of(key: KeyPath, node: Node | None) -> str:
     return f"line {mark.line + 1}: " if mark else ""
 
 
-# python -m … FILE …: `make`, as Snakemake answers an unreadable file with a traceback
+# `make` runs python -m … FILE …, because Snakemake shows a traceback for an unreadable file
 if __name__ == "__main__":
     try:
         documents_of(sys.argv[1:])

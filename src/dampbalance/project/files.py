@@ -20,26 +20,26 @@ if TYPE_CHECKING:
     import pandas as pd
 
 
-ROUTES = ("exact", "as_published")  # how a case is computed, as the folders are named
+ROUTES = ("exact", "as_published")  # routes by which a case is computed, and their folders
 SIGNIFICANT_DIGITS = 15
-"""Of a float in a table: all that survive a round trip through decimal text. Exact responses have them on any
-processor that was tried, and what follows from two of them needs them."""
+"""Digits of a float in a table: all that survive a round trip through decimal text. Exact responses agree in them on
+every processor that was tried, and differences of two responses need them."""
 
 READ_OUT_DIGITS = 13
-"""Of what is read off a sampled response. In the paper's case another processor moves it by up to 5e-14 of itself;
-where the truth is zero, as for harmonics of a response that sticks, it moves every digit."""
+"""Digits of features read off a sampled response. In the paper's case another processor changes them by up to 5e-14,
+relative; where the truth is zero, as for harmonics of a response that sticks, it changes every digit."""
 
 STATISTICAL_DIGITS = 6
-"""Of statistics of noisy records, which another processor moves by up to 3e-7, and chance by far more."""
-# What reads a table starts from equal numbers again; only one at a tie between two roundings may still differ. Orbits,
-# records and cases of studies (JSON, Parquet) keep every bit: too many for no tie to occur, or to be continued.
+"""Digits of statistics of noisy records, which another processor changes by up to 3e-7, and chance by far more."""
+# Steps that read a table start from equal numbers again; only one at a tie between two roundings may still differ.
+# Orbits, records and cases of studies (JSON, Parquet) keep every bit: too many for no tie to occur, or to be continued.
 
 UNFINISHED = ".~"  # how the name of a temporary file or folder begins
 
 
 @contextmanager
 def replacing(path: str | Path) -> Iterator[Path]:
-    """A temporary path next to `path`; it takes that name when the block ends, and vanishes when the block fails."""
+    """Yield a temporary path next to `path`, which takes that name when the block ends, and vanishes if it fails."""
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     handle, name = tempfile.mkstemp(
@@ -72,20 +72,20 @@ def write_text(path: str | Path, text: str) -> None:
 
 
 def plain(value: Any) -> Any:
-    """A value as JSON knows it: null for a number that is not known or has no bound, lists for arrays and tuples."""
+    """Return a value as JSON knows it: null for NaN and infinity, lists for arrays and tuples."""
     if hasattr(value, "tolist"):
         value = value.tolist()
     if isinstance(value, Mapping):
-        return {key: plain(one) for key, one in value.items()}
+        return {key: plain(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
-        return [plain(one) for one in value]
+        return [plain(item) for item in value]
     if isinstance(value, str):
-        return str(value)  # of a remark, its sentence
+        return str(value)  # a remark becomes its sentence
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def json_text(data: Any) -> str:
-    """Data as JSON; floats keep every bit."""
+    """Return data as JSON; floats keep every bit."""
     return json.dumps(data, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
 
 
@@ -129,7 +129,7 @@ def read_csv(path: str | Path, dtype: Any = None) -> pd.DataFrame:
 def read_routes(
     results: str | Path, kind: str, frequencies: Iterable[str], routes: Iterable[str] = ROUTES
 ) -> dict[str, dict[str, pd.DataFrame]]:
-    """route → frequency → table of the features or the estimates (`kind`) in the folder `results`."""
+    """Return route → frequency → table of the features or the estimates (`kind`) in the folder `results`."""
     names = list(frequencies)
     return {
         route: {name: read_csv(f"{results}/{kind}/{route}/{name}.csv") for name in names}
@@ -144,7 +144,7 @@ def write_parquet(path: str | Path, frame: pd.DataFrame) -> None:
 
 
 def sha256(path: str | Path) -> str:
-    """The SHA-256 digest of a file, in hexadecimal."""
+    """Return the SHA-256 digest of a file, in hexadecimal."""
     with open(path, "rb") as stream:
         return hashlib.file_digest(stream, "sha256").hexdigest()
 

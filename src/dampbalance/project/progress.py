@@ -1,4 +1,4 @@
-"""How far a long computation is: one line of a terminal, drawn again and again; nothing in a log or a pipe."""
+"""Shows how far a long computation is: one line of a terminal, drawn again and again; nothing in a log or a pipe."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from typing import TypeVar
 
 Item = TypeVar("Item")
 
-WIPE = "\r\x1b[K"  # what clears the line of a terminal, in which the cursor stands
-_PATIENCE = 2.0  # s, of whoever waits: what is done before says nothing
+WIPE = "\r\x1b[K"  # clears the line of a terminal in which the cursor stands
+_PATIENCE = 2.0  # s; shorter computations show no line
 _PAUSE = 0.2  # s, between two lines
-_at_work: list[str] = []  # what is counted, while something is
+_at_work: list[str] = []  # noun of the items that are counted just now
 
 
 def duration_in_words(seconds: float) -> str:
-    """A duration in a unit that suits it, e.g. 12 s, 4 min, 3.5 h."""
+    """Return a duration in a unit that suits it, e.g. 12 s, 4 min, 3.5 h."""
     if seconds < 100.0:
         return f"{seconds:.0f} s"
     if seconds < 6000.0:
@@ -26,7 +26,7 @@ def duration_in_words(seconds: float) -> str:
 
 
 def followed(items: Iterable[Item], total: float, what: str) -> Iterator[Item]:
-    """The items, one by one, while a line says how many of `total` are done and how long the rest takes.
+    """Yield the items, one by one, while a line says how many of `total` are done and how long the rest takes.
 
     Use it around a loop that may take longer than two seconds. what : what is counted, as "records".
     """

@@ -12,15 +12,15 @@ from typing import TextIO
 
 
 def trouble(error: BaseException) -> str | None:
-    """One sentence on what the machine lacks and what to do about it; None for an error of any other kind."""
+    """Return one sentence on what the machine lacks and what to do about it; None for an error of any other kind."""
     if isinstance(error, MemoryError):
-        return "the memory does not suffice: use fewer processors (make CORES=1), or smaller chunks of a study"
+        return "memory ran out: use fewer processors (make CORES=1), or smaller chunks of a study"
     if isinstance(error, OSError):
         file = error.filename or "a file"
         if error.errno in (errno.ENOSPC, errno.EDQUOT):
-            return f"{file} cannot be written, as the disk is full: make room, then go on with the same command"
+            return f"{file} cannot be written, as the disk is full: make room, then repeat the same command"
         if error.errno in (errno.EROFS, errno.EACCES, errno.EPERM):
-            return f"{file} cannot be written or read: give yourself the right to"
+            return f"{file} cannot be written or read: change its permissions"
     return None
 
 
@@ -42,7 +42,7 @@ def brief_troubles(log: Sequence[str] = ()) -> None:
 
 
 class _Both(io.TextIOBase):
-    """What is written goes to two streams."""
+    """A stream that writes to two others."""
 
     def __init__(self, *streams: TextIO) -> None:
         self._streams = streams

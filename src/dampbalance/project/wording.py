@@ -18,26 +18,26 @@ _LOWERED = str.maketrans("0123456789ksmn", "₀₁₂₃₄₅₆₇₈₉ₖₛ
 _SMALLEST, _LARGEST = -6, 9  # powers of ten between which a number is written out
 _DIGITS = 15  # significant digits of a float
 _MANTISSA = 6  # decimals of a number with a power of ten
-_MANY_TIMES = 1000  # beyond it the very number tells nothing more
+_MANY_TIMES = 1000  # larger factors are not distinguished
 
 
 def ten_to(exponent: int) -> str:
-    """A power of ten, 10⁻³."""
+    """Return a power of ten, 10⁻³."""
     return f"10{str(exponent).translate(_RAISED)}"
 
 
 def scientific(mantissa: str, exponent: int) -> str:
-    """A number with its power of ten, 1.2·10⁻³."""
+    """Return a number with its power of ten, 1.2·10⁻³."""
     return f"{mantissa}{TIMES}{ten_to(exponent)}"
 
 
 def power_of_ten(bound: float) -> str:
-    """The least power of ten that is not below a bound, 10⁻¹¹."""
+    """Return the least power of ten that is not below a bound, 10⁻¹¹."""
     return ten_to(math.ceil(math.log10(bound))) if bound > 0.0 else "0"
 
 
 def percent(share: float, digits: int = 3) -> str:
-    """A share as a percentage to this many significant digits, 0.0150 %; a bound where it is no more than rounding.
+    """Return a share as a percentage to this many significant digits, 0.0150 %; a bound where it is mere rounding.
 
     Percentages below a thousandth and from ten thousand on are powers of ten with two digits, 1.2·10⁴ %.
     """
@@ -54,14 +54,14 @@ def percent(share: float, digits: int = 3) -> str:
 
 
 def signed_percent(share: float, plus: str = "+", digits: int = 3) -> str:
-    """A share as a percentage with its sign, +1.37 % or −65.8 %.   plus : the sign of a positive one."""
+    """Return a share as a percentage with its sign, +1.37 % or −65.8 %.   plus : the sign of a positive one."""
     sign = MINUS if share < 0.0 else plus if share > 0.0 else ""
     text = percent(share, digits)
     return text if text == NO_NUMBER else sign + text
 
 
 def number_text(value: float, digits: int = 7, least: int = -5, most: int = 7) -> str:
-    """A number to this many significant digits, trailing zeros kept; – for none.
+    """Return a number to this many significant digits, trailing zeros kept; – for none.
 
     least, most : powers of ten between which it is written out; others become 1.2·10⁻³.
     """
@@ -76,52 +76,52 @@ def number_text(value: float, digits: int = 7, least: int = -5, most: int = 7) -
 
 
 def _split(value: float, digits: int) -> tuple[str, int]:
-    """The mantissa to this many digits, and its power of ten: 9.97 is 1.0·10¹ to two digits."""
+    """Return the mantissa to this many digits, and its power of ten: 9.97 is 1.0·10¹ to two digits."""
     mantissa, _, exponent = f"{value:.{digits - 1}e}".partition("e")
     return mantissa, int(exponent)
 
 
 def signed(value: float, decimals: int = 0) -> str:
-    """A number with its sign and so many decimals, +1.4 or −0.3; no sign where only zeros are shown."""
+    """Return a number with its sign and so many decimals, +1.4 or −0.3; no sign where only zeros are shown."""
     text = f"{value:+.{decimals}f}"
     return minus(text) if float(text) else text[1:]
 
 
 class Shown(float):
-    """A number that a sentence shows in a form of its own, whatever its template says."""
+    """A number that a sentence shows in its own form, independent of the template."""
 
     text: str
 
     def __new__(cls, value: float, text: str = "") -> Shown:
-        """The number, and the text that stands for it."""
+        """Return the number, and the text that stands for it."""
         shown = super().__new__(cls, value)
         shown.text = text
         return shown
 
     def __format__(self, spec: str) -> str:
-        """The text."""
+        """Return the text."""
         return self.text
 
 
 def factor(value: float) -> Shown:
-    """A factor for a sentence: 3.2, 450, more than 1000."""
+    """Return a factor for a sentence: 3.2, 450, more than 1000."""
     if value > _MANY_TIMES:
         return Shown(value, f"more than {_MANY_TIMES}")
     return Shown(value, f"{value:.2g}" if value < 99.5 else f"{value:.0f}")
 
 
 def part(share: float) -> Shown:
-    """A share as a percentage of two digits for a sentence, 4.7 % or 1 %."""
+    """Return a share as a percentage of two digits for a sentence, 4.7 % or 1 %."""
     return Shown(share, percent(share, 2).replace(".0 %", " %"))
 
 
 def larger_by(share: float) -> Shown:
-    """By how much more something is, for a sentence: 4.7 %; from twice as much on a factor, "a factor of 3.2"."""
+    """Return by how much something is larger, for a sentence: 4.7 %; from twice as large on, "a factor of 3.2"."""
     return Shown(share, f"a factor of {factor(1.0 + share)}") if share >= 1.0 else part(share)
 
 
 def change_text(value: float, by: float, unit: str = "") -> str:
-    """By how much a number changes, for a sentence: +4.7 %, −0.38 %, a factor of 3.2.
+    """Return by how much a number changes, for a sentence: +4.7 %, −0.38 %, a factor of 3.2.
 
     A value of nearly zero has no relative change, and no positive one falls by more than itself: then the change itself
     with its unit, +0.031 N.
@@ -137,22 +137,21 @@ def change_text(value: float, by: float, unit: str = "") -> str:
 
 
 def times(value: float) -> str:
-    """How many times as large, for a sentence: 3.2 times, 450 times, more than 1000 times."""
+    """Return how many times as large, for a sentence: 3.2 times, 450 times, more than 1000 times."""
     return f"{factor(value)} times"
 
 
 def written(value: float, spec: str) -> str:
-    """A number in a form such as ".3g" as people write it, −0.5 or 1.65·10³."""
+    """Return a number in a form such as ".3g" as people write it, −0.5 or 1.65·10³."""
     text = minus(format(value, spec))
-    return re.sub(r"e([+-]\d+)", lambda of: f"{TIMES}{ten_to(int(of[1]))}", text)
+    return re.sub(r"e([+-]\d+)", lambda match: f"{TIMES}{ten_to(int(match[1]))}", text)
 
 
 def rounded(value: float, spread: float) -> str:
-    """The value with two digits of the spread, as a power of ten where either is far from one."""
+    """Return the value with two digits of the spread, as a power of ten where either is far from one."""
     if not spread > 0.0:
         return written(value, ".6g")
     size = math.floor(math.log10(max(abs(value), spread)))
-    # what a float holds
     decimals = min(1 - math.floor(math.log10(spread)), _DIGITS - size)
     value = round(value, decimals)
     if _SMALLEST <= size < _LARGEST:
@@ -161,7 +160,7 @@ def rounded(value: float, spread: float) -> str:
 
 
 def with_error(value: float, error: float) -> str:
-    """2.4197 ± 0.0003"""
+    """Return a number with its error, 2.4197 ± 0.0003"""
     return f"{rounded(value, error)} ± {rounded(error, error)}"
 
 
@@ -181,7 +180,7 @@ class Remark(str):
     template : the sentence with a place for each number and each word, "{} drifts by {:.2g} %"; without numbers and
     words, the sentence itself.   of : numbers and words.   source : name of the record; empty where the sentence is
     about no single one.   words : the sentence without that name.
-    doubts : symbol → by which part of itself what is said may change that number, infinite where that is not known; the
+    doubts : symbol → relative change of that number that the remark may mean, infinite where it is unknown; the
     symbol "" stands for every number.   spares : names of the answers that it does not concern.
     """
 
@@ -200,7 +199,7 @@ class Remark(str):
         doubts: Mapping[str, float] | None = None,
         spares: Sequence[str] = (),
     ) -> Remark:
-        """The sentence, after the name of the record where it is about one."""
+        """Return the sentence, after the name of the record where it is about one."""
         words = _Sentence().format(template, *of) if of else template
         remark = super().__new__(cls, f"{source}: {words}" if source else words)
         remark.template, remark.of, remark.source, remark.words = template, of, source, words
@@ -208,20 +207,20 @@ class Remark(str):
         return remark
 
     def about(self, source: str) -> Remark:
-        """The same sentence about a record."""
+        """Return the same sentence about a record."""
         return Remark(
             self.template, *self.of, source=source, doubts=self.doubts, spares=self.spares
         )
 
     @property
     def kind(self) -> tuple[str, ...]:
-        """What it says, whatever the numbers and the record are."""
-        return self.template, *(one for one in self.of if isinstance(one, str))
+        """Template and words of a remark, without numbers and record: equal for remarks that `merged` may join."""
+        return self.template, *(value for value in self.of if isinstance(value, str))
 
 
 def merged(remarks: Sequence[Remark]) -> str:
-    """The words of remarks of one kind, each number that differs among them as its range, "2 to 7"."""
-    ranges = map(_Range, zip(*(one.of for one in remarks), strict=True))
+    """Return the words of remarks of one kind, each number that differs among them as its range, "2 to 7"."""
+    ranges = map(_Range, zip(*(remark.of for remark in remarks), strict=True))
     return Remark(remarks[0].template, *ranges).words
 
 
@@ -236,12 +235,12 @@ class _Range(tuple[Any, ...]):
 
 
 def listed(words: Sequence[str], last: str = "and") -> str:
-    """Words in a row: "a", "a and b", "a, b and c"."""
+    """Return words in a row: "a", "a and b", "a, b and c"."""
     return f" {last} ".join([", ".join(words[:-1]), words[-1]] if len(words) > 1 else words)
 
 
 def dotted(values: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any]]:
-    """Every value of nested mappings with its dotted key, e.g. ("excitation.levels_m", …)."""
+    """Yield every value of nested mappings with its dotted key, e.g. ("excitation.levels_m", …)."""
     for name, value in values.items():
         if isinstance(value, Mapping):
             yield from dotted(value, f"{above}{name}.")
@@ -250,14 +249,14 @@ def dotted(values: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, An
 
 
 def minus(text: str) -> str:
-    """Text whose numbers have a true minus sign, and zeros none."""
+    """Return text whose numbers have a true minus sign, and zeros none."""
     return re.sub(
-        r"(?<![\w.])-(\d[\d.]*)", lambda of: MINUS * bool(of[1].strip("0.")) + of[1], text
+        r"(?<![\w.])-(\d[\d.]*)", lambda match: MINUS * bool(match[1].strip("0.")) + match[1], text
     )
 
 
 def sentence(text: str) -> str:
-    """Words as a sentence, with one mark at its end; one that begins with a symbol or a file keeps its letter."""
+    """Return words as a sentence, with one mark at its end; a symbol or a file at its start keeps its letter."""
     first = text.split(" ")[0].rstrip(":,")
     capital = first.isalpha() and (len(first) > 1 or first == "a")
     end = "" if text.endswith(("?", "!")) else "."
@@ -265,22 +264,22 @@ def sentence(text: str) -> str:
 
 
 def unit_text(text: str) -> str:
-    """A unit as it is read: m^2/s becomes m²/s, the unit of a pure number becomes nothing."""
+    """Return a unit as it is read: m^2/s becomes m²/s, the unit of a pure number becomes nothing."""
     return "" if text in ("", "1") else text.replace("^2", "²")
 
 
 def with_unit(text: str, unit: str) -> str:
-    """A number with its unit, if it has one."""
+    """Return a number with its unit, if it has one."""
     return f"{text} {unit_text(unit)}".rstrip()
 
 
 def label_with_unit(name: str, unit: str) -> str:
-    """A name with its unit in brackets, for a column or an axis, F_k (N); that of a pure number alone."""
+    """Return a name with its unit in brackets, for a column or an axis, F_k (N); that of a pure number alone."""
     return f"{name} ({unit})" if unit_text(unit) else name
 
 
 def plain_text(text: str) -> str:
-    """Text with its symbols in plain characters, for axis titles: X_s becomes Xₛ, phi becomes φ."""
+    """Return text with its symbols in plain characters, for axis titles: X_s becomes Xₛ, phi becomes φ."""
 
     def symbol(match: re.Match[str]) -> str:
         name = GREEK.get(match[1]) or match[3]
@@ -292,7 +291,7 @@ def plain_text(text: str) -> str:
 
 
 def in_html(text: str) -> str:
-    """Text as HTML, its symbols set: X_s becomes an italic X with a lowered s, phi an italic φ."""
+    """Return text as HTML, its symbols set: X_s becomes an italic X with a lowered s, phi an italic φ."""
 
     def symbol(match: re.Match[str]) -> str:
         name, index = GREEK.get(match[1]) or match[3], match[2] or match[4]
@@ -302,18 +301,20 @@ def in_html(text: str) -> str:
 
 
 def shortened(value: object, most: int = 60) -> str:
-    """A value as Python writes it, cut to this many characters: for messages, which are one line each."""
+    """Return a value as Python writes it, cut to this many characters: for messages, which are one line each."""
     return cut(repr(value), most)
 
 
 def cut(text: str, most: int) -> str:
-    """Text of this many characters at the most."""
+    """Return text of this many characters at the most."""
     return text if len(text) <= most else f"{text[: most - 1]}…"
 
 
 def visible(text: str) -> str:
-    """Text of a user as one line in which nothing acts on a screen and everything can be written: line ends, control
-    characters, turns of direction, half surrogates and the like as Python spells them, \\n."""
+    """Return text of a user as one line that can be written and does nothing to a screen.
+
+    Line ends, control characters, turns of direction, half surrogates and the like stand as Python spells them, \\n.
+    """
     if text.isprintable():
         return text
     return "".join(
@@ -322,12 +323,12 @@ def visible(text: str) -> str:
 
 
 def frequency_name(name: str) -> str:
-    """A frequency of the configuration as a symbol: omega1 becomes ω₁; other names stay."""
+    """Return a frequency of the configuration as a symbol: omega1 becomes ω₁; other names stay."""
     index = name.removeprefix("omega")
     return f"ω{index.translate(_LOWERED)}" if name.startswith("omega") and index.isdigit() else name
 
 
-# What Markdown acts upon: its marks, an underscore at the edge of a word, and what makes a line a heading or a list.
+# Characters that Markdown acts upon: its marks, underscores at edges of words, and starts of headings and lists.
 _MARKS = re.compile(
     r"[\\`*\[\]<>|$&~]|(?<![^\W_])_|_(?![^\W_])|^(?:#+|[+-])(?=\s|$)|^[=-](?=[=-]*$)|^\d+(?=[.)](?:\s|$))",
     re.MULTILINE,
@@ -335,13 +336,13 @@ _MARKS = re.compile(
 
 
 def in_markdown(text: str) -> str:
-    """Text of a user as Markdown shows it, mark by mark, in a paragraph or a cell of a table."""
+    """Return text of a user as Markdown shows it, mark by mark, in a paragraph or a cell of a table."""
     lines = "\n".join(line.strip() for line in text.splitlines())
     return _MARKS.sub(lambda mark: f"{mark[0]}\\" if mark[0].isdigit() else rf"\{mark[0]}", lines)
 
 
 def markdown_table(heads: Sequence[str], rows: Iterable[Sequence[str]], align: str = "") -> str:
-    """A table in GitHub-flavoured Markdown.
+    """Return a table in GitHub-flavoured Markdown.
 
     heads : a heading for each column.   rows : their cells, ready for Markdown (`in_markdown` for text of a user).
     align : a letter for each column, l (text) or r (numbers); by default all l.
@@ -352,5 +353,5 @@ def markdown_table(heads: Sequence[str], rows: Iterable[Sequence[str]], align: s
 
 
 def in_figure(text: str) -> str:
-    """Text of a user as matplotlib shows it: a dollar is a dollar and begins no formula."""
+    """Return text of a user as matplotlib shows it: a dollar is a dollar and begins no formula."""
     return text.replace("$", r"\$")

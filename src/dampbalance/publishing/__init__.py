@@ -1,1 +1,1 @@
-"""What is written for readers: the article, the page, the notebook, and where each number comes from."""
+"""The texts for readers: the article, the page, the notebook, and where each number comes from."""

@@ -15,7 +15,7 @@ Mode = Literal["light", "dark"]
 
 _GENERAL = {
     "paper": ("#ffffff", "#14181d"),  # the page
-    "raised": ("#f4f6f8", "#1d232b"),  # what lies on it: table heads, boxes
+    "raised": ("#f4f6f8", "#1d232b"),  # surfaces on the page: table heads, boxes
     "ink": ("#1a2027", "#e7ebf0"),
     "muted": ("#4f5966", "#aab4c0"),  # notes, axis labels
     "rule": ("#d4dae1", "#353e49"),  # decorative lines
@@ -25,8 +25,8 @@ _GENERAL = {
     "target": ("#e2eefa", "#132f4b"),  # the row that a link leads to
     "on-verdict": ("#ffffff", "#0f1317"),  # text on the colour of a verdict
 }
-# Of a verdict as a surface, as a tint under text, as text: light, then dark. Each column has one lightness of OKLCH,
-# from which contrasts follow; hues differ from one verdict to the next.
+# Colours of a verdict as a surface, as a tint under text, as text: light, then dark. Each column has one lightness of
+# OKLCH, from which contrasts follow; hues differ from one verdict to the next.
 _OF_VERDICT = {
     "reproduced": ("#327213", "#e3f5de", "#265511", "#8bc377", "#1f3418", "#bbe1ae"),
     "simulated": ("#046798", "#e0f1fe", "#024d73", "#62bbf5", "#0f3146", "#aadbfe"),
@@ -42,13 +42,13 @@ _MOTION = {"slip": ("#2c5a8a", "#8fbcec"), "stick": ("#c75000", "#ff9a4d")}
 
 
 def series() -> dict[str, tuple[str, str]]:
-    """The colours of what is drawn, (light, dark) each: the approaches, spare ones, the phases of the motion."""
+    """Return the colours of what is drawn, (light, dark) each: the approaches, spare ones, the phases of the motion."""
     looks = [*LOOKS.values(), *SPARE]
     return {look.series: (look.light, look.dark) for look in looks} | _MOTION
 
 
 def verdicts() -> dict[str, tuple[str, str]]:
-    """The colours of every verdict of `VERDICTS`, (light, dark) each: as a surface, as a tint under text, as text."""
+    """Return the colours of every verdict, (light, dark) each: as a surface, as a tint under text, as text."""
     return {
         f"{verdict.css}{use}": (_OF_VERDICT[verdict.css][n], _OF_VERDICT[verdict.css][n + 3])
         for verdict in VERDICTS.values()
@@ -57,16 +57,16 @@ def verdicts() -> dict[str, tuple[str, str]]:
 
 
 def palette(mode: Mode) -> dict[str, str]:
-    """All colours of the page by name, as #rrggbb."""
+    """Return all colours of the page by name, as #rrggbb."""
     which = ("light", "dark").index(mode)
     return {name: colours[which] for name, colours in (_GENERAL | verdicts() | series()).items()}
 
 
 def css_variables(mode: Mode) -> str:
-    """The colours as declarations of custom properties, `--ink: #1a2027; …`."""
+    """Return the colours as declarations of custom properties, `--ink: #1a2027; …`."""
     return " ".join(f"--{name}: {colour};" for name, colour in palette(mode).items())
 
 
 def variable(name: str) -> str:
-    """How a style or an SVG attribute refers to a colour, so that it follows light and dark by itself."""
+    """Return how a style or an SVG attribute refers to a colour, so that it follows light and dark mode."""
     return f"var(--{name})"

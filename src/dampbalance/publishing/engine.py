@@ -3,7 +3,8 @@
 Numba translates each kernel to LLVM's intermediate representation, without optimising it for this machine; llvmlite
 optimises that for wasm32 and makes an object file, and the linker and C library of the package `ziglang` make a module
 of it that imports nothing. `make engine` does this in an environment with ziglang in addition to the locked packages.
-The module is kept with the sources, as few need another one: beside it stands what it was made of, and a test compares.
+The module is kept with the sources, because few need to build it. A record next to it lists its sources, and a test
+compares.
 
 A kernel keeps Numba's calling convention, which `static/engine.js` follows: it takes the address of its result, the
 address of what an exception says, and its arguments, an array as (0, 0, size, bytes of an item, address, shape,
@@ -40,7 +41,7 @@ _PACKAGE = Path(__file__).parents[1]
 # Optimisation is for wasm32 and left to llvmlite.
 _NUMBA = {"NUMBA_OPT": "0", "NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": ""}
 
-# What kernels need of Numba's runtime: memory for arrays, all of which is free again at the next `reset`.
+# The part of Numba's runtime that kernels need: memory for arrays, all of which is free again at the next `reset`.
 _RUNTIME = """
 typedef struct { long long count; void *destructor, *its_argument, *data; long long size; } Info;
 extern unsigned char __heap_base;
@@ -67,7 +68,7 @@ void NRT_MemInfo_call_dtor(Info *info) {}
 
 
 def _kernels() -> list[tuple[Any, tuple[Any, ...]]]:
-    """The kernels that the page calls, and the types of their arguments."""
+    """Return the kernels that the page calls, and the types of their arguments."""
     from numba import types as numba_types
 
     types: Any = numba_types
@@ -94,7 +95,7 @@ def build(folder: Path) -> None:
         modules.add(Path(function.__code__.co_filename).relative_to(_PACKAGE).as_posix())
         return numba.njit(function)
 
-    jit._compiled = compiled  # without the cache, which does not know how far Numba optimised
+    jit._compiled = compiled  # without the cache, whose entries may be optimised otherwise
     with tempfile.TemporaryDirectory() as scratch:
         names = _write_object(Path(scratch, "kernels.o"))
         Path(scratch, "runtime.c").write_text(_RUNTIME, encoding="utf-8")
@@ -116,7 +117,7 @@ def build(folder: Path) -> None:
 
 
 def source_digests(modules: list[str]) -> Mapping[str, str]:
-    """SHA-256 of modules of the package, named by their paths in it."""
+    """Return the SHA-256 of modules of the package, named by their paths in it."""
     return {name: hashlib.sha256((_PACKAGE / name).read_bytes()).hexdigest() for name in modules}
 
 
@@ -152,10 +153,10 @@ def _write_object(path: Path) -> list[str]:
 
 
 def _without_python(assembly: str) -> str:
-    """A module without its target and without what its exceptions say, in which there are addresses of this process."""
+    """Return a module without its target and the texts of exceptions, which hold addresses of this process."""
     assembly = re.sub(r"^target .*$", "", assembly, flags=re.MULTILINE)
-    said = r"^ *store ptr (?:@\.const\.picklebuf|%)\S*, ptr %excinfo, .*$"
-    return re.sub(said, "", assembly, flags=re.MULTILINE)
+    texts = r"^ *store ptr (?:@\.const\.picklebuf|%)\S*, ptr %excinfo, .*$"
+    return re.sub(texts, "", assembly, flags=re.MULTILINE)
 
 
 if __name__ == "__main__":

@@ -20,7 +20,7 @@ LEGEND_COLUMNS, LEGEND_STEP = 4, 28  # entries in a row; px from row to row
 
 
 def match_picture(counts: Sequence[Count]) -> str:
-    """The picture as SVG with text that can be read aloud, light or dark as the reader has it; same bytes each time.
+    """Return the picture as SVG with text that can be read aloud, light or dark as the reader has it.
 
     counts : `replication.claims.verdicts.counts`, the last one of all parts.
     """
@@ -44,7 +44,7 @@ def match_picture(counts: Sequence[Count]) -> str:
         ".part { text-anchor: end; } .total { fill: var(--muted); } .all { font-weight: 600; }",
         "</style>",
         f'<rect width="{PICTURE_WIDTH}" height="{height}" fill="{variable("paper")}"/>',
-        f'<text class="all" x="{LEFT}" y="22">{total.computed} computed numbers, and how a rebuild meets them</text>',
+        f'<text class="all" x="{LEFT}" y="22">{total.computed} computed numbers, by the verdict of the rebuild</text>',
     ]
     for row, count in enumerate(shown):
         lines += _bar(
@@ -54,7 +54,7 @@ def match_picture(counts: Sequence[Count]) -> str:
 
 
 def _bar(count: Count, top: int, last: bool) -> Iterator[str]:
-    """One part: its name, a stretch per verdict that occurs, and how many numbers it has."""
+    """Draw one part: its name, a stretch per verdict that occurs, and how many numbers it has."""
     middle, weight, part = top + BAR_HEIGHT // 2 + 5, " all" if last else "", escape(count.part)
     yield f'<text class="part{weight}" x="{LEFT - 12}" y="{middle}">{part}</text>'
     before, room = 0, PICTURE_WIDTH - LEFT - RIGHT_MARGIN
@@ -75,7 +75,7 @@ def _bar(count: Count, top: int, last: bool) -> Iterator[str]:
 
 
 def _legend(first: int) -> Iterator[str]:
-    """What symbol and colour stand for. first : px, base line of its first row."""
+    """Draw what symbol and colour stand for. first : px, base line of its first row."""
     width = (PICTURE_WIDTH - LEFT) // LEGEND_COLUMNS
     for number, verdict in enumerate(VERDICTS.values()):
         row, column = divmod(number, LEGEND_COLUMNS)

@@ -1,4 +1,4 @@
-"""Runs a notebook that is written as a plain script.
+"""Run a notebook that is written as a plain script.
 
 The script is in the percent format of jupytext. Everything that would differ between two runs is excluded: the user's
 settings of IPython and matplotlib, execution times, random cell ids, dates, names and software versions in pictures,
@@ -33,7 +33,7 @@ class NotebookError(RuntimeError):
 
 
 def run_notebook(source: str | Path, timeout: int = 300) -> NotebookNode:
-    """The notebook of a percent script, executed from top to bottom in a separate kernel.
+    """Return the notebook of a percent script, executed from top to bottom in a separate kernel.
 
     source : the script.   timeout : seconds that one cell may take.
 
@@ -79,17 +79,17 @@ def run_notebook(source: str | Path, timeout: int = 300) -> NotebookNode:
 
 
 def write_notebook(notebook: NotebookNode) -> str:
-    """The notebook as the text of an .ipynb file."""
+    """Return the notebook as the text of an .ipynb file."""
     nbformat.validate(notebook)
     return str(nbformat.writes(notebook)).rstrip("\n") + "\n"  # type: ignore[no-untyped-call]
 
 
 def _environment(folder: Path) -> dict[str, str]:
-    """Environment of a kernel: this interpreter, fixed settings, inline pictures, files in a temporary folder."""
+    """Return the environment of a kernel: this interpreter, fixed settings, inline pictures, a temporary folder."""
     profile = folder / "ipython" / "profile_default"
     profile.mkdir(parents=True)
     (profile / "ipython_kernel_config.py").write_text(KERNEL_SETTINGS, encoding="utf-8")
-    # names inside a picture follow from its content; what a user has set counts no more than that of IPython
+    # names inside a picture follow from its content; settings of the user are ignored like those of IPython
     (folder / "matplotlibrc").write_text("svg.hashsalt: dampbalance\n", encoding="utf-8")
     return os.environ | {
         "MATPLOTLIBRC": str(folder / "matplotlibrc"),

@@ -1,4 +1,4 @@
-"""Builds the site of documentation by Sphinx: pages and settings are in paper/site.
+"""Build the site of documentation by Sphinx: pages and settings are in paper/site.
 
 Pages include texts of the project, take up its results, and show what commands print. Sphinx runs in a separate
 process, on a copy of the pages, next to which commands write; any warning that it gives is an error. The same project
@@ -38,14 +38,14 @@ def build_site(root: str | Path, target: str | Path) -> None:
     The results of the paper and of all studies must be there. Raises SiteError for any warning of Sphinx.
     """
     root, target = Path(root).resolve(), Path(target).resolve()
-    # as deep as paper/site: paths that lead from the pages to files of the project hold in the copy, too
+    # The stage is as deep as paper/site: relative paths from the pages to files of the project hold in it, too.
     with tempfile.TemporaryDirectory(dir=root / "results", prefix=f"{UNFINISHED}site-") as folder:
         stage = Path(folder)
         shutil.copytree(root / PAGES, stage, dirs_exist_ok=True)
         shutil.copy(root / TOUR, stage / "explain")
         report = (root / REPORT_PAGE).read_text(encoding="utf-8")
         (stage / "extra/files").mkdir(parents=True)
-        # The copy stands alone: of links to files next to the original their text stays.
+        # The copy stands alone: links to files next to the original become plain text.
         (stage / "extra/files/report.html").write_text(_LOCAL_LINK.sub(r"\1", report), "utf-8")
         for place in PREPARED:
             run = stage / "extra/run" / place
@@ -74,7 +74,7 @@ def _run(*arguments: str, folder: Path) -> str:
             "PATH": os.pathsep.join([bin_folder, os.environ.get("PATH", "")]),
             "PYTHONHASHSEED": "0",
             "SOURCE_DATE_EPOCH": "0",
-            "COLUMNS": "80",  # of a command's help: what a page shows without scrolling
+            "COLUMNS": "80",  # characters of a command's help that a page shows without scrolling
         },
         capture_output=True,
         text=True,

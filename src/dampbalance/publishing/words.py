@@ -23,7 +23,7 @@ _UNIT = re.compile(r"(?<=\d) (?=(?:%|N|Hz|mm|µm|m|ms|µs|s|rad)(?:\W|$))")  # t
 
 
 def templates(loader: jinja2.BaseLoader | None = None, html: bool = False) -> jinja2.Environment:
-    """The templates of this room, or those of another loader.
+    """Return the templates of this room, or those of another loader.
 
     An undefined name is an error, and a line with a statement only leaves no trace.   html : whether what they insert
     is escaped; Markdown comes from files of the project and numbers only.
@@ -39,23 +39,23 @@ def templates(loader: jinja2.BaseLoader | None = None, html: bool = False) -> ji
 
 
 def rendered(template: str, **values: Any) -> str:
-    """A template of this room in Markdown, with these values."""
+    """Return a template of this room in Markdown, with these values."""
     return templates().get_template(template).render(**values)
 
 
 def rich_markup(text: str) -> Markup:
-    """Text with its symbols set in HTML: X_s an italic X with a lowered s, phi φ; a unit stays with its number."""
+    """Return text with its symbols set in HTML: X_s an italic X with a lowered s, phi φ; units stay with numbers."""
     return Markup(in_html(_UNIT.sub("\N{NO-BREAK SPACE}", text)))
 
 
 def from_tex(text: str) -> Markup:
-    """Text of a figure, with its mathematics between dollars: F_k of $F_k$, italic and with a lowered k."""
+    """Return text of a figure, with its mathematics between dollars: F_k of $F_k$, italic and with a lowered k."""
     parts = str(escape(text)).split("$")
     return Markup("").join(Markup(_maths(p) if n % 2 else p) for n, p in enumerate(parts))
 
 
 def _maths(tex: str) -> str:
-    """Mathematics as HTML: letters italic, indices and exponents upright."""
+    """Return mathematics as HTML: letters italic, indices and exponents upright."""
     for command, sign in _SIGNS_IN_WORDS.items():
         tex = tex.replace(command, sign)
 
@@ -67,24 +67,24 @@ def _maths(tex: str) -> str:
 
 
 def symbol(text: str) -> Markup:
-    """`rich_markup` for a column head, where a single letter is a symbol too: a, F_k, c by X_s."""
+    """Return `rich_markup` for a column head, where a single letter is a symbol too: a, F_k, c by X_s."""
     head, by, approach = text.partition(" by ")
     shown = Markup(f"<i>{escape(head)}</i>") if len(head) == 1 else rich_markup(head)
     return shown + by + rich_markup(approach)
 
 
 def quantity_markup(text: str) -> Markup:
-    """`rich_markup` for the meaning of a printed number, with its single letters as symbols: a: friction travel."""
+    """Return `rich_markup` for the meaning of a printed number, single letters as symbols: a: friction travel."""
     return titled(_OF_QUANTITY.sub(r"*\1*", text))
 
 
 def reason(text: str) -> Markup:
-    """`rich_markup` for the reason of a verdict, with its symbols of one letter: c acts as c + mω²h."""
+    """Return `rich_markup` for the reason of a verdict, with its symbols of one letter: c acts as c + mω²h."""
     return titled(_OF_REASON.sub(r"*\1*", text.replace("mω²h", "*m*ω²*h*")))
 
 
 def titled(text: str) -> Markup:
-    """`rich_markup`, with symbols between asterisks as well, *c*, *x*, and indices in plain characters lowered: ω₁."""
+    """Return `rich_markup`, with symbols between asterisks as well, *c*, and plain indices lowered: ω₁."""
     html = re.sub(r"\*(.+?)\*", r"<i>\1</i>", str(rich_markup(text)))
     return Markup(
         _INDEXED.sub(lambda m: f"<i>{m[1]}</i><sub>{m[2].translate(_FROM_LOWERED)}</sub>", html)

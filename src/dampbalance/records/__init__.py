@@ -1,1 +1,1 @@
-"""Measured records: channels, units, mapping; read from the files of laboratories and written to them."""
+"""Records of measurements: channels, units, mapping; read from the files of laboratories and written to them."""

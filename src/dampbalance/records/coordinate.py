@@ -59,13 +59,14 @@ class Coordinate:
     name: str
 
     def unit(self, unit: str) -> str:
-        """The unit that belongs to a unit of a translation: N m for N, N m/rad for N/m, kg m² for kg, mrad for mm."""
+        """Return the unit that belongs to a unit of a translation: N m for N, N m/rad for N/m, kg m² for kg, mrad for
+        mm."""
         if self == TRANSLATION or "rad" in unit or unit in ("N m", "kN m", "kg m²"):
             return unit
         return _TOKEN.sub(_rotating, unit)
 
     def key(self, name: str) -> str:
-        """The name of a column or key: T_k_N_m for F_k_N, angular_velocity_rad_per_s for velocity_m_per_s."""
+        """Return the name of a column or key: T_k_N_m for F_k_N, angular_velocity_rad_per_s for velocity_m_per_s."""
         if self == TRANSLATION:
             return name
         if name in ("m", "m_kg"):
@@ -79,7 +80,7 @@ class Coordinate:
         return _SYMBOL.sub("T_k", _WORD.sub(lambda of: _of_word(of[1]).replace(" ", "_"), name))
 
     def text(self, text: str, names: Iterable[str] = ()) -> str:
-        """A sentence with the words, symbols and units of the coordinate.
+        """Return a sentence with the words, symbols and units of the coordinate.
 
         names : of records and the like, which stay.
         """
@@ -96,14 +97,14 @@ class Coordinate:
         return _IN_HTML.sub("<i>T</i><sub>k</sub>", text)
 
     def drawn(self, text: str, names: Iterable[str] = ()) -> str:
-        """A text of a figure: like `text`, with θ for x."""
+        """Return a text of a figure: like `text`, with θ for x."""
         if self == ROTATION:
             for x, theta in _DRAWN.items():
                 text = text.replace(x, theta)
         return self.text(text, names)
 
     def remark(self, remark: Remark, names: Iterable[str] = ()) -> Remark:
-        """A remark in the words of the coordinate; it keeps its numbers, and what it doubts."""
+        """Return a remark in the words of the coordinate; it keeps its numbers, and what it doubts."""
         if self == TRANSLATION:
             return remark
         parts = [self.text(of, names) if isinstance(of, str) else of for of in remark.of]
@@ -115,7 +116,7 @@ class Coordinate:
         )
 
     def document(self, value: Any, names: Collection[str] = ()) -> Any:
-        """Plain data with the keys and the sentences of the coordinate."""
+        """Return plain data with the keys and the sentences of the coordinate."""
         if self == TRANSLATION:
             return value
         if isinstance(value, Mapping):
@@ -151,7 +152,7 @@ def _of_word(word: str) -> str:
 
 
 def _in_place(word: re.Match[str]) -> str:
-    """A word of a sentence; a part of a name such as relative_velocity has no blank."""
+    """Return a word of a sentence in the coordinate; a part of a name such as relative_velocity has no blank."""
     whole, (start, end) = word.string, word.span()
     named = whole[start - 1 : start] == "_" or whole[end : end + 1] == "_"
     return _of_word(word[1]).replace(" ", "_") if named else _of_word(word[1])

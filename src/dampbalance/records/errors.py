@@ -1,4 +1,4 @@
-"""What reading and writing records may complain about, and what a record can be: sizes, times and values beyond which
+"""Errors of reading and writing records, and the bounds of a record: sizes, times and values beyond which
 something is wrong with the file, not with the rig.
 
 Sizes are looked at before anything is read. The bounds of values leave room for any squared number that the reading
@@ -20,7 +20,7 @@ class RecordWarning(UserWarning):
 
 
 def library(name: str, purpose: str) -> Any:
-    """A module that only some formats need. Raises RecordError naming the extra when it is not installed."""
+    """Import a module that only some formats need. Raises RecordError naming the extra when it is not installed."""
     try:
         return importlib.import_module(name)
     except ImportError:
@@ -29,19 +29,19 @@ def library(name: str, purpose: str) -> Any:
         raise RecordError(f"{purpose} needs {missing}: {remedy}") from None
 
 
-LARGEST = 200_000_000  # numbers that are read of a record, samples × channels with times: 1.6 GB of memory
+LARGEST = 200_000_000  # numbers in a record, samples × channels with times: 1.6 GB of memory
 LARGEST_FILE = 4_000_000_000  # bytes: as many numbers as text, with some twenty characters each
 LARGEST_VALUE = 1e15  # SI unit of the quantity; no signal goes beyond it
-SMALLEST_RANGE = 1e-15  # SI unit of the quantity; a signal whose values lie closer together is none
-FINEST = 1e-10  # of the largest value: a range below it is rounding
+SMALLEST_RANGE = 1e-15  # SI unit of the quantity; values closer together than that are no signal
+FINEST = 1e-10  # relative to the largest value; a smaller range is rounding
 LATEST = 1e12  # s, time of a sample, either way from zero: 30,000 years
 LOWEST_RATE, HIGHEST_RATE = 1e-6, 1e12  # samples per second
-MOST_CHANNELS = 4096  # of a file
+MOST_CHANNELS = 4096  # in a file
 LONGEST_NAME = 1000  # characters of a channel's name
 
 
 def require_size(path: object, numbers: int) -> None:
-    """RecordError for a record of more numbers than are taken into memory."""
+    """Raise RecordError for a record of more numbers than are taken into memory."""
     if numbers > LARGEST:
         much = f"{numbers:,} numbers, more than {LARGEST:,}"
-        raise RecordError(f"{path}: the channels read would be {much}; give a part of the record")
+        raise RecordError(f"{path}: the channels hold {much}; give a part of the record")

@@ -45,7 +45,8 @@ _MEANINGS = {word: meaning for meaning, words in WORDS.items() for word in words
 _HINTS = {"reference": "base"} | dict.fromkeys(
     ("hammer", "load", "friction", "reibung", "reibkraft"), "force"
 )
-_PASSED_OVER = "angular"  # of an angular velocity: the unit says so
+_NORMAL = "normal", "normalkraft"  # where the channel is in a unit of force
+_PASSED_OVER = "angular"  # the unit shows that a velocity is angular
 _BODIES = ("base", "mass", "relative")
 _SHORTEST = 3  # letters of a word that may be part of another
 _TIME = re.compile(
@@ -59,18 +60,18 @@ _NAMED_TIME = re.compile(r"x_axis|date_?times?(_?\d+)?")
 
 
 def key_of(name: str) -> str:
-    """The last part of a path, in lower case, with "_" for what separates words."""
+    """Return the last part of a path, in lower case, with "_" for what separates words."""
     return re.sub(r"[\s\-]+", "_", re.split(r"[/.](?=[^/.])", name.strip())[-1].strip().lower())
 
 
 def names_time(raw: RawChannel) -> bool:
-    """Whether a channel holds times by its name, or points in time."""
+    """Return whether a channel holds times by its name, or points in time."""
     key = key_of(raw.name)
     return raw.stamps or any(p.fullmatch(key) for p in (_TIME, _SECONDS, _NAMED_TIME))
 
 
 def holds_time(raw: RawChannel) -> bool:
-    """Whether a channel holds times, by its name or unit."""
+    """Return whether a channel holds times, by its name or unit."""
     unit = find_unit(raw.unit or "")
     return names_time(raw) or bool(unit and unit.dimension == "time")
 
@@ -81,7 +82,7 @@ def full_name(raw: RawChannel) -> str:
 
 
 def unit_of(raw: RawChannel) -> str | None:
-    """The unit of a channel as the file spells it, or as its name implies; None for none."""
+    """Return the unit of a channel as the file spells it, or as its name implies; None for none."""
     return raw.unit or ("s" if _SECONDS.fullmatch(key_of(raw.name)) else None)
 
 
@@ -94,22 +95,24 @@ def unusable(raw: RawChannel) -> str | None:
 
 
 def quantity_of(raw: RawChannel, *, all_words: bool = True) -> str | None:
-    """The quantity that the heading of a channel names; None where it does not, or names several.
+    """Return the quantity that the heading of a channel names; None where it does not, or names several.
 
     all_words : whether every word must be known, so that nothing is guessed. Otherwise unknown words are passed over,
     single letters (of a direction) with them; base and mass together are a relative motion, and a body alone moves by
     a displacement.
     """
     words, meanings = words_of(raw.name), _MEANINGS if all_words else _HINTS | _MEANINGS
+    if {*words} & {*_NORMAL} and by_unit(raw) == "force":
+        return "normal_force"
     words = [word for word in words if word != _PASSED_OVER] or words
     words = ["" if word == "in" else word for word in words[:-1]] + words[-1:]  # a preposition
     if not (all_words or len(words) == 1):
         words = [word for word in words if word in meanings and len(word) > 1]
-    found = {meanings.get(word, "") for word in words}
-    bodies, quantities = found & {*_BODIES}, found - {*_BODIES}
+    roles = {meanings.get(word, "") for word in words}
+    bodies, quantities = roles & {*_BODIES}, roles - {*_BODIES}
     if not all_words and len(bodies) > 1:
         bodies = {"relative"}
-    if len(bodies) > 1 or len(quantities) > 1 or not found or "" in found:
+    if len(bodies) > 1 or len(quantities) > 1 or not roles or "" in roles:
         return None
     body, quantity = "".join(bodies), "".join(quantities) or by_unit(raw)
     if quantity is None and (body == "base" or not all_words):
@@ -121,21 +124,21 @@ def quantity_of(raw: RawChannel, *, all_words: bool = True) -> str | None:
 
 
 def by_unit(raw: RawChannel) -> str | None:
-    """The first quantity that has the unit of a channel, an angle standing for a displacement; None where it has none,
-    or one of no motion and no force."""
+    """Return the first quantity that has the unit of a channel, an angle standing for a displacement; None where it has
+    none, or one of no motion and no force."""
     unit = find_motion(raw.unit or "")
     fitting = (*ABSOLUTE, *EXCITATIONS)
     return next((q for q in fitting if unit and DIMENSIONS[q] == unit.counterpart), None)
 
 
 def coordinate_of(raw: RawChannel) -> Coordinate:
-    """Whether a channel moves along a line or rotates, by its unit."""
+    """Return whether a channel moves along a line or rotates, by its unit."""
     unit = find_motion(raw.unit or "")
     return unit.coordinate if unit else TRANSLATION
 
 
 def words_of(name: str) -> list[str]:
-    """The words of a heading in lower case, compounds taken apart: Relativweg is relativ and weg."""
+    """Return the words of a heading in lower case, compounds taken apart: Relativweg is relativ and weg."""
     name = unicodedata.normalize("NFC", re.split(r"[/.](?=[^/.])", name.strip())[-1])
     spaced = re.sub(r"(?<=[a-zß-ÿ])(?=[A-Z])|(?<=\D)(?=\d)|(?<=\d)(?=\D)", " ", name)
     words: list[str] = []

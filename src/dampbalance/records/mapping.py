@@ -57,7 +57,7 @@ class ChannelRule:
 
 @dataclass(frozen=True)
 class RecordMapping:
-    """How to read a record; the file itself decides what is None or empty.
+    """Instructions for reading a record; the file itself decides what is None or empty.
 
     source : the file it stands in.   channels : by quantity.   time, time_unit : the common time channel.
     sample_rate_hz : instead of a time channel.   delimiter ("\\t", "whitespace", …), decimal, header_lines : of a text
@@ -88,15 +88,15 @@ next to the record, if any."""
 
 
 def find_mapping(record: str | Path) -> Path | None:
-    """The mapping next to a record: run1.csv.yaml, run1.yaml or channels.yaml, the first that exists."""
+    """Return the mapping next to a record: run1.csv.yaml, run1.yaml or channels.yaml, the first that exists."""
     record = Path(record)
     names = (f"{record.name}.yaml", f"{record.stem}.yaml", FOLDER_FILE)
     return next((file for name in names if (file := record.with_name(name)).is_file()), None)
 
 
 def mapping_for(record: str | Path, mapping: MappingLike = None) -> RecordMapping:
-    """The mapping given (itself, as a document or as a file), else the one next to the record, else an empty one.
-    Raises RecordError naming file, key and remedy."""
+    """Return the mapping given (itself, as a document or as a file), else the one next to the record, else an empty
+    one. Raises RecordError naming file, key and remedy."""
     if isinstance(mapping, RecordMapping | Mapping):
         return mapping if isinstance(mapping, RecordMapping) else mapping_from(mapping)
     if mapping is not None:
@@ -106,7 +106,8 @@ def mapping_for(record: str | Path, mapping: MappingLike = None) -> RecordMappin
 
 
 def mapping_file(record: str | Path, mapping: MappingLike = None) -> Path | None:
-    """The file that the mapping of a record stands in, the one given or the one next to the record; None for none.
+    """Return the file that the mapping of a record stands in, the one given or the one next to the record; None for
+    none.
 
     Where records stand in a folder that is not yours, their mappings stand in another, which is given instead of one.
     """
@@ -117,7 +118,7 @@ def mapping_file(record: str | Path, mapping: MappingLike = None) -> Path | None
 
 
 def parts_of(record: str | Path, mapping: RecordMapping) -> dict[Path, RecordMapping]:
-    """Each file of a record with the part of its mapping that is about it."""
+    """Return each file of a record with the part of its mapping that is about it."""
     record = Path(record)
     files: dict[Path, dict[str, ChannelRule]] = {}
     for quantity, rule in mapping.channels.items():
@@ -129,7 +130,7 @@ def parts_of(record: str | Path, mapping: RecordMapping) -> dict[Path, RecordMap
 
 
 def read_mapping(file: str | Path) -> RecordMapping:
-    """The mapping of a YAML file. Raises RecordError naming file, key and remedy."""
+    """Return the mapping of a YAML file. Raises RecordError naming file, key and remedy."""
     from ..project.documents import ConfigurationError, read_yaml
 
     try:
@@ -142,7 +143,8 @@ def read_mapping(file: str | Path) -> RecordMapping:
 
 
 def mapping_from(document: Any, source: str = "mapping") -> RecordMapping:
-    """The mapping that a document describes. Raises RecordError with a line for each problem: source, key, remedy."""
+    """Return the mapping that a document describes. Raises RecordError with a line for each problem: source, key,
+    remedy."""
     from ..project.documents import against_schema, in_lines, read_schema
 
     problems = against_schema(document, read_schema(SCHEMA)) or list(_contradictions(document))
@@ -174,10 +176,9 @@ def _rule(stated: Mapping[str, Any]) -> ChannelRule:
 
 
 def _contradictions(document: Mapping[str, Any]) -> Iterable[tuple[tuple[str | int, ...], str]]:
-    """What no schema can say: units that do not fit, keys that exclude each other."""
-    channels = document.get("channels", {})
-    columns = document.get("table", {})
-    sections = {"channels": channels, "table": columns}
+    """Yield the problems that a schema cannot state: units that do not fit, keys that exclude each other."""
+    sections = {of: document.get(of, {}) for of in ("channels", "table")}
+    channels, columns = sections.values()
     rules: dict[tuple[str | int, ...], Any] = {
         (of, q): r for of in sections for q, r in sections[of].items()
     }
@@ -188,10 +189,8 @@ def _contradictions(document: Mapping[str, Any]) -> Iterable[tuple[tuple[str | i
     if columns and channels:
         yield ("table",), "not together with channels; keep one"
     if columns and ("frequency" not in columns or "phase" not in columns):
-        yield (
-            ("table",),
-            f"needs frequency and phase, and a response ({', '.join(TABLE_DIMENSIONS)})",
-        )
+        needed = ", ".join(TABLE_DIMENSIONS)
+        yield ("table",), f"needs frequency and phase, and a response ({needed})"
     for key, rule in {**rules, ("time",): document.get("time", {})}.items():
         unit = partial(table_factor if key[0] == "table" else unit_for, quantity=str(key[-1]))
         readers = ("unit", unit), ("delay", _seconds), ("delay_uncertainty", _seconds)
@@ -207,7 +206,7 @@ def _contradictions(document: Mapping[str, Any]) -> Iterable[tuple[tuple[str | i
                 problem = "needs corner_hz, with its order, or poles_rad_per_s: one of the two"
                 yield (*key, part), problem
             elif "order" in stated and "corner_hz" not in stated:
-                problem = "order goes with corner_hz; poles_rad_per_s are as many as they are"
+                problem = "order belongs to corner_hz, poles_rad_per_s have none; leave it out"
                 yield (*key, part), problem
     rotating = [q for q in channels if q in ROTATING]
     if rotating and (others := [q for q in channels if q not in ROTATING]):
@@ -226,11 +225,11 @@ def _contradictions(document: Mapping[str, Any]) -> Iterable[tuple[tuple[str | i
             problem = f"{rule['channel']!r} is {other} already; a channel holds one quantity"
             yield ("channels", quantity, "channel"), problem
     if document.get("delimiter") == "," == document.get("decimal"):
-        yield ("decimal",), "the same as the delimiter; a file has two different marks"
+        yield ("decimal",), "is the delimiter, too; give two different marks"
 
 
 def _seconds(delay: float | str) -> float:
-    """A delay in s: a number, or a text of a number and a unit of time. Raises UnitError."""
+    """Return a delay in s: a number, or a text of a number and a unit of time. Raises UnitError."""
     if not isinstance(delay, str):
         return float(delay)
     match = re.fullmatch(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S+)\s*", delay)
@@ -242,7 +241,7 @@ def _seconds(delay: float | str) -> float:
 
 
 def _poles(stated: Mapping[str, Any]) -> Iterator[complex]:
-    """The poles of a filter, rad/s."""
+    """Yield the poles of a filter, rad/s."""
     if "corner_hz" in stated:
         order = stated.get("order", 1)
         for j in range(order):

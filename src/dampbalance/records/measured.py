@@ -1,4 +1,4 @@
-"""Measured records as an identification takes them: from files of any format, tables of pandas, or arrays."""
+"""Records of measurements as an identification takes them: from files of any format, tables of pandas, or arrays."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ Result = TypeVar("Result")
 @dataclass(frozen=True, eq=False, repr=False)
 class MeasuredRecord:
     """One record, of a steady response at one level of excitation or of free decays, as `read_records` makes it; a
-    table of steady responses to a stepped sine is a kind of its own, `joints.records.SteppedRecord`.
+    table of steady responses to a stepped sine is another kind, `joints.records.SteppedRecord`.
 
     name : what messages and tables call it; the path of a file.   label : of its level, for plots.
     quantities : that it holds, by the names of `Measurement`.   measurement : its channels in SI units; None where
@@ -67,9 +67,9 @@ class MeasuredRecord:
         return TRANSLATION if self.measurement is None else self.measurement.coordinate
 
     def to_frame(self) -> pd.DataFrame:
-        """The samples: a column for each channel, named with its SI unit, and their times, time_s, as index.
+        """Return the samples: a column for each channel, named with its SI unit, and their times, time_s, as index.
 
-        Raises ValueError where the channels have times of their own.
+        Raises ValueError where the channels have different times.
         """
         import pandas as pd  # slow to import
 
@@ -79,17 +79,17 @@ class MeasuredRecord:
         t = channels[0].t
         if not all(np.array_equal(c.t, t) for c in channels):
             remedy = "take each from its measurement"
-            raise ValueError(f"{self.name}: its channels have times of their own; {remedy}")
+            raise ValueError(f"{self.name}: its channels have different times; {remedy}")
         columns = {column_name(c.quantity, c.coordinate): c.values for c in channels}
         return pd.DataFrame(columns, index=pd.Index(t, name="time_s"))
 
     def whole(self) -> Measurement:
-        """All its channels."""
+        """Return all channels of the record."""
         assert self.measurement is not None
         return self.measurement
 
     def __repr__(self) -> str:
-        """What it holds, in a line."""
+        """Return the contents of the record in a line."""
         held = listed([self.coordinate.text(quantity) for quantity in self.quantities])
         t = max((self.whole()[q].t for q in self.quantities), key=len)
         sampled = f"{t.size:,} samples from {t[0]:.4g} s to {t[-1]:.4g} s at {mean_rate(t):.6g} Hz"
@@ -116,7 +116,7 @@ def in_words_of_records(
         if len(first) > 1:
             rotating, other = first[ROTATION], first[TRANSLATION]
             raise RecordError(
-                f"{rotating} is of a rotation and {other} of a translation: identify them separately"
+                f"{rotating} rotates and {other} moves along a line: identify them separately"
             )
         try:
             return identified(records, *args, **more)
@@ -163,7 +163,7 @@ def _in_memory(
     free: bool,
     reader: ReaderOfTables | None,
 ) -> MeasuredRecord:
-    """The record of signals in memory, the `number`-th of several, under a name that is not taken."""
+    """Return the record of signals in memory, the `number`-th of several, under a name that is not taken."""
     if not (is_table(record) or isinstance(record, Measurement)):
         remedy = "give the path of a file, a pandas DataFrame, or a mapping of names to arrays"
         raise RecordError(f"record {number} is a {type(record).__name__}; {remedy}")
@@ -174,7 +174,7 @@ def _in_memory(
     name = next(name for name in names if name not in taken)
     rules = RecordMapping("mapping") if mapping is None else mapping_for("", mapping)
     rules = replace(rules, free=free)
-    said: list[Remark] = []
+    warned: list[Remark] = []
     if isinstance(record, Measurement):
         measurement = replace(record, source=name)
     else:
@@ -182,10 +182,10 @@ def _in_memory(
         of_its_kind = reader(signals, rules, name) if reader is not None else None
         if of_its_kind is not None:
             return of_its_kind
-        with _told(name) as said:
+        with _collected_warnings(name) as warned:
             measurement = recognise(signals, rules)
     label = visible(rules.level or name)
-    return MeasuredRecord(name, label, tuple(measurement), measurement, rules, tuple(said))
+    return MeasuredRecord(name, label, tuple(measurement), measurement, rules, tuple(warned))
 
 
 def _of_file(
@@ -197,15 +197,15 @@ def _of_file(
         of_its_kind = reader(file, rules, path.name)
         if of_its_kind is not None:
             return replace(of_its_kind, files=_digests(path, rules, mapping))
-    with _told(str(path)) as said:
+    with _collected_warnings(str(path)) as warned:
         measurement = read(path, rules, file)
-    label, notes = visible(rules.level or path.name), tuple(said)
+    label, notes = visible(rules.level or path.name), tuple(warned)
     files = _digests(path, rules, mapping)
     return MeasuredRecord(str(path), label, tuple(measurement), measurement, rules, notes, files)
 
 
 def _digests(path: Path, rules: RecordMapping, mapping: MappingLike) -> dict[str, Any]:
-    """Digests of a file, of the file that names its channels, and of others that hold some."""
+    """Return digests of a file, of the file that names its channels, and of others that hold some."""
     file = mapping_file(path, mapping)
     others = [part for part in parts_of(path, rules) if part != path]
     more = [{"file": str(part), "sha256": sha256(part)} for part in others]
@@ -216,19 +216,19 @@ def _digests(path: Path, rules: RecordMapping, mapping: MappingLike) -> dict[str
 
 
 @contextmanager
-def _told(name: str) -> Iterator[list[Remark]]:
-    """What readers find odd about a record, once each, without its name; filled when the block ends."""
-    said: list[Remark] = []
+def _collected_warnings(name: str) -> Iterator[list[Remark]]:
+    """Collect the warnings of readers about a record, once each, without its name, when the block ends."""
+    warned: list[Remark] = []
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", RecordWarning)
-        yield said
+        yield warned
     for one in (w.message.args[0] for w in caught if isinstance(w.message, RecordWarning)):
         odd = one if isinstance(one, Remark) else Remark(one)
         parts = (odd.template, *odd.of)
         nameless = [p.removeprefix(f"{name}: ") if isinstance(p, str) else p for p in parts]
         remark = Remark(*nameless, doubts=odd.doubts, spares=odd.spares)
-        if remark not in said:
-            said.append(remark)
+        if remark not in warned:
+            warned.append(remark)
 
 
 def require_different(records: Sequence[MeasuredRecord]) -> None:

@@ -14,34 +14,38 @@ from numpy.typing import ArrayLike
 
 from ..arguments import floats, instance, items, mapping, one_of, text
 from ..arrays import Array, Complexes, ReadOnly
+from ..record import uneven
 from .coordinate import ROTATION, TRANSLATION, Coordinate
 from .errors import LARGEST_VALUE, LATEST, RecordError
 
 EXCITATIONS = {"base_displacement": "m", "base_acceleration": "m/s²", "force": "N"}
-"""What drives the oscillator, one of these, or none in a free decay; a force f stands for the base motion y = f/k."""
+"""Excitations: one of these drives the oscillator, none in a free decay; a force f stands for a base motion y = f/k."""
 
 ABSOLUTE = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s²"}  # against the ground
 RELATIVE = {f"relative_{quantity}": unit for quantity, unit in ABSOLUTE.items()}
-"""What the mass does against the base, x − y: what a transducer between the two reads."""
+"""Motions of the mass relative to the base, x − y, which a transducer between the two reads."""
 
 RESPONSES = ABSOLUTE | RELATIVE
-"""What the mass does, at least one of these. Where a force drives, and in a free decay, the base is at rest and a
+"""Responses of the mass, at least one of these. Where a force drives, and in a free decay, the base is at rest and a
 relative motion is an absolute one."""
 
-QUANTITIES = EXCITATIONS | RESPONSES
+ACCOMPANYING = {"normal_force": "N"}
+"""What is recorded beside: the force that presses a contact together."""
+
+QUANTITIES = EXCITATIONS | RESPONSES | ACCOMPANYING
 """Every quantity that a channel may hold, with the SI unit of its values."""
 
-ROTATING = {ROTATION.key(quantity): quantity for quantity in QUANTITIES}
+ROTATING = {ROTATION.key(quantity): quantity for quantity in EXCITATIONS | RESPONSES}
 """Quantities of a record that rotates, angle, torque, …, and what each stands for in the equations of a translation."""
 
 ORDERS = {q: [*ABSOLUTE.values()].index(unit) for q, unit in QUANTITIES.items() if unit != "N"}
-"""How many times a motion is derived by time: 0 for a displacement, 2 for an acceleration."""
+"""Order of the time derivative of each motion: 0 for a displacement, 2 for an acceleration."""
 
-_GAP, _JITTER = 1.5, 0.5  # steps: from here on a sample is missing, or in another one's place
+_JITTER = 0.5  # steps: from here on a sample is in another one's place
 
 
 def sample_times(rate_hz: float, start: float, first: int, count: int) -> Array:
-    """Times, s, of `count` samples from number `first` on; the sample number 0 is taken at `start`."""
+    """Return times, s, of `count` samples from number `first` on; the sample number 0 is taken at `start`."""
     number = np.arange(first, first + count, dtype=np.float64)
     steps = round(start * rate_hz)
     if steps / rate_hz == start:  # one division leads to 0.102, and not to 0.10200000000000001
@@ -50,13 +54,13 @@ def sample_times(rate_hz: float, start: float, first: int, count: int) -> Array:
 
 
 def mean_rate(t: Array) -> float:
-    """Samples per second of a channel with these times, s."""
+    """Return samples per second of a channel with these times, s."""
     return (t.size - 1) / float(t[-1] - t[0])
 
 
 @dataclass(frozen=True, slots=True)
 class Correction:
-    """What a channel does to a signal on its way into the file, as far as it is known.
+    """Known effect of a channel on a signal on its way into the file.
 
     A channel with gain G, delay d and filters turns a harmonic e^{iωt} into H(iω) e^{iωt},
 
@@ -76,7 +80,7 @@ class Correction:
     delay_error: float = 0.0
 
     def response(self, omega: ArrayLike) -> Complexes:
-        """H(iω) at any ω, rad/s; where a high-pass filter lets nothing through (ω = 0), without it."""
+        """Return H(iω) at any ω, rad/s; where a high-pass filter lets nothing through (ω = 0), without it."""
         s = 1j * np.asarray(omega, dtype=np.float64)
         response: Complexes = self.gain * np.exp(-s * self.delay)
         for p in self.low_pass:
@@ -126,14 +130,15 @@ class Channel:
         if self.t.size < 2:
             raise ValueError(f"{this} has {self.t.size} samples; a signal needs at least 2")
         for array, what, bound in ((self.t, "time", LATEST), (self.values, "value", LARGEST_VALUE)):
-            within = np.abs(array) <= bound  # nor is NaN
+            within = np.abs(array) <= bound  # NaN is not
             if not within.all():
                 i = int(np.argmin(within))
                 beyond = f", beyond {bound:g}" if np.isfinite(array[i]) else ""
                 what = f"{what} {i} (counted from 0) is {array[i]}{beyond}"
                 raise ValueError(f"{this}: {what}; cut the record before it, or repair it")
-        if problem := _uneven(self.t):
-            raise ValueError(f"{this}: its time {problem}")
+        problem, remedy = uneven(self.t, _JITTER)
+        if problem:
+            raise ValueError(f"{this}: its time {problem}; {remedy}")
 
     def __len__(self) -> int:
         return self.values.size
@@ -144,30 +149,6 @@ class Channel:
         return self.coordinate.unit(QUANTITIES[self.quantity])
 
 
-def _uneven(t: Array) -> str:
-    """How times, (n,), are none of samples in about equal steps, with the remedy; "" where they are."""
-    steps = np.diff(t)
-    step, least, most = float(np.median(steps)), int(np.argmin(steps)), int(np.argmax(steps))
-    off = np.abs(t - np.linspace(t[0], t[-1], t.size))
-    worst = int(np.argmax(off))
-    if steps[least] <= 0.0:
-        return (
-            f"does not increase from sample {least} to {least + 1} ({t[least]:.12g} s, {t[least + 1]:.12g} s); give "
-            "sample_rate_hz instead if it has too few digits"
-        )
-    if steps[most] > _GAP * step:
-        return (
-            f"has a gap of {steps[most]:g} s after {t[most]:.12g} s (sample {most}), its step is {step:g} s; use the "
-            "part before or after it"
-        )
-    if off[worst] > _JITTER * step:
-        return (
-            f"is not in equal steps: {t[worst]:.12g} s (sample {worst}) is {off[worst]:.2g} s off the grid of "
-            f"{step:g} s; resample the record, or give sample_rate_hz instead if only the digits are too few"
-        )
-    return ""
-
-
 def require_one_coordinate(source: str, coordinates: Mapping[str, Coordinate]) -> None:
     """Raise RecordError where some channels rotate and others do not.   coordinates : by the names of the channels."""
     first: dict[Coordinate, str] = {}
@@ -175,8 +156,8 @@ def require_one_coordinate(source: str, coordinates: Mapping[str, Coordinate]) -
         first.setdefault(coordinate, name)
     if len(first) > 1:
         raise RecordError(
-            f"{source}: {first[ROTATION]!r} is of a rotation and {first[TRANSLATION]!r} of a translation, and one "
-            "record has one of them: name the channels to read in its mapping"
+            f"{source}: {first[ROTATION]!r} rotates and {first[TRANSLATION]!r} moves along a line, and a record does "
+            "one of the two: name the channels to read in its mapping"
         )
 
 
@@ -213,7 +194,7 @@ class Measurement:
 
     @classmethod
     def of(cls, source: str, channels: Iterable[Channel]) -> Measurement:
-        """A measurement of the channels given. Raises ValueError when two hold the same quantity."""
+        """Return a measurement of the channels given. Raises ValueError when two hold the same quantity."""
         by_quantity: dict[str, Channel] = {}
         for channel in items("channels", channels, "a sequence of channels"):
             instance("each of the channels", channel, Channel)

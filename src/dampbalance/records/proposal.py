@@ -36,7 +36,7 @@ from .units import DIMENSIONS, find_motion, find_other, find_unit
 _YAML_WORDS = ("y", "n", "yes", "no", "on", "off", "true", "false", "null")
 _LONGEST = 60  # characters of a name; a channel with a longer one is called by its number
 _IN_MM = 0.05  # half the range of a displacement: more is in mm, less in m
-# by the least step: nothing is sampled at less than 20 Hz
+# least step in each unit, as nothing is sampled at less than 20 Hz
 _TIME_UNITS = {"µs": 50.0, "ms": 0.05, "s": 0.0}
 _BY_NAME, _BY_UNIT = "by its name", "by its unit"
 _RESPONSE_OF = {"base_displacement": "displacement", "base_acceleration": "acceleration"}
@@ -57,9 +57,9 @@ class Proposal:
         self.why = dict(self.samples.aside) | {i: why for i, why in roles.axes.items() if why}
         ways = (names_time, holds_time)
         self.is_time = next((way for way in ways if any(map(way, self.channels))), None)
-        # what names say goes first, then units
+        # names take precedence over units
         names = {i: roles.named(i) for i in range(len(self.channels)) if roles.may_move(i)}
-        chosen, twice = roles.told_apart
+        chosen, twice = roles.by_names
         for quantity, i in ({} if twice else chosen).items():
             unit = by_unit(self.channels[i])
             fits = unit and DIMENSIONS[unit] == DIMENSIONS[quantity]
@@ -85,9 +85,9 @@ class Proposal:
         return any(q in RESPONSES for q in self.chosen)
 
     def lines(self) -> list[str]:
-        """The mapping in YAML, each line with its reason, and what is left aside."""
+        """Return the mapping in YAML, each line with its reason, and the channels left out."""
         driving = [q for q in self.chosen if q in EXCITATIONS]
-        lines = ["channels:" if driving else "channels:  # none that drives: those of a free decay"]
+        lines = ["channels:" if driving else "channels:  # a free decay, without an excitation"]
         for quantity in (q for q in QUANTITIES if q in self.chosen):
             i = self.chosen[quantity]
             unit, scale, remark = self._in_unit(i, quantity)
@@ -109,7 +109,7 @@ class Proposal:
         return [*lines, *aside[:LISTED], *more]
 
     def _first_drives(self, names: Mapping[int, str | None]) -> dict[int, str]:
-        """The first of several channels that names call alike, none the mass, is the base's where no name drives."""
+        """Make the first of several channels that names call alike, none the mass, the drive where no name says one."""
         first: dict[int, str] = {}
         if any(name in EXCITATIONS for name in names.values()):
             return first
@@ -126,14 +126,14 @@ class Proposal:
         raw, of_unit = self.channels[i], by_unit(self.channels[i])
         driven = any(q in EXCITATIONS for q in self.chosen)
         if of_unit is None and raw.unit and not find_other(raw.unit):
-            self.why[i] = f"its unit, {shortened(raw.unit)}, is that of no motion and no force"
+            self.why[i] = f"its unit, {shortened(raw.unit)}, is no unit of motion or force"
             return
         fitting = ["base_displacement"] * (not driven) + ["displacement"] * (not self.complete)
         reason = "neither name nor unit says what it is"
         if of_unit is not None:
             reason, one = _BY_UNIT, DIMENSIONS[of_unit]
             fitting = [q for q in (*EXCITATIONS, *ABSOLUTE) if DIMENSIONS[q] == one]
-        if named in EXCITATIONS:  # what drives is no response
+        if named in EXCITATIONS:  # an excitation is no response
             fitting = []
         for quantity in filter(None, [named, *fitting]):
             taken = driven if quantity in EXCITATIONS else quantity in self.chosen
@@ -147,7 +147,7 @@ class Proposal:
         self.why[i] = f"another channel is taken for {wanted}" if wanted else reason
 
     def _in_unit(self, i: int, quantity: str) -> tuple[str, str, str]:
-        """Unit, scale and remark of a channel in the mapping."""
+        """Return the unit, scale and remark of a channel in the mapping."""
         raw, unit, values = self.channels[i], QUANTITIES[quantity], self.samples.values[i]
         own = find_motion(raw.unit or "")
         if own and own.counterpart == DIMENSIONS[quantity]:
@@ -160,7 +160,7 @@ class Proposal:
         return "mm" if large else unit, "", "; unit guessed, the file has none"
 
     def _time(self) -> list[str]:
-        """The line about times, if one is needed."""
+        """Return the line about times, if one is needed."""
         if self.mapping.sample_rate_hz is not None:
             return []
         times = [i for i in range(len(self.channels)) if self._is_time(i)]
@@ -178,7 +178,8 @@ class Proposal:
         return [f"{line}{unit}}}  # {shows}unit guessed, the file has none"]
 
     def _is_time(self, i: int) -> bool:
-        """Whether a channel is taken for the times: by the mapping, name or unit, or as the only one that rises."""
+        """Return whether a channel is taken for the times: by the mapping, name or unit, or as the only one that
+        rises."""
         if self.mapping.time is not None:
             return self.mapping.time in (i + 1, self.channels[i].name)
         if self.is_time is None:
@@ -186,7 +187,7 @@ class Proposal:
         return self.is_time(self.channels[i])
 
     def _which(self, i: int) -> str:
-        """A channel as a mapping names it: by its name, or by its number where that is long or not its alone."""
+        """Return a channel as a mapping names it: by its name, or by its number where that is long or not its alone."""
         name = self.channels[i].name
         if self.keys.count(self.keys[i]) > 1 or len(name) > _LONGEST:
             return str(i + 1)
@@ -214,7 +215,7 @@ def unclear(roles: Roles, what: str) -> RecordError:
 
 
 def suggested_mapping(file: Table, mapping: RecordMapping) -> str:
-    """A mapping in YAML for a table whose mapping, so far, names no channels: each line with its reason. Raises
+    """Return a mapping in YAML for a table whose mapping, so far, names no channels: each line with its reason. Raises
     RecordError where the mapping names channels already, or the table has no response."""
     roles = Roles(file, mapping)
     if mapping.channels:

@@ -16,7 +16,8 @@ from ..arguments import NUMBERS, Bounds, number, refuse, shown
 from .coordinate import Coordinate
 from .units import UnitError, factor_to
 
-_AS_WEIGHED = 0.005  # of a mass: what holds and drives it, and half of its springs, move along and are seldom weighed
+# relative uncertainty of a mass: fixture, driver and half of the springs move along and are seldom weighed
+_MASS_UNCERTAINTY = 0.005
 _UNCERTAIN = r"\s*(?:±|\+/?[-−])\s*"  # between a number and its standard uncertainty
 _THOUSAND = r"[ '_\u00a0\u202f]"  # marks of thousands that are no decimal marks
 _NUMBER = re.compile(
@@ -53,9 +54,8 @@ def read_quantity(name: str, text: str, unit: str | None = None) -> Quantity:
     unit : SI, where the table states none.   Raises ValueError naming the argument, the text, and what is understood.
     """
     bounds = NUMBERS[name] if unit is None else NUMBERS[name]._replace(unit=unit)
-    inner, _, behind = re.sub(r"^\s*\(", "", text).partition(
-        ")" if text.strip()[:1] == "(" else "\0"
-    )
+    end = ")" if text.strip()[:1] == "(" else "\0"
+    inner, _, behind = re.sub(r"^\s*\(", "", text).partition(end)
     written = [(_NUMBER.match(part), part) for part in re.split(_UNCERTAIN, inner.strip())]
     parts = [(_decimal(of, name), part[of.end() :] or behind) for of, part in written if of]
     if not len(parts) == len(written) <= 2:
@@ -76,14 +76,14 @@ def read_quantity(name: str, text: str, unit: str | None = None) -> Quantity:
 
 
 def _factor(si: str, unit: str) -> tuple[float, Coordinate | None]:
-    """SI units per unit, and of what it is one; of no unit 1, of a part "%"."""
+    """Return SI units per unit and the coordinate of the unit; 1 without a unit, 0.01 for "%"."""
     if not unit or (unit == "%" and not si):
         return 0.01 if unit else 1.0, None
     return factor_to(si, unit)
 
 
 def _decimal(of: re.Match[str], name: str) -> Decimal:
-    """The number that a text spells. Raises ValueError where its comma may separate thousands as well."""
+    """Return the number that a text spells. Raises ValueError where its comma may separate thousands as well."""
     digits = re.sub(_THOUSAND, "", of["digits"])
     if re.fullmatch(r"[1-9]\d{0,2},\d{3}", digits):
         raise ValueError(
@@ -109,7 +109,7 @@ def _refuse_text(name: str, bounds: Bounds, text: str, why: str = "") -> NoRetur
 
 
 def quantity(name: str, value: object, unit: str | None = None) -> float:
-    """A number of the table as a float, SI; a text as `read_quantity` reads it, without an uncertainty."""
+    """Return a number of the table as a float, SI; a text as `read_quantity` reads it, without an uncertainty."""
     if not isinstance(value, str):
         return number(name, value)
     read = read_quantity(name, value, unit)
@@ -119,8 +119,8 @@ def quantity(name: str, value: object, unit: str | None = None) -> float:
 
 
 def with_error(name: str, value: object) -> tuple[float, float]:
-    """A number of the table and its standard uncertainty, SI: 2310.0, (2310.0, 10.0), or a text as `read_quantity`
-    reads it, "2310±10" or "5.2 N/mm ± 1 %"."""
+    """Return a number of the table and its standard uncertainty, SI: 2310.0, (2310.0, 10.0), or a text as
+    `read_quantity` reads it, "2310±10" or "5.2 N/mm ± 1 %"."""
     pair: Any = value
     if isinstance(value, str):
         read = read_quantity(name, value)
@@ -137,8 +137,8 @@ def with_error(name: str, value: object) -> tuple[float, float]:
 
 
 def mass_with_error(value: object) -> tuple[float, float]:
-    """A mass and its standard uncertainty, kg, in the forms of `with_error`; that of a mass alone is half a unit of its
-    last digit or 0.5 %, whichever is more.
+    """Return a mass and its standard uncertainty, kg, in the forms of `with_error`; that of a mass alone is half a unit
+    of its last digit or 0.5 %, whichever is more.
 
     "3.1" and 3.1 have one of 0.05 kg, "3.100" has 0.0155 kg; (3.1, 0.0) and "3.1±0" are exact.
     """
@@ -149,4 +149,4 @@ def mass_with_error(value: object) -> tuple[float, float]:
     read = read_quantity("mass", str(value))
     if read.error is not None:
         return with_error("mass", value)
-    return read.value, max(0.5 * read.last_digit, _AS_WEIGHED * read.value)
+    return read.value, max(0.5 * read.last_digit, _MASS_UNCERTAINTY * read.value)

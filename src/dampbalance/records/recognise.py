@@ -1,4 +1,4 @@
-"""From an open table to the channels of a measurement in SI units: the one place where a record is checked.
+"""The channels of a measurement in SI units from an open table: the one place where a record is checked.
 
 Mapping, headings, units and samples say which channel holds what; each must have its unit and its times, and samples
 that are finite, within bounds, in equal steps, not constant, and no integers that ran over. Times that were rounded to
@@ -36,12 +36,13 @@ from .roles import LISTED, Roles, first_of
 from .table import RawChannel, Table
 from .units import DIMENSIONS, UNITS, VOLTAGE, UnitError, find_other, unit_for
 
-_BITS = (8, 16, 24, 32, 64)  # of the integers that converters and files have
-# of their range: no oscillation passes through so much of it from one sample to the next
+_BITS = (8, 16, 24, 32, 64)  # integers that converters and files have
+# part of their range: no oscillation passes through so much of it from one sample to the next
 _WRAPPED = 0.9
-_INTEGER = 0.01  # of the resolution: room for the rounding of its multiples to floats
-_WITHIN = 1.5  # resolutions; rounding, and what the line is off by itself
-_ACCURATE = 1e-3  # of the rate, that it may be off by at the most: c is then off by as much
+# part of the resolution: room for the rounding of its multiples to floats
+_MULTIPLE_TOLERANCE = 0.01
+_LINE_TOLERANCE = 1.5  # resolutions; rounding, and what the line is off by itself
+_MAX_RATE_ERROR = 1e-3  # largest relative error of the rate; c has the same one
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,18 +102,18 @@ def picks_of(file: Table, mapping: RecordMapping, *, entire: bool = True) -> tup
             q: _find(roles, rule.channel, f"channels.{q}.channel") for q, rule in rules.items()
         }
     else:
-        chosen, twice = roles.told_apart
+        chosen, twice = roles.by_names
         if twice:
             raise unclear(roles, twice)
         if mapping.free:
-            # what may drive is read, where its unit says how, to see that it stands still
+            # a possible excitation with a known unit is read as well, to see that it stands still
             moving = [q for q in EXCITATIONS if q in chosen and by_unit(roles.channels[chosen[q]])]
             chosen = {q: i for q, i in chosen.items() if q in (*RESPONSES, *moving[:1])}
         rules = {quantity: ChannelRule(channel=index + 1) for quantity, index in chosen.items()}
     driving, answering = ([q for q in of if q in chosen] for of in (EXCITATIONS, RESPONSES))
     if entire and len(driving) > 1:
         raise unclear(roles, f"finds {' and '.join(driving)}")
-    # a channel without a name may drive: only where there is none left is it a free decay
+    # a channel without a name may be the excitation: only without such a channel is the record a free decay
     known = mapping.channels or mapping.free
     unnamed = answering and not known and roles.spare(chosen.values())
     if entire and not driving and (unnamed or not answering):
@@ -128,7 +129,7 @@ def picks_of(file: Table, mapping: RecordMapping, *, entire: bool = True) -> tup
 
 
 def _pick(roles: Roles, quantity: str, index: int, rule: ChannelRule) -> Pick:
-    """The pick of a channel with the times that the mapping or the file gives it."""
+    """Return the pick of a channel with the times that the mapping or the file gives it."""
     raw = roles.channels[index]
     if raw.stamps:
         raise RecordError(
@@ -161,13 +162,13 @@ def _pick(roles: Roles, quantity: str, index: int, rule: ChannelRule) -> Pick:
 
 
 def _guesses(roles: Roles, picks: Sequence[Pick]) -> Iterator[str]:
-    """Say what was taken for what without a name for it, and what was left out: the axis taken of three; signals as
-    long as those read that no name distinguished; a displacement or velocity that only its unit tells, which may be
-    that against a base that moves."""
+    """Yield the guesses about channels without a clear name, and the channels left out: the axis taken of three;
+    signals as long as those read that no name distinguished; a displacement or velocity that only its unit shows, which
+    may be that against a base that moves."""
     names = [shortened(full_name(raw)) for raw in roles.channels]
     for axis in (i for i, why in roles.axes.items() if not why):
-        said = "is taken for the acceleration of the mass, the axis with the most motion"
-        yield f"{names[axis]} {said}; name another in {roles.where} if the mass moves along it"
+        use = "is used as the acceleration of the mass, as it is the axis with the most motion"
+        yield f"{names[axis]} {use}; name another in {roles.where} if the mass moves along it"
     sizes = {roles.channels[pick.index].size for pick in picks}
     used = {i for pick in picks for i in (pick.index, pick.time)} | {*roles.axes}
     if unused := [
@@ -181,35 +182,35 @@ def _guesses(roles: Roles, picks: Sequence[Pick]) -> Iterator[str]:
     moving = "force" not in chosen and any(q in EXCITATIONS for q in chosen)
     for quantity in ("displacement", "velocity"):
         if moving and quantity in chosen and roles.named(chosen[quantity]) is None:
-            said = f"is taken for the {quantity} of the mass against the ground, as nothing else is left"
+            use = f"is taken for the {quantity} of the mass against the ground, as no other channel can be"
             remedy = f"say relative_{quantity} in {roles.where} if it is measured against the base"
-            yield f"{names[chosen[quantity]]} {said}; {remedy}"
+            yield f"{names[chosen[quantity]]} {use}; {remedy}"
 
 
 def _find(roles: Roles, which: Which, key: str) -> int:
-    """The channel of that name or number."""
-    said, path, channels = f"{roles.mapping.source}: {key}:", roles.path, roles.channels
+    """Return the index of the channel with a name or number."""
+    at, path, channels = f"{roles.mapping.source}: {key}:", roles.path, roles.channels
     if isinstance(which, int):
         if 1 <= which <= len(channels):
             return which - 1
         remedy = f"{path} has {len(channels)}: {roles.overview}"
-        raise RecordError(f"{said} there is no channel {which}; {remedy}")
+        raise RecordError(f"{at} there is no channel {which}; {remedy}")
     names = [(raw.name, full_name(raw), raw.label or raw.name) for raw in channels]
-    for spelt in (str, key_of):  # as it stands, else without regard to case, blanks and path
+    for spelt in (str, key_of):  # verbatim, else without regard to case, blanks and path
         matches = [i for i, own in enumerate(names) if spelt(which) in map(spelt, own)]
         if len(matches) == 1:
             return matches[0]
         if matches:
             numbers = " and ".join(str(i + 1) for i in matches[:LISTED])
             raise RecordError(
-                f"{said} {path} has {len(matches)} channels {shortened(which)}, numbers {numbers}; give one"
+                f"{at} {path} has {len(matches)} channels {shortened(which)}, numbers {numbers}; give one"
             )
     remedy = f"it has {roles.overview}"
-    raise RecordError(f"{said} {path} has no channel {shortened(which)}; {remedy}")
+    raise RecordError(f"{at} {path} has no channel {shortened(which)}; {remedy}")
 
 
 def _unit(roles: Roles, raw: RawChannel, given: str | None, quantity: str) -> float:
-    """SI units per unit of the channel."""
+    """Return SI units per unit of the channel."""
     text = given or unit_of(raw)
     channel = f"{roles.path}: channel {shortened(raw.name)}"
     key = "time" if quantity == "time" else f"channels.{quantity}"
@@ -230,7 +231,7 @@ def _unit(roles: Roles, raw: RawChannel, given: str | None, quantity: str) -> fl
 
 
 def _channels(file: Table, picks: Sequence[Pick]) -> Iterator[Channel]:
-    """All samples of the picked channels, checked as `recognise` says."""
+    """Yield all samples of the picked channels, checked as `recognise` says."""
     columns = file.columns(_wanted(picks))
     sharing: dict[tuple[object, ...], Pick] = {}  # the first of those that share their times
     for pick in picks:
@@ -253,7 +254,7 @@ def _channels(file: Table, picks: Sequence[Pick]) -> Iterator[Channel]:
 
 
 def _checked(file: Table, pick: Pick, columns: Mapping[int, Array]) -> Channel:
-    """The channel of these columns, checked. Raises RecordError as `recognise`."""
+    """Return the channel of these columns, checked. Raises RecordError as `recognise`."""
     values = columns[pick.index]
     if values.size < 3:
         remedy = "that is no record"
@@ -277,14 +278,14 @@ def _checked(file: Table, pick: Pick, columns: Mapping[int, Array]) -> Channel:
 
 
 def _require_moving(channel: str, pick: Pick, values: Array, unit: str) -> None:
-    """RecordError for a channel that is constant, or as good as that."""
+    """Raise RecordError for a channel that is constant, exactly or except for rounding."""
     low, high = float(values.min()), float(values.max())
     span, constant = high - low, f"{low:g} in all {values.size} samples"
     if not span:
         raise RecordError(f"{channel} is constant, {constant}; check transducer and mapping")
     if (swing := span * abs(pick.factor)) < errors.SMALLEST_RANGE:
         raise RecordError(
-            f"{channel} moves by {swing:.3g} {unit} in all, too little to mean anything; check its unit and scale"
+            f"{channel} moves by {swing:.3g} {unit} in all, less than a transducer resolves; check its unit and scale"
         )
     if span < errors.FINEST * max(abs(low), abs(high)):
         remedy = "check transducer and mapping, or take off its offset"
@@ -292,7 +293,7 @@ def _require_moving(channel: str, pick: Pick, values: Array, unit: str) -> None:
 
 
 def _in_si(file: Table, index: int, values: Array, factor: float, bound: float, unit: str) -> Array:
-    """The values in SI, finite and within the bound either way."""
+    """Return the values in SI, finite and within the bound either way."""
     with np.errstate(over="ignore", invalid="ignore"):  # a damaged file has signalling NaN, too
         signal = values * factor
     bad = np.flatnonzero(~(np.abs(signal) <= bound))
@@ -310,7 +311,7 @@ def _in_si(file: Table, index: int, values: Array, factor: float, bound: float, 
 
 
 def _require_no_overflow(file: Table, pick: Pick, values: Array) -> None:
-    """No jump through nearly the whole range of an integer type, from its one end to the other."""
+    """Raise RecordError for a jump through nearly the whole range of an integer type, from its one end to the other."""
     jumps = np.abs(np.diff(values))
     i = int(np.argmax(jumps))
     bits = next((bits for bits in _BITS if np.ptp(values) < 2.0**bits), 0)
@@ -324,7 +325,7 @@ def _require_no_overflow(file: Table, pick: Pick, values: Array) -> None:
 
 
 def _require_rate(t: Array, where: str) -> None:
-    """RecordError for times in steps that no recorder has.   where : file and channel."""
+    """Raise RecordError for times in steps that no recorder has.   where : file and channel."""
     step = float(np.median(np.diff(t)))
     if step > 0.0 and not errors.LOWEST_RATE <= 1.0 / step <= errors.HIGHEST_RATE:
         raise RecordError(
@@ -333,20 +334,20 @@ def _require_rate(t: Array, where: str) -> None:
 
 
 def _wanted(picks: Sequence[Pick]) -> list[int]:
-    """The channels to read, signals and times."""
+    """Return the channels to read, signals and times."""
     return sorted({i for pick in picks for i in (pick.index, pick.time) if i is not None})
 
 
 def _without_empty_end(columns: Mapping[int, Array]) -> dict[int, Array]:
-    """The columns without the rows at the end that are empty in all, as a shorter time base leaves them."""
+    """Return the columns without the rows at the end that are empty in all, as a shorter time base leaves them."""
     present = np.flatnonzero(~np.all([np.isnan(column) for column in columns.values()], axis=0))
     end = int(present[-1]) + 1 if present.size else 0
     return {i: column[:end] for i, column in columns.items()}
 
 
 def _in_equal_steps(t: Array, where: str) -> Array:
-    """The times of a channel: t_i = t_0 + i Δt by least squares, where it holds these rounded to too few digits, as
-    stamps in ms of 20,000 samples a second are.
+    """Return the times of a channel: t_i = t_0 + i Δt by least squares, where it holds these rounded to too few digits,
+    as stamps in ms of 20,000 samples a second are.
 
     It does if all are multiples of a decimal resolution q apart and none is further than that from the line. Rounding
     errors of up to q/2 put the slope off by 3q/2T at the most, T being the length of the record; they rarely conspire
@@ -368,11 +369,11 @@ def _in_equal_steps(t: Array, where: str) -> Array:
     if not step > 0.0:  # underflow
         return t
     bound = 1.5 * q / (step * t.size)
-    if np.ptp(t - line) > _WITHIN * q or bound > _ACCURATE:
+    if np.ptp(t - line) > _LINE_TOLERANCE * q or bound > _MAX_RATE_ERROR:
         return t
     rounded = Remark(
-        "{} is rounded to {:.3g} s, its samples are {:.3g} s apart: {:.9g} samples a second are taken, from the line "
-        "through it, off by {:.3g} ppm at the most; give sample_rate_hz if known",
+        "{} is rounded to {:.3g} s at steps of {:.3g} s: a straight line through it gives {:.9g} samples a second, to "
+        "within {:.3g} ppm; give sample_rate_hz if known",
         *(where, q, step, 1.0 / step, 1e6 * bound),
         doubts={"": bound},
     )
@@ -381,7 +382,7 @@ def _in_equal_steps(t: Array, where: str) -> Array:
 
 
 def _are_multiples(steps: Array, q: float) -> bool:
-    """Whether all steps are multiples of q, none but zero being lost."""
+    """Return whether all steps are multiples of q, none but zero being lost."""
     multiples = np.round(steps / q)
     lost = (multiples == 0.0) & (steps > 0.0)
-    return not lost.any() and bool(np.abs(steps / q - multiples).max() < _INTEGER)
+    return not lost.any() and bool(np.abs(steps / q - multiples).max() < _MULTIPLE_TOLERANCE)

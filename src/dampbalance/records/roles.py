@@ -1,4 +1,4 @@
-"""Which channel of a table holds what, by headings and units, and by samples where these do not say it: constants,
+"""The roles of the channels of a table, by headings and units, and by samples where these do not say it: constants,
 counters, times, the axes of an accelerometer."""
 
 from __future__ import annotations
@@ -30,14 +30,14 @@ from .table import Table
 from .units import DIMENSIONS
 
 LISTED = 20  # channels in a message
-# words of the absolute value of three axes, and by what part of itself that is rounded
+# words for the absolute value of three axes, and its relative rounding error
 _OF_AXES = (
     *("absolute", "abs", "absolut", "total", "magnitude", "norm"),
     *("resultant", "resultierende"),
 )
 _ABSOLUTE = 1e-3
 _FEWEST = 4  # samples of which it shows that they rise in equal steps
-_ROUNDED = 0.6  # of a step, by which times with too few digits are off
+_ROUNDED = 0.6  # steps; times with too few digits are off by less
 _TRIED = 20  # channels that are read one by one where some column holds a text
 
 
@@ -58,17 +58,17 @@ class Samples:
             for i in everything[:_TRIED]:
                 self.values |= _samples(file, [i]) or {i: np.empty(0)}
                 if not self.values[i].size:
-                    self.aside[i] = "it holds what is no number"
+                    self.aside[i] = "it does not hold numbers"
         for i, values in self.values.items():
-            raw, known = file.channels[i], values[np.isfinite(values)]
+            raw, finite = file.channels[i], values[np.isfinite(values)]
             if (other := unusable(raw)) is not None:
                 self.aside[i] = other
-            elif holds_time(raw) or known.size < _FEWEST:
+            elif holds_time(raw) or finite.size < _FEWEST:
                 continue
-            elif not np.ptp(known):
-                self.aside[i] = f"constant, {known[0]:g}"
-            elif (step := equal_step(known)) is not None:
-                counts = step == 1.0 and not np.any(known % 1.0)
+            elif not np.ptp(finite):
+                self.aside[i] = f"constant, {finite[0]:g}"
+            elif (step := equal_step(finite)) is not None:
+                counts = step == 1.0 and not np.any(finite % 1.0)
                 kind = "a counter" if counts else "a time"
                 self.aside[i] = f"rises by {step:.6g} from sample to sample: {kind}"
                 if not counts:
@@ -76,7 +76,7 @@ class Samples:
 
 
 def _samples(file: Table, wanted: Sequence[int]) -> dict[int, Array] | None:
-    """The samples of some channels; None where they cannot be read."""
+    """Return the samples of some channels; None where they cannot be read."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RecordWarning)  # comes where the record is read
         try:
@@ -86,7 +86,7 @@ def _samples(file: Table, wanted: Sequence[int]) -> dict[int, Array] | None:
 
 
 def equal_step(values: Array) -> float | None:
-    """The step of values that rise in equal steps, as times and counters do; None for others."""
+    """Return the step of values that rise in equal steps, as times and counters do; None for others."""
     if values.size < _FEWEST:
         return None
     line = np.linspace(values[0], values[-1], values.size)
@@ -96,13 +96,13 @@ def equal_step(values: Array) -> float | None:
 
 
 def first_of(names: Sequence[str]) -> str:
-    """Names in a row, the first 20 of them."""
+    """Return names in a row, the first 20 of them."""
     more = len(names) - LISTED
     return ", ".join(names[:LISTED]) + f" and {more} more" * (more > 0)
 
 
 class Roles:
-    """The channels of a table, as their names, units and samples tell them apart.
+    """The channels of a table, distinguished by their names, units and samples.
 
     keys : their names, to compare.   overview : of them, for messages.   where : the file of the mapping, or the one to
     write.
@@ -151,7 +151,7 @@ class Roles:
         return why | {most: ""}
 
     @cached_property
-    def told_apart(self) -> tuple[dict[str, int], str]:
+    def by_names(self) -> tuple[dict[str, int], str]:
         """Quantity → channel, by the names; of a single signal by its unit, if that is one of a response. And which
         two are taken for the same quantity, if any.
 
@@ -183,7 +183,7 @@ class Roles:
         if not driving and len(forces) == 1 and len(left) == 2 - bool(answering):
             chosen["force"] = forces[0]
         if not chosen and len(left) == 1 and (q := by_unit(self.channels[left[0]])) in ABSOLUTE:
-            return {str(q): left[0]}, ""  # of a free decay
+            return {str(q): left[0]}, ""  # the record is a free decay
         others = {i: self.named(i) or by_unit(self.channels[i]) for i in left if i not in forces}
         answers = {q: i for i, q in others.items() if q in RESPONSES}
         single = len([q for q in others.values() if q in answers]) == 1 and not answering
@@ -198,7 +198,7 @@ class Roles:
         require_one_coordinate(str(self.path), coordinates)
 
     def named(self, i: int) -> str | None:
-        """The quantity that a heading names, also in other words, if its unit is not of another one."""
+        """Return the quantity that a heading names, also in other words, if its unit is not of another one."""
         raw, unit = self.channels[i], by_unit(self.channels[i])
         if i in self.axes:
             return "acceleration"
@@ -207,7 +207,7 @@ class Roles:
         return quantity if fits else None
 
     def time_of(self, index: int) -> int | None:
-        """The time channel of another: the one named after it, else the nearest before it, else the first."""
+        """Return the time channel of another: the one named after it, else the nearest before it, else the first."""
         key = self.keys[index]
         own = {f"{key}_time", f"time_{key}", f"time_of_{key}", f"t_{key}", f"{key}_t"}
         named = [i for i, name in enumerate(self.keys) if name in own]
@@ -217,11 +217,12 @@ class Roles:
         return next(iter(named or before[-1:] or times), None)
 
     def spare(self, used: Collection[int]) -> list[int]:
-        """The channels that are not used and may hold a motion or a force."""
+        """Return the channels that are not used and may hold a motion or a force."""
         return [i for i in range(len(self.channels)) if i not in used and self.may_move(i)]
 
     def may_move(self, i: int) -> bool:
-        """Whether a channel may hold a motion or a force: no time, no temperature, no counter, nothing constant."""
+        """Return whether a channel may hold a motion or a force: no time, no temperature, no counter, nothing
+        constant."""
         if holds_time(self.channels[i]):
             return False
         return i not in self.samples.aside and not self.axes.get(i)

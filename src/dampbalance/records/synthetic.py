@@ -1,4 +1,4 @@
-"""Simulated measurements: the exact steady motion or a free decay, sampled, with noise. Always labelled as such.
+"""Measurements by simulation: the exact steady motion or a free decay, sampled, with noise. Always labelled as such.
 
 They serve to try an estimator on records whose truth is known. The white noise of the channels is independent.
 """
@@ -22,8 +22,8 @@ from .errors import LARGEST
 from .measurement import (
     ABSOLUTE,
     EXCITATIONS,
-    QUANTITIES,
     RELATIVE,
+    RESPONSES,
     ROTATING,
     Channel,
     Measurement,
@@ -45,7 +45,7 @@ def measured_orbit(
     start: float = 0.0,
     source: str = "",
 ) -> Measurement:
-    """The steady response sampled at `rate_hz` for `cycles` periods of the drive, from the time `start` (s) on.
+    """Return the steady response sampled at `rate_hz` for `cycles` periods of the drive, from the time `start` (s) on.
 
     noise : standard deviation of the white noise of each channel, as a part of the rms of its clean signal (0.01: 1 %);
     one number for all channels or one by quantity (those not named have none).
@@ -68,7 +68,7 @@ def measured_orbit(
     motion = orbit.motion
     rate_hz, cycles = number("rate_hz", rate_hz), number("cycles", cycles)
     start = number("start", start)
-    channels = names("channels", channels, (*QUANTITIES, *ROTATING))
+    channels = names("channels", channels, (*EXCITATIONS, *RESPONSES, *ROTATING))
     parts, random = _parts(noise, channels), _random(seed)
     samples = cycles * motion.period * rate_hz
     if not samples * (1 + len(channels)) <= LARGEST:
@@ -95,7 +95,7 @@ def measured_orbit(
 def _clean(
     orbit: Orbit | Response | SlidersOrbit, t: Array, channels: Sequence[str]
 ) -> dict[str, Array]:
-    """The signals without noise, by quantity, of the channels asked for and those that come with them."""
+    """Return the signals without noise, by quantity, of the channels asked for and those that come with them."""
     motion, omega = orbit.motion, orbit.motion.omega
     y = np.asarray(motion.y(t), dtype=np.float64)
     clean = dict(zip(EXCITATIONS, (y, -(omega**2) * y, orbit.oscillator.k * y), strict=True))
@@ -121,14 +121,15 @@ def measured_ring_down(
     seed: int | np.random.Generator = 0,
     channels: Sequence[str] | str = ("displacement",),
 ) -> Measurement:
-    """A free decay from the displacement x (m), to which the mass was pulled, with velocity v (m/s), for `duration` s.
+    """Return a free decay from the displacement x (m), to which the mass was pulled, with velocity v (m/s), for
+    `duration` s.
 
     held : time for which the mass stands at x before, s.   noise : standard deviation of the white noise of each
     channel, as a part of the largest value of its clean signal.   seed : of the noise, channel by channel.
     channels : displacement, velocity and acceleration, or angle, angular_velocity and angular_acceleration of an
     oscillator that rotates, whose x and v are in rad and rad/s.
 
-    Raises ValueError for a number outside its range, a channel that is none of the mass, and where the mass does not
+    Raises ValueError for a number outside its range, a channel that is not one of the mass, and where the mass does not
     start or no sample is left.
 
     >>> from dampbalance import Oscillator, measured_ring_down
@@ -171,7 +172,7 @@ def measured_ring_down(
 
 
 def _coordinate(channels: Sequence[Channel]) -> Coordinate:
-    """The coordinate of channels that are to become a measurement, which refuses to have none."""
+    """Return the coordinate of channels that are to become a measurement, which refuses to have none."""
     return channels[0].coordinate if channels else TRANSLATION
 
 
@@ -179,7 +180,7 @@ def _parts(noise: object, channels: Sequence[str]) -> dict[str, float]:
     if not isinstance(noise, Mapping):
         return dict.fromkeys(channels, number("noise", noise))
     parts = mapping("noise", noise, "a mapping of quantities to numbers")
-    names("quantities", list(parts), (*QUANTITIES, *ROTATING))
+    names("quantities", list(parts), (*EXCITATIONS, *RESPONSES, *ROTATING))
     return {q: number("noise", part, f"noise of {q}") for q, part in parts.items()}
 
 

@@ -50,7 +50,7 @@ class RawChannel:
     """A channel as the file has it.
 
     name : without its unit.   label : with it, as it stands there.   unit : as spelt there, or None.
-    size : number of samples, or None if only reading tells.
+    size : number of samples, or None if it shows only on reading.
     rate_hz : samples per second, or None if the file does not say.   start : time of its first sample, s.
     stamps : whether it holds points in time, or spans of it; read as s from the first on.
     fault : of the rate, the step or the first time that the file states; "" for none.
@@ -84,16 +84,15 @@ class Table:
     loaded: dict[int, Array] = field(default_factory=dict)
 
     def columns(self, wanted: Sequence[int]) -> dict[int, Array]:
-        """All samples of channels by their numbers. Raises RecordError for more than fit into memory, for a damaged
-        file, and for what is no number; warns of what is odd about the file."""
+        """Return all samples of channels by their numbers. Raises RecordError for more than fit into memory, for a
+        damaged file, and for what is no number; warns of what is odd about the file."""
         require_size(self.path, sum(self.channels[i].size or 0 for i in wanted))
         if self.oddity:
             warnings.warn(RecordWarning(self.oddity), stacklevel=2)
         missing = [i for i in wanted if i not in self.loaded]
         with intact(self.path, self.what):
-            arrays = (
-                [np.asarray(v, dtype=np.float64) for v in self.load(missing)] if missing else []
-            )
+            loaded = self.load(missing) if missing else []
+            arrays = [np.asarray(values, dtype=np.float64) for values in loaded]
         require_size(self.path, sum(map(len, arrays)))
         self.loaded.update(zip(missing, arrays, strict=True))
         return {i: self.loaded[i] for i in wanted}
@@ -114,7 +113,7 @@ def intact(path: Path, what: str) -> Iterator[None]:
 
 
 def require_nameable(path: Path, channels: Sequence[RawChannel]) -> None:
-    """RecordError for a file of more channels, or with longer names of channels, than any record has."""
+    """Raise RecordError for a file of more channels, or with longer names of channels, than any record has."""
     require_channels(path, len(channels))
     for number, channel in enumerate(channels, start=1):
         longest = max(channel.label or channel.name, channel.unit or "", key=len)
@@ -126,7 +125,7 @@ def require_nameable(path: Path, channels: Sequence[RawChannel]) -> None:
 
 
 def require_channels(path: Path, count: int) -> None:
-    """RecordError for a file of more channels than any record has."""
+    """Raise RecordError for a file of more channels than any record has."""
     if count > MOST_CHANNELS:
         raise RecordError(
             f"{path}: holds {count:,} channels, more than {MOST_CHANNELS:,}; a table has its samples along the longer "
@@ -135,11 +134,10 @@ def require_channels(path: Path, count: int) -> None:
 
 
 def signals_in(
-    path: Path,
-    arrays: Iterable[tuple[str, tuple[int, ...], dict[str, object], str | None]],
+    path: Path, arrays: Iterable[tuple[str, tuple[int, ...], dict[str, object], str | None]]
 ) -> tuple[list[RawChannel], list[Callable[[Any], Any]]]:
-    """The channels of arrays (name, shape, attributes, unit), and what gives each out of all arrays by their names: an
-    array itself, or its rows or columns if it has two. A signal runs along the longer side."""
+    """Return the channels of arrays (name, shape, attributes, unit), and what gives each out of all arrays by their
+    names: an array itself, or its rows or columns if it has two. A signal runs along the longer side."""
     channels: list[RawChannel] = []
     signals: list[Callable[[Any], Any]] = []
     for name, shape, attributes, unit in arrays:
@@ -169,8 +167,8 @@ def described(
     unit: str | None = None,
     folder: str = "",
 ) -> RawChannel:
-    """The channel of `size` samples with that label, its timing among the attributes, whatever they are called; with
-    a fault where a rate, a step or a first time is none.
+    """Return the channel of `size` samples with that label, its timing among the attributes, whatever they are called;
+    with a fault where a rate, a step or a first time is no number in its range.
 
     unit : instead of the label's.   folder : that it stands in, up to its last slash.
     """
@@ -204,7 +202,7 @@ def described(
 
 
 def unit_among(attributes: dict[str, object]) -> str | None:
-    """The unit among attributes of a channel, or None."""
+    """Return the unit among attributes of a channel, or None."""
     units = (value for key, value in attributes.items() if str(key).lower() in UNIT_NAMES)
     texts = (u.decode("utf-8", "replace") if isinstance(u, bytes) else str(u) for u in units)
     return next(filter(None, map(str.strip, texts)), None)
@@ -218,7 +216,7 @@ if TYPE_CHECKING:
 
 
 def signals_file(name: str, signals: Signals | Table) -> Table:
-    """Signals in memory as a table of that name.
+    """Return signals in memory as a table of that name.
 
     signals : a table of pandas, whose index is a column as well if it has a name; an array with named fields, or one of
     columns, (n, k) or (k, n); or arrays by name, with sample_rate_hz, dt or t0 among them as plain numbers. An array
@@ -252,15 +250,14 @@ def signals_file(name: str, signals: Signals | Table) -> Table:
         try:
             return floats(arrays[i]).copy()  # the caller's may change
         except ValueError as error:
-            raise RecordError(
-                f"{path}: column {shortened(channels[i].label)} holds {error}"
-            ) from None
+            column = f"{path}: column {shortened(channels[i].label)}"
+            raise RecordError(f"{column} holds {error}") from None
 
     return Table(path, channels, lambda wanted: [read(i) for i in wanted], "arrays")
 
 
 def _signals_of(path: Path, label: str, values: Any) -> Iterator[tuple[str, Any, bool]]:
-    """The signals of an array: name, samples, and whether they are points in time."""
+    """Yield the signals of an array: name, samples, and whether they are points in time."""
     array, stamps = _samples(values)
     if array.ndim == 2 and min(array.shape) == 1:
         array = array.reshape(-1)
@@ -268,7 +265,7 @@ def _signals_of(path: Path, label: str, values: Any) -> Iterator[tuple[str, Any,
         yield label, array, stamps
         return
     if array.ndim != 2:
-        remedy = "give each signal a name of its own"
+        remedy = "give each signal its own name"
         raise RecordError(f"{path}: {shortened(label)} has the shape {array.shape}; {remedy}")
     rows = array.T if array.shape[0] > array.shape[1] else array
     require_channels(path, len(rows))
@@ -277,8 +274,8 @@ def _signals_of(path: Path, label: str, values: Any) -> Iterator[tuple[str, Any,
 
 
 def is_table(record: object) -> bool:
-    """Whether something is the signals of a record: a mapping, a table of pandas, an array of numbers or one with named
-    fields, a `Table`."""
+    """Return whether something is the signals of a record: a mapping, a table of pandas, an array of numbers or one
+    with named fields, a `Table`."""
     of_pandas = all(hasattr(record, name) for name in ("columns", "index", "attrs"))
     array = isinstance(record, np.ndarray) and (record.dtype.kind in "fiu" or _fields(record))
     named = isinstance(record, Mapping | Table) or of_pandas or bool(array)
@@ -286,7 +283,7 @@ def is_table(record: object) -> bool:
 
 
 def _fields(signals: Any) -> tuple[str, ...]:
-    """The names of the fields of an array; none for anything else."""
+    """Return the names of the fields of an array; none for anything else."""
     return getattr(getattr(signals, "dtype", None), "names", None) or ()
 
 
@@ -311,11 +308,11 @@ def _columns(signals: Signals) -> dict[str, Any]:
 
 
 def _samples(values: Any) -> tuple[Any, bool]:
-    """The samples of a signal, and whether they are points in time, then in s from the first on."""
+    """Return the samples of a signal, and whether they are points in time, then in s from the first on."""
     if isinstance(values, list | tuple):
         values = [None if one is np.ma.masked else one for one in values]
     kind = str(getattr(values, "dtype", ""))
-    if kind.startswith(("datetime64", "timestamp")):  # of NumPy or pandas, of Arrow
+    if kind.startswith(("datetime64", "timestamp")):  # NumPy or pandas; Arrow
         masked = np.ma.getmask(values)
         values = np.array(values, dtype="datetime64[ns]")
         values[masked] = np.datetime64("NaT")

@@ -75,14 +75,9 @@ UNITS = tuple(
         "acceleration": {f"{name}/s²": _LENGTHS[name] for name in ("m", "cm", "mm", "in", "ft")}
         | {"g": _STANDARD_GRAVITY, "mg": 1e-3 * _STANDARD_GRAVITY},
         "force": {
-            "N": 1.0,
-            "µN": 1e-6,
-            "mN": 1e-3,
-            "daN": 10.0,
-            "kN": 1e3,
-            "kgf": _STANDARD_GRAVITY,
-        }
-        | {"lbf": _POUND_FORCE, "ozf": _POUND_FORCE / 16.0, "kip": 1e3 * _POUND_FORCE},
+            **{"N": 1.0, "µN": 1e-6, "mN": 1e-3, "daN": 10.0, "kN": 1e3, "kgf": _STANDARD_GRAVITY},
+            **{"lbf": _POUND_FORCE, "ozf": _POUND_FORCE / 16.0, "kip": 1e3 * _POUND_FORCE},
+        },
         "time": {"s": 1.0, "ms": 1e-3, "µs": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0},
         "angle": _ANGLES,
         "angular velocity": {"rad/s": 1.0, "deg/s": _ANGLES["deg"], "rpm": _TURN / 60.0},
@@ -126,7 +121,7 @@ _OTHER_SPELLINGS = {
 }
 
 
-VOLTAGE = "a voltage"  # what any transducer may give: the `scale` of a mapping makes a motion of it
+VOLTAGE = "a voltage"  # any transducer may give one: the `scale` of a mapping makes a motion of it
 
 _OTHERS = {
     "a temperature": ("°C", "degC", "deg C", "C", "K", "°F", "degF", "deg F"),
@@ -147,15 +142,15 @@ class UnitError(ValueError):
 
 
 def find_unit(text: str, dimension: str | None = None) -> Unit | None:
-    """The unit that a text spells, or None.   dimension : of rad/s, which is a frequency unless it is asked for as an
-    angular velocity."""
+    """Return the unit that a text spells, or None.   dimension : of rad/s, which is a frequency unless it is asked for
+    as an angular velocity."""
     plain = _plain(text) if len(text.strip()) <= _LONGEST else ""
     unit = _EXACT.get(plain) or _FOLDED.get(plain.casefold())
     return _RATE if unit and unit.name == _RATE.name and dimension == _RATE.dimension else unit
 
 
 def find_motion(text: str) -> Unit | None:
-    """The unit that a text spells, or None; rad/s is one of an angular velocity."""
+    """Return the unit that a text spells, or None; rad/s is one of an angular velocity."""
     return find_unit(text, _RATE.dimension)
 
 
@@ -168,7 +163,7 @@ def find_other(text: str) -> str | None:
 
 
 def unit_for(text: str, quantity: str, dimension: str | None = None) -> Unit:
-    """The unit that a text spells, fit for a quantity of `DIMENSIONS`, or for any other of the given dimension.
+    """Return the unit that a text spells, fit for a quantity of `DIMENSIONS`, or for any other of the given dimension.
 
     Raises UnitError: not known (with the nearest known one), or of another dimension.
     """
@@ -195,7 +190,7 @@ def split_label(label: str) -> tuple[str, str | None]:
     """Name and unit of a column header: "x [mm]", "x (mm)", "x/mm", "x, mm", "x in mm" and "x_mm" give ("x", "mm").
 
     What stands in brackets is the unit, known or not, except a number, which counts; elsewhere only a known one is.
-    The word "in" at the end is none: disp_in goes with disp_out. None: there is no unit.
+    The word "in" at the end is no unit: disp_in goes with disp_out. None stands for no unit.
     """
     label = label.strip()
     if len(label) > LONGEST_NAME:
@@ -208,21 +203,20 @@ def split_label(label: str) -> tuple[str, str | None]:
     parts = re.split(r"[_\s]", label)
     for start in range(1, len(parts)):  # the longest ending that is a unit: "m_per_s2" before "s2"
         ending = "_".join(parts[start:])
-        # of other units no single letter, which may be a place or a phase: x_A, x_C
-        if ending.lower() != "in" and (
-            find_unit(ending) or (len(ending) > 1 and find_other(ending))
-        ):
+        # a single letter may be a place or a phase, x_A, x_C: only a unit of motion counts
+        is_unit = find_unit(ending) or (len(ending) > 1 and find_other(ending))
+        if is_unit and ending.lower() != "in":
             return label[: len("_".join(parts[:start]))], ending
     return label, None
 
 
 def column_name(quantity: str, coordinate: Coordinate = TRANSLATION) -> str:
-    """The column of a quantity in SI units, acceleration_m_per_s2 or angular_acceleration_rad_per_s2."""
+    """Return the column of a quantity in SI units, acceleration_m_per_s2 or angular_acceleration_rad_per_s2."""
     return coordinate.key(named_with_unit(quantity, QUANTITIES[quantity]))
 
 
 def _plain(text: str) -> str:
-    """One spelling for all ways to write powers, products and quotients."""
+    """Return one spelling for all ways to write powers, products and quotients."""
     text = re.sub(r"\s+", " ", text.strip().strip("[](){}"))
     text = text.replace("μ", "µ").replace("²", "2").replace("^", "").replace("**", "")
     text = text.replace("_per_", "/").replace(" per ", "/").replace("⁻¹", "-1").replace("⁻2", "-2")
@@ -247,43 +241,35 @@ _FOLDS = Counter(map(str.casefold, {*_EXACT, *_OTHER_UNITS})) + Counter(_ALIKE)
 _FOLDED = {key.casefold(): unit for key, unit in _EXACT.items() if _FOLDS[key.casefold()] == 1}
 
 DIMENSIONS = {q: _EXACT[_plain(unit)].dimension for q, unit in (QUANTITIES | {"time": "s"}).items()}
-DIMENSIONS |= {
-    q: next(own for own, other in _COUNTERPARTS.items() if other == DIMENSIONS[of])
-    for q, of in ROTATING.items()
-}
+_ROTATIONAL = {other: own for own, other in _COUNTERPARTS.items()}
+DIMENSIONS |= {q: _ROTATIONAL[DIMENSIONS[of]] for q, of in ROTATING.items()}
 """Dimension of what a channel may hold."""
 
 PER_FORCE = {"receptance": "length", "mobility": "velocity", "accelerance": "acceleration"}
 TABLE_DIMENSIONS = {
-    "frequency": "frequency",
-    "force": "force",
+    **{"frequency": "frequency", "force": "force"},
     **{f"base_{q}": DIMENSIONS[q] for q in ABSOLUTE},
     **{q: DIMENSIONS[q] for q in ABSOLUTE},
     **PER_FORCE,
-    "phase": "angle",
-    "level": "",
+    **{"phase": "angle", "level": ""},
 }
 """Dimension of what a column of a table of steady responses may hold: of receptance, mobility and accelerance that of
 the motion per force; a level is a number without one."""
 
 
 def table_factor(text: str, quantity: str) -> float:
-    """SI units per unit of a column of a table, as a text spells it: µm/N for a receptance, of which µm is enough.
-    Raises UnitError as `unit_for`."""
+    """Return SI units per unit of a column of a table, as a text spells it: µm/N for a receptance, of which µm is
+    enough. Raises UnitError as `unit_for`."""
     motion, _, force = text.strip().rpartition("/")
-    if (
-        quantity in PER_FORCE
-        and motion
-        and (unit := find_unit(force))
-        and unit.dimension == "force"
-    ):
+    unit = find_unit(force)
+    if quantity in PER_FORCE and motion and unit and unit.dimension == "force":
         return unit_for(motion, quantity, PER_FORCE[quantity]).factor / unit.factor
     return unit_for(text, quantity, TABLE_DIMENSIONS[quantity]).factor
 
 
 # --- products and quotients of units -----------------------------------------------------------------
 
-_EXPONENTS = {  # of kg, m and s in the SI unit of a dimension; an angle has none
+_EXPONENTS = {  # kg, m and s in the SI unit of a dimension; an angle has none
     **{"length": (0, 1, 0), "velocity": (0, 1, -1), "acceleration": (0, 1, -2)},
     **{"angle": (0, 0, 0), "angular velocity": (0, 0, -1), "angular acceleration": (0, 0, -2)},
     **{"force": (1, 1, -2), "torque": (1, 2, -2), "time": (0, 0, 1), "frequency": (0, 0, -1)},
@@ -293,8 +279,8 @@ _OUTSIDE = r"(?![^(]*\))"  # brackets
 
 
 def factor_to(si: str, text: str) -> tuple[float, Coordinate]:
-    """SI units per unit that a text spells, any product or quotient of units, lbf/in, N/(mm/s) or kg·m²; and whether
-    that is the unit of a translation, or the one of a rotation in its place: N m/rad for N/m, kg m² for kg.
+    """Return SI units per unit that a text spells, any product or quotient of units, lbf/in, N/(mm/s) or kg·m²; and
+    whether that is the unit of a translation, or the one of a rotation in its place: N m/rad for N/m, kg m² for kg.
 
     si : the SI unit of a translation.   Raises UnitError for a unit of another dimension, or an unknown one.
     """
@@ -311,7 +297,8 @@ def factor_to(si: str, text: str) -> tuple[float, Coordinate]:
 
 @cache
 def _readings(text: str) -> dict[tuple[int, ...], float]:
-    """What a text may mean: factor to SI by exponents of kg, m and s. "lb" is a mass and a force; Hz is 2π rad/s."""
+    """Return the meanings that a text may have: factor to SI by exponents of kg, m and s. "lb" is a mass and a force;
+    Hz is 2π rad/s."""
     readings: dict[tuple[int, ...], float] = {}
     if unit := find_motion(text):
         turns = _TURN if unit.dimension == "frequency" else 1.0

@@ -1,4 +1,4 @@
-"""Writing a measurement as delimited text or for MATLAB: complete or not at all, the same bytes every time.
+"""Writers of measurements as delimited text or for MATLAB: complete or not at all, the same bytes every time.
 
 Values are written in SI units, as 64-bit floats, with names that `read` recognises (displacement_m), next to the times.
 pandas writes other formats from such a text: `pandas.read_csv("run.csv").to_parquet("run.parquet")`.
@@ -42,7 +42,7 @@ def write(path: str | Path, measurement: Measurement) -> Path:
         )
     if corrected := [q for q in measurement if measurement[q].correction]:
         raise RecordError(
-            f"{path}: cannot hold that the {corrected[0]} is to be corrected for gain, delay or filters; keep the "
+            f"{path}: cannot store the correction of the {corrected[0]} for gain, delay or filters; keep the "
             "original with its mapping"
         )
     columns = _columns_of(measurement)
@@ -58,7 +58,7 @@ def write(path: str | Path, measurement: Measurement) -> Path:
 
 
 def _columns_of(measurement: Measurement) -> dict[str, Array]:
-    """The signals by column name, times first: time_s for all channels, or displacement_time_s before each."""
+    """Return the signals by column name, times first: time_s for all channels, or displacement_time_s before each."""
     channels = [measurement[q] for q in QUANTITIES if q in measurement]
     shared = all(np.array_equal(channel.t, channels[0].t) for channel in channels)
     columns: dict[str, Array] = {}

@@ -1,1 +1,1 @@
-"""The paper's numbers: how the authors obtained them, the tables side by side, and a verdict on each."""
+"""The paper's numbers: the authors' route, the rebuilt tables, and a verdict on each printed number."""

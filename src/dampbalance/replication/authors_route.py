@@ -1,4 +1,4 @@
-"""How the authors obtained their numbers, as far as the printed digits show.
+"""The route by which the authors obtained their numbers, as far as the printed digits show it.
 
     simulate_levels   the equation of motion divided by m, its coefficients rounded, by a scheme of fixed step
     read_levels       a, b and W at the samples, all else between them, then as it was written down (`ReadOut`)
@@ -69,12 +69,12 @@ class ReadFeatures(NamedTuple):
     slipping_sample: Array
 
     def to_frame(self) -> pd.DataFrame:
-        """The unrounded features, a row per level: the columns of `Features.to_frame` and SLIPPING_SAMPLE."""
+        """Return the unrounded features, a row per level: the columns of `Features.to_frame` and SLIPPING_SAMPLE."""
         return self.unrounded.to_frame().assign(**{SLIPPING_SAMPLE: self.slipping_sample})
 
 
 def printed_coefficients(case: Case) -> dict[str, float]:
-    """c_over_m (1/s) and k_over_m (1/s²) with the decimals that the authors' program kept, as `simulate` takes them."""
+    """Return c_over_m (1/s) and k_over_m (1/s²) with the decimals that the authors' program kept."""
     osc, numerics = case.oscillator, case.numerics
     ratios = {
         "c_over_m": (osc.c / osc.m, numerics.c_over_m_decimals),
@@ -84,12 +84,12 @@ def printed_coefficients(case: Case) -> dict[str, float]:
 
 
 def added_damping(case: Case, omega: float) -> float:
-    """The damping mω²h, N s/m, that backward Euler adds to c near resonance.   omega : rad/s."""
+    """Return the damping mω²h, N s/m, that backward Euler adds to c near resonance.   omega : rad/s."""
     return case.oscillator.m * omega**2 * case.numerics.step_s
 
 
 def effective_damping(case: Case, omega: float) -> float:
-    """The damping that the simulated motion shows near resonance, N s/m: m (c/m) as rounded, and d mω²h of the scheme.
+    """Return the damping that the simulated motion shows near resonance, N s/m: m (c/m) as rounded plus d mω²h.
 
     d : `Scheme.dissipation`, 1 for backward Euler.   omega : rad/s.
     """
@@ -98,7 +98,7 @@ def effective_damping(case: Case, omega: float) -> float:
 
 
 def simulate_levels(case: Case, frequency: str, keep_cycles: int = CYCLES_TO_READ) -> list[Record]:
-    """The last cycles of the simulated response to each level."""
+    """Return the last cycles of the simulated response to each level."""
     return [
         simulate(
             case.oscillator,
@@ -107,7 +107,7 @@ def simulate_levels(case: Case, frequency: str, keep_cycles: int = CYCLES_TO_REA
             step=case.numerics.step_s,
             cycles=case.numerics.cycles,
             keep_cycles=keep_cycles,
-            stick_samples=0,  # of the steady stick phases, `check_feasible` has seen to it
+            stick_samples=0,  # `check_feasible` has counted the samples of steady stick phases
             **printed_coefficients(case),
         )
         for motion in case.motions(frequency)
@@ -115,7 +115,7 @@ def simulate_levels(case: Case, frequency: str, keep_cycles: int = CYCLES_TO_REA
 
 
 def features_of(records: Sequence[Record], case: Case, frequency: str, reading: ReadAt) -> Features:
-    """Features read off the records of all levels, in full digits; a record that cannot be read says why."""
+    """Read features off the records of all levels, in full digits; those of an unreadable record state why."""
     omega, k = case.omega(frequency), case.oscillator.k
     features = []
     for level, record in enumerate(records):
@@ -128,7 +128,7 @@ def features_of(records: Sequence[Record], case: Case, frequency: str, reading: 
 
 
 def read_levels(records: Sequence[Record], case: Case, frequency: str) -> ReadFeatures:
-    """Features off the records of all levels by the rules `tabulated` and `two_point`; a, b and W at the samples."""
+    """Read features of all levels by the rules `tabulated` and `two_point`; a, b and W at the samples."""
     sampled = features_of(records, case, frequency, "sample")
     integrals = {name: getattr(sampled, name) for name in ("a", "b", "W")}
     between = features_of(records, case, frequency, "interpolated")
@@ -140,7 +140,7 @@ def read_levels(records: Sequence[Record], case: Case, frequency: str) -> ReadFe
 
 
 def estimates(tabulated: Features, two_point: Features, case: Case) -> pd.DataFrame:
-    """The table of estimates: `tabulated` by every approach, `two_point` by those of Table 3."""
+    """Return the table of estimates: `tabulated` by every approach, `two_point` by those of Table 3."""
     return estimate_table(
         tabulated,
         case.oscillator.k,
@@ -165,37 +165,37 @@ _UNROUNDED: dict[str, tuple[str, ...]] = {
 
 
 def _with_coefficients(case: Case, rounding: str, **numerics: Any) -> Case:
-    """The case with its coefficients rounded in another way, and with these fields of its numerics."""
+    """Return the case with its coefficients rounded in another way, and with these fields of its numerics."""
     changed = numerics | dict.fromkeys(_UNROUNDED[rounding])
     return replace(case, numerics=replace(case.numerics, **changed))
 
 
 def damping_by_hand(case: Case, frequency: str) -> float:
-    """The `effective_damping`, N s/m, with the decimals that a reader would type."""
+    """Return the `effective_damping`, N s/m, with the decimals that a reader would type."""
     return round(effective_damping(case, case.omega(frequency)), _C_DECIMALS)
 
 
 def _at_samples(records: Sequence[Record], case: Case, frequency: str, cycle: int = 0) -> Features:
-    """V_s, a, b and W at the samples, without the harmonics, which take most of the time of `features_of`.
+    """Read V_s, a, b and W at the samples, without the harmonics, which take most of the time of `features_of`.
 
     cycle : how many periods before the last whole cycle of the records.
     """
     omega, k = case.omega(frequency), case.oscillator.k
     read = []
     for level, record in enumerate(records):
-        period = 2.0 * math.pi / (omega * case.numerics.step_s)  # in steps
+        period = 2.0 * math.pi / (omega * case.numerics.step_s)  # steps in a period
         end = len(record) - round(cycle * period)
         kept = slice(max(end - math.ceil(CYCLES_TO_READ * period) - 1, 0), end)
         time, *signals = record.signals().values()
         cut = np.stack([signal[kept] for signal in signals])
         after = case.numerics.after_slip(level)
-        of = read_cycle(cut, float(time[kept.start]), record.dt, omega, k, False, after)
-        read.append(of_numbers(omega, "", V_s=of.V_s, a=of.a, b=of.b, W=of.W))
+        values = read_cycle(cut, float(time[kept.start]), record.dt, omega, k, False, after)
+        read.append(of_numbers(omega, "", V_s=values.V_s, a=values.a, b=values.b, W=values.W))
     return stack(read)
 
 
 def scheme_table(case: Case, frequency: str) -> pd.DataFrame:
-    """a, b, W of every scheme and of the exact solver, and the F_k, c that they give together.
+    """Tabulate a, b, W of every scheme and of the exact solver, and the F_k, c that they give together.
 
     One row per scheme, coefficients and level. Coefficients c/m and k/m are "rounded", "exact" (neither is rounded)
     or, by the configured scheme and by Runge–Kutta, "c_over_m" (c/m alone is). The scheme "exact" is the exact solver
@@ -226,7 +226,7 @@ def scheme_table(case: Case, frequency: str) -> pd.DataFrame:
 
 
 def cycle_table(case: Case, frequency: str, count: int = _CYCLES) -> pd.DataFrame:
-    """a (m), V_s (m/s) and W (J) of the as-published simulation in each of its last steady cycles.
+    """Tabulate a (m), V_s (m/s) and W (J) of the as-published simulation in each of its last steady cycles.
 
     One row per cycle, the last one first, and level. Which cycle the authors integrated decides where the samples fall;
     what the printed a say of the step must therefore hold in all of them.
@@ -256,7 +256,7 @@ _STEPS_OF_W = {"c_over_m": 1.003, "exact": 0.986}
 
 
 def trials(case: Case, frequency: str) -> Iterator[tuple[str, Case]]:
-    """Every rival of the as-published simulation, as (name of the trial, case).
+    """Yield every rival of the as-published simulation, as (name of the trial, case).
 
     rounding_c_over_m, rounding_exact : the coefficients rounded in another way.
     step_of_W_c_over_m, step_of_W_exact : likewise, with the step that makes up for it in W.
@@ -283,16 +283,16 @@ def trials(case: Case, frequency: str) -> Iterator[tuple[str, Case]]:
 
 
 def trial_table(case: Case, frequency: str) -> pd.DataFrame:
-    """The `cycle_table` of the as-published simulation (trial "as_published") and of each of its rivals.
+    """Return the `cycle_table` of the as-published simulation (trial "as_published") and of each of its rivals.
 
     Columns trial, scheme, step_s (s), c_N_s_per_m say which one a row belongs to.
     """
     tables: list[dict[Any, Any]] = []
-    for trial, of in (("as_published", case), *trials(case, frequency)):
+    for trial, rival in (("as_published", case), *trials(case, frequency)):
         count = _CYCLES if trial == "as_published" else _TRIAL_CYCLES
-        setting = {"scheme": of.numerics.scheme, "step_s": of.numerics.step_s}
-        which = {"trial": trial, **setting, "c_N_s_per_m": of.oscillator.c}
-        tables.append(which | dict(cycle_table(of, frequency, count).items()))
+        setting = {"scheme": rival.numerics.scheme, "step_s": rival.numerics.step_s}
+        which = {"trial": trial, **setting, "c_N_s_per_m": rival.oscillator.c}
+        tables.append(which | dict(cycle_table(rival, frequency, count).items()))
     return _stacked(tables)
 
 

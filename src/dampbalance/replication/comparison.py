@@ -1,10 +1,10 @@
-"""Every approach at every frequency: how far off F_k and c are, for each definition of the phase.
+"""The errors of F_k and c by every approach, at every frequency, for each definition of the phase.
 
 The paper compares its approaches at resonance, with one definition of the phase. This table adds what each approach
 gives off resonance, where the harmonic ones fail for three reasons: the phase of the velocity reversal stands for that
 of the fundamental, one phase for those of all levels (in the pairs; the paper's least squares takes each level's own),
 and the peak X for the amplitude X_1. `cause_shifts` says what each costs, `mends` what helps. Its features are exact,
-so that what is left is the error of the approach.
+so that each error is that of the approach.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ CAUSES = {"which": "reversal", "shared": "shared", "both": "mean"}
 
 
 def approaches_table(features: Mapping[str, Features], case: Case) -> pd.DataFrame:
-    """Errors of the coefficients, %, by every approach, definition of the phase, and frequency.
+    """Tabulate the errors of the coefficients, %, by every approach, definition of the phase, and frequency.
 
     Columns: frequency, frequency_hz; approach, a key of balance.APPROACHES; phase, reversal, zero_crossing or
     fundamental; sharing, φ and t_s individual to each level or common to all (both empty for an approach that takes no
@@ -79,7 +79,7 @@ def approaches_table(features: Mapping[str, Features], case: Case) -> pd.DataFra
 
 
 def approaches_markdown(table: pd.DataFrame, title: str) -> str:
-    """The table for reading: a line per approach and phase, the frequencies side by side."""
+    """Return the table for reading: a line per approach and phase, the frequencies side by side."""
     lines = [f"# {title}", ""]
     for heading, column in (
         ("Least squares over all levels", "{}_error_percent"),
@@ -87,7 +87,7 @@ def approaches_markdown(table: pd.DataFrame, title: str) -> str:
     ):
         lines += [f"## {heading}", "", _side_by_side(table, column), ""]
     lines += [
-        "From exact features: what is left is the error of the approach. Phase: the lag of x behind y of the velocity "
+        "From exact features, so each error is that of the approach. Phase: the lag of x behind y of the velocity "
         "reversal, of the displacement's zero crossing, or of its fundamental; φ and t_s of each level, or their mean.",
         "",
     ]
@@ -95,7 +95,7 @@ def approaches_markdown(table: pd.DataFrame, title: str) -> str:
 
 
 def relative_errors(estimates: pd.DataFrame, osc: Oscillator) -> dict[str, pd.Series[float]]:
-    """Errors of F_k and c, %, with sign, of each line of a table of estimates; NaN where the true value is zero."""
+    """Return the signed errors of F_k and c, %, of each line of a table of estimates; NaN for a true value of zero."""
     return {
         name: 100.0 * (estimates[term.column] / (getattr(osc, name, 0.0) or math.nan) - 1.0)
         for name, term in TERMS.items()
@@ -103,13 +103,13 @@ def relative_errors(estimates: pd.DataFrame, osc: Oscillator) -> dict[str, pd.Se
 
 
 def largest_errors(estimates: pd.DataFrame, osc: Oscillator) -> dict[str, float]:
-    """Size of the largest errors of F_k and c, %, in a table of estimates."""
+    """Return the size of the largest errors of F_k and c, %, in a table of estimates."""
     errors = relative_errors(estimates, osc)
     return {name: float(error.abs().max()) for name, error in errors.items()}
 
 
 def _errors(features: Features, case: Case) -> Iterator[dict[str, object]]:
-    """The lines of one frequency, approach by approach; one that takes no choice of phase has a single line."""
+    """Yield the lines of one frequency, approach by approach; one that takes no choice of phase has a single line."""
     osc, pairs = case.oscillator, case.pairs
     tables = {phase: estimate_table(features.with_phase(phase), osc.k, pairs) for phase in PHASES}
     for approach in APPROACHES.values():
@@ -152,7 +152,7 @@ def cause_shifts(
 def off_resonance(
     approaches: pd.DataFrame, frequencies_hz: Mapping[str, float]
 ) -> list[dict[str, str]]:
-    """The `cause_shifts` in words, frequency by frequency.
+    """Return the `cause_shifts` in words, frequency by frequency.
 
     hz : the frequency.   peak : an error, %.   paper : that of the paper's least squares, which takes each level's
     phase of the reversal.   which, shared, both : shifts, percentage points.
@@ -172,7 +172,7 @@ def off_resonance(
 
 
 def mends(approaches: pd.DataFrame, frequencies_hz: Mapping[str, float]) -> dict[str, list[float]]:
-    """Error of F_k, %, by least squares: every way of RECIPES in words → one for each frequency."""
+    """Return the error of F_k, %, by least squares: every way of RECIPES in words → one for each frequency."""
     errors = _of_F_k(approaches)
     return {
         words: [errors[*WAYS_TO_COMPARE[way], name] for name in frequencies_hz]
@@ -181,7 +181,7 @@ def mends(approaches: pd.DataFrame, frequencies_hz: Mapping[str, float]) -> dict
 
 
 def _of_F_k(approaches: pd.DataFrame) -> dict[tuple[str, ...], float]:
-    """Error of F_k by least squares, %, by approach, phase, sharing and frequency."""
+    """Return the error of F_k by least squares, %, by approach, phase, sharing and frequency."""
     keys = zip(*(approaches[name] for name in (*WAY, "frequency")), strict=True)
     return dict(zip(keys, approaches["F_k_error_percent"], strict=True))
 
@@ -199,7 +199,7 @@ def _side_by_side(table: pd.DataFrame, column: str) -> str:
 
 
 def _signed(error: float) -> str:
-    """An error given in %, with its sign if it is negative; a bound where it is nothing but rounding."""
+    """Return an error given in %, with its sign if it is negative; a bound where it is nothing but rounding."""
     if abs(error) < 1e-6:
         return f"≤ {percent(0.01 * error)}"
     return signed_percent(0.01 * error, plus="")

@@ -1,4 +1,4 @@
-"""Whether a configuration can be simulated: checks that need the mechanics, made before anything runs."""
+"""Checks whether a configuration can be simulated, those that need the mechanics, made before anything runs."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ FEWEST_PER_CYCLE = 100
 """Steps in a period below which neither a reversal nor a slip onset is resolved."""
 
 MOST_GROWTH = 10.0
-"""By how much a scheme may let an oscillation grow that the equations let decay."""
+"""Largest factor by which a scheme may let an oscillation grow that the equations let decay."""
 
-_BALANCE = 1e-6  # of the energy put in: what an orbit may miss by rounding
+_BALANCE = 1e-6  # share of the energy put in: an orbit may miss it by rounding
 
 
 def check_feasible(case: Case, files: Iterable[str | Path]) -> list[str]:
@@ -65,19 +65,19 @@ def check_feasible(case: Case, files: Iterable[str | Path]) -> list[str]:
 
 
 def _orbit(osc: Oscillator, motion: BaseMotion) -> Orbit:
-    """The exact orbit, by Python as far as that goes: a handful takes less time than loading what is compiled."""
+    """Return the exact orbit, by Python as far as that goes: for a few, loading compiled code takes longer."""
     try:
         with interpreted():
             orbit = steady_orbit(osc, motion)
-            if math.isfinite(orbit.X):  # the features are computed with it
+            if math.isfinite(orbit.X):  # computing X computes the features, too
                 return orbit
-    except (ArithmeticError, ValueError):  # an overflow, say, where machine code goes on with ∞
+    except (ArithmeticError, ValueError):  # such as an overflow, where machine code goes on with ∞
         pass
     return steady_orbit(osc, motion)
 
 
 def _out_of_range(case: Case) -> Iterator[Problem]:
-    """Where the numbers leave the space in which the exact solution is known to hold."""
+    """Yield where the numbers leave the space in which the exact solution is known to hold."""
     osc = case.oscillator
     ratios = [case.omega(name) / osc.omega_n for name in case.frequencies_hz]
     K_z: tuple[str, ...] = ("oscillator", "K_z_N_per_m")
@@ -89,8 +89,8 @@ def _out_of_range(case: Case) -> Iterator[Problem]:
     ):
         low, high = RANGES[name]
         for value in (value for value in values if not low <= value <= high):
-            known = f"the exact solution holds from {low:g} to {high:g}"
-            yield key, f"makes {name} {value:.3g}; {known}"
+            bounds = f"the exact solution holds from {low:g} to {high:g}"
+            yield key, f"makes {name} {value:.3g}; {bounds}"
     events = math.sqrt(1.0 + osc.K_z / osc.k) / min(ratios)
     if events > MOST_EVENTS:
         text = f"sets the natural frequency on the contact at {events:.3g} times that of the drive"
@@ -98,7 +98,7 @@ def _out_of_range(case: Case) -> Iterator[Problem]:
 
 
 def _wrong_steps(case: Case) -> Iterator[Problem]:
-    """Where the fixed-step simulation would take too long, or be none."""
+    """Yield where the fixed-step simulation would take too long, or fail."""
     numerics, osc, levels = case.numerics, case.oscillator, len(case.levels_m)
     step = ("as_published", "step_s")
     coarsest = 1.0 / (max(case.frequencies_hz.values()) * FEWEST_PER_CYCLE)
@@ -116,11 +116,11 @@ def _wrong_steps(case: Case) -> Iterator[Problem]:
             yield key, f"{text}; {remedy}"
     for name, value in printed_coefficients(case).items():
         if value <= 0.0:
-            text = f"leaves nothing of {name}; keep more decimals, or all (null)"
+            text = f"rounds {name} to zero; keep more decimals, or all (null)"
             yield ("as_published", f"{name}_decimals"), text
-    # unstable is a scheme that lets grow what decays: in slip over the whole simulation, in stick over a period at most
+    # A scheme is unstable if it lets a decaying motion grow: in slip over all cycles, in stick over one at most.
     for phase, K_z, cycles in (("slip", 0.0, numerics.cycles), ("stick", osc.K_z, 1)):
-        with interpreted():  # a dozen steps: loading what is compiled takes longer
+        with interpreted():  # a dozen steps: loading compiled code takes longer
             growth = largest_growth(
                 numerics.scheme,
                 numerics.step_s,

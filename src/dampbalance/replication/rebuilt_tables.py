@@ -44,12 +44,12 @@ class RouteTables:
     estimates: Mapping[str, pd.DataFrame]
 
     def feature(self, column: str, level: int, frequency: str = "omega1") -> float:
-        """A feature of the level counted from 1."""
+        """Return a feature of the level counted from 1."""
         values = list(self.features.get(frequency, _NOTHING).get(column, ()))
         return float(values[level - 1]) if level <= len(values) else math.nan
 
     def mean_feature(self, column: str) -> float:
-        """Mean of a feature at ω1 over the levels that have it."""
+        """Return the mean of a feature at ω1 over the levels that have it."""
         frame = self.features.get("omega1", _NOTHING)
         return float(frame[column].mean()) if column in frame else math.nan
 
@@ -61,14 +61,14 @@ class RouteTables:
         pair: str = "all",
         frequency: str = "omega1",
     ) -> float:
-        """One number of the estimates."""
+        """Return one number of the estimates."""
         line = self._lines.get((frequency, approach, kind, pair))
         return math.nan if line is None else float(line[column])
 
     def pairs(
         self, approaches: tuple[str, ...] = HARMONIC, frequency: str = "omega1"
     ) -> pd.DataFrame:
-        """The estimates of all pairs by some approaches."""
+        """Return the estimates of all pairs by some approaches."""
         frame = self._in_paper.get(frequency, _NOTHING)
         return frame[frame["approach"].isin(approaches) & (frame["kind"] == "pair")]
 
@@ -139,7 +139,7 @@ _FORMATS |= {f"{q.symbol} by {a}": q.format for q in IDENTIFIED_QUANTITIES for a
 def paper_tables(
     routes: Mapping[str, RouteTables], frequency: str, claims: pd.DataFrame | None = None
 ) -> dict[str, pd.DataFrame]:
-    """Tables 1 to 3 and the statistics of the text at one frequency, by the names of TITLES.
+    """Return Tables 1 to 3 and the statistics of the text at one frequency, by the names of TITLES.
 
     A table is a frame with a row per cell and the columns COLUMNS.
     Table 1 : X, X_s, V_s, φ and t_s of every level.
@@ -199,7 +199,7 @@ def paper_tables(
 
 
 def claim_of(name: str, row: str, place: int, quantity: str) -> str:
-    """The id of the claim on a cell, whether or not there is such a claim.
+    """Return the id of the claim on a cell, whether or not there is such a claim.
 
     name : of the table, statistics among them.   place : of the row in it, from 1, which counts the levels.
     """
@@ -212,10 +212,10 @@ def claim_of(name: str, row: str, place: int, quantity: str) -> str:
 
 
 def markdown(table: pd.DataFrame, title: str) -> str:
-    """The table as the paper lays it out, a line per route, with marks for the verdicts; GitHub-flavoured Markdown."""
+    """Return the table as the paper lays it out, in Markdown: a line per route, with marks for the verdicts."""
     parts = [f"# {title}", ""]
     for quantities, block in blocks(table):
-        units = block["unit"]  # those of its first row come first
+        units = block["unit"]  # the units of the first row come first
         heads = [label_with_unit(q, unit) for q, unit in zip(quantities, units, strict=False)]
         lines = []
         for row, cells in block.groupby("row", sort=False):
@@ -234,7 +234,7 @@ def markdown(table: pd.DataFrame, title: str) -> str:
 
 
 def blocks(table: pd.DataFrame) -> Iterator[tuple[list[str], pd.DataFrame]]:
-    """Runs of rows that share their quantities: the upper and lower part of Table 2 have different ones."""
+    """Return the runs of rows that share their quantities: the upper and lower part of Table 2 have different ones."""
     by_row = table.groupby("row", sort=False)["quantity"].agg(tuple)
     for quantities in dict.fromkeys(by_row):
         rows = by_row.index[by_row == quantities]
@@ -244,7 +244,7 @@ def blocks(table: pd.DataFrame) -> Iterator[tuple[list[str], pd.DataFrame]]:
 class _Cell(NamedTuple):
     row: str
     quantity: str
-    of: Quantity
+    column: Quantity
     which: Mapping[str, Any]  # arguments of RouteTables.feature or .estimate
 
 

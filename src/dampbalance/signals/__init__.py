@@ -1,1 +1,1 @@
-"""From records to features: read off clean ones, estimated from noisy ones."""
+"""Features of records: read off clean ones, estimated from noisy ones."""

@@ -28,7 +28,8 @@ _LOW, _HIGH = 0.35, 2.6
 # Largest corner relative to the sampling rate: anti-alias filters begin here, and half the rate is the end.
 _BELOW_NYQUIST = 0.4
 
-_ORDER = 3  # of the Butterworth filter: steep enough for a second mode at four times the frequency, 4 % of it left
+# order of the Butterworth filter: 4 % of a second mode at four times the frequency passes
+_ORDER = 3
 
 NOISE_PASSED = 5.0 * np.pi / 18.0
 """Mean square of white noise after the filter, relative to that of the noise within its corners: ∫du / (1 + u⁶)² over
@@ -54,7 +55,8 @@ class Band:
 
     @classmethod
     def about(cls, f_n: float, dt: float) -> Band:
-        """The band from 0.35 to 2.6 times a natural frequency, its upper corner at most at 0.4 of the sampling rate.
+        """Return the band from 0.35 to 2.6 times a natural frequency, its upper corner at most at 0.4 of the sampling
+        rate.
 
         f_n : Hz.   dt : sampling interval, s. Raises ValueError where the mode lies above that.
         """
@@ -66,14 +68,14 @@ class Band:
         return cls(_LOW * f_n, high)
 
     def gain(self, f: Array) -> Array:
-        """|H(f)|², by which the filter multiplies each frequency; 0 at f = 0.   f : Hz, of any shape."""
+        """Return |H(f)|², by which the filter multiplies each frequency; 0 at f = 0.   f : Hz, of any shape."""
         safe = np.where(f == 0.0, 1.0, f)
         u = (safe**2 - self.low * self.high) / (safe * (self.high - self.low))
         return np.where(f == 0.0, 0.0, 1.0 / (1.0 + u ** (2 * _ORDER)))
 
 
 def filtered(values: Array, dt: float, band: Band) -> Array:
-    """Values in the band, filtered along axis 0 without a shift of phase; linear in the values.
+    """Return values in the band, filtered along axis 0 without a shift of phase; linear in the values.
 
     values : samples, (n, …): a record, a model, or its derivatives in columns.   dt : sampling interval, s.
     """
@@ -85,26 +87,9 @@ def filtered(values: Array, dt: float, band: Band) -> Array:
 
 
 def freedom(band: Band, duration: float) -> float:
-    """Independent values that a channel has in a band, 2 × bandwidth × duration.
+    """Return independent values that a channel has in a band, 2 × bandwidth × duration.
 
     White noise that passed the filter has a mean square known as well as that of 1.008 times as many independent
     values (Welch–Satterthwaite with |H|⁴).
     """
     return 2.0 * (band.high - band.low) * duration
-
-
-def noise_variance(residual: Array, dt: float, band: Band, unknowns: float = 0.0) -> float:
-    """Variance σ² per sample of white noise whose part in the band is as large as a residual.
-
-    With it σ² (JᵀJ)⁻¹, J filtered like the residual, is the covariance of a fit. The sum of squares is σ² times
-    0.873 × `freedom` less one for each unknown: the filter takes more than its corners say.
-
-    residual : filtered, in the unit of the samples.   unknowns : that were fitted to them.
-    """
-    left = NOISE_PASSED * freedom(band, residual.size * dt) - unknowns
-    if not left > 0.0:
-        raise ValueError(
-            f"{residual.size * dt:.4g} s hold fewer independent values between {band.low:.4g} and {band.high:.4g} Hz "
-            f"than the {unknowns:g} unknowns: use a longer decay"
-        )
-    return float(np.sum(residual**2)) / left

@@ -15,16 +15,17 @@ import numpy as np
 from ..arrays import Array, Mask
 from .thresholds import RARE_LINE
 
-_BAND = 1.25  # half of its width as a ratio: a decay is no sharp line
-_WINDOW = 0.6  # of a cycle, in which a decay passes two turns
+_BAND = 1.25  # ratio of its upper end to its centre: a decay is no sharp line
+_WINDOW = 0.6  # cycles, in which a decay passes two turns
 # Part of a cycle over which the samples are smoothed: a parabola follows a turn to 1e-4 of its swing, and over half a
 # cycle to a tenth, which also takes off a mode of three times the frequency, whose beats look like bursts.
 _SMOOTH, _SMOOTHER = 1.0 / 8.0, 1.0 / 2.0
 _CLEAR_DEVIATIONS = 8.0  # standard deviations of the smoothed signal
-_SMALLEST_BURST = 0.03  # of the largest burst: smaller ones tell little of F_k
-_DECAYED = 0.85  # of its first swing: what a decay falls below; a steady motion with noise does not
-_RISE = 0.6  # of a burst's swing: what came before is below it, or it is a beat
-_QUIET_SAMPLES = 200  # of a part, at least, whose median is then known to 11 %
+_SMALLEST_BURST = 0.03  # relative to the largest burst: smaller ones determine F_k poorly
+# relative to its first swing: a decay falls below it, a steady motion with noise does not
+_DECAYED = 0.85
+_RISE = 0.6  # relative to a burst's swing: the motion before is smaller, or it is a beat
+_QUIET_SAMPLES = 200  # least number in a part, whose median is then known to 11 %
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,7 +47,7 @@ class Signal:
 
     @property
     def clipped(self) -> Mask:
-        """Which samples lie at a limit, (n,)."""
+        """Mask of the samples that lie at a limit, (n,)."""
         return (self.values <= self.limits[0]) | (self.values >= self.limits[1])
 
     @property
@@ -55,7 +56,7 @@ class Signal:
         return float(self.t[-1] - self.t[0]) / (self.t.size - 1)
 
     def between(self, start: float, end: float) -> Signal:
-        """The samples from `start` to `end`, s."""
+        """Return the samples from `start` to `end`, s."""
         inside = slice(*np.searchsorted(self.t, [start, end]))
         return replace(self, t=self.t[inside], values=self.values[inside])
 
@@ -64,13 +65,12 @@ class Signal:
 class Burst:
     """A free decay, located roughly.
 
-    turn : time of a turn of the free motion, s.   side : ±1, where it turns.   swing : of the motion to the next turn,
-    m.   period : of the motion, s.   earliest, end : the burst begins and ends between these times, s.
+    turn : time of a turn of the free motion, s.   swing : of the motion to the next turn, m.   period : of the motion,
+    s.   earliest, end : the burst begins and ends between these times, s.
     last : whether no other burst follows.
     """
 
     turn: float
-    side: float
     swing: float
     period: float
     earliest: float
@@ -79,12 +79,12 @@ class Burst:
 
 
 QUIET_PARTS = 8
-"""Of a record, in the quietest of which its noise is looked for."""
+"""Parts of a record; its noise is that of the quietest one."""
 
 
 SAMPLES_A_CYCLE = 10
 """At 8, three of five accelerations after a release gave F_k 15 % low: the third differences of so few samples a cycle,
-which tell the noise, are mostly motion. At 10 and 12 none did; at 14 and 16 some are as wrong, it is not known why."""
+which measure the noise, are mostly motion. At 10 and 12 none did; at 14 and 16 some are as wrong; why is unknown."""
 
 LEAST_NOISE = 3e-6
 """Noise relative to the motion, below which it is no transducer's."""
@@ -95,15 +95,15 @@ class NoDecay(ValueError):
 
 
 def too_few_samples(a_cycle: float) -> str:
-    """A sentence where a cycle has fewer samples than a decay needs; empty where it has enough."""
+    """Return a sentence where a cycle has fewer samples than a decay needs, "" where it has enough."""
     if a_cycle >= SAMPLES_A_CYCLE:
         return ""
     return f"it has {a_cycle:.2g} samples a cycle, {SAMPLES_A_CYCLE} are needed: sample faster"
 
 
 def noise_of(values: Array) -> float:
-    """Standard deviation of white noise on a smooth signal, from the third differences in the quietest part of the
-    record; at least that of rounding and of the steps in which it was digitised."""
+    """Return the standard deviation of white noise on a smooth signal, from the third differences in the quietest part
+    of the record; at least that of rounding and of the steps in which it was digitised."""
     steps = np.diff(np.unique(values))
     digits = float(steps.min()) / math.sqrt(12.0) if steps.size else 0.0
     third = np.abs(np.diff(values, 3))
@@ -114,12 +114,12 @@ def noise_of(values: Array) -> float:
 
 
 def least_noise(values: Array) -> float:
-    """Least standard deviation that the noise of a signal is taken to have."""
+    """Return the least standard deviation that the noise of a signal is taken to have."""
     return LEAST_NOISE * float(np.ptp(values))
 
 
 def bursts_of(signal: Signal) -> list[Burst]:
-    """The bursts of a channel in order of time. Raises NoDecay, which gives the reason.
+    """Return the bursts of a channel in order of time. Raises NoDecay, which gives the reason.
 
     Where less than half of them are there without higher modes, the others are beats of these.
     """
@@ -131,7 +131,7 @@ def bursts_of(signal: Signal) -> list[Burst]:
 
 
 def _bursts_of(signal: Signal, smooth_over: float) -> list[Burst]:
-    """The bursts of a channel that is smoothed over a part of a cycle."""
+    """Return the bursts of a channel that is smoothed over a part of a cycle."""
     from scipy.ndimage import maximum_filter1d, minimum_filter1d  # slow to import, all of them
     from scipy.signal import savgol_filter
 
@@ -139,20 +139,18 @@ def _bursts_of(signal: Signal, smooth_over: float) -> list[Burst]:
     width = max(5, 2 * round(0.5 * smooth_over * period / signal.dt) + 1)
     length = max(4, round(_WINDOW * period / signal.dt))
     if signal.values.size < 2 * max(width, length):
-        raise NoDecay("it is shorter than a cycle of its own motion")
+        raise NoDecay("it is shorter than a cycle of its motion")
     # a polynomial through the first samples swings wider than they do where a blow falls among them
     smooth = savgol_filter(signal.values, width, 2, mode="nearest")
-    # of the samples from each on
+    # the filters look at the samples from each one on
     ahead = -(length // 2)
     swing = maximum_filter1d(smooth, length, origin=ahead, mode="nearest")
     swing -= minimum_filter1d(smooth, length, origin=ahead, mode="nearest")
-    least = max(
-        _SMALLEST_BURST * float(swing.max()),
-        _CLEAR_DEVIATIONS * 1.5 * signal.noise / math.sqrt(width),
-    )
+    clear = _CLEAR_DEVIATIONS * 1.5 * signal.noise / math.sqrt(width)
+    least = max(_SMALLEST_BURST * float(swing.max()), clear)
     peaks = _peaks(swing, length, least)
     if not peaks:
-        raise NoDecay("nothing in it stands out of the noise and decays")
+        raise NoDecay("no decaying motion in it exceeds the noise")
     # over two windows lies a whole cycle, and its largest swing
     widest = maximum_filter1d(swing, length, origin=ahead, mode="nearest")
     if all(
@@ -168,11 +166,9 @@ def _bursts_of(signal: Signal, smooth_over: float) -> list[Burst]:
         if signal.order == 1:
             half = 0.5 * (smooth[one] + smooth[other]) * (smooth[one] * smooth[other] > 0.0)
             turn = one + int(np.argmax((smooth[one:other] - half) * (smooth[one] - half) <= 0.0))
-        side = math.copysign(1.0, smooth[other] - smooth[one])
         bursts.append(
             Burst(
                 turn=float(signal.t[turn]),
-                side=-side if signal.order else side,
                 swing=float(swing[i]) * (period / (2.0 * math.pi)) ** signal.order,
                 period=period,
                 earliest=float(signal.t[before]),
@@ -184,7 +180,7 @@ def _bursts_of(signal: Signal, smooth_over: float) -> list[Burst]:
 
 
 def _peaks(swing: Array, length: int, least: float) -> list[int]:
-    """Indices where the swing has a local maximum above `least`, after having been much smaller."""
+    """Return indices where the swing has a local maximum above `least`, after having been much smaller."""
     from scipy.ndimage import maximum_filter1d
 
     around = maximum_filter1d(swing, 4 * length + 1, mode="nearest")
@@ -199,7 +195,7 @@ def _peaks(swing: Array, length: int, least: float) -> list[int]:
 
 
 def _frequency(signal: Signal) -> float:
-    """Frequency of the motion, Hz: weighted mean over the band with the most energy."""
+    """Return the frequency of the motion, Hz: weighted mean over the band with the most energy."""
     values = signal.values - signal.values.mean()
     size = values.size
     power = np.abs(np.fft.rfft(values, 1 << (size - 1).bit_length())) ** 2
@@ -214,7 +210,7 @@ def _frequency(signal: Signal) -> float:
     best = int(np.argmax(band))
     if not band[best] > 0.0:
         raise NoDecay(
-            f"no oscillation in it stands out of the noise; one of fewer than {SAMPLES_A_CYCLE} samples a cycle may not"
+            f"no oscillation in it exceeds the noise; one of fewer than {SAMPLES_A_CYCLE} samples a cycle may be missed"
         )
     inside = slice(low[best], high[best])
     return float(np.sum(f[inside] * energy[inside]) / np.sum(energy[inside]))

@@ -22,47 +22,50 @@ from .thresholds import NEVER, P_DRIFT, SIGNIFICANT
 FEW_CYCLES = 10
 """Number of cycles below which the scatter between cycles gives no trustworthy interval."""
 
-# Of a frequency, of an amplitude over the record, and of a phase in rad: of the loss at a loss factor of 2 %, a per
-# mille. From it on a change is reported and widens intervals.
-_MATTERS = 2e-5
-_GAIN_MATTERS = 1e-4  # of F_k and c, which are as wrong as the gain
+# Change of a frequency, an amplitude (both relative) or a phase in rad that alters the loss by a per mille at a loss
+# factor of 2 %. From it on a change is reported and widens intervals.
+_SMALLEST_CHANGE = 2e-5
+_SMALLEST_GAIN_ERROR = 1e-4  # relative error of F_k and c, which are as wrong as the gain
 _FREQUENCY_WRONG = 0.05  # no clock is off by so much, and a wrong column or rate is by more
-_AMPLITUDE_WRONG = 0.1  # by which channels contradict each other, or a record has no steady motion
+_AMPLITUDE_WRONG = 0.1  # relative: channels contradict each other, or a record has no steady motion
 _PHASE_WRONG = 0.5  # rad: no delay of a channel, but a sign or another quantity
-_TURNS_ALONE = 5.0  # times as much as the amplitude changes: what two clocks do, and a friction force that grows
-_HARMONIC_MATTERS = 1e-3  # of the fundamental
-_BASE_COUNTS = 1e-6  # of the fundamental: what the file or the rounding of a time may leave
-_CLIPPED_CYCLES = 0.5  # of all: in most of them, the range is too small
+# ratio of the changes of phase and amplitude beyond which two clocks, or a growing friction force, are the likely cause
+_PHASE_OVER_AMPLITUDE = 5.0
+_SMALLEST_HARMONIC = 1e-3  # relative to the fundamental
+# relative to the fundamental; the rounding of a file or a time may leave less
+_SMALLEST_BASE_HARMONIC = 1e-6
+_CLIPPED_CYCLES = 0.5  # part of all cycles: if most are clipped, the range is too small
 _LARGEST_AMPLITUDE = 0.5  # m, some ten times what shakers of long stroke do
 _LARGEST_SPEED = 10.0  # m/s, some three times what the fastest shakers do
 
-# What puts everything in doubt, by how much is not known.
+# A remark that puts every number in doubt, by an unknown amount.
 _doubtful = partial(Remark, doubts={"": math.inf})
 _BY_HARMONICS = ("direct",)  # the answer that counts harmonics which the others leave out
 
 _FINE = 1 << 12  # steps of a converter of 12 bits; as many samples show them
-_LATTICE = 0.01  # of a step, by which a value may be off a whole number of them
-ROUNDING = 1e-9  # of a signal: what rounding leaves between two copies of it, and noise cannot be distinguished from
+_LATTICE = 0.01  # steps by which a value may be off a whole number of them
+ROUNDING = 1e-9  # relative to a signal: rounding differs by less between two copies of it
 
 _UNCONNECTED = "the transducer was not connected, or the wrong column was read"
 
 
 def require_signal(quantity: str, values: Array) -> None:
-    """ValueError when the values are all the same."""
+    """Raise ValueError when the values are all the same."""
     if not np.ptp(values) > 0.0:
         raise ValueError(f"{quantity} is constant ({values[0]:.6g}): {_UNCONNECTED}")
 
 
 def require_distinct(quantity: str, values: Array, driving: str, drive: Array) -> None:
-    """ValueError when a response is the excitation itself, scaled or with another offset: no rig moves like that."""
+    """Raise ValueError when a response is the excitation itself, scaled or with another offset: no rig moves like
+    that."""
     count = min(values.size, drive.size)
     x, y = values[:count] - values[:count].mean(), drive[:count] - drive[:count].mean()
     square = float(y @ y)
     factor = float(x @ y) / square if square > 0.0 else 0.0
     if np.abs(x - factor * y).max() < ROUNDING * np.abs(x).max():
         raise ValueError(
-            f"{quantity} is {driving} itself, times {factor:.6g}: one channel was read as both; say in the mapping "
-            "which holds which"
+            f"{quantity} is {driving} itself, times {factor:.6g}: both were read from one channel; name the channel "
+            "of each in the mapping"
         )
 
 
@@ -91,11 +94,11 @@ def frequency(
         raise ValueError(
             f"{words.format(at, spread, given)}: wrong frequency, wrong column, or a wrong sampling rate"
         )
-    if abs(off) > max(_MATTERS, _significant_for(max(1, cycles - 2)) * spread / hertz):
+    if abs(off) > max(_SMALLEST_CHANGE, _significant_for(max(1, cycles - 2)) * spread / hertz):
         size = f"{signed(1e6 * off)} ppm" if abs(off) < 1e-3 else f"{signed(100.0 * off, 2)} %"
         yield Remark(
-            f"{words} ({{}}): it was rounded, or the clock of the generator or the recorder is off; the frequency "
-            "found is used",
+            f"{words} ({{}}): the given one was rounded, or the clock of the generator or the recorder is off; the "
+            "measured frequency is used",
             *(at, spread, given, Shown(off, size)),
             doubts={"": abs(off)},
         )
@@ -103,14 +106,14 @@ def frequency(
 
 @lru_cache(maxsize=64)
 def _significant_for(freedom: int) -> float:
-    """Standard errors that are as rare as SIGNIFICANT ones, where so many degrees of freedom give the errors."""
+    """Return standard errors that are as rare as SIGNIFICANT ones, where so many degrees of freedom give the errors."""
     return float(-special.stdtrit(freedom, NEVER))
 
 
 def checked_cycles(
     channels: Mapping[str, CycleHarmonics], weights: Array, omega: float
 ) -> Iterator[Remark]:
-    """Warnings about cycles that are missing, and about the signals in the others.
+    """Yield warnings about cycles that are missing, and about the signals in the others.
 
     weights : cycles in each row that all channels have.   omega : of the drive, rad/s.   Raises ValueError when fewer
     than three cycles can be used, or a channel does not oscillate with the drive.
@@ -153,20 +156,16 @@ def checked_cycles(
 
 
 def is_clipped(harmonics: CycleHarmonics) -> bool:
-    """Whether the signal is cut off at a level in most cycles."""
+    """Return whether the signal is cut off at a level in most cycles."""
     return harmonics.clipped >= _CLIPPED_CYCLES
 
 
-def consistency(
-    moved: dict[str, Complexes], weights: Array, omega: float
-) -> tuple[dict[str, float], list[Remark]]:
-    """Whether displacement, velocity and acceleration are those of one motion: (skew of each in s, warnings).
+def consistency(moved: dict[str, Complexes], weights: Array, omega: float) -> Iterator[Remark]:
+    """Yield warnings where displacement, velocity and acceleration are not those of one motion.
 
     moved : harmonics of each response as displacements, rows × harmonics. A channel that is significantly off in time
     or gain is corrected in place to agree with the first; ValueError when it is too far off to be a matter of either.
     """
-    skew: dict[str, float] = {}
-    warnings: list[Remark] = []
     first, *others = moved
     reference = moved[first][:, 1]
     mean = weighted_mean(reference, weights)
@@ -178,27 +177,25 @@ def consistency(
         gain, phase = abs(ratio), math.atan2(ratio.imag, ratio.real)
         if abs(gain - 1.0) > _AMPLITUDE_WRONG or abs(phase) > _PHASE_WRONG:
             raise ValueError(
-                f"{name} contradicts {first}: at the drive frequency it stands for {gain:.4g} times the motion, "
+                f"{name} contradicts {first}: at the drive frequency it shows {gain:.4g} times the motion, "
                 f"{signed(math.degrees(phase), 1)}° apart; check units, sign and calibration, or leave one of the two "
                 "out"
             )
-        late = abs(phase) > max(SIGNIFICANT * error, _MATTERS)
-        scaled = abs(gain - 1.0) > max(SIGNIFICANT * error, _GAIN_MATTERS)
+        late = abs(phase) > max(SIGNIFICANT * error, _SMALLEST_CHANGE)
+        scaled = abs(gain - 1.0) > max(SIGNIFICANT * error, _SMALLEST_GAIN_ERROR)
         if late:
-            skew[name] = -phase / omega
             words = (
-                "{} {} {} by {:.1f} ± {:.1g} µs: shifted to agree; whether the excitation is in time with either, a "
-                "record cannot tell"
+                "{} {} {} by {:.1f} ± {:.1g} µs: shifted to agree; a record cannot show whether the excitation is in "
+                "time with either"
             )
-            lags = "lags" if skew[name] > 0.0 else "leads"
-            sizes = (name, lags, first, 1e6 * abs(skew[name]), 1e6 * error / omega)
-            warnings.append(Remark(words, *sizes, doubts={"": abs(phase)}))
+            lags = "lags" if phase < 0.0 else "leads"
+            sizes = (name, lags, first, 1e6 * abs(phase) / omega, 1e6 * error / omega)
+            yield Remark(words, *sizes, doubts={"": abs(phase)})
         if scaled:
-            words = "{} stands for {:.5f} times the motion of {}: scaled to agree; check the calibration"
-            warnings.append(Remark(words, name, gain, first, doubts={"": abs(gain - 1.0)}))
+            words = "{} shows {:.5f} times the motion of {}: scaled to agree; check the calibration"
+            yield Remark(words, name, gain, first, doubts={"": abs(gain - 1.0)})
         n = np.arange(moved[name].shape[1])
         moved[name] = moved[name] * np.exp(-1j * n * phase * late) / (gain if scaled else 1.0)
-    return skew, warnings
 
 
 class _Change(NamedTuple):
@@ -217,7 +214,7 @@ class _Change(NamedTuple):
 
 
 def _change(rows: Complexes, weights: Array, parts: float) -> _Change:
-    """The change of the rows along a line, a parabola and the difference between the first eighth and the rest.
+    """Return the change of the rows along a line, a parabola and the difference between the first eighth and the rest.
 
     Under white noise, the sum of squares of the real and imaginary parts along these three, over the variance, has an F
     distribution. The variance is that of successive differences, which a slow change does not raise, in the quieter
@@ -235,21 +232,21 @@ def _change(rows: Complexes, weights: Array, parts: float) -> _Change:
     chance = 2.0 * float(special.fdtrc(3.0 * parts, freedom, statistic / (3.0 * parts)))
     change = basis @ along
     grown, turned = float(np.ptp(np.abs(change + mean))), float(np.abs(change).max())
-    matters = max(grown, turned) >= _MATTERS * abs(mean)
+    matters = max(grown, turned) >= _SMALLEST_CHANGE * abs(mean)
     shows = matters and chance <= P_DRIFT
     return _Change(chance, grown / abs(mean), turned / abs(mean), noise, shows)
 
 
 @lru_cache(maxsize=8)
 def _slow(size: int) -> Array:
-    """An orthonormal basis of the slow changes of so many rows, without the constant, (rows, 3)."""
+    """Return an orthonormal basis of the slow changes of so many rows, without the constant, (rows, 3)."""
     s, first = np.linspace(-1.0, 1.0, size), np.arange(size) < max(1, size // 8)
     return np.linalg.qr(np.column_stack([np.ones(size), s, s**2, first]))[0][:, 1:]
 
 
 def few_bits(quantity: str, values: Array, noise: float) -> Iterator[Remark]:
-    """A warning where a converter with coarse steps recorded a signal: its rounding errors repeat from cycle to cycle,
-    and no scatter shows them. Noise of half a step and more makes them random.
+    """Yield a warning where a converter with coarse steps recorded a signal: its rounding errors repeat from cycle to
+    cycle, and no scatter shows them. Noise of half a step and more makes them random.
 
     noise : standard deviation, in the unit of the values.
     """
@@ -259,8 +256,8 @@ def few_bits(quantity: str, values: Array, noise: float) -> Iterator[Remark]:
     whole = np.round(steps / step)
     if (np.abs(steps / step - whole) <= _LATTICE * whole).all():
         yield Remark(
-            "{} has {:.1f} effective bits, below 12, and no noise of the size of a step: rounding repeats in each "
-            "cycle, and standard errors do not show it; lower the measuring range",
+            "{} has {:.1f} effective bits, below 12, and its noise is less than half a step: the rounding error "
+            "repeats in each cycle, and standard errors miss it; lower the measuring range",
             *(quantity, math.log2(span / step)),
             doubts={"": step / span},
         )
@@ -281,7 +278,7 @@ class Unsettled(ValueError):
 def steadiness(
     Y: Complexes, X: Complexes, times: Array, weights: Array, period: float, skipped: int = 0
 ) -> tuple[tuple[float, float], list[Remark]]:
-    """Whether the fundamentals of base and response stay as they are, against the scatter from cycle to cycle
+    """Check whether the fundamentals of base and response are steady, against the scatter from cycle to cycle
     (`_change`): the standard deviations of those that do not, over the record and as parts of them, and warnings.
 
     skipped : cycles that were left out before.
@@ -291,42 +288,41 @@ def steadiness(
     size, parts_of, warnings = len(Y), [0.0, 0.0], list[Remark]()
     if size < 4:
         return (0.0, 0.0), warnings
-    # of the excitation, whose phase is that of the record, only the amplitude varies
+    # the excitation sets the phase of the record, so that only its amplitude varies
     amplitude = np.abs(Y)
-    for i, (name, rows, parts) in enumerate(
-        (("the excitation", amplitude + 0j, 1.0), ("the response", X / (Y / amplitude), 2.0))
-    ):
-        found = _change(rows, weights, parts)
-        if not found.shows:
+    both = ("the excitation", amplitude + 0j, 1.0), ("the response", X / (Y / amplitude), 2.0)
+    for i, (name, rows, parts) in enumerate(both):
+        change = _change(rows, weights, parts)
+        if not change.shows:
             continue
         words = (
             "{} is not steady: its amplitude changes by {}, its phasor by up to {} during the record "
             "(chance of that in noise: {})"
         )
-        if found.turn > _TURNS_ALONE * found.size:
-            words += "; its phase alone drifts, as if two clocks had sampled the channels or friction grew"
-        chance = Shown(found.chance, "below 1e-6" if found.chance < 1e-6 else f"{found.chance:.1g}")
-        sizes: tuple[str | float, ...] = (name, part(found.size), part(found.turn), chance)
-        # of a change in proportion to time, from end to end, and to either side of the mean
-        parts_of[i] = max(found.size / math.sqrt(12.0), found.turn / math.sqrt(3.0))
-        # where the phasor stays within its scatter about the mean of the second half
+        if change.turn > _PHASE_OVER_AMPLITUDE * change.size:
+            words += "; only its phase drifts, as with two sampling clocks or growing friction"
+        chance = Shown(p := change.chance, "below 1e-6" if p < 1e-6 else f"{p:.1g}")
+        sizes: tuple[str | float, ...] = (name, part(change.size), part(change.turn), chance)
+        # a change in proportion to time has these standard deviations: from end to end, and to either side of the mean
+        parts_of[i] = max(change.size / math.sqrt(12.0), change.turn / math.sqrt(3.0))
+        # it has settled where the phasor stays within its scatter about the mean of the second half
         late = rows[size // 2 :].mean()
-        scatter = 4.0 * math.sqrt(parts * found.noise) + 1e-6 * abs(late)
+        scatter = 4.0 * math.sqrt(parts * change.noise) + 1e-6 * abs(late)
         outside = 1 + np.flatnonzero(np.abs(rows - late) > scatter)
         if outside.size and outside[-1] < size // 2:
             after = round(outside[-1] * (times[-1] - times[0]) / (size - 1) / period)
             words += SETTLES
             sizes = (*sizes, after, skipped + after)
-        elif found.size > _AMPLITUDE_WRONG:
+        elif change.size > _AMPLITUDE_WRONG:
             words += "; leave out cycles at its start (--skip-cycles), or record again after the motion has settled"
-        if found.size > _AMPLITUDE_WRONG:
+        if change.size > _AMPLITUDE_WRONG:
             raise Unsettled(words.format(*sizes), int(sizes[-1]) if SETTLES in words else 0)
         warnings.append(Remark(words, *sizes, doubts={"": parts_of[i]}))
     return (parts_of[0], parts_of[1]), warnings
 
 
 def plausible(Y: float, X: float, omega: float, driven_by: str) -> Iterator[Remark]:
-    """Warnings where amplitudes Y, X (m) are not those of a test bench: a unit may be wrong.
+    """Yield warnings where amplitudes Y, X (m) are not those of a test bench: a unit may be wrong.
 
     A wrong unit of all channels alike scales F_k, and nothing else: only the size can betray it. Accelerations of more
     than 100 g are nothing odd at high frequencies; speeds of tens of m/s are, and they become usual ones by a unit that
@@ -341,40 +337,38 @@ def plausible(Y: float, X: float, omega: float, driven_by: str) -> Iterator[Rema
 
 
 def harmonic_drive(mean: Complexes, error: Array, driven_by: str) -> Iterator[Remark]:
-    """A warning when base or force has more than one frequency: not all that is read counts its harmonics."""
+    """Yield a warning when base or force has more than one frequency: not all that is read counts its harmonics."""
     what = "the force" if driven_by == "force" else "the base motion"
     relative = _significant(mean, error)[2:]
     if relative.any():
+        largest = int(np.argmax(relative)) + 2
         yield Remark(
             "{} is not harmonic: {} distortion, most of it harmonic {} ({}); direct "
-            "integration and the fit of one oscillator count all its harmonics, everything else the fundamental only",
-            *(
-                what,
-                part(math.hypot(*relative)),
-                int(np.argmax(relative)) + 2,
-                part(relative.max()),
-            ),
+            "integration and the fit of one oscillator include all its harmonics, all others the fundamental only",
+            *(what, part(math.hypot(*relative)), largest, part(relative.max())),
             doubts={"": math.hypot(*relative)},
             spares=(*_BY_HARMONICS, "maximum likelihood"),
         )
 
 
 def highest_of_base(mean: Complexes, error: Array) -> int:
-    """The highest harmonic of the base that stands out of its error; 1 where there is none beyond the fundamental.
+    """Return the highest harmonic of the base that stands out of its error; 1 where there is none beyond the
+    fundamental.
 
     Its work is of first order in the harmonic, so that ones far too small for a warning are counted, too.
     """
-    clear = np.abs(mean) > np.maximum(SIGNIFICANT * error, _BASE_COUNTS * abs(mean[1]))
+    clear = np.abs(mean) > np.maximum(SIGNIFICANT * error, _SMALLEST_BASE_HARMONIC * abs(mean[1]))
     return max(1, int(np.flatnonzero(clear)[-1]))
 
 
 def symmetry(mean: Complexes, error: Array) -> Iterator[Remark]:
-    """A warning when the response has even harmonics: friction or stiffness then differ between the two directions."""
+    """Yield a warning when the response has even harmonics: friction or stiffness then differ between the two
+    directions."""
     even = _significant(mean, error)[2::2]
     if even.any():
         yield Remark(
-            "the response is not symmetric: harmonic {} is {} of the fundamental; direct integration counts the "
-            "even harmonics, everything else is read off the symmetric part",
+            "the response is not symmetric: harmonic {} is {} of the fundamental; direct integration includes the "
+            "even harmonics, all other results are those of the symmetric part",
             *(2 * int(np.argmax(even)) + 2, part(even.max())),
             doubts={"": float(even.max())},
             spares=_BY_HARMONICS,
@@ -382,24 +376,25 @@ def symmetry(mean: Complexes, error: Array) -> Iterator[Remark]:
 
 
 def _significant(mean: Complexes, error: Array) -> Array:
-    """Size of each harmonic over the fundamental; 0 where it does not matter or does not stand out of its error."""
+    """Return the size of each harmonic over the fundamental; 0 where it does not matter or does not stand out of its
+    error."""
     relative = np.abs(mean) / abs(mean[1])
-    real = (relative > _HARMONIC_MATTERS) & (np.abs(mean) > SIGNIFICANT * error)
+    real = (relative > _SMALLEST_HARMONIC) & (np.abs(mean) > SIGNIFICANT * error)
     return np.where(real, relative, 0.0)
 
 
 def work(Y: complex, X: complex, Y_error: float, X_error: float) -> Iterator[Remark]:
-    """A warning when the base does not put work into the mass."""
+    """Yield a warning when the base does no work on the mass."""
     sine = -math.sin(math.atan2((X / Y).imag, (X / Y).real))
     error = math.hypot(X_error / abs(X), Y_error / abs(Y))
     if sine <= -SIGNIFICANT * error:
         yield _doubtful(
-            "the response leads the excitation (sin φ₁ = {:.4f}), so that no work is put in: is a sign turned, or are "
-            "two channels exchanged?",
+            "the response leads the excitation (sin φ₁ = {:.4f}), so that the base takes work out: check the sign of "
+            "each channel, and whether two are exchanged",
             sine,
         )
 
 
 def weighted_mean(rows: Complexes | Array, weights: Array) -> Any:
-    """Mean of the rows, each with its weight: a number of rows (n,), an array (h,) of rows (n, h)."""
+    """Return the mean of the rows, each with its weight: a number of rows (n,), an array (h,) of rows (n, h)."""
     return weights @ rows / weights.sum()

@@ -27,19 +27,11 @@ from ..arrays import Array
 from ..features import Features, of_numbers
 from ..motion.integrals import wrapped
 from ..motion.regime import Regime
-from ..motion.sampled import (
-    LATE,
-    NO_CORNER,
-    NO_CYCLE,
-    REVERSALS,
-    SHORT_STICK,
-    integral,
-    read_cycle,
-)
+from ..motion.sampled import LATE, NO_CORNER, NO_CYCLE, REVERSALS, SHORT_STICK, integral, read_cycle
 from ..record import Record
 
 ReadAt = Literal["interpolated", "sample"]
-"""How an event is located: between samples, or at the first sample after it."""
+"""Ways to locate an event: between samples, or at the first sample after it."""
 
 CYCLES_TO_READ = 3
 """Periods that a record of a steady response needs: one to wait for the reversal, one to read, one for the lock-in."""
@@ -53,13 +45,9 @@ _TROUBLES = {
 
 
 def of_record(
-    record: Record,
-    omega: float,
-    k: float,
-    reading: ReadAt = "interpolated",
-    slip_samples: int = 1,
+    record: Record, omega: float, k: float, reading: ReadAt = "interpolated", slip_samples: int = 1
 ) -> Features:
-    """Features of one steady response, read off a clean record of y, x, v and acceleration.
+    """Return features of one steady response, read off a clean record of y, x, v and acceleration.
 
     The cycle read is the first whole one that begins with a forward reversal (v from − to +, at x = −X).
 
@@ -95,7 +83,7 @@ def of_record(
         )
 
     def lock_in(signal: Array, n: int) -> complex:
-        """X_n e^{−iφ_n} of the signal over all whole cycles from the reversal on."""
+        """Return X_n e^{−iφ_n} of the signal over all whole cycles from the reversal on."""
         duration = per_cycle * math.floor((signal.size - 1 - cycle.start) / per_cycle)
         first = math.floor(cycle.start)
         kept = signal[first : math.ceil(cycle.start + duration) + 1]
@@ -106,7 +94,7 @@ def of_record(
     base = lock_in(record.y, 1)
     if not abs(base) > 0.0:
         raise ValueError(f"the base does not move at ω = {omega:g} rad/s: y has no fundamental")
-    lag = -cmath.phase(base)  # of y behind cos ωt, zero in a simulation
+    lag = -cmath.phase(base)  # y lags cos ωt by it; zero in a simulation
     harmonics = {n: lock_in(record.x, n) for n in (1, 3, 5)}
     numbers = cycle._asdict()
     trouble, how_many, _ = (numbers.pop(name) for name in ("trouble", "how_many", "start"))

@@ -1,4 +1,4 @@
-"""From a measurement to the harmonics of its steady state, with a warning for every fault of the record.
+"""The harmonics of the steady state of a measurement, with a warning for every fault of the record.
 
 Each channel is worked on in its own times: nothing is resampled. The drive frequency comes from the excitation; the
 harmonics from least squares, cycle by cycle (`cycles.py`); a slow drift of the offset is removed with what it adds to
@@ -41,12 +41,7 @@ from ..records.measurement import (
 )
 from . import checks
 from .checks import ROUNDING, weighted_mean
-from .cycles import (
-    CycleHarmonics,
-    cycle_harmonics,
-    frequency_offset,
-    powers,
-)
+from .cycles import CycleHarmonics, cycle_harmonics, frequency_offset, powers
 from .drive import LEADING, frequency_of, step_of
 from .one_thread import one_thread
 
@@ -57,10 +52,11 @@ cycle limits it too."""
 CLEAR_HARMONIC = 4.0
 """Standard deviations by which a harmonic stands out of the noise: by chance one in 16,000 does."""
 
-_HARMONICS_OF_BASE = 9  # of the base: what amplifiers and shakers distort is in the lowest
-_FILTERED_OUT = 1e-3  # of a harmonic that passes a filter: below it, the rest is noise
-_EXACT = 1e-6  # of a step: times that are off by less are those of equal steps
-_FREQUENCY_COUNTS = 0.3  # of the noise of the fundamental: less would widen intervals by 5 %
+_HARMONICS_OF_BASE = 9  # amplifiers and shakers distort the lowest ones
+_FILTERED_OUT = 1e-3  # least gain of a filter: a harmonic that passes with less is noise
+_EXACT = 1e-6  # steps: times that are off by less are taken as equal steps
+# relative to the noise of the fundamental: less would widen intervals by 5 %
+_SMALLEST_FREQUENCY_PART = 0.3
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +74,6 @@ class SteadyRecord:
     where the response is symmetric.   base_bandwidth : the highest harmonic of the base, 1 where it is harmonic.
     channels : harmonics of each channel, corrected, by quantity.
     noise_rms : of the samples, by quantity, in the unit of the channel.
-    skew : by how much each response lags the first, s, as corrected (only where it is significant).
     of_base : by how many times the motion Y of the drive the displacement that each response was turned into differs
     from what was measured, 1 for one measured against the base; by quantity.   base_mass : as for `condition`.
     warnings : what is wrong with the record, one sentence each, which says what it leaves in doubt.
@@ -103,7 +98,6 @@ class SteadyRecord:
     base_bandwidth: int
     channels: Mapping[str, CycleHarmonics]
     noise_rms: Mapping[str, float]
-    skew: Mapping[str, float]
     of_base: Mapping[str, float]
     base_mass: float | None
     warnings: tuple[Remark, ...]
@@ -120,11 +114,11 @@ class SteadyRecord:
         return multiples.pop() if len(multiples) == 1 else 0.0
 
     def mean(self, rows: Complexes) -> Complexes:
-        """Mean of the rows, each with its weight."""
+        """Return the mean of the rows, each with its weight."""
         return weighted_mean(rows, self.weights)
 
     def x_of(self, n: Integers) -> Complexes:
-        """Harmonics x_n of any orders, m, (h,), their phases counted from the peak of the base."""
+        """Return harmonics x_n of any orders, m, (h,), their phases counted from the peak of the base."""
         base = self.mean(self.Y[:, 1:2])[0]
         return self.mean(self.X)[n] * np.exp(-1j * n * np.angle(base))
 
@@ -138,7 +132,7 @@ def condition(
     skip_cycles: int = 0,
     base_mass: float | None = None,
 ) -> SteadyRecord:
-    """The steady state of a measurement.
+    """Return the steady state of a measurement.
 
     k : stiffness, N/m.   frequency_hz : the nominal drive frequency, compared with that of the excitation.
     skip_cycles : cycles left out at the start, when the motion has not settled.   base_mass : m, kg, where the contact
@@ -160,14 +154,14 @@ def condition(
 
 
 def in_equal_steps(channel: Channel, warnings: list[Remark]) -> Channel:
-    """The channel with times in equal steps: itself where they are; with a warning where they are off by more than the
-    rounding of times to few digits."""
+    """Return the channel with times in equal steps: itself where they are; with a warning where they are off by more
+    than the rounding of times to few digits."""
     t = np.linspace(channel.t[0], channel.t[-1], channel.t.size)
     off = float(np.abs(channel.t - t).max()) / (t[1] - t[0])
     if off <= _EXACT:
         return channel
     if off > GRID_TOLERANCE:
-        words = "{}: times are not uniform, they lie up to {} of a step off equal steps, which are taken"
+        words = "{}: times are up to {} of a step off equal steps, which are used instead"
         warnings.append(Remark(words, visible(channel.name), part(off)))
     return replace(channel, t=t)
 
@@ -182,8 +176,8 @@ def _steady(
     base_mass: float | None,
     warnings: list[Remark],
 ) -> SteadyRecord:
-    """The steady record that harmonics are: in the rows that all channels have, in the time and at the frequency of the
-    drive, without drift, as displacements.
+    """Return the steady record that harmonics are: in the rows that all channels have, in the time and at the frequency
+    of the drive, without drift, as displacements.
 
     skipped : cycles left out at the start, as asked for.   warnings : on the samples; others are added.
     """
@@ -208,7 +202,7 @@ def _steady(
         channel = channels[q]
         of[:, 1:] -= slope @ channel.drift[:, 1:]
         of *= turn[:, : of.shape[1]]
-        # of white noise, from the scatter of the harmonics between rows
+        # the samples have white noise, so that the scatter of the harmonics between rows gives its size
         per_cycle = 2.0 * math.pi / (channel.omega * channel.dt)
         noise_rms[q] = math.sqrt(float(np.median(_scatter(of, weights)[1:])) * 0.5 * per_cycle)
         warnings += checks.few_bits(q, samples[q].values, noise_rms[q])
@@ -230,26 +224,25 @@ def _steady(
         ratio = base_mass * omega**2 / k
         Y = Y * (ratio * np.arange(Y.shape[1]) ** 2.0)
         of_base = {q: of / ratio for q, of in of_base.items()}
-    skew, inconsistencies = checks.consistency(moved, weights, omega)
+    warnings += checks.consistency(moved, weights, omega)
     errors = {q: _error(of, weights) for q, of in moved.items()}
     if len(set(of_base.values())) == 1:  # else the error of the base is in some only
         for q, error in own.items():
             errors[q][1] = error
     X, X_error = _combined(moved, errors)
     mean_Y, mean_X = weighted_mean(Y, weights), weighted_mean(X, weights)
-    warnings += inconsistencies
     if samples[driving].coordinate == TRANSLATION:  # nothing bounds an angle
         warnings += checks.plausible(abs(mean_Y[1]), abs(mean_X[1]), omega, driving)
     period = 2.0 * math.pi / base.omega
     parts, unsteady = checks.steadiness(Y[:, 1], X[:, 1], times, weights, period, skipped)
     warnings += unsteady
-    # which motion of those in a record that is not steady its mean stands for is known no better
+    # the mean of an unsteady record represents its motion no better than that
     Y_hidden, X_hidden = parts[0] * np.abs(mean_Y), parts[1] * np.abs(mean_X)
     Y_error = np.hypot(_error(Y, weights), Y_hidden)
-    # nor is that of the frequency: ∂ln x/∂ω = 2mω x/(kY) with mω² = k − Re kY/x, much where the damping is light
+    # the frequency has an error, too: ∂ln x/∂ω = 2mω x/(kY) with mω² = k − Re kY/x, large where the damping is light
     gain = mean_X[1] / mean_Y[1]
     by_frequency = 2.0 * abs(mean_X[1] * gain) * abs(1.0 - (1.0 / gain).real) * omega_error / omega
-    if by_frequency > _FREQUENCY_COUNTS * X_error[1]:
+    if by_frequency > _SMALLEST_FREQUENCY_PART * X_error[1]:
         X_hidden[1] = math.hypot(X_hidden[1], by_frequency)
     X_error = np.hypot(X_error, X_hidden)
     warnings += checks.harmonic_drive(mean_Y, Y_error, driving)
@@ -280,7 +273,6 @@ def _steady(
         base_bandwidth=checks.highest_of_base(mean_Y, Y_error),
         channels=dict(channels) | corrected,
         noise_rms=noise_rms,
-        skew=skew,
         of_base=of_base,
         base_mass=base_mass,
         warnings=tuple(warnings),
@@ -294,7 +286,7 @@ def _harmonics_of(
     skip_cycles: int,
     warnings: list[Remark],
 ) -> dict[str, CycleHarmonics]:
-    """The harmonics of every channel, by quantity, at the drive frequency of the leading part of the record."""
+    """Return the harmonics of every channel, by quantity, at the drive frequency of the leading part of the record."""
     drive = channels[driving]
     omega, error, cycles, begin = frequency_of(drive.t, drive.values, driving)
     period = 2.0 * math.pi / omega
@@ -325,20 +317,21 @@ def _harmonics_of(
 
 
 def _passed(quantity: str, harmonics: CycleHarmonics, omega: float) -> Complexes:
-    """What gain, delay and filters of a channel make of each harmonic, up to the highest that the filters pass."""
+    """Return the response of gain, delay and filters of a channel at each harmonic, up to the highest that the filters
+    pass."""
     correction = harmonics.correction or Correction()
     response = correction.response(omega * np.arange(harmonics.coefficients.shape[1]))
     passed = np.abs(response) > _FILTERED_OUT * correction.gain
     if not passed[1]:
         raise ValueError(
-            f"{quantity}: its filter leaves less than {_FILTERED_OUT:g} of the {omega / (2.0 * math.pi):.4g} Hz of the "
-            "drive: check its corner or poles in the mapping"
+            f"{quantity}: its filter passes less than {_FILTERED_OUT:g} of the drive, {omega / (2.0 * math.pi):.4g} "
+            "Hz; check its corner or poles in the mapping"
         )
     return response if passed.all() else response[: int(np.argmin(passed))]
 
 
 def _of_displacement(quantity: str, count: int, omega: float, k: float) -> Complexes:
-    """What the harmonics of a quantity are multiplied with to be those of a displacement, m per unit; the mean of a
+    """Return the factors that turn the harmonics of a quantity into those of a displacement, m per unit; the mean of a
     rate counts as 0."""
     if quantity == "force":
         return np.full(count, 1.0 / k + 0j)
@@ -347,8 +340,8 @@ def _of_displacement(quantity: str, count: int, omega: float, k: float) -> Compl
 
 
 def _drifts(means: Sequence[Array], times: Array, weights: Array) -> Array:
-    """Slope and half the second derivative of a drifting offset in each row, 1/s and 1/s², (channels, rows, 2), from a
-    parabola through its means, (rows,) for each channel.   times : middle of the rows, s."""
+    """Return the slope and half the second derivative of a drifting offset in each row, 1/s and 1/s², (channels, rows,
+    2), from a parabola through its means, (rows,) for each channel.   times : middle of the rows, s."""
     degree, at = 2 if len(times) >= 8 else 1, times - times.mean()
     fitted = np.polyfit(at, np.transpose(means), degree, w=np.sqrt(weights))
     bend = fitted[0][:, None] * (degree == 2) * np.ones(at.size)
@@ -356,7 +349,8 @@ def _drifts(means: Sequence[Array], times: Array, weights: Array) -> Array:
 
 
 def _error(rows: Complexes, weights: Array) -> Array:
-    """Standard deviation of the real and of the imaginary part of the mean of each harmonic, from its scatter.
+    """Return the standard deviation of the real and of the imaginary part of the mean of each harmonic, from its
+    scatter.
 
     Smoothed over five neighbouring harmonics: of few cycles, each by itself would be a poor estimate.
     """
@@ -368,7 +362,7 @@ def _error(rows: Complexes, weights: Array) -> Array:
 
 
 def _scatter(rows: Complexes, weights: Array) -> Array:
-    """Variance of the real and of the imaginary part of each harmonic in one cycle."""
+    """Return the variance of the real and of the imaginary part of each harmonic in one cycle."""
     off = np.abs(rows - weighted_mean(rows, weights)) ** 2
     return weights @ off / (2.0 * (len(rows) - 1))
 
@@ -376,7 +370,7 @@ def _scatter(rows: Complexes, weights: Array) -> Array:
 def _combined(
     moved: Mapping[str, Complexes], errors: Mapping[str, Array]
 ) -> tuple[Complexes, Array]:
-    """The mean of the harmonics of all responses, weighted by inverse variance, and its standard deviations.
+    """Return the mean of the harmonics of all responses, weighted by inverse variance, and its standard deviations.
 
     errors : standard deviations of the mean of each harmonic.
     """
@@ -393,8 +387,8 @@ def _combined(
 
 
 def _bandwidth(mean: Complexes, error: Array, lowest: int = 1) -> int:
-    """The highest odd (lowest = 1) or even (2) harmonic that stands out of the noise (`CLEAR_HARMONIC`); two in a row
-    may be hidden."""
+    """Return the highest odd (lowest = 1) or even (2) harmonic that stands out of the noise (`CLEAR_HARMONIC`); two in
+    a row may be hidden."""
     orders = np.arange(lowest, len(mean), 2)
     clear = orders[(orders == lowest) | (np.abs(mean[orders]) > CLEAR_HARMONIC * error[orders])]
     ends = clear[np.diff(clear, append=math.inf) > 6]

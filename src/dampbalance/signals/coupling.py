@@ -13,8 +13,8 @@ from ..arrays import Array
 
 
 def ac_coupled(columns: Array, dt: float, corner: float) -> Array:
-    """A motion and its derivatives behind an AC coupling that starts at rest, with the derivative of the motion by the
-    corner appended, (n, u + 1): without a coupling the integral of the motion, less its trend.
+    """Return a motion and its derivatives behind an AC coupling that starts at rest, with the derivative of the motion
+    by the corner appended, (n, u + 1): without a coupling the integral of the motion, less its trend.
 
     columns : (n, u), the motion first.   dt : s.   corner : Hz. The integrals are those of the trapezoidal rule.
     """
@@ -32,6 +32,6 @@ def ac_coupled(columns: Array, dt: float, corner: float) -> Array:
 
 
 def ac_start(count: int, dt: float, corner: float) -> Array:
-    """The decay of what an AC coupling holds at the first of some samples, relative to its start."""
+    """Return the decay of what an AC coupling holds at the first of some samples, relative to its start."""
     half = math.pi * corner * dt
     return np.asarray(((1.0 - half) / (1.0 + half)) ** np.arange(count))

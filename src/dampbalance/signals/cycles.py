@@ -29,7 +29,7 @@ from ..records.measurement import Correction
 
 Numbers = TypeVar("Numbers", Array, Complexes)
 
-_MOST_ROWS = 2048  # more tell no more of the scatter, and cost time in each bootstrap
+_MOST_ROWS = 2048  # more rows do not improve the scatter, and cost time in each bootstrap
 _MOST_AT_ONCE = 1 << 20  # samples worked on at once: 8 MB an array
 _OUTLYING = 1.5  # mean square of a cycle about its harmonics, relative to the others, where a spike is looked for
 # Equal samples in a row that may be a drop-out: fewer are noise in the steps of a converter.
@@ -39,8 +39,9 @@ _JUMPS = 2.0
 _AROUND = 8  # cycles that a cycle is compared with: enough for a median, and near enough for a slow change
 # Rms of the residual, as a part of the range, that a signal without noise may leave (because of drift, say).
 _HARMLESS = 1e-3
-FEWEST_CYCLES = 3  # of which a scatter has two degrees of freedom
-_REFINEMENTS = 4  # of the frequency, each thousands of times smaller than the one before: two do, save for few cycles
+FEWEST_CYCLES = 3  # their scatter has two degrees of freedom
+# corrections of the frequency, each thousands of times smaller than the last: two suffice, save for few cycles
+_REFINEMENTS = 4
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,7 +87,7 @@ def cycle_harmonics(
     harmonics: int,
     cycles: int = sys.maxsize,
 ) -> CycleHarmonics:
-    """The harmonics of every whole cycle of a signal.
+    """Return the harmonics of every whole cycle of a signal.
 
     t : s, in steps of dt.   omega : rad/s.   start : of the first cycle, s.   harmonics : N.   cycles : how many to
     take at the most.
@@ -97,9 +98,8 @@ def cycle_harmonics(
     work = _Cycles(omega, dt, harmonics)
     # a cycle is complete when the next sample would lie beyond it
     complete = math.floor((t[-1] + dt * (1.0 + 1e-6) - start) / work.period)
-    edges = np.searchsorted(
-        t, start + np.arange(min(complete, cycles) + 1) * work.period - 1e-6 * dt
-    )
+    starts = start + np.arange(min(complete, cycles) + 1) * work.period
+    edges = np.searchsorted(t, starts - 1e-6 * dt)
     count = max(0, edges.size - 1)
     at_once = max(1, _MOST_AT_ONCE // work.longest)
     rows, clipped = np.zeros((count, harmonics + 2), dtype=np.complex128), 0
@@ -131,7 +131,7 @@ def cycle_harmonics(
 
 
 def drive_frequency(t: Array, values: Array, dt: float) -> tuple[float, float]:
-    """(ω, standard error of ω), rad/s, of the strongest sinusoid of a signal in steps of dt.
+    """Return (ω, standard error of ω), rad/s, of the strongest sinusoid of a signal in steps of dt.
 
     A first guess from the highest line of a windowed spectrum; then the phase of the fundamental, cycle by cycle,
     against time: its slope is the error of the guess. For white noise this is least squares on the sinusoid, whose
@@ -147,13 +147,13 @@ def drive_frequency(t: Array, values: Array, dt: float) -> tuple[float, float]:
         cycles = math.floor((t[-1] - t[0] + dt * (1.0 + 1e-6)) * hertz)
         if cycles < FEWEST_CYCLES:
             raise ValueError(
-                f"the signal is {t[-1] - t[0]:.4g} s long, {cycles} whole cycles of the {hertz:.4g} Hz found in it; at "
+                f"the signal is {t[-1] - t[0]:.4g} s long, {cycles} whole cycles of its {hertz:.4g} Hz; at "
                 f"least {FEWEST_CYCLES} are needed"
             )
         highest = min(3, math.floor(per_cycle / 4.0))
         if highest < 1:
             raise ValueError(
-                f"{per_cycle:.1f} samples per cycle of the {hertz:.4g} Hz found are too few"
+                f"{per_cycle:.1f} samples per cycle at {hertz:.4g} Hz are too few: sample faster"
             )
         harmonics = cycle_harmonics(
             t, values, omega, start=float(t[0]), dt=dt, harmonics=highest, cycles=cycles
@@ -167,25 +167,23 @@ def drive_frequency(t: Array, values: Array, dt: float) -> tuple[float, float]:
 
 
 def frequency_offset(harmonics: CycleHarmonics) -> tuple[float, float]:
-    """(Δω, its standard error), rad/s: by how much the drive is faster than the ω that the harmonics were taken at.
+    """Return (Δω, its standard error), rad/s: by how much the drive is faster than the ω that the harmonics were taken
+    at.
 
     The slope of the phase of the fundamental over the rows, by least squares.
     """
     usable = harmonics.weights > 0.0
     if np.count_nonzero(usable) < FEWEST_CYCLES:
         return 0.0, math.nan
-    (slope, _), covariance = np.polyfit(
-        harmonics.times[usable],
-        np.unwrap(np.angle(harmonics.coefficients[usable, 1])),
-        1,
-        w=np.sqrt(harmonics.weights[usable]),
-        cov=True,
-    )
+    phase = np.unwrap(np.angle(harmonics.coefficients[usable, 1]))
+    w = np.sqrt(harmonics.weights[usable])
+    (slope, _), covariance = np.polyfit(harmonics.times[usable], phase, 1, w=w, cov=True)
     return float(slope), math.sqrt(covariance[0, 0])
 
 
 def _strongest_line(values: Array, dt: float) -> float:
-    """Angular frequency of the highest line of the spectrum (Hann window), between lines by a parabola of the logs."""
+    """Return the angular frequency of the highest line of the spectrum (Hann window), between lines by a parabola of
+    the logs."""
     size = values.size
     # a transform of any other length can take ten times as long
     padded = 1 << (size - 1).bit_length()
@@ -200,7 +198,7 @@ def _strongest_line(values: Array, dt: float) -> float:
 
 
 class _Cycles:
-    """Fits harmonics to cycles in steps of dt; sums what a drift adds to them (`drift`)."""
+    """Least-squares harmonics of cycles in steps of dt, and the sum of what a drift adds to them (`drift`)."""
 
     def __init__(self, omega: float, dt: float, harmonics: int) -> None:
         self.omega, self.dt, self.period = omega, dt, 2.0 * math.pi / omega
@@ -210,7 +208,7 @@ class _Cycles:
                 f"{self.period / dt:.1f} samples per cycle are too few for {harmonics} harmonics"
             )
         if self.shortest > _MOST_AT_ONCE:  # and the drive is not what it seems
-            raise ValueError(f"{self.shortest} samples per cycle are more than can be worked on")
+            raise ValueError(f"{self.shortest} samples per cycle are more than {_MOST_AT_ONCE}")
         self.longest = self.shortest + 2  # rounding of times may give and take a sample
         self.drift = np.zeros((2, harmonics + 1), dtype=np.complex128)
         self.n, self.last = np.arange(harmonics + 1), np.arange(self.shortest, self.longest)
@@ -219,8 +217,8 @@ class _Cycles:
         self.system = cache(self._system)
 
     def _system(self, length: int) -> tuple[Array, Array, Complexes, Complexes]:
-        """For cycles of so many samples, in the time τ from the middle: the inverse normal matrices of the cosines and
-        of the sines, e^{−inωτ} of the first sample, and the harmonics of τ and τ²."""
+        """Return, for cycles of so many samples and in the time τ from the middle, the inverse normal matrices of the
+        cosines and of the sines, e^{−inωτ} of the first sample, and the harmonics of τ and τ²."""
         # Σ cos qωτ, q = 0 … 2N, is all that the normal matrices hold; cosines and sines are orthogonal
         n, angle = self.n, self.omega * self.dt
         half = 0.5 * angle * np.arange(1, 2 * n.size - 1)
@@ -239,8 +237,8 @@ class _Cycles:
     def rows(
         self, t: Array, values: Array, edges: NDArray[np.intp]
     ) -> tuple[Complexes, dict[int, Remark], int]:
-        """The harmonics of cycles, whose samples lie between successive edges, and a 1 for each that is usable; which
-        are not, and why; how many of the others are clipped."""
+        """Return the harmonics of cycles, whose samples lie between successive edges, and a 1 for each that is usable;
+        which are not, and why; how many of the others are clipped."""
         size = np.diff(edges)
         padded = np.append(values[edges[0] : edges[-1]], np.zeros(self.longest))
         s = sliding_window_view(padded, self.longest)[edges[:-1] - edges[0]]
@@ -257,7 +255,8 @@ class _Cycles:
         return rows, faults, _clipped_of(good)
 
     def _fitted(self, s: Array, size: NDArray[np.intp], turn: Complexes) -> tuple[Complexes, Array]:
-        """The harmonics of cycles in the time from their middle, and the mean square of their samples about them.
+        """Return the harmonics of cycles in the time from their middle, and the mean square of their samples about
+        them.
 
         s : samples, zero beyond `size` of them, (cycles, longest).   turn : e^{−inωt} of the middle.
         """
@@ -276,7 +275,8 @@ class _Cycles:
     def _faults(
         self, s: Array, size: NDArray[np.intp], local: Complexes, square: Array, held: Mask
     ) -> dict[int, Remark]:
-        """Which cycles hold samples that stand still while the signal moves on, or that lie far off it."""
+        """Return the cycles, by number, that hold samples that stand still while the signal moves on, or that lie far
+        off it."""
         rms = math.sqrt(float(np.median(square)))
         if not held.any() and float(square.max()) <= _OUTLYING * rms**2:
             return {}
@@ -307,17 +307,17 @@ class _Cycles:
 
 
 def powers(base: Numbers, count: int) -> Numbers:
-    """b^0 … b^{count − 1} of each b, (…, count): e^{inθ} of e^{iθ} without further exponentials."""
+    """Return b^0 … b^{count − 1} of each b, (…, count): e^{inθ} of e^{iθ} without further exponentials."""
     return np.vander(base, count, increasing=True)
 
 
 def _three_in_a_row(true: Mask) -> Mask:
-    """Mask of the rows that are true at three neighbouring places."""
+    """Return the mask of the rows that are true at three neighbouring places."""
     return np.asarray((true[..., 2:] & true[..., 1:-1] & true[..., :-2]).any(axis=-1))
 
 
 def _clipped_of(cycles: Sequence[Array]) -> int:
-    """How many cycles hold the highest or the lowest value of all as a clipped signal does."""
+    """Return how many cycles hold the highest or the lowest value of all as a clipped signal does."""
     ends = np.array([(s.max(), -s.min()) for s in cycles]).reshape(-1, 2)
     at_end = (ends == ends.max(axis=0, initial=-np.inf)).tolist()
     return sum(
@@ -327,7 +327,7 @@ def _clipped_of(cycles: Sequence[Array]) -> int:
 
 
 def _cut_off(s: Array) -> bool:
-    """Whether samples of a cycle hold their highest value as a clipped signal does, three or more in a row.
+    """Return whether samples of a cycle hold their highest value as a clipped signal does, three or more in a row.
 
     A sinusoid in steps of a converter dwells at its top level at most 1/(√2 − 1) = 2.4 times as long as at the next;
     noise shortens that. A clipped one dwells there alone.
@@ -339,8 +339,9 @@ def _cut_off(s: Array) -> bool:
 
 
 def flat_tops(values: Array) -> tuple[float, float]:
-    """The lowest and the highest value of a free motion where it is held there as a clipped signal is; −∞ and ∞ where
-    it is not. What it begins with or ends at does not count: it may have been held there, or have come to rest."""
+    """Return the lowest and the highest value of a free motion where it is held there as a clipped signal is; −∞ and ∞
+    where it is not. What it begins with or ends at does not count: it may have been held there, or have come to rest.
+    """
     limits = []
     for high in (-values, values):
         below = np.flatnonzero(high < high.max())
@@ -350,12 +351,12 @@ def flat_tops(values: Array) -> tuple[float, float]:
 
 
 def clipped(values: Array) -> bool:
-    """Whether a free motion is clipped, at either end."""
+    """Return whether a free motion is clipped, at either end."""
     return bool(np.isfinite(flat_tops(values)).any())
 
 
 def _held(s: Array, others: Array, rms: float) -> Remark:
-    """Whether samples of a cycle hold one value while the signal moves on; nothing if not.
+    """Return a remark if samples of a cycle hold one value while the signal moves on; an empty one if not.
 
     A converter repeats a value while the signal stays within one of its steps, in every cycle at the same place. A
     drop-out repeats it in this cycle alone: in the cycles around, the signal moves on by more than a step and five
@@ -389,9 +390,9 @@ def _held(s: Array, others: Array, rms: float) -> Remark:
 
 
 def bootstrap(rows: int, count: int, rng: np.random.Generator) -> tuple[Integers, float]:
-    """Numbers of times that each row occurs in each of `count` drawings with replacement, (count, rows), and the factor
-    √(n/(n − 1)), n rows, that corrects the deviations of their means: the bootstrap underestimates the scatter by it.
-    """
+    """Return numbers of times that each row occurs in each of `count` drawings with replacement, (count, rows), and the
+    factor √(n/(n − 1)), n rows, that corrects the deviations of their means: the bootstrap underestimates the scatter
+    by it."""
     drawn = rng.integers(rows, size=(count, rows)) + rows * np.arange(count)[:, None]
     times = np.bincount(drawn.ravel(), minlength=rows * count).reshape(count, rows)
     return times, math.sqrt(rows / max(1, rows - 1))

@@ -60,7 +60,7 @@ class Line:
 
 
 def lines_of(residual: Array, dt: float, f_n: float, f_stuck: float = 0.0) -> list[Line]:
-    """The lines in the residual of a decay, the clearest first.
+    """Return the lines in the residual of a decay, the clearest first.
 
     A line at the frequencies of the model is a residual of the fit itself: it is taken off, and not named.
 
@@ -83,14 +83,14 @@ def lines_of(residual: Array, dt: float, f_n: float, f_stuck: float = 0.0) -> li
         of_model = abs(frequency - f_n * multiple) < _APART * f_n
         of_model &= multiple % 2 == 1 or multiple == 2  # odd: a contact alike in both directions
         of_model |= abs(frequency - f_stuck) < width
-        # hum is as steady at a multiple as elsewhere; at the frequency itself it cannot be told from a residual
+        # hum is as steady at a multiple as elsewhere; at the frequency itself it looks like a residual
         if line is not None and (not of_model or (line.kind == "mains" and multiple > 1)):
             lines.append(line)
     return lines
 
 
 def _floor(power: Array) -> Array:
-    """Mean power of the noise about each line of a spectrum, from medians of neighbouring ones."""
+    """Return the mean power of the noise about each line of a spectrum, from medians of neighbouring ones."""
     count = max(1, power.size // _FLOOR_BINS)
     width = power.size // count
     # the median of |noise|², which is distributed exponentially, is ln 2 times its mean
@@ -102,7 +102,7 @@ def _floor(power: Array) -> Array:
 def _clearest(
     rest: Array, dt: float, floor: Array, without: Sequence[tuple[float, float]]
 ) -> float | None:
-    """Frequency at which a spectrum stands out of its floor most clearly, Hz; None where noise would do it.
+    """Return the frequency at which a spectrum stands out of its floor most clearly, Hz; None where noise would do it.
 
     The floor is an estimate itself: 2 of 3,000 residuals of white noise had a line, where the threshold says 0.3.
 
@@ -130,25 +130,26 @@ def _clearest(
 
 
 def _fitted(rest: Array, dt: float, frequency: float) -> tuple[Line | None, Array]:
-    """The line near a frequency, fitted by least squares, and its samples; no line where it is none."""
+    """Return the line near a frequency, fitted by least squares, and its samples; None instead of the line where it is
+    a pulse."""
     from scipy.optimize import least_squares  # slow to import
 
     t = np.arange(rest.size) / rest.size
     duration = rest.size * dt
-    # means of an eighth of a cycle hold all that tells frequency and decay
+    # means of an eighth of a cycle determine frequency and decay as well
     every = max(1, math.floor(_OF_CYCLE / (frequency * dt)))
     means, times = averaged(rest, every), averaged(t, every)
     scale = math.sqrt(float(means @ means))
 
     def wave_of(p: Array, at: Array, values: Array) -> tuple[complex, Array]:
-        """C and the samples of Re C e^{(−β + iω)t}, the closest one with βT, ωT = p."""
+        """Return C and the samples of Re C e^{(−β + iω)t}, the closest one with βT, ωT = p."""
         wave = np.exp((-p[0] + 1j * p[1]) * at)
         pair = np.stack([wave.real, -wave.imag])
         real, imaginary = np.linalg.solve(pair @ pair.T, pair @ values)
         return complex(real, imaginary), pair.T @ [real, imaginary]
 
     def left(p: Array) -> Array:
-        """Residual of the closest wave, in units in which its sum of squares is about 1."""
+        """Return the residual of the closest wave, in units in which its sum of squares is about 1."""
         return (means - wave_of(p, times, means)[1]) / scale
 
     turns = 2.0 * math.pi * frequency * duration
@@ -168,7 +169,7 @@ def _fitted(rest: Array, dt: float, frequency: float) -> tuple[Line | None, Arra
 
 
 def _of_mains(hertz: float, sampling_hz: float) -> bool:
-    """Whether a frequency is that of the mains, a multiple, or one that was folded by the sampling."""
+    """Return whether a frequency is that of the mains, a multiple, or one that was folded by the sampling."""
     for base in _MAINS_HZ:
         for n in range(1, _MULTIPLES + 1):
             folded = abs(n * base - sampling_hz * round(n * base / sampling_hz))

@@ -16,7 +16,7 @@ LEADING = 1 << 18  # samples from which the drive frequency is first estimated
 _ENOUGH = 8  # cycles of these; from fewer the spectrum may take one number of cycles for another
 _COARSER = 4  # times: samples that are averaged where the cycles are too few
 _STRETCH = 1 << 16  # samples that show whether a drive moves
-_STRETCHES = 16  # of a record that are looked at
+_STRETCHES = 16  # stretches of a record that are examined
 # A part of the largest deviation: a drive that is this near to rest for 95 % of the time strikes; a steady one is for
 # 3 %.
 _AT_REST = 0.05
@@ -25,10 +25,11 @@ _STILL = 0.25
 
 
 def stands_still(values: Array) -> bool:
-    """Whether a drive channel holds nothing but noise, or single blows: no stretch of it has a line in its spectrum.
+    """Return whether a drive channel holds nothing but noise, or single blows: no stretch of it has a line in its
+    spectrum.
 
     Stretches from the whole record are looked at: a recorder may begin long before the drive does. Blows are brief; a
-    spike of one or two samples is none.
+    spike of one or two samples is no blow.
     """
     if values.size > 2:
         # the middle one of each three neighbours
@@ -47,15 +48,15 @@ def stands_still(values: Array) -> bool:
 
 
 def onset(values: Array) -> int:
-    """The sample at which a drive has begun: the first by which it has gone through half of its range."""
+    """Return the sample at which a drive has begun: the first by which it has gone through half of its range."""
     low, high = np.quantile(values, [0.05, 0.95])
     gone = np.maximum.accumulate(values) - np.minimum.accumulate(values)
     return int(np.argmax(gone > 0.5 * (high - low)))
 
 
 def frequency_of(t: Array, values: Array, quantity: str) -> tuple[float, float, int, float]:
-    """ω of a drive, its standard error, rad/s, cycles that they come from, and the time from which on it moves, s; −∞
-    where it does from the first sample on.
+    """Return ω of a drive, its standard error, rad/s, cycles that they come from, and the time from which on it moves,
+    s; −∞ where it does from the first sample on.
 
     It is sought in the leading samples, after those in which the drive stands still. Where these hold too few cycles,
     it is sought in averages of more and more of them.
@@ -81,13 +82,13 @@ def frequency_of(t: Array, values: Array, quantity: str) -> tuple[float, float, 
 
 
 def averaged(values: Array, every: int) -> Array:
-    """The means of each `every` values; the rest at the end is left out."""
+    """Return the means of each `every` values; the rest at the end is left out."""
     return values[: values.size // every * every].reshape(-1, every).mean(axis=1)
 
 
 def _frequency_in(t: Array, values: Array, step: float) -> tuple[float, float, int]:
-    """ω of a drive, its standard error, and the sample from which on it moves, if it stands still for a cycle or more
-    before; otherwise 0."""
+    """Return ω of a drive, its standard error, and the sample from which on it moves, if it stands still for a cycle or
+    more before; otherwise 0."""
     begins = onset(values)
     whole: tuple[float, float, int] | ValueError
     try:
@@ -109,7 +110,7 @@ def _frequency_in(t: Array, values: Array, step: float) -> tuple[float, float, i
 
 
 def _amplitude(t: Array, values: Array, omega: float) -> float:
-    """About the amplitude of a signal at ω, without a slow drift; ∞ where there is less than a cycle of it."""
+    """Return roughly the amplitude of a signal at ω, without a slow drift; ∞ where there is less than a cycle of it."""
     if t.size < 3 or t[-1] - t[0] < 2.0 * math.pi / omega:
         return math.inf
     line = np.polyval(np.polyfit(t - t[0], values, 1), t - t[0])
@@ -117,7 +118,7 @@ def _amplitude(t: Array, values: Array, omega: float) -> float:
 
 
 def step_of(t: Array, quantity: str) -> float:
-    """Sampling interval, s. Raises ValueError for fewer than three samples."""
+    """Return the sampling interval, s. Raises ValueError for fewer than three samples."""
     if t.size < 3:
         raise ValueError(f"{quantity} has only {t.size} samples")
     return float(np.mean(np.diff(t)))

@@ -18,14 +18,13 @@ from ..arrays import Array
 _BAND, _WIDEST = 0.05, 0.4
 # Power of a line of the spectrum that is motion: over the median, which is noise, and over the largest one.
 _OF_NOISE, _OF_LARGEST = 20.0, 0.003
-_SMOOTHED = 0.1  # of the shortest cycle: a moving average takes 2 % off a sine
-_STEP = math.log(
-    1.15
-)  # of amplitude or frequency that begins another dwell; smaller ones are drifts and beats
+_SMOOTHED = 0.1  # part of the shortest cycle: a moving average takes 2 % off a sine
+# step of amplitude or frequency that begins another dwell; smaller ones are drifts and beats
+_STEP = math.log(1.15)
 _FLAT = 0.02  # standard deviation of ln amplitude or ln period within a dwell, beyond that of noise
 _FEWEST = 8  # cycles of a dwell, of which the motion needs some to settle
 _HELD = 0.6  # part of the cycles that lies in dwells, in a record that consists of them
-_SWEPT = math.log(1.2)  # of the frequency from end to end, of a drive that sweeps
+_SWEPT = math.log(1.2)  # change of the frequency from end to end, of a drive that sweeps
 
 
 class Dwell(NamedTuple):
@@ -58,7 +57,7 @@ def dwells_of(t: Array, values: Array) -> list[Dwell]:
     dwells: list[Dwell] = []
     held = first = 0
     for last in [*(_steps(smooth) + 1), amplitude.size]:
-        inside = slice(first + 1, last - 1)  # the cycles beside a step belong to neither
+        inside = slice(first + 1, last - 1)  # the cycles next to a step belong to neither
         if last - first >= _FEWEST and (np.std(logs[:, inside], axis=1) <= limit).all():
             a, p = np.exp(np.median(logs[:, inside], axis=1)).tolist()
             dwell = Dwell(float(edges[first + 1]), float(edges[last - 1]), a, 1.0 / p)
@@ -80,26 +79,26 @@ def dwells_of(t: Array, values: Array) -> list[Dwell]:
 
 
 def _alike(one: Dwell, other: Dwell) -> bool:
-    """Whether two dwells are parts of one."""
+    """Return whether two dwells are parts of one."""
     steps = (one.amplitude / other.amplitude, one.hertz / other.hertz)
     return all(abs(math.log(step)) < 0.5 * _STEP for step in steps)
 
 
 def _steps(smooth: Array) -> Array:
-    """Numbers of the cycles before a step: where the medians on both sides differ by more than `_STEP`, at its
+    """Return numbers of the cycles before a step: where the medians on both sides differ by more than `_STEP`, at its
     steepest.   smooth : ln amplitude and ln period of each cycle, freed of single outliers, (2, n)."""
     ahead = smooth[:, 3:] - smooth[:, :-3]  # over three cycles, as a step is seldom within one
     size = np.abs(ahead).max(axis=0)
-    found = []
+    steps = []
     while size.size and size.max() > _STEP:
         at = int(np.argmax(size))
-        found.append(at + 1)
+        steps.append(at + 1)
         size[max(0, at - 3) : at + 4] = 0.0
-    return np.array(sorted(found), dtype=np.intp)
+    return np.array(sorted(steps), dtype=np.intp)
 
 
 def _cycles(t: Array, values: Array) -> tuple[Array, Array, Array]:
-    """Times of the upward crossings, s, (n + 1,), and amplitude and period of the cycles between them, (n,)."""
+    """Return times of the upward crossings, s, (n + 1,), and amplitude and period of the cycles between them, (n,)."""
     s = values - 0.5 * np.sum(np.quantile(values, (0.02, 0.98)))
     power = np.abs(np.fft.rfft(s)[1:]) ** 2
     clear = power > max(_OF_NOISE * float(np.median(power)), _OF_LARGEST * float(power.max()))
@@ -112,8 +111,8 @@ def _cycles(t: Array, values: Array) -> tuple[Array, Array, Array]:
     if band > _WIDEST * largest:  # noise would make crossings
         return np.empty(0), np.empty(0), np.empty(0)
     side = np.where(smooth > band, 1, np.where(smooth < -band, -1, 0))
-    known = np.flatnonzero(side)
-    rises = known[1:][(side[known[1:]] > 0) & (side[known[:-1]] < 0)]
+    outside = np.flatnonzero(side)
+    rises = outside[1:][(side[outside[1:]] > 0) & (side[outside[:-1]] < 0)]
     if rises.size < 2:
         return np.empty(0), np.empty(0), np.empty(0)
     sums = np.concatenate([[[0.0], [0.0]], np.cumsum([s, s**2], axis=1)], axis=1)

@@ -51,14 +51,14 @@ class Lines:
 
     @property
     def relative_error(self) -> float:
-        """Relative standard deviation of Y/x_1: what was measured of the response has an error of its own, and the base
+        """Relative standard deviation of Y/x_1: the measured response has an independent error, and the base
         that was added to it that of the base."""
         of_base = self.Y_error * abs(1.0 / self.Y - self.of_base / self.x[0])
         return math.hypot(self.x_error[0] / abs(self.x[0]), of_base)
 
     @property
     def clear(self) -> Mask:
-        """Which harmonics stand out of the noise; the fundamental always."""
+        """Mask of the harmonics that stand out of the noise; the fundamental always does."""
         return (np.abs(self.x) > CLEAR_HARMONIC * self.x_error) | (self.n == 1)
 
     @property
@@ -68,7 +68,7 @@ class Lines:
 
     @classmethod
     def of(cls, steady: SteadyRecord) -> Lines:
-        """The harmonics of a record up to a little beyond its bandwidth."""
+        """Return the harmonics of a record up to a little beyond its bandwidth."""
         highest = min(steady.bandwidth + 2 * _EXTRA, len(steady.X_error) - 1)
         n = np.arange(1, highest + 1, 2)
         y = steady.mean(steady.Y[:, : steady.base_bandwidth + 1])
@@ -92,8 +92,8 @@ class Lines:
 
 
 def _rows(steady: SteadyRecord, n: Integers) -> int:
-    """Independent rows that know the variances of the harmonics as well as they are known (Welch–Satterthwaite): that
-    of noise from the scatter of the rows, what this does not show, as an unsteady motion, to a factor."""
+    """Return independent rows that know the variances of the harmonics as well as they are known (Welch–Satterthwaite):
+    that of noise from the scatter of the rows, what this does not show, as an unsteady motion, to a factor."""
     rows = len(steady.weights)
     hidden = float(np.mean((steady.X_hidden[n] / steady.X_error[n]) ** 2))
     scatter = (1.0 - hidden) ** 2 / (_NEIGHBOURS * max(1, rows - 1))
@@ -101,7 +101,7 @@ def _rows(steady: SteadyRecord, n: Integers) -> int:
 
 
 def _aliased(steady: SteadyRecord, n: Integers) -> Array:
-    """Aliasing: the size of what harmonics beyond half the sampling rate add to the mean of the harmonics n, m.
+    """Return the size of what harmonics beyond half the sampling rate add to the mean of the harmonics n, m.
 
     With M samples to the cycle, harmonic M ∓ n looks like harmonic n, turned from cycle to cycle by the part of a turn
     by which M is no whole number; over the record that leaves |sin πf/πf| of it, f = cycles · (M − round M). Where the

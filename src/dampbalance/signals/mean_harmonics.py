@@ -62,19 +62,19 @@ class Means:
     bias: Array
 
     def __getitem__(self, kept: Any) -> Means:
-        """Those of some drawings, by a list or a mask."""
+        """Return the means of some drawings, by a list or a mask."""
         return Means(*(getattr(self, part.name)[kept] for part in fields(self)))
 
     def followed_by(self, other: Means) -> Means:
-        """These means and, after them, others of the same record."""
+        """Return these means and, after them, others of the same record."""
         names = [part.name for part in fields(self)]
         return Means(*(np.concatenate([getattr(of, n) for of in (self, other)]) for n in names))
 
     def changed(
         self, drive: Array, response: Array, turn: Array, lever: Array, of_base: float = 0.0
     ) -> Means:
-        """One mean as r: base and response grown by the factors 1 + drive and 1 + response, the response turned by
-        `turn`, rad at the drive frequency, n times that at harmonic n; each (r,).
+        """Return one mean as r of them: base and response grown by the factors 1 + drive and 1 + response, the response
+        turned by `turn`, rad at the drive frequency, n times that at harmonic n; each (r,).
 
         lever : growth of what the drive does, the motion of the base by itself staying as it is.
         of_base : how many times the fundamental of the base was added to what was measured of the response.
@@ -176,7 +176,7 @@ class Reading:
         none = np.zeros((1, 0), dtype=np.complex128)
         Y = np.array([waveform.Y])
         means = Means(Y, x[None, : self.lines.n.size], none, none, np.zeros(1))
-        # with the phase of its own base
+        # its phases count from its own base
         alone = replace(self, waveform=replace(waveform, tail=x))
         return alone.features_of(means, np.zeros((self._unknowns, 1)))
 
@@ -203,8 +203,8 @@ class Reading:
         return replace(means, Y=np.array([self.lines.Y]), x=self.lines.x[None])
 
     def resampled(self, count: int, rng: np.random.Generator) -> Means:
-        """`count` bootstrap replicates of the means: of rows drawn with replacement, with random errors of the size
-        that a record which is not steady leaves in all of them alike."""
+        """Return `count` bootstrap replicates of the means: of rows drawn with replacement, with random errors of the
+        size that a record which is not steady leaves in all of them alike."""
         drawn, stretch = bootstrap(len(self.steady.weights), count, rng)
         means = self._drawn(drawn * self.steady.weights, stretch, 2.0)
         hidden = self._hidden
@@ -216,7 +216,7 @@ class Reading:
         off = np.hstack([of_base, *(one + 1j * other for one, other in pairs)])
         return self._with(means, off * hidden)
 
-    def shaken(self) -> list[Means]:
+    def with_hidden_errors(self) -> list[Means]:
         """Return the mean with each error that no scatter between rows shows, up and down, as one more set of groups of
         a jackknife; nothing where there are no such errors."""
         errors = np.diag(self._hidden)[self._hidden > 0.0]
@@ -238,7 +238,7 @@ class Reading:
         )
 
     def _with(self, means: Means, off: Array | Complexes) -> Means:
-        """Means with errors in the order of `_hidden`, (r, e); the phase of the base has none."""
+        """Return means with errors in the order of `_hidden`, (r, e); the phase of the base has none."""
         Y, x, even, base = np.split(
             off, np.cumsum([1, means.x.shape[1], means.even.shape[1]]), axis=1
         )
@@ -247,7 +247,7 @@ class Reading:
         )
 
     def left_out(self) -> Means:
-        """Jackknife replicates of the means: without one group of rows after the other.
+        """Return jackknife replicates of the means: without one group of rows after the other.
 
         g groups (all rows, or 400): (g − 1)/g Σ (p_j − p̄)² over the replicates is the variance of any p.
         """
@@ -258,7 +258,7 @@ class Reading:
         return self._drawn(np.where(member == np.arange(groups)[:, None], 0.0, weights), 1.0, 1.0)
 
     def moved(self, means: Means) -> Array:
-        """Changes of the unknowns of the fit with these means of the record, (p, r), to first order."""
+        """Return changes of the unknowns of the fit with these means of the record, (p, r), to first order."""
         waveform = self.waveform
         if waveform is None:
             return np.zeros((0, len(means.Y)))
@@ -271,14 +271,14 @@ class Reading:
 
     @one_thread
     def features_of(self, means: Means, moved: Array | None = None) -> Features:
-        """The features of means of the record.
+        """Return the features of means of the record.
 
         moved : changes of the unknowns of the fit with them, (p, r); default, those by this record alone.
         """
         moved = self.moved(means) if moved is None else moved
         steady, series = self.steady, self.series(means, moved)
         squares = series.squares
-        amplitudes = np.zeros((3, len(means.Y)))  # as far as the sampling reaches
+        amplitudes = np.zeros((3, len(means.Y)))  # zero where the sampling does not reach
         first = squares[:, series.n % 2.0 > 0.0][:, :3]
         amplitudes[: first.shape[1]] = np.sqrt(np.maximum(first, 0.0)).T
         lag = -np.angle(series.x[:, 0])
@@ -292,6 +292,7 @@ class Reading:
         shared = series.n <= orders.size
         x[:, series.n[shared].astype(np.intp)] = series.x[:, shared]
         beyond = (means.base.conj() * x[:, 2:]).imag @ orders[1:]
+        motion = series.n, series.x, orders, base, steady.omega, steady.k, series.variance
         return of_numbers(
             steady.omega,
             regime,
@@ -307,24 +308,16 @@ class Reading:
             X_r=X - length,
             V_r=-V_s,
             t_r=t_s,
-            X_1=amplitudes[0],
-            X_3=amplitudes[1],
-            X_5=amplitudes[2],
+            **dict(zip(("X_1", "X_3", "X_5"), amplitudes, strict=True)),
             a=4.0 * X - stick_travel,
             b=math.pi * steady.omega * (squares @ series.n**2),
             W=-math.pi * steady.k * (means.Y * series.x[:, 0].imag + beyond),
-            integrals={
-                symbol: of_harmonics(
-                    *(symbol, series.n, series.x, orders, base),
-                    *(steady.omega, steady.k, series.variance),
-                )
-                for symbol in self.terms
-            },
+            integrals={symbol: of_harmonics(symbol, *motion) for symbol in self.terms},
         )
 
     @one_thread
     def averaged_cycle(self, points: int = 720) -> dict[str, Array]:
-        """One cycle as the harmonics of the record and, beyond them, the waveform give it, for plots.
+        """Return one cycle as the harmonics of the record and, beyond them, the waveform give it, for plots.
 
         phase : ωt, the peak of the base at 0, rad.   x, v, acceleration : m, m/s, m/s².   y, w : of the base and its
         velocity, m, m/s.
@@ -336,12 +329,12 @@ class Reading:
         return cycle | {"y": of_base["x"], "w": of_base["v"]}
 
     def fitted_cycle(self, waveform: Waveform, points: int = 720) -> dict[str, Array]:
-        """One cycle of a waveform fitted to this record, in the columns of `averaged_cycle` without the base."""
+        """Return one cycle of a waveform fitted to this record, in the columns of `averaged_cycle` without the base."""
         x = waveform.tail
         return self._cycle(np.arange(1.0, 2.0 * x.size, 2.0), x, points)
 
     def _cycle(self, n: Array, x: Complexes, points: int) -> dict[str, Array]:
-        """Re Σ x_n e^{inθ} with its first two derivatives by time."""
+        """Return re Σ x_n e^{inθ} with its first two derivatives by time."""
         theta = np.linspace(0.0, 2.0 * math.pi, points, endpoint=False)
         rate, turned = 1j * n * self.steady.omega, np.exp(1j * np.outer(n, theta))
         cycle = {"phase": theta}
@@ -354,7 +347,8 @@ class Reading:
         return 0 if self.waveform is None else len(self.waveform.by_data)
 
     def series(self, means: Means, moved: Array | None = None) -> Series:
-        """The harmonics of r means of the response: the record's own, odd ones beyond them those of the waveform.
+        """Return the harmonics of r means of the response: the record's own, odd ones beyond them those of the
+        waveform.
 
         moved : as for `features_of`.
         """
@@ -377,7 +371,7 @@ class Reading:
 
     @one_thread
     def _drawn(self, drawn: Array, stretch: float, bias: float) -> Means:
-        """Means with the weights `drawn` of the rows, (r, rows), their deviations stretched."""
+        """Return means with the weights `drawn` of the rows, (r, rows), their deviations stretched."""
         steady, lines = self.steady, self.lines
         drawn = drawn / drawn.sum(axis=1, keepdims=True)
 
@@ -390,16 +384,12 @@ class Reading:
         Y = stretched(steady.Y[:, 1:2])
         last = max(int(lines.n[-1]), steady.even_bandwidth, steady.base_bandwidth)
         turn = powers((np.abs(Y) / Y)[:, 0], 1 + last)
-        return Means(
-            np.abs(Y[:, 0]),
-            stretched(steady.X[:, lines.n]) * turn[:, lines.n],
-            stretched(steady.X[:, even]) * turn[:, even],
-            stretched(steady.Y[:, higher]) * turn[:, higher],
-            np.full(len(drawn), bias),
-        )
+        parts = (steady.X, lines.n), (steady.X, even), (steady.Y, higher)
+        x, even_x, base = (stretched(of[:, n]) * turn[:, n] for of, n in parts)
+        return Means(np.abs(Y[:, 0]), x, even_x, base, np.full(len(drawn), bias))
 
     def _onset(self, means: Means, moved: Array) -> tuple[str, Array, Array]:
-        """Regime, L, (V_s, t_s, λ) of each mean, (r,) and (3, r); NaN where nothing slips.
+        """Return the regime, L, (V_s, t_s, λ) of each mean, (r,) and (3, r); NaN where nothing slips.
 
         L and λ grow with ρ²: the square of its error is taken off, twice where replicates have it twice.
         """
@@ -419,13 +409,9 @@ class Reading:
 
 
 def read_features(
-    measurement: Measurement,
-    k: float,
-    *,
-    frequency_hz: float | None = None,
-    skip_cycles: int = 0,
+    measurement: Measurement, k: float, *, frequency_hz: float | None = None, skip_cycles: int = 0
 ) -> Reading:
-    """Features of the response of one measurement.
+    """Return features of the response of one measurement.
 
     k : stiffness, N/m.   frequency_hz : the nominal drive frequency, to compare with that of the excitation.
     skip_cycles : cycles left out at the start.   Raises ValueError naming the source when the record cannot be used.

@@ -1,4 +1,4 @@
-"""How features were read off by eye and written down: rounded, counted in marks of an axis, cut off by a display."""
+"""Rules by which features were read off by eye: rounded, counted in marks of an axis, cut off by a display."""
 
 from __future__ import annotations
 
@@ -56,18 +56,18 @@ class ReadOut:
 
     @classmethod
     def from_config(cls, section: Mapping[str, Any]) -> Self:
-        """The rules of a section of the configuration, whose keys carry their units; null is no rule."""
+        """Return the rules of a section of the configuration, whose keys carry their units; null is no rule."""
         rules = {key: value for key, value in section.items() if value is not None}
         return cls(**{key.removesuffix("_m").removesuffix("_s"): v for key, v in rules.items()})
 
     def apply(self, features: Features) -> Features:
-        """The features as read, each response by itself."""
+        """Return the features as read, each response by itself."""
         X = _rounded(features.X, self.X_decimals)
         phases = ("phi", "phi_reversal", "phi_zero_crossing", "phi_fundamental")
         amplitudes = ("X_1", "X_3", "X_5")
 
         def slip(at: Array) -> Array:
-            """|X_s| as read: by its mark, counted from the peak, or rounded."""
+            """Return |X_s| as read: by its mark, counted from the peak, or rounded."""
             if self.X_s_mark is None:
                 return _rounded(at, self.X_s_decimals)
             return X - np.ceil((features.X - at) / self.X_s_mark - _WHOLE) * self.X_s_mark
@@ -89,7 +89,7 @@ class ReadOut:
         )
 
     def common(self, features: Features) -> Features:
-        """The features as read, with the rounded means of φ and t_s in place of the individual ones."""
+        """Return the features as read, with the rounded means of φ and t_s in place of the individual ones."""
         shared = self.apply(features).with_common("phi", "t_s")
         return shared.replaced(
             phi=_rounded(shared.phi, self.common_phi_decimals),

@@ -20,7 +20,7 @@ from .cycles import bootstrap
 
 
 def cycle_integrals(y: Array, x: Array, dt: float, omega: float, k: float) -> Array:
-    """(a, b, W) of every whole cycle, m, m²/s and J, shape (3, cycles).
+    """Return (a, b, W) of every whole cycle, m, m²/s and J, shape (3, cycles).
 
     y, x : displacements of base and mass, m, (n,), the first cycle beginning with the second sample.   dt : s.
     omega : drive frequency, rad/s.   k : stiffness, N/m.   Raises ValueError when there is no whole cycle.
@@ -35,7 +35,7 @@ def cycle_integrals(y: Array, x: Array, dt: float, omega: float, k: float) -> Ar
 
 
 def integrals(f: Array, dt: float, places: Array) -> Array:
-    """∫ f dt from each place to the next, by Simpson's rule alone and for many places at once.
+    """Return ∫ f dt from each place to the next, by Simpson's rule alone and for many places at once.
 
     Each parabola through the samples 2j, 2j + 1, 2j + 2 is integrated as far as the places reach into it. Error O(dt⁴)
     for a smooth f.
@@ -45,9 +45,8 @@ def integrals(f: Array, dt: float, places: Array) -> Array:
     """
     end = (f.shape[-1] - 1) // 2 * 2
     first, middle, last = f[..., :end:2], f[..., 1:end:2], f[..., 2 : end + 1 : 2]
-    whole = np.zeros(
-        (*f.shape[:-1], end // 2 + 1)
-    )  # integrals of the pairs before each, in samples
+    # integrals of the pairs before each, in samples
+    whole = np.zeros((*f.shape[:-1], end // 2 + 1))
     np.cumsum((first + 4.0 * middle + last) / 3.0, axis=-1, out=whole[..., 1:])
     pair = np.minimum(places.astype(np.intp) // 2, end // 2 - 1)
     into = places - 2.0 * pair
@@ -58,7 +57,8 @@ def integrals(f: Array, dt: float, places: Array) -> Array:
 
 
 def replicates_of(of_cycles: Array, count: int, rng: np.random.Generator) -> Array:
-    """Bootstrap replicates of the means over the cycles, (…, count), as `mean_harmonics.Reading.resampled` draws them.
+    """Return bootstrap replicates of the means over the cycles, (…, count), as `mean_harmonics.Reading.resampled` draws
+    them.
 
     of_cycles : a number of each cycle, (…, cycles).
     """

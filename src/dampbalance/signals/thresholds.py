@@ -76,12 +76,12 @@ TESTS: Mapping[str, int] = {
     "P_AS_WELL": 0,
     "P_CAUSE": 3,  # gradual, corner, delay
     "P_DEPARTURE": 6,  # gain, frame, friction, damping and spring
-    "P_FURTHER_TERM": 1,  # of the whole list likewise
+    "P_FURTHER_TERM": 1,  # asked once, of the whole list
     "P_ONE_OSCILLATOR": 4,  # steps in which the decays of a set are joined
     "P_LINE_IN_NOISE": 4,  # channels
     "P_STEP_BACK": 0,
 }
-"""How often each is asked, with the power to cast a doubt, in a usual set of records."""
+"""Number of times that each is asked, with the power to cast a doubt, in a usual set of records."""
 
 SHARES: Mapping[str, float] = {name: globals()[name] * n for name, n in TESTS.items()}
 """The share of the budget that each test may use."""

@@ -16,9 +16,9 @@ import numpy as np
 
 from ..arrays import Array, Complexes
 
-# Where its peak is looked for: five for each of the highest harmonics, 91 and less.
+# Points of the search for a peak: five for each of the highest harmonics, 91 and less.
 _POINTS_OF_CYCLE = 1024
-_NEAR_END = 0.005  # of the range: so close to an end, and four times the noise, a mass counts as resting there
+_NEAR_END = 0.005  # part of the range: so close to an end, and four times the noise, a mass counts as resting
 _NOISE_AT_END = 4.0  # standard deviations: a sample in 16,000 lies beyond
 _RESTING = 2.0  # times as long as a harmonic motion is as close to its end
 _LONGEST_STEP = 0.5  # rad: the longest step towards a zero
@@ -50,14 +50,14 @@ class Series:
         return np.abs(self.x) ** 2 - self.variance
 
     def mean_between(self, begin: float, end: float) -> Array:
-        """Mean of x from one phase ωt to the other, rad, for each mean, (r,)."""
+        """Return the mean of x from one phase ωt to the other, rad, for each mean, (r,)."""
         turned = (np.exp(1j * self.n * end) - np.exp(1j * self.n * begin)) / (1j * self.n)
         return (self.x @ turned).real / (end - begin)
 
 
 def turning_points(series: Series, *, rests: bool) -> tuple[Array, Array]:
-    """(ωt, X) of r means, (r,): X is half the way from the lowest to the highest point, and ωt, with even harmonics,
-    halfway between the phase of the highest and that of the lowest, half a cycle before.
+    """Return (ωt, X) of r means, (r,): X is half the way from the lowest to the highest point, and ωt, with even
+    harmonics, halfway between the phase of the highest and that of the lowest, half a cycle before.
 
     rests : whether the mass may rest at its ends, and the harmonics are as they were measured.
     """
@@ -65,18 +65,18 @@ def turning_points(series: Series, *, rests: bool) -> tuple[Array, Array]:
     if np.all(series.n % 2.0):
         return high, top
     low, depth = _end(series, -1.0, rests)
-    asymmetry = (low - high) % (2.0 * math.pi) - math.pi  # of the times from one to the other
+    asymmetry = (low - high) % (2.0 * math.pi) - math.pi  # one takes longer than the other
     return high + 0.5 * asymmetry, 0.5 * (top + depth)
 
 
 def upward_zero(series: Series, lag: Array) -> Array:
-    """ωt of the upward zero of the symmetric part, (r,).   lag : of the fundamental, rad, (r,)."""
+    """Return ωt of the upward zero of the symmetric part, (r,).   lag : of the fundamental, rad, (r,)."""
     odd = series.symmetric
     return _zero(odd.n, odd.x, lag - 0.5 * math.pi, _LONGEST_STEP)
 
 
 def _zero(n: Array, x: Complexes, at: Array, reach: float) -> Array:
-    """Upward zero of Re Σ x_n e^{inθ} near θ = at, (r,), by Halley's method.   reach : of a step, rad."""
+    """Return the upward zero of Re Σ x_n e^{inθ} near θ = at, (r,), by Halley's method.   reach : of a step, rad."""
     for _ in range(_MOST_HALLEY_STEPS):
         turned = x * np.exp(1j * np.outer(at, n))
         value, rate, bent = turned.real.sum(axis=1), -turned.imag @ n, -turned.real @ n**2
@@ -90,7 +90,7 @@ def _zero(n: Array, x: Complexes, at: Array, reach: float) -> Array:
 
 
 def _end(series: Series, sign: float, rests: bool) -> tuple[Array, Array]:
-    """(ωt, x) at the largest value of sign·x, (r,): the zero of the velocity near the largest of 1,024 points;
+    """Return (ωt, x) at the largest value of sign·x, (r,): the zero of the velocity near the largest of 1,024 points;
     where the mass rests there, the middle of the rest and its level."""
     variances = np.broadcast_to(series.variance, series.x.shape).sum(axis=1)
     known = variances <= variances.min()  # the mean, where there are replicates of it

@@ -18,16 +18,16 @@ from .bursts import QUIET_PARTS, noise_of
 
 # Least variance that is taken for noise, relative to its stated one: what a record without noise leaves is rounding.
 _SHARE_OF_ROUNDING = 0.1
-_FEWEST_RESIDUALS = 400  # samples, from which the third differences of a record tell its noise
+_FEWEST_RESIDUALS = 400  # samples from which the third differences of a record measure its noise
 _MEDIAN = 1.77  # relative error of the median of n third differences, times √n
-_SIGMAS, _SYSTEMATIC = 6.0, 0.05  # of the least of several such medians
+_SIGMAS, _SYSTEMATIC = 6.0, 0.05  # error of the least of several such medians
 
 
 def averages(
     residuals: Sequence[Array], widths: Sequence[int], lost: int
 ) -> tuple[float, int, int]:
-    """F ratio of the averages of residuals, over so many samples in each, to the scatter about them, and its two
-    numbers of degrees of freedom.
+    """Return the F ratio of the averages of residuals, over so many samples in each, to the scatter about them, and its
+    two numbers of degrees of freedom.
 
     lost : degrees of freedom that the fit has taken.
     """
@@ -45,7 +45,8 @@ def averages(
 
 
 def chance_of_averages(residuals: Sequence[Array], widths: Sequence[int], lost: int) -> float:
-    """Probability that averages of white noise over these widths, or half, a quarter … of them, are as large."""
+    """Return the probability that averages of white noise over these widths, or half, a quarter … of them, are as
+    large."""
     chances = []
     while True:
         ratio, first, rest = averages(residuals, widths, lost)
@@ -56,11 +57,11 @@ def chance_of_averages(residuals: Sequence[Array], widths: Sequence[int], lost: 
 
 
 def chance_of_lines(residuals: Sequence[Array]) -> float:
-    """Probability that a spectrum of white noise has as sharp a line (Fisher's test)."""
+    """Return the probability that a spectrum of white noise has as sharp a line (Fisher's test)."""
     chances = [1.0]
     for residual in residuals:
         power = np.abs(np.fft.rfft(residual)[1:-1]) ** 2
-        # what is left of a record without noise is rounding
+        # a record without noise leaves rounding errors
         total = max(float(power.sum()), _SHARE_OF_ROUNDING * residual.size * power.size)
         if power.size > 2:
             share = float(power.max()) / total
@@ -68,8 +69,8 @@ def chance_of_lines(residuals: Sequence[Array]) -> float:
     return min(1.0, len(residuals) * min(chances))
 
 
-def louder(residual: Array, values: Array, noise: float) -> float:
-    """How many times the noise of the samples themselves a residual is, where that is more than chance makes; else 1.
+def excess_over_noise(residual: Array, values: Array, noise: float) -> float:
+    """Return the ratio of a residual to the noise of the samples themselves, where it exceeds chance; else 1.
 
     residual : in units of `noise`.   values : the samples.
     """

@@ -7,7 +7,6 @@ order of chunks.
 
 from __future__ import annotations
 
-import functools
 import json
 import shutil
 from collections import Counter
@@ -35,43 +34,26 @@ compressing them takes longer than computing them."""
 
 
 def stretches(cases: CasesLike, names: Sequence[str]) -> Iterator[dict[str, Words]]:
-    """The columns named, row group by row group, in the order of the cases: memory does not grow with their number.
-
-    An array is not to be changed: paragraphs and figures, which ask for a column again and again, get the same one.
-    """
+    """Yield the columns named, row group by row group, in the order of the cases: memory is that of a row group."""
     if isinstance(cases, pd.DataFrame):
         yield {name: cases[name].to_numpy() for name in names}
         return
-    file, wanted = (str(cases), Path(cases).stat().st_mtime_ns), list(dict.fromkeys(names))
-    for group in range(_metadata_of(*file).num_row_groups):
-        yield {name: _column(*file, group, name) for name in wanted}
-
-
-@functools.lru_cache(maxsize=16)
-def _metadata_of(cases: str, changed: int) -> pq.FileMetaData:
-    """Parquet metadata, cached because parsing it is slower than reading a column."""
-    return pq.read_metadata(cases)
-
-
-@functools.lru_cache(maxsize=256)  # of 1 MB or less
-def _column(cases: str, changed: int, group: int, name: str) -> Words:
-    """A column of a row group of such a file."""
-    with pq.ParquetFile(cases, metadata=_metadata_of(cases, changed)) as file:
-        column = np.asarray(file.read_row_group(group, columns=[name])[name].to_numpy())
-    column.flags.writeable = False
-    return column
+    with pq.ParquetFile(cases) as file:
+        for group in range(file.num_row_groups):
+            table = file.read_row_group(group, columns=list(dict.fromkeys(names)))
+            yield {name: table[name].to_numpy() for name in names}
 
 
 def column_of(cases: CasesLike, name: str) -> Words:
-    """One whole column of the table of cases."""
+    """Return one whole column of the table of cases."""
     return np.concatenate([stretch[name] for stretch in stretches(cases, [name])])
 
 
 def terms_of(cases: CasesLike) -> list[str]:
-    """Symbols of the coefficients, K_z among them, whose errors the table of cases holds."""
+    """Return the symbols of the coefficients, K_z among them, whose errors the table of cases holds."""
     columns = cases.columns if isinstance(cases, pd.DataFrame) else pq.read_schema(cases).names
-    held = {column.partition("_relative_error__")[0] for column in columns}
-    return [symbol for symbol in (*KNOWN_TERMS, CONTACT) if symbol in held]
+    symbols = {column.partition("_relative_error__")[0] for column in columns}
+    return [symbol for symbol in (*KNOWN_TERMS, CONTACT) if symbol in symbols]
 
 
 def write_parts(
@@ -89,8 +71,8 @@ def write_parts(
                 values = frame[field.name].to_numpy()
                 if pa.types.is_dictionary(field.type):
                     codes, words = pd.factorize(values, sort=True)
-                    held = pa.array(codes, pa.int32()), pa.array(list(words), pa.string())
-                    arrays.append(pa.DictionaryArray.from_arrays(*held))
+                    coded = pa.array(codes, pa.int32()), pa.array(list(words), pa.string())
+                    arrays.append(pa.DictionaryArray.from_arrays(*coded))
                 else:
                     arrays.append(pa.array(values, field.type))
             table = pa.Table.from_arrays(arrays, schema=schema)
@@ -136,7 +118,7 @@ def write_manifest(path: str | Path, cases: str | Path, study: Study, version: s
 
 
 def _packing(study: Study) -> dict[str, Any]:
-    """How the columns are compressed."""
+    """Return how the columns are compressed."""
     packed: dict[str, Any] = {"write_statistics": False, "compression_level": 1}
     if study.cases < MANY:
         return packed | {"compression": "zstd"}
@@ -149,7 +131,7 @@ def _packing(study: Study) -> dict[str, Any]:
 
 
 def _schema(study: Study, version: str) -> pa.Schema:
-    """Names, types, units and meanings of the columns; the study and its settings as metadata of the file."""
+    """Return names, types, units and meanings of the columns; the study and its settings as metadata of the file."""
     words, fields = pa.dictionary(pa.int32(), pa.string()), []
     for c in case_columns(study):
         kind = words if c.words else pa.int64() if c.name == "case" else pa.float64()

@@ -43,7 +43,7 @@ class Cases(NamedTuple):
 
 
 def cases_between(study: Study, start: int, stop: int) -> Cases:
-    """The cases start … stop − 1 of a study."""
+    """Return the cases start … stop − 1 of a study."""
     fixed = {name: np.full(stop - start, value) for name, value in study.fixed.items()}
     values: dict[str, Words] = fixed | case_values(study.blocks, start, stop)
     si = in_si({name: values[name].astype(float) for name in mechanical(values)})
@@ -93,11 +93,11 @@ class Column(NamedTuple):
 
 
 _CONTACT_STIFFNESS = Term(CONTACT, None, "contact stiffness", "N/m")
-"""What columns say of K_z, which is no term of a damping law."""
+"""Describes K_z, which is no term of a damping law, for the columns."""
 
 
 def identified_by(symbol: str) -> Term:
-    """What can be identified: a term of a damping law, or K_z, by its symbol."""
+    """Return what can be identified: a term of a damping law, or K_z, by its symbol."""
     return _CONTACT_STIFFNESS if symbol == CONTACT else term(symbol)
 
 
@@ -115,12 +115,12 @@ _OF_TERMS = {
 
 
 def case_columns(study: Study) -> list[Column]:
-    """The columns of the table of cases, in their order."""
+    """Return the columns of the table of cases, in their order."""
     names, columns = study.axis_names, [Column("case", "1", "number of the case, counted from 0")]
     columns += map(_of_parameter, names)
     if "parameters" in study.columns:
         known = {*names} if study.levels_relative else {*names, "Y_m"}
-        columns += [Column(*of) for of in SI_COLUMNS.values() if of[0] not in known]
+        columns += [Column(*column) for column in SI_COLUMNS.values() if column[0] not in known]
         columns += map(_of_parameter, of_law(study.fixed))
     kinds = ", ".join(REGIME_NAMES.values())
     regimes = f"kind of response at each level, one word if all are alike: {kinds}"
@@ -130,9 +130,9 @@ def case_columns(study: Study) -> list[Column]:
         how = " ".join(part.replace("_", " ") for part in fit.parts)
         terms = [identified_by(symbol) for symbol in fit.identified]
         for kind in (kind for kind in _OF_TERMS if kind in study.columns):
-            for one in (of for of in terms if kind == "estimates" or of.symbol in true):
+            for identified in (t for t in terms if kind == "estimates" or t.symbol in true):
                 for described in _OF_TERMS[kind]:
-                    name, unit, meaning = (text.format(one) for text in described)
+                    name, unit, meaning = (text.format(identified) for text in described)
                     columns.append(Column(f"{name}__{fit.label}", unit, f"{meaning}; {how}"))
         if "residuals" in study.columns:
             columns.append(Column(f"residual__{fit.label}", "1", f"‖A p − W‖/‖W‖; {how}"))
@@ -140,8 +140,8 @@ def case_columns(study: Study) -> list[Column]:
 
 
 def _of_parameter(name: str) -> Column:
-    of = parameter(name)
-    return Column(name, of.unit, of.meaning, words=of.is_word)
+    p = parameter(name)
+    return Column(name, p.unit, p.meaning, words=p.is_word)
 
 
 # --- sizes -------------------------------------------------------------------------------------------
@@ -165,7 +165,7 @@ class StudySize(NamedTuple):
 
 
 def size_of(study: Study) -> StudySize:
-    """The size of a study. Bytes are an upper bound: constant columns and repeated words pack to next to nothing.
+    """Return the size of a study, whose bytes are an upper bound: constant columns and repeated words pack well.
 
     Eight bytes for every number that can differ from case to case, one or two for words and case numbers.
     """
@@ -177,7 +177,7 @@ def size_of(study: Study) -> StudySize:
 
 
 def chunk_bounds(study: Study, chunk: int) -> tuple[int, int]:
-    """First case of a chunk and the one after its last."""
+    """Return the first case of a chunk and the one after its last."""
     start = chunk * study.chunk_cases
     return start, min(start + study.chunk_cases, study.cases)
 
@@ -202,6 +202,6 @@ def check_size(study: Study, size: StudySize, folder: str | Path, file: str | Pa
 
 
 def size_in_words(count: float) -> str:
-    """A number of bytes with a unit that suits it, e.g. 1.2 GB."""
+    """Return a number of bytes with a unit that suits it, e.g. 1.2 GB."""
     power = next((p for p in range(5) if count < 1000.0 ** (p + 1)), 5)
     return f"{count / 1000.0**power:.3g} {('bytes', 'kB', 'MB', 'GB', 'TB', 'PB')[power]}"

@@ -39,12 +39,12 @@ _SLICE = 16_384  # cases worked on at a time: their arrays stay in the processor
 
 
 def evaluate(study: Study, start: int, stop: int, threads: int | None = None) -> pd.DataFrame:
-    """The cases start … stop − 1 of a study as a table with the columns of `case_columns`.
+    """Return the cases start … stop − 1 of a study as a table with the columns of `case_columns`.
 
     threads : for the exact orbits. The numbers depend neither on them nor on start and stop.
     """
     firsts: Iterable[int] = range(start, stop, _SLICE)
-    if stop - start > _SLICE:  # else the cases themselves are followed, where they take long
+    if stop - start > _SLICE:  # otherwise the slow routes follow their cases
         firsts = followed(firsts, (stop - start) / _SLICE, "slices")
     slices = (cases_between(study, first, min(first + _SLICE, stop)) for first in firsts)
     parts = [_evaluate(cases, threads) for cases in slices]
@@ -56,25 +56,26 @@ def evaluate(study: Study, start: int, stop: int, threads: int | None = None) ->
 def in_parts(
     study: Study, start: int, stop: int, threads: int | None = None
 ) -> Iterator[pd.DataFrame]:
-    """Like `evaluate`, PART cases at a time, so that memory does not grow with the number of cases."""
+    """Evaluate like `evaluate`, PART cases at a time, so that memory does not grow with the number of cases."""
     for first in range(start, stop, PART):
         yield evaluate(study, first, min(first + PART, stop), threads)
 
 
 def responses_of(study: Study, start: int, stop: int, threads: int | None = None) -> pd.DataFrame:
-    """The responses of the cases start … stop − 1, from which `evaluate` identifies: a row for each case and level,
-    with the axes, the level counted from 1 and the features, in columns named with their units.
+    """Return the responses of the cases start … stop − 1, from which `evaluate` identifies.
+
+    The table has a row for each case and level: the axes, the level counted from 1 and the features, names with units.
     """
     parts = []
     for first in range(start, stop, _SLICE):
         cases = cases_between(study, first, min(first + _SLICE, stop))
         levels, count = cases.Y.shape
         columns = {"case": cases.numbers} | {name: cases.values[name] for name in study.axis_names}
-        table: dict[str, Any] = {name: np.repeat(of, levels) for name, of in columns.items()}
+        table: dict[str, Any] = {name: np.repeat(x, levels) for name, x in columns.items()}
         table["level"] = np.tile(np.arange(levels) + 1, count)
         seen = _responses(cases, threads).features.to_columns()
-        table |= {name: np.asarray(of).T.ravel() for name, of in seen.items()}
-        table["regime"] = np.array([REGIME_NAMES.get(of, NOT_READ) for of in table["regime"]])
+        table |= {name: np.asarray(column).T.ravel() for name, column in seen.items()}
+        table["regime"] = np.array([REGIME_NAMES.get(word, NOT_READ) for word in table["regime"]])
         parts.append(pd.DataFrame(table))
     return pd.concat(parts, ignore_index=True)
 
@@ -90,7 +91,7 @@ def _evaluate(cases: Cases, threads: int | None) -> dict[str, Any]:
     for fit in study.fits:
         table[f"residual__{fit.label}"] = np.full(len(cases.numbers), np.nan)
         if fit.approach == LIKELIHOOD:
-            values, errors = ({s: of[s] for s in fit.identified} for of in responses.likelihood)
+            values, errors = ({s: x[s] for s in fit.identified} for x in responses.likelihood)
             table |= _results(fit, values, errors, si)
             continue
         read, replicates = responses.features, responses.drawn
@@ -106,15 +107,17 @@ def _evaluate(cases: Cases, threads: int | None) -> dict[str, Any]:
         else:
             drawn = _rows(fit, replicates, si["k"][:, None], ())[of_levels]
             estimate, errors = _with_errors(rows, drawn, fit.weights == WEIGHTED)
-        if len(rows.W) > len(estimate.values):  # else only rounding is left
+        if len(rows.W) > len(estimate.values):  # otherwise the residual is mere rounding
             table[f"residual__{fit.label}"] = estimate.residual
         table |= _results(fit, estimate.values, errors, si)
     return table
 
 
 def _with_errors(rows: Rows, drawn: Rows, weighted: bool) -> tuple[Estimate, dict[str, Array]]:
-    """The estimate from rows, weighted by the scatter of replicates or not, and its standard errors by the replicates,
-    which take the weights of the rows."""
+    """Return the estimate from rows, weighted by the scatter of replicates or not, and its standard errors.
+
+    These come from the replicates, which take the weights of the rows.
+    """
     if weighted:
         rows = replace(rows, covariance=drawn.scatter())
     estimate = solve(rows)
@@ -122,13 +125,13 @@ def _with_errors(rows: Rows, drawn: Rows, weighted: bool) -> tuple[Estimate, dic
         weights = rows.weighted(estimate.values).weights
         assert weights is not None
         drawn = replace(drawn, weights=np.broadcast_to(weights[..., None], drawn.W.shape))
-    return estimate, {s: of.std(axis=1, ddof=1) for s, of in solve(drawn).values.items()}
+    return estimate, {s: values.std(axis=1, ddof=1) for s, values in solve(drawn).values.items()}
 
 
 def _results(
     fit: Fit, estimates: Mapping[str, Array], errors: Mapping[str, Array], si: Mapping[str, Array]
 ) -> dict[str, Array]:
-    """The columns of a fit: coefficients and their relative errors; with standard errors also these, and whether
+    """Return the columns of a fit: coefficients and their relative errors; with standard errors also these, and whether
     estimate ± 1.96 standard errors holds the true value."""
     table = {}
     for symbol, value in estimates.items():
@@ -147,13 +150,13 @@ def _results(
 
 
 def _responses(cases: Cases, threads: int | None) -> Responses:
-    """The responses of the cases; all except the exact ones are computed one after the other, by `responses`."""
+    """Return the responses of the cases; all except the exact ones are computed one after the other, by `responses`."""
     si, study = cases.si, cases.study
     terms = {symbol for fit in study.fits for symbol in fit.terms} - TERMS.keys()
     if study.route.kind == "exact" and not terms and not of_law(cases.values):
-        of: dict[str, Any] = {name: si[name] for name in ("m", "c", "k", "K_z", "F_k", "omega")}
+        args: dict[str, Any] = {name: si[name] for name in ("m", "c", "k", "K_z", "F_k", "omega")}
         return Responses(
-            of_orbits(steady_orbits(**of, Y=cases.Y, threads=threads), cases.Y, si["omega"])
+            of_orbits(steady_orbits(**args, Y=cases.Y, threads=threads), cases.Y, si["omega"])
         )
     from .responses import ROUTES_TO_RESPONSES  # slow to import
 
@@ -163,8 +166,10 @@ def _responses(cases: Cases, threads: int | None) -> Responses:
 def _rows(
     fit: Fit, responses: Features, k: Array, rules: Sequence[tuple[Integers, ReadOut]]
 ) -> Rows:
-    """Rows of the balance that the approach of a fit forms from features, which are rounded, each case by its rules,
-    and have the mean φ and t_s of the levels where the fit wants them common."""
+    """Return the rows of the balance that the approach of a fit forms from features.
+
+    Each case is rounded by its rules; where the fit wants φ and t_s common, all levels have their mean.
+    """
     if fit.approach == SIMPSON:
         return direct(responses, k)
     seen = responses.with_phase(fit.phase) if fit.phase else responses
@@ -172,8 +177,8 @@ def _rows(
     if rules:
         changed = {name: np.empty(seen.X.shape) for name in READ}
         for cases, read_out in rules:
-            of = read_out.common if common else read_out.apply
-            read = of(seen[:, cases])
+            rule = read_out.common if common else read_out.apply
+            read = rule(seen[:, cases])
             for name, array in changed.items():
                 array[:, cases] = getattr(read, name)
         seen = seen.replaced(**changed)
@@ -185,20 +190,20 @@ def _rows(
 
 
 def _read_out_rules(values: Mapping[str, Words]) -> list[tuple[Integers, ReadOut]]:
-    """(cases, rules of reading) for each different set of rules among the cases; empty without rules."""
+    """Return (cases, rules of reading) for each different set of rules among the cases; empty without rules."""
     names = [name for name in values if parameter(name).kind == "read_out"]
     rules = []
     if names:
-        held = pd.DataFrame({name: values[name].astype(float) for name in names})
-        for row, cases in held.groupby(names):
-            kept = zip(names, np.array(row).tolist(), strict=True)
-            section = {name: int(x) if parameter(name).whole else x for name, x in kept}
+        frame = pd.DataFrame({name: values[name].astype(float) for name in names})
+        for row, cases in frame.groupby(names):
+            pairs = zip(names, np.array(row).tolist(), strict=True)
+            section = {name: int(x) if parameter(name).whole else x for name, x in pairs}
             rules.append((cases.index.to_numpy(), ReadOut.from_config(section)))
     return rules
 
 
 def _regime_names(words: Words) -> Words:
-    """The regime of each case: one name if all levels are alike, else the names of all levels."""
+    """Return the regime of each case: one name if all levels are alike, else the names of all levels."""
     codes, kinds = pd.factorize(words.ravel())
     levels = codes.reshape(words.shape)
     pattern = levels[0]

@@ -1,4 +1,4 @@
-"""What a study can vary: name, unit, bounds and meaning of every parameter, and what the names stand for in SI.
+"""The parameters that a study can vary: name, unit, bounds and meaning of each, and its quantity in SI.
 
 Each of c, K_z, F_k and ω can be given by itself or by the dimensionless group that it is part of,
 
@@ -49,7 +49,7 @@ class Parameter:
 
     @property
     def name(self) -> str:
-        """Its symbol, in TeX, or its meaning where it has none."""
+        """Symbol of the parameter in TeX, or its meaning where it has none."""
         return f"${self.symbol}$" if self.symbol else self.meaning
 
     @property
@@ -58,7 +58,7 @@ class Parameter:
         return label_with_unit(self.name, self.unit) if self.symbol else self.name
 
     def shown(self, value: float | str, digits: int = 4) -> str:
-        """A value with its unit, e.g. 4.92 Hz."""
+        """Return a value with its unit, e.g. 4.92 Hz."""
         text = value if isinstance(value, str) else f"{value:.{digits}g}"
         return f"{text} {self.unit.removeprefix('1')}".rstrip()
 
@@ -69,7 +69,7 @@ def _decimals(feature: str, unit: str) -> Parameter:
 
 
 def in_tex(symbol: str) -> str:
-    """The symbol of a term, or several, in TeX."""
+    """Return the symbol of a term, or several, in TeX."""
     return symbol.replace("eta", r"\eta")
 
 
@@ -81,7 +81,7 @@ OF_LAW = {term.column: term for term in KNOWN_TERMS.values() if term not in TERM
 """Coefficients of further terms of the damping law, zero where they are not set: parameter → term."""
 
 _NOISE = "rms of the noise of each channel over that of its signal"
-_RUN = "number of the run: the same but for its noise"
+_RUN = "number of the run: only its noise differs"
 _SLIP_RANGE = "longest over shortest deflection at which a part of the contact slips, r_max/r_min"
 
 PARAMETERS: dict[str, Parameter] = {
@@ -136,31 +136,31 @@ class Coefficient(str):
 
     @classmethod
     def of(cls, term: Term) -> Coefficient:
-        """The coefficient of a term."""
-        made = cls(term.column)
-        made.term = term
-        return made
+        """Return the coefficient of a term."""
+        coefficient = cls(term.column)
+        coefficient.term = term
+        return coefficient
 
 
 def parameter(name: str) -> Parameter:
-    """The parameter of a name: one of PARAMETERS, or the coefficient of a term of one's own."""
+    """Return the parameter of a name: one of PARAMETERS, or the coefficient of a user's term."""
     return _of_law(name.term) if isinstance(name, Coefficient) else PARAMETERS[name]
 
 
 def of_law(names: Collection[str]) -> dict[str, Term]:
-    """The coefficients of further terms of the damping law among names of parameters: name → term."""
+    """Return the coefficients of further terms of the damping law among names of parameters: name → term."""
     own = {name: name.term for name in names if isinstance(name, Coefficient)}
     return {name: term for name, term in OF_LAW.items() if name in names} | own
 
 
 def mechanical(names: Collection[str]) -> list[str]:
-    """The names that make up the oscillator and its excitation, among names of parameters."""
+    """Return the names that make up the oscillator and its excitation, among names of parameters."""
     built_in = [name for name in MECHANICAL if name in names]
     return list(dict.fromkeys([*built_in, *of_law(names)]))
 
 
 def synonyms(name: str) -> list[str]:
-    """The names that set the same quantity, this one first, e.g. for zeta: zeta and c_N_s_per_m."""
+    """Return the names that set the same quantity, this one first, e.g. for zeta: zeta and c_N_s_per_m."""
     target = parameter(name).stands_for or name
     same = [other for other, p in PARAMETERS.items() if (p.stands_for or other) == target]
     return [name, *(other for other in same if other != name)]
@@ -183,7 +183,7 @@ def objection(name: str, value: Any) -> str | None:
 
 
 def in_si(given: Mapping[str, Array]) -> dict[str, Array]:
-    """m, c, k, K_z, F_k, Y, omega of cases whose parameters are given by the names of PARAMETERS, each an array (n,).
+    """Return m, c, k, K_z, F_k, Y, omega, arrays (n,), of cases whose parameters have the names of PARAMETERS.
 
     Exactly one name of each quantity is given. Further terms of the law, where they are given, are added by symbol.
     ω is in rad/s, the rest as in `dampbalance.model`.
@@ -201,7 +201,7 @@ def in_si(given: Mapping[str, Array]) -> dict[str, Array]:
 
 
 def oscillator_of(si: Mapping[str, Array], case: int) -> Oscillator:
-    """The oscillator of one of the cases of `in_si`."""
+    """Return the oscillator of one of the cases of `in_si`."""
     return Oscillator(*(float(si[name][case]) for name in ("m", "c", "k", "K_z", "F_k")))
 
 

@@ -1,4 +1,4 @@
-"""What can be wrong with the YAML file of a study, found before anything runs; and the figure of a file without one.
+"""Reads the YAML file of a study, finds faults before anything runs, and chooses the figure of a file without one.
 
 The schema (study.schema.yaml) says which keys there are, and what each may hold. This module checks
 what takes more than one key to see: axes that contradict each other, a route that lacks a parameter, a figure
@@ -60,13 +60,15 @@ MOST_SAMPLES_READ = 1_000_000
 MOST_NUMBERS = 200_000_000
 """Numbers that a job holds at a time: cases × columns, or × replicates × levels × features."""
 
-_FEATURES = 20  # of a replicate
-_USUAL_PANELS = 6  # an axis of more values gets an axis of the usual figure
+_FEATURES = 20  # numbers that a replicate has
+_USUAL_PANELS = 6  # more values are drawn along an axis, not as panels
 
 
 def read_study(path: str | Path, paper_file: str | Path) -> Study:
-    """The study of a YAML file, named after the file; without a figure, it gets the first of the usual ones that can be
-    drawn. Its text is the template next to the file, NAME.md.j2, if there is one.
+    """Return the study of a YAML file, named after the file.
+
+    Without a figure, it gets the first of the usual ones that can be drawn. Its text is the template next to the
+    file, NAME.md.j2, if there is one.
 
     paper_file : the configuration of the paper's case, whose oscillator, first frequency and levels stand for what the
     study leaves out.
@@ -82,17 +84,16 @@ def read_study(path: str | Path, paper_file: str | Path) -> Study:
 
 
 def with_usual_figure(study: Study, kind: str = "") -> Study:
-    """Return the study with the first of the usual figures that can be drawn, of a kind where it is named; without a
-    figure where there is none."""
-    figures = (of for of in _usual_figures(study) if kind in ("", of["kind"]))
+    """Return the study with the first of the usual figures, of a kind where it is named, that can be drawn, if any."""
+    figures = (figure for figure in _usual_figures(study) if kind in ("", figure["kind"]))
     drawn = (replace(study, figure=figure) for figure in figures)
-    return next((one for one in drawn if not any(_wrong_figure(one))), study)
+    return next((figure for figure in drawn if not any(_wrong_figure(figure))), study)
 
 
 def problems(
     document: Any, schema: Mapping[str, Any], paper: Mapping[str, Any]
 ) -> Sequence[Problem]:
-    """Everything that is wrong with a study's document, (key, text) each; nothing if it can be run.
+    """Return everything that is wrong with a study's document, (key, text) each; nothing if it can be run.
 
     One kind after the other: what is wrong with the axes would make nonsense of what the figure refers to.
     """
@@ -129,7 +130,7 @@ def _wrong_axes(axes: Sequence[Mapping[str, Any]]) -> Iterator[Problem]:
 
 
 def _wrong_axis(key: KeyPath, name: str, spec: Mapping[str, Any]) -> Iterator[Problem]:
-    """What is wrong with the values or the range of an axis."""
+    """Yield what is wrong with the values or the range of an axis."""
     given = [(key, spec.get("values", [])), ((*key, "also"), spec.get("also", []))]
     given += [((*key, end), [spec[end]]) for end in ("from", "to") if end in spec]
     wrong = [
@@ -168,7 +169,7 @@ def _wrong_values(document: Mapping[str, Any]) -> Iterator[Problem]:
 
 
 def _contradictions(document: Mapping[str, Any], study: Study) -> Iterator[Problem]:
-    """What does not go together: levels, route, rules of reading, laws, fits, weights, terms of the balance."""
+    """Yield what does not go together: levels, route, rules of reading, laws, fits, weights, terms of the balance."""
     estimation = document.get("estimation", {})
     given = {*document.get("base", {}), *study.axis_names} & {"Y_m", "F_k_over_kY"}
     if given and not study.levels_relative:
@@ -198,9 +199,9 @@ def _contradictions(document: Mapping[str, Any], study: Study) -> Iterator[Probl
 
 
 def _wrong_route(document: Mapping[str, Any], study: Study) -> Iterator[Problem]:
-    """What does not fit the route: parameters and settings that are missing, or that mean nothing to it."""
+    """Yield what does not fit the route: parameters and settings that are missing, or that mean nothing to it."""
     used, wanted, section = study.parameters, study.route, document.get("route", {})
-    nothing = f"means nothing to the route {wanted.kind}"
+    unused = f"is not used by the route {wanted.kind}"
     for names in wanted.needs:
         if used.isdisjoint(names):
             yield ("route",), f"{wanted.kind} needs {' or '.join(names)}, here or as an axis"
@@ -209,19 +210,19 @@ def _wrong_route(document: Mapping[str, Any], study: Study) -> Iterator[Problem]
     taken = {*wanted.optional, *(name for names in wanted.needs for name in names)}
     for name in sorted(used):
         if parameter(name).kind == "numerics" and name not in taken:
-            yield ("route",), f"{name} {nothing}"
+            yield ("route",), f"{name} {unused}"
         if parameter(name).kind == "read_out" and wanted.is_noisy:
-            yield ("read_out", name), f"{nothing}: noise is its limit"
+            yield ("read_out", name), f"{unused}: noise is its limit"
     others = {key for each in STUDY_ROUTES.values() for key in each.settings} - {*wanted.settings}
     for name in filter(others.__contains__, section):
-        yield ("route", name), f"{nothing}; leave it out"
+        yield ("route", name), f"{unused}; leave it out"
 
 
 # --- sizes -------------------------------------------------------------------------------------------
 
 
 def _wrong_sizes(_: object, study: Study) -> Iterator[Problem]:
-    """What is too much: the numbers at the corners of the box that the axes span, the records, the chunks."""
+    """Yield what is too much: the numbers at the corners of the box that the axes span, the records, the chunks."""
     given = mechanical(study.parameters)
     corners = np.array(list(product(*map(study.extent, given)))).T
     si = in_si(dict(zip(given, corners, strict=True)))
@@ -249,11 +250,11 @@ def _wrong_sizes(_: object, study: Study) -> Iterator[Problem]:
         if samples * kept > MOST_SAMPLES_READ or samples * cycles > most:
             text = f"{name} makes records of {samples * cycles:.3g} samples"
             yield ("route",), f"{text}; take fewer cycles, or samples further apart"
-    held = len(case_columns(study))
+    each = len(case_columns(study))  # numbers in memory for a case
     if study.route.is_noisy:
-        held = max(held, study.replicates * len(study.levels) * _FEATURES)
-    part, enough = min(study.chunk_cases, study.cases, PART), max(1, MOST_NUMBERS // held)
-    if part * held > MOST_NUMBERS:
+        each = max(each, study.replicates * len(study.levels) * _FEATURES)
+    part, enough = min(study.chunk_cases, study.cases, PART), max(1, MOST_NUMBERS // each)
+    if part * each > MOST_NUMBERS:
         text = f"{part:,} cases at a time do not fit in memory; take {enough:,} at most"
         yield ("chunk_cases",), text
 
@@ -321,12 +322,12 @@ def _wrong_figure(study: Study) -> Iterator[Problem]:
 
 
 def _not_drawn(study: Study, name: str) -> str:
-    """Why the figure cannot be drawn along an axis; nothing if it can."""
+    """Return why the figure cannot be drawn along an axis; nothing if it can."""
     kind = study.figure["kind"]
     if name not in study.axis_names:
         return f"{shortened(name)} is not an axis of this study"
     if parameter(name).is_word:
-        return f"{name} holds words: take an axis of numbers, and {name} for the panels"
+        return f"{name} has words as values: take an axis of numbers, and {name} for the panels"
     (low, high), values = study.extent(name), study.values_of(name)
     if not low < high:
         return f"{name} has one value; take an axis with two at least"
@@ -338,7 +339,7 @@ def _not_drawn(study: Study, name: str) -> str:
 
 
 def _usual_figures(study: Study) -> Iterator[dict[str, Any]]:
-    """Figures that suit the axes of a study, the most telling first, as its file would ask for them; some may be
+    """Yield figures that suit the axes of a study, the most telling first, as its file would ask for them; some may be
     refused.
 
     Steps of several schemes: the error of c against the step. Runs that differ by their
@@ -348,7 +349,7 @@ def _usual_figures(study: Study) -> Iterator[dict[str, Any]]:
     """
     if {"scheme", "step_s"} <= set(study.axis_names):
         yield {"kind": "steps", "x": "step_s"}
-    # paired axes go in step: one of them stands for all
+    # paired axes vary together: one of them stands for all
     blocks = [[*block.axes][: None if isinstance(block, Sampled) else 1] for block in study.blocks]
     values = {name: [*dict.fromkeys(study.values_of(name))] for names in blocks for name in names}
     sizes = {name: len(listed) or math.inf for name, listed in values.items() if len(listed) != 1}
@@ -374,15 +375,15 @@ def _usual_figures(study: Study) -> Iterator[dict[str, Any]]:
 
 
 def _selected(study: Study, spec: Mapping[str, Any]) -> int:
-    """How many cases the conditions on listed axes leave."""
-    left = 1
+    """Return how many cases the conditions on listed axes leave."""
+    cases = 1
     for block in study.blocks:
-        kept = block.count
+        points = block.count
         if isinstance(block, Listed):
-            values = {name: np.asarray(held) for name, held in block.axes.items()}
-            kept = int(np.count_nonzero(selected(values, spec)))
-        left *= kept
-    return left
+            values = {name: np.asarray(listed) for name, listed in block.axes.items()}
+            points = int(np.count_nonzero(selected(values, spec)))
+        cases *= points
+    return cases
 
 
 def wrong_selection(study: Study, key: KeyPath, spec: Mapping[str, Any]) -> Iterator[Problem]:
@@ -395,12 +396,14 @@ def wrong_selection(study: Study, key: KeyPath, spec: Mapping[str, Any]) -> Iter
     ]
     yield from wrong
     if not wrong and not _selected(study, spec):
-        text = "selects no case: paired axes go in step, and bounds must have a value between them"
+        text = (
+            "selects no case: paired axes vary together, and bounds must have a value between them"
+        )
         yield key, text
 
 
 def _not_selected(study: Study, name: str, wanted: Any) -> str:
-    """Why cases cannot be chosen by a value of an axis, or by two bounds; nothing if they can."""
+    """Return why cases cannot be chosen by a value of an axis, or by two bounds; nothing if they can."""
     if name not in study.axis_names:
         return "not an axis of this study"
     is_word, values = parameter(name).is_word, study.values_of(name)

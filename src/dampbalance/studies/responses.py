@@ -40,14 +40,14 @@ from .cases import NOT_READ, STEP_TOO_COARSE, Cases, Responses
 from .parameters import of_law, oscillator_of
 from .study_file import CONTACT, SIMPSON
 
-_OF_FIT = (*TERMS, CONTACT)  # what the maximum-likelihood oscillator identifies
-_HARMONICS = 128  # odd ones: what lies beyond takes 1e-9 of the work or less
+_OF_FIT = (*TERMS, CONTACT)  # identified by the maximum-likelihood oscillator
+_HARMONICS = 128  # odd ones: those beyond take 1e-9 of the work or less
 
 
 def _one_by_one(
     cases: Cases, response: Callable[[Oscillator, BaseMotion, int], Features]
 ) -> Features:
-    """Features (L, n).   response : of an oscillator under a base motion, with the number of the case among these."""
+    """Return features (L, n).   response : of an oscillator under a base motion, with the number of the case."""
     columns = []
     for case, omega in enumerate(followed(cases.si["omega"].tolist(), len(cases.numbers), "cases")):
         osc, levels = oscillator_of(cases.si, case), cases.Y[:, case].tolist()
@@ -59,7 +59,7 @@ def _one_by_one(
 
 
 def law_responses(cases: Cases, terms: Iterable[str]) -> Responses:
-    """The steady responses under the damping law of each case.   terms : symbols of the further terms to integrate."""
+    """Return the steady responses under the damping law of each case.   terms : further terms to integrate."""
     si, terms = cases.si, list(terms)
 
     def response(osc: Oscillator, motion: BaseMotion, case: int) -> Features:
@@ -78,7 +78,7 @@ def law_responses(cases: Cases, terms: Iterable[str]) -> Responses:
 def of_response(
     response: Response, motion: BaseMotion, k: float, terms: Iterable[str] = ()
 ) -> Features:
-    """Features of one steady response under any law, (1,).
+    """Return the features of one steady response under any law, (1,).
 
     motion : of the base.   k : spring to the base, N/m.   terms : symbols of the further terms to integrate.
     """
@@ -91,7 +91,7 @@ def of_response(
     def displacement(theta: float) -> float:
         return float((x * np.exp(1j * n * theta)).real.sum())
 
-    # of zero, before the reversal at +X
+    # zero crossing before the reversal at +X
     upward = float(brentq(displacement, reversal - math.pi, reversal, xtol=1e-14))
     changed: dict[str, Any] = {
         "Y": np.array([motion.Y]),
@@ -116,7 +116,7 @@ def of_response(
 
 
 def record_responses(cases: Cases, _: Iterable[str]) -> Responses:
-    """The responses read off the records of the routes fixed_step and sampled."""
+    """Return the responses read off the records of the routes fixed_step and sampled."""
     record_of = _simulated if cases.study.route.kind == "fixed_step" else _sampled
 
     def read(osc: Oscillator, motion: BaseMotion, case: int) -> Features:
@@ -134,7 +134,7 @@ def record_responses(cases: Cases, _: Iterable[str]) -> Responses:
 
 
 def _simulated(cases: Cases, osc: Oscillator, motion: BaseMotion, case: int) -> Record:
-    """The last three cycles of those that a fixed-step scheme computes."""
+    """Return the last three cycles of those that a fixed-step scheme computes."""
     values = cases.values
     if "step_s" in values:
         step = float(values["step_s"][case])
@@ -142,12 +142,12 @@ def _simulated(cases: Cases, osc: Oscillator, motion: BaseMotion, case: int) -> 
         step = motion.period / float(values["steps_per_cycle"][case])
     if not 0.0 < step < motion.period:
         raise StepTooCoarse
-    kept = {"cycles": cases.study.cycles, "keep_cycles": CYCLES_TO_READ}
-    return simulate(osc, motion, scheme=str(values["scheme"][case]), step=step, **kept)
+    lengths = {"cycles": cases.study.cycles, "keep_cycles": CYCLES_TO_READ}
+    return simulate(osc, motion, scheme=str(values["scheme"][case]), step=step, **lengths)
 
 
 def _sampled(cases: Cases, osc: Oscillator, motion: BaseMotion, case: int) -> Record:
-    """The exact response, sampled at sampling_hz for the cycles of the study, from ωt = 0 on."""
+    """Return the exact response, sampled at sampling_hz for the cycles of the study, from ωt = 0 on."""
     orbit = steady_orbit(osc, motion)
     rate = float(cases.values["sampling_hz"][case])
     t = np.arange(int(cases.study.cycles * motion.period * rate) + 1) / rate
@@ -159,7 +159,7 @@ def _sampled(cases: Cases, osc: Oscillator, motion: BaseMotion, case: int) -> Re
 
 
 def measured_responses(cases: Cases, _: Iterable[str]) -> Responses:
-    """The responses, measured over the cycles of the study at sampling_hz with noise in each channel, and read.
+    """Return the responses, measured over the cycles of the study at sampling_hz with noise in each channel, and read.
 
     Each case is a separate experiment. The reader is given the stiffness k alone: frequency, amplitudes and phases are
     identified. Where a fit of the study asks for it, the signals are integrated as they are, by Simpson's rule; that
@@ -179,13 +179,13 @@ def measured_responses(cases: Cases, _: Iterable[str]) -> Responses:
         points.append(point)
         replicates.append(replicate)
         if whole is not None and (answer := whole.answer):
-            for row, of in zip(fitted, (answer.values, answer.standard_errors), strict=True):
-                row[:, case] = [of[symbol] for symbol in _OF_FIT]
+            for row, by_symbol in zip(fitted, (answer.values, answer.standard_errors), strict=True):
+                row[:, case] = [by_symbol[symbol] for symbol in _OF_FIT]
         if by_simpson:
             integrals = _by_simpson(records, osc.k, study.replicates, random)
             pairs = zip((point, replicate), integrals, strict=True)
-            plain.append([seen.replaced(**dict(zip("abW", of, strict=True))) for seen, of in pairs])
-    values, errors = (dict(zip(_OF_FIT, of, strict=True)) for of in fitted)
+            plain.append([seen.replaced(a=a, b=b, W=W) for seen, (a, b, W) in pairs])
+    values, errors = (dict(zip(_OF_FIT, numbers, strict=True)) for numbers in fitted)
     simpson = tuple(side_by_side(parts) for parts in zip(*plain, strict=True))
     return Responses(side_by_side(points), side_by_side(replicates), simpson, (values, errors))
 
@@ -193,7 +193,7 @@ def measured_responses(cases: Cases, _: Iterable[str]) -> Responses:
 def _measured(
     cases: Cases, osc: Oscillator, case: int, level: int
 ) -> tuple[Reading, Measurement] | str:
-    """The reading of one record, and the record; the reason, in words, where it cannot be read."""
+    """Return the reading of one record, and the record; the reason, in words, where it cannot be read."""
     study = cases.study
     motion = BaseMotion(float(cases.Y[level, case]), float(cases.si["omega"][case]))
     random = np.random.default_rng([study.seed, int(cases.numbers[case]), level])
@@ -220,7 +220,7 @@ def _measured(
 def _with_one_oscillator(
     read: Sequence[Reading | str], k: float, count: int, random: np.random.Generator
 ) -> tuple[Features, Features, JointFit | None]:
-    """Features (L,) and replicates (L, count) of the levels of a case, and the oscillator fitted to all of them.
+    """Return features (L,) and replicates (L, count) of the levels of a case, and the oscillator fitted to all of them.
 
     The onsets of slip are those of that oscillator, as in `identification`. A level that was not read has NaN and the
     reason; where no oscillator fits the records, no level has a friction travel.
@@ -232,13 +232,12 @@ def _with_one_oscillator(
     if readings:
         whole = joint_fit([reading.lines for reading in readings], k, departures=False)
         shared = with_common_fit(readings, whole)
-        means = [one.mean.followed_by(one.resampled(count, random)) for one in shared]
+        means = [each.mean.followed_by(each.resampled(count, random)) for each in shared]
         features = sample_of(shared, means).features
-        of_all = features[:, 0], features[:, 1:]
         if not whole.waveforms_hold:
-            of_all = of_all[0].replaced(a=np.nan), of_all[1].replaced(a=np.nan)
-        points, replicates = [of_all[0], *points], [of_all[1], *replicates]
-    last = [isinstance(reading, str) for reading in read]  # of the parts
+            features = features.replaced(a=np.nan)
+        points, replicates = [features[:, 0], *points], [features[:, 1:], *replicates]
+    last = [isinstance(reading, str) for reading in read]
     levels = np.argsort(np.argsort(last, kind="stable"))
     return stack(points)[levels], stack(replicates)[levels], whole
 
@@ -249,8 +248,10 @@ def _by_simpson(
     count: int,
     random: np.random.Generator,
 ) -> tuple[Array, Array]:
-    """a, b and W of the levels of a case by `signals.simpson`, (3, L), and replicates, (3, L, count); NaN where the
-    record was not read."""
+    """Return a, b and W of the levels of a case by `signals.simpson`, (3, L), and replicates, (3, L, count).
+
+    They are NaN where the record was not read.
+    """
     values, drawn = np.full((3, len(records)), np.nan), np.full((3, len(records), count), np.nan)
     for level, record in enumerate(records):
         if not isinstance(record, str):

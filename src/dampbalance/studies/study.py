@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     import xarray
     from matplotlib.axes import Axes
 
-_DEEPEST = 20  # as in a file
+_DEEPEST = 20  # lists and mappings inside each other, as in a file
 _OF_NAMES = ("approaches", "phases", "sharing", "contact", "weights", "yardsticks", "fits")
 
 
@@ -37,8 +37,10 @@ class StudyResult:
     cases: pd.DataFrame
 
     def to_frame(self) -> pd.DataFrame:
-        """A row for each case: the axes, the parameters in SI units, the regime, and for each way to identify F_k and c
-        what `columns` asks for, such as F_k_relative_error__X_s__reversal__individual__least_squares."""
+        """Return a row for each case: the axes, the parameters in SI units, the regime, and what `columns` asks for.
+
+        Each way to identify F_k and c has columns such as F_k_relative_error__X_s__reversal__individual__least_squares.
+        """
         return self.cases.copy()
 
     @cached_property
@@ -64,9 +66,9 @@ class StudyResult:
         return pd.DataFrame.from_dict(rows, orient="index").rename_axis("fit")
 
     def to_xarray(self) -> xarray.Dataset:
-        """The table as a data set of xarray, which has to be installed: errors over the axes and the dimension `fit`,
-        responses over the axes and the dimension `level`.
+        """Return the table as a data set of xarray, which has to be installed.
 
+        It holds errors over the axes and the dimension `fit`, responses over the axes and the dimension `level`.
         Axes that are varied together share the dimension of the first of them; a sample has a dimension of its own.
         """
         try:
@@ -83,7 +85,7 @@ class StudyResult:
             dimension = next(iter(block.axes)) if isinstance(block, Listed) else f"sample_{number}"
             sizes[dimension] = block.count
             points = block.at(np.arange(block.count))
-            coords |= {name: (dimension, of) for name, of in points.items()}
+            coords |= {name: (dimension, values) for name, values in points.items()}
         shape, dims, fits = tuple(sizes.values()), tuple(sizes), [fit.label for fit in study.fits]
         coords |= {"fit": fits, "level": np.arange(len(study.levels)) + 1}
         for column in case_columns(study):
@@ -131,11 +133,11 @@ class StudyResult:
         return np.array(page.axes) if ax is None else ax
 
     def __repr__(self) -> str:
-        """What was studied, and the summary."""
+        """Return what was studied, and the summary."""
         return f"{self._head}\n{self.summary.to_string(float_format='{:.3g}'.format)}"
 
     def _repr_html_(self) -> str:
-        """What was studied, and the summary as a table."""
+        """Return what was studied, and the summary as a table."""
         return f"<p>{self._head}</p>{self.summary.to_html(float_format='{:.3g}'.format)}"
 
     @property
@@ -157,7 +159,7 @@ def study(
     columns: Sequence[str] | str | None = None,
     threads: int | None = None,
 ) -> StudyResult:
-    """How well approaches identify F_k and c, over any parameters of the oscillator, the excitation or the noise.
+    """Compute how well approaches identify F_k and c, over any parameters of oscillator, excitation or noise.
 
     Use it to find out how far the method holds for a system like yours, or to try an approach of your own (`Approach`)
     or a damping law (`Term`). The arguments are the keys of a study's YAML file, with the same meaning, defaults and
@@ -200,7 +202,7 @@ def study(
     document = {"title": "study()", **_document(stated, own)}
     schema = _with_terms(read_schema(STUDY_SCHEMA), own)
     if wrong := list(problems(document, schema, PAPER_CASE)):
-        if isinstance(axes, Mapping):  # whose blocks have no number
+        if isinstance(axes, Mapping):  # the blocks of a mapping have no number
             wrong = [(key[:1] + key[2:] if key[0] == "axes" else key, text) for key, text in wrong]
         raise ConfigurationError(in_lines(wrong, {"study()": document}))
     settings = Study.of("study", document, PAPER_CASE)
@@ -214,26 +216,26 @@ def study(
 
 
 def _with_terms(schema: Any, own: Sequence[str]) -> Any:
-    """The schema with the coefficients of other terms as parameters, wherever it has that of a built-in one."""
+    """Return the schema with the coefficients of other terms as parameters, wherever it has that of a built-in one."""
     if isinstance(schema, list):
-        return [_with_terms(of, own) for of in schema]
+        return [_with_terms(part, own) for part in schema]
     if not isinstance(schema, dict):
         return schema
-    copy = {key: _with_terms(of, own) for key, of in schema.items()}
+    copy = {key: _with_terms(part, own) for key, part in schema.items()}
     return copy | dict.fromkeys(own, copy["eta"]) if "eta" in copy else copy
 
 
 def _document(given: Mapping[str, Any], own: list[str]) -> dict[str, Any]:
-    """The arguments as the document of a YAML file: plain values, and lists where a name alone stands for one.
+    """Return the arguments as the document of a YAML file: plain values, and lists where a name alone stands for one.
 
     own : takes the coefficients of terms that are keys.
     """
     document: dict[str, Any] = _plain(given, own)
     if isinstance(document["axes"], dict):
-        document["axes"] = [{name: of} for name, of in document["axes"].items()]
+        document["axes"] = [{name: spec} for name, spec in document["axes"].items()]
     for block in document["axes"] if isinstance(document["axes"], list) else ():
         if isinstance(block, dict):
-            block |= {name: {"values": of} for name, of in block.items() if isinstance(of, list)}
+            block |= {name: {"values": x} for name, x in block.items() if isinstance(x, list)}
     if isinstance(document.get("route"), str):
         document["route"] = {"kind": document["route"]}
     estimation = document.get("estimation")
@@ -247,20 +249,23 @@ def _document(given: Mapping[str, Any], own: list[str]) -> dict[str, Any]:
 
 
 def _plain(value: Any, own: list[str], depth: int = 0) -> Any:
-    """A value as a YAML file would hold it; what none can hold is text, which the schema refuses. Terms and approaches
-    stay what they are, and a term that is a key becomes its coefficient."""
+    """Return a value as a YAML file would hold it; what none can hold becomes text, which the schema refuses.
+
+    Terms and approaches stay what they are, and a term that is a key becomes its coefficient.
+    """
     if depth > _DEEPEST:
         raise ValueError(f"study(): more than {_DEEPEST} lists and mappings inside each other")
     if isinstance(value, Oscillator):
-        value = {named_with_unit(name, UNITS[name]): of for name, of in asdict(value).items()}
+        value = {named_with_unit(name, UNITS[name]): x for name, x in asdict(value).items()}
     if hasattr(value, "tolist") and not isinstance(value, type):
         value = value.tolist()
     if isinstance(value, Mapping):
         keys = [Coefficient.of(term(key)) if isinstance(key, Term) else str(key) for key in value]
         own += [key for key in keys if isinstance(key, Coefficient)]
         return {
-            key: _plain(of, own, depth + 1) for key, of in zip(keys, value.values(), strict=True)
+            key: _plain(item, own, depth + 1)
+            for key, item in zip(keys, value.values(), strict=True)
         }
     if isinstance(value, list | tuple | range):
-        return [_plain(of, own, depth + 1) for of in value]
+        return [_plain(item, own, depth + 1) for item in value]
     return value if isinstance(value, str | int | float | None) else shown(value)

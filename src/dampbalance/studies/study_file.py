@@ -39,7 +39,7 @@ class Range(NamedTuple):
     spacing: Literal["linear", "log"]
 
     def at(self, share: Array) -> Array:
-        """The value at a share 0 … 1 of the way from low to high."""
+        """Return the value at a share 0 … 1 of the way from low to high."""
         if self.spacing == "linear":
             return np.asarray(self.low + share * (self.high - self.low))
         low, high = math.log(self.low), math.log(self.high)
@@ -48,7 +48,7 @@ class Range(NamedTuple):
 
 @dataclass(frozen=True)
 class Listed:
-    """Paired axes: name → values, all of the same length. A plain axis has one name."""
+    """Axes that vary together: name → values, all of the same length. A plain axis has one name."""
 
     axes: Mapping[str, Sequence[float | int | str]]
 
@@ -58,7 +58,7 @@ class Listed:
         return len(next(iter(self.axes.values())))
 
     def at(self, index: Integers) -> dict[str, Words]:
-        """The values of each parameter at the points `index`."""
+        """Return the values of each parameter at the points `index`."""
         return {name: np.asarray(values)[index] for name, values in self.axes.items()}
 
 
@@ -75,10 +75,10 @@ class Sampled:
     seed: int
 
     def at(self, index: Integers) -> dict[str, Words]:
-        """The values of each parameter at the points `index`."""
+        """Return the values of each parameter at the points `index`."""
         first = int(index.min())
         shares = self._shares(first, int(index.max()) - first + 1)[index - first]
-        return {name: of.at(shares[:, i]) for i, (name, of) in enumerate(self.axes.items())}
+        return {name: bounds.at(shares[:, i]) for i, (name, bounds) in enumerate(self.axes.items())}
 
     def _shares(self, start: int, count: int) -> Array:
         dimension = len(self.axes)
@@ -111,7 +111,7 @@ def _block(item: Mapping[str, Any]) -> Block:
 
 
 def case_values(blocks: Sequence[Block], start: int, stop: int) -> dict[str, Words]:
-    """The value of every axis in the cases start … stop − 1, each an array of length stop − start."""
+    """Return the value of every axis in the cases start … stop − 1, each an array of length stop − start."""
     remaining = np.arange(start, stop, dtype=np.int64)
     values: dict[str, Words] = {}
     for block in reversed(blocks):
@@ -121,9 +121,11 @@ def case_values(blocks: Sequence[Block], start: int, stop: int) -> dict[str, Wor
 
 
 def spread_values(spec: Mapping[str, Any]) -> list[float]:
-    """The values of an axis that is given by its ends, which it includes, and their number: evenly spaced themselves or
-    in their logarithms, with further values, `also`, in ascending order; such a value replaces one that equals it
-    except for rounding."""
+    """Return the values of an axis that is given by its ends, which it includes, and their number.
+
+    They or their logarithms are evenly spaced; further values, `also`, are sorted in, and replace those that equal them
+    except for rounding.
+    """
     spaced = np.geomspace if spec.get("spacing") == "log" else np.linspace
     values = spaced(float(spec["from"]), float(spec["to"]), spec["count"]).tolist()
     if "also" not in spec:
@@ -133,22 +135,24 @@ def spread_values(spec: Mapping[str, Any]) -> list[float]:
 
 
 def is_value(values: Words, wanted: float) -> Mask:
-    """Which values equal the wanted one, except for rounding."""
+    """Return which values equal the wanted one, except for rounding."""
     return np.abs(values.astype(float) - wanted) <= SAME * abs(wanted)
 
 
 def selected(values: Mapping[str, Words], spec: Mapping[str, Any]) -> Mask:
-    """Which points have the values of axes that a number or a figure names in `at`, and lie in its bounds, `between`;
-    axes that have no values here do not count."""
-    kept = np.ones(len(next(iter(values.values()))), dtype=bool)
+    """Return which points have the values of axes in `at` and lie in the bounds `between` of a number or a figure.
+
+    Axes that have no values here do not count.
+    """
+    mask = np.ones(len(next(iter(values.values()))), dtype=bool)
     for name, wanted in spec.get("at", {}).items():
         if name in values:
             here = values[name]
-            kept &= here == wanted if isinstance(wanted, str) else is_value(here, wanted)
+            mask &= here == wanted if isinstance(wanted, str) else is_value(here, wanted)
     for name, (low, high) in spec.get("between", {}).items():
         if name in values:
-            kept &= (values[name] >= low) & (values[name] <= high)
-    return kept
+            mask &= (values[name] >= low) & (values[name] <= high)
+    return mask
 
 
 # --- routes ------------------------------------------------------------------------------------------
@@ -268,8 +272,10 @@ class Fit:
 
     @property
     def label(self) -> str:
-        """How the names of the columns of this fit end, e.g. X_s__reversal__individual__least_squares; a rigid contact,
-        equal weights of noisy records and terms are named: direct__F_k+c+c_2__rigid__equal__least_squares."""
+        """The end of the names of the columns of this fit, e.g. X_s__reversal__individual__least_squares.
+
+        It names a rigid contact, equal weights of noisy records, and terms: direct__F_k+c+c_2__rigid__equal__….
+        """
         return "__".join(self.parts)
 
     @property
@@ -329,16 +335,16 @@ class Study:
         return frozenset((*self.fixed, *self.axis_names))
 
     def block_of(self, axis: str) -> Block | None:
-        """The block that sets a parameter, None where none does."""
+        """Return the block that sets a parameter, None where none does."""
         return next((block for block in self.blocks if axis in block.axes), None)
 
     def values_of(self, axis: str) -> Sequence[float | int | str]:
-        """The listed values of an axis; none where it is sampled or there is no such axis."""
+        """Return the listed values of an axis; none where it is sampled or there is no such axis."""
         block = self.block_of(axis)
         return block.axes[axis] if isinstance(block, Listed) else ()
 
     def extent(self, name: str) -> tuple[float, float]:
-        """The least and the largest value of a parameter, whether it is fixed or an axis of numbers."""
+        """Return the least and the largest value of a parameter, whether it is fixed or an axis of numbers."""
         block = self.block_of(name)
         if isinstance(block, Sampled):
             return block.axes[name][:2]
@@ -352,7 +358,7 @@ class Study:
         return [*samples, self.seed] if self.route.is_noisy else samples
 
     def fits_of(self, spec: Mapping[str, Any]) -> list[Fit]:
-        """The fits that a number or a figure selects by the keys that it sets.
+        """Return the fits that a number or a figure selects by the keys that it sets.
 
         lines : label → such a selection, each of one fit; none is selected where one of them selects none or several.
         contact : compliant or rigid; if it is missing, compliant, or else all.   weights : weighted or equal; if they
@@ -384,7 +390,7 @@ class Study:
         paper: Mapping[str, Any],
         text: Path | None = None,
     ) -> Self:
-        """The study of a document in which `reading_study.problems` finds no fault; paper : see `paper_defaults`."""
+        """Return the study of a document without faults, see `reading_study.problems`.   paper : `paper_defaults`."""
         blocks, route = tuple(map(_block, document["axes"])), document.get("route", {})
         way = STUDY_ROUTES[route.get("kind", "exact")]
         given = document.get("base", {}) | {
@@ -397,7 +403,7 @@ class Study:
         taken |= {other for key in fixed for other in synonyms(key)}
         fixed |= {key: value for key, value in paper["base"].items() if key not in taken}
         levels = document.get("levels_of_Y", document.get("levels_m", paper["levels_m"]))
-        # what is meant where the file does not say
+        # defaults where the file does not say
         of_route: dict[str, Any] = {"cycles": way.cycles, "reading": "interpolated"}
         of_route |= {"seed": 0, "replicates": REPLICATES}
         of_study: dict[str, Any] = {"columns": DEFAULT_COLUMNS, "chunk_cases": way.chunk_cases}
@@ -434,7 +440,7 @@ PAPER_CASE: Mapping[str, Any] = {
 
 
 def paper_defaults(config: Mapping[str, Any]) -> dict[str, Any]:
-    """The paper's values of the parameters and levels that a study leaves out: {base: …, levels_m: …}."""
+    """Return the paper's values of the parameters and levels that a study leaves out: {base: …, levels_m: …}."""
     frequencies, levels = config["excitation"]["frequencies"], config["excitation"]["levels_m"]
     base = {**config["oscillator"], "frequency_hz": frequencies[0]["hz"], "Y_m": levels[0]}
     return {"base": base, "levels_m": levels}
@@ -447,10 +453,10 @@ def _fits(estimation: Mapping[str, Any], way: Route) -> Iterator[Fit]:
     contacts = estimation.get("contact", [COMPLIANT])
     weights = estimation.get("weights", [WEIGHTED]) if way.is_noisy else [""]
     terms = list(dict.fromkeys(map(in_order, estimation.get("terms", [()]))))
-    for one in map(approach, estimation.get("approaches", APPROACHES)):
-        choices = of_phase if one.takes_phase else ([""], [""])
+    for chosen in map(approach, estimation.get("approaches", APPROACHES)):
+        choices = of_phase if chosen.takes_phase else ([""], [""])
         for choice in product(*choices, contacts, weights, levels, terms):
-            yield Fit(one, *choice)
+            yield Fit(chosen, *choice)
     of_yardsticks = {SIMPSON: (RIGID, EQUAL), LIKELIHOOD: (COMPLIANT, "")}
     for name in estimation.get("yardsticks", []):
         if name == CONTACT:

@@ -9,7 +9,7 @@ if __name__ == "__main__":
     brief_troubles(snakemake.log)
     p = snakemake.params
     try:
-        found = identify(list(snakemake.input.records), **configured(p.settings))
+        answer = identify(list(snakemake.input.records), **configured(p.settings))
     except ValueError as error:
         sys.exit(f"error: {error}")
-    found.save(p.folder, overwrite=True)
+    answer.save(p.folder, overwrite=True)

@@ -14,7 +14,7 @@ TABLES = ("table1", "table2", "table3", "statistics")
 
 
 def read_tables(folder, case):
-    """frequency → name → table."""
+    """Return frequency → name → table."""
     return {
         frequency: {
             name: read_csv(f"{folder}/tables/{name}{case.suffix(frequency)}.csv") for name in TABLES

@@ -7,7 +7,7 @@ from dampbalance.publishing.provenance.manifest import manifest
 if __name__ == "__main__":
     brief_troubles(snakemake.log)
     p = snakemake.params
-    made = manifest(
+    document = manifest(
         p.case, p.configuration, p.configuration_files, p.sources, p.jobs, p.code, p.lock
     )
-    write_json(snakemake.output.json, made)
+    write_json(snakemake.output.json, document)

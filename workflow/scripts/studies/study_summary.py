@@ -1,4 +1,4 @@
-"""What a study shows: a table of errors, and a page with the figure and its numbers in words."""
+"""Write what a study shows: a table of errors, and a page with the figure and its numbers in words."""
 
 from pathlib import Path
 

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any, Literal, TypeVar
 
 import typst
+from matplotlib import get_data_path
 
 STANDARDS: list[Literal["a-3a", "ua-1"]] = ["a-3a", "ua-1"]
 """PDF/A-3 at level a (which includes level b), for archiving; PDF/UA, so that it can be read aloud: a figure or an
@@ -29,13 +30,16 @@ class ArticleError(RuntimeError):
 
 
 def compiler(source: Source, root: str | Path, inputs: Inputs) -> typst.Compiler:
-    """A compiler that uses only the fonts that typst brings along: the article looks the same on every machine.
+    """Return a compiler that knows the fonts of typst and matplotlib alone: the article looks the same everywhere.
 
-    inputs : what the article finds as JSON in `sys.inputs.given`. It is one input, as typst takes several in an order
-    that changes from call to call, and lays a document out again when it differs.
+    The fonts of matplotlib set the article in the face of its figures (`figures.style`).
+
+    inputs : values that the article reads as JSON in `sys.inputs.given`. It is one input, as typst takes several in an
+    order that changes from call to call, and lays a document out again when it differs.
     """
     given = {"given": json.dumps(inputs)}
-    return typst.Compiler(source, root=str(root), ignore_system_fonts=True, sys_inputs=given)
+    fonts = typst.Fonts(include_system_fonts=False, font_paths=[Path(get_data_path(), "fonts/ttf")])
+    return typst.Compiler(source, root=str(root), font_paths=fonts, sys_inputs=given)
 
 
 def query(source: Source, root: str | Path, inputs: Inputs, selector: str, field: str) -> list[Any]:
@@ -44,20 +48,20 @@ def query(source: Source, root: str | Path, inputs: Inputs, selector: str, field
 
 
 def version() -> str:
-    """The version of typst, which a PDF names as its creator; that of its package for Python may differ."""
+    """Return the version of typst, which a PDF names as its creator; its package for Python may have another."""
     source = b'#metadata(array(sys.version).map(str).join("."))<version>'
     return str(query(source, ".", {}, "<version>", "value")[0])
 
 
 def article(folder: str | Path, results: str | Path, inputs: Inputs) -> bytes:
-    """The PDF of the article in a folder, with results that are kept anywhere."""
+    """Return the PDF of the article in a folder, with results that are kept anywhere."""
     with article_next_to_results(folder, results) as source:
         return pdf(source, source.parents[1], inputs)
 
 
 @contextmanager
 def article_next_to_results(folder: str | Path, results: str | Path) -> Iterator[Path]:
-    """The source of the article in a folder, as typst can read it with results that are kept anywhere.
+    """Yield the source of the article in a folder, as typst can read it with results that are kept anywhere.
 
     typst reads files below one folder only, and names the files that it attaches by their paths from there. So the
     article stands in a temporary folder in which /article is a copy of `folder` and /results leads to `results`.
@@ -69,7 +73,7 @@ def article_next_to_results(folder: str | Path, results: str | Path) -> Iterator
 
 
 def pdf(source: Path, root: str | Path, inputs: Inputs) -> bytes:
-    """The article as PDF/A and PDF/UA. Raises ArticleError for an error of typst, and for a warning."""
+    """Return the article as PDF/A and PDF/UA. Raises ArticleError for an error of typst, and for a warning."""
     try:
         document, warnings = compiler(source, root, inputs).compile_with_warnings(
             format="pdf", pdf_standards=[*STANDARDS], timestamp=TIMESTAMP

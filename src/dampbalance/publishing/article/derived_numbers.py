@@ -1,4 +1,4 @@
-"""Numbers that the article argues with and no other result holds, each computed from the tables of results.
+"""Compute the numbers that the article argues with and no other result contains, each from the tables of results.
 
 `derived_numbers` collects them in one nested dictionary, so that each has a place (a JSON pointer) in one file.
 """
@@ -57,7 +57,7 @@ def derived_numbers(
     cycles: pd.DataFrame,
     unrounded: pd.DataFrame,
 ) -> Json:
-    """All numbers of evidence.json, each group under the name of what it describes.
+    """Return all numbers of evidence.json, each group under the name of what it describes.
 
     features, estimates : route (exact, as_published) → frequency → table.   claims : the table of verdicts, as text.
     approaches, schemes, cycles : by `comparison.approaches_table`, `authors_route.scheme_table` and `trial_table`.
@@ -161,7 +161,7 @@ def setting(case: Case, first: Features) -> Json:
 
 
 def recipe(case: Case, exact: Features) -> Json:
-    """The numbers of the recipe for Table 3: how the responses at the first frequency are read.
+    """Return the numbers of the recipe for Table 3: how the responses at the first frequency are read.
 
     None stands for a rule that the case does not have.
 
@@ -192,13 +192,13 @@ def recipe(case: Case, exact: Features) -> Json:
 
 
 def numbers_of_free_choices(case: Case) -> Json:
-    """The free choices behind the as-published numbers with their counts: continuous, discrete, list."""
+    """List the free choices behind the as-published numbers with their counts: continuous, discrete, list."""
     choices = proof.free_choices(case)
     return {**{kind: len(of) for kind, of in choices.items()}, "list": choices}
 
 
 def left_open(case: Case, exact: Mapping[str, pd.DataFrame], claims: pd.DataFrame) -> Json:
-    """Count what unprinted read-outs leave of the largest error that the paper states at its last frequency.
+    """Count how often unprinted read-outs exceed the largest error that the paper states at its last frequency.
 
     draws, seed : of the Monte Carlo.   spreads : half widths of X, µm, and φ, rad, and the share of draws above the
     printed bound, %.   rounded : low and high, between which the largest error, %, of the inner inner_percent of the
@@ -224,7 +224,7 @@ def left_open(case: Case, exact: Mapping[str, pd.DataFrame], claims: pd.DataFram
 def integral_deviations(
     exact: pd.DataFrame, rebuilt: pd.DataFrame, claims: pd.DataFrame, schemes: pd.DataFrame
 ) -> Json:
-    """Relative deviations of a, b and W of Table 2, as ranges over the levels.
+    """Return the relative deviations of a, b and W of Table 2, as ranges over the levels.
 
     printed : of the printed numbers from the exact ones.   as_published : of the rebuilt simulation from the exact one.
     printed_from_rebuilt : of the printed numbers from the rebuilt ones, in size; without the first level as well.
@@ -257,7 +257,7 @@ def integral_deviations(
 
 
 def step_from_work(claims: pd.DataFrame, schemes: pd.DataFrame, case: Case) -> Json:
-    """The step, µs, at which backward Euler would give each printed W of Table 2, by way of rounding c/m and k/m.
+    """Return the step, µs, at which backward Euler gives each printed W of Table 2, by way of rounding c/m and k/m.
 
     Its error is proportional to h, and Runge–Kutta with the same coefficients gives W for h → 0.
 
@@ -278,7 +278,7 @@ SIMULATION = ["trial", "scheme", "step_s", "c_N_s_per_m"]
 
 
 def sampling_instants(cycles: pd.DataFrame, claims: pd.DataFrame) -> pd.DataFrame:
-    """Where within a step each printed a says that the motion is sampled, in each cycle of each simulation.
+    """Return the sampling instant within a step that each printed a implies, in each cycle of each simulation.
 
     Adds a column instant: the part of a step by which a level deviates from the mean of its cycle, between −1/2 and
     1/2. If the simulation is the one behind the printed a, all levels agree on one instant, and it is zero. Whole steps
@@ -294,7 +294,7 @@ def sampling_instants(cycles: pd.DataFrame, claims: pd.DataFrame) -> pd.DataFram
 
 
 def agreement_of_instants(instants: pd.DataFrame, claims: pd.DataFrame) -> Json:
-    """How well the printed a of all levels agree on one sampling instant, in steps, by trial.
+    """Return how well the printed a of all levels agree on one sampling instant, in steps, by trial.
 
     spread : by trial, the largest deviation of a level in a cycle: the smallest and the largest of all cycles.
     count : number of cycles of the as-published simulation.   steps : number of other steps tried.
@@ -322,7 +322,7 @@ def agreement_of_instants(instants: pd.DataFrame, claims: pd.DataFrame) -> Json:
 def at_a_glance(
     evidence: Evidence, approaches: pd.DataFrame, case: Case
 ) -> tuple[Damping, dict[str, list[float]], list[float]]:
-    """What `figures.numerics.glance` draws: damping, and errors of F_k at each frequency, Hz.
+    """Return the values that `figures.numerics.glance` draws: damping, and errors of F_k at each frequency, Hz.
 
     evidence : what the figure of the numerics draws.   approaches : the table of `comparison.approaches_table`.
     """
@@ -343,7 +343,7 @@ def at_a_glance(
 
 
 def lock_in_errors(features: Features, oscillator: Oscillator, pairs: Sequence[Pair]) -> Json:
-    """Errors of F_k and c, %, by the Fourier balance with b = πωX_1² alone, which a lock-in amplifier at ω measures.
+    """Return the errors of F_k and c, %, by the Fourier balance with b = πωX_1² alone, which a lock-in amplifier gives.
 
     pair : size of the largest error of all pairs.   least_squares : error with its sign.
     """
@@ -358,7 +358,7 @@ def lock_in_errors(features: Features, oscillator: Oscillator, pairs: Sequence[P
 
 
 def balance_terms(features: Features, oscillator: Oscillator) -> Json:
-    """How the terms of the balance compare, as ranges over the levels, in %.
+    """Compare the terms of the balance, as ranges over the levels, in %.
 
     friction_share : a F_k / W.   sine : sin φ with φ of the reversal, not in %.
     phase_spread : (largest − smallest sin φ)/mean, with φ of the reversal and of the fundamental.
@@ -390,13 +390,13 @@ def balance_terms(features: Features, oscillator: Oscillator) -> Json:
 
 
 def _printed(claims: pd.DataFrame, name: str) -> np.ndarray:
-    """The printed a, b or W of Table 2, level by level."""
+    """Return the printed a, b or W of Table 2, level by level."""
     in_column = claims["id"].str.startswith(of_cell("table2", name))
     return claims.loc[in_column, "printed"].astype(float).to_numpy()
 
 
 def _range(values: Any) -> Json:
-    """Smallest and largest value, those of the first and the last level, and the largest size."""
+    """Return the smallest and largest value, those of the first and the last level, and the largest size."""
     numbers = np.asarray(values)
     return {
         "min": numbers.min(),

@@ -1,4 +1,4 @@
-"""What the instruments of the page need to know of the case and its print; they compute everything else themselves."""
+"""Inputs of the page's instruments from the case and its print; they compute everything else themselves."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ STOPS_US = (1, 1.5, 2, 2.5, 3, 4, 4.5, 5, 5.5, 6, 7, 8, 10, 15, 20, 30, 50)
 def instruments_data(
     case: Case, claims: pd.DataFrame | None, digits: Mapping[str, Any] | None
 ) -> dict[str, Any]:
-    """The case in SI units and what the instruments need besides, for `kit.js`; to stand in the page as JSON.
+    """Return the case in SI units and what the instruments need besides, for `kit.js`; to stand in the page as JSON.
 
     case : m, c, k, K_z, F_k, levels (m), frequencies (name → Hz) and pairs of levels (counted from 0).
     approaches : key → its label, colour and shape.   steps : ways to mend the balance off resonance, the paper's two
@@ -68,7 +68,7 @@ def instruments_data(
 
 
 def _integrator(case: Case, claims: pd.DataFrame) -> dict[str, Any]:
-    """The data of `integrator.js`."""
+    """Return the data of `integrator.js`."""
     numerics = case.numerics
     symbols = [quantity.symbol for quantity in (*TABLE_2, *IDENTIFIED_QUANTITIES)]
     rows = {s: claims[claims["id"].str.startswith(of_cell("table2", s))] for s in symbols}
@@ -95,7 +95,8 @@ def _integrator(case: Case, claims: pd.DataFrame) -> dict[str, Any]:
 
 
 def _name(where: str, quantity: str) -> str:
-    """A printed number in a few words: "level 2: X_s", "pair 1-2: F_k by X_s"; of the running text what it is."""
+    """Return a printed number in a few words: "level 2: X_s", "pair 1-2: F_k by X_s"; of the running text what it
+    is."""
     table, _, line = where.partition(", ")
     if not table.startswith("Table"):
         return plain_text(quantity)
@@ -103,7 +104,8 @@ def _name(where: str, quantity: str) -> str:
 
 
 def of_run(record: Mapping[str, Any], claims: pd.DataFrame) -> bool:
-    """Whether a record by `changed_digits.packed` is of a run's print and verdicts.   claims : claims.csv as text."""
+    """Return whether a record by `changed_digits.packed` is of a run's print and verdicts.   claims : claims.csv as
+    text."""
     computed = claims[claims["kind"] == "computed"].set_index("id")
     was = {name: record["verdicts"][place] for name, place in record["was"].items()}
     printed = {name: text for name, (text, _) in record["numbers"].items()}
@@ -112,7 +114,7 @@ def of_run(record: Mapping[str, Any], claims: pd.DataFrame) -> bool:
 
 
 def slider_controls(case: Case) -> dict[str, dict[str, Any]]:
-    """The sliders of the oscillator and its drive by name; their ranges hold the case and what lies around it.
+    """Return the sliders of the oscillator and its drive by name; their ranges hold the case and what lies around it.
 
     Y, mm : up to a third above the highest level.   f, Hz : from below the lowest frequency to above the highest.
     c : up to twice its value.   F_k : up to the force of the spring at the lowest level, which moves nothing any more.
@@ -136,7 +138,8 @@ def slider_controls(case: Case) -> dict[str, dict[str, Any]]:
 def _slider(
     label: str, unit: str, value: float, low: float, high: float, least: int = 0
 ) -> dict[str, Any]:
-    """A slider with round ends and a round step, 10ⁿ, of which there are 200 or more.   least : steps of the lowest."""
+    """Return a slider with round ends and a round step, 10ⁿ, of which there are 200 or more.   least : steps of the
+    lowest."""
     step = 10.0 ** math.floor(math.log10(high / STEPS))
     places = max(0, -math.floor(math.log10(step)))
     shown = float(f"{value:.15g}")  # without the rounding of the change of units

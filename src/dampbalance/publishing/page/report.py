@@ -56,11 +56,11 @@ _IN_A_URL = ' "<>=/:;,.()[]{}!@*+-_~?'
 
 @dataclass(frozen=True)
 class PageContent:
-    """What the page shows.
+    """Content of the page.
 
     case : as configured.   config : the merged configuration, to be listed.
     claims : `claims.csv` as text, or None for a case with nothing printed.
-    tables : frequency → name → frame of `printed_tables.COLUMNS`.   approaches : tables/approaches.csv.
+    tables : frequency → name → frame of `rebuilt_tables.COLUMNS`.   approaches : tables/approaches.csv.
     figures : name → SVG by `figures.style.save`: figure3, estimation_error, and where something is printed glance and
     numerics.
     evidence : `derived_numbers`, which the article argues with.   shown : study → its numbers and its paragraph, as
@@ -89,7 +89,7 @@ ORIGINS: dict[str, dict[str, Any]] = read_yaml(
 
 
 def report_page(content: PageContent, page: str) -> str:
-    """The page as HTML. page : where it will stand, as a path from the repository's root, for its links.
+    """Return the page as HTML. page : where it will stand, as a path from the repository's root, for its links.
 
     Warns where it is larger than LARGEST_PAGE.
     """
@@ -156,13 +156,13 @@ def report_page(content: PageContent, page: str) -> str:
 def _parts(
     table: pd.DataFrame, name: str, claims: Mapping[Any, Mapping[Any, Any]]
 ) -> Iterator[dict[str, Any]]:
-    """A table as the paper lays it out, in parts whose rows share their quantities.
+    """Yield a table as the paper lays it out, in parts whose rows share their quantities.
 
     columns : (symbol, unit) each.
     groups : a row's label and its lines, (route, cells) each, the printed one first where there is one; a cell is its
     text, and for a printed number the verdict and the claim that gives the reason.
 
-    table : a frame of `printed_tables.COLUMNS`, `printed` as text.   name : table1, table2, table3 or statistics.
+    table : a frame of `rebuilt_tables.COLUMNS`, `printed` as text.   name : table1, table2, table3 or statistics.
     claims : id → row of the table of claims, from which the cells take their digits on the way, {} for none.
     """
     places = {row: place for place, row in enumerate(dict.fromkeys(table["row"]), start=1)}
@@ -193,7 +193,7 @@ def _parts(
 
 
 def _study(content: PageContent, study: Study, svg: str) -> dict[str, Any]:
-    """The figure of a study, with what it shows: in its first sentence, and in more.
+    """Return the figure of a study, with what it shows: in its first sentence, and in more.
 
     lines, of noise : the errors of F_k as `along_lines` has them.
     """
@@ -210,7 +210,7 @@ def _study(content: PageContent, study: Study, svg: str) -> dict[str, Any]:
 
 
 def _figure(name: str, svg: str) -> dict[str, Any]:
-    """A figure that `figures.style.save` wrote, for the page.
+    """Return a figure that `figures.style.save` wrote, for the page.
 
     name : unique on the page.   alt : what it shows, in a sentence.   wide : its width, points.
     source : the SVG as drawn, without its metadata, as a data URL for an attribute in single quotes.
@@ -240,14 +240,14 @@ def _tables(panels: list[dict[str, Any]]) -> Iterator[tuple[Markup, list[Markup]
 
 
 def _cell(value: float | str | None) -> Markup:
-    """A value or the name of a place."""
+    """Return a value or the name of a place."""
     if isinstance(value, str):
         return words.from_tex(value)
     return escape("" if value is None else _typeset(f"{value:g}"))
 
 
 def _environment(case: str, page: str) -> jinja2.Environment:
-    """Templates with the filters that they use; an undefined name is an error."""
+    """Return templates with the filters that they use; an undefined name is an error."""
     environment = words.templates(jinja2.PackageLoader(__package__), html=True)
     compact = {"ensure_ascii": False, "allow_nan": False, "separators": (",", ":")}
     environment.policies["json.dumps_kwargs"] = compact
@@ -271,12 +271,12 @@ def _environment(case: str, page: str) -> jinja2.Environment:
 
 
 def _typeset(text: str) -> str:
-    """Text whose numbers have a true minus sign, and powers of ten as printed: 2.9E-3 is 2.9·10⁻³."""
+    """Return text whose numbers have a true minus sign, and powers of ten as printed: 2.9E-3 is 2.9·10⁻³."""
     return minus(_POWER.sub(lambda of: wording.scientific(of[1], int(of[2])), text))
 
 
 def _error(error: float, signed: bool = True) -> str:
-    """An error given in %, without its unit; a bound without a sign where it is nothing but rounding."""
+    """Return an error given in %, without its unit; a bound without a sign where it is nothing but rounding."""
     signed = signed and math.isfinite(error) and abs(error) >= 1e-6
     text = (signed_percent if signed else percent)(0.01 * error).removesuffix(" %")
     return f"≤ {text}" if abs(error) < 1e-6 else text

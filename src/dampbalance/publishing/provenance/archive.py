@@ -1,4 +1,4 @@
-"""Packs an archive that a reader can verify and rebuild years later: sources, results, digests and instructions.
+"""Pack an archive that a reader can verify and rebuild years later: sources, results, digests and instructions.
 
 The same files give the same bytes: names are sorted, all entries have the same time and owner, and the compressed
 stream has no time. (Another version of gzip may compress differently; the unpacked files are the same.) The crate
@@ -22,9 +22,9 @@ from ..words import rendered
 from .crate import crate
 from .manifest import ARCHIVED_VERSION
 
-# Bytes; larger results are not packed, because a rebuild makes them again and the manifest has their digests
+# bytes; larger results are left out: a rebuild makes them again, and the manifest has their digests
 LARGEST_PACKED = 5_000_000
-TIME = 315_532_800  # of every file, s: 1980-01-01, the earliest that all formats can hold
+TIME = 315_532_800  # s, time of every file: 1980-01-01, the earliest that all formats can hold
 TAR = (
     *("tar", "--create", "--format=gnu", "--sort=name", f"--mtime=@{TIME}"),
     *("--owner=0", "--group=0", "--numeric-owner", "--mode=u=rwX,go=rX"),
@@ -50,7 +50,7 @@ def pack(
     run, made = manifest["run"], manifest["reproducible"]
     sizes = {result["path"]: result["bytes"] for result in made["results"]}
     packed = [file for file, size in sizes.items() if size <= LARGEST_PACKED]
-    # a job ended when its files were written; files of an unpacked archive have no such time
+    # A job ended when its files were written; files of an unpacked archive have no such time.
     times = {file: Path(file).stat().st_mtime for file in packed}
     with TemporaryDirectory() as top, replacing(path) as temporary:
         folder = Path(top, name)

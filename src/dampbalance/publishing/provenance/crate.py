@@ -1,4 +1,4 @@
-"""Describes an archive and the run that made its results as an RO-Crate, in the terms that data repositories read.
+"""Describe an archive and the run that made its results as an RO-Crate, in the terms that data repositories read.
 
 It follows RO-Crate 1.1 with the profiles Workflow RO-Crate 1.0 and Process, Workflow and Provenance Run Crate 0.5.
 
@@ -46,7 +46,7 @@ _FILE_TYPES = MimeTypes()
 for _suffix, _type in {
     **{".md": "text/markdown", ".ipynb": "application/x-ipynb+json"},
     **{".parquet": "application/vnd.apache.parquet", ".yaml": "application/yaml"},
-}.items():  # what Python does not know
+}.items():  # types that Python does not know
     _FILE_TYPES.add_type(_type, _suffix)
 
 
@@ -56,7 +56,7 @@ def crate(
     citation: Mapping[str, Any],
     ended: Mapping[str, float],
 ) -> ROCrate:
-    """Returns the crate of these files, whose `write` copies them to a folder, next to their description.
+    """Return the crate of these files, whose `write` copies them to a folder, next to their description.
 
     manifest : from `manifest.manifest`.   files : names in the crate, and where the files are; jobs and actions are
     described as far as they made one of them.   citation : CITATION.cff.   ended : the time when each result was
@@ -90,7 +90,7 @@ def crate(
     def act(
         identifier: str, tool: str, inputs: Iterable[str], outputs: Sequence[str], **words: Any
     ) -> Any:
-        """Adds what a tool made of files; every job takes its parameters from the configuration."""
+        """Add what a tool made of files; every job takes its parameters from the configuration."""
         read = {*inputs, *made["configuration_files"]} & entities.keys()
         times = [datetime.fromtimestamp(ended[file], UTC) for file in outputs if file in ended]
         return _add(
@@ -196,7 +196,7 @@ def _add(described: ROCrate, identifier: str, kind: str, /, **properties: Any) -
 def _files(
     described: ROCrate, files: Mapping[str, Path], scripts: set[str], version: str, engine: str
 ) -> dict[str, Any]:
-    """Adds the files, with their digests; scripts and the workflow are code.   version, engine : of code and engine."""
+    """Add the files, with their digests; scripts and the workflow are code.   version, engine : of code and engine."""
     entities = {}
     for name, path in sorted(files.items()):
         properties: dict[str, Any] = {
@@ -224,7 +224,7 @@ def _files(
 def _parameters(
     described: ROCrate, configuration: Mapping[str, Any]
 ) -> tuple[list[Any], list[Any]]:
-    """Adds the keys of a configuration, joined by dots, and their values; what is no number, text or truth value is
+    """Add the keys of a configuration, joined by dots, and their values; what is no number, text or truth value is
     written as JSON."""
     keys, settings = [], []
     for name, value in dotted(configuration):
@@ -247,7 +247,7 @@ def _code(code: Mapping[str, Any]) -> str:
 
 
 def _rules(jobs: Sequence[Mapping[str, Any]]) -> dict[str, str]:
-    """Rules of the jobs and their scripts, each after those whose outputs its first job reads."""
+    """Return the rules of the jobs and their scripts, each after those whose outputs its first job reads."""
     maker = {file: number for number, job in enumerate(jobs) for file in job["outputs"]}
     needs = {
         number: [maker[file] for file in job["inputs"] if file in maker]

@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 import platform
 import re
 import subprocess
@@ -45,25 +44,21 @@ _LEFT_BEHIND = re.compile(r"__pycache__|\.ipynb_checkpoints|.*\.egg-info|\.DS_St
 
 
 def files_of(root: str | Path, names: Iterable[str] = PROJECT) -> list[str]:
-    """The files below `names` in the folder `root`, as sorted relative paths with slashes; caches are excluded."""
-    found = [name for name in names if Path(root, name).is_file()]
-    for name in names:
-        for folder, below, files in os.walk(Path(root, name)):
-            below[:] = [one for one in below if not _LEFT_BEHIND.fullmatch(one)]
-            here = Path(folder).relative_to(root).as_posix()
-            kept = [file for file in files if not _LEFT_BEHIND.fullmatch(file)]
-            found += [f"{here}/{file}" for file in kept if os.path.isfile(f"{folder}/{file}")]
-    return sorted(found)
+    """Return the files below `names` in the folder `root`, as sorted relative paths with slashes, without caches."""
+    starts = [Path(root, name) for name in names]
+    paths = [path for start in starts for path in (start, *start.rglob("*")) if path.is_file()]
+    files = [path.relative_to(root) for path in paths]
+    return sorted(f.as_posix() for f in files if not any(map(_LEFT_BEHIND.fullmatch, f.parts)))
 
 
 def digest_of(data: Any) -> str:
-    """The SHA-256 digest of plain data (mappings, lists, numbers, text), independent of the order of keys."""
+    """Return the SHA-256 digest of plain data (mappings, lists, numbers, text), independent of the order of keys."""
     text = json.dumps(data, sort_keys=True, ensure_ascii=False, allow_nan=False)
     return hashlib.sha256(text.encode()).hexdigest()
 
 
 def code_version(root: str | Path, version: str) -> dict[str, Any]:
-    """The version of the code in a folder, from git or, in an unpacked archive, from its VERSION.json.
+    """Return the version of the code in a folder, from git or, in an unpacked archive, from its VERSION.json.
 
     version : of the package.   commit, committed : hash and date (ISO 8601) of the commit of the files, or None.
     modified : whether files differ from that commit, or None.   known_from : git, archive, or nothing.
@@ -85,7 +80,7 @@ def code_version(root: str | Path, version: str) -> dict[str, Any]:
 
 
 def _git(root: Path, *arguments: str) -> str | None:
-    """The output of git in that folder; None without git, or without a repository that git trusts."""
+    """Return the output of git in that folder; None without git, or without a repository that git trusts."""
     command = ["git", "--no-optional-locks", *arguments]
     try:
         done = subprocess.run(command, cwd=root, capture_output=True, text=True, check=True)
@@ -111,7 +106,7 @@ def manifest(
     lock: str | Path,
     top: str | Path = ".",
 ) -> dict[str, Any]:
-    """The manifest as plain data.
+    """Return the manifest as plain data.
 
     case : its name.   configuration : merged from the named files.   sources : all files on which results may depend,
     by their names in the project.   jobs : the jobs that produced the results, each {rule, script, inputs, outputs}
@@ -153,7 +148,7 @@ def manifest(
 
 
 def _packages(lock: Path) -> dict[str, Any]:
-    """Versions and licences of the installed packages that the lock lists, and the names of those not as locked."""
+    """Return versions and licences of the installed packages in the lock, and the names of those not as locked."""
     text = lock.read_text(encoding="utf-8") if lock.is_file() else ""
     pinned: dict[str, set[str]] = {}
     for name, version in re.findall(r"^([A-Za-z0-9._-]+)==([^\s;\\]+)", text, re.MULTILINE):
@@ -179,20 +174,24 @@ ADDRESSES = {
 
 
 def software(citation: Mapping[str, Any]) -> dict[str, Any]:
-    """{version, licence, authors, addresses} as a citation file (CFF 1.2) states them.
+    """Return {version, licence, authors, addresses} as a citation file (CFF 1.2) states them.
 
-    authors : names in the order of the file.   addresses : repository, page, archive, doi and commit, those stated.
-    Raises KeyError for a file without version, license or authors.
+    authors : names in the order of the file.   addresses : repository, page, archive, doi, commit and contact, those
+    stated. Raises KeyError for a file without version, license or authors.
     """
+    contacts = [
+        f"{author_name(one)} {one.get('email', '')}".strip() for one in citation.get("contact", [])
+    ]
     return {
         "version": str(citation["version"]),
         "licence": str(citation["license"]),
         "authors": [author_name(author) for author in citation["authors"]],
-        "addresses": {ADDRESSES[k]: str(citation[k]) for k in ADDRESSES if citation.get(k)},
+        "addresses": {ADDRESSES[k]: str(citation[k]) for k in ADDRESSES if citation.get(k)}
+        | ({"contact": ", ".join(contacts)} if contacts else {}),
     }
 
 
 def author_name(author: Mapping[str, Any]) -> str:
-    """An author of a citation file, a person or a group, as it is printed."""
+    """Return an author of a citation file, a person or a group, as it is printed."""
     parts = ("given-names", "name-particle", "family-names", "name-suffix")
     return str(author.get("name") or " ".join(str(author[key]) for key in parts if author.get(key)))

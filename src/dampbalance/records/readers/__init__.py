@@ -1,4 +1,4 @@
-"""Reading records of every format that laboratories have into a `Measurement` in SI units.
+"""Readers of every record format that laboratories have, into a `Measurement` in SI units.
 
 measurement = read("level1.mat")                    # mapping next to it, or names and units in the file
 """
@@ -36,7 +36,7 @@ __all__ = [
 def read(
     path: str | Path, mapping: MappingLike = None, opened_as: Table | None = None
 ) -> Measurement:
-    """The measurement in a file, in SI units.
+    """Return the measurement in a file, in SI units.
 
     path : its suffix names the format, its content must agree.   mapping : what the file does not say.   opened_as :
     its table, where it has been opened.
@@ -49,8 +49,8 @@ def read(
 
 
 def quantities_of(path: str | Path, mapping: MappingLike = None) -> tuple[str, ...]:
-    """The quantities that names, units and mapping give the channels of a file, without a look at its samples. Raises
-    RecordError as `read`."""
+    """Return the quantities that names, units and mapping give the channels of a file, without a look at its samples.
+    Raises RecordError as `read`."""
     tables = _tables(*_named(path, mapping))
     picks = [pick for part in tables for pick in picks_of(*part, entire=len(tables) == 1)]
     picked = {pick.quantity for pick in picks}
@@ -58,8 +58,8 @@ def quantities_of(path: str | Path, mapping: MappingLike = None) -> tuple[str, .
 
 
 def table(path: str | Path, mapping: MappingLike = None) -> Table:
-    """The table of a file: names, units and rates of its channels, and their samples as recorded, which are loaded
-    where they are asked for. Raises RecordError as `read`."""
+    """Return the table of a file: names, units and rates of its channels, and their samples as recorded, which are
+    loaded where they are asked for. Raises RecordError as `read`."""
     path, rules = _named(path, mapping)
     content = checked_format(path)
     file = text_file(path, rules) if content == "text" else _OPENERS[content](path)
@@ -68,7 +68,7 @@ def table(path: str | Path, mapping: MappingLike = None) -> Table:
 
 
 def mapping_to_start_from(path: str | Path, mapping: MappingLike = None) -> str:
-    """A mapping in YAML that names the channels of a file as far as headings, units and samples show them.
+    """Return a mapping in YAML that names the channels of a file as far as headings, units and samples show them.
 
     It can be read as it stands; comments say what each line comes from, and why the other channels are left aside.
     Write it next to the record and correct what is wrong.
@@ -89,7 +89,7 @@ def _named(path: str | Path, mapping: MappingLike) -> tuple[Path, RecordMapping]
 def _tables(
     path: Path, rules: RecordMapping, opened_as: Table | None = None
 ) -> list[tuple[Table, RecordMapping]]:
-    """The table of each file of a record, with its part of the mapping."""
+    """Return the table of each file of a record, with its part of the mapping."""
     return [
         (opened_as if opened_as and part == path else table(part, of), of)
         for part, of in parts_of(path, rules).items()

@@ -15,36 +15,23 @@ from typing import Any
 import numpy as np
 
 from ..errors import RecordError, library, require_size
-from ..table import (
-    TIMING_NAMES,
-    UNIT_NAMES,
-    Table,
-    intact,
-    signals_file,
-    signals_in,
-    unit_among,
-)
+from ..table import TIMING_NAMES, UNIT_NAMES, Table, intact, signals_file, signals_in, unit_among
 from ..units import split_label
 
-_LARGEST_JSON = 400_000_000  # bytes, of which the numbers take ten times as many in memory
-_BYTES = 8  # of a number
+_LARGEST_JSON = 400_000_000  # bytes; the numbers take ten times as many in memory
+_BYTES = 8  # size of a number
 # fields of MATLAB that name the signals next to them, and those that hold their times
 _LABELS = (
-    "names",
-    "name",
-    "labels",
-    "label",
-    "channels",
-    "channelnames",
-    "channel_names",
-    "signalnames",
+    *("names", "name", "labels", "label"),
+    *("channels", "channelnames", "channel_names", "signalnames"),
 )
 _TIMES = ("t", "time", "times", "timestamp", "timestamps", "zeit")
 _NO_NUMBERS = (b"char", b"logical", "char", "logical")  # classes of MATLAB
 
 
 def hdf5_file(path: Path) -> Table:
-    """An HDF5 file, or one of MATLAB 7.3: every array of numbers in it is a channel, by its path.
+    """Return the table of an HDF5 file, or of one of MATLAB 7.3: every array of numbers in it is a channel, by its
+    path.
 
     Unit and sampling rate are attributes of the array, or of the groups that hold it, or scalars next to it.
     """
@@ -70,8 +57,8 @@ def hdf5_file(path: Path) -> Table:
 
 
 def _datasets(h5py: Any, file: Any) -> Iterator[tuple[str, Any, dict[str, object]]]:
-    """Every array of real numbers in a file: its path, itself and the attributes of its groups. Each is visited once,
-    by hard links alone."""
+    """Yield every array of real numbers in a file: its path, itself and the attributes of its groups. Each is visited
+    once, by hard links alone."""
     visited: list[tuple[str, Any]] = []
     file.visititems(lambda name, item: visited.append((name, item)))
     groups = {"": _attributes(file)}
@@ -91,18 +78,14 @@ def _datasets(h5py: Any, file: Any) -> Iterator[tuple[str, Any, dict[str, object
 
 
 def _attributes(item: Any) -> dict[str, object]:
-    """The attributes that may tell unit or timing."""
-    return {
-        name: item.attrs[name]
-        for name in item.attrs
-        if name.lower() in TIMING_NAMES or name.lower() in UNIT_NAMES
-    }
+    """Return the attributes that may state unit or timing."""
+    return {n: item.attrs[n] for n in item.attrs if n.lower() in TIMING_NAMES | {*UNIT_NAMES}}
 
 
 def matlab_file(path: Path) -> Table:
-    """A MATLAB 5 file: every real array in it is a channel, a field of a structure by "structure.field", with [1], [2],
-    … behind it where there is an array of structures. Where texts next to a matrix name its signals, they are called
-    by them. Raises RecordError for arrays too large for memory."""
+    """Return the table of a MATLAB 5 file: every real array in it is a channel, a field of a structure by
+    "structure.field", with [1], [2], … behind it where there is an array of structures. Where texts next to a matrix
+    name its signals, they are called by them. Raises RecordError for arrays too large for memory."""
     from scipy.io import whosmat  # slow to import
 
     reader = library("pymatreader", "MATLAB")
@@ -118,24 +101,18 @@ def matlab_file(path: Path) -> Table:
             fields[name] = value
             units[name] = unit
     scalars = {n.rpartition(".")[2]: value for n, value in fields.items() if np.size(value) == 1}
-    arrays = [
-        (n, v.shape, scalars, units[n] or None)
-        for n, v in fields.items()
-        if isinstance(v, np.ndarray)
-    ]
+    shaped = {n: v for n, v in fields.items() if isinstance(v, np.ndarray)}
+    arrays = [(n, v.shape, scalars, units[n] or None) for n, v in shaped.items()]
     channels, signals = signals_in(path, arrays)
     return Table(path, channels, lambda wanted: [signals[i](fields) for i in wanted], "MATLAB")
 
 
 def _unrolled(held: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any, str]]:
-    """Fields by their paths, with their units or "". Arrays of structures or of arrays have [1], [2], … behind them;
-    the signals of a matrix, and of the structure of one signal, the names that stand next to them."""
+    """Yield fields by their paths, with their units or "". Arrays of structures or of arrays have [1], [2], … behind
+    them; the signals of a matrix, and of the structure of one signal, the names that stand next to them."""
+    texts = [(key.lower(), _texts(value)) for key, value in held.items()]
     labels, units = (
-        next(
-            (one for key, value in held.items() if key.lower() in keys and (one := _texts(value))),
-            [],
-        )
-        for keys in (_LABELS, UNIT_NAMES)
+        next((of for key, of in texts if key in keys and of), []) for keys in (_LABELS, UNIT_NAMES)
     )
     for name, value in held.items():
         if isinstance(value, Mapping):
@@ -164,18 +141,17 @@ def _unrolled(held: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, A
 
 
 def _texts(value: Any) -> list[str]:
-    """The texts of a field of MATLAB, one or several; none where it holds something else."""
+    """Return the texts of a field of MATLAB, one or several; none where it holds something else."""
     several = [value] if isinstance(value, str) else value
-    if not isinstance(several, list | np.ndarray) or not all(
-        isinstance(one, str) for one in several
-    ):
-        return []
-    return [str(one).strip() for one in several]
+    listed = isinstance(several, list | np.ndarray)
+    texts = listed and all(isinstance(one, str) for one in several)
+    return [str(one).strip() for one in several] if texts else []
 
 
 def numpy_file(path: Path) -> Table:
-    """An array of NumPy, or an archive of several: each is a channel, and so is each field or column of one that has
-    them; single numbers are rate, step or first time. Pickles are not loaded: arrays of objects are passed over."""
+    """Return the table of an array of NumPy, or of an archive of several: each is a channel, and so is each field or
+    column of one that has them; single numbers are rate, step or first time. Pickles are not loaded: arrays of objects
+    are passed over."""
     with intact(path, "NumPy"), open(path, "rb") as stream:
         if stream.read(2) == b"PK":
             with zipfile.ZipFile(stream) as packed:
@@ -197,7 +173,7 @@ def numpy_file(path: Path) -> Table:
 
 
 def _plain(load: Callable[[], Any]) -> Any:
-    """The array that a function loads; None for one of objects."""
+    """Return the array that a function loads; None for one of objects."""
     try:
         return load()
     except ValueError as error:
@@ -207,13 +183,14 @@ def _plain(load: Callable[[], Any]) -> Any:
 
 
 def json_file(path: Path) -> Table:
-    """Columns by name, as lists or as pandas writes them, or rows: mappings of names to cells, or lists of cells.
-    Points in time are texts, 2026-03-01T12:00:00.5; other texts and single values, except a rate, are passed over."""
+    """Return the table of a JSON file: columns by name, as lists or as pandas writes them, or rows: mappings of names
+    to cells, or lists of cells. Points in time are texts, 2026-03-01T12:00:00.5; other texts and single values, except
+    a rate, are passed over."""
     import pandas as pd  # slow to import
 
     if (size := path.stat().st_size) > _LARGEST_JSON:
-        much = f"{size / 1e6:.3g} MB, more than {_LARGEST_JSON / 1e6:g}"
-        raise RecordError(f"{path}: has {much} MB, which JSON may have; save it as CSV or HDF5")
+        much = f"{size / 1e6:.3g} MB, more than the {_LARGEST_JSON / 1e6:g} MB"
+        raise RecordError(f"{path}: has {much} that are read as JSON; save it as CSV or HDF5")
     with intact(path, "JSON"):
         held = json.loads(path.read_bytes())
         if isinstance(held, dict) and {"columns", "data"} <= held.keys():
@@ -235,7 +212,7 @@ def json_file(path: Path) -> Table:
 
 
 def _table(path: Path, held: Any, what: str) -> Table:
-    """The table of arrays in a file, without what is no signal and no rate."""
+    """Return the table of arrays in a file, without what is no signal and no rate."""
     if isinstance(held, Mapping):
         held = {
             str(name): values

@@ -20,24 +20,26 @@ from ..headings import quantity_of, words_of
 from ..table import RawChannel, Table, described, intact, unit_among
 from ..units import split_label
 
-# of universal files: the function types of a time response and of a frequency response, what a channel without a name
+# universal files: the function types of a time response and of a frequency response, what a channel without a name
 # holds, and what a frequency response is of that per force
 _TIME_RESPONSE, _FREQUENCY_RESPONSE = 1, 4
 _SPECIFIC_TYPES = {8: "displacement", 9: "force", 11: "velocity", 12: "acceleration", 13: "force"}
 _RESPONSE_TYPES = {8: "receptance", 11: "mobility", 12: "accelerance"}
-# where it says what a time response is, besides the label of its ordinate
+# fields that name a time response, besides the label of its ordinate
 _NAMING = ("id1", "id2", "rsp_ent_name", "id4", "id5")
 _UFF_HEAD = re.compile(rb"(?m)^    58.*\n(?:.*\n){11}")
-_NO_SIZE = (0, 0xFFFFFFFF)  # what a program writes that does not know how long a WAV will become
+_NO_SIZE = (0, 0xFFFFFFFF)  # a program writes these before it knows how long a WAV will become
 
 
 def parquet_file(path: Path) -> Table:
-    """A Parquet file; the unit of a column from its field's metadata, else from its name. Points in time are read as s
-    from the first on."""
+    """Return the table of a Parquet file; the unit of a column from its field's metadata, else from its name. Points in
+    time are read as s from the first on."""
     types, parquet = (library(f"pyarrow.{name}", "Parquet") for name in ("types", "parquet"))
 
     def is_time(kind: Any) -> bool:
         return bool(types.is_timestamp(kind) or types.is_duration(kind))
+
+    numeric = types.is_integer, types.is_floating, types.is_decimal, is_time
 
     def channel(field: Any) -> RawChannel:
         if is_time(field.type):
@@ -51,12 +53,7 @@ def parquet_file(path: Path) -> Table:
 
     def numbers(column: Any, kind: Any, name: str) -> Any:
         held = kind.value_type if types.is_dictionary(kind) else kind
-        if not (
-            types.is_integer(held)
-            or types.is_floating(held)
-            or types.is_decimal(held)
-            or is_time(held)
-        ):
+        if not any(is_kind(held) for is_kind in numeric):
             what = shortened(str(kind))[1:-1]
             raise RecordError(f"{path}: column {shortened(name)} holds {what}, not numbers")
         values = column.to_numpy()
@@ -75,11 +72,11 @@ def parquet_file(path: Path) -> Table:
 
 
 def uff_file(path: Path) -> Table:
-    """A universal file: its time responses, data sets 58, with even or uneven abscissa, in text or binary. A channel
-    is called by the ID line or the component in which the channels differ and by its ordinate's label, or what the data
-    type says; by node and direction as well, where that leaves several alike or says not what moves. Of a file without
-    time responses its frequency responses: frequency, receptance, mobility or accelerance, and phase, "1/phase" of the
-    first of several."""
+    """Return the table of a universal file: its time responses, data sets 58, with even or uneven abscissa, in text or
+    binary. A channel is called by the ID line or the component in which the channels differ and by its ordinate's
+    label, or what the data type says; by node and direction as well, where that leaves several alike or says not what
+    moves. Of a file without time responses its frequency responses: frequency, receptance, mobility or accelerance, and
+    phase, "1/phase" of the first of several."""
     pyuff = library("pyuff", "a universal file")
     channels, arrays = [], []
     with intact(path, "a universal file"):
@@ -124,8 +121,8 @@ def uff_file(path: Path) -> Table:
 
 
 def _tidied(raw: bytes) -> bytes:
-    """The bytes of a universal file as the library reads them: heads in UTF-8; where no data set is binary, lines
-    without blanks at their ends, which it would take for numbers, and ended by a line feed alone."""
+    """Return the bytes of a universal file as the library reads them: heads in UTF-8; where no data set is binary,
+    lines without blanks at their ends, which it would take for numbers, and ended by a line feed alone."""
 
     def in_utf8(head: re.Match[bytes]) -> bytes:
         try:
@@ -139,14 +136,13 @@ def _tidied(raw: bytes) -> bytes:
 
 
 def _names(sets: Sequence[dict[str, Any]]) -> list[str]:
-    """The names of time responses: the first ID line, or the component of the response, in which they differ (the
-    third line is the date), and the label of the ordinate, unless the line has it already."""
+    """Return the names of time responses: the first ID line, or the component of the response, in which they differ
+    (the third line is the date), and the label of the ordinate, unless the line has it already."""
     keys = [k for k in _NAMING if len({_stated(item, k) for item in sets}) > 1] or ["id1"]
     raws = []
     for item in sets:
-        label = _stated(item, "ordinate_axis_lab") or _SPECIFIC_TYPES.get(
-            int(item["ordinate_spec_data_type"]), "data"
-        )
+        kind = _SPECIFIC_TYPES.get(int(item["ordinate_spec_data_type"]), "data")
+        label = _stated(item, "ordinate_axis_lab") or kind
         own = _stated(item, keys[0]) or ""
         # a label has 20 characters at most
         has = label.casefold() in own.casefold() or {*words_of(label)} <= {*words_of(own)}
@@ -164,7 +160,8 @@ def _names(sets: Sequence[dict[str, Any]]) -> list[str]:
 
 
 def _degree(item: dict[str, Any], of: str) -> str:
-    """The degree of freedom of a response ("rsp") or of its reference ("ref"), node 2 +Z; "" where none is stated."""
+    """Return the degree of freedom of a response ("rsp") or of its reference ("ref"), node 2 +Z; "" where none is
+    stated."""
     node, direction = int(item[f"{of}_node"]), int(item[f"{of}_dir"])
     axis = ("", "X", "Y", "Z", "RX", "RY", "RZ")[min(abs(direction), 6)]
     parts = [
@@ -176,7 +173,7 @@ def _degree(item: dict[str, Any], of: str) -> str:
 
 
 def _frequency_response(item: dict[str, Any]) -> Iterator[tuple[str, str | None, Array]]:
-    """Frequency, amplitude and phase of a frequency response: name, unit and values."""
+    """Yield frequency, amplitude and phase of a frequency response: name, unit and values."""
     H, over = np.asarray(item["data"]), _stated(item, "orddenom_axis_units_lab") or "N"
     name = _RESPONSE_TYPES.get(int(item["ordinate_spec_data_type"]), "response")
     unit = _stated(item, "ordinate_axis_units_lab")
@@ -186,9 +183,10 @@ def _frequency_response(item: dict[str, Any]) -> Iterator[tuple[str, str | None,
 
 
 def tdms_file(path: Path) -> Table:
-    """A TDMS file: its channels, "group/channel" if there are several groups; step and unit are properties."""
+    """Return the table of a TDMS file: its channels, "group/channel" if there are several groups; step and unit are
+    properties."""
     nptdms, log = library("nptdms", "TDMS"), library("nptdms.log", "TDMS").log_manager
-    # what the library complains about, and would read nevertheless; nothing of it reaches the screen
+    # the library complains about files that it reads nevertheless; this keeps it off the screen
     complaints = io.StringIO()
     log.console_handler.setStream(complaints)
     log.console_handler.setFormatter(None)  # the bare messages
@@ -225,7 +223,8 @@ def tdms_file(path: Path) -> Table:
 
 
 def wav_file(path: Path) -> Table:
-    """A WAV file: its channels are "channel 1", …, without unit; integers become parts of full scale, −1 to 1."""
+    """Return the table of a WAV file: its channels are "channel 1", …, without unit; integers become parts of full
+    scale, −1 to 1."""
     from scipy.io import wavfile
 
     with open(path, "rb") as stream:
@@ -256,18 +255,19 @@ def wav_file(path: Path) -> Table:
 
 
 def _stated(item: dict[str, str], *keys: str) -> str | None:
-    """The first text under these keys; a universal file says NONE for nothing."""
+    """Return the first text under these keys; a universal file says NONE for nothing."""
     texts = (item[key].strip() for key in keys)
     return next((text for text in texts if text.upper() not in ("", "NONE")), None)
 
 
 def lvm_file(path: Path) -> Table:
-    """A text file of LabVIEW: the channels of its one segment, with names and units, in the steps of its header."""
+    """Return the table of a text file of LabVIEW: the channels of its one segment, with names and units, in the steps
+    of its header."""
     reader = library("lvm_read", "a text file of LabVIEW")
     with intact(path, "a text file of LabVIEW"):
         document = reader.read(str(path), read_from_pickle=False, dump_file=False)
         if document["Segments"] != 1:
-            remedy = "a record is one: keep that of one level"
+            remedy = "a record has one: keep that of one level"
             raise RecordError(f"{path}: holds {document['Segments']} segments; {remedy}")
         segment = document[0]
         names = [name.strip() for name in segment["Channel names"]]

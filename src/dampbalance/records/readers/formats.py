@@ -1,4 +1,4 @@
-"""Which format a file has: by its suffix, and checked against what it begins with."""
+"""The format of a file, from its suffix, checked against its first bytes."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _BEGINNINGS: dict[str, bytes | tuple[bytes, ...]] = {
     "lvm": (b"LabVIEW Measurement", b"\xef\xbb\xbfLabVIEW Measurement"),
     "npy": b"\x93NUMPY",
 }
-_HEAD = 4096  # bytes that tell: a user block of a few kB may precede HDF5
+_HEAD = 4096  # bytes that are examined: a user block of a few kB may precede HDF5
 
 
 class Format(NamedTuple):
@@ -49,7 +49,7 @@ FORMATS = {
 
 
 def format_by_suffix(path: Path) -> str:
-    """The short name of the format that the suffix stands for. Raises RecordError naming the suffixes known."""
+    """Return the short name of the format that the suffix stands for. Raises RecordError naming the suffixes known."""
     for name, kind in FORMATS.items():
         if path.suffix.lower() in kind.suffixes:
             return name
@@ -58,11 +58,11 @@ def format_by_suffix(path: Path) -> str:
 
 
 def content_of(path: Path) -> str | None:
-    """What the first bytes of a file say it is, matlab73 or a key of FORMATS; None for another format."""
+    """Return the format that the first bytes of a file show, matlab73 or a key of FORMATS; None for another format."""
     with open(path, "rb") as stream:
         head = stream.read(_HEAD)
     if re.match(rb"PK\x03\x04.{26}[^\x00]*?\.npy", head, re.DOTALL):
-        return "npz"  # by the name of the first file in it
+        return "npz"  # the name of the first file in it shows that
     for content, beginnings in _BEGINNINGS.items():
         if head.startswith(beginnings):
             return content
@@ -78,7 +78,7 @@ def content_of(path: Path) -> str | None:
 
 
 def require_showable(path: Path) -> None:
-    """RecordError for a name with control characters: it would stand in every report and figure."""
+    """Raise RecordError for a name with control characters: it would stand in every report and figure."""
     if visible(str(path)) != str(path):
         raise RecordError(
             f"{shortened(str(path), 200)}: its name has characters that cannot be shown; choose another"
@@ -86,8 +86,8 @@ def require_showable(path: Path) -> None:
 
 
 def checked_format(path: Path) -> str:
-    """The content (`content_of`) of a regular file that is there, not empty, and what its name says it is. Raises
-    RecordError otherwise."""
+    """Return the content (`content_of`) of a regular file that is there, not empty, and what its name says it is.
+    Raises RecordError otherwise."""
     require_showable(path)
     try:
         if path.is_dir():
@@ -108,7 +108,7 @@ def checked_format(path: Path) -> str:
         much = f"{size / 1e9:.3g} GB, more than the {LARGEST_FILE / 1e9:g} GB"
         raise RecordError(f"{path}: has {much} that are read; give a part of the record")
     if content is None:
-        remedy = "its first bytes are of no format known here, perhaps it is damaged"
+        remedy = "its first bytes are those of no known format; it may be damaged"
         raise RecordError(f"{path}: is not {kind.title}, as its name says; {remedy}")
     if content not in kind.contents:
         known = FORMATS["matlab" if content == "matlab73" else content]

@@ -22,14 +22,14 @@ from .text import columns_of, timed
 
 _DAYS = (datetime.datetime, datetime.date, datetime.time, datetime.timedelta)
 _EPOCH = datetime.datetime(1900, 1, 1)
-_MOST_CELLS = 12_500_000  # of a sheet, with some 100 bytes of memory for each
-_ROWS_THAT_COUNT = 20  # of a sheet, by which a column of times is told from one that counts samples
+_MOST_CELLS = 12_500_000  # cells of a sheet, with some 100 bytes of memory for each
+_ROWS_THAT_COUNT = 20  # rows that distinguish a column of times from one that counts samples
 _CELL = re.compile(rb'<c r="([A-Z]{1,3})([0-9]{1,7})"')
 
 
 def spreadsheet_file(path: Path) -> Table:
-    """A spreadsheet: the columns of its first sheet that holds rows of at least two numbers. Names and units stand
-    above the first such row, as in a text file; points in time are read as s from the first on."""
+    """Return the table of a spreadsheet: the columns of its first sheet that holds rows of at least two numbers. Names
+    and units stand above the first such row, as in a text file; points in time are read as s from the first on."""
     calamine = library("python_calamine", "a spreadsheet")
     rows: list[Sequence[Any]] = []
     with intact(path, "a spreadsheet"):
@@ -63,7 +63,7 @@ def spreadsheet_file(path: Path) -> Table:
     def column(i: int) -> Array:
         cells = [row[i] for row in table]
         if channels[i].stamps:
-            # from the first point in time of the column, or its first span
+            # times count from the first point in time of the column, or its first span
             spans = (_span(c) - _span(cells[0]) if isinstance(c, _DAYS) else None for c in cells)
             return np.array([math.nan if s is None else s.total_seconds() for s in spans])
         for number, cell in enumerate(cells, start=first + 1):
@@ -76,8 +76,8 @@ def spreadsheet_file(path: Path) -> Table:
 
 
 def _require_dense(path: Path) -> None:
-    """RecordError for a workbook with a cell far from all others: the library takes memory for all cells up to it, and
-    ends the process where there is too little."""
+    """Raise RecordError for a workbook with a cell far from all others: the library takes memory for all cells up to
+    it, and ends the process where there is too little."""
     if not zipfile.is_zipfile(path):
         return
     with zipfile.ZipFile(path) as packed:
@@ -96,7 +96,7 @@ def _require_dense(path: Path) -> None:
 
 
 def _is_row(row: Sequence[Any]) -> bool:
-    """Whether a row has at least two cells, numbers or points in time, and a number among them."""
+    """Return whether a row has at least two cells, numbers or points in time, and a number among them."""
     cells = [cell for cell in row if cell != ""]
     numbers = sum(map(_is_number, cells))
     return len(cells) > 1 and 0 < numbers == sum(not isinstance(cell, _DAYS) for cell in cells)
@@ -107,7 +107,7 @@ def _is_number(cell: Any) -> bool:
 
 
 def _span(cell: Any) -> datetime.timedelta:
-    """A point in time or a span as a span; a day alone is its midnight."""
+    """Return a point in time or a span as a span; a day alone is its midnight."""
     if isinstance(cell, datetime.time):
         cell = datetime.datetime.combine(_EPOCH, cell)
     elif isinstance(cell, datetime.date) and not isinstance(cell, datetime.datetime):

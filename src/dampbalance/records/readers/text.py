@@ -35,9 +35,8 @@ _SAMPLE_CHARACTERS = 2_000_000
 _ROWS_TO_AGREE = 20
 _COMMENTS = "#%"
 _BRACKETS = "[](){} "
-_SLOWEST = (
-    20.0  # Hz: nothing is sampled more slowly; an interval without a unit is in ms then, or a count
-)
+# Hz: nothing is sampled more slowly; an interval without a unit is in ms then, or a count
+_SLOWEST = 20.0
 # first cells of the lines of names and of units in the header of a logger
 _NAMES, _UNITS = ("channel_name", "channel_names", "channel", "name"), ("unit", "units")
 _MISSING = {"", "na", "n/a", "null", "none"} | {
@@ -61,7 +60,7 @@ _DELIMITERS = ("\t", ";", "|", ",", WHITESPACE)
 
 
 def cells_of(line: str, delimiter: str, comment: str) -> list[str]:
-    """The cells of a line without its comment; none for a blank line."""
+    """Return the cells of a line without its comment; none for a blank line."""
     line = line.split(comment, 1)[0].rstrip("\r\n")
     if not line.strip():
         return []
@@ -77,15 +76,15 @@ def _split(line: str, delimiter: str) -> list[str]:
 def _first_row(
     table: Sequence[list[str]], decimal: str, header: int | None, least: int
 ) -> tuple[int, int, int, int] | None:
-    """How many rows of the cells of lines fit this mark, the line (counted from 0) of the first one, and its number of
-    cells, without and with empty ones at the end; or None.
+    """Return how many rows of the cells of lines fit this decimal mark, the line (counted from 0) of the first one, and
+    its number of cells, without and with empty ones at the end; or None.
 
     A row has at least so many cells, a number in one and a number, a time or nothing in the others.
     """
     number = _NUMBER[decimal]
 
     def row(cells: Sequence[str]) -> tuple[int, int]:
-        """Number of cells, and of those up to the last that is not empty; (0, 0) for no row."""
+        """Return the number of cells, and of those up to the last that is not empty; (0, 0) for no row."""
         if len(cells) < least:
             return 0, 0
         others = [cell for cell in cells if not number.fullmatch(cell)]
@@ -108,8 +107,8 @@ def _first_row(
 
 
 def _header_table(lines: Sequence[str], delimiter: str, width: int, most: int) -> list[list[str]]:
-    """The cells of each line of a header; where blanks separate them, of the lines with as many as the rows. Without
-    those above cells that are empty in every row, and LabVIEW's column of comments, which rows may lack."""
+    """Return the cells of each line of a header; where blanks separate them, of the lines with as many as the rows.
+    Without those above cells that are empty in every row, and LabVIEW's column of comments, which rows may lack."""
     table = []
     for line in lines:
         bare = line.strip()
@@ -124,7 +123,7 @@ def _header_table(lines: Sequence[str], delimiter: str, width: int, most: int) -
 
 
 def columns_of(path: Path, table: Sequence[list[str]], width: int) -> list[RawChannel]:
-    """Names and units from the last rows of the header that have as many cells as the rows of numbers."""
+    """Return names and units from the last rows of the header that have as many cells as the rows of numbers."""
     fitting = [cells for cells in table if len(cells) == width and any(cells)]
     if not fitting and table and len(table[-1]) > 1:
         raise RecordError(
@@ -146,7 +145,8 @@ def columns_of(path: Path, table: Sequence[list[str]], width: int) -> list[RawCh
         unit = units[i].strip(_BRACKETS) or own
         unnamed = "time" if i in times else f"column {i + 1}"
         columns.append(RawChannel(name or unnamed, unit, label=label))
-    for key, along in (("horizontal_units", True), ("vertical_units", False)):  # of an oscilloscope
+    # headings of an oscilloscope
+    for key, along in (("horizontal_units", True), ("vertical_units", False)):
         places = [i for i, raw in enumerate(columns) if names_time(raw) == along and not raw.unit]
         for i, unit in zip(places, keyed.get(key, [])[1:], strict=False):
             columns[i] = replace(columns[i], unit=unit or None)
@@ -154,12 +154,13 @@ def columns_of(path: Path, table: Sequence[list[str]], width: int) -> list[RawCh
 
 
 def _keyed(table: Sequence[list[str]]) -> dict[str, list[str]]:
-    """The lines of a header by their first cells, without the unit, as `key_of` spells them."""
+    """Return the lines of a header by their first cells, without the unit, as `key_of` spells them."""
     return {key_of(split_label(cells[0])[0]): cells for cells in table if len(cells) > 1}
 
 
 def _stated_rate(table: Sequence[list[str]], decimal: str) -> float | None:
-    """Samples per second as a line of a header gives them, or the interval between them; None where none does."""
+    """Return samples per second as a line of a header gives them, or the interval between them; None where none
+    does."""
     for key, cells in _keyed(table).items():
         number, _, unit = cells[1].partition(" ")
         step = key in (*STEP_NAMES, "interval")
@@ -179,8 +180,8 @@ def timed(
     rows: Sequence[list[str]],
     decimal: str,
 ) -> list[RawChannel]:
-    """The columns with the rate that a header states. A column that counts samples, by its first rows, is no time where
-    the header states another interval, or where only its place there made it one."""
+    """Return the columns with the rate that a header states. A column that counts samples, by its first rows, is no
+    time where the header states another interval, or where only its place there made it one."""
     rate = _stated_rate(head, decimal)
     timed_columns = [replace(raw, rate_hz=rate) for raw in columns]
     for i, raw in enumerate(timed_columns):
@@ -204,7 +205,7 @@ def _header_cells(line: str, delimiter: str, width: int) -> list[str]:
 
 
 def _are_units(cells: Sequence[str]) -> bool:
-    """Whether a line gives units: each cell is one, or empty, "-" or in brackets, and at least one is known."""
+    """Return whether a line gives units: each cell is one, or empty, "-" or in brackets, and at least one is known."""
     bare = [cell.strip(_BRACKETS) for cell in cells]
     return any(find_unit(text) or find_other(text) for text in bare) and all(
         text in ("", "-", "1") or text != cell or find_unit(text) or find_other(text)
@@ -221,26 +222,28 @@ def _no_rows(path: Path, lines: Sequence[str], comment: str, mapping: RecordMapp
     skipped = mapping.header_lines
     where = "" if skipped is None else f" after {skipped} header lines"
     return (
-        f"{path}: holds no rows of at least two numbers{where}; texts are not read, nor dates but as "
-        "2026-03-01T12:00:00.5: export the times in seconds, or say delimiter, decimal and header_lines in a mapping"
+        f"{path}: holds no rows of at least two numbers{where}; neither texts nor dates are read, except "
+        "2026-03-01T12:00:00.5: export the times in seconds, or state delimiter, decimal and header_lines in a mapping"
     )
 
 
 def _encoding(path: Path) -> str:
-    """By its byte order mark, else UTF-8, else the code page of Windows (µ and ² in a header)."""
+    """Return the encoding of a file: by its byte order mark, else UTF-8, else the code page of Windows (µ and ² in a
+    header)."""
     with open(path, "rb") as stream:
         head = stream.read(65536)
     if head.startswith((b"\xff\xfe", b"\xfe\xff")):
         return "utf-16"
     try:
-        codecs.getincrementaldecoder("utf-8")().decode(head)  # whose end may cut a character in two
+        codecs.getincrementaldecoder("utf-8")().decode(head)  # the end may cut a character in two
     except UnicodeDecodeError:
         return "cp1252"
     return "utf-8-sig"
 
 
 def _seconds(cells: pd.Series[str]) -> Array:
-    """The times of a column in seconds from its first one on; NaN for an empty cell. Raises ValueError for no time."""
+    """Return the times of a column in seconds from its first one on; NaN for an empty cell. Raises ValueError for no
+    time."""
     import pandas as pd  # slow to import
 
     texts = pd.Index(cells).str.replace(",", ".").str.strip()
@@ -258,7 +261,7 @@ def _seconds(cells: pd.Series[str]) -> Array:
 
 
 class _Layout(NamedTuple):
-    """How a delimited text is laid out: encoding, delimiter, decimal mark, mark of comments, lines of the header."""
+    """Layout of a delimited text: encoding, delimiter, decimal mark, mark of comments, lines of the header."""
 
     path: Path
     encoding: str
@@ -268,20 +271,21 @@ class _Layout(NamedTuple):
     header_lines: int
 
     def rows(self) -> Iterator[tuple[int, list[str]]]:
-        """Line number, counted from 1, and cells of every row of data; slow, for finding what is wrong."""
+        """Yield the line number, counted from 1, and cells of every row of data; slow, for finding what is wrong."""
         numbered = enumerate(_lines(self.path, self.encoding), start=1)
         for number, line in itertools.islice(numbered, self.header_lines, None):
             if cells := cells_of(line, self.delimiter, self.comment):
                 yield number, cells
 
     def place(self, sample: int) -> str:
-        """The line of a row, counted from 1."""
+        """Return the line of a row, counted from 1."""
         row = next(itertools.islice(self.rows(), sample, None), None)
         return f"line {row[0]}" if row else f"row {sample + 1}"
 
 
 def text_file(path: Path, mapping: RecordMapping) -> Table:
-    """A delimited text file: its layout follows from its first lines and from what the mapping says about it.
+    """Return the table of a delimited text file: its layout follows from its first lines and from what the mapping says
+    about it.
 
     Raises RecordError when there are no rows of numbers, only one column, or a header that does not fit the rows; when
     it is loaded, naming line and column, for a cell that is no number and a row that has too many or too few.
@@ -334,7 +338,7 @@ def text_file(path: Path, mapping: RecordMapping) -> Table:
 
 
 def _lines(path: Path, encoding: str) -> Iterator[str]:
-    """The lines of a file. Raises RecordError for one that is too long to be a row of a record."""
+    """Yield the lines of a file. Raises RecordError for one that is too long to be a row of a record."""
     with open(path, encoding=encoding, errors="replace", newline=None) as stream:
         every = iter(lambda: stream.readline(LONGEST_LINE + 1), "")
         for number, line in enumerate(every, start=1):
@@ -347,7 +351,7 @@ def _lines(path: Path, encoding: str) -> Iterator[str]:
 
 
 def _load(layout: _Layout, channels: Sequence[RawChannel], wanted: Sequence[int]) -> list[Array]:
-    """The wanted columns; an empty cell is NaN."""
+    """Return the wanted columns; an empty cell is NaN."""
     import pandas as pd  # slow to import
 
     path = layout.path
@@ -380,7 +384,7 @@ def _complaint(
     path, width = layout.path, len(channels)
     for number, cells in layout.rows():
         if any(cells[width:]) or len(cells) <= max(wanted):
-            remedy = "mend it, or cut the file before it"
+            remedy = "repair it, or cut the file before it"
             return f"{path}: line {number} has {len(cells)} cells, the others {width}; {remedy}"
         for i in wanted:
             cell, time = cells[i], channels[i].stamps

@@ -1,4 +1,4 @@
-"""Why a computed number misses the printed one: for each cause a sentence, computed from the run, or nothing.
+"""Sentences on why a computed number misses the printed one: one for each cause, computed from the run, or nothing.
 
 No sentence is taken for granted: a condition on the numbers of the run decides whether it is written.
 """
@@ -28,14 +28,14 @@ from .verdicts import of_cell
 
 
 def backward_euler(case: Case, values: Mapping[str, float]) -> str:
-    """Numerical dissipation: c acts as c + mω²h, and every integral shrinks by about as much."""
+    """State the numerical dissipation: c acts as c + mω²h, and every integral shrinks by about as much."""
     exact, as_published = values["exact"], values["as_published"]
     if case.numerics.scheme != "backward-euler" or math.isnan(as_published) or not exact:
         return ""
     effective = effective_damping(case, case.omega("omega1"))
     return (
         f"Backward Euler, {1e6 * case.numerics.step_s:g} µs: c acts as c + mω²h = {effective:.4f}; "
-        f"as published lies {as_published / exact - 1.0:+.1e} of itself from exact."
+        f"as published deviates from exact by a relative {as_published / exact - 1.0:+.1e}."
     )
 
 
@@ -49,7 +49,7 @@ def implied_b(published: Published, level: str | int) -> tuple[str, str]:
     b, a, W = (published[of_cell("table2", symbol, level)] for symbol in "baW")
 
     def implied(with_it: bool) -> tuple[str, list[bool]]:
-        """The range of b by the pairs with this level or by the others; for each, whether it excludes the printed b."""
+        """Return the range of b by the pairs with this level or by the others; for each, whether it excludes print."""
         values, excluded = [], []
         for label in PAIR_LABELS:
             if (int(level) in levels_of(label)) is not with_it:
@@ -76,14 +76,14 @@ def implied_b(published: Published, level: str | int) -> tuple[str, str]:
 
 
 def printed_inputs_differ(values: Mapping[str, float], number: Printed) -> str:
-    """The paper's own inputs in its own equations against what it prints, should that be another number."""
+    """State what the paper's own inputs give in its own equations, where it prints another number."""
     if agrees(values["from_print"], number):
         return ""
     return f"It contradicts the paper's own inputs, which give {number.show(values['from_print'])}."
 
 
 def slip_time_as_read(t_s: float, step: float, number: Printed) -> str:
-    """t_s as read: between the first and the last sample of the microstick phase, in whole tenths of a millisecond."""
+    """Explain t_s as read between the first and last sample of the microstick phase, in whole tenths of a ms."""
     between = t_s - 2.0 * step
     if math.isnan(t_s) or math.floor(between / TIME_UNIT_S) != round(number.value / TIME_UNIT_S):
         return ""
@@ -91,13 +91,13 @@ def slip_time_as_read(t_s: float, step: float, number: Printed) -> str:
     return (
         f"The microstick phase lasts {1e3 * t_s:.3f} ms, without a step of {1e6 * step:g} µs at each end "
         f"{1e3 * between:.3f} ms; the print keeps whole tenths."
-        + " This number chose that these steps are taken off; its agreement is no evidence."
+        + " Leaving out these steps was chosen to give this number; its agreement is no evidence."
         * chosen
     )
 
 
 def slip_velocity_as_read(sample: float, number: Printed, column: Array) -> str:
-    """V_s as read off the velocity axis, and why no mark on it explains the column.
+    """Explain V_s as read off the velocity axis, and why no mark on it explains the column.
 
     sample : the velocity of the first slipping sample of the as-published simulation, m/s.
     column : the printed V_s of all levels, m/s.
@@ -118,7 +118,7 @@ def slip_velocity_as_read(sample: float, number: Printed, column: Array) -> str:
 
 
 def phase(reversal: float, zero_crossing: float, number: Printed) -> str:
-    """Which phase the printed one is."""
+    """State which phase the printed one is."""
     to_reversal, to_crossing = number.value - reversal, number.value - zero_crossing
     if not abs(to_reversal) < abs(to_crossing):
         return ""
@@ -129,7 +129,7 @@ def phase(reversal: float, zero_crossing: float, number: Printed) -> str:
 
 
 def sign(as_published: float, correct: float, unit: str, misfits: Mapping[str, float]) -> str:
-    """Table 3: the slip of sign in the V_s columns, and on what its proof rests; "" elsewhere.
+    """State the slip of sign in the V_s columns of Table 3 and its proof; return "" elsewhere.
 
     as_published : the pair as published, in the V_s columns with the slip.   correct : by the row that (19) states.
     misfits : `cross_checks.misfits`.
@@ -146,12 +146,13 @@ def sign(as_published: float, correct: float, unit: str, misfits: Mapping[str, f
 
 
 def starting_sample(case: Case, level: int) -> str:
-    """Where the integral a begins.   level : counted from 1."""
+    """State where the integral a begins.   level : counted from 1."""
     count = case.numerics.after_slip(level - 1)
     samples = "a sample" if count == 1 else f"{count} samples"
     return (
-        f"Begun {samples} after slip is seen, in the cycle that starts in period {case.numerics.cycles - 2}: "
-        "chosen for this number, of which only the fraction of a sample is evidence."
+        f"The integral begins {samples} after slip is seen, in the cycle that starts in period "
+        f"{case.numerics.cycles - 2}. "
+        "This start was chosen to give this number; only its fraction of a sample is evidence."
     )
 
 
@@ -161,7 +162,7 @@ def other_b(
     allowed: Mapping[str, NumberRange | None],
     row: Row,
 ) -> str:
-    """A pair of which a printed b is not the simulated one: the pair with the b that print needs, if that explains it.
+    """Return the pair with the b that print needs, where a printed b is not the simulated one and that explains it.
 
     allowed : what the printed tables allow, `Sources.allowed`.   row : of the pair.
     """
@@ -193,7 +194,7 @@ def other_b(
 
 
 def outside(allowed: NumberRange | None, number: Printed, table: str) -> str:
-    """A number that the rest of its table, within its rounding, does not allow."""
+    """State that the rest of the table, within its rounding, does not allow a number."""
     half = 0.5 * number.unit
     if allowed is None or allowed[0] - half <= number.value <= allowed[1] + half:
         return ""
@@ -201,7 +202,7 @@ def outside(allowed: NumberRange | None, number: Printed, table: str) -> str:
 
 
 def printed_inputs(values: Mapping[str, float], inputs: str, number: Printed) -> str:
-    """How far the digits of a printed table move what is computed from it."""
+    """State how far the digits of a printed table move what is computed from it."""
     shift = values["from_print"] - values["exact"]
     if math.isnan(shift):
         return ""
@@ -210,10 +211,10 @@ def printed_inputs(values: Mapping[str, float], inputs: str, number: Printed) ->
 
 
 def cut_off(value: float, number: Printed) -> str:
-    """Whether the printed digits are those of `value` cut off where rounding would give others."""
+    """State where the printed digits are those of `value` cut off and rounding would give others."""
     units = value / number.unit
     if math.floor(units) == round(number.value / number.unit) != round(units):
-        return f"{number.show(value, 2)} cut off, not rounded, has the printed digits."
+        return f"{number.show(value, 2)} has the printed digits if cut off, not rounded."
     return ""
 
 
@@ -229,7 +230,7 @@ class _Read(NamedTuple):
     unit: str
 
     def shown(self, tables: RouteTables, label: str) -> str:
-        """How the feature reads at the levels of a pair; once if it reads the same."""
+        """Return how the feature reads at the levels of a pair; once if it reads the same."""
         sums = (
             math.fsum(tables.feature(column, level) for column in self.columns)
             for level in levels_of(label)
@@ -252,14 +253,14 @@ _READ = (
 def rules_at_work(
     case: Case, exact_route: RouteTables, unrounded: pd.DataFrame
 ) -> Callable[[Row], str]:
-    """A function of a row that says what moves that number of Table 3 from exact, in a sentence.
+    """Return a function of a row that says what moves that number of Table 3 from exact, in a sentence.
 
     Named are the largest share, and every other that moves the number by half a unit of its last printed digit.
     Arguments as in `Sources`.
     """
     if "omega1" not in exact_route.features or unrounded.empty:
         return lambda row: ""
-    configured = {key: of for key, of in case.numerics.two_point.items() if of is not None}
+    configured = {key: rule for key, rule in case.numerics.two_point.items() if rule is not None}
 
     def pairs(frame: pd.DataFrame, *keys: str) -> RouteTables:
         features = Features.from_frame(frame)
@@ -270,9 +271,9 @@ def rules_at_work(
 
     exact, unread = pairs(exact_route.features["omega1"]), pairs(unrounded)
     read = {
-        one: pairs(unrounded, *one.keys)
-        for one in _READ
-        if not configured.keys().isdisjoint(one.keys)
+        feature: pairs(unrounded, *feature.keys)
+        for feature in _READ
+        if not configured.keys().isdisjoint(feature.keys)
     }
 
     def sentence(row: Row) -> str:
@@ -280,14 +281,14 @@ def rules_at_work(
             return tables.estimate(COLUMN_OF[row.symbol], row.approach, pair=row.id.line)
 
         shifts = {"the simulation": value(unread) - value(exact)}
-        for one, tables in read.items():
-            shifts[one.shown(tables, row.id.line)] = value(tables) - value(unread)
+        for feature, tables in read.items():
+            shifts[feature.shown(tables, row.id.line)] = value(tables) - value(unread)
         if not all(map(math.isfinite, shifts.values())):
             return ""
         first, *others = sorted(shifts, key=lambda what: -abs(shifts[what]))
         named = [first, *(what for what in others if abs(shifts[what]) >= 0.5 * row.number.unit)]
         digits = row.number.decimals + 1
         shares = (f"{what} ({shifts[what]:+.{digits}f} {row.unit})" for what in named)
-        return f"What moves it: {', '.join(shares)}."
+        return f"Shares of its deviation from exact: {', '.join(shares)}."
 
     return sentence

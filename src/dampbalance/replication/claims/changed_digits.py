@@ -1,4 +1,4 @@
-"""Would a misprint be noticed? Every digit of Tables 1 to 3 one up and one down, and which verdicts change.
+"""Tests whether a misprint would be noticed: every digit of Tables 1 to 3 one up and one down.
 
 The claims are judged by the same rules as those of the paper, on a print with one other number. `misprints` gives
 every change with its verdicts; `packed` writes them down for the page that lets readers change a digit. That takes a
@@ -30,10 +30,10 @@ _FOLLOWS = {
     "refuted": ("table1", "table2", "text"),
     "by_table_2": ("table2",),
     "by_table_3": ("table1", "table3", "text"),
-    "misfits": (),  # from Tables 1 and 3, but for causes alone
+    "misfits": (),  # depends on Tables 1 and 3, and serves causes only
     "unread": (),
 }
-"""What sources compute once → the parts of the paper with the printed numbers from which a verdict takes it."""
+"""Cached property of `Sources` → parts of the paper whose printed numbers it depends on."""
 
 
 class Misprint(NamedTuple):
@@ -45,20 +45,20 @@ class Misprint(NamedTuple):
 
 
 def other_digits(number: Printed) -> list[str]:
-    """The number with each of its significant digits one up and one down in turn, the last digit first."""
+    """Return the number with each of its significant digits one up and one down in turn, the last digit first."""
     return [
         number.moved(step * 10**place) for place in range(number.significant) for step in (+1, -1)
     ]
 
 
 def judged(sources: Sources, name: str, text: str) -> dict[str, Claim]:
-    """The claims on all computed numbers that another text for one printed number can affect, by id.
+    """Return the claims on all computed numbers that another text for one printed number can affect, by id.
 
     Their causes are not looked into: they say why a number is what it is, and no verdict depends on them.
     """
     part = part_of(name)
     changed = replace(sources, published=sources.published.changed({name: text}))
-    kept = {once: getattr(sources, once) for once, of in _FOLLOWS.items() if part not in of}
+    kept = {name: getattr(sources, name) for name in _FOLLOWS if part not in _FOLLOWS[name]}
     vars(changed).update(kept, rules_at_work=lambda row: "")
     parts = _JUDGED.get(part, (part,))
     rows = changed.published.rows.values()
@@ -67,7 +67,7 @@ def judged(sources: Sources, name: str, text: str) -> dict[str, Claim]:
 
 
 def misprints(sources: Sources, names: Iterable[str]) -> Iterator[Misprint]:
-    """Some computed numbers with `other_digits`, judged anew."""
+    """Judge some computed numbers anew with `other_digits`."""
     was = verdicts_of_changes(sources)
     for name in names:
         for text in other_digits(sources.published[name]):
@@ -76,7 +76,7 @@ def misprints(sources: Sources, names: Iterable[str]) -> Iterator[Misprint]:
 
 
 def verdicts_of_changes(sources: Sources) -> dict[str, str]:
-    """The names of the verdicts on all computed numbers, by id."""
+    """Return the names of the verdicts on all computed numbers, by id."""
     rows = [row for row in sources.published.rows.values() if row.kind == "computed"]
     return {claim.row.id: verdict(claim).name for claim in claims(sources, rows)}
 
@@ -85,13 +85,13 @@ _NUMBER = re.compile(r"[-+]?\d(?:[\d.]|[eE][-+]?)*\d|\d")
 
 
 def cells(sources: Sources) -> list[str]:
-    """The ids of the computed numbers of Tables 1 to 3."""
+    """Return the ids of the computed numbers of Tables 1 to 3."""
     rows = sources.published.rows.values()
     return [row.id for row in rows if row.kind == "computed" and part_of(row.id) in _JUDGED]
 
 
 def packed(sources: Sources, names: Iterable[str]) -> dict[str, Any]:
-    """The misprints of some numbers, of `cells` as a rule, in short, to be written as JSON.
+    """Return the misprints of some numbers, of `cells` as a rule, in short, to be written as JSON.
 
     verdicts : their names, best first.   was : id → verdict on the number as printed.
     reasons : sentences, with # for every number.   because : sentences on other numbers.
@@ -123,16 +123,16 @@ def packed(sources: Sources, names: Iterable[str]) -> dict[str, Any]:
         changes.append([*change, place("sets", others)])
     return {
         "verdicts": ranks,
-        "was": {name: ranks.index(of) for name, of in was.items()},
+        "was": {name: ranks.index(earlier) for name, earlier in was.items()},
         **{name: list(pool) for name, pool in pools.items()},
         "numbers": numbers,
     }
 
 
 def _because(claim: Claim) -> str:
-    """Why a changed number gives another one another verdict, without numbers."""
+    """Return why a changed number gives another one another verdict, without numbers."""
     if claim.contradiction:
         return "it now disagrees with the paper’s own numbers"
     if claim.strays:
-        return "what the printed inputs give for it is now too far off"
-    return "the rest of its table now leaves another range for it"
+        return "the printed inputs now give a number too far from it"
+    return "the rest of its table now allows another range for it"

@@ -1,4 +1,4 @@
-"""What the printed numbers say of each other: cells that the printed least squares refute, ranges that others leave.
+"""Cross-checks among the printed numbers: cells that the printed least squares refute, ranges that others leave.
 
 Checksums: the text prints F_k, c and the residual of the least squares of every approach, computed from Tables 1 and 2
 as they stand. Put back into the paper's equations, the printed tables give these numbers to the last digit. A residual
@@ -48,7 +48,7 @@ _OTHER_DIGITS = [sign * step for step in range(1, 10) for sign in (1, -1)]
 
 
 def refuted(published: Published, case: Case) -> dict[str, str]:
-    """The cells of Tables 1 and 2 that the printed least squares refute: by the id of each, a sentence.
+    """Return the cells of Tables 1 and 2 that the printed least squares refute: by the id of each, a sentence.
 
     Only ω, k and the equations come from outside the print.
     """
@@ -70,13 +70,13 @@ def refuted(published: Published, case: Case) -> dict[str, str]:
         restored = _restored(features.replaced(**many), published, case, approaches)
         for place in reversed(np.flatnonzero(restored)):  # the first of a cell comes last
             refutations[cells[place // len(_OTHER_DIGITS)][-1]] = (
-                f"The least squares that the paper prints come out with {others[place]} here, not as printed."
+                f"The printed least squares follow from {others[place]} here, not from the printed number."
             )
     return refutations
 
 
 def agrees(value: ArrayLike, number: Printed) -> Mask:
-    """Whether values, rounded or cut off, have the printed digits."""
+    """Return whether values, rounded or cut off, have the printed digits."""
     computed, units = np.asarray(value) / number.unit, number.value / number.unit
     return (np.abs(computed - units) <= 0.5) | (np.trunc(computed) == round(units))
 
@@ -84,7 +84,7 @@ def agrees(value: ArrayLike, number: Printed) -> Mask:
 def _restored(
     features: Features, published: Published, case: Case, approaches: Iterable[str]
 ) -> Mask:
-    """Whether features of the printed tables give every printed result of these least squares, case by case."""
+    """Return whether features of the printed tables give every printed result of these least squares, case by case."""
     restored = np.ones(features.Y.shape[1:], dtype=np.bool_)
     for approach in approaches:
         estimate = solve(APPROACHES[approach](features, case.oscillator.k))
@@ -98,7 +98,7 @@ _ESTIMATES = tuple(q.symbol for q in IDENTIFIED_QUANTITIES)
 
 
 def by_table_2(published: Published) -> dict[str, NumberRange | None]:
-    """The ranges that Table 2 allows for b of each level, m²/s, and F_k, N, and c, N s/m, of each pair, by id.
+    """Return the ranges that Table 2 allows for b of each level, m²/s, and F_k, N, and c, N s/m, of each pair, by id.
 
     None: no value agrees with all other printed numbers.
     """
@@ -116,7 +116,7 @@ def by_table_2(published: Published) -> dict[str, NumberRange | None]:
 
 
 def by_table_3(published: Published, case: Case) -> dict[str, NumberRange | None]:
-    """The ranges that Tables 1 and 3 allow for F_k, N, and c, N s/m, of each pair, by id; None as in `by_table_2`.
+    """Return the ranges that Tables 1 and 3 allow for F_k, N, and c, N s/m, of each pair; None as in `by_table_2`.
 
     Empty where every number agrees with all others, which is seen at once.   case : for ω1 and k.
     """
@@ -125,7 +125,7 @@ def by_table_3(published: Published, case: Case) -> dict[str, NumberRange | None
 
 
 def misfits(published: Published, case: Case) -> dict[str, float]:
-    """How many units of the last digit the number furthest off print is off at best, with either sign in the V_s rows.
+    """Return how many units of the last digit the worst number is off at best, with either sign in the V_s rows.
 
     "plus", "minus" : all columns from the same X, φ and t_s.   "minus alone" : the V_s columns for themselves. Above
     half a unit no inputs within the rounding of Table 1 give what is printed.
@@ -140,7 +140,7 @@ _AS_COMPUTED = {name: name for name in HARMONIC}
 
 
 def _table_3(published: Published, case: Case, rows: Mapping[str, str]) -> _Table:
-    """Some columns of Table 3 with their inputs.   rows : behind each column, as _AS_COMPUTED."""
+    """Return some columns of Table 3 with their inputs.   rows : behind each column, as _AS_COMPUTED."""
     read = ("X", "X_s", "V_s")
     inputs = [claim for symbol in read for claim in column_ids("table1", symbol)]
     inputs += [of_text("phi_mean"), of_text("t_s_mean")]
@@ -155,7 +155,7 @@ def _table_3(published: Published, case: Case, rows: Mapping[str, str]) -> _Tabl
     def of_inputs(values: Array) -> Array:
         numbers = dict(zip(read, values[:-2].reshape(3, len(Y), -1), strict=True))
         numbers |= {"Y": Y, "phi": values[-2], "t_s": values[-1]}
-        every = {name: np.broadcast_to(of, numbers["X"].shape) for name, of in numbers.items()}
+        every = {name: np.broadcast_to(x, numbers["X"].shape) for name, x in numbers.items()}
         features = of_numbers(omega, "", **every)
         systems = (APPROACHES_OF_TABLE_3[row](features, case.oscillator.k) for row in rows.values())
         return np.vstack([values, *map(_estimates, systems)])
@@ -164,7 +164,7 @@ def _table_3(published: Published, case: Case, rows: Mapping[str, str]) -> _Tabl
 
 
 def _estimates(rows: Rows) -> Array:
-    """F_k of all pairs, then c of all pairs, a column per set of inputs.   rows : shape (levels, sets)."""
+    """Return F_k of all pairs, then c of all pairs, a column per set of inputs.   rows : shape (levels, sets)."""
     estimate = solve(rows[np.transpose(PAIRS)])
     return np.vstack([estimate[symbol] for symbol in _ESTIMATES])
 
@@ -189,26 +189,27 @@ class _Table:
         self._value, self._unit = np.array(numbers).T
         at, unit = self._value[: self.inputs], self._unit[: self.inputs]
         self.off, self.slopes = self._linear(at)
-        for _ in range(2):  # steps to where the number furthest off print is the fewest units off
+        for _ in range(2):  # steps that bring the worst number closer to print
             program = self._nearest()
             if program.x is None:
                 break
             at = at + unit * program.x[:-1]
             there = self._linear(at)
-            if not all(np.isfinite(part).all() for part in there):  # where formulas have no value
+            if not all(
+                np.isfinite(part).all() for part in there
+            ):  # the formulas have no value there
                 break
             self.off, self.slopes = there
 
     @property
     def misfit(self) -> float:
-        """How many units the number furthest off print is off."""
+        """The distance of the worst number from print, in units of its last digit."""
         return float(np.max(np.abs(self.off)))
 
     def ranges(self, wanted: Iterable[str]) -> dict[str, NumberRange | None]:
-        """The range that all other printed numbers leave for each wanted one, by id."""
+        """Return the range that all other printed numbers leave for each wanted one, by id."""
         program = self._nearest()
-        # Where the numbers do not agree, those that determine by how much contradict each other whatever else is left
-        # out.
+        # Where the numbers do not agree, those that determine the misfit contradict each other in any case.
         agree = program.x is None or program.x[-1] <= 0.5 + 1e-6
         at_odds = np.flatnonzero(program.ineqlin.marginals) % len(self.off)
         ranges: dict[str, NumberRange | None] = {}
@@ -227,15 +228,14 @@ class _Table:
         return values[:, 0] - self._value / unit, (values[:, 1 : n + 1] - values[:, n + 1 :]) / 0.2
 
     def _nearest(self) -> OptimizeResult:
-        """The steps of the inputs, and as the last unknown by how many units the number furthest off print then is
-        off."""
+        """Return the steps of the inputs that suit print best and, last, by how many units the worst number is off."""
         off, slopes = self.off, self.slopes
         both = np.hstack([np.vstack([slopes, -slopes]), -np.ones((2 * len(off), 1))])
         least = np.append(np.zeros(self.inputs), 1.0)
         return _program(least, both, np.concatenate([-off, off]))
 
     def _ends(self, place: int) -> NumberRange | None:
-        """Least and greatest of one number, in units off print, with all others within half a unit; None for none."""
+        """Return the least and greatest value of one number, units off print, with all others within half a unit."""
         others, room = np.delete(self.slopes, place, axis=0), np.delete(self.off, place)
         bounds = np.vstack([others, -others]), np.concatenate([0.5 - room, 0.5 + room])
         ends = []
@@ -248,7 +248,7 @@ class _Table:
 
 
 def _program(least: Array, A: Array, b: Array) -> OptimizeResult:
-    """The x of any sign with the smallest `least`·x among those of A x ≤ b."""
+    """Return the x of any sign with the smallest `least`·x among those of A x ≤ b."""
     from scipy.optimize import linprog  # slow to import, and not needed to read or to check claims
 
     return linprog(least, A_ub=A, b_ub=b, bounds=(None, None), method="highs")

@@ -1,4 +1,4 @@
-"""How much the agreement with print proves: agreement by chance, free choices, and the inputs behind Table 3.
+"""Measures what the agreement with print proves: agreement by chance, free choices, and the inputs behind Table 3.
 
 Everything is counted from the table of claims and from the configuration.
 """
@@ -50,7 +50,7 @@ def chance(claims: pd.DataFrame) -> dict[str, float]:
 
 
 def _made_otherwise(claims: pd.DataFrame) -> pd.Series:
-    """Which computed numbers stand in columns that came about by another route than the exact one.
+    """Return which computed numbers stand in columns that came about by another route than the exact one.
 
     A column that is judged by the exact route and has a number that it does not give is among them: V_s.
     """
@@ -105,12 +105,12 @@ def free_choices(case: Case) -> dict[str, dict[str, Any]]:
         "c_over_m_decimals": numerics.c_over_m_decimals,
         "k_over_m_decimals": numerics.k_over_m_decimals,
         **starts,
-        **{k: of for k, of in numerics.tabulated.items() if not k.endswith("_decimals")},
+        **{k: rule for k, rule in numerics.tabulated.items() if not k.endswith("_decimals")},
         **numerics.two_point,
         "phase": case.phase,
         "sign": "plus",
     }
-    discrete = {name: of for name, of in rules.items() if of is not None}
+    discrete = {name: rule for name, rule in rules.items() if rule is not None}
     return {"continuous": {"step_s": numerics.step_s}, "discrete": discrete}
 
 
@@ -133,7 +133,7 @@ def inputs_of_table_3(
     printed = claims[claims["id"].str.startswith("table3.")].set_index("id")["printed"]
 
     def given(features: Features, minus: bool = False) -> int:
-        """How many numbers of Table 3 the features give."""
+        """Return how many numbers of Table 3 the features give."""
         table = estimates(features, features, replace(case, pairs=PAIRS))
         route, count = RouteTables({}, {"omega1": table}), 0
         for approach, q, pair in product(HARMONIC, IDENTIFIED_QUANTITIES, PAIR_LABELS):
@@ -156,8 +156,8 @@ def inputs_of_table_3(
         "phi": ("phi", 10.0 ** -(rules.common_phi_decimals or 3)),
     }
     moved = {
-        f"X_{level}": missed(*(with_X(read.X + sign * X_unit * one) for sign in (-1.0, 1.0)))
-        for level, one in enumerate(np.eye(len(read)), 1)
+        f"X_{level}": missed(*(with_X(read.X + sign * X_unit * axis) for sign in (-1.0, 1.0)))
+        for level, axis in enumerate(np.eye(len(read)), 1)
     }
     for name, (field, step) in steps.items():
         values = (getattr(read, field) + sign * step for sign in (-1.0, 1.0))
@@ -169,7 +169,7 @@ def inputs_of_table_3(
     return {
         "inputs": len(moved),
         "moved": moved,
-        "moved_X": [of(of(moved[f"X_{n + 1}"]) for n in range(len(read))) for of in (min, max)],
+        "moved_X": [end(end(moved[f"X_{n + 1}"]) for n in range(len(read))) for end in (min, max)],
         "given": given(read),
         "given_by_exact_X": given(with_X(rules.apply(Features.from_frame(exact)).X)),
         "missed_by_printed_V_s": missed(read.replaced(V_s=np.array(V_s)))[0],

@@ -1,4 +1,4 @@
-"""From a printed number and what the routes give for it to the best verdict of `verdicts.VERDICTS` that it earns.
+"""Finds the best verdict of `verdicts.VERDICTS` that a printed number earns by what the routes give for it.
 
 The rule is the same for every number: the best verdict that holds. A route gives the printed digits when it lies
 within half a unit of the last of them, whether or not the column came about by this route; how many may do so by chance
@@ -32,19 +32,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from ...project.case import Case
+from . import verdicts
 from .print import Printed, Row
-from .verdicts import (
-    DIFFERS,
-    LAST_DIGIT,
-    PROPAGATED,
-    READING,
-    REPRODUCED,
-    ROUTE_NAMES,
-    UNDECIDED,
-    UNEXPLAINED,
-    VERDICT_BY,
-    ClaimVerdict,
-)
+from .verdicts import ROUTE_NAMES, ClaimVerdict
 
 NumberRange = tuple[float, float]
 
@@ -103,7 +93,7 @@ class Claim:
     contradiction: str = ""
 
     def value(self, route: str) -> float:
-        """The number of a route, NaN if it gives none."""
+        """Return the number of a route, NaN if it gives none."""
         return self.values.get(route, math.nan)
 
     @property
@@ -112,15 +102,15 @@ class Claim:
         return [route for route in ROUTE_NAMES if not math.isnan(self.value(route))]
 
     def show(self, route: str) -> str:
-        """The value of a route, written like the printed number with a few more digits; "" if there is none."""
+        """Return the value of a route, written like the printed number with a few more digits; "" if there is none."""
         return self.row.number.show(self.value(route))
 
     def off(self, route: str) -> float:
-        """Distance of a route from print, in units of the last digit, signed."""
+        """Return the distance of a route from print, in units of the last digit, signed."""
         return (self.value(route) - self.row.number.value) / self.row.number.unit
 
     def off_relative(self, route: str) -> float:
-        """Distance of a route from the printed number, of the latter, signed."""
+        """Return the distance of a route from the printed number, relative to the latter, signed."""
         return self.value(route) / self.row.number.value - 1.0
 
     @property
@@ -141,7 +131,7 @@ class Claim:
 
     @property
     def strays(self) -> list[str]:
-        """The routes that lie further than LEASH from where they belong.
+        """The routes that deviate by more than MAX_DEVIATION_OF_OTHER_ROUTES.
 
         That of the column is among them only where another one decides.
         """
@@ -176,51 +166,51 @@ class Claim:
 
 
 def verdict(claim: Claim) -> ClaimVerdict:
-    """The best verdict that the claim earns."""
+    """Return the best verdict that the claim earns."""
     if claim.contradiction or claim.route not in claim.routes:
-        return DIFFERS
+        return verdicts.DIFFERS
     if claim.undecided:
-        return UNDECIDED
+        return verdicts.UNDECIDED
     if claim.holds is not None:
-        return VERDICT_BY[claim.route] if claim.holds else DIFFERS
+        return verdicts.VERDICT_BY[claim.route] if claim.holds else verdicts.DIFFERS
     if claim.strays:
-        return DIFFERS
+        return verdicts.DIFFERS
     if claim.deciding in claim.agreeing:
-        return VERDICT_BY[claim.deciding]
+        return verdicts.VERDICT_BY[claim.deciding]
     if claim.one_unit_off:
-        return LAST_DIGIT
-    return claim.tolerance.verdict if claim.tolerance else DIFFERS
+        return verdicts.LAST_DIGIT
+    return claim.tolerance.verdict if claim.tolerance else verdicts.DIFFERS
 
 
 def explanation(claim: Claim) -> str:
-    """Why the claim has its verdict, in a sentence or two, from the numbers of its row."""
+    """Return why the claim has its verdict, in a sentence or two, from the numbers of its row."""
     if claim.holds is not None:
         return claim.cause
     decided = verdict(claim)
     if claim.route not in claim.routes:
-        return f"No number {ROUTE_NAMES[claim.route]}."
-    route = claim.route if decided is DIFFERS else claim.deciding
+        return f"The route “{ROUTE_NAMES[claim.route]}” gives no number."
+    route = claim.route if decided is verdicts.DIFFERS else claim.deciding
     far, why = f"{ROUTE_NAMES[route].capitalize()}: {_distance(claim, route)}", claim.cause
-    if decided in VERDICT_BY.values():
+    if decided in verdicts.VERDICT_BY.values():
         how = f"Exactly {claim.show('exact')}, which rounds to {claim.row.printed}."
-        if decided is not REPRODUCED:
+        if decided is not verdicts.REPRODUCED:
             exact = f" (exact: {_distance(claim, 'exact')})" if "exact" in claim.routes else ""
             how = f"Obtained {ROUTE_NAMES[route]}{exact}."
         return " ".join(filter(None, [how, _column(claim), why]))
-    if decided is DIFFERS:
+    if decided is verdicts.DIFFERS:
         strays = " and ".join(f"{ROUTE_NAMES[r]} {_distance(claim, r)}" for r in claim.strays)
         why = claim.contradiction or (
-            f"Too far for the deviation that is named: {strays}."
+            f"More than the named deviation explains: {strays}."
             if strays
-            else "No bound reaches so far, and no other number of the paper contradicts it."
+            else "It exceeds every bound, and no other number of the paper contradicts the print."
         )
-    elif decided is not LAST_DIGIT and claim.tolerance:
+    elif decided is not verdicts.LAST_DIGIT and claim.tolerance:
         far += f"; {claim.tolerance.reason}"
     return f"{far}. {why}".strip()
 
 
 def _column(claim: Claim) -> str:
-    """How the number lies by which the column came about, where another one decides; "" otherwise."""
+    """Return how the number lies by which the column came about, where another one decides; "" otherwise."""
     if claim.deciding == claim.route:
         return ""
     arose = f"its column came about {ROUTE_NAMES[claim.route]}"
@@ -230,7 +220,7 @@ def _column(claim: Claim) -> str:
 
 
 def _distance(claim: Claim, route: str) -> str:
-    """How far a route lies from the printed number, in words: units of the last digit if few, else per cent."""
+    """Return how far a route lies from the printed number, in words: units of the last digit if few, else per cent."""
     units = claim.off(route)
     side = "above" if units > 0 else "below"
     if abs(units) < 20.0:
@@ -252,36 +242,36 @@ NEAR_PHASE_S = 2e-4
 NEAR_UNITS = 10.0
 """Units of the last digit: a simulated number that is less far off is right in all digits but the last."""
 
-NOTHING = "nothing says why"
+UNKNOWN = "the cause is unknown"
 
 
 def phase_read(number: Printed, omega: float) -> tuple[Tolerance, ...]:
-    """φ as the difference of two instants that were each read to the nearest unit of time.   omega : rad/s."""
+    """Allow φ as the difference of two instants that were each read to the nearest unit of time.   omega : rad/s."""
     value, step, far = number.value, omega * PHASE_UNIT_S, omega * NEAR_PHASE_S
-    how = f"a difference of two instants, each to the nearest {1e3 * PHASE_UNIT_S:g} ms, is known to {step:.4f} rad"
-    beyond = f"{how}; it is less than {1e3 * NEAR_PHASE_S:g} ms off, and {NOTHING}"
+    how = f"two instants, each to the nearest {1e3 * PHASE_UNIT_S:g} ms, fix the phase to {step:.4f} rad"
+    beyond = f"{how}; it is less than {1e3 * NEAR_PHASE_S:g} ms off, and {UNKNOWN}"
     return (
-        Tolerance(value - step, value + step, how, READING),
-        Tolerance(value - far, value + far, beyond, UNEXPLAINED),
+        Tolerance(value - step, value + step, how, verdicts.READING),
+        Tolerance(value - far, value + far, beyond, verdicts.UNEXPLAINED),
     )
 
 
 def propagated(allowed: NumberRange | None, number: Printed) -> tuple[Tolerance, ...]:
-    """F_k or c of a pair in the range that the rest of Table 2 allows, if any."""
+    """Allow F_k or c of a pair in the range that the rest of Table 2 allows, if any."""
     if allowed is None:
         return ()
-    reason = f"digits that are not printed leave {range_text(allowed, number)}"
-    return (Tolerance(*allowed, reason, PROPAGATED),)
+    reason = f"unprinted digits allow {range_text(allowed, number)}"
+    return (Tolerance(*allowed, reason, verdicts.PROPAGATED),)
 
 
 def simulated(number: Printed, case: Case) -> tuple[Tolerance, ...]:
-    """A number of Table 2 close to print without a reason.   case : for ω1 and the step of the simulation."""
+    """Allow a number of Table 2 close to print without a reason.   case : for ω1 and the step of the simulation."""
     value, share = number.value, case.numerics.step_s * case.omega("omega1") / (2.0 * math.pi)
     far = min(NEAR_UNITS * number.unit, share * abs(value))
-    near = f"less than {NEAR_UNITS:g} units and {share:.1e} of itself, a step in a period"
-    return (Tolerance(value - far, value + far, f"{near}; {NOTHING}", UNEXPLAINED),)
+    near = f"less than {NEAR_UNITS:g} units and a relative {share:.1e}, one step in a period"
+    return (Tolerance(value - far, value + far, f"{near}; {UNKNOWN}", verdicts.UNEXPLAINED),)
 
 
 def range_text(ends: NumberRange, number: Printed) -> str:
-    """A range as text, with two digits more than are printed."""
+    """Return a range as text, with two digits more than are printed."""
     return " to ".join(number.show(end, 2) for end in ends)

@@ -38,7 +38,7 @@ from .verdicts import ClaimId, of_cell, of_text
 LONGEST = 25
 """Characters of a number at most."""
 
-_POWERS = (-30, 30)  # of ten
+_POWERS = (-30, 30)  # powers of ten within which every quantity of the paper lies
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,15 +92,17 @@ class Printed:
         return int(self.decimal.as_tuple().exponent)
 
     def moved(self, units: int) -> str:
-        """The text with its last digit moved by so many units, written alike: 90.0402 by 1 → 90.0403."""
+        """Return the text with its last digit moved by so many units, written alike: 90.0402 by 1 → 90.0403."""
         value = self.decimal + units * Decimal(1).scaleb(self.exponent)
         mantissa, power = re.split("(?=[eE])|$", self.text, maxsplit=1)  # the latter, e.g., E-3
         moved = value.scaleb(-int(power[1:] or 0))
         return f"{moved:.{Printed(mantissa).decimals}f}{power}"
 
     def show(self, value: float, extra: int = 4) -> str:
-        """`value` written as the printed number is, with `extra` more digits, or with three decimals where a word is
-        printed; "" for NaN."""
+        """Write `value` like the printed number with `extra` more digits; "" for NaN.
+
+        Where a word is printed, it has three decimals.
+        """
         if math.isnan(value):
             return ""
         if not self.is_number:
@@ -119,7 +121,7 @@ LEVELS = 5
 PAIRS: tuple[Pair, ...] = ((0, 1), (1, 2), (2, 3), (3, 4), (0, 4))
 PAIR_LABELS = tuple(pair_label(i, j) for i, j in PAIRS)
 
-_MOST_BYTES = 1_000_000  # of a table; the longest, claims.csv, has 40 kB
+_MOST_BYTES = 1_000_000  # the longest table, claims.csv, has 40 kB
 
 
 class Row(NamedTuple):
@@ -155,21 +157,21 @@ class Published:
     rows: Mapping[str, Row]
 
     def __getitem__(self, claim: str) -> Printed:
-        """A printed number by its id."""
+        """Return a printed number by its id."""
         return self.rows[claim].number
 
     def column(self, table: str, symbol: str, approach: str = "") -> Array:
-        """The numbers of a column of a table, from its first line to its last; arguments as in `column_ids`."""
+        """Return the numbers of a column of a table, from its first line to its last; arguments as in `column_ids`."""
         return np.array([self[claim].value for claim in column_ids(table, symbol, approach)])
 
     def changed(self, texts: Mapping[str, str]) -> Published:
-        """These printed numbers with other texts for some of them, by id."""
+        """Return these printed numbers with other texts for some of them, by id."""
         rows = {claim: self.rows[claim]._replace(printed=text) for claim, text in texts.items()}
         return Published({**self.rows, **rows})
 
 
 def column_ids(table: str, symbol: str, approach: str = "") -> list[str]:
-    """The ids of a column of Tables 1 to 3, from its first line to its last.   approach : for Table 3 only."""
+    """Return the ids of a column of Tables 1 to 3, from its first line to its last.   approach : for Table 3 only."""
     pairwise = symbol in {q.symbol for q in IDENTIFIED_QUANTITIES}
     lines = PAIR_LABELS if pairwise else range(1, LEVELS + 1)
     return [of_cell(table, symbol, line, approach) for line in lines]
@@ -188,12 +190,12 @@ def read_published(folder: Path) -> Published:
             )
     if (twice := frame["id"][frame["id"].duplicated()]).any():
         raise ValueError(f"{FILE}: id {twice.iloc[0]} appears twice; each needs its own name")
-    return Published({name: Row(ClaimId(name), *of) for name, *of in frame.to_numpy()})
+    return Published({name: Row(ClaimId(name), *cells) for name, *cells in frame.to_numpy()})
 
 
 def read_texts(path: Path, columns: tuple[str, ...]) -> pd.DataFrame:
-    """A table with these columns, every cell the text that it is. Raises ValueError for anything else."""
-    problem = f"needed is a file of this name, of {_MOST_BYTES:,} bytes at most"
+    """Return a table with these columns, every cell the text that it is. Raises ValueError for anything else."""
+    problem = f"the file is missing, or has more than {_MOST_BYTES:,} bytes"
     if path.is_file() and path.stat().st_size <= _MOST_BYTES:
         try:
             frame = pd.read_csv(path, dtype=str, keep_default_na=False, encoding="utf-8")
@@ -203,13 +205,13 @@ def read_texts(path: Path, columns: tuple[str, ...]) -> pd.DataFrame:
         else:
             if tuple(frame.columns) == columns:
                 return frame
-            found = ", ".join(frame.columns)[:120]
-            problem = f"expected the columns {', '.join(columns)}, found {found}"
+            present = ", ".join(frame.columns)[:120]
+            problem = f"expected the columns {', '.join(columns)}, found {present}"
     raise ValueError(f"{path.name}: {problem}")
 
 
 def printed_features(published: Published, omega: float) -> Features:
-    """Tables 1 and 2 as features: each printed number as it stands, everything the paper does not print NaN.
+    """Return Tables 1 and 2 as features: each printed number as it stands, everything the paper does not print NaN.
 
     omega : drive frequency, rad/s.
     """
@@ -222,7 +224,7 @@ def printed_features(published: Published, omega: float) -> Features:
 
 
 def from_print(published: Published, case: Case) -> RouteTables:
-    """Estimates at ω1 from the printed features, pair-wise with the φ = 1.542 and t_s = 2.1 ms that the text states.
+    """Return estimates at ω1 from the printed features, pair-wise with φ = 1.542 and t_s = 2.1 ms of the text.
 
     Only ω, k and the pairs come from outside the print.
     """
@@ -234,7 +236,7 @@ def from_print(published: Published, case: Case) -> RouteTables:
 
 
 def printed_estimates(published: Published) -> RouteTables:
-    """The printed pairs of Tables 2 and 3 as a table of estimates."""
+    """Return the printed pairs of Tables 2 and 3 as a table of estimates."""
     frames = []
     for name in PRINTED_APPROACHES:
         table, phase = ("table3", "common") if name in HARMONIC else ("table2", "individual")

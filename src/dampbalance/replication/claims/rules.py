@@ -10,6 +10,7 @@ names does.
 from __future__ import annotations
 
 import math
+import operator
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -83,17 +84,17 @@ class Sources:
     )
 
     def features(self, column: str, level: int) -> dict[str, float]:
-        """A feature by the routes that simulate; arguments as in `RouteTables.feature`."""
+        """Return a feature by the routes that simulate; arguments as in `RouteTables.feature`."""
         return {name: self.routes[name].feature(column, level) for name in ROUTES}
 
     def estimates(self, row: Row, **which: str) -> dict[str, float]:
-        """The estimates that a row is about, by every route.   which : kind or pair, as in `RouteTables.estimate`."""
+        """Return the estimates of a row by every route.   which : kind or pair, as in `RouteTables.estimate`."""
         column, routes = COLUMN_OF[row.symbol], self.routes.items()
         return {name: route.estimate(column, row.approach, **which) for name, route in routes}
 
 
 def read_sources(folder: str | Path, published_in: str | Path, case: Case) -> Sources:
-    """The sources of the claims on a case.   folder : of its results.   published_in : of the printed numbers."""
+    """Read the sources of the claims on a case.   folder : of its results.   published_in : of the printed numbers."""
     features, estimates = (
         read_routes(folder, kind, case.frequencies_hz) for kind in ("features", "estimates")
     )
@@ -105,7 +106,7 @@ def read_sources(folder: str | Path, published_in: str | Path, case: Case) -> So
 
 
 def read_out(sources: Sources, row: Row) -> Claim:
-    """Table 1: X, X_s and V_s are rounded, φ is read off a plot, t_s is cut off to whole tenths."""
+    """Judge a cell of Table 1: X, X_s and V_s are rounded, φ is read off a plot, t_s is cut off to whole tenths."""
     level, column, number = int(row.id.line), COLUMN_OF[row.symbol], row.number
     exact = sources.exact.feature(column, level)
     how: dict[str, Any] = {}
@@ -128,12 +129,12 @@ def read_out(sources: Sources, row: Row) -> Claim:
 
 
 def _uncut(simulated: float) -> dict[str, float]:
-    """Where the exact route of a time belongs: at the simulated one, of which the print keeps whole tenths."""
+    """Return where the exact route of a time belongs: at the simulated one, of which the print keeps whole tenths."""
     return {} if math.isnan(simulated) else {"exact": simulated}
 
 
 def printed_integral(sources: Sources, row: Row) -> Claim:
-    """Table 2, upper part: the integrals a, b and W of the five levels."""
+    """Judge a cell of Table 2, upper part: the integrals a, b and W of the five levels."""
     case, level = sources.case, int(row.id.line)
     values = sources.features(COLUMN_OF[row.symbol], level)
     note = causes.starting_sample(case, level) if row.symbol == "a" else ""
@@ -150,7 +151,7 @@ def printed_integral(sources: Sources, row: Row) -> Claim:
 
 
 def direct_pair(sources: Sources, row: Row) -> Claim:
-    """Table 2, lower part: the pair-wise estimates by direct integration, from more digits than are printed."""
+    """Judge a cell of Table 2, lower part: pair-wise direct integration, from more digits than are printed."""
     case, number, allowed = sources.case, row.number, sources.allowed[row.id]
     values = sources.estimates(row, pair=row.id.line)
     damped = causes.backward_euler(case, values) if row.symbol == "c" else ""
@@ -170,7 +171,7 @@ def direct_pair(sources: Sources, row: Row) -> Claim:
 
 
 def harmonic_pair(sources: Sources, row: Row) -> Claim:
-    """Table 3: the pair-wise estimates of the three harmonic approaches with common φ and t_s."""
+    """Judge a cell of Table 3: the pair-wise estimates of the three harmonic approaches with common φ and t_s."""
     values = sources.estimates(row, pair=row.id.line)
     corrected = CORRECTED if row.approach == "V_s" else row.approach
     correct = sources.as_published.estimate(COLUMN_OF[row.symbol], corrected, pair=row.id.line)
@@ -179,7 +180,7 @@ def harmonic_pair(sources: Sources, row: Row) -> Claim:
         row,
         values,
         "as_published",
-        # The read-outs of Table 1 have fewer digits than those behind Table 3; without the slip exact is elsewhere.
+        # The read-outs of Table 1 have fewer digits than those behind Table 3; the exact route has no slip of sign.
         shown_only=("from_print",),
         expected={"exact": correct} if slip else {},
         cause=f"{slip} {sources.rules_at_work(row)}".strip(),
@@ -188,7 +189,7 @@ def harmonic_pair(sources: Sources, row: Row) -> Claim:
 
 
 def input_is_configured(sources: Sources, row: Row) -> Claim:
-    """The inputs, amplitudes of Tables 1 and 2 among them: the configuration must hold what is printed."""
+    """Judge an input, amplitudes of Tables 1 and 2 included: the configuration must hold what is printed."""
     case = sources.case
     if row.symbol == "Y":
         value = case.levels_m[int(row.id.line) - 1]
@@ -201,25 +202,25 @@ def input_is_configured(sources: Sources, row: Row) -> Claim:
 
 
 def follows_from_others(sources: Sources, row: Row) -> Claim:
-    """The stated parameters ζ and ω_n, which follow from the others."""
+    """Judge the stated parameters ζ and ω_n, which follow from the others."""
     osc = sources.case.oscillator
     value = osc.zeta if row.symbol == "zeta" else osc.omega_n / (2.0 * math.pi)
     return Claim(row, {"exact": value})
 
 
 def printed_least_squares(sources: Sources, row: Row) -> Claim:
-    """Least squares of (9) from the printed tables, with the individual φ and t_s: F_k, c and residual."""
+    """Judge the least squares of (9) from the printed tables, with the individual φ and t_s: F_k, c and residual."""
     values = sources.estimates(row, kind="least_squares")
     inputs = "Table 2's integrals" if row.approach == "direct" else "Table 1's read-outs"
     moved = causes.printed_inputs(values, inputs, row.number)
     cause = f"{moved} {causes.cut_off(values['from_print'], row.number)}".strip()
-    # The residual comes from the rounding of the printed tables; without it, its size is another.
+    # The residual comes from the rounding of the printed tables; other routes give another size.
     shown_only = ROUTES if row.symbol == RESIDUAL.symbol else ()
     return _from_print(row, values, cause, shown_only=shown_only)
 
 
 def moment_of_pairs(sources: Sources, row: Row) -> Claim:
-    """Mean and deviation of the printed pairs of Table 2."""
+    """Judge mean and deviation of the printed pairs of Table 2."""
     mean = row.rule == "mean of pairs"
     pairs = sources.published.column("table2", row.symbol)
     values = sources.estimates(row, kind="mean" if mean else "std")
@@ -231,7 +232,7 @@ def moment_of_pairs(sources: Sources, row: Row) -> Claim:
 
 
 def mean_of_levels(sources: Sources, row: Row) -> Claim:
-    """Mean of the φ and of the t_s of the levels, which Table 3 uses."""
+    """Judge the mean of the φ and of the t_s of the levels, which Table 3 uses."""
     column = COLUMN_OF[row.symbol]
     values = {name: route.mean_feature(column) for name, route in sources.routes.items()}
     how: dict[str, Any] = {}
@@ -245,7 +246,7 @@ def mean_of_levels(sources: Sources, row: Row) -> Claim:
 
 
 def _from_print(row: Row, values: Mapping[str, float], cause: str, **how: Any) -> Claim:
-    """A number of the text that the paper computes from its own tables.   how : further fields of the claim."""
+    """Judge a number of the text that the paper computes from its own tables.   how : further fields of the claim."""
     contradiction = causes.printed_inputs_differ(values, row.number)
     return Claim(row, values, "from_print", cause=cause, contradiction=contradiction, **how)
 
@@ -255,17 +256,14 @@ ROUTE = "as_published"
 
 _BOUNDS = {"less than": +1.0, "more than": -1.0}
 COMPARISONS: dict[str, dict[str, Callable[[float, float], bool]]] = {
-    "change": {
-        "degraded": lambda one, other: one > other,
-        "improved": lambda one, other: one < other,
-    },
-    "truth": {"true": lambda one, other: one < other, "false": lambda one, other: not one < other},
+    "change": {"degraded": operator.gt, "improved": operator.lt},
+    "truth": {"true": operator.lt, "false": operator.ge},
 }
-"""Rule → printed word → when it holds of two errors."""
+"""Rule → printed word → comparison of an error with its reference by which the word holds."""
 
 
 def bound_holds(row: Row, value: float) -> tuple[bool, str]:
-    """Whether a bound on the value of ROUTE holds, "…: less than" or "…: more than" the printed number, and its rule.
+    """Return whether a bound on the value of ROUTE, less or more than the printed number, holds, and its rule.
 
     Raises ValueError when the quantity, which says what is bounded, does not end with either.
     """
@@ -281,10 +279,10 @@ def bound_holds(row: Row, value: float) -> tuple[bool, str]:
     return tight, f'"{word}": the bound is the value rounded as it is printed, or one unit looser'
 
 
-def word_holds(row: Row, one: float, other: float) -> tuple[bool, str]:
-    """Whether a word holds for how two errors of ROUTE compare, and the rule that judges it.
+def word_holds(row: Row, error: float, reference: float) -> tuple[bool, str]:
+    """Return whether a word holds for how two errors of ROUTE compare, and the rule that judges it.
 
-    one, other : the error off and near resonance, or that of direct integration and the least of the other approaches.
+    error, reference : off and near resonance, or of direct integration and the best of the other approaches.
     Raises ValueError for a word that the rule of the row does not know.
     """
     words = COMPARISONS[row.rule]
@@ -293,14 +291,14 @@ def word_holds(row: Row, one: float, other: float) -> tuple[bool, str]:
             f"{FILE}: {row.id}: cannot judge the word {row.printed!r}; known are {', '.join(words)}"
         )
     what = ": the error against that near resonance" if row.rule == "change" else ""
-    return words[row.printed](one, other), f'"{row.printed}"{what}'
+    return words[row.printed](error, reference), f'"{row.printed}"{what}'
 
 
 def bound(sources: Sources, row: Row) -> Claim:
-    """Bounds on the errors of the two-point formulas with common φ and t_s, at ω1 and at other frequencies."""
+    """Judge bounds on the errors of the two-point formulas with common φ and t_s, at ω1 and at other frequencies."""
     if row.symbol in TERMS:
         osc, pairs = sources.case.oscillator, sources.pairs.items()
-        values = {name: largest_errors(of.pairs(), osc)[row.symbol] for name, of in pairs}
+        values = {name: largest_errors(route.pairs(), osc)[row.symbol] for name, route in pairs}
         cause = f"Largest error in the fifteen pairs: {_each(values)}."
         return _stated(row, values, bound_holds(row, values[ROUTE]), cause)
     values = _worst(sources, sources.routes, frequency=row.symbol)
@@ -315,7 +313,7 @@ def bound(sources: Sources, row: Row) -> Claim:
 
 
 def accuracy_in_words(sources: Sources, row: Row) -> Claim:
-    """Words for how accurate the two-point formulas are off resonance."""
+    """Judge words for how accurate the two-point formulas are off resonance."""
     hz = sources.case.frequencies_hz
     values = _worst(sources, sources.routes, frequency=row.symbol)
     error, near = values[ROUTE], _worst(sources, sources.routes)[ROUTE]
@@ -327,7 +325,7 @@ def accuracy_in_words(sources: Sources, row: Row) -> Claim:
 
 
 def truth(sources: Sources, row: Row) -> Claim:
-    """That direct integration is the most accurate approach."""
+    """Judge the statement that direct integration is the most accurate approach."""
     direct, *harmonic = (
         _worst(sources, sources.pairs, (approach,)) for approach in ("direct", *HARMONIC)
     )
@@ -342,7 +340,7 @@ def _worst(
     approaches: tuple[str, ...] = HARMONIC,
     frequency: str = "omega1",
 ) -> dict[str, float]:
-    """By each route, the larger of the largest errors of F_k and c over the pairs, per cent."""
+    """Return, by each route, the larger of the largest errors of F_k and c over the pairs, per cent."""
     osc = sources.case.oscillator
     return {
         name: max(largest_errors(route.pairs(approaches, frequency), osc).values())
@@ -351,7 +349,7 @@ def _worst(
 
 
 def _largest_with_sign(sources: Sources, frequency: str) -> str:
-    """The largest error of F_k at a frequency by several ways to the features, a sentence."""
+    """Return the largest error of F_k at a frequency by several ways to the features, a sentence."""
     osc = sources.case.oscillator
     exact = sources.exact.features.get(frequency)
 
@@ -360,7 +358,7 @@ def _largest_with_sign(sources: Sources, frequency: str) -> str:
         return f"{errors.iloc[errors.abs().argmax()]:+.1f} %" if errors.size else ""
 
     def with_decimals(decimals: int) -> str:
-        """By exact features, X, X_s and V_s with so many decimals; nothing if there are none."""
+        """Return the error by exact features, X, X_s and V_s with so many decimals; nothing if there are none."""
         if exact is None:
             return ""
         read = ReadOut(X_decimals=decimals, X_s_decimals=decimals, V_s_decimals=decimals)
@@ -381,13 +379,13 @@ def _stated(row: Row, values: Mapping[str, float], judged: tuple[bool, str], cau
 
 
 def _each(values: Mapping[str, float]) -> str:
-    """The errors by the routes in words."""
-    known = {ROUTE_NAMES[route]: value for route, value in values.items() if not math.isnan(value)}
-    return ", ".join(f"{value:.3f} % {words}" for words, value in known.items())
+    """Return the errors by the routes in words."""
+    present = ((route, value) for route, value in values.items() if not math.isnan(value))
+    return ", ".join(f"{value:.3f} % {ROUTE_NAMES[route]}" for route, value in present)
 
 
 class Rule(NamedTuple):
-    """How some of the printed numbers are judged.
+    """A rule by which some of the printed numbers are judged.
 
     claim : a function from a row to the claim on it.
     symbols, approaches : what such rows may hold.
@@ -442,7 +440,7 @@ _OF_TEXT = {
 
 
 def claims(sources: Sources, rows: Iterable[Row]) -> list[Claim]:
-    """The claims on some printed numbers."""
+    """Return the claims on some printed numbers."""
     return [RULES[row.rule].claim(sources, row) for row in rows]
 
 
@@ -468,11 +466,11 @@ def check_printed(printed: Published) -> None:
 
 
 def _problem(row: Row) -> str:
-    """The column of the first cell that its rule does not know, and why; "" if there is none."""
-    known: dict[str, Iterable[str]] = {"rule": RULES}
+    """Return the column of the first cell that its rule does not know, and why; "" if there is none."""
+    allowed: dict[str, Iterable[str]] = {"rule": RULES}
     if rule := RULES.get(row.rule):
-        known = {"kind": (rule.kind,), "symbol": rule.symbols, "approach": rule.approaches}
-    for column, words in known.items():
+        allowed = {"kind": (rule.kind,), "symbol": rule.symbols, "approach": rule.approaches}
+    for column, words in allowed.items():
         if (text := getattr(row, column)) not in words:
             listed = ", ".join(word or "none" for word in words)
             return f"{column}: {cut(text, LONGEST)!r} is not known to its rule; known are {listed}"

@@ -21,7 +21,7 @@ CLAIM_COLUMNS = (
 )
 """Those of claims.csv. agrees : the routes that give the printed digits of a computed number, the best first.
 judged : the route by which the number's column came about.   off_… : how far it lies from a computed number as printed,
-of itself and in units of the last digit."""
+relative and in units of the last digit."""
 SEPARATOR = "; "
 """Between the routes in the column `agrees`."""
 
@@ -29,7 +29,7 @@ RECORDED_COLUMNS = ("id", "printed", "verdict")
 
 
 def claims_table(sources: Sources) -> pd.DataFrame:
-    """A row per printed number: what each route gives for it, the verdict, and why. Columns: COLUMNS.
+    """Return a row per printed number: what each route gives for it, the verdict, and why. Columns: COLUMNS.
 
     The numbers of the routes are text, written as the printed number is with four more digits; verdicts are judged on
     all digits. Raises ValueError when the printed ids and the claims do not match one to one, or the case is not the
@@ -51,7 +51,7 @@ def claims_table(sources: Sources) -> pd.DataFrame:
 
 
 def claims_markdown(frame: pd.DataFrame) -> str:
-    """The claims as a Markdown page: counts first, then a table per part of the paper."""
+    """Return the claims as a Markdown page: counts first, then a table per part of the paper."""
     kinds, total = frame["kind"].value_counts(), counts(frame)[-1]
     lines = ["# Every printed number and its verdict", ""]
     lines += [f"- {kinds.get(kind, 0)} {kind}: {meaning}" for kind, meaning in KINDS.items()]
@@ -70,7 +70,7 @@ def claims_markdown(frame: pd.DataFrame) -> str:
 
 _HEADS = (
     *("where", "quantity", "printed", *ROUTE_NAMES.values(), "verdict", "why"),
-    *("kind", "agrees", "judged", "off, of itself", "off, units"),
+    *("kind", "agrees", "judged", "off, relative", "off, units"),
 )
 
 
@@ -87,7 +87,7 @@ ROWS_ON_SCREEN = 10
 
 
 def summary(frame: pd.DataFrame, offences: pd.DataFrame) -> str:
-    """The summary of the verdicts, as text.
+    """Return the summary of the verdicts, as text.
 
     Its first paragraph is what the screen shows when a run ends: whether all verdicts are as on record, otherwise how
     many are not, and the worst of them. Then it counts the computed numbers by part and verdict, with inputs and
@@ -107,16 +107,16 @@ def summary(frame: pd.DataFrame, offences: pd.DataFrame) -> str:
         "",
         pd.DataFrame(table).T.to_string(),
         "",
-        f"Of {total.given} given inputs the configuration holds {total.given_held}; "
-        f"of {total.statements} statements {total.statements_held} hold.",
+        f"The configuration has {total.given_held} of {total.given} given inputs; "
+        f"{total.statements_held} of {total.statements} statements hold.",
         "",
     ]
     if rest := [row for row in frame.to_dict("records") if row["verdict"] not in HOLDING]:
-        lines.append("What no route gives, or the paper refutes (why: claims.md)")
+        lines.append("Numbers that no route gives, or that the paper refutes (reasons: claims.md)")
         units = [f"{row['off_units']} units" for row in rest]
         lines += _aligned([_HEAD, *map(_open, rest, units)])
     if len(offences):
-        lines += ["", "All that are worse than on record:", *("  " + offences["message"])]
+        lines += ["", "All numbers worse than on record:", *("  " + offences["message"])]
     return "\n".join(lines) + "\n"
 
 
@@ -138,7 +138,7 @@ def _opening(frame: pd.DataFrame, offences: pd.DataFrame) -> list[str]:
     ]
     return [
         f"{len(offences)} of {len(frame)} {WORSE}; the results are built.",
-        "For a case of your own, `published: null` in the configuration compares with nothing.",
+        "For your own case, set `published: null` in the configuration: then nothing is compared.",
         *_aligned([_HEAD, *rows]),
     ]
 
@@ -147,7 +147,7 @@ _HEAD = ("number", "printed", "verdict", "obtained")
 
 
 def _aligned(rows: list[tuple[str, ...]]) -> list[str]:
-    """The rows of a table as lines, indented, their columns as wide as needed."""
+    """Return the rows of a table as lines, indented, their columns as wide as needed."""
     widths = [max(map(len, column)) for column in zip_longest(*rows, fillvalue="")]
     return [
         f"  {'  '.join(cell.ljust(n) for cell, n in zip(row, widths, strict=False))}".rstrip()
@@ -156,7 +156,7 @@ def _aligned(rows: list[tuple[str, ...]]) -> list[str]:
 
 
 def _open(row: Mapping[Hashable, str], off: str) -> tuple[str, ...]:
-    """A claim in the summary: with the number of its column's route, and how far it is off, if it is a number."""
+    """Return a line of the summary: with the number of the column's route, and how far it is off, if it is a number."""
     value = row[next(name for name, words in ROUTE_NAMES.items() if words == row["judged"])]
     printed = f"{row['printed']} {'' if row['unit'] == '1' else row['unit']}".strip()
     obtained = f"{value or 'nothing'} {row['judged']}"
@@ -169,7 +169,7 @@ def _open(row: Mapping[Hashable, str], off: str) -> tuple[str, ...]:
 
 
 def read_record(path: Path) -> pd.DataFrame:
-    """The verdicts on record, verdicts.csv. Raises ValueError for a wrong column or an unknown verdict."""
+    """Return the verdicts on record, verdicts.csv. Raises ValueError for a wrong column or an unknown verdict."""
     recorded = read_texts(path, RECORDED_COLUMNS)
     unknown = recorded[~recorded["verdict"].isin(VERDICTS)]
     if len(unknown):
@@ -181,7 +181,7 @@ def read_record(path: Path) -> pd.DataFrame:
 
 
 def check_claims(frame: pd.DataFrame, recorded: pd.DataFrame) -> pd.DataFrame:
-    """The claims that are worse than on record, printed with other digits, missing, or not on record at all.
+    """Return the claims that are worse than on record, printed with other digits, missing, or not on record at all.
 
     Returns id, printed, was, now and message, a row per offence, none when all is well. A better verdict is no offence.
     """

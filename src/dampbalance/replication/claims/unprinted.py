@@ -1,7 +1,7 @@
-"""Whether read-outs that the paper does not print could keep a bound that it states, by drawing them at random.
+"""Random draws of read-outs that the paper does not print: could they keep a bound that it states?
 
 At ω2 and ω3 the paper states errors of its two-point formulas without the read-outs behind them. A bound is open where
-some read-outs that it may have used keep it and others do not. The formulas are those of Table 3, with one φ and one
+some read-outs that it may have used keep it and others do not. The formulas are taken from Table 3, with one φ and one
 t_s for all levels; X of each level and the one φ are drawn uniformly about their exact values, and X + X_s stays exact.
 """
 
@@ -39,7 +39,7 @@ RARE = 0.05
 
 
 class Drawn(NamedTuple):
-    """How often the largest error exceeds a bound.
+    """The share of draws whose largest error exceeds a bound.
 
     X_m, phi_rad : half widths of what was drawn.   share : of the draws.
     low, high : quantiles RARE and 1 − RARE of the largest error, per cent.
@@ -72,15 +72,15 @@ def drawn(
 
 
 def open_to(drawn: Sequence[Drawn]) -> bool:
-    """Whether a bound is kept by some read-outs and not by others, for at least one of the spreads."""
-    return any(RARE <= of.share <= 1.0 - RARE for of in drawn)
+    """Return whether some read-outs keep a bound and others do not, for at least one of the spreads."""
+    return any(RARE <= spread.share <= 1.0 - RARE for spread in drawn)
 
 
 def exceedances_in_words(drawn: Sequence[Drawn], bound: str) -> str:
-    """Sentences on how often the bound, as printed, is exceeded."""
+    """Return sentences on how often the bound, as printed, is exceeded."""
     cases = [
-        f"{100.0 * of.share:.0f} % with X ± {1e6 * of.X_m:g} µm and phi ± {of.phi_rad:g} rad"
-        for of in drawn
+        f"{100.0 * spread.share:.0f} % with X ± {1e6 * spread.X_m:g} µm and phi ± {spread.phi_rad:g} rad"
+        for spread in drawn
     ]
     return (
         "The read-outs at this frequency are not printed. Of "
@@ -89,7 +89,7 @@ def exceedances_in_words(drawn: Sequence[Drawn], bound: str) -> str:
 
 
 def _largest_errors(exact: pd.DataFrame, case: Case, X_m: float, phi_rad: float) -> Array:
-    """The largest error of F_k and c over the pairs by all harmonic approaches, per cent, a number per draw."""
+    """Return the largest error of F_k and c over the pairs by all harmonic approaches, per cent, a number per draw."""
     random = np.random.default_rng(SEED)
     common = Features.from_frame(exact).with_common("phi", "t_s")
     many = common[:, None][:, np.zeros(DRAWS, dtype=np.int64)]

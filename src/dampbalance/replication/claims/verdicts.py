@@ -1,4 +1,4 @@
-"""Printed numbers and their verdicts: the ids of the claims, the verdicts, best first, and how many earn each.
+"""The ids of claims, the verdicts on them, best first, and how many earn each.
 
 An id, such as table2.F_k.1-5 or text.c_Xs_ls, stands for one printed number. The routes by which a printed number is
 computed have their names here, too: the reasons for a verdict cite them.
@@ -57,11 +57,17 @@ _MEANING_OF_VERDICTS = {
     "last digit": ("±1", "One unit off in the last printed digit."),
     "reading": ("r", "Within the resolution with which the number was read off a plot."),
     "propagated": ("u", "The rebuild’s own number lies in the range that unprinted digits leave."),
-    "unexplained": ("?", "Near, within a bound fixed beforehand, but nothing says why it is off."),
-    "undecided": ("≷", "A statement that holds or not within what the print leaves open."),
-    "differs": ("✗", "None of these, or against the paper’s own numbers; see the evidence."),
+    "unexplained": (
+        "?",
+        "Near, within a bound fixed beforehand; the cause of the deviation is unknown.",
+    ),
+    "undecided": ("≷", "A statement that the print neither confirms nor refutes."),
+    "differs": (
+        "✗",
+        "None of these, or contradicted by the paper’s own numbers; see the evidence.",
+    ),
 }
-VERDICTS = {name: ClaimVerdict(name, *of) for name, of in _MEANING_OF_VERDICTS.items()}
+VERDICTS = {name: ClaimVerdict(name, *texts) for name, texts in _MEANING_OF_VERDICTS.items()}
 """Every verdict by its name, best first."""
 REPRODUCED, SIMULATED, FROM_PRINT, LAST_DIGIT, READING, *_WORSE = VERDICTS.values()
 PROPAGATED, UNEXPLAINED, UNDECIDED, DIFFERS = _WORSE
@@ -73,15 +79,15 @@ HOLDING = tuple(verdict.name for verdict in VERDICT_BY.values())
 
 ClaimKind = Literal["given", "computed", "statement"]
 KINDS: dict[ClaimKind, str] = {
-    "given": "An input, which the configuration holds. It is listed and checked, and does not count.",
+    "given": "An input of the configuration. It is listed and checked, but not counted.",
     "computed": "A number that follows from the inputs: these are counted.",
-    "statement": "A bound or a word, judged by a rule of its own.",
+    "statement": "A bound or a word, judged by a separate rule.",
 }
 """The kinds of claims and what they are."""
 
 
 class Count(NamedTuple):
-    """How many claims of each kind a part of the paper has, and how its computed numbers fare.
+    """Counts the claims of each kind in a part of the paper, and the verdicts on its computed numbers.
 
     key : of the part, as the ids of its claims begin, or "all".
     of_verdict : name of the verdict → how many computed numbers earn it.
@@ -103,12 +109,12 @@ class Count(NamedTuple):
 
     @property
     def computed(self) -> int:
-        """How many computed numbers the part has."""
+        """The number of computed numbers in the part."""
         return sum(self.of_verdict.values())
 
 
 def counts(claims: pd.DataFrame) -> list[Count]:
-    """A count per part, in the paper's order, and one of all. claims : columns id, kind and verdict.
+    """Return a count per part, in the paper's order, and one of all. claims : columns id, kind and verdict.
 
     Raises KeyError for an id that belongs to no part.
     """
@@ -134,7 +140,7 @@ class ClaimId(str):
 
     @property
     def column(self) -> str:
-        """How the ids of its column begin."""
+        """The common start of the ids of its column."""
         return ".".join(self.parts[:-1])
 
     @property
@@ -144,7 +150,7 @@ class ClaimId(str):
 
 
 def of_cell(table: str, symbol: str, line: str | int = "", approach: str = "") -> ClaimId:
-    """A cell of Tables 1 to 3: table1.X_s.3, table2.F_k.1-5, table3.V_s.c.1-2; without the line, how a column begins.
+    """Return the id of a cell of Tables 1 to 3, such as table3.V_s.c.1-2; without the line, how a column begins.
 
     line : level, counted from 1, or label of a pair.   approach : in Table 3, whose columns repeat.
     """
@@ -152,17 +158,17 @@ def of_cell(table: str, symbol: str, line: str | int = "", approach: str = "") -
 
 
 def of_text(name: str) -> ClaimId:
-    """A number of the running text by its name: text.phi_mean."""
+    """Return the id of a number of the running text: text.phi_mean."""
     return ClaimId(f"text.{name}")
 
 
 def statistic(symbol: str, approach: str, kind: str) -> str:
-    """The name of a statistic of the running text: c_Xs_ls.   kind : of STATISTICS."""
+    """Return the name of a statistic of the running text: c_Xs_ls.   kind : of STATISTICS."""
     return f"{symbol}_{approach.replace('_', '')}_{STATISTICS[kind]}"
 
 
 def part_of(claim: str) -> str:
-    """The part of the paper that a claim belongs to, a key of PARTS; raises KeyError where there is none."""
+    """Return the part of the paper that a claim belongs to, a key of PARTS; raises KeyError where there is none."""
     part = ClaimId(claim).parts[0]
     if part not in PARTS_OF_THE_PAPER:
         raise KeyError(

@@ -50,7 +50,7 @@ class _Axis(NamedTuple):
 
 
 def _axis(study: Study, name: str) -> _Axis:
-    """An axis whose bins lie around each listed value, or over the range of a sample."""
+    """Return an axis whose bins lie around each listed value, or over the range of a sample."""
     block = study.block_of(name)
     if isinstance(block, Sampled):
         limits = block.axes[name]
@@ -72,7 +72,8 @@ def _axis(study: Study, name: str) -> _Axis:
 
 @styled()
 def error_map(study: Study, cases: CasesLike) -> Figure:
-    """Relative error, %, over two axes, by colour, with a line at each power of ten and a thick one at the bound.
+    """Return relative error, %, over two axes, by colour, with a line at each power of ten and a thick one at the
+    bound.
 
     Where each place is one case, its error with the sign. Where it stands for several (a sample, further axes), the
     size that nine of ten do not exceed: the thick line encloses the region in which they are within the bound.
@@ -147,8 +148,8 @@ def _errors(
     sizes: Mapping[tuple[Fit, str], Sizes],
     single: bool,
 ) -> dict[tuple[Fit, str], Array]:
-    """The map of each fit and term, %, (bins of y, bins of x), NaN where it is unknown; counted a stretch of cases at
-    a time, also into `sizes`.   axes : x and y, by name.   single : whether each place is one case."""
+    """Return the map of each fit and term, %, (bins of y, bins of x), NaN where it is unknown; counted a stretch of
+    cases at a time, also into `sizes`.   axes : x and y, by name.   single : whether each place is one case."""
     x, y = axes.values()
     shape, depth = (len(y.centres), len(x.centres)), 1 if single else _BINS
     errors = {key: f"{key[1]}_relative_error__{key[0].label}" for key in sizes}
@@ -176,7 +177,8 @@ def _errors(
 
 
 def _quantiles(counts: Array) -> Array:
-    """The size that the share REGION of the cases of each bin does not exceed, %; NaN where that is not known."""
+    """Return the size that the share REGION of the cases of each bin does not exceed, %; NaN where that is not
+    known."""
     reached = np.cumsum(counts, axis=-1)
     total = reached[..., -1]
     at = np.argmax(reached >= REGION * total[..., None], axis=-1)
@@ -185,7 +187,7 @@ def _quantiles(counts: Array) -> Array:
 
 
 def _scale(values: Sequence[Array], signed: bool, within: float) -> tuple[Normalize, list[float]]:
-    """The scale of colours, with zero in its middle for errors with a sign, and where its lines are, %."""
+    """Return the scale of colours, with zero in its middle for errors with a sign, and where its lines are, %."""
     if signed:
         scale = signed_scale(values, LEAST_COLOURED, MOST_COLOURED, cut=0.02)
         top = max(scale.high, -scale.low)
@@ -203,7 +205,7 @@ def _scale(values: Sequence[Array], signed: bool, within: float) -> tuple[Normal
 def _draw(
     axes: Axes, x: _Axis, y: _Axis, values: Array, norm: Normalize, lines: Mapping[float, float]
 ) -> None:
-    """One map with its lines, each with its level in %.   lines : level → width."""
+    """Draw one map with its lines, each with its level in %.   lines : level → width."""
     for which, axis in (("x", x), ("y", y)):
         axes.set(**{f"{which}lim": axis.edges[[0, -1]]})
         if axis.logarithmic:

@@ -104,7 +104,7 @@ class ErrorsOfCases:
         return self._sizes().quantile(0.95)
 
     def within(self, bound: float) -> float:
-        """The share of the cases whose error is within a bound."""
+        """Return the share of the cases whose error is within a bound."""
         return self._sizes(bound).share
 
     @property
@@ -132,8 +132,8 @@ class ErrorsOfCases:
         return fits[0]
 
     def band(self, along: str, within: float, around: float) -> str:
-        """The values of an axis, around one of them, between which the errors stay within a bound, to a thousandth of
-        their distance; with the reason for an end that is not a crossing."""
+        """Return the values of an axis, around one of them, between which the errors stay within a bound, to a
+        thousandth of their distance; with the reason for an end that is not a crossing."""
         if (ends := self._ends(along, within, around)) is None:
             return "nowhere"
         (low, why_low), (high, why_high) = ends
@@ -141,14 +141,14 @@ class ErrorsOfCases:
         return minus(f"{low:.{decimals}f}{why_low} to {high:.{decimals}f}{why_high}")
 
     def start(self, along: str, within: float, around: float) -> str:
-        """The lower end of `band`, to three digits."""
+        """Return the lower end of `band`, to three digits."""
         ends = self._ends(along, within, around)
         return "nowhere" if ends is None else number_text(ends[0][0], 3) + ends[0][1]
 
     def _ends(
         self, along: str, within: float, around: float
     ) -> tuple[tuple[float, str], tuple[float, str]] | None:
-        """The ends of a band, each with what it is."""
+        """Return the ends of a band, each with what it is."""
         if not self.study.values_of(along):
             raise ValueError(f"{along} is not an axis of this study whose values are listed")
         self.at(**{along: around})
@@ -170,7 +170,7 @@ class ErrorsOfCases:
 
 
 def _end(places: Array, errors: Array, within: float, last: int, step: int) -> tuple[float, str]:
-    """Where a band ends, and what that place is.
+    """Return where a band ends, and what that place is.
 
     Between its last place and the next, the least and the largest error are taken to be straight lines; the band
     ends where the first of them crosses the bound.
@@ -192,7 +192,7 @@ def _end(places: Array, errors: Array, within: float, last: int, step: int) -> t
 
 
 def template_of(study: Study) -> jinja2.Template | None:
-    """The template of a study's paragraph; None if its YAML file has none next to it.
+    """Return the template of a study's paragraph; None if its YAML file has none next to it.
 
     Raises ConfigurationError for what is no template, or asks for a name that does not exist.
     """
@@ -218,8 +218,8 @@ def template_of(study: Study) -> jinja2.Template | None:
 
 
 def paragraph(study: Study, cases: str | Path) -> tuple[str, dict[str, str | float]]:
-    """The text of a study as one line, and the numbers and words that its template sets, by name, which article and
-    page quote.
+    """Return the text of a study as one line, and the numbers and words that its template sets, by name, which article
+    and page quote.
 
     Raises ConfigurationError, with the line of the template, for a number that the study does not have.
     """
@@ -258,7 +258,7 @@ def paragraph(study: Study, cases: str | Path) -> tuple[str, dict[str, str | flo
 
 
 def _words(form: Any) -> Any:
-    """A percentage in this form, or a note that there is none."""
+    """Return a percentage in this form, or a note that there is none."""
 
     def words(share: float) -> str:
         return form(share) if math.isfinite(share) else "nothing (it cannot be identified there)"

@@ -57,7 +57,7 @@ class Sizes:
         return self.within / self.cases
 
     def quantile(self, share: float) -> float:
-        """The size that this share of the finite errors does not exceed, to 0.06 %; NaN without one."""
+        """Return the size that this share of the finite errors does not exceed, to 0.06 %; NaN without one."""
         if not self.known:
             return math.nan
         reached = int(np.searchsorted(np.cumsum(self._counts), max(1.0, share * self.known)))
@@ -66,8 +66,8 @@ class Sizes:
 
 
 def worst_errors(study: Study, cases: CasesLike, spec: Mapping[str, Any]) -> Array:
-    """The error in each case by the fit that a figure or a number selects; with several fits (all pairs) the largest
-    among them."""
+    """Return the error in each case by the fit that a figure or a number selects; with several fits (all pairs) the
+    largest among them."""
     names = [f"{spec['of']}_relative_error__{fit.label}" for fit in study.fits_of(spec)]
     errors = np.array([column_of(cases, name) for name in names])
     sizes = np.where(np.isfinite(errors), np.abs(errors), -1.0)
@@ -77,7 +77,8 @@ def worst_errors(study: Study, cases: CasesLike, spec: Mapping[str, Any]) -> Arr
 def spread(
     errors: Array, standard_errors: Array = _NO_VALUES, covered: Array = _NO_VALUES
 ) -> dict[str, float]:
-    """Statistics of an estimator over n runs. All except the counts are relative to the true value; NaN if unknown.
+    """Return statistics of an estimator over n runs. All except the counts are relative to the true value; NaN if
+    unknown.
 
     runs, identified : how many there are, and have an estimate.   bias : mean error.   bias_error : its standard error,
     scatter/√n.   scatter : standard deviation of the errors.   rms : root of their mean square.   median, p95 : sizes
@@ -115,7 +116,7 @@ def spread(
 def spread_of(
     study: Study, cases: CasesLike, quantity: str, fit: Fit, kept: Integers
 ) -> dict[str, float]:
-    """The `spread` of one quantity by one fit over the cases with the numbers `kept`."""
+    """Return the `spread` of one quantity by one fit over the cases with the numbers `kept`."""
     names = ["relative_error"]
     if "intervals" in study.columns:
         names += ["relative_standard_error", "covered"]
@@ -123,7 +124,7 @@ def spread_of(
 
 
 def groups(cases: CasesLike, by: Sequence[str]) -> Iterator[tuple[dict[str, Any], Integers]]:
-    """({axis: value}, numbers of the cases) for each combination of values of the axes `by`, in the order of the
+    """Yield ({axis: value}, numbers of the cases) for each combination of values of the axes `by`, in the order of the
     cases."""
     values = pd.DataFrame({name: column_of(cases, name) for name in by})
     for where, rows in values.groupby(list(by), sort=False):
@@ -135,8 +136,8 @@ def _mean(values: Array) -> float:
 
 
 def quantile_error(values: Array, share: float) -> float:
-    """Standard error of a quantile, the order statistic x_(k) of n independent values, k = ⌈share · n⌉ (Maritz and
-    Jarrett): its standard deviation over all drawings of n values with replacement, without drawing any.
+    """Return standard error of a quantile, the order statistic x_(k) of n independent values, k = ⌈share · n⌉ (Maritz
+    and Jarrett): its standard deviation over all drawings of n values with replacement, without drawing any.
 
         P(x*_(k) ≤ x_(i)) = I_{i/n}(k, n − k + 1)   (the incomplete beta function)
 
@@ -151,7 +152,8 @@ def quantile_error(values: Array, share: float) -> float:
 
 
 def share_interval(count: int, runs: int) -> tuple[float, float]:
-    """The 95 % interval of a probability observed in `count` of `runs` (Wilson's score interval); NaN without a run.
+    """Return the 95 % interval of a probability observed in `count` of `runs` (Wilson's score interval); NaN without a
+    run.
 
     (p + z²/2n ± z √(p(1 − p)/n + z²/4n²)) / (1 + z²/n),   p = count/n, n = runs, z = 1.96
     """
@@ -164,7 +166,7 @@ def share_interval(count: int, runs: int) -> tuple[float, float]:
 
 
 def bounds_of(study: Study, cases: Integers) -> dict[str, float]:
-    """Least relative standard error, by term, that an unbiased estimate from the records of a case can have.
+    """Return least relative standard error, by term, that an unbiased estimate from the records of a case can have.
 
     cases : numbers of cases that differ only by their noise (the axis `run`). The Cramér–Rao bound takes m, k and the
     drive frequency as known and K_z as unknown. NaN where the records are not noisy ones, the cases differ in more,

@@ -85,12 +85,12 @@ _TRAITS = ("phase", "sharing", "contact", "weights", "kind")
 
 
 def study_figure(study: Study, cases: CasesLike) -> Figure:
-    """The figure that the study's file asks for, from its table of cases."""
+    """Draw the figure that the study's file asks for, from its table of cases."""
     return FIGURES[study.figure["kind"]](study, cases)
 
 
 def alternative_text(study: Study) -> str:
-    """What the figure shows, in one sentence."""
+    """Return what the figure shows, in one sentence."""
     figure = study.figure
     symbols = dict.fromkeys(s for fit in study.fits_of(figure) for s in fit.identified)
     identified = f"the identified {listed([*symbols])}"
@@ -234,12 +234,13 @@ def _draw_size(axes: Axes, x: Array, error: Array, look: Look, dashed: bool, off
 
 
 def _handle(label: str, look: Look) -> Line2D:
-    """The entry of an approach in a legend."""
+    """Return the entry of an approach in a legend."""
     return Line2D([], [], color=look.colour, label=label, lw=1.2, marker=look.marker, ms=3.6)
 
 
 def _panels(study: Study, cases: CasesLike) -> Iterator[tuple[str, str, Integers]]:
-    """The panels that the figure asks for: title, phase of all its errors ("" for any), and cases by ascending x."""
+    """Yield the panels that the figure asks for: title, phase of all its errors ("" for any), and cases by ascending
+    x."""
     at, by = study.figure.get("at", {}), study.figure.get("panels")
     order = np.argsort(column_of(cases, study.figure["x"]), kind="stable")
     here = {name: column_of(cases, name) for name in ("case", *at)}
@@ -273,7 +274,7 @@ def _x_axis(axes: Axes, name: str, places: Array, last: bool) -> None:
 
 
 def _marks(axes: Axes, study: Study, label: bool, factor: float = 1.0) -> None:
-    """The places on x, times a factor, that the study's figure names, above the frame."""
+    """Mark the places on x, times a factor, that the study's figure names, above the frame."""
     for name, value in study.figure.get("marks", {}).items():
         axes.axvline(factor * value, color=FAINT, lw=0.6, ls=DOTTED, zorder=0)
         if label:
@@ -285,8 +286,8 @@ def _marks(axes: Axes, study: Study, label: bool, factor: float = 1.0) -> None:
 
 @styled()
 def error_of_steps(study: Study, cases: CasesLike) -> Figure:
-    """Error of c, N s/m, with its sign, by direct integration against the step of each fixed-step scheme, and the line
-    ± m ω² h: the damping that backward Euler adds to c and explicit Euler takes from it."""
+    """Draw Error of c, N s/m, with its sign, by direct integration against the step of each fixed-step scheme, and the
+    line ± m ω² h: the damping that backward Euler adds to c and explicit Euler takes from it."""
     h, schemes = column_of(cases, "step_s"), column_of(cases, "scheme")
     m, c, k, omega = (column_of(cases, SI_COLUMNS[name][0]) for name in ("m", "c", "k", "omega"))
     errors = c * worst_errors(study, cases, {"of": "c", "approach": "direct"})
@@ -330,8 +331,8 @@ def error_of_steps(study: Study, cases: CasesLike) -> Figure:
 
 @styled()
 def errors_of_runs(study: Study, cases: CasesLike) -> Figure:
-    """Over the runs, along the axis x: the size that 95 % of the errors do not exceed, %, and below it, where the study
-    has intervals, the share of the 95 % intervals that hold the true value, %.
+    """Draw, over the runs along the axis x, the size that 95 % of the errors do not exceed, %, and below it, where the
+    study has intervals, the share of the 95 % intervals that hold the true value, %.
 
     A row of panels per term, a column per value of another axis, a line per fit. Bars: the uncertainty
     from the number of runs, 1.96 standard errors of the size, and the 95 % interval of the coverage.
@@ -401,7 +402,8 @@ def errors_of_runs(study: Study, cases: CasesLike) -> Figure:
 
 
 def _lines(study: Study) -> dict[str, Fit]:
-    """The fits to draw, by the label in the legend: the one given, or the approach and how it differs from others."""
+    """Return the fits to draw, by the label in the legend: the one given, or the approach and how it differs from
+    others."""
     fits = study.fits_of(study.figure)
     if "lines" in study.figure:
         labels = [in_maths(in_figure(label)) for label in study.figure["lines"]]
@@ -417,8 +419,9 @@ def _lines(study: Study) -> dict[str, Fit]:
 def _line_styles(
     lines: Mapping[str, Fit], between: float = math.inf
 ) -> Iterator[tuple[float, dict[str, Any]]]:
-    """The ratio by which each line is moved along x, and its style. The lines of one approach have its colour: the
-    first has filled marks, the second open ones, the third crosses.   between : least ratio of neighbouring places."""
+    """Yield the ratio by which each line is moved along x, and its style. The lines of one approach have its colour:
+    the first has filled marks, the second open ones, the third crosses.   between : least ratio of neighbouring
+    places."""
     looks: list[dict[str, Any]] = [
         {"ls": "-"},
         {"ls": DASHED, "mfc": "white"},
@@ -435,7 +438,7 @@ def _line_styles(
 
 
 def _axis_of_runs(axes: Axes, places: Array) -> None:
-    """A logarithmic axis with a tick at each place."""
+    """Make a logarithmic axis with a tick at each place."""
     axes.set_xscale("log")
     axes.set_xticks(places, [f"{place:g}" for place in places])
     axes.xaxis.set_minor_formatter(NullFormatter())
@@ -445,7 +448,7 @@ def _axis_of_runs(axes: Axes, places: Array) -> None:
 
 
 def _between(places: Array) -> float:
-    """The least ratio of neighbouring places."""
+    """Return the least ratio of neighbouring places."""
     ordered = np.unique(places)
     return float(np.min(ordered[1:] / ordered[:-1], initial=10.0))
 

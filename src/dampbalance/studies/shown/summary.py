@@ -21,13 +21,13 @@ SummaryRow = Mapping[Any, Any]
 
 
 def summary_of(cases: str | Path, study: Study) -> pd.DataFrame:
-    """The table of errors that the study asks for: by the values of some axes, or over all cases."""
+    """Return the table of errors that the study asks for: by the values of some axes, or over all cases."""
     records = _grouped_records if study.summary_by else _overall_records
     return pd.DataFrame.from_records(list(records(cases, study)))
 
 
 def _overall_records(cases: str | Path, study: Study) -> Iterator[dict[str, Any]]:
-    """One row per fit and quantity: how many cases it could be identified in, and how large its error is, in %.
+    """Yield one row per fit and quantity: how many cases it could be identified in, and how large its error is, in %.
 
     Median and 95 % quantile of the error's size (to a relative 0.06 %), its maximum, and the share of all cases
     with an error of at most WITHIN.
@@ -50,7 +50,7 @@ def _overall_records(cases: str | Path, study: Study) -> Iterator[dict[str, Any]
 
 
 def _grouped_records(cases: str | Path, study: Study) -> Iterator[dict[str, Any]]:
-    """One row per combination of values of `study.summary_by`, quantity and fit; shares of `spread` in %.
+    """Yield one row per combination of values of `study.summary_by`, quantity and fit; shares of `spread` in %.
 
     For noisy records, also the Cramér–Rao bound and the share of the information that is used, (bound/rms error)².
     """
@@ -72,7 +72,7 @@ def _grouped_records(cases: str | Path, study: Study) -> Iterator[dict[str, Any]
 
 
 def _which(quantity: str, fit: Fit) -> dict[str, str]:
-    """The columns of a table that identify the quantity and the fit of a row."""
+    """Return the columns of a table that identify the quantity and the fit of a row."""
     terms = {"terms": ", ".join(fit.terms)} if fit.terms and fit.approach != LIKELIHOOD else {}
     by = {"quantity": quantity, "approach": fit.approach, "phase": fit.phase}
     by |= {"sharing": fit.sharing, **terms, "contact": fit.contact}
@@ -82,7 +82,8 @@ def _which(quantity: str, fit: Fit) -> dict[str, str]:
 def along_lines(
     study: Study, summary: pd.DataFrame, quantity: str
 ) -> list[tuple[str, list[dict[Any, Any]]]]:
-    """The rows of a summary along the lines of the study's figure: (label of the line, its rows of this quantity)."""
+    """Return the rows of a summary along the lines of the study's figure: (label of the line, its rows of this
+    quantity)."""
     found = []
     for label, spec in study.figure["lines"].items():
         (fit,) = study.fits_of(spec)
@@ -96,7 +97,7 @@ def along_lines(
 
 
 def summary_markdown(study: Study, summary: pd.DataFrame, paragraph: str, figure: str) -> str:
-    """A page to read: what was varied, what it shows, the figure, and the table of errors."""
+    """Return a page to read: what was varied, what it shows, the figure, and the table of errors."""
     title = in_markdown(" ".join(study.title.split()))
     lines = [f"# {title}", ""]
     lines += [f"{study.cases:,} cases; varied: {', '.join(study.axis_names)}.", ""]
@@ -124,7 +125,7 @@ def _overall_cells(row: SummaryRow) -> list[str]:
 
 
 def _grouped_markdown(study: Study, summary: pd.DataFrame) -> list[str]:
-    """A table for each combination of values."""
+    """Return a table for each combination of values."""
     heads = ["identified", "bias", "scatter", "standard error"]
     heads += ["95 % of the errors below", "coverage"]
     lines = [
@@ -162,7 +163,7 @@ def _grouped_cells(row: SummaryRow) -> list[str]:
 def _table_of_fits(
     heads: Sequence[str], summary: pd.DataFrame, cells: Callable[[SummaryRow], Sequence[str]]
 ) -> str:
-    """A table whose rows say which quantity and fit they are about; further columns hold numbers."""
+    """Return a table whose rows say which quantity and fit they are about; further columns hold numbers."""
     which = ("quantity", "approach", "phase", "φ, t_s", "fit")
     rows = []
     for row in summary.to_dict("records"):
@@ -175,7 +176,7 @@ def _table_of_fits(
 
 
 def _with_interval(row: SummaryRow, name: str) -> str:
-    """A share with the bounds of its 95 % interval."""
+    """Return a share with the bounds of its 95 % interval."""
     return "{} ({} to {})".format(*(_percent(row, name + end) for end in ("", "_low", "_high")))
 
 

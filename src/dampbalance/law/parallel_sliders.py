@@ -21,7 +21,7 @@ from ..arrays import Array, Complexes
 
 
 def secant(X: Array, r: Array) -> Complexes:
-    """D, the fundamental of a slider's deflection as a part of a harmonic motion's, (n, j).
+    """Return D, the fundamental of a slider's deflection as a part of a harmonic motion's, (n, j).
 
     X : amplitudes, m, (n,).   r : deflections at which sliders slip, m, (j,).
     """
@@ -50,9 +50,9 @@ class Sliders:
         return float(self.kappa @ self.r)
 
     def secant(self, X: Array) -> Complexes:
-        """Σ κ_j D(X/r_j), N/m, (n,): stiffness of the fundamental; πX² times the imaginary part is the loss."""
+        """Return Σ κ_j D(X/r_j), N/m, (n,): stiffness of the fundamental; πX² times the imaginary part is the loss."""
         return secant(X, self.r) @ self.kappa
 
     def loss(self, X: Array) -> Array:
-        """Energy lost per cycle of a harmonic motion, J, (n,)."""
+        """Return energy lost per cycle of a harmonic motion, J, (n,)."""
         return 4.0 * np.maximum(np.subtract.outer(X, self.r), 0.0) @ (self.kappa * self.r)
