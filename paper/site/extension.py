@@ -263,8 +263,11 @@ _AS_IT_IS = (
 )
 
 
-_SYMBOLS = re.compile(rf"{SYMBOL.pattern}|(?<![\w’'.(-])[bcWXYkxy](?![\w’'-])")
-"""Symbols of running text, single letters among them unless they may be units, articles or names of panels."""
+_SYMBOLS = re.compile(
+    rf"{SYMBOL.pattern}|(?<![\w’'.-])(?:[bcWXYkxyzẋẍẏ]|a(?=,? (?:b|F_k)\b)|m(?= ẍ))(?![\w’'-])(?!(?<=\(.)\))"
+    "|(?<=[ck]/)m\\b"
+)
+"""Symbols of running text, single letters among them unless they may be units, articles or names of panels, (b)."""
 
 
 def _set_symbols(app: Sphinx, tree: nodes.document, page: str) -> None:
