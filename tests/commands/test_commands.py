@@ -175,13 +175,13 @@ def test_the_document_can_take_the_place_of_the_table(tmp_path, capsys, answer):
     assert "usable within" in shown
     assert f"Written to {file}." in shown
     assert file.read_text(encoding="utf-8") == said.out
-    assert "holds found.json already" in answer(*QUICK, "--json", str(file), code=2)
+    assert "already contains found.json" in answer(*QUICK, "--json", str(file), code=2)
 
 
 def test_pictures_can_be_left_out_and_old_ones_go(tmp_path, capsys, answer):
     (tmp_path / "cycles.png").write_bytes(b"of other records")
     arguments = [*QUICK, "--output", str(tmp_path), "--no-figures"]
-    assert "holds cycles.png already" in answer(*arguments, code=2)
+    assert "already contains cycles.png" in answer(*arguments, code=2)
     assert main([*arguments, "--overwrite"]) == 0
     assert sorted(path.name for path in tmp_path.iterdir()) == sorted(TABLES)
     assert "cycles" not in capsys.readouterr().out.splitlines()[-1]
@@ -191,7 +191,7 @@ def test_a_report_is_written_alone_and_not_over_another(tmp_path, answer):
     file = tmp_path / "report.html"
     assert f"Written to {file}." in answer(*QUICK, "--approach", "direct", "--report", str(file))
     assert [*tmp_path.iterdir()] == [file]
-    assert "holds report.html already" in answer(*QUICK, "--report", str(file), code=2)
+    assert "already contains report.html" in answer(*QUICK, "--report", str(file), code=2)
 
 
 TABLE = str(ROOT / "config/records/stepped/levels.csv")
@@ -220,7 +220,7 @@ def test_results_are_not_overwritten_unasked(tmp_path, answer):
     document = tmp_path / "identification.json"
     document.write_text("mine", encoding="utf-8")
     arguments = [*QUICK, "--approach", "fourier", "--output", str(tmp_path)]
-    assert "holds identification.json already" in answer(*arguments, code=2)
+    assert "already contains identification.json" in answer(*arguments, code=2)
     assert document.read_text(encoding="utf-8") == "mine"
     assert list(tmp_path.iterdir()) == [document]
     assert main([*arguments, "--overwrite"]) == 0
@@ -247,7 +247,9 @@ def test_the_demo_makes_the_example_identifies_it_and_shows_the_report(
     assert report == folder / "found/report.html"
     assert report.read_text(encoding="utf-8").count("data:image/svg+xml") > 2
     before = report.stat().st_mtime_ns
-    assert "holds level1.csv already: choose another folder" in answer("demo", str(folder), code=2)
+    assert "already contains level1.csv: choose another folder" in answer(
+        "demo", str(folder), code=2
+    )
     assert report.stat().st_mtime_ns == before
     assert len(shown) == 1
 

@@ -176,7 +176,7 @@ def test_an_approach_without_a_form_of_a_term_says_so():
     found = identify_readings(readings(osc, law), osc.k, law=Law(("F_k", "c_2")))
     fourier = found.estimates["fourier"]
     assert math.isnan(fourier.coefficients["c_2"].value)
-    assert fourier.notes == ("this approach has no form of a term of the law",)
+    assert fourier.notes == ("this approach does not cover a term of the law",)
 
 
 @pytest.mark.parametrize("name", ["eta", "c and c_2"])

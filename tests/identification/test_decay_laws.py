@@ -38,7 +38,7 @@ def test_sound_decays_raise_no_doubt_and_keep_friction_and_viscous_damping():
     for symbol, (value, error) in chosen(result.laws).coefficients.items():
         assert value == pytest.approx(result.reference.values[symbol], abs=1e-2 * error)
         assert error == pytest.approx(result.fit.error(symbol), rel=0.1)
-    assert "Probability in noise of what each law leaves, of the waveforms:" in result.text()
+    assert "p-value of the residual of each law in the waveforms:" in result.text()
 
 
 @pytest.mark.parametrize(
@@ -94,7 +94,7 @@ def test_what_the_decays_hint_at_is_in_the_interval_and_raises_no_doubt():
     for i in range(12):
         decay = departing(replace(SOUND, index=i, noise=0.03), "quadratic", 2, 0.2)
         result = found_in(decay)
-        said = [words for words in result.rig if "is hinted at" in words]
+        said = [words for words in result.rig if "The decays hint at" in words]
         if not said:
             continue
         hinted += 1
@@ -127,7 +127,9 @@ def test_friction_that_falls_with_the_speed_is_named_and_fitted_along():
     """Of another integrator, 25 % higher at rest: F_k is the force at high speed, and F_k + p that at rest."""
     decay = falling(SOUND, 0.25, 0.15)
     found = found_in(decay)
-    assert any("friction that falls with the speed shows" in words for words in found.warnings)
+    assert any(
+        "the fit includes friction that falls with the speed" in words for words in found.warnings
+    )
     for symbol in ("F_k", "c"):
         assert found.verdicts[symbol].verdict == USABLE
         assert found.reference.values[symbol] == pytest.approx(getattr(decay, symbol), rel=0.1)

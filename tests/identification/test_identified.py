@@ -302,7 +302,7 @@ def test_all_of_it_is_saved_and_nothing_is_replaced_unasked(found, tmp_path):
     document = (folder / "identification.json").read_text(encoding="utf-8")
     assert json.loads(document) == json.loads(json.dumps(found.document()))
     assert (folder / "summary.txt").read_text(encoding="utf-8") == found.text()
-    with pytest.raises(ValueError, match=r"holds .* already.* add overwrite=True$"):
+    with pytest.raises(ValueError, match=r"already contains .* add overwrite=True$"):
         found.save(folder)
     assert len(found.save(folder, figures=False, overwrite=True)) == len(TABLES)
     assert not any((folder / name).exists() for name in ALL_PICTURES)

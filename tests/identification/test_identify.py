@@ -151,7 +151,7 @@ def test_a_level_that_does_not_belong_is_noticed():
     # its balance scatters as much, and the intervals hold that
     direct = found.approaches["direct"]
     assert in_one(direct.verdicts) == "doubtful: F_k; usable within 0.95 %: c; none: K_z"
-    assert "its rows lie 86 times farther from the balance" in direct.verdicts["F_k"].reason
+    assert "the residual of its rows is 86 times the noise" in direct.verdicts["F_k"].reason
     for symbol in ("F_k", "c"):
         low, high = direct.intervals[symbol]
         assert low < getattr(PAPER, symbol) < high
@@ -182,7 +182,7 @@ def test_tables_and_documents_hold_the_same_numbers():
         ({"k": 0.0}, "stiffness must be a positive number"),
         ({"k": math.nan}, "stiffness must be a positive number"),
         ({"k": 2400.0}, "level 1 was read with k = 2310 N/m, not with 2400"),
-        ({"approaches": {}}, "no approach is asked for; known are direct"),
+        ({"approaches": {}}, "no approach is given; known are direct"),
     ],
 )
 def test_what_makes_no_sense_is_refused(change, message):
@@ -409,7 +409,7 @@ def test_a_delay_of_the_response_is_reported_in_microseconds():
     found = identify_readings(readings(noise=0.01), PAPER.k)
     sentences = " ".join(found.rig)
     value, error = re.search(
-        r"delay of the response is (-?[\d.]+) ± ([\d.]+) µs", sentences
+        r"Timing check: the response is (-?[\d.]+) ± ([\d.]+) µs late", sentences
     ).groups()
     late, uncertain = found.joint.delay
     # the error is written with two digits, the delay with as many decimals

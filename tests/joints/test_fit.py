@@ -150,9 +150,9 @@ def test_given_coefficients_and_stiffness_are_kept():
 def test_refusals_say_what_to_do():
     table = lines(corners)
     fit = fit_contact(table, contact="one slider")
-    with pytest.raises(ValueError, match=r"amplitudes that were seen.*measure there"):
+    with pytest.raises(ValueError, match=r"fitted to amplitudes from.*measure there"):
         fit.loss(2.0 * fit.X_range[1], 200.0)
-    with pytest.raises(ValueError, match="amplitudes that were seen"):
+    with pytest.raises(ValueError, match="fitted to amplitudes from"):
         fit.stiffness(0.5 * fit.X_range[0])
     alike = np.abs(table.X / 4e-4 - 1.0) < 0.02
     with pytest.raises(ValueError, match=r"alike.*add levels"):

@@ -253,7 +253,7 @@ ERRORS = {
     "stacked": (without("level"), "line 23: column 'Frequency'.*name a column of levels"),
     "large": (
         {(k if k != "displacement (mm)" else "displacement (m)"): of for k, of in table().items()},
-        r"line 1\d: a displacement of \d.* m: a unit is wrong, that of displacement",
+        r"line 1\d: a displacement of \d.* m is too large: is the unit of displacement",
     ),
     "still": (table() | {"phase (rad)": np.ones(2 * HZ.size)}, "its phase is the same in all lines"),
     "no force": (without("Force amplitude [N]"), "finds nothing for a force or the base"),
@@ -266,13 +266,13 @@ ERRORS = {
     ),
     "degrees as radians": (
         {("phase (rad)" if k == "phase (deg)" else k): of for k, of in table(unit="deg").items()},
-        "phases from .* rad are those of no table: they are in deg; state it at table.phase.unit",
+        "phases from .* rad do not occur in tables: they are in deg; state it at table.phase.unit",
     ),
     "radians as degrees": (
         {("phase (deg)" if k == "phase (rad)" else k): of for k, of in table().items()},
         "they are in rad; state it at table.phase.unit",
     ),
-    "mixed": (changed("phase (rad)", 30, -PHI[9]), "line 32: the phase -.* is counted in another way"),
+    "mixed": (changed("phase (rad)", 30, -PHI[9]), "line 32: the phase -.* follows another convention"),
     "few": ({name: of[[0, 1, 21, 22, 23]] for name, of in table().items()}, "level 1 has 2 lines"),
 }  # fmt: skip
 
@@ -294,7 +294,7 @@ def test_lines_far_from_resonance_do_not_tell_a_lead_from_a_lag():
         "phase [rad]": 0.5 * np.pi + 1e-3 * np.arange(5),
     }
     columns["force [N]"] = np.array([1.0, 1.01, 0.99, 1.0, 1.01])
-    with pytest.raises(RecordError, match="may be a lead or a lag; give lines on both sides"):
+    with pytest.raises(RecordError, match="may be leads or lags; give lines on both sides"):
         read_records(columns)
 
 
@@ -332,7 +332,7 @@ def test_a_record_in_time_is_no_table():
 
 def test_columns_of_levels_stand_in_the_same_groups(tmp_path):
     savemat(tmp_path / "a.mat", SHORT | {"X": np.outer(1e3 / abs(Z), [1.0, 2.0, 3.0])})
-    with pytest.raises(RecordError, match="do not stand in the same groups"):
+    with pytest.raises(RecordError, match="are not in the same groups"):
         read_records(tmp_path / "a.mat", mapping={"table": TABLE})
 
 

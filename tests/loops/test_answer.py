@@ -189,7 +189,7 @@ def test_measured_loops_agree_with_readings_by_hand():
     found = identify_loops(wear, normal_force=5.0)
     assert 39e3 < found.values["K_z"] < 42.2e3
     assert 2.2 < found.values["F_k"] < 2.4
-    assert "has the other sign" in found.text()
+    assert "is reversed, as" in found.text()
     dampers = [str(DATA / f"damper_{name}in.csv") for name in ("0_5", "1", "1_5")]
     damper = identify_loops(dampers)
     assert 4e-3 < damper.answer.merit["gap_m"] < 5.5e-3

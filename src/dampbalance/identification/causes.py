@@ -295,9 +295,9 @@ def remark_on(found: Sequence[Explanation], fall: float) -> Remark:
     """
     first, *others = found
     as_well = listed([one.words for one in others], "or")
-    also = f"; {as_well} explains them as well, and the intervals hold both" if others else ""
+    also = f"; {as_well} explains them as well, and the intervals include both" if others else ""
     return Remark(
-        f"the records show {first.words}: that explains {fall:.0f} of χ², and the answer is freed of it{also}; "
+        f"the records show {first.words}: it explains {fall:.0f} of χ², and the answer is corrected for it{also}; "
         f"{first.remedy}",
         doubts=first.doubts,
     )

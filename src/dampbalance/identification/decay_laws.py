@@ -52,7 +52,7 @@ _OTHERS = {
 }
 _LEFT_OUT = (
     "free decays have one frequency and a base at rest: structural damping eta and damping relative to the base c_r "
-    "act as viscous damping c does, friction that differs by direction as another position of rest; they are not tried"
+    "act like viscous damping c, friction that differs by direction like another position of rest; none is tried"
 )
 _SURE = 900.0  # of χ²: laws that leave out so much need no fit
 _REMEDY = "give decays from higher up, or with less noise"
@@ -117,18 +117,18 @@ def _along(fit: RingFit, symbol: str) -> str:
     if symbol in DECAY_TERMS:
         return (
             f"friction and viscous damping do not account for the decays: {words} explains them ({symbol} = {size}), "
-            "and a friction that varies otherwise may, with other values; compare the laws (--laws, laws=True) before "
-            "using F_k and c"
+            "and friction that varies in another way may, too, with other values; compare the laws (--laws, laws=True) "
+            "before using F_k and c"
         )
     if symbol == _FALLING:
         loose, speed = number_text(fit.F_k + fit.value(symbol), 3), fit.value(_SPEED)
         return (
-            f"{words} shows and is fitted along: F_k is the force at high speed, to which it falls by {size} over "
+            f"the fit includes {words}: F_k is the force at high speed, to which it falls by {size} over "
             f"{number_text(speed, 2)} m/s; a mass at rest breaks loose at {loose} N"
         )
     if symbol == CORNER:
-        return f"{words} with a corner of {size} shows and is fitted along"
-    return f"{words} shows and is fitted along ({symbol} = {size})"
+        return f"the fit includes {words} with a corner of {size}"
+    return f"the fit includes {words} ({symbol} = {size})"
 
 
 def _as_well(fit: RingFit, symbol: str) -> dict[str, float]:
@@ -172,7 +172,7 @@ def doubts_of(fit: RingFit, further: Sequence[Departure]) -> list[Remark]:
         Remark(
             f"friction and viscous damping do not account for the decays ({chance}): {words} would explain most of it "
             f"({likely.symbol} = {with_error(likely.value, likely.error)}{unit}); F_k and c "
-            "may carry its effect",
+            "may include its effect",
             doubts=doubts,
         )
     ]
@@ -184,8 +184,8 @@ def shortcomings_of(fit: RingFit) -> list[Remark]:
         return []
     return [
         Remark(
-            "the decays are not those of one mass on a spring, a damper and one friction contact: the closest fit "
-            f"leaves {percent(fit.residual_share)} of the motion in the band of the mode",
+            "the decays are not those of one mass on a spring, a damper and one friction contact: the residual of "
+            f"the closest fit is {percent(fit.residual_share)} of the motion in the band of the mode",
             doubts={"": math.inf},
         )
     ]
@@ -240,9 +240,10 @@ def condition_of(fit: RingFit, further: Iterable[Departure]) -> tuple[str, dict[
             worst, effects = size, moved
             words = listed([_changed(fit, s, moved[s]) for s in large])
             sentence = (
-                f"The values are those of friction and viscous damping. {KNOWN_TERMS[one.symbol].words.capitalize()} "
-                f"is hinted at, which would change {words}; friction that falls with the speed looks alike and changes "
-                f"them the other way. The intervals include both: {_REMEDY}, if the damping may not be viscous."
+                "The values are those of friction and viscous damping. The decays hint at "
+                f"{KNOWN_TERMS[one.symbol].words}, which would change {words}; friction that falls "
+                "with the speed looks alike and changes them the other way. The intervals include both: "
+                f"{_REMEDY}, if the damping may not be viscous."
             )
     return sentence, effects
 

@@ -282,13 +282,13 @@ def identify_ring_downs(
         if not separate:
             few = too_few_samples(bursts[0].period / min(signal.dt for signal in signals))
             cause = few or (
-                f"what moves in it is not the motion of a mass on a spring of {k:g} N/m with friction; give the record "
+                f"the motion is not that of a mass on a spring of {k:g} N/m with friction; give the record "
                 "from the release or the blow on"
             )
             raise ValueError(f"{record.source}: {_unclear(record)}: {cause}")
         warnings += [
             Remark(
-                "what moves about {:.4g} s is no free decay that slips, and is left out",
+                "the motion about {:.4g} s is no free decay that slips, and is left out",
                 burst.turn,
                 source=record.source,
             )
@@ -298,10 +298,12 @@ def identify_ring_downs(
         fits += separate
     common, left_out = fit_all(fits)
     if common is None:
-        raise ValueError(f"{records[0].source}: no oscillator moves like its free decays")
+        raise ValueError(
+            f"{records[0].source}: no oscillator explains its free decays; check the stiffness and the units"
+        )
     warnings += [
         Remark(
-            f"{one.source}: what moves from {one.start:.4g} s to {one.end:.4g} s is no free decay of this oscillator, "
+            f"{one.source}: the motion from {one.start:.4g} s to {one.end:.4g} s is no free decay of this oscillator, "
             "and is left out"
         )
         for one in left_out
@@ -322,9 +324,9 @@ def identify_ring_downs(
     halves = sum(int(2.0 * t / one.period) for t, one in zip(moves, fit.decays, strict=True))
     if not sound(fit) and (halves < _FEWEST or fit.K_z < _LOOSE * k):
         raise ValueError(
-            f"{', '.join(dict.fromkeys(one.source for one in fit.decays))}: what moves in it is no free decay of a "
-            f"mass on a spring of {k:g} N/m with a friction contact: the motion of the nearest one shows "
-            f"{_slipping(halves)} and leaves {percent(fit.residual_share)} of the motion; is the mass driven, "
+            f"{', '.join(dict.fromkeys(one.source for one in fit.decays))}: the motion is no free decay of a "
+            f"mass on a spring of {k:g} N/m with a friction contact: the closest fit has {_slipping(halves)} "
+            f"and a residual of {percent(fit.residual_share)} of the motion; is the mass driven, "
             "or is its frequency or its gain not constant? Give the record from the release or the blow on"
         )
     rig = implied(fit, mass if agrees else None)
@@ -417,8 +419,8 @@ def _solved(
     if abs(fit.F_k) < NORMAL_95 * fit.error("F_k"):
         fit_notes.append(
             Remark(
-                "no friction shows in addition to the damping: if the contact sticks all the time, c belongs to the "
-                "stiffness k + K_z, and is 1 + K_z/k times as large"
+                "the decays show no friction in addition to the damping: if the contact sticks all the time, c belongs "
+                "to the stiffness k + K_z, and is 1 + K_z/k times as large"
             )
         )
         notes.append(fit_notes[-1])
@@ -428,7 +430,7 @@ def _solved(
         estimates["F_k"] = replace(estimates["F_k"], interval=interval)
     clipped_signals = {
         f"{signal.quantity} of {one.source}": Remark(
-            "{} is clipped: several samples hold its extreme value and are left out; raise the measuring range",
+            "{} is clipped: several samples are at its extreme value and are left out; raise the measuring range",
             signal.quantity,
             source=one.source,
         )
@@ -492,7 +494,7 @@ def lines_in(fit: RingFit) -> list[Remark]:
     for i, signal, residual in whole.residuals():
         motion = 0.5 * float(np.ptp(signal.values))
         for line in lines_of(-residual * signal.noise, signal.dt, fit.natural_frequency_hz, stuck):
-            words = f"the {signal.quantity} holds {line.words(motion)}; the fit leaves it out"
+            words = f"the {signal.quantity} contains {line.words(motion)}; the fit excludes it"
             remarks.append(Remark(words, source=fit.decays[i].source))
     return remarks
 
@@ -506,7 +508,7 @@ def _scatter_of(fit: RingFit) -> list[str]:
         [with_error(*pair) for pair in zip(fit.frictions, errors.tolist(), strict=True)]
     )
     return [
-        f"The decays do not share one friction force: {forces} N. F_k is their mean, and its interval holds their "
+        f"The decays do not share one friction force: {forces} N. F_k is their mean, and its interval includes their "
         f"scatter, a standard deviation of {mean.scatter:.2g} N or {100.0 * mean.scatter / mean.value:.2g} %."
     ]
 

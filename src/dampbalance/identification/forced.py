@@ -205,7 +205,7 @@ class ForcedOutcome(Identified):
         return {
             "cycles": Picture(
                 f"{count} records folded onto one cycle of the drive, with their averaged cycle, the fitted one and "
-                "what it leaves of the samples",
+                "its residual",
                 (self.records, self.readings, fit),
             ),
             "friction": Picture(
@@ -406,7 +406,7 @@ def identify_readings(
     if joint.delay is not None and not joint.explained:
         value, error = joint.delay
         rig.append(
-            f"Left free, a delay of the response is {with_error(1e6 * value, 1e6 * error)} µs."
+            f"Timing check: the response is {with_error(1e6 * value, 1e6 * error)} µs late (no delay detected)."
         )
     of_records = [words.about(r.steady.source) for r in readings for words in r.warnings]
     of_all = agreement(readings, line, joint, estimates)
@@ -450,10 +450,10 @@ def _require(
         bound = 1e-9 * abs(one.X[0, 1])
         if one.X.shape == other.X.shape and np.abs(one.X - other.X).max() < bound:
             raise ValueError(
-                f"{one.source} and {other.source} hold the same signals: each record is one level"
+                f"{one.source} and {other.source} contain the same signals: each record is one level"
             )
     if not approaches:
-        raise ValueError(f"no approach is asked for; known are {', '.join(checks())}")
+        raise ValueError(f"no approach is given; known are {', '.join(checks())}")
 
 
 _UNCHECKED = Remark(
@@ -486,7 +486,7 @@ def _answer(
         )
         reason = str(error)
         if unshaped:
-            reason = "this approach has no form of a term of the law"
+            reason = "this approach does not cover a term of the law"
         elif not joint.waveforms_hold and not joint.linear and name != DIRECT:
             reason = "this approach needs the onset of slip, which these records do not determine"
         elif len(readings) < len(rows_of.law.unknowns):

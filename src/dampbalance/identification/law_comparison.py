@@ -152,8 +152,8 @@ class LawComparison:
         law = words_of(self.chosen)
         if self.by_balance:
             sentences.append(
-                f"the records support {law}, by the balance alone: their waveforms are those of no oscillator with "
-                "such a law and one friction contact; the contact may yield gradually, or a channel be filtered"
+                f"the records support {law}, by the balance alone: no oscillator with such a law and one friction "
+                "contact explains their waveforms; the contact may yield gradually, or a channel may be filtered"
             )
         else:
             sentences.append(f"the records support {law}: the smallest law that they do not reject")
@@ -172,7 +172,7 @@ class LawComparison:
         if "balance" not in self.names:
             best = max(self.tests, key=LawTest.p_of)
             return (
-                f"no law of {MOST_TERMS} terms or fewer fits: the samples reject the nearest, {words_of(best.terms)}, "
+                f"no law of {MOST_TERMS} terms or fewer fits: the samples reject the closest, {words_of(best.terms)}, "
                 f"with p = {best.p_of():.2g}; {self.remedy}, or look for another cause"
             )
         tested = [(test.p, e.terms, test) for e in self.tests if (test := e.balance) is not None]
@@ -181,8 +181,8 @@ class LawComparison:
         _, terms, test = max(tested, key=lambda one: one[0])
         size = math.sqrt(test.chi_square / test.degrees_of_freedom)
         return (
-            f"no law of {MOST_TERMS} terms or fewer in addition to friction fits: the rows lie {times(size)} as far"
-            f" from the balance of the nearest, {words_of(terms)}, as noise explains; the levels may differ in "
+            f"no law of {MOST_TERMS} terms or fewer in addition to friction fits: the closest, {words_of(terms)}, "
+            f"has a residual {times(size)} the noise in the balance; the levels may differ in "
             "more than their amplitude (a coefficient for each group of records may help), a gain may be wrong, or "
             "another term is missing"
         )

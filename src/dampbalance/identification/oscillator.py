@@ -36,17 +36,17 @@ Of = TypeVar("Of")
 To = TypeVar("To")
 
 FAR = Remark(
-    "the records are not those of such an oscillator: it is only the one that comes nearest",
+    "no such oscillator explains the records: this is only the closest fit",
     doubts=UNBOUNDED,
 )
 NOT_CONVERGED = Remark(
-    "the search for the best oscillator was ended before it converged: its numbers are no optimum",
+    "the search for the best fit stopped before it converged: its numbers are not the optimum",
     doubts=UNBOUNDED,
 )
 
 _OF_FUNDAMENTALS = (
-    "the higher harmonics are not those of one oscillator: its numbers come from the fundamental of each level, whose "
-    "dynamic stiffness scatters by {} % about it, with intervals from that scatter"
+    "no one oscillator explains the higher harmonics: the numbers are fitted to the fundamental of each level, whose "
+    "dynamic stiffness scatters by {} % about the fit; the intervals follow from that scatter"
 )
 
 _UNKNOWN = ("X_s", "V_s", "t_s", "X_r", "V_r", "t_r")
@@ -103,7 +103,7 @@ class JointFit:
         fit = self._best
         if fit is None or self.linear:
             return ()
-        of_zero = "is at its limit, zero: its standard error is not that of a normal distribution"
+        of_zero = "is at its limit, zero: its error is not normally distributed"
         shown = {
             FAR: not fit.adequate,
             NOT_CONVERGED: not fit.converged,
@@ -158,7 +158,7 @@ class JointFit:
             return None
         along = listed([CAUSES[n].sized(fit.value(n), fit.error(n)) for n in fit.departures])
         note = Remark(
-            f"{_OF_FUNDAMENTALS}{f', freed of {along}' if along else ''}",
+            f"{_OF_FUNDAMENTALS}{f', corrected for {along}' if along else ''}",
             f"{100.0 * fit.scatter:.2g}",
             doubts={key: by for key, by in fit.turned.items() if key in fit.law.unknowns},
         )

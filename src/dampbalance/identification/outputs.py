@@ -56,5 +56,5 @@ def require_room(folder: Path, names: Iterable[str], permission: str) -> None:
     held = next((name for name in names if (folder / name).exists()), None)
     if held and permission:
         raise ValueError(
-            f"{folder} holds {held} already: choose another folder, or add {permission}"
+            f"{folder} already contains {held}: choose another folder, or add {permission}"
         )

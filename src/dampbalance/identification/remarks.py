@@ -67,24 +67,24 @@ def notes_on(answer: Answer, readings: Sequence[Reading], joint: JointFit) -> It
     yield from forbidden(answer.coefficients, clipped, suspects)
     yield from _shape(answer)
     if joint.linear:
-        yield Remark("F_k and K_z leave no trace in the records: c comes from W = b c")
+        yield Remark("the records show neither F_k nor K_z: c is taken from W = b c")
     elif not joint.waveforms_hold and not answer.notes:
         yield Remark(
             "slip onset could not be detected: the stick distance is taken from the closest fit"
             if joint.fit is not None
-            else "the onset of slip is not known: the contact is taken as rigid, and F_k is too small",
+            else "slip onset could not be detected: the contact is taken as rigid, and F_k is too small",
             doubts=_by_half_the_stick(answer, readings) if joint.fit is not None else UNBOUNDED,
         )
         if answer.misfit > 9.0:  # χ² per degree of freedom: three times the noise
             yield Remark(
-                "its rows lie {} times farther from the balance than noise explains",
+                "the residual of its rows is {} times the noise",
                 factor(math.sqrt(answer.misfit)),
                 doubts=by_scatter(answer.coefficients, answer.misfit),
             )
     if joint.in_rows:
         apart = {key: joint.closest.value(key) for key in answer.coefficients}
         yield Remark(
-            "its rows are not freed of the departure that the records show (see below)",
+            "its rows are not corrected for the departure that the records show (see below)",
             doubts={
                 s: abs(p.value / (apart[s] or math.inf) - 1.0)
                 for s, p in answer.coefficients.items()
@@ -148,7 +148,7 @@ def _shape(answer: Answer) -> Iterator[Remark]:
         least = max(0.5 * own.standard_error, 1e-6 * abs(own.value))
         if not abs(bias * own.value) <= least:  # nor is NaN
             size = f"{{}} too {'small' if bias < 0.0 else 'large'}"
-            parts.append(f"{{}} {size if math.isfinite(bias) else 'impossible to find'}")
+            parts.append(f"{{}} {size if math.isfinite(bias) else 'impossible to determine'}")
             sizes += [symbol, larger_by(abs(bias))][: 1 + math.isfinite(bias)]
             doubts[symbol] = abs(bias)
     if parts:
@@ -169,8 +169,8 @@ def agreement(
     yield from _on_the_oscillator(readings, joint)
     if still := _numbered(reading.slips is False for reading in readings):
         yield Remark(
-            f"the contact only sticks in record {still}: it takes no energy there, and the record stays out of the "
-            "balance"
+            f"the contact only sticks in record {still}: it takes no energy there, and the balance leaves the record "
+            "out"
         )
     if joint.waveforms_hold and not microstick.resolved:
         yield Remark(
@@ -257,8 +257,8 @@ def _none_fits(
             doubts = doubts_of(cause, fit)
     worst = readings[int(np.argmax(fit.misfits))].steady.source
     return Remark(
-        "the records are not those of one mass on a spring, a damper and one friction contact: the best one that "
-        f"{fit.evaluations} trials found leaves {times(math.sqrt(fit.misfit))} their noise, most in {worst}{likely}",
+        "the records are not those of one mass on a spring, a damper and one friction contact: the closest fit of "
+        f"{fit.evaluations} trials has a residual {times(math.sqrt(fit.misfit))} the noise, largest in {worst}{likely}",
         doubts=doubts,
     )
 
@@ -275,8 +275,8 @@ def on_mass(fit: OscillatorFit, mass: float, by_force: bool = False) -> Remark:
     if by_force and 0.5 < mass / fit.m < 1.0:
         meant = "does a fixture above the load cell move along (--fixture-mass)? Otherwise "
     return Remark(
-        f"the {of_masses(fit.m, mass)}, more than their uncertainties allow: {meant}check the mass, the stiffness, the "
-        "gains and the units, of which one may put all numbers off by as much",
+        f"the {of_masses(fit.m, mass)}, more than their uncertainties allow: {meant}check mass, stiffness, gains and "
+        "units; an error in one may shift all numbers by as much",
         doubts={"": abs(mass / fit.m - 1.0)},
     )
 
@@ -343,9 +343,9 @@ def _wrong_unit(readings: Sequence[Reading], joint: JointFit) -> Iterator[Remark
         if fit is None or other.chi_square < fit.chi_square + AS_WELL:
             drive = "the force over the stiffness" if "force" in steady.channels else "the base"
             yield Remark(
-                f"the mass moves {max(gains) if large else min(gains):.3g} times as far as {drive}, and {size:g} times "
-                f"{'less' if large else 'more'} would be the motion of an oscillator as well: is the unit of one "
-                f"channel wrong ({words})?",
+                f"the mass moves {max(gains) if large else min(gains):.3g} times as far as {drive}; {size:g} times "
+                f"{'less' if large else 'more'} would fit an oscillator as well: is the unit of one channel wrong "
+                f"({words})?",
                 doubts={"": math.inf},
             )
             return
@@ -373,8 +373,8 @@ def contradiction(
             )
     if parts:
         yield Remark(
-            "the energy balance and the fit of one oscillator to all records differ, "
-            f"{' and '.join(parts.values())}, by more than their errors allow",
+            "the energy balance and the fit of one oscillator to all records differ by more than their errors allow: "
+            f"{' and '.join(parts.values())}",
             doubts={
                 symbol: abs(answer.values[symbol] / fit.value(symbol) - 1.0) for symbol in parts
             },

@@ -87,7 +87,7 @@ def _verdict(answer: Answer, warnings: Sequence[Remark]) -> tuple[str, str]:
         are = "are doubtful" if len(doubtful) > 1 else "is doubtful"
         parts.append(f"{_values(answer, doubtful)} {are}")
     if none:
-        parts.append(f"{listed(none)} cannot be had from these records")
+        parts.append(f"{listed(none)} cannot be determined from these records")
     kind = DOUBTFUL if usable and (doubtful or none) else next(k for k, of in groups.items() if of)
     if kind != USABLE:
         first = next(v.reason for v in answer.verdicts.values() if v.verdict != USABLE)
@@ -140,9 +140,9 @@ def _first_check(answer: Answer, effects: Mapping[str, Any]) -> list[str]:
             change, half = abs(effect.get(f"{symbol}_percent") or 0.0) / 100.0, p.within
             if half > 0.0 and math.isfinite(half):
                 words = (
-                    f"{effect['fault']}, {symbol} is off by {larger_by(change)}, and its interval"
+                    f"{effect['fault']}, {symbol} is off by {larger_by(change)}, but its interval"
                 )
-                felt.append((f"check first: if {words} shows {_part(p)} only", change / half))
+                felt.append((f"check first: if {words} allows {_part(p)} only", change / half))
     return [*filter(None, [max(felt, key=lambda one: one[1])[0]])]
 
 

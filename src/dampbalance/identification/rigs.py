@@ -140,7 +140,7 @@ def of_a_mount(
             for key in law.unknowns
         )
         yield Remark(
-            f"within their noise the records are those of a mount, whose friction acts between base and mass ({values} "
-            "then): if yours is one, give contact_to=base (--contact-to base)",
+            f"a mount, whose friction acts between base and mass, explains the records within their noise ({values}): "
+            "if yours is one, give contact_to=base (--contact-to base)",
             doubts=UNBOUNDED,
         )

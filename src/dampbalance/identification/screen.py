@@ -106,7 +106,7 @@ def damping_of(k: float, mass: tuple[float, float], c: float, levels: Sequence[L
         zeta = "" if math.isnan(ratio) else f", ζ = {percent(ratio, 3)} from c alone"
         hertz = number_text(math.sqrt(k / m) / (2.0 * math.pi), 4)
         sentences.append(
-            f"{known}, f_n = {hertz} Hz{zeta}. If that is not your rig, a gain, a unit or k is wrong."
+            f"{known}, f_n = {hertz} Hz{zeta}. If your rig differs, check gains, units and k."
         )
     sizes = sorted(
         (level for level in levels if level.W > 0.0 and k > 0.0), key=lambda level: level.X
@@ -156,7 +156,7 @@ def comparison(laws: LawComparison | None) -> list[str]:
         table.append([", ".join(test.terms), *tests, word, "" if word == "rejected" else values])
     return [
         *(f"{words[0].upper()}{words[1:]}." for words in laws.words()),
-        f"Probability in noise of what each law leaves, of the {' and of the '.join(laws.names)}:",
+        f"p-value of the residual of each law in the {' and in the '.join(laws.names)}:",
         "",
         *aligned(table),
     ]
@@ -178,12 +178,11 @@ def implied(fit: OscillatorFit, given_mass: float | None = None) -> list[str]:
     error = fit.error("m")
     # what rounding leaves of the error of a mass that is given
     given = error < _ROUNDING * fit.m
-    mass = "the mass given" if given else f"m = {with_error(fit.m, error)} kg"
+    mass = "your mass" if given else f"m = {with_error(fit.m, error)} kg"
     compared = [] if given or given_mass is None else [f"The {of_masses(fit.m, given_mass)}."]
     return [
-        f"The oscillator of largest likelihood has {mass} and a natural frequency of "
-        f"{number_text(fit.natural_frequency_hz, 4)} Hz with the contact loose.",
-        "If that is not your rig, a gain, a unit or the stiffness is wrong.",
+        f"Best fit: {mass}, natural frequency {number_text(fit.natural_frequency_hz, 4)} Hz with the contact slipping.",
+        "If your rig differs, check gains, units and stiffness.",
         *compared,
     ]
 

@@ -255,7 +255,7 @@ def identify_joint(
     tables = [record for record in read if isinstance(record, SteppedRecord)]
     if FRICTION in law.given:
         raise ValueError(
-            f"{FRICTION} is what slips at the amplitudes seen: it cannot be given for a stepped sine"
+            f"{FRICTION} depends on the amplitudes of a stepped sine, and cannot be given: leave it out"
         )
     k = rig["stiffness_N_per_m"]
     lines, table_of = _lines(tables, k)
@@ -316,7 +316,7 @@ def identify_joint(
 
 
 _UNCOMPARED = Remark(
-    "two levels do not tell whether one slider is enough, or many slip one after the other: add a level",
+    "two levels do not show whether one slider is enough, or many slip one after the other: add a level",
     doubts={FRICTION: math.inf, "K_z": math.inf},
 )
 
@@ -329,12 +329,12 @@ def _lines(tables: Sequence[SteppedRecord], k: float | None) -> tuple[SteppedLin
     by_base = next((tables[i].name for i, by_force, _ in levels if not by_force), None)
     if by_base and k is None:
         raise ValueError(
-            f"{by_base}: the base drives, and its force is known with the stiffness of the spring to it only: give "
+            f"{by_base}: the base drives, and its force follows only from the stiffness of the spring to it: give "
             "stiffness (--stiffness)"
         )
     if len(levels) < 2:
         raise ValueError(
-            f"{tables[0].name} holds one level of excitation: what a contact does shows between amplitudes; give "
+            f"{tables[0].name} has one level of excitation, and a contact shows only between amplitudes; give "
             "tables of two levels or more, or name the column of levels"
         )
     names = [of.name for _, _, of in levels]
@@ -362,8 +362,8 @@ def _on_stiffness(fit: ContactFit, stiffness_error: float) -> Iterator[Remark]:
     if abs(k - shown) > _FAR * math.hypot(error, stiffness_error):
         sticks = ", a part of the contact may stick in every line" * (k < shown)
         yield Remark(
-            f"the stiffness stated, {k:g} N/m, is not that of these lines, {with_error(shown, error)} N/m: a unit or a "
-            f"gain may be wrong{sticks}; leave it out, and the lines tell it",
+            f"the stiffness stated is {k:g} N/m, but the lines imply {with_error(shown, error)} N/m: a unit or a "
+            f"gain may be wrong{sticks}; leave it out to identify it",
             doubts=UNBOUNDED,
         )
 
@@ -373,10 +373,9 @@ def _on_stuck(fit: ContactFit) -> Iterator[Remark]:
     k = fit.values["k"]
     if fit.stuck > _FELT * k:
         yield Remark(
-            "with the part of the contact that slips loose the lines show a stiffness of "
-            f"{number_text(k + fit.stuck, 6)} N/m, and {k:g} N/m are stated: a contact of "
-            f"{number_text(fit.stuck, 4)} N/m that sticks in every line makes up for it, "
-            "or the stiffness stated is too small; F_k, K_z and c are the same for either"
+            f"the stiffness stated is {k:g} N/m, but the lines imply {number_text(k + fit.stuck, 6)} N/m: a contact of "
+            f"{number_text(fit.stuck, 4)} N/m sticks in every line, or the stiffness stated is too small; F_k, K_z and "
+            "c are the same in both cases"
         )
 
 

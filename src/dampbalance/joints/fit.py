@@ -174,7 +174,7 @@ class ContactFit:
         low, high = self.X_range
         if not (X.min() >= low * (1.0 - 1e-9) and X.max() <= high * (1.0 + 1e-9)):
             raise ValueError(
-                f"the law is known for the amplitudes that were seen, {low:.4g} to {high:.4g} m, got {X.min():.4g} to "
+                f"the law is fitted to amplitudes from {low:.4g} to {high:.4g} m, got {X.min():.4g} to "
                 f"{X.max():.4g} m: keep within them, or measure there"
             )
         return X
@@ -251,7 +251,7 @@ def _asked(
     alike = high < _ALIKE * low
     if contact != "none" and alike:
         raise ValueError(
-            f"the amplitudes of all lines are alike, {low:.4g} to {high:.4g} m, and a contact shows in what changes "
+            f"the amplitudes of all lines are alike, {low:.4g} to {high:.4g} m, and a contact shows only in changes "
             "with the amplitude: add levels of excitation"
         )
     own = {"k": stiffness, "m": mass} | {name: given.get(name) for name in terms}
@@ -422,11 +422,11 @@ class ContactComparison:
             said += f"; one slider {enough} (p = {self.p:.2g})"
         if self.indistinguishable:
             others = " or ".join(self.indistinguishable)
-            said += f"; levels that are left out do not distinguish it from {others}: add levels"
+            said += f"; held-out levels do not distinguish it from {others}: add levels"
         for name in self.by_stiffness:
             other = self[name].fit.misfit
             said += (
-                f"; {name} has the same loss ({part(other.loss)}), and the in-phase rows tell them apart "
+                f"; {name} has the same loss ({part(other.loss)}), and the in-phase rows distinguish them "
                 f"({number_text(other.in_phase, 3)} N/m)"
             )
         return said
@@ -454,8 +454,8 @@ def compare_contacts(
     """
     if len(lines.names) < _COMPARED:
         raise ValueError(
-            f"contacts are compared by levels that are left out, and there are {len(lines.names)}: add levels of "
-            f"excitation, {_COMPARED} at least, or ask for one contact"
+            f"contacts are compared by held-out levels, and there are {len(lines.names)}: add levels of excitation, "
+            f"{_COMPARED} at least, or ask for one contact"
         )
     more = [name for name in ("c_2", "c_3") if name not in terms]
     laws: dict[str, tuple[Contact, tuple[str, ...]]] = {

@@ -115,7 +115,9 @@ def stiffness_part(name: str, omega: Array, stiffness: float | None) -> Stiffnes
     if of.force is None:
         raise ValueError(f'{FRICTION} belongs to the contact: ask for contact="one slider"')
     if of.linear and of.force(0.0, 1.0, 1.0, 1.0):
-        raise ValueError(f"{name} acts against the base, whose motion the lines do not hold: use c")
+        raise ValueError(
+            f"{name} acts against the base, whose motion the lines do not contain: use c"
+        )
     if stiffness is None and of.force(1.0, 0.0, 2.0, 1.0) != of.force(1.0, 0.0, 1.0, 1.0):
         raise ValueError(f"the force of {name} depends on the spring: state stiffness")
     loss = of.harmonic(omega, 1.0, 0.0, 0.0, stiffness or 1.0)

@@ -63,14 +63,14 @@ _SLIGHT = 0.1  # rad: phases that differ by less pass through no resonance
 _CLEAR = 1.5  # times as far from an oscillator as another convention
 
 _EMPTY = "is empty or not a number; repair it, or delete the line"
-_POSITIVE = "is not positive, as all but phases are; check the column, or delete the line"
+_POSITIVE = "is not positive, which all but phases must be; check the column, or delete the line"
 _RISING = (
     "turns back or stands, and the lines of a level go up or down in frequency; name a column of levels, or delete the "
     "line"
 )
 _MIXED = (
-    "is counted in another way than those of most lines: with it the drive would take energy out; mend its sign, or "
-    "delete the line"
+    "follows another convention than most lines: with it the drive would take energy out; correct its sign, or delete "
+    "the line"
 )
 
 Place = tuple[str, int]  # of a level in a file: group and number
@@ -141,7 +141,7 @@ class SteppedRecord(MeasuredRecord):
     def whole(self) -> Measurement:
         """Raise RecordError: it has no channels."""
         raise RecordError(
-            f"{self.name}: is a table of steady responses, without samples; take its lines, `table`"
+            f"{self.name} is a table of steady responses, without samples; use its lines, `table`"
         )
 
     def __repr__(self) -> str:
@@ -280,7 +280,7 @@ class _Table:
         if many if radians else few:
             unit = "rad" if few else "deg"
             raise self._error(
-                f"phases from {low:.3g} to {high:.3g} rad are those of no table: they are in {unit}; state it at "
+                f"phases from {low:.3g} to {high:.3g} rad do not occur in tables: they are in {unit}; state it at "
                 f"table.phase.unit in {self.where}"
             )
         by_force = self.drive in ("", "force")
@@ -304,9 +304,7 @@ class _Table:
             lacking = [q for q, of in several.items() if place not in of or len(of) != len(places)]
             if lacking:
                 both = listed([*lacking, next(iter(several))])
-                raise self._error(
-                    f"{both} do not stand in the same groups; give them for each level"
-                )
+                raise self._error(f"{both} are not in the same groups; give them for each level")
             own = {q: of.get(place, next(iter(of.values()))) for q, of in self.columns.items()}
             if len({values[i].size for i in own.values()}) > 1:
                 sizes = [f"{q} has {values[i].size} values" for q, i in own.items()]
@@ -350,7 +348,8 @@ class _Table:
         if X.max() > _LARGEST:
             at = int(rows[np.argmax(X)])
             raise self._error(
-                f"a displacement of {X.max():.3g} m: a unit is wrong, that of {self.answer}?", at
+                f"a displacement of {X.max():.3g} m is too large: is the unit of {self.answer} wrong?",
+                at,
             )
         squares = [
             (si[q + _ERROR] / si[q]) ** 2 for q in (self.drive, self.answer) if q + _ERROR in si
@@ -384,7 +383,7 @@ class _Table:
                 raise self._error(f"the phase {of.phi[at]:.4g} rad {_MIXED}", int(of.rows[at]))
         if others and misfits[others[0]] < _CLEAR * misfits[n, s]:
             raise self._error(
-                "its phases may be a lead or a lag; give lines on both sides of a resonance"
+                "its phases may be leads or lags; give lines on both sides of a resonance"
             )
         return n, s, ways[n, s]
 

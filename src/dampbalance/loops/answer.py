@@ -67,8 +67,8 @@ _TREND = 4.0  # standard errors of a trend that is worth a sentence
 
 
 _COMPARED = {
-    "one slider": "One slider predicts cycles that are left out as well as many do, or better.",
-    "gradual": "Many sliders, a contact that yields gradually, predict cycles that are left out better than one does.",
+    "one slider": "One slider predicts held-out cycles at least as well as many do.",
+    "gradual": "Many sliders, a contact that yields gradually, predict held-out cycles better than one does.",
 }
 
 
@@ -394,7 +394,9 @@ def _answer(name: str, fit: LoopFit, design: Design, slider: LoopFit) -> Answer:
         words = "the speed is the same in all of the motion: c is not determined, and F_k includes c times this speed"
         notes.append(Remark(words))
     elif parameters["c"] is UNKNOWN:
-        notes.append(Remark("c is not told from a contact that yields gradually: vary the speed"))
+        notes.append(
+            Remark("c cannot be distinguished from a contact that yields gradually: vary the speed")
+        )
     rows = [row_of(loop, fit) for loop in design.loops]
     a, b, W = (np.concatenate(of) for of in zip(*rows, strict=True))
     names = tuple(loop.name for loop in design.loops for _ in range(loop.cycles))
@@ -418,27 +420,27 @@ def _warned(fit: LoopFit, design: Design, loops: Sequence[Loop]) -> Iterator[Rem
     """Yield remarks on the sign of the force, and on what no contact of the model explains."""
     if flipped := [loop.name for loop in loops if loop.flipped]:
         yield Remark(
-            "the force of {} has the other sign, as energy would be gained: it is changed",
+            "the sign of the force of {} is reversed, as with the recorded one energy would be gained",
             listed(flipped),
         )
     many = fit.contact.r.size > 1  # the friction of one slider may fall with the speed
     fall, shift = fall_with_speed(design, fit) if many and slips(fit) else (0.0, 0.0)
     if abs(fall) > _FALLS:
         yield Remark(
-            "the friction at rest is {} of F_k {} than at speed: F_k is that of one speed, and c no damper",
+            "the friction at rest is {} of F_k {} than at speed: F_k holds for one speed only, and c is no damper",
             percent(abs(fall), 2),
             "larger" if fall > 0.0 else "smaller",
             doubts={"": math.inf if fall > 0.0 else max(-fall, abs(shift)), "c": math.inf},
         )
     c, error = fit.values.get("c", 0.0), fit.errors.get("c", 0.0)
     if c < -_CERTAIN * error:
-        words = "the fit has a negative damping, c = {} N s/m: the loops have a shape that no contact and damper have"
+        words = "the fit has a negative damping, c = {} N s/m: no contact with a damper has loops of this shape"
         yield Remark(words, with_error(c, error), doubts={"c": math.inf})
     share = fit.rms / abs(fit.values[FRICTION] or 1.0)
     if share > USELESS:
         yield Remark(
-            "the contact leaves a residual of {} of F_k, rms: the loops have a shape that no slider with spring and "
-            "damper has; look at them in the report",
+            "the contact leaves a residual of {} of F_k, rms: no slider with spring and damper has loops of this "
+            "shape; look at them in the report",
             percent(share, 2),
             doubts={"": share},
         )
@@ -458,7 +460,8 @@ def _rig(fit: LoopFit, loops: Sequence[Loop]) -> Iterator[str]:
             f"{speed} m/s; F_k is that at high speed."
         )
     if "c_2" in of:
-        yield f"A quadratic damper of c_2 = {with_error(of['c_2'], errors['c_2'])} N s²/m² acts beside the viscous one."
+        c_2 = with_error(of["c_2"], errors["c_2"])
+        yield f"A quadratic damper of c_2 = {c_2} N s²/m² acts in addition to the viscous one."
     if "m" in of:
         yield f"A mass of m = {with_error(of['m'], errors['m'])} kg moves between contact and load cell."
     if "g" in of:
