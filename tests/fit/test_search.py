@@ -117,7 +117,7 @@ def test_the_swings_tell_friction_damping_and_mass():
     t = np.arange(0.0, 16.0 * PERIOD, PERIOD / 60.0)
     point = np.array([0.03, 0.3, (1e4 * K) ** -0.5, M, 0.0, START, 0.0, 2.0])
     (signal,) = decay_of(point, K, t, 1e-3 * START).signals
-    burst = Burst(HALF, -1.0, 1.9 * START, 1.1 * PERIOD, 0.0, float(t[-1]), last=True)
+    burst = Burst(HALF, 1.9 * START, 1.1 * PERIOD, 0.0, float(t[-1]), last=True)
     F_k, c, m = Swings(signal, burst).oscillator(K)
     assert F_k == pytest.approx(0.03, rel=0.1)
     assert c == pytest.approx(0.3, rel=0.15)
@@ -131,7 +131,7 @@ def test_a_single_swing_tells_the_size_of_friction():
     (signal,) = whole.signals
     for size in (1.0, 1e-3):
         smaller = replace(signal, values=size * signal.values, noise=size * signal.noise)
-        burst = Burst(HALF, -1.0, 1.8 * size * START, PERIOD, 0.0, 1.6 * HALF, last=True)
+        burst = Burst(HALF, 1.8 * size * START, PERIOD, 0.0, 1.6 * HALF, last=True)
         swings = Swings(smaller, burst)
         assert swings.sizes.size < 2
         assert 0.2 < swings.oscillator(K)[0] / (size * F_K) < 5.0

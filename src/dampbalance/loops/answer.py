@@ -373,7 +373,7 @@ def _answer(name: str, fit: LoopFit, design: Design, slider: LoopFit) -> Answer:
 
     def estimate(symbol: str) -> ParameterEstimate:
         value, error = fit.values.get(symbol, math.nan), fit.errors.get(symbol, math.nan)
-        determined = error > 0.0 and (symbol == "c" or (slips(fit) and value > 0.0))
+        determined = error > 0.0 if symbol == "c" else slips(fit) and value > 0.0
         if not determined:
             return UNKNOWN
         high = value + reach * error
