@@ -215,7 +215,6 @@ def test_a_table_of_a_stepped_sine_needs_no_stiffness(tmp_path, answer):
     assert {path.name for path in tmp_path.iterdir()} == {*outputs_of("stepped-sine")}
 
 
-@pytest.mark.usefixtures("coarse")
 def test_results_are_not_overwritten_unasked(tmp_path, answer):
     document = tmp_path / "identification.json"
     document.write_text("mine", encoding="utf-8")
@@ -227,7 +226,6 @@ def test_results_are_not_overwritten_unasked(tmp_path, answer):
     assert list(json.loads(document.read_text(encoding="utf-8"))["approaches"]) == ["fourier"]
 
 
-@pytest.mark.usefixtures("coarse")
 def test_the_demo_makes_the_example_identifies_it_and_shows_the_report(
     tmp_path, capsys, monkeypatch, answer
 ):
