@@ -119,7 +119,7 @@ def test_a_friction_that_falls_with_the_speed_is_identified():
 
 
 def test_a_quadratic_damper_and_a_moving_mass_are_identified():
-    """Of two frequencies, as m ẍ is a spring at one."""
+    """Two frequencies are needed: at one, m ẍ is a spring."""
     fast = X * np.sin(4.0 * np.pi * T)
     records = []
     for x, omega in ((SINE, 2.0 * np.pi), (fast, 4.0 * np.pi)):

@@ -45,7 +45,7 @@ RAISED = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def typeset(text):
-    """As the page sets numbers: 2.9E-3 is 2.9·10⁻³."""
+    """Return a number as the page sets it: 2.9E-3 is 2.9·10⁻³."""
     small = re.compile(r"(\d)[eE]-0*(\d+)")
     return small.sub(lambda of: f"{of[1]}·10⁻{of[2].translate(RAISED)}", wording.minus(text))
 

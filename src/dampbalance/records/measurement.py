@@ -30,7 +30,7 @@ RESPONSES = ABSOLUTE | RELATIVE
 relative motion is an absolute one."""
 
 ACCOMPANYING = {"normal_force": "N"}
-"""What is recorded beside: the force that presses a contact together."""
+"""A channel recorded beside motion and friction: the force that presses a contact together."""
 
 QUANTITIES = EXCITATIONS | RESPONSES | ACCOMPANYING
 """Every quantity that a channel may hold, with the SI unit of its values."""
