@@ -281,8 +281,8 @@ def test_a_mass_that_is_known_sharpens_and_one_that_is_wrong_is_named():
     assert given.estimates["balance"].verdicts["F_k"][:2] == ("usable", "")
     for answer in wrong.approaches.values():
         assert answer.verdicts["F_k"][:2] == ("doubtful", wrong.warnings[0])
-    assert "the mass given" in given.rig[0]
-    assert not any("the mass given" in each.rig[0] for each in (free, wrong))
+    assert "your mass" in given.rig[0]
+    assert not any("your mass" in each.rig[0] for each in (free, wrong))
 
 
 def test_a_weighed_mass_changes_no_number_that_the_decay_knows_better():

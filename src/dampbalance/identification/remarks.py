@@ -276,7 +276,7 @@ def on_mass(fit: OscillatorFit, mass: float, by_force: bool = False) -> Remark:
         meant = "does a fixture above the load cell move along (--fixture-mass)? Otherwise "
     return Remark(
         f"the {of_masses(fit.m, mass)}, more than their uncertainties allow: {meant}check mass, stiffness, gains and "
-        "units; an error in one may shift all numbers by as much",
+        "units, as an error in one may shift all numbers by as much",
         doubts={"": abs(mass / fit.m - 1.0)},
     )
 
