@@ -186,8 +186,8 @@ class LoopOutcome(Identified):
 
     @property
     def check(self) -> str:
-        """The sentence on which contact predicts cycles better."""
-        return self.rig[0]
+        """Sentences on which contact predicts cycles better, and on the friction coefficient where it is known."""
+        return " ".join([self.rig[0], *(words for words in self.rig if words.startswith("μ"))])
 
     @property
     def levels(self) -> list[Level]:
