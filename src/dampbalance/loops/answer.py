@@ -37,6 +37,7 @@ from ..records.mapping import MappingLike
 from ..records.measured import MeasuredRecord
 from ..records.quantities import quantity
 from ..records.quantities import with_error as read_with_error
+from ..signals.one_thread import one_thread
 from .cycles import Loop
 from .fit import (
     SLIDERS,
@@ -153,6 +154,7 @@ class LoopOutcome(Identified):
             tables.append(pd.DataFrame(columns).assign(travel_m=4.0 * np.cumsum(loop.amplitudes)))
         return pd.concat(tables, ignore_index=True)
 
+    @one_thread
     def _stiffer(self, loop: Loop, model: Array) -> Array:
         """Return K_z of each cycle over that of all.   model : force of the fit in the cycles."""
         contact, own = self.fit.contact, loop.cycle >= 0

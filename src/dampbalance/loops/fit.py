@@ -29,6 +29,7 @@ import numpy as np
 from ..arrays import Array, Integers
 from ..law.parallel_sliders import Sliders
 from ..motion.play import play
+from ..signals.one_thread import one_thread
 from .cycles import Loop
 
 MOST_BLOCKS = 24
@@ -329,6 +330,7 @@ class Slider:
         return _made(design, (contact, linear), without, model, J @ out.T, slipping)
 
 
+@one_thread
 def fit_slider(design: Design, *, backlash: bool = True) -> LoopFit:
     """Fit one slider, and extend it as long as an extension predicts cycles that are left out clearly better."""
     best = Slider(design)
@@ -351,6 +353,7 @@ def fit_slider(design: Design, *, backlash: bool = True) -> LoopFit:
     return fit
 
 
+@one_thread
 def fit_gradual(
     design: Design, count: int = SLIDERS, within: tuple[float, float] = WITHIN
 ) -> LoopFit:
@@ -436,6 +439,7 @@ def _made(
     )
 
 
+@one_thread
 def fall_with_speed(design: Design, fit: LoopFit) -> tuple[float, float]:
     """Return by which part of F_k the friction is larger at rest than at speed, negative for a rise, where a term
     F_k e^{−(ẋ/v_S)²} predicts blocks that are left out clearly better (Stribeck), and by which part F_k changes then;
