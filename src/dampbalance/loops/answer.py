@@ -74,7 +74,8 @@ _SETTLED = 3.0  # scatters from the later cycles, within which a cycle is steady
 _WIDER = 1e-4  # part of the deflections at which sliders slip, of a difference quotient
 _CERTAIN = 4.0  # standard errors by which a damping is negative
 _TREND = 4.0  # standard errors of a trend that is worth a sentence
-_DIFFER = 0.005  # of F_k, between records: less is within what one slider leaves of a contact
+_DIFFER = 0.002  # of F_k, between records: less does not matter
+_REFITS = 3  # of records whose friction differs: each leaves the square of the difference before
 _CUT = 1e-3  # of a record: what a delay cuts off is not worth a sentence
 MOST_SAMPLES = 60_000
 """Samples that a contact is fitted to; of longer records runs of cycles are."""
@@ -322,12 +323,15 @@ def identify_loops(
         loops, measured = _loaded(loops, read)
         normal = normal or measured
     share = MOST_SAMPLES / sum(loop.own.size for loop in loops)
-    fits, scatter = _fits(loops, share, backlash), 0.0
-    forces = different_forces(next(iter(fits.values())))
-    if np.ptp(forces) > _DIFFER:
-        pairs = zip(loops, forces.tolist(), strict=True)
+    fits, forces = _fits(loops, share, backlash), np.ones(len(loops))
+    for _ in range(_REFITS):
+        more = different_forces(next(iter(fits.values())))
+        if np.ptp(more) < _DIFFER:
+            break
+        pairs, forces = zip(loops, more.tolist(), strict=True), forces * more
         loops = tuple(replace(loop, load=loop.load * of) for loop, of in pairs)
-        fits, scatter = _fits(loops, share, backlash), float(np.std(forces, ddof=1))
+        fits = _fits(loops, share, backlash)
+    scatter = float(np.std(forces, ddof=1)) if len(loops) > 1 else 0.0
     first = next(iter(fits.values()))
     found = LoopOutcome(
         k=math.nan,

@@ -41,6 +41,7 @@ _INDEPENDENT = 0.1  # of a column, which no combination of those before it makes
 _CERTAIN = 4.0  # standard errors of F_k that is there
 # of the samples of a cycle: fewer do not show the force at which the contact slips
 _SLIPPING = 0.02
+_WIDER = 1e-4  # part of the deflections at which sliders slip, of a difference quotient
 _KNEE = 0.98  # of F_k: a rounded knee counts as slip from here on
 SLIDERS = 40  # of a gradual contact, in geometric steps: finer ones are not told apart
 WITHIN = 0.01, 0.7  # r/X of them: softer sliders are hardly told from a spring
@@ -508,16 +509,18 @@ def different_forces(fit: LoopFit) -> Array:
     design = fit.design
     if len(design.loops) == 1 or not slips(fit):
         return np.ones(len(design.loops))
-    left, share = design.force - np.concatenate(fit.models), design.share(fit.contact)
+    left, contact = design.force - np.concatenate(fit.models), fit.contact
     number = np.repeat(np.arange(len(design.loops)), [own.sum() for own in design.inside])
-    shares = [np.where(number == i, share, 0.0) for i in range(len(design.loops))]
-    A = np.array(
-        [*design.centred(np.array(shares)), *design.linear([s for s in fit.linear if s != "k"])]
-    ).T
+    ends = [replace(contact, r=contact.r * (1.0 + way * _WIDER)) for way in (-1.0, 1.0)]
+    less, more = (of.F_k * design.share(of) for of in ends)
+    slope = (more - less) / (2.0 * _WIDER)
+    slopes = np.array([np.where(number == i, slope, 0.0) for i in range(len(design.loops))])
+    stiffer, linear = design.share(contact), [s for s in fit.linear if s != "k"]
+    A = np.array([*design.centred(np.array([*slopes, stiffer])), *design.linear(linear)]).T
     p = np.linalg.lstsq(A, left)[0]
     out = _without_each_block(A, left - A @ p, design.block, design.blocks)
     ahead = design.by_block(left - np.sum(A * (p + out[design.block]), axis=1))
-    forces = 1.0 + p[: len(shares)] / fit.contact.F_k
+    forces = 1.0 + p[: len(slopes)]
     if not (_less(ahead, fit.predicted, _P_CONSTANT) and forces.min() > 0.0):
         return np.ones(forces.size)
     return np.asarray(forces / forces.mean())
