@@ -30,16 +30,13 @@ from ..identification.answer import (
 )
 from ..identification.identified import Identified, Picture
 from ..identification.level import Level
-from ..identification.loading import correction_of
 from ..identification.request import Stated, mapping_option, records_of
 from ..identification.sensitivities import Fault
 from ..identification.stated import with_stated_uncertainties
 from ..law.terms import FRICTION
 from ..motion.jit import interpreted
-from ..project.wording import Remark, listed, number_text, percent, visible, with_error
+from ..project.wording import Remark, listed, number_text, percent, with_error
 from ..records.mapping import MappingLike
-from ..records.measured import MeasuredRecord
-from ..records.measurement import ACCOMPANYING
 from ..records.quantities import quantity
 from ..records.quantities import with_error as read_with_error
 from ..signals.one_thread import one_thread
@@ -59,6 +56,7 @@ from .fit import (
     slips,
     with_late_motion,
 )
+from .reading import read_loops
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -76,7 +74,6 @@ _CERTAIN = 4.0  # standard errors by which a damping is negative
 _TREND = 4.0  # standard errors of a trend that is worth a sentence
 _DIFFER = 0.002  # of F_k, between records: less does not matter
 _REFITS = 3  # of records whose friction differs: each leaves the square of the difference before
-_CUT = 1e-3  # of a record: what a delay cuts off is not worth a sentence
 MOST_SAMPLES = 60_000
 """Samples that a contact is fitted to; of longer records runs of cycles are."""
 
@@ -313,15 +310,8 @@ def identify_loops(
     series = None if fixture_stiffness is None else quantity("fixture_stiffness", fixture_stiffness)
     backlash = flag("backlash", backlash)
     read = records_of("loops", records, mapping)
-    loops, cuts = zip(*[_loop(record, series) for record in read], strict=True)
-    odd = [
-        words.about(record.name)
-        for record, cut in zip(read, cuts, strict=True)
-        for words in (*record.warnings, *cut)
-    ]
-    if all(loop.N is not None for loop in loops):
-        loops, measured = _loaded(loops, read)
-        normal = normal or measured
+    loops, measured, odd = read_loops(read, series)
+    normal = normal or measured
     share = MOST_SAMPLES / sum(loop.own.size for loop in loops)
     fits, forces = _fits(loops, share, backlash), np.ones(len(loops))
     for _ in range(_REFITS):
@@ -368,27 +358,6 @@ def identify_loops(
     return replace(found, rig=[*found.rig, *said])
 
 
-def _loaded(
-    loops: Sequence[Loop], records: Sequence[MeasuredRecord]
-) -> tuple[tuple[Loop, ...], tuple[float, float]]:
-    """Return the loops with their loads, as their normal forces make them, and the mean normal force with its standard
-    uncertainty: of the scatter between cycles of a record, and of the gain."""
-    cycles = [loop.means(loop.N) for loop in loops if loop.N is not None]
-    N = float(np.concatenate(cycles).mean())
-    if not all(of.mean() > 0.0 for of in cycles):
-        raise ValueError(
-            f"{listed([record.name for record in records])}: the normal force is zero: check its transducer, or leave "
-            "the channel out"
-        )
-    off = np.concatenate([of / of.mean() for of in cycles])
-    gain = max(correction_of(record, "normal_force").gain_error for record in records)
-    error = N * math.hypot(float(off.std(ddof=1)) / math.sqrt(off.size), gain)
-    loaded = (
-        replace(loop, load=float(of.mean()) / N) for loop, of in zip(loops, cycles, strict=True)
-    )
-    return tuple(loaded), (N, error)
-
-
 def _fits(loops: Sequence[Loop], share: float, backlash: bool) -> dict[str, LoopFit]:
     """Return the fits of one slider and of many by name, the one that predicts better first.   share : of the cycles
     that are fitted, in runs of all records together; all of them from 1 on."""
@@ -406,44 +375,6 @@ def row_of(loop: Loop, fit: LoopFit) -> tuple[Array, Array, Array]:
     quadratic damper takes."""
     quadratic = fit.linear.get("c_2", 0.0) * loop.by_cycle(np.abs(loop.v) * loop.v)
     return loop.by_cycle(fit.contact.share(loop)), loop.by_cycle(loop.v), loop.lost - quadratic
-
-
-def _loop(record: MeasuredRecord, series: float | None) -> tuple[Loop, list[Remark]]:
-    """Return the loop of a record, in the time in which all its channels are recorded, and a remark on time that is cut
-    off.   series : stiffness of the fixture, N/m."""
-    channels = record.whole()
-    moving = [q for q in ("displacement", "velocity") if q in record.quantities]
-    if "force" not in record.quantities or not moving:
-        raise ValueError(
-            f"{record.name} has {listed([*record.quantities])}: a measured loop needs the force and the displacement "
-            "or velocity across the contact; name them in its mapping"
-        )
-    used = [channels[q] for q in (moving[0], "force", *ACCOMPANYING) if q in record.quantities]
-    motion, force, *_ = used
-    begin, end = max(of.t[0] for of in used), min(of.t[-1] for of in used)
-    own = (motion.t >= begin) & (motion.t <= end)
-    if np.count_nonzero(own) < 3:
-        raise ValueError(
-            f"{record.name}: {listed([of.name for of in used])} are not recorded at the same time; check their times "
-            "in the mapping"
-        )
-    lost, remarks = max(float(np.ptp(of.t)) for of in used) - float(end - begin), list[Remark]()
-    if lost > _CUT * (end - begin):
-        words = "{:.4g} s are left out, in which not all of {} are recorded"
-        remarks.append(Remark(words, lost, listed([visible(of.name) for of in used])))
-    t, x = motion.t[own], motion.values[own]
-    f = np.interp(t, force.t, force.values)
-    if moving[0] == "velocity":
-        x = np.append(0.0, np.cumsum(0.5 * (x[1:] + x[:-1]) * np.diff(t)))
-        x = x - np.polyval(np.polyfit(t, x, 1), t)
-    if series:
-        # the deflection of the fixture has the sign of the force that the contact makes
-        way = math.copysign(1.0, float(np.trapezoid(f - f.mean(), x)))
-        x = x - way * (f - f.mean()) / series
-    N = channels["normal_force"] if "normal_force" in record.quantities else None
-    loop = Loop.of(record.name, t, x, f)
-    pressed = None if N is None else np.abs(np.interp(t, N.t, N.values))
-    return replace(loop, N=pressed), remarks
 
 
 def _answer(
