@@ -24,7 +24,7 @@ from dampbalance import (
     measured_ring_down,
     read_records,
 )
-from dampbalance.identification.outputs import ALL_PICTURES, REPORT, TABLES, pictures_of
+from dampbalance.identification.outputs import ALL_PICTURES, PICTURES, REPORT, TABLES, pictures_of
 from dampbalance.project.wording import Remark
 from folders import ROOT
 from identification.levels import changed, clipped, measured
@@ -306,6 +306,30 @@ def test_all_of_it_is_saved_and_nothing_is_replaced_unasked(found, tmp_path):
         found.save(folder)
     assert len(found.save(folder, figures=False, overwrite=True)) == len(TABLES)
     assert not any((folder / name).exists() for name in ALL_PICTURES)
+
+
+@BOTH
+def test_the_pictures_of_a_kind_are_those_declared(found):
+    assert found.figures == PICTURES[found.kind.get("kind", "forced")]
+
+
+def test_an_error_in_the_report_leaves_what_was_there(tmp_path, monkeypatch):
+    """All is computed before a file changes; no temporary file is left."""
+    free = measured_ring_down(DECAYING, x=0.012, rate_hz=1000.0, duration=3.0, noise=0.005)
+    found = identify(free, PAPER.k)
+    for name in ("decays.svg", REPORT):
+        (tmp_path / name).write_text("before")
+
+    def fails(*_):
+        raise OSError("no room")
+
+    monkeypatch.setattr(type(found), "_report", fails)
+    with pytest.raises(OSError, match="no room"):
+        found.save(tmp_path, overwrite=True)
+    assert {file.name: file.read_text() for file in tmp_path.iterdir()} == {
+        "decays.svg": "before",
+        REPORT: "before",
+    }
 
 
 def test_files_tables_and_arrays_give_the_same():

@@ -12,7 +12,7 @@ import pandas as pd
 import pytest
 from matplotlib import pyplot
 
-from dampbalance import Oscillator, identify, measured_ring_down, read_records
+from dampbalance import Oscillator, identify, measured_ring_down, read_records, steady_orbits
 from dampbalance.identification.outputs import REPORT, TABLES, outputs_of
 from dampbalance.identification.sensitivities import FAULTS, Fault
 from dampbalance.joints import identify_joint
@@ -104,6 +104,29 @@ def test_the_rows_are_the_balance(one):
     law = rows["a_m"] * one.values["F_k"] + rows["b_m2_per_s"] * one.values["c"]
     np.testing.assert_allclose(rows["misfit_J"], law - rows["W_J"], rtol=1e-6, atol=1e-12)
     assert list(rows.index.unique()) == [f"level {n}" for n in range(1, 6)]
+
+
+def test_a_damping_that_may_be_zero_is_an_upper_limit():
+    """Near the resonance it trades with the friction, which is known closely: no more of it could hide."""
+    osc = Oscillator(m=2.42, c=0.0, k=2310.0, K_z=23_100.0, F_k=1.28)
+    hertz, Y = np.linspace(5.5, 6.5, 17), np.array([[1e-3], [1.5e-3], [2e-3]])
+    orbits = steady_orbits(osc, Y=Y, omega=2.0 * math.pi * hertz)
+    noise = 0.01 * np.random.default_rng(12).normal(size=(2, orbits.X_1.size))
+    lines = {
+        "frequency_hz": np.tile(hertz, 3),
+        "base_displacement_m": np.repeat(Y, hertz.size),
+        "displacement_m": orbits.X_1.ravel() * (1.0 + noise[0]),
+        "phase_rad": -orbits.phi_1.ravel() + noise[1],
+        "level": np.repeat(Y, hertz.size),
+    }
+    found = identify_joint(lines, stiffness=2310.0, contact="one slider", hardening=False)
+    covariance = found.answer.covariance
+    assert np.isfinite(covariance).all()
+    np.testing.assert_allclose(
+        np.sqrt(np.diag(covariance)), [*found.standard_errors.values()], rtol=1e-12
+    )
+    verdict, reason, _ = found.verdicts["c"]
+    assert (verdict, reason[:22]) == ("usable", "an upper limit only: c")
 
 
 def test_a_level_is_its_line_nearest_to_resonance(one):

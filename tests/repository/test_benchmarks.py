@@ -10,7 +10,7 @@ import pandas as pd
 import pytest
 
 from benchmarks import __main__ as command
-from benchmarks import gpu, identification, peer_scipy, peers
+from benchmarks import gpu, identification, loops, peer_scipy, peers
 from benchmarks.cases import forty_digits, sweep, worst_error
 from benchmarks.measuring import Contestant, interleaved, ratios
 from benchmarks.shooting import broyden
@@ -132,6 +132,14 @@ def test_identification_writes_what_it_measured(tmp_path, monkeypatch, capsys):
     assert start["both"] == pytest.approx(start["import"] + start["first call"])
     assert "Of one import, 1 ms" in (tmp_path / "identification.md").read_text("utf-8")
     assert (tmp_path / "identification.png").stat().st_size > 1000
+
+
+def test_loops_write_what_they_measured(tmp_path):
+    loops.run(tmp_path, sizes=[(2000, 20)])
+    (row,) = pd.read_csv(tmp_path / "loops.csv").to_dict("records")
+    assert row["cpu_s"] > 0.0
+    assert abs(row["F_k_error"]) < 0.01  # noise of 1 % on 2000 samples
+    assert "| 2,000 | 20 |" in (tmp_path / "loops.md").read_text("utf-8")
 
 
 def test_the_import_is_split_by_package():

@@ -6,12 +6,13 @@ import argparse
 from collections.abc import Callable
 from pathlib import Path
 
-from . import gpu, identification, peers
+from . import gpu, identification, loops, peers
 
 # A further part is a module with `run(folder)`, named here.
 PARTS: dict[str, Callable[[Path], None]] = {
     "peers": peers.run,
     "identification": identification.run,
+    "loops": loops.run,
     "gpu": gpu.run,
 }
 

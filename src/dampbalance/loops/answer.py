@@ -409,8 +409,8 @@ def _answer(
         known = ParameterEstimate(value, error, Interval(value - reach * error, high))
         compared = [*others, slider] if symbol == "c" and others else others
         off = max((abs(other.values[symbol] - value) for other in compared), default=0.0)
-        # the interval holds the other choices, and the friction of further records
-        known = known.wider(off / NORMAL_95)
+        # other choices bound it, as a rectangular distribution (GUM 4.3.7); further records have other frictions
+        known = known.wider(off / math.sqrt(3.0))
         if scatter and symbol == FRICTION:
             of_mean = scatter / math.sqrt(len(loops))
             t = float(student.ppf(0.5 + 0.5 * CONFIDENCE, len(loops) - 1))
