@@ -269,7 +269,8 @@ def _checked(file: Table, pick: Pick, columns: Mapping[int, Array]) -> Channel:
         t = _in_si(file, pick.time, columns[pick.time], pick.time_factor, errors.LATEST, "s")
         t = _in_equal_steps(t, where)
         _require_rate(t, where)
-    _require_moving(f"{file.path}: channel {pick.name!r}", pick, values, unit)
+    if pick.quantity in RESPONSES:  # the base is at rest in a free decay, a dead weight presses evenly
+        _require_moving(f"{file.path}: channel {pick.name!r}", pick, values, unit)
     try:
         of = pick.name, pick.correction, pick.coordinate
         return Channel(pick.quantity, t, signal, *of)
