@@ -176,7 +176,9 @@ def not_taken(settings: Mapping[str, Any]) -> dict[str, str]:
     wrong = {key: words for key in keys if (words := _misplaced(kind, _ARGUMENTS.get(key, key)))}
     for error, of in _UNCERTAINTIES.items():
         if error in keys and of not in keys:
-            wrong[error] = f"has no effect without {of}, whose uncertainty it is: add that, or leave it out"
+            wrong[error] = (
+                f"has no effect without {of}, whose uncertainty it is: add that, or leave it out"
+            )
         elif error in keys and not settings[error] < settings[of]:
             wrong[error] = f"must be below {of} = {settings[of]:g}: correct one of them"
     if k not in keys and "mass_kg" not in keys and kind not in ("stepped-sine", "loops"):

@@ -353,7 +353,8 @@ def _signal(record: Measurement, channel: Channel, offset: int, warnings: list[R
         t = t - correction.delay
     limits = flat_tops(values)
     order = ORDERS[channel.quantity]
-    return Signal(channel.quantity, order, t, values, noise_of(values), offset, limits)
+    noise = noise_of(values)
+    return Signal(channel.quantity, order, t, values, noise, offset, limits, channel.missing)
 
 
 def _before_the_filters(values: Array, dt: float, correction: Correction) -> Array:

@@ -312,7 +312,11 @@ def _harmonics_of(
         most = _MOST_HARMONICS[ORDERS[q]] if q in RESPONSES else _HARMONICS_OF_BASE
         highest = min(most, math.floor(per_cycle / 4.0))
         of_cycles = cycle_harmonics(
-            channel.t, channel.values, omega, start=start, dt=step, harmonics=highest
+            *(channel.t, channel.values, omega),
+            start=start,
+            dt=step,
+            harmonics=highest,
+            missing=channel.missing,
         )
         harmonics[q] = replace(of_cycles, correction=channel.correction)
     return harmonics
