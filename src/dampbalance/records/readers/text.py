@@ -387,8 +387,10 @@ def _load(layout: _Layout, channels: Sequence[RawChannel], wanted: Sequence[int]
 def _rows_before_text(
     layout: _Layout, channels: Sequence[RawChannel], wanted: Sequence[int], fallback: str
 ) -> int:
-    """Return the number of rows before lines at the end that are no rows, with a warning. Raises RecordError for what is
-    wrong with the first row that cannot be read, where rows follow on it."""
+    """Return the number of rows before the text at the end of a file, with a warning.
+
+    Raises RecordError for what is wrong with the first row that cannot be read, where rows of numbers follow on it.
+    """
     path, ends, said, lines = layout.path, 0, shortened(fallback, 200)[1:-1], list[int]()
     for row, (number, cells) in enumerate(layout.rows()):
         fault = _fault(channels, wanted, cells, layout.decimal)
