@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
@@ -16,6 +17,7 @@ from .identification.request import IN_WORDS, Stated
 from .joints.answer import identify_joint as identify_joint
 from .joints.records import read_lines
 from .joints.records import recognised_as_table as recognised_as_table
+from .loops.answer import LoopOutcome
 from .loops.answer import identify_loops as identify_loops
 from .project.wording import listed
 from .records.mapping import MappingLike
@@ -99,8 +101,8 @@ def identify(
     and c. Only tables of responses to a force and measured loops do without.
     mapping : what the records do not say of their channels, where they are read here.
     kind : "forced", "ring-down", "stepped-sine" or "loops", where it is not to be recognised: tables by their columns
-    of frequency and phase, measured loops by force and displacement where neither stiffness nor mass is given, forced
-    records by an excitation channel that keeps moving.
+    of frequency and phase, measured loops by force and displacement or velocity where neither stiffness nor mass is
+    given, forced records by an excitation channel that keeps moving.
     options : of the function for the kind. One at its default may be given for any kind.
 
     Raises ValueError (for a record, `RecordError`) naming argument or record, what is wrong and the remedy: an option
@@ -117,10 +119,11 @@ def identify(
     ValueError: frequency = 3.5 is for forced records, and these are free decays: leave it out
     """
     one_of("kind", kind, get_args(Kind))
+    recognised = kind == "recognised"
     defaults = {name: of.default for each in OPTIONS.values() for name, of in each.items()}
     if unknown := sorted(options.keys() - defaults.keys()):
         raise TypeError(f"identify() got an unexpected keyword argument {unknown[0]!r}")
-    if kind == "recognised":
+    if recognised:
         records = read_records(records, mapping=mapping)
         if any(record.measurement is None for record in records):
             kind = "stepped-sine"
@@ -132,13 +135,23 @@ def identify(
     for name, value in asked.items():
         if words := _misplaced(kind, name):
             raise ValueError(f"{name} = {shown(value)} {words}")
-    return WAYS[kind](records, stiffness, mapping=mapping, **asked)
+    found = WAYS[kind](records, stiffness, mapping=mapping, **asked)
+    if recognised and isinstance(found, LoopOutcome):
+        return replace(found, guess=_GUESS, rig=[*found.rig, _GUESS])
+    return found
+
+
+_GUESS = (
+    "The records are taken for loops of a contact, as neither stiffness nor mass is given; if the force drives a mass "
+    "on a spring, give its stiffness (--stiffness): they are forced records then."
+)
 
 
 def _is_loop(record: MeasuredRecord) -> bool:
-    """Return whether a record holds force and displacement that keep moving, and nothing else but a normal force."""
-    moving = {*record.quantities} - {*ACCOMPANYING}
-    return moving == {"force", "displacement"} and keeps_moving(record)
+    """Return whether a record holds a force and a displacement or velocity that keep moving, and nothing else but a
+    normal force."""
+    moving = {*record.quantities} - {*ACCOMPANYING, "force"}
+    return moving in ({"displacement"}, {"velocity"}) and keeps_moving(record)
 
 
 def _misplaced(kind: str, name: str) -> str:

@@ -375,7 +375,8 @@ def test_gain_delay_and_filters_are_taken_off():
 
     def corrected(correction, values):
         other = {"values": values, "name": "x", "correction": correction}
-        return identify_ring_downs([changed(measured, "displacement", **other)], PLUCKED.k)
+        record = changed(measured, "displacement", **other).corrected()
+        return identify_ring_downs([record], PLUCKED.k)
 
     plain = plucked().reference
     gained = corrected(Correction(gain=1.25, delay=0.01), 1.25 * x).reference

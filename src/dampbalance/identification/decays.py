@@ -27,7 +27,7 @@ from ..motion.unknowns import M
 from ..project.wording import Remark, listed, percent, visible, with_error
 from ..records.mapping import MappingLike
 from ..records.measured import MeasuredRecord, in_words_of_records
-from ..records.measurement import EXCITATIONS, ORDERS, Channel, Correction, Measurement
+from ..records.measurement import EXCITATIONS, ORDERS, Channel, Measurement
 from ..signals.bursts import NoDecay, Signal, noise_of, too_few_samples
 from ..signals.conditioning import in_equal_steps
 from ..signals.cycles import clipped, flat_tops
@@ -74,7 +74,6 @@ BALANCE = "balance"
 _LIGHTER = 1e-2  # of a mass that is given: small enough for first order, large compared with where a climb ends
 # Of the motion, that a contact, a spring or a sensor which is not linear makes.
 _HARMONICS = (1, 2, 3, 5)
-_LET_THROUGH = 0.2  # by a filter: below, its inverse shows noise; steeply, so that the band of the mode is exact
 _SWINGS = 6  # of a decay whose equivalent damping is listed
 # half cycles, and K_z/k, below which a motion that does not fit shows no contact
 _FEWEST, _LOOSE = 2, 1e-2
@@ -344,35 +343,13 @@ def _unclear(record: Measurement) -> str:
 
 
 def _signal(record: Measurement, channel: Channel, offset: int, warnings: list[Remark]) -> Signal:
-    """Return a channel of the mass, evenly sampled and with its known gain and delay taken off. offset : its number."""
-    correction = channel.correction
+    """Return a channel of the mass, evenly sampled.   offset : its number."""
     channel = in_equal_steps(channel, warnings)
     t, values = channel.t, channel.values
-    if correction is not None:
-        values = _before_the_filters(values, float(t[-1] - t[0]) / (t.size - 1), correction)
-        t = t - correction.delay
     limits = flat_tops(values)
     order = ORDERS[channel.quantity]
     noise = noise_of(values)
     return Signal(channel.quantity, order, t, values, noise, offset, limits, channel.missing)
-
-
-def _before_the_filters(values: Array, dt: float, correction: Correction) -> Array:
-    """Return the values that a channel had before its gain and its filters, to a drift, which the band of a mode leaves
-    out.
-
-    What it lets through by less than a fifth is left out: the inverse would show noise alone there.
-    """
-    if not correction.low_pass and not correction.high_pass:
-        return values / correction.gain
-    level = float(values[-1])
-    size = 1 << (2 * values.size - 1).bit_length()
-    omega = 2.0 * math.pi * np.fft.rfftfreq(size, dt)
-    response = correction.response(omega) * np.exp(1j * omega * correction.delay)
-    taper = 1.0 / (1.0 + (_LET_THROUGH / np.abs(response / correction.gain)) ** 8)
-    inverse = taper / response
-    before = np.fft.irfft(np.fft.rfft(values - level, size) * inverse, size)
-    return np.asarray(before[: values.size]) + level
 
 
 def _with_mass(fit: RingFit, mass: float) -> RingFit | None:

@@ -38,7 +38,7 @@ from .answer import (
 )
 from .law_comparison import LawComparison
 from .level import Level, damping_ratio
-from .outputs import ALL_PICTURES, REPORT, TABLES, pictures_of, require_room
+from .outputs import ALL_PICTURES, REPORT, TABLES, pictures_of, require_room, written_together
 from .remarks import Limit, doubted, in_a_sentence, limits
 from .screen import (
     agreement_of,
@@ -545,8 +545,8 @@ class Identified(ABC):
     ) -> list[Path]:
         """Write all of it to a folder: document, tables and text, and the pictures as SVG and PNG; returns the files.
 
-        Each file is complete or not at all, the document comes last; the same records give the same bytes. Pictures of
-        an earlier identification there are removed.
+        All of it is computed before anything there changes; each file is complete or not at all, the document comes
+        last; the same records give the same bytes. Pictures of an earlier identification there are removed.
 
         Raises ValueError where results are there already and may not be replaced, or nothing can be written.
         """
@@ -554,13 +554,12 @@ class Identified(ABC):
         remedy = "" if flag("overwrite", overwrite) else "overwrite=True"
         require_room(folder, (*TABLES, *ALL_PICTURES), remedy)
         pictures = (*pictures_of(self.figures), REPORT) if flag("figures", figures) else ()
-        for name in set(ALL_PICTURES) - set(pictures):
-            (folder / name).unlink(missing_ok=True)
-        if figures:
-            write_text(folder / REPORT, self._report(folder))
-        write_rows(folder / "identification.csv", self.estimates_table())
-        write_text(folder / "summary.txt", self.text())
-        write_json(folder / "identification.json", self.document())
+        with written_together(folder, (*pictures, *reversed(TABLES))) as new:
+            if figures:
+                write_text(new / REPORT, self._report(new))
+            write_rows(new / "identification.csv", self.estimates_table())
+            write_text(new / "summary.txt", self.text())
+            write_json(new / "identification.json", self.document())
         return [folder / name for name in (*TABLES, *pictures)]
 
     def report(self) -> str:

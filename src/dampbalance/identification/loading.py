@@ -58,7 +58,7 @@ def levels_of(record: MeasuredRecord) -> tuple[MeasuredRecord, ...]:
             record,
             name=f"{record.name} (level {number})",
             label=f"{record.label} (level {number})",
-            measurement=_between(record.whole(), dwell, f"{record.name} (level {number})"),
+            measurement=_between(record.recorded(), dwell, f"{record.name} (level {number})"),
             warnings=(*record.warnings, said),
         )
         for number, dwell in enumerate(dwells, start=1)
@@ -100,10 +100,12 @@ def load(
             f"that keeps moving ({', '.join(EXCITATIONS)}); a free decay is identified by itself (--kind ring-down)"
         )
     nominal = record.rules.frequency_hz if frequency_hz is None else frequency_hz
-    whole = record.whole()
+    recorded = record.recorded()
 
     def read(skipped: int) -> SteadyRecord:
-        return condition(whole, k, frequency_hz=nominal, skip_cycles=skipped, base_mass=base_mass)
+        return condition(
+            recorded, k, frequency_hz=nominal, skip_cycles=skipped, base_mass=base_mass
+        )
 
     skipped = skip_cycles
     for _ in range(_TIMES):
@@ -151,18 +153,17 @@ def unclipped(
 
 
 def excerpt(record: MeasuredRecord, quantity: str, steady: SteadyRecord) -> tuple[Array, Array]:
-    """Return the leading steady samples of a channel, t (s) and values (SI units), with the known gain and delay taken
-    off, for pictures.
+    """Return the leading steady samples of a channel, t (s) and values (SI units), for pictures.
 
     steady : the steady state of the record.
     """
-    channel, known = record.whole()[quantity], correction_of(record, quantity)
+    channel = record.whole()[quantity]
     t = channel.t
     cycles = int(np.searchsorted(t, t[0] + 6.0 * np.pi / steady.omega))
     count = max(EXCERPT, cycles)
     begin = min(int(np.searchsorted(t, steady.start)), max(0, t.size - count))
     part = slice(begin, begin + count)
-    return t[part] - known.delay, channel.values[part] / known.gain
+    return t[part], channel.values[part]
 
 
 def correction_of(record: MeasuredRecord, quantity: str) -> Correction:

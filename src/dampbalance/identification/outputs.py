@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from itertools import chain
 from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from ..project.files import UNFINISHED
 
 TABLES = ("identification.json", "identification.csv", "summary.txt")
 """The document with everything; the estimates; the table of the screen."""
@@ -20,7 +24,7 @@ PICTURES = {
     "forced": ("cycles", "friction", "loops", "balance"),
     "ring-down": ("decays", "balance"),
     "stepped-sine": ("loss", "stiffness", "distribution"),
-    "loops": ("loops", "history"),
+    "loops": ("loops", "loss", "history"),
 }
 """The pictures of each kind of records."""
 
@@ -38,6 +42,19 @@ def outputs_of(kind: str) -> tuple[str, ...]:
 OUTPUTS = outputs_of("forced")
 ALL_PICTURES = (*pictures_of(dict.fromkeys(chain(*PICTURES.values()))), REPORT)
 """The files that show pictures of any kind of records."""
+
+
+@contextmanager
+def written_together(folder: Path, names: Iterable[str]) -> Iterator[Path]:
+    """Yield an empty folder in `folder` for results, which move out in the order of their names when the block ends,
+    and replace all that an earlier identification left; nothing changes if it fails."""
+    folder.mkdir(parents=True, exist_ok=True)
+    with TemporaryDirectory(prefix=UNFINISHED, dir=folder) as unfinished:
+        yield Path(unfinished)
+        for name in {*ALL_PICTURES} - {*names}:
+            (folder / name).unlink(missing_ok=True)
+        for name in names:
+            (Path(unfinished) / name).replace(folder / name)
 
 
 def require_room(folder: Path, names: Iterable[str], permission: str) -> None:

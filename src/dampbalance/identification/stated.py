@@ -21,7 +21,7 @@ from typing import TypeVar
 import numpy as np
 
 from ..project.wording import change_text, listed, with_error
-from ..records.measurement import EXCITATIONS
+from ..records.measurement import ACCOMPANYING, EXCITATIONS
 from .answer import REFERENCE, Answer, unit_of
 from .identified import Identified
 from .loading import correction_of
@@ -41,8 +41,9 @@ _UNTESTED = {
 def with_stated_uncertainties(found: Outcome) -> Outcome:
     """Return an identification whose errors, intervals and covariances hold what its options and the mappings of its
     records state, and which says on what it depends."""
-    stiffness = found.options["stiffness_standard_error_N_per_m"] / found.k
-    m, m_error = (found.options[name] for name in ("mass_kg", "mass_standard_error_kg"))
+    stiffness = found.options.get("stiffness_standard_error_N_per_m", 0.0)
+    stiffness = stiffness and stiffness / found.k
+    m, m_error = (found.options.get(name) for name in ("mass_kg", "mass_standard_error_kg"))
     of_mass = m_error / m if m else 0.0
     stated = {"stiffness": stiffness, "mass": of_mass, **_stated_of_channels(found)}
     faults = {name: Fault(name, **{name: size}) for name, size in stated.items() if size > 0.0}
@@ -74,7 +75,7 @@ def _stated_of_channels(found: Identified) -> dict[str, float]:
     """
     sizes = {True: [(0.0, 0.0)], False: [(0.0, 0.0)]}
     for record in found.records:
-        for quantity in record.quantities:
+        for quantity in {*record.quantities} - {*ACCOMPANYING}:
             known = correction_of(record, quantity)
             of_drive = quantity in EXCITATIONS
             sizes[of_drive].append((known.gain_error / known.gain, known.delay_error))
@@ -131,14 +132,16 @@ def _conditional(found: Identified, stiffness: bool, mass: bool) -> tuple[str, s
         effects += [f"1 % in {what} changes {listed(parts)}"] if parts else []
     if not effects:
         return "", ""
-    k = found.options["stiffness_N_per_m"]
+    known = found.options.get("stiffness_N_per_m")
     asked = (
-        [] if k is None or stiffness else [f'state their uncertainties (--stiffness "{k:g} ± 1 %")']
+        []
+        if known is None or stiffness
+        else [f'state their uncertainties (--stiffness "{known:g} ± 1 %")']
     )
     asked += ["give the mass (--mass), which tests them"] * (found.mass_tests and not mass)
     remedy = f": {listed(asked)}" if asked else ""
     return (
-        f"All numbers are conditional on the {'' if k is None else 'stiffness and the '}gains, which the records alone "
-        f"hardly test, or not at all{remedy}.",
+        f"All numbers are conditional on the {'' if known is None else 'stiffness and the '}gains, which the records "
+        f"alone hardly test, or not at all{remedy}.",
         f"An error of {'; '.join(effects)}.",
     )

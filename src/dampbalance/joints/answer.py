@@ -419,8 +419,10 @@ def _answer(
         if symbol in fit.values:
             merit[f"{symbol}_{unit}"] = fit.values[symbol]
             merit[f"{symbol}_standard_error_{unit}"] = fit.errors.get(symbol, 0.0)
+    bounded = [s for s, p in parameters.items() if math.isfinite(p.standard_error)]
+    covariance = np.cov([fit.replicates[symbol][1:] for symbol in bounded])
     return Answer(
-        *(name, parameters, covariance_of(parameters), tuple(notes)),
+        *(name, parameters, covariance_of(parameters, bounded, covariance), tuple(notes)),
         Balance(rows, fit.misfit.loss * W, names, {"frequency_Hz": hertz}),
         merit=merit,
     )

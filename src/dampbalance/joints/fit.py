@@ -75,6 +75,7 @@ class ContactFit:
     X_range : amplitudes that were seen, m.
     smoothing : weight of the smoothness of κ.
     shown : where k is given, that of the lines if it is free and the χ² that it saves.
+    replicates : by name, about the law first, (1 + B,).
     """
 
     contact: Contact
@@ -91,6 +92,7 @@ class ContactFit:
     shown: tuple[float, float] | None
     design: Design = field(repr=False)
     draws: _Draws = field(repr=False)
+    replicates: Mapping[str, Array] = field(repr=False)
 
     @property
     def sliders(self) -> Sliders:
@@ -328,6 +330,7 @@ def _fitted(found: ContactEstimate, terms: tuple[str, ...], residual: bool) -> C
         _of_k(found, residual),
         design,
         draws,
+        drawn,
     )
 
 

@@ -138,7 +138,7 @@ class SteppedRecord(MeasuredRecord):
         """Return the lines: see `SteppedTable`."""
         return self.table.to_frame()
 
-    def whole(self) -> Measurement:
+    def recorded(self) -> Measurement:
         """Raise RecordError: it has no channels."""
         raise RecordError(
             f"{self.name} is a table of steady responses, without samples; use its lines, `table`"

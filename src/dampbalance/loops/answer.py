@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from types import ModuleType
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -31,25 +32,31 @@ from ..identification.identified import Identified, Picture
 from ..identification.level import Level
 from ..identification.request import Stated, mapping_option, records_of
 from ..identification.sensitivities import Fault
+from ..identification.stated import with_stated_uncertainties
 from ..law.terms import FRICTION
+from ..motion.jit import interpreted
 from ..project.wording import Remark, listed, number_text, percent, with_error
 from ..records.mapping import MappingLike
-from ..records.measured import MeasuredRecord
 from ..records.quantities import quantity
 from ..records.quantities import with_error as read_with_error
 from ..signals.one_thread import one_thread
+from ..solver import NORMAL_95
 from .cycles import Loop
 from .fit import (
+    MOST_BLOCKS,
     SLIDERS,
     WITHIN,
     Design,
     LoopFit,
+    different_forces,
     fall_with_speed,
     fit_gradual,
     fit_slider,
     predicts_better,
     slips,
+    with_late_motion,
 )
+from .reading import read_loops
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -65,6 +72,10 @@ _SETTLED = 3.0  # scatters from the later cycles, within which a cycle is steady
 _WIDER = 1e-4  # part of the deflections at which sliders slip, of a difference quotient
 _CERTAIN = 4.0  # standard errors by which a damping is negative
 _TREND = 4.0  # standard errors of a trend that is worth a sentence
+_DIFFER = 0.002  # of F_k, between records: less does not matter
+_REFITS = 3  # of records whose friction differs: each leaves the square of the difference before
+MOST_SAMPLES = 60_000
+"""Samples that a contact is fitted to; of longer records runs of cycles are."""
 
 
 _COMPARED = {
@@ -78,12 +89,14 @@ class LoopOutcome(Identified):
     """The answers to measured loops, and all that they come from.
 
     loops : of all records.   fits : of each contact, by name, the one to use first.   normal_force : N, with its
-    standard uncertainty; None where it was not given.
+    standard uncertainty; None where it was not given.   guess : why the records are taken for loops where nobody said
+    that they are.
     """
 
     loops: tuple[Loop, ...]
     fits: Mapping[str, LoopFit]
     normal_force: tuple[float, float] | None
+    guess: str = ""
 
     kind: ClassVar[Mapping[str, str]] = {"kind": "loops"}
     mass_tests: ClassVar[bool] = False
@@ -134,15 +147,21 @@ class LoopOutcome(Identified):
         not closed, as between two levels. K_z comes from the residual in the cycle: one step of Gauss and Newton in
         size and width of the contact.
         """
+        return self._history.copy()
+
+    @cached_property
+    @interpreted(False)  # a motion of up to millions of samples
+    def _history(self) -> pd.DataFrame:
         import pandas as pd  # slow to import
 
         tables = []
-        for loop, model in zip(self.loops, self.fit.models, strict=True):
+        for loop, drift in zip(self.loops, self.fit.drifts.tolist(), strict=True):
             a, b, W = row_of(loop, self.fit)
-            F = (W - self.law["c"] * b) / np.where((a > 0.0) & loop.closed, a, np.nan)
+            per_load = np.where((a > 0.0) & loop.closed, a / loop.load, np.nan)
+            F = (W - self.law["c"] * b) / per_load
             x, f = (of - loop.means(of)[loop.cycle] for of in (loop.x, loop.f))
             stiffness = loop.means(f * x) / loop.means(x**2)
-            K_z = self.fit.values["K_z"] * self._stiffer(loop, model)
+            K_z = self.fit.values["K_z"] * self._stiffer(loop, drift)
             columns = {"record": loop.name, "cycle": np.arange(2, loop.cycles + 2)}
             columns |= {"X_m": loop.amplitudes, "W_J": W, "F_k_N": F}
             columns |= {"K_z_N_per_m": K_z, "mean_force_N": loop.means(loop.f)}
@@ -155,14 +174,14 @@ class LoopOutcome(Identified):
         return pd.concat(tables, ignore_index=True)
 
     @one_thread
-    def _stiffer(self, loop: Loop, model: Array) -> Array:
-        """Return K_z of each cycle over that of all.   model : force of the fit in the cycles."""
-        contact, own = self.fit.contact, loop.cycle >= 0
+    def _stiffer(self, loop: Loop, drift: float) -> Array:
+        """Return K_z of each cycle over that of all.   drift : of the force, N/s."""
+        contact = self.fit.contact
         share = contact.share(loop)
         wider = (replace(contact, r=contact.r * (1.0 + _WIDER)).share(loop) - share) / _WIDER
-        A = np.array([share, wider, np.ones(share.size)])[:, own].T
-        left, cycle = loop.f[own] - model, loop.cycle[own]
-        moved = [np.linalg.lstsq(A[cycle == i], left[cycle == i])[0] for i in range(loop.cycles)]
+        A = np.array([share, wider, np.ones(share.size)])[:, loop.own].T
+        left = self.fit.residual(loop, drift)[loop.own]
+        moved = [np.linalg.lstsq(A[own], left[own])[0] for own in loop.slices]
         return np.array([1.0 + (F - width) / contact.F_k for F, width, _ in moved])
 
     def findings(self) -> dict[str, Any]:
@@ -188,8 +207,10 @@ class LoopOutcome(Identified):
 
     @property
     def check(self) -> str:
-        """Sentences on which contact predicts cycles better, and on the friction coefficient where it is known."""
-        return " ".join([self.rig[0], *(words for words in self.rig if words.startswith("μ"))])
+        """Sentences on which contact predicts cycles better, on the friction coefficient where it is known, and on why
+        these are loops where nobody said so."""
+        mu = [words for words in self.rig if words.startswith("μ")]
+        return " ".join(filter(None, [self.rig[0], *mu, self.guess]))
 
     @property
     def levels(self) -> list[Level]:
@@ -198,9 +219,10 @@ class LoopOutcome(Identified):
         for loop in self.loops:
             X, (_, b, W) = loop.amplitudes, row_of(loop, self.fit)
             steps = np.round(np.log(X / X.max()) / _SAME_LEVEL)
+            samples = np.bincount(loop.cycle[loop.own])
             for step in np.unique(steps):
                 own = steps == step
-                duration = np.median(np.bincount(loop.cycle[loop.cycle >= 0])[own])
+                duration = np.median(samples[own])
                 omega = 2.0 * math.pi / (duration * float(loop.t[1] - loop.t[0]))
                 lost = float(W[own].mean())
                 of = float(X[own].mean()), omega, lost, lost - c * float(b[own].mean())
@@ -208,16 +230,22 @@ class LoopOutcome(Identified):
         return levels
 
     def shifts(self, faults: Mapping[str, Fault], name: str) -> dict[str, dict[str, float]]:
-        """Return the changes of an answer with faults of gain: all are in proportion to the force, c and K_z inversely
-        so to the displacement."""
-        return {
-            what: {
-                s: fault.drive - fault.response * (s != FRICTION)
+        """Return the changes of an answer with faults of gain and timing: all are in proportion to the force, c and K_z
+        inversely so to the displacement; a displacement that is late is fitted again."""
+        fit, shifts = self.fits[name], {}
+        for what, fault in faults.items():
+            if not (fault.drive or fault.response or fault.late):
+                continue
+            late = with_late_motion(fit, fault.late).values if fault.late else fit.values
+            shifts[what] = {
+                s: late.get(s, math.nan) / fit.values[s]
+                - 1.0
+                + fault.drive
+                - fault.response * (s != FRICTION)
                 for s in self.estimates[name].parameters
+                if fit.values.get(s)
             }
-            for what, fault in faults.items()
-            if fault.drive or fault.response
-        }
+        return shifts
 
     @property
     def pictures(self) -> dict[str, Picture]:
@@ -225,7 +253,7 @@ class LoopOutcome(Identified):
         history : friction force and stiffness of each cycle."""
         words = f"force against displacement of {listed([loop.name for loop in self.loops])}"
         return {
-            "loops": Picture(f"{words}, and the contact fitted", (self.loops, self.fit)),
+            "loops": Picture(f"{words}, and the contact fitted", (self.fit.design.loops, self.fit)),
             "loss": Picture("energy lost per cycle against the amplitude", (self.loops, self.fit)),
             "history": Picture("friction force and stiffness of each cycle", (self.history(),)),
         }
@@ -255,7 +283,7 @@ def identify_loops(
     stiffness, mass : leave both out: loops have no oscillator, and a spring in parallel to the contact is identified.
     mapping : what the records do not say of their channels, where they are read here.
     normal_force : N, alone or with its standard uncertainty, instead of a channel normal_force of the records; with
-    either μ = F_k/N is known, too.
+    either μ = F_k/N is known, too. Records with a channel each share one μ, and F_k is that at their mean normal force.
     fixture_stiffness : N/m, of a fixture in series whose deflection the displacement includes.
     backlash : whether a dead band in the fixture is looked for, and named where it is there.
 
@@ -282,22 +310,25 @@ def identify_loops(
     series = None if fixture_stiffness is None else quantity("fixture_stiffness", fixture_stiffness)
     backlash = flag("backlash", backlash)
     read = records_of("loops", records, mapping)
-    loops = tuple(_loop(record, series) for record in read)
-    if normal is None and all(loop.N is not None for loop in loops):
-        means = np.concatenate([loop.means(loop.N) for loop in loops if loop.N is not None])
-        normal = float(means.mean()), float(means.std(ddof=1) / math.sqrt(means.size))
-    design = Design(loops)
-    slider, gradual = fit_slider(design, backlash=backlash), fit_gradual(design)
-    fits = {"one slider": slider, "gradual": gradual}
-    if predicts_better(gradual, slider):
-        fits = {"gradual": gradual, "one slider": slider}
+    loops, measured, odd = read_loops(read, series)
+    normal = normal or measured
+    share = MOST_SAMPLES / sum(loop.own.size for loop in loops)
+    fits, forces = _fits(loops, share, backlash), np.ones(len(loops))
+    for _ in range(_REFITS):
+        more = different_forces(next(iter(fits.values())))
+        if np.ptp(more) < _DIFFER:
+            break
+        pairs, forces = zip(loops, more.tolist(), strict=True), forces * more
+        loops = tuple(replace(loop, load=loop.load * of) for loop, of in pairs)
+        fits = _fits(loops, share, backlash)
+    scatter = float(np.std(forces, ddof=1)) if len(loops) > 1 else 0.0
     first = next(iter(fits.values()))
     found = LoopOutcome(
         k=math.nan,
         sources=tuple(record.name for record in read),
-        estimates={name: _answer(name, fit, design, slider) for name, fit in fits.items()},
+        estimates={name: _answer(name, fit, loops, fits, scatter) for name, fit in fits.items()},
         reference=None,
-        warnings=tuple(_warned(first, design, loops)),
+        warnings=(*odd, *_warned(first, loops)),
         head=(
             f"{sum(loop.cycles for loop in loops)} cycles of {len(loops)} measured "
             f"loop{'s' * (len(loops) > 1)}; the answer first, with 95 % intervals"
@@ -305,6 +336,8 @@ def identify_loops(
         rig=[
             _COMPARED[next(iter(fits))],
             *_rig(first, loops),
+            *_on_runs(first, loops),
+            *_on_loads(first, loops, normal),
         ],
         settings={"confidence": CONFIDENCE},
         records=tuple(read),
@@ -319,11 +352,24 @@ def identify_loops(
         fits=fits,
         normal_force=normal,
     )
+    found = with_stated_uncertainties(found)
     mu, (low, high) = found.friction_coefficient
     said = [] if math.isnan(mu) else [f"μ = F_k/N = {with_error(mu, 0.5 * (high - low))} at 95 %."]
-    return replace(found, rig=[found.in_words(words) for words in (*found.rig, *said)])
+    return replace(found, rig=[*found.rig, *said])
 
 
+def _fits(loops: Sequence[Loop], share: float, backlash: bool) -> dict[str, LoopFit]:
+    """Return the fits of one slider and of many by name, the one that predicts better first.   share : of the cycles
+    that are fitted, in runs of all records together; all of them from 1 on."""
+    runs = math.ceil(MOST_BLOCKS / len(loops))
+    design = Design(loops if share >= 1.0 else [loop.excerpt(share, runs) for loop in loops])
+    slider, gradual = fit_slider(design, backlash=backlash), fit_gradual(design)
+    if predicts_better(gradual, slider):
+        return {"gradual": gradual, "one slider": slider}
+    return {"one slider": slider, "gradual": gradual}
+
+
+@interpreted(False)
 def row_of(loop: Loop, fit: LoopFit) -> tuple[Array, Array, Array]:
     """Return a, b and W of the balance of each cycle, m, m²/s and J, with the contact of a fit; W is less what a
     quadratic damper takes."""
@@ -331,37 +377,16 @@ def row_of(loop: Loop, fit: LoopFit) -> tuple[Array, Array, Array]:
     return loop.by_cycle(fit.contact.share(loop)), loop.by_cycle(loop.v), loop.lost - quadratic
 
 
-def _loop(record: MeasuredRecord, series: float | None) -> Loop:
-    """Return the loop of a record.   series : stiffness of the fixture, N/m."""
-    channels = record.whole()
-    moving = [q for q in ("displacement", "velocity") if q in record.quantities]
-    if "force" not in record.quantities or not moving:
-        raise ValueError(
-            f"{record.name} has {listed([*record.quantities])}: a measured loop needs the force and the displacement "
-            "or velocity across the contact; name them in its mapping"
-        )
-    motion, force = channels[moving[0]], channels["force"]
-    t, x, f = motion.t, motion.values, force.values
-    if not np.array_equal(force.t, t):
-        f = np.interp(t, force.t, f)
-    if moving[0] == "velocity":
-        x = np.append(0.0, np.cumsum(0.5 * (x[1:] + x[:-1]) * np.diff(t)))
-        x = x - np.polyval(np.polyfit(t, x, 1), t)
-    if series:
-        # the deflection of the fixture has the sign of the force that the contact makes
-        way = math.copysign(1.0, float(np.trapezoid(f - f.mean(), x)))
-        x = x - way * (f - f.mean()) / series
-    N = channels["normal_force"] if "normal_force" in record.quantities else None
-    loop = Loop.of(record.name, t, x, f)
-    return replace(loop, N=None if N is None else np.abs(np.interp(t, N.t, N.values)))
+def _answer(
+    name: str, fit: LoopFit, loops: Sequence[Loop], fits: Mapping[str, LoopFit], scatter: float
+) -> Answer:
+    """Return the answer of a contact: its numbers with intervals, and the rows of its cycles.
 
-
-def _answer(name: str, fit: LoopFit, design: Design, slider: LoopFit) -> Answer:
-    """Return the answer of a contact: its numbers with intervals, and the rows of its cycles. slider : the fit of
-    one."""
+    fits : of all contacts.   scatter : standard deviation of the friction between records over their mean.
+    """
     from scipy.stats import t as student  # slow to import
 
-    notes = list[Remark]()
+    notes, design, slider = list[Remark](), fit.design, fits["one slider"]
     # half as many sliders, and none of the softest or of the stiffest, show what their choice does to the numbers; and
     # one slider what yielding does to c
     others = []
@@ -384,7 +409,13 @@ def _answer(name: str, fit: LoopFit, design: Design, slider: LoopFit) -> Answer:
         known = ParameterEstimate(value, error, Interval(value - reach * error, high))
         compared = [*others, slider] if symbol == "c" and others else others
         off = max((abs(other.values[symbol] - value) for other in compared), default=0.0)
-        return known.wider(off)
+        # the interval holds the other choices, and the friction of further records
+        known = known.wider(off / NORMAL_95)
+        if scatter and symbol == FRICTION:
+            of_mean = scatter / math.sqrt(len(loops))
+            t = float(student.ppf(0.5 + 0.5 * CONFIDENCE, len(loops) - 1))
+            known = known.wider(value * of_mean * t / NORMAL_95)
+        return known
 
     parameters = {s: estimate(s) for s in (FRICTION, "c", "K_z")}
     if not slips(fit):
@@ -399,11 +430,11 @@ def _answer(name: str, fit: LoopFit, design: Design, slider: LoopFit) -> Answer:
         notes.append(
             Remark("c cannot be distinguished from a contact that yields gradually: vary the speed")
         )
-    rows = [row_of(loop, fit) for loop in design.loops]
+    rows = [row_of(loop, fit) for loop in loops]
     a, b, W = (np.concatenate(of) for of in zip(*rows, strict=True))
-    names = tuple(loop.name for loop in design.loops for _ in range(loop.cycles))
-    scatter = np.concatenate([np.full(of[2].size, np.std(of[2], ddof=1)) for of in rows])
-    balance = Balance(Rows({FRICTION: a, "c": b}, W), scatter, names)
+    names = tuple(loop.name for loop in loops for _ in range(loop.cycles))
+    errors = np.concatenate([np.full(of[2].size, np.std(of[2], ddof=1)) for of in rows])
+    balance = Balance(Rows({FRICTION: a, "c": b}, W), errors, names)
     merit = {
         "residual": fit.rms / float(np.std(design.f)),
         "k_N_per_m": fit.values["k"],
@@ -418,7 +449,7 @@ def _answer(name: str, fit: LoopFit, design: Design, slider: LoopFit) -> Answer:
     return Answer(name, parameters, covariance, tuple(notes), balance, merit=merit)
 
 
-def _warned(fit: LoopFit, design: Design, loops: Sequence[Loop]) -> Iterator[Remark]:
+def _warned(fit: LoopFit, loops: Sequence[Loop]) -> Iterator[Remark]:
     """Yield remarks on the sign of the force, and on what no contact of the model explains."""
     if flipped := [loop.name for loop in loops if loop.flipped]:
         yield Remark(
@@ -426,7 +457,7 @@ def _warned(fit: LoopFit, design: Design, loops: Sequence[Loop]) -> Iterator[Rem
             listed(flipped),
         )
     many = fit.contact.r.size > 1  # the friction of one slider may fall with the speed
-    fall, shift = fall_with_speed(design, fit) if many and slips(fit) else (0.0, 0.0)
+    fall, shift = fall_with_speed(fit.design, fit) if many and slips(fit) else (0.0, 0.0)
     if abs(fall) > _FALLS:
         yield Remark(
             "the friction at rest is {} of F_k {} than at speed: F_k holds for one speed only, and c is no damper",
@@ -446,6 +477,32 @@ def _warned(fit: LoopFit, design: Design, loops: Sequence[Loop]) -> Iterator[Rem
             percent(share, 2),
             doubts={"": share},
         )
+
+
+def _on_runs(fit: LoopFit, loops: Sequence[Loop]) -> Iterator[str]:
+    """Yield a sentence on cycles of long records that are not fitted."""
+    fitted, cycles = (sum(loop.cycles for loop in of) for of in (fit.design.loops, loops))
+    if fitted < cycles:
+        yield (
+            f"The contact is fitted to {fitted} of the {cycles} cycles, in {MOST_BLOCKS} runs spread evenly; the "
+            "history is of all."
+        )
+
+
+def _on_loads(
+    fit: LoopFit, loops: Sequence[Loop], normal: tuple[float, float] | None
+) -> Iterator[str]:
+    """Yield a sentence on friction forces that differ between records."""
+    forces = [fit.values[FRICTION] * loop.load for loop in loops]
+    if max(forces) - min(forces) > _DIFFER * fit.values[FRICTION]:
+        pairs = zip(forces, loops, strict=True)
+        each = listed([f"{number_text(F, 4)} N ({loop.name})" for F, loop in pairs])
+        at = (
+            f"that at N = {number_text(normal[0], 4)} N"
+            if normal and loops[0].N is not None
+            else "their mean"
+        )
+        yield f"The friction force differs from record to record, {each}: F_k is {at}."
 
 
 def _rig(fit: LoopFit, loops: Sequence[Loop]) -> Iterator[str]:

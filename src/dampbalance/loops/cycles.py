@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -63,7 +65,8 @@ class Loop:
 
     t : s.   x : displacement, smoothed where it is noisy, m.   through : that of corners between samples, m.   v :
     velocity, m/s.   f : force, N, its sign such that energy is lost.   cycle : number of the cycle of each sample; −1
-    outside of those that are fitted.   N : normal force, N, where it was measured.
+    outside of those that are fitted.   N : normal force, N, where it was measured.   load : friction force of the
+    record over that of all, as the normal force makes it.
     """
 
     name: str
@@ -75,6 +78,7 @@ class Loop:
     cycle: Integers
     flipped: bool = False
     N: Array | None = None
+    load: float = 1.0
 
     @classmethod
     def of(cls, name: str, t: Array, x: Array, f: Array) -> Loop:
@@ -106,10 +110,24 @@ class Loop:
         gains = lost.mean() < -_CERTAIN * lost.std(ddof=1) / math.sqrt(lost.size)
         return replace(loop, f=-f, flipped=True) if gains else loop
 
-    @property
+    @cached_property
     def cycles(self) -> int:
         """Number of cycles that are fitted."""
         return int(self.cycle.max()) + 1
+
+    def excerpt(self, share: float, runs: int) -> Loop:
+        """Return about that share of the cycles, in runs that are spread evenly; the cycle before each run settles the
+        contact, and does not count."""
+        length = max(1, round(share * self.cycles / runs))
+        first = np.linspace(0, self.cycles - length, runs).astype(int)
+        number = np.full(self.cycles + 1, -2)  # the last entry is that of the samples outside
+        number[first - 1] = -1
+        kept = np.unique(np.add.outer(first, np.arange(length)))
+        number[kept] = np.arange(kept.size)
+        (own,) = np.nonzero(number[self.cycle] > -2)
+        arrays = {name: getattr(self, name)[own] for name in ("t", "x", "v", "f")}
+        through = self.through[own[1:] - 1]
+        return replace(self, **arrays, through=through, cycle=number[self.cycle[own]], N=None)
 
     def scaled(self, X: float) -> Loop:
         """Return the cycle of median amplitude, scaled to X and run through twice; the second time counts."""
@@ -120,29 +138,44 @@ class Loop:
         t = float(self.t[1] - self.t[0]) * np.arange(x.size)
         return replace(self, t=t, x=x, through=x[1:], v=v, f=0.0 * x, cycle=cycle)
 
+    @cached_property
+    def own(self) -> Integers:
+        """Indices of the samples of the cycles."""
+        return np.flatnonzero(self.cycle >= 0)
+
+    @cached_property
+    def slices(self) -> list[slice]:
+        """The samples of each cycle, among those of `own`."""
+        ends = np.searchsorted(self.cycle[self.own], np.arange(self.cycles + 1)).tolist()
+        return [slice(*pair) for pair in itertools.pairwise(ends)]
+
+    def _reduced(self, by: np.ufunc, values: Array) -> Array:
+        """Return values of each cycle taken together, (cycles,)."""
+        return np.asarray(by.reduceat(values[self.own], [own.start for own in self.slices]))
+
     def means(self, values: Array) -> Array:
         """Return the mean of values in each cycle, (cycles,)."""
-        return np.array([np.mean(values[self.cycle == i]) for i in range(self.cycles)])
+        return self._reduced(np.add, values) / [own.stop - own.start for own in self.slices]
 
     def by_cycle(self, values: Array) -> Array:
         """Return ∮ values dx of each cycle, (cycles,)."""
         pieces = np.append(0.5 * (values[1:] + values[:-1]) * np.diff(self.x), 0.0)
-        return np.array([np.sum(pieces[self.cycle == i]) for i in range(self.cycles)])
+        return self._reduced(np.add, pieces)
 
-    @property
+    @cached_property
     def lost(self) -> Array:
         """Energy lost in each cycle, ∮ f dx without the drift of the force, J."""
-        own = self.cycle >= 0
-        return self.by_cycle(self.f - np.polyval(np.polyfit(self.t[own], self.f[own], 1), self.t))
+        t, f = self.t[self.own], self.f[self.own]
+        return self.by_cycle(self.f - np.polyval(np.polyfit(t, f, 1), self.t))
 
     @property
     def closed(self) -> Mask:
         """Which cycles end where they began, by a part of their amplitude."""
-        own = [self.x[self.cycle == i] for i in range(self.cycles)]
-        return np.array([abs(x[-1] - x[0]) < _CLOSED * np.ptp(x) for x in own])
+        x = self.x[self.own]
+        ends = np.array([x[own.stop - 1] - x[own.start] for own in self.slices])
+        return np.asarray(np.abs(ends) < 2.0 * _CLOSED * self.amplitudes)
 
-    @property
+    @cached_property
     def amplitudes(self) -> Array:
         """X of each cycle, m."""
-        own = [self.x[self.cycle == i] for i in range(self.cycles)]
-        return np.array([0.5 * np.ptp(x) for x in own])
+        return 0.5 * (self._reduced(np.maximum, self.x) - self._reduced(np.minimum, self.x))

@@ -19,9 +19,9 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from functools import cached_property
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
@@ -41,6 +41,7 @@ _INDEPENDENT = 0.1  # of a column, which no combination of those before it makes
 _CERTAIN = 4.0  # standard errors of F_k that is there
 # of the samples of a cycle: fewer do not show the force at which the contact slips
 _SLIPPING = 0.02
+_WIDER = 1e-4  # part of the deflections at which sliders slip, of a difference quotient
 _KNEE = 0.98  # of F_k: a rounded knee counts as slip from here on
 SLIDERS = 40  # of a gradual contact, in geometric steps: finer ones are not told apart
 WITHIN = 0.01, 0.7  # r/X of them: softer sliders are hardly told from a spring
@@ -83,23 +84,27 @@ class Contact(Sliders):
 
     def forces(self, loop: Loop) -> Array:
         """Return the force of each element, N, (j, n)."""
-        fallen = 1.0 + self.fall * np.exp(-((loop.v / self.v_S) ** 2))
-        out = np.empty((self.r.size, loop.x.size))
-        for j, (r, kappa) in enumerate(zip(self.r, self.kappa, strict=True)):
-            z = play(loop.x, loop.through, r + self.g, self.n, (r * fallen + self.g) / (r + self.g))
-            out[j] = kappa * np.sign(z) * np.maximum(np.abs(z) - self.g, 0.0)
-        return out
+        return np.array([*self._each(loop)])
 
     def share(self, loop: Loop) -> Array:
         """Return the force of all elements over F_k, (n,)."""
-        return np.asarray(self.forces(loop).sum(axis=0) / (self.F_k or 1.0))
+        return sum(self._each(loop), np.zeros(loop.x.size)) / (self.F_k or 1.0)
+
+    def _each(self, loop: Loop) -> Iterator[Array]:
+        """Yield the force of each element, N."""
+        fallen = 1.0 + self.fall * np.exp(-((loop.v / self.v_S) ** 2))
+        for r, kappa in zip(self.r * loop.load, self.kappa, strict=True):
+            z = play(loop.x, loop.through, r + self.g, self.n, (r * fallen + self.g) / (r + self.g))
+            yield kappa * np.sign(z) * np.maximum(np.abs(z) - self.g, 0.0)
 
 
 @dataclass(frozen=True, eq=False)
 class LoopFit:
     """A contact fitted to loops.
 
-    contact : of all blocks.   linear : coefficients of the terms beyond friction and spring, by symbol.
+    design : what it was fitted to.   extensions, shape : of one slider; None and empty of many.
+    contact : of all blocks.   linear : coefficients of the terms beyond friction, by symbol.   drifts : of the loops,
+    N/s.
     values, errors : by symbol: F_k (N), K_z (N/m), k (N/m), and what is free of c (N s/m), c_2 (N s²/m²), m (kg), g
     (m), F_S (N), v_S (m/s) and n.
     covariance : of F_k, c and K_z as far as determined.   freedom : blocks less one, of Student's t.
@@ -108,8 +113,12 @@ class LoopFit:
     the others, N².
     """
 
+    design: Design = field(repr=False)
+    extensions: Sequence[str] | None
+    shape: Mapping[str, float]
     contact: Contact
     linear: Mapping[str, float]
+    drifts: Array
     values: dict[str, float]
     errors: dict[str, float]
     covariance: Array
@@ -125,6 +134,17 @@ class LoopFit:
         """Root mean square of the residual, N."""
         return math.sqrt(self.total / sum(model.size for model in self.models))
 
+    def residual(self, loop: Loop, drift: float) -> Array:
+        """Return the residual of any cycles of the record that a loop of the fit is from, to an offset of each, N.
+
+        drift : of that loop, N/s.
+        """
+        of = {"k": loop.x, **motions_of(loop)}
+        linear = sum(p * of[name] for name, p in self.linear.items())
+        return np.asarray(
+            loop.f - drift * loop.t - self.contact.F_k * self.contact.share(loop) - linear
+        )
+
     def loss(self, loop: Loop, X: Array) -> tuple[Array, Array]:
         """Return the energy lost per cycle at amplitudes X, m, of a motion like that of a loop, and its standard error,
         J, each (n,)."""
@@ -138,6 +158,11 @@ def lost(loop: Loop, contact: Contact, linear: Mapping[str, float]) -> Array:
     """Return the energy that a contact and dampers take in each cycle of a motion, J, (cycles,)."""
     damped = linear.get("c", 0.0) + linear.get("c_2", 0.0) * np.abs(loop.v)
     return loop.by_cycle(contact.F_k * contact.share(loop) + damped * loop.v)
+
+
+def motions_of(loop: Loop) -> dict[str, Array]:
+    """Return the columns of the terms that a motion has beyond friction and spring, by symbol, (n,)."""
+    return {"c": loop.v, "c_2": loop.v * np.abs(loop.v), "m": np.gradient(loop.v, loop.t)}
 
 
 class Design:
@@ -163,9 +188,11 @@ class Design:
         x = self.stacked([loop.x for loop in loops])
         self.base = [self.centred(column) for column in (x, *drifts)]
         self.v = self.stacked([loop.v for loop in loops])
-        a = self.stacked([np.gradient(loop.v, loop.t) for loop in loops])
-        motions = {"c": self.v, "c_2": self.v * np.abs(self.v), "m": a}
-        self.motions = {name: self.centred(column) for name, column in motions.items()}
+        motions = [motions_of(loop) for loop in loops]
+        self.motions = {
+            name: self.centred(self.stacked([of[name] for of in motions])) for name in motions[0]
+        }
+        self.load = self.stacked([np.full(loop.x.size, loop.load) for loop in loops])
 
     def stacked(self, of_loops: Sequence[Array]) -> Array:
         """Return the samples inside cycles of values of each loop, (…, n)."""
@@ -322,12 +349,10 @@ class Slider:
 
         contact, linear = found(np.zeros(at.size + p.size))
         without = [found(change) for change in out]
-        slipping = (
-            float(np.mean(np.abs(s) > 1.0 - 1e-9))
-            if math.isinf(contact.n)
-            else float(np.mean(np.abs(s) > _KNEE))
-        )
-        return _made(design, (contact, linear), without, model, J @ out.T, slipping)
+        knee = 1.0 - 1e-9 if math.isinf(contact.n) else _KNEE
+        slipping = float(np.mean(np.abs(s) > knee * design.load))
+        own = self.extensions, self.shape, p[2 : 1 + len(design.base)]
+        return _made(design, own, (contact, linear), without, model, J @ out.T, slipping)
 
 
 @one_thread
@@ -365,7 +390,8 @@ def fit_gradual(
     x, *drifts = design.base
     linear = ["c"] * design.with_c
     damper = [design.motions[name] for name in linear]
-    z = design.stacked([Contact(r, 1.0 / r).forces(loop) for loop in design.loops])
+    unit = Contact(r, 1.0 / r)
+    z = design.stacked([unit.forces(loop) for loop in design.loops])
     A = np.array([*design.centred(z), x, *damper, *drifts]).T
     positive = count + 1 + len(damper)
     scale = np.sqrt(np.mean(A**2, axis=0)) + 1e-300
@@ -394,9 +420,17 @@ def fit_gradual(
 
     contact, k = found(p / scale)
     largest = int(np.flatnonzero(contact.kappa).max(initial=0))
-    slipping = float(np.mean(np.abs(z[largest]) > 1.0 - 1e-9))
+    slipping = float(np.mean(np.abs(z[largest]) > (1.0 - 1e-9) * design.load))
     without = [found(of) for of in out / scale]
-    return _made(design, (contact, k), without, A @ p, A @ (out - p).T, slipping)
+    return _made(
+        design,
+        (None, {}, (p / scale)[positive:]),
+        (contact, k),
+        without,
+        A @ p,
+        A @ (out - p).T,
+        slipping,
+    )
 
 
 def _numbers(contact: Contact, linear: Mapping[str, float]) -> dict[str, float]:
@@ -409,13 +443,17 @@ def _numbers(contact: Contact, linear: Mapping[str, float]) -> dict[str, float]:
 
 def _made(
     design: Design,
+    own: tuple[Sequence[str] | None, Mapping[str, float], Array],
     found: tuple[Contact, Mapping[str, float]],
     without: Sequence[tuple[Contact, Mapping[str, float]]],
     model: Array,
     moved: Array,
     slipping: float,
 ) -> LoopFit:
-    """Return a fit with the errors that its changes without each block make.   moved : changes of the model, (n, b)."""
+    """Return a fit with the errors that its changes without each block make.
+
+    own : extensions, shape, and coefficients of the columns of drift.   moved : changes of the model, (n, b).
+    """
     values = _numbers(*found)
     names = [*values]
     out = np.array([[_numbers(*of).get(name, math.nan) for name in names] for of in without])
@@ -425,8 +463,12 @@ def _made(
     ahead = left - moved[np.arange(left.size), design.block]
     ends = np.cumsum([own.sum() for own in design.inside])[:-1]
     return LoopFit(
+        design=design,
+        extensions=own[0],
+        shape=own[1],
         contact=found[0],
         linear=found[1],
+        drifts=own[2] / [np.ptp(loop.t) for loop in design.loops],
         values=values,
         errors=dict(zip(names, np.sqrt(np.diag(covariance)).tolist(), strict=True)),
         covariance=covariance[np.ix_(at, at)],
@@ -458,6 +500,40 @@ def fall_with_speed(design: Design, fit: LoopFit) -> tuple[float, float]:
         if _less(of, fit.predicted, _P_CONSTANT) and of.sum() < best.sum():
             changes, best = (float(p[0]) / fit.values["F_k"], float(p[1]) / fit.values["F_k"]), of
     return changes
+
+
+@one_thread
+def different_forces(fit: LoopFit) -> Array:
+    """Return the friction force of each record over their mean where one of its own predicts blocks that are left out
+    clearly better, (loops,); else ones."""
+    design = fit.design
+    if len(design.loops) == 1 or not slips(fit):
+        return np.ones(len(design.loops))
+    left, contact = design.force - np.concatenate(fit.models), fit.contact
+    number = np.repeat(np.arange(len(design.loops)), [own.sum() for own in design.inside])
+    ends = [replace(contact, r=contact.r * (1.0 + way * _WIDER)) for way in (-1.0, 1.0)]
+    less, more = (of.F_k * design.share(of) for of in ends)
+    slope = (more - less) / (2.0 * _WIDER)
+    slopes = np.array([np.where(number == i, slope, 0.0) for i in range(len(design.loops))])
+    stiffer, linear = design.share(contact), [s for s in fit.linear if s != "k"]
+    A = np.array([*design.centred(np.array([*slopes, stiffer])), *design.linear(linear)]).T
+    p = np.linalg.lstsq(A, left)[0]
+    out = _without_each_block(A, left - A @ p, design.block, design.blocks)
+    ahead = design.by_block(left - np.sum(A * (p + out[design.block]), axis=1))
+    forces = 1.0 + p[: len(slopes)]
+    if not (_less(ahead, fit.predicted, _P_CONSTANT) and forces.min() > 0.0):
+        return np.ones(forces.size)
+    return np.asarray(forces / forces.mean())
+
+
+@lru_cache(maxsize=4)  # asked for by the intervals, the report and the document
+def with_late_motion(fit: LoopFit, late: float) -> LoopFit:
+    """Return the fit with its displacement later by some time, s, as a fit to the force that much earlier."""
+    loops = [replace(of, f=np.interp(of.t + late, of.t, of.f)) for of in fit.design.loops]
+    design = Design(loops)
+    if fit.extensions is None:
+        return fit_gradual(design)
+    return Slider(design, fit.extensions, fit.shape).fit()
 
 
 def _less(one: Array, other: Array, p: float) -> bool:

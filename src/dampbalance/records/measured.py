@@ -7,7 +7,7 @@ import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from functools import wraps
+from functools import cached_property, wraps
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec, TypeAlias, TypeVar
 
@@ -75,7 +75,7 @@ class MeasuredRecord:
 
         from .units import column_name
 
-        channels = [self.whole()[quantity] for quantity in self.quantities]
+        channels = [self.recorded()[quantity] for quantity in self.quantities]
         t = channels[0].t
         if not all(np.array_equal(c.t, t) for c in channels):
             remedy = "take each from its measurement"
@@ -83,15 +83,23 @@ class MeasuredRecord:
         columns = {column_name(c.quantity, c.coordinate): c.recorded for c in channels}
         return pd.DataFrame(columns, index=pd.Index(t, name="time_s"))
 
-    def whole(self) -> Measurement:
-        """Return all channels of the record."""
+    def recorded(self) -> Measurement:
+        """Return all channels as recorded: for harmonics, of which gain, delay and filters are divided out exactly."""
         assert self.measurement is not None
         return self.measurement
+
+    def whole(self) -> Measurement:
+        """Return all channels, with the gain, the delay and the filters that are known taken off their samples."""
+        return self._corrected
+
+    @cached_property
+    def _corrected(self) -> Measurement:
+        return self.recorded().corrected()
 
     def __repr__(self) -> str:
         """Return the contents of the record in a line."""
         held = listed([self.coordinate.text(quantity) for quantity in self.quantities])
-        t = max((self.whole()[q].t for q in self.quantities), key=len)
+        t = max((self.recorded()[q].t for q in self.quantities), key=len)
         sampled = f"{t.size:,} samples from {t[0]:.4g} s to {t[-1]:.4g} s at {mean_rate(t):.6g} Hz"
         return f"<record {self.name}: {'; '.join([held, sampled, *self.warnings])}>"
 

@@ -6,6 +6,7 @@ have been measured as displacement, acceleration or force. `signals/conditioning
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
@@ -42,6 +43,7 @@ ORDERS = {q: [*ABSOLUTE.values()].index(unit) for q, unit in QUANTITIES.items() 
 """Order of the time derivative of each motion: 0 for a displacement, 2 for an acceleration."""
 
 _JITTER = 0.5  # steps: from here on a sample is in another one's place
+_LET_THROUGH = 0.2  # by a filter: below, its inverse shows noise; steeply, so that the band of the motion is exact
 
 
 def sample_times(rate_hz: float, start: float, first: int, count: int) -> Array:
@@ -88,6 +90,24 @@ class Correction:
         for q in self.high_pass:
             response = response * np.where(s == 0.0, 1.0, s / (s - q))
         return response
+
+    def undone(self, values: Array, dt: float) -> Array:
+        """Return samples as they were before gain and filters, to a slow drift; the delay belongs to their times.
+
+        What a filter lets through by less than a fifth is left out: the inverse would show noise alone there. The
+        samples are continued by their mirror image, so that the ends of a signal that moves do not ring.
+
+        values : in steps of dt, s, (n,).
+        """
+        if not self.low_pass and not self.high_pass:
+            return values / self.gain
+        both = np.concatenate([values, values[::-1]])
+        omega = 2.0 * math.pi * np.fft.rfftfreq(both.size, dt)
+        response = self.response(omega) * np.exp(1j * omega * self.delay)
+        with np.errstate(over="ignore"):
+            taper = 1.0 / (1.0 + (_LET_THROUGH / np.abs(response / self.gain)) ** 8)
+        before = np.fft.irfft(np.fft.rfft(both) * taper / response, both.size)
+        return np.asarray(before[: values.size])
 
 
 @dataclass(frozen=True, eq=False)
@@ -160,6 +180,15 @@ class Channel:
         """SI unit of the values."""
         return self.coordinate.unit(QUANTITIES[self.quantity])
 
+    def corrected(self) -> Channel:
+        """Return the channel with its known gain, delay and filters taken off its samples; what is left of its
+        correction are the uncertainties."""
+        if (known := self.correction) is None:
+            return self
+        values = known.undone(self.values, 1.0 / mean_rate(self.t))
+        left = Correction(gain_error=known.gain_error / known.gain, delay_error=known.delay_error)
+        return replace(self, t=self.t - known.delay, values=values, correction=left)
+
 
 def require_one_coordinate(source: str, coordinates: Mapping[str, Coordinate]) -> None:
     """Raise RecordError where some channels rotate and others do not.   coordinates : by the names of the channels."""
@@ -217,6 +246,10 @@ class Measurement:
                 both = f"the channels {other.name!r} and {channel.name!r}"
                 raise ValueError(f"{source}: {both} both hold {channel.quantity}")
         return cls(source, by_quantity)
+
+    def corrected(self) -> Measurement:
+        """Return the measurement with the known gain, delay and filters of each channel taken off its samples."""
+        return replace(self, channels={q: of.corrected() for q, of in self.channels.items()})
 
     @property
     def coordinate(self) -> Coordinate:

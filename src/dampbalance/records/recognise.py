@@ -24,6 +24,7 @@ from .errors import RecordError, RecordWarning
 from .headings import by_unit, coordinate_of, full_name, holds_time, key_of, unit_of, unusable
 from .mapping import ChannelRule, RecordMapping, Which
 from .measurement import (
+    ACCOMPANYING,
     EXCITATIONS,
     QUANTITIES,
     RESPONSES,
@@ -306,7 +307,9 @@ def _checked(
 
 
 def _require_moving(channel: str, pick: Pick, values: Array, unit: str) -> None:
-    """Raise RecordError for a channel that is constant, exactly or except for rounding."""
+    """Raise RecordError for a channel that is constant, exactly or except for rounding; a dead weight may be."""
+    if pick.quantity in ACCOMPANYING:
+        return
     low, high = float(values.min()), float(values.max())
     span, constant = high - low, f"{low:g} in all {values.size} samples"
     if not span:

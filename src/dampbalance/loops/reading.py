@@ -1,0 +1,92 @@
+"""The loops in measured records: their channels at common times, their sign, and their normal forces."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ..identification.loading import correction_of
+from ..project.wording import Remark, listed, visible
+from ..records.measured import MeasuredRecord
+from ..records.measurement import ACCOMPANYING
+from .cycles import Loop
+
+_CUT = 1e-3  # of a record: what a delay cuts off is not worth a sentence
+
+
+def read_loops(
+    records: Sequence[MeasuredRecord], series: float | None
+) -> tuple[tuple[Loop, ...], tuple[float, float] | None, list[Remark]]:
+    """Return the loops of records, the mean normal force with its standard uncertainty, N, where all of them have one,
+    and what is odd about the records.   series : stiffness of the fixture, N/m."""
+    loops, cuts = zip(*[_loop(record, series) for record in records], strict=True)
+    odd = [
+        words.about(record.name)
+        for record, cut in zip(records, cuts, strict=True)
+        for words in (*record.warnings, *cut)
+    ]
+    if any(loop.N is None for loop in loops):
+        return loops, None, odd
+    return (*_loaded(loops, records), odd)
+
+
+def _loaded(
+    loops: Sequence[Loop], records: Sequence[MeasuredRecord]
+) -> tuple[tuple[Loop, ...], tuple[float, float]]:
+    """Return the loops with their loads, as their normal forces make them, and the mean normal force with its standard
+    uncertainty: of the scatter between cycles of a record, and of the gain."""
+    cycles = [loop.means(loop.N) for loop in loops if loop.N is not None]
+    N = float(np.concatenate(cycles).mean())
+    if not all(of.mean() > 0.0 for of in cycles):
+        raise ValueError(
+            f"{listed([record.name for record in records])}: the normal force is zero: check its transducer, or leave "
+            "the channel out"
+        )
+    off = np.concatenate([of / of.mean() for of in cycles])
+    gain = max(correction_of(record, "normal_force").gain_error for record in records)
+    error = N * math.hypot(float(off.std(ddof=1)) / math.sqrt(off.size), gain)
+    loaded = (
+        replace(loop, load=float(of.mean()) / N) for loop, of in zip(loops, cycles, strict=True)
+    )
+    return tuple(loaded), (N, error)
+
+
+def _loop(record: MeasuredRecord, series: float | None) -> tuple[Loop, list[Remark]]:
+    """Return the loop of a record, in the time in which all its channels are recorded, and a remark on time that is cut
+    off.   series : stiffness of the fixture, N/m."""
+    channels = record.whole()
+    moving = [q for q in ("displacement", "velocity") if q in record.quantities]
+    if "force" not in record.quantities or not moving:
+        raise ValueError(
+            f"{record.name} has {listed([*record.quantities])}: a measured loop needs the force and the displacement "
+            "or velocity across the contact; name them in its mapping"
+        )
+    used = [channels[q] for q in (moving[0], "force", *ACCOMPANYING) if q in record.quantities]
+    motion, force, *_ = used
+    begin, end = max(of.t[0] for of in used), min(of.t[-1] for of in used)
+    own = (motion.t >= begin) & (motion.t <= end)
+    if np.count_nonzero(own) < 3:
+        raise ValueError(
+            f"{record.name}: {listed([of.name for of in used])} are not recorded at the same time; check their times "
+            "in the mapping"
+        )
+    lost, remarks = max(float(np.ptp(of.t)) for of in used) - float(end - begin), list[Remark]()
+    if lost > _CUT * (end - begin):
+        words = "{:.4g} s are left out, in which not all of {} are recorded"
+        remarks.append(Remark(words, lost, listed([visible(of.name) for of in used])))
+    t, x = motion.t[own], motion.values[own]
+    f = np.interp(t, force.t, force.values)
+    if moving[0] == "velocity":
+        x = np.append(0.0, np.cumsum(0.5 * (x[1:] + x[:-1]) * np.diff(t)))
+        x = x - np.polyval(np.polyfit(t, x, 1), t)
+    if series:
+        # the deflection of the fixture has the sign of the force that the contact makes
+        way = math.copysign(1.0, float(np.trapezoid(f - f.mean(), x)))
+        x = x - way * (f - f.mean()) / series
+    N = channels["normal_force"] if "normal_force" in record.quantities else None
+    loop = Loop.of(record.name, t, x, f)
+    pressed = None if N is None else np.abs(np.interp(t, N.t, N.values))
+    return replace(loop, N=pressed), remarks
