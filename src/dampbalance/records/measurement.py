@@ -166,7 +166,7 @@ class Channel:
         return self.values.size
 
     @property
-    def recorded(self) -> Array:
+    def as_recorded(self) -> Array:
         """The values, NaN for those that are missing."""
         return self.values if self.missing is None else np.where(self.missing, np.nan, self.values)
 

@@ -24,7 +24,6 @@ from .errors import RecordError, RecordWarning
 from .headings import by_unit, coordinate_of, full_name, holds_time, key_of, unit_of, unusable
 from .mapping import ChannelRule, RecordMapping, Which
 from .measurement import (
-    ACCOMPANYING,
     EXCITATIONS,
     QUANTITIES,
     RESPONSES,
@@ -46,7 +45,7 @@ _MULTIPLE_TOLERANCE = 0.01
 _LINE_TOLERANCE = 1.5  # resolutions; rounding, and what the line is off by itself
 _MAX_RATE_ERROR = 1e-3  # largest relative error of the rate; c has the same one
 _MOST_MISSING = 0.03  # of the samples of a channel: more is a gap, or another clock
-_JUMP = 1.5  # of the bend that one sample in a hundred exceeds: one in 10,000 of noise does
+_JUMP = 3.0  # of the bend that one sample in ten exceeds: one in a million of noise does
 _LONG = 10  # steps, over which a signal moves on clearly
 _PLACES = 3  # that a warning lists
 
@@ -307,9 +306,7 @@ def _checked(
 
 
 def _require_moving(channel: str, pick: Pick, values: Array, unit: str) -> None:
-    """Raise RecordError for a channel that is constant, exactly or except for rounding; a dead weight may be."""
-    if pick.quantity in ACCOMPANYING:
-        return
+    """Raise RecordError for a channel that is constant, exactly or except for rounding."""
     low, high = float(values.min()), float(values.max())
     span, constant = high - low, f"{low:g} in all {values.size} samples"
     if not span:
@@ -420,7 +417,7 @@ def _jumps(signal: Array, gaps: Integers) -> bool:
     with np.errstate(over="ignore", invalid="ignore"):
         bends = np.abs(np.diff(signal, 2))
     around = np.clip([gaps - 1, gaps], 0, bends.size - 1)
-    usual = np.nanquantile(bends, 0.99) if np.isfinite(bends).any() else np.inf
+    usual = np.nanquantile(bends, 0.9) if np.isfinite(bends).any() else np.inf
     return bool((bends[around] > _JUMP * usual).any())
 
 
