@@ -174,6 +174,12 @@ _ARGUMENTS = {
 }
 """Key of a configuration → argument, where their names differ."""
 
+_UNCERTAINTIES = {
+    "stiffness_standard_error_N_per_m": "stiffness_N_per_m",
+    "mass_standard_error_kg": "mass_kg",
+}
+"""Key of a standard uncertainty → key of the number that has it."""
+
 
 def not_taken(settings: Mapping[str, Any]) -> dict[str, str]:
     """Return what is wrong with a set of records in a configuration, by its keys: those that do not apply to its kind,
@@ -181,6 +187,13 @@ def not_taken(settings: Mapping[str, Any]) -> dict[str, str]:
     kind, k = settings.get("kind", "forced"), "stiffness_N_per_m"
     keys = [key for key, value in settings.items() if value is not None and key not in _OF_SET]
     wrong = {key: words for key in keys if (words := _misplaced(kind, _ARGUMENTS.get(key, key)))}
+    for error, of in _UNCERTAINTIES.items():
+        if error in keys and of not in keys:
+            wrong[error] = (
+                f"has no effect without {of}, whose uncertainty it is: add that, or leave it out"
+            )
+        elif error in keys and not settings[error] < settings[of]:
+            wrong[error] = f"must be below {of} = {settings[of]:g}: correct one of them"
     if k not in keys and "mass_kg" not in keys and kind not in ("stepped-sine", "loops"):
         wrong[k] = f"is missing: {IN_WORDS[kind]} need it, or the mass; add it"
     return wrong
@@ -193,10 +206,7 @@ def configured(settings: Mapping[str, Any]) -> dict[str, Any]:
     """Return the arguments of `identify` that a set of records in a configuration states, except the records; they are
     forced unless it states another kind."""
     stated = {key: of for key, of in settings.items() if of is not None and key not in _OF_SET}
-    arguments = {_ARGUMENTS.get(key, key): of for key, of in stated.items() if "error" not in key}
-    if "stiffness" in arguments:
-        error = stated.get("stiffness_standard_error_N_per_m", 0.0)
-        arguments["stiffness"] = arguments["stiffness"], error
-    if "mass_standard_error_kg" in stated:
-        arguments["mass"] = arguments["mass"], stated["mass_standard_error_kg"]
+    errors = {_UNCERTAINTIES[key]: stated.pop(key) for key in _UNCERTAINTIES.keys() & stated.keys()}
+    stated |= {key: (stated[key], error) for key, error in errors.items()}
+    arguments = {_ARGUMENTS.get(key, key): of for key, of in stated.items()}
     return {"kind": settings.get("kind", "forced")} | arguments

@@ -225,17 +225,20 @@ def test_an_uncertainty_that_is_none_is_refused(wrong):
     ("value", "mass", "error"),
     [
         ("3.1", 3.1, 0.05),
-        (3.1, 3.1, 0.05),
+        ("2", 2.0, 0.5),
+        ("0.001 kg", 0.001, 0.0005),
         ("3.100", 3.1, 0.0155),
-        (3.098, 3.098, 0.01549),
+        (3.1, 3.1, 0.0155),
+        (2, 2.0, 0.01),
+        (2.0, 2.0, 0.01),
+        (0.001, 0.001, 5e-6),
         (np.float64(3.098), 3.098, 0.01549),
-        (24, 24.0, 0.5),
         ("3.1±0.01", 3.1, 0.01),
         ("3.1+-0.01", 3.1, 0.01),
         ((3.1, 0.0), 3.1, 0.0),
     ],
 )
-def test_a_mass_alone_is_known_to_half_its_last_digit_or_half_a_per_cent(value, mass, error):
+def test_a_mass_alone_is_known_to_half_a_per_cent_and_as_a_text_to_half_its_last_digit(value, mass, error):
     assert mass_with_error(value) == pytest.approx((mass, error))
     assert not isinstance(value, str) or ARGUMENTS["--mass"]["type"](value) == value
 
@@ -254,6 +257,24 @@ def test_a_configuration_states_the_uncertainty_of_its_mass():
     assert configured(of | {"mass_standard_error_kg": 0.01})["mass"] == (2.42, 0.01)
     for kind in ("forced", "ring-down", "stepped-sine"):
         assert not not_taken(of | {"kind": kind, "mass_standard_error_kg": 0.01})
+
+
+@pytest.mark.parametrize(
+    ("error", "of", "other"),
+    [
+        ("mass_standard_error_kg", "mass_kg", "stiffness_N_per_m"),
+        ("stiffness_standard_error_N_per_m", "stiffness_N_per_m", "mass_kg"),
+    ],
+)
+@pytest.mark.parametrize("kind", [None, "forced", "ring-down", "stepped-sine", "loops"])
+def test_an_uncertainty_without_its_number_is_refused_before_anything_is_read(
+    kind, error, of, other
+):
+    stated = {error: 10.0} | ({"kind": kind} if kind else {})
+    for number in ({}, {of: None}, {other: 2310.0}):
+        assert of in not_taken(stated | number)[error]
+    assert error not in not_taken(stated | {of: 20.0}) or (kind, of) == ("loops", "mass_kg")
+    assert "must be below" in not_taken(stated | {of: 5.0})[error]
 
 
 def test_a_light_damping_asks_more_of_the_frequency():

@@ -187,6 +187,10 @@ def test_what_the_schema_forbids_is_refused_at_once_before_anything_runs(built):
     [
         ({"records": ["data/none*.csv"]}, "measured[1].records[1]: no file data/none*.csv: name"),
         ({"kind": "ring-down"}, "measured[1].frequency_hz: is for forced records"),
+        (
+            {"mass_kg": None, "mass_standard_error_kg": 0.01},
+            "measured[1].mass_standard_error_kg: has no effect without mass_kg",
+        ),
         ({"given": {"c_2": 1.0}, "terms": ["F_k", "c"]}, "c_2 is given and no term of the law"),
         ({"groups": {"F_k": ["a", "b"]}}, "the groups of F_k have 2 labels for 5 records"),
     ],

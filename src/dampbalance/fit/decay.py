@@ -115,7 +115,7 @@ class Decay:
         signals = []
         for one in self.signals:
             n = max(1, int(self.period / (_A_CYCLE * one.dt)), round(one.t.size / most))
-            signals.append(replace(one, t=one.t[::n], values=one.values[::n]))
+            signals.append(one.part(slice(None, None, n)))
         return replace(self, signals=tuple(signals))
 
     @property
@@ -229,7 +229,7 @@ class DecayProblem:
                 level, start = np.ones(signal.t.size), ac_start(signal.t.size, signal.dt, corner)
                 part = np.column_stack([part, level, start])
                 part[:, 0] += point[offset] - signal.values
-                part[signal.clipped] = 0.0
+                part[signal.left_out] = 0.0
                 if self.band is not None:
                     part = filtered(part, signal.dt, self.band)
                 part, start = part[:, :-1], part[:, -1]

@@ -348,7 +348,8 @@ def _signal(record: Measurement, channel: Channel, offset: int, warnings: list[R
     t, values = channel.t, channel.values
     limits = flat_tops(values)
     order = ORDERS[channel.quantity]
-    return Signal(channel.quantity, order, t, values, noise_of(values), offset, limits)
+    noise = noise_of(values)
+    return Signal(channel.quantity, order, t, values, noise, offset, limits, channel.missing)
 
 
 def _with_mass(fit: RingFit, mass: float) -> RingFit | None:

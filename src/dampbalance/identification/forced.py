@@ -253,8 +253,8 @@ def identify_forced(
     mapping : what the records do not say of their channels, where they are read here.
     frequency : of the drive as known, Hz; compared with that found in each record.
     mass : kg (kg m² of a rotation), if it is known: it tests the stiffness and the gains, and sharpens K_z where it
-    is known better than the records know it. Without an uncertainty it has one of half a unit of the last digit
-    ("2.420" keeps its zero) or 0.5 %, whichever is more. Alone it gives the stiffness, where the base moves.
+    is known better than the records know it. Without an uncertainty it has one of 0.5 %, a text one of half a unit of
+    its last digit where that is more ("2.4" is 2.40 ± 0.05 kg). Alone it gives the stiffness, where the base moves.
     fixture_mass : kg, of what moves between a load cell and the mass.
     contact_to : what holds the friction contact: "base" for a mount or an isolator, whose spring, damper and friction
     all sit between table and mass; its mass must be given.

@@ -16,13 +16,14 @@ to the second order only. An offset or a drift of the velocity moves swings to o
 directions: the one that makes D run smoothly is taken off, and the rows leave it free. All these are sums over samples,
 so that the covariance of the rows follows from the noise; rows that share a swing or a turn are correlated.
 
-The fit gives one number, the stick Z_m = F_k/K_z, which matters little if the contact is stiff.
+The fit gives one number, the stick Z_m = F_k/K_z, which matters little if the contact is stiff, and the motion where
+samples are missing.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -31,7 +32,7 @@ from scipy.ndimage import uniform_filter1d
 from scipy.signal import savgol_filter
 
 from ..arrays import Array, Integers
-from ..fit.decay import RingFit
+from ..fit.decay import Decay, RingFit
 from ..signals.bursts import Signal, least_noise
 from ..signals.simpson import integrals
 from ..signals.thresholds import SIGNIFICANT
@@ -95,11 +96,12 @@ class RingRows:
 
 
 def rows_of(fit: RingFit) -> RingRows:
-    """Return the rows of all decays of a fit, which gives them k, Z_m and the period, and nothing else."""
+    """Return the rows of all decays of a fit, which gives them k, Z_m, the period and samples that are missing, and
+    nothing else."""
     forces = [float(fit.point_of(i)[0]) for i in range(len(fit.decays))]
     numbers = {F_k: number for number, F_k in enumerate(dict.fromkeys(forces))}
     columns, decays, swings, turns = [np.empty((0, 3))], [], [], []
-    for i, (one, F_k) in enumerate(zip(fit.decays, forces, strict=True)):
+    for i, (one, F_k) in enumerate(zip(_without_gaps(fit), forces, strict=True)):
         stick = 2.0 * F_k / fit.K_z
         moves = one.cut(one.start, fit.at_rest(i))  # from there on it rings on the contact
         channels = [swings_of(signal, one.period, _SLIPS * stick) for signal in moves.signals]
@@ -123,6 +125,23 @@ def rows_of(fit: RingFit) -> RingRows:
         blocks.append(by @ read.covariance @ by.T)
     free = sum(read.free for read, _ in swings)
     return RingRows(rows, block_diag(*blocks), which, friction, free, tuple(turns))
+
+
+def _without_gaps(fit: RingFit) -> list[Decay]:
+    """Return the decays of a fit with its motion in place of the samples that are missing."""
+    gaps = [signal.missing for one in fit.decays for signal in one.signals]
+    if not any(gap is not None and gap.any() for gap in gaps):
+        return [*fit.decays]
+    decays = [
+        replace(one, signals=tuple(replace(signal, missing=None) for signal in one.signals))
+        for one in fit.decays
+    ]
+    problem = replace(fit.problem, decays=tuple(decays), band=None)
+    filled: list[list[Signal]] = [[] for _ in decays]
+    for gap, (i, signal, off) in zip(gaps, replace(fit, problem=problem).residuals(), strict=True):
+        values = signal.values + (0.0 if gap is None else gap * off * signal.noise)
+        filled[i].append(replace(signal, values=values))
+    return [replace(one, signals=tuple(of)) for one, of in zip(decays, filled, strict=True)]
 
 
 def _pairs(D: Array) -> tuple[Array, Array, Array]:

@@ -70,9 +70,9 @@ def _between(measurement: Measurement, dwell: Dwell, source: str) -> Measurement
     channels = {}
     for quantity in measurement:
         channel = measurement[quantity]
-        first, last = np.searchsorted(channel.t, (dwell.start, dwell.end))
-        t, values = channel.t[first:last], channel.values[first:last]
-        channels[quantity] = replace(channel, t=t, values=values)
+        channels[quantity] = channel.part(
+            slice(*np.searchsorted(channel.t, (dwell.start, dwell.end)))
+        )
     return replace(measurement, source=source, channels=channels)
 
 

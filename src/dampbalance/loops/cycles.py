@@ -81,8 +81,11 @@ class Loop:
     load: float = 1.0
 
     @classmethod
-    def of(cls, name: str, t: Array, x: Array, f: Array) -> Loop:
-        """Return the loop of samples in equal steps.   Raises ValueError for too few cycles."""
+    def of(cls, name: str, t: Array, x: Array, f: Array, missing: Mask | None = None) -> Loop:
+        """Return the loop of samples in equal steps, without the cycles with samples that are missing.
+
+        Raises ValueError for too few cycles.
+        """
         from scipy.signal import savgol_filter  # slow to import
 
         third = np.diff(x, 3)  # σ√20 of white noise
@@ -105,6 +108,14 @@ class Loop:
             x = savgol_filter(x, smooth, 3)
         cycle = np.searchsorted(minima[1:], np.arange(x.size), side="right") - 1
         cycle[minima[-1] :] = -1
+        if missing is not None:
+            cycle[np.isin(cycle, cycle[missing])] = -1
+            left = np.unique(cycle[cycle >= 0])
+            if left.size < FEWEST_CYCLES:
+                raise ValueError(
+                    f"{name}: {left.size} cycles have no missing samples, and {FEWEST_CYCLES} are needed at least"
+                )
+            cycle = np.where(cycle < 0, -1, np.searchsorted(left, cycle))
         loop = cls(name, t, x, corners(x, turns, noise), np.asarray(v), f, cycle)
         lost = loop.lost
         gains = lost.mean() < -_CERTAIN * lost.std(ddof=1) / math.sqrt(lost.size)

@@ -87,6 +87,7 @@ def _loop(record: MeasuredRecord, series: float | None) -> tuple[Loop, list[Rema
         way = math.copysign(1.0, float(np.trapezoid(f - f.mean(), x)))
         x = x - way * (f - f.mean()) / series
     N = channels["normal_force"] if "normal_force" in record.quantities else None
-    loop = Loop.of(record.name, t, x, f)
+    gaps = [np.interp(t, of.t, of.missing) > 0.0 for of in used if of.missing is not None]
+    loop = Loop.of(record.name, t, x, f, np.any(gaps, axis=0) if gaps else None)
     pressed = None if N is None else np.abs(np.interp(t, N.t, N.values))
     return replace(loop, N=pressed), remarks

@@ -80,7 +80,7 @@ class MeasuredRecord:
         if not all(np.array_equal(c.t, t) for c in channels):
             remedy = "take each from its measurement"
             raise ValueError(f"{self.name}: its channels have different times; {remedy}")
-        columns = {column_name(c.quantity, c.coordinate): c.values for c in channels}
+        columns = {column_name(c.quantity, c.coordinate): c.as_recorded for c in channels}
         return pd.DataFrame(columns, index=pd.Index(t, name="time_s"))
 
     def recorded(self) -> Measurement:

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arguments import floats, instance, items, mapping, one_of, text
-from ..arrays import Array, Complexes, ReadOnly
+from ..arrays import Array, Complexes, Mask, ReadOnly
 from ..record import uneven
 from .coordinate import ROTATION, TRANSLATION, Coordinate
 from .errors import LARGEST_VALUE, LATEST, RecordError
@@ -117,6 +117,7 @@ class Channel:
     quantity : one of `QUANTITIES`; one of `ROTATING` becomes the one that it stands for, of a channel that rotates.
     name : what the file calls it, for messages.   correction : that its harmonics need yet; None for none.
     coordinate : whether it rotates; its values are in rad or N m then.
+    missing : mask of the samples that the record lacks, whose values are interpolated; None for none.
 
     Raises ValueError naming the channel: unknown quantity, unequal lengths, a value that is not finite or beyond all
     bounds (`records/errors.py`), times that do not increase, have a gap, or are off equal steps by half a step.
@@ -128,6 +129,7 @@ class Channel:
     name: str = ""
     correction: Correction | None = None
     coordinate: Coordinate = TRANSLATION
+    missing: Mask | None = None
 
     def __post_init__(self) -> None:
         text("the name of a channel", self.name)
@@ -162,6 +164,16 @@ class Channel:
 
     def __len__(self) -> int:
         return self.values.size
+
+    @property
+    def as_recorded(self) -> Array:
+        """The values, NaN for those that are missing."""
+        return self.values if self.missing is None else np.where(self.missing, np.nan, self.values)
+
+    def part(self, samples: slice) -> Channel:
+        """Return some of the samples as a channel."""
+        missing = None if self.missing is None else self.missing[samples]
+        return replace(self, t=self.t[samples], values=self.values[samples], missing=missing)
 
     @property
     def unit(self) -> str:

@@ -137,16 +137,13 @@ def with_error(name: str, value: object) -> tuple[float, float]:
 
 
 def mass_with_error(value: object) -> tuple[float, float]:
-    """Return a mass and its standard uncertainty, kg, in the forms of `with_error`; that of a mass alone is half a unit
-    of its last digit or 0.5 %, whichever is more.
+    """Return a mass and its standard uncertainty, kg, in the forms of `with_error`; that of a mass alone is 0.5 %, or
+    half a unit of the last digit of a text where that is more: a number has no digits.
 
-    "3.1" and 3.1 have one of 0.05 kg, "3.100" has 0.0155 kg; (3.1, 0.0) and "3.1±0" are exact.
+    3.1 has one of 0.0155 kg, and so has "3.100"; "3.1" has 0.05 kg; (3.1, 0.0) and "3.1±0" are exact.
     """
-    if isinstance(value, list | tuple):
-        return with_error("mass", value)
-    if not isinstance(value, str):
-        number("mass", value)
-    read = read_quantity("mass", str(value))
-    if read.error is not None:
-        return with_error("mass", value)
-    return read.value, max(0.5 * read.last_digit, _MASS_UNCERTAINTY * read.value)
+    plain, error = with_error("mass", value)
+    read = read_quantity("mass", value) if isinstance(value, str) else None
+    if isinstance(value, list | tuple) or (read and read.error is not None):
+        return plain, error
+    return plain, max(0.5 * read.last_digit if read else 0.0, _MASS_UNCERTAINTY * plain)

@@ -2,8 +2,9 @@
 
 Mapping, headings, units and samples say which channel holds what; each must have its unit and its times, and samples
 that are finite, within bounds, in equal steps, not constant, and no integers that ran over. Times that were rounded to
-too few digits are put in equal steps. A table that cannot be used is refused with what is missing, and with the mapping
-to write where that is the remedy.
+too few digits are put in equal steps. Single samples that are missing, empty or not a number are left out of what is
+fitted, and rows that are there twice are dropped, with a warning that says how many and where. A table that cannot be
+used is refused with what is missing, and with the mapping to write where that is the remedy.
 """
 
 from __future__ import annotations
@@ -14,16 +15,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..arrays import Array
+from ..arrays import Array, Integers, Mask
 from ..project.wording import Remark, shortened
-from ..record import GRID_TOLERANCE
+from ..record import GRID_TOLERANCE, uneven
 from . import errors
 from .coordinate import TRANSLATION, Coordinate
 from .errors import RecordError, RecordWarning
 from .headings import by_unit, coordinate_of, full_name, holds_time, key_of, unit_of, unusable
 from .mapping import ChannelRule, RecordMapping, Which
 from .measurement import (
-    ACCOMPANYING,
     EXCITATIONS,
     QUANTITIES,
     RESPONSES,
@@ -44,6 +44,10 @@ _WRAPPED = 0.9
 _MULTIPLE_TOLERANCE = 0.01
 _LINE_TOLERANCE = 1.5  # resolutions; rounding, and what the line is off by itself
 _MAX_RATE_ERROR = 1e-3  # largest relative error of the rate; c has the same one
+_MOST_MISSING = 0.03  # of the samples of a channel: more is a gap, or another clock
+_JUMP = 3.0  # of the bend that one sample in ten exceeds: one in a million of noise does
+_LONG = 10  # steps, over which a signal moves on clearly
+_PLACES = 3  # that a warning lists
 
 
 @dataclass(frozen=True, slots=True)
@@ -251,37 +255,58 @@ def _channels(file: Table, picks: Sequence[Pick]) -> Iterator[Channel]:
         own = {i: columns[i] for i in _wanted([pick])}
         if pick.time is not None:
             own = _without_empty_end(own)
-        yield _checked(file, pick, own)
+        beside = [columns[other.index] for other in picks if other.time == pick.time]
+        yield _checked(file, pick, own, beside)
 
 
-def _checked(file: Table, pick: Pick, columns: Mapping[int, Array]) -> Channel:
-    """Return the channel of these columns, checked. Raises RecordError as `recognise`."""
+def _checked(
+    file: Table, pick: Pick, columns: Mapping[int, Array], beside: Sequence[Array]
+) -> Channel:
+    """Return the channel of these columns, checked.   beside : the channels that share its times.
+
+    Raises RecordError as `recognise`.
+    """
     values = columns[pick.index]
     if values.size < 3:
         remedy = "that is no record"
         raise RecordError(f"{file.path}: channel {pick.name!r} has {values.size} samples; {remedy}")
-    unit = pick.coordinate.unit(QUANTITIES[pick.quantity])
+    unit, this = pick.coordinate.unit(QUANTITIES[pick.quantity]), f"channel {pick.name!r}"
     signal = _in_si(file, pick.index, values, pick.factor, errors.LARGEST_VALUE, unit)
-    _require_no_overflow(file, pick, values)
+    present = np.flatnonzero(~np.isnan(values))
+    lost = f"{this}: {{}} sample{{}} empty or not a number, and left out of what is fitted: {{}}"
+    _warn_of(file, lost, np.flatnonzero(np.isnan(values)))
+    _require_no_overflow(file, pick, values, present)
     if pick.time is None:
         t = sample_times(pick.rate_hz, pick.start, 0, values.size)
     else:
-        where = f"{file.path}: time channel {file.channels[pick.time].name!r}"
+        time = f"time channel {file.channels[pick.time].name!r}"
         t = _in_si(file, pick.time, columns[pick.time], pick.time_factor, errors.LATEST, "s")
-        t = _in_equal_steps(t, where)
-        _require_rate(t, where)
-    _require_moving(f"{file.path}: channel {pick.name!r}", pick, values, unit)
+        _require_rate(t, f"{file.path}: {time}")
+        rows, number = _numbered(t, [one[: t.size] for one in beside if one.size >= t.size])
+        again = np.setdiff1d(np.flatnonzero(np.isfinite(t)), rows)
+        _warn_of(file, f"{time}: {{}} row{{}} there twice, and left out once: {{}}", again)
+        gaps, size = np.flatnonzero(np.diff(number) > 1), int(number[-1]) + 1
+        lost = f"{time}: {{}} sample{{}} missing, and left out of what is fitted: before {{}}"
+        _warn_of(file, lost, rows[gaps + 1], size - rows.size)
+        if size != t.size or gaps.size:
+            t, recorded = np.interp(np.arange(size), number, t[rows]), signal[rows]
+            signal = np.full(size, np.nan)
+            signal[number] = recorded
+        t = _in_equal_steps(t, f"{file.path}: {time}")
+    if pick.quantity in RESPONSES:  # a base may be at rest, a dead weight presses evenly
+        _require_moving(f"{file.path}: {this}", pick, values[present], unit)
+    missing = np.isnan(signal)
     try:
         of = pick.name, pick.correction, pick.coordinate
-        return Channel(pick.quantity, t, signal, *of)
+        if not missing.any():
+            return Channel(pick.quantity, t, signal, *of)
+        return Channel(pick.quantity, t, _filled(signal, missing), *of, missing)
     except ValueError as error:
         raise RecordError(f"{file.path}: {error}") from None
 
 
 def _require_moving(channel: str, pick: Pick, values: Array, unit: str) -> None:
-    """Raise RecordError for a channel that is constant, exactly or except for rounding; a dead weight may be."""
-    if pick.quantity in ACCOMPANYING:
-        return
+    """Raise RecordError for a channel that is constant, exactly or except for rounding."""
     low, high = float(values.min()), float(values.max())
     span, constant = high - low, f"{low:g} in all {values.size} samples"
     if not span:
@@ -296,10 +321,11 @@ def _require_moving(channel: str, pick: Pick, values: Array, unit: str) -> None:
 
 
 def _in_si(file: Table, index: int, values: Array, factor: float, bound: float, unit: str) -> Array:
-    """Return the values in SI, finite and within the bound either way."""
+    """Return the values in SI, finite and within the bound either way; a few may be missing, NaN."""
     with np.errstate(over="ignore", invalid="ignore"):  # a damaged file has signalling NaN, too
         signal = values * factor
-    bad = np.flatnonzero(~(np.abs(signal) <= bound))
+    beyond, missing = np.abs(signal) > bound, np.isnan(values)
+    bad = np.flatnonzero(beyond | missing if missing.mean() > _MOST_MISSING else beyond)
     if not bad.size:
         return signal
     i, remedy = int(bad[0]), "cut the record before it"
@@ -313,15 +339,19 @@ def _in_si(file: Table, index: int, values: Array, factor: float, bound: float, 
     )
 
 
-def _require_no_overflow(file: Table, pick: Pick, values: Array) -> None:
-    """Raise RecordError for a jump through nearly the whole range of an integer type, from its one end to the other."""
+def _require_no_overflow(file: Table, pick: Pick, values: Array, present: Integers) -> None:
+    """Raise RecordError for a jump through nearly the whole range of an integer type, from its one end to the other.
+
+    present : numbers of the samples that are not missing.
+    """
+    values = values[present]
     jumps = np.abs(np.diff(values))
     i = int(np.argmax(jumps))
     bits = next((bits for bits in _BITS if np.ptp(values) < 2.0**bits), 0)
     if not bits or jumps[i] <= _WRAPPED * 2.0**bits or np.any(values != np.round(values)):
         return
     raise RecordError(
-        f"{file.path}: {file.place(i + 1)}: channel {pick.name!r} "
+        f"{file.path}: {file.place(int(present[i + 1]))}: channel {pick.name!r} "
         f"goes from {values[i]:g} to {values[i + 1]:g}: an integer of {bits} bits ran over; record "
         "with a wider range"
     )
@@ -348,40 +378,117 @@ def _without_empty_end(columns: Mapping[int, Array]) -> dict[int, Array]:
     return {i: column[:end] for i, column in columns.items()}
 
 
-def _in_equal_steps(t: Array, where: str) -> Array:
-    """Return the times of a channel: t_i = t_0 + i Δt by least squares, where it holds these rounded to too few digits,
-    as stamps in ms of 20,000 samples a second are.
+def _numbered(t: Array, signals: Sequence[Array]) -> tuple[Integers, Integers]:
+    """Return the rows that count and the numbers of their samples, which have gaps where samples are missing.
 
-    It does if all are multiples of a decimal resolution q apart and none is further than that from the line. Rounding
-    errors of up to q/2 put the slope off by 3q/2T at the most, T being the length of the record; they rarely conspire
-    like that, and a hundredth of it is common. A warning states the bound. Any other times are returned as they are.
+    Rows without a time do not count, nor those that are there twice, if these are all whose time does not move on. A
+    recorder that loses rows leaves a whole number of steps. Times that were rounded may look like that as well: there
+    the signals say which it is, as they go on smoothly where nothing is missing. All rows count where more than a few
+    would not.
+
+    t : s.   signals : that share these times.
+    """
+    rows, kept = np.arange(t.size), np.flatnonzero(np.isfinite(t))
+    if kept.size < 3 or (kept.size == t.size and not uneven(t, GRID_TOLERANCE)[0]):
+        return rows, rows
+    stops = np.diff(t[kept], prepend=np.nan) == 0.0
+    again = stops & np.all([one[kept] == np.roll(one[kept], 1) for one in signals], axis=0)
+    if np.array_equal(again, stops):
+        kept = kept[~again]
+    steps = np.diff(t[kept])
+    usual = np.abs(steps - steps.mean()) < 0.5 * steps.mean()
+    if not usual.any() or np.ptp(t[kept]) > 2.0 * t.size * steps[usual].mean():
+        return rows, rows
+    at = (t[kept] - t[kept[0]]) / steps[usual].mean()
+    at = np.rint(np.polyval(np.polyfit(at, np.rint(at), 1), at))
+    number = (at - at[0]).astype(np.intp)
+    gaps = np.flatnonzero(np.diff(number) > 1)
+    changed = int(number[-1]) + 1 - kept.size + t.size - kept.size
+    if changed > _MOST_MISSING * t.size or np.diff(number).min() < 1:
+        return rows, rows
+    unclear = _rounded(t[kept]) or np.diff(number).max() > _LONG  # the clock may have jumped
+    if gaps.size and unclear and not any(_jumps(one[kept], gaps) for one in signals):
+        return rows, rows
+    return kept, number
+
+
+def _jumps(signal: Array, gaps: Integers) -> bool:
+    """Return whether a signal goes on after samples with these numbers in other steps than around them."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        bends = np.abs(np.diff(signal, 2))
+    around = np.clip([gaps - 1, gaps], 0, bends.size - 1)
+    usual = np.nanquantile(bends, 0.9) if np.isfinite(bends).any() else np.inf
+    return bool((bends[around] > _JUMP * usual).any())
+
+
+def _filled(signal: Array, missing: Mask) -> Array:
+    """Return a signal with values for the samples that are missing, which pictures and spectra need: those of a cubic
+    spline through the others, at the ends the nearest."""
+    from scipy.interpolate import CubicSpline  # slow to import
+
+    at, present = np.arange(signal.size), np.flatnonzero(~missing)
+    inside = np.clip(at[missing], present[0], present[-1])
+    signal[missing] = CubicSpline(present, signal[present])(inside)
+    return signal
+
+
+def _warn_of(file: Table, words: str, rows: Integers, count: int = 0) -> None:
+    """Warn of rows that are left out, in words with places for their number, its verb and where they stand.
+
+    count : number of the samples, where it is not that of the rows.
+    """
+    count = count or rows.size
+    if count:
+        places = [file.place(int(i)) for i in rows[:_PLACES]] + ["…"] * (rows.size > _PLACES)
+        said = words.format(f"{count:,}", "s are" if count > 1 else " is", ", ".join(places))
+        warnings.warn(RecordWarning(Remark(f"{file.path}: {said}")), stacklevel=2)
+
+
+def _in_equal_steps(t: Array, where: str) -> Array:
+    """Return the times of a channel: the line through them where they are rounded, with a warning that states its
+    bound; any other times as they are.
 
     t : s.   where : file and channel, for the warning.
     """
+    if (rounded := _rounded(t)) is None:
+        return t
+    line, q, step, bound = rounded
+    said = Remark(
+        "{} is rounded to {:.3g} s at steps of {:.3g} s: a straight line through it gives {:.9g} samples a second, to "
+        "within {:.3g} ppm; give sample_rate_hz if known",
+        *(where, q, step, 1.0 / step, 1e6 * bound),
+        doubts={"": bound},
+    )
+    warnings.warn(RecordWarning(said), stacklevel=2)
+    return line
+
+
+def _rounded(t: Array) -> tuple[Array, float, float, float] | None:
+    """Return t_i = t_0 + i Δt by least squares, the resolution q and Δt, s, and the bound on the relative error of Δt,
+    for times in equal steps that are rounded to too few digits, as stamps in ms of 20,000 samples a second are; None
+    for any others.
+
+    They are if all are multiples of a decimal resolution q apart and none is further than that from the line. Rounding
+    errors of up to q/2 put the slope off by 3q/2T at the most, T being the length of the record; they rarely conspire
+    like that, and a hundredth of it is common.
+    """
     steps = np.diff(t)
     if t.size < 3 or not steps.min() >= 0.0 or not t[-1] > t[0]:
-        return t
+        return None
     even = np.linspace(t[0], t[-1], t.size)
     if np.abs(t - even).max() <= GRID_TOLERANCE * (even[1] - even[0]):
-        return t
+        return None
     q = next((q for n in range(13) if _are_multiples(steps, q := 10.0**-n)), np.inf)
     i = np.arange(t.size) - 0.5 * (t.size - 1)
     middle = float(t.mean())
     step = float(i @ (t - middle)) / float(i @ i)
     line = np.asarray(middle + step * i)
     if not step > 0.0:  # underflow
-        return t
+        return None
     bound = 1.5 * q / (step * t.size)
     if np.ptp(t - line) > _LINE_TOLERANCE * q or bound > _MAX_RATE_ERROR:
-        return t
-    rounded = Remark(
-        "{} is rounded to {:.3g} s at steps of {:.3g} s: a straight line through it gives {:.9g} samples a second, to "
-        "within {:.3g} ppm; give sample_rate_hz if known",
-        *(where, q, step, 1.0 / step, 1e6 * bound),
-        doubts={"": bound},
-    )
-    warnings.warn(RecordWarning(rounded), stacklevel=2)
-    return line
+        return None
+    return line, q, step, bound
 
 
 def _are_multiples(steps: Array, q: float) -> bool:

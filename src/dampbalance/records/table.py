@@ -44,6 +44,9 @@ UNIT_NAMES = ("unit", "units", "unit_string", "ni_unitdescription")
 
 TIMING_NAMES = frozenset((*RATE_NAMES, *STEP_NAMES, *START_NAMES))
 
+LONGEST_TAIL = 100
+"""Lines of text that may follow on the rows of numbers, as the remarks of a logger do."""
+
 
 @dataclass(frozen=True, slots=True)
 class RawChannel:
@@ -110,6 +113,13 @@ def intact(path: Path, what: str) -> Iterator[None]:
         raise RecordError(
             f"{path}: cannot be read as {what}, it is damaged or was cut short ({shortened(reason, 200)[1:-1]})"
         ) from None
+
+
+def tail(path: Path, rows: str, first: int, last: int) -> str:
+    """Say that text at the end of a file is left aside.   rows : what its rows are called; from the first to the last
+    of them."""
+    where = f"{rows} {first}" if first == last else f"{rows}s {first} to {last}"
+    return f"{path}: text after the last row of numbers, {where}, is left aside"
 
 
 def require_nameable(path: Path, channels: Sequence[RawChannel]) -> None:

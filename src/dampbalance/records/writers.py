@@ -64,7 +64,7 @@ def _columns_of(measurement: Measurement) -> dict[str, Array]:
     columns: dict[str, Array] = {}
     for c in channels:
         times = "time_s" if shared else f"{c.coordinate.key(c.quantity)}_time_s"
-        columns |= {times: c.t, column_name(c.quantity, c.coordinate): c.values}
+        columns |= {times: c.t, column_name(c.quantity, c.coordinate): c.as_recorded}
     return columns
 
 

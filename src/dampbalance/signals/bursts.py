@@ -35,6 +35,7 @@ class Signal:
     order : 0 displacement, 1 velocity, 2 acceleration.   t : s.   values : SI.   noise : standard deviation.
     offset : number of the channel among those of all records, each of which has a separate offset.
     limits : least and largest value that the converter can show; samples there are clipped.
+    missing : mask of the samples that the record lacks, whose values are interpolated; None for none.
     """
 
     quantity: str
@@ -44,11 +45,13 @@ class Signal:
     noise: float
     offset: int = 0
     limits: tuple[float, float] = (-math.inf, math.inf)
+    missing: Mask | None = None
 
     @property
-    def clipped(self) -> Mask:
-        """Mask of the samples that lie at a limit, (n,)."""
-        return (self.values <= self.limits[0]) | (self.values >= self.limits[1])
+    def left_out(self) -> Mask:
+        """Mask of the samples that lie at a limit or are missing, (n,)."""
+        at_limit = (self.values <= self.limits[0]) | (self.values >= self.limits[1])
+        return at_limit if self.missing is None else at_limit | self.missing
 
     @property
     def dt(self) -> float:
@@ -57,8 +60,12 @@ class Signal:
 
     def between(self, start: float, end: float) -> Signal:
         """Return the samples from `start` to `end`, s."""
-        inside = slice(*np.searchsorted(self.t, [start, end]))
-        return replace(self, t=self.t[inside], values=self.values[inside])
+        return self.part(slice(*np.searchsorted(self.t, [start, end])))
+
+    def part(self, samples: slice) -> Signal:
+        """Return some of the samples."""
+        missing = None if self.missing is None else self.missing[samples]
+        return replace(self, t=self.t[samples], values=self.values[samples], missing=missing)
 
 
 @dataclass(frozen=True, slots=True)

@@ -118,18 +118,19 @@ def checked_cycles(
     weights : cycles in each row that all channels have.   omega : of the drive, rad/s.   Raises ValueError when fewer
     than three cycles can be used, or a channel does not oscillate with the drive.
     """
+    left_out = []
     for quantity, harmonics in channels.items():
         if bad := harmonics.bad_cycles:
             number, time, reason = bad[0]
-            yield Remark(
-                f"{{}}: {{}} cycle{{}} left out; first cycle {{}} (at {{:.6g}} s): {reason.template}",
-                *(quantity, len(bad), "s" * (len(bad) > 1), number + 1, time, *reason.of),
-            )
+            words = f"{{}}: {{}} cycle{{}} left out; first cycle {{}} (at {{:.6g}} s): {reason.template}"
+            of = quantity, len(bad), "s" * (len(bad) > 1), number + 1, time, *reason.of
+            left_out.append(Remark(words, *of))
+    yield from left_out
     count, hertz = int(weights.sum()), omega / (2.0 * math.pi)
     if min(count, int(np.count_nonzero(weights))) < FEWEST_CYCLES:
         raise ValueError(
             f"only {count} usable whole cycles of {hertz:.5g} Hz are common to all channels; at least "
-            f"{FEWEST_CYCLES} are needed"
+            f"{FEWEST_CYCLES} are needed" + "".join(f"; {words}" for words in left_out)
         )
     if count < FEW_CYCLES:
         yield Remark(

@@ -32,6 +32,7 @@ from ..record import GRID_TOLERANCE
 from ..records.coordinate import TRANSLATION
 from ..records.measurement import (
     ABSOLUTE,
+    ACCOMPANYING,
     ORDERS,
     RELATIVE,
     RESPONSES,
@@ -145,7 +146,8 @@ def condition(
     source, driving = measurement.source, measurement.excitation.quantity
     if not (math.isfinite(k) and k > 0.0):
         raise ValueError(f"{source}: the stiffness k must be positive, got {k} N/m")
-    samples = {q: in_equal_steps(measurement[q], warnings) for q in measurement}
+    kept = [q for q in measurement if q not in ACCOMPANYING]
+    samples = {q: in_equal_steps(measurement[q], warnings) for q in kept}
     try:
         channels = _harmonics_of(samples, driving, frequency_hz, skip_cycles, warnings)
         return _steady(source, k, samples, channels, driving, skip_cycles, base_mass, warnings)
@@ -310,7 +312,11 @@ def _harmonics_of(
         most = _MOST_HARMONICS[ORDERS[q]] if q in RESPONSES else _HARMONICS_OF_BASE
         highest = min(most, math.floor(per_cycle / 4.0))
         of_cycles = cycle_harmonics(
-            channel.t, channel.values, omega, start=start, dt=step, harmonics=highest
+            *(channel.t, channel.values, omega),
+            start=start,
+            dt=step,
+            harmonics=highest,
+            missing=channel.missing,
         )
         harmonics[q] = replace(of_cycles, correction=channel.correction)
     return harmonics

@@ -86,14 +86,15 @@ def cycle_harmonics(
     dt: float,
     harmonics: int,
     cycles: int = sys.maxsize,
+    missing: Mask | None = None,
 ) -> CycleHarmonics:
     """Return the harmonics of every whole cycle of a signal.
 
     t : s, in steps of dt.   omega : rad/s.   start : of the first cycle, s.   harmonics : N.   cycles : how many to
-    take at the most.
+    take at the most.   missing : mask of the samples that the record lacks.
 
-    A cycle with samples that are held or spike is left out and listed. Raises ValueError when a cycle has too few
-    samples for N.
+    A cycle with samples that are missing, are held or spike is left out and listed. Raises ValueError when a cycle has
+    too few samples for N.
     """
     work = _Cycles(omega, dt, harmonics)
     # a cycle is complete when the next sample would lie beyond it
@@ -106,7 +107,8 @@ def cycle_harmonics(
     bad: list[tuple[int, float, Remark]] = []
     for first in range(0, count, at_once):
         chosen = slice(first, first + at_once)
-        rows[chosen], faults, flat = work.rows(t, values, edges[first : first + at_once + 1])
+        of_chosen = edges[first : first + at_once + 1]
+        rows[chosen], faults, flat = work.rows(t, values, of_chosen, missing)
         clipped += flat
         bad += [(first + j, start + (first + j) * work.period, why) for j, why in faults.items()]
     per_row = 1
@@ -235,7 +237,7 @@ class _Cycles:
         return cosines, sines, lead, drift
 
     def rows(
-        self, t: Array, values: Array, edges: NDArray[np.intp]
+        self, t: Array, values: Array, edges: NDArray[np.intp], missing: Mask | None = None
     ) -> tuple[Complexes, dict[int, Remark], int]:
         """Return the harmonics of cycles, whose samples lie between successive edges, and a 1 for each that is usable;
         which are not, and why; how many of the others are clipped."""
@@ -249,6 +251,9 @@ class _Cycles:
         local, square = self._fitted(s, size, turn)
         held = s[:, 1 : self.shortest] == s[:, : self.shortest - 1]
         faults = self._faults(s, size, local, square, held)
+        if missing is not None:
+            lacking = np.diff(np.append(0, np.cumsum(missing))[edges]).tolist()
+            faults |= {j: Remark("samples are missing") for j, n in enumerate(lacking) if n}
         rows = np.column_stack([local * turn, np.ones(size.size)])
         rows[list(faults)] = 0.0
         good = [s[j, : size[j]] for j in range(size.size) if j not in faults] if held.any() else []

@@ -17,7 +17,7 @@ import numpy as np
 from ...arrays import Array
 from ...project.wording import shortened
 from ..errors import RecordError, library
-from ..table import Table, intact, require_channels
+from ..table import LONGEST_TAIL, Table, intact, require_channels, tail
 from .text import columns_of, timed
 
 _DAYS = (datetime.datetime, datetime.date, datetime.time, datetime.timedelta)
@@ -48,7 +48,11 @@ def spreadsheet_file(path: Path) -> Table:
     if first is None:
         raise RecordError(f"{path}: no sheet holds rows of at least two numbers")
     width = max(i for i, cell in enumerate(rows[first], start=1) if cell != "")
-    last = max(i for i, row in enumerate(rows, start=1) if any(cell != "" for cell in row[:width]))
+    filled = [i for i, row in enumerate(rows, start=1) if any(cell != "" for cell in row[:width])]
+    last = max(i for i in filled if not any(map(_is_text, rows[i - 1][:width])))
+    aside = [i for i in filled if i > last]
+    if len(aside) > LONGEST_TAIL:
+        last, aside = filled[-1], []
     table = [row[:width] for row in rows[first:last]]
     header = [[" ".join(str(cell).split()) for cell in row[:width]] for row in rows[:first]]
     for names in header:
@@ -67,12 +71,16 @@ def spreadsheet_file(path: Path) -> Table:
             spans = (_span(c) - _span(cells[0]) if isinstance(c, _DAYS) else None for c in cells)
             return np.array([math.nan if s is None else s.total_seconds() for s in spans])
         for number, cell in enumerate(cells, start=first + 1):
-            if not _is_number(cell) and cell != "":
+            if _is_text(cell):
                 where = f"row {number}, column {shortened(channels[i].name)}"
                 raise RecordError(f"{path}: {where}: {shortened(str(cell))} is not a number")
         return np.array([math.nan if cell == "" else float(cell) for cell in cells])
 
-    return Table(path, channels, lambda wanted: [column(i) for i in wanted], "a spreadsheet")
+    oddity = tail(path, "row", aside[0], aside[-1]) if aside else ""
+    return Table(
+        *(path, channels, lambda wanted: [column(i) for i in wanted], "a spreadsheet"),
+        oddity=oddity,
+    )
 
 
 def _require_dense(path: Path) -> None:
@@ -104,6 +112,10 @@ def _is_row(row: Sequence[Any]) -> bool:
 
 def _is_number(cell: Any) -> bool:
     return isinstance(cell, int | float) and not isinstance(cell, bool)
+
+
+def _is_text(cell: Any) -> bool:
+    return not (_is_number(cell) or isinstance(cell, _DAYS) or cell == "")
 
 
 def _span(cell: Any) -> datetime.timedelta:

@@ -8,6 +8,7 @@ import codecs
 import csv
 import itertools
 import re
+import warnings
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -18,10 +19,10 @@ import numpy as np
 
 from ...arrays import Array
 from ...project.wording import shortened
-from ..errors import HIGHEST_RATE, LOWEST_RATE, RecordError
+from ..errors import HIGHEST_RATE, LOWEST_RATE, RecordError, RecordWarning
 from ..headings import key_of, names_time
 from ..mapping import RecordMapping
-from ..table import RATE_NAMES, STEP_NAMES, RawChannel, Table
+from ..table import LONGEST_TAIL, RATE_NAMES, STEP_NAMES, RawChannel, Table, tail
 from ..units import find_other, find_unit, split_label
 
 if TYPE_CHECKING:
@@ -288,7 +289,8 @@ def text_file(path: Path, mapping: RecordMapping) -> Table:
     about it.
 
     Raises RecordError when there are no rows of numbers, only one column, or a header that does not fit the rows; when
-    it is loaded, naming line and column, for a cell that is no number and a row that has too many or too few.
+    it is loaded, naming line and column, for a cell that is no number and a row that has too many or too few. Lines of
+    text after the last row are left aside, with a warning.
     """
     encoding = _encoding(path)
     lines: list[str] = []
@@ -356,7 +358,8 @@ def _load(layout: _Layout, channels: Sequence[RawChannel], wanted: Sequence[int]
 
     path = layout.path
     types = {i: str if channels[i].stamps else np.float64 for i in wanted}
-    try:
+
+    def rows(most: int | None) -> list[Array]:
         # No `names` and no `usecols`: with them pandas drops without a word what a row has beyond the others.
         table = pd.read_csv(
             path,
@@ -364,6 +367,7 @@ def _load(layout: _Layout, channels: Sequence[RawChannel], wanted: Sequence[int]
             dtype=types,
             low_memory=False,
             skiprows=layout.header_lines,
+            nrows=most,
             comment=layout.comment,
             decimal=layout.decimal,
             skipinitialspace=True,
@@ -373,28 +377,52 @@ def _load(layout: _Layout, channels: Sequence[RawChannel], wanted: Sequence[int]
             compression=None,
         )
         return [_seconds(table[i]) if channels[i].stamps else np.asarray(table[i]) for i in wanted]
+
+    try:
+        return rows(None)
     except (ValueError, OverflowError, KeyError) as error:  # pandas' own errors are ValueErrors
-        raise RecordError(_complaint(layout, channels, wanted, str(error))) from None
+        return rows(_rows_before_text(layout, channels, wanted, str(error)))
 
 
-def _complaint(
+def _rows_before_text(
     layout: _Layout, channels: Sequence[RawChannel], wanted: Sequence[int], fallback: str
+) -> int:
+    """Return the number of rows before the text at the end of a file, with a warning.
+
+    Raises RecordError for what is wrong with the first row that cannot be read, where rows of numbers follow on it.
+    """
+    path, ends, said, lines = layout.path, 0, shortened(fallback, 200)[1:-1], list[int]()
+    for row, (number, cells) in enumerate(layout.rows()):
+        fault = _fault(channels, wanted, cells, layout.decimal)
+        if fault and not lines:
+            ends, said = row, f"line {number}{fault}"
+        if lines and not fault:
+            break
+        if fault:
+            lines.append(number)
+    else:
+        if 0 < len(lines) <= LONGEST_TAIL and ends:
+            warnings.warn(RecordWarning(tail(path, "line", lines[0], lines[-1])), stacklevel=2)
+            return ends
+    raise RecordError(f"{path}: {said}" if lines else f"{path}: cannot be read: {said}")
+
+
+def _fault(
+    channels: Sequence[RawChannel], wanted: Sequence[int], cells: Sequence[str], decimal: str
 ) -> str:
-    """Say what is wrong with the first row that cannot be read."""
-    path, width = layout.path, len(channels)
-    for number, cells in layout.rows():
-        if any(cells[width:]) or len(cells) <= max(wanted):
-            remedy = "repair it, or cut the file before it"
-            return f"{path}: line {number} has {len(cells)} cells, the others {width}; {remedy}"
-        for i in wanted:
-            cell, time = cells[i], channels[i].stamps
-            number_like = _NUMBER[layout.decimal].fullmatch(cell) or cell.lower() in _MISSING
-            if _STAMP.fullmatch(cell) if time else number_like:
-                continue
-            what = f"is not a {'time' if time else 'number'}"
-            if _DATE.fullmatch(cell):
-                ways = "write 2026-03-01T12:00:00.5, or give sample_rate_hz instead"
-                what = f"is a date that can be read in several ways: {ways}"
-            name = shortened(channels[i].name)
-            return f"{path}: line {number}, column {name}: {shortened(cell)} {what}"
-    return f"{path}: cannot be read: {shortened(fallback, 200)[1:-1]}"
+    """Say what is wrong with the cells of a row; "" for nothing."""
+    width = len(channels)
+    if any(cells[width:]) or len(cells) <= max(wanted):
+        remedy = "repair it, or cut the file before it"
+        return f" has {len(cells)} cells, the others {width}; {remedy}"
+    for i in wanted:
+        cell, time = cells[i], channels[i].stamps
+        number_like = _NUMBER[decimal].fullmatch(cell) or cell.lower() in _MISSING
+        if _STAMP.fullmatch(cell) if time else number_like:
+            continue
+        what = f"is not a {'time' if time else 'number'}"
+        if _DATE.fullmatch(cell):
+            ways = "write 2026-03-01T12:00:00.5, or give sample_rate_hz instead"
+            what = f"is a date that can be read in several ways: {ways}"
+        return f", column {shortened(channels[i].name)}: {shortened(cell)} {what}"
+    return ""

@@ -1,0 +1,230 @@
+"""Records with samples that are missing or there twice, and text after the data: the answer is near that without the
+defect and holds the truth, and a sentence says what was left out."""
+
+from __future__ import annotations
+
+import re
+import warnings
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from dampbalance import (
+    BaseMotion,
+    Oscillator,
+    RecordError,
+    identify,
+    measured_orbit,
+    measured_ring_down,
+    read_records,
+    steady_orbit,
+)
+from dampbalance.records.errors import RecordWarning
+from dampbalance.records.readers import read
+from records.workbooks import row, xlsx
+
+OSC = Oscillator(m=3.1, c=9.0, k=5200.0, K_z=160_000.0, F_k=2.1)
+UNITS = {"base_displacement": "m", "displacement": "m", "velocity": "m_per_s", "acceleration": "m_per_s2"}  # fmt: skip
+
+
+def arrays(measurement):
+    """Signals of a measurement by the names of columns, their times first."""
+    t = next(iter(measurement.channels.values())).t
+    return {"time_s": t} | {f"{q}_{UNITS[q]}": measurement[q].values for q in measurement}
+
+
+def forced(seed=0, rate=1000.0, noise=0.002):
+    """Three levels of 20 cycles at 4.013 Hz."""
+    both = ("base_displacement", "displacement")
+    orbits = [steady_orbit(OSC, BaseMotion(Y, 25.2144)) for Y in (0.002, 0.003, 0.0045)]
+    options = {"rate_hz": rate, "cycles": 20.0, "noise": noise, "channels": both}
+    return [arrays(measured_orbit(o, seed=seed + i, **options)) for i, o in enumerate(orbits)]
+
+
+def decay(quantity, seed=0, noise=0.001):
+    """A decay of two seconds at 500 Hz."""
+    options = {"rate_hz": 500.0, "duration": 2.0, "noise": noise, "channels": (quantity,)}
+    return [arrays(measured_ring_down(OSC, x=0.01, seed=seed, **options))]
+
+
+def loops(seed=0):
+    """Twelve cycles of a slider with a damper, of the same F_k, K_z and c."""
+    t = np.arange(6000) / 500.0
+    x, z = 1e-3 * np.sin(6.365 * t), np.zeros(6000)
+    for i in range(1, t.size):
+        z[i] = np.clip(z[i - 1] + x[i] - x[i - 1], -OSC.F_k / OSC.K_z, OSC.F_k / OSC.K_z)
+    noise = 0.005 * np.random.default_rng(seed).standard_normal(t.size)
+    force = OSC.K_z * z + OSC.c * np.gradient(x, t) + noise
+    return [{"time_s": t, "displacement_m": x, "force_N": force}]
+
+
+def rows(change):
+    """What changes all columns of records alike."""
+    return lambda records: [{n: change(v) for n, v in one.items()} for one in records]
+
+
+def lacking(at, last=True):
+    """What makes some samples of the last column NaN, or of the first."""
+
+    def change(records):
+        changed = []
+        for one in records:
+            name = [*one][-1 if last else 0]
+            changed.append(
+                one | {name: np.where(np.isin(np.arange(one[name].size), at), np.nan, one[name])}
+            )
+        return changed
+
+    return change
+
+
+DEFECTS = {
+    "a row is missing": (rows(lambda v: np.delete(v, 300)), "1 sample is missing.*: before sample 301$"),
+    "a row is there twice": (rows(lambda v: np.insert(v, 300, v[300])), "1 row is there twice.*: sample 302$"),
+    "12 rows are missing": (rows(lambda v: np.delete(v, np.arange(280, 292))), "12 samples are missing"),
+    "three are NaN": (lacking([77, 301, 702]), "3 samples are empty .*: sample 78, sample 302, sample 703$"),
+    "a time is NaN": (lacking([411], last=False), "1 sample is missing.*: before sample 413$"),
+    "the first are NaN": (lacking(np.arange(12)), "12 samples are empty .*: sample 1, sample 2, sample 3, …$"),
+}  # fmt: skip
+KINDS = {
+    "forced": forced,
+    "decay of displacement": lambda: decay("displacement"),
+    "decay of velocity": lambda: decay("velocity"),
+    "decay of acceleration": lambda: decay("acceleration"),
+    "loops": loops,
+}
+_WHOLE = {}
+
+
+def identified(records):
+    """The answer to records, of all kinds with the same oscillator."""
+    return identify(records, None if "force_N" in records[0] else OSC.k)
+
+
+@pytest.mark.parametrize("defect", DEFECTS)
+@pytest.mark.parametrize("kind", KINDS)
+def test_what_is_missing_is_left_out_and_said(kind, defect):
+    records, (change, said) = KINDS[kind](), DEFECTS[defect]
+    if kind not in _WHOLE:
+        _WHOLE[kind] = identified(records)
+    whole, found = _WHOLE[kind], identified(change(records))
+    for symbol in ("F_k", "c"):
+        error = whole.standard_errors[symbol]
+        assert (
+            abs(found.values[symbol] - getattr(OSC, symbol)) < 4.0 * found.standard_errors[symbol]
+        )
+        # the first of a thousand samples say most of a decay
+        assert abs(found.values[symbol] - whole.values[symbol]) < 2.0 * error
+        assert found.standard_errors[symbol] < 2.0 * error
+    assert found.verdicts["F_k"].verdict == "usable"
+    assert any(re.search(said, words) for words in found.warnings)
+    assert not {*whole.warnings} - {*found.warnings}
+
+
+def test_the_balance_of_a_decay_with_a_gap_is_that_without():
+    """A quarter of a cycle on a turn: a line through the gap is off by a tenth of the motion, 40 errors."""
+    for quantity in ("displacement", "velocity", "acceleration"):
+        (record,) = decay(quantity, noise=5e-4)
+        whole = identify(record, OSC.k).approaches["balance"].parameters
+        for first in (92, 130, 281):
+            change = rows(lambda v, at=first: np.delete(v, np.arange(at, at + 25)))
+            gap = identify(change([record]), OSC.k).approaches["balance"].parameters
+            for symbol in ("F_k", "c"):
+                off = gap[symbol].value - whole[symbol].value
+                assert abs(off) < whole[symbol].standard_error
+
+
+@pytest.mark.parametrize("digits", [3, 6])
+def test_stamps_of_a_millisecond_do_not_hide_a_row(digits):
+    """At 1 kHz a missing row and a clock of 999.7 Hz with rounded stamps have the same times: the signals say which."""
+    records = forced()
+    for one in records:
+        one["time_s"] = np.round(one["time_s"], digits)
+    (lost,) = rows(lambda v: np.delete(v, 2600))([records[0]])
+    (record,) = read_records(lost)
+    gap = np.arange(records[0]["time_s"].size) == 2600
+    assert np.array_equal(record.measurement["displacement"].missing, gap)
+    other = records[0] | {"time_s": np.round(np.arange(gap.size) / 999.7, 3)}
+    (record,) = read_records(other)
+    assert record.measurement["displacement"].missing is None
+    assert "is rounded to 0.001 s" in record.warnings[0]
+
+
+REFUSED = {
+    "a long gap": (rows(lambda v: np.delete(v, np.arange(300, 550))), "has a gap of .* use the part before"),
+    "a clock that jumps by 0.1 s": (lambda t: t + 0.1 * (t > 2.0), "has a gap of 0.101 s"),
+    "a clock that jumps by 9 s": (lambda t: t + 9.0 * (t > 2.0), "has a gap of 9.001 s"),
+    "a clock that is set back": (lambda t: t - 0.1 * (t > 2.0), "does not increase"),
+    "one in 25 is NaN": (lacking(np.arange(9, 5000, 25)), "sample 10: .*and so are 198 more"),
+    "one in every cycle is NaN": (lacking(np.arange(9, 5000, 100)), "only 0 usable .*: 20 cycles left out;"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("what", REFUSED)
+def test_more_than_a_few_is_refused(what):
+    change, message = REFUSED[what]
+    clock = "clock" in what
+    records = (
+        [one | {"time_s": change(one["time_s"])} for one in forced()] if clock else change(forced())
+    )
+    with pytest.raises(ValueError, match=message):
+        identify(records, OSC.k)
+
+
+TAIL = [["", "", ""], ["End of record"], ["Operator", "Miller"], ["Maximum", 1.2, 3.4, 7.0]]
+
+
+@pytest.mark.parametrize("suffix", ["csv", "tsv", "xlsx"])
+def test_text_after_the_data_is_left_aside(suffix, tmp_path):
+    (record, *_), file = forced(), tmp_path / f"run.{suffix}"
+    frame = pd.DataFrame(record)
+    if suffix == "xlsx":
+        xlsx(file, [row(cells) for cells in ([*frame], *frame.to_numpy().tolist(), *TAIL)])
+    else:
+        mark = "," if suffix == "csv" else "\t"
+        tail = "\n".join(mark.join(map(str, line)).rstrip(mark) for line in TAIL)
+        file.write_text(frame.to_csv(sep=mark, index=False) + tail + "\n", encoding="utf-8")
+    (found,) = read_records(file)
+    np.testing.assert_allclose(found.to_frame(), frame.set_index("time_s"), rtol=1e-15)
+    last = len(frame) + 1  # after the header
+    (said,) = found.warnings
+    assert said.endswith(f"s {last + 2} to {last + 4}, is left aside")
+
+
+def test_text_before_further_data_is_refused(tmp_path):
+    (record, *_), file = forced(), tmp_path / "run.csv"
+    text = pd.DataFrame(record).to_csv(index=False).splitlines(keepends=True)
+    file.write_text("".join([*text[:4000], "pause\n", *text[4000:]]), encoding="utf-8")
+    with pytest.raises(RecordError, match="line 4001 has 1 cells, the others 3"):
+        read(file)
+
+
+CHANNELS = {
+    "a normal force": {"normal_force_N": lambda n: 5.0 + 0.01 * np.sin(np.arange(n) ** 2)},
+    "a dead weight": {"normal_force_N": lambda n: np.full(n, 5.0)},
+}
+
+
+@pytest.mark.parametrize("channel", CHANNELS)
+def test_a_normal_force_is_not_in_the_way_of_forced_records(channel):
+    records = forced()
+    more = [
+        one | {n: of(one["time_s"].size) for n, of in CHANNELS[channel].items()} for one in records
+    ]
+    assert identify(more, OSC.k).values == identify(records, OSC.k).values
+
+
+@pytest.mark.parametrize("column", ["base_displacement_m", "force_N", "normal_force_N"])
+def test_a_channel_at_rest_is_not_in_the_way_of_a_decay(column):
+    (record,) = decay("displacement")
+    more = record | {column: np.full(record["time_s"].size, 0.25)}
+    assert identify(more, OSC.k).values == identify(record, OSC.k).values
+
+
+def test_whole_records_are_read_without_a_word():
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", RecordWarning)
+        for make in KINDS.values():
+            for one in make():
+                read_records(one)
