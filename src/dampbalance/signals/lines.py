@@ -21,8 +21,10 @@ _NEIGHBOURS = 6
 # Degrees of freedom of a variance that is computed and not seen: its root is known to 30 %.
 _HIDDEN = 6.0
 _FOLDS = 0.1  # of an error: what folds and is less makes no difference
-_MULTIPLES = 16  # of the sampling rate, about which harmonics fold: beyond lies a hundredth of what does
-_INEXACT = 0.02  # part of what folds that is not known: cycles are not whole numbers of samples
+_MULTIPLES = (
+    16  # of the sampling rate, about which harmonics fold: beyond lies a hundredth of what does
+)
+_INEXACT = 0.005  # part of what folds that is not known: the sum over multiples ends
 _EXTRA = 4  # odd harmonics beyond the bandwidth that are taken: they bound the waveform
 
 
@@ -129,7 +131,9 @@ def _folds(steady: SteadyRecord, n: Integers) -> Folds:
     """
     j, sign = np.arange(1, _MULTIPLES + 1)[:, None, None], np.array([1, -1])[:, None]
     base = steady.mean(steady.Y[:, 1:2])[0]
-    middle = math.pi * steady.cycles + float(np.angle(base))  # phase of the base in the middle of the record
+    middle = math.pi * steady.cycles + float(
+        np.angle(base)
+    )  # phase of the base in the middle of the record
     orders, adds = [], []
     for quantity, share in steady.shares.items():
         channel, order = steady.channels[quantity], ORDERS[quantity]
