@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from dampbalance import identify, measured_ring_down
+from dampbalance import BaseMotion, Oscillator, identify, measured_ring_down, transient
 from paper_case import PAPER
 
 OSC = replace(PAPER, c=20.0)
@@ -71,6 +71,30 @@ def test_records_from_switching_on_are_read_from_where_the_motion_has_settled():
     assert "settles after" in said
     assert "as --skip-cycles does" in said
     assert "is not steady" not in said
+
+
+def switched_on(osc, hertz, noise, cycles, seed):
+    """Accelerations under four levels of the base from rest on, exact but for noise."""
+    rng, omega = np.random.default_rng(seed), 2.0 * math.pi * hertz
+    t, begin = np.arange(round(cycles / hertz * 2000.0)) / 2000.0, 0.75 / hertz
+    for Y in LEVELS:
+        end = float(t[-1]) + begin + 0.01
+        x = transient(osc, BaseMotion(Y, omega), end, start=begin).state(t + begin).acceleration
+        y = -(omega**2) * Y * np.cos(omega * (t + begin))
+        x, y = (of + noise * np.std(of) * rng.standard_normal(of.size) for of in (x, y))
+        yield {"time_s": t, "base_acceleration_m_per_s2": y, "acceleration_m_per_s2": x}
+
+
+@pytest.mark.parametrize(("hertz", "seed"), [(5.0, 0), (5.37, 1)])
+def test_what_is_said_to_settle_is_left_out_however_small_it_is(hertz, seed):
+    osc = Oscillator(m=3.1, c=20.0, k=5200.0, K_z=160_000.0, F_k=2.1)
+    found = identify([*switched_on(osc, hertz, 0.0005, 95, seed)], osc.k)
+    assert not any("leave those out" in words for words in found.warnings)
+    assert not found.joint.explained
+    for symbol in ("F_k", "c", "K_z"):
+        true, error = getattr(osc, symbol), found.standard_errors[symbol]
+        assert abs(found.values[symbol] - true) < ERRORS * error < 0.002 * true, symbol
+        assert found.verdicts[symbol].verdict == "usable"
 
 
 def test_a_sweep_is_refused_with_the_remedy():

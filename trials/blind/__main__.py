@@ -24,6 +24,7 @@ from . import (
     faults,
     field,
     field_score,
+    folding,
     joints,
     laws,
     loops,
@@ -164,6 +165,15 @@ def in_the_field(options: argparse.Namespace) -> str:
     return field_score.table(done.set_index(["records", "set"]).loc[drawn].reset_index())
 
 
+def folded(options: argparse.Namespace) -> str:
+    """Identify records with a whole number of samples to the cycle, or nearly, behind a filter and without."""
+    wanted = range(options.first, options.first + options.sets)
+    runs = [(hertz, i, options.seed) for hertz in folding.FREQUENCIES for i in wanted]
+    rows = _rows(folding.outcome, runs, options.processes)
+    rows.to_csv(options.output / "folding.csv", index=False)
+    return folding.table(rows)
+
+
 PARTS = {"decays": decays, "blind": blind, "efficiency": efficient, "faults": faulty}
 PARTS |= {"others": other, "laws": confused, "decay_laws": departing_decays, "joints": jointed}
 PARTS |= {
@@ -171,6 +181,7 @@ PARTS |= {
     "decay_contacts": decays_of_contacts,
     "field": in_the_field,
     "loops": looped,
+    "folding": folded,
 }
 
 

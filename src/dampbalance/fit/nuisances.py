@@ -9,8 +9,9 @@
     c_2                N s²/m²    damping that grows with the speed, c_2|ẋ|ẋ
     k_3                N/m³       a spring that is not linear, k_3 x³
     gradual            1          the contact yields gradually: 1 for that of Iwan, see `rounding`
+    folded             1          the part of the harmonics beyond half the sampling rate that no filter took off
 
-All act exactly. The last four, `FORCES`, need a motion with one onset of slip per half cycle, or none.
+All act exactly. The four before the last, `FORCES`, need a motion with one onset of slip per half cycle, or none.
 """
 
 from __future__ import annotations
@@ -29,6 +30,9 @@ FALLING = 0.1
 
 _LARGEST_GAIN = 0.5  # beyond it a channel has another unit, and no fault of calibration
 
+FOLDED = "folded"
+"""The nuisance that is fitted wherever it makes a difference: most recorders have a filter, and few say so."""
+
 NUISANCES: Mapping[str, tuple[float, float]] = {
     "delay": (-math.inf, math.inf),
     "gain": (-_LARGEST_GAIN, _LARGEST_GAIN),
@@ -42,6 +46,7 @@ NUISANCES: Mapping[str, tuple[float, float]] = {
         0.0,
         0.98,
     ),  # beyond one, the force falls before the contact slips; at one, slopes are singular
+    FOLDED: (0.0, 1.0),
 }
 """The least and the greatest value of each nuisance."""
 

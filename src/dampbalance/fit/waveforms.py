@@ -25,7 +25,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..arrays import Array, Complexes, Mask
+from ..arrays import Array, Complexes, Integers, Mask
 from ..law.law import Law
 from ..law.terms import FRICTION, term
 from ..model import BaseMotion, NoOscillator, Oscillator
@@ -35,7 +35,7 @@ from ..signals.lines import Lines
 from ..signals.mean_harmonics import Waveform
 from .climb import Climb, ClimbBounds
 from .goodness import improbable
-from .nuisances import FALLING, FORCES, NUISANCES, read_by_channels, units_of
+from .nuisances import FALLING, FOLDED, FORCES, NUISANCES, read_by_channels, units_of
 from .oscillator_fit import OscillatorFit
 from .score import Departure, departures_from
 
@@ -125,7 +125,8 @@ class HarmonicProblem:
     @cached_property
     def free(self) -> Mask:
         """Which unknowns are fitted, (size,)."""
-        fitted = {*self.law.unknowns, *self.freed}
+        folded = (FOLDED,) * any(one.folds is not None for one in self.lines)
+        fitted = {*self.law.unknowns, *self.freed, *folded}
         return np.array([not {*self.names[i : i + 1]} - fitted for i in range(self.size)])
 
     @cached_property
@@ -194,14 +195,27 @@ class HarmonicProblem:
 
         added : what the harmonics of the base add, where that is known.
         """
-        one, n = self.lines[record], np.arange(1, 2 * count, 2)
-        value = {name: float(point[self.at[record][name]]) for name in self.nuisances}
         if added is None:
-            added = added_by_base(one.base / (1.0 + value["gain"]), response, count)
-        x = response.harmonics(count) + added
+            base = self.lines[record].base / (1.0 + point[self.at[record]["gain"]])
+            added = added_by_base(base, response, count)
+        n = np.arange(1, 2 * count, 2)
+        return self._read(point, record, n, response.harmonics(count) + added)
+
+    def folded(self, point: Array, record: int, response: Response) -> Complexes:
+        """Return what harmonics beyond half the sampling rate add to those of a record, m, (h,), from its motion."""
+        one, part = self.lines[record], point[self.at[record][FOLDED]]
+        if one.folds is None or not part:
+            return np.zeros(one.n.size, dtype=np.complex128)
+        n = one.folds.orders
+        return part * one.folds.of(self._read(point, record, n, response.high_harmonics(n)))
+
+    def _read(self, point: Array, record: int, n: Integers, x: Complexes) -> Complexes:
+        """Return harmonics x_n, m, of a motion as a record reads them."""
+        at = self.at[record]
+        value = {name: float(point[at[name]]) for name in self.nuisances}
         if any(value.values()):
-            x = read_by_channels(x, float(point[self.at[record]["Y"]]), n, one, value)
-        return np.asarray(x * np.exp(1j * n * point[self.at[record]["psi"]]))
+            x = read_by_channels(x, float(point[at["Y"]]), n, self.lines[record], value)
+        return np.asarray(x * np.exp(1j * n * point[at["psi"]]))
 
     def slopes(
         self, point: Array, record: int, read: Callable[[Array, Response], NDArray[Any]]
@@ -337,9 +351,12 @@ class HarmonicProblem:
         one, at, count = self.lines[i], self.at[i], self.lines[i].n.size
         # slopes leave out how the harmonics of the base, which are small, act otherwise beside a point
         added = added_by_base(one.base / (1.0 + point[at["gain"]]), self.near[i], count)
-        x, by = self.slopes(
-            point, i, lambda at, response: self.harmonics(at, i, response, count, added)
-        )
+
+        def read(at: Array, response: Response) -> Complexes:
+            folded = self.folded(at, i, response)
+            return self.harmonics(at, i, response, count, added) + folded
+
+        x, by = self.slopes(point, i, read)
         by[:, at["psi"]] = 1j * one.n * x
         error = np.hypot(one.x_error, self.softening * abs(one.x[0]))
         Y_error = math.hypot(one.Y_error, self.softening * one.Y)
@@ -497,7 +514,9 @@ class WaveformFit(OscillatorFit):
         if whole is None:  # the motion rattles, or nothing slips
             return {}
         others = [
-            name for name in self.problem.nuisances if name not in (*self.problem.freed, "low_pass")
+            name
+            for name in self.problem.nuisances
+            if name not in (*self.problem.freed, "low_pass", FOLDED)
         ]
         added = {name: whole[:, self.names.index(name)] for name in others}
         free = self.problem.free
@@ -533,6 +552,7 @@ class WaveformFit(OscillatorFit):
                     rho=self.rho,
                     rho_error=self.error("rho"),
                     Y=float(self.point[at["Y"]]),
+                    folded=problem.folded(self.point, i, response),
                     by_data=self.response[:, self.places[i]],
                 )
             )

@@ -22,8 +22,6 @@ EXCERPT = (
     16_384  # leading samples of each channel that are plotted, or three cycles of a slow drive
 )
 
-_SETTLING = 1e-3  # standard deviation of an amplitude while it settles; less is a drift, which the intervals hold
-
 _TIMES = 3  # that a beginning is left out: a slow mode shows when a fast one has decayed
 
 _LEFT_OUT = "a channel is clipped: the record is left out; raise the measuring range"
@@ -130,11 +128,7 @@ def _settled(read: Callable[[int], SteadyRecord], skipped: int) -> tuple[int, St
         if isinstance(cause := error.__cause__, Unsettled) and cause.skip:
             return cause.skip, None
         raise
-    of_start = [
-        one.of[-1]
-        for one in steady.warnings
-        if SETTLES in one.template and one.doubts[""] > _SETTLING
-    ]
+    of_start = (one.of[-1] for one in steady.warnings if SETTLES in one.template)
     return max(of_start, default=0), steady
 
 

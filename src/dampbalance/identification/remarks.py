@@ -178,14 +178,6 @@ def agreement(
             "acceleration, or reduce the noise",
             doubts={"K_z": math.inf},
         )
-    folded = _numbered(reading.lines.aliased > 2.0 for reading in readings)
-    if folded and not joint.linear:
-        yield Remark(
-            f"harmonics above half the sampling rate were not removed from record {folded} and exceed its noise: "
-            "K_z may be off by more than its interval shows; sample faster, or through an anti-alias filter that the "
-            "mapping names",
-            doubts={"K_z": math.inf},
-        )
     fit = joint.fit
     if fit is not None and {"c", "c_r"} <= set(fit.law.unknowns):
         yield Remark(

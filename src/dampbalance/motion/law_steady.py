@@ -29,7 +29,7 @@ from numpy.polynomial import legendre
 from numpy.typing import ArrayLike
 
 from ..arguments import numbers
-from ..arrays import Array, Complexes, Mask
+from ..arrays import Array, Complexes, Integers, Mask
 from ..law.terms import term
 from ..model import BaseMotion, Oscillator
 from .distorted import distorted_harmonics
@@ -39,6 +39,7 @@ from .nearby import steady_orbit_near
 from .orbit import NoSteadyOrbit, Orbit, steady_orbit
 from .regime import Regime
 from .states import State
+from .steady_harmonics import high_harmonics
 
 HARMONICS = 32
 """Number of odd harmonics of the change that other terms make to an orbit."""
@@ -395,6 +396,18 @@ class Response:
             return self.solution.system.harmonics(self.solution.unknowns, count) * turn
         x = self.orbit.harmonics(count)
         return x * turn if self.advance else x
+
+    def high_harmonics(self, n: Integers) -> Complexes:
+        """Return x_n as `harmonics` does, of any odd orders far above the swings of the stuck mass: where this is no
+        orbit, those of the orbit with the jump of the jerk that this has at the onset of slip."""
+        if not self.slips:
+            return np.zeros(n.shape, dtype=np.complex128)
+        of, turn = self.orbit, self.advance
+        x = high_harmonics(of.phases, of.theta, of.parameters, n)
+        if self.solution is not None:
+            x *= self.V_s / of.V_s * (1.0 - self.solution.system.further.gradual)
+            turn -= of.motion.omega * (self.t_s - of.t_s)
+        return x * np.exp(1j * turn * n)
 
     @property
     def oscillator(self) -> Oscillator:

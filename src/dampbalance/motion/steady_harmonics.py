@@ -14,9 +14,9 @@ import math
 
 import numpy as np
 
-from ..arrays import Array, Complexes
+from ..arrays import Array, Complexes, Integers
 from ..model import Parameters
-from .events import PHASE_T, read_phase
+from .events import PHASE_S, PHASE_T, PHASE_V, PHASE_X, PHASE_Z, read_phase
 from .flow import unit
 from .integrals import GAUSS_NODES, GAUSS_WEIGHTS, PANEL
 from .jit import jit
@@ -52,6 +52,28 @@ def steady_harmonics(
         stiff - (n * par.omega) ** 2 * par.m + 1j * n * par.omega * par.c
     )
     return harmonics
+
+
+def high_harmonics(phases: Array, theta: float, par: Parameters, n: Integers) -> Complexes:
+    """Return the harmonics x_n, m, of an orbit that slips, of any odd orders far above the swings of the stuck mass:
+    the integral of ẋ over stick from the values at its ends, as the equation of motion there has it."""
+    half, s = math.pi / par.omega, 1j * n * par.omega
+    ends = np.vstack([phases[1:], [half, *-phases[0, 1:]]])
+    x = np.zeros(n.shape, dtype=np.complex128)
+    for begin, end in zip(phases, ends, strict=True):
+        if begin[PHASE_S]:
+            continue
+        for at, sign in ((begin, -1.0), (end, 1.0)):
+            turn, v = np.exp(1j * (theta + par.omega * at[PHASE_T])), at[PHASE_V]
+            z = begin[PHASE_Z] + at[PHASE_X] - begin[PHASE_X]
+            force = par.k * (par.Y * turn.real - at[PHASE_X]) - par.c * v - par.K_z * z
+            drive = par.k * par.Y * par.omega
+            # ∫ cos ωt e^{−st} dt by parts, and m ẍ + (ms + c) ẋ
+            forced = drive * (s * turn.imag + par.omega * turn.real) / (s**2 + par.omega**2)
+            rest = forced - force - (par.m * s + par.c) * v
+            x += sign * np.exp(-1j * n * (theta + par.omega * at[PHASE_T])) * rest
+    x *= -2.0 * par.omega * par.K_z / (math.pi * s) / (par.m * s**2 + par.c * s + par.k + par.K_z)
+    return x / (par.m * s**2 + par.c * s + par.k)
 
 
 @jit

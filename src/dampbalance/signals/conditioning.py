@@ -70,6 +70,7 @@ class SteadyRecord:
     Each signal is Re Σ s_n e^{inω(t − start)}.
     weights : usable cycles in each row.   X_error, Y_error : standard deviation of the real and of the imaginary part
     of the mean of each harmonic, m; infinite where no channel reaches.
+    shares : part of each response in X, by quantity, (0 … N).
     X_hidden, Y_hidden : part of these that no scatter between cycles shows, of a channel that is not steady.
     bandwidth : N, the highest odd harmonic that stands out of the noise.   even_bandwidth : the highest even one, 0
     where the response is symmetric.   base_bandwidth : the highest harmonic of the base, 1 where it is harmonic.
@@ -92,6 +93,7 @@ class SteadyRecord:
     weights: Array
     X_error: Array
     Y_error: Array
+    shares: Mapping[str, Array]
     X_hidden: Array
     Y_hidden: Array
     bandwidth: int
@@ -231,7 +233,7 @@ def _steady(
     if len(set(of_base.values())) == 1:  # else the error of the base is in some only
         for q, error in own.items():
             errors[q][1] = error
-    X, X_error = _combined(moved, errors)
+    X, X_error, shares = _combined(moved, errors)
     mean_Y, mean_X = weighted_mean(Y, weights), weighted_mean(X, weights)
     if samples[driving].coordinate == TRANSLATION:  # nothing bounds an angle
         warnings += checks.plausible(abs(mean_Y[1]), abs(mean_X[1]), omega, driving)
@@ -268,6 +270,7 @@ def _steady(
         weights=weights,
         X_error=X_error,
         Y_error=Y_error,
+        shares=shares,
         X_hidden=X_hidden,
         Y_hidden=Y_hidden,
         bandwidth=_bandwidth(mean_X, X_error),
@@ -375,21 +378,22 @@ def _scatter(rows: Complexes, weights: Array) -> Array:
 
 def _combined(
     moved: Mapping[str, Complexes], errors: Mapping[str, Array]
-) -> tuple[Complexes, Array]:
-    """Return the mean of the harmonics of all responses, weighted by inverse variance, and its standard deviations.
+) -> tuple[Complexes, Array, dict[str, Array]]:
+    """Return the mean of the harmonics of all responses, weighted by inverse variance, its standard deviations, and the
+    part of each response in it.
 
     errors : standard deviations of the mean of each harmonic.
     """
     count = max(rows.shape[1] for rows in moved.values())
     total = np.zeros((len(next(iter(moved.values()))), count), dtype=np.complex128)
-    precision = np.zeros(count)
+    weights = {q: np.zeros(count) for q in moved}
     for q, rows in moved.items():
         size = rows.shape[1]
-        weight = errors[q] ** -2.0
-        total[:, :size] += weight * rows
-        precision[:size] += weight
-    total /= precision
-    return total, 1.0 / np.sqrt(precision)
+        weights[q][:size] = errors[q] ** -2.0
+        total[:, :size] += weights[q][:size] * rows
+    precision = np.sum(list(weights.values()), axis=0)
+    shares = {q: weight / precision for q, weight in weights.items()}
+    return total / precision, 1.0 / np.sqrt(precision), shares
 
 
 def _bandwidth(mean: Complexes, error: Array, lowest: int = 1) -> int:

@@ -48,7 +48,7 @@ _REFINEMENTS = 4
 class CycleHarmonics:
     """Harmonics of one channel, row by row; a row is a cycle, or the mean of several successive ones.
 
-    omega : rad/s.   start : of the first cycle, s.   dt : sampling interval, s.
+    omega : rad/s.   start : of the first cycle, s.   dt : sampling interval, s.   first : time of a sample, s.
     coefficients : c_n, shape (rows, N + 1), unit of the channel; c_0 is the mean.
     cycles_per_row : cycles that a row stands for.   weights : usable cycles in each row, shape (rows,).
     drift : what a signal τ, and what τ² adds to c_n, τ in s from the middle of the cycle, shape (2, N + 1).
@@ -68,6 +68,7 @@ class CycleHarmonics:
     bad_cycles: tuple[tuple[int, float, Remark], ...]
     span: float
     clipped: float
+    first: float
     correction: Correction | None = None
 
     @property
@@ -129,6 +130,7 @@ def cycle_harmonics(
         bad_cycles=tuple(bad),
         span=float(np.ptp(values)) if values.size else 0.0,
         clipped=clipped / max(1, count - len(bad)),
+        first=float(t[0]),
     )
 
 

@@ -11,8 +11,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..arrays import Array, Complexes, Integers, Mask
-from ..records.measurement import ORDERS, RESPONSES
-from .bursts import LEAST_NOISE
+from ..records.measurement import ORDERS, Correction
 from .conditioning import CLEAR_HARMONIC, SteadyRecord
 from .thresholds import SIGNIFICANT
 
@@ -21,7 +20,29 @@ _NEIGHBOURS = 6
 
 # Degrees of freedom of a variance that is computed and not seen: its root is known to 30 %.
 _HIDDEN = 6.0
+_FOLDS = 0.1  # of an error: what folds and is less makes no difference
+_MULTIPLES = (
+    16  # of the sampling rate, about which harmonics fold: beyond lies a hundredth of what does
+)
+_INEXACT = 0.005  # part of what folds that is not known: the sum over multiples ends
 _EXTRA = 4  # odd harmonics beyond the bandwidth that are taken: they bound the waveform
+
+
+@dataclass(frozen=True, eq=False)
+class Folds:
+    """What harmonics x_p beyond half the sampling rate add to the x_n of a record that no filter took them off.
+
+    orders : p, (…, 2, h), those of one multiple of the rate and either sign of n together.   factors : of x_p or its
+    conjugate.   mirrored : which is conjugate.
+    """
+
+    orders: Integers
+    factors: Complexes
+    mirrored: Mask
+
+    def of(self, x: Complexes) -> Complexes:
+        """Return what is added to each x_n, m, (h,).   x : x_p, m."""
+        return np.asarray(np.sum(self.factors * np.where(self.mirrored, x.conj(), x), axis=(0, 1)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,11 +52,11 @@ class Lines:
     omega : rad/s.   Y : amplitude of the base, m.   n : odd orders, (h,).   x : x_n, m, (h,).
     Y_error, x_error : standard deviations of the real and of the imaginary part of Y and of what was measured of x_n,
     m.
-    rows : independent rows that would know the standard deviations as well as they are known.   aliased : what
-    harmonics beyond half the sampling rate add, as a part of the noise, at its largest; it is counted in x_error.
+    rows : independent rows that would know the standard deviations as well as they are known.
     base : y_n, n = 2, 3 …, m, likewise, zero where they do not stand out of the noise; empty for a harmonic base.
     of_base : how many times the base motion was added to what was measured of the response, 1 for one measured against
     the base.
+    folds : what harmonics beyond half the sampling rate may add; None where that is far below the errors.
     """
 
     omega: float
@@ -45,9 +66,9 @@ class Lines:
     x: Complexes
     x_error: Array
     rows: int
-    aliased: float = 0.0
     base: Complexes = field(default_factory=lambda: np.empty(0, dtype=np.complex128))
     of_base: float = 0.0
+    folds: Folds | None = None
 
     @property
     def relative_error(self) -> float:
@@ -76,18 +97,19 @@ class Lines:
         clear = np.abs(y[higher]) > SIGNIFICANT * steady.Y_error[higher]
         x = steady.x_of(n)
         noise = steady.X_error[n]
-        aliased = _aliased(steady, n)
+        folds = _folds(steady, n)
+        size = _size(folds, steady)
         return cls(
             omega=steady.omega,
             Y=float(abs(base)),
             Y_error=float(steady.Y_error[1]),
             n=n,
             x=x,
-            x_error=np.hypot(noise, aliased),
+            x_error=np.hypot(noise, _INEXACT * size),
             rows=_rows(steady, n),
-            aliased=float(np.max(aliased / np.maximum(noise, LEAST_NOISE * abs(x[0])))),
             base=np.where(clear, y[higher] * np.exp(-1j * higher * np.angle(base)), 0.0),
             of_base=steady.added,
+            folds=folds if (size > _FOLDS * noise).any() else None,
         )
 
 
@@ -100,21 +122,40 @@ def _rows(steady: SteadyRecord, n: Integers) -> int:
     return 1 + max(1, round(1.0 / (scatter + hidden**2 / _HIDDEN) / _NEIGHBOURS))
 
 
-def _aliased(steady: SteadyRecord, n: Integers) -> Array:
-    """Return the size of what harmonics beyond half the sampling rate add to the mean of the harmonics n, m.
+def _folds(steady: SteadyRecord, n: Integers) -> Folds:
+    """Return what the harmonics beyond half the sampling rate add to the mean of the harmonics n of a record.
 
-    With M samples to the cycle, harmonic M ∓ n looks like harmonic n, turned from cycle to cycle by the part of a turn
-    by which M is no whole number; over the record that leaves |sin πf/πf| of it, f = cycles · (M − round M). Where the
-    contact begins to slip the jerk jumps, so that the harmonics of the acceleration fall as n^{−2} in the end; their
-    size is that of the highest ones read.
+    With M samples to the cycle, the harmonic p next to jM ± n looks like harmonic n, or its conjugate, turned by where
+    in the cycle the samples lie and, from cycle to cycle, by the part of a turn εT by which p is not jM ± n; over the
+    record sin(πf)/πf of it is left, f = ε cycles.
     """
-    total = np.zeros(n.size)
-    for quantity in RESPONSES.keys() & steady.channels.keys():
+    j, sign = np.arange(1, _MULTIPLES + 1)[:, None, None], np.array([1, -1])[:, None]
+    base = steady.mean(steady.Y[:, 1:2])[0]
+    middle = math.pi * steady.cycles + float(
+        np.angle(base)
+    )  # phase of the base in the middle of the record
+    orders, adds = [], []
+    for quantity, share in steady.shares.items():
         channel, order = steady.channels[quantity], ORDERS[quantity]
+        correction = channel.correction or Correction()
         samples = 2.0 * math.pi / (steady.omega * channel.dt)
-        left = abs(float(np.sinc(steady.cycles * (samples - round(samples)))))
-        highest = np.arange(1, channel.coefficients.shape[1], 2)[-3:]
-        size = np.median(np.abs(steady.mean(steady.X)[highest]) * highest**order)
-        fallen = size * (float(highest[-1]) / (samples - n)) ** (4 - order)
-        total = np.maximum(total, math.sqrt(0.5) * left * fallen / n.astype(np.float64) ** order)
-    return total
+        near = j * samples + sign * n
+        p = 2 * np.round((near - 1.0) / 2.0).astype(np.intp) + 1
+        # of a sample from the peak of the base on
+        first = steady.omega * (channel.first - steady.start) + float(np.angle(base))
+        turned = np.exp(1j * (j * samples * first + (p - near) * middle))
+        rate, own = 1j * steady.omega * p, 1j * steady.omega * n
+        factor = turned * np.sinc((p - near) * steady.cycles)
+        factor = factor * rate**order * correction.response(steady.omega * p)
+        factor = np.where(sign > 0, factor, factor.conj())
+        orders.append(p)
+        adds.append(factor * share[n] / (own**order * correction.response(steady.omega * n)))
+    return Folds(np.concatenate(orders), np.concatenate(adds), sign < 0)
+
+
+def _size(folds: Folds, steady: SteadyRecord) -> Array:
+    """Return the size of what folds, m, at its largest. Where the contact begins to slip the jerk jumps, so that the
+    harmonics of the acceleration fall as n^{−2} in the end: as much as the highest ones read have it."""
+    highest = np.arange(1, steady.X.shape[1], 2)[-3:]
+    size = np.median(np.abs(steady.mean(steady.X)[highest]) * highest**4.0)
+    return np.asarray(np.sum(np.abs(folds.factors) * (size / folds.orders**4.0), axis=(0, 1)))

@@ -105,7 +105,7 @@ class Waveform:
     at : places of the record's unknowns among the p, by name.
     F_k : friction force of the record, N.
     rho, rho_error : K_z^{−1/2} with its standard error.
-    Y : amplitude of the base, m.
+    Y : amplitude of the base, m.   folded : what harmonics beyond half the sampling rate add to those of the record, m.
     by_data : derivatives of the unknowns by |Y|, its phase, Re x_n, Im x_n of the record, in their errors, (p, data).
     """
 
@@ -119,6 +119,7 @@ class Waveform:
     rho: float
     rho_error: float
     Y: float
+    folded: Complexes
     by_data: Array
 
     @property
@@ -152,8 +153,11 @@ class Reading:
 
     @cached_property
     def lines(self) -> Lines:
-        """The harmonics that waveforms are fitted to."""
-        return Lines.of(self.steady)
+        """The harmonics that waveforms are fitted to; of a waveform that fits, without what folded."""
+        lines = Lines.of(self.steady)
+        if self.waveform is None:
+            return lines
+        return replace(lines, x=lines.x - self.waveform.folded, folds=None)
 
     @property
     def slips(self) -> bool | None:
@@ -386,6 +390,8 @@ class Reading:
         turn = powers((np.abs(Y) / Y)[:, 0], 1 + last)
         parts = (steady.X, lines.n), (steady.X, even), (steady.Y, higher)
         x, even_x, base = (stretched(of[:, n]) * turn[:, n] for of, n in parts)
+        if self.waveform is not None:
+            x -= self.waveform.folded
         return Means(np.abs(Y[:, 0]), x, even_x, base, np.full(len(drawn), bias))
 
     def _onset(self, means: Means, moved: Array) -> tuple[str, Array, Array]:

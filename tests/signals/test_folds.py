@@ -1,0 +1,120 @@
+"""Harmonics beyond half the sampling rate, which fold onto others: with a whole number of samples to the cycle, onto
+the same phases in every cycle."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pandas as pd
+import pytest
+from scipy.stats import binom
+
+from blind import folding
+from dampbalance import BaseMotion, Oscillator, identify_forced, steady_orbit
+from dampbalance.motion.law_steady import steady_response
+from dampbalance.records.measurement import Channel, Measurement
+from dampbalance.records.synthetic import measured_orbit
+from dampbalance.signals.conditioning import condition
+from dampbalance.signals.lines import Lines
+
+OSC = Oscillator(m=3.1, c=9.0, k=5200.0, K_z=160_000.0, F_k=2.1)
+LEVELS = (0.003, 0.005, 0.008, 0.012)
+
+
+def orbit_at(hertz: float, Y: float = 0.005):
+    return steady_orbit(OSC, BaseMotion(Y, 2.0 * math.pi * hertz))
+
+
+@pytest.mark.parametrize(
+    ("quantity", "hertz", "rate", "start"),
+    [
+        ("acceleration", 4.0, 2000.0, 0.0),
+        ("acceleration", 5.0, 2000.0, 0.0317),
+        ("relative_acceleration", 5.0, 2000.0, 0.0317),
+        ("velocity", 5.0, 2000.0, 0.2),
+        ("displacement", 20.0, 400.0, 0.013),
+        # 399 samples to the cycle, onto which 2 × 399 ± n fold
+        ("acceleration", 4.0, 1596.0, 0.1),
+        # what folds turns in the record, by 0.8 of a turn and 1.2
+        ("acceleration", 4.0, 2000.1, 0.1),
+        ("acceleration", 4.0, 1999.85, 0.1),
+    ],
+)
+def test_what_is_added_is_that_of_the_exact_motion(quantity, hertz, rate, start):
+    orbit = orbit_at(hertz)
+    channels = ("base_displacement", quantity)
+    record = measured_orbit(orbit, rate_hz=rate, cycles=33.3, channels=channels, start=start)
+    lines = Lines.of(condition(record, OSC.k))
+    response = steady_response(OSC, orbit.motion, {})
+    added = lines.x - response.harmonics(lines.n.size)
+    folded = lines.folds.of(response.high_harmonics(lines.folds.orders))
+    assert np.abs(added - folded).max() < 0.1 * np.abs(added).max()
+
+
+def test_high_harmonics_are_those_of_the_orbit_and_near_them_of_other_motions():
+    n = np.array([[401, 503], [955, 1601]])
+    for Y in LEVELS:
+        response = steady_response(OSC, BaseMotion(Y, 8.0 * math.pi), {})
+        assert response.high_harmonics(n) == pytest.approx(
+            response.harmonics(900)[n // 2], rel=1e-9
+        )
+    other = steady_response(OSC, BaseMotion(LEVELS[-1], 8.0 * math.pi), {"c_2": 5.0})
+    assert other.high_harmonics(n[0]) == pytest.approx(other.harmonics(300)[n[0] // 2], rel=1e-3)
+
+
+def behind_a_filter(orbit, rate: float, count: int, start: float) -> np.ndarray:
+    """Accelerations behind a filter that takes off all above half the rate."""
+    omega = orbit.motion.omega
+    n = np.arange(1, math.ceil(math.pi * rate / omega), 2)
+    wave = np.exp(1j * np.outer(omega * (start + np.arange(count) / rate), n))
+    return (wave @ (orbit.harmonics(n.size) * -((n * omega) ** 2))).real
+
+
+@pytest.mark.parametrize("filtered", [False, True])
+@pytest.mark.parametrize("hertz", [4.0, 5.0])
+def test_the_oscillator_is_found_with_a_filter_and_without(hertz, filtered):
+    rng, records = np.random.default_rng(5), []
+    for i, Y in enumerate(LEVELS):
+        orbit, count = orbit_at(hertz, Y), round(32 * 2000.0 / hertz)
+        t, motion = 0.0123 * i + np.arange(count) / 2000.0, orbit.motion
+        x = behind_a_filter(orbit, 2000.0, count, t[0]) if filtered else orbit.state(t).acceleration
+        signals = {"base_acceleration": -(motion.omega**2) * motion.y(t), "acceleration": x}
+        channels = [
+            Channel(q, t, s + 0.002 * np.sqrt(np.mean(s**2)) * rng.standard_normal(count))
+            for q, s in signals.items()
+        ]
+        records.append(Measurement.of(f"level {i}", channels))
+    found = identify_forced(records, stiffness=OSC.k)
+    assert not found.joint.explained
+    part, error = (of("folded") for of in (found.joint.fit.value, found.joint.fit.error))
+    assert abs(part - (not filtered)) < 4.0 * error < 0.5
+    for symbol in ("F_k", "c", "K_z"):
+        low, high = found.intervals[symbol]
+        middle, half = 0.5 * (low + high), 0.5 * (high - low)
+        # four standard errors, twice the interval
+        assert abs(getattr(OSC, symbol) - middle) < 2.0 * half < 0.01 * middle, symbol
+        assert found.verdicts[symbol].verdict == "usable"
+
+
+def outcomes(sets: int, seed: int) -> pd.DataFrame:
+    runs = [(hertz, i, seed) for hertz in folding.FREQUENCIES for i in range(sets)]
+    return pd.DataFrame([row for run in runs for row in folding.outcome(run)])
+
+
+def seldom(count: int, of: int, share: float) -> bool:
+    """Whether a count is no larger than chance makes it, but once in a thousand."""
+    return count <= binom.ppf(0.999, of, share)
+
+
+def test_few_draws_at_whole_numbers_of_samples():
+    rows = outcomes(2, 3)
+    assert seldom(rows["outside"].sum(), len(rows), 0.05)
+    assert seldom((rows["causes"] != "").sum() // 3, len(rows) // 3, 0.05)
+
+
+def test_many_draws_at_whole_numbers_of_samples():
+    rows = outcomes(50, 1)
+    for _, one in rows.groupby(["hertz", "symbol"]):
+        assert seldom(one["outside"].sum(), len(one), 0.05)
+    assert seldom((rows["causes"] != "").sum() // 3, len(rows) // 3, 0.02)
