@@ -210,6 +210,22 @@ def test_the_mass_alone_gives_the_stiffness(made, c):
     assert "known weights" in found.hint
 
 
+LIGHT = Oscillator(m=0.5, c=20.0, k=50_000.0, K_z=5e5, F_k=5.0)  # k/m is a hundred times another's
+
+
+@pytest.mark.parametrize("symbol", ["c", "F_k"])
+def test_a_coefficient_that_is_given_is_known_at_the_true_stiffness_alone(symbol):
+    orbits = [steady_orbit(LIGHT, BaseMotion(Y, 2.0 * math.pi * 45.0)) for Y in (1e-4, 2e-4, 4e-4)]
+    options = {"rate_hz": 9500.0, "cycles": 30.3, "noise": 0.005}
+    made = [measured_orbit(orbit, seed=i, **options) for i, orbit in enumerate(orbits)]
+    found = identify(made, mass=LIGHT.m, given={symbol: getattr(LIGHT, symbol)})
+    assert found.k == pytest.approx(LIGHT.k, rel=1e-3)
+    assert found.mass == pytest.approx(LIGHT.m, rel=1e-5)
+    for other, value in found.values.items():
+        assert abs(value - getattr(LIGHT, other)) < ERRORS * found.standard_errors[other]
+    assert not any("the records show" in warning for warning in found.warnings)
+
+
 @pytest.mark.parametrize(
     ("given", "words"),
     [

@@ -316,7 +316,9 @@ def _of_records(
     """Return the answers to records that are read.   options : by the keys of a configuration."""
     if options["stiffness_N_per_m"] is None:
         require_base(records, "stiffness is missing, and a mass alone gives none then", STATIC_TEST)
-        options, k = with_stiffness_by_mass(partial(_of_records, records, law), options)
+        # a coefficient that is given is that of the true k: the first k comes without it
+        passes = [partial(_of_records, records, of) for of in ([Law()] if law.given else []) + [law]]
+        options, k = with_stiffness_by_mass(passes[0], options, *passes[1:])
         masses = Masses(None, None)
     else:
         k, masses = options["stiffness_N_per_m"], masses_of(records, options)
