@@ -184,12 +184,8 @@ def explanations(
     """
     excess = 0.0 if fit.adequate else LIKELY * (fit.chi_square - fit.freedom)
     tested = sorted(fit.departures.items(), key=lambda one: -abs(one[1].size))
-    freedom = sum(2 * max(1, one.rows - 1) for one in lines)  # of the errors of fundamentals
-    likely = [
-        name
-        for name, one in tested
-        if _may_be(one, fit) and one.size**2 > max(_least(name, freedom), excess)
-    ]
+    least = {name: _least(name, lines) for name in (*NUISANCES, FRAME)}
+    likely = [n for n, one in tested if _may_be(one, fit) and one.size**2 > max(least[n], excess)]
     if {"c", "c_r"} <= set(fit.law.unknowns):
         # a damper to the base and one to the ground together make up for any delay
         likely = [name for name in likely if name != "delay"]
@@ -213,7 +209,7 @@ def explanations(
         one
         for one in found
         if one.fit.adequate
-        and own - misfit(one) > min(_least(name, freedom) for name in one.names)
+        and own - misfit(one) > min(least[name] for name in one.names)
         and not any(
             one.fit.value(n) in _limits(n, one.fit) for n in one.names if n not in (FRAME, GRADUAL)
         )
@@ -281,18 +277,16 @@ def _with(fit: WaveformFit, name: str) -> WaveformFit | None:
     return refit(near if near is not None and near.chi_square < fit.chi_square else fit, [name])
 
 
-def _least(name: str, freedom: int) -> float:
-    """Return the fall of χ² from which on a departure is there; one that has one sign only has half of the chances.
-
-    freedom : with which the errors of the records are known.
-    """
+def _least(name: str, lines: Sequence[Lines]) -> float:
+    """Return the fall of χ² from which on a departure is there; one that has one sign only has half of the chances."""
     p = P_CAUSE if name in (GRADUAL, *TURNS) else P_DEPARTURE
-    return fall_of(2.0 * p if name in ONE_SIGNED else p, freedom)
+    return fall_of(2.0 * p if name in ONE_SIGNED else p, lines)
 
 
-def fall_of(p: float, freedom: int) -> float:
-    """Return the fall of χ² by one unknown that noise exceeds with a probability p, where its size is known with so
-    many degrees of freedom."""
+def fall_of(p: float, lines: Sequence[Lines]) -> float:
+    """Return the fall of χ² by one unknown that noise exceeds with a probability p: of few cycles, whose scatter gives
+    the errors of the fundamentals, a larger one."""
+    freedom = sum(2 * max(1, one.rows - 1) for one in lines)
     return float(special.fdtri(1.0, freedom, 1.0 - p))
 
 
@@ -320,6 +314,27 @@ def remark_on(found: Sequence[Explanation], fall: float) -> Remark:
         f"the records show {first.words}: it explains {fall:.0f} of χ², and the answer is corrected for it{also}; "
         f"{first.remedy}",
         doubts=first.doubts,
+    )
+
+
+def hint_of(found: Sequence[Explanation], fall: float, fit: WaveformFit) -> Remark:
+    """Return the sentence on departures that would explain the records, and that the balance contradicts.
+
+    fall : of χ² by the first.   fit : without them, which is the answer.
+    """
+    doubts: dict[str, float] = {}
+    for one in found:
+        ends = {key: one.fit.interval(key) for key in fit.law.unknowns}
+        values = {key: fit.value(key) for key in ends} | {"K_z": fit.K_z}
+        for key, (low, high) in (ends | {"K_z": one.fit.K_z_interval}).items():
+            off = max(abs(low - values[key]), abs(high - values[key]))
+            doubts[key] = max(doubts.get(key, 0.0), off / (abs(values[key]) or math.inf))
+    words = listed([one.words for one in found], "or")
+    return Remark(
+        f"the records hint at {words}: it would explain {fall:.0f} of χ², but the energy balance contradicts the numbers "
+        "that follow, and agrees with those of the fit without it, which are the answer; the intervals include both; "
+        f"{found[0].remedy}",
+        doubts=doubts,
     )
 
 

@@ -71,7 +71,7 @@ from .oscillator import (
     read_samples,
     with_common_fit,
 )
-from .remarks import DIRECT, agreement, notes_on
+from .remarks import DIRECT, agreement, contradiction, notes_on
 from .request import (
     STATIC_TEST,
     Stated,
@@ -386,6 +386,8 @@ def identify_readings(
         stiffness_error=stiffness_error,
         frames=framed,
     )
+    if joint.plain is not None and _vetoed(joint, readings, k, law):
+        joint = joint.uncorrected
     few, reference = len(readings) < len(law.unknowns), joint.answer
     if few and not (joint.waveforms_hold and joint.fit is not None and joint.fit.freedom > 0):
         law.require([reading.steady.frequency_hz for reading in readings])
@@ -405,7 +407,7 @@ def identify_readings(
     fit, rig = joint.fit, []
     if fit is not None and not joint.linear:
         rig = implied(joint.closest, mass if joint.mass_fits else None)
-    if joint.delay is not None and not joint.explained:
+    if joint.delay is not None and not (joint.explained or joint.hinted):
         value, error = joint.delay
         rig.append(
             f"Timing check: the response is {with_error(1e6 * value, 1e6 * error)} µs late (no delay detected)."
@@ -456,6 +458,17 @@ def _require(
             )
     if not approaches:
         raise ValueError(f"no approach is given; known are {', '.join(checks())}")
+
+
+def _vetoed(joint: JointFit, readings: Sequence[Reading], k: float, law: Law) -> bool:
+    """Return whether direct integration agrees with the plain fit, and not with the one that is freed of departures:
+    these are then as likely a chance of the noise."""
+    plain = joint.uncorrected
+    assert plain.fit is not None
+    readings = with_common_fit(readings, plain, law)
+    samples, rows_of = read_samples(readings), LawRows(approach(DIRECT), law, k, linear=False)
+    direct = _answer(DIRECT, rows_of, plain, readings, samples, microstick(samples))
+    return any(contradiction(direct, joint.closest)) and not any(contradiction(direct, plain.fit))
 
 
 _UNCHECKED = Remark(

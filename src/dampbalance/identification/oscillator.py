@@ -27,10 +27,10 @@ from ..law.terms import FRICTION
 from ..project.wording import Remark, listed
 from ..signals.lines import Lines
 from ..signals.mean_harmonics import Means, Reading
-from ..signals.thresholds import SHOWS
+from ..signals.thresholds import P_SHOWN, SHOWS
 from ..solver import NORMAL_95
 from .answer import FUNDAMENTALS, UNBOUNDED, Answer, answer_of_fit
-from .causes import CAUSES, FRAME, Explanation, explanations, moves
+from .causes import CAUSES, FRAME, Explanation, explanations, fall_of, moves
 
 Of = TypeVar("Of")
 To = TypeVar("To")
@@ -63,6 +63,8 @@ class JointFit:
     well.   fall : of χ² by the first.
     mass : kg, as given, or None.   mass_fits : whether the records agree with it.
     fundamentals : the fit to the fundamental of each record alone, where the waveforms are not those of an oscillator.
+    plain : the fit without these departures, where it explains the records, too, and a few of such sets as well.
+    hinted : departures that the records hint at and the answer is not freed of.
     """
 
     fit: WaveformFit | None
@@ -72,6 +74,15 @@ class JointFit:
     mass: float | None = None
     mass_fits: bool = True
     fundamentals: FundamentalFit | None = None
+    plain: WaveformFit | None = None
+    hinted: tuple[Explanation, ...] = ()
+
+    @property
+    def uncorrected(self) -> JointFit:
+        """The plain fit as the answer, which its departures are a hint to."""
+        return replace(
+            self, fit=self.plain, plain=None, mass_fits=True, explained=(), hinted=self.explained
+        )
 
     @property
     def waveforms_hold(self) -> bool:
@@ -221,8 +232,10 @@ def joint_fit(
         return JointFit(fit, linear, mass=m, mass_fits=fits, fundamentals=alone)
     best = found[0].fit
     fall = fit.chi_square + penalty(fit) - best.chi_square - penalty(best)
+    chance = fall < fall_of(P_SHOWN, lines) and fit.adequate and penalty(fit) < SHOWS
+    plain = fit if chance else None
     fit = fit if FRAME in found[0].names else best
-    return JointFit(fit, linear, found, fall, m, penalty(best) < SHOWS)
+    return JointFit(fit, linear, found, fall, m, penalty(best) < SHOWS, plain=plain)
 
 
 def _searched(

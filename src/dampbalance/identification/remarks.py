@@ -41,7 +41,7 @@ from ..signals.mean_harmonics import Reading
 from ..signals.thresholds import AS_WELL, SHOWS
 from ..solver import NORMAL_95, solve
 from .answer import UNBOUNDED, USELESS, Answer, ParameterEstimate
-from .causes import CAUSES, doubts_of, likeliest, remark_on
+from .causes import CAUSES, doubts_of, hint_of, likeliest, remark_on
 from .oscillator import JointFit, Microstick
 
 DIRECT = "direct"
@@ -225,6 +225,8 @@ def _on_the_oscillator(readings: Sequence[Reading], joint: JointFit) -> Iterator
     fit, alone = joint.fit, joint.fundamentals
     if joint.explained:
         yield remark_on(joint.explained, joint.fall)
+    if joint.hinted and fit is not None:
+        yield hint_of(joint.hinted, joint.fall, fit)
     if joint.mass is not None and not joint.mass_fits:
         by_force = any("force" in reading.steady.channels for reading in readings)
         yield on_mass(joint.closest, joint.mass, by_force)
