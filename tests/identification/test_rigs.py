@@ -226,6 +226,29 @@ def test_a_coefficient_that_is_given_is_known_at_the_true_stiffness_alone(symbol
     assert not any("the records show" in warning for warning in found.warnings)
 
 
+@pytest.mark.parametrize("drive", ["base_displacement", "force"])
+@pytest.mark.parametrize("share", [0.1, 0.3])
+def test_a_stiffness_that_is_stated_too_high_is_named_where_nothing_slips(drive, share):
+    linear, made = replace(PAPER, F_k=0.0), []
+    for i, Y in enumerate((0.004, 0.008, 0.012)):
+        orbit = steady_orbit(linear, BaseMotion(Y, 22.0))
+        options = {"rate_hz": 1000.0, "cycles": 20.0, "noise": 0.005, "seed": i}
+        made.append(measured_orbit(orbit, channels=(drive, "displacement"), **options))
+
+    def said(factor, **options):
+        found = identify(made, factor * PAPER.k, **options)
+        return found, [w for w in found.warnings if "too high" in w]
+
+    found, (warning,) = said(1.0 + share, mass=PAPER.m)
+    assert f"at least {100.0 * share:.0f} % too high" in warning
+    assert found.verdicts["c"].verdict == "doubtful"
+    assert found.verdicts["c"].within > 0.99 * share
+    # a contact that only sticks adds to it, and one frequency without the mass tells nothing
+    for factor, options in ((1.0, {"mass": PAPER.m}), (0.9, {"mass": PAPER.m}), (1.3, {})):
+        assert said(factor, **options)[1] == []
+    assert said(1.0 + share, mass=(PAPER.m, share * PAPER.m))[1] == []
+
+
 @pytest.mark.parametrize(
     ("given", "words"),
     [

@@ -52,6 +52,7 @@ from .answer import (
     Interval,
     ParameterEstimate,
     covariance_of,
+    of_contact,
 )
 from .causes import GRADUAL, condition_on_contact
 from .identified import QUICK, Identified, Picture
@@ -183,7 +184,7 @@ class ForcedOutcome(Identified):
             return shifts_of_fundamentals(self.readings, self.joint.fundamentals, faults)
         if name in self.estimates:
             rows_of = LawRows(
-                approach(self.estimates[name].name), self.law, self.k, self.joint.linear
+                approach(self.estimates[name].name), self.law, self.k, self.joint.frictionless
             )
             changes = sensitivities(self.readings, rows_of, self.estimates[name], faults)
             # the balance takes nothing else from the fit that has the mass
@@ -399,7 +400,7 @@ def identify_readings(
     alone = joint.answer_of_fundamentals
     estimates: dict[str, Answer] = {} if alone is None else {FUNDAMENTALS: alone}
     for name in ways:
-        rows_of = LawRows(name, law, k, joint.linear)
+        rows_of = LawRows(name, law, k, joint.frictionless)
         one = _answer(name, rows_of, joint, readings, samples, line)
         notes = (*one.notes, *notes_on(one, readings, joint))
         estimates[name] = replace(one, notes=notes)
@@ -466,7 +467,7 @@ def _vetoed(joint: JointFit, readings: Sequence[Reading], k: float, law: Law) ->
     plain = joint.uncorrected
     assert plain.fit is not None
     readings = with_common_fit(readings, plain, law)
-    samples, rows_of = read_samples(readings), LawRows(approach(DIRECT), law, k, linear=False)
+    samples, rows_of = read_samples(readings), LawRows(approach(DIRECT), law, k, frictionless=False)
     direct = _answer(DIRECT, rows_of, plain, readings, samples, microstick(samples))
     return any(contradiction(direct, joint.closest)) and not any(contradiction(direct, plain.fit))
 
@@ -529,7 +530,7 @@ def _answer(
         left = [[*of, root] for of, root in zip(left, roots, strict=True)]
         symbols, slopes = [*symbols, "K_z"], [*slopes, -2.0 * K_z.value**1.5]
     covariance = jackknifed([np.stack(of) for of in left]) * np.outer(slopes, slopes)
-    parameters = nothing | _parameters(estimates) | {"K_z": K_z}
+    parameters = of_contact(nothing | _parameters(estimates) | {"K_z": K_z})
     off = point.misfit({**point.given, **estimate.values})[usable]
     merit, freedom = {"residual": math.nan, "misfit": math.nan}, estimate.n - len(estimate.values)
     if freedom:
