@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from dampbalance.fit.goodness import improbable, linear_misfit
+from dampbalance.fit.goodness import improbable, linear_fit
 from dampbalance.motion.regime import Regime
 from dampbalance.signals.thresholds import P_OF_THE_MODEL
 from paper_case import LEVELS, NEAR, PAPER, orbits_at
@@ -22,30 +22,49 @@ LINEAR = replace(PAPER, F_k=0.0)
 def test_a_linear_oscillator_is_one_whatever_it_weighs(hertz):
     orbits = [orbits_at(hz, (Y,), LINEAR)[0] for hz, Y in zip(hertz, LEVELS, strict=False)]
     exact = [lines_of(orbit, 1e-6) for orbit in orbits]
-    chi_square, freedom = linear_misfit(exact, PAPER.k)
-    assert chi_square < 1e-6
+    fit = linear_fit(exact, PAPER.k)
+    assert fit.chi_square < 1e-6
     # c, and one stiffness of the part in phase where there is one frequency, two where there are more
     unknowns = 2 if len(set(hertz)) == 1 else 3
-    assert freedom == 3 * 2 * 12 - unknowns
+    assert fit.freedom == 3 * 2 * 12 - unknowns
     other = [replace(exact[0], x=1.01 * exact[0].x), *exact[1:]]
-    assert linear_misfit(other, PAPER.k)[0] > 100.0
+    assert linear_fit(other, PAPER.k).chi_square > 100.0
 
 
 def test_its_misfit_is_that_of_noise():
     rng = np.random.default_rng(1)
     orbits = [orbits_at(hz, (0.008,), LINEAR)[0] for hz in (3.5, 4.92, 6.0, 11.1)]
-    drawn = [linear_misfit([lines_of(o, 2e-5, rng) for o in orbits], PAPER.k) for _ in range(200)]
-    misfits = np.array([chi_square / freedom for chi_square, freedom in drawn])
+    drawn = [linear_fit([lines_of(o, 2e-5, rng) for o in orbits], PAPER.k) for _ in range(200)]
+    misfits = np.array([fit.chi_square / fit.freedom for fit in drawn])
     # χ²: a scatter of √(2/f); 200 draws
-    assert misfits.mean() == pytest.approx(1.0, abs=3.0 * math.sqrt(2.0 / drawn[0][1] / 200))
+    assert misfits.mean() == pytest.approx(1.0, abs=3.0 * math.sqrt(2.0 / drawn[0].freedom / 200))
 
 
 def test_a_contact_that_only_sticks_is_linear_too_and_one_that_slips_is_not():
     stuck = orbits_at(NEAR, (0.0002, 0.0003))
     assert {orbit.regime for orbit in stuck} == {Regime.NO_SLIP}
-    assert linear_misfit([lines_of(orbit, 1e-8) for orbit in stuck], PAPER.k)[0] < 1e-6
+    assert linear_fit([lines_of(orbit, 1e-8) for orbit in stuck], PAPER.k).chi_square < 1e-6
     slips = [lines_of(orbit, 1e-6) for orbit in orbits_at()]
-    assert improbable(*linear_misfit(slips, PAPER.k), slips)
+    fit = linear_fit(slips, PAPER.k)
+    assert improbable(fit.chi_square, fit.freedom, slips)
+
+
+def test_a_contact_that_only_sticks_has_the_stiffness_it_has():
+    rng = np.random.default_rng(5)
+    stuck = [lines_of(o, 1e-9, rng) for o in orbits_at(NEAR, (0.0002, 0.0003))]
+    loose = [lines_of(o, 1e-6, rng) for o in orbits_at(NEAR, LEVELS, LINEAR)]
+    # one frequency tells a stiffness from an inertia where the mass is known
+    assert linear_fit(stuck, PAPER.k).sticks is None
+    of_stuck, of_loose = (linear_fit(of, PAPER.k, m=PAPER.m) for of in (stuck, loose))
+    assert of_stuck.sticks is True
+    assert abs(of_stuck.K - PAPER.K_z) < 4.0 * of_stuck.K_error < 0.1 * PAPER.K_z
+    assert of_loose.sticks is False
+    assert abs(of_loose.K) < 4.0 * of_loose.K_error < 0.01 * PAPER.k
+    # of a mass that is 10 % off, K is off by ω² times that
+    wrong = linear_fit(loose, PAPER.k, m=0.9 * PAPER.m, m_error=0.1 * PAPER.m)
+    omega = 2.0 * math.pi * NEAR
+    assert wrong.K == pytest.approx(-0.1 * PAPER.m * omega**2, rel=0.01)
+    assert wrong.K_error == pytest.approx(-wrong.K, rel=0.01)
 
 
 @pytest.mark.parametrize("freedom", [2, 40])

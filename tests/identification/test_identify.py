@@ -225,7 +225,7 @@ def test_rows_that_weigh_as_they_are_sure_use_what_the_records_hold(hz):
         identified(readings(hz, 0.01, seed=50 + i, rate_hz=1000.0, channels=two)) for i in range(4)
     ]
     weighted = [[run.estimates["direct"].standard_errors[s] for s in ("F_k", "c")] for run in runs]
-    rows_of = LawRows(APPROACHES["direct"], Law(), PAPER.k, linear=False)
+    rows_of = LawRows(APPROACHES["direct"], Law(), PAPER.k, frictionless=False)
     alike = []
     for run in runs:  # Eq. (9) as published
         left = read_samples(run.readings).map(lambda of: solve(rows_of(of.features))).left
@@ -236,11 +236,15 @@ def test_rows_that_weigh_as_they_are_sure_use_what_the_records_hold(hz):
     assert np.all(bound[:2] ** 2 / np.mean(alike, axis=0) < 0.4)
 
 
+STUCK = (0.0002, 0.0003, 0.0004)
+
+
 def test_where_no_level_slips_there_is_no_friction_force():
-    found = identified(readings(noise=0.01, levels=(0.0002, 0.0003, 0.0004)))
+    found = identified(readings(noise=0.01, levels=STUCK), mass=PAPER.m)
     assert found.joint.linear
     (warning,) = found.warnings
     assert "the records are those of a linear oscillator" in warning
+    assert "the contact only sticks, and F_k and K_z cannot be determined" in warning
     direct, told = found.estimates["direct"], found.document()
     numbers = told["approaches"]["direct"]
     assert [numbers[key] for key in ("F_k_N", "K_z_N_per_m", "F_k_standard_error_N")] == [None] * 3
@@ -250,6 +254,37 @@ def test_where_no_level_slips_there_is_no_friction_force():
     assert np.ptp(direct.intervals["c"]) < 0.05 * PAPER.c
     line = found.text().splitlines()[3]
     assert re.match(r"direct \* +– +\d", line)
+    # without the mass, one frequency does not tell it from a contact that slips under hardly any force
+    either = identified(readings(noise=0.01, levels=STUCK))
+    verdict = either.verdicts["F_k"]
+    assert (verdict.verdict, verdict.within) == ("doubtful", math.inf)
+    assert "if the contact slips" in verdict.reason
+    assert "(--mass)" in verdict.reason
+    assert close(either, PAPER, symbols=["c"])
+
+
+@pytest.mark.parametrize("friction", [1e-9, 1e-3])
+@pytest.mark.parametrize("seed", [3, 4])
+def test_hardly_any_friction_has_a_bound(friction, seed):
+    osc = replace(PAPER, F_k=friction)
+    found = identified(readings(noise=0.01, osc=osc, seed=seed), mass=PAPER.m)
+    assert found.joint.linear
+    F_k = found.verdicts["F_k"]
+    assert (F_k.verdict, F_k.within) == ("usable", math.inf)
+    assert F_k.reason.startswith("an upper limit only: F_k < ")
+    assert friction < found.intervals["F_k"].high < 0.02
+    assert found.lead.startswith("No friction (F_k < ")
+    # a contact without friction has any stiffness
+    assert found.verdicts["K_z"].verdict == "none"
+
+
+@pytest.mark.parametrize("seed", [1, 3])
+def test_friction_that_hides_in_the_noise_is_in_the_interval_of_the_damping(seed):
+    """Taken for damping, its work makes c 5 to 10 % too large, twice what the interval of W = b c holds."""
+    osc = replace(PAPER, c=1.0, F_k=2e-3, K_z=1e6)
+    found = identified(readings(6.0, 0.1, (2e-4, 4e-4, 1e-3), osc, seed=seed))
+    assert found.joint.linear
+    assert close(found, osc, symbols=("F_k", "c"), errors=3.0)
 
 
 def test_a_level_that_does_not_slip_leaves_the_balance_without_a_star():

@@ -210,6 +210,45 @@ def test_the_mass_alone_gives_the_stiffness(made, c):
     assert "known weights" in found.hint
 
 
+LIGHT = Oscillator(m=0.5, c=20.0, k=50_000.0, K_z=5e5, F_k=5.0)  # k/m is a hundred times another's
+
+
+@pytest.mark.parametrize("symbol", ["c", "F_k"])
+def test_a_coefficient_that_is_given_is_known_at_the_true_stiffness_alone(symbol):
+    orbits = [steady_orbit(LIGHT, BaseMotion(Y, 2.0 * math.pi * 45.0)) for Y in (1e-4, 2e-4, 4e-4)]
+    options = {"rate_hz": 9500.0, "cycles": 30.3, "noise": 0.005}
+    made = [measured_orbit(orbit, seed=i, **options) for i, orbit in enumerate(orbits)]
+    found = identify(made, mass=LIGHT.m, given={symbol: getattr(LIGHT, symbol)})
+    assert found.k == pytest.approx(LIGHT.k, rel=1e-3)
+    assert found.mass == pytest.approx(LIGHT.m, rel=1e-5)
+    for other, value in found.values.items():
+        assert abs(value - getattr(LIGHT, other)) < ERRORS * found.standard_errors[other]
+    assert not any("the records show" in warning for warning in found.warnings)
+
+
+@pytest.mark.parametrize("drive", ["base_displacement", "force"])
+@pytest.mark.parametrize("share", [0.1, 0.3])
+def test_a_stiffness_that_is_stated_too_high_is_named_where_nothing_slips(drive, share):
+    linear, made = replace(PAPER, F_k=0.0), []
+    for i, Y in enumerate((0.004, 0.008, 0.012)):
+        orbit = steady_orbit(linear, BaseMotion(Y, 22.0))
+        options = {"rate_hz": 1000.0, "cycles": 20.0, "noise": 0.005, "seed": i}
+        made.append(measured_orbit(orbit, channels=(drive, "displacement"), **options))
+
+    def said(factor, **options):
+        found = identify(made, factor * PAPER.k, **options)
+        return found, [w for w in found.warnings if "too high" in w]
+
+    found, (warning,) = said(1.0 + share, mass=PAPER.m)
+    assert f"at least {100.0 * share:.0f} % too high" in warning
+    assert found.verdicts["c"].verdict == "doubtful"
+    assert found.verdicts["c"].within > 0.99 * share
+    # a contact that only sticks adds to it, and one frequency without the mass tells nothing
+    for factor, options in ((1.0, {"mass": PAPER.m}), (0.9, {"mass": PAPER.m}), (1.3, {})):
+        assert said(factor, **options)[1] == []
+    assert said(1.0 + share, mass=(PAPER.m, share * PAPER.m))[1] == []
+
+
 @pytest.mark.parametrize(
     ("given", "words"),
     [

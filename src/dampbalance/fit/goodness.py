@@ -1,8 +1,10 @@
-"""How well a model fits records: χ², its probability in noise, and χ² about an oscillator whose contact never slips."""
+"""How well a model fits records: χ², its probability in noise, and the linear oscillator, whose contact never slips."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 from scipy import special
@@ -10,18 +12,49 @@ from scipy import special
 from ..arrays import Complexes
 from ..law.terms import term
 from ..signals.lines import Lines
-from ..signals.thresholds import P_OF_THE_MODEL
+from ..signals.thresholds import P_OF_THE_MODEL, SHOWS
+from ..solver import NORMAL_95
 
 
-def linear_misfit(
-    lines: Sequence[Lines], k: float, terms: Sequence[str] = ("c",)
-) -> tuple[float, int]:
-    """Return χ² of the records about a linear oscillator, and its degrees of freedom.
+class LinearFit(NamedTuple):
+    """A linear oscillator, and how well it fits records.
 
-    It has (k + K − mω² + iωΣ p_j h_j) x_1 = kY, K ≥ 0 the stiffness of a contact that only sticks, and likewise at nω
-    where the base has a harmonic y_n; no other harmonics.
+    k : N/m.   chi_square, freedom : χ² and its degrees of freedom.   K, K_error : stiffness of a contact that only sticks, N/m,
+    with its standard error, infinite where the records do not tell it from the inertia.   by_mass : change of K with
+    the mass that is given, (rad/s)².
+    """
 
-    terms : of its damping, of which those that are linear count.
+    k: float
+    chi_square: float
+    freedom: int
+    K: float
+    K_error: float
+    by_mass: float
+
+    @property
+    def sticks(self) -> bool | None:
+        """Whether there is a contact, which only sticks; None where the records do not tell it from none."""
+        if self.K**2 > SHOWS * self.K_error**2:
+            return self.K > 0.0
+        # no contact of a rig is softer than its spring
+        return False if self.K + NORMAL_95 * self.K_error < self.k else None
+
+
+def linear_fit(
+    lines: Sequence[Lines],
+    k: float,
+    terms: Sequence[str] = ("c",),
+    m: float | None = None,
+    m_error: float = 0.0,
+) -> LinearFit:
+    """Return the linear oscillator that fits records.
+
+    It has (k + K − mω² + iωΣ p_j h_j) x_1 = kY, K the stiffness of a contact that only sticks, and likewise at nω
+    where the base has a harmonic y_n; no other harmonics. No contact has a K below zero: the k is then not that of the
+    records.
+
+    k : N/m.   terms : of its damping, of which those that are linear count.   m, m_error : mass with its standard
+    uncertainty, kg; default, it is fitted.
     """
     rows: list[Complexes] = []
     chi_square = 0.0
@@ -38,18 +71,31 @@ def linear_misfit(
     ratio, *others = np.concatenate(rows, axis=1)
     relative, rate, omega = np.real(others)
     z, error = k * (ratio - 1.0), k * np.abs(ratio) * relative
-    columns = [np.ones(rate.size), rate**2]
+    columns, known = [np.ones(rate.size)], rate**2 if m is not None else 0.0 * rate
+    columns += [rate**2] if m is None else []
     for symbol in terms:
         of = term(symbol)
         if of.force is not None and of.linear:
             columns.append(1j * rate * of.force(1.0, ratio, k, omega))
     matrix = np.column_stack(columns) / error[:, None]
     matrix = np.vstack([matrix.real, matrix.imag])
-    matrix /= np.linalg.norm(matrix, axis=0)
-    right = np.concatenate([z.real / error, z.imag / error])
-    solution, _, rank, _ = np.linalg.lstsq(matrix, right, rcond=1e-6)
-    chi_square += float(np.sum((matrix @ solution - right) ** 2))
-    return chi_square, 2 * sum(one.n.size for one in lines) - int(rank)
+    length = np.linalg.norm(matrix, axis=0)
+    inverse = np.linalg.pinv(matrix / length, rcond=1e-6)
+    inertia = np.concatenate([known / error, 0.0 * error])
+    right = np.concatenate([z.real / error, z.imag / error]) + (m or 0.0) * inertia
+    known_parts = np.sum(inverse.T * matrix / length, axis=0)  # 1 of what the records determine
+    chi_square += float(np.sum((matrix / length @ (inverse @ right) - right) ** 2))
+    to_K = inverse[0] / length[0]
+    by_mass = float(to_K @ inertia)
+    K_error = math.hypot(float(np.linalg.norm(to_K)), by_mass * m_error)
+    return LinearFit(
+        k,
+        chi_square,
+        2 * sum(one.n.size for one in lines) - round(float(np.sum(known_parts))),
+        float(to_K @ right),
+        K_error if known_parts[0] > 0.999 else math.inf,
+        by_mass,
+    )
 
 
 def improbable(chi_square: float, freedom: int, lines: Sequence[Lines]) -> bool:

@@ -28,27 +28,24 @@ from ..signals.lines import Lines
 FALLING = 0.1
 """Speed over the largest at which a friction force that changes with the speed has fallen by a factor e."""
 
-_LARGEST_GAIN = 0.5  # beyond it a channel has another unit, and no fault of calibration
-
 FOLDED = "folded"
 """The nuisance that is fitted wherever it makes a difference: most recorders have a filter, and few say so."""
 
 NUISANCES: Mapping[str, tuple[float, float]] = {
-    "delay": (-math.inf, math.inf),
-    "gain": (-_LARGEST_GAIN, _LARGEST_GAIN),
-    "corner": (0.0, math.inf),
-    "low_pass": (0.0, math.inf),
-    "friction_level": (-math.inf, math.inf),
-    "friction_speed": (-math.inf, math.inf),
+    "delay": (-0.5 * math.pi, 0.5 * math.pi),  # a quarter cycle: beyond, it is another channel
+    "gain": (-0.2, 0.2),  # beyond, it is another unit, and no fault of calibration
+    # up to half the fundamental that is left: a laboratory would see it
+    "corner": (0.0, 1.0),
+    "low_pass": (0.0, 1.0),
+    "friction_level": (-1.0, 1.0),
+    "friction_speed": (0.0, 2.0),  # at rest it is larger, three times at most
     "c_2": (-math.inf, math.inf),
     "k_3": (-math.inf, math.inf),
-    "gradual": (
-        0.0,
-        0.98,
-    ),  # beyond one, the force falls before the contact slips; at one, slopes are singular
+    # beyond one, the force falls before the contact slips; at one, slopes are singular
+    "gradual": (0.0, 0.98),
     FOLDED: (0.0, 1.0),
 }
-"""The least and the greatest value of each nuisance."""
+"""The least and the greatest value of each nuisance that a rig may have, in `units_of` a motion."""
 
 FORCES = ("friction_speed", "c_2", "k_3", "gradual")
 """Nuisances that are forces which the oscillator lacks."""

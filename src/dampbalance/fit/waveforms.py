@@ -24,6 +24,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import special
 
 from ..arrays import Array, Complexes, Integers, Mask
 from ..law.law import Law
@@ -284,6 +285,7 @@ class HarmonicProblem:
     def bounds(self, point: Array) -> ClimbBounds:
         """Return the bounds of a climb from a point; the least ρ stands for a rigid contact."""
         lower, upper = np.zeros(self.size), np.full(self.size, math.inf)
+        units = self._units(point)
         for at, one in zip(self.at, self.lines, strict=True):
             lower[at[FRICTION]] = 1e-9 * point[at[FRICTION]]
             lower[at["m"]] = 1e-6 * point[at["m"]]
@@ -291,8 +293,8 @@ class HarmonicProblem:
             lower[at["psi"]] = -math.inf
             lower[at["Y"]] = 1e-3 * one.Y
             for name in self.nuisances:
-                lower[at[name]], upper[at[name]] = NUISANCES[name]
-        return ClimbBounds(self.free.copy(), lower, upper, self._units(point))
+                lower[at[name]], upper[at[name]] = units[at[name]] * np.array(NUISANCES[name])
+        return ClimbBounds(self.free.copy(), lower, upper, units)
 
     def scan(self, point: Array) -> Array:
         """Return values of ρ at which to look for other minima of χ², to a fifth and to five times the K_z of a point.
@@ -467,6 +469,23 @@ class WaveformFit(OscillatorFit):
     def misfit(self) -> float:
         """χ² per degree of freedom."""
         return self.chi_square / max(1, self.freedom)
+
+    def interval(self, name: str) -> tuple[float, float]:
+        """Return the 95 % interval of a common unknown, in its unit, with Student's t: the errors of the data are known
+        from the scatter of few rows, that of a fundamental, which is the data's most, from 2(rows − 1) numbers.
+
+        The variances that the fundamentals and the harmonics of the records contribute, v_i of f_i degrees of freedom,
+        give (Σ v_i)²/Σ v_i²/f_i degrees of freedom of their sum (Welch–Satterthwaite).
+        """
+        squares, spread = self.response[self.names.index(name)] ** 2, 0.0
+        for one, place in zip(self.lines, self.places, strict=True):
+            of, first = squares[place], [0, 1, 2, 2 + one.n.size]  # Y, ψ, Re x_1, Im x_1
+            main = float(np.sum(of[first]))
+            higher, rows = float(np.sum(of)) - main, max(1, one.rows - 1)
+            spread += main**2 / (2 * rows) + higher**2 / one.error_freedom
+        freedom = float(np.sum(squares)) ** 2 / spread if spread > 0.0 else math.inf
+        reach = float(special.stdtrit(freedom, 0.975)) * self.error(name)
+        return self.value(name) - reach, self.value(name) + reach
 
     @property
     def adequate(self) -> bool:

@@ -18,7 +18,7 @@ import numpy as np
 from ..arrays import Array
 from ..balance import Rows
 from ..fit.oscillator_fit import OscillatorFit
-from ..law.terms import term
+from ..law.terms import FRICTION, term
 from ..model import named_with_unit
 from ..project.wording import Remark, number_text, with_unit
 from ..solver import NORMAL_95
@@ -264,7 +264,16 @@ def answer_of_fit(
         "natural_frequency_Hz": fit.natural_frequency_hz,
         "misfit": fit.misfit,
     }
-    return Answer(name, parameters, covariance, tuple(notes), merit=of_fit | merit)
+    return Answer(name, of_contact(parameters), covariance, tuple(notes), merit=of_fit | merit)
+
+
+def of_contact(parameters: Mapping[str, ParameterEstimate]) -> dict[str, ParameterEstimate]:
+    """Return the parameters without a K_z that has a lower limit only where there may be no friction: a contact without
+    has any stiffness."""
+    forces = [p for key, p in parameters.items() if key.partition("[")[0] == FRICTION]
+    none = forces and all(p.interval.low <= 0.0 for p in forces)
+    unbounded = math.isinf(parameters["K_z"].interval.high)
+    return {**parameters, **({"K_z": UNKNOWN} if none and unbounded else {})}
 
 
 def normal(value: float, error: float) -> ParameterEstimate:

@@ -184,7 +184,8 @@ def explanations(
     """
     excess = 0.0 if fit.adequate else LIKELY * (fit.chi_square - fit.freedom)
     tested = sorted(fit.departures.items(), key=lambda one: -abs(one[1].size))
-    likely = [n for n, one in tested if _may_be(n, one) and one.size**2 > max(_least(n), excess)]
+    least = {name: _least(name, lines) for name in (*NUISANCES, FRAME)}
+    likely = [n for n, one in tested if _may_be(one, fit) and one.size**2 > max(least[n], excess)]
     if {"c", "c_r"} <= set(fit.law.unknowns):
         # a damper to the base and one to the ground together make up for any delay
         likely = [name for name in likely if name != "delay"]
@@ -208,9 +209,9 @@ def explanations(
         one
         for one in found
         if one.fit.adequate
-        and own - misfit(one) > min(map(_least, one.names))
+        and own - misfit(one) > min(least[name] for name in one.names)
         and not any(
-            one.fit.value(n) in NUISANCES[n] for n in one.names if n not in (FRAME, GRADUAL)
+            one.fit.value(n) in _limits(n, one.fit) for n in one.names if n not in (FRAME, GRADUAL)
         )
     ]
     best = min(map(misfit, found), default=0.0)
@@ -251,7 +252,7 @@ def _like(near: FundamentalFit) -> Iterator[tuple[tuple[str, ...], Array]]:
         yield names, point
     if "delay" in names:
         omega, turned = near.problem.lines[0].omega, point.copy()
-        turn = math.tan(min(omega * near.value("delay"), 1.0))
+        turn = math.tan(max(-0.75, min(omega * near.value("delay"), 0.75)))
         name, size = (
             ("low_pass", turn / omega)
             if turn > 0.0
@@ -276,16 +277,29 @@ def _with(fit: WaveformFit, name: str) -> WaveformFit | None:
     return refit(near if near is not None and near.chi_square < fit.chi_square else fit, [name])
 
 
-def _least(name: str) -> float:
+def _least(name: str, lines: Sequence[Lines]) -> float:
     """Return the fall of χ² from which on a departure is there; one that has one sign only has half of the chances."""
     p = P_CAUSE if name in (GRADUAL, *TURNS) else P_DEPARTURE
-    return float(special.chdtri(1.0, 2.0 * p if name in ONE_SIGNED else p))
+    return fall_of(2.0 * p if name in ONE_SIGNED else p, lines)
 
 
-def _may_be(name: str, one: Departure) -> bool:
+def fall_of(p: float, lines: Sequence[Lines]) -> float:
+    """Return the fall of χ² by one unknown that noise exceeds with a probability p: of few cycles, whose scatter gives
+    the errors of the fundamentals, a larger one."""
+    freedom = sum(2 * max(1, one.rows - 1) for one in lines)
+    return float(special.fdtri(1.0, freedom, 1.0 - p))
+
+
+def _limits(name: str, fit: WaveformFit) -> tuple[float, float]:
+    """Return the least and the greatest value of a departure that a rig may have."""
+    bounds, at = fit.problem.bounds(fit.point), fit.names.index(name)
+    return float(bounds.lower[at]), float(bounds.upper[at])
+
+
+def _may_be(one: Departure, fit: WaveformFit) -> bool:
     """Return whether a departure of that size can be; a contact that yields more suddenly than at once is none."""
-    low, high = NUISANCES[name]
-    return low < one.value and (one.value < high or name == GRADUAL)
+    low, high = _limits(one.symbol, fit)
+    return low < one.value and (one.value < high or one.symbol == GRADUAL)
 
 
 def remark_on(found: Sequence[Explanation], fall: float) -> Remark:
@@ -300,6 +314,27 @@ def remark_on(found: Sequence[Explanation], fall: float) -> Remark:
         f"the records show {first.words}: it explains {fall:.0f} of χ², and the answer is corrected for it{also}; "
         f"{first.remedy}",
         doubts=first.doubts,
+    )
+
+
+def hint_of(found: Sequence[Explanation], fall: float, fit: WaveformFit) -> Remark:
+    """Return the sentence on departures that would explain the records, and that the balance contradicts.
+
+    fall : of χ² by the first.   fit : without them, which is the answer.
+    """
+    doubts: dict[str, float] = {}
+    for one in found:
+        ends = {key: one.fit.interval(key) for key in fit.law.unknowns}
+        values = {key: fit.value(key) for key in ends} | {"K_z": fit.K_z}
+        for key, (low, high) in (ends | {"K_z": one.fit.K_z_interval}).items():
+            off = max(abs(low - values[key]), abs(high - values[key]))
+            doubts[key] = max(doubts.get(key, 0.0), off / (abs(values[key]) or math.inf))
+    words = listed([one.words for one in found], "or")
+    return Remark(
+        f"the records hint at {words}: it would explain {fall:.0f} of χ², but the energy balance contradicts the numbers "
+        "that follow, and agrees with those of the fit without it, which are the answer; the intervals include both; "
+        f"{found[0].remedy}",
+        doubts=doubts,
     )
 
 
@@ -349,8 +384,9 @@ def changes(one: Departure, fit: OscillatorFit, value: float) -> dict[str, float
 
 
 def likeliest(fit: WaveformFit) -> Departure | None:
-    """Return the departure that explains most of what a fit leaves that is not adequate, to first order; None where
-    none explains a part that is worth a word."""
-    best = max(fit.departures.values(), key=lambda one: abs(one.size), default=None)
+    """Return the departure that can be and explains most of what a fit leaves that is not adequate, to first order;
+    None where none explains a part that is worth a word."""
+    possible = (one for one in fit.departures.values() if _may_be(one, fit))
+    best = max(possible, key=lambda one: abs(one.size), default=None)
     excess = fit.chi_square - fit.freedom
     return best if best is not None and best.size**2 > LIKELY * excess else None

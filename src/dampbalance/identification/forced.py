@@ -52,6 +52,7 @@ from .answer import (
     Interval,
     ParameterEstimate,
     covariance_of,
+    of_contact,
 )
 from .causes import GRADUAL, condition_on_contact
 from .identified import QUICK, Identified, Picture
@@ -71,7 +72,7 @@ from .oscillator import (
     read_samples,
     with_common_fit,
 )
-from .remarks import DIRECT, agreement, notes_on
+from .remarks import DIRECT, agreement, contradiction, notes_on
 from .request import (
     STATIC_TEST,
     Stated,
@@ -183,7 +184,7 @@ class ForcedOutcome(Identified):
             return shifts_of_fundamentals(self.readings, self.joint.fundamentals, faults)
         if name in self.estimates:
             rows_of = LawRows(
-                approach(self.estimates[name].name), self.law, self.k, self.joint.linear
+                approach(self.estimates[name].name), self.law, self.k, self.joint.frictionless
             )
             changes = sensitivities(self.readings, rows_of, self.estimates[name], faults)
             # the balance takes nothing else from the fit that has the mass
@@ -316,7 +317,9 @@ def _of_records(
     """Return the answers to records that are read.   options : by the keys of a configuration."""
     if options["stiffness_N_per_m"] is None:
         require_base(records, "stiffness is missing, and a mass alone gives none then", STATIC_TEST)
-        options, k = with_stiffness_by_mass(partial(_of_records, records, law), options)
+        # a coefficient that is given is that of the true k: the first k comes without it
+        passes = [partial(_of_records, records, of) for of in ([Law()] if law.given else []) + [law]]
+        options, k = with_stiffness_by_mass(passes[0], options, *passes[1:])
         masses = Masses(None, None)
     else:
         k, masses = options["stiffness_N_per_m"], masses_of(records, options)
@@ -384,6 +387,8 @@ def identify_readings(
         stiffness_error=stiffness_error,
         frames=framed,
     )
+    if joint.plain is not None and _vetoed(joint, readings, k, law):
+        joint = joint.uncorrected
     few, reference = len(readings) < len(law.unknowns), joint.answer
     if few and not (joint.waveforms_hold and joint.fit is not None and joint.fit.freedom > 0):
         law.require([reading.steady.frequency_hz for reading in readings])
@@ -395,7 +400,7 @@ def identify_readings(
     alone = joint.answer_of_fundamentals
     estimates: dict[str, Answer] = {} if alone is None else {FUNDAMENTALS: alone}
     for name in ways:
-        rows_of = LawRows(name, law, k, joint.linear)
+        rows_of = LawRows(name, law, k, joint.frictionless)
         one = _answer(name, rows_of, joint, readings, samples, line)
         notes = (*one.notes, *notes_on(one, readings, joint))
         estimates[name] = replace(one, notes=notes)
@@ -403,7 +408,7 @@ def identify_readings(
     fit, rig = joint.fit, []
     if fit is not None and not joint.linear:
         rig = implied(joint.closest, mass if joint.mass_fits else None)
-    if joint.delay is not None and not joint.explained:
+    if joint.delay is not None and not (joint.explained or joint.hinted):
         value, error = joint.delay
         rig.append(
             f"Timing check: the response is {with_error(1e6 * value, 1e6 * error)} µs late (no delay detected)."
@@ -454,6 +459,17 @@ def _require(
             )
     if not approaches:
         raise ValueError(f"no approach is given; known are {', '.join(checks())}")
+
+
+def _vetoed(joint: JointFit, readings: Sequence[Reading], k: float, law: Law) -> bool:
+    """Return whether direct integration agrees with the plain fit, and not with the one that is freed of departures:
+    these are then as likely a chance of the noise."""
+    plain = joint.uncorrected
+    assert plain.fit is not None
+    readings = with_common_fit(readings, plain, law)
+    samples, rows_of = read_samples(readings), LawRows(approach(DIRECT), law, k, frictionless=False)
+    direct = _answer(DIRECT, rows_of, plain, readings, samples, microstick(samples))
+    return any(contradiction(direct, joint.closest)) and not any(contradiction(direct, plain.fit))
 
 
 _UNCHECKED = Remark(
@@ -514,7 +530,7 @@ def _answer(
         left = [[*of, root] for of, root in zip(left, roots, strict=True)]
         symbols, slopes = [*symbols, "K_z"], [*slopes, -2.0 * K_z.value**1.5]
     covariance = jackknifed([np.stack(of) for of in left]) * np.outer(slopes, slopes)
-    parameters = nothing | _parameters(estimates) | {"K_z": K_z}
+    parameters = of_contact(nothing | _parameters(estimates) | {"K_z": K_z})
     off = point.misfit({**point.given, **estimate.values})[usable]
     merit, freedom = {"residual": math.nan, "misfit": math.nan}, estimate.n - len(estimate.values)
     if freedom:

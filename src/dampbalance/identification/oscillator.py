@@ -18,7 +18,7 @@ from ..arrays import Array
 from ..balance import Approach, Rows
 from ..features import Features, stack
 from ..fit.fundamentals import FundamentalFit, fit_fundamentals
-from ..fit.goodness import improbable, linear_misfit
+from ..fit.goodness import LinearFit, improbable, linear_fit
 from ..fit.oscillator_fit import OscillatorFit
 from ..fit.steady_search import fit_from, fit_records, of_all_stiffnesses, refit
 from ..fit.waveforms import OSCILLATOR, WaveformFit
@@ -27,10 +27,10 @@ from ..law.terms import FRICTION
 from ..project.wording import Remark, listed
 from ..signals.lines import Lines
 from ..signals.mean_harmonics import Means, Reading
-from ..signals.thresholds import SHOWS
+from ..signals.thresholds import P_SHOWN, SHOWS
 from ..solver import NORMAL_95
 from .answer import FUNDAMENTALS, UNBOUNDED, Answer, answer_of_fit
-from .causes import CAUSES, FRAME, Explanation, explanations, moves
+from .causes import CAUSES, FRAME, Explanation, explanations, fall_of, moves
 
 Of = TypeVar("Of")
 To = TypeVar("To")
@@ -49,6 +49,8 @@ _OF_FUNDAMENTALS = (
     "dynamic stiffness scatters by {} % about the fit; the intervals follow from that scatter"
 )
 
+_DIFFER = 1.05  # ratio of two amplitudes, from which on friction and damping act differently
+
 _UNKNOWN = ("X_s", "V_s", "t_s", "X_r", "V_r", "t_r")
 
 
@@ -63,6 +65,10 @@ class JointFit:
     well.   fall : of χ² by the first.
     mass : kg, as given, or None.   mass_fits : whether the records agree with it.
     fundamentals : the fit to the fundamental of each record alone, where the waveforms are not those of an oscillator.
+    plain : the fit without these departures, where it explains the records, too, and a few of such sets as well.
+    hinted : departures that the records hint at and the answer is not freed of.
+    stuck : the linear oscillator, with the stiffness of a contact that only sticks, where one explains the records.
+    frictionless : whether a balance of these has no friction: the contact sticks, or no two levels differ.
     """
 
     fit: WaveformFit | None
@@ -72,6 +78,17 @@ class JointFit:
     mass: float | None = None
     mass_fits: bool = True
     fundamentals: FundamentalFit | None = None
+    plain: WaveformFit | None = None
+    hinted: tuple[Explanation, ...] = ()
+    stuck: LinearFit | None = None
+    frictionless: bool = False
+
+    @property
+    def uncorrected(self) -> JointFit:
+        """The plain fit as the answer, which its departures are a hint to."""
+        return replace(
+            self, fit=self.plain, plain=None, mass_fits=True, explained=(), hinted=self.explained
+        )
 
     @property
     def waveforms_hold(self) -> bool:
@@ -188,10 +205,10 @@ def joint_fit(
     frames : whether the response may be in the other frame than it was taken for.
     """
     law = law or Law()
-    chi_square, freedom = linear_misfit(lines, k, law.terms)
-    slips = improbable(chi_square, freedom, lines)
+    without = linear_fit(lines, k, law.terms)
+    slips = improbable(without.chi_square, without.freedom, lines)
     fit, alone = _searched(lines, k, law, slips)
-    fall = 0.0 if fit is None else chi_square - fit.chi_square
+    fall = 0.0 if fit is None else without.chi_square - fit.chi_square
     linear = fall < SHOWS and not slips
     alone = None if linear else alone
 
@@ -204,7 +221,16 @@ def joint_fit(
 
     if fit is None or linear:
         fits = alone is None or penalty(alone) < SHOWS
-        return JointFit(fit, linear, mass=m, mass_fits=fits, fundamentals=alone)
+        stuck = linear_fit(lines, k, law.terms, m, mass_error) if linear else None
+        bare = False
+        if stuck is not None:
+            # k counts once where a force drives, and like mω² where a base moves
+            of_k = stiffness_error * max(1.0, stuck.by_mass * (m or 0.0) / k)
+            stuck = stuck._replace(K_error=math.hypot(stuck.K_error, of_k))
+            sizes = [float(abs(one.x[0])) for one in lines]
+            alike = len(lines) < len(law.unknowns) or max(sizes) < _DIFFER * min(sizes)
+            bare = alike or stuck.sticks is True
+        return JointFit(fit, linear, (), 0.0, m, fits, alone, stuck=stuck, frictionless=bare)
     error = fit.error("m")
     given = refit(fit, given={"m": m}) if m is not None and mass_error < error else None
     # χ² rises by the square of the difference over the error of the records alone
@@ -221,8 +247,10 @@ def joint_fit(
         return JointFit(fit, linear, mass=m, mass_fits=fits, fundamentals=alone)
     best = found[0].fit
     fall = fit.chi_square + penalty(fit) - best.chi_square - penalty(best)
+    chance = fall < fall_of(P_SHOWN, lines) and fit.adequate and penalty(fit) < SHOWS
+    plain = fit if chance else None
     fit = fit if FRAME in found[0].names else best
-    return JointFit(fit, linear, found, fall, m, penalty(best) < SHOWS)
+    return JointFit(fit, linear, found, fall, m, penalty(best) < SHOWS, plain=plain)
 
 
 def _searched(
@@ -283,18 +311,18 @@ def with_common_fit(
 class LawRows:
     """How one approach makes rows of the balance of a law.
 
-    k : N/m.   linear : whether the records are those of a linear oscillator, so that friction has no column.
+    k : N/m.   frictionless : whether friction has no column.
     """
 
     approach: Approach
     law: Law
     k: float
-    linear: bool
+    frictionless: bool
 
     def __call__(self, features: Features) -> Rows:
         """The rows of features, with a column for each coefficient; one whose records all lack rows has none."""
         rows = self.approach(features, self.k, self.law.terms)
-        if self.linear:
+        if self.frictionless:
             rows = replace(rows, terms={**rows.terms, FRICTION: np.zeros(rows.W.shape)})
         rows = rows.of_law(self.law)
         kept = rows.usable

@@ -17,6 +17,7 @@ import numpy as np
 
 from ..balance import Rows
 from ..fit.fundamentals import FundamentalFit
+from ..fit.goodness import LinearFit
 from ..fit.nuisances import with_response
 from ..fit.oscillator_fit import OscillatorFit
 from ..fit.steady_search import fit_records
@@ -40,8 +41,8 @@ from ..signals.checks import is_clipped
 from ..signals.mean_harmonics import Reading
 from ..signals.thresholds import AS_WELL, SHOWS
 from ..solver import NORMAL_95, solve
-from .answer import UNBOUNDED, USELESS, Answer, ParameterEstimate
-from .causes import CAUSES, doubts_of, likeliest, remark_on
+from .answer import UNBOUNDED, USELESS, Answer, ParameterEstimate, limit
+from .causes import CAUSES, doubts_of, hint_of, likeliest, remark_on
 from .oscillator import JointFit, Microstick
 
 DIRECT = "direct"
@@ -66,8 +67,19 @@ def notes_on(answer: Answer, readings: Sequence[Reading], joint: JointFit) -> It
     suspects = "a sign, a gain, a channel or the stiffness"
     yield from forbidden(answer.coefficients, clipped, suspects)
     yield from _shape(answer)
-    if joint.linear:
+    if joint.frictionless:
         yield Remark("the records show neither F_k nor K_z: c is taken from W = b c")
+    elif joint.stuck is not None:
+        known = joint.stuck.sticks is not None
+        or_sticks = "" if known else (
+            " if the contact slips; that it only sticks, whatever F_k is, they do not exclude: give the mass (--mass), or "
+            "add records at another frequency"
+        )
+        bounds = [limit(s, p) for s, p in answer.coefficients.items() if term(s).symbol == FRICTION]
+        yield Remark(
+            f"the records show hardly any friction, and no K_z: {listed(bounds)} at 95 %{or_sticks}",
+            doubts={} if known else {s: math.inf for s in answer.coefficients if s == FRICTION},
+        )
     elif not joint.waveforms_hold and not answer.notes:
         yield Remark(
             "slip onset could not be detected: the stick distance is taken from the closest fit"
@@ -207,16 +219,24 @@ def _numbered(which: Iterable[bool]) -> str:
 
 def _on_the_oscillator(readings: Sequence[Reading], joint: JointFit) -> Iterator[Remark]:
     """Yield warnings from the joint fit."""
-    if joint.linear:
+    if joint.stuck is not None:
+        contact = {
+            True: "the contact only sticks, and F_k and K_z cannot be determined; raise the excitation",
+            False: "hardly any friction shows; lower levels show more of what there is",
+            None: "the contact only sticks, or there is no friction, and F_k and K_z cannot be determined; raise the "
+            "excitation",
+        }[joint.stuck.sticks]
         yield Remark(
-            "the records are those of a linear oscillator within their noise: the contact only sticks, or there is no "
-            "friction, and F_k and K_z cannot be determined; raise the excitation"
+            f"the records are those of a linear oscillator within their noise: {contact}"
         )
+        yield from _too_stiff(readings, joint.stuck, joint.mass)
         return
     yield from _wrong_unit(readings, joint)
     fit, alone = joint.fit, joint.fundamentals
     if joint.explained:
         yield remark_on(joint.explained, joint.fall)
+    if joint.hinted and fit is not None:
+        yield hint_of(joint.hinted, joint.fall, fit)
     if joint.mass is not None and not joint.mass_fits:
         by_force = any("force" in reading.steady.channels for reading in readings)
         yield on_mass(joint.closest, joint.mass, by_force)
@@ -227,6 +247,26 @@ def _on_the_oscillator(readings: Sequence[Reading], joint: JointFit) -> Iterator
         )
     elif not fit.adequate and not joint.explained:
         yield _none_fits(readings, fit, alone)
+
+
+def _too_stiff(
+    readings: Sequence[Reading], stuck: LinearFit, mass: float | None
+) -> Iterator[Remark]:
+    """Yield a sentence where a contact that only sticks would have a stiffness below zero: the stiffness that is given
+    is too high by as much at least, as a contact adds to that of the spring."""
+    if not stuck.K < -math.sqrt(SHOWS) * stuck.K_error:
+        return
+    steady = readings[0].steady
+    of_base = "force" not in steady.channels and steady.base_mass is None and mass is not None
+    # a base that moves tells k/m, a force k itself
+    left = (mass or 0.0) * stuck.by_mass if of_base else stuck.k + stuck.K
+    too_high = -stuck.K / left if left > 0.0 else math.inf
+    yield Remark(
+        "k is stated at least {} too high for the records, as a contact can only add to it: check stiffness, mass, "
+        "gains and units",
+        larger_by(too_high) if left > 0.0 else "a multiple of itself",
+        doubts={"": too_high},
+    )
 
 
 def _none_fits(

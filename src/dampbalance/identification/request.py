@@ -39,7 +39,9 @@ STATIC_TEST = (
 
 
 def with_stiffness_by_mass(
-    identified: Callable[[Mapping[str, Any]], Identified], options: Mapping[str, Any]
+    identified: Callable[[Mapping[str, Any]], Identified],
+    options: Mapping[str, Any],
+    *further: Callable[[Mapping[str, Any]], Identified],
 ) -> tuple[dict[str, Any], float]:
     """Return options with the standard uncertainty of the stiffness k that the mass among them and the frequency of
     records give, and k, N/m.
@@ -47,18 +49,20 @@ def with_stiffness_by_mass(
     m, c, k, K_z and F_k times a number are an oscillator of the same motion: the mass m̂ that any stiffness k₀ leads to
     gives k = k₀ m/m̂.
 
-    identified : the identification with other options.
+    identified : the identification with other options.   further : identifications that begin with that k, as of
+    coefficients that are given: these are known at the true k alone.
 
     Raises ValueError where the records determine no mass.
     """
     mass, k = options["mass_kg"], options["mass_kg"] * _ANY
-    found = identified({**options, "stiffness_N_per_m": k, "mass_kg": None, "laws": False})
-    if math.isnan(found.mass):
-        raise ValueError(
-            "the records do not show the natural frequency from which, with the mass, the stiffness follows: give it "
-            f"(--stiffness). {STATIC_TEST}"
-        )
-    k *= mass / found.mass
+    for one in (identified, *further):
+        found = one({**options, "stiffness_N_per_m": k, "mass_kg": None, "laws": False})
+        if math.isnan(found.mass):
+            raise ValueError(
+                "the records do not show the natural frequency from which, with the mass, the stiffness follows: give "
+                f"it (--stiffness). {STATIC_TEST}"
+            )
+        k *= mass / found.mass
     error = math.hypot(options["mass_standard_error_kg"] / mass, found.mass_error / found.mass)
     return {**options, "stiffness_standard_error_N_per_m": k * error}, k
 

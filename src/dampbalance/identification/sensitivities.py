@@ -87,8 +87,10 @@ def sensitivities(
     with np.errstate(divide="ignore", invalid="ignore"):
         if math.isfinite(answer.K_z.value):
             # 2F_k/L, the L of the waveforms, which does not know the stiffness
-            friction = [values[key] for key in rows_of.law.keys_of(FRICTION) if key in values]
-            values["K_z"] = np.mean(friction, axis=0) / (sample.F_k * sample.rho**2)
+            given, keys = rows_of.law.given, rows_of.law.keys_of(FRICTION)
+            forces = [values.get(key, given.get(key, math.nan)) for key in keys]
+            friction = np.mean(np.broadcast_arrays(*forces), axis=0)
+            values["K_z"] = friction / (sample.F_k * sample.rho**2)
         return _by_fault(faults, {s: (of[1:] / of[0] - 1.0) / _STEP for s, of in values.items()})
 
 
