@@ -364,10 +364,7 @@ def _from_earlier(fit: RingFit, whole: Decay, earliest: float) -> RingFit:
         start -= step
     if len(fits) == 1:
         return fit
-    # a decay begins with a sample
-    part = whole.cut(fits[-1].decays[0].start, one.end)
-    begin = min(float(signal.t[0]) for signal in part.signals)
-    last = replace(problem, decays=(whole.cut(begin, one.end),))
+    last = replace(problem, decays=(whole.cut(fits[-1].decays[0].start, one.end),))
     starts = [fits[-1].point]
     for preload in _PRELOADS:
         starts.append(starts[0].copy())
