@@ -255,13 +255,14 @@ def _grown(
     problem = _until_rest(problem, thin.fit(ends[0]))
     fit = _first(minimise(problem, [one.point for one in ends]))
     if fit is None:
-        return fit
+        return None
     # another number of half cycles, or of those that friction takes, is another minimum
     loss = fit.F_k + per_c * fit.c
+    contacts = [float(fit.point[RHO]), *(1.0 / math.sqrt(stiff * k) for stiff in _FIRST_STIFFNESSES)]
     more = []
-    for by, share in itertools.product(_LOSSES, _FINER):
+    for by, share, rho in itertools.product(_LOSSES, _FINER, contacts):
         point = fit.point.copy()
-        point[F_K], point[C] = by * share * loss, by * (1.0 - share) * loss / per_c
+        point[F_K], point[C], point[RHO] = by * share * loss, by * (1.0 - share) * loss / per_c, rho
         more.append(point)
     best = _first(minimise(problem, [fit.point, *more], scanned=""))
     return best if best is not None and best.chi_square < fit.chi_square else fit
