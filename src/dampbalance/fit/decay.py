@@ -352,7 +352,7 @@ class DecayProblem:
 class RingFit(Fit):
     """The oscillator whose free decays fit the samples of n decays best.
 
-    minima : other minima of χ² that are nearly as good.
+    minima : other minima of χ² that are nearly as good, and points along K_z that are (`search.profiled`).
     """
 
     problem: DecayProblem

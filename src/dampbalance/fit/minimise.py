@@ -93,18 +93,33 @@ def minimise(problem: Any, starts: Iterable[Array], scanned: str = "rho") -> lis
         )
     if not ends:
         return []
-    # on all samples χ² differs by as much more as there are more of them
-    share = max(1.0, problem.samples / thin.samples)
-    near = [one for one in ends if one.chi_square < ends[0].chi_square + 2.0 + _ABOVE / share]
+    near = likely(ends, problem, thin)
     last = near if thin is problem else climbs(problem, [one.point for one in near])
     full = (climb_on(problem, one.point, gain=GAIN) for one in last)
     return [problem.fit(one) for one in distinct(full, len(problem.names))]
 
 
+def likely(ends: Sequence[Climb], problem: Any, thin: Any) -> list[Climb]:
+    """Return the ends of climbs on a thinned problem that may be the lowest on all samples."""
+    # there χ² differs by as much more as there are more of them
+    share = max(1.0, problem.samples / thin.samples)
+    level = min(one.chi_square for one in ends) + 2.0 + _ABOVE / share
+    return [one for one in ends if one.chi_square < level]
+
+
 def minima_along(problem: Any, point: Array, name: str) -> list[Array]:
     """Return points at the minima of χ² along the stiffness whose inverse root is an unknown, the lowest ten."""
+    ends = profile(problem, point, name, problem.scan(point))
+    level = np.array([math.inf, *(end.chi_square for end in ends), math.inf])
+    low = np.flatnonzero((level[1:-1] <= level[:-2]) & (level[1:-1] <= level[2:]))
+    return [ends[i].point for i in low[np.argsort(level[1 + low], kind="stable")][:KEPT]]
+
+
+def profile(problem: Any, point: Array, name: str, values: Array) -> list[Climb]:
+    """Return the ends of short climbs with an unknown held at some values, from the best point either way, in the order
+    of the unknown."""
     j = problem.names.index(name)
-    values = np.sort(np.append(problem.scan(point), point[j]))
+    values = np.sort(np.append(values, point[j]))
     ends: list[Climb] = []
     for some in (values[values >= point[j]], values[values < point[j]][::-1]):
         here = point
@@ -115,7 +130,4 @@ def minima_along(problem: Any, point: Array, name: str) -> list[Array]:
             if end is not None:
                 ends.append(end)
                 here = end.point
-    ends.sort(key=lambda end: float(end.point[j]))
-    level = np.array([math.inf, *(end.chi_square for end in ends), math.inf])
-    low = np.flatnonzero((level[1:-1] <= level[:-2]) & (level[1:-1] <= level[2:]))
-    return [ends[i].point for i in low[np.argsort(level[1 + low], kind="stable")][:KEPT]]
+    return sorted(ends, key=lambda end: float(end.point[j]))

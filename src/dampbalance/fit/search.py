@@ -29,8 +29,9 @@ from ..motion.unknowns import F_K, OSCILLATOR_UNKNOWNS, RHO, C
 from ..signals.band import Band, filtered
 from ..signals.bursts import Burst, Signal, bursts_of
 from ..signals.thresholds import NEVER, P_ONE_OSCILLATOR, P_STEP_BACK, SIGNIFICANT
+from ..solver import NORMAL_95
 from .decay import COMMON, FURTHER, STATE, Decay, DecayProblem, RingFit, with_noise_of
-from .minimise import climb_on, climbs, minimise
+from .minimise import climb_on, climbs, likely, minimise, profile
 
 _FIRST_STIFFNESSES = (
     4.0,
@@ -76,6 +77,8 @@ _FEWEST_FREE = 2.0  # degrees of freedom in the band, below which any motion fit
 _LEAST_SWING = 0.1  # of the swing of a burst, that its motion has at least
 _MOST_HALF_CYCLES = 4  # half cycles that slip, of a burst that may be the work of a hand
 _ROUGH = 1e-2  # of half of χ²: where a climb on the way ends
+_NEAR_MINIMUM = np.arange(-8, 9) * 0.5  # standard errors of ρ about a minimum
+_IN_INTERVAL = NORMAL_95**2  # of χ²
 _K3_GAIN = 15.0  # of χ²: what k_3 must explain, 4 standard errors
 
 
@@ -251,14 +254,15 @@ def _grown(
         return None
     problem = _until_rest(problem, thin.fit(ends[0]))
     fit = _first(minimise(problem, [one.point for one in ends]))
-    if fit is None or fit.white:
-        return fit
+    if fit is None:
+        return None
     # another number of half cycles, or of those that friction takes, is another minimum
     loss = fit.F_k + per_c * fit.c
+    contacts = [float(fit.point[RHO]), *(1.0 / math.sqrt(stiff * k) for stiff in _FIRST_STIFFNESSES)]
     more = []
-    for by, share in itertools.product(_LOSSES, _FINER):
+    for by, share, rho in itertools.product(_LOSSES, _FINER, contacts):
         point = fit.point.copy()
-        point[F_K], point[C] = by * share * loss, by * (1.0 - share) * loss / per_c
+        point[F_K], point[C], point[RHO] = by * share * loss, by * (1.0 - share) * loss / per_c, rho
         more.append(point)
     best = _first(minimise(problem, [fit.point, *more], scanned=""))
     return best if best is not None and best.chi_square < fit.chi_square else fit
@@ -364,10 +368,7 @@ def _from_earlier(fit: RingFit, whole: Decay, earliest: float) -> RingFit:
         start -= step
     if len(fits) == 1:
         return fit
-    # a decay begins with a sample
-    part = whole.cut(fits[-1].decays[0].start, one.end)
-    begin = min(float(signal.t[0]) for signal in part.signals)
-    last = replace(problem, decays=(whole.cut(begin, one.end),))
+    last = replace(problem, decays=(whole.cut(fits[-1].decays[0].start, one.end),))
     starts = [fits[-1].point]
     for preload in _PRELOADS:
         starts.append(starts[0].copy())
@@ -459,6 +460,27 @@ def in_the_band(fit: RingFit) -> RingFit | None:
     problem = replace(fit.problem, band=Band.about(1.0 / one.period, dt)).with_free("k_3")
     best = _first(minimise(problem, [fit.point], scanned=""))
     return None if best is None else without_spring(with_noise_of(best))
+
+
+def profiled(fit: RingFit) -> RingFit:
+    """Return the fit with the points along K_z that are as likely among its minima, which its intervals hold.
+
+    χ² has minima and kinks there, and may be flat: its curvature at the lowest point does not show how far one goes.
+    """
+    problem, thin, error = fit.problem, fit.problem.thinned(), fit.error("rho")
+    if not error > 0.0:
+        return fit
+    near = fit.point[RHO] + error * _NEAR_MINIMUM
+    values = np.append(problem.scan(fit.point), near[near > problem.rigid])
+    ends = likely(profile(thin, fit.point, "rho", values), problem, thin)
+    held = replace(problem, free=tuple(name for name in problem.free if name != "rho"))
+    along = [*filter(None, (held.climb(end.point, gain=_ROUGH) for end in ends))]
+    lowest = min(along, key=lambda one: one.chi_square, default=fit)
+    best = problem.climb(lowest.point) if lowest.chi_square < fit.chi_square else None
+    if best is not None and best.chi_square < fit.chi_square:
+        fit = best
+    inside = [one for one in along if one.chi_square < fit.chi_square + _IN_INTERVAL]
+    return replace(fit, minima=(*fit.minima, *inside))
 
 
 def with_one_more(fit: RingFit) -> RingFit | None:

@@ -21,7 +21,7 @@ from ..balance import TERMS, Rows
 from ..fit.decay import COMMON, FURTHER, RingFit, departures_of, with_noise_of
 from ..fit.scattering_mean import ScatteringMean
 from ..fit.score import Departure
-from ..fit.search import fit_all, in_the_band, separate_fits, sound, to_the_end
+from ..fit.search import fit_all, in_the_band, profiled, separate_fits, sound, to_the_end
 from ..motion.jit import interpreted
 from ..motion.unknowns import M
 from ..project.wording import Remark, listed, percent, visible, with_error
@@ -318,6 +318,7 @@ def identify_ring_downs(
         elif not agrees:
             warnings.append(on_mass(fit, mass))
     fit, along = with_departures(fit)
+    fit = profiled(fit)
     warnings += along
     moves = [min(fit.sticks_from(i), one.end - one.start) for i, one in enumerate(fit.decays)]
     halves = sum(int(2.0 * t / one.period) for t, one in zip(moves, fit.decays, strict=True))

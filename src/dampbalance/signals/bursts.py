@@ -26,6 +26,7 @@ _SMALLEST_BURST = 0.03  # relative to the largest burst: smaller ones determine 
 _DECAYED = 0.85
 _RISE = 0.6  # relative to a burst's swing: the motion before is smaller, or it is a beat
 _QUIET_SAMPLES = 200  # least number in a part, whose median is then known to 11 %
+_FEWEST_CYCLES = 1.5  # in a record, of a motion that slips in two half cycles
 
 
 @dataclass(frozen=True, eq=False)
@@ -158,10 +159,10 @@ def _bursts_of(signal: Signal, smooth_over: float) -> list[Burst]:
     peaks = _peaks(swing, length, least)
     if not peaks:
         raise NoDecay("no decaying motion in it exceeds the noise")
-    # over two windows lies a whole cycle, and its largest swing
+    # over two windows lies a whole cycle, and its largest swing; fewer than two cycles show no steady motion
     widest = maximum_filter1d(swing, length, origin=ahead, mode="nearest")
     if all(
-        widest[i : max(j - 2 * length, i + 1)].min() > _DECAYED * swing[i]
+        j - 4 * length > i and widest[i : j - 2 * length].min() > _DECAYED * swing[i]
         for i, j in zip(peaks, [*peaks[1:], swing.size], strict=True)
     ):
         raise NoDecay("it swings as far at its end as at its start")
@@ -208,7 +209,8 @@ def _frequency(signal: Signal) -> float:
     power = np.abs(np.fft.rfft(values, 1 << (size - 1).bit_length())) ** 2
     f = np.arange(power.size) / (2.0 * (power.size - 1) * signal.dt)
     clear = power > RARE_LINE * size * signal.noise**2
-    clear[f < 1.0 / (size * signal.dt)] = False
+    # the step of a release lies below; the shortest decay, two half cycles, has as many cycles
+    clear[f < _FEWEST_CYCLES / (size * signal.dt)] = False
     energy = np.where(clear, power, 0.0)
     energy[1:] *= f[1:] ** (1.0 - signal.order)
     total = np.concatenate([[0.0], np.cumsum(energy)])
