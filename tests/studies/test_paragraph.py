@@ -17,7 +17,7 @@ from dampbalance.solver import least_squares
 from dampbalance.studies import reading_study
 from dampbalance.studies.shown.paragraph import paragraph
 from dampbalance.studies.shown.study_figure import study_figure
-from folders import PAPER_FILE, ROOT
+from folders import ROOT
 from paper_case import LEVELS, PAPER, features_at
 
 
@@ -177,7 +177,7 @@ def shipped(computed):
     def numbers(name):
         file = ROOT / f"config/studies/{name}.yaml"
         _, _, path = computed(read_yaml(file))
-        return paragraph(reading_study.read_study(file, PAPER_FILE), path)[1]
+        return paragraph(reading_study.read_study(file), path)[1]
 
     return numbers
 

@@ -45,6 +45,7 @@ def main(params, inputs):
         shown=json.loads(read_text(inputs.shown)) if inputs.shown else {},
         noise=read_csv(inputs.noise) if inputs.noise else None,
         studies=list(zip(studies, map(read_text, inputs.study_figures), strict=True)),
+        study_folder=params.study_folder,
     )
 
 
