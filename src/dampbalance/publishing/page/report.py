@@ -202,12 +202,12 @@ def _study(content: PageContent, study: Study, svg: str) -> dict[str, Any]:
     first, _, more = content.shown[study.name]["paragraph"].partition(". ")
     summary = content.noise if study.name == "noise" else None
     cases = f"{content.study_folder}/{study.name}/cases.parquet"
+    files = (cases, f"config/studies/{study.name}.yaml")
     return {
         **{"title": study.title, "first": f"{first}.", "more": more},
         "lines": [] if summary is None else along_lines(study, summary, "F_k"),
         "figure": _figure(f"study-{name}", svg),
-        "origin": ORIGINS["studies"]
-        | {"results": (cases, f"config/studies/{study.name}.yaml")},  # its file says what is varied
+        "origin": ORIGINS["studies"] | {"results": files},  # its file says what is varied
     }
 
 
