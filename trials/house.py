@@ -7,6 +7,7 @@ imports. An arrow that follows from others is counted but not drawn.
 from __future__ import annotations
 
 import ast
+from collections.abc import Iterable, Mapping
 from functools import cache
 from pathlib import Path
 
@@ -68,6 +69,15 @@ def rooms() -> dict[str, set[str]]:
     return of
 
 
+def reached(start: Iterable[str], imports: Mapping[str, set[str]]) -> set[str]:
+    """Return what these modules, or rooms, import, directly or through others, and themselves."""
+    found, waiting = set[str](), set(start)
+    while waiting:
+        found |= waiting
+        waiting = {other for name in waiting for other in imports[name]} - found
+    return found
+
+
 def floor(room: str) -> int:
     """Return the floor of a room: 0 for one that imports no other."""
     return 1 + max(map(floor, rooms()[room]), default=-1)
@@ -76,11 +86,7 @@ def floor(room: str) -> int:
 def direct(room: str) -> set[str]:
     """Return the rooms to which an arrow is drawn: those that no other imported room reaches."""
     of = rooms()
-
-    def reached(start: str) -> set[str]:
-        return of[start].union(*map(reached, of[start]))
-
-    return of[room].difference(*map(reached, of[room]))
+    return of[room] - reached({next for other in of[room] for next in of[other]}, of)
 
 
 def drawing() -> Figure:

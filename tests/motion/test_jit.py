@@ -17,7 +17,7 @@ import pytest
 import dampbalance
 import dampbalance.motion.jit
 from dampbalance import BaseMotion
-from dampbalance.project.dependencies import package_modules
+from house import FACE, MODULES, PACKAGE, graph, reached
 from paper_case import PAPER
 from processes import output_of
 
@@ -97,16 +97,12 @@ def digest_of(package, monkeypatch):
 
 def test_digest_follows_every_module_that_kernels_are_made_of(package, monkeypatch):
     decorated = re.compile(r"^@jit$", re.MULTILINE)
-    kernels = [path for path in package.rglob("*.py") if decorated.search(path.read_text("utf-8"))]
-    names = {path.name for path in kernels}
-    assert {"flow.py", "events.py", "one_slip.py", "steady.py", "integrals.py"} <= names
-    imported = {
-        package.parent / module
-        for kernel in kernels
-        for module in package_modules(kernel, package.parent)
-    }
+    kernels = {name for name, path in MODULES.items() if decorated.search(path.read_text("utf-8"))}
+    names = {"flow", "events", "one_slip", "steady", "integrals"}
+    assert {f"dampbalance.motion.{name}" for name in names} <= kernels
     seen = {digest_of(package, monkeypatch)}
-    for path in sorted({*kernels, *imported}):
+    for name in sorted(reached(kernels, graph()) - FACE):
+        path = package / MODULES[name].relative_to(PACKAGE)
         path.write_text(path.read_text(encoding="utf-8") + "# edited\n", encoding="utf-8")
         digest = digest_of(package, monkeypatch)
         assert digest not in seen, path.name

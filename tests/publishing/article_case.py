@@ -30,6 +30,7 @@ from dampbalance.replication.rebuilt_tables import paper_tables
 from dampbalance.studies import case_files
 from dampbalance.studies.shown.study_figure import alternative_text, study_figure
 from dampbalance.studies.shown.summary import summary_of
+from dampbalance.studies.study_file import PAPER_CASE
 from legible import faults
 from replication.routes import (
     CASE,
@@ -227,7 +228,7 @@ def _numbers(project: Project, cases: list[str], files: list[str]) -> None:
         frequency=FIRST,
         folder=RESULTS,
         studies=OF_ARTICLE,
-        base="config/config.yaml",
+        papers=[PAPER_CASE] * len(OF_ARTICLE),
         packages=["dampbalance", "numpy", "typst"],
     )
 

@@ -16,7 +16,6 @@ from dampbalance.replication.rebuilt_tables import paper_tables
 from dampbalance.studies.reading_study import read_study
 from dampbalance.studies.shown.paragraph import paragraph
 from dampbalance.studies.shown.study_figure import alternative_text, study_figure
-from folders import PAPER_FILE
 from publishing.article_case import RESULTS, STUDIES
 from replication.routes import CASE, CONFIG, PAPER, as_published, computed, exact, sources_of
 
@@ -37,7 +36,7 @@ def results(folder: Path, article: Path) -> PageContent:
     routes = {"exact": exact(PAPER), "as_published": as_published(PAPER)}
     frequency, cases = computed("frequency", folder, COARSER)
     save_svg(study_figure(frequency, cases), folder / "figure.svg", alternative_text(frequency))
-    steps = read_study(article / f"{STUDIES}/step_size.yaml", PAPER_FILE)
+    steps = read_study(article / f"{STUDIES}/step_size.yaml")
     text, numbers = paragraph(frequency, cases)
     of_studies = json.loads(_text(made / "article/studies.json"))
     return PageContent(

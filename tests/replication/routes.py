@@ -129,6 +129,6 @@ def computed(name: str, folder: Path, coarser: tuple[str, str] = ("", "")) -> tu
     cases.parent.mkdir(parents=True)
     file.write_text(text.replace(*coarser) if coarser[0] else text, encoding="utf-8")
     shutil.copy(ROOT / f"config/studies/{name}.md.j2", folder)
-    study = read_study(file, ROOT / "config/config.yaml")
+    study = read_study(file)
     case_files.write_parts(cases, [evaluate.evaluate(study, 0, study.cases, threads=1)], study, "0")
     return study, cases

@@ -411,6 +411,17 @@ def test_unknown_verdict_in_the_record_is_refused(tmp_path):
         read_record(path)
 
 
+@pytest.mark.parametrize("other", ["reproduced", "differs"])
+def test_a_number_on_record_twice_is_refused(tmp_path, other):
+    """Otherwise the last line would win, silently, whatever the first one says."""
+    path = tmp_path / "verdicts.csv"
+    rows = ["id,printed,verdict", "table1.X.1,0.00273,reproduced", "table1.X.2,0.00439,simulated"]
+    text = "\n".join([*rows, "", f"table1.X.1,0.00273,{other}"])
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(ValueError, match=r"verdicts\.csv: id table1\.X\.1 appears in lines 2, 5;"):
+        read_record(path)
+
+
 def test_what_cannot_be_judged_is_refused():
     with pytest.raises(
         ValueError, match=r"row text\.phi_mean, column printed: 'n/a' is not a number"

@@ -142,6 +142,24 @@ def test_the_digits_hang_on_nine_inputs(claims):
     assert found["missed_by_printed_V_s"] == missed(**inputs | {"V_s": printed}) == 0
 
 
+def test_zero_decimals_are_a_step_of_a_whole_unit(claims, monkeypatch):
+    """X, φ and t_s kept in whole m, rad and s, all of them 0, 2 and 0, are moved by 1 m, 1 rad and 1 s."""
+    seen = []
+
+    def estimates(features, *_):
+        seen.append((*features.X, features.phi[0], features.t_s[0]))
+        return exact().estimates["omega1"]
+
+    whole = dict.fromkeys(("X_decimals", "common_phi_decimals", "common_t_s_decimals"), 0)
+    numerics = replace(CASE.numerics, two_point={**CASE.numerics.two_point, **whole})
+    monkeypatch.setattr(evidence, "estimates", estimates)
+    case = replace(CASE, numerics=numerics)
+    evidence.inputs_of_table_3(case, exact().features["omega1"], unrounded(), claims)
+    moves = np.array(seen) - [0.0, 0.0, 0.0, 0.0, 0.0, 2.0, 0.0]
+    expected = [sign * step for step in np.eye(7) for sign in (-1.0, 1.0)]
+    assert all(any(np.array_equal(move, step) for move in moves) for step in expected)
+
+
 # ---- What is not printed -------------------------------------------------------------------------------------------
 
 

@@ -10,7 +10,7 @@ from importlib import import_module
 import pytest
 
 from folders import ROOT
-from house import FACE, MODULES, PACKAGE, PICTURE, described, graph, imported, rooms
+from house import FACE, MODULES, PACKAGE, PICTURE, described, graph, imported, reached, rooms
 
 MOST_ROOT_MODULES = 11
 
@@ -68,21 +68,40 @@ def test_a_room_says_what_it_is_for(face):
     assert words.split("\n")[0].endswith(".")
 
 
-def scripts_of_rules() -> list[tuple[str, str, str]]:
-    """(rule file, rule, its script) for every rule that has one."""
+def scripts_of_rules() -> list[tuple[str, str, str, str]]:
+    """(rule file, rule, the code that it names, its script) for every rule that has a script."""
     found = []
     for file in sorted((ROOT / "workflow/rules").glob("*.smk")):
-        rule = ""
+        rule = code = ""
         for line in file.read_text(encoding="utf-8").splitlines():
             if (named := re.match(r"\s*rule (\w+):", line)) is not None:
-                rule = named[1]
+                rule, code = named[1], ""
+            elif (rooms := re.match(r"\s*code=(.+),", line)) is not None:
+                code = rooms[1]
             elif (script := re.match(r'\s*"\.\./scripts/(.+)"', line)) is not None:
-                found.append((file.stem, rule, script[1]))
+                found.append((file.stem, rule, code, script[1]))
     return found
 
 
+def test_a_rule_names_the_rooms_that_its_script_imports():
+    """An edit in a room that is left out would rerun nothing."""
+    text = "\n".join(f.read_text("utf-8") for f in sorted((ROOT / "workflow/rules").glob("*.smk")))
+    values = dict(re.findall(r"^(STUDY_ROOMS|METHOD) = (\(.+?^\)|.+?$)", text, re.M | re.S))
+    for _, rule, code, script in scripts_of_rules():
+        path = ROOT / "workflow/scripts" / script
+        from_face = re.findall(r"^from dampbalance import (.+)$", path.read_text("utf-8"), re.M)
+        assert set(from_face) <= {"__version__"}  # other names may come from any room
+        if code != "PACKAGE" and rule not in ("manifest", "archive", "site"):  # they have all
+            names = re.findall(r'"([\w.]+)"', values["METHOD"] + values.get(code, code))
+            modules = imported("scripts.script", path) - FACE
+            needed = reached({module.split(".")[1] for module in modules}, rooms())
+            assert needed <= {name.removesuffix(".py") for name in names}, rule
+    (tour,) = [code for _, rule, code, _ in scripts_of_rules() if rule == "notebook"]
+    assert tour == "PACKAGE"  # the tour takes names from the face of the package
+
+
 def test_a_script_stands_where_its_rule_says_and_every_script_has_one():
-    rules = scripts_of_rules()
+    rules = [(file, rule, script) for file, rule, _, script in scripts_of_rules()]
     assert [script for file, rule, script in rules if script != f"{file}/{rule}.py"] == []
     scripts = (ROOT / "workflow/scripts").rglob("*.py")
     assert {path.relative_to(ROOT / "workflow/scripts").as_posix() for path in scripts} == {

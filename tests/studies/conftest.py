@@ -11,7 +11,6 @@ import yaml
 from dampbalance import __version__
 from dampbalance.studies import case_files, evaluate, reading_study
 from dampbalance.studies.shown.paragraph import paragraph
-from folders import PAPER_FILE
 from studies.documents import document
 
 
@@ -22,7 +21,7 @@ def make(tmp_path_factory):
     def study(document, name="test"):
         path = tmp_path_factory.mktemp("study") / f"{name}.yaml"
         path.write_text(yaml.safe_dump({"title": "Test"} | document), encoding="utf-8")
-        return reading_study.read_study(path, PAPER_FILE)
+        return reading_study.read_study(path)
 
     return study
 

@@ -21,7 +21,6 @@ from dampbalance.studies import case_files, cases, evaluate, reading_study
 from dampbalance.studies.shown import summary
 from dampbalance.studies.shown.paragraph import paragraph
 from dampbalance.studies.shown.study_figure import alternative_text, study_figure
-from folders import PAPER_FILE
 from studies.documents import DOCUMENTS, REFUSALS, document
 
 LONGEST = 300  # characters of a line
@@ -127,7 +126,7 @@ def refused_or_made(document, tmp_path):
     file.write_text(text, encoding="utf-8")
     refusal = ""
     try:
-        study = reading_study.read_study(file, PAPER_FILE)
+        study = reading_study.read_study(file)
         cases.check_size(study, cases.size_of(study), tmp_path, file)
     except ConfigurationError as error:
         refusal = str(error)

@@ -12,6 +12,7 @@ import pytest
 
 from dampbalance import steady_orbit
 from dampbalance.balance import Rows
+from dampbalance.fit.waveforms import WaveformFit
 from dampbalance.identification.forced import identify_readings
 from dampbalance.project.wording import percent
 from dampbalance.records.synthetic import measured_orbit
@@ -59,6 +60,14 @@ def test_a_case_is_an_experiment_as_one_would_do_it(computed):
             assert stated == pytest.approx(parameter.standard_error, rel=0.45)
             held = abs(found[f"{column}__{label}"] - true) <= 1.959964 * stated
             assert found[f"{name}_covered__{label}"] == float(held)
+
+
+def test_departures_that_no_column_shows_are_not_tested(make, monkeypatch):
+    """They would take a quarter of the time of a study of noisy records."""
+    more = make(SMALL | {"estimation": SMALL["estimation"] | {"yardsticks": ["fit", "K_z"]}})
+    monkeypatch.delattr(WaveformFit, "departures")
+    table = evaluate.evaluate(more, 7, 8)
+    assert np.isfinite(table["F_k_relative_standard_error__fit__maximum_likelihood"]).all()
 
 
 def test_yardsticks_are_added_and_change_nothing_else(computed, make):

@@ -14,10 +14,11 @@ from dampbalance.balance import APPROACHES
 from dampbalance.project.documents import ConfigurationError, read_yaml
 from dampbalance.project.wording import number_text, signed_percent
 from dampbalance.solver import least_squares
-from dampbalance.studies import reading_study
+from dampbalance.studies import case_files, evaluate, reading_study
 from dampbalance.studies.shown.paragraph import paragraph
 from dampbalance.studies.shown.study_figure import study_figure
-from folders import PAPER_FILE, ROOT
+from dampbalance.studies.study_file import PAPER_CASE
+from folders import ROOT
 from paper_case import LEVELS, PAPER, features_at
 
 
@@ -177,7 +178,7 @@ def shipped(computed):
     def numbers(name):
         file = ROOT / f"config/studies/{name}.yaml"
         _, _, path = computed(read_yaml(file))
-        return paragraph(reading_study.read_study(file, PAPER_FILE), path)[1]
+        return paragraph(reading_study.read_study(file), path)[1]
 
     return numbers
 
@@ -204,6 +205,17 @@ def test_numbers_are_in_an_order_that_does_not_differ_between_processes(shipped)
 )  # fmt: skip
 def test_numbers_are_at_the_parameters_that_they_name(shipped, name, what, of):
     assert shipped(name)[what] == signed_percent(error_of_F_k(**of))
+
+
+def test_frequencies_of_the_paper_are_theirs_with_another_mass(tmp_path):
+    """A study takes oscillator and levels from the configuration, and its paragraph names ω₁, ω₂ and ω₃."""
+    paper = {**PAPER_CASE, "base": PAPER_CASE["base"] | {"m_kg": 3.0}}
+    study = reading_study.read_study(ROOT / "config/studies/frequency.yaml", paper)
+    table = evaluate.evaluate(study, 0, study.cases)
+    case_files.write_parts(tmp_path / "cases.parquet", [table], study, "0")
+    _, numbers = paragraph(study, tmp_path / "cases.parquet")
+    for what, hz in (("below_individual", 3.5), ("above_individual", 11.1)):
+        assert numbers[what] == signed_percent(error_of_F_k(hz, m=3.0))
 
 
 # Derived by independent code from exact orbits, to half a unit of the digits given: the worst pair of the Fourier

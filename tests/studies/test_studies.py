@@ -27,7 +27,7 @@ from dampbalance.studies.parameters import MECHANICAL, PARAMETERS, in_si
 from dampbalance.studies.shown import paragraph, summary
 from dampbalance.studies.shown.statistics import Sizes
 from dampbalance.studies.study_file import Listed, Range, Sampled, case_values, spread_values
-from folders import PAPER_FILE, ROOT
+from folders import ROOT
 from paper_case import PAPER, features_at
 from studies.documents import document
 
@@ -216,7 +216,7 @@ def test_dimensionless_groups_are_what_they_say():
 
 @pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
 def test_shipped_studies_are_in_order(path):
-    made = reading_study.read_study(path, PAPER_FILE)
+    made = reading_study.read_study(path)
     assert made.figure
     assert paragraph.template_of(made)
     text = made.text.read_text(encoding="utf-8")

@@ -74,9 +74,7 @@ def test_everything_is_made(studied, name):
 
 @pytest.mark.parametrize("name", ["map", "frequency", "noise"])
 def test_chunks_joined_are_the_study_computed_at_once(studied, name):
-    study = reading_study.read_study(
-        studied.folder / f"config/studies/{name}.yaml", studied.folder / "config/config.yaml"
-    )
+    study = reading_study.read_study(studied.folder / f"config/studies/{name}.yaml")
     cases = pd.read_parquet(studied.folder / f"results/studies/{name}/cases.parquet")
     whole = evaluate.evaluate(study, 0, study.cases)
     assert list(cases.columns) == list(whole.columns)

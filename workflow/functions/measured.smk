@@ -15,14 +15,6 @@ if config.get("measured"):  # slow to import
 
 MEASURED = {one["name"]: one for one in config.get("measured") or []}
 MEASURED_FILES = f"{RESULTS}/measured"
-MAPPING_SCHEMA = project_file("src/dampbalance/project/schemas/mapping.schema.yaml")
-REPORT_PARTS = [
-    MAPPING_SCHEMA,
-    *map(
-        project_file,
-        sorted((ROOT / "src/dampbalance/identification/templates").iterdir()),
-    ),
-]
 FROM = "relative to the folder of the run"
 
 

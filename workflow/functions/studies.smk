@@ -4,14 +4,13 @@ import re
 import sys
 from importlib.metadata import version
 
-STUDY_RESULTS = "results/studies"
+# Studies of the project's own configuration, or of a case of one's own, whose article and page cite them.
+STUDY_PLACE = (
+    "studies" if CASE.name == load_configfile(BASE_CONFIG)["case"] else f"{CASE.name}/studies"
+)
+STUDY_RESULTS = f"results/{STUDY_PLACE}"
 STUDIES = sorted(path.stem for path in (ROOT / "config/studies").glob("*.yaml"))
 
-# Article and page cite these of the paper's oscillator, a second each: one job computes and draws them faster than seven start.
-SMALL_STUDIES = [
-    *("frequency", "level", "damping", "contact_stiffness", "rigid_contact"),
-    *("read_out", "step_size"),
-]
 # A cached chunk is valid for these libraries only; Snakemake does not know their versions.
 STUDY_LIBRARIES = {name: version(name) for name in ("numpy", "scipy", "numba", "pandas", "pyarrow")}
 
@@ -37,6 +36,7 @@ def study_plan(name):
     """Return (study, its size), checked against the schema and the free disk; one clear error for a file that is wrong."""
     from dampbalance.studies.cases import check_size, size_of
     from dampbalance.studies.reading_study import read_study
+    from dampbalance.studies.study_file import paper_defaults
     from dampbalance.studies.shown.paragraph import template_of
 
     file = Path(study_file(name))
@@ -49,7 +49,7 @@ def study_plan(name):
         known = ", ".join(STUDIES)
         raise WorkflowError(f"{file}: there is no such study; known are {known}")
     try:
-        study = read_study(file, BASE_CONFIG)
+        study = read_study(file, paper_defaults(config))
         template_of(study)
         size = size_of(study)
         if workflow.is_main_process and not Path(f"{STUDY_RESULTS}/{name}/cases.parquet").exists():
@@ -81,9 +81,14 @@ if workflow.is_main_process:
 
 
 def study_settings(name):
-    """Return all that the numbers of a study follow from: only a change of it computes the study again."""
+    """Return what the numbers of a study follow from in its file: a change of the rest computes no case again."""
+    return study_plan(name)[0].settings
+
+
+def study_defaults(name):
+    """Return what a study takes from the configuration: a change of the rest reruns nothing."""
     study, _ = study_plan(name)
-    return {"settings": study.settings, "fixed": study.fixed, "levels": study.levels}
+    return {"base": dict(study.fixed), "levels_m": [*study.levels]}
 
 
 def study_chunks(wildcards):
@@ -106,25 +111,11 @@ def chunk_memory_mb(wildcards, attempt):
     return 1650 * attempt
 
 
-def title_of(name):
-    """Return the function that gives a study's name in the report: no study is read before a report is made."""
-
-    def title(wildcards):
-        from dampbalance.project.wording import plain_text  # needed for a report only
-
-        return {"result": plain_text(study_plan(name)[0].title)}
-
-    return title
-
-
 def study_title(wildcards):
     """Return the name in the report of the study of a job."""
-    return title_of(wildcards.study)(wildcards)
+    from dampbalance.project.wording import plain_text  # needed for a report only
 
-
-def study_svg(path, title):
-    """Return the figure of a study, which the report shows."""
-    return report(path, caption="../report/study.rst", category="Studies", labels=title)
+    return {"result": plain_text(study_plan(wildcards.study)[0].title)}
 
 
 def study_figure_files(wildcards):

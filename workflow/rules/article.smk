@@ -40,7 +40,7 @@ if config["published"]:
             lock=project_file("requirements.lock"),
             citation=project_file("CITATION.cff"),
             oscillators=project_file("paper/article/supplement/oscillators.json"),
-            modules=script_modules("article/article_numbers.py"),
+            code=PACKAGE,
         output:
             **figure_files("numerics", "How the printed digits arose"),
             **figure_files("glance", "The findings at a glance"),
@@ -55,7 +55,7 @@ if config["published"]:
         conda:
             ENVIRONMENT
         params:
-            base=BASE_CONFIG,
+            papers=lambda wildcards: [*map(study_defaults, ARTICLE_STUDIES)],
             case=of_case("oscillator", "frequencies_hz", "levels_m", "pairs", "phase", "numerics"),
             frequency=FREQUENCIES[0],
             folder=lambda wildcards: RESULTS,
@@ -92,7 +92,7 @@ if config["published"]:
                 f"{STUDY_RESULTS}/{{study}}/figure.svg",
                 study=("frequency", "noise", "rigid_contact"),
             ),
-            modules=script_modules("article/article.py"),
+            code=PACKAGE,
         output:
             pdf=report(
                 f"{RESULTS}/article.pdf",

@@ -10,7 +10,7 @@ rule claims:
         estimates=of_routes("estimates"),
         unrounded=f"{RESULTS}/features/as_published/unrounded/{FREQUENCIES[0]}.csv",
         published=published_files,
-        modules=script_modules("claims/claims.py"),
+        code=rooms("replication"),
     output:
         csv=report(
             f"{RESULTS}/claims.csv",
@@ -42,7 +42,7 @@ rule misprints:
         estimates=of_routes("estimates"),
         unrounded=f"{RESULTS}/features/as_published/unrounded/{FREQUENCIES[0]}.csv",
         published=published_files,
-        modules=script_modules("claims/misprints.py"),
+        code=rooms("replication"),
     output:
         json=f"{RESULTS}/misprints.json",
     log:
@@ -64,7 +64,7 @@ rule check:
     input:
         claims=rules.claims.output.csv,
         recorded=f"{PUBLISHED}/verdicts.csv",
-        modules=script_modules("claims/check.py"),
+        code=rooms("replication"),
     output:
         summary=report(
             f"{RESULTS}/summary.txt",

@@ -1,8 +1,9 @@
-# Shared by all rules: the project's files, the checked configuration, names of results, and the modules behind a script.
+# Shared by all rules: the project's files, the checked configuration, names of results, and the code behind a script.
 #
 # Results go below the folder in which the workflow runs; the project's own files are taken from its folder, ROOT. The
 # two differ under `snakemake --directory`, and when another workflow uses this one as a module (config/README.md).
 import copy
+import functools
 import logging
 import os
 import shlex
@@ -18,8 +19,8 @@ try:
     from dampbalance.balance import checks
     from dampbalance.project.case import Case, check_case, excerpt, require_own_case
     from dampbalance.project.documents import ConfigurationError
-    from dampbalance.project.dependencies import package_modules
     from dampbalance.project.files import ROUTES, remove_unfinished
+    from dampbalance.publishing.provenance.manifest import files_of
     from dampbalance.replication.feasibility import check_feasible
 except ImportError as error:
     raise WorkflowError(
@@ -119,7 +120,7 @@ def log_file(job, extension="log"):
 
 def study_log(job, extension="log"):
     """Return the log of a job of a study, like `log_file`."""
-    return f"results/logs/studies/{{study}}/{job}.{extension}"
+    return f"results/logs/{STUDY_PLACE}/{{study}}/{job}.{extension}"
 
 
 def of_routes(kind):
@@ -129,14 +130,21 @@ def of_routes(kind):
     )
 
 
-def script_modules(script):
-    """Return the package files that a script depends on, as inputs of its rule: only their edits rerun it."""
-    return modules_behind(f"workflow/scripts/{script}")
+@functools.cache
+def rooms(*names):
+    """Return the code that a script runs, as inputs of its rule: whole rooms of the package, and the locked libraries.
+
+    Every script has those of the method. A test misses a room that a script imports, directly or through others.
+    """
+    start = [f"src/dampbalance/{name}" for name in (*METHOD, *names)]
+    return [*map(project_file, files_of(ROOT, ["requirements.lock", *start]))]
 
 
-def modules_behind(file):
-    """Return the package files that a Python file of the project depends on."""
-    return [*map(str, package_modules(ROOT / file, ROOT / "src", relative_to=Path.cwd()))]
+METHOD = (
+    *("__init__.py", "arguments.py", "arrays.py", "balance.py", "estimates.py", "features.py"),
+    *("law", "model.py", "motion", "project", "record.py", "records", "signals", "solver.py"),
+)
+PACKAGE = rooms("")  # all rooms, also those that a script finds through the face of the package
 
 
 wildcard_constraints:

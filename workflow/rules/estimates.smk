@@ -4,7 +4,7 @@
 rule estimate_exact:
     input:
         features=rules.features_exact.output.features,
-        modules=script_modules("estimates/estimate_exact.py"),
+        code=rooms(),
     output:
         estimates=expand(f"{RESULTS}/estimates/exact/{{frequency}}.csv", frequency=FREQUENCIES),
     log:
@@ -24,7 +24,7 @@ rule estimate_as_published:
     input:
         tabulated=rules.features_as_published.output.tabulated,
         two_point=rules.features_as_published.output.two_point,
-        modules=script_modules("estimates/estimate_as_published.py"),
+        code=rooms("replication"),
     output:
         estimates=expand(
             f"{RESULTS}/estimates/as_published/{{frequency}}.csv", frequency=FREQUENCIES

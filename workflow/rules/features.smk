@@ -5,7 +5,7 @@
 rule features_exact:
     input:
         orbits=rules.simulate_exact.output.orbits,
-        modules=script_modules("features/features_exact.py"),
+        code=rooms(),
     output:
         features=expand(f"{RESULTS}/features/exact/{{frequency}}.csv", frequency=FREQUENCIES),
     log:
@@ -24,7 +24,7 @@ rule features_exact:
 rule features_as_published:
     input:
         records=rules.simulate_as_published.output.records,
-        modules=script_modules("features/features_as_published.py"),
+        code=rooms("replication"),
     output:
         **{
             name: expand(f"{RESULTS}/features/{folder}/{{frequency}}.csv", frequency=FREQUENCIES)

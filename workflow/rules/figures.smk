@@ -10,7 +10,7 @@ rule figures:
         orbits=f"{RESULTS}/orbits/{FREQUENCIES[0]}.json",
         estimates=rules.estimate_exact.output.estimates,
         claims=f"{RESULTS}/claims.csv" if config["published"] else [],
-        modules=script_modules("figures/figures.py"),
+        code=PACKAGE,
     output:
         **figure_files("figure1", "Figure 1: the oscillator and its contact"),
         **figure_files("figure2", "Figure 2: friction force against velocity"),

@@ -8,8 +8,7 @@ rule identify:
     input:
         records=lambda wildcards: record_files(wildcards.set),
         mappings=lambda wildcards: mapping_files(wildcards.set),
-        parts=REPORT_PARTS,
-        modules=script_modules("measured/identify.py"),
+        code=PACKAGE,
     output:
         # Earlier results stay when the job fails, and only its mark goes: the next run finds that missing and tries again.
         *[update(file) for file in set_files("{set}", "forced")],
@@ -58,7 +57,7 @@ use rule identify as identify_loops with:
 rule measured:
     input:
         sets=expand(f"{MEASURED_FILES}/{{set}}/identification.csv", set=MEASURED),
-        modules=script_modules("measured/measured.py"),
+        code=PACKAGE,
     output:
         csv=f"{MEASURED_FILES}/identification.csv",
         summary=f"{MEASURED_FILES}/summary.txt",

@@ -6,8 +6,7 @@ NOTEBOOK = "paper/notebook"
 rule notebook:
     input:
         source=project_file(f"{NOTEBOOK}/tour.py"),
-        modules=script_modules("notebook/notebook.py"),
-        imported=modules_behind(f"{NOTEBOOK}/tour.py"),
+        code=PACKAGE,
     output:
         ipynb=report(
             f"{RESULTS}/notebook/tour.ipynb",

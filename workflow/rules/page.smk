@@ -1,15 +1,12 @@
 # The page that shows a case to people who read.
 #
-# The page shows the small studies of the paper's oscillator, seconds each, never the map over a million. A user's case,
-# with nothing printed to compare with, gets a page without verdicts and studies: snakemake page --configfile …
+# A case with nothing printed to compare with gets a page without verdicts and studies: snakemake page --configfile …
 
-PAGE_PARTS = sorted(
-    project_file(path)
-    for folder in ("static", "templates")
-    for path in (ROOT / "src/dampbalance/publishing/page" / folder).iterdir()
-)
-
-PAGE_STUDIES = [*SMALL_STUDIES, "noise"] if config["published"] else []
+PAGE_STUDIES = [
+    *("frequency", "level", "damping", "contact_stiffness", "rigid_contact"),
+    *("read_out", "step_size", "noise"),
+]
+PAGE_STUDIES = PAGE_STUDIES if config["published"] else []
 PAGE_FIGURES = {
     name: f"{RESULTS}/figures/{name}.svg"
     for name in [
@@ -33,8 +30,7 @@ rule page:
         noise=f"{STUDY_RESULTS}/noise/summary.csv" if "noise" in PAGE_STUDIES else [],
         study_files=study_files(PAGE_STUDIES),
         study_figures=expand(f"{STUDY_RESULTS}/{{study}}/figure.svg", study=PAGE_STUDIES),
-        parts=PAGE_PARTS,
-        modules=script_modules("page/page.py"),
+        code=PACKAGE,
     output:
         page=report(
             f"{RESULTS}/report.html",
@@ -49,8 +45,9 @@ rule page:
     conda:
         ENVIRONMENT
     params:
-        base=BASE_CONFIG,
+        papers=lambda wildcards: [*map(study_defaults, PAGE_STUDIES)],
         config=config,
+        study_folder=STUDY_RESULTS,
         figures=list(PAGE_FIGURES),
         folder=lambda wildcards: RESULTS,
         page=lambda wildcards: f"{RESULTS}/report.html",

@@ -4,7 +4,7 @@
 
 rule simulate_exact:
     input:
-        modules=script_modules("simulate/simulate_exact.py"),
+        code=rooms(),
     output:
         orbits=expand(f"{RESULTS}/orbits/{{frequency}}.json", frequency=FREQUENCIES),
     log:
@@ -22,7 +22,7 @@ rule simulate_exact:
 
 rule simulate_as_published:
     input:
-        modules=script_modules("simulate/simulate_as_published.py"),
+        code=rooms("replication"),
     output:
         records=expand(
             f"{RESULTS}/records/as_published/{{frequency}}.parquet", frequency=FREQUENCIES

@@ -11,6 +11,9 @@
 include: "../functions/studies.smk"
 
 
+STUDY_ROOMS = rooms("figures", "fit", "identification", "studies")
+
+
 wildcard_constraints:
     study="[A-Za-z0-9][A-Za-z0-9_-]*",
     chunk="[0-9]+",
@@ -19,7 +22,7 @@ wildcard_constraints:
 # Expensive and pure: with SNAKEMAKE_OUTPUT_CACHE, `make` has it kept for other clones. Rules that may be have no benchmark.
 rule study_chunk:
     input:
-        modules=script_modules("studies/study_chunk.py"),
+        code=STUDY_ROOMS,
     output:
         chunk=temp(f"{STUDY_RESULTS}/{{study}}/chunks/{{chunk}}.parquet"),
     log:
@@ -32,11 +35,11 @@ rule study_chunk:
         mem_mb=chunk_memory_mb,
         runtime=30,
     params:
-        base=BASE_CONFIG,
+        paper=lambda wildcards: study_defaults(wildcards.study),
         file=lambda wildcards: study_file(wildcards.study),
         number=lambda wildcards: int(wildcards.chunk) + 1,
         chunks=lambda wildcards: study_plan(wildcards.study)[1].chunks,
-        computed_from=lambda wildcards: study_settings(wildcards.study),
+        settings=lambda wildcards: study_settings(wildcards.study),
         computed_with=STUDY_LIBRARIES,
     message:
         "Study {wildcards.study}: chunk {params.number} of {params.chunks}"
@@ -47,7 +50,7 @@ rule study_chunk:
 rule study_cases:
     input:
         chunks=study_chunks,
-        modules=script_modules("studies/study_cases.py"),
+        code=STUDY_ROOMS,
     output:
         cases=f"{STUDY_RESULTS}/{{study}}/cases.parquet",
         manifest=f"{STUDY_RESULTS}/{{study}}/manifest.json",
@@ -63,9 +66,9 @@ rule study_cases:
         mem_mb=chunk_memory_mb,
         runtime=60,
     params:
-        base=BASE_CONFIG,
+        paper=lambda wildcards: study_defaults(wildcards.study),
         file=lambda wildcards: study_file(wildcards.study),
-        computed_from=lambda wildcards: study_settings(wildcards.study),
+        settings=lambda wildcards: study_settings(wildcards.study),
     message:
         "Study {wildcards.study}: all cases in one file"
     script:
@@ -76,9 +79,14 @@ rule study_figure:
     input:
         cases=rules.study_cases.output.cases,
         file=lambda wildcards: study_file(wildcards.study),
-        modules=script_modules("studies/study_figure.py"),
+        code=STUDY_ROOMS,
     output:
-        svg=study_svg(f"{STUDY_RESULTS}/{{study}}/figure.svg", study_title),
+        svg=report(
+            f"{STUDY_RESULTS}/{{study}}/figure.svg",
+            caption="../report/study.rst",
+            category="Studies",
+            labels=study_title,
+        ),
         png=f"{STUDY_RESULTS}/{{study}}/figure.png",
     log:
         study_log("figure"),
@@ -89,46 +97,11 @@ rule study_figure:
         mem_mb=1500,
         runtime=30,
     params:
-        base=BASE_CONFIG,
+        paper=lambda wildcards: study_defaults(wildcards.study),
     message:
         "Study {wildcards.study}: figure"
     script:
         "../scripts/studies/study_figure.py"
-
-
-# All SMALL_STUDIES: cases and figures.
-rule small_studies:
-    input:
-        files=study_files(SMALL_STUDIES),
-        modules=script_modules("studies/small_studies.py"),
-    output:
-        cases=expand(rules.study_cases.output.cases, study=SMALL_STUDIES),
-        manifests=expand(rules.study_cases.output.manifest, study=SMALL_STUDIES),
-        svg=[
-            study_svg(f"{STUDY_RESULTS}/{name}/figure.svg", title_of(name))
-            for name in SMALL_STUDIES
-        ],
-        png=expand(f"{STUDY_RESULTS}/{{study}}/figure.png", study=SMALL_STUDIES),
-    log:
-        log_file("small_studies"),
-    benchmark:
-        log_file("small_studies", "tsv")
-    priority: NEXT
-    conda:
-        ENVIRONMENT
-    resources:
-        mem_mb=chunk_memory_mb,
-        runtime=60,
-    params:
-        base=BASE_CONFIG,
-    message:
-        "Small studies"
-    script:
-        "../scripts/studies/small_studies.py"
-
-
-ruleorder: small_studies > study_cases
-ruleorder: small_studies > study_figure
 
 
 rule study_summary:
@@ -137,7 +110,7 @@ rule study_summary:
         figure=study_figure_files,
         file=lambda wildcards: study_file(wildcards.study),
         text=lambda wildcards: study_texts([wildcards.study]),
-        modules=script_modules("studies/study_summary.py"),
+        code=STUDY_ROOMS,
     output:
         csv=f"{STUDY_RESULTS}/{{study}}/summary.csv",
         md=f"{STUDY_RESULTS}/{{study}}/summary.md",
@@ -150,7 +123,7 @@ rule study_summary:
         mem_mb=1500,
         runtime=30,
     params:
-        base=BASE_CONFIG,
+        paper=lambda wildcards: study_defaults(wildcards.study),
     message:
         "Study {wildcards.study}: summary"
     script:

@@ -10,7 +10,7 @@ rule tables:
         features=of_routes("features"),
         estimates=of_routes("estimates"),
         claims=f"{RESULTS}/claims.csv" if config["published"] else [],
-        modules=script_modules("tables/tables.py"),
+        code=rooms("replication"),
     output:
         csv=[reported_table(file) for file in table_files("csv")],
         md=table_files("md"),

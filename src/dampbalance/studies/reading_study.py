@@ -33,12 +33,12 @@ from ..project.wording import listed, shortened
 from .cases import PART, case_columns
 from .parameters import PARAMETERS, in_si, mechanical, objection, of_law, parameter, synonyms
 from .study_file import (
+    PAPER_CASE,
     STUDY_ROUTES,
     Listed,
     Sampled,
     Study,
     is_value,
-    paper_defaults,
     selected,
     spread_values,
 )
@@ -64,18 +64,17 @@ _FEATURES = 20  # numbers that a replicate has
 _USUAL_PANELS = 6  # more values are drawn along an axis, not as panels
 
 
-def read_study(path: str | Path, paper_file: str | Path) -> Study:
+def read_study(path: str | Path, paper: Mapping[str, Any] = PAPER_CASE) -> Study:
     """Return the study of a YAML file, named after the file.
 
     Without a figure, it gets the first of the usual ones that can be drawn. Its text is the template next to the
     file, NAME.md.j2, if there is one.
 
-    paper_file : the configuration of the paper's case, whose oscillator, first frequency and levels stand for what the
-    study leaves out.
+    paper : oscillator, frequency and levels that stand for what the study leaves out, as `paper_defaults` has them.
 
     Raises ConfigurationError listing every problem, a line each: file, key, what is wrong, what would be right.
     """
-    document, paper = read_yaml(path), paper_defaults(read_yaml(paper_file))
+    document = read_yaml(path)
     if wrong := problems(document, read_schema(STUDY_SCHEMA), paper):
         raise ConfigurationError(in_lines(wrong, {str(path): document}))
     text = Path(path).with_suffix(".md.j2")

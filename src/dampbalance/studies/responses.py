@@ -178,9 +178,9 @@ def measured_responses(cases: Cases, _: Iterable[str]) -> Responses:
         point, replicate, whole = _with_one_oscillator(read, osc.k, study.replicates, random)
         points.append(point)
         replicates.append(replicate)
-        if whole is not None and (answer := whole.answer):
-            for row, by_symbol in zip(fitted, (answer.values, answer.standard_errors), strict=True):
-                row[:, case] = [by_symbol[symbol] for symbol in _OF_FIT]
+        if whole is not None and (fit := whole.fit) is not None and not whole.linear:
+            fitted[0, :, case] = [*map(fit.value, TERMS), fit.K_z]
+            fitted[1, :, case] = [*map(fit.error, TERMS), fit.K_z_error]
         if by_simpson:
             integrals = _by_simpson(records, osc.k, study.replicates, random)
             pairs = zip((point, replicate), integrals, strict=True)

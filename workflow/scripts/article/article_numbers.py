@@ -46,8 +46,8 @@ def evidence(inputs, output, folder, case):
     return numbers | {"oscillators": json.loads(text)}
 
 
-def of_study(file, cases, params):
-    study = reading_study.read_study(file, params.base)
+def of_study(file, cases, paper):
+    study = reading_study.read_study(file, paper)
     text, numbers = paragraph(study, cases)
     axes = pd.read_parquet(cases, columns=list(study.axis_names)).select_dtypes("number")
     ranges = {name: [float(axes[name].min()), float(axes[name].max())] for name in axes}
@@ -87,7 +87,7 @@ if __name__ == "__main__":
     write_csv(o.schemes, scheme_table(case, p.frequency))
     write_csv(o.cycles, trial_table(case, p.frequency))
     write_json(o.evidence, evidence(i, o, p.folder, case))
-    studies = zip(p.studies, i.study_files, i.study_cases, strict=True)
-    write_json(o.studies, {name: of_study(file, cases, p) for name, file, cases in studies})
+    studies = map(of_study, i.study_files, i.study_cases, p.papers)
+    write_json(o.studies, dict(zip(p.studies, studies, strict=True)))
     write_json(o.environment, environment(p.packages, i.citation))
     figures(i, o, case)

@@ -30,7 +30,7 @@ def read_text(file):
 def main(params, inputs):
     config, folder = params.config, params.folder
     case = Case.from_config(config)
-    studies = [read_study(file, params.base) for file in inputs.study_files]
+    studies = list(map(read_study, inputs.study_files, params.papers))
     claims = read_csv(inputs.claims, dtype=str) if inputs.claims else None
     misprints = [json.loads(read_text(file)) for file in inputs.misprints or ()]
     return PageContent(
@@ -45,6 +45,7 @@ def main(params, inputs):
         shown=json.loads(read_text(inputs.shown)) if inputs.shown else {},
         noise=read_csv(inputs.noise) if inputs.noise else None,
         studies=list(zip(studies, map(read_text, inputs.study_figures), strict=True)),
+        study_folder=params.study_folder,
     )
 
 

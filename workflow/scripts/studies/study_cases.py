@@ -7,7 +7,7 @@ from dampbalance.studies import case_files, evaluate, reading_study
 if __name__ == "__main__":
     brief_troubles(snakemake.log)
     p, output, chunks = snakemake.params, snakemake.output, snakemake.input.get("chunks")
-    study = reading_study.read_study(p.file, p.base)
+    study = reading_study.read_study(p.file, p.paper)
     if chunks:
         case_files.join_chunks(output.cases, chunks, study)
     else:

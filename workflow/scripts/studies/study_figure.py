@@ -8,5 +8,5 @@ from dampbalance.studies.shown.study_figure import alternative_text, study_figur
 if __name__ == "__main__":
     brief_troubles(snakemake.log)
     i, o, p = (getattr(snakemake, name) for name in ("input", "output", "params"))
-    study = reading_study.read_study(i.file, p.base)
+    study = reading_study.read_study(i.file, p.paper)
     save(study_figure(study, i.cases), o.svg, o.png, alternative_text(study))

@@ -11,7 +11,7 @@ from dampbalance.studies.shown.paragraph import paragraph
 if __name__ == "__main__":
     brief_troubles(snakemake.log)
     i, o, p = (getattr(snakemake, name) for name in ("input", "output", "params"))
-    study, cases = reading_study.read_study(i.file, p.base), i.cases
+    study, cases = reading_study.read_study(i.file, p.paper), i.cases
     table = summary.summary_of(cases, study)
     figure = next((Path(file).name for file in i.figure if file.endswith(".png")), "")
     text, _ = paragraph(study, cases)

@@ -64,7 +64,7 @@ class PageContent:
     figures : name → SVG by `figures.style.save`: figure3, estimation_error, and where something is printed glance and
     numerics.
     evidence : `derived_numbers`, which the article argues with.   shown : study → its numbers and its paragraph, as
-    the article has them.   studies : (study, its figure as SVG).
+    the article has them.   studies : (study, its figure as SVG).   study_folder : where their results stand.
     digits : `changed_digits.packed`, if it is on record.
     noise : the summary of the study of noise, if that is among them.
     """
@@ -78,6 +78,7 @@ class PageContent:
     evidence: Mapping[str, Any] | None = None
     shown: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     studies: Sequence[tuple[Study, str]] = ()
+    study_folder: str = "results/studies"
     digits: Mapping[str, Any] | None = None
     noise: pd.DataFrame | None = None
 
@@ -200,7 +201,8 @@ def _study(content: PageContent, study: Study, svg: str) -> dict[str, Any]:
     name = study.name.replace("_", "-")
     first, _, more = content.shown[study.name]["paragraph"].partition(". ")
     summary = content.noise if study.name == "noise" else None
-    files = (f"results/studies/{study.name}/cases.parquet", f"config/studies/{study.name}.yaml")
+    cases = f"{content.study_folder}/{study.name}/cases.parquet"
+    files = (cases, f"config/studies/{study.name}.yaml")
     return {
         **{"title": study.title, "first": f"{first}.", "more": more},
         "lines": [] if summary is None else along_lines(study, summary, "F_k"),

@@ -46,7 +46,7 @@ _LEFT_BEHIND = re.compile(r"__pycache__|\.ipynb_checkpoints|.*\.egg-info|\.DS_St
 def files_of(root: str | Path, names: Iterable[str] = PROJECT) -> list[str]:
     """Return the files below `names` in the folder `root`, as sorted relative paths with slashes, without caches."""
     starts = [Path(root, name) for name in names]
-    paths = [path for start in starts for path in (start, *start.rglob("*")) if path.is_file()]
+    paths = {path for start in starts for path in (start, *start.rglob("*")) if path.is_file()}
     files = [path.relative_to(root) for path in paths]
     return sorted(f.as_posix() for f in files if not any(map(_LEFT_BEHIND.fullmatch, f.parts)))
 

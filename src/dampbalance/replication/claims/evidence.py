@@ -149,11 +149,14 @@ def inputs_of_table_3(
     def missed(*moved: Features) -> list[int]:
         return [len(printed) - given(features) for features in moved]
 
-    X_unit, mark = 10.0 ** -(rules.X_decimals or 6), rules.X_s_mark or 1e-6
+    def unit(decimals: int | None, usual: int) -> float:
+        return 10.0 ** -(usual if decimals is None else decimals)
+
+    X_unit, mark = unit(rules.X_decimals, 6), rules.X_s_mark or 1e-6
     steps: Mapping[str, tuple[str, float]] = {
         "X + X_s": ("X_s", mark),
-        "t_s": ("t_s", 10.0 ** -(rules.common_t_s_decimals or 4)),
-        "phi": ("phi", 10.0 ** -(rules.common_phi_decimals or 3)),
+        "t_s": ("t_s", unit(rules.common_t_s_decimals, 4)),
+        "phi": ("phi", unit(rules.common_phi_decimals, 3)),
     }
     moved = {
         f"X_{level}": missed(*(with_X(read.X + sign * X_unit * axis) for sign in (-1.0, 1.0)))

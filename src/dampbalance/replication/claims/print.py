@@ -9,6 +9,7 @@ This package is the only place that reads `paper/published/`: what is compared w
 
 from __future__ import annotations
 
+import csv
 import math
 import re
 from collections.abc import Mapping
@@ -24,6 +25,7 @@ from ...arrays import Array
 from ...estimates import estimate_table
 from ...features import FEATURE_COLUMNS, Features, of_numbers
 from ...project.case import Case
+from ...project.wording import cut
 from ...solver import Pair, pair_label
 from ..rebuilt_tables import (
     HARMONIC,
@@ -180,7 +182,7 @@ def column_ids(table: str, symbol: str, approach: str = "") -> list[str]:
 def read_published(folder: Path) -> Published:
     """Read the printed numbers from `folder`.
 
-    Raises ValueError naming file and column when a cell is blank or an id appears twice.
+    Raises ValueError naming file and column when a cell is blank.
     """
     frame = read_texts(folder / FILE, Row._fields)
     for column in ("id", "where", "quantity", "printed", "kind", "rule"):
@@ -188,13 +190,14 @@ def read_published(folder: Path) -> Published:
             raise ValueError(
                 f"{FILE}: column {column} has an empty cell; every printed number needs its digits, place and rule"
             )
-    if (twice := frame["id"][frame["id"].duplicated()]).any():
-        raise ValueError(f"{FILE}: id {twice.iloc[0]} appears twice; each needs its own name")
     return Published({name: Row(ClaimId(name), *cells) for name, *cells in frame.to_numpy()})
 
 
 def read_texts(path: Path, columns: tuple[str, ...]) -> pd.DataFrame:
-    """Return a table with these columns, every cell the text that it is. Raises ValueError for anything else."""
+    """Return a table with these columns, every cell the text that it is, and each `id` once.
+
+    Raises ValueError for anything else.
+    """
     problem = f"the file is missing, or has more than {_MOST_BYTES:,} bytes"
     if path.is_file() and path.stat().st_size <= _MOST_BYTES:
         try:
@@ -203,10 +206,17 @@ def read_texts(path: Path, columns: tuple[str, ...]) -> pd.DataFrame:
             reason = " ".join(str(error).split())[:120]
             problem = f"cannot be read as a table of text in UTF-8: {reason}"
         else:
-            if tuple(frame.columns) == columns:
+            twice = frame["id"][frame["id"].duplicated()] if "id" in frame else []
+            if tuple(frame.columns) != columns:
+                present = ", ".join(frame.columns)[:120]
+                problem = f"expected the columns {', '.join(columns)}, found {present}"
+            elif len(twice):
+                rows = csv.reader(path.read_text(encoding="utf-8").splitlines())
+                at = [rows.line_num for row in rows if row[:1] == [twice.iloc[0]]]
+                name, where = cut(twice.iloc[0], LONGEST), ", ".join(map(str, at))
+                problem = f"id {name} appears in lines {where}; each needs its own, so keep one"
+            else:
                 return frame
-            present = ", ".join(frame.columns)[:120]
-            problem = f"expected the columns {', '.join(columns)}, found {present}"
     raise ValueError(f"{path.name}: {problem}")
 
 
