@@ -17,7 +17,6 @@ from .identification.request import IN_WORDS, Stated
 from .joints.answer import identify_joint as identify_joint
 from .joints.records import read_lines
 from .joints.records import recognised_as_table as recognised_as_table
-from .loops.answer import LoopOutcome
 from .loops.answer import identify_loops as identify_loops
 from .project.wording import listed
 from .records.mapping import MappingLike
@@ -136,8 +135,8 @@ def identify(
         if words := _misplaced(kind, name):
             raise ValueError(f"{name} = {shown(value)} {words}")
     found = WAYS[kind](records, stiffness, mapping=mapping, **asked)
-    if recognised and isinstance(found, LoopOutcome):
-        return replace(found, guess=_GUESS, rig=[*found.rig, _GUESS])
+    if recognised and kind == "loops":
+        found = replace(found, rig=[f"{found.rig[0]} {_GUESS}", *found.rig[1:]])
     return found
 
 

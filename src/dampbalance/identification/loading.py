@@ -30,7 +30,7 @@ _LEFT_OUT = "a channel is clipped: the record is left out; raise the measuring r
 def keeps_moving(record: MeasuredRecord) -> bool:
     """Return whether the excitation channel of a record keeps moving; in a free decay it is missing, constant or
     strikes."""
-    return record.driven and not stands_still(record.whole().excitation.values)
+    return record.driven and not stands_still(record.recorded().excitation.values)
 
 
 def levels_of(record: MeasuredRecord) -> tuple[MeasuredRecord, ...]:
@@ -41,7 +41,7 @@ def levels_of(record: MeasuredRecord) -> tuple[MeasuredRecord, ...]:
     """
     if not keeps_moving(record):
         return (record,)
-    drive = record.whole().excitation
+    drive = record.recorded().excitation
     try:
         dwells = dwells_of(drive.t, drive.values)
     except Swept as error:

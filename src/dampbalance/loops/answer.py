@@ -89,14 +89,12 @@ class LoopOutcome(Identified):
     """The answers to measured loops, and all that they come from.
 
     loops : of all records.   fits : of each contact, by name, the one to use first.   normal_force : N, with its
-    standard uncertainty; None where it was not given.   guess : why the records are taken for loops where nobody said
-    that they are.
+    standard uncertainty; None where it was not given.
     """
 
     loops: tuple[Loop, ...]
     fits: Mapping[str, LoopFit]
     normal_force: tuple[float, float] | None
-    guess: str = ""
 
     kind: ClassVar[Mapping[str, str]] = {"kind": "loops"}
     mass_tests: ClassVar[bool] = False
@@ -207,10 +205,8 @@ class LoopOutcome(Identified):
 
     @property
     def check(self) -> str:
-        """Sentences on which contact predicts cycles better, on the friction coefficient where it is known, and on why
-        these are loops where nobody said so."""
-        mu = [words for words in self.rig if words.startswith("μ")]
-        return " ".join(filter(None, [self.rig[0], *mu, self.guess]))
+        """Sentences on which contact predicts cycles better, and on the friction coefficient where it is known."""
+        return " ".join([self.rig[0], *(words for words in self.rig if words.startswith("μ"))])
 
     @property
     def levels(self) -> list[Level]:
@@ -335,9 +331,7 @@ def identify_loops(
         ),
         rig=[
             _COMPARED[next(iter(fits))],
-            *_rig(first, loops),
-            *_on_runs(first, loops),
-            *_on_loads(first, loops, normal),
+            *_rig(first, loops, normal),
         ],
         settings={"confidence": CONFIDENCE},
         records=tuple(read),
@@ -457,7 +451,7 @@ def _warned(fit: LoopFit, loops: Sequence[Loop]) -> Iterator[Remark]:
             listed(flipped),
         )
     many = fit.contact.r.size > 1  # the friction of one slider may fall with the speed
-    fall, shift = fall_with_speed(fit.design, fit) if many and slips(fit) else (0.0, 0.0)
+    fall, shift = fall_with_speed(fit) if many and slips(fit) else (0.0, 0.0)
     if abs(fall) > _FALLS:
         yield Remark(
             "the friction at rest is {} of F_k {} than at speed: F_k holds for one speed only, and c is no damper",
@@ -479,35 +473,20 @@ def _warned(fit: LoopFit, loops: Sequence[Loop]) -> Iterator[Remark]:
         )
 
 
-def _on_runs(fit: LoopFit, loops: Sequence[Loop]) -> Iterator[str]:
-    """Yield a sentence on cycles of long records that are not fitted."""
-    fitted, cycles = (sum(loop.cycles for loop in of) for of in (fit.design.loops, loops))
-    if fitted < cycles:
+def _rig(fit: LoopFit, loops: Sequence[Loop], normal: tuple[float, float] | None) -> Iterator[str]:
+    """Yield sentences on fit, loads, spring, gap, and history of the cycles.   normal : mean normal force, N."""
+    of, errors = fit.values, fit.errors
+    fitted, total = (sum(loop.cycles for loop in some) for some in (fit.design.loops, loops))
+    if fitted < total:
         yield (
-            f"The contact is fitted to {fitted} of the {cycles} cycles, in {MOST_BLOCKS} runs spread evenly; the "
+            f"The contact is fitted to {fitted} of the {total} cycles, in {MOST_BLOCKS} runs spread evenly; the "
             "history is of all."
         )
-
-
-def _on_loads(
-    fit: LoopFit, loops: Sequence[Loop], normal: tuple[float, float] | None
-) -> Iterator[str]:
-    """Yield a sentence on friction forces that differ between records."""
-    forces = [fit.values[FRICTION] * loop.load for loop in loops]
-    if max(forces) - min(forces) > _DIFFER * fit.values[FRICTION]:
-        pairs = zip(forces, loops, strict=True)
-        each = listed([f"{number_text(F, 4)} N ({loop.name})" for F, loop in pairs])
-        at = (
-            f"that at N = {number_text(normal[0], 4)} N"
-            if normal and loops[0].N is not None
-            else "their mean"
-        )
-        yield f"The friction force differs from record to record, {each}: F_k is {at}."
-
-
-def _rig(fit: LoopFit, loops: Sequence[Loop]) -> Iterator[str]:
-    """Yield sentences on spring, gap, and the history of the cycles."""
-    of, errors = fit.values, fit.errors
+    if np.ptp([loop.load for loop in loops]) > _DIFFER:
+        forces = [f"{number_text(of[FRICTION] * one.load, 4)} N ({one.name})" for one in loops]
+        measured = loops[0].N is not None
+        at = f"that at N = {number_text(normal[0], 4)} N" if normal and measured else "their mean"
+        yield f"The friction force differs from record to record, {listed(forces)}: F_k is {at}."
     yield f"A spring of k = {with_error(of['k'], errors['k'])} N/m acts in parallel to the contact."
     if "n" in of:
         n = with_error(of["n"], errors["n"])

@@ -481,22 +481,26 @@ def _made(
     )
 
 
+def _with_columns(fit: LoopFit, columns: Sequence[Array]) -> tuple[Array, Array]:
+    """Return the coefficients of further columns, with the linear ones left free, and the sum of squares of each block
+    by the fit to the others."""
+    design, left = fit.design, fit.design.force - np.concatenate(fit.models)
+    A = np.array([*design.centred(np.array(columns)), *design.linear([*fit.linear][1:])]).T
+    p = np.linalg.lstsq(A, left)[0]
+    out = _without_each_block(A, left - A @ p, design.block, design.blocks)
+    return p, design.by_block(left - np.sum(A * (p + out[design.block]), axis=1))
+
+
 @one_thread
-def fall_with_speed(design: Design, fit: LoopFit) -> tuple[float, float]:
+def fall_with_speed(fit: LoopFit) -> tuple[float, float]:
     """Return by which part of F_k the friction is larger at rest than at speed, negative for a rise, where a term
     F_k e^{−(ẋ/v_S)²} predicts blocks that are left out clearly better (Stribeck), and by which part F_k changes then;
     else zeros."""
-    left, share = design.force - np.concatenate(fit.models), design.share(fit.contact)
+    design, share = fit.design, fit.design.share(fit.contact)
     changes, best = (0.0, 0.0), fit.predicted
     for part in _STRIBECK:
         at_rest = share * np.exp(-((design.v / (part * design.fastest)) ** 2))
-        A = np.array(
-            [*design.centred(np.array([at_rest, share])), *design.linear([*fit.linear][1:])]
-        ).T
-        p = np.linalg.lstsq(A, left)[0]
-        out = _without_each_block(A, left - A @ p, design.block, design.blocks)
-        ahead = left - np.sum(A * (p + out[design.block]), axis=1)
-        of = design.by_block(ahead)
+        p, of = _with_columns(fit, [at_rest, share])
         if _less(of, fit.predicted, _P_CONSTANT) and of.sum() < best.sum():
             changes, best = (float(p[0]) / fit.values["F_k"], float(p[1]) / fit.values["F_k"]), of
     return changes
@@ -506,34 +510,27 @@ def fall_with_speed(design: Design, fit: LoopFit) -> tuple[float, float]:
 def different_forces(fit: LoopFit) -> Array:
     """Return the friction force of each record over their mean where one of its own predicts blocks that are left out
     clearly better, (loops,); else ones."""
-    design = fit.design
-    if len(design.loops) == 1 or not slips(fit):
-        return np.ones(len(design.loops))
-    left, contact = design.force - np.concatenate(fit.models), fit.contact
-    number = np.repeat(np.arange(len(design.loops)), [own.sum() for own in design.inside])
-    ends = [replace(contact, r=contact.r * (1.0 + way * _WIDER)) for way in (-1.0, 1.0)]
-    less, more = (of.F_k * design.share(of) for of in ends)
-    slope = (more - less) / (2.0 * _WIDER)
-    slopes = np.array([np.where(number == i, slope, 0.0) for i in range(len(design.loops))])
-    stiffer, linear = design.share(contact), [s for s in fit.linear if s != "k"]
-    A = np.array([*design.centred(np.array([*slopes, stiffer])), *design.linear(linear)]).T
-    p = np.linalg.lstsq(A, left)[0]
-    out = _without_each_block(A, left - A @ p, design.block, design.blocks)
-    ahead = design.by_block(left - np.sum(A * (p + out[design.block]), axis=1))
-    forces = 1.0 + p[: len(slopes)]
-    if not (_less(ahead, fit.predicted, _P_CONSTANT) and forces.min() > 0.0):
-        return np.ones(forces.size)
-    return np.asarray(forces / forces.mean())
+    design, contact, same = fit.design, fit.contact, np.ones(len(fit.design.loops))
+    if same.size == 1 or not slips(fit):
+        return same
+    wider = replace(contact, r=contact.r * (1.0 + _WIDER))
+    share = design.share(contact)
+    number = np.repeat(np.arange(same.size), [loop.own.size for loop in design.loops])
+    slope = (wider.F_k * design.share(wider) - contact.F_k * share) / _WIDER
+    slopes = [np.where(number == i, slope, 0.0) for i in range(same.size)]
+    p, ahead = _with_columns(fit, [*slopes, share])
+    forces = 1.0 + p[: same.size]
+    clear = _less(ahead, fit.predicted, _P_CONSTANT) and forces.min() > 0.0
+    return np.asarray(forces / forces.mean()) if clear else same
 
 
 @lru_cache(maxsize=4)  # asked for by the intervals, the report and the document
 def with_late_motion(fit: LoopFit, late: float) -> LoopFit:
     """Return the fit with its displacement later by some time, s, as a fit to the force that much earlier."""
     loops = [replace(of, f=np.interp(of.t + late, of.t, of.f)) for of in fit.design.loops]
-    design = Design(loops)
     if fit.extensions is None:
-        return fit_gradual(design)
-    return Slider(design, fit.extensions, fit.shape).fit()
+        return fit_gradual(Design(loops))
+    return Slider(Design(loops), fit.extensions, fit.shape).fit()
 
 
 def _less(one: Array, other: Array, p: float) -> bool:

@@ -7,7 +7,7 @@ import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from functools import cached_property, wraps
+from functools import wraps
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec, TypeAlias, TypeVar
 
@@ -90,10 +90,6 @@ class MeasuredRecord:
 
     def whole(self) -> Measurement:
         """Return all channels, with the gain, the delay and the filters that are known taken off their samples."""
-        return self._corrected
-
-    @cached_property
-    def _corrected(self) -> Measurement:
         return self.recorded().corrected()
 
     def __repr__(self) -> str:
