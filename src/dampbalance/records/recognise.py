@@ -84,9 +84,10 @@ def recognise(
     the mapping.
 
     Raises RecordError for a record that cannot be used, naming what is missing or wrong and the remedy: channels that
-    cannot be distinguished, as `picks_of`; channel and line or sample of a value that is missing, not finite or beyond
-    all bounds, times that do not increase, have a gap or unequal steps, a constant channel, an integer that ran over,
-    channels of unequal lengths. Warns of what looks odd (RecordWarning).
+    cannot be distinguished, as `picks_of`; channel and line or sample of a value that is infinite or beyond all bounds,
+    of more than a few that are missing, times that do not increase, have a long gap or unequal steps, a constant
+    response, an integer that ran over, channels of unequal lengths. Warns of what looks odd, and of what is left out
+    (RecordWarning).
     """
     order, channels = list(QUANTITIES), list[Channel]()
     for file, of in ((table, mapping), *others):
@@ -448,7 +449,7 @@ def _filled(signal: Array, missing: Mask) -> Array:
 
 
 def _warn_of(file: Table, words: str, rows: Integers, count: int = 0) -> None:
-    """Warn of rows that are left out, in words with places for their number, its verb and where they stand.
+    """Say in a warning which rows are left out, in words with places for their number, its verb and where they stand.
 
     count : number of the samples, where it is not that of the rows.
     """
