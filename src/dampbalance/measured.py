@@ -65,7 +65,8 @@ def read_records(
     A record in memory is called "record 1" by its place, or as `name` in the `attrs` of its table says.
 
     Raises RecordError (a ValueError) naming record, key and remedy: a channel that is missing or unclear, a wrong unit,
-    times that do not increase or have a gap, a value that is not finite, a constant channel.
+    times that do not increase or have a long gap, more than a few values that are missing, one that is infinite, a
+    constant channel. Warns of samples that are left out.
 
     >>> import numpy as np
     >>> from dampbalance import read_records

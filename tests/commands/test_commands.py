@@ -375,7 +375,7 @@ def with_value(column, row, value):
 
 
 WRONG = {
-    "nan": (with_value("displacement_m", 500, np.nan), "first.csv"),
+    "infinite": (with_value("displacement_m", 500, np.inf), "first.csv: line 502: "),
     "no base": (lambda t: t.drop(columns="base_displacement_m"), "base_displacement"),
     "unit": (lambda t: t.assign(displacement_m=1e3 * t["displacement_m"]), "first.csv"),
     "gap": (lambda t: t.drop(index=range(1000, 1400)), "has a gap"),

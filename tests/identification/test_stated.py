@@ -238,7 +238,9 @@ def test_an_uncertainty_that_is_none_is_refused(wrong):
         ((3.1, 0.0), 3.1, 0.0),
     ],
 )
-def test_a_mass_alone_is_known_to_half_a_per_cent_and_as_a_text_to_half_its_last_digit(value, mass, error):
+def test_a_mass_alone_is_known_to_half_a_per_cent_and_as_a_text_to_half_its_last_digit(
+    value, mass, error
+):
     assert mass_with_error(value) == pytest.approx((mass, error))
     assert not isinstance(value, str) or ARGUMENTS["--mass"]["type"](value) == value
 

@@ -9,6 +9,7 @@ used is refused with what is missing, and with the mapping to write where that i
 
 from __future__ import annotations
 
+import math
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -45,8 +46,11 @@ _MULTIPLE_TOLERANCE = 0.01
 _LINE_TOLERANCE = 1.5  # resolutions; rounding, and what the line is off by itself
 _MAX_RATE_ERROR = 1e-3  # largest relative error of the rate; c has the same one
 _MOST_MISSING = 0.03  # of the samples of a channel: more is a gap, or another clock
-_JUMP = 3.0  # of the bend that one sample in ten exceeds: one in a million of noise does
-_LONG = 10  # steps, over which a signal moves on clearly
+_LONG = 10  # steps, from which on the clock may have jumped instead
+_AROUND = 8  # samples on either side of a gap, which a parabola describes
+_GAPS = 100  # that are looked at
+_CLEAR = 5.0  # log-likelihood ratio of a decision
+_EXACT = 1e-20  # sum of squares relative to that of the signal: less is rounding
 _PLACES = 3  # that a warning lists
 
 
@@ -80,9 +84,10 @@ def recognise(
     the mapping.
 
     Raises RecordError for a record that cannot be used, naming what is missing or wrong and the remedy: channels that
-    cannot be distinguished, as `picks_of`; channel and line or sample of a value that is missing, not finite or beyond
-    all bounds, times that do not increase, have a gap or unequal steps, a constant channel, an integer that ran over,
-    channels of unequal lengths. Warns of what looks odd (RecordWarning).
+    cannot be distinguished, as `picks_of`; channel and line or sample of a value that is infinite or beyond all bounds,
+    of more than a few that are missing, times that do not increase, have a long gap or unequal steps, a constant
+    response, an integer that ran over, channels of unequal lengths. Warns of what looks odd, and of what is left out
+    (RecordWarning).
     """
     order, channels = list(QUANTITIES), list[Channel]()
     for file, of in ((table, mapping), *others):
@@ -382,9 +387,9 @@ def _numbered(t: Array, signals: Sequence[Array]) -> tuple[Integers, Integers]:
     """Return the rows that count and the numbers of their samples, which have gaps where samples are missing.
 
     Rows without a time do not count, nor those that are there twice, if these are all whose time does not move on. A
-    recorder that loses rows leaves a whole number of steps. Times that were rounded may look like that as well: there
-    the signals say which it is, as they go on smoothly where nothing is missing. All rows count where more than a few
-    would not.
+    recorder that loses rows leaves a whole number of steps. Times that were rounded, and a clock that jumps, may look
+    like that as well: there the signals say which it is, as they go on smoothly where nothing is missing. All rows
+    count where more than a few would not.
 
     t : s.   signals : that share these times.
     """
@@ -406,19 +411,30 @@ def _numbered(t: Array, signals: Sequence[Array]) -> tuple[Integers, Integers]:
     changed = int(number[-1]) + 1 - kept.size + t.size - kept.size
     if changed > _MOST_MISSING * t.size or np.diff(number).min() < 1:
         return rows, rows
-    unclear = _rounded(t[kept]) or np.diff(number).max() > _LONG  # the clock may have jumped
-    if gaps.size and unclear and not any(_jumps(one[kept], gaps) for one in signals):
-        return rows, rows
+    if gaps.size:
+        evidence = math.fsum(_evidence(one[kept], number, gaps[:_GAPS]) for one in signals)
+        rounded, long = _rounded(t[kept]) is not None, bool(np.diff(number).max() > _LONG)
+        least = _CLEAR if rounded and gaps.size > 1 else -_CLEAR  # rounding seldom makes one step
+        if (rounded or long) and evidence < least:
+            return rows, rows
     return kept, number
 
 
-def _jumps(signal: Array, gaps: Integers) -> bool:
-    """Return whether a signal goes on after samples with these numbers in other steps than around them."""
-    with np.errstate(over="ignore", invalid="ignore"):
-        bends = np.abs(np.diff(signal, 2))
-    around = np.clip([gaps - 1, gaps], 0, bends.size - 1)
-    usual = np.nanquantile(bends, 0.9) if np.isfinite(bends).any() else np.inf
-    return bool((bends[around] > _JUMP * usual).any())
+def _evidence(signal: Array, number: Integers, gaps: Integers) -> float:
+    """Return by how much the samples around gaps are likelier with them than without, as a log-likelihood ratio.
+
+    number : of the samples, as the times have them.   gaps : indices of the samples after which some are missing.
+    """
+    total = 0.0
+    for j in gaps.tolist():
+        own = slice(max(0, j + 1 - _AROUND), j + 1 + _AROUND)
+        values = signal[own] - signal[j]
+        if np.abs(values).max() > 0.0 and values.size > _AROUND:  # NaN is not
+            values = values / np.abs(values).max()
+            ways = (np.arange(values.size), number[own] - number[j])
+            with_gap, without = (np.polyfit(at, values, 2, full=True)[1].sum() for at in ways[::-1])
+            total += 0.5 * values.size * math.log((without + _EXACT) / (with_gap + _EXACT))
+    return total
 
 
 def _filled(signal: Array, missing: Mask) -> Array:
@@ -433,7 +449,7 @@ def _filled(signal: Array, missing: Mask) -> Array:
 
 
 def _warn_of(file: Table, words: str, rows: Integers, count: int = 0) -> None:
-    """Warn of rows that are left out, in words with places for their number, its verb and where they stand.
+    """Say in a warning which rows are left out, in words with places for their number, its verb and where they stand.
 
     count : number of the samples, where it is not that of the rows.
     """
