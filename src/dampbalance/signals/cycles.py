@@ -68,7 +68,7 @@ class CycleHarmonics:
     bad_cycles: tuple[tuple[int, float, Remark], ...]
     span: float
     clipped: float
-    first: float
+    first: float = 0.0
     correction: Correction | None = None
 
     @property

@@ -30,7 +30,7 @@ _EXTRA = 4  # odd harmonics beyond the bandwidth that are taken: they bound the 
 
 @dataclass(frozen=True, eq=False)
 class Folds:
-    """What harmonics x_p beyond half the sampling rate add to the x_n of a record that no filter took them off.
+    """The share of harmonics x_p beyond half the sampling rate in the x_n of a record, where no filter took them off.
 
     orders : p, (…, 2, h), those of one multiple of the rate and either sign of n together.   factors : of x_p or its
     conjugate.   mirrored : which is conjugate.
