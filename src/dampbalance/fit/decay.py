@@ -244,8 +244,8 @@ class DecayProblem:
 
     def products(self, point: Array, out: Array) -> bool:
         """Set `out` to JᵀJ bordered by Jᵀr and χ²; false where the contact rattles."""
-        whole = self.columns(point)
         with np.errstate(over="ignore", invalid="ignore"):  # of a motion that grows without bound
+            whole = self.columns(point)
             np.matmul(whole.T, whole, out=out)
         return bool(np.isfinite(out).all())
 

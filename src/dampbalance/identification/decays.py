@@ -403,6 +403,16 @@ def _solved(
             )
         )
         notes.append(fit_notes[-1])
+    ringing = math.sqrt((fit.k + min(fit.K_z, 1e300)) / fit.m) / (2.0 * math.pi)
+    dt = max(signal.dt for one in fit.decays for signal in one.signals)
+    if ringing > 0.5 / dt and not fit.K_z_interval[1] > 2.0 * fit.K_z:
+        fit_notes.append(
+            Remark(
+                f"on the contact the mass rings at {ringing:.3g} Hz, more than half of the {1.0 / dt:.3g} samples a "
+                "second: other values of K_z may explain the samples as well; sample faster",
+                doubts={"K_z": math.inf},
+            )
+        )
     errors = np.sqrt(np.diag(covariance)).tolist()
     estimates = {s: normal(p, error) for (s, p), error in zip(values.items(), errors, strict=True)}
     if interval is not None:
@@ -464,16 +474,22 @@ def _solved(
 
 
 def lines_in(fit: RingFit) -> list[Remark]:
-    """Return a sentence on each line in what the fit leaves outside the band of the mode: it moves no number."""
+    """Return a sentence on each line in what the fit leaves outside the band of the mode: it moves no number.
+
+    A line that the mass may ring at on a contact that the interval of K_z holds says which contact that would be.
+    """
     if fit.problem.band is None:
         return []
     remarks = []
     stuck = math.sqrt((fit.k + fit.K_z) / fit.m) / (2.0 * math.pi)
-    whole = replace(fit, problem=replace(fit.problem, band=None))
+    whole, (low, high) = replace(fit, problem=replace(fit.problem, band=None)), fit.K_z_interval
     for i, signal, residual in whole.residuals():
         motion = 0.5 * float(np.ptp(signal.values))
         for line in lines_of(-residual * signal.noise, signal.dt, fit.natural_frequency_hz, stuck):
             words = f"the {signal.quantity} contains {line.words(motion)}; the fit excludes it"
+            ringing = fit.m * (2.0 * math.pi * line.frequency_hz) ** 2 - fit.k
+            if line.kind != "mains" and low < ringing < high:
+                words += f". If that is the mass ringing at rest on its contact, K_z is {ringing:.4g} N/m"
             remarks.append(Remark(words, source=fit.decays[i].source))
     return remarks
 

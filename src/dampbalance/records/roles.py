@@ -14,6 +14,7 @@ from ..arrays import Array
 from ..project.wording import shortened
 from .errors import RecordError, RecordWarning, require_size
 from .headings import (
+    WORDS,
     by_unit,
     coordinate_of,
     full_name,
@@ -164,6 +165,8 @@ class Roles:
             quantity = None if holds_time(raw) or unusable(raw) else quantity_of(raw)
             if i in self.axes:
                 quantity = None if self.axes[i] else "acceleration"
+            if self.mapping.free and {*words_of(raw.name)} & {*WORDS["base_displacement"]}:
+                continue  # the other axis of a camera: no base moves in a free decay
             if quantity in chosen:
                 self.require_one_coordinate([chosen[quantity], i])
                 both = [shortened(self.channels[at].name) for at in (chosen[quantity], i)]

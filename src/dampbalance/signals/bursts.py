@@ -91,8 +91,8 @@ QUIET_PARTS = 8
 
 
 SAMPLES_A_CYCLE = 10
-"""At 8, three of five accelerations after a release gave F_k 15 % low: the third differences of so few samples a cycle,
-which measure the noise, are mostly motion. At 10 and 12 none did; at 14 and 16 some are as wrong; why is unknown."""
+"""Below, three fits of ten lead nowhere: the kinks of the motion and the ringing of the stuck mass lie between the
+samples, and the third differences of so few a cycle, which measure the noise, are mostly motion."""
 
 LEAST_NOISE = 3e-6
 """Noise relative to the motion, below which it is no transducer's."""
