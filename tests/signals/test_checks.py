@@ -250,8 +250,8 @@ def test_distortion_is_that_of_the_harmonics_that_count():
 def test_even_harmonics_are_asymmetry_and_odd_ones_are_not():
     error = np.full(6, 1e-3)
     mean = np.array([5.0, 2.0, 0.01, 0.5, -0.04, 0.3], dtype=np.complex128)
-    assert "harmonic 4 is 2 % of the" in next(checks.symmetry(mean, error))
-    assert list(checks.symmetry(mean * [1, 1, 0, 1, 0, 1], error)) == []
+    assert "harmonic 4 is 2 % of the" in next(checks.symmetry(mean, error, mean, error))
+    assert list(checks.symmetry(mean * [1, 1, 0, 1, 0, 1], error, mean, error)) == []
 
 
 def test_the_base_puts_work_in_where_the_response_lags():
