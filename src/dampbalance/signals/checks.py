@@ -315,7 +315,8 @@ def steadiness(
             sizes = (*sizes, after, skipped + after)
         elif change.size > _AMPLITUDE_WRONG:
             words += "; leave out cycles at its start (--skip-cycles), or record again after the motion has settled"
-        if change.size > _AMPLITUDE_WRONG:
+        # a response that follows a drive which hunts is no transient: it may be averaged
+        if change.size > _AMPLITUDE_WRONG and not (i and parts_of[0] and SETTLES not in words):
             raise Unsettled(words.format(*sizes), int(sizes[-1]) if SETTLES in words else 0)
         warnings.append(Remark(words, *sizes, doubts={"": parts_of[i]}))
     return (parts_of[0], parts_of[1]), warnings
