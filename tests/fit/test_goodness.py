@@ -57,14 +57,14 @@ def test_a_contact_that_only_sticks_has_the_stiffness_it_has():
     assert linear_fit(stuck, PAPER.k).sticks is None
     of_stuck, of_loose = (linear_fit(of, PAPER.k, m=PAPER.m) for of in (stuck, loose))
     assert of_stuck.sticks is True
-    assert abs(of_stuck.K - PAPER.K_z) < 4.0 * of_stuck.K_error < 0.1 * PAPER.K_z
+    assert abs(of_stuck.contact - PAPER.K_z) < 4.0 * of_stuck.contact_error < 0.1 * PAPER.K_z
     assert of_loose.sticks is False
-    assert abs(of_loose.K) < 4.0 * of_loose.K_error < 0.01 * PAPER.k
+    assert abs(of_loose.contact) < 4.0 * of_loose.contact_error < 0.01 * PAPER.k
     # of a mass that is 10 % off, K is off by ω² times that
     wrong = linear_fit(loose, PAPER.k, m=0.9 * PAPER.m, m_error=0.1 * PAPER.m)
     omega = 2.0 * math.pi * NEAR
-    assert wrong.K == pytest.approx(-0.1 * PAPER.m * omega**2, rel=0.01)
-    assert wrong.K_error == pytest.approx(-wrong.K, rel=0.01)
+    assert wrong.contact == pytest.approx(-0.1 * PAPER.m * omega**2, rel=0.01)
+    assert wrong.contact_error == pytest.approx(-wrong.contact, rel=0.01)
 
 
 @pytest.mark.parametrize("freedom", [2, 40])

@@ -216,6 +216,17 @@ def test_no_number_of_levels_that_are_alike_is_usable(levels):
             assert "the levels are so alike" in verdict.reason
 
 
+@pytest.mark.parametrize("levels", [(3e-4, 6e-4, 1.2e-3), (5e-4, 6e-4, 1.2e-3)])
+def test_levels_that_hardly_slip_beside_one_that_slips_far_are_not_alike(levels):
+    osc = replace(PAPER, c=1.0)
+    found = identified(readings(NEAR, 0.002, levels, osc))
+    X = found.features.X
+    assert X.max() > 1000.0 * X.min()
+    assert not any("alike" in warning for warning in found.warnings)
+    assert {verdict.verdict for verdict in found.verdicts.values()} == {"usable"}
+    assert close(found, osc)
+
+
 @pytest.mark.parametrize("hz", FREQUENCIES_HZ.values())
 def test_rows_that_weigh_as_they_are_sure_use_what_the_records_hold(hz):
     motions, two = motions_at(hz), THREE[:2]

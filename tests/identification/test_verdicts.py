@@ -13,6 +13,7 @@ import pytest
 
 from dampbalance.balance import Rows
 from dampbalance.identification.answer import (
+    FUNDAMENTALS,
     REFERENCE,
     UNKNOWN,
     Answer,
@@ -30,6 +31,7 @@ from dampbalance.identification.remarks import (
     in_a_sentence,
     limits,
     notes_on,
+    on_records,
 )
 from dampbalance.identification.screen import in_one, with_interval
 from dampbalance.project.wording import Remark, factor, listed, times
@@ -350,3 +352,17 @@ def test_balance_and_fit_are_apart_from_four_standard_errors_of_their_difference
         {"direct": with_parameters(c=off)},
     )
     assert any("the energy balance and the fit" in words for words in warnings) == apart
+
+
+@pytest.mark.parametrize(("chi_square", "spared"), [(3.0, True), (1e4, False)])
+def test_a_distorted_drive_doubts_fundamentals_that_their_noise_does_not_explain(
+    chi_square, spared
+):
+    distorted = Remark("not harmonic", doubts={"": 0.4}, spares=("direct", REFERENCE))
+    steady = SimpleNamespace(source="a", warnings=())
+    reading = SimpleNamespace(steady=steady, warnings=(distorted, NOTED))
+    alone = SimpleNamespace(chi_square=chi_square, freedom=3)
+    said, noted = on_records([reading], SimpleNamespace(fundamentals=alone))
+    assert (FUNDAMENTALS in said.spares) == spared
+    assert {"direct", REFERENCE} <= {*said.spares}
+    assert noted.spares == ()

@@ -186,6 +186,16 @@ def test_a_change_of_a_tenth_is_refused():
         steadiness(Y, 1.0 + 0.105 * line + 0j)
 
 
+def test_a_response_that_follows_a_drive_which_hunts_is_averaged():
+    """Near resonance it changes by more than a tenth, and is no transient."""
+    hunts = 0.03 * np.sin(np.linspace(0.0, 5.0, 40))
+    words = steadiness(1.0 + hunts + 0j, 1.0 + 4.0 * hunts + 0j)
+    assert [word.split(" is ")[0] for word in words] == ["the excitation", "the response"]
+    assert words[1].doubts[""] > 0.05
+    with pytest.raises(ValueError, match="the response is not steady"):
+        steadiness(np.ones(40) + 0j, 1.0 + 4.0 * hunts + 0j)
+
+
 def test_only_the_amplitude_of_the_excitation_may_not_change():
     turning = np.exp(1j * np.linspace(0.0, 3.0, 40))  # the drive is not quite at the ω assumed
     assert steadiness(turning, 2.0 * turning) == []
@@ -250,8 +260,14 @@ def test_distortion_is_that_of_the_harmonics_that_count():
 def test_even_harmonics_are_asymmetry_and_odd_ones_are_not():
     error = np.full(6, 1e-3)
     mean = np.array([5.0, 2.0, 0.01, 0.5, -0.04, 0.3], dtype=np.complex128)
-    assert "harmonic 4 is 2 % of the" in next(checks.symmetry(mean, error))
-    assert list(checks.symmetry(mean * [1, 1, 0, 1, 0, 1], error)) == []
+    assert "harmonic 4 is 2 % of the" in next(checks.symmetry(mean, error, mean, error))
+    assert list(checks.symmetry(mean * [1, 1, 0, 1, 0, 1], error, mean, error)) == []
+    # those of the base itself act in second order
+    (of_rig,), (of_drive,) = (
+        list(checks.symmetry(mean, error, base, error))
+        for base in (mean * [1, 1, 0, 1, 0, 1], mean)
+    )
+    assert of_drive.doubts[""] == pytest.approx(of_rig.doubts[""] ** 2)
 
 
 def test_the_base_puts_work_in_where_the_response_lags():

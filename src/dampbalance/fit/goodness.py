@@ -19,25 +19,25 @@ from ..solver import NORMAL_95
 class LinearFit(NamedTuple):
     """A linear oscillator, and how well it fits records.
 
-    k : N/m.   chi_square, freedom : χ² and its degrees of freedom.   K, K_error : stiffness of a contact that only sticks, N/m,
-    with its standard error, infinite where the records do not tell it from the inertia.   by_mass : change of K with
-    the mass that is given, (rad/s)².
+    k : N/m.   chi_square, freedom : χ² and its degrees of freedom.
+    contact, contact_error : stiffness K of a contact that only sticks, N/m, with its standard error, infinite where the
+    records do not tell it from the inertia.   by_mass : change of K with the mass that is given, (rad/s)².
     """
 
     k: float
     chi_square: float
     freedom: int
-    K: float
-    K_error: float
+    contact: float
+    contact_error: float
     by_mass: float
 
     @property
     def sticks(self) -> bool | None:
         """Whether there is a contact, which only sticks; None where the records do not tell it from none."""
-        if self.K**2 > SHOWS * self.K_error**2:
-            return self.K > 0.0
+        if self.contact**2 > SHOWS * self.contact_error**2:
+            return self.contact > 0.0
         # no contact of a rig is softer than its spring
-        return False if self.K + NORMAL_95 * self.K_error < self.k else None
+        return False if self.contact + NORMAL_95 * self.contact_error < self.k else None
 
 
 def linear_fit(

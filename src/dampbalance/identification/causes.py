@@ -331,9 +331,9 @@ def hint_of(found: Sequence[Explanation], fall: float, fit: WaveformFit) -> Rema
             doubts[key] = max(doubts.get(key, 0.0), off / (abs(values[key]) or math.inf))
     words = listed([one.words for one in found], "or")
     return Remark(
-        f"the records hint at {words}: it would explain {fall:.0f} of χ², but the energy balance contradicts the numbers "
-        "that follow, and agrees with those of the fit without it, which are the answer; the intervals include both; "
-        f"{found[0].remedy}",
+        f"the records hint at {words}: it would explain {fall:.0f} of χ², but the energy balance contradicts the "
+        "numbers that follow, and agrees with those of the fit without it, which are the answer; the intervals include "
+        f"both; {found[0].remedy}",
         doubts=doubts,
     )
 

@@ -15,7 +15,6 @@ Errors are those of the jackknife: the balance is solved without one group of cy
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -28,7 +27,7 @@ from scipy import special
 
 from ..arguments import flag, number, whole
 from ..arrays import Array, Mask
-from ..balance import Approach, Rows, approach, checks
+from ..balance import Rows, approach, checks
 from ..features import FEATURE_COLUMNS, Features, stack
 from ..law.law import Law, law_of
 from ..law.terms import FRICTION, term
@@ -58,7 +57,7 @@ from .causes import GRADUAL, condition_on_contact
 from .identified import QUICK, Identified, Picture
 from .law_comparison import compare_laws
 from .level import Level
-from .loading import load, unclipped
+from .loading import load, require_different_levels, unclipped
 from .oscillator import (
     JointFit,
     LawRows,
@@ -72,7 +71,7 @@ from .oscillator import (
     read_samples,
     with_common_fit,
 )
-from .remarks import DIRECT, agreement, contradiction, notes_on
+from .remarks import DIRECT, agreement, contradiction, notes_on, on_records
 from .request import (
     STATIC_TEST,
     Stated,
@@ -318,7 +317,9 @@ def _of_records(
     if options["stiffness_N_per_m"] is None:
         require_base(records, "stiffness is missing, and a mass alone gives none then", STATIC_TEST)
         # a coefficient that is given is that of the true k: the first k comes without it
-        passes = [partial(_of_records, records, of) for of in ([Law()] if law.given else []) + [law]]
+        passes = [
+            partial(_of_records, records, of) for of in ([Law()] if law.given else []) + [law]
+        ]
         options, k = with_stiffness_by_mass(passes[0], options, *passes[1:])
         masses = Masses(None, None)
     else:
@@ -371,7 +372,9 @@ def identify_readings(
     """
     law = law or Law()
     ways = checks() if approaches is None else tuple(map(approach, approaches))
-    _require(readings, k, law, ways)
+    require_different_levels(readings, k, law)
+    if not ways:
+        raise ValueError(f"no approach is given; known are {', '.join(checks())}")
     if mass is not None:
         number("mass", mass)
     lines = [reading.lines for reading in readings]
@@ -413,7 +416,7 @@ def identify_readings(
         rig.append(
             f"Timing check: the response is {with_error(1e6 * value, 1e6 * error)} µs late (no delay detected)."
         )
-    of_records = [words.about(r.steady.source) for r in readings for words in r.warnings]
+    of_records = on_records(readings, joint)
     of_all = agreement(readings, line, joint, estimates)
     if fit is not None and joint.waveforms_hold and GRADUAL not in fit.problem.freed:
         rig += condition_on_contact(fit, fit.departures.values())
@@ -435,30 +438,6 @@ def identify_readings(
         features=samples.point.features,
         microstick=line,
     )
-
-
-def _require(
-    readings: Sequence[Reading],
-    k: float,
-    law: Law,
-    approaches: Sequence[Approach],
-) -> None:
-    number("stiffness", k)
-    law.require([r.steady.frequency_hz for r in readings], by_balance=False)
-    for steady in (reading.steady for reading in readings):
-        if steady.k != k:
-            raise ValueError(
-                f"{steady.source} was read with k = {steady.k:g} N/m, not with {k:g} N/m"
-            )
-    for one, other in itertools.combinations((reading.steady for reading in readings), 2):
-        # copies have cycles with the same harmonics, to what another format may change
-        bound = 1e-9 * abs(one.X[0, 1])
-        if one.X.shape == other.X.shape and np.abs(one.X - other.X).max() < bound:
-            raise ValueError(
-                f"{one.source} and {other.source} contain the same signals: each record is one level"
-            )
-    if not approaches:
-        raise ValueError(f"no approach is given; known are {', '.join(checks())}")
 
 
 def _vetoed(joint: JointFit, readings: Sequence[Reading], k: float, law: Law) -> bool:

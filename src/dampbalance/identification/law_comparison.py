@@ -356,7 +356,7 @@ def _by_balance(
     terms : of it; `law` may have a friction force that stands for none.   joint : with the oscillator that has it, or
     none, whose rows need no onset of slip.
     """
-    rows_of = LawRows(APPROACHES[DIRECT], law, readings[0].steady.k, linear=joint.fit is None)
+    rows_of = LawRows(APPROACHES[DIRECT], law, readings[0].steady.k, frictionless=joint.fit is None)
     samples = read_samples(with_common_fit(readings, joint, law))
     cycles = min(len(reading.steady.weights) for reading in readings)
     balance, coefficients = _generalised(samples.map(lambda of: rows_of(of.features)), cycles)

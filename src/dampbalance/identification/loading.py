@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import itertools
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
 
+from ..arguments import number
 from ..arrays import Array
 from ..law.law import Law
 from ..project.wording import Remark
@@ -130,6 +132,25 @@ def _settled(read: Callable[[int], SteadyRecord], skipped: int) -> tuple[int, St
         raise
     of_start = (one.of[-1] for one in steady.warnings if SETTLES in one.template)
     return max(of_start, default=0), steady
+
+
+def require_different_levels(readings: Sequence[Reading], k: float, law: Law) -> None:
+    """Raise ValueError where readings cannot distinguish the terms of a law, were read with another stiffness, or two
+    of them are of the same signals."""
+    number("stiffness", k)
+    law.require([r.steady.frequency_hz for r in readings], by_balance=False)
+    for steady in (reading.steady for reading in readings):
+        if steady.k != k:
+            raise ValueError(
+                f"{steady.source} was read with k = {steady.k:g} N/m, not with {k:g} N/m"
+            )
+    for one, other in itertools.combinations((reading.steady for reading in readings), 2):
+        # copies have cycles with the same harmonics, to what another format may change
+        bound = 1e-9 * abs(one.X[0, 1])
+        if one.X.shape == other.X.shape and np.abs(one.X - other.X).max() < bound:
+            raise ValueError(
+                f"{one.source} and {other.source} contain the same signals: each record is one level"
+            )
 
 
 def unclipped(

@@ -226,7 +226,7 @@ def joint_fit(
         if stuck is not None:
             # k counts once where a force drives, and like mω² where a base moves
             of_k = stiffness_error * max(1.0, stuck.by_mass * (m or 0.0) / k)
-            stuck = stuck._replace(K_error=math.hypot(stuck.K_error, of_k))
+            stuck = stuck._replace(contact_error=math.hypot(stuck.contact_error, of_k))
             sizes = [float(abs(one.x[0])) for one in lines]
             alike = len(lines) < len(law.unknowns) or max(sizes) < _DIFFER * min(sizes)
             bare = alike or stuck.sticks is True

@@ -14,6 +14,7 @@ from pathlib import PurePath
 from typing import Any
 
 import numpy as np
+from scipy import special
 
 from ..balance import Rows
 from ..fit.fundamentals import FundamentalFit
@@ -39,9 +40,17 @@ from ..project.wording import (
 )
 from ..signals.checks import is_clipped
 from ..signals.mean_harmonics import Reading
-from ..signals.thresholds import AS_WELL, SHOWS
+from ..signals.thresholds import AS_WELL, P_CAUSE, SHOWS
 from ..solver import NORMAL_95, solve
-from .answer import UNBOUNDED, USELESS, Answer, ParameterEstimate, limit
+from .answer import (
+    FUNDAMENTALS,
+    REFERENCE,
+    UNBOUNDED,
+    USELESS,
+    Answer,
+    ParameterEstimate,
+    limit,
+)
 from .causes import CAUSES, doubts_of, hint_of, likeliest, remark_on
 from .oscillator import JointFit, Microstick
 
@@ -71,13 +80,13 @@ def notes_on(answer: Answer, readings: Sequence[Reading], joint: JointFit) -> It
         yield Remark("the records show neither F_k nor K_z: c is taken from W = b c")
     elif joint.stuck is not None:
         known = joint.stuck.sticks is not None
-        or_sticks = "" if known else (
-            " if the contact slips; that it only sticks, whatever F_k is, they do not exclude: give the mass (--mass), or "
-            "add records at another frequency"
+        or_sticks = (
+            " if the contact slips; that it only sticks, whatever F_k is, they do not exclude: give the mass "
+            "(--mass), or add records at another frequency"
         )
         bounds = [limit(s, p) for s, p in answer.coefficients.items() if term(s).symbol == FRICTION]
         yield Remark(
-            f"the records show hardly any friction, and no K_z: {listed(bounds)} at 95 %{or_sticks}",
+            f"the records show hardly any friction, and no K_z: {listed(bounds)} at 95 %{'' if known else or_sticks}",
             doubts={} if known else {s: math.inf for s in answer.coefficients if s == FRICTION},
         )
     elif not joint.waveforms_hold and not answer.notes:
@@ -171,6 +180,19 @@ def _shape(answer: Answer) -> Iterator[Remark]:
         )
 
 
+def on_records(readings: Sequence[Reading], joint: JointFit) -> list[Remark]:
+    """Return the warnings on single records. Those that spare the fit, which has the harmonics of the drive, spare that
+    to the fundamentals, too, where it leaves no more than noise."""
+    alone = joint.fundamentals
+    holds = alone is not None and special.chdtrc(alone.freedom, alone.chi_square) > P_CAUSE
+    spared = (FUNDAMENTALS,) if holds else ()
+    return [
+        words.about(r.steady.source, *(spared if REFERENCE in words.spares else ()))
+        for r in readings
+        for words in r.warnings
+    ]
+
+
 def agreement(
     readings: Sequence[Reading],
     microstick: Microstick,
@@ -226,9 +248,7 @@ def _on_the_oscillator(readings: Sequence[Reading], joint: JointFit) -> Iterator
             None: "the contact only sticks, or there is no friction, and F_k and K_z cannot be determined; raise the "
             "excitation",
         }[joint.stuck.sticks]
-        yield Remark(
-            f"the records are those of a linear oscillator within their noise: {contact}"
-        )
+        yield Remark(f"the records are those of a linear oscillator within their noise: {contact}")
         yield from _too_stiff(readings, joint.stuck, joint.mass)
         return
     yield from _wrong_unit(readings, joint)
@@ -254,13 +274,13 @@ def _too_stiff(
 ) -> Iterator[Remark]:
     """Yield a sentence where a contact that only sticks would have a stiffness below zero: the stiffness that is given
     is too high by as much at least, as a contact adds to that of the spring."""
-    if not stuck.K < -math.sqrt(SHOWS) * stuck.K_error:
+    if stuck.contact >= -math.sqrt(SHOWS) * stuck.contact_error:
         return
     steady = readings[0].steady
     of_base = "force" not in steady.channels and steady.base_mass is None and mass is not None
     # a base that moves tells k/m, a force k itself
-    left = (mass or 0.0) * stuck.by_mass if of_base else stuck.k + stuck.K
-    too_high = -stuck.K / left if left > 0.0 else math.inf
+    left = (mass or 0.0) * stuck.by_mass if of_base else stuck.k + stuck.contact
+    too_high = -stuck.contact / left if left > 0.0 else math.inf
     yield Remark(
         "k is stated at least {} too high for the records, as a contact can only add to it: check stiffness, mass, "
         "gains and units",
@@ -414,8 +434,10 @@ def contradiction(
 
 
 def _sine(rows: Rows) -> float:
-    """Return the smallest sine of the angle that a column of the balance makes with those before it."""
-    columns = [g[rows.usable] for symbol, g in rows.terms.items() if symbol not in rows.given]
+    """Return the smallest sine of the angle that a column of the balance makes with those before it, each row counted
+    by the parts of its work: of the largest motion alone, all small ones would look alike."""
+    used = rows.usable & (rows.W != 0.0)
+    columns = [g[used] / rows.W[used] for s, g in rows.terms.items() if s not in rows.given]
     unit = np.column_stack([g / np.linalg.norm(g) for g in columns])
     return float(np.min(np.abs(np.diag(np.linalg.qr(unit)[1]))))
 

@@ -206,11 +206,10 @@ class Remark(str):
         remark.doubts, remark.spares = doubts or {}, spares
         return remark
 
-    def about(self, source: str) -> Remark:
-        """Return the same sentence about a record."""
-        return Remark(
-            self.template, *self.of, source=source, doubts=self.doubts, spares=self.spares
-        )
+    def about(self, source: str, *spares: str) -> Remark:
+        """Return the same sentence about a record.   spares : names of further answers that it does not concern."""
+        spared = (*self.spares, *spares)
+        return Remark(self.template, *self.of, source=source, doubts=self.doubts, spares=spared)
 
     @property
     def kind(self) -> tuple[str, ...]:

@@ -316,7 +316,8 @@ def steadiness(
             sizes = (*sizes, after, skipped + after)
         elif change.size > _AMPLITUDE_WRONG:
             words += "; leave out cycles at its start (--skip-cycles), or record again after the motion has settled"
-        if change.size > _AMPLITUDE_WRONG:
+        # a response that follows a drive which hunts is no transient: it may be averaged
+        if change.size > _AMPLITUDE_WRONG and not (i and parts_of[0] and SETTLES not in words):
             raise Unsettled(words.format(*sizes), int(sizes[-1]) if SETTLES in words else 0)
         warnings.append(Remark(words, *sizes, doubts={"": parts_of[i]}))
     return (parts_of[0], parts_of[1]), warnings
@@ -362,16 +363,17 @@ def highest_of_base(mean: Complexes, error: Array) -> int:
     return max(1, int(np.flatnonzero(clear)[-1]))
 
 
-def symmetry(mean: Complexes, error: Array) -> Iterator[Remark]:
+def symmetry(mean: Complexes, error: Array, base: Complexes, base_error: Array) -> Iterator[Remark]:
     """Yield a warning when the response has even harmonics: friction or stiffness then differ between the two
-    directions."""
+    directions, unless the base has such, too, which act on odd ones in second order only."""
     even = _significant(mean, error)[2::2]
+    order = 2 if _significant(base, base_error)[2::2].any() else 1
     if even.any():
         yield Remark(
             "the response is not symmetric: harmonic {} is {} of the fundamental; direct integration includes the "
             "even harmonics, all other results are those of the symmetric part",
             *(2 * int(np.argmax(even)) + 2, part(even.max())),
-            doubts={"": float(even.max())},
+            doubts={"": float(even.max()) ** order},
             spares=_BY_HARMONICS,
         )
 

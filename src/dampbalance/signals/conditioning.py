@@ -250,7 +250,7 @@ def _steady(
         X_hidden[1] = math.hypot(X_hidden[1], by_frequency)
     X_error = np.hypot(X_error, X_hidden)
     warnings += checks.harmonic_drive(mean_Y, Y_error, driving)
-    asymmetry = list(checks.symmetry(mean_X, X_error))
+    asymmetry = list(checks.symmetry(mean_X, X_error, mean_Y, Y_error))
     warnings += asymmetry
     warnings += checks.work(mean_Y[1], mean_X[1], Y_error[1], X_error[1])
     corrected = {
