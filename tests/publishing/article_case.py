@@ -60,10 +60,11 @@ FOLDERS = {"results": RESULTS, "studies": STUDIES}  # as the rule names them
 INPUTS = {"results": f"/{RESULTS}", "studies": f"/{STUDIES}", "sources": SOURCES}
 OF_ARTICLE = [
     *("frequency", "level", "contact_stiffness", "damping", "read_out", "step_size"),
-    *("noise", "rigid_contact"),
+    *("noise", "rigid_contact", "map"),
 ]
 COARSER = {
     "step_size": ("[2.0e-6, 5.0e-6, 1.0e-5, 2.0e-5, 4.0e-5, 8.0e-5]", "[5.0e-6, 4.0e-5, 8.0e-5]"),
+    "map": ("count: 262144", "count: 1024"),
     "noise": ("run: {from: 1, to: 50, count: 50}", "run: {from: 1, to: 2, count: 2}"),
 }
 FIRST = next(iter(CASE.frequencies_hz))
@@ -213,7 +214,6 @@ def _numbers(project: Project, cases: list[str], files: list[str]) -> None:
         "study_cases": cases,
         "study_files": files,
         "citation": "CITATION.cff",
-        "oscillators": "paper/article/supplement/oscillators.json",
     }
     output = {name: f"{article}/{name}.json" for name in ("evidence", "studies", "environment")}
     output |= {name: f"{article}/{name}.csv" for name in ("schemes", "cycles")}

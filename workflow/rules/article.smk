@@ -4,7 +4,7 @@
 ARTICLE = f"{RESULTS}/article"
 ARTICLE_STUDIES = [
     *("frequency", "level", "contact_stiffness", "damping", "read_out", "step_size"),
-    *("noise", "rigid_contact"),
+    *("noise", "rigid_contact", "map"),
 ]
 ARTICLE_PACKAGES = [
     "dampbalance",
@@ -39,7 +39,6 @@ if config["published"]:
             study_texts=study_texts(ARTICLE_STUDIES),
             lock=project_file("requirements.lock"),
             citation=project_file("CITATION.cff"),
-            oscillators=project_file("paper/article/supplement/oscillators.json"),
             code=PACKAGE,
         output:
             **figure_files("numerics", "How the printed digits arose"),
@@ -87,10 +86,9 @@ if config["published"]:
             references=project_file("paper/article/references.yml"),
             sources=list(ARTICLE_SOURCES),
             figures=list(ARTICLE_FIGURES.values()),
-            map=project_file("paper/article/supplement/oscillators.svg"),
             study_figures=expand(
                 f"{STUDY_RESULTS}/{{study}}/figure.svg",
-                study=("frequency", "noise", "rigid_contact"),
+                study=("frequency", "noise", "rigid_contact", "map"),
             ),
             code=PACKAGE,
         output:

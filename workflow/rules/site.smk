@@ -1,5 +1,5 @@
 # The site of documentation: the project's texts, docstrings, schemas and commands, with all studies and what there is to
-# read of the paper. Not a part of `all`: it needs every study, the map over a million among them.
+# read of the paper. Not a part of `all`: it needs every study.
 
 SITE_SOURCES = (
     *(

@@ -2,14 +2,12 @@
 at a glance.
 
 Numbers: the integrals of Table 2 by every scheme and way of rounding, and a in each steady cycle, by rivals as well;
-what the article argues with; what `trials/oscillators.py` counted; what the studies that it cites show; and the
-environment: packages, the Python that they need, and what CITATION.cff states of the software. Not the Python that ran,
-on which no result depends: the manifest names it.
+what the article argues with; what the studies that it cites show; and the environment: packages, the Python that they
+need, and what CITATION.cff states of the software. Not the Python that ran, on which no result depends: the manifest
+names it.
 """
 
-import json
 from importlib.metadata import metadata, version
-from pathlib import Path
 
 import pandas as pd
 
@@ -28,11 +26,12 @@ from dampbalance.publishing.article.derived_numbers import (
 from dampbalance.publishing.provenance.manifest import software
 from dampbalance.replication.authors_route import scheme_table, trial_table
 from dampbalance.studies import reading_study
+from dampbalance.studies.parameters import parameter
 from dampbalance.studies.shown.paragraph import paragraph
 
 
 def evidence(inputs, output, folder, case):
-    numbers = derived_numbers(
+    return derived_numbers(
         case,
         features=read_routes(folder, "features", case.frequencies_hz),
         estimates=read_routes(folder, "estimates", case.frequencies_hz),
@@ -42,15 +41,12 @@ def evidence(inputs, output, folder, case):
         cycles=read_csv(output.cycles),
         unrounded=read_csv(inputs.unrounded),
     )
-    text = Path(inputs.oscillators).read_text(encoding="utf-8")
-    return numbers | {"oscillators": json.loads(text)}
 
 
 def of_study(file, cases, paper):
     study = reading_study.read_study(file, paper)
     text, numbers = paragraph(study, cases)
-    axes = pd.read_parquet(cases, columns=list(study.axis_names)).select_dtypes("number")
-    ranges = {name: [float(axes[name].min()), float(axes[name].max())] for name in axes}
+    ranges = {name: study.extent(name) for name in study.axis_names if not parameter(name).is_word}
     return {"cases": study.cases, "numbers": numbers, "ranges": ranges, "paragraph": text}
 
 
