@@ -333,8 +333,6 @@ def test_what_stands_in_a_script_cannot_end_it(made):
         (words.quantity_markup, "share of a bound", "share of a bound"),
         (words.reason, "c acts as c + mω²h = 90.01 N s/m, not as the author’s c",
          "<i>c</i> acts as <i>c</i> + <i>m</i>ω²<i>h</i> = 90.01~N s/m, not as the author’s <i>c</i>"),
-        (words.from_tex, r"$X_s$, common $\varphi$ < 1", "<i>X</i><sub>s</sub>, common <i>φ</i> &lt; 1"),
-        (words.from_tex, r"$|c_\mathrm{identified} - c|$", "|<i>c</i><sub>identified</sub> − <i>c</i>|"),
         (wording.plain_text, "F_k by X_s, K_z", "Fₖ by Xₛ, K_z"),
         (wording.frequency_name, "omega2", "ω₂"),
         (wording.frequency_name, "resonance", "resonance"),
