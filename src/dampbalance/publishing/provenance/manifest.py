@@ -150,11 +150,12 @@ def _packages(lock: Path) -> dict[str, Any]:
 
 
 def _licence(package: metadata.Distribution) -> str:
-    """Return the licence that a package states: the expression, or its classifiers."""
-    stated = package.metadata.get_all("Classifier") or []
-    classified = [of.rpartition(" :: ")[2] for of in stated if of.startswith("License ::")]
-    expression = package.metadata.get_all("License-Expression") or []
-    return " and ".join([*expression, *([] if expression else classified)]) or "not stated"
+    """Return the licence that a package states: the expression, its classifiers, or the first line of its text."""
+    stated = package.metadata
+    classifiers = [of for of in stated.get_all("Classifier", []) if of.startswith("License ::")]
+    classified = " and ".join(of.rpartition(" :: ")[2] for of in classifiers)
+    named = [*stated.get_all("License-Expression", []), classified, *stated.get_all("License", [])]
+    return next((text.partition("\n")[0] for text in named if text), "not stated")
 
 
 ADDRESSES = {
