@@ -67,7 +67,7 @@ export PYTHONNOUSERSITE = 1
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: all setup test lint unit check night docs archive dist wheels verify compare bench peers engine processors mutants blind format lock clean distclean help stale
+.PHONY: all setup test lint unit check night docs archive dist wheels verify compare bench engine processors mutants blind format lock clean distclean help stale
 
 all: $(READY) ## Set up the environment, then rebuild tables, figures and claims (the default)
 	@$(SNAKEMAKE)
@@ -133,9 +133,6 @@ compare: $(READY) ## List what differs between the results here and those of ano
 
 bench: $(BENCH)/ready ## Measure speed and accuracy beside heyoka, diffrax and scipy (choose with BENCH_ARGS="peers")
 	@$(BENCH_RUN) benchmarks $(BENCH_ARGS)
-
-peers: $(BENCH)/ready ## Test the benchmarks with heyoka and diffrax, which `make test` leaves out
-	@$(BENCH_RUN) pytest tests/repository/test_benchmarks.py -k "heyoka or diffrax" $(PYTEST_ARGS)
 
 engine: $(ENGINE)/ready ## Compile the kernels anew to the WebAssembly with which the page computes
 	@PATH="$$HERE/$(ENGINE)/bin:$$PATH" python -m dampbalance.publishing.engine
