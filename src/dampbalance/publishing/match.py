@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -31,7 +31,11 @@ def match_figure(counts: Sequence[Count]) -> Figure:
         n = np.array([count.of_verdict[name] for count in shown])
         share = n / [count.computed for count in shown]
         label = f"{verdict.mark} {name}"
-        look = {"color": colours[verdict.css], "edgecolor": colours["paper"], "label": label}
+        look: dict[str, Any] = {
+            "color": colours[verdict.css],
+            "edgecolor": colours["paper"],
+            "label": label,
+        }
         bars = axes.barh([count.part for count in shown], share, 0.75, left, **look)
         texts = [str(of) if part > NARROW else "" for of, part in zip(n, share, strict=True)]
         axes.bar_label(bars, texts, label_type="center", color=colours["on-verdict"], weight="bold")

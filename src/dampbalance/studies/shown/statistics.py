@@ -135,8 +135,10 @@ def _mean(values: Array) -> float:
 
 
 def quantile_error(values: Array, share: float) -> float:
-    """Maritz–Jarrett standard error of a sample quantile, the order statistic x_(k) of n independent values, k = ⌈share ·
-    n⌉: its standard deviation over all drawings of n values with replacement.
+    """Maritz–Jarrett standard error of a sample quantile.
+
+    The quantile is the order statistic x_(k) of n independent values, k = ⌈share · n⌉; its standard error is the
+    standard deviation over all drawings of n values with replacement:
 
         P(x*_(k) ≤ x_(i)) = I_{i/n}(k, n − k + 1)   (the incomplete beta function)
 
