@@ -105,7 +105,7 @@ def test_its_plot_draws_the_errors_in_axes_of_pyplot_or_given_ones():
     line = max(axes[0].lines, key=lambda one: len(one.get_xdata()))
     np.testing.assert_array_equal(line.get_xdata(), f_n)
     errors = studied.to_frame()[f"F_k_relative_error__{X_S}"]
-    np.testing.assert_allclose(line.get_ydata(), 100.0 * errors)
+    np.testing.assert_allclose(line.get_ydata(), 100.0 * errors.abs())
     own = pyplot.figure().add_subplot()
     assert studied.plot("curves", ax=own) is own
     assert len(own.lines) == len(axes[0].lines)
