@@ -13,8 +13,9 @@ RUN := PATH="$$HERE/$(VENV)/bin:$$PATH" python -m
 # Programs of trials/ use helpers of the tests.
 TRIAL := PYTHONPATH="$$HERE/trials:$$HERE/tests" $(RUN)
 VERSION := $(shell sed -n 's/^version = "\(.*\)"/\1/p' pyproject.toml)
-# What `make archive` packs; of another case it is dampbalance-<version>-<case>.tar.gz.
+# What `make archive` writes, and what below results/ it leaves out.
 ARCHIVE ?= results/archive/dampbalance-$(VERSION).tar.gz
+KEPT_APART := archive benchmarks logs site
 SNAKEMAKE := $(RUN) dampbalance.project.documents config/config.yaml $${CONFIG:+"$$CONFIG"} && $(RUN) snakemake \
 	--workflow-profile workflow/profiles/default $${SNAKEMAKE_OUTPUT_CACHE:+--cache study_chunk} \
 	--cores $(CORES) $${CONFIG:+"--configfile=$$CONFIG"}
@@ -66,7 +67,7 @@ export PYTHONNOUSERSITE = 1
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: all setup test lint unit check night docs archive dist wheels verify compare bench peers engine processors mutants blind format lock clean distclean help stale
+.PHONY: all setup test lint unit check night docs archive dist wheels verify compare bench engine processors mutants blind format lock clean distclean help stale
 
 all: $(READY) ## Set up the environment, then rebuild tables, figures and claims (the default)
 	@$(SNAKEMAKE)
@@ -95,9 +96,18 @@ docs: setup ## Build the site of documentation, with all studies, into results/s
 	@$(SNAKEMAKE) results/site
 	@echo "The site is built. Open results/site/index.html."
 
-archive: $(READY) ## Pack sources, results and digests for keeping, into results/archive/
-	@$(SNAKEMAKE) archive
-	@test -n "$$CONFIG" || echo "The archive is results/archive/dampbalance-$(VERSION).tar.gz."
+archive: $(READY) ## Pack the committed sources, all results and their digests into results/archive/
+	@test -z "$$(git status --porcelain 2>&1)" || { \
+	    echo "error: results belong to committed sources: commit or remove the changes that 'git status' lists." >&2; exit 1; }
+	@$(SNAKEMAKE)
+	@top=$$(mktemp -d) && trap 'rm -rf "$$top"' EXIT && name="dampbalance-$(VERSION)" \
+	    && git archive --prefix="$$name/" HEAD | tar --extract --directory "$$top" \
+	    && tar --create $(KEPT_APART:%=--exclude=results/%) results | tar --extract --directory "$$top/$$name" \
+	    && (cd "$$top/$$name" && find . -type f ! -name SHA256SUMS -printf '%P\0' | LC_ALL=C sort -z | xargs -0 sha256sum >SHA256SUMS) \
+	    && mkdir -p "$$(dirname "$$ARCHIVE")" \
+	    && tar --create --format=gnu --sort=name --mtime=@315532800 --owner=0 --group=0 --numeric-owner --mode=u=rwX,go=rX \
+	        --directory "$$top" "$$name" | gzip -9n >"$$top/packed" && mv "$$top/packed" "$$ARCHIVE"
+	@echo "The archive is $$ARCHIVE."
 
 dist: $(READY) ## Build the source distribution and the wheel of the package, ready for an index, into dist/
 	@$(RUN) hatchling build
@@ -123,9 +133,6 @@ compare: $(READY) ## List what differs between the results here and those of ano
 
 bench: $(BENCH)/ready ## Measure speed and accuracy beside heyoka, diffrax and scipy (choose with BENCH_ARGS="peers")
 	@$(BENCH_RUN) benchmarks $(BENCH_ARGS)
-
-peers: $(BENCH)/ready ## Test the benchmarks with heyoka and diffrax, which `make test` leaves out
-	@$(BENCH_RUN) pytest tests/repository/test_benchmarks.py -k "heyoka or diffrax" $(PYTEST_ARGS)
 
 engine: $(ENGINE)/ready ## Compile the kernels anew to the WebAssembly with which the page computes
 	@PATH="$$HERE/$(ENGINE)/bin:$$PATH" python -m dampbalance.publishing.engine

@@ -12,6 +12,15 @@ from pathlib import Path
 ROOT = Path(__file__).parents[1]
 PUBLISHED = ROOT / "paper/published"
 PAPER_FILE = ROOT / "config/config.yaml"
+PROJECT = (
+    *("Snakefile", "codecheck.yml", "config", "paper", "pyproject.toml", "src", "workflow"),
+    *(".ci", ".editorconfig", ".gitattributes", ".github", ".gitignore"),
+    *(".snakemake-workflow-catalog.yml", "CHANGELOG.md", "CITATION.cff", "CONTRIBUTING.md"),
+    *("LICENSE", "LICENSES", "Makefile", "README.md", "REUSE.toml", "results/README.md"),
+    *("requirements.lock", "requirements-build.lock", "requirements-dev.lock"),
+    *("requirements-engine.lock", "examples", "tests", "trials"),
+)
+"""All files and folders of the project, as under version control."""
 
 
 def contents(folder: Path) -> dict[str, bytes]:

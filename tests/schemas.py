@@ -13,7 +13,6 @@ SCHEMAS = {
     "config": "src/dampbalance/project/schemas/config.schema.yaml",
     "study": "src/dampbalance/project/schemas/study.schema.yaml",
     "mapping": "src/dampbalance/project/schemas/mapping.schema.yaml",
-    "codecheck": "src/dampbalance/project/schemas/codecheck.schema.yaml",
 }
 _INSIDE = {"items": "[]", "additionalProperties": ".*"}
 

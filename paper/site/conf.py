@@ -23,7 +23,7 @@ exclude_patterns = ["extra", "made", "trees"]
 templates_path = ["templates"]
 html_extra_path = ["extra"]
 html_static_path = ["static"]
-html_css_files = ["formulas.css", "site.css"]
+html_css_files = ["site.css"]
 html_js_files = [("scrolls.js", {"defer": "defer"})]
 
 # Markdown as repositories on the web read it, with formulas; links to copied files are taken as they are.

@@ -16,10 +16,8 @@ import yaml
 from docstrings import markup
 from docutils import nodes
 from docutils.utils.math.latex2mathml import tex2mathml
-from mathfont import font_face
 from myst_parser.mdit_to_docutils.base import default_slugify
 from pygments.lexers.special import TextLexer
-from sphinx.addnodes import desc_signature, index
 from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 from sphinx.util.nodes import make_refnode
@@ -29,9 +27,8 @@ from sphinxcontrib.programoutput import run_programs
 import dampbalance
 from dampbalance.balance import APPROACHES, checks
 from dampbalance.law.terms import KNOWN_TERMS
-from dampbalance.project.wording import SYMBOL, in_markdown, markdown_table
+from dampbalance.project.wording import in_markdown, markdown_table
 from dampbalance.publishing.site import PAGES
-from dampbalance.publishing.words import symbol as symbol_markup
 
 WIDTH = 120  # letters of a line of output that is not a row of a table: what commands write their help in
 COPIED = "extra"  # the folder next to the pages that Sphinx copies unchanged
@@ -46,16 +43,12 @@ def setup(app: Sphinx) -> dict[str, Any]:
     for name in ("csv", "screen"):
         app.add_lexer(name, TextLexer)
     app.add_directive("keys", Keys)
-    app.add_node(Symbol, html=(_symbol, None))
-    app.connect("builder-inited", _bring_font)
     app.connect("include-read", _lead_links)
     # before Sphinx looks for pictures, which the programs write
     app.connect("doctree-read", _run_programs, priority=100)
-    app.connect("doctree-read", _enter_keywords)
     app.connect("autodoc-process-docstring", _docstring)
     app.connect("autodoc-process-signature", _signature)
     app.connect("doctree-resolved", _link_names)
-    app.connect("doctree-resolved", _set_symbols)
     app.connect("html-page-context", _for_all_readers)
     return {"version": "1", "parallel_read_safe": False}
 
@@ -220,23 +213,11 @@ def _signature(
     return tuple(text and _LONG_TYPE.sub(r"\1", text) for text in (arguments, returned))
 
 
-# --- formulas, symbols, names --------------------------------------------------------------------
-
-
-# A function has a thin space before it, and one behind it unless its argument has brackets.
-_APART = re.compile(
-    r"(?:(?<=</m[in]>)|(?<=</msu[bp]>))(?=<mi>[a-z]{2,}</mi><mo>&ApplyFunction;</mo>)"
-    r"|(?<=<mo>&ApplyFunction;</mo>)(?!<mo[^>]*>\()"
-)
-
-
-def _bring_font(app: Sphinx) -> None:
-    (Path(app.srcdir) / "static/formulas.css").write_text(font_face(), encoding="utf-8")
+# --- formulas --------------------------------------------------------------------
 
 
 def _mathml(latex: str, block: bool) -> str:
-    lines = "".join(map(str.strip, tex2mathml(latex, as_block=block).splitlines()))
-    return _APART.sub('<mspace width="0.167em" />', lines)
+    return "".join(map(str.strip, tex2mathml(latex, as_block=block).splitlines()))
 
 
 def _inline_formula(translator: HTML5Translator, node: nodes.math) -> None:
@@ -253,41 +234,7 @@ def _displayed_formula(translator: HTML5Translator, node: nodes.math_block) -> N
     raise nodes.SkipNode
 
 
-class Symbol(nodes.Inline, nodes.TextElement):
-    """A symbol with its index, such as F_k: searched as it is typed, shown as it is printed."""
-
-
-_AS_IT_IS = (
-    *(nodes.literal, nodes.literal_block, nodes.math, nodes.math_block, nodes.raw, nodes.comment),
-    desc_signature,
-)
-
-
-_SYMBOLS = re.compile(
-    rf"{SYMBOL.pattern}|(?<![\w’'.-])(?:[bcWXYkxyzẋẍẏ]|a(?=,? (?:b|F_k)\b)|m(?= ẍ))(?![\w’'-])(?!(?<=\(.)\))"
-    "|(?<=[ck]/)m\\b"
-)
-"""Symbols of running text, single letters among them unless they may be units, articles or names of panels, (b)."""
-
-
-def _set_symbols(app: Sphinx, tree: nodes.document, page: str) -> None:
-    """The symbols of running text as nodes of their own."""
-    for node in list(tree.findall(nodes.Text)):
-        text = node.astext()
-        symbols = list(_SYMBOLS.finditer(text))
-        if not symbols or _within(node, _AS_IT_IS):
-            continue
-        parts: list[nodes.Node] = []
-        at = 0
-        for symbol in symbols:
-            parts += [nodes.Text(text[at : symbol.start()]), Symbol("", symbol[0])]
-            at = symbol.end()
-        node.parent.replace(node, [*parts, nodes.Text(text[at:])])
-
-
-def _symbol(translator: HTML5Translator, node: Symbol) -> None:
-    translator.body.append(str(symbol_markup(node.astext())))
-    raise nodes.SkipNode
+# --- names ---------------------------------------------------------------------------------------
 
 
 _PUBLIC = {
@@ -320,16 +267,7 @@ def _within(node: nodes.Node, kinds: tuple[type[nodes.Node], ...]) -> bool:
     return parent is not None
 
 
-# --- search, and readers who do not see the page --------------------------------------------------
-
-
-def _enter_keywords(app: Sphinx, tree: nodes.document) -> None:
-    """The words under which a page is looked for, which its first lines state (`keywords: …`), as entries of the index:
-    the search shows such a page first."""
-    words = app.env.metadata[app.env.docname].get("keywords", "")
-    entries = [("single", word.strip(), "", "main", None) for word in words.split(",") if word]
-    tree.append(index(entries=entries))
-
+# --- readers who do not see the page -------------------------------------------------------------
 
 _SIGNATURE = re.compile(r'<dt class="sig\b.*?</dt>', re.DOTALL)
 _PART = re.compile(r"<(/?)(d[ld])>")

@@ -8,13 +8,12 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from .balance import Approach, Rows
+    from .balance import Rows
     from .features import Features
     from .identification.answer import Answer, Interval, ParameterEstimate, Verdict
     from .identification.decays import identify_decays
     from .identification.forced import identify_forced
     from .identification.identified import Identified
-    from .law.terms import Term
     from .measured import identify, identify_joint, identify_loops, read_records
     from .model import BaseMotion, Oscillator
     from .motion.orbit import NoSteadyOrbit, Orbit, steady_orbit
@@ -33,7 +32,6 @@ __version__ = "0.1.0"
 
 __all__ = [
     "Answer",
-    "Approach",
     "BaseMotion",
     "Channel",
     "Features",
@@ -52,7 +50,6 @@ __all__ = [
     "SlidersOrbit",
     "State",
     "StudyResult",
-    "Term",
     "Trajectory",
     "Verdict",
     "identify",
@@ -72,13 +69,12 @@ __all__ = [
 
 # Loaded when they are asked for: the command line starts without NumPy.
 _MODULES = {
-    "balance": ("Approach", "Rows"),
+    "balance": ("Rows",),
     "features": ("Features",),
     "identification.answer": ("Answer", "Interval", "ParameterEstimate", "Verdict"),
     "identification.decays": ("identify_decays",),
     "identification.forced": ("identify_forced",),
     "identification.identified": ("Identified",),
-    "law.terms": ("Term",),
     "measured": ("identify", "identify_joint", "identify_loops", "read_records"),
     "model": ("BaseMotion", "Oscillator"),
     "motion.orbit": ("NoSteadyOrbit", "Orbit", "steady_orbit"),

@@ -18,7 +18,6 @@ A row is NaN where its response lacks a feature (nothing slips). The solver of `
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
@@ -26,10 +25,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .arguments import flag, names, shown, text
+from .arguments import names, shown
 from .arrays import Array, Mask
 from .law.law import Law
-from .law.terms import KNOWN_TERMS, NAME, SYMBOL_IN_WORDS, Term, in_order, term
+from .law.terms import KNOWN_TERMS, Term, in_order, term
 
 if TYPE_CHECKING:
     from .features import Features
@@ -215,10 +214,7 @@ class Approach(str):
     """A way to obtain the rows of the balance, and what figures, tables and reports need to know of it.
 
     An approach is the text of its name and knows more of it. It is the key of answers, fits and tables, where its name
-    alone finds it, too. The built-in ones, `APPROACHES`, are named by their names; pass one of your own as an object to
-    `identify` and `study`, next to those: approaches=[mine, "direct"]. It is judged like the others: its rows are
-    solved, compared with the fit of maximum likelihood, tabulated and drawn. It gives no estimate of a law with
-    a term of which it has no form.
+    alone finds it, too. It gives no estimate of a law with a term of which it has no form.
 
     name : a name of letters, digits and "_".
     rows : function of `features.Features` and the stiffness k, N/m, that returns `Rows`. It must work element by
@@ -229,42 +225,24 @@ class Approach(str):
     terms : of the coefficients that it identifies unless a law asks for others; its rows are for these.
     integral : the function from features, the stiffness k and a term to its g, for those others; None where it has no
     form of them.
-
-    Raises ValueError for unknown terms; where it is used, for a name that is taken or of another form; when it is
-    called, for a function that fails, and rows without these terms or of another shape.
-
-    >>> import numpy as np
-    >>> from dampbalance import Approach, Rows, study
-    >>> def rectangular(features, k):
-    ...     \"\"\"Friction travel of a rigid contact, 4X; work and viscous integral of the fundamental.\"\"\"
-    ...     b = np.pi * features.omega * features.X_1**2
-    ...     W = np.pi * k * features.Y * features.X_1 * np.sin(features.phi_fundamental)
-    ...     return Rows({"F_k": 4.0 * features.X, "c": b}, W)
-    >>> mine = Approach("rectangular", rectangular, label="4X")
-    >>> studied = study({"frequency_hz": [3.5, 4.92]}, estimation={"approaches": [mine]})
-    >>> errors = studied.to_frame().filter(like="F_k_relative_error")
-    >>> [f"{100 * error:.1f} %" for error in errors.iloc[:, 0]]
-    ['0.9 %', '0.2 %']
     """
 
     name: str
     rows: Callable[[Features, ArrayLike], Rows]
     label: str = ""
     takes_phase: bool = False
-    terms: Sequence[str] | str = ("F_k", "c")  # those of (6)
+    terms: Sequence[str] = ("F_k", "c")  # those of (6)
     integral: Callable[[Features, ArrayLike, str], Array] | None = None
 
     def __new__(cls, name: str, *_: Any, **__: Any) -> Approach:
         """Make the text that an approach is."""
-        return str.__new__(cls, text("name", name))
+        return str.__new__(cls, name)
 
     def __post_init__(self) -> None:
-        flag("takes_phase", self.takes_phase)
-        of = {"label": text("label", self.label) or self.name}
-        self.__dict__.update(of, terms=in_order(names("terms", self.terms)))
+        self.__dict__.update(label=self.label or self.name, terms=in_order(self.terms))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Make the copy of a built-in approach that approach itself."""
+        """Make the copy of an approach of the package that approach itself."""
         if APPROACHES.get(self) is self:
             return approach, (self.name,)
         return Approach, tuple(self.__dict__.values())
@@ -276,43 +254,18 @@ class Approach(str):
 
         terms : default, its own. Where it knows no form of a term, its column is NaN.
         """
-        rows, shape = self._rows(features, k), features.X.shape
+        rows = self.rows(features, k)
         if terms is None:
             return rows
         columns = {
             symbol: rows.terms[symbol]
             if symbol in rows.terms
-            else np.full(shape, np.nan)
+            else np.full(features.X.shape, np.nan)
             if self.integral is None
             else self.integral(features, k, symbol)
             for symbol in names("terms", terms)
         }
         return replace(rows, terms=columns)
-
-    def _rows(self, features: Features, k: ArrayLike) -> Rows:
-        """Return the rows that its function returns. Raises ValueError where these are none."""
-        shape = features.X.shape
-        try:
-            rows = self.rows(features, k)
-        except Exception as error:
-            raise ValueError(
-                f"the approach {self} failed for features of shape {shape}: {type(error).__name__}: {error}; it is a "
-                "function of features and k that works element by element"
-            ) from error
-        if not isinstance(rows, Rows):
-            raise ValueError(f"the approach {self} must return Rows, got {shown(rows)}")
-        if set(rows.terms) != set(self.terms):
-            raise ValueError(
-                f"the rows of the approach {self} must have the terms {', '.join(self.terms)}, got "
-                f"{', '.join(rows.terms) or 'none'}: state others by terms="
-            )
-        for what, array in {**rows.terms, "W": rows.W}.items():
-            if np.shape(array) != shape:
-                raise ValueError(
-                    f"{what} of the approach {self} must have the shape of its features, {shape}, got "
-                    f"{np.shape(array)}: combine arrays element by element"
-                )
-        return rows
 
 
 def _integrated(features: Features, k: ArrayLike, symbol: str) -> Array:
@@ -351,28 +304,17 @@ APPROACHES: dict[str, Approach] = {
 """The built-in approaches by the name that configurations and tables know them by: to add one is a function and an
 entry here."""
 
-_TAKEN = ("simpson", "fit")  # answers that approaches are compared with
-
 
 def approach(name: str) -> Approach:
-    """Return the approach behind a name: the name itself where it is an approach; else a built-in one.
+    """Return the approach behind a name: the name itself where it is an approach; else that of the package.
 
-    Raises ValueError for a name that is not known, and for another approach by a name that is taken or of another form.
+    Raises ValueError for a name that is not known.
     """
-    if not isinstance(name, Approach):
-        if name not in APPROACHES:
-            raise ValueError(
-                f"unknown approach {shown(name)}; known are {', '.join(APPROACHES)}; pass one of your own as an "
-                "Approach"
-            )
-        return APPROACHES[name]
-    if not re.fullmatch(NAME, name):
-        raise ValueError(
-            f"the name of an approach must be {SYMBOL_IN_WORDS}, got {shown(str(name))}"
-        )
-    if name in _TAKEN or APPROACHES.get(name, name) is not name:
-        raise ValueError(f"name {str(name)!r} is one of the package: choose another")
-    return name
+    if isinstance(name, Approach):
+        return name
+    if name not in APPROACHES:
+        raise ValueError(f"unknown approach {shown(name)}; known are {', '.join(APPROACHES)}")
+    return APPROACHES[name]
 
 
 def checks(asked: Sequence[str] | str | None = None) -> tuple[Approach, ...]:
@@ -381,18 +323,14 @@ def checks(asked: Sequence[str] | str | None = None) -> tuple[Approach, ...]:
 
     The others approximate x(t) by its fundamental, which costs more off resonance than the noise of most records.
 
-    asked : names of built-in ones, and objects; default, the built-in ones. Raises ValueError for any other.
+    asked : names; default, all of them. Raises ValueError for any other.
     """
-    built_in = tuple(one for one in APPROACHES.values() if not one.takes_phase)
-    several = () if asked is None else names("approaches", asked)
-    wrong = sorted({str(one) for one in several if one not in built_in and takes_phase(one)})
+    known = tuple(one for one in APPROACHES.values() if not one.takes_phase)
+    several = known if asked is None else names("approaches", asked)
+    wrong = sorted({str(one) for one in several if one not in known})
     if wrong:
-        raise ValueError(
-            f"unknown approaches {shown(wrong)}; known are {', '.join(built_in)}, and those of your own that take no "
-            "phase"
-        )
-    ways = dict.fromkeys((*built_in, *map(approach, several)))
-    return tuple(one for one in ways if not several or one in several)
+        raise ValueError(f"unknown approaches {shown(wrong)}; known are {', '.join(known)}")
+    return tuple(one for one in known if one in several)
 
 
 def takes_phase(name: str) -> bool:

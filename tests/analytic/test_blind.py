@@ -11,9 +11,9 @@ import pytest
 
 from analytic.cases import case
 from analytic.integrator import integrate
-from blind import faults, others, score
+from blind import faults, score
 from blind.other_motion import Departure, from_rest, ring_down, steady_signals
-from blind.records import levels, record
+from blind.records import levels
 from blind.truths import draw
 
 # The slowest decay drawn leaves the steady state good to 1e-11 (`blind/cycles.py`), and DOP853 follows a period to
@@ -73,60 +73,6 @@ def test_a_release_in_fixed_steps_loses_what_viscous_and_dry_friction_take():
         expected.append(q * expected[-1] - (1.0 + q) * dry)
     # sampled within a 200th of a half cycle of the reversal: 1 − cos(π/200) = 1.2e-4; 2 Z_m = 2e-4 F_k/k is less
     assert reversals == pytest.approx(expected[1:], rel=2e-4)
-
-
-def test_the_simulated_response_that_others_fit_is_that_of_the_set():
-    truth = draw(424)
-    level, phases = levels(truth)[1], np.linspace(0.0, 6.0, 50)
-    numbers = np.array([truth.m, truth.c, truth.F_k, truth.K_z])
-    x = others.simulated(numbers, truth.k, truth.omega, complex(truth.Y[1]), phases)
-    exact = level.signal("displacement", phases)
-    assert (
-        np.abs(x - exact).max() < 1e-4 * np.abs(exact).max()
-    )  # what it is asked for: 1e-5 a period
-
-
-@pytest.mark.parametrize(
-    ("name", "factor"), [("gain of the drive +2 %", 1.02), ("k 1 % too high", 1.01)]
-)
-def test_a_fault_in_the_scale_of_the_work_is_one_in_F_k_and_c(name, factor):
-    # W = ∮ k y dx, and the travels a and b know neither k nor y
-    def found(fault):
-        place = next(i for i, one in enumerate(faults.FAULTS) if one.name == fault)
-        rows = faults.tried(faults.Run(0, place, 0))
-        return {row["symbol"]: row["value"] for row in rows if row["approach"] == "direct"}
-
-    right, wrong = found("none"), found(name)
-    for symbol in ("F_k", "c"):
-        # the onset of slip and the weights follow the fault a little
-        assert wrong[symbol] == pytest.approx(factor * right[symbol], rel=1e-3)
-
-
-def test_regimes_are_those_that_the_sets_are_drawn_for():
-    kinds = {index: [level.cycle.slips for level in levels(draw(index))] for index in DRAWN}
-    assert max(kinds[14]) == 0
-    assert all(max(kinds[index]) > 1 for index in (59, 89))
-    assert kinds[0] == [1] * len(kinds[0])
-
-
-def test_a_record_is_the_exact_signal_with_noise_as_stated():
-    truth = draw(58)  # long records
-    level = max(levels(truth), key=lambda level: level.samples)
-    measurement = record(level)
-    for quantity in (truth.drive, *truth.answers):
-        channel = measurement[quantity]
-        phase = truth.omega * channel.t + 2.0 * math.pi * truth.start[level.level]
-        noise = channel.values - level.signal(quantity, phase)
-        n = len(noise)
-        assert noise.std() == pytest.approx(level.sigma(quantity), rel=5.0 / math.sqrt(2.0 * n))
-        assert abs(noise.mean()) < 5.0 * level.sigma(quantity) / math.sqrt(n)
-    assert np.array_equal(record(level)[truth.drive].values, measurement[truth.drive].values)
-
-
-def test_of_a_set_nothing_else_is_drawn_by_its_number():
-    assert draw(5) == draw(5)
-    assert draw(5) != draw(6)
-    assert draw(5, seed=1) != draw(5)
 
 
 # The first thirteen, and those in which errors have been found: 14 (nothing slips), 31, 33, 149 (starred, though

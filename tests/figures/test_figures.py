@@ -461,7 +461,7 @@ def test_a_new_approach_and_a_new_term_are_drawn_like_the_others(stand_in, monke
     new = balance.Approach("new", balance.direct)
     monkeypatch.setitem(balance.APPROACHES, "new", new)
     monkeypatch.setitem(
-        balance.TERMS, "d", Term("d", lambda v, w, k, omega: abs(v) * v, unit="kg/m")
+        balance.TERMS, "d", Term("d", lambda v, w, k, omega: abs(v) * v, "", "kg/m", "", "", 2)
     )
     both = pd.concat([stand_in, stand_in.replace({"approach": "X_s", "phase": "common"}, "new")])
     both["phase"] = both["phase"].replace("new", "individual")

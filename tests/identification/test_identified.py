@@ -15,11 +15,8 @@ import pytest
 from matplotlib import pyplot
 
 from dampbalance import (
-    Approach,
     Oscillator,
     RecordError,
-    Rows,
-    Term,
     identify,
     measured_ring_down,
     read_records,
@@ -143,35 +140,6 @@ def test_each_group_has_a_column_of_its_own(steady):
     a = grouped.rows[["a_A_m", "a_B_m"]].sum(axis=1)
     # of a friction force that is known otherwise, a part in 1e3 of the travel is
     np.testing.assert_allclose(a, steady.rows["a_m"], rtol=1e-3)
-
-
-def test_a_term_and_an_approach_of_one_s_own_are_in_all_of_it(tmp_path):
-    d = Term("d", lambda v, w, k, omega: 2.0 * v, words="half a damper")
-    mine = Approach(
-        "mine",
-        lambda of, k: Rows({"F_k": of.a, "d": 2.0 * of.b}, of.W),
-        "own rows",
-        terms=["F_k", d],
-    )
-    asked = {"terms": ["F_k", d], "groups": {"d": "A,A,B,B"}, "approaches": [mine, "direct"]}
-    found = identify(made(), PAPER.k, **asked)
-    assert list(found.approaches) == ["maximum likelihood", "direct", "mine"]
-    for answer in found.approaches.values():
-        for key in ("d[A]", "d[B]"):
-            error = answer.standard_errors[key]
-            assert abs(answer.values[key] - 0.5 * PAPER.c) < 4.0 * error < 4.0
-    found.save(tmp_path / "found")
-    report = (tmp_path / "found" / REPORT).read_text(encoding="utf-8")
-    assert "own rows" in (tmp_path / "found" / "balance.svg").read_text(encoding="utf-8")
-    assert "half a damper" in report
-    document = json.loads((tmp_path / "found" / "identification.json").read_text("utf-8"))
-    assert (
-        document["approaches"]["mine"]["d_A_N_s_per_m"] == found.approaches["mine"].values["d[A]"]
-    )
-    with pytest.raises(ValueError, match="name 'direct' is one of the package"):
-        identify(made(), PAPER.k, approaches=[Approach("direct", mine.rows)])
-    with pytest.raises(ValueError, match="symbol 'c' is one of the package"):
-        identify(made(), PAPER.k, terms=["F_k", Term("c", d.force)])
 
 
 def plain(text):

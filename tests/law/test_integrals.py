@@ -18,14 +18,18 @@ from dampbalance.law.terms import FRICTION, KNOWN_TERMS, Term, of_harmonics
 from dampbalance.solver import solve
 from paper_case import PAPER, motions_at
 
+# A power between those of the package, an even share of the base, and a force that depends on k.
 OWN = (
-    Term("twice_cubed", lambda v, w, k, omega: 2.0 * v**3),
-    Term("to_base", lambda v, w, k, omega: 2.0 * v - 0.5 * w),
+    Term("twice_cubed", lambda v, w, k, omega: 2.0 * v**3, "", "N s³/m³", "b", "m⁴/s³", 3),
+    Term("to_base", lambda v, w, k, omega: 2.0 * v - 0.5 * w, "", "N s/m", "b", "m²/s", 1),
     Term(
         "of_k",
         lambda v, w, k, omega: k / omega * np.abs(v) ** 1.5 * v,
-        unit="s^1.5/m^1.5",
-        integral_unit="J m^1.5/s^1.5",
+        "",
+        "s^1.5/m^1.5",
+        "b",
+        "J m^1.5/s^1.5",
+        2.5,
     ),
 )
 OTHERS = (*(term for term in KNOWN_TERMS.values() if term != FRICTION), *OWN)

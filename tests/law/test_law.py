@@ -9,7 +9,7 @@ import pytest
 
 from dampbalance.balance import Rows
 from dampbalance.law.law import Law, law_of
-from dampbalance.law.terms import KNOWN_TERMS, Term, in_order, term
+from dampbalance.law.terms import KNOWN_TERMS, in_order, term
 from dampbalance.model import named_with_unit
 from dampbalance.solver import solve
 
@@ -39,42 +39,6 @@ def test_a_group_has_a_coefficient_of_its_own():
     assert [law.key("F_k", i) for i in range(3)] == ["F_k[250 g]", "F_k[350 g]", "F_k[250 g]"]
     assert law.key("c", 1) == "c"
     assert law.keys_of("F_k") == ("F_k[250 g]", "F_k[350 g]")
-
-
-@pytest.mark.parametrize(
-    ("symbol", "force", "message"),
-    [
-        ("c_2", lambda v, w, k, omega: v, "symbol 'c_2' is one of the package: choose another"),
-        ("a b", lambda v, w, k, omega: v, "must be a name of letters, digits and"),
-        ("p", lambda v: v, r"the force of p failed for arrays of shape \(1,\): TypeError"),
-        ("p", lambda v, w, k, omega: 1.0, r"a finite number for each velocity: .* the shape \(\)"),
-        ("p", lambda v, w, k, omega: v / 0.0, r"failed for arrays .*|must be a finite number"),
-        ("p", lambda v, w, k, omega: np.tanh(v), r"a positive number times \|v\|\^\(n-1\) v"),
-        ("p", lambda v, w, k, omega: v**2, r"a positive number times"),
-        ("p", lambda v, w, k, omega: -v, r"a positive number times"),
-        ("p", lambda v, w, k, omega: np.cbrt(v), r"with one n of at least 1"),
-        ("p", lambda v, w, k, omega: v**3 + w, r"or linear in v and w"),
-        ("p", lambda v, w, k, omega: k * v, "depends on k or omega: state unit and integral_unit"),
-    ],
-)
-def test_a_force_that_is_no_term_is_refused(symbol, force, message):
-    with np.errstate(all="ignore"), pytest.raises(ValueError, match=message):
-        term(Term(symbol, force))
-
-
-def test_a_term_is_passed_as_an_object_and_found_by_its_symbol():
-    p = Term("p", lambda v, w, k, omega: np.abs(v) ** 0.5 * v)
-    assert (p.order, p.unit, p.column) == (1.5, "N s^1.5/m^1.5", "p_N_s1.5_per_m1.5")
-    law = Law([p, "F_k", p], {"p": 3.0})
-    assert law.terms == ("F_k", "p")
-    assert law.term("p") is next(iter(law.given)) is p
-    (key,) = Law(["F_k", p], groups={"p": ("250 g", "250 g")}).keys_of(p)
-    assert (key, key.symbol, key.group, key.force) == ("p[250 g]", "p", "250 g", p.force)
-    assert key.integral_column == "b_p_250_g_m2.5_per_s1.5"
-    with pytest.raises(ValueError, match="two terms have the symbol p: choose another for one"):
-        in_order([p, Term("p", lambda v, w, k, omega: v)])
-    with pytest.raises(ValueError, match=r"unknown term 'p'; .*pass one of your own as a Term"):
-        Law(("F_k", "p"))
 
 
 @pytest.mark.parametrize(

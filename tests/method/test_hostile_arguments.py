@@ -17,7 +17,6 @@ import pandas as pd
 import pytest
 
 from dampbalance import (
-    Approach,
     BaseMotion,
     Channel,
     Measurement,
@@ -25,7 +24,6 @@ from dampbalance import (
     Oscillator,
     RecordError,
     Regime,
-    Term,
     identify,
     measured_orbit,
     measured_ring_down,
@@ -36,7 +34,6 @@ from dampbalance import (
     study,
     transient,
 )
-from dampbalance.balance import approach, direct
 from dampbalance.features import of_orbit
 from dampbalance.law.law import Law, law_of
 from dampbalance.motion.fixed_step import simulate
@@ -46,7 +43,7 @@ from dampbalance.record import Record
 from dampbalance.records.readers import read, table
 from dampbalance.records.writers import write
 from dampbalance.solver import contact_stiffness
-from paper_case import PAPER, features_at
+from paper_case import PAPER
 
 NESTED: list[object] = []
 NESTED.append(NESTED)
@@ -211,17 +208,6 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, object], Callable[..., o
         study,
         {"axes": {"zeta": [0.1]}, "base": {}, "levels_m": [0.004, 0.008], "estimation": {}, "read_out": {}}
         | {"route": "exact", "columns": "errors", "threads": 1},
-        repr,
-    ),
-    "Term": (
-        Term,
-        {"symbol": "p", "force": lambda v, w, k, omega: v, "words": "", "unit": "", "integral": ""}
-        | {"integral_unit": ""},
-        repr,
-    ),
-    "Approach": (
-        lambda **of: approach(Approach(**of))(features_at(), 2310.0),
-        {"name": "p", "rows": direct, "label": "", "terms": "F_k,c", "takes_phase": False},
         repr,
     ),
     "identify": (

@@ -11,16 +11,13 @@ import pandas as pd
 from dampbalance.figures.style import save_svg
 from dampbalance.project.files import read_csv, write_csv
 from dampbalance.publishing.page.report import PageContent, report_page
-from dampbalance.replication.claims.changed_digits import packed
 from dampbalance.replication.rebuilt_tables import paper_tables
 from dampbalance.studies.reading_study import read_study
 from dampbalance.studies.shown.paragraph import paragraph
 from dampbalance.studies.shown.study_figure import alternative_text, study_figure
 from publishing.article_case import RESULTS, STUDIES
-from replication.routes import CASE, CONFIG, PAPER, as_published, computed, exact, sources_of
+from replication.routes import CASE, CONFIG, PAPER, as_published, computed, exact
 
-CHANGED = ("table1.V_s.4", "table2.b.3", "table2.c.2-3", "table3.V_s.F_k.2-3")
-"""The numbers whose digits the page changes; in the workflow it is all of Tables 1 to 3."""
 PAGE = "results/paper/report.html"
 COARSER = ("count: 441", "count: 45")  # than in config/studies
 FIGURES = ("figure3", "estimation_error", "numerics", "glance")
@@ -61,7 +58,6 @@ def results(folder: Path, article: Path) -> PageContent:
             (frequency, _text(folder / "figure.svg")),
             (steps, _text(article / f"{STUDIES}/step_size/figure.svg")),
         ],
-        digits=json.loads(json.dumps(packed(sources_of(), CHANGED))),
     )
 
 

@@ -11,9 +11,9 @@ from urllib.parse import unquote, urlsplit
 
 import yaml
 
-from dampbalance.publishing.provenance.manifest import PROJECT, files_of
+from dampbalance.publishing.provenance.manifest import files_of
 from dampbalance.publishing.site import PAGES, REPORT_PAGE, TOUR, build_site
-from folders import ROOT
+from folders import PROJECT, ROOT
 from publishing.html import Tree
 
 RESULTS = {

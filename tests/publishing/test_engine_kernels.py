@@ -26,9 +26,7 @@ def test_the_engine_is_made_of_the_sources_here(record):
     stale = "a kernel was edited: run `make engine`, and commit what it writes"
     assert record["sources"] == builder.source_digests(list(record["sources"])), stale
     assert record["engine"] == hashlib.sha256(ENGINE.read_bytes()).hexdigest()
-    assert {"motion/one_slip.py", "motion/fixed_step.py", "motion/flow.py"} <= record[
-        "sources"
-    ].keys()
+    assert {"motion/one_slip.py", "motion/flow.py"} <= record["sources"].keys()
 
 
 def test_an_edited_kernel_would_be_seen(record, tmp_path, monkeypatch):

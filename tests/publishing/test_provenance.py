@@ -1,26 +1,20 @@
-"""What a manifest, a crate and an archive are made of, without a run of the workflow."""
+"""What a manifest is made of, without a run of the workflow."""
 
 from __future__ import annotations
 
-import json
 import shutil
-import tarfile
 from importlib import metadata
 from pathlib import Path
 
 import pytest
 
-from dampbalance.project.files import write_json
-from dampbalance.publishing.provenance import archive
-from dampbalance.publishing.provenance.crate import crate
 from dampbalance.publishing.provenance.manifest import (
-    PROJECT,
     code_version,
     digest_of,
     files_of,
     manifest,
 )
-from folders import ROOT
+from folders import PROJECT, ROOT
 from processes import git
 
 needs_git = pytest.mark.skipif(shutil.which("git") is None, reason="git is not installed")
@@ -48,9 +42,6 @@ def test_a_repository_around_an_unpacked_archive_says_nothing_of_it(tmp_path):
     inner = tmp_path / "unpacked"
     inner.mkdir()
     assert code_version(inner, "1.0")["known_from"] == "nothing"
-    stated = {"commit": "abc", "committed": "2026-01-02", "modified": False}
-    (inner / "VERSION.json").write_text(json.dumps(stated), encoding="utf-8")
-    assert code_version(inner, "1.0") == {"version": "1.0", **stated, "known_from": "archive"}
 
 
 @needs_git
@@ -69,7 +60,7 @@ def test_caches_are_no_sources(tmp_path):
     for file in ("src/a.py", "src/__pycache__/a.pyc", "src/a.py~", "paper/.ipynb_checkpoints/b"):
         (tmp_path / file).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / file).write_text("", encoding="utf-8")
-    assert files_of(tmp_path) == ["src/a.py"]
+    assert files_of(tmp_path, ["src", "paper"]) == ["src/a.py"]
 
 
 def test_a_digest_does_not_depend_on_the_order_of_keys_and_does_on_every_value():
@@ -94,34 +85,3 @@ def test_a_package_that_is_not_as_locked_is_named(tmp_path, monkeypatch):
     other = manifest_of(tmp_path, monkeypatch, out="2")
     assert other["run"]["packages_not_as_locked"] == ["numpy"]
     assert right["reproducible"] == other["reproducible"]  # what differs is in its own part
-
-
-CITATION = {"title": "t", "abstract": "a", "license": "BSD-3-Clause"}
-
-
-def test_the_date_of_a_crate_is_that_of_the_release(tmp_path, monkeypatch):
-    made = manifest_of(tmp_path, monkeypatch, Snakefile="", out="2")
-    files = {name: tmp_path / name for name in ("Snakefile", "s.py", "out")}
-    (tmp_path / "s.py").touch()
-
-    def date(**stated):
-        return crate(made, files, CITATION | stated, {}).root_dataset["datePublished"]
-
-    assert date() == "2026-01-02"  # not released: of the commit
-    assert date(**{"date-released": "2027-05-06"}) == "2027-05-06"
-
-
-def test_large_results_stay_out_and_are_named(tmp_path, monkeypatch):
-    monkeypatch.setattr(archive, "LARGEST_PACKED", 10)
-    made = manifest_of(tmp_path, monkeypatch, small="123", large="x" * 11)
-    write_json("manifest.json", made)
-    for name in ("Snakefile", "s.py"):
-        Path(name).touch()
-    archive.pack("it.tar.gz", ["Snakefile", "s.py"], "manifest.json", CITATION, rebuild="make")
-    with tarfile.open("it.tar.gz") as tar:
-        names = {name.removeprefix("it/") for name in tar.getnames()}
-        text = tar.extractfile("it/ARCHIVE.md").read().decode()
-    assert {"small", "Snakefile", "SHA256SUMS", "ro-crate-metadata.json"} <= names
-    assert "large" not in names
-    assert "- `large`" in text
-    assert "commit c0ffee" in text

@@ -48,22 +48,6 @@ def test_a_search_without_a_network_finds_it(site, visit, words, leads):
     assert any(leads in link for link in links)
 
 
-@pytest.mark.parametrize(
-    ("words", "first"),
-    [
-        ("sweep", "howto/study.html"),
-        ("batch", "howto/sets.html"),
-        ("confidence interval", "explain/uncertainty.html"),
-        ("logarithmic decrement", "howto/decays.html"),
-    ],
-)
-def test_a_search_for_a_word_of_practice_shows_its_page_first(site, visit, words, first):
-    page = visit(f"{(site / 'search.html').as_uri()}?q={words}")
-    page.wait_for_selector("#search-results li a")
-    links = page.eval_on_selector_all("#search-results li a", "all => all.map(a => a.href)")
-    assert links[0].split("#")[0].endswith(first)
-
-
 def test_the_first_screen_shows_a_figure_and_a_result(site, visit):
     page = visit((site / "index.html").as_uri(), viewport=LAPTOP)
     for wanted in ("article img", "article pre:has-text('maximum likelihood')"):

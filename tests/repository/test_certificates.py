@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import re
-import shutil
 import sys
 
 import jsonschema
@@ -59,23 +58,6 @@ def test_a_wrong_citation_would_be_seen(change, where):
 
 
 # --- licences ------------------------------------------------------------------------------------
-
-
-@pytest.mark.skipif(
-    shutil.which("git") is None or not (ROOT / ".git").exists(),
-    reason="not a git checkout: which files belong to the project is unknown",
-)
-def test_every_file_has_a_licence_by_the_rules_of_reuse():
-    done = run(sys.executable, "-m", "reuse", "--root", ROOT, "lint", "--json")
-    found = json.loads(done.stdout)
-    assert done.returncode == 0, found["non_compliant"]
-    assert found["summary"]["compliant"]
-    others = {
-        file["path"]: [one["value"] for one in file["spdx_expressions"]]
-        for file in found["files"]
-        if {one["value"] for one in file["spdx_expressions"]} != {"BSD-3-Clause"}
-    }
-    assert others == {"tests/repository/cff-1.2.0.schema.json": ["CC-BY-4.0"]}
 
 
 def test_the_text_of_the_licence_is_that_of_the_project():

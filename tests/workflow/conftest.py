@@ -19,12 +19,12 @@ def checkout(tmp_path_factory):
 
 @pytest.fixture(scope="session")
 def small(tmp_path_factory) -> Path:
-    """The small case with its archive, built on two cores by the first process of the test run that asks for it."""
+    """The small case, built on two cores by the first process of the test run that asks for it."""
 
     def make(folder: Path) -> None:
         copy = copied(ROOT, folder)
         shutil.copy2(ROOT / "tests/workflow/small.yaml", folder)
-        copy.made("archive", *SMALL)
+        copy.made(*SMALL)
 
     return shared(tmp_path_factory, "small", make)
 
@@ -44,4 +44,4 @@ def example(tmp_path_factory) -> Path:
 def built(small, tmp_path_factory) -> Checkout:
     """The small case with its results, a copy for the tests of a module."""
     folder = tmp_path_factory.mktemp("built")
-    return copied(small, folder, "small.yaml", "results/small", "results/archive", ".snakemake")
+    return copied(small, folder, "small.yaml", "results/small", ".snakemake")

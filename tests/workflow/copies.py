@@ -5,21 +5,17 @@ from __future__ import annotations
 import re
 import shutil
 import subprocess
-import tarfile
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from numba.core.caching import _CacheLocator
 
-from dampbalance import __version__
-from dampbalance.publishing.provenance.manifest import PROJECT
-from folders import contents
+from folders import PROJECT, contents
 from workflow.starting import snakemake
 
 get_subpath = _CacheLocator.get_suitable_cache_subpath
 
-ARCHIVE = f"results/archive/dampbalance-{__version__}-small.tar.gz"
 SMALL = ("--configfile", "small.yaml")
 EXAMPLE = ("--configfile", "config/measured.yaml")
 
@@ -91,11 +87,3 @@ def copied(source: Path, folder: Path, *more: str) -> Checkout:
             shutil.copy2(source / name, target)
     keep_kernels(source, folder)
     return Checkout(folder)
-
-
-def unpacked_archive(archive: Path, folder: Path) -> Path:
-    """Unpack an archive, and return the one folder in it."""
-    with tarfile.open(archive) as tar:
-        tar.extractall(folder, filter="data")
-    (top,) = folder.iterdir()
-    return top

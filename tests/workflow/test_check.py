@@ -6,7 +6,6 @@ import re
 from contextlib import ExitStack
 
 import pytest
-import yaml
 
 from dampbalance.replication.claims.table import WORSE
 from dampbalance.replication.claims.verdicts import VERDICTS
@@ -136,12 +135,3 @@ def test_a_report_of_what_is_not_built_says_what_builds_it(paper, asked, named):
     said = paper.refused("--report", "report.html", *asked)
     assert re.search(named + r".*with --cores all in place of --report", said, re.DOTALL)
     assert "Missing metadata" not in said
-
-
-def test_the_outputs_that_codecheck_names_are_made(paper):
-    configuration = yaml.safe_load((paper.folder / "codecheck.yml").read_text(encoding="utf-8"))
-    files = [item["file"] for item in configuration["manifest"]]
-    assert len(files) == 8
-    paper.made(*files)
-    for file in files:
-        assert (paper.folder / file).stat().st_size > 0, file

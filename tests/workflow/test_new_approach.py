@@ -19,7 +19,8 @@ from processes import output_of
 
 pytestmark = pytest.mark.slow
 
-TERM = """        Term("c_4", lambda v, w, k, omega: np.abs(v) ** 3 * v, "quartic damping", integral="b_4"),
+TERM = """        Term("c_4", lambda v, w, k, omega: np.abs(v) ** 3 * v, "quartic damping",
+             "N s⁴/m⁴", "b_4", "m⁵/s⁴", 4),
 """
 # Direct integration with a quartic damper in addition. There is none.
 TOY = (

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import hashlib
+import io
 import os
 import shutil
 import sys
+import tarfile
 
 import pytest
 
 from dampbalance import __version__
-from folders import ROOT
-from processes import output_of, run
+from folders import ROOT, contents
+from processes import git, output_of, run
 from workflow.copies import copied
 
 LOCKS = sorted(path.name for path in ROOT.glob("requirements*.lock"))
@@ -84,18 +87,53 @@ def test_make_tells_python_every_path_as_it_is(odd, arguments, called):
     assert [call[1:] for call in calls] == called
 
 
-@pytest.mark.parametrize(
-    ("arguments", "archive"),
-    [
-        (["ARCHIVE=an $archive.tar.gz"], "an $archive.tar.gz"),
-        ([], f"results/archive/dampbalance-{__version__}.tar.gz"),
-    ],
-)
-def test_make_verify_unpacks_the_archive_that_is_named(odd, arguments, archive):
-    done, calls = make(odd, "verify", *arguments)
+@pytest.fixture
+def committed(odd):
+    """The same under version control, with a result that is not."""
+    (odd / ".gitignore").write_text("/.venv\n/results\n/calls\n", encoding="utf-8")
+    (odd / "results/paper").mkdir(parents=True)
+    (odd / "results/paper/a.csv").write_text("1\n", encoding="utf-8")
+    git(odd, "init", "--quiet")
+    git(odd, "add", "--all")
+    git(odd, "commit", "--quiet", "--message=all")
+    return odd
+
+
+@pytest.mark.skipif(shutil.which("git") is None, reason="git is not installed")
+@pytest.mark.parametrize("name", ["an $archive.tar.gz", None])
+def test_an_archive_holds_sources_and_results_with_digests_in_the_same_bytes(committed, name):
+    arguments = [f"ARCHIVE={name}"] if name else []
+    file = committed / (name or f"results/archive/dampbalance-{__version__}.tar.gz")
+    packed = []
+    for _ in range(2):
+        done, calls = make(committed, "archive", *arguments)
+        assert done.returncode == 0, done.stderr
+        assert calls[-1][1:] == RUN
+        packed.append(file.read_bytes())
+        file.unlink()
+    assert packed[0] == packed[1]
+    with tarfile.open(fileobj=io.BytesIO(packed[0])) as tar:
+        tar.extractall(committed / "results/unpacked", filter="data")
+    (top,) = (committed / "results/unpacked").iterdir()
+    lines = (top / "SHA256SUMS").read_text(encoding="utf-8").splitlines()
+    listed = {path: digest for digest, path in (line.split("  ", 1) for line in lines)}
+    assert listed == {
+        path: hashlib.sha256(data).hexdigest()
+        for path, data in contents(top).items()
+        if path != "SHA256SUMS"
+    }
+    assert {"results/paper/a.csv", "Makefile", "pyproject.toml"} <= set(listed)
+
+
+@pytest.mark.skipif(shutil.which("git") is None, reason="git is not installed")
+@pytest.mark.parametrize("name", ["Makefile", "new.yaml"])
+def test_results_of_sources_that_are_not_committed_are_not_archived(committed, name):
+    with (committed / name).open("a", encoding="utf-8") as file:
+        file.write("\n")
+    done, calls = make(committed, "archive")
     assert done.returncode != 0
-    assert calls[1][1:] == [*RUN, "archive"]
-    assert archive in done.stderr  # there is none
+    assert "error: results belong to committed sources" in done.stderr
+    assert calls == []
 
 
 def test_the_python_that_is_named_is_told_as_it_is(odd):

@@ -1,28 +1,21 @@
-"""The manifest says what is so, a commit alone rebuilds nothing but it, and the archive rebuilds itself.
-
-The build of the small case, and a second one on one core, from what the archive holds alone, serve all tests here.
-"""
+"""The manifest says what is so, a commit alone rebuilds nothing but it, and another folder gives the same bytes."""
 
 from __future__ import annotations
 
-import gzip
 import hashlib
 import json
-import os
 import re
 import shutil
 import sys
-import tarfile
 from importlib import metadata
 
 import pytest
 
 from dampbalance.project.files import sha256
-from dampbalance.publishing.provenance.archive import TIME
-from dampbalance.publishing.provenance.manifest import digest_of, files_of
-from folders import ROOT, contents
+from dampbalance.publishing.provenance.manifest import digest_of
+from folders import ROOT
 from processes import git
-from workflow.copies import ARCHIVE, SMALL, Checkout, keep_kernels, unpacked_archive
+from workflow.copies import SMALL, copied
 
 pytestmark = pytest.mark.slow
 
@@ -125,73 +118,17 @@ def test_every_entry_of_the_report_has_a_caption_and_a_title_in_words(rules):
         assert " " in title, title
 
 
-# --- the archive ---------------------------------------------------------------------------------
+# --- another folder ------------------------------------------------------------------------------
 
 
-@pytest.fixture(scope="module")
-def unpacked(built, tmp_path_factory):
-    folder = tmp_path_factory.mktemp("elsewhere")
-    return Checkout(unpacked_archive(built.folder / ARCHIVE, folder))
-
-
-@pytest.fixture(scope="module")
-def rebuilt(built, unpacked):
-    """The results that the archive had, by path; they are deleted, and built again by its own sources, on one core.
-
-    With kernels that are compiled already, which a digest of the sources admits."""
-    packed = unpacked.files("small")
-    keep_kernels(built.folder, unpacked.folder)
-    shutil.rmtree(unpacked.folder / "results/small")
-    unpacked.made("all", *(f"results/small/{name}" for name in packed), *SMALL, cores=1)
-    return packed
-
-
-def test_the_whole_project_and_all_results_are_in_it_with_digests_and_a_guide(built, unpacked):
-    lines = (unpacked.folder / "SHA256SUMS").read_text(encoding="utf-8").splitlines()
-    listed = {path: digest for digest, path in (line.split("  ", 1) for line in lines)}
-    assert set(contents(unpacked.folder)) == {*listed, "SHA256SUMS"}
-    for path, digest in listed.items():
-        assert sha256(unpacked.folder / path) == digest, path
-    inside = set(files_of(unpacked.folder))
-    assert inside == set(files_of(built.folder))
-    assert {
-        "tests/workflow/test_provenance.py",
-        "LICENSE",
-        "requirements.lock",
-        "Makefile",
-    } <= inside
-    assert unpacked.files("small") == built.files("small")
-    assert os.access(unpacked.folder / ".ci/run", os.X_OK)
-    assert not os.access(unpacked.folder / "README.md", os.X_OK)
-    text = (unpacked.folder / "ARCHIVE.md").read_text(encoding="utf-8")
-    assert "sha256sum --check --quiet SHA256SUMS" in text
-    assert "snakemake --cores all --configfile small.yaml" in text
-    assert "requirements.lock" in text
-    assert "{" not in text.replace("```", "")  # nothing left to fill in
-
-
-def test_it_rebuilds_its_results_from_itself_alone_and_on_one_core_the_same(unpacked, rebuilt):
-    again = unpacked.files("small")
-    assert again.keys() == rebuilt.keys()
-    different = [name for name in again if again[name] != rebuilt[name]]
-    assert set(different) <= {"manifest.json"}
-    before, after = (json.loads(files["manifest.json"]) for files in (rebuilt, again))
-    assert after["reproducible"] == before["reproducible"]
-    assert after["run"]["code"]["known_from"] == "archive"
-
-
-def test_packing_again_gives_the_same_bytes_without_a_time_or_a_person(built):
-    archive = built.folder / ARCHIVE
-    with gzip.open(archive) as stream:
-        stream.read(1)
-        assert stream.mtime == 0
-    with tarfile.open(archive) as tar:
-        entries = tar.getmembers()
-    assert {(e.uid, e.gid, e.uname, e.gname, e.mtime) for e in entries} == {(0, 0, "", "", TIME)}
-    first = sha256(archive)
-    archive.unlink()
-    readme = built.folder / "README.md"  # a later time, the same contents
-    os.utime(readme, (readme.stat().st_atime, readme.stat().st_mtime + 10))
-    assert built.jobs("archive", *SMALL) == {"archive": 1, "total": 1}
-    built.made("archive", *SMALL, cores=1)
-    assert sha256(archive) == first
+def test_another_copy_gives_the_same_bytes_on_one_core(built, tmp_path):
+    """With kernels that are compiled already, which a digest of the sources admits."""
+    other = copied(built.folder, tmp_path / "elsewhere", "small.yaml")
+    other.made("all", *SMALL, cores=1)
+    again, before = other.files("small"), built.files("small")
+    assert again.keys() == before.keys()
+    assert [name for name in again if again[name] != before[name]] in ([], ["manifest.json"])
+    assert (
+        json.loads(again["manifest.json"])["reproducible"]
+        == json.loads(before["manifest.json"])["reproducible"]
+    )

@@ -3,13 +3,12 @@ import functools
 import os
 
 from dampbalance import __version__ as VERSION
-from dampbalance.publishing.provenance.manifest import COMPUTING, PROJECT, code_version, files_of
+from dampbalance.publishing.provenance.manifest import COMPUTING, code_version, files_of
 from snakemake.io import is_flagged
 
 # A configuration that another workflow hands over stands in no file; the manifest has it as merged.
 GIVEN_FILES = [os.path.relpath(file) for file in [BASE_CONFIG, *OVERRIDING]]
 MANIFEST = f"{RESULTS}/manifest.json"
-ARCHIVE_NAME = f"dampbalance-{VERSION}" + ("" if CASE.name == "paper" else f"-{CASE.name}")
 
 
 def own_name(file):

@@ -34,31 +34,6 @@ rule claims:
         "../scripts/claims/claims.py"
 
 
-# Every digit of the tables one up and one down: a minute of judging, whose result is kept on record for the page
-# (paper/published/README.md).
-rule misprints:
-    input:
-        features=of_routes("features"),
-        estimates=of_routes("estimates"),
-        unrounded=f"{RESULTS}/features/as_published/unrounded/{FREQUENCIES[0]}.csv",
-        published=published_files,
-        code=rooms("replication"),
-    output:
-        json=f"{RESULTS}/misprints.json",
-    log:
-        log_file("misprints"),
-    conda:
-        ENVIRONMENT
-    params:
-        case=of_case("oscillator", "frequencies_hz", "levels_m", "numerics"),
-        folder=lambda wildcards: RESULTS,
-        published=PUBLISHED,
-    message:
-        "Verdicts on the printed tables with other digits"
-    script:
-        "../scripts/claims/misprints.py"
-
-
 # Never fails, so that everything else is built: the run fails at its end (onsuccess in the Snakefile).
 rule check:
     input:

@@ -20,9 +20,6 @@ PAGE_FIGURES = {
 rule page:
     input:
         claims=f"{RESULTS}/claims.csv" if config["published"] else [],
-        misprints=(
-            [*map(str, Path(PUBLISHED).glob("misprints.json"))] if config["published"] else []
-        ),
         tables=rules.tables.output.csv,
         figures=list(PAGE_FIGURES.values()),
         evidence=rules.article_numbers.output.evidence if config["published"] else [],

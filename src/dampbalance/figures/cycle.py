@@ -192,7 +192,6 @@ def figure3(orbits: Sequence[Orbit]) -> Figure:
 
 def _draw(over_x: Axes, over_v: Axes, orbit: Orbit, **look: Any) -> list[Branch]:
     """Return a loop over the displacement, and over the velocity."""
-    look["gid"] = f"$Y$ = {1e3 * orbit.motion.Y:g} mm"
     cycle = branches(orbit)
     for state, colour in ((branch.state, branch.colour) for branch in cycle):
         over_x.plot(state.x * 1e3, state.acceleration, color=colour, **look)

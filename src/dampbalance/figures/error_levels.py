@@ -16,7 +16,7 @@ from ..balance import TERMS, takes_phase
 from ..model import Oscillator
 from ..solver import levels_of
 from .grid import Grid, grid, signed_axis
-from .looks import in_maths, label_of, look_of, named
+from .looks import in_maths, label_of, look_of
 from .series import COMMON, EXACT, INDIVIDUAL, signed_scale
 from .style import DASHED, FAINT, omega_of, styled
 
@@ -127,7 +127,6 @@ def _draw(
                 [places[name] for name in group],
                 [errors.get((key, phase, name), math.nan) for name in group],
                 label=f"{key} {phase}",
-                gid=named(key, phase if takes_phase(key) else ""),
                 **_drawing(key, phase, joined),
             )
 

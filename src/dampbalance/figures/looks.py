@@ -77,12 +77,6 @@ def label_of(approach: str) -> str:
     return known.label if known else approach
 
 
-def named(approach: str, sharing: str) -> str:
-    """Return what a line shows: an approach, and whether levels share φ and t_s; "" for one that knows no such
-    choice."""
-    return in_maths(label_of(approach)) + (rf", {sharing} $\varphi$, $t_s$" if sharing else "")
-
-
 def in_maths(text: str) -> str:
     """Return text with its symbols set as matplotlib's mathematics, X_s as $X_s$.
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..balance import TERMS
 from ..model import Oscillator
-from .looks import LOOKS, SCHEME_LOOKS, SPARE
+from .looks import LOOKS, SPARE
 from .series import SignedScale
 from .style import DOUBLE_COLUMN, FAINT, INK, STICK, arrow, note, page, panel_letter, place, styled
 
@@ -103,25 +103,20 @@ def numerics(
     return figure
 
 
-def _named(axes: Axes, x: Any, y: Any, name: str, **look: Any) -> None:
-    """Name a line, in the legend and among the values that the SVG keeps."""
-    axes.plot(x, y, label=name, gid=name, **look)
-
-
 def _instants(axes: Axes, e: Evidence) -> None:
     """Draw (a): where within a step each printed a is sampled, by the rebuild and its rivals, in the last cycle."""
     last = e.instants[e.instants["cycle"] == 0]
     # The first simulation of each trial: Runge–Kutta, the second by hand, lies on the trapezoidal rule.
     first = {str(name): rows.iloc[: len(e.exact)] for name, rows in last.groupby("trial")}
     step_us = 1e6 * float(first["step_of_W_exact"]["step_s"].iloc[0])
-    looks = {
+    looks: dict[str, tuple[str, dict[str, Any]]] = {
         "as_published": ("backward Euler, rounded", {"marker": "o", "color": REBUILT}),
         "step_of_W_exact": (f"unrounded, {step_us:.3g} µs", {"marker": "s", "color": THIRD}),
         "by_hand": ("trapezoidal, $c$ by hand", {"marker": "^", "color": OTHER}),
     }
     for trial, (name, look) in looks.items():
         instants = first[trial]["instant"]
-        _named(axes, 1e3 * e.exact["Y_m"], instants, name, lw=0.8, ms=4.0, **look)
+        axes.plot(1e3 * e.exact["Y_m"], instants, label=name, lw=0.8, ms=4.0, **look)
     axes.axhline(0.0, color=PRINTED["color"], lw=0.6, ls=":")
     axes.set_ylim(-0.42, 0.62)
     axes.legend(loc="upper center", fontsize=7.5, handletextpad=0.4, labelspacing=0.2)
@@ -140,11 +135,10 @@ def _integrals(axes: Axes, e: Evidence) -> None:
     for scheme, rows in schemes.groupby("scheme", sort=False):
         look: dict[str, Any] = chosen | {"zorder": 3} if scheme == "backward-euler" else other
         for column, style in (("W_J", "-"), ("b_m2_per_s", "--")):
-            name = f"${column[0]}$, {SCHEME_LOOKS[str(scheme)][0]}"
-            axes.plot(Y, off(rows[column], column), style, gid=name, **look)
+            axes.plot(Y, off(rows[column], column), style, **look)
     for column, marker in (("W_J", "o"), ("b_m2_per_s", "s")):
         printed = off(e.printed(f"table2.{column[0]}."), column)
-        _named(axes, Y, printed, f"${column[0]}$ printed", **PRINTED | {"marker": marker})
+        axes.plot(Y, printed, label=f"${column[0]}$ printed", **PRINTED | {"marker": marker})
     # Named near the level where the lines of W and b are clear of each other.
     _words(axes, 8.0, {"backward Euler": -1.9, "explicit Euler": 1.95, "other schemes": 0.6})
     axes.set_ylim(-4.6, 3.2)
@@ -168,7 +162,7 @@ def _steps(axes: Axes, e: Evidence, oscillator: Oscillator, step_s: float) -> No
         colour, marker = _OF_SCHEME.get(str(scheme), (FAINT, "x"))
         look: dict[str, Any] = {"ls": "none", "marker": marker, "ms": 3.4, "color": colour}
         look |= {"mew": 0.8} | ({"zorder": 4} if marker == "o" else {"zorder": 3, "mfc": "none"})
-        axes.plot(h[rows.index], error[rows.index], gid=SCHEME_LOOKS[str(scheme)][0], **look)
+        axes.plot(h[rows.index], error[rows.index], **look)
     line = np.geomspace(h.min(), h.max(), 50)
     omega = float(e.exact["omega_rad_per_s"].iloc[0])
     for sign in (1.0, -1.0):
@@ -181,7 +175,7 @@ def _steps(axes: Axes, e: Evidence, oscillator: Oscillator, step_s: float) -> No
     }
     _words(axes, 12.0, names)
     printed = float(e.printed("text.c_direct_ls")[0]) - oscillator.c
-    star = {"marker": "*", "ms": 8.0, "gid": "printed"}
+    star = {"marker": "*", "ms": 8.0}
     axes.plot([1e6 * step_s], [printed], **(PRINTED | star))
     axes.set_xscale("log")
     signed_axis(axes, SignedScale(1e-6, -10.0, 10.0))
@@ -202,8 +196,8 @@ def _phase(axes: Axes, e: Evidence) -> None:
         ("reversal", REBUILT, "-"),
     ):
         values = e.exact[f"phi_{phase}_rad"]
-        _named(axes, Y, values, phase.replace("_", " "), ls=style, color=colour)
-    _named(axes, Y, e.printed("table1.phi."), "printed", **PRINTED)
+        axes.plot(Y, values, label=phase.replace("_", " "), ls=style, color=colour)
+    axes.plot(Y, e.printed("table1.phi."), label="printed", **PRINTED)
     axes.legend(loc="lower right", fontsize=7.5, labelspacing=0.2, handlelength=1.6)
     axes.yaxis.set_major_locator(ticker.MaxNLocator(5))
     axes.set_ylabel(r"$\varphi$ (rad)")
@@ -214,9 +208,9 @@ def _slip_time(axes: Axes, e: Evidence, step_s: float, unit_s: float) -> None:
     Y, t = 1e3 * e.exact["Y_m"].to_numpy(), e.exact["t_s_s"].to_numpy()
     inside = np.floor((t - 2.0 * step_s) / unit_s + 1e-9) * unit_s
     bar: dict[str, Any] = {"marker": "_", "ms": 9.0, "mew": 1.4, "ls": "none", "color": REBUILT}
-    _named(axes, Y, 1e3 * t, "exact", color=OTHER, ls="--")
-    _named(axes, Y, 1e3 * inside, f"rounded down to {1e3 * unit_s:g} ms", **bar)
-    _named(axes, Y, 1e3 * e.printed("table1.t_s."), "printed", **PRINTED)
+    axes.plot(Y, 1e3 * t, label="exact", color=OTHER, ls="--")
+    axes.plot(Y, 1e3 * inside, label=f"rounded down to {1e3 * unit_s:g} ms", **bar)
+    axes.plot(Y, 1e3 * e.printed("table1.t_s."), label="printed", **PRINTED)
     axes.legend(loc="upper right", fontsize=7.5, labelspacing=0.2, handlelength=1.6)
     axes.set_ylabel("$t_s$ (ms)")
 
@@ -241,7 +235,7 @@ def _sign(axes: Axes, e: Evidence) -> None:
             places = np.arange(len(labels)) + 0.28 * (n - 0.5 * (len(terms) - 1))
             look: dict[str, Any] = {"ls": "none", "marker": marker, "ms": 4.0, "color": colour}
             look |= {"mfc": "none"} if n else {}
-            _named(axes, places, off, f"${term.symbol}$, {sign}", **look)
+            axes.plot(places, off, label=f"${term.symbol}$, {sign}", **look)
     axes.set_yscale("asinh", linear_width=0.5)
     axes.set_ylim(-150.0, 900.0)
     axes.set_yticks([-100, -10, -1, 0, 1, 10], ["−100", "−10", "−1", "0", "1", "10"])
@@ -281,7 +275,7 @@ def glance(
         "printed": (damping.printed, {"marker": "o", "color": PRINTED["color"]}),
     }
     for n, (c, mark) in enumerate(rows.values()):
-        left.plot([c], [n], gid="$c$", ls="none", ms=4.5, zorder=3, **mark)
+        left.plot([c], [n], ls="none", ms=4.5, zorder=3, **mark)
         note(left, f"{c:.4f}", (c, n), (5.0, 0.0), "left", "center", size=8.0)
     arrow(left, (damping.true, 1.0), (damping.true + 0.96 * damping.added, 1.0), FAINT)
     left.axvline(damping.true, color=FAINT, lw=0.5, ls=":")
@@ -297,7 +291,7 @@ def glance(
     for n, ((label, values), look) in enumerate(zip(errors.items(), _MARKERS, strict=False)):
         places = [f + 0.24 * (n - 1.5) for f in range(len(frequencies))]
         right.vlines(places, 0.0, values, color=look["color"], lw=1.2)
-        right.plot(places, values, ls="none", ms=4.5, label=label, gid=label, **look)
+        right.plot(places, values, ls="none", ms=4.5, label=label, **look)
         for at in zip(places, values, strict=True):
             text = f"{at[1]:+#.2g}".rstrip(".").replace("-", "−")
             if at[1] > 0.0 and n < len(_MARKERS) - 1:

@@ -18,7 +18,6 @@ from typing import TYPE_CHECKING, Any
 
 from ..project.files import replacing
 from .looks import HARMONIC_LOOK, LOOKS, SPARE
-from .values import values, with_values
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -182,18 +181,9 @@ def save(
 
 
 def save_svg(figure: Figure, svg: str | Path, alt: str = "", dpi: int = EXPORT_DPI) -> None:
-    """Write the figure as SVG alone, with the values of all lines that have a name (`figures.values`)."""
-    lines = [line for axes in figure.axes for line in axes.get_lines()]
-    names = [line.get_gid() for line in lines]
+    """Write the figure as SVG alone."""
     with replacing(svg) as temporary:
-        for line in lines:
-            line.set_gid(None)  # inside a file it would have to be unique
         _write(figure, temporary, "svg", alt, dpi)
-        for line, name in zip(lines, names, strict=True):
-            line.set_gid(name)
-        if panels := values(figure):
-            text = with_values(temporary.read_text(encoding="utf-8"), panels)
-            temporary.write_text(text, encoding="utf-8", newline="\n")
 
 
 @styled()

@@ -259,7 +259,7 @@ def identify_forced(
     contact_to : what holds the friction contact: "base" for a mount or an isolator, whose spring, damper and friction
     all sit between table and mass; its mass must be given.
     damper_to : what holds the damper; default, what holds the contact.
-    terms : of the damping law, symbols of `KNOWN_TERMS` and objects of `Term`; default, F_k, c and those given.
+    terms : of the damping law, symbols of `KNOWN_TERMS`; default, F_k, c and those given.
     given : symbol → known coefficient, SI units.
     groups : symbol → a label for each record, where groups of records have their own.
     laws : whether to compare all laws of one or two terms, with and without friction, too.

@@ -15,9 +15,9 @@ _SAME_FREQUENCY = 1.001  # ratio of two frequencies: nearer ones count as one
 
 @dataclass(frozen=True)
 class Law:
-    """A damping law that is to be identified: built-in terms and others, friction among them.
+    """A damping law that is to be identified, friction among its terms.
 
-    terms : symbols of `KNOWN_TERMS`, or objects of `Term`, which these become.   given : term → coefficient that is
+    terms : symbols of `KNOWN_TERMS`.   given : term → coefficient that is
     known, SI.   groups : term → for each record the label of the group that its coefficient belongs to; a term that is
     not named has one coefficient for all records. A symbol stands for its term in both.
 

@@ -172,10 +172,7 @@ def _validator(schema: Mapping[str, Any], approaches: list[str]) -> Any:
 
     def check(_: Any, kind: str, value: Any, node: Any) -> Iterable[ValidationError]:
         names = (list(KNOWN_TERMS) if kind == "term" else approaches) + node.get("also", [])
-        an_object = (
-            isinstance(value, str) and type(value) is not str
-        )  # a user's own Term or Approach
-        if not an_object and value not in names:
+        if value not in names:
             words = f"{'an' if kind == 'approach' else 'a'} {kind}{_nearest(value, names)}"
             yield ValidationError(f"{shortened(value)} is not {words}; known: {', '.join(names)}")
 

@@ -27,9 +27,7 @@ from typing import Any
 
 from ..model import Parameters
 from ..motion import jit
-from ..motion.fixed_step import march
 from ..motion.integrals import measure
-from ..motion.sampled import read_cycle
 from ..motion.states import states_in_phases
 from ..motion.steady import solve_closed, solve_otherwise
 
@@ -79,8 +77,6 @@ def _kernels() -> list[tuple[Any, tuple[Any, ...]]]:
         (solve_otherwise, (par, table, real)),
         (measure, (table, whole, real, par)),
         (states_in_phases, (line, table, real, par)),
-        (march, (whole, par, real, whole, table)),
-        (read_cycle, (table, real, real, real, real, types.boolean, whole)),
     ]
 
 

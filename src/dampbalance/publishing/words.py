@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from typing import Any
 
 import jinja2
 from markupsafe import Markup, escape
@@ -15,10 +14,6 @@ _FROM_LOWERED = str.maketrans("₀₁₂₃₄₅₆₇₈₉", "0123456789")
 # Single letters that are symbols: in the name of a quantity all but the article, in a reason those that are no unit.
 _OF_QUANTITY = re.compile(r"(?<![\w’'])([b-zB-Z]|a(?=:))(?![\w’'])")
 _OF_REASON = re.compile(r"(?<![\w’'.])([bcWXYk])(?![\w’'])")
-_SIGNS_IN_WORDS = {
-    **{r"\ddot{x}": "ẍ", r"\dot{x}": "ẋ", r"\varphi": "φ", r"\omega": "ω", r"\zeta": "ζ"},
-    **{r"\pi": "π", r"\mathrm": "", "-": "−"},
-}
 _UNIT = re.compile(r"(?<=\d) (?=(?:%|N|Hz|mm|µm|m|ms|µs|s|rad)(?:\W|$))")  # the space before a unit
 
 
@@ -38,32 +33,9 @@ def templates(loader: jinja2.BaseLoader | None = None, html: bool = False) -> ji
     )
 
 
-def rendered(template: str, **values: Any) -> str:
-    """Return a template of this room in Markdown, with these values."""
-    return templates().get_template(template).render(**values)
-
-
 def rich_markup(text: str) -> Markup:
     """Return text with its symbols set in HTML: X_s an italic X with a lowered s, phi φ; units stay with numbers."""
     return Markup(in_html(_UNIT.sub("\N{NO-BREAK SPACE}", text)))
-
-
-def from_tex(text: str) -> Markup:
-    """Return text of a figure, with its mathematics between dollars: F_k of $F_k$, italic and with a lowered k."""
-    parts = str(escape(text)).split("$")
-    return Markup("").join(Markup(_maths(p) if n % 2 else p) for n, p in enumerate(parts))
-
-
-def _maths(tex: str) -> str:
-    """Return mathematics as HTML: letters italic, indices and exponents upright."""
-    for command, sign in _SIGNS_IN_WORDS.items():
-        tex = tex.replace(command, sign)
-
-    def token(match: re.Match[str]) -> str:
-        tag = {"_": "sub", "^": "sup"}.get(match[1], "i")
-        return f"<{tag}>{match[2].strip('{}') if match[1] else match[3]}</{tag}>"
-
-    return re.sub(r"([_^])(\{.*?\}|.)|([A-Za-zα-ωẋẍ]+)", token, tex)
 
 
 def symbol(text: str) -> Markup:

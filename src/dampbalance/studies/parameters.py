@@ -129,34 +129,19 @@ MECHANICAL = [name for name, p in PARAMETERS.items() if p.kind in ("oscillator",
 """Those that make up the oscillator and its excitation."""
 
 
-class Coefficient(str):
-    """The coefficient of a term as a parameter of a study: the text of its column, which knows the term."""
-
-    term: Term
-
-    @classmethod
-    def of(cls, term: Term) -> Coefficient:
-        """Return the coefficient of a term."""
-        coefficient = cls(term.column)
-        coefficient.term = term
-        return coefficient
-
-
 def parameter(name: str) -> Parameter:
-    """Return the parameter of a name: one of PARAMETERS, or the coefficient of a user's term."""
-    return _of_law(name.term) if isinstance(name, Coefficient) else PARAMETERS[name]
+    """Return the parameter of a name."""
+    return PARAMETERS[name]
 
 
 def of_law(names: Collection[str]) -> dict[str, Term]:
     """Return the coefficients of further terms of the damping law among names of parameters: name → term."""
-    own = {name: name.term for name in names if isinstance(name, Coefficient)}
-    return {name: term for name, term in OF_LAW.items() if name in names} | own
+    return {name: term for name, term in OF_LAW.items() if name in names}
 
 
 def mechanical(names: Collection[str]) -> list[str]:
     """Return the names that make up the oscillator and its excitation, among names of parameters."""
-    built_in = [name for name in MECHANICAL if name in names]
-    return list(dict.fromkeys([*built_in, *of_law(names)]))
+    return [name for name in MECHANICAL if name in names]
 
 
 def synonyms(name: str) -> list[str]:

@@ -11,11 +11,9 @@ import numpy as np
 import pandas as pd
 
 from ..arguments import names, one_of, shown, whole
-from ..law.terms import Term, term
 from ..model import UNITS, Oscillator, named_with_unit
 from .cases import case_columns
 from .evaluate import evaluate, responses_of
-from .parameters import Coefficient
 from .study_file import PAPER_CASE, Listed, Study
 
 if TYPE_CHECKING:
@@ -161,18 +159,17 @@ def study(
 ) -> StudyResult:
     """Compute how well approaches identify F_k and c, over any parameters of oscillator, excitation or noise.
 
-    Use it to find out how far the method holds for a system like yours, or to try an approach of your own (`Approach`)
-    or a damping law (`Term`). The arguments are the keys of a study's YAML file, with the same meaning, defaults and
-    checks; take a file for a study with a figure and a text, on many cores, or larger than memory. What is left out is
-    the paper's.
+    Use it to find out how far the method holds for a system like yours, or under another damping law. The arguments
+    are the keys of a study's YAML file, with the same meaning, defaults and checks; take a file for a study with a
+    figure and a text, on many cores, or larger than memory. What is left out is the paper's.
 
-    axes : name of a parameter, or a `Term` whose coefficient it is → its values, an array or a list, or a range
+    axes : name of a parameter → its values, an array or a list, or a range
     {"from": 0.4, "to": 2.6, "count": 50, "spacing": "log"}; the cases are their product. Or a list of blocks as in the
     file: axes that are in one block vary together, and {"sample": {...}} is a sample of a box.
     base : parameters that no axis sets, or an oscillator.
     levels_m, levels_of_Y : amplitudes of the base at the levels, m, or as multiples of Y_m.
-    estimation : how F_k and c are identified: approaches (`Approach` or a name), phases, sharing, contact, fits, terms
-    (`Term` or a symbol), ...; a name alone stands for a list of one.
+    estimation : how F_k and c are identified: approaches, phases, sharing, contact, fits, terms,
+    ...; a name alone stands for a list of one.
     route : where the responses come from, {"kind": "measured", "sampling_hz": 1000, "noise": 0.01, "seed": 0}; a name
     alone is its kind; default, the exact solution, a million orbits in a second.
     read_out : rules by which features are rounded.
@@ -198,10 +195,8 @@ def study(
         **{"estimation": estimation, "route": route, "read_out": read_out, "columns": columns},
     }
     stated = {key: value for key, value in given.items() if value is not None or key == "axes"}
-    own: list[str] = []
-    document = {"title": "study()", **_document(stated, own)}
-    schema = _with_terms(read_schema(STUDY_SCHEMA), own)
-    if wrong := list(problems(document, schema, PAPER_CASE)):
+    document = {"title": "study()", **_document(stated)}
+    if wrong := list(problems(document, read_schema(STUDY_SCHEMA), PAPER_CASE)):
         if isinstance(axes, Mapping):  # the blocks of a mapping have no number
             wrong = [(key[:1] + key[2:] if key[0] == "axes" else key, text) for key, text in wrong]
         raise ConfigurationError(in_lines(wrong, {"study()": document}))
@@ -215,22 +210,9 @@ def study(
     return StudyResult(settings, evaluate(settings, 0, settings.cases, cores))
 
 
-def _with_terms(schema: Any, own: Sequence[str]) -> Any:
-    """Return the schema with the coefficients of other terms as parameters, wherever it has that of a built-in one."""
-    if isinstance(schema, list):
-        return [_with_terms(part, own) for part in schema]
-    if not isinstance(schema, dict):
-        return schema
-    copy = {key: _with_terms(part, own) for key, part in schema.items()}
-    return copy | dict.fromkeys(own, copy["eta"]) if "eta" in copy else copy
-
-
-def _document(given: Mapping[str, Any], own: list[str]) -> dict[str, Any]:
-    """Return the arguments as the document of a YAML file: plain values, and lists where a name alone stands for one.
-
-    own : takes the coefficients of terms that are keys.
-    """
-    document: dict[str, Any] = _plain(given, own)
+def _document(given: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the arguments as the document of a YAML file; a name alone stands for a list of one."""
+    document: dict[str, Any] = _plain(given)
     if isinstance(document["axes"], dict):
         document["axes"] = [{name: spec} for name, spec in document["axes"].items()]
     for block in document["axes"] if isinstance(document["axes"], list) else ():
@@ -248,11 +230,8 @@ def _document(given: Mapping[str, Any], own: list[str]) -> dict[str, Any]:
     return document
 
 
-def _plain(value: Any, own: list[str], depth: int = 0) -> Any:
-    """Return a value as a YAML file would hold it; what none can hold becomes text, which the schema refuses.
-
-    Terms and approaches stay what they are, and a term that is a key becomes its coefficient.
-    """
+def _plain(value: Any, depth: int = 0) -> Any:
+    """Return a value as a YAML file would hold it; what none can hold becomes text, which the schema refuses."""
     if depth > _DEEPEST:
         raise ValueError(f"study(): more than {_DEEPEST} lists and mappings inside each other")
     if isinstance(value, Oscillator):
@@ -260,12 +239,7 @@ def _plain(value: Any, own: list[str], depth: int = 0) -> Any:
     if hasattr(value, "tolist") and not isinstance(value, type):
         value = value.tolist()
     if isinstance(value, Mapping):
-        keys = [Coefficient.of(term(key)) if isinstance(key, Term) else str(key) for key in value]
-        own += [key for key in keys if isinstance(key, Coefficient)]
-        return {
-            key: _plain(item, own, depth + 1)
-            for key, item in zip(keys, value.values(), strict=True)
-        }
+        return {str(key): _plain(item, depth + 1) for key, item in value.items()}
     if isinstance(value, list | tuple | range):
-        return [_plain(item, own, depth + 1) for item in value]
+        return [_plain(item, depth + 1) for item in value]
     return value if isinstance(value, str | int | float | None) else shown(value)

@@ -8,11 +8,12 @@ from dampbalance.figures import (
     save,
     schematic,
 )
+from dampbalance.figures.style import save_svg
 from dampbalance.motion.orbit import read_orbits
 from dampbalance.project.case import Case
-from dampbalance.project.files import read_csv, read_routes, write_text
+from dampbalance.project.files import read_csv, read_routes
 from dampbalance.project.troubles import brief_troubles
-from dampbalance.publishing.match import match_picture
+from dampbalance.publishing.match import match_figure, match_words
 from dampbalance.replication.claims.verdicts import counts
 
 if __name__ == "__main__":
@@ -32,4 +33,5 @@ if __name__ == "__main__":
         save(figure, svg, png, ALT[name])
     if snakemake.input.claims:
         claims = read_csv(snakemake.input.claims, dtype=str)
-        write_text(output.match, match_picture(counts(claims)))
+        counted = counts(claims)
+        save_svg(match_figure(counted), output.match, match_words(counted))

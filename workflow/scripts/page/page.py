@@ -6,7 +6,6 @@ from pathlib import Path
 from dampbalance.project.case import Case
 from dampbalance.project.files import read_csv, write_text
 from dampbalance.project.troubles import brief_troubles
-from dampbalance.publishing.page.instruments import of_run
 from dampbalance.publishing.page.report import PageContent, report_page
 from dampbalance.studies.reading_study import read_study
 
@@ -32,12 +31,10 @@ def main(params, inputs):
     case = Case.from_config(config)
     studies = list(map(read_study, inputs.study_files, params.papers))
     claims = read_csv(inputs.claims, dtype=str) if inputs.claims else None
-    misprints = [json.loads(read_text(file)) for file in inputs.misprints or ()]
     return PageContent(
         case=case,
         config=config,
         claims=claims,
-        digits=next((record for record in misprints if of_run(record, claims)), None),
         tables=read_tables(folder, case),
         approaches=read_csv(f"{folder}/tables/approaches.csv"),
         figures=dict(zip(params.figures, map(read_text, inputs.figures), strict=True)),

@@ -19,13 +19,12 @@ from urllib.parse import quote
 
 import jinja2
 import pandas as pd
-from markupsafe import Markup, escape
+from markupsafe import Markup
 
 from ... import __version__
 from ...balance import TERMS
 from ...figures.looks import label_of
 from ...figures.style import follows_the_screen
-from ...figures.values import read_values
 from ...project import wording
 from ...project.case import Case
 from ...project.documents import read_yaml
@@ -44,7 +43,7 @@ STATIC = Path(__file__).with_name("static")
 STYLES = ("style.css", "instruments.css")
 SCRIPTS = (
     *("page.js", "engine.js", "kit.js"),
-    *("oscillator.js", "off_resonance.js", "integrator.js", "digits.js"),
+    *("oscillator.js", "off_resonance.js"),
 )
 
 _POWER = re.compile(r"\b(\d[\d.]*)[eE]([-+]?\d+)\b")
@@ -65,7 +64,6 @@ class PageContent:
     numerics.
     evidence : `derived_numbers`, which the article argues with.   shown : study → its numbers and its paragraph, as
     the article has them.   studies : (study, its figure as SVG).   study_folder : where their results stand.
-    digits : `changed_digits.packed`, if it is on record.
     noise : the summary of the study of noise, if that is among them.
     """
 
@@ -79,7 +77,6 @@ class PageContent:
     shown: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     studies: Sequence[tuple[Study, str]] = ()
     study_folder: str = "results/studies"
-    digits: Mapping[str, Any] | None = None
     noise: pd.DataFrame | None = None
 
 
@@ -140,9 +137,8 @@ def report_page(content: PageContent, page: str) -> str:
         style="".join(map(_static, STYLES)),
         script="\n".join(map(_static, SCRIPTS)),
         engine=base64.b64encode((STATIC / "engine.wasm").read_bytes()).decode(),
-        misprints=claims and content.digits is not None,
         sliders=slider_controls(case),
-        instruments=instruments_data(case, content.claims, content.digits),
+        instruments=instruments_data(case),
     )
     size = len(page_html.encode())
     if size > LARGEST_PAGE:
@@ -216,7 +212,6 @@ def _figure(name: str, svg: str) -> dict[str, Any]:
 
     name : unique on the page.   alt : what it shows, in a sentence.   wide : its width, points.
     source : the SVG as drawn, without its metadata, as a data URL for an attribute in single quotes.
-    tables : its values, (title, head, rows) each, a table for the lines at the same places; "" where there is none.
     """
     alt, box = (re.search(what, svg, re.DOTALL) for what in (_DESCRIPTION, 'viewBox="([^"]*)"'))
     drawn = follows_the_screen(_METADATA.sub("", svg[svg.index("<svg") :]))
@@ -226,26 +221,7 @@ def _figure(name: str, svg: str) -> dict[str, Any]:
         "wide": box[1].split()[2] if box else "",
         # base64 would be a third larger; a URL loses its line ends
         "source": Markup(f"data:image/svg+xml,{quote(' '.join(drawn.split()), safe=_IN_A_URL)}"),
-        "tables": list(_tables(read_values(svg))),
     }
-
-
-def _tables(panels: list[dict[str, Any]]) -> Iterator[tuple[Markup, list[Markup], list[Any]]]:
-    for panel in panels:
-        what = " against ".join(filter(None, (panel["y"], panel["x"])))
-        for block in panel["blocks"]:
-            names, values = zip(*block["lines"], strict=True)
-            head = [panel["x"] or "what", *names]
-            rows = zip(block["places"], *values, strict=True)
-            title = words.from_tex(", ".join(filter(None, (panel["title"], what))))
-            yield title, [*map(_cell, head)], [[*map(_cell, row)] for row in rows]
-
-
-def _cell(value: float | str | None) -> Markup:
-    """Return a value or the name of a place."""
-    if isinstance(value, str):
-        return words.from_tex(value)
-    return escape("" if value is None else _typeset(f"{value:g}"))
 
 
 def _environment(case: str, page: str) -> jinja2.Environment:

@@ -16,8 +16,8 @@ import json
 import platform
 import re
 import subprocess
-import sys
 from collections.abc import Iterable, Mapping, Sequence
+from importlib import metadata
 from pathlib import Path
 from typing import Any
 
@@ -29,21 +29,10 @@ COMPUTING = (
 )
 """Files and folders on which results can depend."""
 
-PROJECT = (
-    *COMPUTING,
-    *(".ci", ".editorconfig", ".gitattributes", ".github", ".gitignore"),
-    *(".snakemake-workflow-catalog.yml", "CHANGELOG.md", "CITATION.cff", "CONTRIBUTING.md"),
-    *("LICENSE", "LICENSES", "Makefile", "README.md", "REUSE.toml", "results/README.md"),
-    *("requirements-build.lock", "requirements-dev.lock", "requirements-engine.lock"),
-    *("examples", "tests", "trials"),
-)
-"""All files and folders of the project, as under version control."""
-
-ARCHIVED_VERSION = "VERSION.json"  # written into an archive, where there is no git
 _LEFT_BEHIND = re.compile(r"__pycache__|\.ipynb_checkpoints|.*\.egg-info|\.DS_Store|.*~|\..*_cache")
 
 
-def files_of(root: str | Path, names: Iterable[str] = PROJECT) -> list[str]:
+def files_of(root: str | Path, names: Iterable[str]) -> list[str]:
     """Return the files below `names` in the folder `root`, as sorted relative paths with slashes, without caches."""
     starts = [Path(root, name) for name in names]
     paths = {path for start in starts for path in (start, *start.rglob("*")) if path.is_file()}
@@ -58,13 +47,13 @@ def digest_of(data: Any) -> str:
 
 
 def code_version(root: str | Path, version: str) -> dict[str, Any]:
-    """Return the version of the code in a folder, from git or, in an unpacked archive, from its VERSION.json.
+    """Return the version of the code in a folder, and its commit where git knows it.
 
     version : of the package.   commit, committed : hash and date (ISO 8601) of the commit of the files, or None.
-    modified : whether files differ from that commit, or None.   known_from : git, archive, or nothing.
+    modified : whether files differ from that commit, or None.   known_from : git, or nothing.
     """
     root = Path(root).resolve()
-    archived, known_from = root / ARCHIVED_VERSION, "nothing"
+    known_from = "nothing"
     state: dict[str, Any] = dict.fromkeys(("commit", "committed", "modified"))
     # An unpacked archive may lie within another repository, whose commit does not describe this code.
     own = _git(root, "rev-parse", "--show-toplevel") == str(root)
@@ -72,10 +61,6 @@ def code_version(root: str | Path, version: str) -> dict[str, Any]:
         state["commit"], _, state["committed"] = commit.partition(" ")
         state["modified"] = bool(_git(root, "status", "--porcelain"))
         known_from = "git"
-    elif archived.is_file():
-        stated = json.loads(archived.read_text(encoding="utf-8"))
-        state = {key: stated.get(key) for key in state}
-        known_from = "archive"
     return {"version": version, **state, "known_from": known_from}
 
 
@@ -153,17 +138,24 @@ def _packages(lock: Path) -> dict[str, Any]:
     pinned: dict[str, set[str]] = {}
     for name, version in re.findall(r"^([A-Za-z0-9._-]+)==([^\s;\\]+)", text, re.MULTILINE):
         pinned.setdefault(name, set()).add(version)
-    command = [sys.executable, "-m", "piplicenses", "--format=json"]
-    listed = json.loads(subprocess.run(command, capture_output=True, check=True).stdout)
-    names = {re.sub("[-_.]+", "-", row["Name"]).lower(): row for row in listed}
+    found = {re.sub("[-_.]+", "-", of.name).lower(): of for of in metadata.distributions()}
     # a package of another system, or of an extra, is not installed
-    installed = {name: names[name] for name in sorted(pinned.keys() & names)}
-    versions = {name: row["Version"] for name, row in installed.items()}
+    installed = {name: found[name] for name in sorted(pinned.keys() & found)}
+    versions = {name: of.version for name, of in installed.items()}
     return {
         "packages": versions,
-        "licences": {name: row["License"] for name, row in installed.items()},
+        "licences": {name: _licence(of) for name, of in installed.items()},
         "packages_not_as_locked": [n for n, v in versions.items() if v not in pinned[n]],
     }
+
+
+def _licence(package: metadata.Distribution) -> str:
+    """Return the licence that a package states: the expression, its classifiers, or the first line of its text."""
+    stated = package.metadata
+    classifiers = [of for of in stated.get_all("Classifier", []) if of.startswith("License ::")]
+    classified = " and ".join(of.rpartition(" :: ")[2] for of in classifiers)
+    named = [*stated.get_all("License-Expression", []), classified, *stated.get_all("License", [])]
+    return next((text.partition("\n")[0] for text in named if text), "not stated")
 
 
 ADDRESSES = {

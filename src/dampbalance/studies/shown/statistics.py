@@ -8,14 +8,13 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from scipy import special
+from scipy import special, stats
 
 from ...arrays import Array, Integers
 from ...balance import TERMS
 from ...fit.steady_search import fit_at_truth
 from ...model import BaseMotion
 from ...motion.orbit import NoSteadyOrbit, steady_orbit
-from ...solver import NORMAL_95
 from ..case_files import CasesLike, column_of
 from ..cases import cases_between
 from ..parameters import oscillator_of
@@ -136,8 +135,10 @@ def _mean(values: Array) -> float:
 
 
 def quantile_error(values: Array, share: float) -> float:
-    """Return standard error of a quantile, the order statistic x_(k) of n independent values, k = ⌈share · n⌉ (Maritz
-    and Jarrett): its standard deviation over all drawings of n values with replacement, without drawing any.
+    """Maritz–Jarrett standard error of a sample quantile.
+
+    The quantile is the order statistic x_(k) of n independent values, k = ⌈share · n⌉; its standard error is the
+    standard deviation over all drawings of n values with replacement:
 
         P(x*_(k) ≤ x_(i)) = I_{i/n}(k, n − k + 1)   (the incomplete beta function)
 
@@ -153,16 +154,11 @@ def quantile_error(values: Array, share: float) -> float:
 
 def share_interval(count: int, runs: int) -> tuple[float, float]:
     """Return the 95 % interval of a probability observed in `count` of `runs` (Wilson's score interval); NaN without a
-    run.
-
-    (p + z²/2n ± z √(p(1 − p)/n + z²/4n²)) / (1 + z²/n),   p = count/n, n = runs, z = 1.96
-    """
+    run."""
     if runs == 0:
-        return np.nan, np.nan
-    share, z2 = count / runs, NORMAL_95**2 / runs
-    half = np.sqrt(share * (1.0 - share) * z2 + 0.25 * z2 * z2)
-    middle, whole = share + 0.5 * z2, 1.0 + z2
-    return max(0.0, (middle - half) / whole), min(1.0, (middle + half) / whole)
+        return math.nan, math.nan
+    interval = stats.binomtest(count, runs).proportion_ci(method="wilson")
+    return float(interval.low), float(interval.high)
 
 
 def bounds_of(study: Study, cases: Integers) -> dict[str, float]:

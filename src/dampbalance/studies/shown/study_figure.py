@@ -33,7 +33,6 @@ from ...figures.looks import (
     in_maths,
     label_of,
     look_of,
-    named,
 )
 from ...figures.series import (
     COMMON,
@@ -143,8 +142,6 @@ def error_curves(study: Study, cases: CasesLike) -> Figure:
                         continue
                     curves.setdefault(sharing, {})[approach] = error
                     sizes.append(np.abs(error))
-                    # invisible: the errors with their signs, which the page lists
-                    axes.plot(x[those], error, gid=named(approach, sharing), visible=False)
             for sharing, errors in curves.items():
                 dashed = sharing == INDIVIDUAL and len(sharings) > 1
                 for name, error in _with_common_curve(errors, harmonic).items():
@@ -311,7 +308,7 @@ def error_of_steps(study: Study, cases: CasesLike) -> Figure:
             style |= {
                 "zorder": 3.0 - 0.1 * len(handles)
             }  # the diamond below the cross, which it would hide
-            axes.plot(1e6 * h[those], errors[those], gid=label, **style)
+            axes.plot(1e6 * h[those], errors[those], **style)
             handles.append(Line2D([], [], label=label, **style))
     logarithmic_ticks(axes, "x", 1e6 * steps[0], 1e6 * steps[-1])
     if len(steps) <= NAMED:
@@ -359,7 +356,7 @@ def errors_of_runs(study: Study, cases: CasesLike) -> Figure:
             styles = _line_styles(lines, _between(x))
             for (label, fit), (shift, style) in zip(lines.items(), styles, strict=True):
                 of = pd.DataFrame([spread_of(study, cases, symbol, fit, rows) for rows in runs])
-                style |= {"label": label, "gid": label}
+                style |= {"label": label}
                 size = 100.0 * of["p95"].to_numpy()
                 reach = np.nan_to_num(100.0 * NORMAL_95 * of["p95_error"].to_numpy())
                 bars = [np.minimum(reach, 0.9 * size), reach]  # of a logarithmic axis

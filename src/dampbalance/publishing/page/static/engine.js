@@ -5,8 +5,6 @@ async function loadEngine(bytes) {
   const MEASURES = ["X", "X_s", "V_s", "t_s", "phi", "phi_zero_crossing", "a", "b", "W",
     "X_1", "phi_1", "X_3", "phi_3", "X_5", "phi_5"];
   const REGIMES = ["not found", "one slip", "several slips", "no slip", "no friction"];
-  const READ = ["X", "X_s", "V_s", "t_s", "X_r", "V_r", "t_r", "phi", "phi_zero_crossing", "a", "b", "W"];
-  const SCHEMES = ["backward-euler", "trapezoidal", "semi-implicit-euler", "rk4", "explicit-euler"];
   const [NO_CLOSED_FORM, MAX_PHASES, MOST_RADIANS, PHASE_COLUMNS, STATE_ROWS] = [255, 16384, 2e7, 5, 4];
   const { exports: kernels } = (await WebAssembly.instantiate(bytes)).instance;
   let result = 0;
@@ -74,28 +72,7 @@ async function loadEngine(bytes) {
     return { t, x, v, acceleration, z, y: t.map((at) => parameters.Y * Math.cos(theta + parameters.omega * at)) };
   }
 
-  // The fixed-step simulation from rest, its last three cycles read as the as-published route reads them: a, b, W and
-  // V_s_at_sample at the samples, the others between them. NaN where the scheme is unstable or an event is not found.
-  function march({ scheme, step, cycles = 26, c_over_m, k_over_m, slip_samples = 1, ...parameters }) {
-    const [m, c, k, K_z, F_k, Y, omega] = numbers(parameters);
-    const perCycle = 2 * Math.PI / omega / step;
-    if (!SCHEMES.includes(scheme) || !(perCycle > 1 && perCycle < 1e6 && cycles >= 3)) throw new Error("no such scheme, step or number of cycles");
-    const [first, last] = [Math.floor((cycles - 3) * perCycle), Math.ceil(cycles * perCycle)];
-    reset();
-    const signals = array(4, last - first + 1);
-    const par = [1, c_over_m ?? c / m, k_over_m ?? k / m, K_z / m, F_k / m, Y, omega];
-    call("march", BigInt(SCHEMES.indexOf(scheme)), par, step, BigInt(first), signals.argument);
-    if (!(Math.abs(signals.view()[2 * (last - first + 1) - 1]) < 1e6 * Y)) return Object.fromEntries(READ.map((name) => [name, NaN]));
-    const dt = (step * last - step * first) / (last - first);
-    const read = (between) => {
-      const cycle = call("read_cycle", signals.argument, step * first, dt, omega, k, between, BigInt(slip_samples));
-      return Object.fromEntries(READ.map((name, i) => [name, cycle.getFloat64(24 + 8 * i, true)]));
-    };
-    const [{ a, b, W, V_s }, between] = [read(0), read(1)];
-    return { ...between, a, b, W, V_s_at_sample: V_s };
-  }
-
-  return { steady, cycle, march };
+  return { steady, cycle };
 }
 
 if (typeof module !== "undefined") module.exports = { loadEngine };

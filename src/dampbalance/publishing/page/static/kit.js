@@ -1,6 +1,6 @@
 /* What the instruments share: the balance, drawings, controls, a state that stands in the address, and code to copy.
    kit.instrument(id, (it) => { …; return draw; }) builds the element of that id once the engine runs; draw(it.values) follows every
-   change. it.engine, it.march; it.data of the case; it.values by control, in the units shown: those of the template and, for a state of
+   change. it.engine; it.data of the case; it.values by control, in the units shown: those of the template and, for a state of
    another kind, it.control(name, value, given); a button with the name of a control and a value sets it. it.redraw, it.find,
    it.write(selector, html), it.drawing, it.code. */
 const kit = (() => {
@@ -113,11 +113,7 @@ const kit = (() => {
   const text = (id) => document.getElementById(id).textContent;
   async function start() {
     const bytes = Uint8Array.from(atob(text('engine').trim()), (sign) => sign.charCodeAt(0));
-    // A simulation takes longer than a frame: march(parameters) promises what engine.march gives, by an engine in another thread.
-    const program = `onmessage = async ({ data: [bytes, given] }) => postMessage((await (self.engine ??= loadEngine(bytes))).march(given)); ${loadEngine}`;
-    const worker = new Worker(URL.createObjectURL(new Blob([program])));
-    const march = (given) => new Promise((done) => { worker.onmessage = ({ data }) => done(data); worker.postMessage([bytes, given]); });
-    return { engine: await loadEngine(bytes), data: JSON.parse(text('instruments-data')), march };
+    return { engine: await loadEngine(bytes), data: JSON.parse(text('instruments-data')) };
   }
 
   async function instrument(id, build) {
@@ -155,9 +151,9 @@ const kit = (() => {
       show(name, value);
     };
     it.write = (selector, markup) => { it.find(selector).innerHTML = markup; };
-    const slide = (input) => { // as `slider` in instrument_macros.html.j2 says: with `log` it moves in decades, with `stops` between these
-      const { value, stops, min = stops?.[0], max = stops?.at(-1), step = 1, unit = '', log = false } = JSON.parse(input.dataset.of);
-      const [to, from] = stops ? [(v) => stops.findLastIndex((stop) => stop <= v), (i) => stops[i]] : log ? [Math.log10, (v) => Number((10 ** v).toPrecision(3))] : [Number, Number];
+    const slide = (input) => { // as `slider` in instrument_macros.html.j2 says: with `log` it moves in decades
+      const { value, min, max, step = 1, unit = '', log = false } = JSON.parse(input.dataset.of);
+      const [to, from] = log ? [Math.log10, (v) => Number((10 ** v).toPrecision(3))] : [Number, Number];
       Object.assign(input, { min: to(min), max: to(max), step: log ? 0.01 : step });
       const shown = (v) => {
         input.value = to(v);
