@@ -17,9 +17,9 @@ import pytest
 import dampbalance
 import dampbalance.motion.jit
 from dampbalance import BaseMotion
-from house import FACE, MODULES, PACKAGE, graph, reached
 from paper_case import PAPER
 from processes import output_of
+from rooms import FACE, MODULES, PACKAGE, graph, reached
 
 SOURCE = Path(dampbalance.__file__).parent
 
