@@ -1,7 +1,8 @@
 """Features of responses: all that the estimators know (Tables 1 and 2).
 
-`of_orbit` takes them from an exact orbit, `of_orbits` from many, `signals/clean.py` reads them off a sampled record;
-`stack` joins responses. What a response does not have (no slip, no slip onset) is NaN, and its `regime` says why.
+`of_orbit` takes them from an exact orbit, `of_orbits` from many, `replication/clean.py` reads them off a sampled
+record; `stack` joins responses. What a response does not have (no slip, no slip onset) is NaN, and its `regime` says
+why.
 """
 
 from __future__ import annotations

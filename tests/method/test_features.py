@@ -20,10 +20,10 @@ from dampbalance.features import (
 from dampbalance.model import BaseMotion, Oscillator
 from dampbalance.motion.orbit import steady_orbit
 from dampbalance.motion.orbits import steady_orbits
-from dampbalance.motion.sampled import _first_reversal, integral
-from dampbalance.record import Record
-from dampbalance.signals.clean import of_record
-from dampbalance.signals.read_out import ReadOut
+from dampbalance.replication.clean import of_record
+from dampbalance.replication.read_out import ReadOut
+from dampbalance.replication.record import Record
+from dampbalance.replication.sampled import _first_reversal, integral
 from paper_case import FREQUENCIES_HZ, LEVELS, OMEGA, PAPER
 
 

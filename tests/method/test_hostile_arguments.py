@@ -36,12 +36,12 @@ from dampbalance import (
 )
 from dampbalance.features import of_orbit
 from dampbalance.law.law import Law, law_of
-from dampbalance.motion.fixed_step import simulate
 from dampbalance.motion.law_response import law_response
 from dampbalance.project.documents import ConfigurationError
-from dampbalance.record import Record
 from dampbalance.records.readers import read, table
 from dampbalance.records.writers import write
+from dampbalance.replication.fixed_step import simulate
+from dampbalance.replication.record import Record
 from dampbalance.solver import contact_stiffness
 from paper_case import PAPER
 

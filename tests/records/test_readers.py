@@ -17,9 +17,9 @@ import scipy.io
 import yaml
 from scipy.io import wavfile
 
-from dampbalance.record import Record
 from dampbalance.records.errors import RecordError, RecordWarning
 from dampbalance.records.readers import read, table
+from dampbalance.replication.record import Record
 from records.formats import write_columns, write_uff
 
 RATE = 1000.0

@@ -14,10 +14,10 @@ import pytest
 from dampbalance.balance import direct, slip_displacement, slip_time, slip_velocity_as_printed
 from dampbalance.features import of_orbit, stack
 from dampbalance.model import BaseMotion
-from dampbalance.motion.fixed_step import simulate
 from dampbalance.motion.orbit import steady_orbit
-from dampbalance.signals.clean import of_record
-from dampbalance.signals.read_out import ReadOut
+from dampbalance.replication.clean import of_record
+from dampbalance.replication.fixed_step import simulate
+from dampbalance.replication.read_out import ReadOut
 from dampbalance.solver import pair
 from paper_case import LEVELS, OMEGA, PAIRS, PAPER
 from replication.routes import PRINT, with_digits_of

@@ -8,8 +8,8 @@ import random
 import pytest
 
 from dampbalance import BaseMotion, Oscillator, Regime, steady_orbit
-from dampbalance.motion.fixed_step import SCHEMES, largest_growth
 from dampbalance.motion.orbit import MOST_EVENTS, RANGES
+from dampbalance.replication.fixed_step import SCHEMES, largest_growth
 
 
 def test_the_energy_balance_closes_wherever_numbers_are_taken_from():

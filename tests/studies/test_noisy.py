@@ -17,13 +17,13 @@ from dampbalance.identification.forced import identify_readings
 from dampbalance.project.wording import percent
 from dampbalance.records.synthetic import measured_orbit
 from dampbalance.signals.mean_harmonics import read_features
-from dampbalance.signals.simpson import cycle_integrals
 from dampbalance.solver import least_squares
 from dampbalance.studies import evaluate
 from dampbalance.studies.cases import case_columns, cases_between
 from dampbalance.studies.shown import statistics, summary
 from dampbalance.studies.shown.statistics import bounds_of
 from dampbalance.studies.shown.study_figure import alternative_text, study_figure
+from dampbalance.studies.simpson import cycle_integrals
 from fit.sampled import covariance, noise_of_rms
 from paper_case import FREQUENCIES_HZ, PAPER, motions_at
 from studies.documents import document

@@ -16,11 +16,11 @@ from dampbalance.balance import APPROACHES, takes_phase
 from dampbalance.estimates import estimate_table
 from dampbalance.features import of_orbit, stack
 from dampbalance.figures.series import is_logarithmic
-from dampbalance.motion.fixed_step import simulate
 from dampbalance.project.documents import ConfigurationError
 from dampbalance.project.wording import percent
-from dampbalance.signals.clean import of_record
-from dampbalance.signals.read_out import ReadOut
+from dampbalance.replication.clean import of_record
+from dampbalance.replication.fixed_step import simulate
+from dampbalance.replication.read_out import ReadOut
 from dampbalance.solver import least_squares, pair
 from dampbalance.studies import case_files, cases, evaluate, reading_study
 from dampbalance.studies.parameters import MECHANICAL, PARAMETERS, in_si

@@ -23,9 +23,9 @@ from dampbalance.figures.style import FAINT, SLIP, STICK, page, place, save, sty
 from dampbalance.fit.steady_search import fit_records
 from dampbalance.identification.forced import identify_readings
 from dampbalance.project.files import write_csv, write_text
-from dampbalance.record import Record
 from dampbalance.records.measurement import Measurement
 from dampbalance.records.synthetic import measured_orbit
+from dampbalance.replication.record import Record
 from dampbalance.signals.mean_harmonics import read_features
 from paper_case import LEVELS, OMEGA
 

@@ -13,10 +13,10 @@ from typing import NamedTuple
 import pandas as pd
 
 from dampbalance import BaseMotion, Oscillator
-from dampbalance.fit.steady_search import fit_at_truth
 from dampbalance.identification.forced import identify_readings
 from dampbalance.project.wording import markdown_table
 from dampbalance.signals.mean_harmonics import read_features
+from dampbalance.studies.bound import fit_at_truth
 from paper_case import FREQUENCIES_HZ, LEVELS, PAPER
 
 from .records import levels, records

@@ -11,7 +11,7 @@
 include: "../functions/studies.smk"
 
 
-STUDY_ROOMS = rooms("figures", "fit", "identification", "studies")
+STUDY_ROOMS = rooms("figures", "fit", "identification", "replication", "studies")
 
 
 wildcard_constraints:

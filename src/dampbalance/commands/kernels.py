@@ -17,12 +17,12 @@ import numpy as np
 import dampbalance as db
 
 from ..motion.distorted import distorted_harmonics
-from ..motion.fixed_step import simulate
 from ..motion.jit import interpreted
 from ..motion.law_decays import rounding
 from ..motion.orbit import Orbit
 from ..motion.play import play
-from ..signals.clean import of_record
+from ..replication.clean import of_record
+from ..replication.fixed_step import simulate
 
 _OSCILLATOR: dict[str, Any] = {"m": 2.42, "c": 40.0, "k": 2310.0, "K_z": 208000.0, "F_k": 1.28}
 _OMEGA = 2.0 * math.pi * 4.92

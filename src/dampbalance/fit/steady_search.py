@@ -13,15 +13,12 @@ import numpy as np
 from ..arrays import Array
 from ..law.law import Law
 from ..law.terms import FRICTION
-from ..model import BaseMotion, Oscillator
 from ..motion.jit import interpreted
-from ..motion.orbit import steady_orbit
 from ..signals.lines import Lines
-from ..signals.one_thread import one_thread
 from .climb import MOST_EVALUATIONS
 from .minimise import WAY, climb_on, minimise
 from .starts import Shares, starts
-from .waveforms import OSCILLATOR, STIFFEST, HarmonicProblem, WaveformFit, equivalent_coefficient
+from .waveforms import STIFFEST, HarmonicProblem, WaveformFit, equivalent_coefficient
 
 _STARTS = (4, 12)  # of the candidates, the closest first, and of those of more masses
 _SOFTENING = (1e-2, 1e-3, 0.0)  # parts of the amplitudes added to their errors: a smooth way down
@@ -34,7 +31,6 @@ _TO_THE_END = 300  # for the nearest of all, so that its place hangs on no other
 _RINGING_SWINGS = 1.0  # swings in a stick, from which on a fit that holds is not the only one
 # What a minimum must be lower by, in χ² and as a part of it, for a scan from there.
 _LOWER, _NEARER = 0.05, 0.02
-_HARMONICS_OF_TRUTH = 64  # odd ones: the derivatives of the response by ρ fall as n⁻³
 
 
 def fit_records(
@@ -81,38 +77,6 @@ def fit_records(
         last = _climbed(problem, best.point, softenings=(0.0,), last=_TO_THE_END)
         best = _best([best, *filter(None, [last])])
     return best
-
-
-@one_thread
-def fit_at_truth(
-    osc: Oscillator,
-    motions: Sequence[BaseMotion],
-    errors: Sequence[tuple[float, float]],
-    given: Collection[str] = ("m",),
-) -> WaveformFit | None:
-    """Return the fit to the exact harmonics of an oscillator, at its own values; None where nothing slips.
-
-    Use its standard errors to judge how much an estimate makes of records of base displacement and displacement: no
-    unbiased estimate has a smaller covariance (the Cramér–Rao bound; Kay, *Fundamentals of Statistical Signal
-    Processing: Estimation Theory*, 1993, chapter 3), as harmonics hold all the information on a steady motion. Unknown
-    offsets and an unknown noise cost nothing: their information is orthogonal.
-
-    motions : one per record; frequencies may differ.
-    errors : standard errors of |Y| and of the real and the imaginary part of each harmonic of x, m, for each record:
-    σ√(2/n) of n samples with white noise σ, over whole cycles or many.
-    given : names of common unknowns that are known.
-    """
-    n = np.arange(1, 2 * _HARMONICS_OF_TRUTH, 2)
-    lines = []
-    for motion, (Y_error, x_error) in zip(motions, errors, strict=True):
-        x = steady_orbit(osc, motion).harmonics(_HARMONICS_OF_TRUTH)
-        lines.append(Lines(motion.omega, motion.Y, Y_error, n, x, np.full(n.size, x_error), 1))
-    freed = tuple(name for name in OSCILLATOR if name not in given)
-    law = Law(given={s: getattr(osc, s) for s in ("F_k", "c") if s in given})
-    problem = HarmonicProblem(law, tuple(lines), osc.k, freed)
-    truth = problem.start(np.array([osc.F_k, osc.c, osc.K_z, osc.m]), np.ones(len(lines)))
-    reached = climb_on(problem, truth, most=1)
-    return None if reached is None else problem.fit(reached)
 
 
 def of_all_stiffnesses(fit: WaveformFit) -> WaveformFit:

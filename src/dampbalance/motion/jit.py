@@ -24,16 +24,18 @@ from typing import Any, TypeVar, cast
 Function = TypeVar("Function", bound=Callable[..., object])
 
 _PACKAGE = Path(__file__).parents[1]
+_OTHERS = (
+    *("arguments", "arrays", "model", "fit/climb", "records/clock"),
+    *(f"replication/{name}" for name in ("fixed_step", "record", "sampled")),
+)
 _LOCK = threading.RLock()
 _left = 0.0  # calls of kernels that are still to be interpreted
 _target = threading.local()  # .cuda : whether this thread compiles for a GPU
 
 
 def _sources() -> list[Path]:
-    """Return the modules that kernels are made of: this room, what it imports from the root, and the climb."""
-    root = ("arguments", "arrays", "model", "record")
-    rooms = (*sorted(_PACKAGE.glob("motion/*.py")), *_PACKAGE.glob("fit/climb.py"))
-    return [*(_PACKAGE / f"{name}.py" for name in root), *rooms]
+    """Return the modules that kernels are made of, and those that they import."""
+    return [*sorted(_PACKAGE.glob("motion/*.py")), *(_PACKAGE / f"{name}.py" for name in _OTHERS)]
 
 
 def _source_digest() -> str:

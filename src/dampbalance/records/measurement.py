@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 
 from ..arguments import floats, instance, items, mapping, one_of, text
 from ..arrays import Array, Complexes, Mask, ReadOnly
-from ..record import uneven
+from .clock import uneven
 from .coordinate import ROTATION, TRANSLATION, Coordinate
 from .errors import LARGEST_VALUE, LATEST, RecordError
 

@@ -18,8 +18,8 @@ import numpy as np
 
 from ..arrays import Array, Integers, Mask
 from ..project.wording import Remark, shortened
-from ..record import GRID_TOLERANCE, uneven
 from . import errors
+from .clock import GRID_TOLERANCE, uneven
 from .coordinate import TRANSLATION, Coordinate
 from .errors import RecordError, RecordWarning
 from .headings import by_unit, coordinate_of, full_name, holds_time, key_of, unit_of, unusable

@@ -27,14 +27,14 @@ from ..arrays import Array
 from ..balance import APPROACHES, TERMS, Approach, direct, slip_velocity, slip_velocity_as_printed
 from ..estimates import estimate_table
 from ..features import Features, PhaseKind, of_numbers, of_orbit, stack
-from ..motion.fixed_step import SCHEMES, simulate
 from ..motion.orbit import steady_orbit
-from ..motion.sampled import read_cycle
 from ..project.case import Case
-from ..record import Record
-from ..signals.clean import CYCLES_TO_READ, ReadAt, of_record
-from ..signals.read_out import ReadOut
 from ..solver import least_squares
+from .clean import CYCLES_TO_READ, ReadAt, of_record
+from .fixed_step import SCHEMES, simulate
+from .read_out import ReadOut
+from .record import Record
+from .sampled import read_cycle
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -7,13 +7,13 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from ..model import BaseMotion, Oscillator
-from ..motion.fixed_step import MIN_STICK_SAMPLES, MOST_STEPS, largest_growth
 from ..motion.jit import interpreted
 from ..motion.orbit import MOST_EVENTS, RANGES, NoSteadyOrbit, Orbit, steady_orbit
 from ..project.case import Case
 from ..project.documents import Problem, refuse
-from ..signals.clean import CYCLES_TO_READ
 from .authors_route import printed_coefficients
+from .clean import CYCLES_TO_READ
+from .fixed_step import MIN_STICK_SAMPLES, MOST_STEPS, largest_growth
 
 MOST_SAMPLES_KEPT = 5_000_000
 """Samples kept of all levels at one frequency, 0.5 GB of memory; the paper's case has 0.9 million at its lowest."""

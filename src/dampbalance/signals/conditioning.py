@@ -28,7 +28,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 
 from ..arrays import Array, Complexes, Integers
 from ..project.wording import Remark, part, visible
-from ..record import GRID_TOLERANCE
+from ..records.clock import GRID_TOLERANCE
 from ..records.coordinate import TRANSLATION
 from ..records.measurement import (
     ABSOLUTE,

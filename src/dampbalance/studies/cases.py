@@ -58,7 +58,7 @@ class Responses(NamedTuple):
 
     features : (L, n). The rest is for noisy records only.
     drawn : bootstrap replicates of the features, (L, n, r).
-    simpson : features and replicates with a, b and W by `signals.simpson`, where a fit asks for them.
+    simpson : features and replicates with a, b and W by `studies.simpson`, where a fit asks for them.
     likelihood : values and standard errors of the maximum-likelihood oscillator by symbol, SI units, (n,) each.
     """
 

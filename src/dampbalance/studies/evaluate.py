@@ -14,7 +14,7 @@ from ..balance import TERMS, Rows, approach, direct
 from ..features import Features, of_orbits
 from ..motion.orbits import steady_orbits
 from ..project.progress import followed
-from ..signals.read_out import ReadOut
+from ..replication.read_out import ReadOut
 from ..solver import NORMAL_95, Estimate, solve
 from .cases import (
     NOT_READ,

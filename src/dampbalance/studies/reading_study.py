@@ -18,7 +18,6 @@ import numpy as np
 
 from ..balance import APPROACHES
 from ..law.law import Law
-from ..motion.fixed_step import MOST_STEPS
 from ..motion.orbit import MOST_EVENTS, RANGES
 from ..project.documents import (
     ConfigurationError,
@@ -30,6 +29,7 @@ from ..project.documents import (
     read_yaml,
 )
 from ..project.wording import listed, shortened
+from ..replication.fixed_step import MOST_STEPS
 from .cases import PART, case_columns
 from .parameters import PARAMETERS, in_si, mechanical, objection, of_law, parameter, synonyms
 from .study_file import (

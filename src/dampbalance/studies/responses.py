@@ -24,20 +24,20 @@ from ..features import Features, of_numbers, of_orbit, side_by_side, stack, wrap
 from ..identification.oscillator import JointFit, joint_fit, sample_of, with_common_fit
 from ..law.terms import of_harmonics
 from ..model import BaseMotion, Oscillator
-from ..motion.fixed_step import StepTooCoarse, simulate
 from ..motion.law_steady import Response, steady_response
 from ..motion.orbit import NoSteadyOrbit, Orbit, steady_orbit
 from ..motion.regime import Regime
 from ..motion.sliders import SlidersOrbit, sliders_orbit, spread_contact
 from ..project.progress import followed
-from ..record import Record
 from ..records.measurement import Measurement
 from ..records.synthetic import measured_orbit
-from ..signals.clean import CYCLES_TO_READ, of_record
+from ..replication.clean import CYCLES_TO_READ, of_record
+from ..replication.fixed_step import StepTooCoarse, simulate
+from ..replication.record import Record
 from ..signals.mean_harmonics import Reading, read_features
-from ..signals.simpson import cycle_integrals, replicates_of
 from .cases import NOT_READ, STEP_TOO_COARSE, Cases, Responses
 from .parameters import of_law, oscillator_of
+from .simpson import cycle_integrals, replicates_of
 from .study_file import CONTACT, SIMPSON
 
 _OF_FIT = (*TERMS, CONTACT)  # identified by the maximum-likelihood oscillator
@@ -248,7 +248,7 @@ def _by_simpson(
     count: int,
     random: np.random.Generator,
 ) -> tuple[Array, Array]:
-    """Return a, b and W of the levels of a case by `signals.simpson`, (3, L), and replicates, (3, L, count).
+    """Return a, b and W of the levels of a case by `studies.simpson`, (3, L), and replicates, (3, L, count).
 
     They are NaN where the record was not read.
     """

@@ -21,7 +21,7 @@ import numpy as np
 from ..arrays import Array, Integers, Mask, Words
 from ..balance import APPROACHES, TERMS, approach
 from ..law.terms import in_order
-from ..signals.clean import ReadAt
+from ..replication.clean import ReadAt
 from .parameters import PARAMETERS, synonyms
 
 # --- axes --------------------------------------------------------------------------------------------
@@ -226,7 +226,7 @@ WEIGHTED, EQUAL = "weighted", "equal"
 
 SIMPSON, LIKELIHOOD = "simpson", "fit"
 YARDSTICKS = (SIMPSON, LIKELIHOOD)
-"""Yardsticks of approaches on noisy records: plain direct integration (`signals.simpson`), which takes a
+"""Yardsticks of approaches on noisy records: plain direct integration (`studies.simpson`), which takes a
 rigid contact and equal weights, and the maximum-likelihood oscillator, which needs no balance."""
 
 CONTACT = "K_z"

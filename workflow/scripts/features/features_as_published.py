@@ -5,8 +5,8 @@ import pandas as pd
 from dampbalance.project.case import Case
 from dampbalance.project.files import READ_OUT_DIGITS, write_csv
 from dampbalance.project.troubles import brief_troubles
-from dampbalance.record import Record
 from dampbalance.replication import authors_route
+from dampbalance.replication.record import Record
 
 if __name__ == "__main__":
     brief_troubles(snakemake.log)

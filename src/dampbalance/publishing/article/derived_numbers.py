@@ -30,9 +30,9 @@ from ...replication.authors_route import (
 from ...replication.claims import evidence as proof
 from ...replication.claims import unprinted
 from ...replication.claims.verdicts import VERDICTS, counts, of_cell, of_text
+from ...replication.clean import CYCLES_TO_READ
+from ...replication.read_out import ReadOut
 from ...replication.rebuilt_tables import TABLE_2, RouteTables
-from ...signals.clean import CYCLES_TO_READ
-from ...signals.read_out import ReadOut
 from ...solver import Pair
 
 Json = dict[str, Any]

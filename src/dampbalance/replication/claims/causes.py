@@ -17,9 +17,9 @@ from ...arrays import Array
 from ...balance import Rows
 from ...features import Features
 from ...project.case import Case
-from ...signals.read_out import ReadOut
 from ...solver import least_squares, levels_of
 from ..authors_route import effective_damping, estimates
+from ..read_out import ReadOut
 from ..rebuilt_tables import COLUMN_OF, TABLE_2, RouteTables
 from .cross_checks import agrees
 from .judging import TIME_UNIT_S, VELOCITY_MARK, NumberRange, range_text

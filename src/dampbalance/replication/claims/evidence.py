@@ -15,8 +15,8 @@ import pandas as pd
 
 from ...features import Features
 from ...project.case import Case
-from ...signals.read_out import ReadOut
 from ..authors_route import CORRECTED, estimates
+from ..read_out import ReadOut
 from ..rebuilt_tables import HARMONIC, IDENTIFIED_QUANTITIES, RouteTables
 from .judging import HALF
 from .print import PAIR_LABELS, PAIRS, Printed

@@ -25,11 +25,11 @@ from ...features import Features
 from ...project.case import Case
 from ...project.files import ROUTES, read_csv, read_routes
 from ...project.wording import cut
-from ...signals.read_out import ReadOut
 from ...solver import levels_of
 from .. import rebuilt_tables as paper
 from ..authors_route import CORRECTED, SLIPPING_SAMPLE
 from ..comparison import largest_errors, relative_errors
+from ..read_out import ReadOut
 from ..rebuilt_tables import COLUMN_OF, HARMONIC, PRINTED_APPROACHES, RESIDUAL, RouteTables
 from . import causes, cross_checks, judging, unprinted
 from . import print as paper_print

@@ -12,9 +12,9 @@ from scipy import special, stats
 
 from ...arrays import Array, Integers
 from ...balance import TERMS
-from ...fit.steady_search import fit_at_truth
 from ...model import BaseMotion
 from ...motion.orbit import NoSteadyOrbit, steady_orbit
+from ..bound import fit_at_truth
 from ..case_files import CasesLike, column_of
 from ..cases import cases_between
 from ..parameters import oscillator_of

@@ -56,8 +56,8 @@ from ...figures.style import (
     styled,
 )
 from ...model import Oscillator
-from ...motion.fixed_step import SCHEMES
 from ...project.wording import in_figure, listed
+from ...replication.fixed_step import SCHEMES
 from ...solver import NORMAL_95
 from ..case_files import CasesLike, column_of, terms_of
 from ..parameters import SI_COLUMNS, parameter

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dampbalance.record import RECORD_COLUMNS, Record
+from dampbalance.replication.record import RECORD_COLUMNS, Record
 
 I = np.arange(101)
 T = 0.01 * I

@@ -20,7 +20,7 @@ Numerical dissipation. To first order in h a scheme solves, instead of the given
 in steady motion at ω: backward Euler damps, explicit Euler feeds. The three Euler schemes also return the velocity of
 half a step earlier (backward, semi-implicit) or later (explicit), because they advance x by h v with only one of the
 two velocities of a step. The energy balance of their samples, W = b c, then shows c + `Scheme.balance_bias`: near
-resonance the same d m ω² h. `tests/motion/test_fixed_step.py` measures all of this, and the orders.
+resonance the same d m ω² h. `tests/replication/test_fixed_step.py` measures all of this, and the orders.
 """
 
 from __future__ import annotations
@@ -34,8 +34,8 @@ import numpy as np
 from ..arguments import instance, number, one_of, whole
 from ..arrays import Array
 from ..model import BaseMotion, Oscillator, Parameters, parameters
-from ..record import Record
-from .jit import jit
+from ..motion.jit import jit
+from .record import Record
 
 MIN_STICK_SAMPLES = 20
 """Fewest samples of a stick phase that reaches from −Z_m to +Z_m.

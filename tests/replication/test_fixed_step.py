@@ -9,7 +9,9 @@ import numpy as np
 import pytest
 
 from dampbalance.model import BaseMotion, Oscillator
-from dampbalance.motion.fixed_step import (
+from dampbalance.motion.orbit import steady_orbit
+from dampbalance.replication.clean import of_record
+from dampbalance.replication.fixed_step import (
     MIN_STICK_SAMPLES,
     SCHEMES,
     StepTooCoarse,
@@ -17,8 +19,6 @@ from dampbalance.motion.fixed_step import (
     one_step,
     simulate,
 )
-from dampbalance.motion.orbit import steady_orbit
-from dampbalance.signals.clean import of_record
 from paper_case import OMEGA, PAPER
 
 RESONANCE = BaseMotion(Y=0.008, omega=OMEGA)

@@ -27,8 +27,8 @@ from ..arrays import Array
 from ..features import Features, of_numbers
 from ..motion.integrals import wrapped
 from ..motion.regime import Regime
-from ..motion.sampled import LATE, NO_CORNER, NO_CYCLE, REVERSALS, SHORT_STICK, integral, read_cycle
-from ..record import Record
+from .record import Record
+from .sampled import LATE, NO_CORNER, NO_CYCLE, REVERSALS, SHORT_STICK, integral, read_cycle
 
 ReadAt = Literal["interpolated", "sample"]
 """Ways to locate an event: between samples, or at the first sample after it."""

@@ -9,7 +9,8 @@ import pytest
 
 from dampbalance import BaseMotion, steady_orbit
 from dampbalance.records.synthetic import measured_orbit
-from dampbalance.signals.simpson import cycle_integrals, integrals, replicates_of
+from dampbalance.signals.simpson import integrals
+from dampbalance.studies.simpson import cycle_integrals, replicates_of
 from paper_case import OMEGA, PAPER
 
 ORBIT = steady_orbit(PAPER, BaseMotion(0.008, OMEGA))

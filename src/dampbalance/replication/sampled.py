@@ -2,7 +2,7 @@
 
 At slip onset the slope of the acceleration breaks; at a reversal it does not. An event is the first sample at or after
 it, or lies between samples: the phase that ends there is continued, by the cubic through its last four accelerations,
-up to v = 0, or up to where the next phase, continued backwards, meets it. `signals/clean.py` says more.
+up to v = 0, or up to where the next phase, continued backwards, meets it. `replication/clean.py` says more.
 """
 
 from __future__ import annotations
@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import Array
-from .integrals import wrapped
-from .jit import jit
+from ..motion.integrals import wrapped
+from ..motion.jit import jit
 
 PROMINENCE = 10.0
 """Ratio of the largest second difference of the acceleration to its median that counts as a break of slope.

@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from dampbalance.fit.steady_search import fit_at_truth
 from dampbalance.model import BaseMotion, Oscillator
+from dampbalance.studies.bound import fit_at_truth
 from fit.sampled import covariance, derivatives
 from paper_case import FREQUENCIES_HZ, LEVELS, OMEGA, PAPER, motions_at
 
