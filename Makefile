@@ -168,14 +168,7 @@ lock: $(READY) ## Pin the newest versions that pyproject.toml allows, with hashe
 	    && $(RUN) $(LOCK) --group engine --output-file "$$new/requirements-engine.lock" \
 	    && $(RUN) $(LOCK) $(REBUILD) $(DEVELOP) --constraint "$$new/all" --output-file "$$new/requirements-dev.lock" pyproject.toml \
 	        $$(sed -n 's/^\([^ =]*\)==.*/--no-emit-package \1/p' "$$new/requirements.lock") \
-	    && cp $(foreach lock,$(LOCKS),"$$new/$(lock)") . && $(CONDA)
-
-# For Snakemake's --software-deployment-method conda: the packages of the rebuild, as pip installs them.
-CONDA = { printf '%s\n' "\# Made from requirements.lock by make lock." "channels: [conda-forge]" "dependencies:" \
-	    "  - python >=3.11,<3.14" "  - pip" "  - pip:"; \
-	    sed -n 's/^\([A-Za-z0-9._-]*==.*[^ ]\) *\\$$/      - "\1"/p' requirements.lock; } > workflow/envs/dampbalance.yaml
-workflow/envs/dampbalance.yaml: requirements.lock
-	@$(CONDA)
+	    && cp $(foreach lock,$(LOCKS),"$$new/$(lock)") .
 
 clean: ## Remove results and caches; the environment stays
 	find results -mindepth 1 -maxdepth 1 ! -name README.md -exec rm -rf {} +

@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import json
-import re
-import sys
 
 import jsonschema
 import pytest
 import yaml
 
 from folders import ROOT
-from processes import run
 
 CFF_SCHEMA = ROOT / "tests/repository/cff-1.2.0.schema.json"
 CATALOGUE = ROOT / ".snakemake-workflow-catalog.yml"
@@ -110,22 +107,3 @@ def test_the_files_that_the_catalogue_asks_for_are_there():
     readme = (ROOT / "README.md").read_text(encoding="utf-8").lower()
     assert "snakemake" in readme
     assert "workflow" in readme
-
-
-def test_every_rule_has_the_environment_that_the_catalogue_is_told():
-    told = yaml.safe_load(CATALOGUE.read_text(encoding="utf-8"))["usage"]
-    assert told["software-stack-deployment"] == {
-        "conda": True,
-        "apptainer": False,
-        "apptainer+conda": False,
-    }
-    texts = [file.read_text(encoding="utf-8") for file in (ROOT / "workflow/rules").glob("*.smk")]
-    scripts = sum(len(re.findall(r"^ +script:$", text, re.M)) for text in texts)
-    environments = sum(len(re.findall(r"^ +conda:\n +ENVIRONMENT$", text, re.M)) for text in texts)
-    assert environments == scripts > 20
-
-
-@pytest.mark.slow
-def test_the_linter_of_snakemake_finds_nothing():
-    done = run(sys.executable, "-m", "snakemake", "--lint", folder=ROOT)
-    assert done.returncode == 0, done.stdout + done.stderr

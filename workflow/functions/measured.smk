@@ -15,6 +15,7 @@ if config.get("measured"):  # slow to import
 
 MEASURED = {one["name"]: one for one in config.get("measured") or []}
 MEASURED_FILES = f"{RESULTS}/measured"
+MEASURED_LOGS = f"results/logs/{CASE.name}"
 FROM = "relative to the folder of the run"
 
 
@@ -77,7 +78,7 @@ def failures():
     errors = dict.fromkeys(MEASURED, "")
     for name in MEASURED:
         if not Path(f"{MEASURED_FILES}/{name}/.complete").exists():
-            log = Path(log_file(f"identify_{name}"))
+            log = Path(f"{MEASURED_LOGS}/{name}.log")
             lines = log.read_text(encoding="utf-8").split("\n") if log.exists() else []
             filled = [line for line in lines if line.strip()] or ["its job did not start"]
             errors[name] = filled[-1].removeprefix("error: ")

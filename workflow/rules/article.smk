@@ -48,11 +48,7 @@ if config["published"]:
             evidence=f"{ARTICLE}/evidence.json",
             studies=f"{ARTICLE}/studies.json",
             environment=f"{ARTICLE}/environment.json",
-        log:
-            log_file("article_numbers"),
         priority: NEXT
-        conda:
-            ENVIRONMENT
         params:
             papers=lambda wildcards: [*map(study_defaults, ARTICLE_STUDIES)],
             case=of_case("oscillator", "frequencies_hz", "levels_m", "pairs", "phase", "numerics"),
@@ -98,12 +94,6 @@ if config["published"]:
                 category="Reading",
                 labels={"result": "The article"},
             ),
-        log:
-            log_file("article"),
-        benchmark:
-            log_file("article", "tsv")
-        conda:
-            ENVIRONMENT
         params:
             folder=lambda wildcards: project_file("paper/article"),
             results=lambda wildcards: "results",

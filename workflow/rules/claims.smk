@@ -19,11 +19,7 @@ rule claims:
             labels={"result": "Every printed number, its verdict and the reason"},
         ),
         md=f"{RESULTS}/claims.md",
-    log:
-        log_file("claims"),
     priority: FIRST
-    conda:
-        ENVIRONMENT
     params:
         case=of_case("oscillator", "frequencies_hz", "levels_m", "numerics"),
         folder=lambda wildcards: RESULTS,
@@ -47,11 +43,7 @@ rule check:
             category="Verdicts",
             labels={"result": "How many numbers earn which verdict"},
         ),
-    log:
-        log_file("check"),
     priority: FIRST
-    conda:
-        ENVIRONMENT
     params:
         again=rerun_while_worse,
     message:

@@ -4,7 +4,6 @@
 # two differ under `snakemake --directory`, and when another workflow uses this one as a module (config/README.md).
 import copy
 import functools
-import logging
 import os
 import shlex
 import sys
@@ -13,7 +12,6 @@ from pathlib import Path
 from snakemake.common.configfile import load_configfile
 from snakemake.logging import logger
 from snakemake.utils import update_config
-from snakemake_interface_logger_plugins.common import LogEvent
 
 try:
     from dampbalance.balance import checks
@@ -68,14 +66,9 @@ if workflow.is_main_process:
     except ConfigurationError as error:
         raise WorkflowError(str(error)) from None
 
-# Where jobs run in environments of conda, the package is that of the project's folder.
-if any(str(method) == "conda" for method in workflow.deployment_settings.deployment_method):
-    os.environ.update(PYTHONPATH=str(ROOT / "src"))
-
 CASE = Case.from_config(config)
 FREQUENCIES = list(CASE.frequencies_hz)
 RESULTS = f"results/{CASE.name}"
-LOGS = f"results/logs/{CASE.name}"
 # Snakemake's report names one file that is not built, and not how to build it.
 REPORT = any(argument.partition("=")[0] == "--report" for argument in sys.argv)
 if REPORT and not Path(RESULTS).is_dir():
@@ -84,43 +77,11 @@ if REPORT and not Path(RESULTS).is_dir():
     )
 FIRST = 10  # priority of jobs for the paper's tables and verdicts: these are seen before the studies are computed
 NEXT = 5  # priority of studies and inputs of article and page: jobs that nothing waits for fill the gaps
-ENVIRONMENT = "../envs/dampbalance.yaml"
-
-
-class OneLineAJob(logging.Filter):
-    """Writes one line when a job starts, with the share of finished jobs, in place of Snakemake's eight."""
-
-    DROPPED = (LogEvent.JOB_STARTED, LogEvent.JOB_FINISHED, LogEvent.PROGRESS, LogEvent.RUN_INFO)
-    done = 0.0
-
-    def filter(self, record):
-        if workflow.dryrun:  # it says why each job would run
-            return True
-        event = getattr(record, "event", None)
-        if event == LogEvent.PROGRESS:
-            self.done = record.done / record.total
-        elif event == LogEvent.JOB_INFO and record.rule_msg:
-            record.event, record.msg = None, f"{self.done:4.0%}  {record.rule_msg}"
-        return event not in self.DROPPED and record.getMessage() != "Select jobs to execute..."
-
-
-if workflow.is_main_process:
-    logger.addFilter(OneLineAJob())
 
 
 def of_case(*fields):
     """Return these fields of the case as a rule's parameter: a change of any other does not rerun it."""
     return excerpt(config, *fields)
-
-
-def log_file(job, extension="log"):
-    """Return the log of a job, or the file of its benchmark (tsv)."""
-    return f"{LOGS}/{job}.{extension}"
-
-
-def study_log(job, extension="log"):
-    """Return the log of a job of a study, like `log_file`."""
-    return f"results/logs/{STUDY_PLACE}/{{study}}/{job}.{extension}"
 
 
 def of_routes(kind):

@@ -7,11 +7,7 @@ rule estimate_exact:
         code=rooms(),
     output:
         estimates=expand(f"{RESULTS}/estimates/exact/{{frequency}}.csv", frequency=FREQUENCIES),
-    log:
-        log_file("estimate_exact"),
     priority: FIRST
-    conda:
-        ENVIRONMENT
     params:
         case=of_case("oscillator", "pairs"),
     message:
@@ -29,11 +25,7 @@ rule estimate_as_published:
         estimates=expand(
             f"{RESULTS}/estimates/as_published/{{frequency}}.csv", frequency=FREQUENCIES
         ),
-    log:
-        log_file("estimate_as_published"),
     priority: FIRST
-    conda:
-        ENVIRONMENT
     params:
         case=of_case("oscillator", "pairs"),
     message:

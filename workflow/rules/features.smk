@@ -8,11 +8,7 @@ rule features_exact:
         code=rooms(),
     output:
         features=expand(f"{RESULTS}/features/exact/{{frequency}}.csv", frequency=FREQUENCIES),
-    log:
-        log_file("features_exact"),
     priority: FIRST
-    conda:
-        ENVIRONMENT
     params:
         case=of_case("phase"),
     message:
@@ -34,11 +30,7 @@ rule features_as_published:
                 "unrounded": "as_published/unrounded",
             }.items()
         },
-    log:
-        log_file("features_as_published"),
     priority: FIRST
-    conda:
-        ENVIRONMENT
     params:
         case=of_case("oscillator", "frequencies_hz", "phase", "numerics"),
     message:

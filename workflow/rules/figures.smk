@@ -17,11 +17,7 @@ rule figures:
         **figure_files("figure3", "Figure 3: acceleration against displacement and velocity"),
         **figure_files("estimation_error", "Error of each approach at each frequency"),
         **MATCH_FILES,
-    log:
-        log_file("figures"),
     priority: NEXT
-    conda:
-        ENVIRONMENT
     params:
         case=of_case("oscillator", "frequencies_hz", "levels_m"),
         folder=lambda wildcards: RESULTS,

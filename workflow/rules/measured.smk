@@ -14,13 +14,9 @@ rule identify:
         *[update(file) for file in set_files("{set}", "forced")],
         mark=touch(f"{MEASURED_FILES}/{{set}}/.complete"),
     log:
-        log_file("identify_{set}"),
-    benchmark:
-        log_file("identify_{set}", "tsv")
+        f"{MEASURED_LOGS}/{{set}}.log",
     wildcard_constraints:
         set=sets_of("forced"),
-    conda:
-        ENVIRONMENT
     params:
         settings=lambda wildcards: MEASURED[wildcards.set],
         folder=lambda wildcards: f"{MEASURED_FILES}/{wildcards.set}",
@@ -61,10 +57,6 @@ rule measured:
     output:
         csv=f"{MEASURED_FILES}/identification.csv",
         summary=f"{MEASURED_FILES}/summary.txt",
-    log:
-        log_file("measured"),
-    conda:
-        ENVIRONMENT
     params:
         sets=list(MEASURED),
     message:

@@ -14,12 +14,6 @@ rule notebook:
             category="Reading",
             labels={"result": "The guided tour"},
         ),
-    log:
-        log_file("notebook"),
-    benchmark:
-        log_file("notebook", "tsv")
-    conda:
-        ENVIRONMENT
     message:
         "Notebook: the guided tour"
     script:

@@ -35,12 +35,6 @@ rule page:
             category="Reading",
             labels={"result": "The page of the case"},
         ),
-    log:
-        log_file("page"),
-    benchmark:
-        log_file("page", "tsv")
-    conda:
-        ENVIRONMENT
     params:
         papers=lambda wildcards: [*map(study_defaults, PAGE_STUDIES)],
         config=config,

@@ -18,10 +18,6 @@ rule manifest:
             category="Provenance",
             labels={"result": "What made the results: configuration, code, packages"},
         ),
-    log:
-        log_file("manifest"),
-    conda:
-        ENVIRONMENT
     params:
         case=CASE.name,
         configuration=config,

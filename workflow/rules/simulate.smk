@@ -7,11 +7,7 @@ rule simulate_exact:
         code=rooms(),
     output:
         orbits=expand(f"{RESULTS}/orbits/{{frequency}}.json", frequency=FREQUENCIES),
-    log:
-        log_file("simulate_exact"),
     priority: FIRST
-    conda:
-        ENVIRONMENT
     params:
         case=of_case("oscillator", "frequencies_hz", "levels_m"),
     message:
@@ -27,13 +23,7 @@ rule simulate_as_published:
         records=expand(
             f"{RESULTS}/records/as_published/{{frequency}}.parquet", frequency=FREQUENCIES
         ),
-    log:
-        log_file("simulate_as_published"),
-    benchmark:
-        log_file("simulate_as_published", "tsv")
     priority: FIRST
-    conda:
-        ENVIRONMENT
     params:
         case=of_case("oscillator", "frequencies_hz", "levels_m", "numerics"),
     message:

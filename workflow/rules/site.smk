@@ -24,12 +24,6 @@ if config["published"] and Path.cwd() == ROOT and CASE.name == "paper":
             paper=[rules.page.output.page, rules.article.output.pdf, rules.notebook.output.ipynb],
         output:
             site=directory("results/site"),
-        log:
-            log_file("site"),
-        benchmark:
-            log_file("site", "tsv")
-        conda:
-            ENVIRONMENT
         message:
             "The site of documentation"
         script:

@@ -25,11 +25,7 @@ rule study_chunk:
         code=STUDY_ROOMS,
     output:
         chunk=temp(f"{STUDY_RESULTS}/{{study}}/chunks/{{chunk}}.parquet"),
-    log:
-        study_log("chunk_{chunk}"),
     priority: NEXT
-    conda:
-        ENVIRONMENT
     threads: 1
     resources:
         mem_mb=chunk_memory_mb,
@@ -54,13 +50,7 @@ rule study_cases:
     output:
         cases=f"{STUDY_RESULTS}/{{study}}/cases.parquet",
         manifest=f"{STUDY_RESULTS}/{{study}}/manifest.json",
-    log:
-        study_log("cases"),
-    benchmark:
-        study_log("cases", "tsv")
     priority: NEXT
-    conda:
-        ENVIRONMENT
     threads: 1
     resources:
         mem_mb=chunk_memory_mb,
@@ -88,11 +78,7 @@ rule study_figure:
             labels=study_title,
         ),
         png=f"{STUDY_RESULTS}/{{study}}/figure.png",
-    log:
-        study_log("figure"),
     priority: NEXT
-    conda:
-        ENVIRONMENT
     resources:
         mem_mb=1500,
         runtime=30,
@@ -114,11 +100,7 @@ rule study_summary:
     output:
         csv=f"{STUDY_RESULTS}/{{study}}/summary.csv",
         md=f"{STUDY_RESULTS}/{{study}}/summary.md",
-    log:
-        study_log("summary"),
     priority: NEXT
-    conda:
-        ENVIRONMENT
     resources:
         mem_mb=1500,
         runtime=30,

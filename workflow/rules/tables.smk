@@ -14,11 +14,7 @@ rule tables:
     output:
         csv=[reported_table(file) for file in table_files("csv")],
         md=table_files("md"),
-    log:
-        log_file("tables"),
     priority: FIRST
-    conda:
-        ENVIRONMENT
     params:
         folder=lambda wildcards: RESULTS,
         case=of_case("oscillator", "frequencies_hz", "pairs"),

@@ -10,7 +10,6 @@ from importlib import import_module
 from typing import NoReturn
 
 from .. import __version__
-from ..project.troubles import trouble
 from ..project.wording import cut, visible
 
 COMMANDS = {
@@ -71,7 +70,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         answered = options.run(options)
     except (ValueError, ArithmeticError, OSError, MemoryError) as error:
-        text = _NO_MEMORY if isinstance(error, MemoryError) else trouble(error) or str(error)
+        text = _NO_MEMORY if isinstance(error, MemoryError) else str(error)
         shown = "\n".join(cut(visible(line), _LONGEST) for line in text.split("\n"))
         print(f"dampbalance {options.command}: error: {shown}", file=sys.stderr)
         return 2

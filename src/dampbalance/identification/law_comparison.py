@@ -32,7 +32,6 @@ from ..fit.waveforms import HarmonicProblem, WaveformFit
 from ..law.law import Law
 from ..law.terms import FRICTION, KNOWN_TERMS, Term, in_order, term
 from ..motion.jit import interpreted
-from ..project.progress import followed
 from ..project.wording import listed, times
 from ..signals.mean_harmonics import Reading
 from ..signals.one_thread import one_thread
@@ -241,7 +240,7 @@ def compared(
     ]
     tests: list[LawTest] = []
     fits: dict[tuple[Term, ...], Any] = {}
-    for _, alike in itertools.groupby(followed(sorted(laws, key=len), len(laws), "laws"), len):
+    for _, alike in itertools.groupby(sorted(laws, key=len), len):
         enough = [set(e.terms) for e in tests if e.p_of() > BUDGET / len(laws)]
         for law in alike:
             if enough and not any(smaller < set(law) for smaller in enough):

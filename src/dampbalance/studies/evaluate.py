@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -13,7 +13,6 @@ from ..arrays import Array, Integers, Words
 from ..balance import TERMS, Rows, approach, direct
 from ..features import Features, of_orbits
 from ..motion.orbits import steady_orbits
-from ..project.progress import followed
 from ..replication.read_out import ReadOut
 from ..solver import NORMAL_95, Estimate, solve
 from .cases import (
@@ -43,9 +42,7 @@ def evaluate(study: Study, start: int, stop: int, threads: int | None = None) ->
 
     threads : for the exact orbits. The numbers depend neither on them nor on start and stop.
     """
-    firsts: Iterable[int] = range(start, stop, _SLICE)
-    if stop - start > _SLICE:  # otherwise the slow routes follow their cases
-        firsts = followed(firsts, (stop - start) / _SLICE, "slices")
+    firsts = range(start, stop, _SLICE)
     slices = (cases_between(study, first, min(first + _SLICE, stop)) for first in firsts)
     parts = [_evaluate(cases, threads) for cases in slices]
     names = [column.name for column in case_columns(study)]

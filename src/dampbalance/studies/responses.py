@@ -28,7 +28,6 @@ from ..motion.law_steady import Response, steady_response
 from ..motion.orbit import NoSteadyOrbit, Orbit, steady_orbit
 from ..motion.regime import Regime
 from ..motion.sliders import SlidersOrbit, sliders_orbit, spread_contact
-from ..project.progress import followed
 from ..records.measurement import Measurement
 from ..records.synthetic import measured_orbit
 from ..replication.clean import CYCLES_TO_READ, of_record
@@ -49,7 +48,7 @@ def _one_by_one(
 ) -> Features:
     """Return features (L, n).   response : of an oscillator under a base motion, with the number of the case."""
     columns = []
-    for case, omega in enumerate(followed(cases.si["omega"].tolist(), len(cases.numbers), "cases")):
+    for case, omega in enumerate(cases.si["omega"].tolist()):
         osc, levels = oscillator_of(cases.si, case), cases.Y[:, case].tolist()
         columns.append(stack([response(osc, BaseMotion(Y, omega), case) for Y in levels]))
     return side_by_side(columns)
@@ -169,8 +168,7 @@ def measured_responses(cases: Cases, _: Iterable[str]) -> Responses:
     by_simpson = any(fit.approach == SIMPSON for fit in study.fits)
     points, replicates, plain = [], [], []
     fitted = np.full((2, len(_OF_FIT), len(cases.numbers)), np.nan)
-    numbers = followed(cases.numbers.tolist(), len(cases.numbers), "experiments")
-    for case, number in enumerate(numbers):
+    for case, number in enumerate(cases.numbers.tolist()):
         osc = oscillator_of(cases.si, case)
         records = [_measured(cases, osc, case, level) for level in range(len(cases.Y))]
         random = np.random.default_rng([study.seed, number, len(cases.Y)])

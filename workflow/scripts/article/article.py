@@ -3,11 +3,9 @@
 import sys
 
 from dampbalance.project.files import replacing
-from dampbalance.project.troubles import brief_troubles
 from dampbalance.publishing.article.compiling import ArticleError, article
 
 if __name__ == "__main__":
-    brief_troubles(snakemake.log)
     p = snakemake.params
     try:
         folders = {name: f"/{p.inputs[name]}" for name in ("results", "studies")}

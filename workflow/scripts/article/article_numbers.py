@@ -16,7 +16,6 @@ from dampbalance.figures.style import save
 from dampbalance.project.case import Case
 from dampbalance.project.documents import read_yaml
 from dampbalance.project.files import read_csv, read_routes, write_csv, write_json
-from dampbalance.project.troubles import brief_troubles
 from dampbalance.publishing.article import compiling
 from dampbalance.publishing.article.derived_numbers import (
     at_a_glance,
@@ -77,7 +76,6 @@ def figures(inputs, output, case):
 
 
 if __name__ == "__main__":
-    brief_troubles(snakemake.log)
     i, o, p = snakemake.input, snakemake.output, snakemake.params
     case = Case.from_config(p.case)
     write_csv(o.schemes, scheme_table(case, p.frequency))

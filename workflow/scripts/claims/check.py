@@ -3,12 +3,10 @@
 from pathlib import Path
 
 from dampbalance.project.files import write_text
-from dampbalance.project.troubles import brief_troubles
 from dampbalance.replication.claims.print import read_texts
 from dampbalance.replication.claims.table import CLAIM_COLUMNS, check_claims, read_record, summary
 
 if __name__ == "__main__":
-    brief_troubles(snakemake.log)
     claims = read_texts(Path(snakemake.input.claims), CLAIM_COLUMNS)
     offences = check_claims(claims, read_record(Path(snakemake.input.recorded)))
     write_text(snakemake.output.summary, summary(claims, offences))

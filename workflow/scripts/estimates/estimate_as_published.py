@@ -3,11 +3,9 @@
 from dampbalance.features import Features
 from dampbalance.project.case import Case
 from dampbalance.project.files import read_csv, write_csv
-from dampbalance.project.troubles import brief_troubles
 from dampbalance.replication import authors_route
 
 if __name__ == "__main__":
-    brief_troubles(snakemake.log)
     case, files = Case.from_config(snakemake.params.case), snakemake.input
     for *read, output in zip(
         files.tabulated, files.two_point, snakemake.output.estimates, strict=True

@@ -4,10 +4,8 @@ from dampbalance.estimates import estimate_table
 from dampbalance.features import Features
 from dampbalance.project.case import Case
 from dampbalance.project.files import read_csv, write_csv
-from dampbalance.project.troubles import brief_troubles
 
 if __name__ == "__main__":
-    brief_troubles(snakemake.log)
     case, files = Case.from_config(snakemake.params.case), snakemake.input.features
     for file, output in zip(files, snakemake.output.estimates, strict=True):
         features = Features.from_frame(read_csv(file))

@@ -4,12 +4,10 @@ import pandas as pd
 
 from dampbalance.project.case import Case
 from dampbalance.project.files import READ_OUT_DIGITS, write_csv
-from dampbalance.project.troubles import brief_troubles
 from dampbalance.replication import authors_route
 from dampbalance.replication.record import Record
 
 if __name__ == "__main__":
-    brief_troubles(snakemake.log)
     case, output = Case.from_config(snakemake.params.case), snakemake.output
     for i, (frequency, file) in enumerate(
         zip(case.frequencies_hz, snakemake.input.records, strict=True)

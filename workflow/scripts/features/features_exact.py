@@ -4,10 +4,8 @@ from dampbalance.features import of_orbit, stack
 from dampbalance.motion.orbit import read_orbits
 from dampbalance.project.case import Case
 from dampbalance.project.files import write_csv
-from dampbalance.project.troubles import brief_troubles
 
 if __name__ == "__main__":
-    brief_troubles(snakemake.log)
     case, files = Case.from_config(snakemake.params.case), snakemake.input.orbits
     for orbits, output in zip(files, snakemake.output.features, strict=True):
         features = stack([of_orbit(orbit) for orbit in read_orbits(orbits)])

@@ -12,12 +12,10 @@ from dampbalance.figures.style import save_svg
 from dampbalance.motion.orbit import read_orbits
 from dampbalance.project.case import Case
 from dampbalance.project.files import read_csv, read_routes
-from dampbalance.project.troubles import brief_troubles
 from dampbalance.publishing.match import match_figure, match_words
 from dampbalance.replication.claims.verdicts import counts
 
 if __name__ == "__main__":
-    brief_troubles(snakemake.log)
     orbits, output = read_orbits(snakemake.input.orbits), snakemake.output
     case = Case.from_config(snakemake.params.case)
     hertz = case.frequencies_hz

@@ -3,8 +3,6 @@
 from pathlib import Path
 
 from dampbalance.identification.table_of_sets import summarise
-from dampbalance.project.troubles import brief_troubles
 
 if __name__ == "__main__":
-    brief_troubles(snakemake.log)
     summarise(Path(snakemake.output.csv).parent, dict.fromkeys(snakemake.params.sets, ""))

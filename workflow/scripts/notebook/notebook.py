@@ -1,10 +1,8 @@
 """Run the notebook."""
 
 from dampbalance.project.files import write_text
-from dampbalance.project.troubles import brief_troubles
 from dampbalance.publishing import notebook
 
 if __name__ == "__main__":
-    brief_troubles(snakemake.log)
     executed = notebook.run_notebook(snakemake.input.source)
     write_text(snakemake.output.ipynb, notebook.write_notebook(executed))

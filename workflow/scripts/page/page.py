@@ -5,7 +5,6 @@ from pathlib import Path
 
 from dampbalance.project.case import Case
 from dampbalance.project.files import read_csv, write_text
-from dampbalance.project.troubles import brief_troubles
 from dampbalance.publishing.page.report import PageContent, report_page
 from dampbalance.studies.reading_study import read_study
 
@@ -47,6 +46,5 @@ def main(params, inputs):
 
 
 if __name__ == "__main__":
-    brief_troubles(snakemake.log)
     results = main(snakemake.params, snakemake.input)
     write_text(snakemake.output.page, report_page(results, snakemake.params.page))

@@ -4,11 +4,9 @@ import pandas as pd
 
 from dampbalance.project.case import Case
 from dampbalance.project.files import write_parquet
-from dampbalance.project.troubles import brief_troubles
 from dampbalance.replication import authors_route
 
 if __name__ == "__main__":
-    brief_troubles(snakemake.log)
     case = Case.from_config(snakemake.params.case)
     for frequency, file in zip(case.frequencies_hz, snakemake.output.records, strict=True):
         records = authors_route.simulate_levels(case, frequency)

@@ -3,10 +3,8 @@
 from dampbalance.motion.orbit import steady_orbit
 from dampbalance.project.case import Case
 from dampbalance.project.files import write_json
-from dampbalance.project.troubles import brief_troubles
 
 if __name__ == "__main__":
-    brief_troubles(snakemake.log)
     case = Case.from_config(snakemake.params.case)
     for frequency, file in zip(case.frequencies_hz, snakemake.output.orbits, strict=True):
         motions = case.motions(frequency)

@@ -1,11 +1,9 @@
 """All cases of one study in one Parquet file, from its chunks if it has any, and what it is."""
 
 from dampbalance import __version__
-from dampbalance.project.troubles import brief_troubles
 from dampbalance.studies import case_files, evaluate, reading_study
 
 if __name__ == "__main__":
-    brief_troubles(snakemake.log)
     p, output, chunks = snakemake.params, snakemake.output, snakemake.input.get("chunks")
     study = reading_study.read_study(p.file, p.paper)
     if chunks:

@@ -1,11 +1,9 @@
 """The cases of one chunk of a study, as Parquet."""
 
 from dampbalance import __version__
-from dampbalance.project.troubles import brief_troubles
 from dampbalance.studies import case_files, cases, evaluate, reading_study
 
 if __name__ == "__main__":
-    brief_troubles(snakemake.log)
     study = reading_study.read_study(snakemake.params.file, snakemake.params.paper)
     start, stop = cases.chunk_bounds(study, int(snakemake.wildcards.chunk))
     parts = evaluate.in_parts(study, start, stop, threads=snakemake.threads)

@@ -3,13 +3,11 @@
 from pathlib import Path
 
 from dampbalance.project.files import STATISTICAL_DIGITS, write_csv, write_text
-from dampbalance.project.troubles import brief_troubles
 from dampbalance.studies import reading_study
 from dampbalance.studies.shown import summary
 from dampbalance.studies.shown.paragraph import paragraph
 
 if __name__ == "__main__":
-    brief_troubles(snakemake.log)
     i, o, p = (getattr(snakemake, name) for name in ("input", "output", "params"))
     study, cases = reading_study.read_study(i.file, p.paper), i.cases
     table = summary.summary_of(cases, study)

@@ -3,12 +3,10 @@
 from dampbalance.features import Features
 from dampbalance.project.case import Case
 from dampbalance.project.files import ROUTES, read_csv, read_routes, write_csv, write_text
-from dampbalance.project.troubles import brief_troubles
 from dampbalance.replication.comparison import approaches_markdown, approaches_table
 from dampbalance.replication.rebuilt_tables import TITLES, RouteTables, markdown, paper_tables
 
 if __name__ == "__main__":
-    brief_troubles(snakemake.log)
     claims, folder = snakemake.input.claims, snakemake.params.folder
     case = Case.from_config(snakemake.params.case)
     features, estimates = (
