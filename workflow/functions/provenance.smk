@@ -23,7 +23,7 @@ def own_name(file):
 def jobs_behind_everything():
     """Return the jobs behind `rule all`, each {rule, script, inputs, outputs}, as Snakemake resolves its rules.
 
-    Inputs leave out the package's modules (they are sources), outputs what is temporary.
+    Inputs leave out the code (it is among the sources), outputs what is temporary.
     """
     waiting = list(rules.all.rule.expand_input({})[0])
     seen, jobs = {MANIFEST}, {}
@@ -40,12 +40,12 @@ def jobs_behind_everything():
         if job:
             continue
         needed = [str(f) for f in producer.expand_input(wildcards)[0]]
-        inputs = {own_name(file) for file in needed}
+        inputs = {own_name(file) for file in needed if file not in PACKAGE}
         outputs = [f.apply_wildcards(wildcards) for f in producer.output]
         job |= {
             "rule": producer.name,
             "script": os.path.normpath(Path("workflow/rules") / producer.script),
-            "inputs": sorted(file for file in inputs if not file.startswith("src/")),
+            "inputs": sorted(inputs),
             "outputs": sorted(own_name(str(f)) for f in outputs if not is_flagged(f, "temp")),
         }
         waiting.extend(needed)

@@ -37,7 +37,6 @@ if config["published"]:
             study_cases=expand(rules.study_cases.output.cases, study=ARTICLE_STUDIES),
             study_files=study_files(ARTICLE_STUDIES),
             study_texts=study_texts(ARTICLE_STUDIES),
-            lock=project_file("requirements.lock"),
             citation=project_file("CITATION.cff"),
             code=PACKAGE,
         output:
