@@ -322,7 +322,7 @@ def test_a_figure_states_the_values_that_were_found(html, made):
     expected = errors.loc[("omega1", "X_s", "reversal", "common"), "F_k_error_percent"]
     table = pd.DataFrame(rows, columns=head).replace("−", "-", regex=True).astype(float)
     assert len(table) == 45 + 3  # the axis, and the frequencies of the paper
-    near = (table[head[0]] - 4.92 / 4.917206).abs().idxmin()  # ω/ω_n of the first
+    near = (table[head[0]] - 4.92).abs().idxmin()
     assert table.loc[near, "Xs, common φ, ts"] == pytest.approx(float(expected), rel=1e-5)
     assert {len(head) for _, head, _ in rows_of(html, "study-frequency")} == {8}
 

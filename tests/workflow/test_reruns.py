@@ -212,7 +212,7 @@ def test_a_key_of_the_configuration_reruns_what_follows_from_it(made, key, tmp_p
 
 @pytest.mark.parametrize("key", CHANGED)
 def test_each_key_of_the_configuration_reruns_what_follows_from_it(made, key, tmp_path):
-    check_key(made(EVERY), EVERY, key, tmp_path)
+    check_key(made(DAILY), DAILY, key, tmp_path)
 
 
 # ---- The files of studies ---------------------------------------------------------------------------------------

@@ -206,11 +206,10 @@ def read_texts(path: Path, columns: tuple[str, ...]) -> pd.DataFrame:
             reason = " ".join(str(error).split())[:120]
             problem = f"cannot be read as a table of text in UTF-8: {reason}"
         else:
-            twice = frame["id"][frame["id"].duplicated()] if "id" in frame else []
             if tuple(frame.columns) != columns:
                 present = ", ".join(frame.columns)[:120]
                 problem = f"expected the columns {', '.join(columns)}, found {present}"
-            elif len(twice):
+            elif (twice := frame["id"][frame["id"].duplicated()]).any():
                 rows = csv.reader(path.read_text(encoding="utf-8").splitlines())
                 at = [rows.line_num for row in rows if row[:1] == [twice.iloc[0]]]
                 name, where = cut(twice.iloc[0], LONGEST), ", ".join(map(str, at))
