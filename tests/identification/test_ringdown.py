@@ -265,7 +265,9 @@ def test_few_samples_a_cycle_of_a_ringing_contact_suffice(index, spc):
     assert abs(found.values["F_k"] / decay.F_k - 1.0) < 0.02
     ringing = math.sqrt((decay.k + decay.K_z) / decay.m) / (2.0 * math.pi)
     if ringing > 0.5 * rate:
-        assert "other values of K_z" in found.approaches["maximum likelihood"].verdicts["K_z"].reason
+        assert (
+            "other values of K_z" in found.approaches["maximum likelihood"].verdicts["K_z"].reason
+        )
 
 
 @pytest.mark.parametrize("height", [3.6, 4.4, 5.2])
