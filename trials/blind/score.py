@@ -183,7 +183,8 @@ def faults(rows: pd.DataFrame) -> dict[str, tuple[list[int], int]]:
     visible = sets["third"] > VISIBLE
     unseen = sets["warnings"].str.contains(NO_ONSET)
     silent = rows[~rows["remarked"] & (rows["sizes"] > 5.0) & slips]
-    nothing = rows[~slips & (rows["symbol"] == "F_k") & np.isfinite(rows["value"])]
+    of_nothing = ~slips & (rows["symbol"] == "F_k") & np.isfinite(rows["value"])
+    nothing = rows[of_nothing & ~rows["starred"]]
     without = F_k[(F_k["approach"] == FIRST) & ~np.isfinite(F_k["value"])]
     slipping = int((sets["kind"] != "nothing slips").sum())
     found = {

@@ -332,8 +332,8 @@ def hint_of(found: Sequence[Explanation], fall: float, fit: WaveformFit) -> Rema
     words = listed([one.words for one in found], "or")
     return Remark(
         f"the records hint at {words}: it would explain {fall:.0f} of χ², but the energy balance contradicts the "
-        "numbers that follow, and agrees with those of the fit without it, which are the answer; the intervals include "
-        f"both; {found[0].remedy}",
+        "numbers that follow, and is nearer to those of the fit without it, which are the answer; the intervals "
+        f"include both; {found[0].remedy}",
         doubts=doubts,
     )
 

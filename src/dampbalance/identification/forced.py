@@ -29,6 +29,7 @@ from ..arguments import flag, number, whole
 from ..arrays import Array, Mask
 from ..balance import Rows, approach, checks
 from ..features import FEATURE_COLUMNS, Features, stack
+from ..fit.oscillator_fit import OscillatorFit
 from ..law.law import Law, law_of
 from ..law.terms import FRICTION, term
 from ..motion.jit import interpreted
@@ -441,14 +442,18 @@ def identify_readings(
 
 
 def _vetoed(joint: JointFit, readings: Sequence[Reading], k: float, law: Law) -> bool:
-    """Return whether direct integration agrees with the plain fit, and not with the one that is freed of departures:
-    these are then as likely a chance of the noise."""
+    """Return whether direct integration contradicts the fit that is freed of departures, and is nearer to the plain
+    one: these departures are then as likely a chance of the noise."""
     plain = joint.uncorrected
-    assert plain.fit is not None
     readings = with_common_fit(readings, plain, law)
-    samples, rows_of = read_samples(readings), LawRows(approach(DIRECT), law, k, frictionless=False)
+    samples, rows_of = read_samples(readings), LawRows(approach(DIRECT), law, k, False)
     direct = _answer(DIRECT, rows_of, plain, readings, samples, microstick(samples))
-    return any(contradiction(direct, joint.closest)) and not any(contradiction(direct, plain.fit))
+    own = direct.coefficients.items()
+
+    def apart(fit: OscillatorFit) -> float:
+        return math.hypot(*((p.value - fit.value(s)) / p.standard_error for s, p in own))
+
+    return any(contradiction(direct, joint.closest)) and apart(plain.closest) < apart(joint.closest)
 
 
 _UNCHECKED = Remark(

@@ -402,6 +402,8 @@ def _numbered(t: Array, signals: Sequence[Array]) -> tuple[Integers, Integers]:
     again = stops & np.all([one[kept] == np.roll(one[kept], 1) for one in signals], axis=0)
     if np.array_equal(again, stops):
         kept = kept[~again]
+    if kept.size < 2:
+        return rows, rows
     steps = np.diff(t[kept])
     usual = np.abs(steps - steps.mean()) < 0.5 * steps.mean()
     if not usual.any() or np.ptp(t[kept]) > 2.0 * t.size * steps[usual].mean():

@@ -159,10 +159,10 @@ def _bursts_of(signal: Signal, smooth_over: float) -> list[Burst]:
     peaks = _peaks(swing, length, least)
     if not peaks:
         raise NoDecay("no decaying motion in it exceeds the noise")
-    # over two windows lies a whole cycle, and its largest swing; fewer than two cycles show no steady motion
+    # over two windows lies a whole cycle, and its largest swing; two cycles show no steady motion yet
     widest = maximum_filter1d(swing, length, origin=ahead, mode="nearest")
-    if all(
-        j - 4 * length > i and widest[i : j - 2 * length].min() > _DECAYED * swing[i]
+    if swing.size - peaks[0] > 4 * length and all(
+        widest[i : max(j - 2 * length, i + 1)].min() > _DECAYED * swing[i]
         for i, j in zip(peaks, [*peaks[1:], swing.size], strict=True)
     ):
         raise NoDecay("it swings as far at its end as at its start")

@@ -199,12 +199,15 @@ def consistency(moved: dict[str, Complexes], weights: Array, omega: float) -> It
         moved[name] = moved[name] * np.exp(-1j * n * phase * late) / (gain if scaled else 1.0)
 
 
+_BENDS = 0.01  # chance of a bend in noise, below which a change that shows is more than a line
+
+
 class _Change(NamedTuple):
     """A slow change of the fundamental during a record.
 
     chance : probability of one as large in noise.   size : of the amplitude, relative to the mean.   turn : of the
     phasor, likewise.   noise : variance of the real and of the imaginary part of a row.   shows : whether the change is
-    significant, and large enough to matter.
+    significant, and large enough to matter.   bends : whether more than a line shows, as of a motion that settles.
     """
 
     chance: float
@@ -212,6 +215,7 @@ class _Change(NamedTuple):
     turn: float
     noise: float
     shows: bool
+    bends: bool
 
 
 def _change(rows: Complexes, weights: Array, parts: float) -> _Change:
@@ -226,16 +230,22 @@ def _change(rows: Complexes, weights: Array, parts: float) -> _Change:
     along = basis.T @ rows
     halves = rows[: size // 2], rows[size // 2 :]
     noise = min(float(np.mean(np.abs(np.diff(half)) ** 2)) for half in halves) / (2.0 * parts)
-    statistic = float(np.sum(np.abs(along) ** 2)) / max(noise, 1e-300)
+    squares = np.abs(along) ** 2 / max(noise, 1e-300)
     # successive differences know the variance as well as two thirds as many independent rows; of two halves, twice
     # the chance
     freedom = parts * max(1.0, 2.0 * (size // 2 - 1) / 3.0)
-    chance = 2.0 * float(special.fdtrc(3.0 * parts, freedom, statistic / (3.0 * parts)))
+
+    def chance_of(squares: Array) -> float:
+        own = parts * squares.size
+        return 2.0 * float(special.fdtrc(own, freedom, float(np.sum(squares)) / own))
+
+    chance = chance_of(squares)
     change = basis @ along
     grown, turned = float(np.ptp(np.abs(change + mean))), float(np.abs(change).max())
     matters = max(grown, turned) >= _SMALLEST_CHANGE * abs(mean)
     shows = matters and chance <= P_DRIFT
-    return _Change(chance, grown / abs(mean), turned / abs(mean), noise, shows)
+    bends = chance_of(squares[1:]) < _BENDS
+    return _Change(chance, grown / abs(mean), turned / abs(mean), noise, shows, bends)
 
 
 @lru_cache(maxsize=8)
@@ -310,7 +320,7 @@ def steadiness(
         late = rows[size // 2 :].mean()
         scatter = 4.0 * math.sqrt(parts * change.noise) + 1e-6 * abs(late)
         outside = 1 + np.flatnonzero(np.abs(rows - late) > scatter)
-        if outside.size and outside[-1] < size // 2:
+        if change.bends and outside.size and outside[-1] < size // 2:
             after = round(outside[-1] * (times[-1] - times[0]) / (size - 1) / period)
             words += SETTLES
             sizes = (*sizes, after, skipped + after)
