@@ -15,10 +15,11 @@ from typing import Generic, TypeVar
 import numpy as np
 
 from ..arrays import Array
-from ..balance import Approach, Rows
+from ..balance import APPROACHES, Rows
 from ..features import Features, stack
 from ..fit.fundamentals import FundamentalFit, fit_fundamentals
 from ..fit.goodness import LinearFit, improbable, linear_fit
+from ..fit.nuisances import NUISANCES
 from ..fit.oscillator_fit import OscillatorFit
 from ..fit.steady_search import fit_from, fit_records, of_all_stiffnesses, refit
 from ..fit.waveforms import OSCILLATOR, WaveformFit
@@ -29,7 +30,7 @@ from ..signals.lines import Lines
 from ..signals.mean_harmonics import Means, Reading
 from ..signals.thresholds import P_SHOWN, SHOWS
 from ..solver import NORMAL_95
-from .answer import FUNDAMENTALS, UNBOUNDED, Answer, answer_of_fit
+from .answer import DIRECT, FUNDAMENTALS, UNBOUNDED, Answer, answer_of_fit
 from .causes import CAUSES, FRAME, Explanation, explanations, fall_of, moves
 
 Of = TypeVar("Of")
@@ -269,8 +270,8 @@ def _searched(
         alone = None
     ends = [fit]
     if alone is not None:
-        point, nuisances = alone.point.copy(), alone.problem.nuisances
-        point[[alone.names.index(name) for name in nuisances]] = 0.0
+        point = alone.point.copy()
+        point[[alone.names.index(name) for name in NUISANCES]] = 0.0
         ends.append(fit_from(replace(alone.problem, freed=OSCILLATOR), point))
     fits = [one for one in ends if one is not None and moves(one)]
     fit = min(fits, key=lambda one: one.chi_square, default=None)
@@ -309,19 +310,18 @@ def with_common_fit(
 
 @dataclass(frozen=True, eq=False)
 class LawRows:
-    """How one approach makes rows of the balance of a law.
+    """How direct integration makes rows of the balance of a law.
 
     k : N/m.   frictionless : whether friction has no column.
     """
 
-    approach: Approach
     law: Law
     k: float
     frictionless: bool
 
     def __call__(self, features: Features) -> Rows:
         """The rows of features, with a column for each coefficient; one whose records all lack rows has none."""
-        rows = self.approach(features, self.k, self.law.terms)
+        rows = APPROACHES[DIRECT](features, self.k, self.law.terms)
         if self.frictionless:
             rows = replace(rows, terms={**rows.terms, FRICTION: np.zeros(rows.W.shape)})
         rows = rows.of_law(self.law)
