@@ -109,6 +109,9 @@ CAUSES: Mapping[str, Cause] = {
         100.0,
         "the model has none",
     ),
+    "c_2": Cause(
+        "damping that grows with the speed, by c_2 = {} N s²/m²", 1.0, "compare the laws (--laws)"
+    ),
     "k_3": Cause(
         "a spring that is not linear, with k_3 = {} N/m³", 1.0, "the model has none", in_rows=False
     ),
@@ -237,8 +240,8 @@ def _converged(fit: WaveformFit | None) -> WaveformFit | None:
 
 
 def _like(near: FundamentalFit) -> Iterator[tuple[tuple[str, ...], Array]]:
-    """Yield the departures of a fit to the fundamentals, and the AC coupling that turns the phase of the first record as
-    far as its delay does, each with a point."""
+    """Yield the departures of a fit to the fundamentals, and the AC coupling that turns the phase of the first record
+    as far as its delay does, each with a point."""
     names, point = near.departures, near.point
     if names:
         yield names, point
