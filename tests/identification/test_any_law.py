@@ -13,7 +13,6 @@ import pytest
 from analytic.law_response import law_orbit
 from dampbalance import BaseMotion, Oscillator, measured_orbit, steady_orbit
 from dampbalance.identification.answer import USABLE
-from dampbalance.identification.forced import identify_readings
 from dampbalance.identification.law_comparison import (
     LawTest,
     Probability,
@@ -169,14 +168,6 @@ def test_dampers_to_base_and_ground_together_say_what_a_skew_would_do():
     found = identified(readings(*LAWS["c_r"]), law=Law(("F_k", "c", "c_r")))
     assert not any("delay" in one.names for one in found.joint.explained)
     assert any("cannot be distinguished from a skew" in words for words in found.warnings)
-
-
-def test_an_approach_without_a_form_of_a_term_says_so():
-    osc, law = LAWS["c_2"]
-    found = identify_readings(readings(osc, law), osc.k, law=Law(("F_k", "c_2")))
-    fourier = found.estimates["fourier"]
-    assert math.isnan(fourier.coefficients["c_2"].value)
-    assert fourier.notes == ("this approach does not cover a term of the law",)
 
 
 @pytest.mark.parametrize("name", ["eta", "c and c_2"])

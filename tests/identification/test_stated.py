@@ -288,7 +288,7 @@ def test_a_light_damping_asks_more_of_the_frequency():
     sizes = []
     for seed in range(6):
         records = [measured_orbit(o, seed=10 * seed + i, **options) for i, o in enumerate(orbits)]
-        merit = identify(records, k, approaches="direct").reference.merit
+        merit = identify(records, k).reference.merit
         sizes.append((merit["m_kg"] - osc.m) / merit["m_standard_error_kg"])
     # rms of six normal numbers: above 1.7 once in 400 times
     assert math.sqrt(np.mean(np.square(sizes))) < 1.7

@@ -222,7 +222,7 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, object], Callable[..., o
 
 @pytest.fixture(scope="module")
 def found():
-    return identify(STEADY, PAPER.k, approaches=["fourier"])
+    return identify(STEADY, PAPER.k)
 
 
 CASES = [(name, argument) for name, (_, right, _) in CALLS.items() for argument in right]
