@@ -116,7 +116,6 @@ def test_an_onset_that_is_not_resolved_enters_with_its_error_and_K_z_has_a_limit
     assert holds(found.estimates["direct"], stiff, ["F_k"])
     assert "> " in found.text().splitlines()[3]
     told = found.document()["maximum_likelihood"]
-    assert told["K_z_N_per_m"] is None
     assert told["K_z_interval_N_per_m"][1] is None
     assert told["verdicts"]["K_z"]["verdict"] == "doubtful"
 

@@ -467,9 +467,7 @@ def test_a_hammer_is_no_obstacle_to_a_decay(heading, kind):
         assert low < getattr(struck, symbol) < high, symbol
 
 
-@pytest.mark.parametrize(
-    "options", [{"frequency": 3.0}, {"skip_cycles": 2}, {"approaches": ["fourier"]}]
-)
+@pytest.mark.parametrize("options", [{"frequency": 3.0}, {"skip_cycles": 2}])
 def test_options_of_forced_records_are_refused(tmp_path, options):
     write(tmp_path / "decay.csv", record(PLUCKED)[0])
     with pytest.raises(ValueError, match="is for forced records"):

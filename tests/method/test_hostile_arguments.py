@@ -213,8 +213,7 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, object], Callable[..., o
     "identify": (
         identify,
         {"records": STEADY, "stiffness": 2310.0, "mapping": None, "kind": "forced", "frequency": 3.5, "mass": 2.42}
-        | {"terms": ["F_k", "c"], "given": {}, "groups": {}, "laws": False, "approaches": ["fourier"]}
-        | {"skip_cycles": 0},
+        | {"terms": ["F_k", "c"], "given": {}, "groups": {}, "laws": False, "skip_cycles": 0},
         repr,
     ),
 }  # fmt: skip
