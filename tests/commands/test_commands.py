@@ -411,7 +411,7 @@ ONE, TWO = RECORDS[0], [*RECORDS[:2], *COMMON]
     ("arguments", "message"),
     [
         ([*TWO, "--stiffness", "0"], "must be a positive number"),
-        ([*TWO, "--approach", "best"], "invalid choice"),
+        ([*TWO, "--contact-to", "wall"], "invalid choice"),
         ([*TWO, "--skip-cycles", "some"], "must be a whole number, 0 to"),
         ([*TWO, "--groups", "F_k"], "must be TERM=LABELS with a label for each record"),
         (RECORDS[:2], "stiffness (--stiffness) is missing: forced records need it"),
@@ -455,7 +455,7 @@ def test_a_mapping_to_start_from_is_saved_and_used(tmp_path, capsys, answer):
     shown, written = capsys.readouterr().out, mapping.read_text(encoding="utf-8")
     assert shown.startswith(f"{written}\nWritten to {mapping}. ")
     assert shown.endswith("give the same command without --write-mapping.\n")
-    assert code_of(*command, "--approach", "direct") == 0
+    assert code_of(*command) == 0
     capsys.readouterr()
     # never what a user has, unless asked to
     mapping.write_text("notes: mine\n", encoding="utf-8")
@@ -557,9 +557,7 @@ def test_responses_that_do_not_slip_are_said_to_be_so(friction, tmp_path, capsys
         command = f"simulate {records[-1]} --frequency 4 --amplitude {amplitude} --friction {friction} --seed {i}"
         assert main([*command.split(), "--rate", "1000", "--cycles", "20", "--noise", "0.01"]) == 0
     capsys.readouterr()
-    said = answer(
-        "identify", *records, *COMMON, "--mass", "2.42", "--approach", "direct", "--details"
-    )
+    said = answer("identify", *records, *COMMON, "--mass", "2.42", "--details")
     assert "the records are those of a linear oscillator within their noise" in said
     assert "maximum likelihood" not in said  # nor a mass that such records hardly know
     # F_k and K_z are not known: no number near zero stands for them
@@ -570,12 +568,12 @@ def test_responses_that_do_not_slip_are_said_to_be_so(friction, tmp_path, capsys
 
 
 def test_a_wrong_mass_is_the_cause_that_comes_first_where_no_number_is_usable_with_it(answer):
-    given = ["identify", *RECORDS, *COMMON, "--approach", "direct", "--details"]
+    given = ["identify", *RECORDS, *COMMON, "--details"]
     without = answer(*given)
     lead, limits, said = answer(*given, "--mass", "24", code=1).split("\n\n", 2)
     numbers = re.compile(r"\d[\d.]* \[.*?\]")
     # the balance is the answer then, and no longer the fit
-    assert sorted(numbers.findall(said)) == sorted(numbers.findall(without)) != []
+    assert {*numbers.findall(said)} == {*numbers.findall(without)} != set()
     assert (said.count("doubtful"), said.count("usable")) == (2, 0)
     title, warning = limits.splitlines()
     assert title == "Causes and remedies:"
