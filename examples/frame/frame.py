@@ -72,7 +72,6 @@ def identified(records: dict[str, pd.DataFrame]) -> Identified:
         terms="F_k,c_r",
         given={"c_r": DAMPER},
         groups={"F_k": list(records)},
-        approaches="direct",
     )
 
 

@@ -503,12 +503,10 @@ measured = identify([record(Y, i) for i, Y in enumerate(LEVELS)], stiffness=osci
 measured
 
 # %% [markdown]
-# Below the table stands what you have just seen: the shape of motion that the three harmonic approaches assume does
-# not hold here. Their intervals are narrow all the same, for an interval knows of noise alone. The last line is one
-# oscillator fitted to all records, the yardstick.
+# The answer is one oscillator fitted to all records. Direct integration, which needs no shape of motion, checks it.
 #
 # What you need to go on is in `measured`: `values`, `intervals`, `covariance`, the `rows` of the balance,
-# `to_frame()` for all approaches. `identify` takes your files as well, in any format, or tables of pandas, or arrays:
+# `to_frame()` for all numbers. `identify` takes your files as well, in any format, or tables of pandas, or arrays:
 # `identify(["level1.csv", "level2.csv"], stiffness=2310)`. Here are the rows, and what they leave:
 
 # %% alt="Rows of the balance on a straight line of slope F_k; what each leaves, over its standard deviation."
@@ -617,5 +615,5 @@ pd.DataFrame(
 #
 # - `README.md` says how to rebuild the paper's tables and figures, with a verdict on every printed number.
 # - `paper/equations.md` leads from each equation to its function and to its test.
-# - An approach of your own is one function from features to rows: pass it as an `Approach` to `identify`, or to
+# - An approach of your own is one function from features to rows: pass it as an `Approach` to
 #   `study`, which compares it with the others over any parameters; a damping term of your own is a `Term`.

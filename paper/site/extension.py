@@ -25,7 +25,7 @@ from sphinx.writers.html5 import HTML5Translator
 from sphinxcontrib.programoutput import run_programs
 
 import dampbalance
-from dampbalance.balance import APPROACHES, checks
+from dampbalance.balance import APPROACHES
 from dampbalance.law.terms import KNOWN_TERMS
 from dampbalance.project.wording import in_markdown, markdown_table
 from dampbalance.publishing.site import PAGES
@@ -142,7 +142,7 @@ class Keys(SphinxDirective):
         return self.parse_text_to_nodes(table)
 
 
-_NAMES = {"approach": APPROACHES, "check": checks(), "term": KNOWN_TERMS}
+_NAMES = {"approach": APPROACHES, "term": KNOWN_TERMS}
 
 
 def keys_of(node: Any, schema: Mapping[str, Any], path: str = "") -> Iterator[tuple[str, str, str]]:

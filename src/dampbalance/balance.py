@@ -221,7 +221,7 @@ class Approach(str):
     element on features of any shape, (levels,) or (levels, cases), and give NaN where a feature does not exist.
     label : its name in words or as a symbol; default, its name.
     takes_phase : whether it depends on a choice of the phase φ, and on a φ and a t_s common to all levels; studies then
-    try each definition of the phase, and measured records are not evaluated by it.
+    try each definition of the phase.
     terms : of the coefficients that it identifies unless a law asks for others; its rows are for these.
     integral : the function from features, the stiffness k and a term to its g, for those others; None where it has no
     form of them.
@@ -315,22 +315,6 @@ def approach(name: str) -> Approach:
     if name not in APPROACHES:
         raise ValueError(f"unknown approach {shown(name)}; known are {', '.join(APPROACHES)}")
     return APPROACHES[name]
-
-
-def checks(asked: Sequence[str] | str | None = None) -> tuple[Approach, ...]:
-    """Return the approaches, among those that are asked for, by which measured records are evaluated: those whose rows
-    need no choice of a phase.
-
-    The others approximate x(t) by its fundamental, which costs more off resonance than the noise of most records.
-
-    asked : names; default, all of them. Raises ValueError for any other.
-    """
-    known = tuple(one for one in APPROACHES.values() if not one.takes_phase)
-    several = known if asked is None else names("approaches", asked)
-    wrong = sorted({str(one) for one in several if one not in known})
-    if wrong:
-        raise ValueError(f"unknown approaches {shown(wrong)}; known are {', '.join(known)}")
-    return tuple(one for one in known if one in several)
 
 
 def takes_phase(name: str) -> bool:

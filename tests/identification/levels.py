@@ -1,4 +1,4 @@
-"""Records and readings of exact responses with noise, and their identification by direct integration alone."""
+"""Records and readings of exact responses with noise, and their identification."""
 
 from __future__ import annotations
 
@@ -6,14 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from dampbalance.balance import APPROACHES
 from dampbalance.identification.forced import identify_readings
 from dampbalance.records.measurement import Measurement
 from dampbalance.records.synthetic import measured_orbit
 from dampbalance.signals.mean_harmonics import read_features
 from paper_case import PAPER, orbits_at
 
-DIRECT = {"direct": APPROACHES["direct"]}
 THREE = ("base_displacement", "displacement", "acceleration")
 """Channels of a record."""
 SYMBOLS = ("F_k", "c", "K_z")
@@ -33,8 +31,8 @@ def read(orbits, *, noise=0.01, seed=1, rate_hz=1000.0, cycles=25.0, channels=TH
 
 
 def identified(readings, **options):
-    """What direct integration finds in readings."""
-    return identify_readings(readings, PAPER.k, approaches=DIRECT, **options)
+    """What is found in readings."""
+    return identify_readings(readings, PAPER.k, **options)
 
 
 def measured(levels=(0.004, 0.008, 0.012), hz=3.5, **options):

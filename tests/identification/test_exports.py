@@ -16,7 +16,6 @@ from dampbalance.records.measurement import QUANTITIES, RESPONSES
 from dampbalance.records.readers import mapping_to_start_from, read
 from paper_case import PAPER, orbits_at
 
-RIG = {"approaches": "direct"}
 G = 9.80665
 LOOSE = Oscillator(m=2.42, c=1.0, k=2310.0, K_z=208000.0, F_k=0.5)
 
@@ -169,7 +168,7 @@ def test_the_truth_is_found_in_files(name, tmp_path):
     if export.aside is not None:
         mapping = mapping_to_start_from(files[0])
         (tmp_path / "channels.yaml").write_text(mapping, encoding="utf-8")
-    found = identify(files, PAPER.k, **RIG)
+    found = identify(files, PAPER.k)
     assert found.verdicts["F_k"].verdict == found.verdicts["c"].verdict == "usable"
     for symbol, value in found.values.items():
         # chance leaves one of nine numbers outside four standard errors in one seed of 1,800

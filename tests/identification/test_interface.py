@@ -57,7 +57,6 @@ VALUES = {
     "given": {"c": 90.0},
     "groups": {"F_k": "A,A,B"},
     "laws": True,
-    "approaches": "direct",
     "skip_cycles": 1,
     "contact": "gradual",
     "hardening": False,
@@ -119,7 +118,7 @@ def test_an_option_at_its_default_may_be_given_for_any_kind():
 @pytest.mark.parametrize(
     ("kind", "options"),
     [
-        ("forced", {"frequency": 3.5, "mass": "2.42", "approaches": "direct"}),
+        ("forced", {"frequency": 3.5, "mass": "2.42"}),
         ("ring-down", {"mass": "2.42"}),
         ("stepped-sine", {"contact": "one slider"}),
         ("loops", {"backlash": False}),
@@ -172,7 +171,7 @@ def test_what_no_fit_determines_is_nan():
         for stuck in [Oscillator(2.42, 90.0, K, 208000.0, 0.0)]
         for Y in (0.002, 0.004)
     ]
-    found = identify_forced(still, K, approaches="direct")
+    found = identify_forced(still, K)
     assert found.values["c"] == pytest.approx(90.0, rel=1e-6)
     assert all(map(math.isnan, (found.mass, found.natural_frequency, found.damping_ratio)))
 

@@ -21,14 +21,13 @@ from identification.levels import clipped
 from paper_case import PAPER
 
 FILES = sorted((ROOT / "config/records/example").glob("level*.csv"))
-QUICK = {"approaches": ["direct"]}
 DECAYING = Oscillator(m=2.0, c=1.5, k=2310.0, K_z=208000.0, F_k=0.5)
 OMEGA, X = 2.0 * math.pi * 4.0, 0.003
 
 
 @pytest.fixture(scope="module")
 def steady():
-    return identify(FILES[::2], PAPER.k, **QUICK)
+    return identify(FILES[::2], PAPER.k)
 
 
 @pytest.fixture(scope="module")
@@ -41,7 +40,7 @@ def decay():
 @pytest.fixture(scope="module")
 def doubtful():
     whole = [record.measurement for record in read_records(FILES[::2])]
-    return identify([*whole[:2], clipped(whole[2], "acceleration", 0.9)], PAPER.k, **QUICK)
+    return identify([*whole[:2], clipped(whole[2], "acceleration", 0.9)], PAPER.k)
 
 
 KINDS = pytest.mark.parametrize("kind", ["steady", "decay", "doubtful"])
@@ -120,7 +119,7 @@ def test_where_there_is_no_answer_the_cause_comes_first_and_the_numbers_last(
 def test_a_name_is_no_markup_in_a_report():
     frames = [record.to_frame() for record in read_records(FILES[::4])]
     frames[0].attrs["name"] = "<script>& at 2 m/s"
-    html = identify(frames, PAPER.k, **QUICK).report()
+    html = identify(frames, PAPER.k).report()
     assert "<script>" not in html
     assert "<h1>Friction and damping from &lt;script&gt;&amp; at 2 m/s" in html
 

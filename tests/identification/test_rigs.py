@@ -289,7 +289,7 @@ def test_what_a_force_does_not_allow_is_named(given, words):
 
 
 def on_the_mass(k, m):
-    found = identify(forced(), k, mass=m, approaches=["direct"])
+    found = identify(forced(), k, mass=m)
     return next((str(w) for w in found.warnings if "records imply" in w), "")
 
 

@@ -21,7 +21,6 @@ from identification.releases import compiled  # noqa: F401
 from paper_case import PAPER
 from slips import slips
 
-QUICK = {"approaches": ["direct"]}
 FORCED = ("force", "displacement")
 
 
@@ -85,7 +84,7 @@ RECORDS = {
 
 @cache
 def identified(name):
-    return identify(RECORDS[name](), PAPER.k, **QUICK)
+    return identify(RECORDS[name](), PAPER.k)
 
 
 @pytest.mark.parametrize("name", RECORDS)
@@ -95,7 +94,7 @@ def test_what_is_said_of_forced_records(name):
 
 @pytest.mark.parametrize("name", ["as they are", "nearly no friction"])
 def test_what_is_said_of_another_law_and_a_wrong_mass(name):
-    found = identify(RECORDS[name](), PAPER.k, terms=["F_k", "eta"], mass=1.0, **QUICK)
+    found = identify(RECORDS[name](), PAPER.k, terms=["F_k", "eta"], mass=1.0)
     assert slips(texts_of(found)) == []
 
 

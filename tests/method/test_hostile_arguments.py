@@ -213,8 +213,7 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, object], Callable[..., o
     "identify": (
         identify,
         {"records": STEADY, "stiffness": 2310.0, "mapping": None, "kind": "forced", "frequency": 3.5, "mass": 2.42}
-        | {"terms": ["F_k", "c"], "given": {}, "groups": {}, "laws": False, "approaches": ["fourier"]}
-        | {"skip_cycles": 0},
+        | {"terms": ["F_k", "c"], "given": {}, "groups": {}, "laws": False, "skip_cycles": 0},
         repr,
     ),
 }  # fmt: skip
@@ -222,7 +221,7 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, object], Callable[..., o
 
 @pytest.fixture(scope="module")
 def found():
-    return identify(STEADY, PAPER.k, approaches=["fourier"])
+    return identify(STEADY, PAPER.k)
 
 
 CASES = [(name, argument) for name, (_, right, _) in CALLS.items() for argument in right]

@@ -9,7 +9,6 @@ import re
 import pytest
 import yaml
 
-from dampbalance.balance import checks
 from dampbalance.model import Oscillator
 from dampbalance.project.case import Case, check_case, excerpt, require_own_case
 from dampbalance.project.documents import ConfigurationError
@@ -28,7 +27,7 @@ def config():
 
 def problem(config, files=(FILE,)):
     with pytest.raises(ConfigurationError) as caught:
-        check_case(config, SCHEMA, files, checks())
+        check_case(config, SCHEMA, files)
     return str(caught.value)
 
 
@@ -42,7 +41,7 @@ def edited(config, key, value):
 
 
 def test_the_shipped_configuration_passes(config):
-    check_case(config, SCHEMA, [FILE], checks())
+    check_case(config, SCHEMA, [FILE])
 
 
 @pytest.mark.parametrize(
@@ -221,4 +220,4 @@ def test_an_override_without_a_case_is_refused_in_a_line_with_a_name_that_works(
     wanted = re.search(r"\((case: .+?)\), and add (published: null)", said)
     remedy = yaml.safe_load(f"{wanted[1]}\n{wanted[2]}\n")
     assert remedy == {"case": case, "published": None}
-    check_case(config | remedy, SCHEMA, [], checks())
+    check_case(config | remedy, SCHEMA, [])

@@ -305,7 +305,7 @@ def test_without_a_script_everything_can_be_read(opened, computed):
 def measured(tmp_path_factory):
     records = sorted((ROOT / "config/records/example").glob("level*.csv"))[::2]
     path = tmp_path_factory.mktemp("report") / "report.html"
-    path.write_text(identify(records, 2310.0, approaches=["direct"]).report(), encoding="utf-8")
+    path.write_text(identify(records, 2310.0).report(), encoding="utf-8")
     return path
 
 

@@ -338,7 +338,7 @@ def test_names_show_as_they_are_and_characters_that_act_are_spelt(name, tmp_path
     document = {"channels": columns, "time": {"unit": "s"}}
     for level in ({"level": name}, {})[name in ACTING :]:
         path.with_name("run.yaml").write_text(json.dumps(document | level))
-    code, said = tried(capsys, path, other, "--output", output, "--approach", "fourier")
+    code, said = tried(capsys, path, other, "--output", output)
     assert code == 0, said
     texts = {f.name: f.read_text(encoding="utf-8") for f in output.iterdir() if f.suffix != ".png"}
     assert not any(map(UNSHOWABLE.search, texts.values()))

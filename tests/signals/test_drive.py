@@ -41,7 +41,7 @@ def test_a_slow_drive_of_a_fast_record_is_identified():
         measured_orbit(steady_orbit(PAPER, motion), rate_hz=1e5, cycles=10.0, noise=0.01, seed=i)
         for i, motion in enumerate(levels)
     ]
-    found = identify(records, PAPER.k, approaches="direct")
+    found = identify(records, PAPER.k)
     for symbol in ("F_k", "c"):
         low, high = found.intervals[symbol]
         assert low < getattr(PAPER, symbol) < high
@@ -85,7 +85,7 @@ def test_a_still_start_does_not_decide_the_kind_of_a_record():
         ValueError, match=r"not steady: .* leave out cycles at its start \(--skip-c"
     ):
         identify(records, PAPER.k)
-    found = identify(records, PAPER.k, skip_cycles=5, approaches="direct")
+    found = identify(records, PAPER.k, skip_cycles=5)
     for symbol, (low, high) in found.intervals.items():
         assert low < getattr(PAPER, symbol) < high, symbol
         assert found.verdicts[symbol].verdict == "usable"

@@ -19,7 +19,6 @@ import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from dampbalance.balance import checks
 from dampbalance.motion.orbit import RANGES
 from dampbalance.project.case import Case, check_case
 from dampbalance.project.documents import ConfigurationError
@@ -156,7 +155,7 @@ def assert_sound(folder) -> None:
 def refused(config: dict, file) -> str:
     """What is said against a configuration, as the workflow looks at it; "" if it is accepted."""
     try:
-        check_case(config, SCHEMA, [file], checks())
+        check_case(config, SCHEMA, [file])
         check_feasible(Case.from_config(config), [file])
     except ConfigurationError as error:
         return str(error)
@@ -198,7 +197,7 @@ def test_frequencies_may_be_called_like_numbers_and_like_no_value(tmp_path):
     config = base() | {"case": "nan"}
     drives = [{"name": name, "hz": 3.0 + i} for i, name in enumerate(names)]
     config["excitation"]["frequencies"] = drives
-    check_case(config, SCHEMA, [FILE], checks())
+    check_case(config, SCHEMA, [FILE])
     case_jobs(config, tmp_path)
     table = read_csv(tmp_path / "tables/approaches.csv")
     assert list(dict.fromkeys(table["frequency"])) == names

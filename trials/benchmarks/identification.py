@@ -1,4 +1,4 @@
-"""Identification of measured levels, five of 20,000 samples: by every approach, and by maximum likelihood.
+"""Identification of measured levels, five of 20,000 samples.
 
 Reading and identifying are timed together and apart, and so is the fit of one oscillator to the harmonics of all
 levels, which identifying contains; the errors of the estimates are listed with the times. Start-up, import and first
@@ -18,7 +18,6 @@ import numpy as np
 import pandas as pd
 
 from dampbalance import BaseMotion, steady_orbit
-from dampbalance.balance import APPROACHES
 from dampbalance.figures.style import FAINT, SLIP, STICK, page, place, save, styled
 from dampbalance.fit.steady_search import fit_records
 from dampbalance.identification.forced import identify_readings
@@ -44,10 +43,9 @@ from .measuring import (
 CYCLES = 100.0
 NOISE = 0.01  # of the rms of each channel
 SEED = 2010
-BOTH = "read and identify, all approaches"
+BOTH = "read and identify"
 READING = "… reading the features"
 IDENTIFYING = "… identifying, balance and fit"
-ONE = "… identifying, direct integration alone"
 FIT = "… fitting one oscillator: maximum likelihood"
 PARTS_SHOWN = 8  # packages in the split of the import
 
@@ -99,18 +97,16 @@ def contestants(samples: int) -> list[Contestant]:
     k = PAPER.k
     readings = [read_features(measurement, k) for measurement in given]
     lines = [reading.lines for reading in readings]
-    direct = {"direct": APPROACHES["direct"]}
     return [
         Contestant(BOTH, 1, lambda: identify_readings([read_features(m, k) for m in given], k)),
         Contestant(READING, 1, lambda: [read_features(m, k) for m in given]),
         Contestant(IDENTIFYING, 1, lambda: identify_readings(readings, k)),
-        Contestant(ONE, 1, lambda: identify_readings(readings, k, approaches=direct)),
         Contestant(FIT, 1, lambda: fit_records(lines, k)),
     ]
 
 
 def errors(samples: int) -> pd.DataFrame:
-    """Return columns name, then of F_k and of c the relative error and the standard error that each approach
+    """Return columns name, then of F_k and of c the relative error and the standard error that each way
     reports."""
     given = measurements(samples)
     found = identify_readings([read_features(m, PAPER.k) for m in given], PAPER.k)

@@ -177,8 +177,8 @@ def tried(index: int, seed: int = SEED) -> list[dict[str, object]]:
                 row = {"way": way, "symbol": symbol, "true": getattr(decay, symbol)}
                 row |= {"value": p.value, "standard_error": p.standard_error}
                 row |= {"low": p.interval.low, "high": p.interval.high}
-                usable = answer.verdicts[symbol].verdict == USABLE
-                rows.append(of_set | row | {"noted": not usable})
+                noted = symbol in answer.verdicts and answer.verdicts[symbol].verdict != USABLE
+                rows.append(of_set | row | {"noted": noted})
     peaks, omega = peaks_of(decay, measured, free)
     for way, method in WAYS.items():
         for symbol, value in method(peaks, omega, decay.k).items():

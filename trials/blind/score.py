@@ -72,7 +72,10 @@ def numbers(result: ForcedOutcome, truth: Truth) -> Iterator[dict[str, object]]:
     result."""
     first = next(iter(result.approaches.values()))
     found = [(FIRST, first.parameters, first.notes)]
-    found += [(name, e.parameters, e.notes) for name, e in result.estimates.items()]
+    found += [
+        (name, e.parameters if e.balance is None else e.coefficients, e.notes)
+        for name, e in result.estimates.items()
+    ]
     found.append((REFERENCE, _of_fit(result), result.joint.notes))
     for name, parameters, notes in found:
         for symbol, parameter in parameters.items():

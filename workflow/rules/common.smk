@@ -14,7 +14,6 @@ from snakemake.logging import logger
 from snakemake.utils import update_config
 
 try:
-    from dampbalance.balance import checks
     from dampbalance.project.case import Case, check_case, excerpt, require_own_case
     from dampbalance.project.documents import ConfigurationError
     from dampbalance.project.files import ROUTES, remove_unfinished
@@ -57,7 +56,6 @@ if workflow.is_main_process:
             config,
             project_file("src/dampbalance/project/schemas/config.schema.yaml"),
             CONFIG_FILES,
-            checks(),
         )
         if config["case"] == load_configfile(BASE_CONFIG)["case"]:
             require_own_case(OVERRIDING)

@@ -88,11 +88,6 @@ def _high_pass(t: np.ndarray, y: np.ndarray, x: np.ndarray) -> tuple[np.ndarray,
     return y, lfilter([gain, -gain], [1.0, pole], x)
 
 
-def _low_pass(t: np.ndarray, y: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    share = 1.0 - math.exp(-DT / 2e-3)
-    return y, lfilter([share / 2.0, share / 2.0], [1.0, share - 1.0], x)
-
-
 def _spiky(t: np.ndarray, y: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     x = x.copy()
     x[BEFORE + 37 :: 7 * PER_CYCLE + 13] += 0.8 * np.ptp(x)
@@ -147,7 +142,6 @@ FAULTS = {
     "delay": Fault("the response is 2 ms late", channels=_late(2e-3)),
     "corner": Fault("the response passed a high-pass of 0.3 Hz", channels=_high_pass),
     "gain": Fault("the drive reads 3 % too much", channels=lambda t, y, x: (1.03 * y, x)),
-    "low_pass": Fault("the response passed a low-pass of 2 ms", channels=_low_pass),
     "frame": Fault(
         "the response is relative to the base, and is called absolute",
         channels=lambda t, y, x: (y, x - y),

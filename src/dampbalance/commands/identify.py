@@ -11,7 +11,6 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from ..balance import checks
 from ..identification.outputs import ALL_PICTURES, OUTPUTS, REPORT, TABLES, require_room
 from ..law.terms import KNOWN_TERMS
 from ..project.files import json_text, replacing, write_text
@@ -65,7 +64,6 @@ forced records:
 --contact-to    base for a mount, whose spring, damper and friction all sit on the table (default: ground)
 --damper-to     base for a damper on the table while the contact is to the ground (default: as the contact)
 --fixture-mass  mass between a load cell and the vibrating mass, kg, or "0.4 lb"
---approach      an approach; may be repeated (default: all)
 --skip-cycles   cycles left out at the start of each record, where the motion has not settled (default: 0)
 forced records or free decays:
 --laws          compare laws of one or two terms, with and without friction, and name the one that the records support
@@ -81,7 +79,7 @@ measured loops:
 --fixture-stiffness  stiffness of a fixture in series whose deflection is also measured, N/m
 --no-backlash   the fixture has no dead band
 results:
---details       show the answer of every approach and all that limits them, instead of one screen
+--details       show all answers and all that limits them, instead of one screen
 --output        write {", ".join(OUTPUTS)} there
 --no-figures    write no pictures: they take longer than all the rest
 --json          write {TABLES[0]} to this file as well; - shows it instead of the table
@@ -215,7 +213,6 @@ _OPTIONS: dict[str, dict[str, Any]] = {
     "--damper-to": {"choices": ("ground", "base")},
     "--fixture-mass": {"type": read_by(_checked, "fixture_mass"), "metavar": "M"},
     "--groups": {"type": _labels, "action": _Once, "metavar": "TERM=LABELS"},
-    "--approach": {"action": "append", "choices": list(checks()), "dest": "approaches"},
     "--skip-cycles": {"type": whole("skip_cycles"), "metavar": "N"},
     "--laws": {"action": "store_true"},
     "--terms": {"metavar": "TERMS"},

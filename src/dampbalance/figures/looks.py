@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable
 from dataclasses import dataclass
 
 from ..balance import APPROACHES, Approach
@@ -58,14 +57,11 @@ SCHEME_LOOKS = {
 """Name and look of each fixed-step scheme; no figure shows both schemes and approaches. Orange is for print."""
 
 
-def look_of(approach: str, among: Iterable[str] = ()) -> Look:
-    """Return the look of an approach: its own, or a spare one by its place among the approaches that have none.
-
-    among : approaches that are drawn, besides the built-in ones.
-    """
+def look_of(approach: str) -> Look:
+    """Return the look of an approach: its own, or a spare one by its place among the approaches that have none."""
     if approach in LOOKS:
         return LOOKS[approach]
-    others = [name for name in dict.fromkeys((*APPROACHES, *among)) if name not in LOOKS]
+    others = [name for name in APPROACHES if name not in LOOKS]
     place = others.index(approach) if approach in others else len(others)
     return SPARE[place % len(SPARE)]
 

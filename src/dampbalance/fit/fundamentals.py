@@ -99,7 +99,7 @@ class FundamentalFit(OscillatorFit):
 
     def has(self, departure: str) -> bool:
         """Return whether a departure is fitted along: any filter turns the phase like a delay."""
-        return ("delay" if departure in ("corner", "low_pass") else departure) in self.departures
+        return ("delay" if departure == "corner" else departure) in self.departures
 
     @cached_property
     def responses(self) -> tuple[Response, ...]:

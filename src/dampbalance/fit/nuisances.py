@@ -3,7 +3,6 @@
     delay              s          the response lags the base in the record by more than in its motion
     gain               1          the drive reads (1 + g)Y for Y
     corner             Hz         the response is AC-coupled: a high-pass of first order, iω/(iω + 2πf_c)
-    low_pass           s          time constant of a low-pass of first order in the response, 1/(1 + iωτ)
     friction_level     1          the friction force is F_k(1 + p ln(Y/Ȳ)), Ȳ the geometric mean of the levels
     friction_speed     1          it is larger at rest, F_k(1 + p e^{−|ẋ|/v}), v a tenth of the largest speed
     c_2                N s²/m²    damping that grows with the speed, c_2|ẋ|ẋ
@@ -36,7 +35,6 @@ NUISANCES: Mapping[str, tuple[float, float]] = {
     "gain": (-0.2, 0.2),  # beyond, it is another unit, and no fault of calibration
     # up to half the fundamental that is left: a laboratory would see it
     "corner": (0.0, 1.0),
-    "low_pass": (0.0, 1.0),
     "friction_level": (-1.0, 1.0),
     "friction_speed": (0.0, 2.0),  # at rest it is larger, three times at most
     "c_2": (-math.inf, math.inf),
@@ -57,7 +55,7 @@ def units_of(k: float, m: float, omega: float, X: float) -> dict[str, float]:
     k, m : of the oscillator, N/m and kg.   omega, X : of the fastest record, rad/s, and of the largest motion, m.
     """
     units = dict.fromkeys(NUISANCES, 1.0)
-    units |= {"delay": 1.0 / omega, "low_pass": 1.0 / omega, "corner": omega / (2.0 * math.pi)}
+    units |= {"delay": 1.0 / omega, "corner": omega / (2.0 * math.pi)}
     return units | {"c_2": math.sqrt(k * m) / (omega * X), "k_3": k / X**2}
 
 
@@ -70,8 +68,7 @@ def read_by_channels(
     nuisances.
     """
     rate = 1j * one.omega * n
-    factor = np.exp(-values["delay"] * rate) / (1.0 + values["low_pass"] * rate)
-    factor *= rate / (rate + 2.0 * math.pi * values["corner"])
+    factor = np.exp(-values["delay"] * rate) * (rate / (rate + 2.0 * math.pi * values["corner"]))
     first = np.where(n == 1, base * one.of_base, 0.0)
     return np.asarray(factor * (x - first) + (1.0 + values["gain"]) * first)
 

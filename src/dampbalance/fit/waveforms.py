@@ -526,16 +526,14 @@ class WaveformFit(OscillatorFit):
 
     @cached_property
     def departures(self) -> dict[str, Departure]:
-        """Test what each nuisance that is not fitted would explain, by name, to first order, in which a low-pass is a
-        delay; those that the data do not show left out."""
+        """Test what each nuisance that is not fitted would explain, by name, to first order; those that the data do not
+        show left out."""
         freed = (*self.problem.freed, *self.problem.nuisances)
         whole = replace(self.problem, freed=freed).evaluate(self.point)
         if whole is None:  # the motion rattles, or nothing slips
             return {}
         others = [
-            name
-            for name in self.problem.nuisances
-            if name not in (*self.problem.freed, "low_pass", FOLDED)
+            name for name in self.problem.nuisances if name not in (*self.problem.freed, FOLDED)
         ]
         added = {name: whole[:, self.names.index(name)] for name in others}
         free = self.problem.free
@@ -570,7 +568,6 @@ class WaveformFit(OscillatorFit):
                     F_k=float(self.point[at[FRICTION]]),
                     rho=self.rho,
                     rho_error=self.error("rho"),
-                    Y=float(self.point[at["Y"]]),
                     folded=problem.folded(self.point, i, response),
                     by_data=self.response[:, self.places[i]],
                 )

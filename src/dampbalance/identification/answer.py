@@ -32,7 +32,10 @@ UNBOUNDED: Mapping[str, float] = {"": math.inf}
 """Doubts of a remark on what may put every number off by nobody knows how much."""
 
 REFERENCE = "maximum likelihood"
-"""Name of the answer of the fit to all records, against which the approaches are checked."""
+"""Name of the answer of the fit to all records."""
+
+DIRECT = "direct"
+"""Name of the energy balance of forced records, by direct integration: the check of the fit."""
 
 FUNDAMENTALS = "fundamentals"
 """Name of the answer of the fit to the fundamental of each record alone, where the waveforms hold no oscillator."""
@@ -135,17 +138,16 @@ class Balance:
 
 @dataclass(frozen=True, eq=False)
 class Answer:
-    """Numbers that one approach, or the fit of maximum likelihood, identifies.
+    """Numbers that the fit of maximum likelihood, or a balance of energy, identifies.
 
-    name : of the approach.
+    name : of the way.
     parameters : by symbol, SI units: the coefficients of the law (F_k in N, c in N s/m, …) and K_z, N/m.
     covariance : of their errors, in the order of `parameters`, (n, n), in the products of their units; NaN where it is
     not known.
     notes : what a reader must know before using the numbers, and why something is missing.
     balance : the rows that were solved; None for the fit.
-    shape_bias : relative error that the shape of x(t) which the approach assumes makes in each coefficient, for the
-    oscillator of the fit; empty where that does not hold.
     merit : how well the rows or the records are met, and what else the fit identifies, by the keys of the document.
+    judged : whether it has verdicts.
     """
 
     name: str
@@ -153,8 +155,14 @@ class Answer:
     covariance: Array
     notes: tuple[Remark, ...] = ()
     balance: Balance | None = None
-    shape_bias: Mapping[str, float] = field(default_factory=dict)
     merit: Mapping[str, Any] = field(default_factory=dict)
+    judged: bool = True
+
+    def as_check(self) -> Answer:
+        """Return the coefficients with their errors alone: what checks another answer is not judged by itself."""
+        own = self.coefficients
+        covariance = self.covariance[: len(own), : len(own)]  # K_z last
+        return replace(self, parameters=own, covariance=covariance, notes=(), judged=False)
 
     @property
     def coefficients(self) -> dict[str, ParameterEstimate]:
@@ -183,11 +191,13 @@ class Answer:
 
     @property
     def verdicts(self) -> dict[str, Verdict]:
-        """Whether each value is usable, doubtful or missing, by its symbol, and why.
+        """Whether each value is usable, doubtful or missing, by its symbol, and why; empty for a check.
 
         A coefficient that may be zero is a limit, and usable where another one that makes up for it is known closely:
         if more friction could hide, the damping that trades with it would be uncertain.
         """
+        if not self.judged:
+            return {}
         verdicts = {s: _judged(s, p, self.notes) for s, p in self.parameters.items()}
         errors = np.sqrt(np.diag(self.covariance))
         with np.errstate(divide="ignore", invalid="ignore"):

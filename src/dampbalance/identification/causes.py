@@ -94,11 +94,6 @@ CAUSES: Mapping[str, Cause] = {
         "calibrate the drive and the response, or give the gain in the mapping",
         negative="a drive that reads {} % too little, or a response that reads as much too much",
     ),
-    "low_pass": Cause(
-        "a low-pass filter of the response with a time constant of {} µs",
-        1e6,
-        "give the filter in the mapping",
-    ),
     FRAME: Cause(
         "a response that is {} and was taken for {}",
         1.0,
@@ -245,21 +240,16 @@ def _converged(fit: WaveformFit | None) -> WaveformFit | None:
 
 
 def _like(near: FundamentalFit) -> Iterator[tuple[tuple[str, ...], Array]]:
-    """Yield the departures of a fit to the fundamentals, and the filter that turns the phase of the first record as far
-    as its delay does, each with a point."""
+    """Yield the departures of a fit to the fundamentals, and the AC coupling that turns the phase of the first record
+    as far as its delay does, each with a point."""
     names, point = near.departures, near.point
     if names:
         yield names, point
-    if "delay" in names:
+    if "delay" in names and near.value("delay") < 0.0:
         omega, turned = near.problem.lines[0].omega, point.copy()
-        turn = math.tan(max(-0.75, min(omega * near.value("delay"), 0.75)))
-        name, size = (
-            ("low_pass", turn / omega)
-            if turn > 0.0
-            else ("corner", -turn * omega / (2.0 * math.pi))
-        )
-        turned[near.names.index("delay")], turned[near.names.index(name)] = 0.0, size
-        yield tuple(name if one == "delay" else one for one in names), turned
+        corner = math.tan(min(-omega * near.value("delay"), 0.75)) * omega / (2.0 * math.pi)
+        turned[near.names.index("delay")], turned[near.names.index("corner")] = 0.0, corner
+        yield tuple("corner" if one == "delay" else one for one in names), turned
 
 
 def _with(fit: WaveformFit, name: str) -> WaveformFit | None:

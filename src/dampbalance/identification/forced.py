@@ -1,4 +1,4 @@
-"""F_k, c and K_z from measured responses at several levels, by every approach, with standard errors and intervals.
+"""F_k, c and K_z from measured responses at several levels, with standard errors and intervals.
 
 The answer is the fit of one oscillator to all records (`oscillator.py`) where it holds; the balance checks it, and
 serves where it does not. Each response gives one row a F_k + b c = W of the energy balance (6); rows of different
@@ -6,8 +6,9 @@ frequencies go together, since neither F_k nor c depends on the frequency. Rows 
 their misfit; Eq. (9) as published weights all rows alike.
 
 What a row needs of the onset of slip comes from the waveforms of one oscillator fitted to all records. Where the
-records are not those of such an oscillator, the onset is unknown and K_z is not identified: direct integration then
-takes a = 4X − λ with the λ of the oscillator that comes nearest, a small part of 4X where the contact is stiff. A level
+records are not those of such an oscillator, the onset is unknown and K_z is not identified: the balance, which is
+direct integration, then takes a = 4X − λ with the λ of the closest oscillator, a small part of 4X where the contact is
+stiff. A level
 that does not slip leaves the balance; where none slips, F_k is unknown, and W = b c gives c.
 
 Errors are those of the jackknife: the balance is solved without one group of cycles of one record after the other.
@@ -16,7 +17,7 @@ Errors are those of the jackknife: the balance is solved without one group of cy
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from operator import itemgetter
@@ -26,9 +27,9 @@ import numpy as np
 from scipy import special
 
 from ..arguments import flag, number, whole
-from ..arrays import Array, Mask
-from ..balance import Rows, approach, checks
-from ..features import FEATURE_COLUMNS, Features, stack
+from ..arrays import Array
+from ..balance import Rows
+from ..features import FEATURE_COLUMNS, Features
 from ..fit.oscillator_fit import OscillatorFit
 from ..law.law import Law, law_of
 from ..law.terms import FRICTION, term
@@ -43,6 +44,7 @@ from ..signals.one_thread import one_thread
 from ..solver import Estimate, least_squares, solve
 from .answer import (
     CONFIDENCE,
+    DIRECT,
     FUNDAMENTALS,
     REFERENCE,
     UNBOUNDED,
@@ -52,7 +54,6 @@ from .answer import (
     Interval,
     ParameterEstimate,
     covariance_of,
-    of_contact,
 )
 from .causes import GRADUAL, condition_on_contact
 from .identified import QUICK, Identified, Picture
@@ -72,7 +73,7 @@ from .oscillator import (
     read_samples,
     with_common_fit,
 )
-from .remarks import DIRECT, agreement, contradiction, notes_on, on_records
+from .remarks import agreement, contradiction, notes_on, on_records
 from .request import (
     STATIC_TEST,
     Stated,
@@ -183,23 +184,16 @@ class ForcedOutcome(Identified):
         if name == FUNDAMENTALS and self.joint.fundamentals is not None:
             return shifts_of_fundamentals(self.readings, self.joint.fundamentals, faults)
         if name in self.estimates:
-            rows_of = LawRows(
-                approach(self.estimates[name].name), self.law, self.k, self.joint.frictionless
-            )
-            changes = sensitivities(self.readings, rows_of, self.estimates[name], faults)
-            # the balance takes nothing else from the fit that has the mass
-            of_mass = {what: Fault(what, mass=of.mass) for what, of in faults.items() if of.mass}
-            for what, of in (self.shifts(of_mass, REFERENCE) if of_mass else {}).items():
-                changes[what]["K_z"] = changes[what].get("K_z", 0.0) + of["K_z"]
-            return changes
+            rows_of = LawRows(self.law, self.k, self.joint.frictionless)
+            return sensitivities(self.readings, rows_of, self.estimates[name], faults)
         held = name == REFERENCE and self.joint.waveforms_hold
         fit = self.joint.fit if held else None
         return {} if fit is None else shifts_of_fit(self.readings, fit, faults)
 
     @property
     def pictures(self) -> dict[str, Picture]:
-        """cycles : each record folded onto one cycle.   friction : friction force against displacement.   loops :
-        acceleration against displacement.   balance : its rows and what they leave."""
+        """cycles : each record folded onto one cycle.   friction : friction force against displacement.   balance : its
+        rows and what they leave."""
         count, two = len(self.readings), set(self.law.keys) == {"F_k", "c"}
         fit = None if self.joint.linear else self.joint.fit
         line = "on a line of slope F_k" if two else "on the line where the law takes the input work"
@@ -213,12 +207,8 @@ class ForcedOutcome(Identified):
                 f"friction force against displacement of {count} records, with the loop of the fitted oscillator",
                 (self.records, self._loops(), fit),
             ),
-            "loops": Picture(
-                f"acceleration against displacement of {count} records, with the fitted microstick lines",
-                (self.records, self.readings, self.microstick),
-            ),
             "balance": Picture(
-                f"rows of the energy balance {line}, and the residual of each row by approach",
+                f"rows of the energy balance {line}, and the residual of each row",
                 (self.approaches, two),
             ),
         }
@@ -238,7 +228,6 @@ def identify_forced(
     given: Mapping[str, float] | None = None,
     groups: Mapping[str, Sequence[str] | str] | None = None,
     laws: bool = False,
-    approaches: Sequence[str] | str | None = None,
     skip_cycles: int = 0,
 ) -> ForcedOutcome:
     """Identify the coefficients of a damping law and K_z from forced records, one for each level of excitation.
@@ -264,11 +253,9 @@ def identify_forced(
     given : symbol → known coefficient, SI units.
     groups : symbol → a label for each record, where groups of records have their own.
     laws : whether to compare all laws of one or two terms, with and without friction, too.
-    approaches : names of `balance.checks()`, which are the default, and objects of `Approach` that take no phase.
-    "direct" assumes no shape of x(t), "fourier" takes three harmonics of it.
     skip_cycles : left out at the start of each record, where the motion has not settled.
 
-    Names and labels in order (terms, approaches, groups) may be a text with commas: terms="F_k,c".
+    Names and labels in order (terms, groups) may be a text with commas: terms="F_k,c".
 
     Raises ValueError (for a record, `RecordError`) naming argument or record, what is wrong and the remedy: an argument
     that is outside its range or of another kind, a record that cannot be used, fewer of them than unknowns.
@@ -301,7 +288,6 @@ def identify_forced(
         "given": dict(law.given),
         "groups": {symbol: list(labels) for symbol, labels in law.groups.items()},
         "laws": flag("laws", laws),
-        "approaches": list(checks(approaches)),
         "mapping": mapping_option(mapping),
         "skip_cycles": whole("skip_cycles", skip_cycles),
     }
@@ -333,7 +319,6 @@ def _of_records(
     outcome = identify_readings(
         readings,
         k,
-        approaches=options["approaches"],
         mass=mass,
         mass_error=options["mass_standard_error_kg"] or 0.0,
         stiffness_error=options["stiffness_standard_error_N_per_m"],
@@ -353,7 +338,6 @@ def identify_readings(
     k: float,
     *,
     law: Law | None = None,
-    approaches: Iterable[str] | None = None,
     mass: float | None = None,
     mass_error: float = 0.0,
     stiffness_error: float = 0.0,
@@ -369,13 +353,10 @@ def identify_readings(
 
     Raises ValueError for fewer readings than unknowns where no fit distinguishes these, terms that act alike in all of
     them, two of the same signals, a stiffness or a mass that is not positive, and a stiffness that is not that
-    of the readings. An approach whose rows cannot be solved stays in the result with NaN and the reason.
+    of the readings. A balance whose rows cannot be solved stays in the result with NaN and the reason.
     """
     law = law or Law()
-    ways = checks() if approaches is None else tuple(map(approach, approaches))
     require_different_levels(readings, k, law)
-    if not ways:
-        raise ValueError(f"no approach is given; known are {', '.join(checks())}")
     if mass is not None:
         number("mass", mass)
     lines = [reading.lines for reading in readings]
@@ -403,11 +384,10 @@ def identify_readings(
     line = microstick(samples)
     alone = joint.answer_of_fundamentals
     estimates: dict[str, Answer] = {} if alone is None else {FUNDAMENTALS: alone}
-    for name in ways:
-        rows_of = LawRows(name, law, k, joint.frictionless)
-        one = _answer(name, rows_of, joint, readings, samples, line)
-        notes = (*one.notes, *notes_on(one, readings, joint))
-        estimates[name] = replace(one, notes=notes)
+    K_z = reference.K_z if reference is not None and joint.waveforms_hold else UNKNOWN
+    direct = _balance(LawRows(law, k, joint.frictionless), readings, samples, K_z)
+    notes = (*direct.notes, *notes_on(direct, readings, joint))
+    estimates[DIRECT] = replace(direct, notes=notes)
     hz = ", ".join(f"{f:g}" for f in sorted({round(r.steady.frequency_hz, 4) for r in readings}))
     fit, rig = joint.fit, []
     if fit is not None and not joint.linear:
@@ -446,8 +426,7 @@ def _vetoed(joint: JointFit, readings: Sequence[Reading], k: float, law: Law) ->
     one: these departures are then as likely a chance of the noise."""
     plain = joint.uncorrected
     readings = with_common_fit(readings, plain, law)
-    samples, rows_of = read_samples(readings), LawRows(approach(DIRECT), law, k, False)
-    direct = _answer(DIRECT, rows_of, plain, readings, samples, microstick(samples))
+    direct = _balance(LawRows(law, k, frictionless=False), readings, read_samples(readings))
     own = direct.coefficients.items()
 
     def apart(fit: OscillatorFit) -> float:
@@ -463,37 +442,26 @@ _UNCHECKED = Remark(
 )
 
 
-def _answer(
-    name: str,
+def _balance(
     rows_of: LawRows,
-    joint: JointFit,
     readings: Sequence[Reading],
     samples: Samples[Sample],
-    line: Microstick,
+    K_z: ParameterEstimate = UNKNOWN,
 ) -> Answer:
-    """Return the answer of one approach, with standard errors and intervals."""
+    """Return the coefficients by direct integration, with standard errors and intervals.   K_z : of the fit."""
     sources = tuple(reading.steady.source for reading in readings)
     rows = samples.map(lambda sample: rows_of(sample.features))
     point, usable = rows.point, rows.point.usable
     uncertain = replace(point, covariance=covariance_of_rows(rows.left))
-    nothing: dict[str, ParameterEstimate] = dict.fromkeys(rows_of.law.unknowns, UNKNOWN)
+    nothing: dict[str, ParameterEstimate] = dict.fromkeys((*rows_of.law.unknowns, "K_z"), UNKNOWN)
     try:
         estimate = least_squares(uncertain)
     except ValueError as error:
-        unshaped = any(
-            np.isnan(g).all() and term(key).symbol not in rows_of.approach.terms
-            for key, g in point.terms.items()
-        )
         reason = str(error)
-        if unshaped:
-            reason = "this approach does not cover a term of the law"
-        elif not joint.waveforms_hold and not joint.linear and name != DIRECT:
-            reason = "this approach needs the onset of slip, which these records do not determine"
-        elif len(readings) < len(rows_of.law.unknowns):
+        if len(readings) < len(rows_of.law.unknowns):
             reason = "a balance needs a level for each coefficient: add records at other amplitudes"
-        parameters = {**nothing, "K_z": UNKNOWN}
         return Answer(
-            *(name, parameters, covariance_of(parameters), (Remark(reason),)),
+            *(DIRECT, nothing, covariance_of(nothing), (Remark(reason),)),
             Balance(point, np.full(len(point.W), math.nan), sources),
             merit={"residual": math.nan, "misfit": math.nan},
         )
@@ -507,77 +475,18 @@ def _answer(
         return solve(replace(of, weights=np.broadcast_to(shared[:, None], of.W.shape)))
 
     estimates = Samples(estimate, tuple(map(weighed, rows.left)))
-    K_z, roots = _stiffness(samples, estimates, rows_of.law, line)
-    left = [[*of.values.values()] for of in estimates.left]
-    symbols, slopes = [*estimate.values], [1.0] * len(estimate.values)
-    if roots is not None:  # dK_z = −2ρ^{−3} dρ
-        left = [[*of, root] for of, root in zip(left, roots, strict=True)]
-        symbols, slopes = [*symbols, "K_z"], [*slopes, -2.0 * K_z.value**1.5]
-    covariance = jackknifed([np.stack(of) for of in left]) * np.outer(slopes, slopes)
-    parameters = of_contact(nothing | _parameters(estimates) | {"K_z": K_z})
+    covariance = jackknifed([np.stack([*of.values.values()]) for of in estimates.left])
+    parameters = nothing | _parameters(estimates) | {"K_z": K_z}
     off = point.misfit({**point.given, **estimate.values})[usable]
     merit, freedom = {"residual": math.nan, "misfit": math.nan}, estimate.n - len(estimate.values)
     if freedom:
         merit["residual"] = float(np.linalg.norm(off) / np.linalg.norm(point.W[usable]))
         merit["misfit"] = float(weights[usable] @ off**2 / freedom) if weighted else math.nan
     return Answer(
-        *(name, parameters, covariance_of(parameters, symbols, covariance)),
+        *(DIRECT, parameters, covariance_of(parameters, [*estimate.values], covariance)),
         balance=Balance(point, 1.0 / np.sqrt(weights), sources),
-        shape_bias=_shape_bias(rows_of, joint, readings, shared, usable),
         merit=merit,
     )
-
-
-def _shape_bias(
-    rows_of: LawRows, joint: JointFit, readings: Sequence[Reading], weights: Array, used: Mask
-) -> dict[str, float]:
-    """Return the relative error of each coefficient that the approach finds in the exact responses of the joint fit."""
-    fit = joint.fit
-    if fit is None or not joint.waveforms_hold:
-        return {}
-    exact = stack([reading.exact_features for reading in readings])
-    estimate = solve(replace(rows_of(exact), weights=weights)[used])
-    return {
-        key: float(value) / fit.value(key) - 1.0
-        for key, value in estimate.values.items()
-        if fit.value(key) > 0.0
-    }
-
-
-def _stiffness(
-    samples: Samples[Sample], estimates: Samples[Estimate], law: Law, line: Microstick
-) -> tuple[ParameterEstimate, tuple[Array, ...] | None]:
-    """Return K_z = 2F_k/L (10), from the root of its inverse, which is nearly normal, and that root without groups.
-
-    Where the microstick line is not resolved, K_z is a lower limit and there are no roots.
-    """
-
-    def friction(of: Estimate) -> Array:
-        forces = [of.values.get(key, law.given.get(key, math.nan)) for key in law.keys_of(FRICTION)]
-        return np.mean(np.broadcast_arrays(*forces), axis=0)
-
-    def root(sample: Sample, of: Estimate) -> Array:
-        with np.errstate(divide="ignore", invalid="ignore"):
-            return sample.rho * np.sqrt(np.maximum(sample.F_k / friction(of), 0.0))
-
-    if not float(friction(estimates.point)) > 0.0 or not math.isfinite(line.length):
-        return UNKNOWN, None
-    roots = Samples(
-        root(samples.point, estimates.point)[0],
-        tuple(map(root, samples.left, estimates.left)),
-    )
-    inverse_root = _parameter(roots)
-    low, high = inverse_root.interval
-    if not line.resolved:
-        unbounded = Interval(high**-2, math.inf)
-        return ParameterEstimate(math.inf, math.nan, unbounded), None
-    slope = 2.0 * inverse_root.value**-3
-    K_z = ParameterEstimate(
-        inverse_root.value**-2,
-        slope * inverse_root.standard_error,
-        Interval(high**-2, low**-2 if low > 0.0 else math.inf),
-    )
-    return K_z, roots.left
 
 
 def _parameters(estimates: Samples[Estimate]) -> dict[str, ParameterEstimate]:

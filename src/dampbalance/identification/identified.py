@@ -77,11 +77,11 @@ class Picture(NamedTuple):
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class Identified(ABC):
-    """The coefficients of a damping law and K_z from measured records, by every approach; what `identify` returns.
+    """The coefficients of a damping law and K_z from measured records; what `identify` returns.
 
     k : N/m.
     sources : names of the records.
-    estimates : the answer of each approach, by its name.
+    estimates : the other answers, by name; the last is the balance of energy, where there is one.
     reference : the answer of the fit of one oscillator to all records; None where no oscillator that slips fits.
     warnings : what is wrong with the records, and where the answers disagree.
     head : what was identified from what, in a line.
@@ -98,9 +98,8 @@ class Identified(ABC):
 
     `values`, `intervals`, `covariance` and the like are those of the first of `approaches`. That is the fit of maximum
     likelihood where the records are those of an oscillator with one friction contact, and the balance of energy
-    otherwise: direct integration, unless other approaches were chosen. Those of any other are in `approaches[name]`. SI
-    units throughout; a number that is not known is NaN. In a terminal and in a notebook it shows itself as the table
-    that `dampbalance identify` prints.
+    otherwise. Those of any other are in `approaches[name]`. SI units throughout; a number that is not known is NaN. In
+    a terminal and in a notebook it shows itself as the table that `dampbalance identify` prints.
     """
 
     k: float
@@ -201,19 +200,24 @@ class Identified(ABC):
         """The answer of each approach, by its name, and of the fit of one oscillator to all records, "maximum
         likelihood"; the one to use first, with the doubts that the warnings cast on its numbers.
 
-        The fit is the answer, and the balance its check, unless more of what the balance says is usable.
+        The fit is the answer, and the balance its check, with values and errors alone, unless more of what the balance
+        says is usable.
         """
         fit = {} if self.reference is None else {REFERENCE: self.reference}
         answers = doubted({**self.estimates, **fit}, self.warnings)
         chosen = next(iter(answers.values()))
         if fit and _worth(answers[REFERENCE]) > _worth(chosen):
             answers = {REFERENCE: answers[REFERENCE], **answers}
-        return answers
+        first, *_ = answers
+        return {
+            name: one if name == first or one.balance is None else self.estimates[name].as_check()
+            for name, one in answers.items()
+        }
 
     @property
     def figures(self) -> tuple[str, ...]:
         """Names of the pictures that `plot` draws, the first if none is named: of forced records cycles (each record
-        folded onto one cycle), loops (acceleration against displacement) and balance (its rows, and what they leave);
+        folded onto one cycle), friction (force against displacement) and balance (its rows, and what they leave);
         of free decays decays (each with the motion fitted to it); of a stepped sine loss and stiffness (against
         the amplitude) and distribution (of the contact over the amplitude at which it slips)."""
         return tuple(self.pictures)
@@ -314,8 +318,8 @@ class Identified(ABC):
         return pd.DataFrame(columns, index=pd.Index(names, name="row"))
 
     def to_frame(self) -> pd.DataFrame:
-        """Return a line for each approach and each number: approach, symbol, unit, value, standard_error, low and high
-        (the interval of 95 %), verdict, within_percent, reason."""
+        """Return a line for each answer and each number: approach, symbol, unit, value, standard_error, low and high
+        (the interval of 95 %), verdict, within_percent, reason; the check has no verdict."""
         import pandas as pd  # slow to import
 
         return pd.DataFrame(
@@ -324,7 +328,7 @@ class Identified(ABC):
                 "unit": self.coordinate.unit(unit_of(symbol)),
                 **{"value": p.value, "standard_error": p.standard_error},
                 **p.interval._asdict(),
-                **answer.verdicts[symbol].document(),
+                **answer.verdicts.get(symbol, Verdict("")).document(),
             }
             for name, answer in self.approaches.items()
             for symbol, p in answer.parameters.items()

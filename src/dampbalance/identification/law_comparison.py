@@ -25,7 +25,7 @@ import numpy as np
 from scipy import special
 
 from ..arrays import Array
-from ..balance import APPROACHES, Rows
+from ..balance import Rows
 from ..fit.goodness import probability
 from ..fit.steady_search import fit_quickly, refit
 from ..fit.waveforms import HarmonicProblem, WaveformFit
@@ -47,7 +47,6 @@ from .oscillator import (
     read_samples,
     with_common_fit,
 )
-from .remarks import DIRECT
 
 MOST_TERMS = 2
 """Most terms of a law that is tried, in addition to friction."""
@@ -355,7 +354,7 @@ def _by_balance(
     terms : of it; `law` may have a friction force that stands for none.   joint : with the oscillator that has it, or
     none, whose rows need no onset of slip.
     """
-    rows_of = LawRows(APPROACHES[DIRECT], law, readings[0].steady.k, frictionless=joint.fit is None)
+    rows_of = LawRows(law, readings[0].steady.k, frictionless=joint.fit is None)
     samples = read_samples(with_common_fit(readings, joint, law))
     cycles = min(len(reading.steady.weights) for reading in readings)
     balance, coefficients = _generalised(samples.map(lambda of: rows_of(of.features)), cycles)

@@ -15,7 +15,7 @@ from typing import Generic, TypeVar
 import numpy as np
 
 from ..arrays import Array
-from ..balance import Approach, Rows
+from ..balance import APPROACHES, Rows
 from ..features import Features, stack
 from ..fit.fundamentals import FundamentalFit, fit_fundamentals
 from ..fit.goodness import LinearFit, improbable, linear_fit
@@ -29,7 +29,7 @@ from ..signals.lines import Lines
 from ..signals.mean_harmonics import Means, Reading
 from ..signals.thresholds import P_SHOWN, SHOWS
 from ..solver import NORMAL_95
-from .answer import FUNDAMENTALS, UNBOUNDED, Answer, answer_of_fit
+from .answer import DIRECT, FUNDAMENTALS, UNBOUNDED, Answer, answer_of_fit
 from .causes import CAUSES, FRAME, Explanation, explanations, fall_of, moves
 
 Of = TypeVar("Of")
@@ -309,19 +309,18 @@ def with_common_fit(
 
 @dataclass(frozen=True, eq=False)
 class LawRows:
-    """How one approach makes rows of the balance of a law.
+    """How direct integration makes rows of the balance of a law.
 
     k : N/m.   frictionless : whether friction has no column.
     """
 
-    approach: Approach
     law: Law
     k: float
     frictionless: bool
 
     def __call__(self, features: Features) -> Rows:
         """The rows of features, with a column for each coefficient; one whose records all lack rows has none."""
-        rows = self.approach(features, self.k, self.law.terms)
+        rows = APPROACHES[DIRECT](features, self.k, self.law.terms)
         if self.frictionless:
             rows = replace(rows, terms={**rows.terms, FRICTION: np.zeros(rows.W.shape)})
         rows = rows.of_law(self.law)

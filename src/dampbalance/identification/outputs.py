@@ -21,7 +21,7 @@ OVERVIEW = ESTIMATES, SUMMARY = TABLES[1:]
 """Names of the files of all sets, and of their like of each set."""
 
 PICTURES = {
-    "forced": ("cycles", "friction", "loops", "balance"),
+    "forced": ("cycles", "friction", "balance"),
     "ring-down": ("decays", "balance"),
     "stepped-sine": ("loss", "stiffness", "distribution"),
     "loops": ("loops", "loss", "history"),

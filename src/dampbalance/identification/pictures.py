@@ -1,6 +1,6 @@
-"""Pictures of an identification: of forced records the averaged cycles with the fit, the friction loops, the loops of
-the acceleration with the microstick lines, and the rows of the balance; of free decays each decay with the motion
-fitted to it, and the rows. One panel takes the whole width, more of them share it.
+"""Pictures of an identification: of forced records the averaged cycles with the fit, the friction loops, and the rows
+of the balance; of free decays each decay with the motion fitted to it, and the rows. One panel takes the whole width,
+more of them share it.
 """
 
 from __future__ import annotations
@@ -36,7 +36,6 @@ from ..records.measurement import ORDERS
 from ..signals.mean_harmonics import Reading
 from .answer import Answer
 from .loading import excerpt
-from .oscillator import Microstick
 
 DPI = 200  # pictures to look at: in print they are SVG
 
@@ -133,75 +132,40 @@ def friction(
 
 
 @styled()
-def loops(
-    records: Sequence[MeasuredRecord], readings: Sequence[Reading], shared: Microstick
-) -> Figure:
-    """Draw acceleration against displacement, a panel per record: the averaged cycle, and the lines fitted to it.
-
-    The steep line from a reversal is the microstick line, of slope −(k + K_z)/m; where it ends slip begins (dot). It
-    has the length `shared` by all records; where that is not resolved, no line is drawn.
-    """
-    figure, panels = _panels_of_records(records, "$x$ (mm)")
-    for reading, (axes, _) in zip(readings, panels, strict=True):
-        cycle = reading.averaged_cycle()
-        x, acceleration = 1e3 * cycle["x"], cycle["acceleration"]
-        closed = np.append(x, x[0]), np.append(acceleration, acceleration[0])
-        axes.plot(*closed, color=SLIP, label="averaged cycle")
-        waveform = reading.waveform
-        if shared.resolved and waveform is not None:
-            osc, X = waveform.response.orbit.oscillator, 1e3 * waveform.response.X
-            length = 1e3 * shared.length
-            drop = (osc.k * shared.length + 2.0 * osc.F_k) / osc.m
-            start = float(acceleration[int(np.argmin(x))])  # at the reversal
-            line = np.array([[-X, length - X], [start, start - drop]])
-            # forward and backward, with a gap between them
-            both = np.concatenate([line, np.full((2, 1), np.nan), -line], axis=1)
-            axes.plot(*both, color=STICK, label="microstick line")
-            ends = both[:, [1, -1]]
-            axes.plot(*ends, "o", color=STICK, markersize=2.5, label="onset of slip")
-        axes.set_ylabel(r"$\ddot x$ (m/s²)", labelpad=1.0)
-        axes.margins(0.08)
-    return explained(figure, panels)
-
-
-@styled()
 def balance(answers: Mapping[str, Answer], two: bool) -> Figure:
     """Return the rows of the balance, and their residuals.
 
     (a) W/b against a/b: a F_k + b c = W is a straight line of slope F_k that meets the axis at c. The line is that of
     the first answer. Of another law, what its terms take, Σ g_j p_j, against W; the line is where they are equal.
-    (b) what each row leaves, over its standard deviation, for every approach.
+    (b) the residual of each row, over its standard deviation.
 
     two : whether the law has F_k and c, and nothing else.
     """
     figure = page(DOUBLE_COLUMN, 74.0)
     left, right = place(figure, 17.0, 20.0, 68.0, 50.0), place(figure, 107.0, 20.0, 70.0, 50.0)
-    checks = {name: answer for name, answer in answers.items() if answer.balance is not None}
-    (best, first), check = next(iter(answers.items())), next(iter(checks.values()))
-    for index, (name, answer) in enumerate(checks.items()):
-        assert answer.balance is not None
-        rows, off = answer.balance.rows, answer.row_misfit
-        usable = rows.usable
-        look = look_of(name, checks)
-        marks: dict[str, Any] = {"color": look.colour, "fillstyle": "none"}
-        marks["label"] = in_maths(label_of(name))
-        with np.errstate(divide="ignore", invalid="ignore"):
-            along, height = (
-                (rows.terms["F_k"] / rows.terms["c"], rows.W / rows.terms["c"])
-                if two
-                else (rows.W, rows.W + off)
-            )
-            scaled = off / answer.balance.errors
-        left.plot(along[usable], height[usable], look.marker, **marks)
-        values = {**rows.given, **first.values}
-        if answer is check and all(math.isfinite(values[symbol]) for symbol in rows.terms):
-            ends = np.array([0.0, 1.06 * float(np.max(along[usable]))])
-            line = values["F_k"] * ends + values["c"] if two else ends
-            words = f"line: {in_maths(label_of(best))}" if two else None
-            left.plot(ends, line, color=FAINT, zorder=0, label=words)
-        places = np.arange(len(scaled)) + 1 + 0.12 * (index - 0.5 * (len(checks) - 1))
-        bars: dict[str, Any] = {"yerr": 1.0, "fmt": look.marker, "elinewidth": 0.6, **marks}
-        right.errorbar(places[usable], scaled[usable], **bars)
+    best, first = next(iter(answers.items()))
+    name, check = next(one for one in answers.items() if one[1].balance is not None)
+    assert check.balance is not None
+    rows, off = check.balance.rows, check.row_misfit
+    usable, look = rows.usable, look_of(name)
+    marks: dict[str, Any] = {"color": look.colour, "fillstyle": "none"}
+    marks["label"] = in_maths(label_of(name))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        along, height = (
+            (rows.terms["F_k"] / rows.terms["c"], rows.W / rows.terms["c"])
+            if two
+            else (rows.W, rows.W + off)
+        )
+        scaled = off / check.balance.errors
+    left.plot(along[usable], height[usable], look.marker, **marks)
+    values = {**rows.given, **first.values}
+    if all(math.isfinite(values[symbol]) for symbol in rows.terms):
+        ends = np.array([0.0, 1.06 * float(np.max(along[usable]))])
+        line = values["F_k"] * ends + values["c"] if two else ends
+        words = f"line: {in_maths(label_of(best))}" if two else None
+        left.plot(ends, line, color=FAINT, zorder=0, label=words)
+    bars: dict[str, Any] = {"yerr": 1.0, "fmt": look.marker, "elinewidth": 0.6, **marks}
+    right.errorbar(np.arange(1, len(scaled) + 1)[usable], scaled[usable], **bars)
     left.set_xlim(left=0.0)
     left.xaxis.set_major_locator(MaxNLocator(6))
     left.set_xlabel("$a/b$ (s/m)" if two else "$W$ (J)")

@@ -11,7 +11,6 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from decimal import Decimal
 from pathlib import PurePath
-from typing import Any
 
 import numpy as np
 from scipy import special
@@ -43,6 +42,7 @@ from ..signals.mean_harmonics import Reading
 from ..signals.thresholds import AS_WELL, P_CAUSE, SHOWS
 from ..solver import NORMAL_95, solve
 from .answer import (
+    DIRECT,
     FUNDAMENTALS,
     REFERENCE,
     UNBOUNDED,
@@ -54,9 +54,6 @@ from .answer import (
 from .causes import CAUSES, doubts_of, hint_of, likeliest, remark_on
 from .oscillator import JointFit, Microstick
 
-DIRECT = "direct"
-"""The approach that assumes no shape of x(t): the one that is compared with the fit to all records."""
-
 _UNITS = {
     1000.0: "mm taken for m",
     100.0: "cm taken for m",
@@ -66,7 +63,7 @@ _UNITS = {
 
 
 def notes_on(answer: Answer, readings: Sequence[Reading], joint: JointFit) -> Iterator[Remark]:
-    """Yield what a reader must know, in addition to the notes of an approach, before using its answer."""
+    """Yield what a reader must know, in addition to its own notes, before using the answer of the balance."""
     clipped = [
         f"{quantity} of {reading.steady.source}"
         for reading in readings
@@ -75,7 +72,6 @@ def notes_on(answer: Answer, readings: Sequence[Reading], joint: JointFit) -> It
     ]
     suspects = "a sign, a gain, a channel or the stiffness"
     yield from forbidden(answer.coefficients, clipped, suspects)
-    yield from _shape(answer)
     if joint.frictionless:
         yield Remark("the records show neither F_k nor K_z: c is taken from W = b c")
     elif joint.stuck is not None:
@@ -155,29 +151,6 @@ def forbidden(
         for symbol, p in coefficients.items()
         if p.interval.high < 0.0
     ]
-
-
-def _shape(answer: Answer) -> Iterator[Remark]:
-    """Yield a sentence where the shape of x(t) that an approach assumes costs more than its interval shows."""
-    parts: list[str] = []
-    sizes: list[Any] = []
-    doubts: dict[str, float] = {}
-    for symbol, bias in answer.shape_bias.items():
-        own = answer.coefficients[symbol]
-        # half a standard error, with which an interval of 95 % holds the truth in 92 % of all cases; or the size of the
-        # harmonics that a waveform leaves out
-        least = max(0.5 * own.standard_error, 1e-6 * abs(own.value))
-        if not abs(bias * own.value) <= least:  # nor is NaN
-            size = f"{{}} too {'small' if bias < 0.0 else 'large'}"
-            parts.append(f"{{}} {size if math.isfinite(bias) else 'impossible to determine'}")
-            sizes += [symbol, larger_by(abs(bias))][: 1 + math.isfinite(bias)]
-            doubts[symbol] = abs(bias)
-    if parts:
-        yield Remark(
-            f"the shape of x(t) that this approach assumes makes {listed(parts)} for the oscillator identified",
-            *sizes,
-            doubts=doubts,
-        )
 
 
 def on_records(readings: Sequence[Reading], joint: JointFit) -> list[Remark]:

@@ -19,7 +19,6 @@ from ..arrays import Array
 from ..fit.fundamentals import FundamentalFit
 from ..fit.steady_search import refit
 from ..fit.waveforms import WaveformFit
-from ..law.terms import FRICTION
 from ..signals.mean_harmonics import Means, Reading
 from ..signals.one_thread import one_thread
 from ..solver import solve
@@ -85,12 +84,6 @@ def sensitivities(
     solved = solve(replace(rows, weights=np.broadcast_to(weights[:, None], rows.W.shape)))
     values = {symbol: solved[symbol] for symbol in answer.coefficients if symbol in solved.values}
     with np.errstate(divide="ignore", invalid="ignore"):
-        if math.isfinite(answer.K_z.value):
-            # 2F_k/L, the L of the waveforms, which does not know the stiffness
-            given, keys = rows_of.law.given, rows_of.law.keys_of(FRICTION)
-            forces = [values.get(key, given.get(key, math.nan)) for key in keys]
-            friction = np.mean(np.broadcast_arrays(*forces), axis=0)
-            values["K_z"] = friction / (sample.F_k * sample.rho**2)
         return _by_fault(faults, {s: (of[1:] / of[0] - 1.0) / _STEP for s, of in values.items()})
 
 

@@ -126,17 +126,15 @@ def check_case(
     config: Mapping[str, Any],
     schema_file: str | Path,
     files: Iterable[str | Path],
-    approaches: Iterable[str],
 ) -> None:
     """Check a configuration against its schema and for sense.
 
     files : the YAML files it was merged from, the last one winning; they serve to say where a key stands.
-    approaches : names of those that can be asked for.
 
     Raises ConfigurationError listing every problem, a line each.
     """
     documents = documents_of(files)
-    problems = against_schema(config, read_schema(schema_file), approaches)
+    problems = against_schema(config, read_schema(schema_file))
     problems = problems or list(_contradictions(config))
     if problems:
         raise ConfigurationError(in_lines(problems, documents))

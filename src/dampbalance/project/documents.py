@@ -150,8 +150,7 @@ def against_schema(
 ) -> list[Problem]:
     """Return what is wrong with a document by its JSON schema, or because no value can be so; in a fixed order.
 
-    approaches : names that the schema's `registered: approach` or `registered: check` allows; `registered: term` allows
-    those of KNOWN_TERMS.
+    approaches : names that the schema's `registered: approach` allows; `registered: term` allows those of KNOWN_TERMS.
 
     The texts say what is wrong and, from the `description` of the key in the schema, what would be right.
     """

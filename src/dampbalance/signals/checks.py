@@ -40,7 +40,6 @@ _LARGEST_SPEED = 10.0  # m/s, some three times what the fastest shakers do
 
 # A remark that puts every number in doubt, by an unknown amount.
 _doubtful = partial(Remark, doubts={"": math.inf})
-_BY_HARMONICS = ("direct",)  # the answer that counts harmonics which the others leave out
 
 _FINE = 1 << 12  # steps of a converter of 12 bits; as many samples show them
 _LATTICE = 0.01  # steps by which a value may be off a whole number of them
@@ -355,11 +354,11 @@ def harmonic_drive(mean: Complexes, error: Array, driven_by: str) -> Iterator[Re
     if relative.any():
         largest = int(np.argmax(relative)) + 2
         yield Remark(
-            "{} is not harmonic: {} distortion, most of it harmonic {} ({}); direct "
-            "integration and the fit of one oscillator include all its harmonics, all others the fundamental only",
+            "{} is not harmonic: {} distortion, most of it harmonic {} ({}); a fit to the fundamentals leaves its "
+            "other harmonics out",
             *(what, part(math.hypot(*relative)), largest, part(relative.max())),
             doubts={"": math.hypot(*relative)},
-            spares=(*_BY_HARMONICS, "maximum likelihood"),
+            spares=("direct", "maximum likelihood"),
         )
 
 
@@ -384,7 +383,7 @@ def symmetry(mean: Complexes, error: Array, base: Complexes, base_error: Array) 
             "even harmonics, all other results are those of the symmetric part",
             *(2 * int(np.argmax(even)) + 2, part(even.max())),
             doubts={"": float(even.max()) ** order},
-            spares=_BY_HARMONICS,
+            spares=("direct",),
         )
 
 

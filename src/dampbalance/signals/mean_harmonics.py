@@ -105,7 +105,7 @@ class Waveform:
     at : places of the record's unknowns among the p, by name.
     F_k : friction force of the record, N.
     rho, rho_error : K_z^{−1/2} with its standard error.
-    Y : amplitude of the base, m.   folded : what harmonics beyond half the sampling rate add to those of the record, m.
+    folded : what harmonics beyond half the sampling rate add to those of the record, m.
     by_data : derivatives of the unknowns by |Y|, its phase, Re x_n, Im x_n of the record, in their errors, (p, data).
     """
 
@@ -118,7 +118,6 @@ class Waveform:
     F_k: float
     rho: float
     rho_error: float
-    Y: float
     folded: Complexes
     by_data: Array
 
@@ -168,21 +167,6 @@ class Reading:
     def features(self) -> Features:
         """Features of the one response; where no waveform fits, X_s = −X (the rigid limit) and a = 4X − λ."""
         return self.features_of(self.mean)
-
-    @cached_property
-    @one_thread
-    def exact_features(self) -> Features:
-        """Features of the waveform itself. Raises ValueError where none fits."""
-        waveform = self.waveform
-        if waveform is None:
-            raise ValueError(f"{self.steady.source}: no waveform fits")
-        x = waveform.response.harmonics(max(self.lines.n.size, waveform.tail.size))
-        none = np.zeros((1, 0), dtype=np.complex128)
-        Y = np.array([waveform.Y])
-        means = Means(Y, x[None, : self.lines.n.size], none, none, np.zeros(1))
-        # its phases count from its own base
-        alone = replace(self, waveform=replace(waveform, tail=x))
-        return alone.features_of(means, np.zeros((self._unknowns, 1)))
 
     @property
     def warnings(self) -> tuple[Remark, ...]:
