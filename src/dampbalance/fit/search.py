@@ -258,7 +258,10 @@ def _grown(
         return None
     # another number of half cycles, or of those that friction takes, is another minimum
     loss = fit.F_k + per_c * fit.c
-    contacts = [float(fit.point[RHO]), *(1.0 / math.sqrt(stiff * k) for stiff in _FIRST_STIFFNESSES)]
+    contacts = [
+        float(fit.point[RHO]),
+        *(1.0 / math.sqrt(stiff * k) for stiff in _FIRST_STIFFNESSES),
+    ]
     more = []
     for by, share, rho in itertools.product(_LOSSES, _FINER, contacts):
         point = fit.point.copy()

@@ -42,7 +42,9 @@ _WRAPPED = 0.9
 # part of the resolution: room for the rounding of its multiples to floats
 _MULTIPLE_TOLERANCE = 0.01
 _LINE_TOLERANCE = 1.5  # resolutions; rounding, and what the line is off by itself
-_MAX_RATE_ERROR = 1e-2  # largest relative error of the rate, a hundred times a common one; c has the same
+_MAX_RATE_ERROR = (
+    1e-2  # largest relative error of the rate, a hundred times a common one; c has the same
+)
 
 
 @dataclass(frozen=True, slots=True)
