@@ -272,8 +272,8 @@ def test_few_samples_a_cycle_of_a_ringing_contact_suffice(index, spc):
         )
 
 
-@pytest.mark.parametrize("height", [3.6, 4.4, 5.2])
-@pytest.mark.parametrize("lead", [0.3, 0.8, 1.3])
+@pytest.mark.parametrize("height", [3.6, 5.2])
+@pytest.mark.parametrize("lead", [0.3, 1.3])
 def test_a_decay_of_two_half_cycles_is_identified(height, lead):
     """The step from where the mass was held to where it stops has more energy than the motion between."""
     period = 2.0 * math.pi / PLUCKED.omega_n
