@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from dataclasses import replace
 from functools import cache
 
 import numpy as np
+import pandas as pd
 import pytest
 from scipy.signal import lsim, lti
 
@@ -270,8 +272,8 @@ def test_few_samples_a_cycle_of_a_ringing_contact_suffice(index, spc):
         )
 
 
-@pytest.mark.parametrize("height", [3.6, 4.4, 5.2])
-@pytest.mark.parametrize("lead", [0.3, 0.8, 1.3])
+@pytest.mark.parametrize("height", [3.6, 5.2])
+@pytest.mark.parametrize("lead", [0.3, 1.3])
 def test_a_decay_of_two_half_cycles_is_identified(height, lead):
     """The step from where the mass was held to where it stops has more energy than the motion between."""
     period = 2.0 * math.pi / PLUCKED.omega_n
@@ -447,6 +449,36 @@ def test_a_record_without_a_decay_is_refused_in_a_sentence(values, message):
         ValueError, match=rf"run: the excitation channel is missing .* no free decay .*{message}"
     ):
         identify_ring_downs([none], PLUCKED.k)
+
+
+def test_stamps_rounded_to_milliseconds_are_no_obstacle_to_a_short_decay(tmp_path):
+    decay = replace(PLUCKED, rate_hz=2000.0, lasts=(1.1,), noise=2e-3)
+    channel = record(decay)[0]["displacement"]
+    table = {"t (s)": np.round(channel.t, 3), "x (m)": channel.values}
+    pd.DataFrame(table).to_csv(tmp_path / "decay.csv", index=False)
+    found = identify(tmp_path / "decay.csv", decay.k)
+    assert "is rounded to 0.001 s" in " ".join(map(str, found.warnings))
+    assert abs(found.values["F_k"] - decay.F_k) < FAR * found.standard_errors["F_k"]
+
+
+def test_a_camera_that_follows_x_and_y_sees_a_decay(tmp_path):
+    """In a free decay no base moves: y is the other axis."""
+    channel = record(PLUCKED)[0]["displacement"]
+    table = {"t (s)": channel.t, "x (m)": channel.values, "y (m)": 0.3 * channel.values}
+    pd.DataFrame(table).to_csv(tmp_path / "camera.csv", index=False)
+    found = identify(tmp_path / "camera.csv", PLUCKED.k, kind="ring-down")
+    assert abs(found.values["F_k"] - PLUCKED.F_k) < FAR * found.standard_errors["F_k"]
+
+
+def test_a_line_that_may_be_the_ringing_of_the_mass_names_its_contact():
+    """Hum leaves the band of the mode alone to the fit, and what rings at rest outside it."""
+    ringing = replace(PLUCKED, answers=("acceleration",), noise=1e-3, lasts=(8.0,), K_z=20000.0)
+    channel = record(ringing)[0]["acceleration"]
+    hum = 0.01 * np.abs(channel.values).max() * np.sin(100.0 * math.pi * channel.t)
+    with_hum = Measurement.of("run", [replace(channel, values=channel.values + hum)])
+    said = " ".join(map(str, identify_ring_downs([with_hum], ringing.k).warnings))
+    (stiffness,) = re.findall(r"ringing at rest on its contact, K_z is (\S+) N/m", said)
+    assert float(stiffness) == pytest.approx(ringing.K_z, rel=0.1)
 
 
 def test_a_forced_record_is_not_taken_for_a_decay(tmp_path):
