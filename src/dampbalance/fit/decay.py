@@ -285,13 +285,13 @@ class DecayProblem:
         scale[C : M + 1] = _SMALL * critical, 1e-3 * rho, m
         lower[first + 2 :: STATE], upper[first + 2 :: STATE] = 0.0, 2.0
         by_speed, by_place = _SMALL * critical, _SMALL * self.k
-        of_law = (by_speed / v, by_speed / v**2, by_speed, by_place / x, by_place / x**2)
+        of_law = (by_speed / v, by_place / x**2)
         of_contact = (by_place * x, _SMALL * v, _SMALL, _SMALL * omega / (2.0 * math.pi))
         scale[len(OSCILLATOR_UNKNOWNS) : len(COMMON)] = (*of_law, *of_contact)
         # as much as a critical damper, or the spring itself: no motion that oscillates has more
         at = slice(len(OSCILLATOR_UNKNOWNS), len(COMMON))
         lower[at], upper[at] = -scale[at] / _SMALL, scale[at] / _SMALL
-        for symbol in ("c_2", "c_3", "falling", "gradual", CORNER):
+        for symbol in ("c_2", "falling", "gradual", CORNER):
             lower[COMMON.index(symbol)] = 0.0
         lower[COMMON.index("falling_speed")] = _SLOWEST * v
         for signal in (signal for one in self.decays for signal in one.signals):

@@ -37,14 +37,12 @@ _HINT = 1.7  # standard errors of a coefficient, more than one in twenty decays 
 _MATTERS = 3.0  # standard errors by which another law may move F_k or c, unsaid
 _LEAST = 0.03  # of F_k or c
 _SPEED_SHOWS = 4.0  # of χ²: two standard errors by which the speed over which friction falls shows
-DECAY_TERMS = (FRICTION, "c", "c_2", "c_3")
+DECAY_TERMS = (FRICTION, "c", "c_2")
 """Terms that free decays distinguish: base at rest and at one frequency, c_r and eta act as c does."""
 
 _FALLING, _SPEED = "falling", "falling_speed"
 _NAMED = (*TERMS, "rho")
 _OTHERS = {
-    "c_a": ("damping that differs by direction", "N s/m"),
-    "k_2": ("a spring that is stiffer to one side", "N/m²"),
     "k_3": ("a spring that stiffens or softens with its deflection", "N/m³"),
     _FALLING: ("friction that falls with the speed", "N"),
     _SPEED: ("friction that falls over another speed", "m/s"),
@@ -273,7 +271,7 @@ def _changed(fit: RingFit, name: str, by: float) -> str:
 
 @one_thread
 def compare_decay_laws(fit: RingFit) -> LawComparison:
-    """Test the laws of up to two of c, c_2 and c_3 in addition to friction, or without it, on free decays, see
+    """Test the laws of c and c_2 in addition to friction, or without it, on free decays, see
     `law_comparison.compared`.
 
     Use it where the damping is not known to be viscous. Laws without what is there by 30 standard errors need no fit.
