@@ -232,7 +232,7 @@ def test_clipped_samples_are_left_out():
     (signal,) = whole.signals
     top = 0.5 * START
     cut = replace(signal, values=np.clip(signal.values, -top, top), limits=(-top, top))
-    assert cut.clipped.sum() > 50
+    assert cut.left_out.sum() > 50
     for fit in (wide := fitted(replace(whole, signals=(cut,)), K, point), in_the_band(wide)):
         for name, truth in zip(("F_k", "c", "m"), point[[0, 1, 3]], strict=True):
             assert abs(fit.value(name) - truth) < 4.0 * fit.error(name), name
