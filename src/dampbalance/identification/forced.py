@@ -232,7 +232,6 @@ def identify_forced(
     mass: Stated | None = None,
     fixture_mass: float | str | None = None,
     contact_to: Held = "ground",
-    damper_to: Held | None = None,
     terms: Sequence[str] | str | None = None,
     given: Mapping[str, float] | None = None,
     groups: Mapping[str, Sequence[str] | str] | None = None,
@@ -258,7 +257,6 @@ def identify_forced(
     fixture_mass : kg, of what moves between a load cell and the mass.
     contact_to : what holds the friction contact: "base" for a mount or an isolator, whose spring, damper and friction
     all sit between table and mass; its mass must be given.
-    damper_to : what holds the damper; default, what holds the contact.
     terms : of the damping law, symbols of `KNOWN_TERMS`; default, F_k, c and those given.
     given : symbol → known coefficient, SI units.
     groups : symbol → a label for each record, where groups of records have their own.
@@ -290,11 +288,10 @@ def identify_forced(
     'usable'
     """
     rig = rig_options(stiffness, mass, "forced")
-    held, terms = held_by(contact_to, damper_to, fixture_mass, rig, terms, given)
     law = law_of(terms, given, groups)
     options = {
         **rig,
-        **held,
+        **held_by(contact_to, fixture_mass, rig),
         "frequency_hz": None if frequency is None else quantity("frequency", frequency),
         "terms": list(law.terms),
         "given": dict(law.given),
