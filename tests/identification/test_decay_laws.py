@@ -17,7 +17,7 @@ from dampbalance.identification.decay_laws import fit_law
 from dampbalance.identification.decays import identify_ring_downs
 from dampbalance.records.measurement import Channel, Measurement
 from fit.exact import decay_of, fitted
-from identification.releases import FAR, PLUCKED, compiled  # noqa: F401
+from identification.releases import FAR, PLUCKED
 
 SOUND = replace(PLUCKED, lasts=(3.5,), rate_hz=250.0, noise=0.003)
 

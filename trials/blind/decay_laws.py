@@ -19,7 +19,6 @@ import pandas as pd
 from dampbalance.identification.answer import REFERENCE, USABLE
 from dampbalance.identification.decay_laws import compare_decay_laws
 from dampbalance.identification.decays import identify_ring_downs
-from dampbalance.motion.jit import interpreted
 from dampbalance.project.wording import markdown_table
 
 from . import gradual
@@ -66,16 +65,15 @@ def outcome(run: tuple[str, int, int, bool]) -> list[dict[str, object]]:
     row: dict[str, object] = {"term": term, "set": index, "share": share, "noise": decay.noise}
     row |= {"zeta": decay.zeta, "height": decay.height}
     measured, _ = record(decay, seed)
-    with interpreted(False):
-        began = time.process_time()
-        try:
-            result = identify_ring_downs([measured], decay.k)
-        except ValueError as error:
-            return [row | {"refused": str(error)}]
-        row["seconds"] = time.process_time() - began
-        began = time.process_time()
-        laws = compare_decay_laws(result.fit) if compared else None
-        row["seconds_laws"] = time.process_time() - began
+    began = time.process_time()
+    try:
+        result = identify_ring_downs([measured], decay.k)
+    except ValueError as error:
+        return [row | {"refused": str(error)}]
+    row["seconds"] = time.process_time() - began
+    began = time.process_time()
+    laws = compare_decay_laws(result.fit) if compared else None
+    row["seconds_laws"] = time.process_time() - began
     answer = result.approaches[REFERENCE]
     notes, rig = " ".join(answer.notes), " ".join(result.rig)
     row |= {

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from contextlib import nullcontext
 from dataclasses import replace
 from itertools import pairwise
 
@@ -14,7 +13,6 @@ from ..arrays import Array
 from ..law.law import Law
 from ..law.terms import FRICTION
 from ..model import BaseMotion, Oscillator
-from ..motion.jit import interpreted
 from ..motion.orbit import steady_orbit
 from ..signals.lines import Lines
 from ..signals.one_thread import one_thread
@@ -157,13 +155,12 @@ def _ends(
     """
     ends: list[WaveformFit] = []
     budget = np.array([_EFFORT])
-    with interpreted(False) if problem.law.nonlinear else nullcontext():
-        for point in points:
-            reached = _climbed(problem, point, hopeless=_HOPELESS, most=most, budget=budget)
-            if reached is not None:
-                ends.append(reached)
-            if budget[0] <= 0.0 or (ends and (ends[-1].adequate or ends[-1].chi_square < enough)):
-                break
+    for point in points:
+        reached = _climbed(problem, point, hopeless=_HOPELESS, most=most, budget=budget)
+        if reached is not None:
+            ends.append(reached)
+        if budget[0] <= 0.0 or (ends and (ends[-1].adequate or ends[-1].chi_square < enough)):
+            break
     return sorted(ends, key=lambda end: end.chi_square)
 
 

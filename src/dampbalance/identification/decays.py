@@ -22,7 +22,6 @@ from ..fit.decay import COMMON, FURTHER, RingFit, departures_of, with_noise_of
 from ..fit.scattering_mean import ScatteringMean
 from ..fit.score import Departure
 from ..fit.search import fit_all, in_the_band, profiled, separate_fits, sound, to_the_end
-from ..motion.jit import interpreted
 from ..motion.unknowns import M
 from ..project.wording import Remark, listed, percent, visible, with_error
 from ..records.mapping import MappingLike
@@ -215,7 +214,6 @@ def identify_decays(
 
 
 @in_words_of_records
-@interpreted(False)  # a motion of thousands of samples, hundreds of times
 def _of_records(records: tuple[MeasuredRecord, ...], options: Mapping[str, Any]) -> DecayOutcome:
     """Return the answers to records that are read.   options : by the keys of a configuration."""
     k, mass = options["stiffness_N_per_m"], options["mass_kg"]

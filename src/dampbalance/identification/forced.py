@@ -31,7 +31,6 @@ from ..balance import Rows, approach, checks
 from ..features import FEATURE_COLUMNS, Features, stack
 from ..law.law import Law, law_of
 from ..law.terms import FRICTION, term
-from ..motion.jit import interpreted
 from ..project.wording import Remark, with_error
 from ..records.mapping import MappingLike
 from ..records.measured import MeasuredRecord, in_words_of_records
@@ -54,7 +53,7 @@ from .answer import (
     of_contact,
 )
 from .causes import GRADUAL, condition_on_contact
-from .identified import QUICK, Identified, Picture
+from .identified import Identified, Picture
 from .law_comparison import compare_laws
 from .level import Level
 from .loading import load, require_different_levels, unclipped
@@ -306,7 +305,6 @@ def identify_forced(
 
 
 @in_words_of_records
-@interpreted(calls=QUICK)  # whatever was compiled before: the last bits may differ
 def _of_records(
     records: tuple[MeasuredRecord, ...], law: Law, options: Mapping[str, Any]
 ) -> ForcedOutcome:
