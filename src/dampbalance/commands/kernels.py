@@ -11,6 +11,7 @@ import math
 import subprocess
 import sys
 import time
+from typing import Any
 
 import numpy as np
 
@@ -22,7 +23,7 @@ from ..motion.orbit import Orbit
 from ..motion.regime import Regime
 from ..signals.clean import of_record
 
-_OSCILLATOR = {"m": 2.42, "c": 40.0, "k": 2310.0, "K_z": 208000.0, "F_k": 1.28}
+_OSCILLATOR: dict[str, Any] = {"m": 2.42, "c": 40.0, "k": 2310.0, "K_z": 208000.0, "F_k": 1.28}
 _MOTION = db.BaseMotion(0.004, 2.0 * math.pi * 4.92)
 
 
@@ -56,8 +57,8 @@ def main(names: list[str]) -> None:
     began = time.monotonic()
     print("Compiling the kernels, once per installation …", file=sys.stderr, flush=True)
     command = (sys.executable, "-m", "dampbalance.commands.kernels")
-    silent = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-    running = [subprocess.Popen([*command, name], **silent) for name in PARTS]
+    null = subprocess.DEVNULL
+    running = [subprocess.Popen([*command, name], stdout=null, stderr=null) for name in PARTS]
     if sum(process.wait() != 0 for process in running):
         print("They cannot be compiled now, and are when they are first called.", file=sys.stderr)
         return

@@ -221,29 +221,25 @@ def condition_of(fit: RingFit, further: Iterable[Departure]) -> tuple[str, dict[
     most dampers are viscous. It is no doubt: values are those of the law that was asked for, and what another would
     change is for their intervals. Friction that falls with speed acts as the negative of damping that grows with it.
     """
-    worst, sentence, effects = _MATTERS, "", {}
-    for one in further:
-        if one.symbol not in DECAY_TERMS or one.size < _HINT:
-            continue
-        most = abs(one.value) + NORMAL_95 * one.error
-        by_c = one.slopes.get("c", 0.0)
-        if by_c < 0.0:
-            most = min(most, -(fit.c + NORMAL_95 * fit.error("c")) / by_c)
-        slopes = {s: by for s, by in one.slopes.items() if s in _NAMED and fit.error(s) > 0.0}
-        moved = {s: most * by for s, by in slopes.items()}
-        size = max((abs(by) / fit.error(s) for s, by in moved.items()), default=0.0)
-        parts = {s: by / fit.value(s) for s, by in moved.items() if fit.value(s) > 0.0}
-        large = {s: part for s, part in parts.items() if abs(part) > _LEAST}
-        if size > worst and large:
-            worst, effects = size, moved
-            words = listed([_changed(fit, s, moved[s]) for s in large])
-            sentence = (
-                "The values are those of friction and viscous damping. The decays hint at "
-                f"{KNOWN_TERMS[one.symbol].words}, which would change {words}; friction that falls "
-                "with the speed looks alike and changes them the other way. The intervals include both: "
-                f"{_REMEDY}, if the damping may not be viscous."
-            )
-    return sentence, effects
+    one = next((one for one in further if one.symbol == "c_2"), None)
+    if one is None or one.size < _HINT:
+        return "", {}
+    most = abs(one.value) + NORMAL_95 * one.error
+    by_c = one.slopes.get("c", 0.0)
+    if by_c < 0.0:
+        most = min(most, -(fit.c + NORMAL_95 * fit.error("c")) / by_c)
+    slopes = {s: by for s, by in one.slopes.items() if s in _NAMED and fit.error(s) > 0.0}
+    moved = {s: most * by for s, by in slopes.items()}
+    parts = {s: by / fit.value(s) for s, by in moved.items() if fit.value(s) > 0.0}
+    large = [s for s, part in parts.items() if abs(part) > _LEAST]
+    if not large or max(abs(by) / fit.error(s) for s, by in moved.items()) <= _MATTERS:
+        return "", {}
+    words = listed([_changed(fit, s, moved[s]) for s in large])
+    return (
+        "The values are those of friction and viscous damping. The decays hint at quadratic damping, which would "
+        f"change {words}; friction that falls with the speed looks alike and changes them the other way. The intervals "
+        f"include both: {_REMEDY}, if the damping may not be viscous."
+    ), moved
 
 
 def with_effects(answer: Answer, fit: RingFit, effects: Mapping[str, float]) -> Answer:
