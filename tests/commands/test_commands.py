@@ -139,7 +139,6 @@ def test_the_document_says_from_what_it_was_made(tmp_path):
         "mass_standard_error_kg": None,
         "fixture_mass_kg": None,
         "contact_to": "ground",
-        "damper_to": "ground",
         "terms": ["F_k", "c"],
         "given": {},
         "groups": {},

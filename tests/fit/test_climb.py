@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from dampbalance.fit.climb import ClimbBounds, climb
-from dampbalance.motion.jit import interpreted
 
 H = np.array([[4.0, 1.0], [1.0, 2.0]])  # of a parabola
 J = np.linalg.cholesky(H).T
@@ -140,12 +139,3 @@ def test_it_says_what_a_further_step_promises():
     # of a parabola a full step gains all that there is
     assert one.promise == pytest.approx(0.5 * best @ H @ best)
     assert climb(parabola(best), start, bounds()).promise < 5e-8
-
-
-def test_interpreted_it_takes_the_same_steps():
-    best, start = np.array([3.0, -2.0]), np.zeros(2)
-    compiled = climb(parabola(best), start, bounds(), most=3)
-    with interpreted():
-        again = climb(parabola(best), start, bounds(), most=3)
-    # fused products may round otherwise
-    assert again.point == pytest.approx(compiled.point, rel=1e-14)

@@ -12,11 +12,10 @@ import pytest
 from scipy.linalg import expm
 
 from blind.decays import draw, record
-from dampbalance.fit.decay import Decay, RingFit, phases_of
+from dampbalance.fit.decay import Decay, RingFit
 from dampbalance.fit.minimise import minimise
 from dampbalance.fit.search import Swings, _before, in_the_band, to_the_end
 from dampbalance.identification.decays import identify_ring_downs
-from dampbalance.motion.jit import _Kernel, interpreted
 from dampbalance.signals.bursts import Burst
 from fit.exact import decay_of, fitted
 
@@ -264,19 +263,5 @@ def test_a_mass_that_rests_at_once_is_no_longer_decay():
     """Three plucks of hardly more than the noise: what starts there may stick after its first sample."""
     plucked = draw(151, 1795560035)
     measured, _ = record(plucked, 1795560035)
-    with interpreted(False):
-        found = identify_ring_downs([measured], plucked.k)
+    found = identify_ring_downs([measured], plucked.k)
     assert found.intervals["F_k"][0] < plucked.F_k < found.intervals["F_k"][1]
-
-
-def test_the_phases_of_a_decay_are_found_without_compiling(monkeypatch):
-    def compiled(_kernel):
-        raise AssertionError("compiled")
-
-    monkeypatch.setattr(_Kernel, "dispatcher", property(compiled))
-    m, k, K_z, F_k = 2.0, 800.0, 8000.0, 0.5
-    point = np.array([F_k, 0.0, K_z**-0.5, m])
-    rows = phases_of(point, np.array([0.02, 0.0, 0.0]), k, 0.3)
-    # released with the contact fully bent it slips until the turn, half a period on
-    assert rows[1, 0] == pytest.approx(math.pi * math.sqrt(m / k), rel=1e-12)
-    assert rows[1, 2] == pytest.approx(-0.02 + 2.0 * F_k / k, rel=1e-12)

@@ -6,11 +6,9 @@ import math
 from dataclasses import replace
 
 import numpy as np
-import pytest
 from numba import njit
 
 from blind.decays import draw
-from dampbalance.motion.jit import interpreted
 from dampbalance.records.measurement import Channel, Measurement
 
 # of an estimate: once in 16,000 of normal errors; the records are fixed
@@ -21,13 +19,6 @@ PLUCKED = replace(
     **{"starts": (("pluck", 0.005),), "lead": (0.2,), "lasts": (5.0,), "pull": (0.4,)},
     **{"rate_hz": 500.0, "answers": ("displacement",), "noise": 0.01},
 )
-
-
-@pytest.fixture(autouse=True, scope="module")
-def compiled():
-    """Thousands of samples, hundreds of times."""
-    with interpreted(False):
-        yield
 
 
 @njit(cache=True)

@@ -30,7 +30,7 @@ from dampbalance.signals.mean_harmonics import read_features
 from fit.exact import fitted, point_of
 from identification.levels import SYMBOLS, changed
 from identification.levels import clipped as cut
-from identification.releases import FAR, PLUCKED, compiled, struck  # noqa: F401
+from identification.releases import FAR, PLUCKED, struck
 
 QUANTITIES = ("displacement", "velocity", "acceleration")
 OSCILLATOR = Oscillator(PLUCKED.m, PLUCKED.c, PLUCKED.k, PLUCKED.K_z, PLUCKED.F_k)

@@ -24,7 +24,6 @@ from dampbalance.records.coordinate import ROTATION, TRANSLATION
 from dampbalance.records.errors import RecordError
 from dampbalance.records.measurement import Channel, Measurement
 from dampbalance.records.writers import write
-from identification.releases import compiled  # noqa: F401
 
 MASS, LENGTH, GRAVITY = 0.8, 0.15, 9.81  # of the bob, kg, from the pivot to it, m; m/s²
 PENDULUM = Oscillator(

@@ -17,7 +17,6 @@ from dampbalance.law.parallel_sliders import Sliders
 from dampbalance.project.wording import sentence
 from dampbalance.records.synthetic import measured_orbit
 from identification.levels import changed, measured
-from identification.releases import compiled  # noqa: F401
 from paper_case import PAPER
 from slips import slips
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 import os
 import re
 import shutil
@@ -16,8 +15,6 @@ import pytest
 
 import dampbalance
 import dampbalance.motion.jit
-from dampbalance import BaseMotion
-from paper_case import PAPER
 from processes import output_of
 from rooms import FACE, MODULES, PACKAGE, graph, reached
 
@@ -218,58 +215,3 @@ def test_threads_share_one_dispatcher(monkeypatch):
     with ThreadPoolExecutor(4) as pool:
         assert list(pool.map(kernel, [1.0, 2.0, 3.0, 4.0])) == [2.0, 3.0, 4.0, 5.0]
     assert len(made) == 1
-
-
-def test_interpreted_kernels_give_the_same_orbit():
-    osc, motion = PAPER, BaseMotion(Y=0.004, omega=30.0)
-    compiled = dampbalance.steady_orbit(osc, motion)
-    with dampbalance.motion.jit.interpreted():
-        orbit = dampbalance.steady_orbit(osc, motion)
-        features = orbit.X, orbit.b
-    # the same operations in the same order; only the library of sines may round a last bit otherwise
-    assert features == pytest.approx((compiled.X, compiled.b), rel=1e-13)
-
-
-def test_interpreted_kernels_go_on_where_compiled_ones_do(monkeypatch):
-    monkeypatch.setattr(dampbalance.motion.jit, "_folder", lambda: None)
-    jit = dampbalance.motion.jit.jit
-    root, power = jit(lambda x: math.sqrt(x)), jit(lambda x: math.exp(x))
-    both = jit(lambda x: (root(-x), power(x), x))
-    with dampbalance.motion.jit.interpreted():
-        assert math.isnan(root(-1.0))
-        assert power(1e4) == math.inf
-        inner = both(1e4)
-    assert math.isnan(inner[0])
-    assert inner[1:] == (math.inf, 1e4)
-    # the kernel that calls them needs no compilation
-    assert both._dispatcher is None
-    # division by zero is an error to both
-    part = jit(lambda x: 1.0 / x)
-    for on in (True, False):
-        with dampbalance.motion.jit.interpreted(on), pytest.raises(ZeroDivisionError):
-            part(0.0)
-
-
-def test_interpreting_needs_no_numba():
-    program = (
-        "import sys\n"
-        "from dampbalance import BaseMotion, Oscillator, steady_orbit\n"
-        "from dampbalance.motion.jit import interpreted\n"
-        "osc = Oscillator(m=2.42, c=90.0, k=2310.0, K_z=208000.0, F_k=1.28)\n"
-        "with interpreted():\n"
-        "    print(steady_orbit(osc, BaseMotion(Y=0.004, omega=30.0)).X)\n"
-        "assert 'numba' not in sys.modules\n"
-    )
-    output_of(sys.executable, "-c", program)
-
-
-def test_beyond_a_number_of_calls_kernels_are_compiled():
-    kernel = dampbalance.motion.jit.jit(lambda x: x + 1.0)
-    with dampbalance.motion.jit.interpreted(calls=2):
-        assert [kernel(1.0), kernel(1.0)] == [2.0, 2.0]
-        assert kernel._dispatcher is None
-        with dampbalance.motion.jit.interpreted():  # what is within does not count
-            kernel(1.0)
-        assert kernel._dispatcher is None
-        assert kernel(1.0) == 2.0
-        assert kernel._dispatcher is not None

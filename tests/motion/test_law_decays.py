@@ -18,7 +18,7 @@ from dampbalance.motion.states import states_in_phases
 M, K, PERIOD = 2.0, 800.0, 2.0 * math.pi * math.sqrt(2.0 / 800.0)
 NOTHING = np.zeros(len(ADDED))
 # each takes 5 to 30 % of the loss, or of the force of the spring, of a decay from 5 mm
-COEFFICIENTS = np.array([8.0, 60.0, 0.5, 4e3, 2e6, 0.05, 0.02, 0.3])
+COEFFICIENTS = np.array([8.0, 2e6, 0.05, 0.02, 0.3])
 
 
 def oscillator(F_k: float = 0.2, c: float = 1.0, stiffness: float = 30.0) -> Parameters:
@@ -68,7 +68,7 @@ def test_without_further_terms_the_motion_is_exact(order, F_k, c, stiffness, x, 
 
 
 @pytest.mark.parametrize("F_k", [0.2, 0.0], ids=["friction", "no friction"])
-@pytest.mark.parametrize("j", range(5), ids=ADDED[:5])  # the others are no functions of the state
+@pytest.mark.parametrize("j", range(2), ids=ADDED[:2])  # the others are no functions of the state
 def test_the_motion_is_that_of_an_independent_integrator(j, F_k):
     par, p = oscillator(F_k), NOTHING.copy()
     p[j] = COEFFICIENTS[j]
@@ -76,8 +76,7 @@ def test_the_motion_is_that_of_an_independent_integrator(j, F_k):
     def rate(t: float, y: np.ndarray) -> list[float]:
         x, v, f = y
         f = min(max(f, -F_k), F_k)
-        force = par.c * v + p[0] * abs(v) * v + p[1] * v**3 + p[2] * abs(v)
-        force += par.k * x + p[3] * x**2 + p[4] * x**3 + f
+        force = par.c * v + p[0] * abs(v) * v + par.k * x + p[1] * x**3 + f
         held = F_k == 0.0 or (abs(f) >= F_k and f * v > 0.0)
         return [v, -force / par.m, 0.0 if held else par.K_z * v]
 
@@ -94,20 +93,20 @@ def test_the_motion_is_that_of_an_independent_integrator(j, F_k):
 @pytest.mark.parametrize("order", [0, 1, 2])
 @pytest.mark.parametrize("j", range(len(ADDED)), ids=ADDED)
 def test_derivatives_by_further_coefficients_are_those_of_differences(j, order):
-    """To 5e-4 of the largest, by differences that are large beside what another step changes; off the samples between
+    """To 1e-2 of the largest, by differences that are large beside what another step changes; off the samples between
     two events that a difference moves."""
     par, times = oscillator(), np.linspace(0.0, 4.0 * PERIOD, 401)[1:]
     coefficients, sides = COEFFICIENTS.copy(), []
     # a contact that has not yielded to the end has no rounding: not both
-    coefficients[[7] if ADDED[j].startswith("falling") else [5]] = 0.0
+    coefficients[4 if ADDED[j].startswith("falling") else 2] = 0.0
     for sign in (1.0, -1.0):
         p = coefficients.copy()
-        p[j] *= 1.0 + sign * 1e-3
+        p[j] *= 1.0 + sign * 1e-2
         sides.append(law_decay(times, order, 5e-3, 0.0, 1.5, par, p, LINEAR_UNKNOWNS)[:, 0])
-    expected = (sides[0] - sides[1]) / (2e-3 * COEFFICIENTS[j])
+    expected = (sides[0] - sides[1]) / (2e-2 * COEFFICIENTS[j])
     every = law_decay(times, order, 5e-3, 0.0, 1.5, par, coefficients, len(DECAY_UNKNOWNS))
     found = every[:, 1 + LINEAR_UNKNOWNS + j]
-    off = np.abs(found - expected) > 5e-4 * np.abs(expected).max()
+    off = np.abs(found - expected) > 1e-2 * np.abs(expected).max()
     assert off.mean() < 0.03
 
 
@@ -116,7 +115,7 @@ def test_friction_that_falls_with_the_speed_is_that_of_an_independent_integrator
     """Of the trials: Runge–Kutta in 2048 steps of a period, the force clipped to its limit, to 1e-4 of the motion where
     its kinks fall between steps. The friction changes the motion by 5 % of it."""
     par, rate, p = oscillator(), 40.0 / PERIOD, NOTHING.copy()
-    p[5], p[6] = 0.05, 0.02
+    p[2], p[3] = 0.05, 0.02
     decay = Decay(0, M, 1.0, K, par.K_z, 0.2, (), (), (), (), rate, (), 0.0, 0.0)
     start = (preload - 1.0) * 0.25 / par.K_z
     departure = Departure(falling=0.25, speed=0.02)

@@ -10,7 +10,6 @@ import pytest
 
 from analytic.law_response import law_orbit
 from dampbalance import BaseMotion, Oscillator, Regime, steady_orbit
-from dampbalance.motion.jit import interpreted
 from dampbalance.motion.orbit import NoSteadyOrbit
 
 COUNT = 9
@@ -48,13 +47,6 @@ def test_where_nothing_slips_there_is_one():
     impedance = osc.k + osc.K_z - omega**2 * osc.m + 1j * omega * osc.c
     assert x[0] == pytest.approx(osc.k * MOTION.Y / impedance)
     assert not x[1:].any()
-
-
-def test_interpreted_they_are_the_same():
-    orbit = steady_orbit(PAPER, MOTION)
-    compiled = orbit.harmonics(COUNT)
-    with interpreted():
-        assert compiled == pytest.approx(orbit.harmonics(COUNT), rel=1e-12)
 
 
 def test_an_orbit_that_takes_long_is_given_up_on_request():

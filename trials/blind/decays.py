@@ -100,7 +100,7 @@ def departing(decay: Decay, field: str, order: int, share: float) -> Decay:
     """
     signals, _ = clean(decay)
     x, v = np.abs(signals[:2])
-    if field in ("even", "cubic"):
+    if field == "cubic":
         size = share * decay.k * float(x.max()) ** (1 - order)
     else:
         loss = float(np.sum(decay.F_k * v + decay.c * v**2))

@@ -25,7 +25,6 @@ from scipy.signal import find_peaks, savgol_filter
 from dampbalance.fit.decay import STATE, RingFit
 from dampbalance.identification.answer import USABLE
 from dampbalance.identification.decays import identify_ring_downs
-from dampbalance.motion.jit import interpreted
 from dampbalance.records.measurement import Measurement
 
 from .decays import Decay, clean, draw, record
@@ -161,8 +160,7 @@ def tried(index: int, seed: int = SEED) -> list[dict[str, object]]:
     rows: list[dict[str, object]] = []
     began = time.process_time()
     try:
-        with interpreted(False):
-            result = identify_ring_downs([measured], decay.k)
+        result = identify_ring_downs([measured], decay.k)
     except ValueError as error:
         rows.append(of_set | {"way": "balance", "refused": str(error)})
     else:

@@ -1,7 +1,7 @@
 """Motion of oscillators that are not of the model, in fixed steps: what the fault table disturbs the mechanics with,
 and the records of other damping laws.
 
-    m x″ + c x′ + c_r (x′ − y′) + c₂ |x′| x′ + c₃ x′³ + c_a |x′| + η (k/ω) x′ + k x + k₂ x² + k₃ x³ + K_z z
+    m x″ + c x′ + c_r (x′ − y′) + c₂ |x′| x′ + c₃ x′³ + η (k/ω) x′ + k x + k₂ x² + k₃ x³ + K_z z
     = k (y + y₃),   y = Y cos ωt,   y₃ = Y₂ cos 2ωt + Y₃ cos 3ωt
 
 z′ = x′ within |z| ≤ (F_k/K_z)(1 + s e^(−|x′|/v_s)), a Jenkins contact whose friction falls with speed where s > 0;
@@ -30,7 +30,7 @@ class Departure(NamedTuple):
 
     quadratic : c₂, N s²/m².   even, cubic : k₂, N/m², k₃, N/m³.   third, second : Y₃/Y, Y₂/Y.
     falling, speed : s and v_s, m/s.   bouc_wen : n, 0 for a Jenkins contact.
-    relative : c_r, N s/m.   third_power : c₃, N s³/m³.   structural : η.   sided : c_a, N s/m.
+    relative : c_r, N s/m.   third_power : c₃, N s³/m³.   structural : η.
     """
 
     quadratic: float = 0.0
@@ -44,7 +44,6 @@ class Departure(NamedTuple):
     third_power: float = 0.0
     structural: float = 0.0
     second: float = 0.0
-    sided: float = 0.0
 
 
 NO_DEPARTURE = Departure()
@@ -60,9 +59,7 @@ def _limit(v, numbers, departure):
 @njit(cache=True)
 def _rate(t, x, v, z, numbers, departure):
     m, c, k, K_z, F_k, Y, omega = numbers
-    quadratic, even, cubic, third, _, _, n, relative, third_power, structural, second, sided = (
-        departure
-    )
+    quadratic, even, cubic, third, _, _, n, relative, third_power, structural, second = departure
     slope = v
     if n > 0.0:
         if z * v > 0.0:
@@ -79,7 +76,7 @@ def _rate(t, x, v, z, numbers, departure):
         base = math.sin(omega * t) + 2.0 * second * math.sin(2.0 * omega * t)
         base = -omega * Y * (base + 3.0 * third * math.sin(3.0 * omega * t))
     damping = c + structural * k / omega + quadratic * abs(v) + third_power * v * v
-    force = (damping * v + sided * abs(v) + relative * (v - base)) + K_z * z
+    force = (damping * v + relative * (v - base)) + K_z * z
     force += (k + even * x + cubic * x * x) * x
     return v, (drive - force) / m, slope
 

@@ -41,9 +41,8 @@ METHOD = ("*.py", *(f"{room}/*.py" for room in ROOMS), "replication/claims/*.py"
 METHOD += ("replication/*verdicts.py", "studies/evaluate.py")
 # words in the paths of tests that say nothing about the method
 SHOWN = "repository workflow commands figures project publishing article notebook page recipe site"
-# An error in these has all kernels compiled anew, which takes a minute: the first CALLS of kernels of a test are in
-# Python.
-KERNELS, CALLS = ("arguments.py", "arrays.py", "model.py", "record.py", "motion/"), 4000
+# An error in these has all kernels compiled anew.
+KERNELS = ("arguments.py", "arrays.py", "model.py", "record.py", "motion/")
 # Tests may take so many seconds, so many times what they took without an error, and so many to compile kernels.
 SHORTEST, FACTOR, COMPILING = 30.0, 5.0, 120.0
 GOAL = 0.9  # the share of the mutants that are not equivalent that tests should kill
@@ -64,7 +63,7 @@ class Bench:
         names = (path.relative_to(self.project).as_posix() for path in paths)
         self.files = [name for name in names if not any(word in name for word in SHOWN.split())]
 
-    def run(self, *tests: str, interpreted: bool, limit: float | None = None) -> tuple[int, Any]:
+    def run(self, *tests: str, limit: float | None = None) -> tuple[int, Any]:
         """Return (pytest's exit status, what `watch` recorded); TimeoutExpired after `limit` seconds."""
         self.report.unlink(missing_ok=True)
         environment = os.environ | {
@@ -72,7 +71,6 @@ class Bench:
             "PYTHONDONTWRITEBYTECODE": "1",  # a mutant must never be taken for the original
             "MUTATION_PACKAGE": str(self.project / PACKAGE),
             "MUTATION_REPORT": str(self.report),
-            "MUTATION_INTERPRETED": str(CALLS * interpreted),
         }
         command = [sys.executable, "-m", "pytest", "-q", "-p", "mutation.watch"]
         command += [
@@ -84,17 +82,15 @@ class Bench:
             "no:xdist",
             *tests,
         ]
-        if interpreted:  # compiled code divides and overflows without a warning
-            command += ["-W", "ignore::RuntimeWarning"]
         done = subprocess.run(
             command, cwd=self.project, env=environment, timeout=limit, capture_output=True
         )
         text = self.report.read_text("utf-8") if self.report.exists() else "{}"
         return done.returncode, json.loads(text)
 
-    def _passing(self, file: str, interpreted: bool = False) -> dict[str, Any]:
+    def _passing(self, file: str) -> dict[str, Any]:
         """Return the records of the tests of a file that pass without an error in the package."""
-        status, records = self.run(file, interpreted=interpreted)
+        status, records = self.run(file)
         if status not in (0, 5):
             failed = [name for name, test in records.items() if "failed" in test["outcomes"]]
             print("left out, as they fail without any error:", *(failed or [file]), flush=True)
@@ -105,8 +101,7 @@ class Bench:
 
         Tests that call the function of the mutant, or else its module, come first, then the others in their files.
         """
-        kernels = mutant.module.startswith(KERNELS)
-        tests = {n: test for file in self.files for n, test in self.passing(file, kernels).items()}
+        tests = {n: test for file in self.files for n, test in self.passing(file).items()}
         own, module = f"{mutant.module}:{mutant.where}", f"{mutant.module}:"
         in_module = {n for n, t in tests.items() if any(c.startswith(module) for c in t["called"])}
         calling = {name for name in in_module if own in tests[name]["called"]} or in_module
@@ -115,13 +110,13 @@ class Bench:
         total = accumulate(tests[name]["seconds"] for name in order)
         chosen = [name for name, seconds in zip(order, total, strict=True) if seconds < budget]
         limit = SHORTEST + FACTOR * sum(tests[name]["seconds"] for name in chosen)
-        limit += COMPILING * kernels
+        limit += COMPILING * mutant.module.startswith(KERNELS)
         path = self.project / PACKAGE / mutant.module
         original, times = path.read_bytes(), path.stat()
         path.write_bytes(mutant.source(original))
         try:
             if chosen:
-                status, records = self.run("-x", *chosen, interpreted=kernels, limit=limit)
+                status, records = self.run("-x", *chosen, limit=limit)
                 if status:
                     return "killed", next(reversed(records), "(import)")
         except subprocess.TimeoutExpired:

@@ -1,7 +1,6 @@
 """A pytest plugin that records outcome, time and called functions of each test (`-p mutation.watch`).
 
-Environment: MUTATION_PACKAGE, the folder of the package; MUTATION_REPORT, the file to write; MUTATION_INTERPRETED, the
-number of calls of kernels, at the most, that a test may make in Python; later ones are compiled.
+Environment: MUTATION_PACKAGE, the folder of the package; MUTATION_REPORT, the file to write.
 """
 
 import json
@@ -18,7 +17,6 @@ from dampbalance.motion import jit
 
 MEMORY = 6 << 30  # bytes that tests may ask for
 PACKAGE = os.environ["MUTATION_PACKAGE"] + os.sep
-CALLS = float(os.environ["MUTATION_INTERPRETED"])
 
 resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
 records, codes, kernels = {}, set(), {}
@@ -48,7 +46,6 @@ def pytest_runtest_protocol(item):
     kernels.clear()
     record = records[item.nodeid] = {"outcomes": []}
     start = time.process_time()
-    jit._left = CALLS
     threading.setprofile(_note)
     sys.setprofile(_note)
     try:

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 from ..identification.outputs import REPORT, require_room
-from ..motion.jit import interpreted
 from .main import parser
 from .simulate import ARGUMENTS as OF_SIMULATED
 from .simulate import DAMPING, FRICTION
@@ -54,10 +53,9 @@ def run(options: argparse.Namespace) -> None:
     require_room(
         folder, [file.name for file in (*records, results)], "" if again else "--overwrite"
     )
-    with interpreted():  # runs at once what is not compiled yet
-        for seed, (record, level) in enumerate(zip(records, _LEVELS_MM, strict=True), start=1):
-            motion = ("--amplitude", f"{level / 1000:g}", "--seed", f"{seed}")
-            _run("simulate", str(record), *motion, *_RECORD, *again)
+    for seed, (record, level) in enumerate(zip(records, _LEVELS_MM, strict=True), start=1):
+        motion = ("--amplitude", f"{level / 1000:g}", "--seed", f"{seed}")
+        _run("simulate", str(record), *motion, *_RECORD, *again)
     given = ["--stiffness", f"{_STIFFNESS:g}", "--mass", f"{_MASS:g}", "--frequency", "3.5"]
     given += ["--output", str(results)]
     report = results / REPORT

@@ -62,7 +62,6 @@ forced records:
 --frequency     known drive frequency, Hz, or "210 rpm"; compared with that of each record
 --groups        a coefficient for each group of records: F_k=A,A,B, a label per record; may be repeated
 --contact-to    base for a mount, whose spring, damper and friction all sit on the table (default: ground)
---damper-to     base for a damper on the table while the contact is to the ground (default: as the contact)
 --fixture-mass  mass between a load cell and the vibrating mass, kg, or "0.4 lb"
 --skip-cycles   cycles left out at the start of each record, where the motion has not settled (default: 0)
 forced records or free decays:
@@ -210,7 +209,6 @@ _OPTIONS: dict[str, dict[str, Any]] = {
     "--write-mapping": {"type": Path, "default": None, "metavar": "FILE"},
     "--frequency": {"type": number("frequency"), "metavar": "HZ"},
     "--contact-to": {"choices": ("ground", "base")},
-    "--damper-to": {"choices": ("ground", "base")},
     "--fixture-mass": {"type": read_by(_checked, "fixture_mass"), "metavar": "M"},
     "--groups": {"type": _labels, "action": _Once, "metavar": "TERM=LABELS"},
     "--skip-cycles": {"type": whole("skip_cycles"), "metavar": "N"},

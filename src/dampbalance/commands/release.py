@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from ..motion.jit import interpreted
 from ..records.measurement import ABSOLUTE, ROTATING
 from ..records.synthetic import measured_ring_down
 from .options import quantity
@@ -49,16 +48,15 @@ def run(options: argparse.Namespace) -> None:
     require_new(options)
     osc = oscillator(options, {})
     require_brief(osc, options.duration, f"{options.duration:g} s", "a shorter --duration")
-    with interpreted(False):
-        measurement = measured_ring_down(
-            osc,
-            x=options.displacement,
-            v=options.velocity,
-            rate_hz=options.rate,
-            duration=options.duration,
-            held=options.held,
-            noise=options.noise,
-            seed=options.seed,
-            channels=tuple(options.channel or ("displacement",)),
-        )
+    measurement = measured_ring_down(
+        osc,
+        x=options.displacement,
+        v=options.velocity,
+        rate_hz=options.rate,
+        duration=options.duration,
+        held=options.held,
+        noise=options.noise,
+        seed=options.seed,
+        channels=tuple(options.channel or ("displacement",)),
+    )
     save(options, measurement)

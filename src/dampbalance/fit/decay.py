@@ -26,7 +26,6 @@ import numpy as np
 from ..arrays import Array, Mask
 from ..model import Parameters
 from ..motion.events import PHASE_S, PHASE_T, run
-from ..motion.jit import interpreted
 from ..motion.law_decays import ADDED, DECAY_UNKNOWNS, LINEAR_UNKNOWNS, law_decay
 from ..motion.unknowns import F_K, OSCILLATOR_UNKNOWNS, RHO, C, M
 from ..signals.band import NOISE_PASSED, Band, filtered
@@ -70,7 +69,6 @@ _BINS_OF_A_CYCLE = 12  # of a cycle, in which the residual is averaged
 _A_CYCLE, _THINNED = 64, 2500  # samples of a cycle, and of a decay, that a search looks at
 _AFTER_REST = 1.0  # of a cycle after the mass came to rest that shows its level
 _MOST_PHASES = 4096  # phases after which a motion is rejected
-_QUICK = 20_000  # calls of kernels, 0.1 s: a decay has some tens of phases, and compiling takes 4 s
 _NEGLECTED = 2.0 * math.log(40.0)  # of χ²: a minimum so far up has a fortieth of the likelihood
 _SCAN = np.geomspace(0.5, 1e5, 45)  # K_z/k, from a contact that hardly acts to one as good as rigid
 _FINE = np.arange(-30, 31) * 0.25  # cycles of ringing, a quarter of one from one to the next
@@ -285,13 +283,13 @@ class DecayProblem:
         scale[C : M + 1] = _SMALL * critical, 1e-3 * rho, m
         lower[first + 2 :: STATE], upper[first + 2 :: STATE] = 0.0, 2.0
         by_speed, by_place = _SMALL * critical, _SMALL * self.k
-        of_law = (by_speed / v, by_speed / v**2, by_speed, by_place / x, by_place / x**2)
+        of_law = (by_speed / v, by_place / x**2)
         of_contact = (by_place * x, _SMALL * v, _SMALL, _SMALL * omega / (2.0 * math.pi))
         scale[len(OSCILLATOR_UNKNOWNS) : len(COMMON)] = (*of_law, *of_contact)
         # as much as a critical damper, or the spring itself: no motion that oscillates has more
         at = slice(len(OSCILLATOR_UNKNOWNS), len(COMMON))
         lower[at], upper[at] = -scale[at] / _SMALL, scale[at] / _SMALL
-        for symbol in ("c_2", "c_3", "falling", "gradual", CORNER):
+        for symbol in ("c_2", "falling", "gradual", CORNER):
             lower[COMMON.index(symbol)] = 0.0
         lower[COMMON.index("falling_speed")] = _SLOWEST * v
         for signal in (signal for one in self.decays for signal in one.signals):
@@ -592,8 +590,7 @@ def phases_of(point: Array, state: Array, k: float, until: float) -> Array:
     rows = np.empty((_MOST_PHASES, 5))
     Z_m = par.F_k / par.K_z
     z = min(max((preload - 1.0) * Z_m, -Z_m), Z_m)
-    with interpreted(calls=_QUICK):
-        count, t, *_ = run(x, v, z, 0.0, until, 0.0, par, rows)
+    count, t, *_ = run(x, v, z, 0.0, until, 0.0, par, rows)
     if t < until:
         raise ValueError("the contact slips on and on")
     return rows[:count]

@@ -24,7 +24,6 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arrays import Array, Complexes, Mask
-from ..motion.jit import interpreted
 from ..motion.orbits import steady_orbits
 from ..motion.regime import Regime
 from ..signals.lines import Lines
@@ -88,8 +87,7 @@ def _all_responses(
     F_k, c, K_z, m = candidates.T[:, :, None]
     F_k, c = F_k * shares.friction, c * shares.damping
     omega, Y = np.array([(one.omega, one.Y) for one in lines]).T
-    with interpreted(False):  # thousands
-        orbits = steady_orbits(m=m, c=c, k=k, K_z=K_z, F_k=F_k, Y=Y, omega=omega)
+    orbits = steady_orbits(m=m, c=c, k=k, K_z=K_z, F_k=F_k, Y=Y, omega=omega)
     X = np.stack([getattr(orbits, f"X_{n}") for n in _COMPARED_HARMONICS], axis=-1)
     lag = np.stack([getattr(orbits, f"phi_{n}") for n in _COMPARED_HARMONICS], axis=-1)
     return X * np.exp(-1j * lag), np.any(np.isin(orbits.regime, _SLIPPING), axis=1)

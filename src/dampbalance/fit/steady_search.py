@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from contextlib import nullcontext
 from dataclasses import replace
 from itertools import pairwise
 
@@ -13,7 +12,6 @@ import numpy as np
 from ..arrays import Array
 from ..law.law import Law
 from ..law.terms import FRICTION
-from ..motion.jit import interpreted
 from ..signals.lines import Lines
 from .climb import MOST_EVALUATIONS
 from .minimise import WAY, climb_on, minimise
@@ -121,13 +119,12 @@ def _ends(
     """
     ends: list[WaveformFit] = []
     budget = np.array([_EFFORT])
-    with interpreted(False) if problem.law.nonlinear else nullcontext():
-        for point in points:
-            reached = _climbed(problem, point, hopeless=_HOPELESS, most=most, budget=budget)
-            if reached is not None:
-                ends.append(reached)
-            if budget[0] <= 0.0 or (ends and (ends[-1].adequate or ends[-1].chi_square < enough)):
-                break
+    for point in points:
+        reached = _climbed(problem, point, hopeless=_HOPELESS, most=most, budget=budget)
+        if reached is not None:
+            ends.append(reached)
+        if budget[0] <= 0.0 or (ends and (ends[-1].adequate or ends[-1].chi_square < enough)):
+            break
     return sorted(ends, key=lambda end: end.chi_square)
 
 

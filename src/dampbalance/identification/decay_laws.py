@@ -37,14 +37,12 @@ _HINT = 1.7  # standard errors of a coefficient, more than one in twenty decays 
 _MATTERS = 3.0  # standard errors by which another law may move F_k or c, unsaid
 _LEAST = 0.03  # of F_k or c
 _SPEED_SHOWS = 4.0  # of χ²: two standard errors by which the speed over which friction falls shows
-DECAY_TERMS = (FRICTION, "c", "c_2", "c_3")
+DECAY_TERMS = (FRICTION, "c", "c_2")
 """Terms that free decays distinguish: base at rest and at one frequency, c_r and eta act as c does."""
 
 _FALLING, _SPEED = "falling", "falling_speed"
 _NAMED = (*TERMS, "rho")
 _OTHERS = {
-    "c_a": ("damping that differs by direction", "N s/m"),
-    "k_2": ("a spring that is stiffer to one side", "N/m²"),
     "k_3": ("a spring that stiffens or softens with its deflection", "N/m³"),
     _FALLING: ("friction that falls with the speed", "N"),
     _SPEED: ("friction that falls over another speed", "m/s"),
@@ -223,29 +221,25 @@ def condition_of(fit: RingFit, further: Iterable[Departure]) -> tuple[str, dict[
     most dampers are viscous. It is no doubt: values are those of the law that was asked for, and what another would
     change is for their intervals. Friction that falls with speed acts as the negative of damping that grows with it.
     """
-    worst, sentence, effects = _MATTERS, "", {}
-    for one in further:
-        if one.symbol not in DECAY_TERMS or one.size < _HINT:
-            continue
-        most = abs(one.value) + NORMAL_95 * one.error
-        by_c = one.slopes.get("c", 0.0)
-        if by_c < 0.0:
-            most = min(most, -(fit.c + NORMAL_95 * fit.error("c")) / by_c)
-        slopes = {s: by for s, by in one.slopes.items() if s in _NAMED and fit.error(s) > 0.0}
-        moved = {s: most * by for s, by in slopes.items()}
-        size = max((abs(by) / fit.error(s) for s, by in moved.items()), default=0.0)
-        parts = {s: by / fit.value(s) for s, by in moved.items() if fit.value(s) > 0.0}
-        large = {s: part for s, part in parts.items() if abs(part) > _LEAST}
-        if size > worst and large:
-            worst, effects = size, moved
-            words = listed([_changed(fit, s, moved[s]) for s in large])
-            sentence = (
-                "The values are those of friction and viscous damping. The decays hint at "
-                f"{KNOWN_TERMS[one.symbol].words}, which would change {words}; friction that falls "
-                "with the speed looks alike and changes them the other way. The intervals include both: "
-                f"{_REMEDY}, if the damping may not be viscous."
-            )
-    return sentence, effects
+    one = next((one for one in further if one.symbol == "c_2"), None)
+    if one is None or one.size < _HINT:
+        return "", {}
+    most = abs(one.value) + NORMAL_95 * one.error
+    by_c = one.slopes.get("c", 0.0)
+    if by_c < 0.0:
+        most = min(most, -(fit.c + NORMAL_95 * fit.error("c")) / by_c)
+    slopes = {s: by for s, by in one.slopes.items() if s in _NAMED and fit.error(s) > 0.0}
+    moved = {s: most * by for s, by in slopes.items()}
+    parts = {s: by / fit.value(s) for s, by in moved.items() if fit.value(s) > 0.0}
+    large = [s for s, part in parts.items() if abs(part) > _LEAST]
+    if not large or max(abs(by) / fit.error(s) for s, by in moved.items()) <= _MATTERS:
+        return "", {}
+    words = listed([_changed(fit, s, moved[s]) for s in large])
+    return (
+        "The values are those of friction and viscous damping. The decays hint at quadratic damping, which would "
+        f"change {words}; friction that falls with the speed looks alike and changes them the other way. The intervals "
+        f"include both: {_REMEDY}, if the damping may not be viscous."
+    ), moved
 
 
 def with_effects(answer: Answer, fit: RingFit, effects: Mapping[str, float]) -> Answer:
@@ -273,7 +267,7 @@ def _changed(fit: RingFit, name: str, by: float) -> str:
 
 @one_thread
 def compare_decay_laws(fit: RingFit) -> LawComparison:
-    """Test the laws of up to two of c, c_2 and c_3 in addition to friction, or without it, on free decays, see
+    """Test the laws of c and c_2 in addition to friction, or without it, on free decays, see
     `law_comparison.compared`.
 
     Use it where the damping is not known to be viscous. Laws without what is there by 30 standard errors need no fit.

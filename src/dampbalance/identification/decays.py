@@ -22,7 +22,6 @@ from ..fit.decay import COMMON, FURTHER, RingFit, departures_of, with_noise_of
 from ..fit.scattering_mean import ScatteringMean
 from ..fit.score import Departure
 from ..fit.search import fit_all, in_the_band, profiled, separate_fits, sound, to_the_end
-from ..motion.jit import interpreted
 from ..motion.unknowns import M
 from ..project.wording import Remark, listed, percent, visible, with_error
 from ..records.mapping import MappingLike
@@ -31,7 +30,6 @@ from ..records.measurement import EXCITATIONS, ORDERS, Channel, Measurement
 from ..signals.bursts import NoDecay, Signal, noise_of, too_few_samples
 from ..signals.conditioning import in_equal_steps
 from ..signals.cycles import clipped, flat_tops
-from ..signals.disturbances import lines_of
 from ..signals.drive import stands_still
 from ..signals.one_thread import one_thread
 from ..signals.thresholds import P_OF_THE_MODEL, SHOWS
@@ -216,7 +214,6 @@ def identify_decays(
 
 
 @in_words_of_records
-@interpreted(False)  # a motion of thousands of samples, hundreds of times
 def _of_records(records: tuple[MeasuredRecord, ...], options: Mapping[str, Any]) -> DecayOutcome:
     """Return the answers to records that are read.   options : by the keys of a configuration."""
     k, mass = options["stiffness_N_per_m"], options["mass_kg"]
@@ -451,7 +448,6 @@ def _solved(
     # the balance takes whatever is in the samples for a motion with friction and viscous damping
     if fit.white and not clipped_signals and not set(fit.problem.free) & set(FURTHER):
         warnings = [*warnings, *contradiction(answer, fit, USELESS, wider)]
-    warnings += lines_in(fit)
     conditions, effects = _scatter_of(fit), dict[str, float]()
     if not doubts:
         sentence, effects = condition_of(fit, further)
@@ -471,27 +467,6 @@ def _solved(
         half_cycles=rows,
         departures=further,
     )
-
-
-def lines_in(fit: RingFit) -> list[Remark]:
-    """Return a sentence on each line in what the fit leaves outside the band of the mode: it moves no number.
-
-    A line that the mass may ring at on a contact that the interval of K_z holds says which contact that would be.
-    """
-    if fit.problem.band is None:
-        return []
-    remarks = []
-    stuck = math.sqrt((fit.k + fit.K_z) / fit.m) / (2.0 * math.pi)
-    whole, (low, high) = replace(fit, problem=replace(fit.problem, band=None)), fit.K_z_interval
-    for i, signal, residual in whole.residuals():
-        motion = 0.5 * float(np.ptp(signal.values))
-        for line in lines_of(-residual * signal.noise, signal.dt, fit.natural_frequency_hz, stuck):
-            words = f"the {signal.quantity} contains {line.words(motion)}; the fit excludes it"
-            ringing = fit.m * (2.0 * math.pi * line.frequency_hz) ** 2 - fit.k
-            if line.kind != "mains" and low < ringing < high:
-                words += f". If that is the mass ringing at rest on its contact, K_z is {ringing:.4g} N/m"
-            remarks.append(Remark(words, source=fit.decays[i].source))
-    return remarks
 
 
 def _scatter_of(fit: RingFit) -> list[str]:

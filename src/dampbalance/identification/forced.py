@@ -33,7 +33,6 @@ from ..features import FEATURE_COLUMNS, Features
 from ..fit.oscillator_fit import OscillatorFit
 from ..law.law import Law, law_of
 from ..law.terms import FRICTION, term
-from ..motion.jit import interpreted
 from ..project.wording import Remark, with_error
 from ..records.mapping import MappingLike
 from ..records.measured import MeasuredRecord, in_words_of_records
@@ -56,7 +55,7 @@ from .answer import (
     covariance_of,
 )
 from .causes import GRADUAL, condition_on_contact
-from .identified import QUICK, Identified, Picture
+from .identified import Identified, Picture
 from .law_comparison import compare_laws
 from .level import Level
 from .loading import load, require_different_levels, unclipped
@@ -223,7 +222,6 @@ def identify_forced(
     mass: Stated | None = None,
     fixture_mass: float | str | None = None,
     contact_to: Held = "ground",
-    damper_to: Held | None = None,
     terms: Sequence[str] | str | None = None,
     given: Mapping[str, float] | None = None,
     groups: Mapping[str, Sequence[str] | str] | None = None,
@@ -248,7 +246,6 @@ def identify_forced(
     fixture_mass : kg, of what moves between a load cell and the mass.
     contact_to : what holds the friction contact: "base" for a mount or an isolator, whose spring, damper and friction
     all sit between table and mass; its mass must be given.
-    damper_to : what holds the damper; default, what holds the contact.
     terms : of the damping law, symbols of `KNOWN_TERMS`; default, F_k, c and those given.
     given : symbol → known coefficient, SI units.
     groups : symbol → a label for each record, where groups of records have their own.
@@ -278,11 +275,10 @@ def identify_forced(
     'usable'
     """
     rig = rig_options(stiffness, mass, "forced")
-    held, terms = held_by(contact_to, damper_to, fixture_mass, rig, terms, given)
     law = law_of(terms, given, groups)
     options = {
         **rig,
-        **held,
+        **held_by(contact_to, fixture_mass, rig),
         "frequency_hz": None if frequency is None else quantity("frequency", frequency),
         "terms": list(law.terms),
         "given": dict(law.given),
@@ -296,7 +292,6 @@ def identify_forced(
 
 
 @in_words_of_records
-@interpreted(calls=QUICK)  # whatever was compiled before: the last bits may differ
 def _of_records(
     records: tuple[MeasuredRecord, ...], law: Law, options: Mapping[str, Any]
 ) -> ForcedOutcome:

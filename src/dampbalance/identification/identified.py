@@ -19,7 +19,6 @@ import numpy as np
 from .. import __version__
 from ..arguments import flag, one_of, path
 from ..law.terms import FRICTION
-from ..motion.jit import interpreted
 from ..project.files import plain, write_json, write_rows, write_text
 from ..project.wording import Remark, percent, sentence, visible
 from ..records.coordinate import ROTATION, TRANSLATION, Coordinate
@@ -57,9 +56,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from numpy.typing import ArrayLike
-
-QUICK = 200_000
-"""Calls of kernels, which take no more time in Python than Numba takes to load."""
 
 _IN_TABLE = ("residual", "misfit")  # of the merit of an answer
 _CAUSES = 3  # of doubt that a screen has room for
@@ -348,7 +344,6 @@ class Identified(ABC):
         shown: dict[str, Any] = self.coordinate.document(self._document(), self._names)
         return shown
 
-    @interpreted(calls=QUICK)
     def _document(self) -> dict[str, Any]:
         """Return the document with the names of a translation."""
         answers, findings = {n: entries(a) for n, a in self.approaches.items()}, self.findings()
@@ -573,7 +568,6 @@ class Identified(ABC):
         with TemporaryDirectory() as folder:
             return self._report(Path(folder), png=False)
 
-    @interpreted(calls=QUICK)
     def _report(self, folder: Path, png: bool = True) -> str:
         """Return the report, and the pictures in a folder."""
         # slow to import, and needed for pictures only

@@ -31,7 +31,6 @@ from ..fit.steady_search import fit_quickly, refit
 from ..fit.waveforms import HarmonicProblem, WaveformFit
 from ..law.law import Law
 from ..law.terms import FRICTION, KNOWN_TERMS, Term, in_order, term
-from ..motion.jit import interpreted
 from ..project.wording import listed, times
 from ..signals.mean_harmonics import Reading
 from ..signals.one_thread import one_thread
@@ -255,7 +254,6 @@ def compared(
 
 
 @one_thread
-@interpreted(False)  # nonlinear laws take thousands of orbits
 def compare_laws(
     readings: Sequence[Reading],
     k: float,

@@ -1,4 +1,4 @@
-"""Rigs: where contact and damper of a forced oscillator are held, and which masses move."""
+"""Rigs: where the contact of a forced oscillator is held, and which masses move."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, Literal, NamedTuple, TypeAlias, get_args
 
 from ..arguments import one_of
-from ..law.law import Law, law_of
+from ..law.law import Law
 from ..law.terms import term
 from ..project.wording import Remark, number_text, with_unit
 from ..records.measured import MeasuredRecord
@@ -18,7 +18,7 @@ from .loading import load
 from .oscillator import JointFit, joint_fit
 
 Held: TypeAlias = Literal["ground", "base"]
-"""Either end of a rig that holds the other side of a contact or a damper."""
+"""Either end of a rig that holds the other side of a contact."""
 
 
 class Masses(NamedTuple):
@@ -33,39 +33,25 @@ class Masses(NamedTuple):
 
 def held_by(
     contact_to: str,
-    damper_to: str | None,
     fixture_mass: float | str | None,
     rig: Mapping[str, Any],
-    terms: Sequence[Any] | str | None,
-    given: Mapping[str, float] | None,
-) -> tuple[dict[str, Any], Sequence[Any] | str | None]:
-    """Return where contact and damper are held, and the mass of a fixture, by the keys of a configuration, and the
-    terms of the law.
+) -> dict[str, Any]:
+    """Return what holds the contact, and the mass of a fixture, by the keys of a configuration.
 
-    A damper to the base acts on the velocity against it, as the term c_r does. For a mount, whose contact and damper
-    both go to the base, the motion against the base takes the place of x, and its terms stay.
+    For a mount, whose contact and damper both go to the base, the motion against the base takes the place of x.
 
     rig : stiffness and mass, by their keys.   Others are as for `identify_forced`.
 
-    Raises ValueError for a mount whose mass or stiffness is missing, and for one with a damper to the ground.
+    Raises ValueError for a mount whose mass or stiffness is missing.
     """
     of_contact = one_of("contact_to", contact_to, get_args(Held))
-    damper = contact_to if damper_to is None else one_of("damper_to", damper_to, get_args(Held))
-    if of_contact == "base" and damper == "ground":
-        raise ValueError(
-            "damper_to = ground with contact_to = base: a damper to the ground beside a mount is not covered; leave "
-            "damper_to out"
-        )
     if of_contact == "base" and None in (rig["stiffness_N_per_m"], rig["mass_kg"]):
         raise ValueError(
             "contact_to = base needs stiffness and mass, as a mount moves as under the force −mÿ: weigh what stands on "
             "it (--mass)"
         )
-    if damper != of_contact:
-        terms = ["c_r" if one == "c" else one for one in law_of(terms, given, None).terms]
     fixture = None if fixture_mass is None else quantity("fixture_mass", fixture_mass)
-    held = {"contact_to": of_contact, "damper_to": damper, "fixture_mass_kg": fixture}
-    return held, terms
+    return {"contact_to": of_contact, "fixture_mass_kg": fixture}
 
 
 def require_base(records: Sequence[MeasuredRecord], what: str, remedy: str) -> None:

@@ -34,7 +34,6 @@ from ..identification.request import Stated, mapping_option, records_of
 from ..identification.sensitivities import Fault
 from ..identification.stated import with_stated_uncertainties
 from ..law.terms import FRICTION
-from ..motion.jit import interpreted
 from ..project.wording import Remark, listed, number_text, percent, with_error
 from ..records.mapping import MappingLike
 from ..records.quantities import quantity
@@ -148,7 +147,6 @@ class LoopOutcome(Identified):
         return self._history.copy()
 
     @cached_property
-    @interpreted(False)  # a motion of up to millions of samples
     def _history(self) -> pd.DataFrame:
         import pandas as pd  # slow to import
 
@@ -363,7 +361,6 @@ def _fits(loops: Sequence[Loop], share: float, backlash: bool) -> dict[str, Loop
     return {"one slider": slider, "gradual": gradual}
 
 
-@interpreted(False)
 def row_of(loop: Loop, fit: LoopFit) -> tuple[Array, Array, Array]:
     """Return a, b and W of the balance of each cycle, m, m²/s and J, with the contact of a fit; W is less what a
     quadratic damper takes."""

@@ -13,7 +13,6 @@ from __future__ import annotations
 import contextlib
 import functools
 import hashlib
-import math
 import os
 import sys
 import threading
@@ -29,7 +28,6 @@ _OTHERS = (
     *(f"replication/{name}" for name in ("fixed_step", "record", "sampled")),
 )
 _LOCK = threading.RLock()
-_left = 0.0  # calls of kernels that are still to be interpreted
 _target = threading.local()  # .cuda : whether this thread compiles for a GPU
 
 
@@ -128,12 +126,6 @@ class _Kernel:
         return self._on_device._numba_type_
 
     def __call__(self, *arguments: Any) -> Any:
-        global _left
-        if _left > 0.0:
-            _left -= 1.0
-            # Python raises where machine code goes on with NaN or ∞, as at √−1 or e^1000: that goes on for this call
-            with contextlib.suppress(ArithmeticError, ValueError):
-                return self.py_func(*arguments)
         return self.dispatcher(*arguments)
 
 
@@ -150,18 +142,3 @@ def for_device() -> Iterator[None]:
         yield
     finally:
         _target.cuda = False
-
-
-@contextlib.contextmanager
-def interpreted(on: bool = True, calls: float = math.inf) -> Iterator[None]:
-    """Run kernels in Python, which for a few hundred orbits takes less time than importing Numba.
-
-    calls : of kernels, also from one another; those beyond are compiled, and those in which Python raises an error, for
-    machine code may go on with NaN or ∞. An orbit takes 100 to 200. The last bits may differ.
-    """
-    global _left
-    previous, _left = _left, calls if on else 0.0
-    try:
-        yield
-    finally:
-        _left = previous

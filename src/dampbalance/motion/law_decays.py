@@ -1,6 +1,6 @@
 """Free decays under damping and springs that are not linear, with their derivatives.
 
-    m ẍ + c ẋ + c_2 |ẋ| ẋ + c_3 ẋ³ + c_a |ẋ| + k x + k_2 x² + k_3 x³ + f = 0
+    m ẍ + c ẋ + c_2 |ẋ| ẋ + k x + k_3 x³ + f = 0
     ḟ = K_z ẋ within |f| ≤ F_k + p e^(−|ẋ|/v)
 
 The base is at rest. The linear part of a phase is followed by its exact flow, the rest by the Runge–Kutta method of
@@ -23,10 +23,10 @@ from .flow import step_response
 from .jit import jit
 from .unknowns import F_K, OSCILLATOR_UNKNOWNS, RHO, C, M
 
-ADDED = ("c_2", "c_3", "c_a", "k_2", "k_3", "falling", "falling_speed", "gradual")
-"""Coefficients of what is not linear: N s²/m², N s³/m³, N s/m, N/m², N/m³; p, N, by which friction is larger at rest,
-and the speed v, m/s, over which that falls by a factor e, 0 for at once; and how much of `rounding` the force of the
-contact has, whose own events stay where they are without it."""
+ADDED = ("c_2", "k_3", "falling", "falling_speed", "gradual")
+"""Coefficients of what is not linear: N s²/m², N/m³; p, N, by which friction is larger at rest, and the speed v, m/s,
+over which that falls by a factor e, 0 for at once; and how much of `rounding` the force of the contact has, whose own
+events stay where they are without it."""
 
 DECAY_UNKNOWNS = (*OSCILLATOR_UNKNOWNS, "x", "v", "w", *ADDED)
 """The unknowns by which derivatives are taken: those of the oscillator, the start state, z = (w − 1) F_k/K_z with the
@@ -35,12 +35,12 @@ preload w of the contact spring, and `ADDED`."""
 LINEAR_UNKNOWNS = len(OSCILLATOR_UNKNOWNS) + 3
 """Number of these that a fit of friction and viscous damping needs."""
 
-Coefficients = tuple[float, float, float, float, float, float, float, float]
+Coefficients = tuple[float, float, float, float, float]
 """Values of the coefficients in `ADDED`."""
 
 _START_X, _START_V, _START_PRELOAD = range(len(OSCILLATOR_UNKNOWNS), LINEAR_UNKNOWNS)
 _FIRST_ADDED = LINEAR_UNKNOWNS
-_FALLING, _SPEED, _GRADUAL = range(5, len(ADDED))
+_C_2, _K_3, _FALLING, _SPEED, _GRADUAL = range(len(ADDED))
 # Rows of the work space, (15, 1 + n): a row is the motion, or a force on it, and its n derivatives. It is handed on
 # whole, as each array that is handed on costs as much as a tenth of a step.
 _STAGE, _HALF = 0, 4  # accelerations of the four stages of a step; x and ẋ after half of it
@@ -73,12 +73,11 @@ def _persisting(v: float, p: Coefficients) -> float:
 def _added(x: float, v: float, sticks: bool, p: Coefficients) -> tuple[float, float, float]:
     """Return the force that is not linear, and its derivatives by x and ẋ."""
     size = abs(v)
-    sign = 1.0 if v > 0.0 else (-1.0 if v < 0.0 else 0.0)
-    force = (p[0] * size + p[1] * v * v) * v + p[2] * size + (p[3] + p[4] * x) * x * x
-    by_x = (2.0 * p[3] + 3.0 * p[4] * x) * x
-    by_v = 2.0 * p[0] * size + 3.0 * p[1] * v * v + p[2] * sign
+    force = p[_C_2] * size * v + p[_K_3] * x * x * x
+    by_x = 3.0 * p[_K_3] * x * x
+    by_v = 2.0 * p[_C_2] * size
     if not sticks and p[_FALLING] != 0.0 and p[_SPEED] > 0.0:
-        left = _persisting(v, p)
+        left, sign = _persisting(v, p), 1.0 if v > 0.0 else (-1.0 if v < 0.0 else 0.0)
         force -= sign * p[_FALLING] * (1.0 - left)
         by_v -= p[_FALLING] * left / p[_SPEED]
     return force, by_x, by_v
@@ -119,11 +118,8 @@ def _accelerations(
         return
     size = abs(v)
     first = 1 + _FIRST_ADDED
-    w[stage, first] -= size * v / par.m
-    w[stage, first + 1] -= v * v * v / par.m
-    w[stage, first + 2] -= size / par.m
-    w[stage, first + 3] -= x * x / par.m
-    w[stage, first + 4] -= x * x * x / par.m
+    w[stage, first + _C_2] -= size * v / par.m
+    w[stage, first + _K_3] -= x * x * x / par.m
     if not sticks:
         left = _persisting(v, p)
         w[stage, first + _FALLING] += math.copysign(1.0 - left, v) / par.m
@@ -279,14 +275,14 @@ def law_decay(
 
     NaN from where the contact rattles on.
 
-    x, v, preload : at t = 0.   coefficients : of `ADDED`, (8,).
+    x, v, preload : at t = 0.   coefficients : of `ADDED`, (5,).
     unknowns : how many of `DECAY_UNKNOWNS` to differentiate by: all, or `LINEAR_UNKNOWNS` in a third of the time.
     """
     rows = 1 + unknowns
     out = np.full((times.size, rows), math.nan)
     w = np.zeros((15, rows))
     c = coefficients
-    p = (c[0], c[1], c[2], c[3], c[4], c[5], c[6], c[7])
+    p = (c[0], c[1], c[2], c[3], c[4])
     # a literal would have each kernel compiled once more
     here, there, stage = int(np.int64(_STATE)), int(np.int64(_STATE + 2)), int(np.int64(_STAGE))
     w[_HELD, 0], w[here + 1, 0] = x, v

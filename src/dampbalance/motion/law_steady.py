@@ -34,7 +34,6 @@ from ..law.terms import term
 from ..model import BaseMotion, Oscillator
 from .distorted import distorted_harmonics
 from .events import MOST_RADIANS
-from .jit import interpreted
 from .nearby import steady_orbit_near
 from .orbit import NoSteadyOrbit, Orbit, steady_orbit
 from .regime import Regime
@@ -569,8 +568,7 @@ def added_by_base(base: Complexes, response: Response, count: int) -> Complexes:
     to_base = 1.0 + 1j * order * math.tan(response.advance + response.turned)
     y = np.append(orbit.motion.Y, base * to_base * np.exp(-1j * order * response.advance))
     try:
-        with interpreted(False):  # it takes hundreds of steps
-            change = distorted_harmonics(orbit, y, 2 * count)[::2] - orbit.harmonics(count)
+        change = distorted_harmonics(orbit, y, 2 * count)[::2] - orbit.harmonics(count)
     except NoSteadyOrbit:
         # approximately, with a contact that always slips
         own, rates = orbit.oscillator, n * orbit.motion.omega

@@ -22,7 +22,6 @@ import numpy as np
 from ..arrays import Array
 from ..model import BaseMotion, Oscillator, Parameters, parameters
 from .events import MOST_RADIANS, PHASE_T, PHASE_X
-from .jit import interpreted
 from .orbit import Orbit, steady_orbit
 from .period_map import half_period_map
 from .regime import Regime
@@ -48,8 +47,7 @@ def steady_orbit_near(
         fastest = max(math.sqrt((par.k + par.K_z) / par.m), par.c / par.m, par.omega)
         few = _MOST_MAPS * math.pi * fastest <= most_radians * par.omega
         if few and solve_closed(par, phases)[0] == NO_CLOSED_FORM:
-            with interpreted(False):
-                count, theta = _follow(par, phases, near)
+            count, theta = _follow(par, phases, near)
             if count:
                 regime = Regime.ONE_SLIP if count == 2 else Regime.SEVERAL_SLIPS
                 return Orbit(oscillator, motion, regime, theta, phases[:count].copy())

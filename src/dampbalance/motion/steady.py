@@ -14,7 +14,7 @@ import numpy as np
 from ..arrays import Array
 from ..model import Parameters
 from .events import MOST_RADIANS, PHASE_T, write_phase
-from .jit import interpreted, jit
+from .jit import jit
 from .one_slip import solve_one_slip
 from .period_map import solve_general
 from .regime import Regime
@@ -39,8 +39,7 @@ def solve_steady(par: Parameters, most_radians: float = MOST_RADIANS) -> tuple[i
     code, count, theta = solve_closed(par, phases)
     if code == NO_CLOSED_FORM:
         phases = np.empty((MAX_PHASES, 5))
-        with interpreted(False):  # it may take thousands of steps
-            code, count, theta = solve_otherwise(par, phases, most_radians)
+        code, count, theta = solve_otherwise(par, phases, most_radians)
     return code, phases[:count].copy(), theta
 
 

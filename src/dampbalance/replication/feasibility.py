@@ -7,8 +7,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from ..model import BaseMotion, Oscillator
-from ..motion.jit import interpreted
-from ..motion.orbit import MOST_EVENTS, RANGES, NoSteadyOrbit, Orbit, steady_orbit
+from ..motion.orbit import MOST_EVENTS, RANGES, NoSteadyOrbit, steady_orbit
 from ..project.case import Case
 from ..project.documents import Problem, refuse
 from .authors_route import printed_coefficients
@@ -43,7 +42,7 @@ def check_feasible(case: Case, files: Iterable[str | Path]) -> list[str]:
         for motion in case.motions(frequency):
             place = f"{frequency} ({hz:g} Hz), Y = {motion.Y:g} m"
             try:
-                orbit = _orbit(case.oscillator, motion)
+                orbit = steady_orbit(case.oscillator, motion)
             except NoSteadyOrbit as error:
                 refuse(("excitation", "frequencies", i, "hz"), f"{place}: {error}", files)
             spent = orbit.a * case.oscillator.F_k + orbit.b * case.oscillator.c
@@ -62,18 +61,6 @@ def check_feasible(case: Case, files: Iterable[str | Path]) -> list[str]:
         text += f"{MIN_STICK_SAMPLES} steps; take at most {0.95 * most:.2g}"
         refuse(("as_published", "step_s"), text, files)
     return notices
-
-
-def _orbit(osc: Oscillator, motion: BaseMotion) -> Orbit:
-    """Return the exact orbit, by Python as far as that goes: for a few, loading compiled code takes longer."""
-    try:
-        with interpreted():
-            orbit = steady_orbit(osc, motion)
-            if math.isfinite(orbit.X):  # computing X computes the features, too
-                return orbit
-    except (ArithmeticError, ValueError):  # such as an overflow, where machine code goes on with ∞
-        pass
-    return steady_orbit(osc, motion)
 
 
 def _out_of_range(case: Case) -> Iterator[Problem]:
@@ -120,13 +107,12 @@ def _wrong_steps(case: Case) -> Iterator[Problem]:
             yield ("as_published", f"{name}_decimals"), text
     # A scheme is unstable if it lets a decaying motion grow: in slip over all cycles, in stick over one at most.
     for phase, K_z, cycles in (("slip", 0.0, numerics.cycles), ("stick", osc.K_z, 1)):
-        with interpreted():  # a dozen steps: loading compiled code takes longer
-            growth = largest_growth(
-                numerics.scheme,
-                numerics.step_s,
-                **printed_coefficients(case),
-                contact_over_m=K_z / osc.m,
-            )
+        growth = largest_growth(
+            numerics.scheme,
+            numerics.step_s,
+            **printed_coefficients(case),
+            contact_over_m=K_z / osc.m,
+        )
         if cycles * per_cycle * math.log(growth) > math.log(MOST_GROWTH):
             text = f"{numerics.step_s:g} s makes {numerics.scheme} unstable in {phase}"
             yield step, f"{text}; take a smaller step, or backward-euler"

@@ -62,9 +62,6 @@ counts."""
 P_ONE_OSCILLATOR = 1e-3
 """χ² that one oscillator, or one friction force, for all decays adds: below, they are fitted with their own."""
 
-P_LINE_IN_NOISE = 1e-4
-"""A line of a spectrum in noise: a false one is a hum that is named, or one start more for K_z."""
-
 P_STEP_BACK = 3e-4
 """χ² that new samples add where the start of a decay moves back: asked a hundred times on the way."""
 
@@ -78,7 +75,6 @@ TESTS: Mapping[str, int] = {
     "P_DEPARTURE": 6,  # gain, frame, friction, damping and spring
     "P_FURTHER_TERM": 1,  # asked once, of the whole list
     "P_ONE_OSCILLATOR": 4,  # steps in which the decays of a set are joined
-    "P_LINE_IN_NOISE": 4,  # channels
     "P_STEP_BACK": 0,
 }
 """Number of times that each is asked, with the power to cast a doubt, in a usual set of records."""
