@@ -83,7 +83,6 @@ rule study_figure:
     output:
         svg=report(
             f"{STUDY_RESULTS}/{{study}}/figure.svg",
-            caption="../report/study.rst",
             category="Studies",
             labels=study_title,
         ),
