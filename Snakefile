@@ -30,9 +30,6 @@ FIRST_RULE = workflow.default_target
 configfile: relpath(ROOT / "config/config.yaml")
 
 
-report: "workflow/report/workflow.rst"
-
-
 include: "workflow/rules/common.smk"
 include: "workflow/rules/simulate.smk"
 include: "workflow/rules/features.smk"

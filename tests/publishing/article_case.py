@@ -1,7 +1,7 @@
 """The article of the paper's case, built in a folder of its own by the scripts of the workflow.
 
 The routes are computed in memory, the studies are those of `config/studies`, except the step (three of them only)
-and the noise (two runs of each set).
+and the map (fewer oscillators).
 """
 
 from __future__ import annotations
@@ -27,9 +27,7 @@ from dampbalance.figures import style
 from dampbalance.project.files import write_csv, write_json
 from dampbalance.publishing.article import compiling
 from dampbalance.replication.rebuilt_tables import paper_tables
-from dampbalance.studies import case_files
 from dampbalance.studies.shown.study_figure import alternative_text, study_figure
-from dampbalance.studies.shown.summary import summary_of
 from dampbalance.studies.study_file import PAPER_CASE
 from legible import faults
 from replication.routes import (
@@ -59,13 +57,12 @@ SOURCES = {
 FOLDERS = {"results": RESULTS, "studies": STUDIES}  # as the rule names them
 INPUTS = {"results": f"/{RESULTS}", "studies": f"/{STUDIES}", "sources": SOURCES}
 OF_ARTICLE = [
-    *("frequency", "level", "contact_stiffness", "damping", "read_out", "step_size"),
-    *("noise", "rigid_contact", "map"),
+    *("frequency", "level", "contact_stiffness", "damping"),
+    *("read_out", "step_size", "rigid_contact", "map"),
 ]
 COARSER = {
     "step_size": ("[2.0e-6, 5.0e-6, 1.0e-5, 2.0e-5, 4.0e-5, 8.0e-5]", "[5.0e-6, 4.0e-5, 8.0e-5]"),
     "map": ("count: 262144", "count: 1024"),
-    "noise": ("run: {from: 1, to: 50, count: 50}", "run: {from: 1, to: 2, count: 2}"),
 }
 FIRST = next(iter(CASE.frequencies_hz))
 
@@ -193,9 +190,6 @@ def _studies(project: Project) -> tuple[list[str], list[str]]:
         study, table = computed(name, folder / STUDIES, COARSER.get(name, ("", "")))
         figure = study_figure(study, table)
         project.save(figure, table.with_name("figure.svg"), None, alternative_text(study))
-        if name == "noise":
-            write_csv(table.with_name("summary.csv"), summary_of(table, study))
-            case_files.write_manifest(table.with_name("manifest.json"), table, study, "0")
         cases.append(f"{STUDIES}/{name}/cases.parquet")
         files.append(f"{STUDIES}/{name}.yaml")
     return cases, files

@@ -157,7 +157,6 @@ BY_HAND = {
     # a_1 b_2 − a_2 b_1 = 7.6911e-6, beside 4 Z_m (b_2 − b_1) = 2.46154e-5 · 1.15010e-3 = 2.8310e-8
     "study.rigid_contact.pair_F_omega1": "−0.367 %",
     "case.rigid_contact.paper": "90.04329",  # 208 000/2310
-    "noise.sampling_hz": "1000",
     # of the studies' files and of CITATION.cff
     "range.contact_stiffness.low": "2",
     "range.contact_stiffness.high": "1\u2009000\u2009000",

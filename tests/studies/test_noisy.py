@@ -274,27 +274,6 @@ def test_numbers_of_many_runs(computed, says):
     assert float(p95.split()[0]) == pytest.approx(100.0 * errors.abs().max(), rel=0.01)
 
 
-def test_the_coverage_of_the_cells(computed, make, says):
-    """43 of 50 intervals hold in one cell and all in the others: Wilson's bounds of 0.86 are 0.738 and 0.930, as his
-    formula gives by hand."""
-    changed = document("noisy")
-    changed["axes"][2] = {"run": {"from": 1, "to": 50, "count": 50}}
-    study = make(changed)
-    values = cases_between(study, 0, study.cases).values
-    table = pd.DataFrame(
-        {column.name: values.get(column.name, 0.0) for column in case_columns(study)}
-    )
-    table["case"], table["regime"] = np.arange(study.cases), "one_slip"
-    missed = (table["frequency_hz"] == 3.5) & (table["noise"] == 0.001) & (table["run"] <= 7)
-    table[f"F_k_covered__{DIRECT}"] = np.where(missed, 0.0, 1.0)
-    _, _, path = computed(changed, table)
-    template = """{% set all = errors("F_k", "direct") %}{% for of in (all, all.at(noise=0.01)) %}
-        {%- set least = of.spreads | min(attribute="coverage") %}
-        {%- for name in ("coverage", "coverage_low", "coverage_high") %} {{ least[name] | percent }} {%- endfor %};
-    {%- endfor %}"""
-    assert says(study, path, template) == "86.0 % 73.8 % 93.0 %; 100 % 92.9 % 100 %;"
-
-
 @pytest.mark.parametrize("hz", FREQUENCIES_HZ.values())
 def test_without_noise_the_plain_rule_errs_as_a_rigid_contact(hz):
     """So that the bias that a rigid model has from exact features is the part of its bias that noise does not make."""

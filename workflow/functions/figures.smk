@@ -4,7 +4,6 @@ def figure_files(name, title):
     return {
         f"{name}_svg": report(
             f"{RESULTS}/figures/{name}.svg",
-            caption=f"../report/{name}.rst",
             category="Figures",
             labels={"result": title},
         ),
@@ -16,7 +15,6 @@ MATCH_FILES = {}
 if config["published"]:
     MATCH_FILES["match"] = report(
         f"{RESULTS}/figures/match.svg",
-        caption="../report/match.rst",
         category="Verdicts",
         labels={"result": "The match at a glance"},
     )

@@ -21,4 +21,4 @@ def reported_table(file):
         where = "" if name == "approaches" else f", at {hz:g} Hz"
         return {"result": plain_text(TITLES[name]) + where}
 
-    return report(file, caption="../report/table.rst", category="Tables", labels=title)
+    return report(file, category="Tables", labels=title)

@@ -3,8 +3,8 @@
 
 ARTICLE = f"{RESULTS}/article"
 ARTICLE_STUDIES = [
-    *("frequency", "level", "contact_stiffness", "damping", "read_out", "step_size"),
-    *("noise", "rigid_contact", "map"),
+    *("frequency", "level", "contact_stiffness", "damping"),
+    *("read_out", "step_size", "rigid_contact", "map"),
 ]
 ARTICLE_PACKAGES = [
     "dampbalance",
@@ -67,8 +67,6 @@ if config["published"]:
         f"{RESULTS}/claims.csv": "claims",
         f"{RESULTS}/tables/approaches.csv": "tables",
         f"{ARTICLE}/studies.json": "article_numbers",
-        f"{STUDY_RESULTS}/noise/manifest.json": "study_cases",
-        f"{STUDY_RESULTS}/noise/summary.csv": "study_summary",
         f"{RESULTS}/tables/table1.csv": "tables",
         f"{RESULTS}/tables/table2.csv": "tables",
         f"{RESULTS}/tables/table3.csv": "tables",
@@ -83,13 +81,12 @@ if config["published"]:
             figures=list(ARTICLE_FIGURES.values()),
             study_figures=expand(
                 f"{STUDY_RESULTS}/{{study}}/figure.svg",
-                study=("frequency", "noise", "rigid_contact", "map"),
+                study=("frequency", "rigid_contact", "map"),
             ),
             code=PACKAGE,
         output:
             pdf=report(
                 f"{RESULTS}/article.pdf",
-                caption="../report/article.rst",
                 category="Reading",
                 labels={"result": "The article"},
             ),

@@ -14,7 +14,6 @@ rule claims:
     output:
         csv=report(
             f"{RESULTS}/claims.csv",
-            caption="../report/claims.rst",
             category="Verdicts",
             labels={"result": "Every printed number, its verdict and the reason"},
         ),
@@ -39,7 +38,6 @@ rule check:
     output:
         summary=report(
             f"{RESULTS}/summary.txt",
-            caption="../report/summary.rst",
             category="Verdicts",
             labels={"result": "How many numbers earn which verdict"},
         ),

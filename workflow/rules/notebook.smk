@@ -10,7 +10,6 @@ rule notebook:
     output:
         ipynb=report(
             f"{RESULTS}/notebook/tour.ipynb",
-            caption="../report/notebook.rst",
             category="Reading",
             labels={"result": "The guided tour"},
         ),

@@ -14,7 +14,6 @@ rule manifest:
     output:
         json=report(
             f"{RESULTS}/manifest.json",
-            caption="../report/manifest.rst",
             category="Provenance",
             labels={"result": "What made the results: configuration, code, packages"},
         ),

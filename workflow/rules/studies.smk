@@ -19,7 +19,7 @@ wildcard_constraints:
     chunk="[0-9]+",
 
 
-# Expensive and pure: with SNAKEMAKE_OUTPUT_CACHE, `make` has it kept for other clones. Rules that may be have no benchmark.
+# Expensive and pure: with SNAKEMAKE_OUTPUT_CACHE, `make docs` has it kept for other clones. Rules that may be have no benchmark.
 rule study_chunk:
     input:
         code=STUDY_ROOMS,
@@ -73,7 +73,6 @@ rule study_figure:
     output:
         svg=report(
             f"{STUDY_RESULTS}/{{study}}/figure.svg",
-            caption="../report/study.rst",
             category="Studies",
             labels=study_title,
         ),

@@ -39,7 +39,6 @@ def main(params, inputs):
         figures=dict(zip(params.figures, map(read_text, inputs.figures), strict=True)),
         evidence=json.loads(read_text(inputs.evidence)) if inputs.evidence else None,
         shown=json.loads(read_text(inputs.shown)) if inputs.shown else {},
-        noise=read_csv(inputs.noise) if inputs.noise else None,
         studies=list(zip(studies, map(read_text, inputs.study_figures), strict=True)),
         study_folder=params.study_folder,
     )

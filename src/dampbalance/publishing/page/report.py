@@ -32,7 +32,6 @@ from ...project.wording import minus, number_text, percent, signed_percent, unit
 from ...replication.claims import verdicts as judged
 from ...replication.comparison import WAY, mends, off_resonance
 from ...replication.rebuilt_tables import SHOWN_ROUTES, TITLES, blocks, claim_of
-from ...studies.shown.summary import along_lines
 from ...studies.study_file import Study
 from .. import words
 from ..colours import css_variables
@@ -64,7 +63,6 @@ class PageContent:
     numerics.
     evidence : `derived_numbers`, which the article argues with.   shown : study → its numbers and its paragraph, as
     the article has them.   studies : (study, its figure as SVG).   study_folder : where their results stand.
-    noise : the summary of the study of noise, if that is among them.
     """
 
     case: Case
@@ -77,7 +75,6 @@ class PageContent:
     shown: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     studies: Sequence[tuple[Study, str]] = ()
     study_folder: str = "results/studies"
-    noise: pd.DataFrame | None = None
 
 
 ORIGINS: dict[str, dict[str, Any]] = read_yaml(
@@ -128,7 +125,6 @@ def report_page(content: PageContent, page: str) -> str:
         mends=mends(approaches, frequencies),
         figures=figures,
         studies=studies,
-        noise=studies.get("noise"),
         origins=ORIGINS,
         configuration=wording.dotted(content.config),
         evidence=content.evidence,
@@ -190,18 +186,13 @@ def _parts(
 
 
 def _study(content: PageContent, study: Study, svg: str) -> dict[str, Any]:
-    """Return the figure of a study, with what it shows: in its first sentence, and in more.
-
-    lines, of noise : the errors of F_k as `along_lines` has them.
-    """
+    """Return the figure of a study, with what it shows: in its first sentence, and in more."""
     name = study.name.replace("_", "-")
     first, _, more = content.shown[study.name]["paragraph"].partition(". ")
-    summary = content.noise if study.name == "noise" else None
     cases = f"{content.study_folder}/{study.name}/cases.parquet"
     files = (cases, f"config/studies/{study.name}.yaml")
     return {
         **{"title": study.title, "first": f"{first}.", "more": more},
-        "lines": [] if summary is None else along_lines(study, summary, "F_k"),
         "figure": _figure(f"study-{name}", svg),
         "origin": ORIGINS["studies"] | {"results": files},  # its file says what is varied
     }

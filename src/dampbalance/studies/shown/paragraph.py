@@ -22,7 +22,7 @@ from ..case_files import column_of
 from ..cases import case_columns
 from ..reading_study import wrong_selection
 from ..study_file import Fit, Study, is_value, selected
-from .statistics import Sizes, groups, spread_of, worst_errors
+from .statistics import Sizes, spread_of, worst_errors
 
 CROSSING, BEGINS, ENDS = "", " (where the axis begins)", " (where the axis ends)"
 NOT_IDENTIFIED_BEYOND = " (beyond it there are cases that cannot be identified)"
@@ -111,17 +111,6 @@ class ErrorsOfCases:
     def spread(self) -> dict[str, float]:
         """Statistics over the cases that are left, of one fit, as `statistics.spread` has them."""
         return spread_of(self.study, self.cases, self.spec["of"], self._fit, self._kept)
-
-    @property
-    def spreads(self) -> list[dict[str, float]]:
-        """`spread` of each combination of values of the axes `summary_by` of the study in which a case is left."""
-        by = groups(self.cases, self.study.summary_by)
-        parts = (np.intersect1d(numbers, self._kept) for _, numbers in by)
-        return [
-            spread_of(self.study, self.cases, self.spec["of"], self._fit, of)
-            for of in parts
-            if of.size
-        ]
 
     @property
     def _fit(self) -> Fit:

@@ -79,20 +79,6 @@ def _which(quantity: str, fit: Fit) -> dict[str, str]:
     return by | {"weights": fit.weights, "fit": fit.kind}
 
 
-def along_lines(
-    study: Study, summary: pd.DataFrame, quantity: str
-) -> list[tuple[str, list[dict[Any, Any]]]]:
-    """Return the rows of a summary along the lines of the study's figure: (label of the line, its rows of this
-    quantity)."""
-    found = []
-    for label, spec in study.figure["lines"].items():
-        (fit,) = study.fits_of(spec)
-        which = pd.Series(_which(quantity, fit))
-        same = (summary[which.index].fillna("") == which).all(axis=1)
-        found.append((label, summary[same].to_dict("records")))
-    return found
-
-
 # --- the page ----------------------------------------------------------------------------------------
 
 
