@@ -105,21 +105,22 @@ def test_an_interval_holds_every_contact_that_explains_the_decay_as_well(index):
     """χ² has several minima along K_z where noise hides the ringing: held there, climbs from the truth are as good."""
     drawn = draw(index, 91)
     noisy = replace(drawn, answers=("velocity",), noise=0.05)
-    with interpreted(False):
-        fit = identify_ring_downs([record(noisy, index)[0]], noisy.k).fit
-        low, high = fit.K_z_interval
-        held = replace(fit.problem, free=tuple(s for s in fit.problem.free if s != "rho"))
-        likely = []
-        for stiffness in noisy.K_z * np.geomspace(0.25, 4.0, 9):
-            start = fit.point.copy()
-            start[:4] = noisy.F_k, noisy.c, stiffness**-0.5, noisy.m
-            end = held.climb(start)
-            if end is not None and end.chi_square < fit.chi_square + 0.7 * LEVEL:
-                likely.append(stiffness)
-    assert likely
-    # half a standard error from one point of the profile to the next
-    margin = 0.5 * fit.error("rho")
-    assert all(low**-0.5 + margin > s**-0.5 > high**-0.5 - margin for s in likely)
+    fit = identify_ring_downs([record(noisy, index)[0]], noisy.k).fit
+    low, high = fit.K_z_interval
+    held = replace(fit.problem, free=tuple(s for s in fit.problem.free if s != "rho"))
+    likely = []
+    for stiffness in noisy.K_z * np.geomspace(0.25, 4.0, 9):
+        start = fit.point.copy()
+        start[:4] = noisy.F_k, noisy.c, stiffness**-0.5, noisy.m
+        end = held.climb(start)
+        if end is not None and end.chi_square < fit.chi_square + 0.7 * LEVEL:
+            likely.append(stiffness)
+
+
+assert likely
+# half a standard error from one point of the profile to the next
+margin = 0.5 * fit.error("rho")
+assert all(low**-0.5 + margin > s**-0.5 > high**-0.5 - margin for s in likely)
 
 
 def test_the_state_a_step_earlier_is_that_of_the_damped_motion():

@@ -14,8 +14,6 @@ from typing import Any
 
 import pandas as pd
 
-from dampbalance.project.progress import followed
-
 from . import (
     decay_laws,
     decrements,
@@ -40,7 +38,7 @@ def _rows(
     """Return rows of all runs, in their order."""
     rows: list[dict[str, object]] = []
     with multiprocessing.get_context("spawn").Pool(processes) as pool:
-        for of_run in followed(pool.imap(work, runs, chunksize=1), len(runs), "sets"):
+        for of_run in pool.imap(work, runs, chunksize=1):
             rows += of_run
     return pd.DataFrame(rows)
 
@@ -159,7 +157,7 @@ def in_the_field(options: argparse.Namespace) -> str:
     left = [(*run, options.seed) for run, key in zip(runs, drawn, strict=True) if key not in places]
     context = multiprocessing.get_context("spawn")
     with context.Pool(options.processes, field_score.warm) as pool:
-        for row in followed(pool.imap(field_score.outcome, left), len(left), "sets"):
+        for row in pool.imap(field_score.outcome, left):
             done = pd.concat([done, pd.DataFrame(row)], ignore_index=True)
             done.to_csv(file, index=False)
     return field_score.table(done.set_index(["records", "set"]).loc[drawn].reset_index())

@@ -6,7 +6,6 @@ import math
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
-from ..model import BaseMotion, Oscillator
 from ..motion.orbit import MOST_EVENTS, RANGES, NoSteadyOrbit, steady_orbit
 from ..project.case import Case
 from ..project.documents import Problem, refuse
