@@ -82,6 +82,7 @@ CASES = {
         SOFT,
         lambda: integrated(Departure(falling=0.2, speed=FALLING * FASTEST), SOFT, noise=5e-7),
     ),
+    "c_2": (20.0, SOFT, lambda: integrated(Departure(quadratic=20.0), SOFT, noise=5e-7)),
     "gradual": (0.2, SOFT, lambda: gradual(0.2)),
     "k_3": (CUBIC, SOFT, lambda: integrated(Departure(cubic=CUBIC), SOFT, noise=5e-6)),
 }

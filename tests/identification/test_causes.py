@@ -14,6 +14,7 @@ from dampbalance.fit.nuisances import NUISANCES
 from dampbalance.identification.causes import CAUSES, likeliest
 from dampbalance.identification.forced import identify_readings
 from dampbalance.identification.oscillator import joint_fit
+from dampbalance.law.law import Law
 from dampbalance.signals.lines import Lines
 from dampbalance.signals.mean_harmonics import read_features
 from identification.levels import THREE, changed, measured
@@ -64,6 +65,7 @@ MADE = {
     "frame": ({"reads": lambda n, x, Y: (x - Y * (n == 1), Y)}, None),
     "friction_level": ({"forces": (0.38, 0.3935, 0.4065, 0.42)}, 0.07),
     "friction_speed": ({"departure": Departure(falling=0.05, speed=0.1 * FASTEST)}, 0.05),
+    "c_2": ({"departure": Departure(quadratic=0.4)}, 0.4),
     "k_3": ({"departure": Departure(cubic=0.005 * K / 0.02**2)}, 0.005 * K / 0.02**2),
 }
 """The motion or channel that makes each departure, of a laboratory's size, and that size."""
@@ -151,6 +153,11 @@ def test_no_cause_is_named_with_a_size_that_it_cannot_have(name):
         values.append(cause.value)
     unit = {"corner": OMEGA / (2.0 * math.pi), "delay": 1.0 / OMEGA}.get(name, 1.0)
     assert all(least < value / unit < greatest for value in values)
+
+
+def test_a_term_that_the_law_has_is_no_departure():
+    lines = lines_of(departure=Departure(quadratic=0.4))
+    assert joint_fit(lines, K, law=Law(("F_k", "c", "c_2"))).explained == ()
 
 
 def in_frame(channel, taken_for, hz=3.5, base="base_displacement"):

@@ -152,6 +152,9 @@ FAULTS = {
     "friction_speed": Fault(
         "friction is 30 % larger at rest", _with(lambda Y: Further(falling=0.3, speed=0.02))
     ),
+    "c_2": Fault(
+        "damping of 60 N s²/m² on top", lambda Y: steady_response(TRUTH, _motion(Y), {"c_2": 60.0})
+    ),
     "k_3": Fault("the spring has k_3 = 8·10⁶ N/m³", _with(lambda Y: Further(k_3=8e6))),
     "gradual": Fault("twelve contacts yield one after the other", _gradual, noise=2e-4),
     "unsettled": Fault("the record begins when the shaker is switched on", _from_rest, span=CYCLES),

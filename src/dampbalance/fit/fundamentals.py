@@ -40,7 +40,6 @@ from ..signals.lines import Lines
 from ..signals.thresholds import P_CAUSE
 from ..solver import NORMAL_95
 from .climb import climb
-from .nuisances import NUISANCES
 from .oscillator_fit import OscillatorFit
 from .starts import starts
 from .waveforms import NO_MOTION, OSCILLATOR, HarmonicProblem
@@ -287,7 +286,7 @@ def _fundamental(problem: HarmonicProblem, point: Array, i: int) -> complex:
     Raises NO_MOTION.
     """
     bare = point.copy()
-    bare[[problem.names.index(name) for name in NUISANCES]] = 0.0
+    bare[[problem.names.index(name) for name in problem.nuisances]] = 0.0
     response = problem.response(bare, i)
     added = added_by_base(problem.lines[i].base, response, 1)
     return complex(response.harmonics(1)[0] + added[0])

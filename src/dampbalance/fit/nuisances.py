@@ -5,11 +5,12 @@
     corner             Hz         the response is AC-coupled: a high-pass of first order, iω/(iω + 2πf_c)
     friction_level     1          the friction force is F_k(1 + p ln(Y/Ȳ)), Ȳ the geometric mean of the levels
     friction_speed     1          it is larger at rest, F_k(1 + p e^{−|ẋ|/v}), v a tenth of the largest speed
+    c_2                N s²/m²    damping that grows with the speed, c_2|ẋ|ẋ
     k_3                N/m³       a spring that is not linear, k_3 x³
     gradual            1          the contact yields gradually: 1 for that of Iwan, see `rounding`
     folded             1          the part of the harmonics beyond half the sampling rate that no filter took off
 
-All act exactly. The three before the last, `FORCES`, need a motion with one onset of slip per half cycle, or none.
+All act exactly. The four before the last, `FORCES`, need a motion with one onset of slip per half cycle, or none.
 """
 
 from __future__ import annotations
@@ -36,6 +37,7 @@ NUISANCES: Mapping[str, tuple[float, float]] = {
     "corner": (0.0, 1.0),
     "friction_level": (-1.0, 1.0),
     "friction_speed": (0.0, 2.0),  # at rest it is larger, three times at most
+    "c_2": (-math.inf, math.inf),
     "k_3": (-math.inf, math.inf),
     # beyond one, the force falls before the contact slips; at one, slopes are singular
     "gradual": (0.0, 0.98),
@@ -43,17 +45,18 @@ NUISANCES: Mapping[str, tuple[float, float]] = {
 }
 """The least and the greatest value of each nuisance that a rig may have, in `units_of` a motion."""
 
-FORCES = ("friction_speed", "k_3", "gradual")
+FORCES = ("friction_speed", "c_2", "k_3", "gradual")
 """Nuisances that are forces which the oscillator lacks."""
 
 
-def units_of(k: float, omega: float, X: float) -> dict[str, float]:
+def units_of(k: float, m: float, omega: float, X: float) -> dict[str, float]:
     """Return the size of each nuisance that changes a motion by about as much as itself.
 
-    k : N/m.   omega, X : of the fastest record, rad/s, and of the largest motion, m.
+    k, m : of the oscillator, N/m and kg.   omega, X : of the fastest record, rad/s, and of the largest motion, m.
     """
     units = dict.fromkeys(NUISANCES, 1.0)
-    return units | {"delay": 1.0 / omega, "corner": omega / (2.0 * math.pi), "k_3": k / X**2}
+    units |= {"delay": 1.0 / omega, "corner": omega / (2.0 * math.pi)}
+    return units | {"c_2": math.sqrt(k * m) / (omega * X), "k_3": k / X**2}
 
 
 def read_by_channels(

@@ -96,9 +96,14 @@ class HarmonicProblem:
     near: dict[int, Response] = field(default_factory=dict)
 
     @cached_property
+    def nuisances(self) -> tuple[str, ...]:
+        """Names of the nuisances that the law does not have."""
+        return tuple(name for name in NUISANCES if name not in self.law.terms)
+
+    @cached_property
     def names(self) -> tuple[str, ...]:
         """Names of the common unknowns: the keys of the coefficients, rho, m and the nuisances."""
-        return (*self.law.keys, *OSCILLATOR, *NUISANCES)
+        return (*self.law.keys, *OSCILLATOR, *self.nuisances)
 
     @property
     def size(self) -> int:
@@ -128,7 +133,7 @@ class HarmonicProblem:
     @cached_property
     def at(self) -> list[dict[str, int]]:
         """Places of the unknowns of each record: those of its law by symbol, rho, m, the nuisances, Y and psi."""
-        others = {name: self.names.index(name) for name in (*OSCILLATOR, *NUISANCES)}
+        others = {name: self.names.index(name) for name in (*OSCILLATOR, *self.nuisances)}
         places = []
         for i in range(len(self.lines)):
             common = {s: self.names.index(self.law.key(s, i)) for s in self.law.terms}
@@ -165,6 +170,8 @@ class HarmonicProblem:
         law: dict[str, float] = {s: value[s] for s in self.law.terms if s not in (FRICTION, "c")}
         F_k = value[FRICTION] * (1.0 + value["friction_level"] * float(self._levels[record]))
         oscillator = Oscillator(value["m"], value.get("c", 0.0), self.k, value["rho"] ** -2, F_k)
+        if value["c_2"]:
+            law["c_2"] = value["c_2"]
         falling = value["friction_speed"], FALLING * self._fastest
         further = Further(value["k_3"], value["gradual"], *(falling if falling[0] else ()))
         return steady_response(
@@ -206,7 +213,7 @@ class HarmonicProblem:
     def _read(self, point: Array, record: int, n: Integers, x: Complexes) -> Complexes:
         """Return harmonics x_n, m, of a motion as a record reads them."""
         at = self.at[record]
-        value = {name: float(point[at[name]]) for name in NUISANCES}
+        value = {name: float(point[at[name]]) for name in self.nuisances}
         if any(value.values()):
             x = read_by_channels(x, float(point[at["Y"]]), n, self.lines[record], value)
         return np.asarray(x * np.exp(1j * n * point[at["psi"]]))
@@ -225,7 +232,7 @@ class HarmonicProblem:
                 continue
             beside = point.copy()
             # of a force that the law does not have, several slips leave unknown what it does
-            untested = name in FORCES and not point[j]
+            untested = name in FORCES and name in self.nuisances and not point[j]
             beside[j] += _STEP_OF_FORCES * steps[j] if untested else steps[j]
             try:
                 there = read(beside, self.response(beside, record, response))
@@ -262,7 +269,7 @@ class HarmonicProblem:
         m = float(point[self.names.index("m")])
         fastest = max(self.lines, key=lambda one: one.omega)
         X = max(float(abs(one.x[0])) for one in self.lines)
-        nuisances, units = units_of(self.k, fastest.omega, X), np.ones(self.size)
+        nuisances, units = units_of(self.k, m, fastest.omega, X), np.ones(self.size)
         for at, one in zip(self.at, self.lines, strict=True):
             small = 1e-3 * math.sqrt(self.k * m)
             for symbol in self.law.terms[1:]:
@@ -270,7 +277,7 @@ class HarmonicProblem:
             for name in (FRICTION, "m"):
                 units[at[name]] = point[at[name]]
             units[at["rho"]] = 1e-3 * point[at["rho"]]
-            for name in NUISANCES:
+            for name in self.nuisances:
                 units[at[name]] = nuisances[name]
             units[at["Y"]] = one.Y
         return units
@@ -285,7 +292,7 @@ class HarmonicProblem:
             lower[at["rho"]] = 1.0 / math.sqrt(STIFFEST * self.k)
             lower[at["psi"]] = -math.inf
             lower[at["Y"]] = 1e-3 * one.Y
-            for name in NUISANCES:
+            for name in self.nuisances:
                 lower[at[name]], upper[at[name]] = units[at[name]] * np.array(NUISANCES[name])
         return ClimbBounds(self.free.copy(), lower, upper, units)
 
@@ -521,11 +528,13 @@ class WaveformFit(OscillatorFit):
     def departures(self) -> dict[str, Departure]:
         """Test what each nuisance that is not fitted would explain, by name, to first order; those that the data do not
         show left out."""
-        freed = (*self.problem.freed, *NUISANCES)
+        freed = (*self.problem.freed, *self.problem.nuisances)
         whole = replace(self.problem, freed=freed).evaluate(self.point)
         if whole is None:  # the motion rattles, or nothing slips
             return {}
-        others = [name for name in NUISANCES if name not in (*self.problem.freed, FOLDED)]
+        others = [
+            name for name in self.problem.nuisances if name not in (*self.problem.freed, FOLDED)
+        ]
         added = {name: whole[:, self.names.index(name)] for name in others}
         free = self.problem.free
         names = [name for name, fitted in zip(self.names, free, strict=False) if fitted]

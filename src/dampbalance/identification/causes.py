@@ -109,6 +109,9 @@ CAUSES: Mapping[str, Cause] = {
         100.0,
         "the model has none",
     ),
+    "c_2": Cause(
+        "damping that grows with the speed, by c_2 = {} N s²/m²", 1.0, "compare the laws (--laws)"
+    ),
     "k_3": Cause(
         "a spring that is not linear, with k_3 = {} N/m³", 1.0, "the model has none", in_rows=False
     ),

@@ -19,7 +19,6 @@ from ..balance import APPROACHES, Rows
 from ..features import Features, stack
 from ..fit.fundamentals import FundamentalFit, fit_fundamentals
 from ..fit.goodness import LinearFit, improbable, linear_fit
-from ..fit.nuisances import NUISANCES
 from ..fit.oscillator_fit import OscillatorFit
 from ..fit.steady_search import fit_from, fit_records, of_all_stiffnesses, refit
 from ..fit.waveforms import OSCILLATOR, WaveformFit
@@ -270,8 +269,8 @@ def _searched(
         alone = None
     ends = [fit]
     if alone is not None:
-        point = alone.point.copy()
-        point[[alone.names.index(name) for name in NUISANCES]] = 0.0
+        point, nuisances = alone.point.copy(), alone.problem.nuisances
+        point[[alone.names.index(name) for name in nuisances]] = 0.0
         ends.append(fit_from(replace(alone.problem, freed=OSCILLATOR), point))
     fits = [one for one in ends if one is not None and moves(one)]
     fit = min(fits, key=lambda one: one.chi_square, default=None)
