@@ -42,7 +42,7 @@ rule page:
     params:
         papers=lambda wildcards: [*map(study_defaults, PAGE_STUDIES)],
         config=config,
-        study_folder=STUDY_RESULTS,
+        study_folder=lambda wildcards: STUDY_RESULTS,
         figures=list(PAGE_FIGURES),
         folder=lambda wildcards: RESULTS,
         page=lambda wildcards: f"{RESULTS}/report.html",
