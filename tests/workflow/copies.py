@@ -18,6 +18,7 @@ get_subpath = _CacheLocator.get_suitable_cache_subpath
 
 SMALL = ("--configfile", "small.yaml")
 EXAMPLE = ("--configfile", "config/measured.yaml")
+PROFILE = ("--workflow-profile", "workflow/profiles/default")  # as `make` starts it
 
 
 @dataclass(frozen=True)
